@@ -1,0 +1,142 @@
+!> What a procedure has to say about its input: errors, warnings and notes, each with its place in the text.
+!>
+!> Nothing below `app/` prints or stops. Findings are collected in a `diagnostics_t`, carried to the caller and printed
+!> once by the program, which derives its exit status from them.
+module psalm_status
+   implicit none (type, external)
+   private
+   public :: finding_t, diagnostics_t
+   public :: level_error, level_warning
+   public :: exit_done, exit_violation, exit_bad_input, exit_file_trouble
+
+   integer, parameter :: level_warning = 1 !! worth a look; the run goes on
+   integer, parameter :: level_error = 2   !! the run cannot start
+
+   integer, parameter :: exit_done = 0          !! done
+   integer, parameter :: exit_violation = 1     !! done, but constraints are violated or the search stopped early
+   integer, parameter :: exit_bad_input = 2     !! the input is wrong
+   integer, parameter :: exit_file_trouble = 3  !! a file could not be read or written
+
+   !> One finding and its place.
+   type :: finding_t
+      integer :: level = level_error           !! `level_error` or `level_warning`
+      integer :: code = exit_bad_input         !! exit status that an error of this kind leads to
+      character(:), allocatable :: text        !! what is wrong and how to mend it
+      character(:), allocatable :: file        !! name of the file, empty if none
+      character(:), allocatable :: group       !! namelist group, empty if none
+      character(:), allocatable :: item        !! namelist item, empty if none
+      integer :: line = 0                      !! line of the file, 0 if none
+   contains
+      procedure :: render => render_finding
+   end type finding_t
+
+   !> A growing list of findings.
+   type :: diagnostics_t
+      type(finding_t), allocatable :: list(:)  !! room for findings; the first `count` are valid
+      integer :: count = 0                     !! findings so far
+      character(:), allocatable :: file        !! file the following findings belong to
+   contains
+      procedure :: error => add_error
+      procedure :: warning => add_warning
+      procedure :: trouble => add_trouble
+      procedure :: failed
+      procedure :: exit_code
+   end type diagnostics_t
+
+contains
+
+   !> Add an error in the input. `line`, `group` and `item` say where; each may be left out.
+   pure subroutine add_error(self, text, line, group, item)
+      class(diagnostics_t), intent(inout) :: self
+      character(*), intent(in) :: text
+      integer, intent(in), optional :: line
+      character(*), intent(in), optional :: group, item
+
+      call append(self, level_error, exit_bad_input, text, line, group, item)
+   end subroutine add_error
+
+   !> Add a warning.
+   pure subroutine add_warning(self, text, line, group, item)
+      class(diagnostics_t), intent(inout) :: self
+      character(*), intent(in) :: text
+      integer, intent(in), optional :: line
+      character(*), intent(in), optional :: group, item
+
+      call append(self, level_warning, exit_done, text, line, group, item)
+   end subroutine add_warning
+
+   !> Add an error of the file system (not to be read, not to be written).
+   pure subroutine add_trouble(self, text)
+      class(diagnostics_t), intent(inout) :: self
+      character(*), intent(in) :: text
+
+      call append(self, level_error, exit_file_trouble, text)
+   end subroutine add_trouble
+
+   !> True if any finding is an error.
+   pure logical function failed(self)
+      class(diagnostics_t), intent(in) :: self
+
+      failed = self%exit_code() /= exit_done
+   end function failed
+
+   !> Exit status the findings lead to: the highest of their codes.
+   pure integer function exit_code(self)
+      class(diagnostics_t), intent(in) :: self
+      integer :: i
+
+      exit_code = exit_done
+      do i = 1, self%count
+         if (self%list(i)%level == level_error) exit_code = max(exit_code, self%list(i)%code)
+      end do
+   end function exit_code
+
+   !> The finding as one line: `file:line: error: &GROUP ITEM: text`.
+   pure function render_finding(self) result(text)
+      class(finding_t), intent(in) :: self
+      character(:), allocatable :: text
+      character(12) :: number
+
+      text = ''
+      if (len(self%file) > 0) text = self%file//':'
+      if (self%line > 0) then
+         write (number, '(i0)') self%line
+         text = text//trim(number)//':'
+      end if
+      if (len(text) > 0) text = text//' '
+      text = text//trim(merge('error:  ', 'warning:', self%level == level_error))//' '
+      if (len(self%group) > 0) text = text//'&'//self%group//' '
+      if (len(self%item) > 0) text = text//self%item
+      if (len(self%group) + len(self%item) > 0) text = trim(text)//': '
+      text = text//self%text
+   end function render_finding
+
+   pure subroutine append(self, level, code, text, line, group, item)
+      class(diagnostics_t), intent(inout) :: self
+      integer, intent(in) :: level, code
+      character(*), intent(in) :: text
+      integer, intent(in), optional :: line
+      character(*), intent(in), optional :: group, item
+      type(finding_t), allocatable :: larger(:)
+
+      if (.not. allocated(self%list)) allocate (self%list(8))
+      if (self%count == size(self%list)) then
+         allocate (larger(2*size(self%list)))
+         larger(:self%count) = self%list
+         call move_alloc(larger, self%list)
+      end if
+      self%count = self%count + 1
+      associate (new => self%list(self%count))
+         new%level = level
+         new%code = code
+         new%text = text
+         new%file = ''
+         if (allocated(self%file)) new%file = self%file
+         new%group = ''
+         if (present(group)) new%group = group
+         new%item = ''
+         if (present(item)) new%item = item
+         if (present(line)) new%line = line
+      end associate
+   end subroutine append
+end module psalm_status

@@ -1,0 +1,213 @@
+!> Text: a growing buffer of lines, number formatting in the manner of the thesis's listings, letter case.
+!>
+!> All numbers that reach a listing or a device go through this module, so that columns stay the same in every kind.
+module psalm_text
+   use psalm_kinds, only: wp, dp
+   implicit none (type, external)
+   private
+   public :: text_t, upper_case, lower_case, to_text, fixed, general, full_precision, edit_distance, nearest_name
+
+   !> A text that grows by lines. Lines end with a line feed.
+   type :: text_t
+      character(:), allocatable :: buffer  !! the characters; the first `length` are valid
+      integer :: length = 0                !! characters so far
+   contains
+      procedure :: add => add_line
+      procedure :: add_text
+      procedure :: content
+   end type text_t
+
+   interface to_text
+      module procedure integer_to_text
+   end interface to_text
+
+contains
+
+   !> Append a line (trailing blanks are dropped).
+   pure subroutine add_line(self, line)
+      class(text_t), intent(inout) :: self
+      character(*), intent(in), optional :: line !! absent: an empty line
+
+      if (present(line)) call put(self, line(:len_trim(line)))
+      call put(self, new_line('a'))
+   end subroutine add_line
+
+   !> Append text that already consists of complete lines.
+   pure subroutine add_text(self, text)
+      class(text_t), intent(inout) :: self
+      character(*), intent(in) :: text
+
+      call put(self, text)
+   end subroutine add_text
+
+   !> The whole text.
+   pure function content(self) result(text)
+      class(text_t), intent(in) :: self
+      character(:), allocatable :: text
+
+      if (self%length == 0) then
+         text = ''
+      else
+         text = self%buffer(:self%length)
+      end if
+   end function content
+
+   pure subroutine put(self, text)
+      class(text_t), intent(inout) :: self
+      character(*), intent(in) :: text
+      character(:), allocatable :: larger
+      integer :: needed
+
+      needed = self%length + len(text)
+      if (.not. allocated(self%buffer)) allocate (character(max(1024, needed)) :: self%buffer)
+      if (needed > len(self%buffer)) then
+         allocate (character(max(2*len(self%buffer), needed)) :: larger)
+         larger(:self%length) = self%buffer(:self%length)
+         call move_alloc(larger, self%buffer)
+      end if
+      self%buffer(self%length + 1:needed) = text
+      self%length = needed
+   end subroutine put
+
+   !> The text in capitals (letters A to Z only).
+   pure function upper_case(text) result(capitals)
+      character(*), intent(in) :: text
+      character(len(text)) :: capitals
+      integer :: i
+
+      capitals = text
+      do i = 1, len(text)
+         if (text(i:i) >= 'a' .and. text(i:i) <= 'z') capitals(i:i) = achar(iachar(text(i:i)) - 32)
+      end do
+   end function upper_case
+
+   !> The text in small letters (letters A to Z only).
+   pure function lower_case(text) result(small)
+      character(*), intent(in) :: text
+      character(len(text)) :: small
+      integer :: i
+
+      small = text
+      do i = 1, len(text)
+         if (text(i:i) >= 'A' .and. text(i:i) <= 'Z') small(i:i) = achar(iachar(text(i:i)) + 32)
+      end do
+   end function lower_case
+
+   !> An integer without blanks.
+   pure function integer_to_text(value) result(text)
+      integer, intent(in) :: value
+      character(:), allocatable :: text
+      character(12) :: buffer
+
+      write (buffer, '(i0)') value
+      text = trim(buffer)
+   end function integer_to_text
+
+   !> Fixed-point number, right-justified: `decimals` digits after the point, an exact zero as 0.0.
+   !>
+   !> Zero and ties follow the thesis's listings (figures 7.2 and 7.3): a decimal tie such as 352.7155 goes towards zero,
+   !> but away from it where the number is an angle that has been through radians (20.4425 prints as 20.442 in the input
+   !> and as 20.443 in the results). A number too wide for the field is printed in exponent form, not as asterisks.
+   pure function fixed(value, width, decimals, tie_away) result(text)
+      real(wp), intent(in) :: value
+      integer, intent(in) :: width     !! characters, at least 10
+      integer, intent(in) :: decimals  !! digits after the point
+      logical, intent(in), optional :: tie_away !! ties away from zero; default false
+      character(width) :: text
+      character(16) :: layout
+      real(dp) :: nudged
+      real(dp), parameter :: tie_width = 1.0e-13_dp !! relative width of what counts as a tie
+
+      if (value == 0.0_wp) then
+         text = repeat(' ', width - 3)//'0.0'
+         return
+      end if
+      nudged = in_range(value)*(1.0_dp - tie_width)
+      if (present(tie_away)) then
+         if (tie_away) nudged = in_range(value*(1.0_wp + real(tie_width, wp)))
+      end if
+      write (layout, '("(f",i0,".",i0,")")') width, decimals
+      write (text, layout) nudged
+      if (text(1:1) == '*') then
+         write (layout, '("(es",i0,".",i0,"e3)")') width, width - 9
+         write (text, layout) in_range(value)
+      end if
+   end function fixed
+
+   !> G15.7 with the exponent letter D, an exact zero as 0.0: the thesis's format for motion and error.
+   pure function general(value) result(text)
+      real(wp), intent(in) :: value
+      character(15) :: text
+      integer :: e
+
+      if (value == 0.0_wp) then
+         text = '            0.0'
+         return
+      end if
+      write (text, '(g15.7)') in_range(value)
+      e = index(text, 'E')
+      if (e > 0) then
+         text(e:e) = 'D'
+      else
+         ! G editing leaves four blanks for the exponent: keep numbers right-justified in the field
+         text = adjustr(text)
+      end if
+   end function general
+
+   !> The number with as many digits as are needed to read the same bits back (17 for real64).
+   pure function full_precision(value) result(text)
+      real(wp), intent(in) :: value
+      character(:), allocatable :: text
+      character(16) :: layout
+      character(60) :: buffer
+      integer, parameter :: digits_after_point = precision(1.0_wp) + 1
+
+      write (layout, '("(es",i0,".",i0,"e4)")') digits_after_point + 10, digits_after_point
+      write (buffer, layout) value
+      text = trim(adjustl(buffer))
+      if (text(len(text) - 3:len(text) - 3) == '0') text = text(:len(text) - 4)//text(len(text) - 2:)
+   end function full_precision
+
+   !> Levenshtein distance of two names: letters to change, insert or delete.
+   pure integer function edit_distance(a, b)
+      character(*), intent(in) :: a, b
+      integer :: previous(0:len(b)), current(0:len(b))
+      integer :: i, j
+
+      previous = [(j, j=0, len(b))]
+      do i = 1, len(a)
+         current(0) = i
+         do j = 1, len(b)
+            current(j) = min(previous(j) + 1, current(j - 1) + 1, &
+                             previous(j - 1) + merge(0, 1, a(i:i) == b(j:j)))
+         end do
+         previous = current
+      end do
+      edit_distance = previous(len(b))
+   end function edit_distance
+
+   !> The name in a list that is nearest to a misspelt one; empty if none is near (more than half its letters differ).
+   pure function nearest_name(name, names) result(best)
+      character(*), intent(in) :: name
+      character(*), intent(in) :: names(:)
+      character(:), allocatable :: best
+      integer :: i, distance, smallest
+
+      best = ''
+      smallest = max(1, len_trim(name)/2) + 1
+      do i = 1, size(names)
+         distance = edit_distance(trim(name), trim(names(i)))
+         if (distance < smallest) then
+            smallest = distance
+            best = trim(names(i))
+         end if
+      end do
+   end function nearest_name
+
+   !> The number in real64, kept inside its range, for the columns of the thesis.
+   pure real(dp) function in_range(value)
+      real(wp), intent(in) :: value
+
+      in_range = real(sign(min(abs(value), real(huge(1.0_dp), wp)), value), dp)
+   end function in_range
+end module psalm_text

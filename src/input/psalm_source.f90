@@ -1,0 +1,116 @@
+!> A text file, or standard input, as lines in memory.
+!>
+!> Carriage returns before line ends and a byte order mark are dropped; a last line without line end is a line like any
+!> other. Knows nothing of what the lines mean.
+module psalm_source
+   use, intrinsic :: iso_fortran_env, only: input_unit
+   use psalm_status, only: diagnostics_t
+   implicit none (type, external)
+   private
+   public :: line_t, read_lines
+
+   !> One line, without its end.
+   type :: line_t
+      character(:), allocatable :: text
+   end type line_t
+
+   integer, parameter :: chunk = 4096 !! characters read at a time
+
+contains
+
+   !> Read all lines of a file.
+   !>
+   !> Errors: a file that is missing, a directory or not readable is reported in `findings` (exit status 3).
+   subroutine read_lines(file, lines, findings)
+      character(*), intent(in) :: file                      !! name; `-` is standard input
+      type(line_t), allocatable, intent(out) :: lines(:)    !! the lines
+      type(diagnostics_t), intent(inout) :: findings
+      integer :: unit, status
+      character(256) :: message
+
+      allocate (lines(0))
+      if (file == '-') then
+         unit = input_unit
+      else
+         message = ''
+         open (newunit=unit, file=file, action='read', status='old', form='formatted', iostat=status, iomsg=message)
+         if (status /= 0) then
+            call findings%trouble("cannot open '"//file//"': "//plain(message))
+            return
+         end if
+      end if
+      call read_unit(unit, lines, status, message)
+      if (status /= 0) call findings%trouble("cannot read '"//file//"': "//plain(message))
+      if (file /= '-') close (unit)
+   end subroutine read_lines
+
+   subroutine read_unit(unit, lines, status, message)
+      integer, intent(in) :: unit
+      type(line_t), allocatable, intent(inout) :: lines(:)
+      integer, intent(out) :: status
+      character(*), intent(out) :: message
+      character(chunk) :: buffer
+      character(:), allocatable :: line
+      integer :: got, count
+
+      count = 0
+      deallocate (lines)
+      allocate (lines(64))
+      message = ''
+      each_line: do
+         line = ''
+         do
+            got = 0
+            read (unit, '(a)', advance='no', iostat=status, iomsg=message, size=got) buffer
+            line = line//buffer(:got)
+            if (status /= 0) exit
+         end do
+         if (is_iostat_end(status)) then
+            if (len(line) > 0) call append(line)
+            exit each_line
+         else if (.not. is_iostat_eor(status)) then
+            lines = lines(:count)
+            return
+         end if
+         call append(line)
+      end do each_line
+      lines = lines(:count)
+      status = 0
+
+   contains
+
+      subroutine append(text)
+         character(*), intent(in) :: text
+         type(line_t), allocatable :: larger(:)
+         integer :: first, last
+         character(3), parameter :: byte_order_mark = achar(239)//achar(187)//achar(191)
+
+         if (count == size(lines)) then
+            allocate (larger(2*count))
+            larger(:count) = lines
+            call move_alloc(larger, lines)
+         end if
+         first = 1
+         last = len(text)
+         if (count == 0 .and. last >= 3) then
+            if (text(1:3) == byte_order_mark) first = 4
+         end if
+         if (last > 0) then
+            if (text(last:last) == achar(13)) last = last - 1
+         end if
+         count = count + 1
+         lines(count)%text = text(first:last)
+      end subroutine append
+   end subroutine read_unit
+
+   !> The run-time library's message without the file name it repeats.
+   pure function plain(message) result(text)
+      character(*), intent(in) :: message
+      character(:), allocatable :: text
+      integer :: at
+
+      at = index(message, "': ", back=.true.)
+      text = trim(message(merge(at + 3, 1, at > 0):))
+      if (len(text) == 0) text = 'the system gives no reason'
+   end function plain
+end module psalm_source
