@@ -1,0 +1,374 @@
+!> The solution plan: what must be computed, in order, for the output a linkage is wanted for.
+!>
+!> Every arc has a direction: that of a *root* turned by a fixed angle. Roots are the frame's x axis, the crank and, per
+!> dyad, the links whose direction the dyad finds. Every joint is a *point*: an earlier point plus or minus an arc. Equal
+!> points are made once, though many loops run through them. Loops the output does not depend on are not in the plan
+!> (unless everything is asked for).
+module psalm_plan
+   use psalm_data_set, only: motion_point, motion_angle, motion_distance, motion_slide
+   use psalm_kinds, only: wp
+   use psalm_setup, only: topology_t, arc_determined, arc_slide, arc_crank, arc_actuator
+   implicit none (type, external)
+   private
+   public :: plan_t, step_t, make_plan
+   public :: step_point, step_dyad, root_frame, root_crank, origin
+
+   integer, parameter :: step_point = 1  !! point = point +- arc
+   integer, parameter :: step_dyad = 2   !! solve a loop
+
+   integer, parameter :: root_frame = 1  !! root: the machine's x axis
+   integer, parameter :: root_crank = 2  !! root: the input link
+   integer, parameter :: origin = 0      !! point: the input pivot
+
+   !> One step of the plan.
+   type :: step_t
+      integer :: kind = 0
+      integer :: loop = 0       !! dyad: the loop
+      integer :: from = 0       !! point step: point to start from; dyad: point S
+      integer :: to = 0         !! point step: point made; dyad: point E
+      integer :: arc = 0        !! point step: sequential number of the arc
+      integer :: sense = 1      !! point step: +1 along the arc, -1 against it
+      logical :: fixed = .false. !! point step: the point belongs to the frame
+   end type step_t
+
+   type :: plan_t
+      integer :: nroots = 2                    !! roots, frame and crank included
+      integer :: npoints = 0                   !! points, the origin not counted
+      integer :: nlengths = 0                  !! varying lengths
+      integer, allocatable :: root(:)          !! by sequential number: root of the arc's direction
+      integer, allocatable :: base(:)          !! by sequential number: arc its angle is counted from, 0: from the root
+      integer, allocatable :: quarter(:)       !! by sequential number: right angles to add to it
+      logical, allocatable :: takes_gama(:)    !! by sequential number: GAMA is to be added to it
+      integer, allocatable :: order(:)         !! arcs in an order in which `base` comes first
+      integer, allocatable :: length_slot(:)   !! by sequential number: varying length, 0: ARCL
+      integer, allocatable :: root_loop(:)     !! by root: the loop that finds it, 0: none
+      logical, allocatable :: solved(:)        !! by loop: it is in the plan
+      type(step_t), allocatable :: steps(:)
+      integer, allocatable :: dyad_root(:, :)  !! shape (2, nloop): roots found by the dyad, 0: none
+      integer, allocatable :: dyad_sign(:)     !! by loop: sign of the closure entry
+      integer :: output_point = origin         !! point the output arc starts from
+   end type plan_t
+
+contains
+
+   !> Compile the plan for one kind of output.
+   function make_plan(topology, motion, everything) result(plan)
+      type(topology_t), intent(in) :: topology
+      integer, intent(in) :: motion        !! MOTION
+      logical, intent(in) :: everything    !! solve every loop, wanted or not
+      type(plan_t) :: plan
+      integer :: loop, a
+
+      call assign_roots(topology, plan)
+      allocate (plan%solved(topology%nloop), source=everything)
+      call mark_output(topology, motion, plan)
+      do loop = topology%nloop, 1, -1
+         if (.not. plan%solved(loop)) cycle
+         do a = 1, topology%loopl(loop)
+            call mark_arc(topology, topology%seq(loop, a), loop, plan)
+         end do
+      end do
+      allocate (plan%steps(0))
+      do loop = 1, topology%nloop
+         if (plan%solved(loop)) call add_loop(topology, loop, plan)
+      end do
+      if (motion == motion_point .or. motion == motion_distance) call add_output(topology, plan)
+   end function make_plan
+
+   ! ---- directions --------------------------------------------------------------------------------------------------
+
+   !> Root and angle rule of every arc.
+   subroutine assign_roots(topology, plan)
+      type(topology_t), intent(in) :: topology
+      type(plan_t), intent(inout) :: plan
+      integer :: loop, a, n, count, p, q, last
+
+      n = size(topology%arcs)
+      allocate (plan%root(n), plan%base(n), plan%quarter(n), plan%length_slot(n), source=0)
+      allocate (plan%takes_gama(n), source=.false.)
+      allocate (plan%order(n), source=0)
+      allocate (plan%root_loop(2 + 2*topology%nloop), source=0)
+      allocate (plan%dyad_root(2, topology%nloop), source=0)
+      allocate (plan%dyad_sign(topology%nloop), source=1)
+      count = 0
+      do loop = 1, topology%nloop
+         ! the frame arc that ends the loop first: guides of the same loop may hang on it
+         last = topology%seq(loop, topology%loopl(loop))
+         call place_arc(last)
+         do a = 1, topology%loopl(loop) - 1
+            n = topology%seq(loop, a)
+            if (topology%arcs(n)%dyad == 0) call place_arc(n)
+         end do
+         p = topology%seq(loop, topology%larcx(1, loop))
+         q = topology%seq(loop, topology%larcx(2, loop))
+         select case (topology%joint(loop))
+         case (1)
+            call found_by_dyad(1, p)
+            call found_by_dyad(2, q)
+            plan%dyad_sign(loop) = topology%arcs(p)%sign
+         case (2)
+            call found_by_dyad(1, p)
+            call turned(q, p, -topology%arcs(p)%turn)
+         case (3)
+            call found_by_dyad(1, p)
+            call turned(q, p, topology%arcs(q)%turn)
+         case (4)
+            call found_by_dyad(1, p)
+            call turned(q, topology%arcs(q)%reference, topology%arcs(q)%turn)
+            plan%dyad_sign(loop) = topology%arcs(p)%sign
+         case (5)
+            call turned(p, topology%arcs(p)%reference, topology%arcs(p)%turn)
+            call found_by_dyad(2, q)
+            plan%dyad_sign(loop) = topology%arcs(q)%sign
+         case (6)
+            call turned(q, topology%arcs(q)%reference, topology%arcs(q)%turn)
+            call turned(p, q, topology%arcs(p)%turn)
+         case (7)
+            call turned(p, topology%arcs(p)%reference, topology%arcs(p)%turn)
+            call turned(q, p, topology%arcs(q)%turn)
+         case (8)
+            call turned(p, topology%arcs(p)%reference, topology%arcs(p)%turn)
+            call turned(q, topology%arcs(q)%reference, topology%arcs(q)%turn)
+         end select
+         do a = 1, topology%loopl(loop)
+            n = topology%seq(loop, a)
+            select case (topology%arcs(n)%kind)
+            case (arc_slide, arc_actuator)
+               plan%nlengths = plan%nlengths + 1
+               plan%length_slot(n) = plan%nlengths
+            case (arc_determined)
+               plan%length_slot(n) = plan%length_slot(topology%arcs(n)%representative)
+            end select
+         end do
+      end do
+      plan%order = plan%order(:count)
+
+   contains
+
+      !> A determined arc or the input.
+      subroutine place_arc(n)
+         integer, intent(in) :: n
+
+         associate (arc => topology%arcs(n))
+            select case (arc%kind)
+            case (arc_crank)
+               plan%root(n) = root_crank
+            case (arc_actuator)
+               call turned(n, arc%reference, arc%turn)
+               return
+            case default
+               if (arc%reference == 0) then
+                  plan%root(n) = root_frame
+               else
+                  plan%root(n) = plan%root(arc%reference)
+                  plan%base(n) = arc%reference
+               end if
+               plan%takes_gama(n) = .not. arc%same
+            end select
+         end associate
+         count = count + 1
+         plan%order(count) = n
+      end subroutine place_arc
+
+      subroutine turned(n, reference, quarters)
+         integer, intent(in) :: n, reference, quarters
+
+         plan%root(n) = plan%root(reference)
+         plan%base(n) = reference
+         plan%quarter(n) = quarters
+         count = count + 1
+         plan%order(count) = n
+      end subroutine turned
+
+      subroutine found_by_dyad(which, n)
+         integer, intent(in) :: which, n
+
+         plan%nroots = plan%nroots + 1
+         plan%root(n) = plan%nroots
+         plan%root_loop(plan%nroots) = loop
+         plan%dyad_root(which, loop) = plan%nroots
+         count = count + 1
+         plan%order(count) = n
+      end subroutine found_by_dyad
+   end subroutine assign_roots
+
+   ! ---- what is wanted ----------------------------------------------------------------------------------------------
+
+   !> Mark the loops that find an arc's direction and length, apart from the loop `within` itself.
+   pure subroutine mark_arc(topology, n, within, plan)
+      type(topology_t), intent(in) :: topology
+      integer, intent(in) :: n, within
+      type(plan_t), intent(inout) :: plan
+      integer :: loop
+
+      loop = plan%root_loop(plan%root(n))
+      if (loop > 0 .and. loop /= within) plan%solved(loop) = .true.
+      if (plan%length_slot(n) > 0) then
+         loop = (topology%arcs(n)%representative - 1)/topology%maxarc + 1
+         if (loop /= within .and. topology%arcs(topology%arcs(n)%representative)%kind == arc_slide) plan%solved(loop) = .true.
+      end if
+   end subroutine mark_arc
+
+   pure subroutine mark_output(topology, motion, plan)
+      type(topology_t), intent(in) :: topology
+      integer, intent(in) :: motion
+      type(plan_t), intent(inout) :: plan
+      integer :: loop, last, a
+      logical :: forwards
+
+      call mark_arc(topology, topology%output_arc, 0, plan)
+      if (motion == motion_angle .or. motion == motion_slide) return
+      call output_chain(topology, loop, last, forwards)
+      if (forwards) then
+         do a = 1, last
+            call mark_arc(topology, topology%seq(loop, a), 0, plan)
+         end do
+      else
+         do a = topology%loopl(loop), last + 1, -1
+            call mark_arc(topology, topology%seq(loop, a), 0, plan)
+         end do
+      end if
+   end subroutine mark_output
+
+   !> The joint the output arc starts from is the finish of arc `last`: reached forwards from the pivot up to p, else backwards.
+   pure subroutine output_chain(topology, loop, last, forwards)
+      type(topology_t), intent(in) :: topology
+      integer, intent(out) :: loop, last
+      logical, intent(out) :: forwards
+
+      loop = (topology%output_arc - 1)/topology%maxarc + 1
+      last = topology%output_arc - (loop - 1)*topology%maxarc
+      if (topology%output_from_start) last = last - 1
+      forwards = last <= topology%larcx(1, loop)
+   end subroutine output_chain
+
+   ! ---- steps -------------------------------------------------------------------------------------------------------
+
+   pure subroutine add_loop(topology, loop, plan)
+      type(topology_t), intent(in) :: topology
+      integer, intent(in) :: loop
+      type(plan_t), intent(inout) :: plan
+      integer :: a, start, finish
+      type(step_t) :: step
+
+      start = origin
+      do a = 1, topology%larcx(1, loop) - 1
+         call add_point(topology, start, topology%seq(loop, a), 1, plan, start)
+      end do
+      finish = origin
+      do a = topology%loopl(loop), topology%larcx(2, loop) + 1, -1
+         call add_point(topology, finish, topology%seq(loop, a), -1, plan, finish)
+      end do
+      step%kind = step_dyad
+      step%loop = loop
+      step%from = start
+      step%to = finish
+      plan%steps = [plan%steps, step]
+   end subroutine add_loop
+
+   pure subroutine add_output(topology, plan)
+      type(topology_t), intent(in) :: topology
+      type(plan_t), intent(inout) :: plan
+      integer :: loop, last, a, point
+      logical :: forwards
+
+      call output_chain(topology, loop, last, forwards)
+      point = origin
+      if (forwards) then
+         do a = 1, last
+            call add_point(topology, point, topology%seq(loop, a), 1, plan, point)
+         end do
+      else
+         do a = topology%loopl(loop), last + 1, -1
+            call add_point(topology, point, topology%seq(loop, a), -1, plan, point)
+         end do
+      end if
+      plan%output_point = point
+   end subroutine add_output
+
+   !> The point at the other end of an arc; an equal point that is already made serves again.
+   pure subroutine add_point(topology, from, n, sense, plan, to)
+      type(topology_t), intent(in) :: topology
+      integer, value :: from               !! point to start from
+      integer, intent(in) :: n, sense      !! arc, +1 along it, -1 against it
+      type(plan_t), intent(inout) :: plan
+      integer, intent(inout) :: to         !! the point
+      integer :: i, arc, way
+      type(step_t) :: step
+
+      arc = topology%arcs(n)%representative
+      way = merge(-sense, sense, topology%arcs(n)%reversed)
+      do i = 1, size(plan%steps)
+         associate (old => plan%steps(i))
+            if (old%kind == step_point) then
+               if (old%arc /= arc) cycle
+               if (old%from == from .and. old%sense == way) then
+                  to = old%to
+                  return
+               else if (old%to == from .and. old%sense == -way) then
+                  to = old%from
+                  return
+               end if
+            end if
+         end associate
+      end do
+      call other_side(topology, from, arc, way, plan, to)
+      if (to >= 0) return
+      plan%npoints = plan%npoints + 1
+      step%kind = step_point
+      step%from = from
+      step%to = plan%npoints
+      step%arc = arc
+      step%sense = way
+      step%fixed = plan%root(arc) == root_frame .and. plan%length_slot(arc) == 0 .and. is_fixed(plan, from)
+      plan%steps = [plan%steps, step]
+      to = plan%npoints
+   end subroutine add_point
+
+   !> The joint of a solved dyad is reached from S along p or from E against q: the same point; -1 if not made yet.
+   pure subroutine other_side(topology, from, arc, way, plan, to)
+      type(topology_t), intent(in) :: topology
+      integer, intent(in) :: from, arc, way
+      type(plan_t), intent(in) :: plan
+      integer, intent(out) :: to
+      integer :: i, j, loop, p, q, partner
+
+      to = -1
+      if (topology%arcs(arc)%dyad == 0) return
+      loop = (arc - 1)/topology%maxarc + 1
+      p = topology%seq(loop, topology%larcx(1, loop))
+      q = topology%seq(loop, topology%larcx(2, loop))
+      do i = 1, size(plan%steps)
+         if (plan%steps(i)%kind /= step_dyad .or. plan%steps(i)%loop /= loop) cycle
+         associate (dyad => plan%steps(i))
+            if (arc == p .and. way == 1 .and. from == dyad%from) then
+               partner = q
+            else if (arc == q .and. way == -1 .and. from == dyad%to) then
+               partner = p
+            else
+               return
+            end if
+            do j = i + 1, size(plan%steps)
+               associate (made => plan%steps(j))
+                  if (made%kind /= step_point .or. made%arc /= partner) cycle
+                  if (partner == q .and. made%from == dyad%to .and. made%sense == -1) to = made%to
+                  if (partner == p .and. made%from == dyad%from .and. made%sense == 1) to = made%to
+                  if (to >= 0) return
+               end associate
+            end do
+            return
+         end associate
+      end do
+   end subroutine other_side
+
+   pure logical function is_fixed(plan, point)
+      type(plan_t), intent(in) :: plan
+      integer, intent(in) :: point
+      integer :: i
+
+      is_fixed = point == origin
+      do i = 1, size(plan%steps)
+         if (plan%steps(i)%kind == step_point .and. plan%steps(i)%to == point) is_fixed = plan%steps(i)%fixed
+      end do
+   end function is_fixed
+end module psalm_plan

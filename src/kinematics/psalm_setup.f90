@@ -1,0 +1,807 @@
+!> SETUP: the topology arrays become arcs, dyads and variables, and every mistake in them is found.
+!>
+!> What the thesis prints on device 8 (LOOPL, LARCX, LARCD, LARCF, IDENTA, variable numbers, JOINT) is here under its own
+!> names; everything else is held by arc. Arc numbers run from 1 in a loop; a sequential number is
+!> n = (loop-1)*MAXARC + arc. Source: Oldham (1977), chapter 4 and appendices B2 and C.
+module psalm_setup
+   use psalm_data_set, only: data_set_t, motion_slide
+   use psalm_kinds, only: wp, full_turn, half_turn
+   use psalm_status, only: diagnostics_t
+   use psalm_text, only: to_text
+   implicit none (type, external)
+   private
+   public :: arc_t, variable_t, topology_t, dimensions_t, set_up
+   public :: arc_absent, arc_determined, arc_link, arc_slide, arc_crank, arc_actuator
+   public :: variable_length, variable_outlk, variable_origlk, variable_gama, variable_outang, variable_origng, variable_crnki
+
+   integer, parameter :: arc_absent = 0      !! no such arc
+   integer, parameter :: arc_determined = 1  !! direction fixed to that of another arc, or to the frame
+   integer, parameter :: arc_link = 2        !! undetermined, of fixed length
+   integer, parameter :: arc_slide = 3       !! undetermined, sliding on its guide
+   integer, parameter :: arc_crank = 4       !! the input link, turning
+   integer, parameter :: arc_actuator = 5    !! the input link, sliding
+
+   integer, parameter :: variable_length = 1, variable_outlk = 2, variable_origlk = 3, variable_gama = 4
+   integer, parameter :: variable_outang = 5, variable_origng = 6, variable_crnki = 7
+
+   !> One arc of one loop.
+   type :: arc_t
+      integer :: kind = arc_absent
+      integer :: reference = 0        !! sequential number of the arc it hangs on, or of its guide; 0: none
+      logical :: same = .false.       !! same length and direction as its reference (positive ILINK)
+      logical :: frame = .false.      !! belongs to the frame
+      integer :: sign = 1             !! sign of ILINK
+      integer :: turn = 0             !! slides: +1 if 90 degrees anticlockwise from the guide's direction, else -1
+      integer :: representative = 0   !! sequential number of the first arc identical with it (itself if none)
+      logical :: reversed = .false.   !! traced against its representative
+      integer :: dyad = 0             !! undetermined arcs: 1 for p, 2 for q; determined arcs: 0
+   end type arc_t
+
+   !> One optimization variable and the parameter it stands for.
+   type :: variable_t
+      integer :: kind = 0  !! one of `variable_...`
+      integer :: loop = 0, arc = 0
+   end type variable_t
+
+   !> The linkage as SETUP understands it.
+   type :: topology_t
+      integer :: nloop = 0, maxarc = 0
+      type(arc_t), allocatable :: arcs(:)           !! by sequential number
+      integer, allocatable :: loopl(:)              !! arcs in each loop
+      integer, allocatable :: larcx(:, :)           !! shape (2, nloop): the undetermined arcs p and q
+      integer, allocatable :: larcd(:), larcf(:), identa(:) !! by sequential number, as on device 8
+      integer, allocatable :: joint(:)              !! dyad type of each loop, 1 to 8
+      logical :: sliding_input = .false.            !! prismatic actuator
+      type(variable_t), allocatable :: variables(:) !! shape (marble)
+      integer, allocatable :: length_variable(:), angle_variable(:) !! by sequential number, 0: fixed
+      integer :: output_arc = 0                     !! sequential number of the arc the output hangs on
+      logical :: output_from_start = .false.        !! output measured from the start of that arc (NOUTLK < 0)
+   contains
+      procedure :: seq
+      procedure :: first_values
+      procedure :: apply
+      procedure :: has_search => topology_has_variables
+   end type topology_t
+
+   !> The numbers that may vary: one linkage of the given topology. Angles in degrees.
+   type :: dimensions_t
+      real(wp), allocatable :: arcl(:), gama(:)  !! by sequential number
+      real(wp) :: outlk = 0.0_wp, outang = 0.0_wp
+      real(wp) :: origlk = 0.0_wp, origng = 0.0_wp
+      real(wp) :: crnki = 0.0_wp
+   end type dimensions_t
+
+contains
+
+   !> Sequential number of an arc.
+   pure integer function seq(self, loop, arc)
+      class(topology_t), intent(in) :: self
+      integer, intent(in) :: loop, arc
+
+      seq = (loop - 1)*self%maxarc + arc
+   end function seq
+
+   !> True if any dimension may vary.
+   pure logical function topology_has_variables(self)
+      class(topology_t), intent(in) :: self
+
+      topology_has_variables = size(self%variables) > 0
+   end function topology_has_variables
+
+   !> Understand a data set: topology, dimensions, variables.
+   !>
+   !> Errors: all fatal conditions of the topology, found before returning (in `findings`); warnings as well.
+   subroutine set_up(set, topology, dimensions, findings)
+      type(data_set_t), intent(in) :: set
+      type(topology_t), intent(out) :: topology
+      type(dimensions_t), intent(out) :: dimensions
+      type(diagnostics_t), intent(inout) :: findings
+      logical :: sound
+
+      topology%nloop = set%nloop
+      topology%maxarc = set%maxarc
+      allocate (topology%arcs(set%nloop*set%maxarc), topology%variables(0))
+      allocate (topology%loopl(set%nloop), topology%joint(set%nloop), source=0)
+      allocate (topology%larcx(2, set%nloop), source=0)
+      allocate (topology%larcd(size(topology%arcs)), topology%larcf(size(topology%arcs)), source=0)
+      allocate (topology%identa(size(topology%arcs)), source=0)
+      allocate (topology%length_variable(size(topology%arcs)), topology%angle_variable(size(topology%arcs)), source=0)
+      dimensions%arcl = reshape(set%arcl, [size(set%arcl)])
+      dimensions%gama = reshape(set%gama, [size(set%gama)])
+      dimensions%outlk = set%outlk
+      dimensions%outang = set%outang
+      dimensions%origlk = set%origlk
+      dimensions%origng = set%origng
+      dimensions%crnki = set%crnki
+      if (set%nloop == 0) return
+
+      call classify_arcs(set, topology, sound, findings)
+      if (.not. sound) return
+      call find_dyads(set, topology, dimensions, findings)
+      if (findings%failed()) return
+      call find_identical(set, topology, dimensions, findings)
+      call index_arcs(topology)
+      call find_output(set, topology, findings)
+      if (set%ikin == 0) call find_variables(set, topology, findings)
+      call check_dimensions(set, topology, dimensions, findings)
+   end subroutine set_up
+
+   ! ---- arcs --------------------------------------------------------------------------------------------------------
+
+   !> Tell determined, undetermined, absent arcs and the input apart, and check every reference.
+   subroutine classify_arcs(set, topology, sound, findings)
+      type(data_set_t), intent(in) :: set
+      type(topology_t), intent(inout) :: topology
+      logical, intent(out) :: sound  !! every loop has its arcs in order, so that dyads can be looked for
+      type(diagnostics_t), intent(inout) :: findings
+      integer :: loop, a, n
+
+      sound = .true.
+      do loop = 1, set%nloop
+         n = 0
+         do a = 1, set%maxarc
+            if (set%ilink(a, loop) /= 0) n = a
+         end do
+         topology%loopl(loop) = n
+         do a = 1, n
+            if (set%ilink(a, loop) == 0) then
+               call complain(set, 'ILINK', loop, a, 'is 0 (no arc), but arcs follow in this loop', findings)
+               sound = .false.
+            end if
+         end do
+         do a = n + 1, set%maxarc
+            if (set%iloop(a, loop) /= 0) then
+               call complain(set, 'ILOOP', loop, a, 'must be 0, because ILINK says there is no such arc', findings)
+            end if
+         end do
+         if (n < 3) then
+            call complain(set, 'ILINK', loop, 0, 'has fewer than three arcs', findings)
+            sound = .false.
+         end if
+      end do
+      if (.not. sound) return
+      do loop = 1, set%nloop
+         do a = 1, topology%loopl(loop)
+            call classify(set, topology, loop, a, findings)
+         end do
+         call check_frame_end(set, topology, loop, findings)
+      end do
+   end subroutine classify_arcs
+
+   subroutine classify(set, topology, loop, a, findings)
+      type(data_set_t), intent(in) :: set
+      type(topology_t), intent(inout) :: topology
+      integer, intent(in) :: loop, a
+      type(diagnostics_t), intent(inout) :: findings
+      integer :: link, other, n
+
+      n = topology%loopl(loop)
+      link = set%ilink(a, loop)
+      other = set%iloop(a, loop)
+      associate (arc => topology%arcs(topology%seq(loop, a)))
+         arc%sign = sign(1, link)
+         if (loop == 1 .and. a == 1) then
+            if (abs(link) /= 1) call complain(set, 'ILINK', 1, 1, 'must be 1 (the input link)', findings)
+            if (other == 1) then
+               arc%kind = arc_crank
+               if (link /= 1) call complain(set, 'ILINK', 1, 1, 'must be +1 for a turning input link', findings)
+            else if (other < 0 .and. -other <= n .and. -other > 1) then
+               arc%kind = arc_actuator
+               arc%reference = topology%seq(1, -other)
+               arc%turn = arc%sign
+               topology%sliding_input = .true.
+            else
+               arc%kind = arc_crank
+               call complain(set, 'ILOOP', 1, 1, 'must be 1 for a turning input link, or minus the number of the frame '// &
+                             'arc that guides a sliding one; found '//to_text(other), findings)
+            end if
+            return
+         end if
+         if (other == 0) then
+            arc%kind = arc_link
+            if (abs(link) /= a) call complain(set, 'ILINK', loop, a, 'must be +-'//to_text(a)// &
+                                              ', its own number, because ILOOP says it is undetermined; found '// &
+                                              to_text(link), findings)
+         else if (other < 0) then
+            arc%kind = arc_slide
+            if (abs(link) /= a) call complain(set, 'ILINK', loop, a, 'must be +-'//to_text(a)// &
+                                              ', its own number, because ILOOP says it slides; found '//to_text(link), findings)
+            if (-other > n) then
+               call complain(set, 'ILOOP', loop, a, 'names guide '//to_text(-other)//', but the loop has only '// &
+                             to_text(n)//' arcs', findings)
+            else if (-other == a) then
+               call complain(set, 'ILOOP', loop, a, 'names the slide itself as its guide', findings)
+            else
+               arc%reference = topology%seq(loop, -other)
+               arc%turn = slide_turn(arc%sign, a, -other)
+            end if
+         else
+            arc%kind = arc_determined
+            arc%same = link > 0
+            call check_reference(set, topology, loop, a, findings)
+         end if
+      end associate
+   end subroutine classify
+
+   !> Direction of a slide against its guide: +1 for 90 degrees anticlockwise.
+   !>
+   !> The right angle is turned through in loop order: a guide before the slide gives +s, a guide after it -s. The loop is a
+   !> ring: for a slide that leaves the input pivot, a frame arc comes before it.
+   pure integer function slide_turn(s, slide, guide)
+      integer, intent(in) :: s, slide, guide
+      logical :: before
+
+      before = guide < slide .or. (slide == 1 .and. guide > 2)
+      slide_turn = merge(s, -s, before)
+   end function slide_turn
+
+   subroutine check_reference(set, topology, loop, a, findings)
+      type(data_set_t), intent(in) :: set
+      type(topology_t), intent(inout) :: topology
+      integer, intent(in) :: loop, a
+      type(diagnostics_t), intent(inout) :: findings
+      integer :: named, in_loop
+
+      named = abs(set%ilink(a, loop))
+      in_loop = set%iloop(a, loop)
+      if (in_loop > loop) then
+         call complain(set, 'ILOOP', loop, a, 'refers to loop '//to_text(in_loop)//', which is not yet determined', findings)
+         return
+      end if
+      if (named > topology%loopl(in_loop)) then
+         call complain(set, 'ILINK', loop, a, 'refers to arc '//to_text(named)//' of loop '//to_text(in_loop)// &
+                       ', which does not exist', findings)
+         return
+      end if
+      associate (arc => topology%arcs(topology%seq(loop, a)))
+         if (loop == 1 .and. a == topology%loopl(1) .and. named == a) then
+            arc%frame = .true.
+            arc%same = .false.
+            return
+         end if
+         if (in_loop == loop) then
+            if (named == a) then
+               call complain(set, 'ILINK', loop, a, 'refers to itself; only the last arc of loop 1 is measured from the '// &
+                             'machine''s x axis', findings)
+               return
+            end if
+            if (loop == 1 .and. named == topology%loopl(1)) then
+               arc%frame = .true.
+            else if (named > a .or. set%iloop(named, loop) <= 0) then
+               call complain(set, 'ILINK', loop, a, 'refers to arc '//to_text(named)//' of its own loop, which is not yet '// &
+                             'determined', findings)
+               return
+            end if
+            if (.not. is_guide(set, loop, a, topology%loopl(loop)) .and. &
+                .not. is_guide(set, loop, named, topology%loopl(loop))) then
+               call complain(set, 'ILINK', loop, a, 'is common with arc '//to_text(named)//' of the same loop; two arcs of '// &
+                             'one link make one arc, unless one of them guides a slide', findings)
+            end if
+         end if
+         arc%reference = topology%seq(in_loop, named)
+         if (topology%arcs(arc%reference)%frame) arc%frame = .true.
+      end associate
+   end subroutine check_reference
+
+   !> True if the arc guides a slide of its loop.
+   pure logical function is_guide(set, loop, a, n)
+      type(data_set_t), intent(in) :: set
+      integer, intent(in) :: loop, a, n
+
+      is_guide = any(set%iloop(:n, loop) == -a)
+   end function is_guide
+
+   !> The last arc of every loop belongs to the frame.
+   subroutine check_frame_end(set, topology, loop, findings)
+      type(data_set_t), intent(in) :: set
+      type(topology_t), intent(in) :: topology
+      integer, intent(in) :: loop
+      type(diagnostics_t), intent(inout) :: findings
+      integer :: n
+
+      n = topology%loopl(loop)
+      associate (arc => topology%arcs(topology%seq(loop, n)))
+         if (arc%frame) return
+         if (loop == 1) then
+            call complain(set, 'ILINK', 1, n, 'is the last arc of loop 1, the frame: ILINK='//to_text(n)// &
+                          ' and ILOOP=1 are expected, its direction in GAMA', findings)
+         else
+            call complain(set, 'ILINK', loop, n, 'is the last arc of its loop and must belong to the frame: refer to arc '// &
+                          to_text(topology%loopl(1))//' of loop 1 or to another frame arc', findings)
+         end if
+      end associate
+   end subroutine check_frame_end
+
+   ! ---- dyads -------------------------------------------------------------------------------------------------------
+
+   !> The undetermined pair of every loop and its type.
+   subroutine find_dyads(set, topology, dimensions, findings)
+      type(data_set_t), intent(in) :: set
+      type(topology_t), intent(inout) :: topology
+      type(dimensions_t), intent(in) :: dimensions
+      type(diagnostics_t), intent(inout) :: findings
+      integer :: loop, a, n, found, p, q
+
+      do loop = 1, set%nloop
+         found = 0
+         n = topology%loopl(loop)
+         do a = 1, n
+            select case (topology%arcs(topology%seq(loop, a))%kind)
+            case (arc_link, arc_slide)
+               found = found + 1
+               if (found <= 2) topology%larcx(found, loop) = a
+            end select
+         end do
+         if (found /= 2) then
+            call complain(set, 'ILOOP', loop, 0, 'has '//to_text(found)//' undetermined arcs (ILOOP 0 or negative); '// &
+                          'it must have two', findings)
+            cycle
+         end if
+         p = topology%larcx(1, loop)
+         q = topology%larcx(2, loop)
+         if (q /= p + 1) then
+            call complain(set, 'ILOOP', loop, 0, 'has its undetermined arcs '//to_text(p)//' and '//to_text(q)// &
+                          ' apart; they must be adjacent', findings)
+            cycle
+         end if
+         topology%arcs(topology%seq(loop, p))%dyad = 1
+         topology%arcs(topology%seq(loop, q))%dyad = 2
+         topology%joint(loop) = dyad_type(set, topology, loop, p, q)
+         if (topology%joint(loop) == 0) then
+            call complain(set, 'ILOOP', loop, 0, 'has an undetermined pair that is none of the eight dyads: two slides that '// &
+                          'guide each other', findings)
+         end if
+         call check_closure_entries(set, topology, dimensions, loop, p, q, findings)
+      end do
+      call check_order(set, topology, findings)
+   end subroutine find_dyads
+
+   !> Type 1 to 8 of the dyad (table of spec section 1); 0 if it is none.
+   pure integer function dyad_type(set, topology, loop, p, q) result(joint)
+      type(data_set_t), intent(in) :: set
+      type(topology_t), intent(in) :: topology
+      integer, intent(in) :: loop, p, q
+      logical :: p_slides, q_slides
+      integer :: guide_p, guide_q
+
+      p_slides = topology%arcs(topology%seq(loop, p))%kind == arc_slide
+      q_slides = topology%arcs(topology%seq(loop, q))%kind == arc_slide
+      guide_p = -set%iloop(p, loop)
+      guide_q = -set%iloop(q, loop)
+      if (.not. p_slides .and. .not. q_slides) then
+         joint = 1
+      else if (p_slides .and. .not. q_slides) then
+         joint = merge(2, 5, guide_p == q)
+      else if (.not. p_slides .and. q_slides) then
+         joint = merge(3, 4, guide_q == p)
+      else if (guide_p == q .and. guide_q == p) then
+         joint = 0
+      else if (guide_p == q) then
+         joint = 6
+      else if (guide_q == p) then
+         joint = 7
+      else
+         joint = 8
+      end if
+   end function dyad_type
+
+   !> Types 1, 2, 3: both entries state the same fact and must agree, unless the guide has no length.
+   subroutine check_closure_entries(set, topology, dimensions, loop, p, q, findings)
+      type(data_set_t), intent(in) :: set
+      type(topology_t), intent(in) :: topology
+      type(dimensions_t), intent(in) :: dimensions
+      integer, intent(in) :: loop, p, q
+      type(diagnostics_t), intent(inout) :: findings
+
+      select case (topology%joint(loop))
+      case (1)
+         continue
+      case (2)
+         if (dimensions%arcl(topology%seq(loop, q)) <= 0.0_wp) return
+      case (3)
+         if (dimensions%arcl(topology%seq(loop, p)) <= 0.0_wp) return
+      case default
+         return
+      end select
+      if (sign(1, set%ilink(p, loop)) /= sign(1, set%ilink(q, loop))) then
+         call complain(set, 'ILINK', loop, 0, 'has undetermined arcs '//to_text(p)//' and '//to_text(q)//' of opposite sign; '// &
+                       'for this dyad both are positive when the joint they share lies to the right of the line from the '// &
+                       'start of the first to the finish of the second', findings)
+      end if
+   end subroutine check_closure_entries
+
+   !> Determined arcs of a loop may not hang on the loop's own unknowns, and guides must be known or be the partner.
+   subroutine check_order(set, topology, findings)
+      type(data_set_t), intent(in) :: set
+      type(topology_t), intent(in) :: topology
+      type(diagnostics_t), intent(inout) :: findings
+      integer :: loop, a, guide
+
+      do loop = 1, set%nloop
+         do a = 1, topology%loopl(loop)
+            associate (arc => topology%arcs(topology%seq(loop, a)))
+               if (arc%kind == arc_actuator) then
+                  guide = -set%iloop(a, loop)
+                  if (.not. topology%arcs(topology%seq(loop, guide))%frame) then
+                     call complain(set, 'ILOOP', loop, a, 'names arc '//to_text(guide)//' as the guide of the sliding input, '// &
+                                   'but that is not a frame arc', findings)
+                  end if
+               end if
+            end associate
+         end do
+      end do
+   end subroutine check_order
+
+   ! ---- identical arcs ----------------------------------------------------------------------------------------------
+
+   !> Arcs that are the same line of the same link, in either sense of tracing.
+   subroutine find_identical(set, topology, dimensions, findings)
+      type(data_set_t), intent(in) :: set
+      type(topology_t), intent(inout) :: topology
+      type(dimensions_t), intent(inout) :: dimensions
+      type(diagnostics_t), intent(inout) :: findings
+      integer :: loop, a, n, m
+      logical :: against
+
+      do loop = 1, set%nloop
+         do a = 1, topology%loopl(loop)
+            n = topology%seq(loop, a)
+            associate (arc => topology%arcs(n))
+               arc%representative = n
+               if (arc%kind /= arc_determined .or. arc%reference == 0) cycle
+               m = arc%reference
+               against = abs(modulo(dimensions%gama(n), full_turn) - half_turn) == 0.0_wp
+               if (arc%same) then
+                  arc%representative = topology%arcs(m)%representative
+                  arc%reversed = topology%arcs(m)%reversed
+                  if (dimensions%gama(n) /= 0.0_wp) call arc_warning(set, 'GAMA', loop, a, 'is not used: ILINK is positive, '// &
+                     'the arc has the direction of arc '//place(topology, m), findings)
+                  if (dimensions%arcl(n) /= dimensions%arcl(m) .and. dimensions%arcl(n) /= 0.0_wp) then
+                     call arc_warning(set, 'ARCL', loop, a, 'is not used: ILINK is positive, the arc has the length of arc '// &
+                                      place(topology, m), findings)
+                  end if
+                  dimensions%arcl(n) = dimensions%arcl(m)
+                  dimensions%gama(n) = 0.0_wp
+               else if (against .and. dimensions%arcl(n) == dimensions%arcl(m) .and. m > 0 .and. &
+                        .not. varies_alone(set, loop, a) .and. has_length(topology%arcs(m)%kind)) then
+                  arc%representative = topology%arcs(m)%representative
+                  arc%reversed = .not. topology%arcs(m)%reversed
+                  call arc_warning(set, 'ILINK', loop, a, 'is identical with arc '//place(topology, m)// &
+                                   ' but traced the other way', findings)
+               end if
+            end associate
+         end do
+      end do
+   end subroutine find_identical
+
+   !> True if the user lets this arc's own length or angle vary, so that it is not merely another arc turned round.
+   pure logical function varies_alone(set, loop, a)
+      type(data_set_t), intent(in) :: set
+      integer, intent(in) :: loop, a
+
+      varies_alone = .false.
+      if (size(set%iva) > 0) varies_alone = set%ivg(a, loop) /= 0
+   end function varies_alone
+
+   pure logical function has_length(kind)
+      integer, intent(in) :: kind
+
+      has_length = kind /= arc_slide .and. kind /= arc_actuator
+   end function has_length
+
+   !> The arrays that device 8 shows.
+   pure subroutine index_arcs(topology)
+      type(topology_t), intent(inout) :: topology
+      integer :: loop, a, n, m
+
+      do loop = 1, topology%nloop
+         do a = 1, topology%loopl(loop)
+            n = topology%seq(loop, a)
+            associate (arc => topology%arcs(n))
+               m = arc%reference
+               if (m == 0 .and. (arc%kind == arc_crank .or. arc%kind == arc_determined)) m = n
+               topology%larcd(n) = m
+               if (m > 0) topology%larcf(n) = last_arc_of(m)
+               if (count(topology%arcs%representative == arc%representative .and. topology%arcs%kind /= arc_absent) > 1) then
+                  topology%identa(n) = arc%representative
+               end if
+            end associate
+         end do
+      end do
+
+   contains
+
+      pure integer function last_arc_of(n)
+         integer, intent(in) :: n
+         integer :: loop
+
+         loop = (n - 1)/topology%maxarc + 1
+         last_arc_of = topology%seq(loop, topology%loopl(loop))
+      end function last_arc_of
+   end subroutine index_arcs
+
+   ! ---- output and variables ----------------------------------------------------------------------------------------
+
+   subroutine find_output(set, topology, findings)
+      type(data_set_t), intent(in) :: set
+      type(topology_t), intent(inout) :: topology
+      type(diagnostics_t), intent(inout) :: findings
+
+      if (set%noutlp < 1 .or. set%noutlp > set%nloop) then
+         call findings%error('must name a loop from 1 to '//to_text(set%nloop)//'; found '//to_text(set%noutlp), &
+                             line=set%links_line, group='LINKS', item='NOUTLP')
+         return
+      end if
+      if (set%noutlk == 0 .or. abs(set%noutlk) > topology%loopl(set%noutlp)) then
+         call findings%error('must name an arc from 1 to '//to_text(topology%loopl(set%noutlp))//' of loop '// &
+                             to_text(set%noutlp)//'; found '//to_text(set%noutlk), line=set%links_line, group='LINKS', &
+                             item='NOUTLK')
+         return
+      end if
+      topology%output_arc = topology%seq(set%noutlp, abs(set%noutlk))
+      topology%output_from_start = set%noutlk < 0
+      if (set%motion == motion_slide) then
+         associate (arc => topology%arcs(topology%arcs(topology%output_arc)%representative))
+            if (arc%kind /= arc_slide .and. arc%kind /= arc_actuator) then
+               call findings%error('MOTION=3 wants the length of a sliding arc, but arc '//place(topology, topology%output_arc)// &
+                                   ' does not slide', line=set%links_line, group='LINKS', item='NOUTLK')
+            end if
+         end associate
+      end if
+      if (set%ikin /= 0 .and. topology%sliding_input) then
+         call findings%error('asks for a turn of the input, but the input slides; give NDES and DELT', &
+                             line=set%method_line, group='METHOD', item='IKIN')
+      end if
+   end subroutine find_output
+
+   !> Number the variables: IVA row by row, ILKOUT, IORIG distance, IVG, INGOUT, IORIG angle, ICRK.
+   subroutine find_variables(set, topology, findings)
+      type(data_set_t), intent(in) :: set
+      type(topology_t), intent(inout) :: topology
+      type(diagnostics_t), intent(inout) :: findings
+      integer :: loop, a, n, m
+
+      if (size(set%iva) == 0) return
+      do loop = 1, set%nloop
+         do a = 1, set%maxarc
+            if (set%iva(a, loop) == 0) cycle
+            n = topology%seq(loop, a)
+            associate (arc => topology%arcs(n))
+               if (arc%kind == arc_absent) then
+                  call arc_warning(set, 'IVA', loop, a, 'does not exist and cannot vary', findings)
+               else if (.not. has_length(topology%arcs(arc%representative)%kind)) then
+                  call arc_warning(set, 'IVA', loop, a, 'slides: its length is a result and cannot vary', findings)
+               else if (topology%length_variable(arc%representative) > 0 .or. arc%representative /= n) then
+                  call arc_warning(set, 'IVA', loop, a, 'is identical with arc '//place(topology, arc%representative)// &
+                                   '; the two lengths cannot vary independently', findings)
+                  if (topology%length_variable(arc%representative) == 0) call add_length(arc%representative)
+               else
+                  call add_length(n)
+               end if
+            end associate
+         end do
+      end do
+      if (set%ilkout /= 0) call add(variable_outlk)
+      if (set%iorig /= 0) call add(variable_origlk)
+      do loop = 1, set%nloop
+         do a = 1, set%maxarc
+            if (set%ivg(a, loop) == 0) cycle
+            n = topology%seq(loop, a)
+            associate (arc => topology%arcs(n))
+               m = n
+               if (arc%same .and. arc%reference > 0) m = angle_owner(n)
+               if (arc%kind == arc_absent) then
+                  call arc_warning(set, 'IVG', loop, a, 'does not exist and cannot vary', findings)
+               else if (topology%arcs(m)%kind /= arc_determined) then
+                  call arc_warning(set, 'IVG', loop, a, 'has no fixed angle: its direction is a result and cannot vary', findings)
+               else if (m /= n) then
+                  call arc_warning(set, 'IVG', loop, a, 'is identical with arc '//place(topology, m)// &
+                                   '; the two angles cannot vary independently', findings)
+                  if (topology%angle_variable(m) == 0) call add_angle(m)
+               else if (topology%angle_variable(n) == 0) then
+                  call add_angle(n)
+               end if
+            end associate
+         end do
+      end do
+      if (set%ingout /= 0) call add(variable_outang)
+      if (set%iorig /= 0) call add(variable_origng)
+      if (set%icrk /= 0) call add(variable_crnki)
+
+   contains
+
+      !> The arc whose GAMA gives the direction of an arc with positive ILINK.
+      pure integer function angle_owner(n)
+         integer, intent(in) :: n
+
+         angle_owner = n
+         do while (topology%arcs(angle_owner)%same .and. topology%arcs(angle_owner)%reference > 0)
+            angle_owner = topology%arcs(angle_owner)%reference
+         end do
+      end function angle_owner
+
+      subroutine add(kind, n)
+         integer, intent(in) :: kind
+         integer, intent(in), optional :: n
+         type(variable_t) :: variable
+
+         variable%kind = kind
+         if (present(n)) then
+            variable%loop = (n - 1)/topology%maxarc + 1
+            variable%arc = n - (variable%loop - 1)*topology%maxarc
+         end if
+         topology%variables = [topology%variables, variable]
+      end subroutine add
+
+      subroutine add_length(n)
+         integer, intent(in) :: n
+
+         call add(variable_length, n)
+         where (topology%arcs%representative == n .and. topology%arcs%kind /= arc_absent)
+            topology%length_variable = size(topology%variables)
+         end where
+      end subroutine add_length
+
+      subroutine add_angle(n)
+         integer, intent(in) :: n
+         integer :: i
+
+         call add(variable_gama, n)
+         do i = 1, size(topology%arcs)
+            if (topology%arcs(i)%kind == arc_determined) then
+               if (angle_owner(i) == n) topology%angle_variable(i) = size(topology%variables)
+            end if
+         end do
+      end subroutine add_angle
+   end subroutine find_variables
+
+   !> Lengths that must be there, bounds that must be given.
+   subroutine check_dimensions(set, topology, dimensions, findings)
+      type(data_set_t), intent(in) :: set
+      type(topology_t), intent(in) :: topology
+      type(dimensions_t), intent(in) :: dimensions
+      type(diagnostics_t), intent(inout) :: findings
+      integer :: loop, a, n, guide, marble
+
+      do loop = 1, set%nloop
+         do a = 1, topology%loopl(loop)
+            n = topology%seq(loop, a)
+            guide = 0
+            if (topology%joint(loop) == 2) guide = topology%larcx(2, loop)
+            if (topology%joint(loop) == 3) guide = topology%larcx(1, loop)
+            select case (topology%arcs(n)%kind)
+            case (arc_link)
+               if (dimensions%arcl(n) == 0.0_wp .and. a /= guide) then
+                  call complain(set, 'ARCL', loop, a, 'is an undetermined link and needs a positive length', findings)
+               end if
+            case (arc_slide, arc_actuator)
+               if (dimensions%arcl(n) /= 0.0_wp) then
+                  call arc_warning(set, 'ARCL', loop, a, 'slides: the length given is not used', findings)
+               end if
+            end select
+         end do
+      end do
+      marble = size(topology%variables)
+      if (marble == 0) return
+      if (.not. set%desired) then
+         call findings%error('a search needs desired values (DESX and DESY, or DESANG)', line=set%method_line, group='METHOD')
+      end if
+      if (set%limval == 1 .or. set%var == 0.0_wp) then
+         if (set%bounds_given < marble) then
+            call findings%error('OPLOW and OPHIGH must give a value for each of the '//to_text(marble)//' variables; found '// &
+                                to_text(set%bounds_given), line=set%limits_line, group='LIMITS', item='OPLOW')
+         else if (any(set%oplow(:marble) > set%ophigh(:marble))) then
+            call findings%error('variable '//to_text(findloc(set%oplow(:marble) > set%ophigh(:marble), .true., dim=1))// &
+                                ' has a lower limit above its upper limit', line=set%limits_line, group='LIMITS', item='OPLOW')
+         end if
+      end if
+      if (set%nguess > marble + 1) then
+         call findings%error('a simplex of '//to_text(marble)//' variables has '//to_text(marble + 1)//' vertices; found '// &
+                             to_text(set%nguess), line=set%method_line, group='METHOD', item='NGUESS')
+      end if
+   end subroutine check_dimensions
+
+   ! ---- variables and parameters ------------------------------------------------------------------------------------
+
+   !> The variables' values in the given linkage. Shape of the result: (marble).
+   pure function first_values(self, dimensions) result(values)
+      class(topology_t), intent(in) :: self
+      type(dimensions_t), intent(in) :: dimensions
+      real(wp), allocatable :: values(:)
+      integer :: i
+
+      allocate (values(size(self%variables)))
+      do i = 1, size(values)
+         associate (v => self%variables(i))
+            select case (v%kind)
+            case (variable_length)
+               values(i) = dimensions%arcl(self%seq(v%loop, v%arc))
+            case (variable_gama)
+               values(i) = dimensions%gama(self%seq(v%loop, v%arc))
+            case (variable_outlk)
+               values(i) = dimensions%outlk
+            case (variable_outang)
+               values(i) = dimensions%outang
+            case (variable_origlk)
+               values(i) = dimensions%origlk
+            case (variable_origng)
+               values(i) = dimensions%origng
+            case (variable_crnki)
+               values(i) = dimensions%crnki
+            end select
+         end associate
+      end do
+   end function first_values
+
+   !> Put variables into the linkage, identical arcs included.
+   pure subroutine apply(self, values, dimensions)
+      class(topology_t), intent(in) :: self
+      real(wp), intent(in) :: values(:)              !! shape (marble)
+      type(dimensions_t), intent(inout) :: dimensions
+      integer :: i, n
+
+      do i = 1, size(self%variables)
+         select case (self%variables(i)%kind)
+         case (variable_outlk)
+            dimensions%outlk = values(i)
+         case (variable_outang)
+            dimensions%outang = values(i)
+         case (variable_origlk)
+            dimensions%origlk = values(i)
+         case (variable_origng)
+            dimensions%origng = values(i)
+         case (variable_crnki)
+            dimensions%crnki = values(i)
+         end select
+      end do
+      do n = 1, size(self%arcs)
+         if (self%length_variable(n) > 0) dimensions%arcl(n) = values(self%length_variable(n))
+         if (self%angle_variable(n) > 0 .and. .not. self%arcs(n)%same) dimensions%gama(n) = values(self%angle_variable(n))
+      end do
+   end subroutine apply
+
+   ! ---- messages ----------------------------------------------------------------------------------------------------
+
+   subroutine complain(set, item, loop, a, text, findings)
+      type(data_set_t), intent(in) :: set
+      character(*), intent(in) :: item, text
+      integer, intent(in) :: loop, a
+      type(diagnostics_t), intent(inout) :: findings
+
+      call findings%error(subject(loop, a)//text, line=set%links_line, group='LINKS', item=item)
+   end subroutine complain
+
+   subroutine arc_warning(set, item, loop, a, text, findings)
+      type(data_set_t), intent(in) :: set
+      character(*), intent(in) :: item, text
+      integer, intent(in) :: loop, a
+      type(diagnostics_t), intent(inout) :: findings
+
+      if (item == 'IVA' .or. item == 'IVG') then
+         call findings%warning(subject(loop, a)//text, line=set%method_line, group='METHOD', item=item)
+      else
+         call findings%warning(subject(loop, a)//text, line=set%links_line, group='LINKS', item=item)
+      end if
+   end subroutine arc_warning
+
+   pure function subject(loop, a) result(text)
+      integer, intent(in) :: loop, a
+      character(:), allocatable :: text
+
+      if (a == 0) then
+         text = 'loop '//to_text(loop)//' '
+      else
+         text = 'arc '//to_text(a)//' of loop '//to_text(loop)//' '
+      end if
+   end function subject
+
+   pure function place(topology, n) result(text)
+      type(topology_t), intent(in) :: topology
+      integer, intent(in) :: n
+      character(:), allocatable :: text
+      integer :: loop
+
+      loop = (n - 1)/topology%maxarc + 1
+      text = to_text(n - (loop - 1)*topology%maxarc)//' of loop '//to_text(loop)
+   end function place
+end module psalm_setup
