@@ -21,7 +21,7 @@ module psalm_random
 contains
 
    !> Next deviate, uniform in (0, 1); advances the state.
-   impure elemental subroutine next(self, deviate)
+   pure subroutine next(self, deviate)
       class(random_t), intent(inout) :: self
       real(wp), intent(out) :: deviate !! in (0, 1)
 

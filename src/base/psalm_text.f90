@@ -165,7 +165,10 @@ contains
       write (layout, '("(es",i0,".",i0,"e4)")') digits_after_point + 10, digits_after_point
       write (buffer, layout) value
       text = trim(adjustl(buffer))
-      if (text(len(text) - 3:len(text) - 3) == '0') text = text(:len(text) - 4)//text(len(text) - 2:)
+      ! at least two digits of exponent
+      do while (text(len(text) - 2:len(text) - 2) == '0')
+         text = text(:len(text) - 3)//text(len(text) - 1:)
+      end do
    end function full_precision
 
    !> Levenshtein distance of two names: letters to change, insert or delete.

@@ -4,7 +4,8 @@
 !> default and checked by itself. Source of items and defaults: Oldham (1977), appendix B.
 module psalm_data_set
    use psalm_kinds, only: wp
-   use psalm_namelist, only: case_text_t, group_t, read_case
+   use psalm_group, only: group_t
+   use psalm_namelist, only: case_text_t, read_case
    use psalm_source, only: line_t, read_lines
    use psalm_status, only: diagnostics_t
    use psalm_text, only: to_text, edit_distance

@@ -81,7 +81,7 @@ contains
    subroutine assign_roots(topology, plan)
       type(topology_t), intent(in) :: topology
       type(plan_t), intent(inout) :: plan
-      integer :: loop, a, n, count, p, q, last
+      integer :: loop, a, n, count, p, q
 
       n = size(topology%arcs)
       allocate (plan%root(n), plan%base(n), plan%quarter(n), plan%length_slot(n), source=0)
@@ -92,10 +92,7 @@ contains
       allocate (plan%dyad_sign(topology%nloop), source=1)
       count = 0
       do loop = 1, topology%nloop
-         ! the frame arc that ends the loop first: guides of the same loop may hang on it
-         last = topology%seq(loop, topology%loopl(loop))
-         call place_arc(last)
-         do a = 1, topology%loopl(loop) - 1
+         do a = 1, topology%loopl(loop)
             n = topology%seq(loop, a)
             if (topology%arcs(n)%dyad == 0) call place_arc(n)
          end do
@@ -145,11 +142,13 @@ contains
 
    contains
 
-      !> A determined arc or the input.
-      subroutine place_arc(n)
+      !> A determined arc or the input, after the arc it hangs on (a later one of its loop, if that is a frame arc).
+      recursive subroutine place_arc(n)
          integer, intent(in) :: n
 
+         if (plan%root(n) > 0) return
          associate (arc => topology%arcs(n))
+            if (arc%reference > 0) call place_arc(arc%reference)
             select case (arc%kind)
             case (arc_crank)
                plan%root(n) = root_crank

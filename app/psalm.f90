@@ -1,0 +1,80 @@
+!> psalm: displacement analysis and dimensional synthesis of planar linkages from a namelist file.
+program psalm
+   use psalm_console, only: arguments_t, progress_t, read_arguments, show_findings, stem_of, write_devices
+   use psalm_data_set, only: data_set_t, read_data_sets
+   use psalm_kinds, only: wp
+   use psalm_run, only: devices_t, version, check_case, run_case
+   use psalm_source, only: line_t, read_lines
+   use psalm_status, only: diagnostics_t, exit_bad_input
+   use psalm_system, only: write_standard_error, write_standard_output
+   implicit none (type, external)
+
+   !> Vertices of one case, from device 4.
+   type :: supply_t
+      real(wp), allocatable :: vertices(:, :)
+   end type supply_t
+
+   character(*), parameter :: nl = new_line('a')
+   type(arguments_t) :: arguments
+   logical :: done
+   integer :: code, i
+
+   call read_arguments(arguments)
+   code = arguments%code
+   if (code == exit_bad_input) stop exit_bad_input, quiet=.true.
+   if (arguments%help) then
+      call write_standard_output( &
+         'usage: psalm [options] [CASE.nml ...]'//nl// &
+         nl//'Analyses the linkage of each case, or searches for better dimensions where the case has variables.'//nl// &
+         'Without a file, or with -, the case is read from standard input.'//nl// &
+         nl//'The listing goes to standard output; CASE.dev1, .dev2, .dev7, .dev8 and .dev9 beside the case.'//nl// &
+         nl//'  --output-dir DIR  put the device files into DIR'//nl// &
+         '  --device4 FILE    read supplied vertices (NGUESS) from FILE; default CASE.dev4'//nl// &
+         '  --quiet           no remarks on standard error, errors only'//nl// &
+         '  --version         print the version'//nl// &
+         '  --help            print this text'//nl// &
+         nl//'Exit status: 0 done; 1 done, but limits are violated or the search stopped before converging;'//nl// &
+         '2 the input is wrong; 3 a file could not be read or written.'//nl, done)
+      stop
+   else if (arguments%version) then
+      call write_standard_output('psalm '//version//nl, done)
+      stop
+   end if
+   do i = 1, size(arguments%files)
+      call run_file(trim(arguments%files(i)))
+   end do
+   stop code, quiet=.true.
+
+contains
+
+   subroutine run_file(file)
+      character(*), intent(in) :: file
+      type(diagnostics_t) :: findings
+      type(data_set_t), allocatable :: sets(:)
+      type(supply_t), allocatable :: supplies(:)
+      type(line_t), allocatable :: device4(:)
+      type(devices_t) :: devices
+      type(progress_t) :: monitor
+      integer :: k
+
+      call read_data_sets(file, sets, findings)
+      allocate (supplies(size(sets)), device4(0))
+      do k = 1, size(sets)
+         if (sets(k)%nguess > 0) then
+            if (len(arguments%device4) == 0) arguments%device4 = stem_of(file, '')//'.dev4'
+            call read_lines(arguments%device4, device4, findings)
+         end if
+         if (.not. findings%failed()) call check_case(sets(k), device4, supplies(k)%vertices, findings)
+      end do
+      if (findings%failed() .or. .not. arguments%quiet) call show_findings(findings)
+      code = max(code, findings%exit_code())
+      if (findings%failed()) return
+      do k = 1, size(sets)
+         call run_case(sets(k), supplies(k)%vertices, devices, monitor)
+      end do
+      if (monitor%active) call write_standard_error(nl)
+      if (.not. arguments%quiet) call write_standard_error(devices%notes%content())
+      code = max(code, devices%code)
+      call write_devices(file, arguments%output_dir, devices, code)
+   end subroutine run_file
+end program psalm

@@ -1,0 +1,189 @@
+!> What the programs of the suite share at the console: arguments, messages, files of the devices, the progress line.
+module psalm_console
+   use, intrinsic :: iso_fortran_env, only: int64
+   use psalm_kinds, only: dp
+   use psalm_run, only: devices_t
+   use psalm_simplx, only: search_monitor_t, search_state_t
+   use psalm_status, only: diagnostics_t, exit_bad_input, exit_file_trouble
+   use psalm_system, only: error_is_terminal, make_directory, write_standard_error, write_standard_output, write_whole_file
+   use psalm_text, only: to_text, general
+   implicit none (type, external)
+   private
+   public :: arguments_t, progress_t, read_arguments, show_findings, stem_of, write_devices
+
+   !> The command line.
+   type :: arguments_t
+      character(:), allocatable :: files(:)      !! cases, `-` for standard input
+      character(:), allocatable :: output_dir    !! empty: beside the case
+      character(:), allocatable :: device4       !! empty: CASE.dev4
+      logical :: quiet = .false., help = .false., version = .false.
+      integer :: code = 0                        !! exit status that bad arguments lead to
+   end type arguments_t
+
+   !> Progress line on a terminal, at most ten times a second.
+   type, extends(search_monitor_t) :: progress_t
+      integer(int64) :: started = 0_int64, shown = 0_int64
+      logical :: active = .false.
+   contains
+      procedure :: report => show_progress
+   end type progress_t
+
+contains
+
+   !> Read the command line. Mistakes are told on standard error.
+   subroutine read_arguments(arguments)
+      type(arguments_t), intent(out) :: arguments
+      character(:), allocatable :: word
+      character(:), allocatable :: more(:)
+      integer :: i
+      logical :: only_files
+
+      allocate (character(1) :: arguments%files(0))
+      arguments%output_dir = ''
+      arguments%device4 = ''
+      only_files = .false.
+      i = 0
+      do while (i < command_argument_count())
+         i = i + 1
+         word = argument(i)
+         if (only_files .or. word == '-' .or. word(:min(1, len(word))) /= '-') then
+            allocate (character(max(len(word), len(arguments%files))) :: more(size(arguments%files) + 1))
+            more(:size(arguments%files)) = arguments%files
+            more(size(more)) = word
+            call move_alloc(more, arguments%files)
+            cycle
+         end if
+         select case (word)
+         case ('--')
+            only_files = .true.
+         case ('--help', '-h')
+            arguments%help = .true.
+         case ('--version')
+            arguments%version = .true.
+         case ('--quiet', '-q')
+            arguments%quiet = .true.
+         case ('--output-dir')
+            call value_of(word, i, arguments%output_dir, arguments%code)
+         case ('--device4')
+            call value_of(word, i, arguments%device4, arguments%code)
+         case default
+            call say("unknown option '"//word//"'; see --help")
+            arguments%code = exit_bad_input
+         end select
+      end do
+      if (size(arguments%files) == 0) arguments%files = ['-']
+   end subroutine read_arguments
+
+   function argument(i) result(word)
+      integer, intent(in) :: i
+      character(:), allocatable :: word
+      integer :: length
+
+      call get_command_argument(i, length=length)
+      allocate (character(length) :: word)
+      call get_command_argument(i, value=word)
+   end function argument
+
+   subroutine value_of(option, i, value, code)
+      character(*), intent(in) :: option
+      integer, intent(inout) :: i
+      character(:), allocatable, intent(inout) :: value
+      integer, intent(inout) :: code
+
+      i = i + 1
+      if (i <= command_argument_count()) then
+         value = argument(i)
+         if (len(value) > 0) return
+      end if
+      call say(option//' wants a value; see --help')
+      code = exit_bad_input
+   end subroutine value_of
+
+   !> A line on standard error.
+   subroutine say(text)
+      character(*), intent(in) :: text
+
+      call write_standard_error('psalm: '//text//new_line('a'))
+   end subroutine say
+
+   !> Errors and warnings on standard error, one a line.
+   subroutine show_findings(findings)
+      type(diagnostics_t), intent(in) :: findings
+      integer :: i
+
+      do i = 1, findings%count
+         call write_standard_error(findings%list(i)%render()//new_line('a'))
+      end do
+   end subroutine show_findings
+
+   !> Write the files of the devices, then the listing; the exit status is raised if something cannot be written.
+   subroutine write_devices(file, output_dir, devices, code)
+      character(*), intent(in) :: file, output_dir
+      type(devices_t), intent(in) :: devices
+      integer, intent(inout) :: code
+      character(:), allocatable :: stem
+      logical :: done
+
+      stem = stem_of(file, output_dir)
+      if (len(output_dir) > 0) call make_directory(output_dir)
+      if (devices%one%length > 0) call write_one('1', devices%one%content())
+      if (devices%two%length > 0) call write_one('2', devices%two%content())
+      call write_one('7', devices%seven%content())
+      call write_one('8', devices%eight%content())
+      call write_one('9', devices%nine%content())
+      call write_standard_output(devices%six%content(), done)
+      if (.not. done) then
+         call say('cannot write the listing to standard output')
+         code = exit_file_trouble
+      end if
+
+   contains
+
+      subroutine write_one(number, text)
+         character(*), intent(in) :: number, text
+
+         call write_whole_file(stem//'.dev'//number, text, done)
+         if (done) return
+         call say("cannot write '"//stem//'.dev'//number//"'")
+         code = exit_file_trouble
+      end subroutine write_one
+   end subroutine write_devices
+
+   !> Name of the devices' files without `.devN`: that of the case without its ending.
+   pure function stem_of(file, output_dir) result(stem)
+      character(*), intent(in) :: file, output_dir
+      character(:), allocatable :: stem
+      integer :: slash, dot
+
+      stem = trim(file)
+      if (stem == '-') stem = 'psalm'
+      slash = index(stem, '/', back=.true.)
+      dot = index(stem, '.', back=.true.)
+      if (dot > slash + 1) stem = stem(:dot - 1)
+      if (len(output_dir) > 0) stem = output_dir//'/'//stem(slash + 1:)
+   end function stem_of
+
+   subroutine show_progress(self, state)
+      class(progress_t), intent(inout) :: self
+      type(search_state_t), intent(in) :: state
+      integer(int64) :: now, rate
+      real(dp) :: seconds
+      character(100) :: line
+
+      if (.not. self%active) then
+         if (.not. error_is_terminal()) return
+         call system_clock(self%started)
+         self%shown = self%started
+         self%active = .true.
+      end if
+      call system_clock(now, rate)
+      if (now - self%shown < rate/10) return
+      self%shown = now
+      seconds = real(now - self%started, dp)/real(rate, dp)
+      write (line, '(a,i0,a,i0,a,a,a,a,a,i0,a,i0,a)') 'iteration ', state%iteration, ' of ', state%limit, '  best ', &
+         trim(adjustl(general(state%best))), '  worst ', trim(adjustl(general(state%worst))), '  ', &
+         nint(real(state%evaluations, dp)/seconds), ' evaluations/s  ', &
+         nint(seconds*real(state%limit - state%iteration, dp)/real(max(1, state%iteration), dp)), ' s to NITER'
+      call write_standard_error(achar(13)//line)
+   end subroutine show_progress
+end module psalm_console

@@ -1,0 +1,312 @@
+!> Device 8: the annotated input, the intermediate arrays of SETUP, and the table of all arcs (KTHETA).
+!>
+!> Layout of Oldham (1977), figures 7.3 and C1.
+module psalm_check_list
+   use psalm_angles, only: degrees_of, within_turn
+   use psalm_data_set, only: data_set_t, motion_point, motion_angle, motion_distance
+   use psalm_error, only: problem_t, motion_t
+   use psalm_finale, only: list_dimensions, list_reference, list_output_arc
+   use psalm_kinds, only: wp
+   use psalm_setup, only: topology_t, dimensions_t, arc_link, arc_slide
+   use psalm_text, only: text_t, fixed, general, to_text
+   implicit none (type, external)
+   private
+   public :: list_input, list_setup, list_arcs
+
+   integer, parameter :: column = 10      !! width of a dimension
+   integer, parameter :: per_row = 5      !! values in a row of positions
+   real(wp), parameter :: link_mark = 1.0_wp    !! SLIDE and CONFIG: a link
+   real(wp), parameter :: slide_mark = 1.57_wp  !! SLIDE and CONFIG: a slide (a right angle, radians)
+
+contains
+
+   !> Append the annotated input.
+   subroutine list_input(heading, set, topology, dimensions, text)
+      character(*), intent(in) :: heading    !! program and version
+      type(data_set_t), intent(in) :: set
+      type(topology_t), intent(in) :: topology
+      type(dimensions_t), intent(in) :: dimensions
+      type(text_t), intent(inout) :: text
+      type(dimensions_t) :: as_written
+
+      call text%add(heading)
+      call text%add()
+      call text%add(' '//set%title)
+      call text%add(' MOTION  NLOOP MAXARC ILKOUT INGOUT   ICRK   IORIG KTHETA  IPLOT')
+      call text%add(integers([set%motion, set%nloop, set%maxarc, set%ilkout, set%ingout, set%icrk, set%iorig, set%ktheta, &
+                              set%iplot], 7))
+      as_written = dimensions
+      as_written%arcl = reshape(set%arcl, [size(set%arcl)])
+      as_written%gama = reshape(set%gama, [size(set%gama)])
+      call list_dimensions(topology, as_written, .false., text)
+      call list_reference(topology, set%crnki, text)
+      call text%add(' POLAR CO-ORDINATES (LENGTH, ANGLE) OF')
+      call text%add(' INPUT PIVOT '//fixed(set%origlk, column, 3)//fixed(set%origng, column, 4))
+      call text%add(' OUTPUT ARC  '//fixed(set%outlk, column, 3)//fixed(set%outang, column, 4))
+      call list_output_arc(set, text)
+      if (set%ikin /= 0) then
+         call text%add(' ANALYSIS EVERY '//to_text(set%ikin)//' DEGREES')
+      else
+         call list_positions(set, topology, text)
+      end if
+      call text%add(' TOPOLOGICAL ARRAY, ILINK')
+      call loop_rows(set%ilink, text)
+      call text%add(' TOPOLOGICAL ARRAY, ILOOP')
+      call loop_rows(set%iloop, text)
+      if (.not. topology%has_search()) return
+      call text%add(' ARRAY OF VARIABLE ARC LENGTHS, IVA')
+      call loop_rows(set%iva, text)
+      call text%add(' ARRAY OF VARIABLE ARC ANGLES, IVG')
+      call loop_rows(set%ivg, text)
+   end subroutine list_input
+
+   !> Desired values, weights and inputs, five in a row.
+   subroutine list_positions(set, topology, text)
+      type(data_set_t), intent(in) :: set
+      type(topology_t), intent(in) :: topology
+      type(text_t), intent(inout) :: text
+
+      call text%add(' NUMBER OF DESIRED POSITIONS, NDES'//trim(integers([set%ndes], 7)))
+      if (set%desired) then
+         select case (set%motion)
+         case (motion_point)
+            call text%add(' THE DESIRED POINTS ARE RELATIVE TO XADD, YADD')
+            call rows([set%xadd, set%yadd])
+            call text%add(' THE DESIRED X CO-ORDINATE')
+            call rows(set%desx)
+            call text%add(' WEIGHTING FACTORS FOR THE VALUES ABOVE')
+            call rows(set%xmult)
+            call text%add(' THE DESIRED Y CO-ORDINATE')
+            call rows(set%desy)
+            call text%add(' WEIGHTING FACTORS FOR THE VALUES ABOVE')
+            call rows(set%ymult)
+         case default
+            if (set%motion == motion_angle) then
+               call text%add(' THE DESIRED OUTPUT ANGLE')
+            else if (set%motion == motion_distance) then
+               call text%add(' THE DESIRED OUTPUT DISTANCE')
+            else
+               call text%add(' THE DESIRED SLIDING LENGTH')
+            end if
+            call rows(set%desang)
+            call text%add(' WEIGHTING FACTORS FOR THE VALUES ABOVE')
+            call rows(set%anmult)
+         end select
+      end if
+      if (topology%sliding_input) then
+         call text%add(' THE DESIRED INPUT LENGTH')
+      else
+         call text%add(' THE DESIRED CRANK INPUT ANGLE')
+      end if
+      call rows(set%delt)
+
+   contains
+
+      subroutine rows(values)
+         real(wp), intent(in) :: values(:)
+         character(:), allocatable :: line
+         integer :: i, k
+
+         do i = 1, size(values), per_row
+            line = ''
+            do k = i, min(i + per_row - 1, size(values))
+               line = line//general(values(k))
+            end do
+            call text%add(line)
+         end do
+      end subroutine rows
+   end subroutine list_positions
+
+   !> Append the intermediate arrays and the control values.
+   subroutine list_setup(set, problem, text)
+      type(data_set_t), intent(in) :: set
+      type(problem_t), intent(in) :: problem
+      type(text_t), intent(inout) :: text
+
+      associate (topology => problem%topology)
+         call text%add()
+         call text%add(' NUMBER OF ARCS IN EACH LOOP, LOOPL')
+         call text%add(integers(topology%loopl, 5))
+         call text%add(' UNDETERMINED ARCS IN EACH LOOP, LARCX')
+         call loop_rows(topology%larcx, text)
+         call text%add(' INDICES OF ARCS THAT PROVIDE DATA FOR OTHER ARCS, LARCD')
+         call by_loop(topology, topology%larcd, text)
+         call text%add(' INDICES OF FRAME ARCS CORRESPONDING TO LARCD, LARCF')
+         call by_loop(topology, topology%larcf, text)
+         call text%add(' ARRAY OF IDENTICAL ARCS, IDENTA')
+         call by_loop(topology, topology%identa, text)
+         if (topology%has_search()) then
+            call text%add(' ARRAY OF VARIABLES CORRESPONDING TO ARCS')
+            call by_loop(topology, topology%length_variable, text)
+            call text%add(' ARRAY OF VARIABLES CORRESPONDING TO ANGLES')
+            call by_loop(topology, topology%angle_variable, text)
+         end if
+         call text%add(' NUMBER OF OPTIMIZATION VARIABLES, MARBLE '//to_text(size(topology%variables)))
+         call list_dyads(topology, text)
+      end associate
+      call list_controls(set, text)
+      call list_pruned(problem, text)
+   end subroutine list_setup
+
+   subroutine list_dyads(topology, text)
+      type(topology_t), intent(in) :: topology
+      type(text_t), intent(inout) :: text
+      character(:), allocatable :: line
+      integer :: loop, which, n
+
+      call text%add(' ARRAYS "JOINT", "SLIDE", "CONFIG"')
+      call text%add(integers(topology%joint, 8))
+      do which = 1, 2
+         line = ''
+         do loop = 1, topology%nloop
+            n = topology%seq(loop, topology%larcx(which, loop))
+            associate (arc => topology%arcs(n))
+               line = line//fixed(-real(arc%sign, wp)*merge(slide_mark, link_mark, arc%kind == arc_slide), column, 2)
+            end associate
+         end do
+         call text%add(line)
+      end do
+   end subroutine list_dyads
+
+   subroutine list_controls(set, text)
+      type(data_set_t), intent(in) :: set
+      type(text_t), intent(inout) :: text
+
+      call text%add('      FMIN     SMALL       VAR    TANGLE    TOGGLE    STEPIN')
+      call text%add(reals([set%fmin, set%small, set%var, set%tangle, set%toggle, set%stepin]))
+      call text%add('    BOUNCE    EXPAND     SNAKE    REDUCE    SHRINK')
+      call text%add(reals([set%bounce, set%expand, set%snake, set%reduce, set%shrink]))
+      call text%add(' NGUESS   IKIN LIMVAL  NVIOL  NITER NCHECK NPRINT   NPRT')
+      call text%add(integers([set%nguess, set%ikin, set%limval, set%nviol, set%niter, set%ncheck, set%nprint, set%nprt], 7))
+   end subroutine list_controls
+
+   !> What the output does not depend on is not solved; say so.
+   subroutine list_pruned(problem, text)
+      type(problem_t), intent(in) :: problem
+      type(text_t), intent(inout) :: text
+      character(:), allocatable :: kept, dropped
+      integer :: loop
+
+      if (all(problem%plan%solved)) return
+      kept = ''
+      dropped = ''
+      do loop = 1, problem%topology%nloop
+         if (problem%plan%solved(loop)) then
+            kept = kept//' '//to_text(loop)
+         else
+            dropped = dropped//' '//to_text(loop)
+         end if
+      end do
+      if (len(kept) == 0) kept = ' NONE'
+      call text%add(' LOOPS THE OUTPUT DEPENDS ON:'//kept)
+      call text%add(' LOOPS NOT SOLVED (KTHETA=1 SOLVES ALL):'//dropped)
+   end subroutine list_pruned
+
+   !> Length and angle of every arc at every position. `problem` is bound to the linkage; `motion` is its motion.
+   subroutine list_arcs(problem, motion, text)
+      type(problem_t), intent(inout) :: problem
+      type(motion_t), intent(in) :: motion
+      type(text_t), intent(inout) :: text
+      integer :: block, offset, n, i, loop
+      logical :: open
+      character(:), allocatable :: lengths, angles
+
+      call text%add()
+      call text%add(' LENGTHS AND ANGLES OF ALL ARCS')
+      do block = 1, problem%blocks()
+         call problem%solve_block(block, offset, n)
+         do i = 1, n
+            call text%add()
+            call text%add(' INPUT'//general(motion%input(offset + i)))
+            open = .false.
+            do loop = 1, problem%topology%nloop
+               open = .not. problem%linkage%closes(i, loop)
+               if (open) then
+                  call text%add(' LOOP '//to_text(loop)//' DOES NOT CLOSE')
+                  exit
+               end if
+               call arc_lines(problem, i, loop, lengths, angles)
+               call text%add(lengths)
+               call text%add(angles)
+            end do
+            if (open .and. loop < problem%topology%nloop) call text%add(' THE LOOPS AFTER IT ARE NOT DETERMINED')
+         end do
+      end do
+   end subroutine list_arcs
+
+   subroutine arc_lines(problem, i, loop, lengths, angles)
+      type(problem_t), intent(in) :: problem
+      integer, intent(in) :: i, loop
+      character(:), allocatable, intent(out) :: lengths, angles
+      real(wp) :: x, y, length
+      integer :: a, n, root
+
+      lengths = ''
+      angles = ''
+      do a = 1, problem%topology%loopl(loop)
+         n = problem%topology%seq(loop, a)
+         associate (link => problem%linkage, plan => problem%plan)
+            root = plan%root(n)
+            x = link%x(n)*link%root_x(i, root) - link%y(n)*link%root_y(i, root)
+            y = link%x(n)*link%root_y(i, root) + link%y(n)*link%root_x(i, root)
+            length = link%length(n)/link%scale
+            if (plan%length_slot(n) > 0) length = link%slide(i, plan%length_slot(n))/link%scale
+         end associate
+         lengths = lengths//general(length)
+         angles = angles//general(within_turn(degrees_of(x, y)))
+      end do
+   end subroutine arc_lines
+
+   ! ---- rows --------------------------------------------------------------------------------------------------------
+
+   pure function integers(values, width) result(line)
+      integer, intent(in) :: values(:), width
+      character(:), allocatable :: line
+      character(width) :: buffer
+      integer :: i
+
+      line = ''
+      do i = 1, size(values)
+         write (buffer, '(i0)') values(i)
+         line = line//adjustr(buffer)
+      end do
+   end function integers
+
+   pure function reals(values) result(line)
+      real(wp), intent(in) :: values(:)
+      character(:), allocatable :: line
+      character(column) :: buffer
+      integer :: i
+
+      line = ''
+      do i = 1, size(values)
+         write (buffer, '(f10.4)') values(i)
+         if (buffer(1:1) == '*') write (buffer, '(es10.3)') values(i)
+         line = line//buffer
+      end do
+   end function reals
+
+   subroutine loop_rows(values, text)
+      integer, intent(in) :: values(:, :)  !! shape (columns, loops)
+      type(text_t), intent(inout) :: text
+      integer :: loop
+
+      do loop = 1, size(values, 2)
+         call text%add(integers(values(:, loop), max(5, widest(values) + 2)))
+      end do
+   end subroutine loop_rows
+
+   subroutine by_loop(topology, values, text)
+      type(topology_t), intent(in) :: topology
+      integer, intent(in) :: values(:)     !! by sequential number
+      type(text_t), intent(inout) :: text
+
+      call loop_rows(reshape(values, [topology%maxarc, topology%nloop]), text)
+   end subroutine by_loop
+
+   pure integer function widest(values)
+      integer, intent(in) :: values(:, :)
+
+      widest = len(to_text(maxval(abs(values))))
+   end function widest
+end module psalm_check_list

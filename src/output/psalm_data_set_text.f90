@@ -1,0 +1,159 @@
+!> A linkage as text that can be read again: the vertices of a search and the complete data set, device 7.
+!>
+!> Numbers of the data set have as many digits as it takes to read the same bits back. The vertices stand in comment lines,
+!> so that `psalm` reads the file as a case; as device 4 it supplies vertices.
+module psalm_data_set_text
+   use psalm_data_set, only: data_set_t, motion_point
+   use psalm_kinds, only: wp
+   use psalm_setup, only: topology_t, dimensions_t
+   use psalm_start, only: values_per_record
+   use psalm_text, only: text_t, general, full_precision, to_text
+   implicit none (type, external)
+   private
+   public :: write_vertices, write_data_set
+
+   integer, parameter :: line_room = 100  !! columns of a line of values
+
+contains
+
+   !> Append vertices: label, number, coordinates in the format (5X,5G15.7), the objective after the last coordinate.
+   subroutine write_vertices(label, vertices, objectives, text)
+      character(1), intent(in) :: label           !! I for the initial simplex, F for the final one
+      real(wp), intent(in) :: vertices(:, :)      !! shape (marble, marble+1)
+      real(wp), intent(in) :: objectives(:)       !! shape (marble+1)
+      type(text_t), intent(inout) :: text
+      character(5) :: head
+      character(:), allocatable :: line
+      real(wp) :: row(size(vertices, 1) + 1)
+      integer :: i, k, m
+
+      do i = 1, size(objectives)
+         row = [vertices(:, i), objectives(i)]
+         do k = 1, size(row), values_per_record
+            head = '!'
+            if (k == 1) write (head, '("!",a1,i3)') label, mod(i, 1000)
+            line = head
+            do m = k, min(k + values_per_record - 1, size(row))
+               line = line//general(row(m))
+            end do
+            call text%add(line)
+         end do
+      end do
+   end subroutine write_vertices
+
+   !> Append the complete data set of a linkage, as an analysis: what was variable is told in comments.
+   subroutine write_data_set(set, topology, dimensions, text)
+      type(data_set_t), intent(in) :: set
+      type(topology_t), intent(in) :: topology
+      type(dimensions_t), intent(in) :: dimensions
+      type(text_t), intent(inout) :: text
+      integer :: loop
+
+      call text%add(set%title)
+      call text%add(' &LINKS NLOOP='//to_text(set%nloop)//', MAXARC='//to_text(set%maxarc)//',')
+      call integer_rows('ILINK', set%ilink)
+      call integer_rows('ILOOP', set%iloop)
+      call real_rows('ARCL', dimensions%arcl)
+      call real_rows('GAMA', dimensions%gama)
+      call text%add('  NOUTLK='//to_text(set%noutlk)//', NOUTLP='//to_text(set%noutlp)//', OUTLK='// &
+                    full_precision(dimensions%outlk)//', OUTANG='//full_precision(dimensions%outang)//' &END')
+      call text%add(' &METHOD MOTION='//to_text(set%motion)//', CRNKI='//full_precision(dimensions%crnki)//',')
+      call text%add('  ORIGLK='//full_precision(dimensions%origlk)//', ORIGNG='//full_precision(dimensions%origng)//',')
+      if (set%ikin /= 0) then
+         call text%add('  IKIN='//to_text(set%ikin)//',')
+      else
+         call write_positions()
+      end if
+      if (topology%has_search()) call write_variables()
+      call text%add(' &END')
+      call text%add(' &LIMITS TANGLE='//full_precision(set%tangle)//', TOGGLE='//full_precision(set%toggle)//',')
+      call text%add('  KTHETA='//to_text(set%ktheta)//', IPLOT='//to_text(set%iplot)//', LAST='//to_text(set%last)//' &END')
+
+   contains
+
+      subroutine integer_rows(name, values)
+         character(*), intent(in) :: name
+         integer, intent(in) :: values(:, :)
+         character(:), allocatable :: line
+         integer :: a
+
+         do loop = 1, size(values, 2)
+            line = '  '
+            if (loop == 1) line = line//name//'='
+            do a = 1, size(values, 1)
+               if (len(line) > line_room) then
+                  call text%add(line)
+                  line = '  '
+               end if
+               line = line//to_text(values(a, loop))//','
+            end do
+            call text%add(line)
+         end do
+      end subroutine integer_rows
+
+      subroutine real_rows(name, values)
+         character(*), intent(in) :: name
+         real(wp), intent(in) :: values(:)
+
+         do loop = 1, topology%nloop
+            call real_row(merge(name//'=', repeat(' ', len(name) + 1), loop == 1), &
+                          values(topology%seq(loop, 1):topology%seq(loop, topology%maxarc)))
+         end do
+      end subroutine real_rows
+
+      subroutine real_row(head, values)
+         character(*), intent(in) :: head
+         real(wp), intent(in) :: values(:)
+         character(:), allocatable :: line
+         integer :: a
+
+         line = '  '//head
+         do a = 1, size(values)
+            if (len(line) > line_room) then
+               call text%add(line)
+               line = '  '
+            end if
+            if (values(a) == 0.0_wp) then
+               line = line//'0.0,'
+            else
+               line = line//full_precision(values(a))//','
+            end if
+         end do
+         call text%add(line)
+      end subroutine real_row
+
+      subroutine write_positions()
+
+         call text%add('  NDES='//to_text(set%ndes)//',')
+         call real_row('DELT=', set%delt)
+         if (.not. set%desired) return
+         if (set%motion == motion_point) then
+            call text%add('  XADD='//full_precision(set%xadd)//', YADD='//full_precision(set%yadd)//',')
+            call real_row('DESX=', set%desx)
+            call real_row('DESY=', set%desy)
+            call real_row('XMULT=', set%xmult)
+            call real_row('YMULT=', set%ymult)
+         else
+            call real_row('DESANG=', set%desang)
+            call real_row('ANMULT=', set%anmult)
+         end if
+      end subroutine write_positions
+
+      subroutine write_variables()
+         character(:), allocatable :: line
+         integer :: a, which
+
+         do which = 1, 2
+            do loop = 1, set%nloop
+               line = '! '//merge('IVA ', 'IVG ', which == 1)
+               do a = 1, set%maxarc
+                  line = line//' '//to_text(merge(set%iva(a, loop), set%ivg(a, loop), which == 1))
+               end do
+               call text%add(line)
+            end do
+         end do
+         call text%add('! ILKOUT='//to_text(set%ilkout)//' INGOUT='//to_text(set%ingout)//' IORIG='//to_text(set%iorig)// &
+                       ' ICRK='//to_text(set%icrk)//' NITER='//to_text(set%niter)//' ISTART='//to_text(set%istart))
+      end subroutine write_variables
+   end subroutine write_data_set
+end module psalm_data_set_text

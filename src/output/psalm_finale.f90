@@ -1,0 +1,276 @@
+!> FINALE: the listing of the final linkage and its motion, device 6.
+!>
+!> Layout and numbers follow the published listing (Oldham 1977, figure 7.2), so that listings can be compared.
+module psalm_finale
+   use psalm_angles, only: unit_vector
+   use psalm_data_set, only: data_set_t, motion_point, motion_angle, motion_distance
+   use psalm_error, only: problem_t, motion_t, violation_t, violation_too_short, violation_too_long, violation_parallel, &
+                          violation_angle_small, violation_angle_large
+   use psalm_kinds, only: wp
+   use psalm_plan, only: root_frame
+   use psalm_setup, only: dimensions_t, topology_t
+   use psalm_text, only: text_t, fixed, general, to_text
+   implicit none (type, external)
+   private
+   public :: list_results, list_dimensions, list_reference, list_output_arc, arc_table, describe_violation, motion_headings
+
+   integer, parameter :: column = 10   !! width of a dimension
+   integer, parameter :: wide = 15     !! width of a value of the motion table
+
+contains
+
+   !> Append the whole listing. `problem` is bound to `dimensions`.
+   subroutine list_results(set, problem, dimensions, motion, text)
+      type(data_set_t), intent(in) :: set
+      type(problem_t), intent(in) :: problem
+      type(dimensions_t), intent(in) :: dimensions
+      type(motion_t), intent(in) :: motion
+      type(text_t), intent(inout) :: text
+
+      call text%add(' '//set%title)
+      call text%add()
+      call list_dimensions(problem%topology, dimensions, .true., text)
+      call list_reference(problem%topology, dimensions%crnki, text)
+      call text%add(' POLAR CO-ORDINATES (LENGTH, ANGLE) OF')
+      call text%add(' INPUT PIVOT '//fixed(dimensions%origlk, column, 3)//fixed(dimensions%origng, column, 4, tie_away=.true.))
+      call text%add(' OUTPUT LINK '//fixed(dimensions%outlk, column, 3)//fixed(dimensions%outang, column, 4, tie_away=.true.))
+      call list_output_arc(set, text)
+      call list_cartesian(problem, dimensions, text)
+      call list_motion(problem, motion, text)
+   end subroutine list_results
+
+   !> Lengths and angles of every arc. In the results (`through_radians`) the columns are headed and ties of angles round up.
+   subroutine list_dimensions(topology, dimensions, through_radians, text)
+      type(topology_t), intent(in) :: topology
+      type(dimensions_t), intent(in) :: dimensions
+      logical, intent(in) :: through_radians
+      type(text_t), intent(inout) :: text
+
+      call text%add(' ARRAY OF ARC LENGTHS, ARCL')
+      if (through_radians) call column_heads('L', topology%maxarc, text)
+      call arc_table(topology, dimensions%arcl, .false., text)
+      call text%add(' ARRAY OF ARC ANGLES, GAMA')
+      if (through_radians) call column_heads('G', topology%maxarc, text)
+      call arc_table(topology, dimensions%gama, through_radians, text)
+   end subroutine list_dimensions
+
+   subroutine column_heads(letter, count, text)
+      character(*), intent(in) :: letter
+      integer, intent(in) :: count
+      type(text_t), intent(inout) :: text
+      character(column) :: head
+      character(:), allocatable :: line
+      integer :: i
+
+      line = ''
+      do i = 1, count
+         head = letter//to_text(i)
+         line = line//adjustr(head)
+      end do
+      call text%add(line)
+   end subroutine column_heads
+
+   !> One row for each loop, three decimals.
+   subroutine arc_table(topology, values, tie_away, text)
+      type(topology_t), intent(in) :: topology
+      real(wp), intent(in) :: values(:)   !! by sequential number
+      logical, intent(in) :: tie_away     !! ties away from zero
+      type(text_t), intent(inout) :: text
+      character(:), allocatable :: line
+      integer :: loop, a
+
+      do loop = 1, topology%nloop
+         line = ''
+         do a = 1, topology%maxarc
+            line = line//fixed(values(topology%seq(loop, a)), column, 3, tie_away)
+         end do
+         call text%add(line)
+      end do
+   end subroutine arc_table
+
+   subroutine list_reference(topology, value, text)
+      type(topology_t), intent(in) :: topology
+      real(wp), intent(in) :: value
+      type(text_t), intent(inout) :: text
+
+      if (topology%sliding_input) then
+         call text%add(' THE REFERENCE INPUT LENGTH')
+      else
+         call text%add(' THE REFERENCE CRANK ANGLE')
+      end if
+      call text%add(fixed(value, column, 3))
+   end subroutine list_reference
+
+   subroutine list_output_arc(set, text)
+      type(data_set_t), intent(in) :: set
+      type(text_t), intent(inout) :: text
+
+      call text%add(' OUTPUT ARC IS MEASURED FROM THE '//trim(merge('START ', 'FINISH', set%noutlk < 0))//' OF ARC '// &
+                    to_text(abs(set%noutlk))//' IN LOOP '//to_text(set%noutlp))
+   end subroutine list_output_arc
+
+   !> Cartesian dimensions: frame arcs in machine axes, the last arc of each loop turned round so that it leads from the input
+   !> pivot to the frame joint; other arcs in the axes of the arc they hang on.
+   subroutine list_cartesian(problem, dimensions, text)
+      type(problem_t), intent(in) :: problem
+      type(dimensions_t), intent(in) :: dimensions
+      type(text_t), intent(inout) :: text
+      real(wp), allocatable :: x(:), y(:)
+      real(wp) :: c, s
+      integer :: loop, a, n
+
+      call text%add(' INPUT PIVOT (X,Y)')
+      call unit_vector(dimensions%origng, c, s)
+      call text%add(fixed(dimensions%origlk*c, column, 3)//fixed(dimensions%origlk*s, column, 3))
+      allocate (x(size(dimensions%arcl)), y(size(dimensions%arcl)), source=0.0_wp)
+      do loop = 1, problem%topology%nloop
+         do a = 1, problem%topology%loopl(loop)
+            n = problem%topology%seq(loop, a)
+            if (problem%plan%root(n) == root_frame .and. problem%topology%arcs(n)%dyad == 0) then
+               c = problem%linkage%x(n)
+               s = problem%linkage%y(n)
+               if (a == problem%topology%loopl(loop)) then
+                  c = -c
+                  s = -s
+               end if
+            else
+               call unit_vector(dimensions%gama(n), c, s)
+            end if
+            x(n) = dimensions%arcl(n)*c
+            y(n) = dimensions%arcl(n)*s
+         end do
+      end do
+      call text%add(' ARRAY OF LINK X DIMENSIONS, XLINK')
+      call column_heads('L', problem%topology%maxarc, text)
+      call arc_table(problem%topology, x, .false., text)
+      call text%add(' ARRAY OF LINK Y DIMENSIONS, YLINK')
+      call column_heads('L', problem%topology%maxarc, text)
+      call arc_table(problem%topology, y, .false., text)
+      call text%add(' OUTPUT LINK (X,Y)')
+      call unit_vector(dimensions%outang, c, s)
+      call text%add(fixed(dimensions%outlk*c, column, 3)//fixed(dimensions%outlk*s, column, 3))
+   end subroutine list_cartesian
+
+   !> Heading of the motion table.
+   pure function motion_headings(problem) result(line)
+      type(problem_t), intent(in) :: problem
+      character(:), allocatable :: line
+
+      line = merge('   INPUT LENGTH', '    CRANK ANGLE', problem%topology%sliding_input)
+      select case (problem%motion)
+      case (motion_point)
+         if (problem%desired) line = line//'      DESIRED X      DESIRED Y'
+         line = line//'       ACTUAL X       ACTUAL Y'
+         if (problem%desired) line = line//'        ERROR X        ERROR Y'
+         return
+      case (motion_angle)
+         if (problem%desired) line = line//'  DESIRED ANGLE'
+         line = line//'   ACTUAL ANGLE'
+      case (motion_distance)
+         if (problem%desired) line = line//' DESIRED DIST. '
+         line = line//'  ACTUAL DIST. '
+      case default
+         if (problem%desired) line = line//' DESIRED LENGTH'
+         line = line//'  ACTUAL LENGTH'
+      end select
+      if (problem%desired) line = line//'          ERROR'
+   end function motion_headings
+
+   !> Desired, actual and error at every position; then the violations.
+   subroutine list_motion(problem, motion, text)
+      type(problem_t), intent(in) :: problem
+      type(motion_t), intent(in) :: motion
+      type(text_t), intent(inout) :: text
+      character(:), allocatable :: line
+      logical :: point
+      integer :: i
+
+      point = problem%motion == motion_point
+      call text%add()
+      call text%add(motion_headings(problem))
+      do i = 1, size(motion%input)
+         line = general(motion%input(i))
+         if (problem%desired) then
+            line = line//general(problem%wanted(i))
+            if (point) line = line//general(problem%wanted_y(i))
+         end if
+         if (motion%closed(i)) then
+            line = line//general(motion%actual(i))
+            if (point) line = line//general(motion%actual_y(i))
+            if (problem%desired) then
+               line = line//general(motion%error(i))
+               if (point) line = line//general(motion%error_y(i))
+            end if
+         else
+            line = line//'   DOES NOT CLOSE'
+         end if
+         call text%add(line)
+      end do
+      if (problem%desired) then
+         if (all(motion%closed)) then
+            call text%add(' TOTAL ERROR')
+         else
+            call text%add(' TOTAL ERROR OF THE POSITIONS THAT CLOSE')
+         end if
+         call text%add(general(motion%total))
+      end if
+      if (size(motion%violations) == 0) return
+      call text%add()
+      call text%add(' CONSTRAINTS VIOLATED')
+      do i = 1, size(motion%violations)
+         call text%add(' '//describe_violation(problem, motion, motion%violations(i)))
+      end do
+   end subroutine list_motion
+
+   !> A violation in words: loop, dyad, positions and by how much.
+   function describe_violation(problem, motion, violation) result(text)
+      type(problem_t), intent(in) :: problem
+      type(motion_t), intent(in) :: motion
+      type(violation_t), intent(in) :: violation
+      character(:), allocatable :: text
+      character(:), allocatable :: pair, p, q
+      integer :: joint
+
+      joint = problem%topology%joint(violation%loop)
+      p = to_text(problem%topology%larcx(1, violation%loop))
+      q = to_text(problem%topology%larcx(2, violation%loop))
+      pair = 'ARCS '//p//' AND '//q
+      text = 'LOOP '//to_text(violation%loop)//', DYAD OF TYPE '//to_text(joint)//' ('//pair//'), POSITION'
+      if (violation%first == violation%last) then
+         text = text//' '//to_text(violation%first)
+      else
+         text = text//'S '//to_text(violation%first)//' TO '//to_text(violation%last)
+      end if
+      text = text//': '
+      select case (violation%kind)
+      case (violation_too_short)
+         if (joint == 1) then
+            text = text//'BOTH LINKS ARE TOO SHORT BY '//amount()
+         else
+            text = text//'LINK '//merge(p, q, joint == 4)//' IS TOO SHORT BY '//amount()
+         end if
+      case (violation_too_long)
+         if (joint == 1) then
+            text = text//'THE DIFFERENCE OF THE LINKS IS TOO GREAT BY '//amount()
+         else
+            text = text//'GUIDE '//merge(q, p, joint == 2)//' IS TOO LONG BY '//amount()
+         end if
+      case (violation_parallel)
+         text = text//'THE SLIDES ARE PARALLEL'
+      case (violation_angle_small, violation_angle_large)
+         text = text//'TRANSMISSION ANGLE '//amount()//', OUTSIDE 90 +- '//trim(adjustl(general(problem%tangle)))
+      end select
+      if (violation%first /= violation%last .and. violation%kind /= violation_parallel) then
+         text = text//' AT WORST (POSITION '//to_text(violation%worst)//')'
+      end if
+      text = text//'; INPUT '//trim(adjustl(general(motion%input(violation%worst))))
+
+   contains
+
+      function amount() result(words)
+         character(:), allocatable :: words
+
+         words = trim(adjustl(general(violation%amount)))
+      end function amount
+   end function describe_violation
+end module psalm_finale

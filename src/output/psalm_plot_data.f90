@@ -1,0 +1,61 @@
+!> Device 9: the motion as a table any program reads.
+!>
+!> Comment lines begin with `#`, the first of them names the columns; one row for each input position, 17 significant digits,
+!> a closed column of 0 or 1. Blocks are two blank lines apart (gnuplot's `index`).
+module psalm_plot_data
+   use psalm_data_set, only: motion_point, motion_angle
+   use psalm_error, only: problem_t, motion_t
+   use psalm_text, only: text_t, full_precision
+   implicit none (type, external)
+   private
+   public :: write_block
+
+contains
+
+   !> Append a block. With `desired_columns` they are there in every block; positions without a desired value hold `NaN`.
+   subroutine write_block(title, name, desired_columns, problem, motion, text)
+      character(*), intent(in) :: title     !! of the case
+      character(*), intent(in) :: name      !! of the block
+      logical, intent(in) :: desired_columns !! the case has desired values
+      type(problem_t), intent(in) :: problem
+      type(motion_t), intent(in) :: motion
+      type(text_t), intent(inout) :: text
+      character(:), allocatable :: line
+      integer :: i
+
+      if (text%length > 0) then
+         call text%add()
+         call text%add()
+      end if
+      line = '# input closed'
+      if (problem%motion == motion_point) then
+         line = line//' actual_x actual_y'
+         if (desired_columns) line = line//' desired_x desired_y'
+      else
+         line = line//' actual'
+         if (desired_columns) line = line//' desired'
+      end if
+      call text%add(line)
+      call text%add('# '//title)
+      call text%add('# '//name//'; input in '//trim(merge('length ', 'degrees', problem%topology%sliding_input))// &
+                    ', output in '//trim(merge('degrees', 'length ', problem%motion == motion_angle)))
+      do i = 1, size(motion%input)
+         line = full_precision(motion%input(i))//merge(' 1', ' 0', motion%closed(i))
+         if (motion%closed(i)) then
+            line = line//' '//full_precision(motion%actual(i))
+            if (problem%motion == motion_point) line = line//' '//full_precision(motion%actual_y(i))
+         else
+            line = line//' NaN'
+            if (problem%motion == motion_point) line = line//' NaN'
+         end if
+         if (problem%desired) then
+            line = line//' '//full_precision(problem%wanted(i))
+            if (problem%motion == motion_point) line = line//' '//full_precision(problem%wanted_y(i))
+         else if (desired_columns) then
+            line = line//' NaN'
+            if (problem%motion == motion_point) line = line//' NaN'
+         end if
+         call text%add(line)
+      end do
+   end subroutine write_block
+end module psalm_plot_data

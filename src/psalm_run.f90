@@ -1,0 +1,203 @@
+!> One case from data set to listings and devices: SETUP, START, SIMPLX, FINALE in their order.
+!>
+!> Nothing is printed here and no file is written; the caller gets texts, messages and an exit status.
+module psalm_run
+   use psalm_check_list, only: list_input, list_setup, list_arcs
+   use psalm_constr, only: constraints_t, make_constraints
+   use psalm_data_set, only: data_set_t
+   use psalm_data_set_text, only: write_vertices, write_data_set
+   use psalm_error, only: problem_t, motion_t, make_problem
+   use psalm_finale, only: list_results, describe_violation
+   use psalm_kinds, only: wp, full_turn
+   use psalm_plot_data, only: write_block
+   use psalm_setup, only: topology_t, dimensions_t, set_up
+   use psalm_simplx, only: search_monitor_t, search_state_t, search_simplex, stop_iterations, stop_converged
+   use psalm_source, only: line_t
+   use psalm_start, only: simplex_t, start_simplex, read_vertices
+   use psalm_status, only: diagnostics_t, exit_done, exit_violation
+   use psalm_text, only: text_t, general, to_text
+   implicit none (type, external)
+   private
+   public :: devices_t, version, check_case, run_case
+
+   character(*), parameter :: version = '0.1.0' !! of the suite, as in fpm.toml
+
+   !> What the devices receive. Cases of one file follow each other.
+   type :: devices_t
+      type(text_t) :: one     !! progress, random integers, violations
+      type(text_t) :: two     !! limits of the initial simplex, generated coordinates
+      type(text_t) :: six     !! results
+      type(text_t) :: seven   !! vertices and data set
+      type(text_t) :: eight   !! annotated input, intermediate arrays, all arcs
+      type(text_t) :: nine    !! plotting data
+      type(text_t) :: notes   !! remarks for standard error
+      integer :: code = exit_done !! exit status so far
+   end type devices_t
+
+contains
+
+   !> Find every mistake of a case without running it.
+   subroutine check_case(set, supplied, vertices, findings)
+      type(data_set_t), intent(in) :: set
+      type(line_t), intent(in) :: supplied(:)            !! device 4, empty if none
+      real(wp), allocatable, intent(out) :: vertices(:, :) !! shape (marble, nguess)
+      type(diagnostics_t), intent(inout) :: findings
+      type(topology_t) :: topology
+      type(dimensions_t) :: dimensions
+
+      call set_up(set, topology, dimensions, findings)
+      if (findings%failed()) return
+      if (topology%has_search() .and. set%nguess > 0) then
+         call read_vertices(supplied, size(topology%variables), set%nguess, vertices, findings)
+      else
+         allocate (vertices(size(topology%variables), 0))
+      end if
+   end subroutine check_case
+
+   !> Run a case that `check_case` found no fault with.
+   subroutine run_case(set, vertices, devices, monitor)
+      type(data_set_t), intent(in) :: set
+      real(wp), intent(in) :: vertices(:, :)   !! shape (marble, nguess)
+      type(devices_t), intent(inout) :: devices
+      class(search_monitor_t), intent(inout), optional :: monitor
+      type(diagnostics_t) :: repeated
+      type(topology_t) :: topology
+      type(dimensions_t) :: dimensions
+      type(problem_t) :: problem
+      type(motion_t) :: motion
+      integer :: i
+
+      call set_up(set, topology, dimensions, repeated)
+      call make_problem(set, topology, dimensions, problem)
+      call list_input(' *** PSALM, VERSION '//version//' ***', set, topology, dimensions, devices%eight)
+      if (topology%has_search()) call synthesize(set, vertices, problem, dimensions, devices, monitor)
+      call problem%analyse(dimensions, motion)
+      call list_results(set, problem, dimensions, motion, devices%six)
+      call list_setup(set, problem, devices%eight)
+      do i = 1, repeated%count
+         call devices%eight%add(' '//repeated%list(i)%render())
+      end do
+      if (set%ktheta /= 0) call list_arcs(problem, motion, devices%eight)
+      call write_data_set(set, topology, dimensions, devices%seven)
+      call write_plot_data(set, problem, dimensions, motion, devices%nine)
+      call note_violations(set, problem, motion, devices)
+   end subroutine run_case
+
+   !> Search from the given linkage; `dimensions` becomes the best one found.
+   subroutine synthesize(set, vertices, problem, dimensions, devices, monitor)
+      type(data_set_t), intent(in) :: set
+      real(wp), intent(in) :: vertices(:, :)
+      type(problem_t), intent(inout) :: problem
+      type(dimensions_t), intent(inout) :: dimensions
+      type(devices_t), intent(inout) :: devices
+      class(search_monitor_t), intent(inout), optional :: monitor
+      type(constraints_t) :: constraints
+      type(simplex_t) :: simplex
+      type(search_state_t) :: state
+      logical :: feasible
+
+      call make_constraints(set, problem, constraints)
+      call devices%one%add(' '//set%title)
+      call devices%two%add(' '//set%title)
+      call start_simplex(set, problem, constraints, vertices, simplex, feasible, devices%one, devices%two)
+      if (.not. feasible) then
+         call devices%notes%add(set%file//': '//trim(set%title)//': the given linkage violates closure or transmission limits '// &
+                                'and cannot be repaired; no search was made')
+         devices%code = max(devices%code, exit_violation)
+         return
+      end if
+      call write_vertices('I', simplex%v, simplex%f, devices%seven)
+      call search_simplex(set, problem, constraints, simplex, state, devices%one, monitor)
+      call write_vertices('F', simplex%v, simplex%f, devices%seven)
+      call problem%topology%apply(simplex%v(:, simplex%best), dimensions)
+      call tell_search(set, simplex, state, devices)
+   end subroutine synthesize
+
+   subroutine tell_search(set, simplex, state, devices)
+      type(data_set_t), intent(in) :: set
+      type(simplex_t), intent(in) :: simplex
+      type(search_state_t), intent(in) :: state
+      type(devices_t), intent(inout) :: devices
+      character(:), allocatable :: line, reason
+
+      select case (state%reason)
+      case (stop_iterations)
+         reason = 'stopped at NITER before converging'
+         devices%code = max(devices%code, exit_violation)
+      case (stop_converged)
+         reason = 'the simplex has converged'
+      case default
+         reason = 'the objective is below FMIN'
+      end select
+      line = to_text(state%iteration)//' iterations, '//to_text(state%evaluations)//' evaluations, '// &
+             to_text(simplex%repairs%calls)//' violations met, '//to_text(simplex%repairs%repairs)//' repairs, '// &
+             to_text(simplex%repairs%moves)//' moves; best objective '//trim(adjustl(general(state%best)))
+      call devices%one%add(' '//line//'; '//reason)
+      call devices%notes%add(set%file//': '//trim(set%title)//': '//reason//' after '//line)
+   end subroutine tell_search
+
+   !> Device 9: the prescribed positions, and with IPLOT every degree in the direction of the first two.
+   subroutine write_plot_data(set, problem, dimensions, motion, text)
+      type(data_set_t), intent(in) :: set
+      type(problem_t), intent(in) :: problem
+      type(dimensions_t), intent(in) :: dimensions
+      type(motion_t), intent(in) :: motion
+      type(text_t), intent(inout) :: text
+      type(problem_t) :: fine
+      type(motion_t) :: every_degree
+      real(wp) :: sense
+      integer :: i
+
+      call write_block(set%title, 'prescribed positions', problem%desired, problem, motion, text)
+      if (set%iplot == 0) return
+      fine = problem
+      if (problem%topology%sliding_input) then
+         call fine%set_inputs(evenly(problem%delt))
+      else
+         sense = 1.0_wp
+         if (size(problem%delt) > 1) sense = sign(1.0_wp, problem%delt(2) - problem%delt(1))
+         call fine%set_inputs([(problem%delt(1) + sense*real(i, wp), i=0, nint(full_turn) - 1)])
+      end if
+      call fine%analyse(dimensions, every_degree)
+      call write_block(set%title, trim(merge('every degree ', 'evenly spaced', .not. problem%topology%sliding_input)), &
+                       problem%desired, fine, every_degree, text)
+   end subroutine write_plot_data
+
+   !> A sliding input has no degrees: 361 even steps over its range.
+   pure function evenly(delt) result(steps)
+      real(wp), intent(in) :: delt(:)
+      real(wp), allocatable :: steps(:)
+      real(wp) :: from, to
+      integer :: i
+      integer, parameter :: intervals = 360
+
+      from = minval(delt)
+      to = maxval(delt)
+      if (size(delt) > 1) then
+         if (delt(2) < delt(1)) then
+            from = maxval(delt)
+            to = minval(delt)
+         end if
+      end if
+      steps = [(from + (to - from)*(real(i, wp)/real(intervals, wp)), i=0, intervals)]
+   end function evenly
+
+   !> Exit status 1 and a remark where limits are violated.
+   subroutine note_violations(set, problem, motion, devices)
+      type(data_set_t), intent(in) :: set
+      type(problem_t), intent(in) :: problem
+      type(motion_t), intent(in) :: motion
+      type(devices_t), intent(inout) :: devices
+      integer :: i
+
+      if (size(motion%violations) == 0) return
+      devices%code = max(devices%code, exit_violation)
+      if (.not. all(motion%closed)) then
+         call devices%notes%add(set%file//': '//trim(set%title)//': the linkage does not close at '// &
+                                to_text(count(.not. motion%closed))//' of '//to_text(size(motion%closed))//' positions')
+      end if
+      do i = 1, size(motion%violations)
+         call devices%notes%add(set%file//':   '//describe_violation(problem, motion, motion%violations(i)))
+      end do
+   end subroutine note_violations
+end module psalm_run

@@ -1,0 +1,205 @@
+!> START: the initial simplex.
+!>
+!> The first vertex is the user's linkage. Others are read from device 4 or drawn at random within limits.
+!> Source: Oldham (1977), section 6.4.2 and appendix B3.
+module psalm_start
+   use psalm_constr, only: constraints_t, repair_count_t, constrain
+   use psalm_data_set, only: data_set_t
+   use psalm_error, only: problem_t
+   use psalm_kinds, only: wp, i8
+   use psalm_number, only: parse_real
+   use psalm_random, only: random_t
+   use psalm_source, only: line_t
+   use psalm_status, only: diagnostics_t
+   use psalm_text, only: text_t, general, to_text
+   implicit none (type, external)
+   private
+   public :: simplex_t, start_simplex, read_vertices, values_per_record
+
+   integer, parameter :: values_per_record = 5  !! of device 4 and 7: (5X,5G15.7)
+   integer, parameter :: label_width = 5, value_width = 15
+
+   !> The simplex and its objectives.
+   type :: simplex_t
+      real(wp), allocatable :: v(:, :)       !! shape (marble, marble+1): vertices
+      real(wp), allocatable :: f(:)          !! shape (marble+1): objectives
+      integer :: best = 1                    !! the best vertex
+      integer :: evaluations = 0
+      type(repair_count_t) :: repairs
+   end type simplex_t
+
+contains
+
+   !> Build the simplex and evaluate every vertex.
+   !>
+   !> `feasible` is false if the user's linkage violates the constraints and cannot be repaired; no other vertex is made then.
+   subroutine start_simplex(set, problem, constraints, supplied, simplex, feasible, device1, device2)
+      type(data_set_t), intent(in) :: set
+      type(problem_t), intent(inout) :: problem
+      type(constraints_t), intent(inout) :: constraints
+      real(wp), intent(in) :: supplied(:, :)     !! shape (marble, nguess): vertices from device 4
+      type(simplex_t), intent(out) :: simplex
+      logical, intent(out) :: feasible
+      type(text_t), intent(inout) :: device1, device2
+      real(wp), allocatable :: low(:), high(:)
+      type(random_t) :: random
+      integer(i8) :: started
+      integer :: i, k, marble
+      real(wp) :: deviate
+      logical :: reached
+
+      marble = size(problem%topology%variables)
+      allocate (simplex%v(marble, marble + 1), simplex%f(marble + 1), source=0.0_wp)
+      simplex%v(:, 1) = problem%topology%first_values(problem%given)
+      if (size(supplied, 2) > 0) simplex%v(:, 1) = supplied(:, 1)
+      call random_limits(set, simplex%v(:, 1), low, high)
+      call show_limits(low, high, device2)
+      call constrain(problem, constraints, simplex%v(:, 1), simplex%f(1), feasible, simplex%evaluations, simplex%repairs)
+      if (.not. feasible) return
+      random%state = int(set%istart, i8)
+      do i = 2, marble + 1
+         if (i <= size(supplied, 2)) then
+            simplex%v(:, i) = supplied(:, i)
+         else
+            started = random%state
+            do k = 1, marble
+               call random%next(deviate)
+               simplex%v(k, i) = low(k) + deviate*(high(k) - low(k))
+            end do
+            call device1%add(' VERTEX '//to_text(i)//'  STARTED BY RANDOM INTEGER '//to_text(int(started)))
+            call device2%add(' GENERATED VERTEX '//to_text(i))
+            call show_row(simplex%v(:, i), device2)
+         end if
+         call constrain(problem, constraints, simplex%v(:, i), simplex%f(i), reached, simplex%evaluations, simplex%repairs, &
+                        towards=simplex%v(:, 1))
+      end do
+      simplex%best = minloc(simplex%f, dim=1)
+   end subroutine start_simplex
+
+   !> Limits the random vertices lie within: (1-VAR) v ... (1+VAR) v, or OPLOW ... OPHIGH.
+   pure subroutine random_limits(set, values, low, high)
+      type(data_set_t), intent(in) :: set
+      real(wp), intent(in) :: values(:)
+      real(wp), allocatable, intent(out) :: low(:), high(:)
+      integer :: n
+
+      n = size(values)
+      if (set%var > 0.0_wp) then
+         low = (1.0_wp - set%var)*values
+         high = (1.0_wp + set%var)*values
+      else
+         low = set%oplow(:n)
+         high = set%ophigh(:n)
+      end if
+   end subroutine random_limits
+
+   subroutine show_limits(low, high, device2)
+      real(wp), intent(in) :: low(:), high(:)
+      type(text_t), intent(inout) :: device2
+
+      call device2%add(' LOWER LIMITS OF THE INITIAL SIMPLEX')
+      call show_row(low, device2)
+      call device2%add(' UPPER LIMITS OF THE INITIAL SIMPLEX')
+      call show_row(high, device2)
+   end subroutine show_limits
+
+   subroutine show_row(values, device)
+      real(wp), intent(in) :: values(:)
+      type(text_t), intent(inout) :: device
+      character(label_width + values_per_record*value_width) :: line
+      integer :: i, k
+
+      do i = 1, size(values), values_per_record
+         line = ''
+         do k = i, min(i + values_per_record - 1, size(values))
+            line(label_width + (k - i)*value_width + 1:label_width + (k - i + 1)*value_width) = general(values(k))
+         end do
+         call device%add(line)
+      end do
+   end subroutine show_row
+
+   !> Read vertices in the format (5X,5G15.7), each beginning a new record.
+   !>
+   !> Without labels a vertex begins every so many records; with labels I and F, as on device 7, it begins at each of them,
+   !> final vertices come before initial ones, and everything that is not part of a vertex is passed over.
+   !> Errors: too few vertices, or a field that is not a number.
+   subroutine read_vertices(lines, marble, wanted, vertices, findings)
+      type(line_t), intent(in) :: lines(:)
+      integer, intent(in) :: marble, wanted          !! variables; vertices (NGUESS)
+      real(wp), allocatable, intent(out) :: vertices(:, :) !! shape (marble, wanted)
+      type(diagnostics_t), intent(inout) :: findings
+      integer, allocatable :: records(:)
+      integer :: k, r, vertex
+      real(wp) :: value
+      logical :: sound
+
+      allocate (vertices(marble, wanted), source=0.0_wp)
+      records = first_records(lines, marble)
+      if (size(records) < wanted) then
+         call findings%error(to_text(wanted)//' vertices are announced, but device 4 holds '//to_text(size(records))// &
+                             ' (give its file with --device4)', group='METHOD', item='NGUESS')
+         return
+      end if
+      do vertex = 1, wanted
+         do k = 1, marble
+            r = records(vertex) + (k - 1)/values_per_record
+            sound = .false.
+            if (r <= size(lines)) call field(lines(r)%text, mod(k - 1, values_per_record), value, sound)
+            if (.not. sound) then
+               call findings%error('device 4, line '//to_text(min(r, size(lines)))//': coordinate '//to_text(k)// &
+                                   ' of a vertex is expected as a number in columns '// &
+                                   to_text(label_width + 1 + value_width*mod(k - 1, values_per_record))//' to '// &
+                                   to_text(label_width + value_width*(1 + mod(k - 1, values_per_record))))
+               return
+            end if
+            vertices(k, vertex) = value
+         end do
+      end do
+
+   contains
+
+      subroutine field(text, index, value, sound)
+         character(*), intent(in) :: text
+         integer, intent(in) :: index
+         real(wp), intent(out) :: value
+         logical, intent(out) :: sound
+         character(:), allocatable :: reason
+         integer :: first, last
+
+         first = label_width + index*value_width + 1
+         last = min(first + value_width - 1, len(text))
+         value = 0.0_wp
+         sound = .false.
+         if (first > last) return
+         if (len_trim(text(first:last)) == 0) return
+         call parse_real(trim(adjustl(text(first:last))), value, sound, reason)
+      end subroutine field
+   end subroutine read_vertices
+
+   !> Lines at which vertices begin, the final ones first.
+   pure function first_records(lines, marble) result(records)
+      type(line_t), intent(in) :: lines(:)
+      integer, intent(in) :: marble
+      integer, allocatable :: records(:)
+      integer, allocatable :: initial(:), final(:), plain(:)
+      integer :: i
+
+      allocate (initial(0), final(0), plain(0))
+      do i = 1, size(lines)
+         associate (text => lines(i)%text)
+            if (len_trim(text) <= label_width) cycle
+            if (text(:1) == '!' .or. text(:label_width) == '') then
+               if (scan(text(:label_width), 'Ii') > 0) then
+                  initial = [initial, i]
+               else if (scan(text(:label_width), 'Ff') > 0) then
+                  final = [final, i]
+               end if
+            end if
+            if (text(:label_width) == '') plain = [plain, i]
+         end associate
+      end do
+      records = [final, initial]
+      if (size(records) > 0) return
+      records = [(plain(i), i=1, size(plain), (marble + values_per_record - 1)/values_per_record)]
+   end function first_records
+end module psalm_start
