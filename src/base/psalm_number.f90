@@ -9,6 +9,8 @@ module psalm_number
    private
    public :: parse_integer, parse_real
 
+   integer, parameter :: far = 1000000000 !! a decimal exponent beyond every kind
+
 contains
 
    !> Read an integer. Errors: `valid` is false and `reason` says what was expected.
@@ -106,7 +108,7 @@ contains
          i = mark
          if (scan(text(i:i), 'eEdDqQ') == 1) i = i + 1
          read (text(i:), *, iostat=status) written
-         if (status /= 0) written = huge(1)/2
+         if (status /= 0) written = far
       else
          mark = len(text) + 1
       end if
@@ -114,7 +116,7 @@ contains
       if (point == 0) point = mark
       first = scan(text(:mark - 1), '123456789')
       if (first == 0) then
-         decimal_exponent = -huge(1)/2
+         decimal_exponent = -far
       else if (first < point) then
          decimal_exponent = point - first - 1 + written
       else

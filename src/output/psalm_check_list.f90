@@ -5,7 +5,7 @@ module psalm_check_list
    use psalm_angles, only: degrees_of, within_turn
    use psalm_data_set, only: data_set_t, motion_point, motion_angle, motion_distance
    use psalm_error, only: problem_t, motion_t
-   use psalm_finale, only: list_dimensions, list_reference, list_output_arc
+   use psalm_finale, only: angle_text, list_dimensions, list_reference, list_output_arc
    use psalm_kinds, only: wp
    use psalm_setup, only: topology_t, dimensions_t, arc_link, arc_slide
    use psalm_text, only: text_t, fixed, general, to_text
@@ -253,7 +253,7 @@ contains
             if (plan%length_slot(n) > 0) length = link%slide(i, plan%length_slot(n))/link%scale
          end associate
          lengths = lengths//general(length)
-         angles = angles//general(within_turn(degrees_of(x, y)))
+         angles = angles//angle_text(within_turn(degrees_of(x, y)))
       end do
    end subroutine arc_lines
 

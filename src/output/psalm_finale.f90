@@ -6,13 +6,13 @@ module psalm_finale
    use psalm_data_set, only: data_set_t, motion_point, motion_angle, motion_distance
    use psalm_error, only: problem_t, motion_t, violation_t, violation_too_short, violation_too_long, violation_parallel, &
                           violation_angle_small, violation_angle_large
-   use psalm_kinds, only: wp
+   use psalm_kinds, only: wp, full_turn
    use psalm_plan, only: root_frame
    use psalm_setup, only: dimensions_t, topology_t
    use psalm_text, only: text_t, fixed, general, to_text
    implicit none (type, external)
    private
-   public :: list_results, list_dimensions, list_reference, list_output_arc, arc_table, describe_violation, motion_headings
+   public :: list_results, list_dimensions, list_reference, list_output_arc, angle_text, describe_violation
 
    integer, parameter :: column = 10   !! width of a dimension
    integer, parameter :: wide = 15     !! width of a value of the motion table
@@ -182,20 +182,21 @@ contains
       type(motion_t), intent(in) :: motion
       type(text_t), intent(inout) :: text
       character(:), allocatable :: line
-      logical :: point
+      logical :: point, in_turn
       integer :: i
 
       point = problem%motion == motion_point
+      in_turn = problem%motion == motion_angle .and. .not. problem%desired
       call text%add()
       call text%add(motion_headings(problem))
       do i = 1, size(motion%input)
-         line = general(motion%input(i))
+         line = merge(general(motion%input(i)), angle_text(motion%input(i)), problem%topology%sliding_input)
          if (problem%desired) then
             line = line//general(problem%wanted(i))
             if (point) line = line//general(problem%wanted_y(i))
          end if
          if (motion%closed(i)) then
-            line = line//general(motion%actual(i))
+            line = line//merge(angle_text(motion%actual(i)), general(motion%actual(i)), in_turn)
             if (point) line = line//general(motion%actual_y(i))
             if (problem%desired) then
                line = line//general(motion%error(i))
@@ -221,6 +222,15 @@ contains
          call text%add(' '//describe_violation(problem, motion, motion%violations(i)))
       end do
    end subroutine list_motion
+
+   !> An angle of 0 to 360 degrees; what would print as 360.0000 prints as zero.
+   pure function angle_text(degrees) result(text)
+      real(wp), intent(in) :: degrees
+      character(15) :: text
+
+      text = general(degrees)
+      if (text == general(full_turn)) text = general(0.0_wp)
+   end function angle_text
 
    !> A violation in words: loop, dyad, positions and by how much.
    function describe_violation(problem, motion, violation) result(text)

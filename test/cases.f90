@@ -1,0 +1,43 @@
+!> Data sets of `data/` as problems, for the tests.
+module cases
+   use psalm_data_set, only: data_set_t, read_data_sets
+   use psalm_error, only: problem_t, make_problem
+   use psalm_kinds, only: wp
+   use psalm_setup, only: topology_t, dimensions_t, set_up
+   use psalm_status, only: diagnostics_t
+   implicit none (type, external)
+   private
+   public :: load_case, names
+
+   character(*), parameter :: names(*) = [character(27) :: 'needle', 'textile', 'suspension', 'chain_short', &
+      'brake_reaction', 'dyad1_crank_rocker', 'dyad2_oscillating_cylinder', 'dyad3_quick_return', 'dyad4_slider_crank', &
+      'dyad5_turning_block', 'dyad6_scotch_yoke', 'dyad7_oldham_coupling', 'dyad8_tangent_mechanism', &
+      'actuator_rapson_slide', 'actuator_davis_steering'] !! data sets that close everywhere
+
+contains
+
+   !> The n-th case of `data/NAME.nml`; with `everything` all loops are solved.
+   subroutine load_case(name, problem, set, n, everything)
+      character(*), intent(in) :: name
+      type(problem_t), intent(out) :: problem
+      type(data_set_t), intent(out) :: set
+      integer, intent(in), optional :: n
+      logical, intent(in), optional :: everything
+      type(data_set_t), allocatable :: sets(:)
+      type(diagnostics_t) :: findings
+      type(topology_t) :: topology
+      type(dimensions_t) :: dimensions
+      integer :: which
+
+      which = 1
+      if (present(n)) which = n
+      call read_data_sets('data/'//trim(name)//'.nml', sets, findings)
+      if (.not. findings%failed()) then
+         set = sets(which)
+         if (present(everything)) set%ktheta = merge(1, set%ktheta, everything)
+         call set_up(set, topology, dimensions, findings)
+      end if
+      if (findings%failed()) error stop 'a data set of the tests cannot be read'
+      call make_problem(set, topology, dimensions, problem)
+   end subroutine load_case
+end module cases

@@ -1,0 +1,141 @@
+!> Every dyad: the two arcs close the gap, keep their lengths, and lie on the side that the sign says.
+program test_dyads
+   use check, only: checks_t
+   use psalm_dyads, only: solve_two_links, solve_slide_on_q, solve_slide_on_p, solve_link_slide, solve_slide_link, &
+                          project_on_slides, solve_two_slides
+   use psalm_kinds, only: wp
+   use psalm_random, only: random_t
+   implicit none (type, external)
+   integer, parameter :: n = 1003
+   real(wp), parameter :: tolerance = 1.0e-13_wp
+   type(checks_t) :: t
+   type(random_t) :: random
+   real(wp) :: sx(n), sy(n), ex(n), ey(n), hx(n), hy(n), ux(n), uy(n), vx(n), vy(n)
+   real(wp) :: px(n), py(n), qx(n), qy(n), lp(n), lq(n), reach(n), root_x(n), root_y(n)
+   real(wp), parameter :: c = 0.6_wp, s = 0.8_wp
+   integer :: sense
+
+   call points()
+   do sense = -1, 1, 2
+      call links(real(sense, wp))
+      call slide_with_guide(real(sense, wp))
+      call link_and_slide(real(sense, wp))
+   end do
+   call slides()
+   call open_dyads()
+   call t%report()
+
+contains
+
+   subroutine points()
+      integer :: i
+      real(wp) :: a
+
+      do i = 1, n
+         call random%next(sx(i))
+         call random%next(sy(i))
+         call random%next(hx(i))
+         call random%next(hy(i))
+         call random%next(a)
+         root_x(i) = cos(6.0_wp*a)
+         root_y(i) = sin(6.0_wp*a)
+      end do
+      hx = 0.5_wp + hx
+      hy = hy - 0.5_wp
+      ex = sx + hx
+      ey = sy + hy
+      hx = ex - sx
+      hy = ey - sy
+      ! a fixed angle from the root
+      ux = c*root_x - s*root_y
+      uy = c*root_y + s*root_x
+   end subroutine points
+
+   subroutine closes(ax, ay, a, bx, by, b, name)
+      real(wp), intent(in) :: ax(n), ay(n), a(n), bx(n), by(n), b(n)
+      character(*), intent(in) :: name
+
+      call t%close_to(maxval(abs(a*ax + b*bx - hx)), 0.0_wp, tolerance, name//': p + q = h in x')
+      call t%close_to(maxval(abs(a*ay + b*by - hy)), 0.0_wp, tolerance, name//': p + q = h in y')
+   end subroutine closes
+
+   subroutine unit(x, y, name)
+      real(wp), intent(in) :: x(n), y(n)
+      character(*), intent(in) :: name
+
+      call t%close_to(maxval(abs(hypot(x, y) - 1.0_wp)), 0.0_wp, tolerance, name//': direction is a unit vector')
+   end subroutine unit
+
+   subroutine links(sign)
+      real(wp), intent(in) :: sign
+      real(wp), parameter :: p = 1.3_wp, q = 0.9_wp
+      real(wp) :: side(n)
+
+      call solve_two_links(n, sx, sy, ex, ey, p, q, sign, px, py, qx, qy, reach)
+      call closes(px, py, spread(p, 1, n), qx, qy, spread(q, 1, n), 'type 1')
+      call unit(px, py, 'type 1, p')
+      call unit(qx, qy, 'type 1, q')
+      side = px*hy - py*hx   ! positive: h lies left of p, the joint right of S -> E
+      call t%is_true(all(side*sign > 0.0_wp), 'type 1: joint to the right of S -> E with a positive sign')
+      call t%is_true(all(abs(reach - (hx**2 + hy**2)) < tolerance), 'type 1: reach is h**2')
+   end subroutine links
+
+   subroutine slide_with_guide(sign)
+      real(wp), intent(in) :: sign
+      real(wp), parameter :: guide = 0.3_wp
+
+      call solve_slide_on_q(n, sx, sy, ex, ey, guide, sign, px, py, lp, reach)
+      ! the guide's direction is the slide's turned by sign * 90
+      call closes(px, py, lp, -sign*py, sign*px, spread(guide, 1, n), 'type 2')
+      call unit(px, py, 'type 2')
+      call t%is_true(all(lp >= 0.0_wp), 'type 2: the slide is positive')
+      call t%is_true(all((px*hy - py*hx)*sign > 0.0_wp), 'type 2: side of the joint')
+      call solve_slide_on_p(n, sx, sy, ex, ey, guide, sign, px, py, lq, reach)
+      call closes(px, py, spread(guide, 1, n), -sign*py, sign*px, lq, 'type 3')
+      call unit(px, py, 'type 3')
+      call t%is_true(all(lq >= 0.0_wp), 'type 3: the slide is positive')
+      call solve_slide_on_q(n, sx, sy, ex, ey, 0.0_wp, sign, px, py, lp, reach)
+      call closes(px, py, lp, px, py, spread(0.0_wp, 1, n), 'type 2 with a guide of no length')
+   end subroutine slide_with_guide
+
+   subroutine link_and_slide(sign)
+      real(wp), intent(in) :: sign
+      real(wp), parameter :: link = 2.0_wp
+      real(wp) :: along(n)
+
+      call solve_link_slide(n, sx, sy, ex, ey, link, sign, root_x, root_y, c, s, px, py, lq, reach)
+      call closes(px, py, spread(link, 1, n), ux, uy, lq, 'type 4')
+      call unit(px, py, 'type 4')
+      along = px*ux + py*uy
+      call t%is_true(all(along*sign > 0.0_wp), 'type 4: the joint lies beyond the foot, along u, with a positive sign')
+      call solve_slide_link(n, sx, sy, ex, ey, link, sign, root_x, root_y, c, s, qx, qy, lp, reach)
+      call closes(ux, uy, lp, qx, qy, spread(link, 1, n), 'type 5')
+      call unit(qx, qy, 'type 5')
+      along = -(qx*ux + qy*uy)
+      call t%is_true(all(along*sign > 0.0_wp), 'type 5: the joint lies beyond the foot, along u, with a positive sign')
+   end subroutine link_and_slide
+
+   subroutine slides()
+      call project_on_slides(n, sx, sy, ex, ey, root_x, root_y, c, s, -s, c, lp, lq, reach)
+      call closes(ux, uy, lp, -uy, ux, lq, 'types 6 and 7')
+      vx = root_y
+      vy = -root_x
+      call solve_two_slides(n, sx, sy, ex, ey, root_x, root_y, c, s, root_x, root_y, 0.0_wp, -1.0_wp, lp, lq, reach)
+      call closes(ux, uy, lp, vx, vy, lq, 'type 8')
+      call t%close_to(maxval(abs(reach - abs(ux*vy - uy*vx))), 0.0_wp, tolerance, 'type 8: reach is the sine between the slides')
+   end subroutine slides
+
+   !> What cannot close gives finite numbers and a reach that tells.
+   subroutine open_dyads()
+      call solve_two_links(n, sx, sy, ex, ey, 0.1_wp, 0.2_wp, 1.0_wp, px, py, qx, qy, reach)
+      call t%is_true(all(reach > 0.3_wp**2), 'type 1: an open dyad is told by its reach')
+      call t%is_true(all(abs(px) < 1.0e3_wp), 'type 1: an open dyad gives finite numbers')
+      call solve_two_links(n, sx, sy, sx, sy, 1.0_wp, 1.0_wp, 1.0_wp, px, py, qx, qy, reach)
+      call t%is_true(all(reach == 0.0_wp), 'type 1: S = E is told by a reach of zero')
+      call t%is_true(all(abs(px) < huge(1.0_wp)), 'type 1: S = E gives finite numbers')
+      call solve_slide_on_q(n, sx, sy, ex, ey, 9.0_wp, 1.0_wp, px, py, lp, reach)
+      call t%is_true(all(reach < 81.0_wp) .and. all(lp == 0.0_wp), 'type 2: an open dyad has a slide of zero')
+      call solve_two_slides(n, sx, sy, ex, ey, root_x, root_y, 1.0_wp, 0.0_wp, root_x, root_y, 1.0_wp, 0.0_wp, lp, lq, reach)
+      call t%is_true(all(reach == 0.0_wp) .and. all(abs(lp) < huge(1.0_wp)), 'type 8: parallel slides are told')
+   end subroutine open_dyads
+end program test_dyads

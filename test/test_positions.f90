@@ -1,0 +1,284 @@
+!> Positions of whole linkages: laws that hold for every data set, and motions known in closed form.
+program test_positions
+   use cases, only: load_case, names
+   use check, only: checks_t
+   use psalm_data_set, only: data_set_t, motion_point, motion_angle
+   use psalm_error, only: problem_t, motion_t
+   use psalm_kinds, only: wp, radians_per_degree, degrees_per_radian
+   use psalm_linkage, only: block_length
+   use psalm_setup, only: dimensions_t
+   implicit none (type, external)
+   type(checks_t) :: t
+   integer :: k
+
+   do k = 1, size(names)
+      call loops_close(names(k))
+      call scaling(names(k))
+      call turning(names(k))
+      call blocks(names(k))
+   end do
+   call known_motions()
+   call steering()
+   call open_loop()
+   call many_turns()
+   call textile_slides()
+   call t%report()
+
+contains
+
+   !> The arcs of every loop add up to zero.
+   subroutine loops_close(name)
+      character(*), intent(in) :: name
+      type(problem_t) :: problem
+      type(data_set_t) :: set
+      integer :: block, offset, n, i, loop, a
+      real(wp) :: x, y, worst, size_of, c, s, length
+
+      call load_case(name, problem, set, everything=.true.)
+      call problem%bind(problem%given)
+      worst = 0.0_wp
+      size_of = maxval(problem%given%arcl)
+      do block = 1, problem%blocks()
+         call problem%solve_block(block, offset, n)
+         do i = 1, n
+            do loop = 1, problem%topology%nloop
+               x = 0.0_wp
+               y = 0.0_wp
+               do a = 1, problem%topology%loopl(loop)
+                  associate (arc => problem%topology%seq(loop, a), link => problem%linkage, plan => problem%plan)
+                     c = link%x(arc)*link%root_x(i, plan%root(arc)) - link%y(arc)*link%root_y(i, plan%root(arc))
+                     s = link%x(arc)*link%root_y(i, plan%root(arc)) + link%y(arc)*link%root_x(i, plan%root(arc))
+                     length = link%length(arc)
+                     if (plan%length_slot(arc) > 0) length = link%slide(i, plan%length_slot(arc))
+                     x = x + length*c
+                     y = y + length*s
+                  end associate
+               end do
+               worst = max(worst, hypot(x, y)/size_of)
+            end do
+         end do
+      end do
+      call t%close_to(worst, 0.0_wp, 1.0e-14_wp, trim(name)//': the arcs of every loop add up to zero')
+   end subroutine loops_close
+
+   !> Lengths times a factor: angles stay, lengths follow.
+   subroutine scaling(name)
+      character(*), intent(in) :: name
+      real(wp), parameter :: factors(3) = [8.0_wp, 2.0_wp**(-480), 2.0_wp**480]
+      type(problem_t) :: problem
+      type(data_set_t) :: set
+      type(motion_t) :: before, after
+      type(dimensions_t) :: scaled
+      real(wp) :: factor
+      integer :: i
+
+      call load_case(name, problem, set)
+      call problem%analyse(problem%given, before)
+      do i = 1, size(factors)
+         if (problem%topology%sliding_input .and. i > 1) cycle
+         scaled = problem%given
+         scaled%arcl = scaled%arcl*factors(i)
+         scaled%outlk = scaled%outlk*factors(i)
+         scaled%origlk = scaled%origlk*factors(i)
+         if (problem%topology%sliding_input) then
+            scaled%crnki = scaled%crnki*factors(i)
+            call problem%set_inputs(set%delt*factors(i))
+         else
+            problem%desired = .false.
+         end if
+         call problem%analyse(scaled, after)
+         factor = factors(i)
+         if (problem%motion == motion_angle) then
+            call t%close_to(maxval(abs(sin((after%actual - before%actual)*radians_per_degree))), 0.0_wp, 1.0e-13_wp, &
+                            trim(name)//': angles do not depend on the unit of length')
+         else
+            call t%close_to(maxval(abs(after%actual/factor - before%actual))/maxval(abs(before%actual)), 0.0_wp, &
+                            1.0e-13_wp, trim(name)//': lengths scale')
+         end if
+      end do
+   end subroutine scaling
+
+   !> The whole linkage turned: the output turns with it.
+   subroutine turning(name)
+      character(*), intent(in) :: name
+      real(wp), parameter :: turn = 37.0_wp
+      type(problem_t) :: problem
+      type(data_set_t) :: set
+      type(motion_t) :: before, after
+      type(dimensions_t) :: turned
+      real(wp) :: c, s
+
+      call load_case(name, problem, set)
+      problem%desired = .false.
+      turned = problem%given
+      if (.not. problem%topology%sliding_input) turned%crnki = turned%crnki + turn
+      turned%origng = turned%origng + turn
+      associate (frame => problem%topology%loopl(1))
+         turned%gama(frame) = turned%gama(frame) + turn
+      end associate
+      call problem%analyse(problem%given, before)
+      call problem%analyse(turned, after)
+      select case (problem%motion)
+      case (motion_angle)
+         call t%close_to(maxval(abs(sin((after%actual - before%actual - turn)*radians_per_degree))), 0.0_wp, 1.0e-13_wp, &
+                         trim(name)//': the output angle turns with the machine')
+      case (motion_point)
+         c = cos(turn*radians_per_degree)
+         s = sin(turn*radians_per_degree)
+         call t%close_to(maxval(abs(after%actual - (c*before%actual - s*before%actual_y)))/maxval(abs(before%actual)), &
+                         0.0_wp, 1.0e-13_wp, trim(name)//': the output point turns with the machine')
+      case default
+         call t%close_to(maxval(abs(after%actual - before%actual))/maxval(abs(before%actual)), 0.0_wp, 1.0e-13_wp, &
+                         trim(name)//': a distance does not turn')
+      end select
+   end subroutine turning
+
+   !> A position has the same bits wherever it stands in the row.
+   subroutine blocks(name)
+      character(*), intent(in) :: name
+      integer, parameter :: lengths(5) = [1, block_length - 1, block_length, block_length + 1, 3*block_length + 5]
+      type(problem_t) :: problem
+      type(data_set_t) :: set
+      type(motion_t) :: single, row
+      real(wp) :: at
+      integer :: i
+      logical :: same
+
+      call load_case(name, problem, set)
+      at = problem%delt(size(problem%delt)/2 + 1)
+      call problem%set_inputs([at])
+      call problem%analyse(problem%given, single)
+      same = .true.
+      do i = 1, size(lengths)
+         call problem%set_inputs(spread(at, 1, lengths(i)))
+         call problem%analyse(problem%given, row)
+         same = same .and. all(abs(row%actual - single%actual(1)) <= 0.0_wp)
+      end do
+      call t%is_true(same, trim(name)//': the same bits at any place of any number of positions')
+   end subroutine blocks
+
+   subroutine known_motions()
+      type(problem_t) :: problem
+      type(data_set_t) :: set
+      type(motion_t) :: motion
+      real(wp), allocatable :: a(:)
+
+      call load_case('dyad4_slider_crank', problem, set)
+      call problem%analyse(problem%given, motion)
+      a = motion%input*radians_per_degree
+      call same_as(motion, 40.0_wp*cos(a) + sqrt(140.0_wp**2 - (40.0_wp*sin(a) - 10.0_wp)**2), 'offset slider-crank')
+      call load_case('dyad6_scotch_yoke', problem, set)
+      call problem%analyse(problem%given, motion)
+      call same_as(motion, 40.0_wp*cos(a), 'Scotch yoke: a cosine')
+      call load_case('dyad7_oldham_coupling', problem, set)
+      call problem%analyse(problem%given, motion)
+      call same_as(motion, -8.0_wp*sin(a), 'Oldham coupling: a sine')
+      call load_case('dyad2_oscillating_cylinder', problem, set)
+      call problem%analyse(problem%given, motion)
+      call same_as(motion, sqrt(120.0_wp**2 + 30.0_wp**2 - 2.0_wp*120.0_wp*30.0_wp*cos(a) - 15.0_wp**2), &
+                   'oscillating cylinder: cosine rule and Pythagoras')
+      call load_case('dyad3_quick_return', problem, set)
+      call problem%analyse(problem%given, motion)
+      call same_as(motion, modulo(atan2(200.0_wp + 100.0_wp*sin(a), 100.0_wp*cos(a))*degrees_per_radian, 360.0_wp), &
+                   'quick-return lever')
+      call load_case('dyad8_tangent_mechanism', problem, set)
+      call problem%analyse(problem%given, motion)
+      call same_as(motion, 100.0_wp*tan(set%delt*radians_per_degree), 'tangent mechanism')
+      call load_case('actuator_rapson_slide', problem, set)
+      call problem%analyse(problem%given, motion)
+      call same_as(motion, atan2(500.0_wp, set%delt)*degrees_per_radian, 'Rapson slide')
+      call load_case('dyad5_turning_block', problem, set)
+      call problem%analyse(problem%given, motion)
+      ! the crank pin lies on the slot's line, 10 from the driver's shaft
+      associate (b => motion%actual*radians_per_degree)
+         call t%close_to(maxval(abs((25.0_wp + 60.0_wp*cos(b))*cos(a) + 60.0_wp*sin(b)*sin(a) - 10.0_wp)), 0.0_wp, 1.0e-12_wp, &
+                         'turning block: the pin stays in the slot')
+      end associate
+   end subroutine known_motions
+
+   subroutine same_as(motion, want, name)
+      type(motion_t), intent(in) :: motion
+      real(wp), intent(in) :: want(:)
+      character(*), intent(in) :: name
+
+      call t%close_to(maxval(abs(motion%actual - want))/maxval(abs(want)), 0.0_wp, 4.0e-15_wp, name)
+   end subroutine same_as
+
+   !> Ackermann: the cotangents of the wheel angles differ by track over wheelbase.
+   subroutine steering()
+      type(problem_t) :: problem
+      type(data_set_t) :: set
+      type(motion_t) :: left, right
+      real(wp) :: worst
+      integer :: i
+
+      call load_case('actuator_davis_steering', problem, set, 1)
+      call problem%analyse(problem%given, left)
+      call load_case('actuator_davis_steering', problem, set, 2)
+      call problem%analyse(problem%given, right)
+      worst = 0.0_wp
+      do i = 1, size(set%delt)
+         if (abs(set%delt(i)) < 1.0_wp) cycle
+         worst = max(worst, abs(1.0_wp/tan(left%actual(i)*radians_per_degree) - 1.0_wp/tan(right%actual(i)*radians_per_degree) &
+                                + 1200.0_wp/2700.0_wp))
+      end do
+      call t%close_to(worst, 0.0_wp, 1.0e-9_wp, 'Davis steering gear meets the condition of Ackermann')
+   end subroutine steering
+
+   !> A loop that does not close is named with positions and amount; other positions are not disturbed.
+   subroutine open_loop()
+      type(problem_t) :: problem
+      type(data_set_t) :: set
+      type(motion_t) :: motion
+      type(dimensions_t) :: changed
+
+      call load_case('dyad4_slider_crank', problem, set)
+      changed = problem%given
+      changed%arcl(2) = 35.0_wp
+      call problem%analyse(changed, motion)
+      call t%is_true(.not. all(motion%closed) .and. any(motion%closed), 'a connecting rod that is too short opens some positions')
+      call t%equal_integer(size(motion%violations), 1, 'consecutive positions make one message')
+      call t%equal_integer(count(.not. motion%closed), motion%violations(1)%last - motion%violations(1)%first + 1, 'all of them')
+      call t%close_to(motion%violations(1)%amount, 15.0_wp, 1.0e-13_wp, 'by how much: 40 + 10 - 35 at worst')
+      call t%is_true(all(abs(motion%actual) < 1.0e6_wp), 'open positions hold finite numbers')
+   end subroutine open_loop
+
+   !> No digit is lost to a million turns of the crank.
+   subroutine many_turns()
+      type(problem_t) :: problem
+      type(data_set_t) :: set
+      type(motion_t) :: before, after
+
+      call load_case('needle', problem, set)
+      problem%desired = .false.
+      call problem%analyse(problem%given, before)
+      call problem%set_inputs(set%delt + 360.0e6_wp)
+      call problem%analyse(problem%given, after)
+      call t%is_true(all(abs(after%actual - before%actual) <= 0.0_wp), 'a million turns of the crank change no bit')
+   end subroutine many_turns
+
+   !> The sliding lengths of the textile linkage, computed elsewhere with 40 digits.
+   subroutine textile_slides()
+      type(problem_t) :: problem
+      type(data_set_t) :: set
+      real(wp) :: want(7), worst
+      integer :: unit, i, offset, n, status
+
+      call load_case('textile', problem, set)
+      call problem%bind(problem%given)
+      call problem%solve_block(1, offset, n)
+      open (newunit=unit, file='data/reference/textile-output.txt', action='read', status='old')
+      read (unit, *)
+      worst = 0.0_wp
+      do i = 1, n
+         read (unit, *, iostat=status) want
+         if (status /= 0) worst = 1.0_wp
+         associate (seq => [problem%topology%seq(2, 2), problem%topology%seq(2, 3), problem%topology%seq(4, 3), &
+                            problem%topology%seq(4, 4)])
+            worst = max(worst, maxval(abs(problem%linkage%slide(i, problem%plan%length_slot(seq))/want(4:) - 1.0_wp)))
+         end associate
+      end do
+      close (unit)
+      call t%close_to(worst, 0.0_wp, 1.0e-12_wp, 'sliding lengths of the textile linkage')
+   end subroutine textile_slides
+end program test_positions
