@@ -102,7 +102,7 @@ contains
 
    subroutine capacities()
       character(:), allocatable :: text
-      integer, parameter :: loops = 64, arcs = 64
+      integer, parameter :: loops = 64
       integer :: i
 
       ! every loop a four-bar on the crank, its frame arc that of loop 1

@@ -27,11 +27,18 @@ contains
       type(diagnostics_t), intent(inout) :: findings
       integer :: unit, status
       character(256) :: message
+      logical :: is_directory
 
       allocate (lines(0))
       if (file == '-') then
          unit = input_unit
       else
+         ! the run-time library opens a directory and finds it empty
+         inquire (file=file//'/.', exist=is_directory)
+         if (is_directory) then
+            call findings%trouble("cannot read '"//file//"': it is a directory")
+            return
+         end if
          message = ''
          open (newunit=unit, file=file, action='read', status='old', form='formatted', iostat=status, iomsg=message)
          if (status /= 0) then
@@ -83,7 +90,7 @@ contains
          character(*), intent(in) :: text
          type(line_t), allocatable :: larger(:)
          integer :: first, last
-         character(3), parameter :: byte_order_mark = achar(239)//achar(187)//achar(191)
+         character(3), parameter :: byte_order_mark = char(239)//char(187)//char(191)
 
          if (count == size(lines)) then
             allocate (larger(2*count))

@@ -188,12 +188,9 @@ contains
       do i = 1, size(lines)
          associate (text => lines(i)%text)
             if (len_trim(text) <= label_width) cycle
-            if (text(:1) == '!' .or. text(:label_width) == '') then
-               if (scan(text(:label_width), 'Ii') > 0) then
-                  initial = [initial, i]
-               else if (scan(text(:label_width), 'Ff') > 0) then
-                  final = [final, i]
-               end if
+            if (text(:1) == '!' .or. text(:1) == ' ') then
+               if (text(2:2) == 'I') initial = [initial, i]
+               if (text(2:2) == 'F') final = [final, i]
             end if
             if (text(:label_width) == '') plain = [plain, i]
          end associate

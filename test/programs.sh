@@ -1,0 +1,154 @@
+#!/usr/bin/env bash
+# The programs from outside: listings, devices, exit status, messages, bad input, awkward places.
+# usage: test/programs.sh PROGRAM_DIRECTORY. Last line: N passed, N failed.
+set -u
+bin=$(cd "$1" && pwd)
+top=$(cd "$(dirname "$0")/.." && pwd)
+psalm="$bin/psalm"
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+passed=0 failed=0
+ok() { passed=$((passed + 1)); }
+bad() { failed=$((failed + 1)); printf 'FAILED: %s\n' "$1"; }
+check() { local law=$1; shift; if "$@" >/dev/null 2>&1; then ok; else bad "$law"; fi; }
+status() { local want=$1 law=$2; shift 2; "$@" >out 2>err; local got=$?
+    if [ $got -eq "$want" ]; then ok; else bad "$law: exit status $got instead of $want"; fi; }
+said() { if grep -qF -- "$2" err; then ok; else bad "$1: standard error lacks '$2' ($(head -c 300 err))"; fi; }
+same() { if diff -bwB "$2" "$3" >/dev/null; then ok; else bad "$1"; diff -bwB "$2" "$3" | head -5; fi; }
+cd "$work" || exit 1
+data="$top/data" ref="$top/data/reference"
+cp "$data"/*.nml .
+
+# published listings
+status 1 'needle: two iterations do not converge' "$psalm" needle.nml
+same 'needle: device 6 is the published listing' out "$ref/needle-results.lst"
+sed '1s/.*/*** PSALM, DEC. 1976 ***/' needle.dev8 >dev8
+cat "$ref/needle-input.lst" "$ref/needle-setup.lst" >want8
+same 'needle: device 8 is the published listing' dev8 want8
+check 'needle: device 8 names program and version' grep -q 'PSALM, VERSION' needle.dev8
+status 0 'textile' "$psalm" textile.nml
+check 'textile: JOINT 1 7 1 6' grep -qE '^ +1 +7 +1 +6$' textile.dev8
+check 'textile: CONFIG' grep -qE '^ +1\.00 +1\.57 +1\.00 +-1\.57$' textile.dev8
+awk '!/^#/{print $1+0, $3, $4}' textile.dev9 >got9
+awk '!/^#/{print $1, $2, $3}' "$ref/textile-output.txt" >want9
+check 'textile: output point to 1e-12' awk 'NR==FNR{x[NR]=$2;y[NR]=$3;n=NR;next}
+    {d=$2-x[FNR];e=$3-y[FNR];if(d<0)d=-d;if(e<0)e=-e;if(d>1e-12*13||e>1e-12*27)exit 1;m=FNR}END{if(m!=n||n!=12)exit 1}' want9 got9
+
+# every data set runs as it says
+for f in *.nml; do
+    case $f in needle.nml) want=1 ;; *) want=0 ;; esac
+    status $want "$f" "$psalm" "$f"
+done
+check 'device 9: header of MOTION 1' grep -qx '# input closed actual desired' needle.dev9
+check 'device 9: header of MOTION 0' grep -qx '# input closed actual_x actual_y' textile.dev9
+check 'device 9: 17 significant digits' grep -qE '^1\.8000000000000000E\+02 1 [0-9]\.[0-9]{16}E' needle.dev9
+check 'device 9: IPLOT gives 20 and 360 rows' test "$(grep -vc '^#\|^$' needle.dev9)" -eq 380
+check 'device 9: two blank lines between blocks' test "$(grep -c '^$' needle.dev9)" -eq 2
+check 'device 1: random integers of the vertices' grep -q 'VERTEX 17  STARTED BY RANDOM INTEGER' needle_search.dev1
+check 'device 1: first random integer is ISTART' grep -q 'VERTEX 2  STARTED BY RANDOM INTEGER 789$' needle_search.dev1
+check 'device 2: limits of the simplex' grep -q 'UPPER LIMITS' needle_search.dev2
+check 'a data set of two cases lists both' test "$(grep -c 'STEERING GEAR' actuator_davis_steering.dev9)" -eq 2
+
+# device 7 is a data set that gives the same digits
+for f in needle_search suspension textile brake_reaction actuator_davis_steering dyad1_crank_rocker; do
+    "$psalm" --quiet $f.nml >first.lst
+    cp $f.dev7 again.nml
+    status 0 "$f: device 7 is a case" "$psalm" --quiet again.nml
+    if cmp -s first.lst out; then ok; else bad "$f: device 7 reproduces the listing"; fi
+    if diff <(grep -v '^#' $f.dev9) <(grep -v '^#' again.dev9) >/dev/null; then ok; else bad "$f: to the last digit"; fi
+done
+
+# restart from the vertices of device 7
+sed 's/NITER=2000/NITER=40/' needle_search.nml >stage1.nml
+status 1 'a search that is cut short' "$psalm" stage1.nml
+said 'cut short' 'stopped at NITER before converging after 40 iterations'
+sed 's/NITER=2000/NITER=2000, NGUESS=17/' needle_search.nml >stage2.nml
+status 3 'NGUESS without device 4' "$psalm" stage2.nml
+said 'NGUESS without device 4' "cannot open 'stage2.dev4'"
+status 0 'restart from device 4' "$psalm" --device4 stage1.dev7 stage2.nml
+check 'restart goes on from the best so far' awk '/^!F  1/{exit}' stage2.dev7
+cp stage1.dev7 stage2.dev4
+status 0 'device 4 beside the case' "$psalm" stage2.nml
+
+# KTHETA, pruning
+sed 's/IPLOT=1/IPLOT=1, KTHETA=1/' needle.nml >ktheta.nml
+"$psalm" --quiet ktheta.nml >/dev/null
+check 'KTHETA: a block for each position' test "$(grep -c '^ INPUT ' ktheta.dev8)" -ge 20
+sed 's/NOUTLK=5, NOUTLP=4/NOUTLK=3, NOUTLP=2/; s/INGOUT=1, ICRK=1,//; s/IVA=.*IVG.*$//' needle.nml >pruned.nml
+"$psalm" --quiet pruned.nml >/dev/null
+check 'loops that do not matter are dropped and named' grep -q 'LOOPS NOT SOLVED (KTHETA=1 SOLVES ALL): 1 3 4' pruned.dev8
+
+# a linkage that does not close
+sed 's/140.0,0.0,10.0/35.0,0.0,10.0/' dyad4_slider_crank.nml >open.nml
+status 1 'an open linkage' "$psalm" open.nml
+said 'an open linkage' 'the linkage does not close at'
+said 'an open linkage: loop, dyad, arc, amount, position' 'LOOP 1, DYAD OF TYPE 4 (ARCS 2 AND 3), POSITIONS 16 TO 22: LINK 2 IS TOO SHORT BY 15.00000'
+check 'an open linkage: the other positions are printed' grep -qE '^ +0\.0 +[0-9]' out
+check 'an open linkage: rows say so' grep -q 'DOES NOT CLOSE' out
+check 'an open linkage: closed column' grep -qE '^2\.7[0-9E+]*[0-9.E+]* 0 NaN' open.dev9
+
+# bad input: one message a fault, status 2, nothing overwritten
+echo keep >bad.dev7
+sed 's/NLOOP=4, MAXARC=6/NLOOP=4, MAXRAC=6/; s/NITER=2/NITER=2.5/' needle.nml >bad.nml
+status 2 'misspelt item and a real for an integer' "$psalm" bad.nml
+said 'file, line, group, item' 'bad.nml:2: error: &LINKS MAXRAC'
+said 'nearest name' 'did you mean MAXARC?'
+said 'both faults in one run' "an integer is expected, not a real; found '2.5'"
+check 'nothing is printed' test ! -s out
+check 'nothing is overwritten' grep -qx keep bad.dev7
+: >empty.nml
+status 2 'an empty file' "$psalm" empty.nml
+said 'an empty file' 'the file is empty'
+mkdir dir.nml
+status 3 'a directory' "$psalm" dir.nml
+said 'a directory' "cannot read 'dir.nml': it is a directory"
+status 3 'a missing file' "$psalm" nowhere.nml
+said 'a missing file' "cannot open 'nowhere.nml'"
+if [ "$(id -u)" -ne 0 ]; then
+    cp needle.nml locked.nml && chmod 000 locked.nml
+    status 3 'no permission' "$psalm" locked.nml
+fi
+head -c 3000 /dev/urandom >noise.nml
+status 2 'noise' "$psalm" noise.nml
+status 2 'an unknown option' "$psalm" --frobnicate needle.nml
+said 'an unknown option' "unknown option '--frobnicate'"
+status 2 'an option without its value' "$psalm" --output-dir
+
+# awkward places
+sed 's/$/\r/' needle.nml >crlf.nml
+"$psalm" --quiet crlf.nml >out
+same 'CRLF line ends' out "$ref/needle-results.lst"
+printf '%s' "$(cat needle.nml)" >noend.nml
+"$psalm" --quiet noend.nml >out
+same 'no final line end' out "$ref/needle-results.lst"
+mkdir elsewhere && (cd elsewhere && "$psalm" --quiet ../needle.nml >../out)
+same 'from another directory' out "$ref/needle-results.lst"
+check 'devices lie beside the case' test ! -e elsewhere/needle.dev9
+"$psalm" --quiet --output-dir sub needle.nml >out
+check '--output-dir' test -s sub/needle.dev7
+(cd elsewhere && "$psalm" --quiet <../needle.nml >../out)
+same 'standard input' out "$ref/needle-results.lst"
+check 'standard input: devices are called psalm' test -s elsewhere/psalm.dev9
+(cd elsewhere && cat ../needle.nml | "$psalm" --quiet - | cat >../out)
+same 'through pipes' out "$ref/needle-results.lst"
+cp needle.nml 'with blanks in it.nml'
+status 1 'a name with blanks' "$psalm" --quiet 'with blanks in it.nml'
+check 'a name with blanks: devices' test -s 'with blanks in it.dev9'
+status 1 'several files' "$psalm" --quiet needle.nml textile.nml
+check 'several files: both listed' grep -q 'TEXTILE' out
+check '--quiet is quiet' test ! -s err
+status 2 'one of several files is wrong: the others run' "$psalm" bad.nml textile.nml
+check 'the sound one is listed' grep -q 'TEXTILE' out
+"$psalm" --quiet textile.nml >/dev/full 2>err
+if [ $? -eq 3 ]; then ok; else bad 'a full disk gives exit status 3'; fi
+said 'a full disk' 'cannot write the listing'
+status 3 'devices that cannot be written' "$psalm" --output-dir needle.nml/x textile.nml
+said 'devices that cannot be written' "cannot write 'needle.nml/x/textile.dev7'"
+check 'no half-written file is left' test -z "$(ls -- *.part 2>/dev/null)"
+status 0 '--help' "$psalm" --help
+check '--help tells the exit status' grep -q 'Exit status' out
+status 0 '--version' "$psalm" --version
+check '--version' grep -qE '^psalm [0-9]+\.[0-9]+\.[0-9]+$' out
+
+echo "$passed passed, $failed failed"
+[ $failed -eq 0 ]
