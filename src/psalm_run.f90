@@ -10,7 +10,8 @@ module psalm_run
    use psalm_finale, only: list_results, describe_violation
    use psalm_kinds, only: wp, full_turn
    use psalm_plot_data, only: write_block
-   use psalm_setup, only: topology_t, dimensions_t, set_up
+   use psalm_setup, only: set_up
+   use psalm_topology, only: topology_t, dimensions_t
    use psalm_simplx, only: search_monitor_t, search_state_t, search_simplex, stop_iterations, stop_converged
    use psalm_source, only: line_t
    use psalm_start, only: simplex_t, start_simplex, read_vertices

@@ -3,7 +3,8 @@ program test_input
    use check, only: checks_t
    use psalm_data_set, only: data_set_t, read_data_sets
    use psalm_kinds, only: wp
-   use psalm_setup, only: topology_t, dimensions_t, set_up
+   use psalm_setup, only: set_up
+   use psalm_topology, only: topology_t, dimensions_t
    use psalm_status, only: diagnostics_t
    use psalm_text, only: to_text
    implicit none (type, external)

@@ -6,7 +6,7 @@ program test_positions
    use psalm_error, only: problem_t, motion_t
    use psalm_kinds, only: wp, radians_per_degree, degrees_per_radian
    use psalm_linkage, only: block_length
-   use psalm_setup, only: dimensions_t
+   use psalm_topology, only: dimensions_t
    implicit none (type, external)
    type(checks_t) :: t
    integer :: k

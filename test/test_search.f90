@@ -8,7 +8,7 @@ program test_search
    use psalm_error, only: problem_t, motion_t
    use psalm_kinds, only: wp, radians_per_degree
    use psalm_run, only: devices_t, run_case
-   use psalm_setup, only: dimensions_t
+   use psalm_topology, only: dimensions_t
    use psalm_simplx, only: search_state_t, search_simplex, stop_converged, stop_iterations, stop_small_objective
    use psalm_source, only: line_t
    use psalm_start, only: simplex_t, start_simplex, read_vertices

@@ -8,7 +8,7 @@ module psalm_error
    use psalm_kinds, only: wp
    use psalm_linkage, only: linkage_t
    use psalm_plan, only: plan_t, make_plan
-   use psalm_setup, only: topology_t, dimensions_t
+   use psalm_topology, only: topology_t, dimensions_t
    implicit none (type, external)
    private
    public :: problem_t, motion_t, violation_t, make_problem, violation_none

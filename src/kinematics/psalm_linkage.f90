@@ -9,7 +9,7 @@ module psalm_linkage
                           project_on_slides, solve_two_slides
    use psalm_kinds, only: wp, right_angle
    use psalm_plan, only: plan_t, step_point, step_dyad, root_frame, root_crank, origin
-   use psalm_setup, only: topology_t, dimensions_t, arc_actuator
+   use psalm_topology, only: topology_t, dimensions_t, arc_actuator
    implicit none (type, external)
    private
    public :: linkage_t, bound_step_t, block_length

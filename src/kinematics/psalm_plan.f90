@@ -7,7 +7,7 @@
 module psalm_plan
    use psalm_data_set, only: motion_point, motion_angle, motion_distance, motion_slide
    use psalm_kinds, only: wp
-   use psalm_setup, only: topology_t, arc_determined, arc_slide, arc_crank, arc_actuator
+   use psalm_topology, only: topology_t, arc_determined, arc_slide, arc_crank, arc_actuator
    implicit none (type, external)
    private
    public :: plan_t, step_t, make_plan

@@ -5,7 +5,7 @@
 module psalm_data_set_text
    use psalm_data_set, only: data_set_t, motion_point
    use psalm_kinds, only: wp
-   use psalm_setup, only: topology_t, dimensions_t
+   use psalm_topology, only: topology_t, dimensions_t
    use psalm_start, only: values_per_record
    use psalm_text, only: text_t, general, full_precision, to_text
    implicit none (type, external)

@@ -8,7 +8,7 @@ module psalm_finale
                           violation_angle_small, violation_angle_large
    use psalm_kinds, only: wp, full_turn
    use psalm_plan, only: root_frame
-   use psalm_setup, only: dimensions_t, topology_t
+   use psalm_topology, only: dimensions_t, topology_t
    use psalm_text, only: text_t, fixed, general, to_text
    implicit none (type, external)
    private

@@ -9,7 +9,7 @@ module psalm_constr
    use psalm_data_set, only: data_set_t
    use psalm_error, only: problem_t
    use psalm_kinds, only: wp, degrees_per_radian, half_turn, right_angle
-   use psalm_setup, only: dimensions_t, variable_length
+   use psalm_topology, only: dimensions_t, variable_length
    implicit none (type, external)
    private
    public :: constraints_t, repair_count_t, make_constraints, constrain, repair_link_pair
