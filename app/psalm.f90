@@ -1,6 +1,6 @@
 !> psalm: displacement analysis and dimensional synthesis of planar linkages from a namelist file.
 program psalm
-   use psalm_console, only: arguments_t, progress_t, read_arguments, show_findings, stem_of, write_devices
+   use psalm_console, only: arguments_t, progress_t, check_names, read_arguments, show_findings, stem_of, write_devices
    use psalm_data_set, only: data_set_t, read_data_sets
    use psalm_kinds, only: wp
    use psalm_run, only: devices_t, version, check_case, run_case
@@ -40,6 +40,8 @@ program psalm
       call write_standard_output('psalm '//version//nl, done)
       stop
    end if
+   call check_names(arguments, code)
+   if (code == exit_bad_input) stop exit_bad_input, quiet=.true.
    do i = 1, size(arguments%files)
       call run_file(trim(arguments%files(i)))
    end do

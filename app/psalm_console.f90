@@ -9,7 +9,7 @@ module psalm_console
    use psalm_text, only: to_text, general
    implicit none (type, external)
    private
-   public :: arguments_t, progress_t, read_arguments, show_findings, stem_of, write_devices
+   public :: arguments_t, progress_t, check_names, read_arguments, show_findings, stem_of, write_devices
 
    !> The command line.
    type :: arguments_t
@@ -73,6 +73,23 @@ contains
       end do
       if (size(arguments%files) == 0) arguments%files = ['-']
    end subroutine read_arguments
+
+   !> Two cases whose devices would have the same names would overwrite each other.
+   subroutine check_names(arguments, code)
+      type(arguments_t), intent(in) :: arguments
+      integer, intent(inout) :: code
+      integer :: i, k
+
+      do i = 2, size(arguments%files)
+         do k = 1, i - 1
+            if (stem_of(arguments%files(i), arguments%output_dir) /= stem_of(arguments%files(k), arguments%output_dir)) cycle
+            call say("'"//trim(arguments%files(k))//"' and '"//trim(arguments%files(i))//"' would write the same files '"// &
+                     stem_of(arguments%files(i), arguments%output_dir)//".dev7' and so on; rename one or run them apart")
+            code = exit_bad_input
+            return
+         end do
+      end do
+   end subroutine check_names
 
    function argument(i) result(word)
       integer, intent(in) :: i

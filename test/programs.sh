@@ -137,6 +137,11 @@ check 'a name with blanks: devices' test -s 'with blanks in it.dev9'
 status 1 'several files' "$psalm" --quiet needle.nml textile.nml
 check 'several files: both listed' grep -q 'TEXTILE' out
 check '--quiet is quiet' test ! -s err
+mkdir other && cp textile.nml other/
+status 2 'two cases with the same device files' "$psalm" --output-dir sub textile.nml other/textile.nml
+said 'two cases with the same device files' 'would write the same files'
+sed 's/IPLOT=1/NVIOL=2000000000, NPRINT=2000000000/' dyad4_slider_crank.nml >wide.nml
+status 0 'very large integers' "$psalm" wide.nml
 status 2 'one of several files is wrong: the others run' "$psalm" bad.nml textile.nml
 check 'the sound one is listed' grep -q 'TEXTILE' out
 "$psalm" --quiet textile.nml >/dev/full 2>err

@@ -150,6 +150,9 @@ contains
       call wrong(altered('NLOOP=1', 'NLOOP=2000000000'), 'must lie in 1 to')
       call wrong(altered('MAXARC=4', 'MAXARC=4.0'), 'an integer is expected, not a real')
       call wrong(altered('MAXARC=4', 'MAXARC=four'), 'an integer is expected')
+      call wrong(altered('NOUTLK=3', 'NOUTLK=-2147483648'), 'the integer is too large')
+      call wrong(altered('NDES=3', 'IVA=0,1, DESANG=3*9., NDES=3')//' &LIMITS LIMVAL=1, OPLOW=-9., OPHIGH=-1. &END'//nl, &
+                 'a length needs an upper limit above zero')
       call wrong(altered('NLOOP=1', 'NLOOP=1,2'), 'too many values')
       call wrong(altered('120.,80.', '120.,abc'), 'a number is expected')
       call wrong(altered('120.,80.', '120.,NaN'), 'a finite number is expected')

@@ -162,8 +162,7 @@ contains
 
       ! make the arc the one variable and give desired values, as a user would
       searched = problem
-      allocate (searched%wanted(problem%positions), searched%weight(problem%positions), source=1.0_wp)
-      searched%desired = .true.
+      call searched%set_desired(spread(1.0_wp, 1, problem%positions), spread(1.0_wp, 1, problem%positions))
       searched%topology%length_variable(arc) = 1
       deallocate (searched%topology%variables)
       allocate (searched%topology%variables(1))

@@ -30,6 +30,8 @@ contains
       end if
       if (len(text) >= first .and. verify(text(first:), '0123456789') == 0) then
          read (text, *, iostat=status) number
+         ! the one integer whose negative overflows is none of ours
+         if (status == 0 .and. number < -huge(number)) status = 1
          if (status /= 0) reason = 'the integer is too large'
       else if (is_number(text)) then
          reason = 'an integer is expected, not a real'

@@ -6,7 +6,14 @@ module psalm_angles
    use psalm_kinds, only: wp, degrees_per_radian, full_turn, radians_per_degree, right_angle
    implicit none (type, external)
    private
-   public :: unit_vector, degrees_of, within_turn, nearest_difference
+   public :: unit_vector, degrees_of, within_turn, nearest_difference, angles_between
+
+   !> atan(t)/t as a polynomial in t**2, for abs(t) <= tan(pi/8): Chebyshev fit, relative error 1.3e-18.
+   real(wp), parameter :: arc_tangent(0:11) = [ &
+      0.99999999999999999874_wp, -0.33333333333333121163_wp, 0.19999999999940891462_wp, -0.14285714279250244942_wp, &
+      0.11111110744919658237_wp, -0.090908968090640270761_wp, 0.076920453309022249521_wp, -0.066629518136291900881_wp, &
+      0.058468782973308725201_wp, -0.050351024566015518428_wp, 0.037965257453865936236_wp, -0.017805397205419445228_wp]
+   integer, parameter :: digits_of_fit = 17 !! decimal digits the polynomial is good for
 
 contains
 
@@ -20,7 +27,8 @@ contains
       integer :: quadrant
 
       rest = mod(degrees, full_turn)
-      quadrant = nint(rest/right_angle)
+      ! ties go up, so that whole turns change nothing
+      quadrant = floor(rest/right_angle + 0.5_wp)
       rest = (rest - right_angle*real(quadrant, wp))*radians_per_degree
       c = cos(rest)
       s = sin(rest)
@@ -50,6 +58,57 @@ contains
          degrees_of = atan2(y, x)*degrees_per_radian
       end if
    end function degrees_of
+
+   !> Angles from unit vectors (rx, ry), turned by a fixed angle, to unit vectors (wx, wy), -180 to 180 degrees, for many
+   !> positions at once.
+   !>
+   !> A loop without calls or branches: the tangent of the angle reduced to -45 ... 45 by exchanging or turning the two legs.
+   !> Neither vector may be zero. Accurate to 3 units of the last digit; the same bits at any place of the array.
+   pure subroutine angles_between(n, rx, ry, turn_x, turn_y, wx, wy, degrees)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: rx(n), ry(n), wx(n), wy(n)
+      real(wp), intent(in) :: turn_x, turn_y  !! cosine, sine of the fixed angle
+      real(wp), intent(out) :: degrees(n)
+      real(wp), parameter :: quarter_pi = 45.0_wp*radians_per_degree
+      real(wp), parameter :: tan_eighth = 0.41421356237309504880168872420969808_wp !! tan(pi/8)
+      real(wp) :: x, y, s, c, small, large, t, z, z2, z4, angle, top, bottom
+      logical :: steep, wide
+      integer :: i
+
+      if (precision(1.0_wp) > digits_of_fit) then
+         do i = 1, n
+            x = turn_x*rx(i) - turn_y*ry(i)
+            y = turn_x*ry(i) + turn_y*rx(i)
+            degrees(i) = atan2(wy(i)*x - wx(i)*y, wx(i)*x + wy(i)*y)*degrees_per_radian
+         end do
+         return
+      end if
+      do i = 1, n
+         x = turn_x*rx(i) - turn_y*ry(i)
+         y = turn_x*ry(i) + turn_y*rx(i)
+         s = wy(i)*x - wx(i)*y
+         c = wx(i)*x + wy(i)*y
+         steep = abs(s) > abs(c)
+         small = merge(abs(c), abs(s), steep)
+         large = merge(abs(s), abs(c), steep)
+         ! beyond 22.5 degrees the legs are turned by 45
+         wide = small > tan_eighth*large
+         top = merge(small - large, small, wide)
+         bottom = merge(large + small, large, wide)
+         t = top/bottom
+         z = t*t
+         ! in pairs (Estrin): short chains of operations
+         z2 = z*z
+         z4 = z2*z2
+         angle = ((arc_tangent(0) + arc_tangent(1)*z) + (arc_tangent(2) + arc_tangent(3)*z)*z2) &
+                 + ((arc_tangent(4) + arc_tangent(5)*z) + (arc_tangent(6) + arc_tangent(7)*z)*z2)*z4 &
+                 + ((arc_tangent(8) + arc_tangent(9)*z) + (arc_tangent(10) + arc_tangent(11)*z)*z2)*(z4*z4)
+         angle = t*angle + merge(quarter_pi, 0.0_wp, wide)
+         angle = merge(2.0_wp*quarter_pi - angle, angle, steep)
+         angle = merge(4.0_wp*quarter_pi - angle, angle, c < 0.0_wp)
+         degrees(i) = sign(angle, s)*degrees_per_radian
+      end do
+   end subroutine angles_between
 
    !> The same angle in 0 <= angle < 360 degrees.
    elemental real(wp) function within_turn(degrees)

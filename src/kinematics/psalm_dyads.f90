@@ -8,7 +8,7 @@ module psalm_dyads
    use psalm_kinds, only: wp
    implicit none (type, external)
    private
-   public :: solve_two_links, solve_slide_on_q, solve_slide_on_p, solve_link_slide, solve_slide_link
+   public :: solve_two_links, solve_one_link, solve_slide_on_q, solve_slide_on_p, solve_link_slide, solve_slide_link
    public :: project_on_slides, solve_two_slides
 
    real(wp), parameter :: least_square = 4.0_wp*tiny(1.0_wp) !! guards a division; such a dyad is reported as open
@@ -25,14 +25,14 @@ contains
       real(wp), intent(in) :: s                         !! assembly, +1 or -1
       real(wp), intent(out) :: px(n), py(n), qx(n), qy(n) !! unit vectors of p and q
       real(wp), intent(out) :: reach(n)                 !! h**2, [length**2]
-      real(wp) :: hx, hy, d, root, along_p, along_q, sum2, diff2, product, to_p, to_q
+      real(wp) :: hx, hy, d, root, along_p, along_q, sum2, diff2, product, half_p, half_q
       integer :: i
 
       sum2 = (p + q)**2
       diff2 = (p - q)**2
       product = (p - q)*(p + q)
-      to_p = 0.5_wp/p
-      to_q = 0.5_wp/q
+      half_p = 0.5_wp/p
+      half_q = 0.5_wp/q
       do i = 1, n
          hx = ex(i) - sx(i)
          hy = ey(i) - sy(i)
@@ -42,12 +42,41 @@ contains
          along_p = d + product
          along_q = d - product
          d = 1.0_wp/max(d, least_square)
-         px(i) = (along_p*hx + root*hy)*d*to_p
-         py(i) = (along_p*hy - root*hx)*d*to_p
-         qx(i) = (along_q*hx - root*hy)*d*to_q
-         qy(i) = (along_q*hy + root*hx)*d*to_q
+         px(i) = (along_p*hx + root*hy)*(d*half_p)
+         py(i) = (along_p*hy - root*hx)*(d*half_p)
+         qx(i) = (along_q*hx - root*hy)*(d*half_q)
+         qy(i) = (along_q*hy + root*hx)*(d*half_q)
       end do
    end subroutine solve_two_links
+
+   !> Type 1 where only one of the two directions is wanted: that of the link `a`; `b` is the other.
+   !>
+   !> With t = +1 the joint lies right of the line from where `a` leaves h: t = s for a = p, t = -s for a = q.
+   pure subroutine solve_one_link(n, sx, sy, ex, ey, a, b, t, ax, ay, reach)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: sx(n), sy(n), ex(n), ey(n)
+      real(wp), intent(in) :: a, b                      !! lengths, > 0
+      real(wp), intent(in) :: t                         !! assembly, +1 or -1
+      real(wp), intent(out) :: ax(n), ay(n), reach(n)   !! unit vector of a; h**2
+      real(wp) :: hx, hy, d, root, along, sum2, diff2, product, half
+      integer :: i
+
+      sum2 = (a + b)**2
+      diff2 = (a - b)**2
+      product = (a - b)*(a + b)
+      half = 0.5_wp/a
+      do i = 1, n
+         hx = ex(i) - sx(i)
+         hy = ey(i) - sy(i)
+         d = hx*hx + hy*hy
+         reach(i) = d
+         root = t*sqrt(max((sum2 - d)*(d - diff2), 0.0_wp))
+         along = d + product
+         d = (1.0_wp/max(d, least_square))*half
+         ax(i) = (along*hx + root*hy)*d
+         ay(i) = (along*hy - root*hx)*d
+      end do
+   end subroutine solve_one_link
 
    !> Type 2, slide p guided by q: q is the guide, at right angles to p.
    !>

@@ -3,10 +3,10 @@
 !> A `problem_t` is everything an analysis or a search works on: topology, plan, inputs, desired values and weights, and a
 !> linkage to move. Source of motions and objective: Oldham (1977), chapter 5 and appendix B.
 module psalm_error
-   use psalm_angles, only: unit_vector, degrees_of, nearest_difference, within_turn
+   use psalm_angles, only: unit_vector, angles_between, degrees_of, within_turn
    use psalm_data_set, only: data_set_t, motion_point, motion_angle, motion_distance, motion_slide
    use psalm_kinds, only: wp
-   use psalm_linkage, only: linkage_t
+   use psalm_linkage, only: linkage_t, padded
    use psalm_plan, only: plan_t, make_plan
    use psalm_topology, only: topology_t, dimensions_t
    implicit none (type, external)
@@ -47,17 +47,27 @@ module psalm_error
       type(plan_t) :: plan
       type(dimensions_t) :: given                  !! the user's linkage
       type(linkage_t) :: linkage                   !! bound to the last dimensions evaluated
+      type(linkage_t), allocatable :: crew(:)      !! one more linkage for each further thread
       integer :: motion = motion_point
       real(wp) :: tangle = 90.0_wp, toggle = 0.0_wp
       integer :: positions = 0
       real(wp), allocatable :: delt(:)             !! shape (positions): degrees or length
-      real(wp), allocatable :: first(:), second(:) !! shape (positions): cosine and sine of DELT, or DELT and nothing
+      ! tables for whole blocks: the positions, padded with the last one
+      real(wp), allocatable :: first(:), second(:) !! cosine and sine of DELT; sliding input: DELT twice
       logical :: desired = .false.                 !! there are desired values
-      real(wp), allocatable :: wanted(:), wanted_y(:) !! shape (positions): desired values, machine coordinates for MOTION 0
-      real(wp), allocatable :: weight(:), weight_y(:) !! shape (positions)
-      real(wp), allocatable :: out_x(:), out_y(:)     !! shape (room): output of one block
+      real(wp), allocatable :: wanted(:), wanted_y(:) !! desired values, machine co-ordinates for MOTION 0
+      real(wp), allocatable :: toward_x(:), toward_y(:) !! MOTION 1: unit vectors of the desired angles
+      real(wp), allocatable :: weight(:), weight_y(:) !! weights, 0 for padding
+      real(wp), allocatable :: partial(:)          !! shape (blocks): objective of each
+      integer, allocatable :: offending(:)         !! shape (blocks): lowest loop not accepted in each
+      real(wp) :: out_angle = 0.0_wp, out_c = 1.0_wp, out_s = 0.0_wp    !! output arc from its root: degrees, cosine, sine
+      real(wp) :: out_length = 0.0_wp
+      real(wp) :: origin_angle = 0.0_wp, origin_c = 1.0_wp, origin_s = 0.0_wp !! direction of the input pivot
+      real(wp) :: origin_x = 0.0_wp, origin_y = 0.0_wp                  !! the input pivot
    contains
       procedure :: set_inputs
+      procedure :: set_desired
+      procedure :: set_threads
       procedure :: bind => bind_problem
       procedure :: solve_block
       procedure :: blocks
@@ -89,16 +99,11 @@ contains
          return
       end if
       call problem%set_inputs(set%delt)
-      problem%desired = set%desired
       if (.not. set%desired) return
       if (set%motion == motion_point) then
-         problem%wanted = set%desx + set%xadd
-         problem%wanted_y = set%desy + set%yadd
-         problem%weight = set%xmult
-         problem%weight_y = set%ymult
+         call problem%set_desired(set%desx + set%xadd, set%xmult, set%desy + set%yadd, set%ymult)
       else
-         problem%wanted = set%desang
-         problem%weight = set%anmult
+         call problem%set_desired(set%desang, set%anmult)
       end if
    end subroutine make_problem
 
@@ -111,24 +116,80 @@ contains
       self%positions = size(delt)
       self%delt = delt
       self%desired = .false.
-      self%first = delt
-      self%second = delt
+      call self%linkage%prepare(self%topology, self%plan, self%tangle, delt)
+      if (allocated(self%crew)) deallocate (self%crew)
+      self%first = whole_blocks(self, delt, delt(size(delt)))
+      self%second = self%first
       if (.not. self%topology%sliding_input) then
-         do i = 1, size(delt)
-            call unit_vector(delt(i), self%first(i), self%second(i))
+         do i = 1, size(self%first)
+            call unit_vector(self%second(i), self%first(i), self%second(i))
          end do
       end if
-      call self%linkage%prepare(self%topology, self%plan, self%tangle, size(delt))
-      if (allocated(self%out_x)) deallocate (self%out_x, self%out_y)
-      allocate (self%out_x(self%linkage%room), self%out_y(self%linkage%room), source=0.0_wp)
+      if (allocated(self%partial)) deallocate (self%partial, self%offending)
+      allocate (self%partial(self%blocks()), source=0.0_wp)
+      allocate (self%offending(self%blocks()), source=0)
    end subroutine set_inputs
+
+   !> Give desired values and weights for the positions.
+   subroutine set_desired(self, wanted, weight, wanted_y, weight_y)
+      class(problem_t), intent(inout) :: self
+      real(wp), intent(in) :: wanted(:), weight(:)                        !! shape (positions)
+      real(wp), intent(in), optional :: wanted_y(:), weight_y(:)          !! shape (positions); MOTION 0
+      integer :: i
+
+      self%desired = .true.
+      self%wanted = whole_blocks(self, wanted, wanted(size(wanted)))
+      self%weight = whole_blocks(self, weight, 0.0_wp)
+      if (present(wanted_y)) self%wanted_y = whole_blocks(self, wanted_y, wanted_y(size(wanted_y)))
+      if (present(weight_y)) self%weight_y = whole_blocks(self, weight_y, 0.0_wp)
+      if (self%motion /= motion_angle) return
+      self%toward_x = self%wanted
+      self%toward_y = self%wanted
+      do i = 1, size(self%wanted)
+         call unit_vector(self%wanted(i), self%toward_x(i), self%toward_y(i))
+      end do
+   end subroutine set_desired
+
+   !> Values of the positions, then a filler up to the end of the last block.
+   pure function whole_blocks(self, values, filler) result(padded_values)
+      class(problem_t), intent(in) :: self
+      real(wp), intent(in) :: values(:), filler
+      real(wp), allocatable :: padded_values(:)
+
+      allocate (padded_values(self%blocks()*self%linkage%room), source=filler)
+      padded_values(:size(values)) = values
+   end function whole_blocks
+
+   !> Let `threads` threads share the blocks of an evaluation. The results have the same bits for any number.
+   subroutine set_threads(self, threads)
+      class(problem_t), intent(inout) :: self
+      integer, intent(in) :: threads
+      integer :: t
+
+      if (allocated(self%crew)) deallocate (self%crew)
+      if (threads < 2 .or. self%blocks() < 2*threads) return
+      allocate (self%crew(threads))
+      do t = 1, threads
+         call self%crew(t)%prepare(self%topology, self%plan, self%tangle, self%delt)
+      end do
+   end subroutine set_threads
 
    !> Put dimensions in.
    pure subroutine bind_problem(self, dimensions)
       class(problem_t), intent(inout) :: self
       type(dimensions_t), intent(in) :: dimensions
+      real(wp) :: angle
 
       call self%linkage%bind(self%topology, self%plan, dimensions)
+      angle = self%linkage%angle(self%topology%output_arc) + dimensions%outang
+      if (angle /= self%out_angle) call unit_vector(angle, self%out_c, self%out_s)
+      self%out_angle = angle
+      self%out_length = dimensions%outlk
+      angle = dimensions%origng
+      if (angle /= self%origin_angle) call unit_vector(angle, self%origin_c, self%origin_s)
+      self%origin_angle = angle
+      self%origin_x = dimensions%origlk*self%origin_c
+      self%origin_y = dimensions%origlk*self%origin_s
    end subroutine bind_problem
 
    !> Number of blocks the positions make.
@@ -144,114 +205,178 @@ contains
       integer, intent(in) :: block
       integer, intent(out) :: offset, n
       integer, intent(in), optional :: last_step
+      integer :: m
 
       offset = (block - 1)*self%linkage%room
       n = min(self%linkage%room, self%positions - offset)
-      call self%linkage%solve(n, self%first(offset + 1:offset + n), self%second(offset + 1:offset + n), last_step)
+      m = padded(n)
+      call self%linkage%solve(m, self%first(offset + 1:offset + m), self%second(offset + 1:offset + m), last_step)
    end subroutine solve_block
 
    !> Objective of a linkage: the sum of weight * (desired - actual)**2.
    !>
    !> `loop` is the lowest loop that does not close, or whose transmission angle is out of limits, at any position; the
-   !> objective has no meaning then. No allocation.
-   pure subroutine evaluate(self, dimensions, objective, loop)
+   !> objective has no meaning then. No allocation. With `set_threads` the blocks are shared out; each block's sum is formed
+   !> by itself and the sums are added in order, so that the bits do not depend on the number of threads.
+   subroutine evaluate(self, dimensions, objective, loop)
       class(problem_t), intent(inout) :: self
       type(dimensions_t), intent(in) :: dimensions
       real(wp), intent(out) :: objective
       integer, intent(out) :: loop         !! 0: none
-      integer :: block, offset, n, l
+      integer :: block, t
 
       call self%bind(dimensions)
-      objective = 0.0_wp
-      loop = self%topology%nloop + 1
-      do block = 1, self%blocks()
-         call self%solve_block(block, offset, n)
-         do l = 1, min(loop - 1, self%topology%nloop)
-            if (self%linkage%step_of_loop(l) == 0) cycle
-            if (.not. self%linkage%all_accepted(n, l)) then
-               loop = l
-               exit
-            end if
+      if (allocated(self%crew)) then
+         !$omp parallel do num_threads(size(self%crew)) schedule(static) private(block)
+         do t = 1, size(self%crew)
+            call self%crew(t)%bind(self%topology, self%plan, dimensions)
+            do block = t, self%blocks(), size(self%crew)
+               call evaluate_block(self, self%crew(t), block, self%partial(block), self%offending(block))
+            end do
          end do
-         if (loop > self%topology%nloop) then
-            call output_of_block(self, dimensions, n)
-            call add_errors(self, offset, n, objective)
-         end if
+         !$omp end parallel do
+      else
+         do block = 1, self%blocks()
+            call evaluate_block(self, self%linkage, block, self%partial(block), self%offending(block))
+         end do
+      end if
+      objective = 0.0_wp
+      loop = 0
+      do block = 1, self%blocks()
+         objective = objective + self%partial(block)
+         if (self%offending(block) > 0 .and. (loop == 0 .or. self%offending(block) < loop)) loop = self%offending(block)
       end do
-      if (loop > self%topology%nloop) loop = 0
    end subroutine evaluate
 
-   !> Output of the block: x and y; unit vector of the output arc; distance or length (x only).
-   pure subroutine output_of_block(self, dimensions, n)
-      class(problem_t), intent(inout) :: self
-      type(dimensions_t), intent(in) :: dimensions
-      integer, intent(in) :: n
-      real(wp) :: c, s, x, y, origin_x, origin_y, back
-      integer :: i, root, point, slot
+   !> One block of an evaluation with a bound linkage.
+   pure subroutine evaluate_block(self, linkage, block, objective, loop)
+      class(problem_t), intent(in) :: self
+      type(linkage_t), intent(inout) :: linkage
+      integer, intent(in) :: block
+      real(wp), intent(out) :: objective
+      integer, intent(out) :: loop         !! lowest loop not accepted, 0: none
+      integer :: offset, m, l
 
-      associate (link => self%linkage, arc => self%topology%output_arc)
-         root = self%plan%root(arc)
-         back = 1.0_wp/link%scale
-         if (self%motion == motion_slide) then
-            slot = self%plan%length_slot(arc)
-            self%out_x(:n) = link%slide(:n, slot)*back
-            return
-         end if
-         call unit_vector(link%angle(arc) + dimensions%outang, c, s)
-         if (self%motion == motion_angle) then
-            do i = 1, n
-               self%out_x(i) = c*link%root_x(i, root) - s*link%root_y(i, root)
-               self%out_y(i) = c*link%root_y(i, root) + s*link%root_x(i, root)
-            end do
-            return
-         end if
-         point = self%plan%output_point
-         c = c*dimensions%outlk
-         s = s*dimensions%outlk
-         call unit_vector(dimensions%origng, origin_x, origin_y)
-         origin_x = origin_x*dimensions%origlk
-         origin_y = origin_y*dimensions%origlk
-         do i = 1, n
-            x = c*link%root_x(i, root) - s*link%root_y(i, root)
-            y = c*link%root_y(i, root) + s*link%root_x(i, root)
-            self%out_x(i) = link%point_x(i, point)*back + x + origin_x
-            self%out_y(i) = link%point_y(i, point)*back + y + origin_y
-         end do
-         if (self%motion == motion_distance) then
-            do i = 1, n
-               self%out_x(i) = sqrt(self%out_x(i)**2 + self%out_y(i)**2)
-            end do
-         end if
+      offset = (block - 1)*linkage%room
+      m = padded(min(linkage%room, self%positions - offset))
+      call linkage%solve(m, self%first(offset + 1:offset + m), self%second(offset + 1:offset + m))
+      objective = 0.0_wp
+      do l = 1, self%topology%nloop
+         if (linkage%step_of_loop(l) == 0) cycle
+         loop = l
+         if (.not. linkage%all_accepted(m, l)) return
+      end do
+      loop = 0
+      if (self%motion /= motion_angle) call output_of_block(self, linkage, m)
+      associate (store => linkage%store, rx => linkage%root_x(self%plan%root(self%topology%output_arc)), &
+                 ry => linkage%root_y(self%plan%root(self%topology%output_arc)), &
+                 x => linkage%out_x, y => linkage%out_y, miss => linkage%miss, first => offset + 1, &
+                 last => offset + m)
+         select case (self%motion)
+         case (motion_angle)
+            call angles_between(m, store(rx), store(ry), self%out_c, self%out_s, self%toward_x(first:last), &
+                                self%toward_y(first:last), store(miss))
+            objective = sum_of_squares(m, store(miss), self%weight(first:last))
+         case (motion_point)
+            call misses(m, self%wanted(first:last), store(x), store(miss))
+            objective = sum_of_squares(m, store(miss), self%weight(first:last))
+            call misses(m, self%wanted_y(first:last), store(y), store(miss))
+            objective = objective + sum_of_squares(m, store(miss), self%weight_y(first:last))
+         case default
+            call misses(m, self%wanted(first:last), store(x), store(miss))
+            objective = sum_of_squares(m, store(miss), self%weight(first:last))
+         end select
+      end associate
+   end subroutine evaluate_block
+
+   pure subroutine misses(n, wanted, actual, miss)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: wanted(n), actual(n)
+      real(wp), intent(out) :: miss(n)
+
+      miss = wanted - actual
+   end subroutine misses
+
+   !> Sum of weight * error**2 in a fixed order: eight partial sums, so that it runs in vector lanes.
+   pure real(wp) function sum_of_squares(n, error, weight)
+      integer, intent(in) :: n          !! a multiple of 8
+      real(wp), intent(in) :: error(n), weight(n)
+      integer, parameter :: lanes = 8
+      real(wp) :: part(lanes)
+      integer :: i
+
+      part = 0.0_wp
+      do i = 1, n, lanes
+         part = part + weight(i:i + lanes - 1)*error(i:i + lanes - 1)**2
+      end do
+      sum_of_squares = ((part(1) + part(2)) + (part(3) + part(4))) + ((part(5) + part(6)) + (part(7) + part(8)))
+   end function sum_of_squares
+
+   !> Output of the block: x and y; unit vector of the output arc; distance or length (x only).
+   pure subroutine output_of_block(self, linkage, n)
+      class(problem_t), intent(in) :: self
+      type(linkage_t), intent(inout) :: linkage
+      integer, intent(in) :: n
+      real(wp) :: back
+      integer :: root
+
+      root = self%plan%root(self%topology%output_arc)
+      back = 1.0_wp/linkage%scale
+      associate (store => linkage%store, x => linkage%out_x, y => linkage%out_y, rx => linkage%root_x(root), &
+                 ry => linkage%root_y(root), px => linkage%point_x(self%plan%output_point), &
+                 py => linkage%point_y(self%plan%output_point))
+         select case (self%motion)
+         case (motion_slide)
+            associate (slide => linkage%slide(self%plan%length_slot(self%topology%output_arc)))
+               store(x:x + n - 1) = store(slide:slide + n - 1)*back
+            end associate
+         case (motion_angle)
+            call turned(n, store(rx), store(ry), self%out_c, self%out_s, store(x), store(y))
+         case default
+            call output_points(n, store(px), store(py), store(rx), store(ry), back, self%out_c*self%out_length, &
+                               self%out_s*self%out_length, self%origin_x, self%origin_y, store(x), store(y))
+            if (self%motion == motion_distance) call distances(n, store(x), store(y))
+         end select
       end associate
    end subroutine output_of_block
 
-   pure subroutine add_errors(self, offset, n, objective)
-      class(problem_t), intent(in) :: self
-      integer, intent(in) :: offset, n
-      real(wp), intent(inout) :: objective
-      real(wp) :: error
-      integer :: i, k
+   pure subroutine turned(n, rx, ry, c, s, x, y)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: rx(n), ry(n), c, s
+      real(wp), intent(out) :: x(n), y(n)
+      integer :: i
 
-      select case (self%motion)
-      case (motion_point)
-         do i = 1, n
-            k = offset + i
-            objective = objective + self%weight(k)*(self%wanted(k) - self%out_x(i))**2 &
-                        + self%weight_y(k)*(self%wanted_y(k) - self%out_y(i))**2
-         end do
-      case (motion_angle)
-         do i = 1, n
-            k = offset + i
-            error = nearest_difference(self%wanted(k), degrees_of(self%out_x(i), self%out_y(i)))
-            objective = objective + self%weight(k)*error**2
-         end do
-      case default
-         do i = 1, n
-            k = offset + i
-            objective = objective + self%weight(k)*(self%wanted(k) - self%out_x(i))**2
-         end do
-      end select
-   end subroutine add_errors
+      do i = 1, n
+         x(i) = c*rx(i) - s*ry(i)
+         y(i) = c*ry(i) + s*rx(i)
+      end do
+   end subroutine turned
+
+   pure subroutine output_points(n, px, py, rx, ry, back, c, s, origin_x, origin_y, x, y)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: px(n), py(n), rx(n), ry(n), back, c, s, origin_x, origin_y
+      real(wp), intent(out) :: x(n), y(n)
+      integer :: i
+
+      do i = 1, n
+         x(i) = px(i)*back + (c*rx(i) - s*ry(i)) + origin_x
+         y(i) = py(i)*back + (c*ry(i) + s*rx(i)) + origin_y
+      end do
+   end subroutine output_points
+
+   !> Distance from the machine origin, in place of x.
+   pure subroutine distances(n, x, y)
+      integer, intent(in) :: n
+      real(wp), intent(inout) :: x(n)
+      real(wp), intent(in) :: y(n)
+      real(wp) :: largest
+      integer :: i
+
+      do i = 1, n
+         largest = max(max(abs(x(i)), abs(y(i))), tiny(1.0_wp))
+         x(i) = largest*sqrt((x(i)/largest)**2 + (y(i)/largest)**2)
+      end do
+   end subroutine distances
 
    !> Reach of one loop at every position: what `psalm_dyads` defines for its type, in the user's unit.
    pure subroutine reach_of(self, loop, reach)
@@ -266,7 +391,9 @@ contains
       if (self%topology%joint(loop) >= 6) back = 1.0_wp
       do block = 1, self%blocks()
          call self%solve_block(block, offset, n, self%linkage%step_of_loop(loop))
-         reach(offset + 1:offset + n) = self%linkage%reach(:n, loop)*back
+         associate (row => self%linkage%reach(loop))
+            reach(offset + 1:offset + n) = self%linkage%store(row:row + n - 1)*back
+         end associate
       end do
    end subroutine reach_of
 
@@ -275,9 +402,8 @@ contains
       class(problem_t), intent(inout) :: self
       type(dimensions_t), intent(in) :: dimensions
       type(motion_t), intent(out) :: motion
-      integer :: block, offset, n, i, k, l
+      integer :: block, offset, n, m, i, k, l
       integer, allocatable :: open_violation(:)
-      real(wp) :: angle
 
       n = self%positions
       allocate (motion%closed(n), source=.true.)
@@ -289,37 +415,44 @@ contains
       call self%bind(dimensions)
       do block = 1, self%blocks()
          call self%solve_block(block, offset, n)
+         m = padded(n)
          do l = 1, self%topology%nloop
             if (self%linkage%step_of_loop(l) == 0) cycle
-            if (self%linkage%all_accepted(n, l)) cycle
+            if (self%linkage%all_accepted(m, l)) cycle
             do i = 1, n
                if (self%linkage%accepts(i, l)) cycle
                if (.not. self%linkage%closes(i, l)) motion%closed(offset + i) = .false.
                call note_violation(self, l, i, offset + i, open_violation(l), motion%violations)
             end do
          end do
-         call output_of_block(self, dimensions, n)
-         do i = 1, n
-            k = offset + i
-            motion%actual(k) = self%out_x(i)
-            motion%actual_y(k) = self%out_y(i)
-            if (self%motion == motion_angle) then
-               angle = degrees_of(self%out_x(i), self%out_y(i))
-               if (self%desired) then
-                  motion%error(k) = nearest_difference(self%wanted(k), angle)
+         call output_of_block(self, self%linkage, m)
+         associate (store => self%linkage%store, x => self%linkage%out_x, y => self%linkage%out_y, &
+                    miss => self%linkage%miss, &
+                    rx => self%linkage%root_x(self%plan%root(self%topology%output_arc)), &
+                    ry => self%linkage%root_y(self%plan%root(self%topology%output_arc)))
+            if (self%desired .and. self%motion == motion_angle) then
+               call angles_between(m, store(rx), store(ry), self%out_c, self%out_s, self%toward_x(offset + 1:offset + m), &
+                                   self%toward_y(offset + 1:offset + m), store(miss))
+            end if
+            do i = 1, n
+               k = offset + i
+               motion%actual(k) = store(x + i - 1)
+               motion%actual_y(k) = store(y + i - 1)
+               if (self%motion == motion_angle .and. self%desired) then
+                  motion%error(k) = store(miss + i - 1)
                   motion%actual(k) = self%wanted(k) - motion%error(k)
-               else
-                  motion%actual(k) = within_turn(angle)
+               else if (self%motion == motion_angle) then
+                  motion%actual(k) = within_turn(degrees_of(motion%actual(k), motion%actual_y(k)))
+               else if (self%desired) then
+                  motion%error(k) = self%wanted(k) - motion%actual(k)
+                  if (self%motion == motion_point) motion%error_y(k) = self%wanted_y(k) - motion%actual_y(k)
                end if
-            else if (self%desired) then
-               motion%error(k) = self%wanted(k) - motion%actual(k)
-               if (self%motion == motion_point) motion%error_y(k) = self%wanted_y(k) - motion%actual_y(k)
-            end if
-            if (self%desired .and. motion%closed(k)) then
-               motion%total = motion%total + self%weight(k)*motion%error(k)**2
-               if (self%motion == motion_point) motion%total = motion%total + self%weight_y(k)*motion%error_y(k)**2
-            end if
-         end do
+               if (self%desired .and. motion%closed(k)) then
+                  motion%total = motion%total + self%weight(k)*motion%error(k)**2
+                  if (self%motion == motion_point) motion%total = motion%total + self%weight_y(k)*motion%error_y(k)**2
+               end if
+            end do
+         end associate
       end do
    end subroutine analyse
 
@@ -365,7 +498,7 @@ contains
       real(wp) :: reach, h, cosine
 
       violation%loop = loop
-      reach = self%linkage%reach(i, loop)
+      reach = self%linkage%store(self%linkage%reach(loop) + i - 1)
       associate (dyad => self%linkage%steps(self%linkage%step_of_loop(loop)))
          select case (dyad%joint)
          case (1)

@@ -4,32 +4,39 @@
 !> `solve` the unit vectors of all roots, the points, the sliding lengths and the reach of each dyad lie in the object.
 !> Nothing is allocated after `prepare`. Knows nothing of desired values or of searches.
 module psalm_linkage
+   use, intrinsic :: iso_c_binding, only: c_intptr_t, c_loc
    use psalm_angles, only: unit_vector
-   use psalm_dyads, only: solve_two_links, solve_slide_on_q, solve_slide_on_p, solve_link_slide, solve_slide_link, &
-                          project_on_slides, solve_two_slides
+   use psalm_dyads, only: solve_two_links, solve_one_link, solve_slide_on_q, solve_slide_on_p, solve_link_slide, &
+                          solve_slide_link, project_on_slides, solve_two_slides
    use psalm_kinds, only: wp, right_angle
-   use psalm_plan, only: plan_t, step_point, step_dyad, root_frame, root_crank, origin
-   use psalm_topology, only: topology_t, dimensions_t, arc_actuator
+   use psalm_plan, only: plan_t, step_point, step_dyad, root_crank
+   use psalm_topology, only: topology_t, dimensions_t
    implicit none (type, external)
    private
-   public :: linkage_t, bound_step_t, block_length
+   public :: linkage_t, bound_step_t, block_length, padded
 
    integer, parameter :: block_length = 128 !! positions solved together: all arrays stay in first-level cache
+   integer, parameter :: lane = 8           !! positions are padded to a multiple of this: no remainder loops
 
    real(wp), parameter :: rounding = 64.0_wp*epsilon(1.0_wp) !! relative width of a limit of closure
    real(wp), parameter :: least_sine = 16.0_wp*epsilon(1.0_wp) !! two slides at a smaller angle are parallel
    integer, parameter :: plain_exponent = maxexponent(1.0_wp)/8 !! lengths beyond 2**this are scaled before they are squared
+   integer, parameter :: line_bytes = 64    !! of a cache line: rows of the store begin on one
 
-   !> One step of the plan with its numbers. Which components have a meaning depends on the kind.
+   !> One step of the plan with its numbers. Which components have a meaning depends on the kind. Components `..._row` are
+   !> places in the store.
    type :: bound_step_t
       integer :: kind = 0, loop = 0, joint = 0
-      integer :: from = origin, to = origin      !! points; of a dyad: S and E
+      integer :: from_x = 0, from_y = 0, to_x = 0, to_y = 0 !! rows of points; of a dyad: S and E
       integer :: arc = 0                         !! point step: the arc
-      integer :: root = root_frame, slot = 0     !! point step: root of the arc, slot of its varying length
+      integer :: root_x = 0, root_y = 0          !! point step: rows of the arc's root
+      integer :: slide_row = 0                   !! point step: row of its varying length, 0: fixed length
       logical :: fixed = .false.                 !! point step: the point belongs to the frame
       integer :: arc_p = 0, arc_q = 0            !! dyad: the undetermined arcs
-      integer :: root_p = root_frame, root_q = root_frame !! dyad: roots found, or roots of the slides' directions
-      integer :: slot_p = 0, slot_q = 0          !! dyad: slots of the slides
+      integer :: p_x = 0, p_y = 0, q_x = 0, q_y = 0 !! dyad: rows of the roots of p and q, found or given
+      integer :: slide_p = 0, slide_q = 0        !! dyad: rows of the slides
+      integer :: reach_row = 0                   !! dyad: row of its reach
+      logical :: wants_p = .true., wants_q = .true. !! dyad: something hangs on the direction found
       real(wp) :: x = 0.0_wp, y = 0.0_wp         !! point step: the arc in the axes of its root, sense included
       real(wp) :: p = 0.0_wp, q = 0.0_wp, sign = 1.0_wp !! dyad: lengths and assembly
       real(wp) :: px = 1.0_wp, py = 0.0_wp       !! dyad: direction of slide p in the axes of its root
@@ -37,7 +44,7 @@ module psalm_linkage
    end type bound_step_t
 
    type :: linkage_t
-      integer :: room = 0                        !! most positions of a block
+      integer :: room = 0                        !! positions of a block, a multiple of `lane`
       type(bound_step_t), allocatable :: steps(:)
       integer, allocatable :: step_of_loop(:)    !! by loop: its dyad step, 0 if it is not in the plan
       real(wp) :: scale = 1.0_wp                 !! internal length = user's length * scale (a power of two, mostly 1)
@@ -47,15 +54,19 @@ module psalm_linkage
       real(wp), allocatable :: length(:)         !! scaled length
       ! limits of the dyads' reach, by loop: closure, and closure with transmission angle
       real(wp), allocatable :: closes_low(:), closes_high(:), accepts_low(:), accepts_high(:)
-      ! one block of positions
-      real(wp), allocatable :: root_x(:, :), root_y(:, :)   !! shape (room, nroots)
-      real(wp), allocatable :: point_x(:, :), point_y(:, :) !! shape (room, 0:npoints), scaled
-      real(wp), allocatable :: slide(:, :)                  !! shape (room, nlengths), scaled
-      real(wp), allocatable :: reach(:, :)                  !! shape (room, nloop), scaled; as `psalm_dyads` defines it
+      ! one block of positions: rows of `room` values; position i of a row is store(row + i - 1)
+      real(wp), allocatable :: store(:)
+      integer, allocatable :: root_x(:), root_y(:)   !! by root: rows of its unit vector
+      integer, allocatable :: point_x(:), point_y(:) !! by point, 0 the input pivot: rows of its scaled co-ordinates
+      integer, allocatable :: slide(:)               !! by varying length: row of the scaled length
+      integer, allocatable :: reach(:)               !! by loop: row of the reach, scaled; as `psalm_dyads` defines it
+      integer :: out_x = 0, out_y = 0, miss = 0      !! rows for the caller: output and error
       ! input
       logical :: sliding_input = .false.
-      integer :: input_slot = 0                  !! slot of the actuator's length
+      real(wp) :: largest_input = 0.0_wp         !! sliding input: largest increment
+      integer :: input_slot = 0                  !! varying length of the actuator
       real(wp) :: crank_x = 1.0_wp, crank_y = 0.0_wp !! unit vector at the reference position
+      real(wp) :: crank_angle = 0.0_wp           !! its angle, degrees
       real(wp) :: reference_length = 0.0_wp      !! actuator's length at the reference position, user's unit
       real(wp) :: cosine_lowest = 0.0_wp         !! cosine of the smallest transmission angle allowed
    contains
@@ -65,21 +76,22 @@ module psalm_linkage
       procedure :: closes
       procedure :: accepts
       procedure :: all_accepted
+      procedure :: arc_at
    end type linkage_t
 
 contains
 
    !> Allocate storage and resolve every index of the plan.
-   subroutine prepare(self, topology, plan, tangle, positions)
+   subroutine prepare(self, topology, plan, tangle, delt)
       class(linkage_t), intent(out) :: self
       type(topology_t), intent(in) :: topology
       type(plan_t), intent(in) :: plan
       real(wp), intent(in) :: tangle    !! allowed deviation of a transmission angle from 90 degrees; 90: closure only
-      integer, intent(in) :: positions  !! positions there will be
+      real(wp), intent(in) :: delt(:)   !! input increments there will be
       real(wp) :: unused
       integer :: k, n, loop
 
-      self%room = max(1, min(block_length, positions))
+      self%room = min(block_length, padded(size(delt)))
       n = size(topology%arcs)
       allocate (self%steps(size(plan%steps)))
       allocate (self%step_of_loop(topology%nloop), source=0)
@@ -88,23 +100,24 @@ contains
       allocate (self%length(n), source=0.0_wp)
       allocate (self%closes_low(topology%nloop), self%closes_high(topology%nloop), source=0.0_wp)
       allocate (self%accepts_low(topology%nloop), self%accepts_high(topology%nloop), source=0.0_wp)
-      allocate (self%root_x(self%room, plan%nroots), source=1.0_wp)
-      allocate (self%root_y(self%room, plan%nroots), source=0.0_wp)
-      allocate (self%point_x(self%room, 0:plan%npoints), self%point_y(self%room, 0:plan%npoints), source=0.0_wp)
-      allocate (self%slide(self%room, plan%nlengths), self%reach(self%room, topology%nloop), source=0.0_wp)
+      call lay_out(self, plan%nroots, plan%npoints, plan%nlengths, topology%nloop)
       self%sliding_input = topology%sliding_input
+      if (self%sliding_input) self%largest_input = maxval(abs(delt))
       call unit_vector(right_angle - tangle, self%cosine_lowest, unused)
       if (topology%sliding_input) self%input_slot = plan%length_slot(1)
       do k = 1, size(plan%steps)
          associate (step => plan%steps(k), bound => self%steps(k))
             bound%kind = step%kind
             bound%loop = step%loop
-            bound%from = step%from
-            bound%to = step%to
+            bound%from_x = self%point_x(step%from)
+            bound%from_y = self%point_y(step%from)
+            bound%to_x = self%point_x(step%to)
+            bound%to_y = self%point_y(step%to)
             if (step%kind == step_point) then
                bound%arc = step%arc
-               bound%root = plan%root(step%arc)
-               bound%slot = plan%length_slot(step%arc)
+               bound%root_x = self%root_x(plan%root(step%arc))
+               bound%root_y = self%root_y(plan%root(step%arc))
+               bound%slide_row = row_of_slide(plan%length_slot(step%arc))
                bound%fixed = step%fixed
                bound%sign = real(step%sense, wp)
             else
@@ -113,17 +126,87 @@ contains
                bound%joint = topology%joint(loop)
                bound%arc_p = topology%seq(loop, topology%larcx(1, loop))
                bound%arc_q = topology%seq(loop, topology%larcx(2, loop))
-               bound%root_p = plan%root(bound%arc_p)
-               bound%root_q = plan%root(bound%arc_q)
-               bound%slot_p = plan%length_slot(bound%arc_p)
-               bound%slot_q = plan%length_slot(bound%arc_q)
+               bound%p_x = self%root_x(plan%root(bound%arc_p))
+               bound%p_y = self%root_y(plan%root(bound%arc_p))
+               bound%q_x = self%root_x(plan%root(bound%arc_q))
+               bound%q_y = self%root_y(plan%root(bound%arc_q))
+               bound%wants_p = plan%used(plan%root(bound%arc_p))
+               bound%wants_q = plan%used(plan%root(bound%arc_q))
+               bound%slide_p = row_of_slide(plan%length_slot(bound%arc_p))
+               bound%slide_q = row_of_slide(plan%length_slot(bound%arc_q))
+               bound%reach_row = self%reach(loop)
                bound%sign = real(plan%dyad_sign(loop), wp)
                if (bound%joint == 2) bound%sign = real(-topology%arcs(bound%arc_p)%turn, wp)
                if (bound%joint == 3) bound%sign = real(topology%arcs(bound%arc_q)%turn, wp)
             end if
          end associate
       end do
+
+   contains
+
+      pure integer function row_of_slide(slot)
+         integer, intent(in) :: slot
+
+         row_of_slide = 0
+         if (slot > 0) row_of_slide = self%slide(slot)
+      end function row_of_slide
    end subroutine prepare
+
+   !> Positions rounded up to a multiple of the lane.
+   pure integer function padded(positions)
+      integer, intent(in) :: positions
+
+      padded = lane*((max(1, positions) + lane - 1)/lane)
+   end function padded
+
+   !> Allocate the store and give every row its place. The first row begins on a cache line, and so do all.
+   subroutine lay_out(self, roots, points, lengths, loops)
+      type(linkage_t), intent(inout) :: self
+      integer, intent(in) :: roots, points, lengths, loops
+      integer :: next, k, per_line
+
+      per_line = line_bytes/(storage_size(1.0_wp)/8)
+      allocate (self%root_x(roots), self%root_y(roots), self%slide(lengths), self%reach(loops))
+      allocate (self%point_x(0:points), self%point_y(0:points))
+      allocate (self%store(self%room*(2*roots + 2*(points + 1) + lengths + loops + 3) + per_line), source=0.0_wp)
+      next = 1 + offset_to_line(self%store)
+      do k = 1, roots
+         self%root_x(k) = new_row()
+         self%root_y(k) = new_row()
+         self%store(self%root_x(k):self%root_x(k) + self%room - 1) = 1.0_wp
+      end do
+      do k = 0, points
+         self%point_x(k) = new_row()
+         self%point_y(k) = new_row()
+      end do
+      do k = 1, lengths
+         self%slide(k) = new_row()
+      end do
+      do k = 1, loops
+         self%reach(k) = new_row()
+      end do
+      self%out_x = new_row()
+      self%out_y = new_row()
+      self%miss = new_row()
+
+   contains
+
+      integer function new_row()
+         new_row = next
+         next = next + self%room
+      end function new_row
+   end subroutine lay_out
+
+   !> Elements from the beginning of an array to the next beginning of a cache line.
+   integer function offset_to_line(array)
+      real(wp), intent(in), target, contiguous :: array(:)
+      integer(c_intptr_t) :: address
+      integer :: bytes
+
+      address = transfer(c_loc(array), address)
+      bytes = int(modulo(-address, int(line_bytes, c_intptr_t)))
+      offset_to_line = bytes/(storage_size(1.0_wp)/8)
+   end function offset_to_line
 
    !> Put a set of dimensions in. Only angles that differ from the last ones cost a sine and a cosine.
    pure subroutine bind(self, topology, plan, dimensions)
@@ -139,7 +222,8 @@ contains
       if (topology%sliding_input) then
          self%reference_length = dimensions%crnki
       else
-         call unit_vector(dimensions%crnki, self%crank_x, self%crank_y)
+         if (dimensions%crnki /= self%crank_angle) call unit_vector(dimensions%crnki, self%crank_x, self%crank_y)
+         self%crank_angle = dimensions%crnki
       end if
       do k = 1, size(self%steps)
          if (self%steps(k)%kind == step_point) then
@@ -156,7 +240,8 @@ contains
       type(dimensions_t), intent(in) :: dimensions
       integer :: e
 
-      e = exponent(max(maxval(dimensions%arcl), abs(dimensions%crnki)*merge(1.0_wp, 0.0_wp, self%sliding_input)))
+      e = exponent(maxval(dimensions%arcl))
+      if (self%sliding_input) e = max(e, exponent(dimensions%crnki), exponent(self%largest_input))
       self%scale = 1.0_wp
       if (abs(e) > plain_exponent) self%scale = scale(1.0_wp, -e)
    end subroutine choose_scale
@@ -201,14 +286,14 @@ contains
 
       step%x = step%sign*self%x(step%arc)
       step%y = step%sign*self%y(step%arc)
-      if (step%slot > 0) return
+      if (step%slide_row > 0) return
       step%x = step%x*self%length(step%arc)
       step%y = step%y*self%length(step%arc)
       if (.not. step%fixed) return
-      x = self%point_x(1, step%from) + step%x
-      y = self%point_y(1, step%from) + step%y
-      self%point_x(:, step%to) = x
-      self%point_y(:, step%to) = y
+      x = self%store(step%from_x) + step%x
+      y = self%store(step%from_y) + step%y
+      self%store(step%to_x:step%to_x + self%room - 1) = x
+      self%store(step%to_y:step%to_y + self%room - 1) = y
    end subroutine bind_point
 
    pure subroutine bind_dyad(self, step)
@@ -257,76 +342,92 @@ contains
       end associate
    end subroutine bind_dyad
 
-   !> Positions of one block. After it, the object holds roots, points, slides and reaches.
+   !> Positions of one block. After it, the store holds roots, points, slides and reaches.
    pure subroutine solve(self, n, first, second, last_step)
       class(linkage_t), intent(inout) :: self
       integer, intent(in) :: n                   !! positions, at most `room`
       real(wp), intent(in) :: first(n)           !! cosine of the input increment (sliding input: the increment, [length])
       real(wp), intent(in) :: second(n)          !! sine of the input increment (sliding input: not used)
       integer, intent(in), optional :: last_step !! solve the steps up to this one only; default all
-      integer :: i, k, last
+      integer :: k, last
 
-      if (self%sliding_input) then
-         if (self%input_slot > 0) then
-            do i = 1, n
-               self%slide(i, self%input_slot) = (self%reference_length + first(i))*self%scale
-            end do
-         end if
-      else
-         do i = 1, n
-            self%root_x(i, root_crank) = self%crank_x*first(i) - self%crank_y*second(i)
-            self%root_y(i, root_crank) = self%crank_y*first(i) + self%crank_x*second(i)
-         end do
+      if (.not. self%sliding_input) then
+         call turn_crank(n, first, second, self%crank_x, self%crank_y, self%store(self%root_x(root_crank)), &
+                         self%store(self%root_y(root_crank)))
+      else if (self%input_slot > 0) then
+         associate (row => self%slide(self%input_slot))
+            self%store(row:row + n - 1) = (self%reference_length + first)*self%scale
+         end associate
       end if
       last = size(self%steps)
       if (present(last_step)) last = last_step
       do k = 1, last
-         associate (step => self%steps(k))
+         associate (step => self%steps(k), store => self%store)
             if (step%kind == step_dyad) then
-               call solve_dyad(self, n, step)
+               call solve_dyad(n, step, size(store), store)
             else if (.not. step%fixed) then
-               if (step%slot == 0) then
-                  call add_arc(n, self%point_x(:, step%from), self%point_y(:, step%from), self%root_x(:, step%root), &
-                               self%root_y(:, step%root), step%x, step%y, self%point_x(:, step%to), self%point_y(:, step%to))
+               if (step%slide_row == 0) then
+                  call add_arc(n, store(step%from_x), store(step%from_y), store(step%root_x), store(step%root_y), step%x, step%y, &
+                               store(step%to_x), store(step%to_y))
                else
-                  call add_slide(n, self%point_x(:, step%from), self%point_y(:, step%from), self%root_x(:, step%root), &
-                                 self%root_y(:, step%root), self%slide(:, step%slot), step%x, step%y, &
-                                 self%point_x(:, step%to), self%point_y(:, step%to))
+                  call add_slide(n, store(step%from_x), store(step%from_y), store(step%root_x), store(step%root_y), &
+                                 store(step%slide_row), step%x, step%y, store(step%to_x), store(step%to_y))
                end if
             end if
          end associate
       end do
    end subroutine solve
 
-   pure subroutine solve_dyad(self, n, step)
-      type(linkage_t), intent(inout) :: self
+   !> Unit vector of the crank: the increment's, turned by the reference angle.
+   pure subroutine turn_crank(n, first, second, x, y, rx, ry)
       integer, intent(in) :: n
-      type(bound_step_t), intent(in) :: step
-      integer :: p, q
+      real(wp), intent(in) :: first(n), second(n), x, y
+      real(wp), intent(out) :: rx(n), ry(n)
+      integer :: i
 
-      p = step%root_p
-      q = step%root_q
-      associate (sx => self%point_x(:, step%from), sy => self%point_y(:, step%from), ex => self%point_x(:, step%to), &
-                 ey => self%point_y(:, step%to), rx => self%root_x, ry => self%root_y, reach => self%reach(:, step%loop))
+      do i = 1, n
+         rx(i) = x*first(i) - y*second(i)
+         ry(i) = y*first(i) + x*second(i)
+      end do
+   end subroutine turn_crank
+
+   pure subroutine solve_dyad(n, step, total, store)
+      integer, intent(in) :: n, total
+      type(bound_step_t), intent(in) :: step
+      real(wp), intent(inout) :: store(total)
+
+      associate (sx => step%from_x, sy => step%from_y, ex => step%to_x, ey => step%to_y, px => step%p_x, py => step%p_y, &
+                 qx => step%q_x, qy => step%q_y, reach => step%reach_row)
          select case (step%joint)
          case (1)
-            call solve_two_links(n, sx, sy, ex, ey, step%p, step%q, step%sign, rx(:, p), ry(:, p), rx(:, q), ry(:, q), reach)
+            if (step%wants_p .and. step%wants_q) then
+               call solve_two_links(n, store(sx), store(sy), store(ex), store(ey), step%p, step%q, step%sign, store(px), &
+                                    store(py), store(qx), store(qy), store(reach))
+            else if (step%wants_q) then
+               call solve_one_link(n, store(sx), store(sy), store(ex), store(ey), step%q, step%p, -step%sign, store(qx), &
+                                   store(qy), store(reach))
+            else
+               call solve_one_link(n, store(sx), store(sy), store(ex), store(ey), step%p, step%q, step%sign, store(px), &
+                                   store(py), store(reach))
+            end if
          case (2)
-            call solve_slide_on_q(n, sx, sy, ex, ey, step%q, step%sign, rx(:, p), ry(:, p), self%slide(:, step%slot_p), reach)
+            call solve_slide_on_q(n, store(sx), store(sy), store(ex), store(ey), step%q, step%sign, store(px), store(py), &
+                                  store(step%slide_p), store(reach))
          case (3)
-            call solve_slide_on_p(n, sx, sy, ex, ey, step%p, step%sign, rx(:, p), ry(:, p), self%slide(:, step%slot_q), reach)
+            call solve_slide_on_p(n, store(sx), store(sy), store(ex), store(ey), step%p, step%sign, store(px), store(py), &
+                                  store(step%slide_q), store(reach))
          case (4)
-            call solve_link_slide(n, sx, sy, ex, ey, step%p, step%sign, rx(:, q), ry(:, q), step%qx, step%qy, rx(:, p), &
-                                  ry(:, p), self%slide(:, step%slot_q), reach)
+            call solve_link_slide(n, store(sx), store(sy), store(ex), store(ey), step%p, step%sign, store(qx), store(qy), &
+                                  step%qx, step%qy, store(px), store(py), store(step%slide_q), store(reach))
          case (5)
-            call solve_slide_link(n, sx, sy, ex, ey, step%q, step%sign, rx(:, p), ry(:, p), step%px, step%py, rx(:, q), &
-                                  ry(:, q), self%slide(:, step%slot_p), reach)
+            call solve_slide_link(n, store(sx), store(sy), store(ex), store(ey), step%q, step%sign, store(px), store(py), &
+                                  step%px, step%py, store(qx), store(qy), store(step%slide_p), store(reach))
          case (6, 7)
-            call project_on_slides(n, sx, sy, ex, ey, rx(:, p), ry(:, p), step%px, step%py, step%qx, step%qy, &
-                                   self%slide(:, step%slot_p), self%slide(:, step%slot_q), reach)
+            call project_on_slides(n, store(sx), store(sy), store(ex), store(ey), store(px), store(py), step%px, step%py, &
+                                   step%qx, step%qy, store(step%slide_p), store(step%slide_q), store(reach))
          case (8)
-            call solve_two_slides(n, sx, sy, ex, ey, rx(:, p), ry(:, p), step%px, step%py, rx(:, q), ry(:, q), step%qx, &
-                                  step%qy, self%slide(:, step%slot_p), self%slide(:, step%slot_q), reach)
+            call solve_two_slides(n, store(sx), store(sy), store(ex), store(ey), store(px), store(py), step%px, step%py, &
+                                  store(qx), store(qy), step%qx, step%qy, store(step%slide_p), store(step%slide_q), store(reach))
          end select
       end associate
    end subroutine solve_dyad
@@ -364,7 +465,9 @@ contains
       class(linkage_t), intent(in) :: self
       integer, intent(in) :: i, loop
 
-      closes = self%reach(i, loop) >= self%closes_low(loop) .and. self%reach(i, loop) <= self%closes_high(loop)
+      associate (reach => self%store(self%reach(loop) + i - 1))
+         closes = reach >= self%closes_low(loop) .and. reach <= self%closes_high(loop)
+      end associate
    end function closes
 
    !> True where loop `loop` closes at position `i` of the block and its transmission angle is within the limits.
@@ -372,21 +475,47 @@ contains
       class(linkage_t), intent(in) :: self
       integer, intent(in) :: i, loop
 
-      accepts = self%reach(i, loop) >= self%accepts_low(loop) .and. self%reach(i, loop) <= self%accepts_high(loop)
+      associate (reach => self%store(self%reach(loop) + i - 1))
+         accepts = reach >= self%accepts_low(loop) .and. reach <= self%accepts_high(loop)
+      end associate
    end function accepts
 
    !> True if loop `loop` is accepted at the first `n` positions of the block.
    pure logical function all_accepted(self, n, loop)
       class(linkage_t), intent(in) :: self
       integer, intent(in) :: n, loop
-      integer :: i, outside
 
-      outside = 0
-      associate (low => self%accepts_low(loop), high => self%accepts_high(loop), reach => self%reach(:, loop))
-         do i = 1, n
-            outside = outside + merge(0, 1, reach(i) >= low .and. reach(i) <= high)
-         end do
-      end associate
-      all_accepted = outside == 0
+      all_accepted = within(n, self%store(self%reach(loop)), self%accepts_low(loop), self%accepts_high(loop))
    end function all_accepted
+
+   !> True if low <= reach <= high throughout. What is outside is counted in lanes, as reals: it runs in vector registers.
+   pure logical function within(n, reach, low, high)
+      integer, intent(in) :: n          !! a multiple of `lane`
+      real(wp), intent(in) :: reach(n), low, high
+      real(wp) :: outside(lane)
+      integer :: i
+
+      outside = 0.0_wp
+      do i = 1, n, lane
+         outside = outside + merge(1.0_wp, 0.0_wp, reach(i:i + lane - 1) < low .or. reach(i:i + lane - 1) > high)
+      end do
+      within = all(outside <= 0.0_wp)
+   end function within
+
+   !> Direction and length (user's unit) of an arc at position `i` of the block.
+   pure subroutine arc_at(self, plan, arc, i, x, y, length)
+      class(linkage_t), intent(in) :: self
+      type(plan_t), intent(in) :: plan
+      integer, intent(in) :: arc, i             !! sequential number; position of the block
+      real(wp), intent(out) :: x, y, length     !! unit vector; length, signed for a slide
+      real(wp) :: rx, ry
+
+      rx = self%store(self%root_x(plan%root(arc)) + i - 1)
+      ry = self%store(self%root_y(plan%root(arc)) + i - 1)
+      x = self%x(arc)*rx - self%y(arc)*ry
+      y = self%x(arc)*ry + self%y(arc)*rx
+      length = self%length(arc)
+      if (plan%length_slot(arc) > 0) length = self%store(self%slide(plan%length_slot(arc)) + i - 1)
+      length = length/self%scale
+   end subroutine arc_at
 end module psalm_linkage

@@ -47,6 +47,7 @@ module psalm_plan
       integer, allocatable :: dyad_root(:, :)  !! shape (2, nloop): roots found by the dyad, 0: none
       integer, allocatable :: dyad_sign(:)     !! by loop: sign of the closure entry
       integer :: output_point = origin         !! point the output arc starts from
+      logical, allocatable :: used(:)          !! by root: something after its dyad needs it
    end type plan_t
 
 contains
@@ -73,7 +74,32 @@ contains
          if (plan%solved(loop)) call add_loop(topology, loop, plan)
       end do
       if (motion == motion_point .or. motion == motion_distance) call add_output(topology, plan)
+      call mark_roots(topology, everything, plan)
    end function make_plan
+
+   !> A dyad need not find directions that nothing hangs on.
+   pure subroutine mark_roots(topology, everything, plan)
+      type(topology_t), intent(in) :: topology
+      logical, intent(in) :: everything
+      type(plan_t), intent(inout) :: plan
+      integer :: k, n, which
+
+      allocate (plan%used(plan%nroots), source=everything)
+      plan%used(plan%root(topology%output_arc)) = .true.
+      do k = 1, size(plan%steps)
+         associate (step => plan%steps(k))
+            if (step%kind == step_point) then
+               plan%used(plan%root(step%arc)) = .true.
+            else
+               do which = 1, 2
+                  n = topology%seq(step%loop, topology%larcx(which, step%loop))
+                  ! the direction of a slide is wanted by its own dyad, that of a link only by what hangs on it
+                  if (plan%root_loop(plan%root(n)) /= step%loop) plan%used(plan%root(n)) = .true.
+               end do
+            end if
+         end associate
+      end do
+   end subroutine mark_roots
 
    ! ---- directions --------------------------------------------------------------------------------------------------
 

@@ -372,11 +372,11 @@ contains
       integer :: loop, a, n, m
       logical :: against
 
+      topology%arcs%representative = [(n, n=1, size(topology%arcs))]
       do loop = 1, set%nloop
          do a = 1, topology%loopl(loop)
             n = topology%seq(loop, a)
             associate (arc => topology%arcs(n))
-               arc%representative = n
                if (arc%kind /= arc_determined .or. arc%reference == 0) cycle
                m = arc%reference
                against = abs(modulo(dimensions%gama(n), full_turn) - half_turn) == 0.0_wp
@@ -392,7 +392,7 @@ contains
                   dimensions%arcl(n) = dimensions%arcl(m)
                   dimensions%gama(n) = 0.0_wp
                else if (against .and. dimensions%arcl(n) == dimensions%arcl(m) .and. m > 0 .and. &
-                        .not. varies_alone(set, loop, a) .and. has_length(topology%arcs(m)%kind)) then
+                        .not. varies_alone(set, loop, a) .and. has_length(topology%arcs(topology%arcs(m)%representative)%kind)) then
                   arc%representative = topology%arcs(m)%representative
                   arc%reversed = .not. topology%arcs(m)%reversed
                   call arc_warning(set, 'ILINK', loop, a, 'is identical with arc '//place(topology, m)// &
@@ -421,8 +421,15 @@ contains
    !> The arrays that device 8 shows.
    pure subroutine index_arcs(topology)
       type(topology_t), intent(inout) :: topology
+      integer :: alike(size(topology%arcs))  !! by representative: arcs it stands for
       integer :: loop, a, n, m
 
+      alike = 0
+      do n = 1, size(topology%arcs)
+         associate (arc => topology%arcs(n))
+            if (arc%kind /= arc_absent) alike(arc%representative) = alike(arc%representative) + 1
+         end associate
+      end do
       do loop = 1, topology%nloop
          do a = 1, topology%loopl(loop)
             n = topology%seq(loop, a)
@@ -431,9 +438,7 @@ contains
                if (m == 0 .and. (arc%kind == arc_crank .or. arc%kind == arc_determined)) m = n
                topology%larcd(n) = m
                if (m > 0) topology%larcf(n) = last_arc_of(m)
-               if (count(topology%arcs%representative == arc%representative .and. topology%arcs%kind /= arc_absent) > 1) then
-                  topology%identa(n) = arc%representative
-               end if
+               if (alike(arc%representative) > 1) topology%identa(n) = arc%representative
             end associate
          end do
       end do
@@ -622,6 +627,8 @@ contains
          else if (any(set%oplow(:marble) > set%ophigh(:marble))) then
             call findings%error('variable '//to_text(findloc(set%oplow(:marble) > set%ophigh(:marble), .true., dim=1))// &
                                 ' has a lower limit above its upper limit', line=set%limits_line, group='LIMITS', item='OPLOW')
+         else if (any(set%ophigh(:marble) <= 0.0_wp .and. topology%variables%kind == variable_length)) then
+            call findings%error('a length needs an upper limit above zero', line=set%limits_line, group='LIMITS', item='OPHIGH')
          end if
       end if
       if (set%nguess > marble + 1) then

@@ -239,19 +239,13 @@ contains
       integer, intent(in) :: i, loop
       character(:), allocatable, intent(out) :: lengths, angles
       real(wp) :: x, y, length
-      integer :: a, n, root
+      integer :: a, n
 
       lengths = ''
       angles = ''
       do a = 1, problem%topology%loopl(loop)
          n = problem%topology%seq(loop, a)
-         associate (link => problem%linkage, plan => problem%plan)
-            root = plan%root(n)
-            x = link%x(n)*link%root_x(i, root) - link%y(n)*link%root_y(i, root)
-            y = link%x(n)*link%root_y(i, root) + link%y(n)*link%root_x(i, root)
-            length = link%length(n)/link%scale
-            if (plan%length_slot(n) > 0) length = link%slide(i, plan%length_slot(n))/link%scale
-         end associate
+         call problem%linkage%arc_at(problem%plan, n, i, x, y, length)
          lengths = lengths//general(length)
          angles = angles//angle_text(within_turn(degrees_of(x, y)))
       end do
@@ -261,14 +255,13 @@ contains
 
    pure function integers(values, width) result(line)
       integer, intent(in) :: values(:), width
-      character(:), allocatable :: line
-      character(width) :: buffer
+      character(:), allocatable :: line, number
       integer :: i
 
       line = ''
       do i = 1, size(values)
-         write (buffer, '(i0)') values(i)
-         line = line//adjustr(buffer)
+         number = to_text(values(i))
+         line = line//repeat(' ', max(1, width - len(number)))//number
       end do
    end function integers
 

@@ -9,7 +9,7 @@ module psalm_constr
    use psalm_data_set, only: data_set_t
    use psalm_error, only: problem_t
    use psalm_kinds, only: wp, degrees_per_radian, half_turn, right_angle
-   use psalm_topology, only: dimensions_t, variable_length
+   use psalm_topology, only: dimensions_t, variable_length, variable_outlk
    implicit none (type, external)
    private
    public :: constraints_t, repair_count_t, make_constraints, constrain, repair_link_pair
@@ -23,7 +23,7 @@ module psalm_constr
    type :: constraints_t
       logical :: bounded = .false.                !! LIMVAL
       real(wp), allocatable :: low(:), high(:)    !! shape (marble): OPLOW, OPHIGH
-      logical, allocatable :: positive(:)         !! shape (marble): a link's length
+      logical, allocatable :: positive(:)         !! shape (marble): a length
       real(wp) :: step_in = 0.0_wp                !! STEPIN
       type(dimensions_t) :: dimensions            !! the vertex as a linkage
       real(wp), allocatable :: reach(:)           !! shape (positions)
@@ -53,7 +53,8 @@ contains
          constraints%low = set%oplow(:marble)
          constraints%high = set%ophigh(:marble)
       end if
-      constraints%positive = problem%topology%variables%kind == variable_length
+      constraints%positive = problem%topology%variables%kind == variable_length .or. &
+                             problem%topology%variables%kind == variable_outlk
       constraints%step_in = set%stepin
       constraints%dimensions = problem%given
       allocate (constraints%reach(problem%positions), source=0.0_wp)
@@ -114,13 +115,13 @@ contains
 
       do i = 1, size(values)
          before = values(i)
-         if (constraints%positive(i) .and. values(i) <= 0.0_wp) values(i) = max(constraints%step_in, epsilon(1.0_wp))
          if (constraints%bounded) then
             associate (low => constraints%low(i), high => constraints%high(i), step => constraints%step_in)
                if (values(i) < low) values(i) = min(low + step, 0.5_wp*(low + high))
                if (values(i) > high) values(i) = max(high - step, 0.5_wp*(low + high))
             end associate
          end if
+         if (constraints%positive(i) .and. values(i) <= 0.0_wp) values(i) = max(constraints%step_in, epsilon(1.0_wp))
          if (values(i) /= before) clips = clips + 1
       end do
    end subroutine clip
