@@ -3,6 +3,7 @@
 !> Nothing is printed here and no file is written; the caller gets texts, messages and an exit status.
 module psalm_run
    use psalm_check_list, only: list_input, list_setup, list_arcs
+   use psalm_condition, only: condition_t, prepare_condition, condition_at
    use psalm_constr, only: constraints_t, make_constraints
    use psalm_data_set, only: data_set_t
    use psalm_data_set_text, only: write_vertices, write_data_set
@@ -22,6 +23,8 @@ module psalm_run
    public :: devices_t, version, check_case, run_case
 
    character(*), parameter :: version = '0.1.0' !! of the suite, as in fpm.toml
+
+   integer, parameter :: most_told = 5 !! violations on standard error; the listing has all
 
    !> What the devices receive. Cases of one file follow each other.
    type :: devices_t
@@ -78,7 +81,7 @@ contains
       do i = 1, repeated%count
          call devices%eight%add(' '//repeated%list(i)%render())
       end do
-      if (set%ktheta /= 0) call list_arcs(problem, motion, devices%eight)
+      if (set%ktheta /= 0) call list_arcs(problem, motion, conditions(problem), devices%eight)
       call write_data_set(set, topology, dimensions, devices%seven)
       call write_plot_data(set, problem, dimensions, motion, devices%nine)
       call note_violations(set, problem, motion, devices)
@@ -140,7 +143,7 @@ contains
    !> Device 9: the prescribed positions, and with IPLOT every degree in the direction of the first two.
    subroutine write_plot_data(set, problem, dimensions, motion, text)
       type(data_set_t), intent(in) :: set
-      type(problem_t), intent(in) :: problem
+      type(problem_t), intent(inout) :: problem
       type(dimensions_t), intent(in) :: dimensions
       type(motion_t), intent(in) :: motion
       type(text_t), intent(inout) :: text
@@ -149,7 +152,7 @@ contains
       real(wp) :: sense
       integer :: i
 
-      call write_block(set%title, 'prescribed positions', problem%desired, problem, motion, text)
+      call add_block('prescribed positions', problem, motion)
       if (set%iplot == 0) return
       fine = problem
       if (problem%topology%sliding_input) then
@@ -160,9 +163,40 @@ contains
          call fine%set_inputs([(problem%delt(1) + sense*real(i, wp), i=0, nint(full_turn) - 1)])
       end if
       call fine%analyse(dimensions, every_degree)
-      call write_block(set%title, trim(merge('every degree ', 'evenly spaced', .not. problem%topology%sliding_input)), &
-                       problem%desired, fine, every_degree, text)
+      call add_block(trim(merge('every degree ', 'evenly spaced', .not. problem%topology%sliding_input)), fine, every_degree)
+
+   contains
+
+      subroutine add_block(name, which, its_motion)
+         character(*), intent(in) :: name
+         type(problem_t), intent(inout) :: which
+         type(motion_t), intent(in) :: its_motion
+
+         if (set%icond == 0) then
+            call write_block(set%title, name, problem%desired, which, its_motion, text)
+         else
+            call write_block(set%title, name, problem%desired, which, its_motion, text, conditions(which))
+         end if
+      end subroutine add_block
    end subroutine write_plot_data
+
+   !> Condition numbers of all positions. `problem` is bound to the linkage.
+   function conditions(problem) result(numbers)
+      type(problem_t), intent(inout) :: problem
+      real(wp), allocatable :: numbers(:)      !! shape (positions)
+      type(condition_t) :: condition
+      integer :: block, offset, n, i
+
+      allocate (numbers(problem%positions))
+      call prepare_condition(problem%plan, condition)
+      do block = 1, problem%blocks()
+         call problem%solve_block(block, offset, n)
+         call problem%output_of(n)
+         do i = 1, n
+            call condition_at(problem, i, offset + i, condition, numbers(offset + i))
+         end do
+      end do
+   end function conditions
 
    !> A sliding input has no degrees: 361 even steps over its range.
    pure function evenly(delt) result(steps)
@@ -197,8 +231,10 @@ contains
          call devices%notes%add(set%file//': '//trim(set%title)//': the linkage does not close at '// &
                                 to_text(count(.not. motion%closed))//' of '//to_text(size(motion%closed))//' positions')
       end if
-      do i = 1, size(motion%violations)
+      do i = 1, min(size(motion%violations), most_told)
          call devices%notes%add(set%file//':   '//describe_violation(problem, motion, motion%violations(i)))
       end do
+      if (size(motion%violations) > most_told) call devices%notes%add(set%file//':   and '// &
+         to_text(size(motion%violations) - most_told)//' more in the listing')
    end subroutine note_violations
 end module psalm_run

@@ -135,8 +135,9 @@ contains
    end function fixed
 
    !> G15.7 with the exponent letter D, an exact zero as 0.0: the thesis's format for motion and error.
-   pure function general(value) result(text)
+   pure function general(value, letter) result(text)
       real(wp), intent(in) :: value
+      character(1), intent(in), optional :: letter !! of the exponent; default D
       character(15) :: text
       integer :: e
 
@@ -148,6 +149,7 @@ contains
       e = index(text, 'E')
       if (e > 0) then
          text(e:e) = 'D'
+         if (present(letter)) text(e:e) = letter
       else
          ! G editing leaves four blanks for the exponent: keep numbers right-justified in the field
          text = adjustr(text)
@@ -210,7 +212,8 @@ contains
    !> The number in real64, kept inside its range, for the columns of the thesis.
    pure real(dp) function in_range(value)
       real(wp), intent(in) :: value
+      real(wp), parameter :: largest = scale(1.0_wp - epsilon(1.0_wp), min(maxexponent(1.0_wp), maxexponent(1.0_dp)))
 
-      in_range = real(sign(min(abs(value), real(huge(1.0_dp), wp)), value), dp)
+      in_range = real(sign(min(abs(value), largest), value), dp)
    end function in_range
 end module psalm_text

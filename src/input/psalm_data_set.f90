@@ -65,6 +65,7 @@ module psalm_data_set
       integer :: bounds_given = 0                  !! values given in both OPLOW and OPHIGH
       real(wp) :: stepin = 0.001_wp
       integer :: ktheta = 0
+      integer :: icond = 0                         !! condition number of every position on device 9
       integer :: nviol = 30
       integer :: nprint = 100, nprt = 20
       integer :: iplot = 0
@@ -382,6 +383,7 @@ contains
       call group%get_real('STEPIN', set%stepin, findings)
       if (set%stepin < 0.0_wp) call out_of(group, 'STEPIN', 'must not be negative', findings)
       call read_flag(group, 'KTHETA', set%ktheta, findings)
+      call read_flag(group, 'ICOND', set%icond, findings)
       call group%get_integer('NVIOL', set%nviol, findings)
       call check_range(group, 'NVIOL', set%nviol, 0, huge(1), findings)
       call group%get_integer('NPRINT', set%nprint, findings)

@@ -12,7 +12,8 @@ module psalm_error
    implicit none (type, external)
    private
    public :: problem_t, motion_t, violation_t, make_problem, violation_none
-   public :: violation_too_short, violation_too_long, violation_parallel, violation_angle_small, violation_angle_large
+   public :: violation_too_short, violation_too_long, violation_parallel, violation_angle_small, violation_angle_large, &
+             violation_undetermined
 
    integer, parameter :: violation_none = 0
    integer, parameter :: violation_too_short = 1    !! the dyad does not reach
@@ -20,6 +21,8 @@ module psalm_error
    integer, parameter :: violation_parallel = 3     !! two slides are parallel
    integer, parameter :: violation_angle_small = 4  !! closes, but the transmission angle is too small
    integer, parameter :: violation_angle_large = 5  !! closes, but the transmission angle is too large
+
+   integer, parameter :: violation_undetermined = 6 !! the outer joints coincide: no direction is determined
 
    !> Consecutive positions at which one dyad violates one limit.
    type :: violation_t
@@ -74,6 +77,7 @@ module psalm_error
       procedure :: evaluate
       procedure :: analyse
       procedure :: reach_of
+      procedure :: output_of
    end type problem_t
 
 contains
@@ -312,6 +316,14 @@ contains
       sum_of_squares = ((part(1) + part(2)) + (part(3) + part(4))) + ((part(5) + part(6)) + (part(7) + part(8)))
    end function sum_of_squares
 
+   !> Output of the first `n` positions of the block just solved, into the rows `out_x` and `out_y` of the linkage.
+   pure subroutine output_of(self, n)
+      class(problem_t), intent(inout) :: self
+      integer, intent(in) :: n
+
+      call output_of_block(self, self%linkage, padded(n))
+   end subroutine output_of
+
    !> Output of the block: x and y; unit vector of the output arc; distance or length (x only).
    pure subroutine output_of_block(self, linkage, n)
       class(problem_t), intent(in) :: self
@@ -509,6 +521,10 @@ contains
                violation%amount = degrees_of(cosine, sqrt(max((1.0_wp - cosine)*(1.0_wp + cosine), 0.0_wp)))
                return
             end if
+            if (reach < tiny(reach) .and. abs(dyad%p - dyad%q) <= epsilon(h)*dyad%p) then
+               violation%kind = violation_undetermined
+               return
+            end if
             if (h > dyad%p + dyad%q) then
                violation%kind = violation_too_short
                violation%amount = h - (dyad%p + dyad%q)
@@ -517,6 +533,10 @@ contains
                violation%amount = abs(dyad%p - dyad%q) - h
             end if
          case (2, 3)
+            if (reach < tiny(reach) .and. merge(dyad%q, dyad%p, dyad%joint == 2) <= 0.0_wp) then
+               violation%kind = violation_undetermined
+               return
+            end if
             violation%kind = violation_too_long
             violation%amount = merge(dyad%q, dyad%p, dyad%joint == 2) - sqrt(reach)
          case (4, 5)

@@ -15,6 +15,8 @@ module psalm_setup
    private
    public :: set_up
 
+   integer, parameter :: most_told = 5 !! warnings of one kind
+
 contains
 
    !> Understand a data set: topology, dimensions, variables.
@@ -369,9 +371,10 @@ contains
       type(topology_t), intent(inout) :: topology
       type(dimensions_t), intent(inout) :: dimensions
       type(diagnostics_t), intent(inout) :: findings
-      integer :: loop, a, n, m
+      integer :: loop, a, n, m, turned_round
       logical :: against
 
+      turned_round = 0
       topology%arcs%representative = [(n, n=1, size(topology%arcs))]
       do loop = 1, set%nloop
          do a = 1, topology%loopl(loop)
@@ -395,12 +398,17 @@ contains
                         .not. varies_alone(set, loop, a) .and. has_length(topology%arcs(topology%arcs(m)%representative)%kind)) then
                   arc%representative = topology%arcs(m)%representative
                   arc%reversed = .not. topology%arcs(m)%reversed
-                  call arc_warning(set, 'ILINK', loop, a, 'is identical with arc '//place(topology, m)// &
-                                   ' but traced the other way', findings)
+                  turned_round = turned_round + 1
+                  if (turned_round <= most_told) call arc_warning(set, 'ILINK', loop, a, 'is identical with arc '// &
+                     place(topology, m)//' but traced the other way', findings)
                end if
             end associate
          end do
       end do
+      if (turned_round > most_told) then
+         call findings%warning(to_text(turned_round - most_told)//' more arcs are identical with others but traced the other way', &
+                               line=set%links_line, group='LINKS', item='ILINK')
+      end if
    end subroutine find_identical
 
    !> True if the user lets this arc's own length or angle vary, so that it is not merely another arc turned round.

@@ -203,9 +203,10 @@ contains
    end subroutine list_pruned
 
    !> Length and angle of every arc at every position. `problem` is bound to the linkage; `motion` is its motion.
-   subroutine list_arcs(problem, motion, text)
+   subroutine list_arcs(problem, motion, condition, text)
       type(problem_t), intent(inout) :: problem
       type(motion_t), intent(in) :: motion
+      real(wp), intent(in) :: condition(:)    !! shape (positions)
       type(text_t), intent(inout) :: text
       integer :: block, offset, n, i, loop
       logical :: open
@@ -217,7 +218,7 @@ contains
          call problem%solve_block(block, offset, n)
          do i = 1, n
             call text%add()
-            call text%add(' INPUT'//general(motion%input(offset + i)))
+            call text%add(' INPUT'//general(motion%input(offset + i))//'  CONDITION NUMBER'//general(condition(offset + i)))
             open = .false.
             do loop = 1, problem%topology%nloop
                open = .not. problem%linkage%closes(i, loop)

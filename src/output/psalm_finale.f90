@@ -5,7 +5,7 @@ module psalm_finale
    use psalm_angles, only: unit_vector
    use psalm_data_set, only: data_set_t, motion_point, motion_angle, motion_distance
    use psalm_error, only: problem_t, motion_t, violation_t, violation_too_short, violation_too_long, violation_parallel, &
-                          violation_angle_small, violation_angle_large
+                          violation_angle_small, violation_angle_large, violation_undetermined
    use psalm_kinds, only: wp, full_turn
    use psalm_plan, only: root_frame
    use psalm_topology, only: dimensions_t, topology_t
@@ -265,12 +265,15 @@ contains
          else
             text = text//'GUIDE '//merge(q, p, joint == 2)//' IS TOO LONG BY '//amount()
          end if
+      case (violation_undetermined)
+         text = text//'THE OUTER JOINTS COINCIDE, THE DIRECTION OF THE ARCS IS NOT DETERMINED'
       case (violation_parallel)
          text = text//'THE SLIDES ARE PARALLEL'
       case (violation_angle_small, violation_angle_large)
          text = text//'TRANSMISSION ANGLE '//amount()//', OUTSIDE 90 +- '//trim(adjustl(general(problem%tangle)))
       end select
-      if (violation%first /= violation%last .and. violation%kind /= violation_parallel) then
+      if (violation%first /= violation%last .and. violation%kind /= violation_parallel .and. &
+          violation%kind /= violation_undetermined) then
          text = text//' AT WORST (POSITION '//to_text(violation%worst)//')'
       end if
       text = text//'; INPUT '//trim(adjustl(general(motion%input(violation%worst))))

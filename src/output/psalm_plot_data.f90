@@ -5,7 +5,8 @@
 module psalm_plot_data
    use psalm_data_set, only: motion_point, motion_angle
    use psalm_error, only: problem_t, motion_t
-   use psalm_text, only: text_t, full_precision
+   use psalm_kinds, only: wp
+   use psalm_text, only: text_t, full_precision, general
    implicit none (type, external)
    private
    public :: write_block
@@ -13,13 +14,14 @@ module psalm_plot_data
 contains
 
    !> Append a block. With `desired_columns` they are there in every block; positions without a desired value hold `NaN`.
-   subroutine write_block(title, name, desired_columns, problem, motion, text)
+   subroutine write_block(title, name, desired_columns, problem, motion, text, condition)
       character(*), intent(in) :: title     !! of the case
       character(*), intent(in) :: name      !! of the block
       logical, intent(in) :: desired_columns !! the case has desired values
       type(problem_t), intent(in) :: problem
       type(motion_t), intent(in) :: motion
       type(text_t), intent(inout) :: text
+      real(wp), intent(in), optional :: condition(:) !! shape (positions): adds a column
       character(:), allocatable :: line
       integer :: i
 
@@ -35,6 +37,7 @@ contains
          line = line//' actual'
          if (desired_columns) line = line//' desired'
       end if
+      if (present(condition)) line = line//' condition'
       call text%add(line)
       call text%add('# '//title)
       call text%add('# '//name//'; input in '//trim(merge('length ', 'degrees', problem%topology%sliding_input))// &
@@ -55,6 +58,7 @@ contains
             line = line//' NaN'
             if (problem%motion == motion_point) line = line//' NaN'
          end if
+         if (present(condition)) line = line//' '//trim(adjustl(general(condition(i), 'E')))
          call text%add(line)
       end do
    end subroutine write_block
