@@ -30,6 +30,7 @@ program psalm
          nl//'The listing goes to standard output; CASE.dev1, .dev2, .dev7, .dev8 and .dev9 beside the case.'//nl// &
          nl//'  --output-dir DIR  put the device files into DIR'//nl// &
          '  --device4 FILE    read supplied vertices (NGUESS) from FILE; default CASE.dev4'//nl// &
+         '  --threads N       threads that share the positions of an evaluation; default 1'//nl// &
          '  --quiet           no remarks on standard error, errors only'//nl// &
          '  --version         print the version'//nl// &
          '  --help            print this text'//nl// &
@@ -72,7 +73,7 @@ contains
       code = max(code, findings%exit_code())
       if (findings%failed()) return
       do k = 1, size(sets)
-         call run_case(sets(k), supplies(k)%vertices, devices, monitor)
+         call run_case(sets(k), supplies(k)%vertices, arguments%threads, devices, monitor)
       end do
       if (monitor%active) call write_standard_error(nl)
       if (.not. arguments%quiet) call write_standard_error(devices%notes%content())

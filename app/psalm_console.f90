@@ -2,6 +2,7 @@
 module psalm_console
    use, intrinsic :: iso_fortran_env, only: int64
    use psalm_kinds, only: dp
+   use psalm_number, only: parse_integer
    use psalm_run, only: devices_t
    use psalm_simplx, only: search_monitor_t, search_state_t
    use psalm_status, only: diagnostics_t, exit_bad_input, exit_file_trouble
@@ -11,11 +12,14 @@ module psalm_console
    private
    public :: arguments_t, progress_t, check_names, read_arguments, show_findings, stem_of, write_devices
 
+   integer, parameter :: most_threads = 1024
+
    !> The command line.
    type :: arguments_t
       character(:), allocatable :: files(:)      !! cases, `-` for standard input
       character(:), allocatable :: output_dir    !! empty: beside the case
       character(:), allocatable :: device4       !! empty: CASE.dev4
+      integer :: threads = 1
       logical :: quiet = .false., help = .false., version = .false.
       integer :: code = 0                        !! exit status that bad arguments lead to
    end type arguments_t
@@ -33,10 +37,10 @@ contains
    !> Read the command line. Mistakes are told on standard error.
    subroutine read_arguments(arguments)
       type(arguments_t), intent(out) :: arguments
-      character(:), allocatable :: word
+      character(:), allocatable :: word, number, reason
       character(:), allocatable :: more(:)
       integer :: i
-      logical :: only_files
+      logical :: only_files, valid
 
       allocate (character(1) :: arguments%files(0))
       arguments%output_dir = ''
@@ -64,6 +68,14 @@ contains
             arguments%quiet = .true.
          case ('--output-dir')
             call value_of(word, i, arguments%output_dir, arguments%code)
+         case ('--threads')
+            number = ''
+            call value_of(word, i, number, arguments%code)
+            call parse_integer(number, arguments%threads, valid, reason)
+            if (len(number) > 0 .and. (.not. valid .or. arguments%threads < 1 .or. arguments%threads > most_threads)) then
+               call say("--threads wants a number from 1 to "//to_text(most_threads)//"; found '"//number//"'")
+               arguments%code = exit_bad_input
+            end if
          case ('--device4')
             call value_of(word, i, arguments%device4, arguments%code)
          case default

@@ -59,9 +59,10 @@ contains
    end subroutine check_case
 
    !> Run a case that `check_case` found no fault with.
-   subroutine run_case(set, vertices, devices, monitor)
+   subroutine run_case(set, vertices, threads, devices, monitor)
       type(data_set_t), intent(in) :: set
       real(wp), intent(in) :: vertices(:, :)   !! shape (marble, nguess)
+      integer, intent(in) :: threads           !! threads that share the positions of an evaluation
       type(devices_t), intent(inout) :: devices
       class(search_monitor_t), intent(inout), optional :: monitor
       type(diagnostics_t) :: repeated
@@ -73,6 +74,7 @@ contains
 
       call set_up(set, topology, dimensions, repeated)
       call make_problem(set, topology, dimensions, problem)
+      call problem%set_threads(threads)
       call list_input(' *** PSALM, VERSION '//version//' ***', set, topology, dimensions, devices%eight)
       if (topology%has_search()) call synthesize(set, vertices, problem, dimensions, devices, monitor)
       call problem%analyse(dimensions, motion)

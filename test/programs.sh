@@ -70,6 +70,19 @@ check 'restart goes on from the best so far' awk '/^!F  1/{exit}' stage2.dev7
 cp stage1.dev7 stage2.dev4
 status 0 'device 4 beside the case' "$psalm" stage2.nml
 
+# condition numbers
+sed 's/IPLOT=1/ICOND=1, KTHETA=1/' needle.nml >icond.nml
+"$psalm" --quiet icond.nml >/dev/null
+check 'ICOND adds a column' grep -qx '# input closed actual desired condition' icond.dev9
+check 'KTHETA lists condition numbers' test "$(grep -c 'CONDITION NUMBER' icond.dev8)" -eq 20
+
+# nothing is written inside an evaluation: its modules know no output statement
+for m in psalm_angles psalm_dyads psalm_linkage psalm_error psalm_plan; do
+    o=$(find "$top/build" -name "src_kinematics_$m.f90.o" -newer "$top/fpm.toml" | head -1)
+    if [ -n "$o" ] && ! nm -u "$o" | grep -qE '_gfortran_st_(write|read|open|close)'; then ok
+    else bad "$m: no input or output"; fi
+done
+
 # KTHETA, pruning
 sed 's/IPLOT=1/IPLOT=1, KTHETA=1/' needle.nml >ktheta.nml
 "$psalm" --quiet ktheta.nml >/dev/null
@@ -142,6 +155,11 @@ status 2 'two cases with the same device files' "$psalm" --output-dir sub textil
 said 'two cases with the same device files' 'would write the same files'
 sed 's/IPLOT=1/NVIOL=2000000000, NPRINT=2000000000/' dyad4_slider_crank.nml >wide.nml
 status 0 'very large integers' "$psalm" wide.nml
+"$psalm" --quiet --threads 2 --output-dir two needle_search.nml >out
+"$psalm" --quiet --output-dir one needle_search.nml >one.lst
+same '--threads changes nothing' out one.lst
+status 2 '--threads wants a number' "$psalm" --threads many needle.nml
+said '--threads wants a number' '--threads wants a number from 1'
 status 2 'one of several files is wrong: the others run' "$psalm" bad.nml textile.nml
 check 'the sound one is listed' grep -q 'TEXTILE' out
 "$psalm" --quiet textile.nml >/dev/full 2>err

@@ -302,7 +302,7 @@ contains
 
       call load_case('chain_short', problem, set)
       allocate (none(2, 0))
-      call run_case(set, none, devices)
+      call run_case(set, none, 1, devices)
       text = devices%seven%content()
       allocate (lines(0))
       do while (len(text) > 0)

@@ -340,7 +340,7 @@ contains
          select case (self%motion)
          case (motion_slide)
             associate (slide => linkage%slide(self%plan%length_slot(self%topology%output_arc)))
-               store(x:x + n - 1) = store(slide:slide + n - 1)*back
+               call scaled(n, store(slide), back, store(x))
             end associate
          case (motion_angle)
             call turned(n, store(rx), store(ry), self%out_c, self%out_s, store(x), store(y))
@@ -351,6 +351,14 @@ contains
          end select
       end associate
    end subroutine output_of_block
+
+   pure subroutine scaled(n, from, factor, to)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: from(n), factor
+      real(wp), intent(out) :: to(n)
+
+      to = from*factor
+   end subroutine scaled
 
    pure subroutine turned(n, rx, ry, c, s, x, y)
       integer, intent(in) :: n

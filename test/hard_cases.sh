@@ -1,0 +1,15 @@
+#!/usr/bin/env bash
+# Error against condition number, measured with the build in quadruple precision: all hard cases and every dyad.
+# usage: test/hard_cases.sh PROGRAM_DIRECTORY QUAD_DIRECTORY [--table FILE]. Last line: N passed, N failed.
+set -eu
+top=$(cd "$(dirname "$0")/.." && pwd)
+bin=$1 quad=$2
+shift 2
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+cp "$top"/data/hard/*.nml "$work"
+for f in "$top"/data/dyad*.nml "$top"/data/actuator*.nml "$top"/data/textile.nml; do
+    sed 's/&LIMITS/\&LIMITS ICOND=1,/' "$f" >"$work/$(basename "$f")"
+done
+# 2**-52, the epsilon of real64
+python3 "$top/test/accuracy.py" "$@" 2.220446049250313e-16 "$bin/psalm" "$quad/psalm" "$work"/*.nml
