@@ -1,0 +1,35 @@
+!> Speed against error.
+!>
+!> usage: bench reference FILE         output points of every linkage (to be run in the build of quadruple precision)
+!>        bench run FILE LABEL OUT     measure this build against FILE, append lines to OUT:
+!>          label | method | linkage | dyads | positions | ns per dyad and position | largest relative error
+!>          (the error at 180 positions only, else -1)
+!>        bench pruning                ns per position: chain of 64 loops, output at the second | two loops alone
+!>        bench evaluate20, evaluate10240   ten evaluations of the needle linkage, for counting instructions
+!>        bench objective              positions | microseconds per evaluation | ns per dyad and position
+program bench
+   use bench_measure, only: write_reference, measure_all, measure_objective, measure_pruning, evaluate_needle
+   implicit none (type, external)
+   character(200) :: task, file, label, out
+
+   call get_command_argument(1, task)
+   call get_command_argument(2, file)
+   call get_command_argument(3, label)
+   call get_command_argument(4, out)
+   select case (task)
+   case ('reference')
+      call write_reference(trim(file))
+   case ('run')
+      call measure_all(trim(file), trim(label), trim(out))
+   case ('objective')
+      call measure_objective()
+   case ('pruning')
+      call measure_pruning()
+   case ('evaluate20')
+      call evaluate_needle(20)
+   case ('evaluate10240')
+      call evaluate_needle(10240)
+   case default
+      error stop 'usage: bench reference FILE | run FILE LABEL OUT | objective'
+   end select
+end program bench
