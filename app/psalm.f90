@@ -19,7 +19,7 @@ program psalm
    logical :: done
    integer :: code, i
 
-   call read_arguments(arguments)
+   call read_arguments('psalm', arguments)
    code = arguments%code
    if (code == exit_bad_input) stop exit_bad_input, quiet=.true.
    if (arguments%help) then
@@ -78,6 +78,6 @@ contains
       if (monitor%active) call write_standard_error(nl)
       if (.not. arguments%quiet) call write_standard_error(devices%notes%content())
       code = max(code, devices%code)
-      call write_devices(file, arguments%output_dir, devices, code)
+      call write_devices(file, arguments%output_dir, '', devices, code)
    end subroutine run_file
 end program psalm

@@ -16,6 +16,7 @@ module psalm_console
 
    !> The command line.
    type :: arguments_t
+      character(:), allocatable :: program       !! name of the program
       character(:), allocatable :: files(:)      !! cases, `-` for standard input
       character(:), allocatable :: output_dir    !! empty: beside the case
       character(:), allocatable :: device4       !! empty: CASE.dev4
@@ -35,13 +36,15 @@ module psalm_console
 contains
 
    !> Read the command line. Mistakes are told on standard error.
-   subroutine read_arguments(arguments)
+   subroutine read_arguments(program, arguments)
+      character(*), intent(in) :: program               !! name of the program
       type(arguments_t), intent(out) :: arguments
       character(:), allocatable :: word, number, reason
       character(:), allocatable :: more(:)
       integer :: i
       logical :: only_files, valid
 
+      arguments%program = program
       allocate (character(1) :: arguments%files(0))
       arguments%output_dir = ''
       arguments%device4 = ''
@@ -67,19 +70,19 @@ contains
          case ('--quiet', '-q')
             arguments%quiet = .true.
          case ('--output-dir')
-            call value_of(word, i, arguments%output_dir, arguments%code)
+            call value_of(program, word, i, arguments%output_dir, arguments%code)
          case ('--threads')
             number = ''
-            call value_of(word, i, number, arguments%code)
+            call value_of(program, word, i, number, arguments%code)
             call parse_integer(number, arguments%threads, valid, reason)
             if (len(number) > 0 .and. (.not. valid .or. arguments%threads < 1 .or. arguments%threads > most_threads)) then
-               call say("--threads wants a number from 1 to "//to_text(most_threads)//"; found '"//number//"'")
+               call say(program, "--threads wants a number from 1 to "//to_text(most_threads)//"; found '"//number//"'")
                arguments%code = exit_bad_input
             end if
          case ('--device4')
-            call value_of(word, i, arguments%device4, arguments%code)
+            call value_of(program, word, i, arguments%device4, arguments%code)
          case default
-            call say("unknown option '"//word//"'; see --help")
+            call say(program, "unknown option '"//word//"'; see --help")
             arguments%code = exit_bad_input
          end select
       end do
@@ -95,7 +98,8 @@ contains
       do i = 2, size(arguments%files)
          do k = 1, i - 1
             if (stem_of(arguments%files(i), arguments%output_dir) /= stem_of(arguments%files(k), arguments%output_dir)) cycle
-            call say("'"//trim(arguments%files(k))//"' and '"//trim(arguments%files(i))//"' would write the same files '"// &
+            call say(arguments%program, "'"//trim(arguments%files(k))//"' and '"//trim(arguments%files(i))// &
+                     "' would write the same files '"// &
                      stem_of(arguments%files(i), arguments%output_dir)//".dev7' and so on; rename one or run them apart")
             code = exit_bad_input
             return
@@ -113,8 +117,8 @@ contains
       call get_command_argument(i, value=word)
    end function argument
 
-   subroutine value_of(option, i, value, code)
-      character(*), intent(in) :: option
+   subroutine value_of(program, option, i, value, code)
+      character(*), intent(in) :: program, option
       integer, intent(inout) :: i
       character(:), allocatable, intent(inout) :: value
       integer, intent(inout) :: code
@@ -124,15 +128,15 @@ contains
          value = argument(i)
          if (len(value) > 0) return
       end if
-      call say(option//' wants a value; see --help')
+      call say(program, option//' wants a value; see --help')
       code = exit_bad_input
    end subroutine value_of
 
    !> A line on standard error.
-   subroutine say(text)
-      character(*), intent(in) :: text
+   subroutine say(program, text)
+      character(*), intent(in) :: program, text
 
-      call write_standard_error('psalm: '//text//new_line('a'))
+      call write_standard_error(program//': '//text//new_line('a'))
    end subroutine say
 
    !> Errors and warnings on standard error, one a line.
@@ -146,23 +150,24 @@ contains
    end subroutine show_findings
 
    !> Write the files of the devices, then the listing; the exit status is raised if something cannot be written.
-   subroutine write_devices(file, output_dir, devices, code)
+   subroutine write_devices(file, output_dir, suffix, devices, code)
       character(*), intent(in) :: file, output_dir
+      character(*), intent(in) :: suffix      !! between the case's name and .devN
       type(devices_t), intent(in) :: devices
       integer, intent(inout) :: code
       character(:), allocatable :: stem
       logical :: done
 
-      stem = stem_of(file, output_dir)
+      stem = stem_of(file, output_dir)//suffix
       if (len(output_dir) > 0) call make_directory(output_dir)
       if (devices%one%length > 0) call write_one('1', devices%one%content())
       if (devices%two%length > 0) call write_one('2', devices%two%content())
-      call write_one('7', devices%seven%content())
-      call write_one('8', devices%eight%content())
-      call write_one('9', devices%nine%content())
+      if (devices%seven%length > 0) call write_one('7', devices%seven%content())
+      if (devices%eight%length > 0) call write_one('8', devices%eight%content())
+      if (devices%nine%length > 0) call write_one('9', devices%nine%content())
       call write_standard_output(devices%six%content(), done)
       if (.not. done) then
-         call say('cannot write the listing to standard output')
+         call write_standard_error('cannot write the listing to standard output'//new_line('a'))
          code = exit_file_trouble
       end if
 
@@ -173,7 +178,7 @@ contains
 
          call write_whole_file(stem//'.dev'//number, text, done)
          if (done) return
-         call say("cannot write '"//stem//'.dev'//number//"'")
+         call write_standard_error("cannot write '"//stem//'.dev'//number//"'"//new_line('a'))
          code = exit_file_trouble
       end subroutine write_one
    end subroutine write_devices

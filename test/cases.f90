@@ -10,7 +10,7 @@ module cases
    private
    public :: load_case, names
 
-   character(*), parameter :: names(*) = [character(27) :: 'needle', 'textile', 'suspension', 'chain_short', &
+   character(*), parameter :: names(*) = [character(27) :: 'needle', 'textile', 'chain_long', 'chain_short', &
       'brake_reaction', 'dyad1_crank_rocker', 'dyad2_oscillating_cylinder', 'dyad3_quick_return', 'dyad4_slider_crank', &
       'dyad5_turning_block', 'dyad6_scotch_yoke', 'dyad7_oldham_coupling', 'dyad8_tangent_mechanism', &
       'actuator_rapson_slide', 'actuator_davis_steering'] !! data sets that close everywhere

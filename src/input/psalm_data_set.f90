@@ -3,7 +3,7 @@
 !> A file becomes a list of data sets. Topology is judged later, in `psalm_setup`; here each item is read, given its
 !> default and checked by itself. Source of items and defaults: Oldham (1977), appendix B.
 module psalm_data_set
-   use psalm_kinds, only: wp
+   use psalm_kinds, only: wp, full_turn, radians_per_degree
    use psalm_group, only: group_t
    use psalm_namelist, only: case_text_t, read_case
    use psalm_source, only: line_t, read_lines
@@ -70,6 +70,10 @@ module psalm_data_set
       integer :: nprint = 100, nprt = 20
       integer :: iplot = 0
       integer :: last = 1
+      ! RATES (read for kalm only)
+      real(wp) :: speed = 1.0_wp           !! of the input: rad/s, or length/s
+      real(wp) :: accel = 0.0_wp           !! of the input: rad/s**2, or length/s**2
+      logical :: rates_given = .false.
       ! where the groups stand, for messages
       integer :: links_line = 0, method_line = 0, limits_line = 0
    contains
@@ -89,10 +93,11 @@ contains
    !> Read every case of a file, up to the one with LAST=1.
    !>
    !> Errors: those of the file, of the notation and of each item, all collected in `findings`.
-   subroutine read_data_sets(file, sets, findings)
+   subroutine read_data_sets(file, sets, findings, rates)
       character(*), intent(in) :: file                       !! name, `-` for standard input
       type(data_set_t), allocatable, intent(out) :: sets(:)  !! the cases
       type(diagnostics_t), intent(inout) :: findings
+      logical, intent(in), optional :: rates                 !! read the group RATES too
       type(line_t), allocatable :: lines(:)
       type(case_text_t) :: case
       type(data_set_t) :: set
@@ -116,6 +121,9 @@ contains
             return
          end if
          call read_set(case, set, findings)
+         if (present(rates)) then
+            if (rates) call read_rates(case, set, findings)
+         end if
          set%file = findings%file
          allocate (more(size(sets) + 1))
          more(:size(sets)) = sets
@@ -394,6 +402,46 @@ contains
       call read_flag(group, 'LAST', set%last, findings)
       call group%finish(findings)
    end subroutine read_limits
+
+   !> Group RATES: speed and acceleration of the input, in the units named.
+   subroutine read_rates(case, set, findings)
+      type(case_text_t), intent(in) :: case
+      type(data_set_t), intent(inout) :: set
+      type(diagnostics_t), intent(inout) :: findings
+      type(group_t) :: group
+      character(:), allocatable :: units
+      real(wp) :: unit
+      logical :: sliding
+
+      group = case%take('RATES')
+      set%rates_given = group%line > 0
+      sliding = .false.
+      if (size(set%iloop) > 0) sliding = set%iloop(1, 1) < 0
+      units = trim(merge('LENGTH/S', 'RAD/S   ', sliding))
+      call group%get_real('SPEED', set%speed, findings)
+      call group%get_real('ACCEL', set%accel, findings)
+      call group%get_word('UNITS', units, findings)
+      unit = 1.0_wp
+      select case (units)
+      case ('RAD/S', 'LENGTH/S')
+         continue
+      case ('DEG/S')
+         unit = radians_per_degree
+      case ('REV/S')
+         unit = full_turn*radians_per_degree
+      case ('REV/MIN', 'RPM')
+         unit = full_turn*radians_per_degree/60.0_wp
+      case default
+         call out_of(group, 'UNITS', "one of 'RAD/S', 'DEG/S', 'REV/S', 'REV/MIN', 'LENGTH/S' is expected; found '"//units//"'", &
+                     findings)
+      end select
+      if (sliding .neqv. units == 'LENGTH/S') then
+         call out_of(group, 'UNITS', "a sliding input has 'LENGTH/S', a turning one an angle a time; found '"//units//"'", findings)
+      end if
+      set%speed = set%speed*unit
+      set%accel = set%accel*unit
+      call group%finish(findings)
+   end subroutine read_rates
 
    subroutine read_flag(group, name, value, findings)
       type(group_t), intent(inout) :: group

@@ -68,6 +68,7 @@ module psalm_error
       real(wp) :: origin_angle = 0.0_wp, origin_c = 1.0_wp, origin_s = 0.0_wp !! direction of the input pivot
       real(wp) :: origin_x = 0.0_wp, origin_y = 0.0_wp                  !! the input pivot
    contains
+      procedure :: want_derivatives
       procedure :: set_inputs
       procedure :: set_desired
       procedure :: set_threads
@@ -96,7 +97,7 @@ contains
       problem%motion = set%motion
       problem%tangle = set%tangle
       problem%toggle = set%toggle
-      problem%plan = make_plan(topology, set%motion, everything=set%ktheta /= 0)
+      problem%plan = make_plan(topology, set%motion, everything=set%ktheta /= 0, all_roots=.false.)
       if (set%ikin /= 0) then
          turn = [(real(i*set%ikin, wp), i=0, (359/abs(set%ikin)))]
          call problem%set_inputs(turn)
@@ -110,6 +111,16 @@ contains
          call problem%set_desired(set%desang, set%anmult)
       end if
    end subroutine make_problem
+
+   !> Make a plan that finds everything derivatives need; inputs and desired values are kept.
+   subroutine want_derivatives(self, everything)
+      class(problem_t), intent(inout) :: self
+      logical, intent(in) :: everything     !! solve every loop, wanted or not
+
+      self%plan = make_plan(self%topology, self%motion, everything, all_roots=.true.)
+      call self%linkage%prepare(self%topology, self%plan, self%tangle, self%delt)
+      if (allocated(self%crew)) call self%set_threads(size(self%crew))
+   end subroutine want_derivatives
 
    !> Give the input positions (increments from the reference position); desired values are dropped.
    subroutine set_inputs(self, delt)

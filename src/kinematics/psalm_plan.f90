@@ -53,10 +53,11 @@ module psalm_plan
 contains
 
    !> Compile the plan for one kind of output.
-   function make_plan(topology, motion, everything) result(plan)
+   function make_plan(topology, motion, everything, all_roots) result(plan)
       type(topology_t), intent(in) :: topology
       integer, intent(in) :: motion        !! MOTION
       logical, intent(in) :: everything    !! solve every loop, wanted or not
+      logical, intent(in) :: all_roots     !! find both directions of every link pair (derivatives need them)
       type(plan_t) :: plan
       integer :: loop, a
 
@@ -74,17 +75,17 @@ contains
          if (plan%solved(loop)) call add_loop(topology, loop, plan)
       end do
       if (motion == motion_point .or. motion == motion_distance) call add_output(topology, plan)
-      call mark_roots(topology, everything, plan)
+      call mark_roots(topology, everything .or. all_roots, plan)
    end function make_plan
 
    !> A dyad need not find directions that nothing hangs on.
-   pure subroutine mark_roots(topology, everything, plan)
+   pure subroutine mark_roots(topology, all_roots, plan)
       type(topology_t), intent(in) :: topology
-      logical, intent(in) :: everything
+      logical, intent(in) :: all_roots
       type(plan_t), intent(inout) :: plan
       integer :: k, n, which
 
-      allocate (plan%used(plan%nroots), source=everything)
+      allocate (plan%used(plan%nroots), source=all_roots)
       plan%used(plan%root(topology%output_arc)) = .true.
       do k = 1, size(plan%steps)
          associate (step => plan%steps(k))

@@ -1,0 +1,173 @@
+!> Kernels of the derivatives: one arc, one point, one dyad, for many positions at once.
+!>
+!> An arc L e, with e a unit vector whose angle has the derivatives w1, w2, w3 and L the derivatives l1, l2, l3, has
+!>   order 1: l1 e + w1 L i e
+!>   order 2: (l2 - w1**2 L) e + (2 w1 l1 + w2 L) i e
+!>   order 3: (l3 - 3 w1**2 l1 - 3 w1 w2 L) e + (3 w1 l2 + 3 w2 l1 + (w3 - w1**3) L) i e
+!> Derivatives are with respect to one parameter: the input, a dimension. A dyad's unknowns x1, x2 of the highest order obey
+!> c1 x1 + c2 x2 = g with the same matrix in every order. All arrays have the shape (n). Derivation: `doc/theory.md`, Rates.
+module psalm_rate_kernels
+   use psalm_kinds, only: wp
+   implicit none (type, external)
+   private
+   public :: arc_vector, add_arc_rate, add_arc_change, difference
+   public :: invert_columns, solve_columns, link_pair_second, quarter_turn_of_sum
+
+   real(wp), parameter :: least = tiny(1.0_wp)**0.25_wp !! guards a division
+
+contains
+
+   !> Arc vector L e and unit vector e from a root turned by a fixed angle.
+   pure subroutine arc_vector(n, rx, ry, c, s, length, ex, ey, ax, ay)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: rx(n), ry(n), c, s   !! root; cosine, sine of the fixed angle
+      real(wp), intent(in) :: length(n)
+      real(wp), intent(out) :: ex(n), ey(n), ax(n), ay(n)
+      integer :: i
+
+      do i = 1, n
+         ex(i) = c*rx(i) - s*ry(i)
+         ey(i) = c*ry(i) + s*rx(i)
+         ax(i) = length(i)*ex(i)
+         ay(i) = length(i)*ey(i)
+      end do
+   end subroutine arc_vector
+
+   !> t = f + factor * (derivative of the given order of an arc).
+   !>
+   !> For the part of a dyad's arc that is known, rows of unknown highest derivatives hold zero.
+   pure subroutine add_arc_rate(n, order, factor, fx, fy, ex, ey, length, w1, w2, w3, l1, l2, l3, tx, ty)
+      integer, intent(in) :: n, order
+      real(wp), intent(in) :: factor
+      real(wp), intent(in) :: fx(n), fy(n), ex(n), ey(n), length(n)
+      real(wp), intent(in) :: w1(n), w2(n), w3(n), l1(n), l2(n), l3(n)
+      real(wp), intent(out) :: tx(n), ty(n)
+      real(wp) :: along, across
+      integer :: i
+
+      select case (order)
+      case (1)
+         do i = 1, n
+            along = factor*l1(i)
+            across = factor*(w1(i)*length(i))
+            tx(i) = fx(i) + along*ex(i) - across*ey(i)
+            ty(i) = fy(i) + along*ey(i) + across*ex(i)
+         end do
+      case (2)
+         do i = 1, n
+            along = factor*(l2(i) - w1(i)*w1(i)*length(i))
+            across = factor*(2.0_wp*w1(i)*l1(i) + w2(i)*length(i))
+            tx(i) = fx(i) + along*ex(i) - across*ey(i)
+            ty(i) = fy(i) + along*ey(i) + across*ex(i)
+         end do
+      case default
+         do i = 1, n
+            along = factor*(l3(i) - 3.0_wp*w1(i)*(w1(i)*l1(i) + w2(i)*length(i)))
+            across = factor*(3.0_wp*(w1(i)*l2(i) + w2(i)*l1(i)) + (w3(i) - w1(i)**3)*length(i))
+            tx(i) = fx(i) + along*ex(i) - across*ey(i)
+            ty(i) = fy(i) + along*ey(i) + across*ex(i)
+         end do
+      end select
+   end subroutine add_arc_rate
+
+   !> g = e - s, the derivative of h.
+   pure subroutine difference(n, sx, sy, ex, ey, gx, gy)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: sx(n), sy(n), ex(n), ey(n)
+      real(wp), intent(out) :: gx(n), gy(n)
+      integer :: i
+
+      do i = 1, n
+         gx(i) = ex(i) - sx(i)
+         gy(i) = ey(i) - sy(i)
+      end do
+   end subroutine difference
+
+   !> Inverse of the matrix with the columns c1, c2, and the square of the sine between them.
+   !>
+   !> Where that is not above `limit` there is no inverse, and zero is given: the caller tells a dead point by `sine2`.
+   pure subroutine invert_columns(n, limit, c1x, c1y, c2x, c2y, m11, m12, m21, m22, sine2)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: limit
+      real(wp), intent(in) :: c1x(n), c1y(n), c2x(n), c2y(n)
+      real(wp), intent(out) :: m11(n), m12(n), m21(n), m22(n), sine2(n)
+      real(wp) :: determinant, size2
+      integer :: i
+
+      do i = 1, n
+         determinant = c1x(i)*c2y(i) - c1y(i)*c2x(i)
+         size2 = (c1x(i)*c1x(i) + c1y(i)*c1y(i))*(c2x(i)*c2x(i) + c2y(i)*c2y(i))
+         sine2(i) = determinant*determinant/max(size2, least)
+         determinant = 1.0_wp/sign(max(abs(determinant), least), determinant)
+         determinant = merge(determinant, 0.0_wp, sine2(i) > limit)
+         m11(i) = c2y(i)*determinant
+         m12(i) = -c2x(i)*determinant
+         m21(i) = -c1y(i)*determinant
+         m22(i) = c1x(i)*determinant
+      end do
+   end subroutine invert_columns
+
+   !> x = M g.
+   pure subroutine solve_columns(n, m11, m12, m21, m22, gx, gy, x1, x2)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: m11(n), m12(n), m21(n), m22(n), gx(n), gy(n)
+      real(wp), intent(out) :: x1(n), x2(n)
+      integer :: i
+
+      do i = 1, n
+         x1(i) = m11(i)*gx(i) + m12(i)*gy(i)
+         x2(i) = m21(i)*gx(i) + m22(i)*gy(i)
+      end do
+   end subroutine solve_columns
+
+   !> Second order of a link pair, in one pass: g = h'' + wp**2 p + wq**2 q, then x = M g.
+   pure subroutine link_pair_second(n, sx, sy, ex, ey, px, py, qx, qy, wp1, wq1, m11, m12, m21, m22, x1, x2)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: sx(n), sy(n), ex(n), ey(n)  !! second derivatives of S and E
+      real(wp), intent(in) :: px(n), py(n), qx(n), qy(n)  !! arcs
+      real(wp), intent(in) :: wp1(n), wq1(n)              !! first derivatives of their angles
+      real(wp), intent(in) :: m11(n), m12(n), m21(n), m22(n)
+      real(wp), intent(out) :: x1(n), x2(n)
+      real(wp) :: gx, gy
+      integer :: i
+
+      do i = 1, n
+         gx = ex(i) - sx(i) + wp1(i)*wp1(i)*px(i) + wq1(i)*wq1(i)*qx(i)
+         gy = ey(i) - sy(i) + wp1(i)*wp1(i)*py(i) + wq1(i)*wq1(i)*qy(i)
+         x1(i) = m11(i)*gx + m12(i)*gy
+         x2(i) = m21(i)*gx + m22(i)*gy
+      end do
+   end subroutine link_pair_second
+
+   !> c = i (a + b): the column of an angle that turns both arcs of a dyad.
+   pure subroutine quarter_turn_of_sum(n, ax, ay, bx, by, cx, cy)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: ax(n), ay(n), bx(n), by(n)
+      real(wp), intent(out) :: cx(n), cy(n)
+      integer :: i
+
+      do i = 1, n
+         cx(i) = -(ay(i) + by(i))
+         cy(i) = ax(i) + bx(i)
+      end do
+   end subroutine quarter_turn_of_sum
+
+   !> Changes of one dimension: t = f + factor * ((dl + l1) e + (dw + w1) L i e).
+   !>
+   !> `dl` and `dw` are the same for all positions: the arc's own length or fixed angle changes at these rates.
+   pure subroutine add_arc_change(n, factor, fx, fy, ex, ey, length, w1, l1, dw, dl, tx, ty)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: factor, dw, dl
+      real(wp), intent(in) :: fx(n), fy(n), ex(n), ey(n), length(n), w1(n), l1(n)
+      real(wp), intent(out) :: tx(n), ty(n)
+      real(wp) :: along, across
+      integer :: i
+
+      do i = 1, n
+         along = factor*(dl + l1(i))
+         across = factor*((dw + w1(i))*length(i))
+         tx(i) = fx(i) + along*ex(i) - across*ey(i)
+         ty(i) = fy(i) + along*ey(i) + across*ex(i)
+      end do
+   end subroutine add_arc_change
+end module psalm_rate_kernels

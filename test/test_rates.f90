@@ -1,0 +1,212 @@
+!> Derivatives by the input: against differences of positions, and in the differentiated loop equations.
+!>
+!> Runs in real64, and in real128 where differences are good to many more digits than are asked for.
+program test_rates
+   use cases, only: load_case, names
+   use check, only: checks_t
+   use psalm_data_set, only: data_set_t, motion_angle
+   use psalm_error, only: problem_t
+   use psalm_kinds, only: wp, dp, radians_per_degree
+   use psalm_rates, only: rates_t, prepare_rates, differentiate, output_rates, is_dead, highest_order
+   implicit none (type, external)
+   logical, parameter :: quad = precision(1.0_wp) > precision(1.0_dp)
+   type(checks_t) :: t
+   integer :: k
+
+   do k = 1, size(names)
+      call against_differences(names(k))
+      call loop_equations(names(k))
+   end do
+   call against_differences('hard/chain64')
+   call known_rates()
+   call dead_points()
+   call t%report()
+
+contains
+
+   !> Central differences of sixth order of the output and its lower derivatives.
+   subroutine against_differences(name)
+      character(*), intent(in) :: name
+      type(problem_t) :: problem, shifted
+      type(data_set_t) :: set
+      type(rates_t) :: rates
+      real(wp), allocatable :: values(:, :, :), x(:, :), y(:, :)
+      real(wp) :: step, unit, worst(highest_order), size_of(highest_order), difference(2), tolerance
+      integer :: i, k, n, order
+      real(wp), parameter :: weight(3) = [0.75_wp, -0.15_wp, 1.0_wp/60.0_wp]
+
+      call load_case(name, problem, set)
+      call problem%want_derivatives(.false.)
+      n = min(problem%positions, problem%linkage%room)
+      allocate (values(0:highest_order - 1, 2*n, -3:3), x(highest_order, n), y(highest_order, n))
+      unit = merge(1.0_wp, radians_per_degree, problem%topology%sliding_input)
+      step = merge(1.0e-4_wp, 1.0e-2_wp, quad)*merge(maxval(abs(problem%delt)), 1.0_wp, problem%topology%sliding_input)
+      do k = -3, 3
+         shifted = problem
+         call shifted%set_inputs(problem%delt + real(k, wp)*step/unit)
+         call shifted%want_derivatives(.false.)
+         call take(shifted, n, values(:, :, k))
+      end do
+      call take_rates(problem, n, x, y)
+      worst = 0.0_wp
+      size_of = 0.0_wp
+      do order = 1, highest_order
+         do i = 1, n
+            difference = 0.0_wp
+            do k = 1, 3
+               associate (ahead => values(order - 1, 2*i - 1:2*i, k), behind => values(order - 1, 2*i - 1:2*i, -k))
+                  if (order == 1 .and. problem%motion == motion_angle) then
+                     difference(1) = difference(1) + weight(k)*near(ahead(1) - behind(1))
+                  else
+                     difference = difference + weight(k)*(ahead - behind)
+                  end if
+               end associate
+            end do
+            difference = difference/step
+            worst(order) = max(worst(order), abs(difference(1) - x(order, i)), abs(difference(2) - y(order, i)))
+            size_of(order) = max(size_of(order), abs(x(order, i)), abs(y(order, i)))
+         end do
+         tolerance = merge(1.0e-9_wp, 2.0e-5_wp, quad)
+         call t%close_to(worst(order)/size_of(order), 0.0_wp, tolerance, trim(name)//': derivative against differences')
+      end do
+   end subroutine against_differences
+
+   pure real(wp) function near(angle)
+      real(wp), intent(in) :: angle
+
+      near = atan2(sin(angle), cos(angle))
+   end function near
+
+   !> Output and its first two derivatives at every position.
+   subroutine take(problem, n, values)
+      type(problem_t), intent(inout) :: problem
+      integer, intent(in) :: n
+      real(wp), intent(out) :: values(0:, :)
+      type(rates_t) :: rates
+      real(wp) :: x(highest_order), y(highest_order)
+      integer :: offset, m, i
+
+      call prepare_rates(problem, rates)
+      call problem%bind(problem%given)
+      call problem%solve_block(1, offset, m)
+      call problem%output_of(m)
+      call differentiate(problem, rates, m, highest_order)
+      do i = 1, n
+         call output_rates(problem, rates, i, highest_order, x, y)
+         associate (store => problem%linkage%store, at_x => problem%linkage%out_x + i - 1, at_y => problem%linkage%out_y + i - 1)
+            values(0, 2*i - 1) = store(at_x)
+            values(0, 2*i) = merge(store(at_y), 0.0_wp, problem%motion == 0)
+            if (problem%motion == motion_angle) values(0, 2*i - 1) = atan2(store(at_y), store(at_x))
+         end associate
+         values(1:2, 2*i - 1) = x(1:2)
+         values(1:2, 2*i) = y(1:2)
+      end do
+   end subroutine take
+
+   subroutine take_rates(problem, n, x, y)
+      type(problem_t), intent(inout) :: problem
+      integer, intent(in) :: n
+      real(wp), intent(out) :: x(:, :), y(:, :)
+      type(rates_t) :: rates
+      integer :: offset, m, i
+
+      call prepare_rates(problem, rates)
+      call problem%bind(problem%given)
+      call problem%solve_block(1, offset, m)
+      call differentiate(problem, rates, m, highest_order)
+      do i = 1, n
+         call output_rates(problem, rates, i, highest_order, x(:, i), y(:, i))
+      end do
+   end subroutine take_rates
+
+   !> The first and second derivative of the sum of a loop's arcs is zero.
+   subroutine loop_equations(name)
+      character(*), intent(in) :: name
+      type(problem_t) :: problem
+      type(data_set_t) :: set
+      type(rates_t) :: rates
+      real(wp) :: sum1(2), sum2(2), x, y, length, w1, w2, l1, l2, worst, size_of
+      integer :: offset, n, i, loop, a, arc, root, slide
+
+      call load_case(name, problem, set, everything=.true.)
+      call problem%want_derivatives(.true.)
+      call prepare_rates(problem, rates)
+      call problem%bind(problem%given)
+      call problem%solve_block(1, offset, n)
+      call differentiate(problem, rates, n, 2)
+      worst = 0.0_wp
+      do i = 1, n
+         do loop = 1, problem%topology%nloop
+            sum1 = 0.0_wp
+            sum2 = 0.0_wp
+            size_of = 0.0_wp
+            do a = 1, problem%topology%loopl(loop)
+               arc = problem%topology%seq(loop, a)
+               call problem%linkage%arc_at(problem%plan, arc, i, x, y, length)
+               root = problem%linkage%root_x(problem%plan%root(arc)) + i - 1
+               w1 = rates%d(root, 1)
+               w2 = rates%d(root, 2)
+               l1 = 0.0_wp
+               l2 = 0.0_wp
+               if (problem%plan%length_slot(arc) > 0) then
+                  slide = problem%linkage%slide(problem%plan%length_slot(arc)) + i - 1
+                  l1 = rates%d(slide, 1)
+                  l2 = rates%d(slide, 2)
+               end if
+               sum1 = sum1 + l1*[x, y] + w1*length*[-y, x]
+               sum2 = sum2 + (l2 - w1*w1*length)*[x, y] + (2.0_wp*w1*l1 + w2*length)*[-y, x]
+               size_of = size_of + abs(l2) + w1*w1*abs(length) + abs(2.0_wp*w1*l1) + abs(w2*length) + abs(l1) + abs(w1*length)
+            end do
+            worst = max(worst, maxval(abs(sum1))/size_of, maxval(abs(sum2))/size_of)
+         end do
+      end do
+      ! relative to the sum of the terms: far inside 64 epsilon times the condition number
+      call t%close_to(worst/epsilon(1.0_wp), 0.0_wp, 64.0_wp, trim(name)//': differentiated loop equations')
+   end subroutine loop_equations
+
+   subroutine known_rates()
+      type(problem_t) :: problem
+      type(data_set_t) :: set
+      real(wp), allocatable :: x(:, :), y(:, :), a(:)
+      integer :: n
+
+      call load_case('dyad6_scotch_yoke', problem, set)
+      call problem%want_derivatives(.false.)
+      n = problem%positions
+      allocate (x(3, n), y(3, n))
+      call take_rates(problem, n, x, y)
+      a = problem%delt*radians_per_degree
+      call t%close_to(maxval(abs(x(1, :) + 40.0_wp*sin(a))), 0.0_wp, 1.0e-13_wp, 'Scotch yoke: velocity')
+      call t%close_to(maxval(abs(x(2, :) + 40.0_wp*cos(a))), 0.0_wp, 1.0e-13_wp, 'Scotch yoke: acceleration')
+      call t%close_to(maxval(abs(x(3, :) - 40.0_wp*sin(a))), 0.0_wp, 1.0e-13_wp, 'Scotch yoke: jerk')
+      call load_case('actuator_rapson_slide', problem, set)
+      call problem%want_derivatives(.false.)
+      n = problem%positions
+      call take_rates(problem, n, x, y)
+      a = problem%delt
+      call t%close_to(maxval(abs(x(1, :n) + 500.0_wp/(a**2 + 500.0_wp**2))), 0.0_wp, 1.0e-15_wp, 'Rapson slide: velocity')
+      call t%close_to(maxval(abs(x(2, :n) - 1000.0_wp*a/(a**2 + 500.0_wp**2)**2)), 0.0_wp, 1.0e-17_wp, &
+                      'Rapson slide: acceleration')
+   end subroutine known_rates
+
+   !> At a dead point the rates are infinite: told, finite numbers, no trap.
+   subroutine dead_points()
+      type(problem_t) :: problem
+      type(data_set_t) :: set
+      type(rates_t) :: rates
+      integer :: offset, n, i
+
+      call load_case('hard/parallelogram', problem, set)
+      call problem%want_derivatives(.false.)
+      call prepare_rates(problem, rates)
+      call problem%bind(problem%given)
+      call problem%solve_block(1, offset, n)
+      call differentiate(problem, rates, n, highest_order)
+      do i = 1, n
+         ! a millionth of a degree beside it is a dead point to the rounding of real64
+         if (.not. quad .and. (i == 3 .or. i == 5)) cycle
+         call t%is_true(is_dead(problem, rates, 1, i) .eqv. (i == 4 .or. i == 11), 'only the change points are dead points')
+      end do
+      call t%is_true(all(abs(rates%d) <= huge(1.0_wp)), 'numbers stay finite at a dead point')
+   end subroutine dead_points
+end program test_rates
