@@ -17,13 +17,13 @@ module cases
 
 contains
 
-   !> The n-th case of `data/NAME.nml`; with `everything` all loops are solved.
-   subroutine load_case(name, problem, set, n, everything)
+   !> The n-th case of `data/NAME.nml`; with `everything` all loops are solved, with `vary` every dimension is a variable.
+   subroutine load_case(name, problem, set, n, everything, vary)
       character(*), intent(in) :: name
       type(problem_t), intent(out) :: problem
       type(data_set_t), intent(out) :: set
       integer, intent(in), optional :: n
-      logical, intent(in), optional :: everything
+      logical, intent(in), optional :: everything, vary
       type(data_set_t), allocatable :: sets(:)
       type(diagnostics_t) :: findings
       type(topology_t) :: topology
@@ -36,9 +36,36 @@ contains
       if (.not. findings%failed()) then
          set = sets(which)
          if (present(everything)) set%ktheta = merge(1, set%ktheta, everything)
+         if (present(vary)) call let_vary(set)
          call set_up(set, topology, dimensions, findings)
       end if
       if (findings%failed()) error stop 'a data set of the tests cannot be read'
       call make_problem(set, topology, dimensions, problem)
    end subroutine load_case
+
+   !> Every length and angle a variable, some desired value at every position.
+   subroutine let_vary(set)
+      type(data_set_t), intent(inout) :: set
+      integer :: i
+
+      set%iva = 1
+      set%ivg = 1
+      set%ilkout = merge(1, 0, set%outlk > 0.0_wp)
+      set%ingout = 1
+      set%icrk = 1
+      set%iorig = 1
+      set%origlk = set%origlk + 3.0_wp
+      if (set%ikin /= 0) then
+         set%ndes = 12
+         set%delt = [(30.0_wp*real(i, wp) + 5.0_wp, i=0, 11)]
+         set%ikin = 0
+      end if
+      set%desired = .true.
+      set%desx = [(1.0_wp + real(i, wp), i=1, set%ndes)]
+      set%desy = set%desx
+      set%desang = set%desx
+      set%xmult = [(1.0_wp + 0.1_wp*real(i, wp), i=1, set%ndes)]
+      set%ymult = 0.5_wp*set%xmult
+      set%anmult = set%xmult
+   end subroutine let_vary
 end module cases

@@ -15,6 +15,7 @@ module psalm_rates
    implicit none (type, external)
    private
    public :: rates_t, prepare_rates, differentiate, form_frames, output_rates, is_dead, highest_order
+   public :: row_of, unknowns_of, rows_of_arc
 
    integer, parameter :: highest_order = 3
    integer, parameter :: rows_of_arc = 5        !! unit vector, vector, length
@@ -64,17 +65,18 @@ contains
    end function row_of
 
    !> Arc vectors of all steps and inverse matrices of all dyads, for the block just solved.
-   subroutine form_frames(problem, rates, n)
+   subroutine form_frames(problem, rates, n, fixed_too)
       type(problem_t), intent(in) :: problem
       type(rates_t), intent(inout) :: rates
       integer, intent(in) :: n            !! positions, padded
+      logical, intent(in) :: fixed_too    !! arcs of the frame as well
       integer :: k, a, b, m, c
       real(wp) :: limit
 
       do k = 1, size(problem%linkage%steps)
          associate (step => problem%linkage%steps(k), link => problem%linkage)
             if (problem%plan%steps(k)%kind == step_point) then
-               if (step%fixed) cycle
+               if (step%fixed .and. .not. fixed_too) cycle
                ! a varying length takes the arc's direction, a fixed one its vector
                call form_arc(step%root_x, step%root_y, step%sign*link%x(step%arc), step%sign*link%y(step%arc), &
                              link%length(step%arc), step%slide_row, row_of(rates, k, 0))
@@ -167,7 +169,7 @@ contains
       integer :: m, k, order
 
       m = padded(n)
-      call form_frames(problem, rates, m)
+      call form_frames(problem, rates, m, fixed_too=.false.)
       associate (link => problem%linkage)
          if (link%sliding_input) then
             if (link%input_slot > 0) call set_input(link%slide(link%input_slot), link%scale)
