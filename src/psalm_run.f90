@@ -18,6 +18,7 @@ module psalm_run
    use psalm_start, only: simplex_t, start_simplex, read_vertices
    use psalm_status, only: diagnostics_t, exit_done, exit_violation
    use psalm_text, only: text_t, general, to_text
+   use psalm_tolerance, only: tolerance_t, sample_t, find_tolerances, draw_sample, list_tolerances, plot_tolerances
    implicit none (type, external)
    private
    public :: devices_t, version, check_case, run_case
@@ -86,8 +87,33 @@ contains
       if (set%ktheta /= 0) call list_arcs(problem, motion, conditions(problem), devices%eight)
       call write_data_set(set, topology, dimensions, devices%seven)
       call write_plot_data(set, problem, dimensions, motion, devices%nine)
+      if (set%tolerances) call tolerances(set, dimensions, threads, devices)
       call note_violations(set, problem, motion, devices)
    end subroutine run_case
+
+   !> Bands of the output within the tolerances of the dimensions.
+   subroutine tolerances(set, dimensions, threads, devices)
+      type(data_set_t), intent(in) :: set
+      type(dimensions_t), intent(in) :: dimensions
+      integer, intent(in) :: threads
+      type(devices_t), intent(inout) :: devices
+      type(tolerance_t) :: linear
+      type(sample_t) :: sample
+      logical :: closes
+
+      call find_tolerances(set, dimensions, linear, closes)
+      if (.not. closes) then
+         call devices%notes%add(set%file//': '//trim(set%title)//': no tolerances, because the linkage does not close everywhere')
+         return
+      end if
+      if (set%ntrial > 0) call draw_sample(linear, set%ntrial, set%istart, threads, sample)
+      call list_tolerances(linear, sample, devices%six)
+      call plot_tolerances(set%title, linear, sample, devices%nine)
+      if (sample%open == 0) return
+      devices%code = max(devices%code, exit_violation)
+      call devices%notes%add(set%file//': '//trim(set%title)//': '//to_text(sample%open)//' of '//to_text(sample%trials)// &
+                             ' linkages within the tolerances do not close')
+   end subroutine tolerances
 
    !> Search from the given linkage; `dimensions` becomes the best one found.
    subroutine synthesize(set, vertices, problem, dimensions, devices, monitor)

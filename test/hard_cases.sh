@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Error against condition number, measured with the build in quadruple precision: all hard cases and every dyad.
-# usage: test/hard_cases.sh PROGRAM_DIRECTORY QUAD_DIRECTORY [--table FILE]. Last line: N passed, N failed.
+# Then every derivative that kalm prints, to 1e-9 of its largest value.
+# usage: test/hard_cases.sh PROGRAM_DIRECTORY QUAD_DIRECTORY [--table FILE]. Last lines: N passed, N failed.
 set -eu
 top=$(cd "$(dirname "$0")/.." && pwd)
 bin=$1 quad=$2
@@ -13,3 +14,5 @@ for f in "$top"/data/dyad*.nml "$top"/data/actuator*.nml "$top"/data/textile.nml
 done
 # 2**-52, the epsilon of real64
 python3 "$top/test/accuracy.py" "$@" 2.220446049250313e-16 "$bin/psalm" "$quad/psalm" "$work"/*.nml
+python3 "$top/test/compare_columns.py" 1e-9 "$bin/kalm" "$quad/kalm" .kalm "$work"/dyad*.nml "$work"/textile.nml "$top/data/needle.nml" \
+    "$top/data/brake_reaction.nml" "$top/data/chain_short.nml" "$work"/actuator_rapson_slide.nml "$work/chain64.nml"

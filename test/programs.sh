@@ -91,6 +91,41 @@ sed 's/NOUTLK=5, NOUTLP=4/NOUTLK=3, NOUTLP=2/; s/INGOUT=1, ICRK=1,//; s/IVA=.*IV
 "$psalm" --quiet pruned.nml >/dev/null
 check 'loops that do not matter are dropped and named' grep -q 'LOOPS NOT SOLVED (KTHETA=1 SOLVES ALL): 1 3 4' pruned.dev8
 
+# kalm
+for f in dyad*.nml textile.nml needle.nml actuator_davis_steering.nml; do
+    status 0 "kalm $f" "$bin/kalm" --quiet "$f"
+done
+check 'kalm: device 9 names derivatives by input and by time' grep -qx '# input closed actual actual_per_rad actual_per_rad2 actual_per_rad3 actual_per_s actual_per_s2 actual_per_s3' needle.kalm.dev9
+check 'kalm: point output' grep -q '^# input closed actual_x actual_y x_per_rad y_per_rad' textile.kalm.dev9
+check 'kalm: sliding input' grep -q 'actual_per_length ' actuator_davis_steering.kalm.dev9
+{ sed '$d' dyad6_scotch_yoke.nml; printf " &RATES SPEED=600.0, UNITS='REV/MIN' &END\n &LIMITS KTHETA=1 &END\n"; } >yoke.nml
+status 0 'kalm with RATES' "$bin/kalm" yoke.nml
+check 'kalm: 600 rev/min is 20 pi rad/s; velocity of the yoke at 90 degrees is -r w' grep -qE '^ +90\.00000 +0\.0 +-2513\.274 ' out
+check 'kalm: mechanical advantage is infinite where the output rests' grep -q 'INFINITE' out
+check 'kalm: arcs and joints on device 8' grep -q 'JOINT AT THE END OF ARC' yoke.kalm.dev8
+status 0 'psalm skips RATES' "$psalm" yoke.nml
+status 1 'kalm at a dead point' "$bin/kalm" "$data/hard/parallelogram.nml" --output-dir hard
+said 'kalm at a dead point' 'dead point of loop 1 at position 4, input 0.0'
+check 'kalm: a dead point prints no number' grep -q 'DEAD POINT OF LOOP 1: RATES ARE INFINITE' out
+sed "s/UNITS='REV\/MIN'/UNITS='KNOTS'/" yoke.nml >knots.nml
+status 2 'kalm: unknown unit' "$bin/kalm" knots.nml
+said 'kalm: unknown unit' "found 'KNOTS'"
+status 0 'kalm --help' "$bin/kalm" --help
+status 0 'kalm --version' "$bin/kalm" --version
+
+# tolerances
+{ cat needle.nml; echo ' &TOLER TOLLEN=0.05, TOLANG=0.02, NTRIAL=20000 &END'; } >toler.nml
+"$psalm" --quiet toler.nml >out
+check 'TOLER: effect of each dimension' grep -q '^ LENGTH OF ARC 4 IN LOOP 1 ' out
+check 'TOLER: bands' grep -q 'WORST CASE ROOT SUM SQUARE' out
+check 'TOLER: the sample' grep -q 'LINKAGES OF THE SAMPLE 20000, OF WHICH DO NOT CLOSE 0' out
+"$psalm" --quiet --threads 2 toler.nml >two.lst
+if cmp -s out two.lst; then ok; else bad 'TOLER: the same digits with two threads'; fi
+check 'TOLER: a block of device 9' grep -q 'root_sum_square lowest highest mean std_deviation' toler.dev9
+sed 's/TOLLEN=0.05/TOLLEN=-0.05/' toler.nml >negative.nml
+status 2 'TOLER: a negative tolerance' "$psalm" negative.nml
+said 'TOLER: a negative tolerance' 'a tolerance is negative'
+
 # a linkage that does not close
 sed 's/140.0,0.0,10.0/35.0,0.0,10.0/' dyad4_slider_crank.nml >open.nml
 status 1 'an open linkage' "$psalm" open.nml

@@ -29,7 +29,6 @@ contains
       character(*), intent(in) :: name
       type(problem_t) :: problem, shifted
       type(data_set_t) :: set
-      type(rates_t) :: rates
       real(wp), allocatable :: values(:, :, :), x(:, :), y(:, :)
       real(wp) :: step, unit, worst(highest_order), size_of(highest_order), difference(2), tolerance
       integer :: i, k, n, order

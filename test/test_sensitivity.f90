@@ -67,7 +67,7 @@ contains
                size_of = size_of + 2.0_wp*sum(abs(problem%weight_y(:n)*motion%error_y*dy(:, v)))
             end if
          end associate
-         call t%close_to((gradient(v) - expected)/max(size_of, 1.0e-6_wp), 0.0_wp, 1.0e-11_wp, &
+         call t%close_to((gradient(v) - expected)/max(size_of, 1.0e-3_wp), 0.0_wp, 1.0e-11_wp, &
                          trim(name)//': gradient and Jacobian agree, variable '//to_text(v))
       end do
    end subroutine one_case

@@ -5,10 +5,12 @@
 !>          label | method | linkage | dyads | positions | ns per dyad and position | largest relative error
 !>          (the error at 180 positions only, else -1)
 !>        bench pruning                ns per position: chain of 64 loops, output at the second | two loops alone
+!>        bench derivatives            linkage | with velocities and accelerations / positions alone | ns per dyad, position;
+!>                                     needle | us of an objective | us of a Jacobian | gradient / objective
 !>        bench evaluate20, evaluate10240   ten evaluations of the needle linkage, for counting instructions
 !>        bench objective              positions | microseconds per evaluation | ns per dyad and position
 program bench
-   use bench_measure, only: write_reference, measure_all, measure_objective, measure_pruning, evaluate_needle
+   use bench_measure, only: write_reference, measure_all, measure_objective, measure_pruning, evaluate_needle, measure_derivatives
    implicit none (type, external)
    character(200) :: task, file, label, out
 
@@ -25,6 +27,8 @@ program bench
       call measure_objective()
    case ('pruning')
       call measure_pruning()
+   case ('derivatives')
+      call measure_derivatives()
    case ('evaluate20')
       call evaluate_needle(20)
    case ('evaluate10240')

@@ -6,12 +6,14 @@ module bench_measure
    use psalm_data_set, only: data_set_t, read_data_sets, motion_point
    use psalm_error, only: problem_t, make_problem
    use psalm_kinds, only: wp, dp, radians_per_degree
+   use psalm_rates, only: rates_t, prepare_rates, differentiate
+   use psalm_sensitivity, only: sensitivity_t, prepare_sensitivity, find_jacobian, find_gradient
    use psalm_setup, only: set_up
    use psalm_status, only: diagnostics_t
    use psalm_topology, only: topology_t, dimensions_t
    implicit none (type, external)
    private
-   public :: write_reference, measure_all, measure_objective, measure_pruning, evaluate_needle
+   public :: write_reference, measure_all, measure_objective, measure_pruning, evaluate_needle, measure_derivatives
 
    character(*), parameter :: names(*) = [character(24) :: 'dyad1_crank_rocker', 'hard/pruned64', 'needle', 'textile', &
                                           'hard/chain64']
@@ -303,4 +305,93 @@ contains
       end do
       if (loop /= 0) error stop 'the needle linkage does not close'
    end subroutine evaluate_needle
+
+   !> Derivatives: positions with velocities and accelerations against positions alone, ten-bars and chain, 10000 positions;
+   !> Jacobian and gradient of the needle linkage's 16 variables at 20 positions against one evaluation of its objective.
+   subroutine measure_derivatives()
+      type(problem_t) :: problem
+      type(rates_t) :: rates
+      type(data_set_t), allocatable :: sets(:)
+      type(diagnostics_t) :: findings
+      type(topology_t) :: topology
+      type(dimensions_t) :: dimensions
+      type(sensitivity_t) :: work
+      real(wp), allocatable :: dx(:, :), dy(:, :), gradient(:)
+      real(wp) :: objective, total
+      real(dp) :: alone, with_rates, one, jacobian, adjoint
+      integer :: k, loop, sample, i, block, offset, n
+      integer(int64) :: from, to, rate
+      integer, parameter :: positions_of_rates = 10000, repeats = 20000
+
+      do k = 3, size(names)
+         call load(k, positions_of_rates, .false., problem)
+         call time_positions(problem, count(problem%plan%solved), alone)
+         call problem%want_derivatives(.false.)
+         call prepare_rates(problem, rates)
+         with_rates = huge(with_rates)
+         do sample = 1, samples
+            call system_clock(from, rate)
+            do i = 1, 20
+               call problem%bind(problem%given)
+               do block = 1, problem%blocks()
+                  call problem%solve_block(block, offset, n)
+                  call problem%output_of(n)
+                  call differentiate(problem, rates, n, 2)
+               end do
+            end do
+            call system_clock(to)
+            with_rates = min(with_rates, real(to - from, dp)/real(rate, dp)/20.0_dp)
+         end do
+         print '(a,f0.3,a,f0.3)', trim(titles(k))//'|', with_rates/alone, '|', &
+            with_rates*1.0e9_dp/real(positions_of_rates, dp)/real(count(problem%plan%solved), dp)
+      end do
+      call read_data_sets('../data/needle.nml', sets, findings)
+      call set_up(sets(1), topology, dimensions, findings)
+      call make_problem(sets(1), topology, dimensions, problem)
+      call problem%want_derivatives(.false.)
+      call prepare_sensitivity(problem, work)
+      allocate (dx(problem%positions, size(topology%variables)), dy(problem%positions, size(topology%variables)))
+      allocate (gradient(size(topology%variables)))
+      one = huge(one)
+      jacobian = huge(one)
+      adjoint = huge(one)
+      total = 0.0_wp
+      do sample = 1, samples
+         call system_clock(from, rate)
+         do i = 1, repeats
+            call change()
+            call problem%evaluate(dimensions, objective, loop)
+            total = total + objective
+         end do
+         call system_clock(to)
+         one = min(one, real(to - from, dp)/real(rate, dp)/real(repeats, dp))
+         call system_clock(from)
+         do i = 1, repeats
+            call change()
+            call find_jacobian(problem, dimensions, work, dx, dy)
+            total = total + dx(1, 1)
+         end do
+         call system_clock(to)
+         jacobian = min(jacobian, real(to - from, dp)/real(rate, dp)/real(repeats, dp))
+         call system_clock(from)
+         do i = 1, repeats
+            call change()
+            call find_gradient(problem, dimensions, work, objective, gradient)
+            total = total + gradient(1)
+         end do
+         call system_clock(to)
+         adjoint = min(adjoint, real(to - from, dp)/real(rate, dp)/real(repeats, dp))
+      end do
+      if (abs(total) <= 0.0_wp) error stop 'nothing was computed'
+      print '(a,f0.3,a,f0.3,a,f0.3)', 'needle|', one*1.0e6_dp, '|', jacobian*1.0e6_dp, '|', adjoint/one
+
+   contains
+
+      subroutine change()
+         dimensions%gama = problem%given%gama*(1.0_wp + 1.0e-9_wp*real(i, wp))
+         dimensions%arcl = problem%given%arcl*(1.0_wp + 1.0e-9_wp*real(i, wp))
+         dimensions%crnki = problem%given%crnki + 1.0e-9_wp*real(i, wp)
+         dimensions%outang = problem%given%outang + 1.0e-9_wp*real(i, wp)
+      end subroutine change
+   end subroutine measure_derivatives
 end module bench_measure

@@ -70,6 +70,13 @@ module psalm_data_set
       integer :: nprint = 100, nprt = 20
       integer :: iplot = 0
       integer :: last = 1
+      ! TOLER
+      logical :: tolerances = .false.              !! the group was given
+      real(wp), allocatable :: tolarc(:, :), tolgam(:, :) !! shape (maxarc, nloop): of ARCL and GAMA
+      real(wp) :: tolout = 0.0_wp, toloua = 0.0_wp !! of OUTLK, OUTANG
+      real(wp) :: tolorl = 0.0_wp, tolora = 0.0_wp !! of ORIGLK, ORIGNG
+      real(wp) :: tolcrk = 0.0_wp                  !! of CRNKI
+      integer :: ntrial = 0                        !! linkages of the Monte-Carlo sample
       ! RATES (read for kalm only)
       real(wp) :: speed = 1.0_wp           !! of the input: rad/s, or length/s
       real(wp) :: accel = 0.0_wp           !! of the input: rad/s**2, or length/s**2
@@ -137,7 +144,7 @@ contains
       type(case_text_t), intent(in) :: case
       type(data_set_t), intent(out) :: set
       type(diagnostics_t), intent(inout) :: findings
-      type(group_t) :: links, method, limits
+      type(group_t) :: links, method, limits, toler
       logical :: shape_known
 
       set%title = case%title(:min(title_columns, len(case%title)))
@@ -166,7 +173,51 @@ contains
          allocate (set%iva(0, 0), set%ivg(0, 0))
       end if
       call read_limits(limits, set, findings)
+      toler = case%take('TOLER')
+      call read_tolerances(toler, set, findings)
    end subroutine read_set
+
+   !> Group TOLER: tolerances of dimensions, one for all or one for each, and the size of the sample.
+   subroutine read_tolerances(group, set, findings)
+      type(group_t), intent(inout) :: group
+      type(data_set_t), intent(inout) :: set
+      type(diagnostics_t), intent(inout) :: findings
+      real(wp), allocatable :: reals(:)
+      real(wp) :: of_lengths, of_angles
+      integer :: n
+
+      n = set%nloop*set%maxarc
+      allocate (set%tolarc(set%maxarc, set%nloop), set%tolgam(set%maxarc, set%nloop), source=0.0_wp)
+      set%tolerances = group%line > 0
+      if (.not. set%tolerances) return
+      of_lengths = 0.0_wp
+      of_angles = 0.0_wp
+      call group%get_real('TOLLEN', of_lengths, findings)
+      call group%get_real('TOLANG', of_angles, findings)
+      allocate (reals(n), source=of_lengths)
+      call group%get_reals('TOLARC', reals, findings, set%maxarc, excess=0)
+      set%tolarc = reshape(reals, [set%maxarc, set%nloop])
+      reals = of_angles
+      call group%get_reals('TOLGAM', reals, findings, set%maxarc, excess=0)
+      set%tolgam = reshape(reals, [set%maxarc, set%nloop])
+      if (set%outlk > 0.0_wp) set%tolout = of_lengths
+      set%toloua = of_angles
+      if (set%origlk > 0.0_wp) set%tolorl = of_lengths
+      if (set%origlk > 0.0_wp) set%tolora = of_angles
+      call group%get_real('TOLOUT', set%tolout, findings)
+      call group%get_real('TOLOUA', set%toloua, findings)
+      call group%get_real('TOLORL', set%tolorl, findings)
+      call group%get_real('TOLORA', set%tolora, findings)
+      call group%get_real('TOLCRK', set%tolcrk, findings)
+      call group%get_integer('NTRIAL', set%ntrial, findings)
+      call check_range(group, 'NTRIAL', set%ntrial, 0, huge(1), findings)
+      if (any(set%tolarc < 0.0_wp) .or. any(set%tolgam < 0.0_wp) .or. min(set%tolout, set%toloua, set%tolorl, set%tolora, &
+                                                                         set%tolcrk) < 0.0_wp) then
+         call findings%error('a tolerance is negative; it is the largest deviation to either side', line=group%line, &
+                             group='TOLER')
+      end if
+      call group%finish(findings)
+   end subroutine read_tolerances
 
    !> A group that is absent but required, or absent while a misspelt one stands there.
    subroutine explain_missing(case, group, required, findings)

@@ -78,6 +78,7 @@ module psalm_error
       procedure :: evaluate
       procedure :: analyse
       procedure :: reach_of
+      procedure :: deviations
       procedure :: output_of
    end type problem_t
 
@@ -116,6 +117,7 @@ contains
    subroutine want_derivatives(self, everything)
       class(problem_t), intent(inout) :: self
       logical, intent(in) :: everything     !! solve every loop, wanted or not
+
 
       self%plan = make_plan(self%topology, self%motion, everything, all_roots=.true.)
       call self%linkage%prepare(self%topology, self%plan, self%tangle, self%delt)
@@ -262,6 +264,33 @@ contains
          if (self%offending(block) > 0 .and. (loop == 0 .or. self%offending(block) < loop)) loop = self%offending(block)
       end do
    end subroutine evaluate
+
+   !> Deviations actual - desired of a linkage at every position; `loop` is the lowest loop not accepted, 0: none. No allocation.
+   pure subroutine deviations(self, dimensions, miss, loop)
+      class(problem_t), intent(inout) :: self
+      type(dimensions_t), intent(in) :: dimensions
+      real(wp), intent(inout) :: miss(:, :)  !! shape (positions, 2): second column for MOTION 0 only
+      integer, intent(out) :: loop
+      real(wp) :: unused
+      integer :: block, offset, n
+
+      call self%bind(dimensions)
+      loop = 0
+      do block = 1, self%blocks()
+         call evaluate_block(self, self%linkage, block, unused, loop)
+         if (loop > 0) return
+         offset = (block - 1)*self%linkage%room
+         n = min(self%linkage%room, self%positions - offset)
+         associate (link => self%linkage)
+            if (self%motion == motion_point) then
+               miss(offset + 1:offset + n, 1) = link%store(link%out_x:link%out_x + n - 1) - self%wanted(offset + 1:offset + n)
+               miss(offset + 1:offset + n, 2) = link%store(link%out_y:link%out_y + n - 1) - self%wanted_y(offset + 1:offset + n)
+            else
+               miss(offset + 1:offset + n, 1) = -link%store(link%miss:link%miss + n - 1)
+            end if
+         end associate
+      end do
+   end subroutine deviations
 
    !> One block of an evaluation with a bound linkage.
    pure subroutine evaluate_block(self, linkage, block, objective, loop)

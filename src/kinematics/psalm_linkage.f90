@@ -13,7 +13,7 @@ module psalm_linkage
    use psalm_topology, only: topology_t, dimensions_t
    implicit none (type, external)
    private
-   public :: linkage_t, bound_step_t, block_length, padded
+   public :: linkage_t, bound_step_t, block_length, padded, offset_to_line, line_elements
 
    integer, parameter :: block_length = 128 !! positions solved together: all arrays stay in first-level cache
    integer, parameter :: lane = 8           !! positions are padded to a multiple of this: no remainder loops
@@ -22,6 +22,7 @@ module psalm_linkage
    real(wp), parameter :: least_sine = 16.0_wp*epsilon(1.0_wp) !! two slides at a smaller angle are parallel
    integer, parameter :: plain_exponent = maxexponent(1.0_wp)/8 !! lengths beyond 2**this are scaled before they are squared
    integer, parameter :: line_bytes = 64    !! of a cache line: rows of the store begin on one
+   integer, parameter :: line_elements = line_bytes/(storage_size(1.0_wp)/8) !! reals of a cache line
 
    !> One step of the plan with its numbers. Which components have a meaning depends on the kind. Components `..._row` are
    !> places in the store.
@@ -165,7 +166,7 @@ contains
       integer, intent(in) :: roots, points, lengths, loops
       integer :: next, k, per_line
 
-      per_line = line_bytes/(storage_size(1.0_wp)/8)
+      per_line = line_elements
       allocate (self%root_x(roots), self%root_y(roots), self%slide(lengths), self%reach(loops))
       allocate (self%point_x(0:points), self%point_y(0:points))
       allocate (self%store(self%room*(2*roots + 2*(points + 1) + lengths + loops + 3) + per_line), source=0.0_wp)
@@ -199,7 +200,7 @@ contains
 
    !> Elements from the beginning of an array to the next beginning of a cache line.
    integer function offset_to_line(array)
-      real(wp), intent(in), target, contiguous :: array(:)
+      real(wp), intent(in), target, contiguous :: array(:)  !! its first element counts
       integer(c_intptr_t) :: address
       integer :: bytes
 

@@ -12,7 +12,8 @@ module psalm_rate_kernels
    private
    public :: arc_vector, add_arc_rate, add_arc_change, difference
    public :: point_back, dyad_back, arc_back
-   public :: invert_columns, solve_columns, link_pair_second, quarter_turn_of_sum
+   public :: invert_columns, solve_columns, quarter_turn_of_sum
+   public :: link_pair_first, link_pair_second, link_pair_third, turn_point, turn_point_twice
 
    real(wp), parameter :: least = tiny(1.0_wp)**0.25_wp !! guards a division
 
@@ -121,24 +122,142 @@ contains
       end do
    end subroutine solve_columns
 
-   !> Second order of a link pair, in one pass: g = h'' + wp**2 p + wq**2 q, then x = M g.
-   pure subroutine link_pair_second(n, sx, sy, ex, ey, px, py, qx, qy, wp1, wq1, m11, m12, m21, m22, x1, x2)
+   !> Link pair, first order: wp and wq from p.. with the sine of the angle between the links, whose inverse is kept.
+   !>
+   !> Where the square of the sine is not above `limit` (a dead point) the inverse is zero.
+   pure subroutine link_pair_first(n, p, q, limit, sx, sy, ex, ey, px, py, qx, qy, inverse, sine2, wp1, wq1)
       integer, intent(in) :: n
-      real(wp), intent(in) :: sx(n), sy(n), ex(n), ey(n)  !! second derivatives of S and E
-      real(wp), intent(in) :: px(n), py(n), qx(n), qy(n)  !! arcs
-      real(wp), intent(in) :: wp1(n), wq1(n)              !! first derivatives of their angles
-      real(wp), intent(in) :: m11(n), m12(n), m21(n), m22(n)
-      real(wp), intent(out) :: x1(n), x2(n)
-      real(wp) :: gx, gy
+      real(wp), intent(in) :: p, q, limit                 !! lengths
+      real(wp), intent(in) :: sx(n), sy(n), ex(n), ey(n)  !! first derivatives of S and E
+      real(wp), intent(in) :: px(n), py(n), qx(n), qy(n)  !! unit vectors of the links
+      real(wp), intent(out) :: inverse(n), sine2(n), wp1(n), wq1(n)
+      real(wp) :: gx, gy, sine, to_p, to_q
+      integer :: i
+
+      to_p = 1.0_wp/p
+      to_q = -1.0_wp/q
+      do i = 1, n
+         sine = px(i)*qy(i) - py(i)*qx(i)
+         sine2(i) = sine*sine
+         sine = 1.0_wp/sign(max(abs(sine), least), sine)
+         sine = merge(sine, 0.0_wp, sine2(i) > limit)
+         inverse(i) = sine
+         gx = ex(i) - sx(i)
+         gy = ey(i) - sy(i)
+         wp1(i) = (gx*qx(i) + gy*qy(i))*(sine*to_p)
+         wq1(i) = (gx*px(i) + gy*py(i))*(sine*to_q)
+      end do
+   end subroutine link_pair_first
+
+   !> Link pair, first and second order in one pass.
+   pure subroutine link_pair_second(n, p, q, limit, sx1, sy1, ex1, ey1, sx2, sy2, ex2, ey2, px, py, qx, qy, inverse, sine2, wp1, &
+                                    wq1, wp2, wq2)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: p, q, limit
+      real(wp), intent(in) :: sx1(n), sy1(n), ex1(n), ey1(n)  !! first derivatives of S and E
+      real(wp), intent(in) :: sx2(n), sy2(n), ex2(n), ey2(n)  !! second derivatives of S and E
+      real(wp), intent(in) :: px(n), py(n), qx(n), qy(n)
+      real(wp), intent(out) :: inverse(n), sine2(n), wp1(n), wq1(n), wp2(n), wq2(n)
+      real(wp) :: gx, gy, sine, to_p, to_q, along_p, along_q
+      integer :: i
+
+      to_p = 1.0_wp/p
+      to_q = -1.0_wp/q
+      do i = 1, n
+         sine = px(i)*qy(i) - py(i)*qx(i)
+         sine2(i) = sine*sine
+         sine = 1.0_wp/sign(max(abs(sine), least), sine)
+         sine = merge(sine, 0.0_wp, sine2(i) > limit)
+         inverse(i) = sine
+         gx = ex1(i) - sx1(i)
+         gy = ey1(i) - sy1(i)
+         along_p = (gx*qx(i) + gy*qy(i))*(sine*to_p)
+         along_q = (gx*px(i) + gy*py(i))*(sine*to_q)
+         wp1(i) = along_p
+         wq1(i) = along_q
+         along_p = p*along_p*along_p
+         along_q = q*along_q*along_q
+         gx = ex2(i) - sx2(i) + along_p*px(i) + along_q*qx(i)
+         gy = ey2(i) - sy2(i) + along_p*py(i) + along_q*qy(i)
+         wp2(i) = (gx*qx(i) + gy*qy(i))*(sine*to_p)
+         wq2(i) = (gx*px(i) + gy*py(i))*(sine*to_q)
+      end do
+   end subroutine link_pair_second
+
+   !> Link pair, third order.
+   pure subroutine link_pair_third(n, p, q, sx, sy, ex, ey, px, py, qx, qy, inverse, wp1, wq1, wp2, wq2, wp3, wq3)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: p, q
+      real(wp), intent(in) :: sx(n), sy(n), ex(n), ey(n)  !! third derivatives of S and E
+      real(wp), intent(in) :: px(n), py(n), qx(n), qy(n), inverse(n), wp1(n), wq1(n), wp2(n), wq2(n)
+      real(wp), intent(out) :: wp3(n), wq3(n)
+      real(wp) :: gx, gy, to_p, to_q, along_p, along_q, across_p, across_q
+      integer :: i
+
+      to_p = 1.0_wp/p
+      to_q = -1.0_wp/q
+      do i = 1, n
+         along_p = 3.0_wp*p*wp1(i)*wp2(i)
+         along_q = 3.0_wp*q*wq1(i)*wq2(i)
+         across_p = p*wp1(i)**3
+         across_q = q*wq1(i)**3
+         gx = ex(i) - sx(i) + along_p*px(i) + along_q*qx(i) - across_p*py(i) - across_q*qy(i)
+         gy = ey(i) - sy(i) + along_p*py(i) + along_q*qy(i) + across_p*px(i) + across_q*qx(i)
+         wp3(i) = (gx*qx(i) + gy*qy(i))*(inverse(i)*to_p)
+         wq3(i) = (gx*px(i) + gy*py(i))*(inverse(i)*to_q)
+      end do
+   end subroutine link_pair_third
+
+   !> Point at the end of an arc of fixed length, first and second order in one pass.
+   pure subroutine turn_point_twice(n, ax, ay, fx1, fy1, fx2, fy2, rx, ry, w1, w2, tx1, ty1, tx2, ty2)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: ax, ay                !! the arc in the axes of its root, sense included
+      real(wp), intent(in) :: fx1(n), fy1(n), fx2(n), fy2(n), rx(n), ry(n), w1(n), w2(n)
+      real(wp), intent(out) :: tx1(n), ty1(n), tx2(n), ty2(n)
+      real(wp) :: x, y
       integer :: i
 
       do i = 1, n
-         gx = ex(i) - sx(i) + wp1(i)*wp1(i)*px(i) + wq1(i)*wq1(i)*qx(i)
-         gy = ey(i) - sy(i) + wp1(i)*wp1(i)*py(i) + wq1(i)*wq1(i)*qy(i)
-         x1(i) = m11(i)*gx + m12(i)*gy
-         x2(i) = m21(i)*gx + m22(i)*gy
+         x = ax*rx(i) - ay*ry(i)
+         y = ax*ry(i) + ay*rx(i)
+         tx1(i) = fx1(i) - w1(i)*y
+         ty1(i) = fy1(i) + w1(i)*x
+         tx2(i) = fx2(i) - w1(i)*w1(i)*x - w2(i)*y
+         ty2(i) = fy2(i) - w1(i)*w1(i)*y + w2(i)*x
       end do
-   end subroutine link_pair_second
+   end subroutine turn_point_twice
+
+   !> Point at the end of an arc of fixed length, one order.
+   pure subroutine turn_point(n, order, ax, ay, fx, fy, rx, ry, w1, w2, w3, tx, ty)
+      integer, intent(in) :: n, order
+      real(wp), intent(in) :: ax, ay                !! the arc in the axes of its root, sense included
+      real(wp), intent(in) :: fx(n), fy(n), rx(n), ry(n), w1(n), w2(n), w3(n)
+      real(wp), intent(out) :: tx(n), ty(n)
+      real(wp) :: x, y
+      integer :: i
+
+      select case (order)
+      case (1)
+         do i = 1, n
+            tx(i) = fx(i) - w1(i)*(ax*ry(i) + ay*rx(i))
+            ty(i) = fy(i) + w1(i)*(ax*rx(i) - ay*ry(i))
+         end do
+      case (2)
+         do i = 1, n
+            x = ax*rx(i) - ay*ry(i)
+            y = ax*ry(i) + ay*rx(i)
+            tx(i) = fx(i) - w1(i)*w1(i)*x - w2(i)*y
+            ty(i) = fy(i) - w1(i)*w1(i)*y + w2(i)*x
+         end do
+      case default
+         do i = 1, n
+            x = ax*rx(i) - ay*ry(i)
+            y = ax*ry(i) + ay*rx(i)
+            tx(i) = fx(i) - 3.0_wp*w1(i)*w2(i)*x - (w3(i) - w1(i)**3)*y
+            ty(i) = fy(i) - 3.0_wp*w1(i)*w2(i)*y + (w3(i) - w1(i)**3)*x
+         end do
+      end select
+   end subroutine turn_point
 
    !> c = i (a + b): the column of an angle that turns both arcs of a dyad.
    pure subroutine quarter_turn_of_sum(n, ax, ay, bx, by, cx, cy)

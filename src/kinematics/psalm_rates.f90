@@ -8,10 +8,10 @@ module psalm_rates
    use psalm_data_set, only: motion_angle, motion_distance, motion_slide
    use psalm_error, only: problem_t
    use psalm_kinds, only: wp
-   use psalm_linkage, only: bound_step_t, padded
+   use psalm_linkage, only: bound_step_t, line_elements, offset_to_line, padded
    use psalm_plan, only: step_point, root_crank
-   use psalm_rate_kernels, only: arc_vector, add_arc_rate, difference, invert_columns, solve_columns, link_pair_second, &
-                                 quarter_turn_of_sum
+   use psalm_rate_kernels, only: arc_vector, add_arc_rate, difference, invert_columns, solve_columns, link_pair_first, &
+                                 link_pair_second, link_pair_third, quarter_turn_of_sum, turn_point, turn_point_twice
    implicit none (type, external)
    private
    public :: rates_t, prepare_rates, differentiate, form_frames, output_rates, is_dead, highest_order
@@ -41,20 +41,44 @@ contains
    subroutine prepare_rates(problem, rates)
       type(problem_t), intent(in) :: problem
       type(rates_t), intent(out) :: rates
-      integer :: k, rows
+      integer :: k, rows, shift
 
       rates%room = problem%linkage%room
       allocate (rates%place(size(problem%plan%steps)))
       rows = 0
       do k = 1, size(problem%plan%steps)
-         rates%place(k) = rows*rates%room + 1
+         rates%place(k) = rows*rates%room
          rows = rows + merge(rows_of_arc, 2*rows_of_arc + rows_of_matrix, problem%plan%steps(k)%kind == step_point)
       end do
-      rates%zero = rows*rates%room + 1
-      rates%scratch = (rows + 1)*rates%room + 1
-      allocate (rates%work((rows + 7)*rates%room), source=0.0_wp)
-      allocate (rates%d(size(problem%linkage%store), highest_order), source=0.0_wp)
+      allocate (rates%work((rows + 7)*rates%room + line_elements), source=0.0_wp)
+      shift = 1 + offset_to_line(rates%work)
+      rates%place = rates%place + shift
+      rates%zero = rows*rates%room + shift
+      rates%scratch = (rows + 1)*rates%room + shift
+      call allocate_alike(size(problem%linkage%store), 1 + offset_to_line(problem%linkage%store), rates%d)
    end subroutine prepare_rates
+
+   !> Allocate an array whose element `first` lies on a cache line, as it does in the store: a lower bound a little below 1.
+   !>
+   !> Where the memory lies is known only afterwards, so a second try may be needed. If that fails too nothing is lost but speed.
+   subroutine allocate_alike(elements, first, array)
+      integer, intent(in) :: elements, first
+      real(wp), allocatable, intent(out) :: array(:, :)
+      integer :: low, try, rows
+
+      low = 1
+      rows = line_elements*((elements + 2*line_elements - 1)/line_elements)
+      do try = 1, 3
+         if (allocated(array)) deallocate (array)
+         allocate (array(low:low + rows - 1, highest_order), source=0.0_wp)
+         ! elements from `first` to the next cache line
+         associate (gap => modulo(offset_to_line(array(:, 1)) - (first - low), line_elements))
+            if (gap == 0) return
+            low = low - gap
+            if (low <= 1 - line_elements) low = low + line_elements
+         end associate
+      end do
+   end subroutine allocate_alike
 
    !> Place of row `which` (counted from 0) of a step.
    pure integer function row_of(rates, step, which)
@@ -70,47 +94,57 @@ contains
       type(rates_t), intent(inout) :: rates
       integer, intent(in) :: n            !! positions, padded
       logical, intent(in) :: fixed_too    !! arcs of the frame as well
-      integer :: k, a, b, m, c
-      real(wp) :: limit
+      integer :: k
 
       do k = 1, size(problem%linkage%steps)
-         associate (step => problem%linkage%steps(k), link => problem%linkage)
-            if (problem%plan%steps(k)%kind == step_point) then
-               if (step%fixed .and. .not. fixed_too) cycle
-               ! a varying length takes the arc's direction, a fixed one its vector
-               call form_arc(step%root_x, step%root_y, step%sign*link%x(step%arc), step%sign*link%y(step%arc), &
-                             link%length(step%arc), step%slide_row, row_of(rates, k, 0))
-               cycle
-            end if
-            a = row_of(rates, k, 0)
-            b = row_of(rates, k, rows_of_arc)
-            m = row_of(rates, k, 2*rows_of_arc)
-            c = rates%scratch
-            call form_arc(step%p_x, step%p_y, link%x(step%arc_p), link%y(step%arc_p), step%p, step%slide_p, a)
-            call form_arc(step%q_x, step%q_y, link%x(step%arc_q), link%y(step%arc_q), step%q, step%slide_q, b)
-            limit = dead_limit(step%joint)
-            select case (step%joint)
-            case (1)
-               call turned_column(a, rates%zero, 0)
-               call turned_column(b, rates%zero, 2)
-               call invert(row(c, 0), row(c, 1), row(c, 2), row(c, 3))
-            case (2)
-               call turned_column(a, b, 0)
-               call invert(row(c, 0), row(c, 1), a, row(a, 1))
-            case (3)
-               call turned_column(a, b, 0)
-               call invert(row(c, 0), row(c, 1), b, row(b, 1))
-            case (4)
-               call turned_column(a, rates%zero, 0)
-               call invert(row(c, 0), row(c, 1), b, row(b, 1))
-            case (5)
-               call turned_column(b, rates%zero, 0)
-               call invert(a, row(a, 1), row(c, 0), row(c, 1))
-            case default
-               call invert(a, row(a, 1), b, row(b, 1))
-            end select
-         end associate
+         if (problem%linkage%steps(k)%fixed .and. .not. fixed_too) cycle
+         call form_step(problem, rates, k, n)
       end do
+   end subroutine form_frames
+
+   !> Arc vectors of one step, and the inverse matrix if it is a dyad.
+   subroutine form_step(problem, rates, k, n)
+      type(problem_t), intent(in) :: problem
+      type(rates_t), intent(inout) :: rates
+      integer, intent(in) :: k, n         !! step; positions, padded
+      integer :: a, b, m, c
+      real(wp) :: limit
+
+      associate (step => problem%linkage%steps(k), link => problem%linkage)
+         if (problem%plan%steps(k)%kind == step_point) then
+            ! a varying length takes the arc's direction, a fixed one its vector
+            call form_arc(step%root_x, step%root_y, step%sign*link%x(step%arc), step%sign*link%y(step%arc), &
+                          link%length(step%arc), step%slide_row, row_of(rates, k, 0))
+            return
+         end if
+         a = row_of(rates, k, 0)
+         b = row_of(rates, k, rows_of_arc)
+         m = row_of(rates, k, 2*rows_of_arc)
+         c = rates%scratch
+         call form_arc(step%p_x, step%p_y, link%x(step%arc_p), link%y(step%arc_p), step%p, step%slide_p, a)
+         call form_arc(step%q_x, step%q_y, link%x(step%arc_q), link%y(step%arc_q), step%q, step%slide_q, b)
+         limit = dead_limit(step%joint)
+         select case (step%joint)
+         case (1)
+            call turned_column(a, rates%zero, 0)
+            call turned_column(b, rates%zero, 2)
+            call invert(row(c, 0), row(c, 1), row(c, 2), row(c, 3))
+         case (2)
+            call turned_column(a, b, 0)
+            call invert(row(c, 0), row(c, 1), a, row(a, 1))
+         case (3)
+            call turned_column(a, b, 0)
+            call invert(row(c, 0), row(c, 1), b, row(b, 1))
+         case (4)
+            call turned_column(a, rates%zero, 0)
+            call invert(row(c, 0), row(c, 1), b, row(b, 1))
+         case (5)
+            call turned_column(b, rates%zero, 0)
+            call invert(a, row(a, 1), row(c, 0), row(c, 1))
+         case default
+            call invert(a, row(a, 1), b, row(b, 1))
+         end select
+      end associate
 
    contains
 
@@ -152,7 +186,7 @@ contains
                              rates%work(row(m, 0)), rates%work(row(m, 1)), rates%work(row(m, 2)), rates%work(row(m, 3)), &
                              rates%work(row(m, 4)))
       end subroutine invert
-   end subroutine form_frames
+   end subroutine form_step
 
    !> Square of the sine at and below which a dyad of this type is at a dead point.
    pure real(wp) function dead_limit(joint)
@@ -166,40 +200,83 @@ contains
       type(problem_t), intent(in) :: problem
       type(rates_t), intent(inout) :: rates
       integer, intent(in) :: n, orders
-      integer :: m, k, order
+      integer :: m, k, order, first
 
       m = padded(n)
-      call form_frames(problem, rates, m, fixed_too=.false.)
-      associate (link => problem%linkage)
+      associate (link => problem%linkage, d => rates%d)
          if (link%sliding_input) then
             if (link%input_slot > 0) call set_input(link%slide(link%input_slot), link%scale)
          else
             call set_input(link%root_x(root_crank), 1.0_wp)
          end if
          do k = 1, size(link%steps)
-            if (problem%plan%steps(k)%kind == step_point) then
-               if (link%steps(k)%fixed) cycle
-               do order = 1, orders
-                  call point_rate(link%steps(k), rates, k, m, order)
-               end do
-            else
-               do order = 1, orders
-                  call dyad_rate(link%steps(k), rates, k, m, order)
-               end do
-            end if
+            associate (step => link%steps(k))
+               if (problem%plan%steps(k)%kind == step_point) then
+                  if (step%fixed) cycle
+                  if (step%slide_row > 0) call form_step(problem, rates, k, m)
+                  first = 1
+                  if (step%slide_row == 0 .and. orders > 1) then
+                     call turn_point_twice(m, step%x, step%y, d(step%from_x, 1), d(step%from_y, 1), d(step%from_x, 2), &
+                                           d(step%from_y, 2), link%store(step%root_x), link%store(step%root_y), &
+                                           d(step%root_x, 1), d(step%root_x, 2), d(step%to_x, 1), d(step%to_y, 1), &
+                                           d(step%to_x, 2), d(step%to_y, 2))
+                     first = 3
+                  end if
+                  do order = first, orders
+                     if (step%slide_row > 0) then
+                        call point_rate(step, rates, k, m, order)
+                     else
+                        call turn_point(m, order, step%x, step%y, d(step%from_x, order), d(step%from_y, order), &
+                                        link%store(step%root_x), link%store(step%root_y), d(step%root_x, 1), d(step%root_x, 2), &
+                                        d(step%root_x, 3), d(step%to_x, order), d(step%to_y, order))
+                     end if
+                  end do
+               else if (step%joint == 1) then
+                  call link_pair_rates(problem, step, row_of(rates, k, 2*rows_of_arc), m, orders, rates)
+               else
+                  call form_step(problem, rates, k, m)
+                  do order = 1, orders
+                     call dyad_rate(step, rates, k, m, order)
+                  end do
+               end if
+            end associate
          end do
       end associate
 
    contains
 
-      subroutine set_input(at, first)
+      subroutine set_input(at, rate)
          integer, intent(in) :: at
-         real(wp), intent(in) :: first
+         real(wp), intent(in) :: rate
 
-         rates%d(at:at + m - 1, 1) = first
+         rates%d(at:at + m - 1, 1) = rate
          rates%d(at:at + m - 1, 2:) = 0.0_wp
       end subroutine set_input
    end subroutine differentiate
+
+   !> Link pair, all orders.
+   subroutine link_pair_rates(problem, step, at, n, orders, rates)
+      type(problem_t), intent(in) :: problem
+      type(bound_step_t), intent(in) :: step
+      integer, intent(in) :: at, n, orders   !! first row of the matrix
+      type(rates_t), intent(inout) :: rates
+
+      associate (d => rates%d, store => problem%linkage%store, inverse => at, sine2 => at + 4*rates%room, &
+                 sx => step%from_x, sy => step%from_y, ex => step%to_x, &
+                 ey => step%to_y, px => step%p_x, py => step%p_y, qx => step%q_x, qy => step%q_y)
+         if (orders == 1) then
+            call link_pair_first(n, step%p, step%q, dead_by_root, d(sx, 1), d(sy, 1), d(ex, 1), d(ey, 1), store(px), store(py), &
+                                 store(qx), store(qy), rates%work(inverse), rates%work(sine2), d(px, 1), d(qx, 1))
+            return
+         end if
+         call link_pair_second(n, step%p, step%q, dead_by_root, d(sx, 1), d(sy, 1), d(ex, 1), d(ey, 1), d(sx, 2), d(sy, 2), &
+                               d(ex, 2), d(ey, 2), store(px), store(py), store(qx), store(qy), rates%work(inverse), &
+                               rates%work(sine2), d(px, 1), d(qx, 1), d(px, 2), d(qx, 2))
+         if (orders < 3) return
+         call link_pair_third(n, step%p, step%q, d(sx, 3), d(sy, 3), d(ex, 3), d(ey, 3), store(px), store(py), store(qx), &
+                              store(qy), rates%work(inverse), d(px, 1), d(qx, 1), d(px, 2), d(qx, 2), d(px, 3), d(qx, 3))
+      end associate
+   end subroutine link_pair_rates
 
    !> One point, one order.
    subroutine point_rate(step, rates, k, n, order)
@@ -220,19 +297,18 @@ contains
       real(wp), intent(in) :: fx(n), fy(n)
       real(wp), intent(out) :: tx(n), ty(n)
 
-      associate (ex => rates%work(at:), ey => rates%work(at + rates%room:), length => rates%work(at + 4*rates%room:), &
-                 zero => rates%work(rates%zero:))
+      associate (w => rates%work, d => rates%d, room => rates%room, zero => rates%zero)
          if (slide > 0) then
-            call add_arc_rate(n, order, factor, fx, fy, ex, ey, length, rates%d(root:, 1), rates%d(root:, 2), &
-                              rates%d(root:, 3), rates%d(slide:, 1), rates%d(slide:, 2), rates%d(slide:, 3), tx, ty)
+            call add_arc_rate(n, order, factor, fx, fy, w(at), w(at + room), w(at + 4*room), d(root, 1), d(root, 2), d(root, 3), &
+                              d(slide, 1), d(slide, 2), d(slide, 3), tx, ty)
          else
-            call add_arc_rate(n, order, factor, fx, fy, ex, ey, length, rates%d(root:, 1), rates%d(root:, 2), &
-                              rates%d(root:, 3), zero, zero, zero, tx, ty)
+            call add_arc_rate(n, order, factor, fx, fy, w(at), w(at + room), w(at + 4*room), d(root, 1), d(root, 2), d(root, 3), &
+                              w(zero), w(zero), w(zero), tx, ty)
          end if
       end associate
    end subroutine arc_rate
 
-   !> One dyad, one order: what is known of both arcs goes to the right-hand side, the rest is solved for.
+   !> One dyad with a slide, one order: what is known of both arcs goes to the right-hand side, the rest is solved for.
    subroutine dyad_rate(step, rates, k, n, order)
       type(bound_step_t), intent(in) :: step
       type(rates_t), intent(inout) :: rates
@@ -245,19 +321,11 @@ contains
       m = row_of(rates, k, 2*rows_of_arc)
       call unknowns_of(step, first, second)
       associate (w => rates%work, room => rates%room, d => rates%d)
-         if (step%joint == 1 .and. order == 2) then
-            call link_pair_second(n, d(step%from_x, 2), d(step%from_y, 2), d(step%to_x, 2), d(step%to_y, 2), w(a + 2*room), &
-                                  w(a + 3*room), w(b + 2*room), w(b + 3*room), d(first, 1), d(second, 1), w(m), w(m + room), &
-                                  w(m + 2*room), w(m + 3*room), d(first, 2), d(second, 2))
-            return
-         end if
          call difference(n, d(step%from_x, order), d(step%from_y, order), d(step%to_x, order), d(step%to_y, order), gx, gy)
-         if (step%joint > 1 .or. order > 1) then
-            d(first:first + n - 1, order) = 0.0_wp
-            d(second:second + n - 1, order) = 0.0_wp
-            call arc_rate(rates, n, order, -1.0_wp, a, step%p_x, step%slide_p, gx, gy, tx, ty)
-            call arc_rate(rates, n, order, -1.0_wp, b, step%q_x, step%slide_q, tx, ty, gx, gy)
-         end if
+         d(first:first + n - 1, order) = 0.0_wp
+         d(second:second + n - 1, order) = 0.0_wp
+         call arc_rate(rates, n, order, -1.0_wp, a, step%p_x, step%slide_p, gx, gy, tx, ty)
+         call arc_rate(rates, n, order, -1.0_wp, b, step%q_x, step%slide_q, tx, ty, gx, gy)
          call solve_columns(n, w(m), w(m + room), w(m + 2*room), w(m + 3*room), gx, gy, d(first, order), d(second, order))
       end associate
    end subroutine dyad_rate

@@ -172,10 +172,10 @@ contains
 
       associate (w => rates%work, d => rates%d, room => rates%room)
          if (slide > 0) then
-            call add_arc_change(n, factor, fx, fy, w(at:), w(at + room:), w(at + 4*room:), d(root:, 1), d(slide:, 1), turn, &
+            call add_arc_change(n, factor, fx, fy, w(at), w(at + room), w(at + 4*room), d(root, 1), d(slide, 1), turn, &
                                 stretch, tx, ty)
          else
-            call add_arc_change(n, factor, fx, fy, w(at:), w(at + room:), w(at + 4*room:), d(root:, 1), w(rates%zero:), turn, &
+            call add_arc_change(n, factor, fx, fy, w(at), w(at + room), w(at + 4*room), d(root, 1), w(rates%zero), turn, &
                                 stretch, tx, ty)
          end if
       end associate

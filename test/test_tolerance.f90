@@ -1,0 +1,118 @@
+!> Tolerances: the linear bands against linkages that really deviate, and a sample that does not depend on threads.
+program test_tolerance
+   use cases, only: load_case
+   use check, only: checks_t
+   use psalm_data_set, only: data_set_t
+   use psalm_error, only: problem_t, motion_t
+   use psalm_kinds, only: wp, i8
+   use psalm_random, only: random_t
+   use psalm_tolerance, only: tolerance_t, sample_t, find_tolerances, draw_sample
+   use psalm_topology, only: dimensions_t
+   implicit none (type, external)
+   type(checks_t) :: t
+
+   call skipping()
+   call bands('needle', 0.01_wp, 0.005_wp)
+   call bands('suspension', 0.0_wp, 0.0_wp)
+   call bands('dyad4_slider_crank', 0.01_wp, 0.0_wp)
+   call bands('textile', 0.001_wp, 0.001_wp)
+   call one_dimension()
+   call open_linkages()
+   call t%report()
+
+contains
+
+   subroutine skipping()
+      type(random_t) :: step, jump
+      real(wp) :: x
+      integer :: i
+
+      do i = 1, 1234
+         call step%next(x)
+      end do
+      call jump%skip(1234_i8)
+      call t%is_true(step%state == jump%state, 'skipping ahead is stepping ahead')
+   end subroutine skipping
+
+   subroutine set_tolerances(set, of_lengths, of_angles)
+      type(data_set_t), intent(inout) :: set
+      real(wp), intent(in) :: of_lengths, of_angles
+
+      set%tolerances = .true.
+      set%tolarc = of_lengths
+      set%tolgam = of_angles
+      set%toloua = of_angles
+   end subroutine set_tolerances
+
+   !> Small tolerances: spread of the sample is root-sum-square over sqrt(3), and all of it lies in the worst-case band.
+   subroutine bands(name, of_lengths, of_angles)
+      character(*), intent(in) :: name
+      real(wp), intent(in) :: of_lengths, of_angles
+      type(problem_t) :: problem
+      type(data_set_t) :: set
+      type(tolerance_t) :: linear
+      type(sample_t) :: sample, shared
+      logical :: closes
+      integer, parameter :: trials = 20500
+
+      call load_case(name, problem, set)
+      call set_tolerances(set, of_lengths, of_angles)
+      call find_tolerances(set, problem%given, linear, closes)
+      if (name == 'suspension') then
+         call t%is_true(.not. closes, 'a linkage that does not close has no tolerances')
+         return
+      end if
+      call t%is_true(closes, name//': closes')
+      call draw_sample(linear, trials, 19, 1, sample)
+      call t%equal_integer(sample%open, 0, name//': every linkage of the sample closes')
+      call t%is_true(all(abs(sample%deviation(:, 1)*sqrt(3.0_wp) - linear%square) <= 0.03_wp*linear%square + 1.0e-12_wp), &
+                     name//': spread of the sample is that of the linear band')
+      call t%is_true(all(sample%high(:, 1) <= 1.02_wp*linear%worst + 1.0e-12_wp .and. &
+                         sample%low(:, 1) >= -1.02_wp*linear%worst - 1.0e-12_wp), name//': the sample lies in the worst case')
+      call t%is_true(all(linear%square <= linear%worst*(1.0_wp + 1.0e-12_wp)), name//': root sum square is below the worst case')
+      call draw_sample(linear, trials, 19, 3, shared)
+      call t%is_true(all(abs(sample%mean - shared%mean) + abs(sample%deviation - shared%deviation) + &
+                         abs(sample%low - shared%low) <= 0.0_wp), name//': the same bits for any number of threads')
+   end subroutine bands
+
+   !> One dimension alone: its effect is a difference of two linkages.
+   subroutine one_dimension()
+      type(problem_t) :: problem
+      type(data_set_t) :: set
+      type(tolerance_t) :: linear
+      type(motion_t) :: plus, minus
+      type(dimensions_t) :: dimensions
+      logical :: closes
+      real(wp), parameter :: tolerance = 1.0e-3_wp
+
+      call load_case('dyad4_slider_crank', problem, set)
+      set%tolerances = .true.
+      set%tolarc(2, 1) = tolerance
+      call find_tolerances(set, problem%given, linear, closes)
+      call t%equal_integer(size(linear%tolerance), 1, 'one tolerance, one variable')
+      dimensions = problem%given
+      dimensions%arcl(2) = problem%given%arcl(2) + tolerance
+      call problem%analyse(dimensions, plus)
+      dimensions%arcl(2) = problem%given%arcl(2) - tolerance
+      call problem%analyse(dimensions, minus)
+      call t%close_to(maxval(abs((plus%actual - minus%actual)/2.0_wp - linear%dx(:, 1))), 0.0_wp, 1.0e-10_wp, &
+                      'the effect of one dimension')
+   end subroutine one_dimension
+
+   !> Linkages of the sample that do not close are counted and named.
+   subroutine open_linkages()
+      type(problem_t) :: problem
+      type(data_set_t) :: set
+      type(tolerance_t) :: linear
+      type(sample_t) :: sample
+      logical :: closes
+
+      call load_case('hard/toggle', problem, set, 3)
+      call set_tolerances(set, 1.0e-3_wp, 0.0_wp)
+      call find_tolerances(set, problem%given, linear, closes)
+      call t%is_true(closes, 'near toggle: the nominal linkage closes')
+      call draw_sample(linear, 2000, 19, 2, sample)
+      call t%is_true(sample%open > 0 .and. sample%open < 2000, 'near toggle: some linkages of the sample do not close')
+      call t%is_true(sample%named(1) > 0 .and. sample%loop(1) == 1, 'near toggle: they are named')
+   end subroutine open_linkages
+end program test_tolerance
