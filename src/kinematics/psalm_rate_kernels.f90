@@ -14,6 +14,7 @@ module psalm_rate_kernels
    public :: point_back, dyad_back, arc_back
    public :: invert_columns, solve_columns, quarter_turn_of_sum
    public :: link_pair_first, link_pair_second, link_pair_third, turn_point, turn_point_twice
+   public :: slide_point_twice, projections_twice
 
    real(wp), parameter :: least = tiny(1.0_wp)**0.25_wp !! guards a division
 
@@ -258,6 +259,63 @@ contains
          end do
       end select
    end subroutine turn_point
+
+   !> Point at the end of an arc of varying length, first and second order in one pass.
+   pure subroutine slide_point_twice(n, c, s, fx1, fy1, fx2, fy2, rx, ry, w1, w2, length, l1, l2, tx1, ty1, tx2, ty2)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: c, s                  !! the arc's direction in the axes of its root, sense included
+      real(wp), intent(in) :: fx1(n), fy1(n), fx2(n), fy2(n), rx(n), ry(n), w1(n), w2(n), length(n), l1(n), l2(n)
+      real(wp), intent(out) :: tx1(n), ty1(n), tx2(n), ty2(n)
+      real(wp) :: x, y, along, across
+      integer :: i
+
+      do i = 1, n
+         x = c*rx(i) - s*ry(i)
+         y = c*ry(i) + s*rx(i)
+         across = w1(i)*length(i)
+         tx1(i) = fx1(i) + l1(i)*x - across*y
+         ty1(i) = fy1(i) + l1(i)*y + across*x
+         along = l2(i) - w1(i)*across
+         across = 2.0_wp*w1(i)*l1(i) + w2(i)*length(i)
+         tx2(i) = fx2(i) + along*x - across*y
+         ty2(i) = fy2(i) + along*y + across*x
+      end do
+   end subroutine slide_point_twice
+
+   !> Types 6 and 7, first and second order: both slides are projections of h on directions that turn together.
+   !>
+   !> L = h.u gives L' = h'.u + w1 h.iu and L'' = h''.u + 2 w1 h'.iu + (w2 iu - w1**2 u).h.
+   pure subroutine projections_twice(n, sx, sy, ex, ey, sx1, sy1, ex1, ey1, sx2, sy2, ex2, ey2, rx, ry, w1, w2, cp, dp, cq, dq, &
+                                     p1, q1, p2, q2)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: sx(n), sy(n), ex(n), ey(n)      !! S and E
+      real(wp), intent(in) :: sx1(n), sy1(n), ex1(n), ey1(n)  !! their first derivatives
+      real(wp), intent(in) :: sx2(n), sy2(n), ex2(n), ey2(n)  !! their second derivatives
+      real(wp), intent(in) :: rx(n), ry(n), w1(n), w2(n)      !! root and derivatives of its angle
+      real(wp), intent(in) :: cp, dp, cq, dq                  !! directions of the slides in the axes of the root
+      real(wp), intent(out) :: p1(n), q1(n), p2(n), q2(n)
+      real(wp) :: along, across, along1, across1, along2, across2
+      integer :: i
+
+      do i = 1, n
+         ! h and its derivatives in the axes of the root
+         along = (ex(i) - sx(i))*rx(i) + (ey(i) - sy(i))*ry(i)
+         across = (ey(i) - sy(i))*rx(i) - (ex(i) - sx(i))*ry(i)
+         along1 = (ex1(i) - sx1(i))*rx(i) + (ey1(i) - sy1(i))*ry(i)
+         across1 = (ey1(i) - sy1(i))*rx(i) - (ex1(i) - sx1(i))*ry(i)
+         along2 = (ex2(i) - sx2(i))*rx(i) + (ey2(i) - sy2(i))*ry(i)
+         across2 = (ey2(i) - sy2(i))*rx(i) - (ex2(i) - sx2(i))*ry(i)
+         ! what an observer on the root sees
+         along2 = along2 + 2.0_wp*w1(i)*across1 + w2(i)*across - w1(i)*w1(i)*along
+         across2 = across2 - 2.0_wp*w1(i)*along1 - w2(i)*along - w1(i)*w1(i)*across
+         along1 = along1 + w1(i)*across
+         across1 = across1 - w1(i)*along
+         p1(i) = along1*cp + across1*dp
+         q1(i) = along1*cq + across1*dq
+         p2(i) = along2*cp + across2*dp
+         q2(i) = along2*cq + across2*dq
+      end do
+   end subroutine projections_twice
 
    !> c = i (a + b): the column of an angle that turns both arcs of a dyad.
    pure subroutine quarter_turn_of_sum(n, ax, ay, bx, by, cx, cy)

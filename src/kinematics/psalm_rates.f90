@@ -11,7 +11,8 @@ module psalm_rates
    use psalm_linkage, only: bound_step_t, line_elements, offset_to_line, padded
    use psalm_plan, only: step_point, root_crank
    use psalm_rate_kernels, only: arc_vector, add_arc_rate, difference, invert_columns, solve_columns, link_pair_first, &
-                                 link_pair_second, link_pair_third, quarter_turn_of_sum, turn_point, turn_point_twice
+                                 link_pair_second, link_pair_third, quarter_turn_of_sum, turn_point, turn_point_twice, &
+                                 slide_point_twice, projections_twice
    implicit none (type, external)
    private
    public :: rates_t, prepare_rates, differentiate, form_frames, output_rates, is_dead, highest_order
@@ -53,6 +54,13 @@ contains
       allocate (rates%work((rows + 7)*rates%room + line_elements), source=0.0_wp)
       shift = 1 + offset_to_line(rates%work)
       rates%place = rates%place + shift
+      ! slides at right angles are never parallel
+      do k = 1, size(rates%place)
+         if (problem%plan%steps(k)%kind == step_point) cycle
+         associate (at => rates%place(k) + (2*rows_of_arc + rows_of_matrix - 1)*rates%room)
+            rates%work(at:at + rates%room - 1) = 1.0_wp
+         end associate
+      end do
       rates%zero = rows*rates%room + shift
       rates%scratch = (rows + 1)*rates%room + shift
       call allocate_alike(size(problem%linkage%store), 1 + offset_to_line(problem%linkage%store), rates%d)
@@ -200,7 +208,7 @@ contains
       type(problem_t), intent(in) :: problem
       type(rates_t), intent(inout) :: rates
       integer, intent(in) :: n, orders
-      integer :: m, k, order, first
+      integer :: m, k, order
 
       m = padded(n)
       associate (link => problem%linkage, d => rates%d)
@@ -213,26 +221,16 @@ contains
             associate (step => link%steps(k))
                if (problem%plan%steps(k)%kind == step_point) then
                   if (step%fixed) cycle
-                  if (step%slide_row > 0) call form_step(problem, rates, k, m)
-                  first = 1
-                  if (step%slide_row == 0 .and. orders > 1) then
-                     call turn_point_twice(m, step%x, step%y, d(step%from_x, 1), d(step%from_y, 1), d(step%from_x, 2), &
-                                           d(step%from_y, 2), link%store(step%root_x), link%store(step%root_y), &
-                                           d(step%root_x, 1), d(step%root_x, 2), d(step%to_x, 1), d(step%to_y, 1), &
-                                           d(step%to_x, 2), d(step%to_y, 2))
-                     first = 3
-                  end if
-                  do order = first, orders
-                     if (step%slide_row > 0) then
-                        call point_rate(step, rates, k, m, order)
-                     else
-                        call turn_point(m, order, step%x, step%y, d(step%from_x, order), d(step%from_y, order), &
-                                        link%store(step%root_x), link%store(step%root_y), d(step%root_x, 1), d(step%root_x, 2), &
-                                        d(step%root_x, 3), d(step%to_x, order), d(step%to_y, order))
-                     end if
-                  end do
+                  call point_rates(problem, step, k, m, orders, rates)
                else if (step%joint == 1) then
                   call link_pair_rates(problem, step, row_of(rates, k, 2*rows_of_arc), m, orders, rates)
+               else if (orders == 2 .and. (step%joint == 6 .or. step%joint == 7)) then
+                  call projections_twice(m, link%store(step%from_x), link%store(step%from_y), link%store(step%to_x), &
+                                         link%store(step%to_y), d(step%from_x, 1), d(step%from_y, 1), d(step%to_x, 1), &
+                                         d(step%to_y, 1), d(step%from_x, 2), d(step%from_y, 2), d(step%to_x, 2), &
+                                         d(step%to_y, 2), link%store(step%p_x), link%store(step%p_y), d(step%p_x, 1), &
+                                         d(step%p_x, 2), step%px, step%py, step%qx, step%qy, d(step%slide_p, 1), &
+                                         d(step%slide_q, 1), d(step%slide_p, 2), d(step%slide_q, 2))
                else
                   call form_step(problem, rates, k, m)
                   do order = 1, orders
@@ -278,16 +276,36 @@ contains
       end associate
    end subroutine link_pair_rates
 
-   !> One point, one order.
-   subroutine point_rate(step, rates, k, n, order)
+   !> One point, all orders.
+   subroutine point_rates(problem, step, k, n, orders, rates)
+      type(problem_t), intent(in) :: problem
       type(bound_step_t), intent(in) :: step
+      integer, intent(in) :: k, n, orders
       type(rates_t), intent(inout) :: rates
-      integer, intent(in) :: k, n, order
+      integer :: order
 
-      call arc_rate(rates, n, order, 1.0_wp, row_of(rates, k, 0), step%root_x, step%slide_row, &
-                    rates%d(step%from_x, order), rates%d(step%from_y, order), rates%d(step%to_x, order), &
-                    rates%d(step%to_y, order))
-   end subroutine point_rate
+      associate (d => rates%d, store => problem%linkage%store, fx => step%from_x, fy => step%from_y, tx => step%to_x, &
+                 ty => step%to_y, root => step%root_x, slide => step%slide_row)
+         if (slide == 0) then
+            if (orders > 1) call turn_point_twice(n, step%x, step%y, d(fx, 1), d(fy, 1), d(fx, 2), d(fy, 2), store(root), &
+               store(step%root_y), d(root, 1), d(root, 2), d(tx, 1), d(ty, 1), d(tx, 2), d(ty, 2))
+            do order = merge(3, 1, orders > 1), orders
+               call turn_point(n, order, step%x, step%y, d(fx, order), d(fy, order), store(root), store(step%root_y), &
+                               d(root, 1), d(root, 2), d(root, 3), d(tx, order), d(ty, order))
+            end do
+         else if (orders == 2) then
+            call slide_point_twice(n, step%x, step%y, d(fx, 1), d(fy, 1), d(fx, 2), d(fy, 2), store(root), &
+                                   store(step%root_y), d(root, 1), d(root, 2), store(slide), d(slide, 1), d(slide, 2), &
+                                   d(tx, 1), d(ty, 1), d(tx, 2), d(ty, 2))
+         else
+            call form_step(problem, rates, k, n)
+            do order = 1, orders
+               call arc_rate(rates, n, order, 1.0_wp, row_of(rates, k, 0), root, slide, d(fx, order), d(fy, order), &
+                             d(tx, order), d(ty, order))
+            end do
+         end if
+      end associate
+   end subroutine point_rates
 
    !> t = f + factor * derivative of an arc whose rows begin at `at`; its root's and slide's derivatives stand at `root`, `slide`.
    subroutine arc_rate(rates, n, order, factor, at, root, slide, fx, fy, tx, ty)
