@@ -71,6 +71,16 @@ for row in read("objective").split():
     lines.append("| objective of the needle linkage, %s positions: angles, errors, limits, all dimensions changed | %.3f us; "
                  "%.2f ns per dyad and position |" % (n, float(us), float(ns)))
 chain, pair = (float(x) for x in read("pruning").split("|"))
+for row in read("derivatives").splitlines():
+    cells = row.split("|")
+    if len(cells) == 3:
+        lines.append("| positions, velocities and accelerations / positions alone, %s, 10000 positions | %.2f (%.2f ns per dyad "
+                     "and position) |" % (cells[0], float(cells[1]), float(cells[2])))
+    else:
+        lines += ["| Jacobian of the needle linkage, 16 variables, 20 positions | %.2f us |" % float(cells[2]),
+                  "| gradient of its objective (adjoint) / one objective | %.2f |" % float(cells[3])]
+lines.append("| Monte-Carlo sample of the needle linkage, 20 positions, 19 dimensions: million linkages a second, one thread | %s |"
+             % read("sample").strip())
 lines += ["| 64 loops, output at the second / its two loops alone | %.2f |" % (chain / pair),
           "| instructions of one objective evaluation (x86-64-v3), 20 positions | %d |" % (int(read("instructions.20")) // 10),
           "| the same, 10240 positions, per dyad and position | %.1f |" % (int(read("instructions.10240")) / 10 / 4 / 10240), ""]

@@ -104,6 +104,10 @@ check 'kalm: 600 rev/min is 20 pi rad/s; velocity of the yoke at 90 degrees is -
 check 'kalm: mechanical advantage is infinite where the output rests' grep -q 'INFINITE' out
 check 'kalm: arcs and joints on device 8' grep -q 'JOINT AT THE END OF ARC' yoke.kalm.dev8
 status 0 'psalm skips RATES' "$psalm" yoke.nml
+cp yoke.dev7 yoke_again.nml
+"$bin/kalm" --quiet yoke.nml >first.lst
+status 0 'device 7 keeps the groups of other programs' "$bin/kalm" --quiet yoke_again.nml
+if cmp -s first.lst out; then ok; else bad 'kalm on device 7 gives the same listing'; fi
 status 1 'kalm at a dead point' "$bin/kalm" "$data/hard/parallelogram.nml" --output-dir hard
 said 'kalm at a dead point' 'dead point of loop 1 at position 4, input 0.0'
 check 'kalm: a dead point prints no number' grep -q 'DEAD POINT OF LOOP 1: RATES ARE INFINITE' out

@@ -81,6 +81,7 @@ module psalm_data_set
       real(wp) :: speed = 1.0_wp           !! of the input: rad/s, or length/s
       real(wp) :: accel = 0.0_wp           !! of the input: rad/s**2, or length/s**2
       logical :: rates_given = .false.
+      character(:), allocatable :: others  !! the groups of other programs, as text
       ! where the groups stand, for messages
       integer :: links_line = 0, method_line = 0, limits_line = 0
    contains
@@ -146,6 +147,7 @@ contains
       type(diagnostics_t), intent(inout) :: findings
       type(group_t) :: links, method, limits, toler
       logical :: shape_known
+      integer :: i
 
       set%title = case%title(:min(title_columns, len(case%title)))
       set%title_line = case%line
@@ -175,6 +177,15 @@ contains
       call read_limits(limits, set, findings)
       toler = case%take('TOLER')
       call read_tolerances(toler, set, findings)
+      set%others = ''
+      do i = 1, case%count
+         select case (case%groups(i)%name)
+         case ('LINKS', 'METHOD', 'LIMITS')
+            continue
+         case default
+            set%others = set%others//case%groups(i)%render()
+         end select
+      end do
    end subroutine read_set
 
    !> Group TOLER: tolerances of dimensions, one for all or one for each, and the size of the sample.

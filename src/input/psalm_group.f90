@@ -14,6 +14,7 @@ module psalm_group
    integer, parameter :: name_length = 31          !! longest name kept
    integer, parameter :: most_values = 20000000    !! values one item may have, repeat counts included
    integer, parameter :: not_a_position = -1
+   integer, parameter :: values_a_line = 10        !! when a group is written again
 
    !> One value as written, perhaps repeated.
    type :: value_t
@@ -49,6 +50,7 @@ module psalm_group
       procedure :: get_integers
       procedure :: get_reals
       procedure :: finish
+      procedure :: render
    end type group_t
 
 contains
@@ -268,6 +270,37 @@ contains
          end associate
       end do
    end subroutine finish
+
+   !> The group as text again, one item a line. Shape of the result: one text, lines separated by line feeds.
+   function render(self) result(text)
+      class(group_t), intent(in) :: self
+      character(:), allocatable :: text
+      integer :: i, k
+
+      text = ' &'//trim(self%name)//new_line('a')
+      do i = 1, self%count
+         associate (item => self%items(i))
+            text = text//'  '//trim(item%name)
+            if (item%subscripts == 1) text = text//'('//to_text(item%subscript(1))//')'
+            if (item%subscripts == 2) text = text//'('//to_text(item%subscript(1))//','//to_text(item%subscript(2))//')'
+            text = text//'='
+            do k = 1, item%count
+               associate (value => item%values(k))
+                  if (value%repeats > 1) text = text//to_text(value%repeats)//'*'
+                  if (value%quoted) then
+                     text = text//"'"//value%text//"'"
+                  else
+                     text = text//value%text
+                  end if
+                  text = text//','
+                  if (mod(k, values_a_line) == 0) text = text//new_line('a')//'   '
+               end associate
+            end do
+            text = text//new_line('a')
+         end associate
+      end do
+      text = text//' &END'//new_line('a')
+   end function render
 
    !> First element an item fills; `not_a_position` after reporting a subscript out of range.
    subroutine start_of(group, item, n, findings, first, columns)

@@ -67,7 +67,9 @@ contains
       if (topology%has_search()) call write_variables()
       call text%add(' &END')
       call text%add(' &LIMITS TANGLE='//full_precision(set%tangle)//', TOGGLE='//full_precision(set%toggle)//',')
+      if (set%icond /= 0) call text%add('  ICOND=1,')
       call text%add('  KTHETA='//to_text(set%ktheta)//', IPLOT='//to_text(set%iplot)//', LAST='//to_text(set%last)//' &END')
+      call text%add_text(set%others)
 
    contains
 
