@@ -11,6 +11,7 @@ module psalm_run
    use psalm_finale, only: list_results, describe_violation
    use psalm_kinds, only: wp, full_turn
    use psalm_plot_data, only: write_block
+   use psalm_search, only: result_t, search_many, transmission_margin
    use psalm_setup, only: set_up
    use psalm_topology, only: topology_t, dimensions_t
    use psalm_simplx, only: search_monitor_t, search_state_t, search_simplex, stop_iterations, stop_converged
@@ -71,13 +72,21 @@ contains
       type(dimensions_t) :: dimensions
       type(problem_t) :: problem
       type(motion_t) :: motion
+      type(result_t) :: others
       integer :: i
 
+      allocate (others%best(0))
       call set_up(set, topology, dimensions, repeated)
       call make_problem(set, topology, dimensions, problem)
       call problem%set_threads(threads)
       call list_input(' *** PSALM, VERSION '//version//' ***', set, topology, dimensions, devices%eight)
-      if (topology%has_search()) call synthesize(set, vertices, problem, dimensions, devices, monitor)
+      if (topology%has_search()) then
+         if (set%solver == 'LSQ') then
+            call synthesize_from_starts(set, vertices, problem, threads, dimensions, others, devices)
+         else
+            call synthesize(set, vertices, problem, dimensions, devices, monitor)
+         end if
+      end if
       call problem%analyse(dimensions, motion)
       call list_results(set, problem, dimensions, motion, devices%six)
       call list_setup(set, problem, devices%eight)
@@ -85,11 +94,94 @@ contains
          call devices%eight%add(' '//repeated%list(i)%render())
       end do
       if (set%ktheta /= 0) call list_arcs(problem, motion, conditions(problem), devices%eight)
-      call write_data_set(set, topology, dimensions, devices%seven)
+      if (size(others%best) > 1) call list_found(problem, others, devices%six)
+      call write_found(set, topology, dimensions, others, devices%seven)
       call write_plot_data(set, problem, dimensions, motion, devices%nine)
       if (set%tolerances) call tolerances(set, dimensions, threads, devices)
       call note_violations(set, problem, motion, devices)
    end subroutine run_case
+
+   !> Search by least squares from many starts; `dimensions` becomes the best linkage found.
+   subroutine synthesize_from_starts(set, vertices, problem, threads, dimensions, found, devices)
+      type(data_set_t), intent(in) :: set
+      real(wp), intent(in) :: vertices(:, :)
+      type(problem_t), intent(in) :: problem
+      integer, intent(in) :: threads
+      type(dimensions_t), intent(inout) :: dimensions
+      type(result_t), intent(out) :: found
+      type(devices_t), intent(inout) :: devices
+      real(wp), allocatable :: first(:)
+      character(:), allocatable :: line
+
+      first = problem%topology%first_values(dimensions)
+      if (size(vertices, 2) > 0) first = vertices(:, 1)
+      call devices%one%add(' '//set%title)
+      call search_many(set, problem, first, threads, found, devices%one)
+      line = to_text(found%starts)//' starts, '//to_text(found%feasible)//' led to a linkage, '//to_text(found%evaluations)// &
+             ' evaluations, '//to_text(found%jacobians)//' Jacobians'
+      if (size(found%best) == 0) then
+         devices%code = max(devices%code, exit_violation)
+         line = 'no linkage that obeys the constraints was found: '//line
+      else
+         call problem%topology%apply(found%best(1)%values, dimensions)
+         line = line//'; best objective '//trim(adjustl(general(found%best(1)%objective)))
+      end if
+      if (found%out_of_time) then
+         devices%code = max(devices%code, exit_violation)
+         line = 'MAXTIME passed before NSTART: '//line
+      end if
+      call devices%one%add(' '//line)
+      call devices%notes%add(set%file//': '//trim(set%title)//': '//line)
+   end subroutine synthesize_from_starts
+
+   !> The linkages found, ranked.
+   subroutine list_found(problem, found, text)
+      type(problem_t), intent(inout) :: problem
+      type(result_t), intent(in) :: found
+      type(text_t), intent(inout) :: text
+      type(dimensions_t) :: dimensions
+      character(:), allocatable :: rank
+      integer :: i
+
+      call text%add()
+      call text%add(' LINKAGES FOUND (DEVICE 7 HAS THEM ALL)')
+      call text%add('  RANK      OBJECTIVE  ANGLE MARGIN   LONGEST ARC  LARGEST CHANGE   START')
+      dimensions = problem%given
+      do i = 1, size(found%best)
+         call problem%topology%apply(found%best(i)%values, dimensions)
+         rank = to_text(i)
+         call text%add(repeat(' ', 6 - min(5, len(rank)))//rank//general(found%best(i)%objective)// &
+                       general(transmission_margin(problem, dimensions))//general(maxval(dimensions%arcl))// &
+                       general(found%best(i)%distance)//'    '//to_text(found%best(i)%start))
+      end do
+      call problem%topology%apply(found%best(1)%values, dimensions)
+      call problem%bind(dimensions)
+   end subroutine list_found
+
+   !> Data sets of all linkages found, one case after another; without a search from many starts that of the linkage.
+   subroutine write_found(set, topology, dimensions, found, text)
+      type(data_set_t), intent(in) :: set
+      type(topology_t), intent(in) :: topology
+      type(dimensions_t), intent(in) :: dimensions
+      type(result_t), intent(in) :: found
+      type(text_t), intent(inout) :: text
+      type(data_set_t) :: one
+      type(dimensions_t) :: each
+      integer :: i
+
+      if (size(found%best) <= 1) then
+         call write_data_set(set, topology, dimensions, text)
+         return
+      end if
+      one = set
+      each = dimensions
+      do i = 1, size(found%best)
+         call topology%apply(found%best(i)%values, each)
+         one%last = merge(set%last, 0, i == size(found%best))
+         call text%add('! rank '//to_text(i)//', objective '//trim(adjustl(general(found%best(i)%objective, 'E'))))
+         call write_data_set(one, topology, each, text)
+      end do
+   end subroutine write_found
 
    !> Bands of the output within the tolerances of the dimensions.
    subroutine tolerances(set, dimensions, threads, devices)

@@ -38,6 +38,7 @@ check 'textile: output point to 1e-12' awk 'NR==FNR{x[NR]=$2;y[NR]=$3;n=NR;next}
 for f in *.nml; do
     case $f in needle.nml) want=1 ;; *) want=0 ;; esac
     status $want "$f" "$psalm" "$f"
+    cp out "${f%.nml}.lst"
 done
 check 'device 9: header of MOTION 1' grep -qx '# input closed actual desired' needle.dev9
 check 'device 9: header of MOTION 0' grep -qx '# input closed actual_x actual_y' textile.dev9
@@ -116,6 +117,19 @@ status 2 'kalm: unknown unit' "$bin/kalm" knots.nml
 said 'kalm: unknown unit' "found 'KNOTS'"
 status 0 'kalm --help' "$bin/kalm" --help
 status 0 'kalm --version' "$bin/kalm" --version
+
+# least squares from many starts
+check 'LSQ: ranked linkages' grep -q 'LINKAGES FOUND' needle_lsq.lst
+cp needle_lsq.dev7 three.nml
+status 0 'LSQ: device 7 holds three cases' "$psalm" --quiet three.nml
+check 'LSQ: three listings' test "$(grep -c 'TOTAL ERROR' out)" -eq 3
+status 0 'LSQ: two threads' "$psalm" --quiet --threads 2 needle_lsq.nml
+if cmp -s out needle_lsq.lst; then ok; else bad 'LSQ: the same digits with two threads'; fi
+sed "s/'LSQ'/'SIMPLX'/" needle_lsq.nml >solver.nml
+status 2 'LSQ: unknown solver' "$psalm" solver.nml
+said 'LSQ: unknown solver' "'SIMPLEX' or 'LSQ' is expected; found 'SIMPLX'"
+sed "s/SOLVER='LSQ', //" needle_lsq.nml >starts.nml
+status 2 'LSQ: several starts need it' "$psalm" starts.nml
 
 # tolerances
 { cat needle.nml; echo ' &TOLER TOLLEN=0.05, TOLANG=0.02, NTRIAL=20000 &END'; } >toler.nml

@@ -70,6 +70,11 @@ module psalm_data_set
       integer :: nprint = 100, nprt = 20
       integer :: iplot = 0
       integer :: last = 1
+      ! SEARCH
+      character(:), allocatable :: solver  !! SIMPLEX or LSQ
+      integer :: nstart = 1                !! starts
+      integer :: nbest = 1                 !! linkages kept
+      real(wp) :: maxtime = 0.0_wp         !! seconds; 0: no limit
       ! TOLER
       logical :: tolerances = .false.              !! the group was given
       real(wp), allocatable :: tolarc(:, :), tolgam(:, :) !! shape (maxarc, nloop): of ARCL and GAMA
@@ -145,7 +150,7 @@ contains
       type(case_text_t), intent(in) :: case
       type(data_set_t), intent(out) :: set
       type(diagnostics_t), intent(inout) :: findings
-      type(group_t) :: links, method, limits, toler
+      type(group_t) :: links, method, limits, search, toler
       logical :: shape_known
       integer :: i
 
@@ -175,18 +180,42 @@ contains
          allocate (set%iva(0, 0), set%ivg(0, 0))
       end if
       call read_limits(limits, set, findings)
+      search = case%take('SEARCH')
+      call read_search(search, set, findings)
       toler = case%take('TOLER')
       call read_tolerances(toler, set, findings)
       set%others = ''
       do i = 1, case%count
          select case (case%groups(i)%name)
-         case ('LINKS', 'METHOD', 'LIMITS')
+         case ('LINKS', 'METHOD', 'LIMITS', 'SEARCH')
             continue
          case default
             set%others = set%others//case%groups(i)%render()
          end select
       end do
    end subroutine read_set
+
+   !> Group SEARCH: which search, from how many starts.
+   subroutine read_search(group, set, findings)
+      type(group_t), intent(inout) :: group
+      type(data_set_t), intent(inout) :: set
+      type(diagnostics_t), intent(inout) :: findings
+
+      set%solver = 'SIMPLEX'
+      call group%get_word('SOLVER', set%solver, findings)
+      call group%get_integer('NSTART', set%nstart, findings)
+      call group%get_integer('NBEST', set%nbest, findings)
+      call group%get_real('MAXTIME', set%maxtime, findings)
+      call check_range(group, 'NSTART', set%nstart, 1, most_positions, findings)
+      call check_range(group, 'NBEST', set%nbest, 1, most_positions, findings)
+      if (set%maxtime < 0.0_wp) call out_of(group, 'MAXTIME', 'must not be negative', findings)
+      if (set%solver /= 'SIMPLEX' .and. set%solver /= 'LSQ') then
+         call out_of(group, 'SOLVER', "'SIMPLEX' or 'LSQ' is expected; found '"//set%solver//"'", findings)
+      else if (set%solver == 'SIMPLEX' .and. (set%nstart > 1 .or. set%nbest > 1)) then
+         call out_of(group, 'NSTART', "several starts and several linkages need SOLVER='LSQ'", findings)
+      end if
+      call group%finish(findings)
+   end subroutine read_search
 
    !> Group TOLER: tolerances of dimensions, one for all or one for each, and the size of the sample.
    subroutine read_tolerances(group, set, findings)

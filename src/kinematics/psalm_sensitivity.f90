@@ -16,7 +16,7 @@ module psalm_sensitivity
                              variable_origng, variable_crnki
    implicit none (type, external)
    private
-   public :: sensitivity_t, prepare_sensitivity, find_jacobian, find_gradient
+   public :: sensitivity_t, prepare_sensitivity, find_jacobian, find_constraints, find_gradient
 
    !> Room to work in, and which arcs each variable changes.
    type :: sensitivity_t
@@ -109,11 +109,13 @@ contains
    !>
    !> Output as the listing has it (degrees for MOTION 1); variables in their own units (degrees for angles). The linkage must
    !> close; at a dead point the derivatives are infinite and zero is given.
-   subroutine find_jacobian(problem, dimensions, work, dx, dy)
+   subroutine find_jacobian(problem, dimensions, work, dx, dy, k, dk)
       type(problem_t), intent(inout) :: problem
       type(dimensions_t), intent(in) :: dimensions
       type(sensitivity_t), intent(inout) :: work
       real(wp), intent(out) :: dx(:, :), dy(:, :)   !! shape (positions, marble)
+      real(wp), intent(out), optional :: k(:, :)    !! shape (positions, nloop): as `find_constraints` has it
+      real(wp), intent(out), optional :: dk(:, :, :) !! shape (positions, nloop, marble): its derivatives
       integer :: block, offset, n, m, v
 
       call problem%bind(dimensions)
@@ -123,13 +125,123 @@ contains
          m = padded(n)
          call form_frames(problem, work%rates, m, fixed_too=.true.)
          work%rates%d(:, 1) = 0.0_wp
+         if (present(k)) call block_constraints(problem, n, k(offset + 1:offset + n, :))
          do v = 1, size(problem%topology%variables)
             call change_of(problem, v, m, work)
             call change_of_output(problem, v, n, work, dx(offset + 1:offset + n, v), dy(offset + 1:offset + n, v))
+            if (present(dk)) call change_of_constraints(problem, v, n, work, dk(offset + 1:offset + n, :, v))
             call clear(problem, v, m, work%rates)
          end do
       end do
    end subroutine find_jacobian
+
+   !> How near each dyad is to its limit, at every position: the dyad closes while abs(k) <= 1.
+   !>
+   !> Type 1: the cosine of the transmission angle, beyond 1 where the dyad is open: smooth across closing. Types 2 and 3: guide
+   !> over distance. Types 4 and 5: offset over link. Others, and loops that are not solved: 0.
+   subroutine find_constraints(problem, k)
+      type(problem_t), intent(inout) :: problem     !! bound
+      real(wp), intent(out) :: k(:, :)              !! shape (positions, nloop)
+      integer :: block, offset, n
+
+      do block = 1, problem%blocks()
+         call problem%solve_block(block, offset, n)
+         call block_constraints(problem, n, k(offset + 1:offset + n, :))
+      end do
+   end subroutine find_constraints
+
+   pure subroutine block_constraints(problem, n, k)
+      type(problem_t), intent(in) :: problem
+      integer, intent(in) :: n
+      real(wp), intent(out) :: k(:, :)
+      integer :: loop
+
+      do loop = 1, problem%topology%nloop
+         k(:, loop) = 0.0_wp
+         if (problem%linkage%step_of_loop(loop) == 0) cycle
+         associate (dyad => problem%linkage%steps(problem%linkage%step_of_loop(loop)), row => problem%linkage%reach(loop))
+            associate (reach => problem%linkage%store(row:row + n - 1))
+               select case (dyad%joint)
+               case (1)
+                  k(:, loop) = (dyad%p**2 + dyad%q**2 - reach)/(2.0_wp*dyad%p*dyad%q)
+               case (2)
+                  k(:, loop) = dyad%q/sqrt(max(reach, tiny(1.0_wp)))
+               case (3)
+                  k(:, loop) = dyad%p/sqrt(max(reach, tiny(1.0_wp)))
+               case (4)
+                  k(:, loop) = reach/dyad%p
+               case (5)
+                  k(:, loop) = reach/dyad%q
+               end select
+            end associate
+         end associate
+      end do
+   end subroutine block_constraints
+
+   !> Change of the constraints with a variable.
+   subroutine change_of_constraints(problem, v, n, work, dk)
+      type(problem_t), intent(in) :: problem
+      integer, intent(in) :: v, n
+      type(sensitivity_t), intent(in) :: work
+      real(wp), intent(out) :: dk(:, :)             !! shape (n, nloop)
+      real(wp) :: unit, hx, hy, gx, gy, dp, dq, reach, h, ux, uy, turn
+      integer :: loop, i
+
+      unit = unit_of(problem, v)
+      do loop = 1, problem%topology%nloop
+         dk(:, loop) = 0.0_wp
+         if (problem%linkage%step_of_loop(loop) == 0) cycle
+         if (.not. work%moves(problem%linkage%step_of_loop(loop), v)) cycle
+         associate (dyad => problem%linkage%steps(problem%linkage%step_of_loop(loop)), link => problem%linkage, d => work%rates%d)
+            if (dyad%joint > 5) cycle
+            dp = work%stretch(dyad%arc_p, v)*link%scale
+            dq = work%stretch(dyad%arc_q, v)*link%scale
+            do i = 0, n - 1
+               hx = link%store(dyad%to_x + i) - link%store(dyad%from_x + i)
+               hy = link%store(dyad%to_y + i) - link%store(dyad%from_y + i)
+               gx = d(dyad%to_x + i, 1) - d(dyad%from_x + i, 1)
+               gy = d(dyad%to_y + i, 1) - d(dyad%from_y + i, 1)
+               reach = link%store(dyad%reach_row + i)
+               select case (dyad%joint)
+               case (1)
+                  dk(i + 1, loop) = (dp*(dyad%p**2 - dyad%q**2 + reach)/dyad%p + dq*(dyad%q**2 - dyad%p**2 + reach)/dyad%q &
+                                     - 2.0_wp*(hx*gx + hy*gy))/(2.0_wp*dyad%p*dyad%q)
+               case (2, 3)
+                  h = sqrt(max(reach, tiny(1.0_wp)))
+                  dk(i + 1, loop) = merge(dq, dp, dyad%joint == 2)/h &
+                                    - merge(dyad%q, dyad%p, dyad%joint == 2)*(hx*gx + hy*gy)/(h*h*h)
+               case default
+                  if (dyad%joint == 4) then
+                     ux = dyad%qx*link%store(dyad%q_x + i) - dyad%qy*link%store(dyad%q_y + i)
+                     uy = dyad%qx*link%store(dyad%q_y + i) + dyad%qy*link%store(dyad%q_x + i)
+                     turn = d(dyad%q_x + i, 1) + work%turn(dyad%arc_q, v)
+                     dk(i + 1, loop) = (ux*gy - uy*gx - turn*(ux*hx + uy*hy))/dyad%p - reach*dp/dyad%p**2
+                  else
+                     ux = dyad%px*link%store(dyad%p_x + i) - dyad%py*link%store(dyad%p_y + i)
+                     uy = dyad%px*link%store(dyad%p_y + i) + dyad%py*link%store(dyad%p_x + i)
+                     turn = d(dyad%p_x + i, 1) + work%turn(dyad%arc_p, v)
+                     dk(i + 1, loop) = (ux*gy - uy*gx - turn*(ux*hx + uy*hy))/dyad%q - reach*dq/dyad%q**2
+                  end if
+               end select
+            end do
+            dk(:, loop) = dk(:, loop)*unit
+         end associate
+      end do
+   end subroutine change_of_constraints
+
+   !> Radians a unit of the variable is worth if it is an angle in degrees, else 1.
+   pure real(wp) function unit_of(problem, v) result(unit)
+      type(problem_t), intent(in) :: problem
+      integer, intent(in) :: v
+
+      unit = 1.0_wp
+      select case (problem%topology%variables(v)%kind)
+      case (variable_gama, variable_outang, variable_origng)
+         unit = radians_per_degree
+      case (variable_crnki)
+         if (.not. problem%linkage%sliding_input) unit = radians_per_degree
+      end select
+   end function unit_of
 
    !> Changes of every root, point and slide that moves with a variable (per radian for angles).
    subroutine change_of(problem, v, n, work)
@@ -254,14 +366,7 @@ contains
 
       associate (link => problem%linkage, plan => problem%plan, variable => problem%topology%variables(v), &
                  arc => problem%topology%output_arc, d => work%rates%d)
-         ! a variable in degrees
-         unit = 1.0_wp
-         select case (variable%kind)
-         case (variable_gama, variable_outang, variable_origng)
-            unit = radians_per_degree
-         case (variable_crnki)
-            if (.not. link%sliding_input) unit = radians_per_degree
-         end select
+         unit = unit_of(problem, v)
          back = 1.0_wp/link%scale
          turn = work%turn(arc, v)
          if (variable%kind == variable_outang) turn = turn + 1.0_wp

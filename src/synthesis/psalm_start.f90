@@ -14,7 +14,7 @@ module psalm_start
    use psalm_text, only: text_t, general, to_text
    implicit none (type, external)
    private
-   public :: simplex_t, start_simplex, read_vertices, values_per_record
+   public :: simplex_t, start_simplex, random_limits, read_vertices, values_per_record
 
    integer, parameter :: values_per_record = 5  !! of device 4 and 7: (5X,5G15.7)
    integer, parameter :: label_width = 5, value_width = 15

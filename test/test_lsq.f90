@@ -1,0 +1,151 @@
+!> Least squares from many starts: constraints and their derivatives, published problems, the same answer for all threads.
+program test_lsq
+   use cases, only: load_case, names
+   use check, only: checks_t
+   use psalm_data_set, only: data_set_t
+   use psalm_error, only: problem_t, motion_t
+   use psalm_kinds, only: wp
+   use psalm_lapack, only: solve_positive
+   use psalm_search, only: result_t, search_many, transmission_margin
+   use psalm_sensitivity, only: sensitivity_t, prepare_sensitivity, find_jacobian, find_constraints
+   use psalm_text, only: text_t, to_text
+   use psalm_topology, only: dimensions_t
+   implicit none (type, external)
+   type(checks_t) :: t
+   integer :: k
+
+   call equations()
+   do k = 1, size(names)
+      call constraint_derivatives(names(k))
+   end do
+   call published('needle', 1, 1.49_wp)
+   call published('needle', 60, 0.4467_wp)
+   call published('suspension', 4, 1.0e-6_wp)
+   call published('chain_short', 1, 0.25423_wp)
+   call published('chain_long', 1, 0.21607_wp)
+   call published('brake_reaction', 8, 28.54_wp)
+   call bounds()
+   call threads()
+   call t%report()
+
+contains
+
+   subroutine equations()
+      real(wp) :: x(2)
+      logical :: sound
+
+      call solve_positive(reshape([4.0_wp, 1.0_wp, 1.0_wp, 3.0_wp], [2, 2]), [1.0_wp, 2.0_wp], x, sound)
+      call t%is_true(sound, 'a positive definite system')
+      call t%close_to(x(1), 1.0_wp/11.0_wp, 1.0e-14_wp, 'its first unknown')
+      call t%close_to(x(2), 7.0_wp/11.0_wp, 1.0e-14_wp, 'its second unknown')
+      call solve_positive(reshape([1.0_wp, 2.0_wp, 2.0_wp, 1.0_wp], [2, 2]), [1.0_wp, 2.0_wp], x, sound)
+      call t%is_true(.not. sound, 'a matrix that is not positive definite is told')
+   end subroutine equations
+
+   !> Derivatives of the constraints against central differences.
+   subroutine constraint_derivatives(name)
+      character(*), intent(in) :: name
+      type(problem_t) :: problem
+      type(data_set_t) :: set
+      type(sensitivity_t) :: work
+      type(dimensions_t) :: dimensions
+      real(wp), allocatable :: dx(:, :), dy(:, :), k(:, :), dk(:, :, :), ahead(:, :), behind(:, :), values(:), changed(:)
+      real(wp) :: step, worst, size_of
+      integer :: v, marble
+
+      call load_case(name, problem, set, vary=.true.)
+      call problem%want_derivatives(.false.)
+      marble = size(problem%topology%variables)
+      associate (n => problem%positions, loops => problem%topology%nloop)
+         allocate (dx(n, marble), dy(n, marble), k(n, loops), dk(n, loops, marble), ahead(n, loops), behind(n, loops))
+      end associate
+      call prepare_sensitivity(problem, work)
+      call find_jacobian(problem, problem%given, work, dx, dy, k, dk)
+      values = problem%topology%first_values(problem%given)
+      worst = 0.0_wp
+      size_of = max(maxval(abs(dk)), 1.0e-3_wp)
+      do v = 1, marble
+         step = 1.0e-5_wp*max(1.0_wp, 0.1_wp*abs(values(v)))
+         changed = values
+         changed(v) = values(v) + step
+         dimensions = problem%given
+         call problem%topology%apply(changed, dimensions)
+         call problem%bind(dimensions)
+         call find_constraints(problem, ahead)
+         changed(v) = values(v) - step
+         call problem%topology%apply(changed, dimensions)
+         call problem%bind(dimensions)
+         call find_constraints(problem, behind)
+         worst = max(worst, maxval(abs((ahead - behind)/(2.0_wp*step) - dk(:, :, v))))
+      end do
+      call t%close_to(worst/size_of, 0.0_wp, 1.0e-6_wp, trim(name)//': derivatives of the constraints')
+   end subroutine constraint_derivatives
+
+   !> The search reaches the value and breaks no constraint.
+   subroutine published(name, starts, value)
+      character(*), intent(in) :: name
+      integer, intent(in) :: starts
+      real(wp), intent(in) :: value
+      type(problem_t) :: problem
+      type(data_set_t) :: set
+      type(result_t) :: found
+      type(dimensions_t) :: dimensions
+      type(motion_t) :: motion
+      type(text_t) :: log
+      character(:), allocatable :: label
+
+      label = name//', '//to_text(starts)//' starts: '
+      call load_case(name, problem, set)
+      set%nstart = starts
+      call search_many(set, problem, problem%topology%first_values(problem%given), 1, found, log)
+      call t%is_true(size(found%best) == 1, label//'a linkage is found')
+      if (size(found%best) < 1) return
+      call t%is_true(found%best(1)%objective <= value, label//'as good as '//to_text(nint(1.0e6_wp*value))//'e-6')
+      dimensions = problem%given
+      call problem%topology%apply(found%best(1)%values, dimensions)
+      call problem%analyse(dimensions, motion)
+      call t%equal_integer(size(motion%violations), 0, label//'no constraint is violated')
+      call t%close_to(motion%total, found%best(1)%objective, 1.0e-10_wp, label//'analysis and search agree')
+      call t%is_true(transmission_margin(problem, dimensions) >= 0.0_wp, label//'transmission angles are inside their limits')
+      call t%is_true(all(dimensions%arcl >= 0.0_wp), label//'lengths are positive')
+   end subroutine published
+
+   subroutine bounds()
+      type(problem_t) :: problem
+      type(data_set_t) :: set
+      type(result_t) :: found
+      type(text_t) :: log
+
+      call load_case('chain_short', problem, set)
+      set%limval = 1
+      set%oplow(:2) = [320.0_wp, 70.0_wp]
+      set%ophigh(:2) = [330.0_wp, 72.0_wp]
+      call search_many(set, problem, problem%topology%first_values(problem%given), 1, found, log)
+      call t%is_true(size(found%best) == 1, 'within bounds: a linkage is found')
+      call t%close_to(found%best(1)%values(1), 330.0_wp - set%stepin, 1.0e-9_wp, 'the best lies at the bound')
+      call t%is_true(found%best(1)%values(2) > 70.0_wp .and. found%best(1)%values(2) < 72.0_wp, 'and within the other')
+   end subroutine bounds
+
+   subroutine threads()
+      type(problem_t) :: problem
+      type(data_set_t) :: set
+      type(result_t) :: one, two
+      type(text_t) :: log
+      integer :: i
+
+      call load_case('needle', problem, set)
+      set%nstart = 7
+      set%nbest = 5
+      call search_many(set, problem, problem%topology%first_values(problem%given), 1, one, log)
+      call search_many(set, problem, problem%topology%first_values(problem%given), 3, two, log)
+      call t%equal_integer(size(two%best), size(one%best), 'as many linkages for any number of threads')
+      do i = 1, size(one%best)
+         call t%is_true(all(abs(one%best(i)%values - two%best(i)%values) <= 0.0_wp), 'the same linkages for any number of threads')
+         if (i > 1) call t%is_true(one%best(i)%objective >= one%best(i - 1)%objective, 'ranked by objective')
+      end do
+      call t%is_true(size(one%best) > 1, 'several linkages are kept')
+      set%maxtime = 1.0e-9_wp
+      call search_many(set, problem, problem%topology%first_values(problem%given), 1, one, log)
+      call t%is_true(one%out_of_time .and. one%starts == 1, 'MAXTIME ends the search; the first start is always made')
+   end subroutine threads
+end program test_lsq
