@@ -73,6 +73,7 @@ contains
       type(problem_t) :: problem
       type(motion_t) :: motion
       type(result_t) :: others
+      type(data_set_t) :: final
       integer :: i
 
       allocate (others%best(0))
@@ -97,7 +98,11 @@ contains
       if (size(others%best) > 1) call list_found(problem, others, devices%six)
       call write_found(set, topology, dimensions, others, devices%seven)
       call write_plot_data(set, problem, dimensions, motion, devices%nine)
-      if (set%tolerances) call tolerances(set, dimensions, threads, devices)
+      if (set%tolerances) then
+         final = set
+         if (set%ifree /= 0 .and. size(others%best) > 0) final%delt = others%best(1)%delt
+         call tolerances(final, dimensions, threads, devices)
+      end if
       call note_violations(set, problem, motion, devices)
    end subroutine run_case
 
@@ -105,7 +110,7 @@ contains
    subroutine synthesize_from_starts(set, vertices, problem, threads, dimensions, found, devices)
       type(data_set_t), intent(in) :: set
       real(wp), intent(in) :: vertices(:, :)
-      type(problem_t), intent(in) :: problem
+      type(problem_t), intent(inout) :: problem
       integer, intent(in) :: threads
       type(dimensions_t), intent(inout) :: dimensions
       type(result_t), intent(out) :: found
@@ -124,6 +129,7 @@ contains
          line = 'no linkage that obeys the constraints was found: '//line
       else
          call problem%topology%apply(found%best(1)%values, dimensions)
+         if (set%ifree /= 0) call problem%move_inputs(found%best(1)%delt)
          line = line//'; best objective '//trim(adjustl(general(found%best(1)%objective)))
       end if
       if (found%out_of_time) then
@@ -149,12 +155,14 @@ contains
       dimensions = problem%given
       do i = 1, size(found%best)
          call problem%topology%apply(found%best(i)%values, dimensions)
+         call problem%move_inputs(found%best(i)%delt)
          rank = to_text(i)
          call text%add(repeat(' ', 6 - min(5, len(rank)))//rank//general(found%best(i)%objective)// &
                        general(transmission_margin(problem, dimensions))//general(maxval(dimensions%arcl))// &
                        general(found%best(i)%distance)//'    '//to_text(found%best(i)%start))
       end do
       call problem%topology%apply(found%best(1)%values, dimensions)
+      call problem%move_inputs(found%best(1)%delt)
       call problem%bind(dimensions)
    end subroutine list_found
 
@@ -169,14 +177,16 @@ contains
       type(dimensions_t) :: each
       integer :: i
 
+      one = set
       if (size(found%best) <= 1) then
-         call write_data_set(set, topology, dimensions, text)
+         if (size(found%best) == 1 .and. set%ikin == 0) one%delt = found%best(1)%delt
+         call write_data_set(one, topology, dimensions, text)
          return
       end if
-      one = set
       each = dimensions
       do i = 1, size(found%best)
          call topology%apply(found%best(i)%values, each)
+         one%delt = found%best(i)%delt
          one%last = merge(set%last, 0, i == size(found%best))
          call text%add('! rank '//to_text(i)//', objective '//trim(adjustl(general(found%best(i)%objective, 'E'))))
          call write_data_set(one, topology, each, text)

@@ -51,7 +51,7 @@ check 'device 2: limits of the simplex' grep -q 'UPPER LIMITS' needle_search.dev
 check 'a data set of two cases lists both' test "$(grep -c 'STEERING GEAR' actuator_davis_steering.dev9)" -eq 2
 
 # device 7 is a data set that gives the same digits
-for f in needle_search suspension textile brake_reaction actuator_davis_steering dyad1_crank_rocker; do
+for f in needle_search suspension textile brake_reaction actuator_davis_steering dyad1_crank_rocker line6; do
     "$psalm" --quiet $f.nml >first.lst
     cp $f.dev7 again.nml
     status 0 "$f: device 7 is a case" "$psalm" --quiet again.nml
@@ -130,6 +130,12 @@ status 2 'LSQ: unknown solver' "$psalm" solver.nml
 said 'LSQ: unknown solver' "'SIMPLEX' or 'LSQ' is expected; found 'SIMPLX'"
 sed "s/SOLVER='LSQ', //" needle_lsq.nml >starts.nml
 status 2 'LSQ: several starts need it' "$psalm" starts.nml
+
+check 'LSQ: path of 18 points as good as the best published' awk '/TOTAL ERROR/ { getline; sub("D", "E"); v = $1 } END { exit !(v <= 0.00903) }' path18.lst
+check 'LSQ: free timing meets six points on a line' awk '/TOTAL ERROR/ { getline; sub("D", "E"); v = $1 } END { exit !(v < 1e-12) }' line6.lst
+sed "s/SOLVER='LSQ', NSTART=1000/SOLVER='SIMPLEX'/" line6.nml >free.nml
+status 2 'free timing needs LSQ' "$psalm" free.nml
+said 'free timing needs LSQ' "IFREE=1 (free timing) needs the group &SEARCH with SOLVER='LSQ'"
 
 # tolerances
 { cat needle.nml; echo ' &TOLER TOLLEN=0.05, TOLANG=0.02, NTRIAL=20000 &END'; } >toler.nml

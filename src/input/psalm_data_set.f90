@@ -42,6 +42,7 @@ module psalm_data_set
       ! METHOD
       integer, allocatable :: iva(:, :), ivg(:, :) !! shape (maxarc, nloop)
       integer :: ilkout = 0, ingout = 0, icrk = 0, iorig = 0
+      integer :: ifree = 0                 !! the search finds every input position too
       integer :: ikin = 0
       integer :: ndes = 0
       logical :: desired = .false.         !! desired values were given
@@ -209,6 +210,10 @@ contains
       call check_range(group, 'NSTART', set%nstart, 1, most_positions, findings)
       call check_range(group, 'NBEST', set%nbest, 1, most_positions, findings)
       if (set%maxtime < 0.0_wp) call out_of(group, 'MAXTIME', 'must not be negative', findings)
+      if (set%ifree /= 0 .and. set%solver /= 'LSQ') then
+         call findings%error("IFREE=1 (free timing) needs the group &SEARCH with SOLVER='LSQ'", line=set%method_line, &
+                             group='METHOD', item='IFREE')
+      end if
       if (set%solver /= 'SIMPLEX' .and. set%solver /= 'LSQ') then
          call out_of(group, 'SOLVER', "'SIMPLEX' or 'LSQ' is expected; found '"//set%solver//"'", findings)
       else if (set%solver == 'SIMPLEX' .and. (set%nstart > 1 .or. set%nbest > 1)) then
@@ -357,6 +362,7 @@ contains
       call read_flag(group, 'INGOUT', set%ingout, findings)
       call read_flag(group, 'ICRK', set%icrk, findings)
       call read_flag(group, 'IORIG', set%iorig, findings)
+      call read_flag(group, 'IFREE', set%ifree, findings)
       call group%get_integer('IKIN', set%ikin, findings)
       call check_range(group, 'IKIN', set%ikin, -360, 360, findings)
       call group%get_integer('NDES', set%ndes, findings)

@@ -70,6 +70,7 @@ module psalm_error
    contains
       procedure :: want_derivatives
       procedure :: set_inputs
+      procedure :: move_inputs
       procedure :: set_desired
       procedure :: set_threads
       procedure :: bind => bind_problem
@@ -146,6 +147,25 @@ contains
       allocate (self%partial(self%blocks()), source=0.0_wp)
       allocate (self%offending(self%blocks()), source=0)
    end subroutine set_inputs
+
+   !> Move the input positions; their number, desired values and weights stay. No allocation.
+   pure subroutine move_inputs(self, delt)
+      class(problem_t), intent(inout) :: self
+      real(wp), intent(in) :: delt(:)  !! shape (positions)
+      integer :: i
+
+      self%delt = delt
+      do i = 1, size(self%first)
+         associate (value => delt(min(i, size(delt))))
+            if (self%topology%sliding_input) then
+               self%first(i) = value
+               self%second(i) = value
+            else
+               call unit_vector(value, self%first(i), self%second(i))
+            end if
+         end associate
+      end do
+   end subroutine move_inputs
 
    !> Give desired values and weights for the positions.
    subroutine set_desired(self, wanted, weight, wanted_y, weight_y)

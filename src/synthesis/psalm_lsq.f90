@@ -4,6 +4,9 @@
 !> linkage that does not close is refused like one that does not improve. Bounds and positive lengths: values stop at them,
 !> and a value that wants to pass its bound is held there. Source of the method: Levenberg (1944), Marquardt (1963), the
 !> damping of Nielsen (1999).
+!>
+!> With free timing (IFREE) every input position is an unknown too. It meets only its own position's errors, so these unknowns
+!> are eliminated one by one (a division each) before the equations of the dimensions are solved.
 module psalm_lsq
    use psalm_angles, only: unit_vector
    use psalm_data_set, only: data_set_t, motion_point
@@ -11,7 +14,7 @@ module psalm_lsq
    use psalm_kinds, only: wp, right_angle
    use psalm_lapack, only: solve_positive
    use psalm_sensitivity, only: sensitivity_t, prepare_sensitivity, find_jacobian, find_constraints
-   use psalm_topology, only: dimensions_t, variable_length, variable_outlk
+   use psalm_topology, only: dimensions_t, variable_t, variable_length, variable_outlk, variable_crnki
    implicit none (type, external)
    private
    public :: lsq_t, prepare_lsq, improve
@@ -36,6 +39,10 @@ module psalm_lsq
       real(wp), allocatable :: limit(:)              !! by loop: of abs(k)
       real(wp), allocatable :: dx(:, :), dy(:, :), k(:, :), dk(:, :, :), miss(:, :)
       real(wp), allocatable :: matrix(:, :), gradient(:)
+      logical :: free = .false.                      !! free timing
+      real(wp), allocatable :: delt(:)               !! shape (positions): input increments, found with free timing
+      real(wp), allocatable :: border(:, :)          !! shape (marble, positions): timing against dimensions
+      real(wp), allocatable :: edge(:), edge_gradient(:) !! shape (positions): timing against itself, and its gradient
       integer :: evaluations = 0, jacobians = 0
    end type lsq_t
 
@@ -49,6 +56,7 @@ contains
       type(lsq_t), intent(out) :: lsq
       integer :: marble, n, loop
       real(wp) :: cosine, unused
+      type(variable_t) :: input
 
       marble = size(problem%topology%variables)
       n = problem%positions
@@ -57,6 +65,14 @@ contains
       call copy_desired(problem, lsq%judge)
       lsq%problem = problem
       lsq%problem%tangle = right_angle
+      lsq%free = set%ifree /= 0
+      lsq%delt = problem%delt
+      if (lsq%free) then
+         ! one more column: the input of each position
+         input%kind = variable_crnki
+         lsq%problem%topology%variables = [problem%topology%variables, input]
+         allocate (lsq%border(marble, n), lsq%edge(n), lsq%edge_gradient(n), source=0.0_wp)
+      end if
       call lsq%problem%set_inputs(problem%delt)
       call lsq%problem%want_derivatives(.false.)
       call copy_desired(problem, lsq%problem)
@@ -76,8 +92,10 @@ contains
       do loop = 1, problem%topology%nloop
          lsq%limit(loop) = merge(cosine, 1.0_wp, problem%topology%joint(loop) == 1) - slack
       end do
-      allocate (lsq%dx(n, marble), lsq%dy(n, marble), lsq%k(n, problem%topology%nloop), &
-                lsq%dk(n, problem%topology%nloop, marble), lsq%miss(n, 2), source=0.0_wp)
+      associate (columns => size(lsq%problem%topology%variables))
+         allocate (lsq%dx(n, columns), lsq%dy(n, columns), lsq%k(n, problem%topology%nloop), &
+                   lsq%dk(n, problem%topology%nloop, columns), lsq%miss(n, 2), source=0.0_wp)
+      end associate
       allocate (lsq%matrix(marble, marble), lsq%gradient(marble), source=0.0_wp)
    end subroutine prepare_lsq
 
@@ -108,11 +126,12 @@ contains
       found = .false.
       best = values
       best_objective = huge(best_objective)
-      call measure(lsq, values, 0.0_wp, merit, objective, closed)
+      call measure(lsq, values, lsq%delt, 0.0_wp, merit, objective, closed)
       weight = max(objective, tiny(1.0_wp)**0.5_wp)
       do round = 1, merge(weights, 0, closed)
          call descend(lsq, values, weight)
          call lsq%judge%topology%apply(values, lsq%dimensions)
+         if (lsq%free) call lsq%judge%move_inputs(lsq%delt)
          call lsq%judge%evaluate(lsq%dimensions, objective, loop)
          lsq%evaluations = lsq%evaluations + 1
          if (loop == 0 .and. objective < best_objective) then
@@ -130,15 +149,25 @@ contains
       end if
    end subroutine improve
 
-   !> Objective, and merit: objective + weight * squared violations. `closed` is false where the linkage does not close.
-   subroutine measure(lsq, values, weight, merit, objective, closed)
+   !> Put values and, with free timing, input increments in.
+   subroutine put_in(lsq, values, delt)
       type(lsq_t), intent(inout) :: lsq
-      real(wp), intent(in) :: values(:), weight
+      real(wp), intent(in) :: values(:), delt(:)
+
+      if (lsq%free) call lsq%problem%move_inputs(delt)
+      ! the judge's variables are the user's; here one more may stand for the input
+      call lsq%judge%topology%apply(values, lsq%dimensions)
+   end subroutine put_in
+
+   !> Objective, and merit: objective + weight * squared violations. `closed` is false where the linkage does not close.
+   subroutine measure(lsq, values, delt, weight, merit, objective, closed)
+      type(lsq_t), intent(inout) :: lsq
+      real(wp), intent(in) :: values(:), delt(:), weight
       real(wp), intent(out) :: merit, objective
       logical, intent(out) :: closed
       integer :: loop
 
-      call lsq%problem%topology%apply(values, lsq%dimensions)
+      call put_in(lsq, values, delt)
       call lsq%problem%deviations(lsq%dimensions, lsq%miss, loop)
       lsq%evaluations = lsq%evaluations + 1
       closed = loop == 0
@@ -163,11 +192,12 @@ contains
       real(wp), intent(inout) :: values(:)
       real(wp), intent(in) :: weight
       real(wp) :: trial(size(values)), step(size(values)), right(size(values)), damped(size(values), size(values))
+      real(wp) :: trial_delt(size(lsq%delt)), turn(size(lsq%delt))
       real(wp) :: merit, trial_merit, objective, damping, growth, gain, promised
       logical :: held(size(values)), sound, closed
       integer :: iteration, idle, v
 
-      call measure(lsq, values, weight, merit, objective, closed)
+      call measure(lsq, values, lsq%delt, weight, merit, objective, closed)
       if (.not. closed) return
       damping = first_damping
       growth = 2.0_wp
@@ -178,8 +208,9 @@ contains
          held = (values <= lsq%low .and. lsq%gradient > 0.0_wp) .or. (values >= lsq%high .and. lsq%gradient < 0.0_wp)
          damped = lsq%matrix
          right = -lsq%gradient
+         if (lsq%free) call eliminate(lsq, damping, damped, right)
          do v = 1, size(values)
-            damped(v, v) = lsq%matrix(v, v)*(1.0_wp + damping) + tiny(1.0_wp)**0.25_wp
+            damped(v, v) = damped(v, v) + lsq%matrix(v, v)*damping + tiny(1.0_wp)**0.25_wp
             if (.not. held(v)) cycle
             damped(:, v) = 0.0_wp
             damped(v, :) = 0.0_wp
@@ -188,12 +219,20 @@ contains
          end do
          call solve_positive(damped, right, step, sound)
          trial = min(max(values + step, lsq%low), lsq%high)
+         step = trial - values
+         trial_delt = lsq%delt
+         if (lsq%free) trial_delt = lsq%delt - (lsq%edge_gradient + matmul(step, lsq%border))/damped_edge(lsq, damping)
          trial_merit = huge(trial_merit)
-         if (sound) call measure(lsq, trial, weight, trial_merit, objective, closed)
+         if (sound) call measure(lsq, trial, trial_delt, weight, trial_merit, objective, closed)
          if (trial_merit < merit) then
-            step = trial - values
             ! against what the linear model promised
             promised = -2.0_wp*dot_product(lsq%gradient, step) - dot_product(step, matmul(lsq%matrix, step))
+            if (lsq%free) then
+               turn = trial_delt - lsq%delt
+               promised = promised - 2.0_wp*dot_product(lsq%edge_gradient + matmul(step, lsq%border), turn) &
+                          - sum(lsq%edge*turn**2)
+               lsq%delt = trial_delt
+            end if
             gain = (merit - trial_merit)/max(promised, tiny(1.0_wp))
             idle = merge(idle + 1, 0, merit - trial_merit <= no_better*merit)
             values = trial
@@ -210,6 +249,32 @@ contains
       end do
    end subroutine descend
 
+   !> Second derivative of the merit by each input position, damped.
+   pure function damped_edge(lsq, damping) result(edge)
+      type(lsq_t), intent(in) :: lsq
+      real(wp), intent(in) :: damping
+      real(wp) :: edge(size(lsq%edge))
+
+      edge = lsq%edge*(1.0_wp + damping) + tiny(1.0_wp)**0.25_wp
+   end function damped_edge
+
+   !> Take the input positions out of the equations of the dimensions.
+   subroutine eliminate(lsq, damping, matrix, right)
+      type(lsq_t), intent(in) :: lsq
+      real(wp), intent(in) :: damping
+      real(wp), intent(inout) :: matrix(:, :), right(:)
+      real(wp) :: edge(size(lsq%edge))
+      integer :: i, a
+
+      edge = damped_edge(lsq, damping)
+      do i = 1, size(edge)
+         right = right + lsq%border(:, i)*(lsq%edge_gradient(i)/edge(i))
+         do a = 1, size(right)
+            matrix(:, a) = matrix(:, a) - lsq%border(:, i)*(lsq%border(a, i)/edge(i))
+         end do
+      end do
+   end subroutine eliminate
+
    !> Gradient and matrix of the normal equations: J^T W r and J^T W J of errors and violations.
    subroutine form_equations(lsq, values, weight)
       type(lsq_t), intent(inout) :: lsq
@@ -217,7 +282,7 @@ contains
       integer :: loop, i, a, b
       real(wp) :: over
 
-      call lsq%problem%topology%apply(values, lsq%dimensions)
+      call put_in(lsq, values, lsq%delt)
       call lsq%problem%deviations(lsq%dimensions, lsq%miss, loop)
       call find_jacobian(lsq%problem, lsq%dimensions, lsq%work, lsq%dx, lsq%dy, lsq%k, lsq%dk)
       lsq%jacobians = lsq%jacobians + 1
@@ -247,10 +312,40 @@ contains
             end do
          end do
       end do
+      if (lsq%free) call form_border(lsq, size(values), weight)
       do a = 1, size(values)
          do b = 1, a - 1
             lsq%matrix(a, b) = lsq%matrix(b, a)
          end do
       end do
    end subroutine form_equations
+
+   !> The equations of the input positions: each against itself and against the dimensions.
+   subroutine form_border(lsq, marble, weight)
+      type(lsq_t), intent(inout) :: lsq
+      integer, intent(in) :: marble
+      real(wp), intent(in) :: weight
+      real(wp) :: over
+      integer :: i, loop, t
+
+      t = marble + 1
+      do i = 1, size(lsq%delt)
+         lsq%edge(i) = lsq%problem%weight(i)*lsq%dx(i, t)**2
+         lsq%edge_gradient(i) = lsq%problem%weight(i)*lsq%dx(i, t)*lsq%miss(i, 1)
+         lsq%border(:, i) = lsq%problem%weight(i)*lsq%dx(i, t)*lsq%dx(i, :marble)
+         if (lsq%problem%motion == motion_point) then
+            lsq%edge(i) = lsq%edge(i) + lsq%problem%weight_y(i)*lsq%dy(i, t)**2
+            lsq%edge_gradient(i) = lsq%edge_gradient(i) + lsq%problem%weight_y(i)*lsq%dy(i, t)*lsq%miss(i, 2)
+            lsq%border(:, i) = lsq%border(:, i) + lsq%problem%weight_y(i)*lsq%dy(i, t)*lsq%dy(i, :marble)
+         end if
+         do loop = 1, size(lsq%limit)
+            over = abs(lsq%k(i, loop)) - lsq%limit(loop)
+            if (over <= 0.0_wp) cycle
+            over = sign(over, lsq%k(i, loop))
+            lsq%edge(i) = lsq%edge(i) + weight*lsq%dk(i, loop, t)**2
+            lsq%edge_gradient(i) = lsq%edge_gradient(i) + weight*over*lsq%dk(i, loop, t)
+            lsq%border(:, i) = lsq%border(:, i) + weight*lsq%dk(i, loop, t)*lsq%dk(i, loop, :marble)
+         end do
+      end do
+   end subroutine form_border
 end module psalm_lsq

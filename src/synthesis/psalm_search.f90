@@ -22,6 +22,7 @@ module psalm_search
    !> A linkage found.
    type :: found_t
       real(wp), allocatable :: values(:)   !! shape (marble)
+      real(wp), allocatable :: delt(:)     !! shape (positions): input increments (those given, but for free timing)
       real(wp) :: objective = 0.0_wp
       integer :: start = 0                 !! the start that led to it
       real(wp) :: distance = 0.0_wp        !! from the first linkage: largest relative change of a value
@@ -54,7 +55,7 @@ contains
       type(result_t), intent(out) :: result
       type(text_t), intent(inout) :: device1
       type(worker_t), allocatable :: workers(:)
-      real(wp), allocatable :: values(:, :), objective(:)
+      real(wp), allocatable :: values(:, :), delt(:, :), objective(:)
       logical, allocatable :: feasible(:), done(:)
       integer, allocatable :: evaluations(:), jacobians(:)
       integer(int64) :: begun
@@ -68,13 +69,15 @@ contains
          call prepare_lsq(set, problem, first, workers(t)%lsq)
       end do
       allocate (values(size(first), set%nstart), objective(set%nstart), source=0.0_wp)
+      allocate (delt(problem%positions, set%nstart), source=0.0_wp)
       allocate (feasible(set%nstart), done(set%nstart), source=.false.)
       allocate (evaluations(set%nstart), jacobians(set%nstart), source=0)
       !$omp parallel do num_threads(size(workers)) schedule(static) private(i)
       do t = 1, size(workers)
          do i = t, set%nstart, size(workers)
             if (i > size(workers) .and. time_is_up(set, begun)) exit
-            call one_start(set, workers(t), first, i, values(:, i), objective(i), feasible(i), evaluations(i), jacobians(i))
+            call one_start(set, workers(t), first, i, values(:, i), delt(:, i), objective(i), feasible(i), evaluations(i), &
+                           jacobians(i))
             done(i) = .true.
          end do
       end do
@@ -93,7 +96,7 @@ contains
             call device1%add(' START '//to_text(i)//'  NO LINKAGE THAT OBEYS THE CONSTRAINTS')
          end if
       end do
-      call rank(set, is_length(problem), first, values, objective, feasible, result%best)
+      call rank(set, is_length(problem), first, values, delt, objective, feasible, result%best)
    end subroutine search_many
 
    logical function time_is_up(set, begun)
@@ -108,12 +111,12 @@ contains
    end function time_is_up
 
    !> Start i: draw it, make it close, improve it.
-   subroutine one_start(set, worker, first, i, values, objective, feasible, evaluations, jacobians)
+   subroutine one_start(set, worker, first, i, values, delt, objective, feasible, evaluations, jacobians)
       type(data_set_t), intent(in) :: set
       type(worker_t), intent(inout) :: worker
       real(wp), intent(in) :: first(:)
       integer, intent(in) :: i
-      real(wp), intent(out) :: values(:), objective
+      real(wp), intent(out) :: values(:), delt(:), objective
       logical, intent(out) :: feasible
       integer, intent(out) :: evaluations, jacobians
       type(random_t) :: random
@@ -144,7 +147,9 @@ contains
       worker%lsq%evaluations = 0
       worker%lsq%jacobians = 0
       ! a start that closes but breaks another limit may still lead somewhere
+      worker%lsq%delt = worker%problem%delt
       call improve(worker%lsq, values, objective, feasible)
+      delt = worker%lsq%delt
       evaluations = evaluations + worker%lsq%evaluations
       jacobians = worker%lsq%jacobians
    end subroutine one_start
@@ -152,10 +157,10 @@ contains
    !> Sort what was found and keep the best distinct linkages.
    !>
    !> Two results are one linkage if their lengths and objectives agree: it may stand turned in the machine.
-   subroutine rank(set, lengths, first, values, objective, feasible, best)
+   subroutine rank(set, lengths, first, values, delt, objective, feasible, best)
       type(data_set_t), intent(in) :: set
       logical, intent(in) :: lengths(:)           !! shape (marble): values to compare
-      real(wp), intent(in) :: first(:), values(:, :), objective(:)
+      real(wp), intent(in) :: first(:), values(:, :), delt(:, :), objective(:)
       logical, intent(in) :: feasible(:)
       type(found_t), allocatable, intent(out) :: best(:)
       logical :: left(size(feasible))
@@ -167,6 +172,7 @@ contains
       do while (any(left) .and. size(best) < set%nbest)
          i = minloc(objective, dim=1, mask=left)
          next%values = values(:, i)
+         next%delt = delt(:, i)
          next%objective = objective(i)
          next%start = i
          next%distance = maxval(abs(values(:, i) - first)/max(abs(first), same_linkage))
