@@ -211,6 +211,11 @@ contains
       if (set%ntrial > 0) call draw_sample(linear, set%ntrial, set%istart, threads, sample)
       call list_tolerances(linear, sample, devices%six)
       call plot_tolerances(set%title, linear, sample, devices%nine)
+      if (any(linear%dead)) then
+         devices%code = max(devices%code, exit_violation)
+         call devices%notes%add(set%file//': '//trim(set%title)//': dead point at position '// &
+                                to_text(findloc(linear%dead, .true., dim=1))//': effects of tolerances are infinite there')
+      end if
       if (sample%open == 0) return
       devices%code = max(devices%code, exit_violation)
       call devices%notes%add(set%file//': '//trim(set%title)//': '//to_text(sample%open)//' of '//to_text(sample%trials)// &

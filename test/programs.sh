@@ -110,7 +110,7 @@ cp yoke.dev7 yoke_again.nml
 status 0 'device 7 keeps the groups of other programs' "$bin/kalm" --quiet yoke_again.nml
 if cmp -s first.lst out; then ok; else bad 'kalm on device 7 gives the same listing'; fi
 status 1 'kalm at a dead point' "$bin/kalm" "$data/hard/parallelogram.nml" --output-dir hard
-said 'kalm at a dead point' 'dead point of loop 1 at position 4, input 0.0'
+said 'kalm at a dead point' 'dead point of loop 1: rates are infinite at position 4, input 0.0'
 check 'kalm: a dead point prints no number' grep -q 'DEAD POINT OF LOOP 1: RATES ARE INFINITE' out
 sed "s/UNITS='REV\/MIN'/UNITS='KNOTS'/" yoke.nml >knots.nml
 status 2 'kalm: unknown unit' "$bin/kalm" knots.nml
@@ -149,6 +149,16 @@ check 'TOLER: a block of device 9' grep -q 'root_sum_square lowest highest mean 
 sed 's/TOLLEN=0.05/TOLLEN=-0.05/' toler.nml >negative.nml
 status 2 'TOLER: a negative tolerance' "$psalm" negative.nml
 said 'TOLER: a negative tolerance' 'a tolerance is negative'
+
+sed 's/TOLLEN=0.05/TOLLEN=50.0/' toler.nml >toolong.nml
+status 2 'TOLER: a tolerance as long as a link' "$psalm" toolong.nml
+said 'TOLER: a tolerance as long as a link' 'is not smaller than the length'
+{ cat "$data/hard/parallelogram.nml"; echo ' &TOLER TOLLEN=0.001 &END'; } >deadtol.nml
+status 1 'TOLER at a dead point' "$psalm" deadtol.nml
+check 'TOLER at a dead point: said so' grep -q 'DEAD POINT: THE EFFECTS ARE INFINITE' out
+sed 's/MOTION=1, IKIN=15/MOTION=2, IKIN=90, ORIGLK=40.0, ORIGNG=180.0/; s/NOUTLK=3/NOUTLK=1/' dyad1_crank_rocker.nml >corner.nml
+status 1 'kalm: output at the origin' "$bin/kalm" corner.nml
+check 'kalm: output at the origin is said' grep -q 'OUTPUT AT THE ORIGIN: RATES ARE NOT DEFINED' out
 
 # a linkage that does not close
 sed 's/140.0,0.0,10.0/35.0,0.0,10.0/' dyad4_slider_crank.nml >open.nml

@@ -198,6 +198,9 @@ contains
       call wrong(altered(ilink, 'ILINK=1,2,-3,4'), 'opposite sign')
       call wrong(altered(ilink, 'ILINK=1,2,0,4'), 'but arcs follow')
       call wrong(altered(iloop, 'ILOOP=1,0,0,2'), 'not yet determined')
+      call wrong('T'//nl//' &LINKS NLOOP=1, MAXARC=5, ILINK=-1,2,3,-5,4, ILOOP=-4,0,-2,1,1, '//nl// &
+                 ' ARCL=0,0,0,150,33, GAMA=3*0,90,0, NOUTLK=3, NOUTLP=1 &END'//nl//method, &
+                 'the frame: ILINK=5 and ILOOP=1 are expected')
       call wrong(altered(ilink, 'ILINK=1,2,3,1'), 'the frame: ILINK=4 and ILOOP=1 are expected')
       call wrong('T'//nl//' &LINKS NLOOP=1, MAXARC=5, ILINK=1,-1,3,4,5, ILOOP=1,1,0,0,1,'// &
                  ' ARCL=5*10., NOUTLK=3, NOUTLP=1 &END'//nl// &

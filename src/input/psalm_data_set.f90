@@ -3,7 +3,7 @@
 !> A file becomes a list of data sets. Topology is judged later, in `psalm_setup`; here each item is read, given its
 !> default and checked by itself. Source of items and defaults: Oldham (1977), appendix B.
 module psalm_data_set
-   use psalm_kinds, only: wp, full_turn, radians_per_degree
+   use psalm_kinds, only: wp, full_turn, half_turn, radians_per_degree
    use psalm_group, only: group_t
    use psalm_namelist, only: case_text_t, read_case
    use psalm_source, only: line_t, read_lines
@@ -24,6 +24,8 @@ module psalm_data_set
    integer, parameter :: most_arcs = 10000000     !! likewise NLOOP times MAXARC
    integer, parameter :: most_positions = 10000000 !! likewise NDES
    integer, parameter :: largest_istart = 999999999 !! nine digits
+   integer, parameter :: most_trials = 1000000000  !! likewise NTRIAL
+   real(wp), parameter :: fastest = 1.0e30_wp      !! likewise SPEED and ACCEL
    integer, parameter :: title_columns = 72
 
    !> Everything the user can say to `psalm`. Angles in degrees, lengths in the user's one unit.
@@ -255,7 +257,13 @@ contains
       call group%get_real('TOLORA', set%tolora, findings)
       call group%get_real('TOLCRK', set%tolcrk, findings)
       call group%get_integer('NTRIAL', set%ntrial, findings)
-      call check_range(group, 'NTRIAL', set%ntrial, 0, huge(1), findings)
+      call check_range(group, 'NTRIAL', set%ntrial, 0, most_trials, findings)
+      if (any(set%tolarc >= set%arcl .and. set%arcl > 0.0_wp)) then
+         call findings%error('the tolerance of a length is not smaller than the length', line=group%line, group='TOLER')
+      end if
+      if (any(set%tolgam > half_turn) .or. max(set%toloua, set%tolora) > half_turn) then
+         call findings%error('the tolerance of an angle is more than 180 degrees', line=group%line, group='TOLER')
+      end if
       if (any(set%tolarc < 0.0_wp) .or. any(set%tolgam < 0.0_wp) .or. min(set%tolout, set%toloua, set%tolorl, set%tolora, &
                                                                          set%tolcrk) < 0.0_wp) then
          call findings%error('a tolerance is negative; it is the largest deviation to either side', line=group%line, &
@@ -535,6 +543,8 @@ contains
       if (sliding .neqv. units == 'LENGTH/S') then
          call out_of(group, 'UNITS', "a sliding input has 'LENGTH/S', a turning one an angle a time; found '"//units//"'", findings)
       end if
+      if (abs(set%speed) > fastest) call out_of(group, 'SPEED', 'is out of all reason', findings)
+      if (abs(set%accel) > fastest) call out_of(group, 'ACCEL', 'is out of all reason', findings)
       set%speed = set%speed*unit
       set%accel = set%accel*unit
       call group%finish(findings)

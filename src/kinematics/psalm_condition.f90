@@ -68,18 +68,26 @@ contains
             number = arc
          case (motion_slide)
             x = value(link, link%slide(plan%length_slot(out)), i)
-            number = condition%slide(plan%length_slot(out))/max(abs(x), tiny(1.0_wp))
+            number = ratio(condition%slide(plan%length_slot(out)), abs(x))
          case default
             x = value(link, link%out_x, i)*link%scale
             y = value(link, link%out_y, i)*link%scale
             number = condition%point(plan%output_point) + abs(problem%out_length)*link%scale*(arc + 1.0_wp) &
                      + hypot(problem%origin_x, problem%origin_y)*link%scale*(2.0_wp + abs(problem%origin_angle)*radians_per_degree)
             if (problem%motion == 0) x = hypot(x, y)
-            number = 1.0_wp + number/max(abs(x), tiny(1.0_wp))
+            number = 1.0_wp + ratio(number, abs(x))
          end select
          number = min(number, worst)
       end associate
    end subroutine condition_at
+
+   !> a/b, but no more than `worst`.
+   pure real(wp) function ratio(a, b)
+      real(wp), intent(in) :: a, b   !! a >= 0, b >= 0
+
+      ratio = worst
+      if (b*worst > a) ratio = a/b
+   end function ratio
 
    !> Bound of an arc's direction, radians.
    pure real(wp) function of_arc(link, plan, arc, condition)
@@ -166,10 +174,10 @@ contains
          integer, intent(in) :: row, slot
          real(wp) :: length
 
-         length = max(value(link, row, i), epsilon(1.0_wp)*h, tiny(1.0_wp))
-         condition%slide(slot) = (h*gap + guide*guide)/length
+         length = max(value(link, row, i), epsilon(1.0_wp)*h)
+         condition%slide(slot) = ratio(h*gap + guide*guide, length)
          associate (p => link%steps(m)%arc_p)
-            condition%root(plan%root(p)) = gap/max(h, tiny(1.0_wp)) + guide*(1.0_wp + gap/max(h, tiny(1.0_wp)))/length + 1.0_wp
+            condition%root(plan%root(p)) = ratio(gap, h) + ratio(guide*(1.0_wp + ratio(gap, h)), length) + 1.0_wp
          end associate
       end subroutine slide_and_guide
 

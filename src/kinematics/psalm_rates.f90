@@ -16,12 +16,13 @@ module psalm_rates
    implicit none (type, external)
    private
    public :: rates_t, prepare_rates, differentiate, form_frames, output_rates, is_dead, highest_order
-   public :: row_of, unknowns_of, rows_of_arc
+   public :: row_of, unknowns_of, rows_of_arc, at_origin
 
    integer, parameter :: highest_order = 3
    integer, parameter :: rows_of_arc = 5        !! unit vector, vector, length
    integer, parameter :: rows_of_matrix = 5     !! inverse by rows, square of the sine between the columns
 
+   real(wp), parameter :: at_origin = 64.0_wp*epsilon(1.0_wp)    !! relative distance below which a point lies on the origin
    real(wp), parameter :: dead_by_root = 64.0_wp*epsilon(1.0_wp) !! square of the sine below which a triangle is flat
    real(wp), parameter :: dead_by_angle = dead_by_root**2        !! the same where the sine itself is computed
 
@@ -383,7 +384,7 @@ contains
 
    !> Derivatives of the output at position `i` of the block, orders 1 to 3: x and y for MOTION 0, else in x only.
    !>
-   !> MOTION 1: of the angle in radians. User's unit of length.
+   !> MOTION 1: of the angle in radians. User's unit of length. MOTION 2: zero where the point lies on the origin (`at_origin`).
    subroutine output_rates(problem, rates, i, orders, x, y)
       type(problem_t), intent(in) :: problem
       type(rates_t), intent(in) :: rates
@@ -428,9 +429,16 @@ contains
             end select
          end do
          if (problem%motion /= motion_distance) return
+         r = abs(px) + abs(py) + abs(problem%origin_x) + abs(problem%origin_y)
          px = px + link%store(link%point_x(plan%output_point) + i - 1)*back + problem%origin_x
          py = py + link%store(link%point_y(plan%output_point) + i - 1)*back + problem%origin_y
-         r = max(hypot(px, py), tiny(1.0_wp)**0.25_wp)
+         ! at the origin the distance has a corner and no derivative
+         if (hypot(px, py) <= at_origin*max(r, maxval(link%length)*back)) then
+            x = 0.0_wp
+            y = 0.0_wp
+            return
+         end if
+         r = hypot(px, py)
          ! r r' = x x' + y y', and its derivatives
          w1 = (px*x(1) + py*y(1))/r
          w2 = (px*x(2) + py*y(2) + x(1)**2 + y(1)**2 - w1*w1)/r

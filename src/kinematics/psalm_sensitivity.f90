@@ -405,8 +405,8 @@ contains
          if (problem%motion /= motion_distance) return
          do i = 1, n
             call output_vector(problem, i, ex, ey)
-            w = max(hypot(ex, ey), tiny(1.0_wp)**0.25_wp)
-            dx(i) = (ex*dx(i) + ey*dy(i))/w
+            w = hypot(ex, ey)
+            if (w > 0.0_wp) dx(i) = (ex/w)*dx(i) + (ey/w)*dy(i)
             dy(i) = 0.0_wp
          end do
       end associate
@@ -544,12 +544,16 @@ contains
                bx = -2.0_wp*bx
                by = -2.0_wp*by
             else
-               r = max(hypot(x, y), tiny(1.0_wp)**0.25_wp)
+               r = hypot(x, y)
                e = problem%wanted(k) - r
                objective = objective + problem%weight(k)*e*e
-               bar = -2.0_wp*problem%weight(k)*e/r
-               bx = bar*x
-               by = bar*y
+               bar = -2.0_wp*problem%weight(k)*e
+               bx = 0.0_wp
+               by = 0.0_wp
+               if (r > 0.0_wp) then
+                  bx = bar*(x/r)
+                  by = bar*(y/r)
+               end if
             end if
             ex = problem%out_c*link%store(root + i - 1) - problem%out_s*link%store(root_y + i - 1)
             ey = problem%out_c*link%store(root_y + i - 1) + problem%out_s*link%store(root + i - 1)

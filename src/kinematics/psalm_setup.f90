@@ -232,7 +232,8 @@ contains
 
       n = topology%loopl(loop)
       associate (arc => topology%arcs(topology%seq(loop, n)))
-         if (arc%frame) return
+         ! the frame's own arc hangs on the x axis, not on another arc of the frame
+         if (arc%frame .and. (loop > 1 .or. abs(set%ilink(n, 1)) == n)) return
          if (loop == 1) then
             call complain(set, 'ILINK', 1, n, 'is the last arc of loop 1, the frame: ILINK='//to_text(n)// &
                           ' and ILOOP=1 are expected, its direction in GAMA', findings)

@@ -4,28 +4,29 @@
 !> time, for the speed and acceleration of the group RATES. Source: Haines (about 1982), section 15.1; Oldham (1977), 9.3.1.
 module psalm_kalm
    use psalm_check_list, only: list_input
-   use psalm_data_set, only: data_set_t, motion_point, motion_angle
+   use psalm_data_set, only: data_set_t, motion_point, motion_angle, motion_distance
    use psalm_error, only: problem_t, motion_t, make_problem
    use psalm_finale, only: angle_text, describe_violation
    use psalm_kinds, only: wp
    use psalm_plan, only: step_point
-   use psalm_rates, only: rates_t, prepare_rates, differentiate, output_rates, is_dead, highest_order
+   use psalm_rates, only: rates_t, prepare_rates, differentiate, output_rates, is_dead, at_origin, highest_order
    use psalm_run, only: devices_t, version
    use psalm_setup, only: set_up
    use psalm_status, only: diagnostics_t, exit_violation
-   use psalm_text, only: text_t, fixed, full_precision, general, to_text
+   use psalm_text, only: text_t, full_precision, general, lower_case, to_text
    use psalm_topology, only: topology_t, dimensions_t
    implicit none (type, external)
    private
    public :: run_kalm, in_time
 
+   integer, parameter :: output_at_origin = -1 !! in place of a loop: the distance has no derivative
    integer, parameter :: most_told = 5 !! messages of one kind on standard error
 
    !> Derivatives of the output at all positions.
    type :: output_rates_t
       real(wp), allocatable :: x(:, :), y(:, :)     !! shape (3, positions): by the input
       real(wp), allocatable :: xt(:, :), yt(:, :)   !! shape (3, positions): by time
-      integer, allocatable :: dead(:)               !! loop at a dead point, 0: none
+      integer, allocatable :: dead(:)               !! loop at a dead point, 0: none, or `output_at_origin`
    end type output_rates_t
 
 contains
@@ -93,6 +94,9 @@ contains
                if (problem%linkage%step_of_loop(loop) == 0) cycle
                if (is_dead(problem, block_rates, loop, i)) rates%dead(k) = loop
             end do
+            if (problem%motion == motion_distance .and. all(abs(rates%x(:, k)) <= 0.0_wp)) then
+               if (motion%actual(k) <= at_origin*maxval(problem%given%arcl)) rates%dead(k) = output_at_origin
+            end if
             if (set%ktheta /= 0) call list_position(set, problem, motion, block_rates, i, k, rates%dead(k), device8)
          end do
       end do
@@ -112,7 +116,7 @@ contains
 
       call text%add()
       call text%add(' INPUT'//general(motion%input(k)))
-      if (.not. motion%closed(k) .or. dead > 0) then
+      if (.not. motion%closed(k) .or. dead /= 0) then
          call text%add(trim(merge(' DOES NOT CLOSE', ' DEAD POINT    ', .not. motion%closed(k))))
          return
       end if
@@ -178,10 +182,10 @@ contains
          line = merge(general(motion%input(k)), angle_text(motion%input(k)), problem%topology%sliding_input)
          if (.not. motion%closed(k)) then
             line = line//'   DOES NOT CLOSE'
-         else if (rates%dead(k) > 0) then
+         else if (rates%dead(k) /= 0) then
             line = line//general(motion%actual(k))
             if (problem%motion == motion_point) line = line//general(motion%actual_y(k))
-            line = line//'   DEAD POINT OF LOOP '//to_text(rates%dead(k))//': RATES ARE INFINITE'
+            line = line//'   '//dead_words(rates%dead(k))
          else if (problem%motion == motion_point) then
             line = line//general(motion%actual(k))//general(motion%actual_y(k))//general(rates%xt(1, k))// &
                    general(rates%yt(1, k))//general(rates%xt(2, k))//general(rates%yt(2, k))// &
@@ -273,6 +277,17 @@ contains
       end subroutine add_values
    end subroutine write_table
 
+   pure function dead_words(dead) result(words)
+      integer, intent(in) :: dead
+      character(:), allocatable :: words
+
+      if (dead == output_at_origin) then
+         words = 'OUTPUT AT THE ORIGIN: RATES ARE NOT DEFINED'
+      else
+         words = 'DEAD POINT OF LOOP '//to_text(dead)//': RATES ARE INFINITE'
+      end if
+   end function dead_words
+
    pure function value_or_nan(value, known) result(text)
       real(wp), intent(in) :: value
       logical, intent(in) :: known
@@ -305,9 +320,8 @@ contains
          devices%code = max(devices%code, exit_violation)
          told = told + 1
          if (told <= most_told) then
-            call devices%notes%add(set%file//': '//trim(set%title)//': dead point of loop '//to_text(rates%dead(k))// &
-                                   ' at position '//to_text(k)//', input '//trim(adjustl(general(motion%input(k))))// &
-                                   ': rates are infinite')
+            call devices%notes%add(set%file//': '//trim(set%title)//': '//lower_case(dead_words(rates%dead(k)))// &
+                                   ' at position '//to_text(k)//', input '//trim(adjustl(general(motion%input(k)))))
          end if
       end do
       if (told > most_told) call devices%notes%add(set%file//':   and '//to_text(told - most_told)//' more dead points')

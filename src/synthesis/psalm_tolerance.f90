@@ -9,7 +9,9 @@ module psalm_tolerance
    use psalm_error, only: problem_t, motion_t, make_problem
    use psalm_finale, only: angle_text
    use psalm_kinds, only: wp, i8
+   use psalm_linkage, only: padded
    use psalm_random, only: random_t
+   use psalm_rates, only: form_frames, is_dead
    use psalm_sensitivity, only: sensitivity_t, prepare_sensitivity, find_jacobian
    use psalm_setup, only: set_up
    use psalm_status, only: diagnostics_t
@@ -20,7 +22,8 @@ module psalm_tolerance
    private
    public :: tolerance_t, sample_t, find_tolerances, draw_sample, list_tolerances, plot_tolerances
 
-   integer, parameter :: chunk = 1000           !! linkages of a chunk; sums are formed by chunk and added in order
+   integer, parameter :: least_chunk = 1000     !! linkages of a chunk; sums are formed by chunk and added in order
+   integer, parameter :: most_chunks = 1000     !! larger samples have larger chunks
    integer, parameter :: most_named = 10        !! linkages of the sample that are named because they do not close
 
    !> The linear picture.
@@ -33,11 +36,13 @@ module psalm_tolerance
       real(wp), allocatable :: dx(:, :), dy(:, :)  !! shape (positions, marble): change of the output with each
       real(wp), allocatable :: worst(:), worst_y(:)   !! shape (positions): worst case
       real(wp), allocatable :: square(:), square_y(:) !! shape (positions): root-sum-square
+      logical, allocatable :: dead(:)              !! shape (positions): a dead point, where the effects are infinite
    end type tolerance_t
 
    !> The sample.
    type :: sample_t
       integer :: trials = 0
+      logical :: any_closed = .false.              !! there is something to tell of
       integer :: open = 0                          !! linkages that do not close at some position
       integer :: named(most_named) = 0             !! the first of them
       integer :: loop(most_named) = 0              !! and the loop that fails
@@ -100,6 +105,7 @@ contains
       end do
       call prepare_sensitivity(result%problem, work)
       call find_jacobian(result%problem, dimensions, work, result%dx, result%dy)
+      call find_dead(result%problem, dimensions, work, result%dead)
       do v = 1, marble
          result%dx(:, v) = result%dx(:, v)*result%tolerance(v)
          result%dy(:, v) = result%dy(:, v)*result%tolerance(v)
@@ -109,6 +115,28 @@ contains
       result%square = sqrt(sum(result%dx**2, dim=2))
       result%square_y = sqrt(sum(result%dy**2, dim=2))
    end subroutine find_tolerances
+
+   !> Positions at which some dyad is at a dead point.
+   subroutine find_dead(problem, dimensions, work, dead)
+      type(problem_t), intent(inout) :: problem
+      type(dimensions_t), intent(in) :: dimensions
+      type(sensitivity_t), intent(inout) :: work
+      logical, allocatable, intent(out) :: dead(:)
+      integer :: block, offset, n, i, loop
+
+      allocate (dead(problem%positions), source=.false.)
+      call problem%bind(dimensions)
+      do block = 1, problem%blocks()
+         call problem%solve_block(block, offset, n)
+         call form_frames(problem, work%rates, padded(n), fixed_too=.false.)
+         do loop = 1, problem%topology%nloop
+            if (problem%linkage%step_of_loop(loop) == 0) cycle
+            do i = 1, n
+               if (is_dead(problem, work%rates, loop, i)) dead(offset + i) = .true.
+            end do
+         end do
+      end do
+   end subroutine find_dead
 
    pure real(wp) function tolerance_of(set, variable) result(tolerance)
       type(data_set_t), intent(in) :: set
@@ -142,10 +170,11 @@ contains
       type(problem_t), allocatable :: workers(:)
       real(wp), allocatable :: low(:, :, :), high(:, :, :), total(:, :, :), squares(:, :, :) !! by chunk
       integer, allocatable :: open(:), named(:, :), loop(:, :)
-      integer :: chunks, k, t, n, i, closed
+      integer :: chunk, chunks, k, t, n, i, closed
 
       n = linear%problem%positions
-      chunks = (trials + chunk - 1)/chunk
+      chunk = max(least_chunk, (trials - 1)/most_chunks + 1)
+      chunks = (trials - 1)/chunk + 1
       sample%trials = trials
       allocate (workers(max(1, threads)))
       do t = 1, size(workers)
@@ -181,6 +210,7 @@ contains
          end do
          sample%open = sample%open + open(k)
       end do
+      sample%any_closed = sample%open < trials
       closed = max(1, trials - sample%open)
       sample%mean = sample%mean/real(closed, wp)
       sample%deviation = sqrt(max(sample%deviation/real(closed, wp) - sample%mean**2, 0.0_wp))
@@ -272,16 +302,21 @@ contains
          call text%add(' BANDS OF THE OUTPUT (+-), AND WHAT THE SAMPLE DEVIATED')
       end if
       line = '          INPUT     WORST CASE ROOT SUM SQUARE'
-      if (sample%trials > 0) line = line//'         LOWEST        HIGHEST           MEAN   STD.DEVIATION'
+      if (sample%any_closed) line = line//'         LOWEST        HIGHEST           MEAN   STD.DEVIATION'
       call text%add(line)
       do i = 1, size(linear%worst)
-         line = angle_text(linear%nominal%input(i))//general(linear%worst(i))//' '//general(linear%square(i))
-         if (sample%trials > 0) line = line//general(sample%low(i, 1))//general(sample%high(i, 1))// &
+         line = angle_text(linear%nominal%input(i))
+         if (linear%dead(i)) then
+            call text%add(line//'   DEAD POINT: THE EFFECTS ARE INFINITE')
+            cycle
+         end if
+         line = line//general(linear%worst(i))//' '//general(linear%square(i))
+         if (sample%any_closed) line = line//general(sample%low(i, 1))//general(sample%high(i, 1))// &
                                        general(sample%mean(i, 1))//' '//general(sample%deviation(i, 1))
          call text%add(line)
          if (linear%problem%motion /= motion_point) cycle
          line = repeat(' ', 15)//general(linear%worst_y(i))//' '//general(linear%square_y(i))
-         if (sample%trials > 0) line = line//general(sample%low(i, 2))//general(sample%high(i, 2))// &
+         if (sample%any_closed) line = line//general(sample%low(i, 2))//general(sample%high(i, 2))// &
                                        general(sample%mean(i, 2))//' '//general(sample%deviation(i, 2))
          call text%add(line)
       end do
@@ -332,7 +367,7 @@ contains
       line = '# input closed'
       do k = 1, last
          line = line//' actual'//axis(k)//' worst_case'//axis(k)//' root_sum_square'//axis(k)
-         if (sample%trials > 0) line = line//' lowest'//axis(k)//' highest'//axis(k)//' mean'//axis(k)//' std_deviation'//axis(k)
+         if (sample%any_closed) line = line//' lowest'//axis(k)//' highest'//axis(k)//' mean'//axis(k)//' std_deviation'//axis(k)
       end do
       call text%add(line)
       call text%add('# '//title)
@@ -340,11 +375,14 @@ contains
       do i = 1, size(linear%worst)
          line = full_precision(linear%nominal%input(i))//' 1'
          do k = 1, last
-            if (k == 1) line = line//' '//full_precision(linear%nominal%actual(i))//' '//full_precision(linear%worst(i))//' '// &
-                               full_precision(linear%square(i))
-            if (k == 2) line = line//' '//full_precision(linear%nominal%actual_y(i))//' '//full_precision(linear%worst_y(i))// &
-                               ' '//full_precision(linear%square_y(i))
-            if (sample%trials > 0) line = line//' '//full_precision(sample%low(i, k))//' '//full_precision(sample%high(i, k))// &
+            line = line//' '//full_precision(merge(linear%nominal%actual(i), linear%nominal%actual_y(i), k == 1))
+            if (linear%dead(i)) then
+               line = line//' NaN NaN'
+            else
+               line = line//' '//full_precision(merge(linear%worst(i), linear%worst_y(i), k == 1))//' '// &
+                      full_precision(merge(linear%square(i), linear%square_y(i), k == 1))
+            end if
+            if (sample%any_closed) line = line//' '//full_precision(sample%low(i, k))//' '//full_precision(sample%high(i, k))// &
                                           ' '//full_precision(sample%mean(i, k))//' '//full_precision(sample%deviation(i, k))
          end do
          call text%add(line)
