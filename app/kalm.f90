@@ -1,42 +1,34 @@
 !> kalm: velocities and accelerations of planar linkages from a namelist file.
 program kalm
-   use psalm_console, only: arguments_t, check_names, read_arguments, show_findings, write_devices
+   use psalm_console, only: arguments_t, begin, show_findings, write_devices
    use psalm_data_set, only: data_set_t, read_data_sets
    use psalm_kalm, only: run_kalm
    use psalm_kinds, only: wp
-   use psalm_run, only: devices_t, version, check_case
+   use psalm_run, only: devices_t, check_case
    use psalm_source, only: line_t
-   use psalm_status, only: diagnostics_t, exit_bad_input
-   use psalm_system, only: write_standard_error, write_standard_output
+   use psalm_status, only: diagnostics_t
+   use psalm_system, only: write_standard_error
    implicit none (type, external)
    character(*), parameter :: nl = new_line('a')
    type(arguments_t) :: arguments
-   logical :: done
+   logical :: finished
    integer :: code, i
 
-   call read_arguments('kalm', arguments)
+   call begin('kalm', &
+      'usage: kalm [options] [CASE.nml ...]'//nl// &
+      nl//'Displacement, velocity, acceleration and jerk of the output of each case, at its positions. The group'//nl// &
+      '&RATES gives the SPEED, ACCEL and UNITS of the input; without it the input moves at 1 rad/s or 1 length/s.'//nl// &
+      nl//'The listing goes to standard output; CASE.kalm.dev8 (input; with KTHETA=1 all arcs and joints) and'//nl// &
+      'CASE.kalm.dev9 beside the case.'//nl// &
+      nl//'  --output-dir DIR  put the device files into DIR'//nl// &
+      '  --quiet           no remarks on standard error, errors only'//nl// &
+      '  --version         print the version'//nl// &
+      '  --help            print this text'//nl// &
+      nl//'Exit status: 0 done; 1 done, but the linkage does not close somewhere or passes a dead point;'//nl// &
+      '2 the input is wrong; 3 a file could not be read or written.'//nl, &
+      arguments, finished)
    code = arguments%code
-   if (code == exit_bad_input) stop exit_bad_input, quiet=.true.
-   if (arguments%help) then
-      call write_standard_output( &
-         'usage: kalm [options] [CASE.nml ...]'//nl// &
-         nl//'Displacement, velocity, acceleration and jerk of the output of each case, at its positions. The group'//nl// &
-         '&RATES gives the SPEED, ACCEL and UNITS of the input; without it the input moves at 1 rad/s or 1 length/s.'//nl// &
-         nl//'The listing goes to standard output; CASE.kalm.dev8 (input; with KTHETA=1 all arcs and joints) and'//nl// &
-         'CASE.kalm.dev9 beside the case.'//nl// &
-         nl//'  --output-dir DIR  put the device files into DIR'//nl// &
-         '  --quiet           no remarks on standard error, errors only'//nl// &
-         '  --version         print the version'//nl// &
-         '  --help            print this text'//nl// &
-         nl//'Exit status: 0 done; 1 done, but the linkage does not close somewhere or passes a dead point;'//nl// &
-         '2 the input is wrong; 3 a file could not be read or written.'//nl, done)
-      stop
-   else if (arguments%version) then
-      call write_standard_output('kalm '//version//nl, done)
-      stop
-   end if
-   call check_names(arguments, code)
-   if (code == exit_bad_input) stop exit_bad_input, quiet=.true.
+   if (finished) stop code, quiet=.true.
    do i = 1, size(arguments%files)
       call run_file(trim(arguments%files(i)))
    end do

@@ -1,12 +1,12 @@
 !> psalm: displacement analysis and dimensional synthesis of planar linkages from a namelist file.
 program psalm
-   use psalm_console, only: arguments_t, progress_t, check_names, read_arguments, show_findings, stem_of, write_devices
+   use psalm_console, only: arguments_t, progress_t, begin, show_findings, stem_of, write_devices
    use psalm_data_set, only: data_set_t, read_data_sets
    use psalm_kinds, only: wp
-   use psalm_run, only: devices_t, version, check_case, run_case
+   use psalm_run, only: devices_t, check_case, run_case
    use psalm_source, only: line_t, read_lines
-   use psalm_status, only: diagnostics_t, exit_bad_input
-   use psalm_system, only: write_standard_error, write_standard_output
+   use psalm_status, only: diagnostics_t
+   use psalm_system, only: write_standard_error
    implicit none (type, external)
 
    !> Vertices of one case, from device 4.
@@ -16,33 +16,25 @@ program psalm
 
    character(*), parameter :: nl = new_line('a')
    type(arguments_t) :: arguments
-   logical :: done
+   logical :: finished
    integer :: code, i
 
-   call read_arguments('psalm', arguments)
+   call begin('psalm', &
+      'usage: psalm [options] [CASE.nml ...]'//nl// &
+      nl//'Analyses the linkage of each case, or searches for better dimensions where the case has variables.'//nl// &
+      'Without a file, or with -, the case is read from standard input.'//nl// &
+      nl//'The listing goes to standard output; CASE.dev1, .dev2, .dev7, .dev8 and .dev9 beside the case.'//nl// &
+      nl//'  --output-dir DIR  put the device files into DIR'//nl// &
+      '  --device4 FILE    read supplied vertices (NGUESS) from FILE; default CASE.dev4'//nl// &
+      '  --threads N       threads that share the positions of an evaluation; default 1'//nl// &
+      '  --quiet           no remarks on standard error, errors only'//nl// &
+      '  --version         print the version'//nl// &
+      '  --help            print this text'//nl// &
+      nl//'Exit status: 0 done; 1 done, but limits are violated or the search stopped before converging;'//nl// &
+      '2 the input is wrong; 3 a file could not be read or written.'//nl, &
+      arguments, finished)
    code = arguments%code
-   if (code == exit_bad_input) stop exit_bad_input, quiet=.true.
-   if (arguments%help) then
-      call write_standard_output( &
-         'usage: psalm [options] [CASE.nml ...]'//nl// &
-         nl//'Analyses the linkage of each case, or searches for better dimensions where the case has variables.'//nl// &
-         'Without a file, or with -, the case is read from standard input.'//nl// &
-         nl//'The listing goes to standard output; CASE.dev1, .dev2, .dev7, .dev8 and .dev9 beside the case.'//nl// &
-         nl//'  --output-dir DIR  put the device files into DIR'//nl// &
-         '  --device4 FILE    read supplied vertices (NGUESS) from FILE; default CASE.dev4'//nl// &
-         '  --threads N       threads that share the positions of an evaluation; default 1'//nl// &
-         '  --quiet           no remarks on standard error, errors only'//nl// &
-         '  --version         print the version'//nl// &
-         '  --help            print this text'//nl// &
-         nl//'Exit status: 0 done; 1 done, but limits are violated or the search stopped before converging;'//nl// &
-         '2 the input is wrong; 3 a file could not be read or written.'//nl, done)
-      stop
-   else if (arguments%version) then
-      call write_standard_output('psalm '//version//nl, done)
-      stop
-   end if
-   call check_names(arguments, code)
-   if (code == exit_bad_input) stop exit_bad_input, quiet=.true.
+   if (finished) stop code, quiet=.true.
    do i = 1, size(arguments%files)
       call run_file(trim(arguments%files(i)))
    end do

@@ -3,14 +3,14 @@ module psalm_console
    use, intrinsic :: iso_fortran_env, only: int64
    use psalm_kinds, only: dp
    use psalm_number, only: parse_integer
-   use psalm_run, only: devices_t
+   use psalm_run, only: devices_t, version
    use psalm_simplx, only: search_monitor_t, search_state_t
    use psalm_status, only: diagnostics_t, exit_bad_input, exit_file_trouble
    use psalm_system, only: error_is_terminal, make_directory, write_standard_error, write_standard_output, write_whole_file
    use psalm_text, only: to_text, general
    implicit none (type, external)
    private
-   public :: arguments_t, progress_t, check_names, read_arguments, show_findings, stem_of, write_devices
+   public :: arguments_t, progress_t, begin, show_findings, stem_of, write_devices
 
    integer, parameter :: most_threads = 1024
 
@@ -34,6 +34,31 @@ module psalm_console
    end type progress_t
 
 contains
+
+   !> What every program does first: read the command line, answer --help and --version, refuse mistakes.
+   !>
+   !> `finished` is true if there is nothing left to do; the program then ends with `arguments%code`.
+   subroutine begin(program, help, arguments, finished)
+      character(*), intent(in) :: program, help         !! name of the program; text of --help
+      type(arguments_t), intent(out) :: arguments
+      logical, intent(out) :: finished
+      logical :: done
+
+      call read_arguments(program, arguments)
+      finished = .true.
+      if (arguments%code == exit_bad_input) return
+      if (arguments%help .or. arguments%version) then
+         if (arguments%help) then
+            call write_standard_output(help, done)
+         else
+            call write_standard_output(program//' '//version//new_line('a'), done)
+         end if
+         if (.not. done) arguments%code = exit_file_trouble
+         return
+      end if
+      call check_names(arguments)
+      finished = arguments%code == exit_bad_input
+   end subroutine begin
 
    !> Read the command line. Mistakes are told on standard error.
    subroutine read_arguments(program, arguments)
@@ -90,9 +115,8 @@ contains
    end subroutine read_arguments
 
    !> Two cases whose devices would have the same names would overwrite each other.
-   subroutine check_names(arguments, code)
-      type(arguments_t), intent(in) :: arguments
-      integer, intent(inout) :: code
+   subroutine check_names(arguments)
+      type(arguments_t), intent(inout) :: arguments
       integer :: i, k
 
       do i = 2, size(arguments%files)
@@ -101,7 +125,7 @@ contains
             call say(arguments%program, "'"//trim(arguments%files(k))//"' and '"//trim(arguments%files(i))// &
                      "' would write the same files '"// &
                      stem_of(arguments%files(i), arguments%output_dir)//".dev7' and so on; rename one or run them apart")
-            code = exit_bad_input
+            arguments%code = exit_bad_input
             return
          end do
       end do

@@ -1,7 +1,7 @@
 !> Every dyad: the two arcs close the gap, keep their lengths, and lie on the side that the sign says.
 program test_dyads
    use check, only: checks_t
-   use psalm_dyads, only: solve_two_links, solve_slide_on_q, solve_slide_on_p, solve_link_slide, solve_slide_link, &
+   use psalm_dyads, only: solve_two_links, solve_slide_on_q, solve_slide_on_p, solve_link_slide, &
                           project_on_slides, solve_two_slides
    use psalm_kinds, only: wp
    use psalm_random, only: random_t
@@ -108,7 +108,7 @@ contains
       call unit(px, py, 'type 4')
       along = px*ux + py*uy
       call t%is_true(all(along*sign > 0.0_wp), 'type 4: the joint lies beyond the foot, along u, with a positive sign')
-      call solve_slide_link(n, sx, sy, ex, ey, link, sign, root_x, root_y, c, s, qx, qy, lp, reach)
+      call solve_link_slide(n, sx, sy, ex, ey, link, -sign, root_x, root_y, c, s, qx, qy, lp, reach)
       call closes(ux, uy, lp, qx, qy, spread(link, 1, n), 'type 5')
       call unit(qx, qy, 'type 5')
       along = -(qx*ux + qy*uy)

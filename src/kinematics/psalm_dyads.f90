@@ -8,7 +8,7 @@ module psalm_dyads
    use psalm_kinds, only: wp
    implicit none (type, external)
    private
-   public :: solve_two_links, solve_one_link, solve_slide_on_q, solve_slide_on_p, solve_link_slide, solve_slide_link
+   public :: solve_two_links, solve_one_link, solve_slide_on_q, solve_slide_on_p, solve_link_slide
    public :: project_on_slides, solve_two_slides
 
    real(wp), parameter :: least_square = 4.0_wp*tiny(1.0_wp) !! guards a division; such a dyad is reported as open
@@ -132,14 +132,14 @@ contains
       end do
    end subroutine solve_slide_on_p
 
-   !> Type 4, link p and slide q along a known direction u.
+   !> Type 4, link p and slide q along a known direction u; type 5, slide p and link q, is the same with -s.
    !>
    !> `reach` is the offset cross(u, h): closed while abs(reach) <= p.
    pure subroutine solve_link_slide(n, sx, sy, ex, ey, p, s, rx, ry, c, d, px, py, slide, reach)
       integer, intent(in) :: n
       real(wp), intent(in) :: sx(n), sy(n), ex(n), ey(n)
       real(wp), intent(in) :: p                  !! length of the link, > 0
-      real(wp), intent(in) :: s                  !! assembly, +1: the common joint lies beyond the foot, along u
+      real(wp), intent(in) :: s                  !! assembly, type 4: +1 if the common joint lies beyond the foot, along u
       real(wp), intent(in) :: rx(n), ry(n)       !! unit vector of a root
       real(wp), intent(in) :: c, d               !! cosine, sine of the fixed angle from the root to u
       real(wp), intent(out) :: px(n), py(n)      !! unit vector of the link
@@ -160,35 +160,6 @@ contains
          py(i) = (root*uy + offset*ux)/p
       end do
    end subroutine solve_link_slide
-
-   !> Type 5, slide p along a known direction u and link q.
-   !>
-   !> `reach` is the offset cross(u, h): closed while abs(reach) <= q.
-   pure subroutine solve_slide_link(n, sx, sy, ex, ey, q, s, rx, ry, c, d, qx, qy, slide, reach)
-      integer, intent(in) :: n
-      real(wp), intent(in) :: sx(n), sy(n), ex(n), ey(n)
-      real(wp), intent(in) :: q                  !! length of the link, > 0
-      real(wp), intent(in) :: s                  !! assembly, +1: the common joint lies beyond the foot, along u
-      real(wp), intent(in) :: rx(n), ry(n)       !! unit vector of a root
-      real(wp), intent(in) :: c, d               !! cosine, sine of the fixed angle from the root to u
-      real(wp), intent(out) :: qx(n), qy(n)      !! unit vector of the link
-      real(wp), intent(out) :: slide(n), reach(n) !! signed length of the slide; offset
-      real(wp) :: hx, hy, ux, uy, offset, root
-      integer :: i
-
-      do i = 1, n
-         hx = ex(i) - sx(i)
-         hy = ey(i) - sy(i)
-         ux = c*rx(i) - d*ry(i)
-         uy = c*ry(i) + d*rx(i)
-         offset = ux*hy - uy*hx
-         reach(i) = offset
-         root = s*sqrt(max((q - offset)*(q + offset), 0.0_wp))
-         slide(i) = hx*ux + hy*uy + root
-         qx(i) = (-root*ux - offset*uy)/q
-         qy(i) = (-root*uy + offset*ux)/q
-      end do
-   end subroutine solve_slide_link
 
    !> Types 6 and 7: two slides at right angles; their lengths are the projections of h. They always close.
    pure subroutine project_on_slides(n, sx, sy, ex, ey, rx, ry, cp, dp, cq, dq, slide_p, slide_q, reach)

@@ -7,7 +7,7 @@ module psalm_linkage
    use, intrinsic :: iso_c_binding, only: c_intptr_t, c_loc
    use psalm_angles, only: unit_vector
    use psalm_dyads, only: solve_two_links, solve_one_link, solve_slide_on_q, solve_slide_on_p, solve_link_slide, &
-                          solve_slide_link, project_on_slides, solve_two_slides
+                          project_on_slides, solve_two_slides
    use psalm_kinds, only: wp, right_angle
    use psalm_plan, only: plan_t, step_point, step_dyad, root_crank
    use psalm_topology, only: topology_t, dimensions_t
@@ -421,7 +421,7 @@ contains
             call solve_link_slide(n, store(sx), store(sy), store(ex), store(ey), step%p, step%sign, store(qx), store(qy), &
                                   step%qx, step%qy, store(px), store(py), store(step%slide_q), store(reach))
          case (5)
-            call solve_slide_link(n, store(sx), store(sy), store(ex), store(ey), step%q, step%sign, store(px), store(py), &
+            call solve_link_slide(n, store(sx), store(sy), store(ex), store(ey), step%q, -step%sign, store(px), store(py), &
                                   step%px, step%py, store(qx), store(qy), store(step%slide_p), store(reach))
          case (6, 7)
             call project_on_slides(n, store(sx), store(sy), store(ex), store(ey), store(px), store(py), step%px, step%py, &

@@ -13,7 +13,7 @@ module psalm_rate_kernels
    public :: arc_vector, add_arc_rate, add_arc_change, difference
    public :: point_back, dyad_back, arc_back
    public :: invert_columns, solve_columns, quarter_turn_of_sum
-   public :: link_pair_first, link_pair_second, link_pair_third, turn_point, turn_point_twice
+   public :: link_pair_second, link_pair_third, turn_point_twice, turn_point_third
    public :: slide_point_twice, projections_twice
 
    real(wp), parameter :: least = tiny(1.0_wp)**0.25_wp !! guards a division
@@ -123,34 +123,9 @@ contains
       end do
    end subroutine solve_columns
 
-   !> Link pair, first order: wp and wq from p.. with the sine of the angle between the links, whose inverse is kept.
+   !> Link pair, first and second order in one pass; the inverse of the sine between the links is kept.
    !>
    !> Where the square of the sine is not above `limit` (a dead point) the inverse is zero.
-   pure subroutine link_pair_first(n, p, q, limit, sx, sy, ex, ey, px, py, qx, qy, inverse, sine2, wp1, wq1)
-      integer, intent(in) :: n
-      real(wp), intent(in) :: p, q, limit                 !! lengths
-      real(wp), intent(in) :: sx(n), sy(n), ex(n), ey(n)  !! first derivatives of S and E
-      real(wp), intent(in) :: px(n), py(n), qx(n), qy(n)  !! unit vectors of the links
-      real(wp), intent(out) :: inverse(n), sine2(n), wp1(n), wq1(n)
-      real(wp) :: gx, gy, sine, to_p, to_q
-      integer :: i
-
-      to_p = 1.0_wp/p
-      to_q = -1.0_wp/q
-      do i = 1, n
-         sine = px(i)*qy(i) - py(i)*qx(i)
-         sine2(i) = sine*sine
-         sine = 1.0_wp/sign(max(abs(sine), least), sine)
-         sine = merge(sine, 0.0_wp, sine2(i) > limit)
-         inverse(i) = sine
-         gx = ex(i) - sx(i)
-         gy = ey(i) - sy(i)
-         wp1(i) = (gx*qx(i) + gy*qy(i))*(sine*to_p)
-         wq1(i) = (gx*px(i) + gy*py(i))*(sine*to_q)
-      end do
-   end subroutine link_pair_first
-
-   !> Link pair, first and second order in one pass.
    pure subroutine link_pair_second(n, p, q, limit, sx1, sy1, ex1, ey1, sx2, sy2, ex2, ey2, px, py, qx, qy, inverse, sine2, wp1, &
                                     wq1, wp2, wq2)
       integer, intent(in) :: n
@@ -228,37 +203,22 @@ contains
       end do
    end subroutine turn_point_twice
 
-   !> Point at the end of an arc of fixed length, one order.
-   pure subroutine turn_point(n, order, ax, ay, fx, fy, rx, ry, w1, w2, w3, tx, ty)
-      integer, intent(in) :: n, order
+   !> Point at the end of an arc of fixed length, third order.
+   pure subroutine turn_point_third(n, ax, ay, fx, fy, rx, ry, w1, w2, w3, tx, ty)
+      integer, intent(in) :: n
       real(wp), intent(in) :: ax, ay                !! the arc in the axes of its root, sense included
       real(wp), intent(in) :: fx(n), fy(n), rx(n), ry(n), w1(n), w2(n), w3(n)
       real(wp), intent(out) :: tx(n), ty(n)
       real(wp) :: x, y
       integer :: i
 
-      select case (order)
-      case (1)
-         do i = 1, n
-            tx(i) = fx(i) - w1(i)*(ax*ry(i) + ay*rx(i))
-            ty(i) = fy(i) + w1(i)*(ax*rx(i) - ay*ry(i))
-         end do
-      case (2)
-         do i = 1, n
-            x = ax*rx(i) - ay*ry(i)
-            y = ax*ry(i) + ay*rx(i)
-            tx(i) = fx(i) - w1(i)*w1(i)*x - w2(i)*y
-            ty(i) = fy(i) - w1(i)*w1(i)*y + w2(i)*x
-         end do
-      case default
-         do i = 1, n
-            x = ax*rx(i) - ay*ry(i)
-            y = ax*ry(i) + ay*rx(i)
-            tx(i) = fx(i) - 3.0_wp*w1(i)*w2(i)*x - (w3(i) - w1(i)**3)*y
-            ty(i) = fy(i) - 3.0_wp*w1(i)*w2(i)*y + (w3(i) - w1(i)**3)*x
-         end do
-      end select
-   end subroutine turn_point
+      do i = 1, n
+         x = ax*rx(i) - ay*ry(i)
+         y = ax*ry(i) + ay*rx(i)
+         tx(i) = fx(i) - 3.0_wp*w1(i)*w2(i)*x - (w3(i) - w1(i)**3)*y
+         ty(i) = fy(i) - 3.0_wp*w1(i)*w2(i)*y + (w3(i) - w1(i)**3)*x
+      end do
+   end subroutine turn_point_third
 
    !> Point at the end of an arc of varying length, first and second order in one pass.
    pure subroutine slide_point_twice(n, c, s, fx1, fy1, fx2, fy2, rx, ry, w1, w2, length, l1, l2, tx1, ty1, tx2, ty2)

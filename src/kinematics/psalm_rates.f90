@@ -10,8 +10,8 @@ module psalm_rates
    use psalm_kinds, only: wp
    use psalm_linkage, only: bound_step_t, line_elements, offset_to_line, padded
    use psalm_plan, only: step_point, root_crank
-   use psalm_rate_kernels, only: arc_vector, add_arc_rate, difference, invert_columns, solve_columns, link_pair_first, &
-                                 link_pair_second, link_pair_third, quarter_turn_of_sum, turn_point, turn_point_twice, &
+   use psalm_rate_kernels, only: arc_vector, add_arc_rate, difference, invert_columns, solve_columns, quarter_turn_of_sum, &
+                                 link_pair_second, link_pair_third, turn_point_twice, turn_point_third, &
                                  slide_point_twice, projections_twice
    implicit none (type, external)
    private
@@ -204,7 +204,7 @@ contains
       dead_limit = merge(dead_by_root, dead_by_angle, joint <= 5)
    end function dead_limit
 
-   !> Derivatives by the input up to `orders` (1 to 3) for the first `n` positions of the block just solved.
+   !> Derivatives by the input up to `orders` (2 or 3) for the first `n` positions of the block just solved.
    subroutine differentiate(problem, rates, n, orders)
       type(problem_t), intent(in) :: problem
       type(rates_t), intent(inout) :: rates
@@ -263,11 +263,6 @@ contains
       associate (d => rates%d, store => problem%linkage%store, inverse => at, sine2 => at + 4*rates%room, &
                  sx => step%from_x, sy => step%from_y, ex => step%to_x, &
                  ey => step%to_y, px => step%p_x, py => step%p_y, qx => step%q_x, qy => step%q_y)
-         if (orders == 1) then
-            call link_pair_first(n, step%p, step%q, dead_by_root, d(sx, 1), d(sy, 1), d(ex, 1), d(ey, 1), store(px), store(py), &
-                                 store(qx), store(qy), rates%work(inverse), rates%work(sine2), d(px, 1), d(qx, 1))
-            return
-         end if
          call link_pair_second(n, step%p, step%q, dead_by_root, d(sx, 1), d(sy, 1), d(ex, 1), d(ey, 1), d(sx, 2), d(sy, 2), &
                                d(ex, 2), d(ey, 2), store(px), store(py), store(qx), store(qy), rates%work(inverse), &
                                rates%work(sine2), d(px, 1), d(qx, 1), d(px, 2), d(qx, 2))
@@ -288,12 +283,10 @@ contains
       associate (d => rates%d, store => problem%linkage%store, fx => step%from_x, fy => step%from_y, tx => step%to_x, &
                  ty => step%to_y, root => step%root_x, slide => step%slide_row)
          if (slide == 0) then
-            if (orders > 1) call turn_point_twice(n, step%x, step%y, d(fx, 1), d(fy, 1), d(fx, 2), d(fy, 2), store(root), &
-               store(step%root_y), d(root, 1), d(root, 2), d(tx, 1), d(ty, 1), d(tx, 2), d(ty, 2))
-            do order = merge(3, 1, orders > 1), orders
-               call turn_point(n, order, step%x, step%y, d(fx, order), d(fy, order), store(root), store(step%root_y), &
-                               d(root, 1), d(root, 2), d(root, 3), d(tx, order), d(ty, order))
-            end do
+            call turn_point_twice(n, step%x, step%y, d(fx, 1), d(fy, 1), d(fx, 2), d(fy, 2), store(root), store(step%root_y), &
+                                  d(root, 1), d(root, 2), d(tx, 1), d(ty, 1), d(tx, 2), d(ty, 2))
+            if (orders == 3) call turn_point_third(n, step%x, step%y, d(fx, 3), d(fy, 3), store(root), store(step%root_y), &
+                                                   d(root, 1), d(root, 2), d(root, 3), d(tx, 3), d(ty, 3))
          else if (orders == 2) then
             call slide_point_twice(n, step%x, step%y, d(fx, 1), d(fy, 1), d(fx, 2), d(fy, 2), store(root), &
                                    store(step%root_y), d(root, 1), d(root, 2), store(slide), d(slide, 1), d(slide, 2), &

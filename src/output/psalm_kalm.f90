@@ -159,14 +159,19 @@ contains
       type(motion_t), intent(in) :: motion
       type(output_rates_t), intent(in) :: rates
       type(text_t), intent(inout) :: text
-      character(:), allocatable :: line
+      character(:), allocatable :: line, name
       integer :: k
 
       call text%add(' '//set%title)
       call text%add()
       line = trim(merge('LENGTH/S', 'RAD/S   ', problem%topology%sliding_input))
-      call text%add(' SPEED OF THE INPUT'//general(set%speed)//' '//line//trim(merge(' (CONSTANT)    ', ' (NOT GIVEN: 1)', &
-                                                                                     set%rates_given)))
+      name = ''
+      if (.not. set%rates_given) then
+         name = ' (NOT GIVEN: 1, CONSTANT)'
+      else if (abs(set%accel) <= 0.0_wp) then
+         name = ' (CONSTANT)'
+      end if
+      call text%add(' SPEED OF THE INPUT'//general(set%speed)//' '//line//name)
       if (abs(set%accel) > 0.0_wp) call text%add(' ACCELERATION OF THE INPUT'//general(set%accel)//' '//line//'**2')
       if (abs(set%accel) > 0.0_wp) call text%add(' THE SPEED IS THE SAME AT EVERY POSITION, THE ACCELERATION TOO')
       if (problem%motion == motion_angle) call text%add(' ANGLES IN DEGREES, THEIR RATES IN RADIANS')

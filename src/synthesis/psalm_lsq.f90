@@ -118,35 +118,25 @@ contains
       real(wp), intent(inout) :: values(:)          !! shape (marble)
       real(wp), intent(out) :: objective
       logical, intent(out) :: feasible
-      real(wp) :: best(size(values)), best_objective, weight, merit
+      real(wp) :: weight, merit
       integer :: round, loop
-      logical :: found, closed
+      logical :: closed
 
       values = min(max(values, lsq%low), lsq%high)
-      found = .false.
-      best = values
-      best_objective = huge(best_objective)
+      feasible = .false.
       call measure(lsq, values, lsq%delt, 0.0_wp, merit, objective, closed)
+      if (.not. closed) return
       weight = max(objective, tiny(1.0_wp)**0.5_wp)
-      do round = 1, merge(weights, 0, closed)
+      do round = 1, weights
          call descend(lsq, values, weight)
          call lsq%judge%topology%apply(values, lsq%dimensions)
          if (lsq%free) call lsq%judge%move_inputs(lsq%delt)
          call lsq%judge%evaluate(lsq%dimensions, objective, loop)
          lsq%evaluations = lsq%evaluations + 1
-         if (loop == 0 .and. objective < best_objective) then
-            found = .true.
-            best = values
-            best_objective = objective
-         end if
-         if (loop == 0) exit
+         feasible = loop == 0
+         if (feasible) return
          weight = weight*weight_step
       end do
-      feasible = found
-      if (found) then
-         values = best
-         objective = best_objective
-      end if
    end subroutine improve
 
    !> Put values and, with free timing, input increments in.
