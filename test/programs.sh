@@ -67,7 +67,10 @@ sed 's/NITER=2000/NITER=2000, NGUESS=17/' needle_search.nml >stage2.nml
 status 3 'NGUESS without device 4' "$psalm" stage2.nml
 said 'NGUESS without device 4' "cannot open 'stage2.dev4'"
 status 0 'restart from device 4' "$psalm" --device4 stage1.dev7 stage2.nml
-check 'restart goes on from the best so far' awk '/^!F  1/{exit}' stage2.dev7
+sed -n 's/.*best objective \([0-9.D+-]*\);.*/\1/p' stage1.dev1 >ended
+sed -n 's/^ ITERATION 0  BEST *\([0-9.D+-]*\) .*/\1/p' stage2.dev1 >began
+check 'restart goes on from the best so far' awk '{ sub("D", "E"); v[NR] = $1 }
+    END { d = v[1] - v[2]; if (d < 0) d = -d; exit !(NR == 2 && v[1] > 0 && d <= 1e-4*v[1]) }' ended began
 cp stage1.dev7 stage2.dev4
 status 0 'device 4 beside the case' "$psalm" stage2.nml
 
