@@ -17,17 +17,17 @@ module psalm_lsq
    integer, parameter :: most_iterations = 400       !! for one weight of the violations
    integer, parameter :: weights = 6                 !! weights of the violations tried, each 100 times the one before
    real(wp), parameter :: weight_step = 100.0_wp
-   real(wp), parameter :: no_better = 1.0e-9_wp      !! relative gain of a step below which it is one of the last
-   integer, parameter :: most_idle = 4               !! such steps in a row end the search
+   integer, parameter :: most_idle = 4               !! steps of too small a gain in a row that end the search
    real(wp), parameter :: first_damping = 1.0e-2_wp
    real(wp), parameter :: largest_damping = 1.0e12_wp
 
 contains
 
    !> Improve a linkage. `feasible` tells whether the result obeys every constraint at the positions looked at.
-   subroutine improve(merit, values, most_evaluations, objective, feasible)
+   subroutine improve(merit, values, least_gain, most_evaluations, objective, feasible)
       type(merit_t), intent(inout) :: merit
       real(wp), intent(inout) :: values(:)          !! shape (marble)
+      real(wp), intent(in) :: least_gain            !! relative gain of a step below which it is one of the last
       integer, intent(in) :: most_evaluations       !! at most about so many more evaluations
       real(wp), intent(out) :: objective
       logical, intent(out) :: feasible
@@ -40,7 +40,7 @@ contains
       weight = max(objective, tiny(1.0_wp)**0.5_wp)
       feasible = .false.
       do round = 1, weights
-         call descend(merit, values, weight, last)
+         call descend(merit, values, weight, least_gain, last)
          call obeys(merit, values, merit%delt, objective, feasible)
          if (feasible .or. merit%evaluations >= last) return
          weight = weight*weight_step
@@ -48,10 +48,10 @@ contains
    end subroutine improve
 
    !> Descend to a minimum of the merit for one weight of the violations.
-   subroutine descend(merit, values, weight, last)
+   subroutine descend(merit, values, weight, least_gain, last)
       type(merit_t), intent(inout) :: merit
       real(wp), intent(inout) :: values(:)
-      real(wp), intent(in) :: weight
+      real(wp), intent(in) :: weight, least_gain
       integer, intent(in) :: last                   !! evaluation to stop at
       real(wp) :: trial(size(values)), step(size(values)), right(size(values)), damped(size(values), size(values))
       real(wp) :: trial_delt(size(merit%delt)), turn(size(merit%delt))
@@ -101,10 +101,10 @@ contains
                merit%delt = trial_delt
             end if
             gain = (total - trial_total)/max(promised, tiny(1.0_wp))
-            idle = merge(idle + 1, 0, total - trial_total <= no_better*total)
+            idle = merge(idle + 1, 0, total - trial_total <= least_gain*total)
             values = trial
             total = trial_total
-            if (idle >= most_idle) return
+            if (idle >= most_idle .or. total <= merit%floor) return
             damping = damping*max(1.0_wp/3.0_wp, 1.0_wp - (2.0_wp*min(gain, 2.0_wp) - 1.0_wp)**3)
             growth = 2.0_wp
             call form_equations(merit, values, merit%delt, weight)

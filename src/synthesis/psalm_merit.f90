@@ -34,6 +34,7 @@ module psalm_merit
       type(region_t), allocatable :: regions(:)
       integer, allocatable :: joint(:)               !! by region: its joint of the patrol, 0: output point
       real(wp) :: size = 1.0_wp                      !! of the linkage: makes depths in regions comparable
+      real(wp) :: floor = 0.0_wp                     !! an objective of rounding only
       integer :: irange = range_positions
       logical :: free = .false.                      !! free timing
       logical :: ordered = .false.                   !! free timing: inputs go one way
@@ -76,6 +77,7 @@ contains
       plain%tangle = right_angle
       call prepare_station(plain, problem%delt, merit%free, reshape([integer ::], [2, 0]), .true., merit%main)
       call copy_desired(problem, merit%main%problem)
+      merit%floor = sum(merit%main%problem%weight(:n))*(epsilon(1.0_wp)*merit%size)**2
       merit%patrols = merit%irange /= range_positions .or. size(merit%regions) > 0
       joints = region_joints(merit%regions)
       allocate (merit%joint(size(merit%regions)), source=0)

@@ -9,7 +9,7 @@ module psalm_search
    use psalm_data_set, only: data_set_t
    use psalm_error, only: problem_t
    use psalm_interrupt, only: interrupt_t
-   use psalm_kinds, only: wp, dp, i8
+   use psalm_kinds, only: wp, dp, i8, right_angle
    use psalm_lsq, only: improve
    use psalm_margins, only: inspector_t, margin_t, prepare_inspector, inspect, is_violated
    use psalm_merit, only: merit_t, prepare_merit, measure, set_extra, extra_positions
@@ -19,13 +19,21 @@ module psalm_search
    use psalm_start, only: random_limits
    use psalm_text, only: text_t, general, to_text
    use psalm_timing, only: timing_t, prepare_timing, find_timing
-   use psalm_topology, only: dimensions_t, variable_length, variable_outlk
+   use psalm_topology, only: dimensions_t, variable_length, variable_outlk, variable_origlk, variable_crnki
    implicit none (type, external)
    private
    public :: found_t, result_t, search_many
 
    real(wp), parameter :: same_linkage = 1.0e-3_wp !! relative difference below which two results are one
    integer, parameter :: most_returns = 4          !! times a search goes back to work on what an inspection found
+   real(wp), parameter :: rough = 1.0e-3_wp        !! relative gain of a step that ends the search of a start ...
+   real(wp), parameter :: rough_free = 1.0e-5_wp   !! ... with free timing, whose valleys are long ...
+   real(wp), parameter :: fine = 1.0e-9_wp         !! ... and that of the best, which are searched on
+   integer, parameter :: most_rounds = 8           !! a later round draws every other start near the best so far
+   real(wp), parameter :: wide = 10.0_wp           !! ratio of the bounds of a length above which ratios are drawn
+   integer, parameter :: fineness = 5              !! near: by a half, a quarter ... a 32nd
+   integer, parameter :: least_of_round = 16       !! starts
+   integer, parameter :: least_refined = 8         !! starts searched on, at least
    real(wp), parameter :: worth_it = 1.0e-6_wp     !! relative gain for which another timing is tried
 
    !> A linkage found.
@@ -34,6 +42,7 @@ module psalm_search
       real(wp), allocatable :: delt(:)     !! shape (positions): input increments (those given, but for free timing)
       real(wp) :: objective = 0.0_wp
       integer :: start = 0                 !! the start that led to it; -j: the j-th supplied vertex
+      integer :: place = 0                 !! of its outcome
       real(wp) :: distance = 0.0_wp        !! from the first linkage: largest relative change of a value
    end type found_t
 
@@ -82,10 +91,13 @@ contains
       type(outcome_t), allocatable :: outcomes(:)
       type(search_state_t) :: state
       integer(int64) :: begun
-      integer :: t, i, extra, total
+      real(wp), allocatable :: elite(:, :)
+      integer :: t, i, extra, total, round, rounds, begin, until
       logical :: first_thread
 
       call system_clock(begun)
+      allocate (result%best(0))
+      begin = 0
       extra = size(supplied, 2)
       total = extra + set%search%nstart
       allocate (outcomes(total), workers(min(max(1, threads), total)))
@@ -98,18 +110,25 @@ contains
       end do
       state%limit = total
       state%best = huge(1.0_wp)
+      rounds = min(most_rounds, max(1, set%search%nstart/least_of_round))
+      do round = 1, rounds
+         until = extra + (set%search%nstart*round)/rounds
+         allocate (elite(size(first), size(result%best)))
+         do i = 1, size(result%best)
+            elite(:, i) = result%best(i)%values
+      end do
       !$omp parallel do num_threads(size(workers)) schedule(static) private(i, first_thread)
       do t = 1, size(workers)
          first_thread = t == 1
-         do i = t, total, size(workers)
+         do i = begin + t, until, size(workers)
             if (i > size(workers)) then
                if (time_is_up(set, begun)) exit
             end if
             if (interrupt%waiting()) exit
             if (i <= extra) then
-               call one_start(set, workers(t), first, supplied(:, i), -i, interrupt, outcomes(i))
+               call one_start(set, workers(t), first, supplied(:, i), -i, elite, interrupt, outcomes(i))
             else
-               call one_start(set, workers(t), first, first, set%search%first + i - extra - 1, interrupt, outcomes(i))
+               call one_start(set, workers(t), first, first, set%search%first + i - extra - 1, elite, interrupt, outcomes(i))
             end if
             ! what an interrupted start has is kept, but the start is not done with
             outcomes(i)%done = .not. interrupt%waiting()
@@ -123,16 +142,29 @@ contains
          end do
       end do
       !$omp end parallel do
+      begin = until
+      deallocate (elite)
+      call rank(set, is_length(problem), first, extra, max(least_refined, set%search%nbest), outcomes, result%best)
+      end do
       result%starts = count(outcomes%done)
       result%feasible = count(outcomes%feasible)
-      result%evaluations = sum(outcomes%evaluations)
-      result%jacobians = sum(outcomes%jacobians)
       result%interrupted = interrupt%waiting()
       result%out_of_time = .not. all(outcomes%done) .and. .not. result%interrupted
       i = findloc(outcomes(extra + 1:)%done, .false., dim=1)
       if (i > 0) result%next = set%search%first + i - 1
+      if (set%search%solver == 'LSQ') then
+         !$omp parallel do num_threads(size(workers)) schedule(static) private(i)
+         do t = 1, size(workers)
+            do i = t, size(result%best), size(workers)
+               call refine(set, workers(t), first, interrupt, outcomes(result%best(i)%place))
+            end do
+         end do
+         !$omp end parallel do
+      end if
+      result%evaluations = sum(outcomes%evaluations)
+      result%jacobians = sum(outcomes%jacobians)
       call tell_starts(set, extra, outcomes, device1)
-      call rank(set, is_length(problem), first, extra, outcomes, result%best)
+      call rank(set, is_length(problem), first, extra, set%search%nbest, outcomes, result%best)
    end subroutine search_many
 
    !> A line for each start.
@@ -177,11 +209,12 @@ contains
    end function time_is_up
 
    !> One start: draw it, make it close where that is easy, improve it, inspect it.
-   subroutine one_start(set, worker, first, given, number, interrupt, outcome)
+   subroutine one_start(set, worker, first, given, number, elite, interrupt, outcome)
       type(data_set_t), intent(in) :: set
       type(worker_t), intent(inout) :: worker
       real(wp), intent(in) :: first(:), given(:)       !! shape (marble): the user's linkage; the one to start from
       integer, intent(in) :: number                    !! 1: start from the user's; above: from one drawn; below: from `given`
+      real(wp), intent(in) :: elite(:, :)              !! shape (marble, any): the best linkages of the rounds before
       type(interrupt_t), intent(in) :: interrupt
       type(outcome_t), intent(inout) :: outcome
       type(repair_count_t) :: counts
@@ -193,7 +226,11 @@ contains
       call random_limits(set, first, low, high)
       before = 0
       if (number > 1) then
-         outcome%values = drawn(set, low, high, number)
+         outcome%values = drawn(set, low, high, low > 0.0_wp .and. high > wide*low .and. is_length(worker%problem), number)
+         if (size(elite, 2) > 0 .and. mod(number, 2) == 1) then
+            call draw_near(worker%problem, elite(:, 1 + mod(number/2, size(elite, 2))), low, high, 1 + mod(number/4, fineness), &
+                           outcome%values)
+         end if
          home = first
          call constrain(worker%problem, worker%constraints, home, objective, closes, before, counts)
          ! every other start keeps its own shape, closed or not; the others draw near the user's until they close
@@ -209,16 +246,66 @@ contains
       worker%merit%delt = worker%problem%delt
       if (worker%merit%patrols) call set_extra(worker%merit, [real(wp) ::])
       if (worker%merit%free .and. number /= 1) call retime(worker, outcome%values)
-      call work_on(set, worker, low, high, number, interrupt, outcome)
+      call work_on(set, worker, low, high, merge(rough_free, rough, worker%merit%free), number, interrupt, outcome)
       outcome%delt = worker%merit%delt
       outcome%evaluations = before + worker%merit%evaluations
       outcome%jacobians = worker%merit%jacobians
    end subroutine one_start
 
+   !> Turn a random linkage within the box into one near a given one: every value within 1/2**fineness of itself, or of a right
+   !> angle.
+   pure subroutine draw_near(problem, best, low, high, fineness, values)
+      type(problem_t), intent(in) :: problem
+      real(wp), intent(in) :: best(:), low(:), high(:)
+      integer, intent(in) :: fineness
+      real(wp), intent(inout) :: values(:)
+      real(wp) :: reach, deviate
+      integer :: v
+
+      do v = 1, size(values)
+         deviate = 0.0_wp
+         if (abs(high(v) - low(v)) > 0.0_wp) deviate = 2.0_wp*(values(v) - low(v))/(high(v) - low(v)) - 1.0_wp
+         select case (problem%topology%variables(v)%kind)
+         case (variable_length, variable_outlk, variable_origlk)
+            reach = abs(best(v))
+         case default
+            reach = right_angle
+         end select
+         if (problem%topology%sliding_input .and. problem%topology%variables(v)%kind == variable_crnki) reach = abs(best(v))
+         values(v) = best(v) + reach*deviate*0.5_wp**fineness
+      end do
+   end subroutine draw_near
+
+   !> Search on from what a start led to.
+   subroutine refine(set, worker, first, interrupt, outcome)
+      type(data_set_t), intent(in) :: set
+      type(worker_t), intent(inout) :: worker
+      real(wp), intent(in) :: first(:)
+      type(interrupt_t), intent(in) :: interrupt
+      type(outcome_t), intent(inout) :: outcome
+      type(outcome_t) :: finer
+      real(wp), allocatable :: low(:), high(:)
+
+      call random_limits(set, first, low, high)
+      finer%values = outcome%values
+      worker%merit%delt = outcome%delt
+      worker%merit%evaluations = 0
+      worker%merit%jacobians = 0
+      if (worker%merit%patrols) call set_extra(worker%merit, [real(wp) ::])
+      call work_on(set, worker, low, high, fine, 1, interrupt, finer)
+      outcome%evaluations = outcome%evaluations + worker%merit%evaluations
+      outcome%jacobians = outcome%jacobians + worker%merit%jacobians
+      if (.not. finer%feasible .or. finer%objective > outcome%objective) return
+      outcome%values = finer%values
+      outcome%delt = worker%merit%delt
+      outcome%objective = finer%objective
+   end subroutine refine
+
    !> The random linkage of a start.
-   function drawn(set, low, high, number) result(values)
+   function drawn(set, low, high, by_ratio, number) result(values)
       type(data_set_t), intent(in) :: set
       real(wp), intent(in) :: low(:), high(:)
+      logical, intent(in) :: by_ratio(:)          !! shape (marble): in every other start all ratios are alike, not all lengths
       integer, intent(in) :: number
       real(wp) :: values(size(low))
       type(random_t) :: random
@@ -230,14 +317,16 @@ contains
       do v = 1, size(low)
          call random%next(deviate)
          values(v) = low(v) + deviate*(high(v) - low(v))
+         if (by_ratio(v) .and. mod(number, 2) == 1) values(v) = low(v)*(high(v)/low(v))**deviate
       end do
    end function drawn
 
    !> Improve, look for a better timing, inspect the range of the input; go back to work on what is found.
-   subroutine work_on(set, worker, low, high, number, interrupt, outcome)
+   subroutine work_on(set, worker, low, high, least_gain, number, interrupt, outcome)
       type(data_set_t), intent(in) :: set
       type(worker_t), intent(inout) :: worker
       real(wp), intent(in) :: low(:), high(:)
+      real(wp), intent(in) :: least_gain               !! of a step of least squares
       integer, intent(in) :: number
       type(interrupt_t), intent(in) :: interrupt
       type(outcome_t), intent(inout) :: outcome
@@ -287,7 +376,7 @@ contains
          logical, intent(out) :: sound
 
          if (set%search%solver == 'LSQ') then
-            call improve(worker%merit, x, merge(set%search%maxeval, huge(1), set%search%maxeval > 0), f, sound)
+            call improve(worker%merit, x, least_gain, merge(set%search%maxeval, huge(1), set%search%maxeval > 0), f, sound)
          else
             call optimise(set%search%solver, worker%merit, x, low, high, set%istart + number, set%search%maxeval, interrupt, f, &
                           sound)
@@ -307,11 +396,11 @@ contains
    !> Sort what was found and keep the best distinct linkages.
    !>
    !> Two results are one linkage if their lengths and objectives agree: it may stand turned in the machine.
-   subroutine rank(set, lengths, first, extra, outcomes, best)
+   subroutine rank(set, lengths, first, extra, most, outcomes, best)
       type(data_set_t), intent(in) :: set
       logical, intent(in) :: lengths(:)           !! shape (marble): values to compare
       real(wp), intent(in) :: first(:)
-      integer, intent(in) :: extra
+      integer, intent(in) :: extra, most          !! supplied vertices; linkages to keep
       type(outcome_t), intent(in) :: outcomes(:)
       type(found_t), allocatable, intent(out) :: best(:)
       logical :: left(size(outcomes))
@@ -320,11 +409,12 @@ contains
 
       allocate (best(0))
       left = outcomes%feasible
-      do while (any(left) .and. size(best) < set%search%nbest)
+      do while (any(left) .and. size(best) < most)
          i = minloc(outcomes%objective, dim=1, mask=left)
          next%values = outcomes(i)%values
          next%delt = outcomes(i)%delt
          next%objective = outcomes(i)%objective
+         next%place = i
          next%start = start_number(set, extra, i)
          next%distance = maxval(abs(next%values - first)/max(abs(first), same_linkage))
          best = [best, next]
