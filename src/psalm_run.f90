@@ -179,6 +179,10 @@ contains
          line = line//'; best objective '//trim(adjustl(general(found%best(1)%objective)))
       end if
       if (found%out_of_time) line = 'MAXTIME passed before all starts were made: '//line
+      if (found%refused) then
+         devices%code = max(devices%code, exit_violation)
+         line = 'NLopt refuses '//set%search%solver//' for this problem: '//line
+      end if
       if (found%interrupted) line = 'interrupted: '//line
       if (found%next > 0) then
          devices%code = max(devices%code, exit_violation)

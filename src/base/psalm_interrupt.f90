@@ -1,8 +1,10 @@
-!> Interruption by signal, asked for instead of suffered: a search looks now and then whether one is waiting.
+!> When a search must end: a signal, or the time it was given. Signals are asked for instead of suffered.
 !>
 !> Between `hold` and `release` the signals INT and TERM wait; no handler is installed and nothing is kept but the mask of before.
 module psalm_interrupt
    use, intrinsic :: iso_c_binding, only: c_int, c_long
+   use, intrinsic :: iso_fortran_env, only: int64
+   use psalm_kinds, only: dp, wp
    implicit none (type, external)
    private
    public :: interrupt_t
@@ -16,9 +18,13 @@ module psalm_interrupt
       integer(c_long) :: before(mask_words) = 0_c_long !! mask of before
       integer(c_long) :: wanted(mask_words) = 0_c_long !! the signals that wait
       logical :: holds = .false.
+      integer(int64) :: end = huge(1_int64)            !! clock count after which time is up
    contains
       procedure :: hold
+      procedure :: limit_time
       procedure :: waiting
+      procedure :: signalled
+      procedure :: late
       procedure :: release
    end type interrupt_t
 
@@ -78,17 +84,48 @@ contains
       self%holds = c_pthread_sigmask(how_block, self%wanted, self%before) == 0
    end subroutine hold
 
-   !> True if a signal is waiting.
+   !> Give so many seconds from now on; 0: no limit.
+   subroutine limit_time(self, seconds)
+      class(interrupt_t), intent(inout) :: self
+      real(wp), intent(in) :: seconds
+      integer(int64) :: now, rate
+
+      self%end = huge(self%end)
+      if (seconds <= 0.0_wp) return
+      call system_clock(now, rate)
+      if (real(seconds, dp) < real(self%end - now, dp)/real(rate, dp)) self%end = now + int(real(seconds, dp)*real(rate, dp), int64)
+   end subroutine limit_time
+
+   !> True if the search must end.
    logical function waiting(self)
+      class(interrupt_t), intent(in) :: self
+
+      waiting = self%late()
+      if (.not. waiting) waiting = self%signalled()
+   end function waiting
+
+   !> True if the time is up.
+   logical function late(self)
+      class(interrupt_t), intent(in) :: self
+      integer(int64) :: now
+
+      late = .false.
+      if (self%end == huge(self%end)) return
+      call system_clock(now)
+      late = now > self%end
+   end function late
+
+   !> True if a signal is waiting.
+   logical function signalled(self)
       class(interrupt_t), intent(in) :: self
       integer(c_long) :: pending(mask_words)
 
-      waiting = .false.
+      signalled = .false.
       if (.not. self%holds) return
       pending = 0_c_long
       if (c_sigpending(pending) /= 0) return
-      waiting = c_sigismember(pending, signal_interrupt) == 1 .or. c_sigismember(pending, signal_terminate) == 1
-   end function waiting
+      signalled = c_sigismember(pending, signal_interrupt) == 1 .or. c_sigismember(pending, signal_terminate) == 1
+   end function signalled
 
    !> Take what is waiting and let signals through again. A caller that was interrupted ends in good order by itself.
    subroutine release(self)
@@ -96,7 +133,7 @@ contains
       integer(c_long) :: unused(mask_words)
       integer(c_int) :: status, number
 
-      do while (self%waiting())
+      do while (self%signalled())
          if (c_sigwait(self%wanted, number) /= 0) exit
       end do
       unused = 0_c_long

@@ -9,11 +9,9 @@ module psalm_nlopt
    implicit none (type, external)
    private
    public :: nlopt_t, objective_function, constraint_function, algorithm_of, plain_name, is_global, needs_gradient, &
-             takes_constraints
-   public :: stopped_by_force, stopped_by_evaluations
+             takes_constraints, refused
 
-   integer, parameter :: stopped_by_force = -5      !! NLOPT_FORCED_STOP
-   integer, parameter :: stopped_by_evaluations = 5 !! NLOPT_MAXEVAL_REACHED
+   integer, parameter :: invalid_arguments = -2, out_of_memory = -3 !! results of NLopt
    integer, parameter :: no_algorithm = -1
 
    character(*), parameter :: with_constraints(*) = [character(14) :: 'LD_SLSQP', 'LD_MMA', 'LD_CCSAQ', 'LN_COBYLA', &
@@ -192,6 +190,13 @@ contains
 
       takes_constraints = any(with_constraints == plain_name(name))
    end function takes_constraints
+
+   !> A result that says that nothing was optimised.
+   pure logical function refused(status)
+      integer, intent(in) :: status
+
+      refused = status == invalid_arguments .or. status == out_of_memory
+   end function refused
 
    !> Make an optimiser ready. `sound` is false if the algorithm cannot be made.
    !>

@@ -20,7 +20,7 @@ module psalm_constraint_group
    type :: region_t
       integer :: kind = region_box
       logical :: stay_inside = .false.    !! the outside is forbidden
-      real(wp) :: at(numbers_of_region) = 0.0_wp !! box: two corners; half-plane: point and angle of its edge; circle: centre, radius
+      real(wp) :: at(numbers_of_region) = 0.0_wp !! two corners; point and angle of the edge; centre, radius
       integer :: arc = 0, loop = 0        !! the joint: finish of the arc (of arc 0: the input pivot); loop 0: output point
    end type region_t
 

@@ -42,7 +42,7 @@ contains
       do round = 1, weights
          call descend(merit, values, weight, least_gain, last)
          call obeys(merit, values, merit%delt, objective, feasible)
-         if (feasible .or. merit%evaluations >= last) return
+         if (feasible .or. merit%evaluations >= last .or. merit%interrupt%waiting()) return
          weight = weight*weight_step
       end do
    end subroutine improve
@@ -65,7 +65,7 @@ contains
       idle = 0
       call form_equations(merit, values, merit%delt, weight)
       do iteration = 1, most_iterations
-         if (merit%evaluations >= last) return
+         if (merit%evaluations >= last .or. merit%interrupt%waiting()) return
          ! a value at its bound that wants to pass it is held
          held = (values <= merit%low .and. merit%gradient > 0.0_wp) .or. (values >= merit%high .and. merit%gradient < 0.0_wp)
          damped = merit%matrix

@@ -8,6 +8,7 @@ module psalm_merit
    use psalm_constraint_group, only: region_t, range_positions, range_inputs, range_turn
    use psalm_data_set, only: data_set_t, motion_point
    use psalm_error, only: problem_t
+   use psalm_interrupt, only: interrupt_t
    use psalm_kinds, only: wp, full_turn, right_angle
    use psalm_regions, only: trespass, region_joints, joint_of_region
    use psalm_station, only: station_t, prepare_station, look, look_closely
@@ -15,6 +16,7 @@ module psalm_merit
    implicit none (type, external)
    private
    public :: merit_t, prepare_merit, measure, form_equations, obeys, watch_inputs, set_extra, violations, count_violations, &
+             squared_violations, &
              range_steps, extra_positions
 
    integer, parameter :: range_steps = 120           !! steps the range of the input is looked at in
@@ -45,6 +47,7 @@ module psalm_merit
       real(wp), allocatable :: border(:, :)          !! shape (marble, positions): timing against dimensions
       real(wp), allocatable :: edge(:), edge_gradient(:) !! shape (positions): timing against itself, and its gradient
       integer :: evaluations = 0, jacobians = 0
+      type(interrupt_t) :: interrupt                 !! when to end
    end type merit_t
 
 contains
@@ -192,6 +195,7 @@ contains
       end associate
    end function sum_of_errors
 
+   !> Sum of the squared violations of the linkage last looked at.
    pure real(wp) function squared_violations(merit) result(total)
       type(merit_t), intent(in) :: merit
       real(wp) :: depth, gx, gy

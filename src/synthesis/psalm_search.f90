@@ -3,7 +3,6 @@
 !> Start i takes its random numbers from a place of the sequence that depends on i alone, and the linkages found are ranked
 !> afterwards: the same input gives the same answer for any number of threads (unless time runs out).
 module psalm_search
-   use, intrinsic :: iso_fortran_env, only: int64
    use psalm_constr, only: constraints_t, repair_count_t, make_constraints, constrain
    use psalm_constraint_group, only: range_positions
    use psalm_data_set, only: data_set_t
@@ -54,6 +53,7 @@ module psalm_search
       integer :: evaluations = 0, jacobians = 0
       logical :: out_of_time = .false.     !! MAXTIME passed before all starts were made
       logical :: interrupted = .false.     !! a signal came before
+      logical :: refused = .false.         !! NLopt refuses the algorithm for this problem
       integer :: next = 0                  !! first start not made; 0: all were
    end type result_t
 
@@ -63,6 +63,7 @@ module psalm_search
       real(wp) :: objective = 0.0_wp
       integer :: evaluations = 0, jacobians = 0
       logical :: done = .false., feasible = .false.
+      logical :: refused = .false.         !! NLopt refuses the algorithm for this problem
    end type outcome_t
 
    !> What one thread works with.
@@ -90,12 +91,12 @@ contains
       type(worker_t), allocatable, target :: workers(:)
       type(outcome_t), allocatable :: outcomes(:)
       type(search_state_t) :: state
-      integer(int64) :: begun
+      type(interrupt_t) :: ending
       real(wp), allocatable :: elite(:, :)
       integer :: t, i, extra, total, round, rounds, begin, until
-      logical :: first_thread
 
-      call system_clock(begun)
+      ending = interrupt
+      call ending%limit_time(set%search%maxtime)
       allocate (result%best(0))
       begin = 0
       extra = size(supplied, 2)
@@ -105,6 +106,7 @@ contains
          workers(t)%problem = problem
          call make_constraints(set, problem, workers(t)%constraints)
          call prepare_merit(set, problem, first, workers(t)%merit)
+         workers(t)%merit%interrupt = ending
          if (workers(t)%merit%free) call prepare_timing(problem, workers(t)%merit, workers(t)%timing)
          if (workers(t)%merit%irange /= range_positions) call prepare_inspector(set, problem, .true., workers(t)%inspector)
       end do
@@ -116,47 +118,32 @@ contains
          allocate (elite(size(first), size(result%best)))
          do i = 1, size(result%best)
             elite(:, i) = result%best(i)%values
-      end do
-      !$omp parallel do num_threads(size(workers)) schedule(static) private(i, first_thread)
-      do t = 1, size(workers)
-         first_thread = t == 1
-         do i = begin + t, until, size(workers)
-            if (i > size(workers)) then
-               if (time_is_up(set, begun)) exit
-            end if
-            if (interrupt%waiting()) exit
-            if (i <= extra) then
-               call one_start(set, workers(t), first, supplied(:, i), -i, elite, interrupt, outcomes(i))
+         end do
+         !$omp parallel do num_threads(size(workers)) schedule(static)
+         do t = 1, size(workers)
+            if (t == 1) then
+               call make_starts(set, workers(t), begin + t, until, size(workers), first, supplied, elite, outcomes, state, monitor)
             else
-               call one_start(set, workers(t), first, first, set%search%first + i - extra - 1, elite, interrupt, outcomes(i))
-            end if
-            ! what an interrupted start has is kept, but the start is not done with
-            outcomes(i)%done = .not. interrupt%waiting()
-            if (first_thread .and. present(monitor)) then
-               state%iteration = i
-               state%evaluations = state%evaluations + outcomes(i)%evaluations*size(workers)
-               if (outcomes(i)%feasible) state%best = min(state%best, outcomes(i)%objective)
-               state%worst = state%best
-               call monitor%report(state)
+               call make_starts(set, workers(t), begin + t, until, size(workers), first, supplied, elite, outcomes)
             end if
          end do
-      end do
-      !$omp end parallel do
-      begin = until
-      deallocate (elite)
-      call rank(set, is_length(problem), first, extra, max(least_refined, set%search%nbest), outcomes, result%best)
+         !$omp end parallel do
+         begin = until
+         deallocate (elite)
+         call rank(set, is_length(problem), first, extra, max(least_refined, set%search%nbest), outcomes, result%best)
       end do
       result%starts = count(outcomes%done)
       result%feasible = count(outcomes%feasible)
-      result%interrupted = interrupt%waiting()
+      result%refused = any(outcomes%refused)
+      result%interrupted = ending%signalled()
       result%out_of_time = .not. all(outcomes%done) .and. .not. result%interrupted
       i = findloc(outcomes(extra + 1:)%done, .false., dim=1)
       if (i > 0) result%next = set%search%first + i - 1
-      if (set%search%solver == 'LSQ') then
+      if (set%search%solver == 'LSQ' .and. .not. ending%waiting()) then
          !$omp parallel do num_threads(size(workers)) schedule(static) private(i)
          do t = 1, size(workers)
             do i = t, size(result%best), size(workers)
-               call refine(set, workers(t), first, interrupt, outcomes(result%best(i)%place))
+               call refine(set, workers(t), first, outcomes(result%best(i)%place))
             end do
          end do
          !$omp end parallel do
@@ -166,6 +153,36 @@ contains
       call tell_starts(set, extra, outcomes, device1)
       call rank(set, is_length(problem), first, extra, set%search%nbest, outcomes, result%best)
    end subroutine search_many
+
+   !> The starts of one thread: from, from + step ... until.
+   subroutine make_starts(set, worker, from, until, step, first, supplied, elite, outcomes, state, monitor)
+      type(data_set_t), intent(in) :: set
+      type(worker_t), intent(inout) :: worker
+      integer, intent(in) :: from, until, step
+      real(wp), intent(in) :: first(:), supplied(:, :), elite(:, :)
+      type(outcome_t), intent(inout) :: outcomes(:)
+      type(search_state_t), intent(inout), optional :: state
+      class(search_monitor_t), intent(inout), optional :: monitor
+      integer :: i, number
+
+      do i = from, until, step
+         if (worker%merit%interrupt%waiting()) return
+         number = start_number(set, size(supplied, 2), i)
+         if (number < 0) then
+            call one_start(set, worker, first, supplied(:, i), number, elite, outcomes(i))
+         else
+            call one_start(set, worker, first, first, number, elite, outcomes(i))
+         end if
+         ! what a start that was cut short has is kept, but the start is not done with
+         outcomes(i)%done = .not. worker%merit%interrupt%waiting()
+         if (.not. present(monitor)) cycle
+         state%iteration = i
+         state%evaluations = state%evaluations + outcomes(i)%evaluations*step
+         if (outcomes(i)%feasible) state%best = min(state%best, outcomes(i)%objective)
+         state%worst = state%best
+         call monitor%report(state)
+      end do
+   end subroutine make_starts
 
    !> A line for each start.
    subroutine tell_starts(set, extra, outcomes, device1)
@@ -197,25 +214,13 @@ contains
       start_number = merge(-i, set%search%first + i - extra - 1, i <= extra)
    end function start_number
 
-   logical function time_is_up(set, begun)
-      type(data_set_t), intent(in) :: set
-      integer(int64), intent(in) :: begun
-      integer(int64) :: now, rate
-
-      time_is_up = .false.
-      if (set%search%maxtime <= 0.0_wp) return
-      call system_clock(now, rate)
-      time_is_up = real(now - begun, dp)/real(rate, dp) > real(set%search%maxtime, dp)
-   end function time_is_up
-
    !> One start: draw it, make it close where that is easy, improve it, inspect it.
-   subroutine one_start(set, worker, first, given, number, elite, interrupt, outcome)
+   subroutine one_start(set, worker, first, given, number, elite, outcome)
       type(data_set_t), intent(in) :: set
       type(worker_t), intent(inout) :: worker
       real(wp), intent(in) :: first(:), given(:)       !! shape (marble): the user's linkage; the one to start from
       integer, intent(in) :: number                    !! 1: start from the user's; above: from one drawn; below: from `given`
       real(wp), intent(in) :: elite(:, :)              !! shape (marble, any): the best linkages of the rounds before
-      type(interrupt_t), intent(in) :: interrupt
       type(outcome_t), intent(inout) :: outcome
       type(repair_count_t) :: counts
       real(wp), allocatable :: low(:), high(:), home(:)
@@ -246,7 +251,7 @@ contains
       worker%merit%delt = worker%problem%delt
       if (worker%merit%patrols) call set_extra(worker%merit, [real(wp) ::])
       if (worker%merit%free .and. number /= 1) call retime(worker, outcome%values)
-      call work_on(set, worker, low, high, merge(rough_free, rough, worker%merit%free), number, interrupt, outcome)
+      call work_on(set, worker, low, high, merge(rough_free, rough, worker%merit%free), number, outcome)
       outcome%delt = worker%merit%delt
       outcome%evaluations = before + worker%merit%evaluations
       outcome%jacobians = worker%merit%jacobians
@@ -277,11 +282,10 @@ contains
    end subroutine draw_near
 
    !> Search on from what a start led to.
-   subroutine refine(set, worker, first, interrupt, outcome)
+   subroutine refine(set, worker, first, outcome)
       type(data_set_t), intent(in) :: set
       type(worker_t), intent(inout) :: worker
       real(wp), intent(in) :: first(:)
-      type(interrupt_t), intent(in) :: interrupt
       type(outcome_t), intent(inout) :: outcome
       type(outcome_t) :: finer
       real(wp), allocatable :: low(:), high(:)
@@ -292,7 +296,7 @@ contains
       worker%merit%evaluations = 0
       worker%merit%jacobians = 0
       if (worker%merit%patrols) call set_extra(worker%merit, [real(wp) ::])
-      call work_on(set, worker, low, high, fine, 1, interrupt, finer)
+      call work_on(set, worker, low, high, fine, 1, finer)
       outcome%evaluations = outcome%evaluations + worker%merit%evaluations
       outcome%jacobians = outcome%jacobians + worker%merit%jacobians
       if (.not. finer%feasible .or. finer%objective > outcome%objective) return
@@ -322,13 +326,12 @@ contains
    end function drawn
 
    !> Improve, look for a better timing, inspect the range of the input; go back to work on what is found.
-   subroutine work_on(set, worker, low, high, least_gain, number, interrupt, outcome)
+   subroutine work_on(set, worker, low, high, least_gain, number, outcome)
       type(data_set_t), intent(in) :: set
       type(worker_t), intent(inout) :: worker
       real(wp), intent(in) :: low(:), high(:)
       real(wp), intent(in) :: least_gain               !! of a step of least squares
       integer, intent(in) :: number
-      type(interrupt_t), intent(in) :: interrupt
       type(outcome_t), intent(inout) :: outcome
       type(margin_t), allocatable :: margins(:)
       real(wp), allocatable :: extra(:), values(:), delt(:)
@@ -374,12 +377,14 @@ contains
          real(wp), intent(inout) :: x(:)
          real(wp), intent(out) :: f
          logical, intent(out) :: sound
+         logical :: accepted
 
          if (set%search%solver == 'LSQ') then
             call improve(worker%merit, x, least_gain, merge(set%search%maxeval, huge(1), set%search%maxeval > 0), f, sound)
          else
-            call optimise(set%search%solver, worker%merit, x, low, high, set%istart + number, set%search%maxeval, interrupt, f, &
-                          sound)
+            call optimise(set%search%solver, worker%merit, x, low, high, set%istart + number, set%search%maxeval, f, sound, &
+                          accepted)
+            outcome%refused = .not. accepted
          end if
       end subroutine run_solver
    end subroutine work_on
