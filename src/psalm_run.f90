@@ -13,7 +13,6 @@ module psalm_run
    use psalm_kinds, only: wp, full_turn, right_angle
    use psalm_margin_list, only: list_margins, describe_margin
    use psalm_margins, only: margin_t, inspector_t, prepare_inspector, inspect, is_violated, margin_angle, margin_bound
-   use psalm_nlopt, only: is_global
    use psalm_plot_data, only: write_block
    use psalm_regions, only: check_regions
    use psalm_search, only: result_t, search_many
@@ -59,25 +58,12 @@ contains
       call set_up(set, topology, dimensions, findings)
       if (findings%failed()) return
       call check_regions(set%constr, topology, findings)
-      call check_bounds(set, topology, findings)
       if (topology%has_search() .and. set%nguess > 0) then
          call read_vertices(supplied, size(topology%variables), set%nguess, vertices, findings)
       else
          allocate (vertices(size(topology%variables), 0))
       end if
    end subroutine check_case
-
-   !> A global algorithm searches a box.
-   subroutine check_bounds(set, topology, findings)
-      type(data_set_t), intent(in) :: set
-      type(topology_t), intent(in) :: topology
-      type(diagnostics_t), intent(inout) :: findings
-
-      if (.not. topology%has_search() .or. .not. is_global(set%search%solver)) return
-      if (set%var > 0.0_wp .or. set%bounds_given >= size(topology%variables)) return
-      call findings%error('a global algorithm searches a box: VAR above 0, or OPLOW and OPHIGH for every variable, are needed', &
-                          group='SEARCH', item='SOLVER')
-   end subroutine check_bounds
 
    !> Run a case that `check_case` found no fault with.
    subroutine run_case(set, vertices, asked, devices, monitor)
@@ -163,6 +149,7 @@ contains
       type(devices_t), intent(inout) :: devices
       class(search_monitor_t), intent(inout), optional :: monitor
       character(:), allocatable :: line, continue
+      real(wp), allocatable :: vertices_found(:, :)
       integer :: i
 
       call devices%one%add(' '//set%title)
@@ -191,10 +178,11 @@ contains
          call devices%notes%add(set%file//': '//trim(set%title)//': '//continue)
          call devices%seven%add('! '//continue)
       end if
+      allocate (vertices_found(size(problem%topology%variables), size(found%best)))
       do i = 1, size(found%best)
-         call write_vertices('F', reshape(found%best(i)%values, [size(found%best(i)%values), 1]), [found%best(i)%objective], &
-                             devices%seven)
+         vertices_found(:, i) = found%best(i)%values
       end do
+      call write_vertices('F', vertices_found, found%best%objective, devices%seven)
       call devices%one%add(' '//line)
       call devices%notes%add(set%file//': '//trim(set%title)//': '//line)
    end subroutine synthesize_from_starts

@@ -112,6 +112,7 @@ contains
 
       label = name//', '//to_text(starts)//' starts: '
       call load_case(name, problem, set)
+      set%search%solver = 'LSQ'
       set%search%nstart = starts
       call search(set, problem, 1, found)
       call t%is_true(size(found%best) == 1, label//'a linkage is found')
@@ -134,6 +135,7 @@ contains
       type(result_t) :: found
 
       call load_case('chain_short', problem, set)
+      set%search%solver = 'LSQ'
       set%limval = 1
       set%oplow(:2) = [320.0_wp, 70.0_wp]
       set%ophigh(:2) = [330.0_wp, 72.0_wp]
@@ -150,7 +152,8 @@ contains
       integer :: i
 
       call load_case('needle', problem, set)
-      set%search%nstart = 7
+      set%search%solver = 'LSQ'
+      set%search%nstart = 21
       set%search%nbest = 5
       call search(set, problem, 1, one)
       call search(set, problem, 3, two)
@@ -162,6 +165,6 @@ contains
       call t%is_true(size(one%best) > 1, 'several linkages are kept')
       set%search%maxtime = 1.0e-9_wp
       call search(set, problem, 1, one)
-      call t%is_true(one%out_of_time .and. one%starts == 1, 'MAXTIME ends the search; the first start is always made')
+      call t%is_true(one%out_of_time .and. one%starts == 0 .and. one%next == 1, 'MAXTIME ends the search and tells where to go on')
    end subroutine threads
 end program test_lsq

@@ -195,7 +195,7 @@ contains
       set%others = ''
       do i = 1, case%count
          select case (case%groups(i)%name)
-         case ('LINKS', 'METHOD', 'LIMITS', 'SEARCH', 'CONSTR')
+         case ('LINKS', 'METHOD', 'LIMITS', 'SEARCH')
             continue
          case default
             set%others = set%others//case%groups(i)%render()
