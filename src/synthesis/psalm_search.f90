@@ -24,6 +24,7 @@ module psalm_search
    public :: found_t, result_t, search_many
 
    real(wp), parameter :: same_linkage = 1.0e-3_wp !! relative difference below which two results are one
+   real(wp), parameter :: alike = 0.1_wp           !! the same for linkages to draw near: they are to differ
    integer, parameter :: most_returns = 4          !! times a search goes back to work on what an inspection found
    real(wp), parameter :: rough = 1.0e-3_wp        !! relative gain of a step that ends the search of a start ...
    real(wp), parameter :: rough_free = 1.0e-5_wp   !! ... with free timing, whose valleys are long ...
@@ -130,7 +131,7 @@ contains
          !$omp end parallel do
          begin = until
          deallocate (elite)
-         call rank(set, is_length(problem), first, extra, max(least_refined, set%search%nbest), outcomes, result%best)
+         call rank(set, is_length(problem), first, extra, max(least_refined, set%search%nbest), alike, outcomes, result%best)
       end do
       result%starts = count(outcomes%done)
       result%feasible = count(outcomes%feasible)
@@ -151,7 +152,7 @@ contains
       result%evaluations = sum(outcomes%evaluations)
       result%jacobians = sum(outcomes%jacobians)
       call tell_starts(set, extra, outcomes, device1)
-      call rank(set, is_length(problem), first, extra, set%search%nbest, outcomes, result%best)
+      call rank(set, is_length(problem), first, extra, set%search%nbest, same_linkage, outcomes, result%best)
    end subroutine search_many
 
    !> The starts of one thread: from, from + step ... until.
@@ -401,11 +402,12 @@ contains
    !> Sort what was found and keep the best distinct linkages.
    !>
    !> Two results are one linkage if their lengths and objectives agree: it may stand turned in the machine.
-   subroutine rank(set, lengths, first, extra, most, outcomes, best)
+   subroutine rank(set, lengths, first, extra, most, same, outcomes, best)
       type(data_set_t), intent(in) :: set
       logical, intent(in) :: lengths(:)           !! shape (marble): values to compare
       real(wp), intent(in) :: first(:)
       integer, intent(in) :: extra, most          !! supplied vertices; linkages to keep
+      real(wp), intent(in) :: same                !! relative difference below which two are one
       type(outcome_t), intent(in) :: outcomes(:)
       type(found_t), allocatable, intent(out) :: best(:)
       logical :: left(size(outcomes))
@@ -425,8 +427,8 @@ contains
          best = [best, next]
          do k = 1, size(left)
             if (.not. left(k)) cycle
-            left(k) = any(lengths .and. abs(outcomes(k)%values - next%values) > same_linkage*abs(next%values)) .or. &
-                      outcomes(k)%objective - next%objective > same_linkage*max(next%objective, set%fmin)
+            left(k) = any(lengths .and. abs(outcomes(k)%values - next%values) > same*abs(next%values)) .or. &
+                      outcomes(k)%objective - next%objective > same*max(next%objective, set%fmin)
          end do
          left(i) = .false.
       end do
