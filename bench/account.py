@@ -65,6 +65,12 @@ def main(directory):
     for line in open(directory + "/scaling"):
         n, jacobian, iteration = line.strip().split("|")
         print(f"| {n} | {float(jacobian):.3g} | {float(iteration):.3g} | {100*float(jacobian)/float(iteration):.0f} % |")
+    print("\n## Needle linkage from the published start\n")
+    print("Least squares alone, preparation included; -1: no linkage that obeys.\n")
+    print("| least relative gain of a step | objective | ms |")
+    print("| ---: | ---: | ---: |")
+    for line in open(directory + "/first"):
+        print("| " + " | ".join(line.strip().split("|")) + " |")
 
 
 main(sys.argv[1])

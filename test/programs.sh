@@ -144,6 +144,14 @@ said 'free timing needs LSQ' "IFREE=1 (free timing) needs the group &SEARCH with
 # other solvers, constraints over the whole turn, forbidden regions
 objective() { awk '/TOTAL ERROR/ { getline; sub("D", "E"); print $1; exit }' "$1"; }
 at_most() { awk -v a="$(objective "$2")" -v b="$3" 'BEGIN { exit !(a != "" && a <= b) }' && ok || bad "$1: $(objective "$2") instead of at most $3"; }
+at_most 'log10: as good as known' log10.lst 1.46e-4
+at_most 'dwell: better than its reference' dwell.lst 0.02
+at_most 'slider_linear: as good as known' slider_linear.lst 3.3e-8
+at_most 'path5: as good as known' path5.lst 7.5e-7
+at_most 'striking: as good as known' striking.lst 0.043324
+at_most 'path18_free: better than with fixed timing' path18_free.lst 0.0032
+check 'path18_free: the crank goes one way' awk '/CRANK ANGLE  /{ on = 1; next } /TOTAL/{ on = 0 }
+    on && NF >= 7 { d = $1 - last; if (n++ && d > 0 && d < 180) bad = 1; last = $1 } END { exit !(n == 18 && !bad) }' path18_free.lst
 for a in LN_COBYLA LN_BOBYQA LN_SBPLX NLOPT_LN_NELDERMEAD LD_SLSQP ld_lbfgs LD_AUGLAG GN_CRS2_LM GD_MLSL_LDS GN_ISRES; do
     sed "s/SOLVER='LSQ', NSTART=60, NBEST=3/SOLVER='$a'/" needle_lsq.nml >solver.nml
     status 0 "$a" "$psalm" solver.nml

@@ -2,6 +2,7 @@
 !>
 !> usage: account runs DIRECTORY SEEDS     set | solver | seed | objective (or -1: no linkage) | evaluations | seconds
 !>        account scaling DIRECTORY        positions | microseconds of a Jacobian | of an iteration of least squares
+!>        account first DIRECTORY          needle linkage from the published start: least gain of a step | objective | ms
 program account
    use, intrinsic :: iso_fortran_env, only: int64
    use psalm_constr, only: constraints_t, make_constraints
@@ -43,8 +44,10 @@ program account
       call all_runs()
    case ('scaling')
       call scaling()
+   case ('first')
+      call first_start()
    case default
-      error stop 'usage: account runs DIRECTORY SEEDS | scaling DIRECTORY'
+      error stop 'usage: account runs DIRECTORY SEEDS | scaling DIRECTORY | first DIRECTORY'
    end select
 
 contains
@@ -204,4 +207,31 @@ contains
          print '(i0,"|",f0.2,"|",f0.2)', n, 1.0e6_dp*jacobian, 1.0e6_dp*iteration
       end do
    end subroutine scaling
+
+   !> Needle linkage from the published start: how low, how soon.
+   subroutine first_start()
+      type(data_set_t) :: set
+      type(problem_t) :: problem
+      type(merit_t) :: merit
+      real(wp), allocatable :: first(:), values(:)
+      real(wp) :: objective
+      real(dp) :: begun, least
+      integer :: digits, k
+      logical :: feasible
+
+      do digits = 2, 8, 2
+         call load('needle_search', set, problem)
+         first = problem%topology%first_values(problem%given)
+         least = huge(least)
+         do k = 1, repeats
+            begun = seconds()
+            call prepare_merit(set, problem, first, merit)
+            values = first
+            call improve(merit, values, 10.0_wp**(-digits), huge(1), objective, feasible)
+            least = min(least, seconds() - begun)
+         end do
+         if (.not. feasible) objective = -1.0_wp
+         print '(es7.1,"|",f0.6,"|",f0.2)', 10.0_wp**(-digits), objective, 1.0e3_dp*least
+      end do
+   end subroutine first_start
 end program account
