@@ -132,7 +132,7 @@ contains
          associate (row => scene%prescribed, i => scene%reference)
             do b = 1, size(scene%bars)
                associate (bar => scene%bars(b))
-                  if (bar%start == bar%finish .or. bar%slide > 0) cycle
+                  if (bar%start == bar%finish) cycle
                   if (.not. (row%known(bar%start, i) .and. row%known(bar%finish, i))) cycle
                   call line(layer_of(bar%body), row%x(bar%start, i), row%y(bar%start, i), row%x(bar%finish, i), &
                             row%y(bar%finish, i))

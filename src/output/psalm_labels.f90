@@ -9,12 +9,13 @@ module psalm_labels
 
    integer, parameter :: ways = 12                  !! directions that are tried
    integer, parameter :: most_dots = 400            !! traces of more points are not looked at
+   real(wp), parameter :: too_crowded = 60.0_wp     !! a letter that would lie on others is left out
    real(wp), parameter :: away = 18.0_wp            !! distance of a letter from its joint, pixels
    real(wp), parameter :: room_bar = 13.0_wp, room_joint = 22.0_wp, room_letter = 20.0_wp, room_dot = 10.0_wp !! wanted, pixels
 
 contains
 
-   !> Middles of the letters at the reference position, pixels, y downwards.
+   !> Middles of the letters at the reference position, pixels, y downwards; far negative where there is none.
    pure subroutine place_labels(scene, k, ox, oy, at)
       type(scene_t), intent(in) :: scene
       real(wp), intent(in) :: k, ox, oy      !! pixels per unit of length; place of the view's low corner
@@ -41,6 +42,7 @@ contains
                at(:, j) = try
             end if
          end do
+         if (best > too_crowded) at(:, j) = -huge(1.0_wp)
       end do
 
    contains

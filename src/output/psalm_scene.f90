@@ -24,7 +24,7 @@ module psalm_scene
    real(wp), parameter :: same_place = 1.0e-9_wp !! joints nearer than this times the size of the linkage are one
    real(wp), parameter :: pointer_part = 0.16_wp !! an output arc without length is drawn this part of the view long
    real(wp), parameter :: flattest = 0.12_wp     !! a view is at least this part as high as it is wide
-   real(wp), parameter :: enlarge = 0.6_wp       !! a sweep widens the view by at most this part of it
+   real(wp), parameter :: enlarge = 0.25_wp       !! a sweep widens the view by at most this part of it
 
    !> A row of positions. Co-ordinates in machine axes; what is not known is 0 with `known` false.
    type :: row_t

@@ -17,8 +17,10 @@ module psalm_svg
 
    real(wp), parameter :: width = 960.0_wp, tallest = 660.0_wp, margin = 52.0_wp, header = 72.0_wp !! sizes, pixels
    real(wp), parameter :: line_height = 17.0_wp
-   integer, parameter :: characters = 118     !! of a message on one line
+   integer, parameter :: characters = 104     !! of a message on one line
    integer, parameter :: most_messages = 14   !! the listing and the page have all
+   integer, parameter :: many = 60            !! joints above which symbols are smaller
+   real(wp), parameter :: crowded = 0.55_wp   !! size of symbols then
    integer, parameter :: colours = 8          !! of links, used in turn
 
 contains
@@ -54,12 +56,14 @@ contains
       call text%add('<text class="head" x="28" y="36">'//xml_text(trim(scene%title))//'</text>')
       if (scene%sound) then
          call text%add('<text class="sub" x="28" y="57">'//xml_text(subtitle(scene))//'</text>')
+         call text%add('<clipPath id="area"><rect x="8" y="'//px(header - 4.0_wp)//'" width="'//px(width - 16.0_wp)// &
+                       '" height="'//px(foot - header + 4.0_wp)//'"/></clipPath><g clip-path="url(#area)">')
          call text%add('<g id="linkage" transform="matrix('//short_number(k)//' 0 0 '//short_number(-k)//' '// &
                        short_number(ox - k*scene%low(1))//' '//short_number(oy + k*scene%low(2))//')">')
          call draw_linkage(scene, assemblies, k, text)
-         call text%add('</g>')
+         call text%add('</g></g>')
          call draw_letters(scene, k, ox, oy, text)
-         call draw_scale(scene, k, foot, text)
+         call draw_scale(k, foot, text)
          call draw_legend(scene, foot, text)
       end if
       call draw_messages(lines, foot + merge(46.0_wp, 8.0_wp, scene%sound), text)
@@ -79,7 +83,7 @@ contains
       call text%add('<style>')
       call text%add('text{font-family:"DejaVu Sans",Verdana,Arial,sans-serif;font-size:13px;fill:#14202b}'// &
                     '.head{font-size:20px;font-weight:bold}.sub,.key{font-size:12.5px;fill:#45525e}.letter{font-size:15px;'// &
-                    'font-style:italic;text-anchor:middle}.error{fill:#b3261e;font-weight:bold}.warning{fill:#8a5a00}')
+                    'font-style:italic;text-anchor:middle}.error{fill:#b3261e}.warning{fill:#8a5a00}')
       call text%add('.paper{fill:#fff}.symbol{fill:#fff;stroke:#14202b}'//fine//'.bar{stroke:#14202b}.frame{stroke:#7d8994}'// &
                     '.trace{stroke:#566370}.plate{fill-opacity:.16;stroke:none}.rail{stroke:#7d8994}.every{stroke-opacity:.3}'// &
                     '.ghost{stroke:#9aa4ad}.broken{stroke:#d3302f}.actual{fill:#c62828;stroke:#c62828}.path{stroke:#c62828}'// &
@@ -136,7 +140,7 @@ contains
       if (scene%everywhere) then
          call text%add('<g'//stroke(1.1_wp, k)//'>')
          do i = 1, scene%prescribed%n
-            if (i /= scene%reference) call draw_bars(scene, scene%prescribed, i, 'every', text)
+            if (i /= scene%reference) call draw_bars(scene, scene%prescribed, i, 'every', k, text)
          end do
          call text%add('</g>')
       end if
@@ -145,7 +149,7 @@ contains
       call draw_plates(scene, text)
       call draw_path(scene, k, text)
       call text%add('<g id="reference" data-position="'//to_text(scene%reference)//'"'//stroke(2.6_wp, k)//'>')
-      call draw_bars(scene, scene%prescribed, scene%reference, 'bar', text)
+      call draw_bars(scene, scene%prescribed, scene%reference, 'bar', k, text)
       call text%add('</g>')
       call draw_broken(scene, k, text)
       call draw_output(scene, k, text)
@@ -175,23 +179,24 @@ contains
    end subroutine draw_traces
 
    !> All links at one position.
-   subroutine draw_bars(scene, row, i, class, text)
+   subroutine draw_bars(scene, row, i, class, k, text)
       type(scene_t), intent(in) :: scene
       type(row_t), intent(in) :: row
       integer, intent(in) :: i
       character(*), intent(in) :: class
+      real(wp), intent(in) :: k
       type(text_t), intent(inout) :: text
       integer :: b
       character(:), allocatable :: kind, dashes
 
       do b = 1, size(scene%bars)
          associate (bar => scene%bars(b))
-            if (bar%start == bar%finish .or. bar%slide > 0) cycle
+            if (bar%start == bar%finish) cycle
             if (.not. (row%known(bar%start, i) .and. row%known(bar%finish, i))) cycle
             kind = class_of(scene, bar%body)
             if (class == 'every' .and. kind == 'frame') cycle
             dashes = ''
-            if (kind == 'frame') dashes = ' pathLength="100" stroke-dasharray="2 2"'
+            if (kind == 'frame') dashes = ' stroke-dasharray="'//short_number(6.0_wp/k)//' '//short_number(6.0_wp/k)//'"'
             call text%add('<path class="'//class//' '//kind//'" data-position="'//to_text(i)//'" data-arc="'//to_text(bar%loop)// &
                           ' '//to_text(bar%arc)//'"'//dashes//' d="M'// &
                           point(row, bar%start, i)//'L'//point(row, bar%finish, i)//'"/>')
@@ -395,7 +400,7 @@ contains
             if (.not. row%known(j, i) .or. len(scene%joints(j)%name) == 0) cycle
             associate (joint => scene%joints(j))
                start = '<g class="joint" data-joint="'//joint%name//'" transform="translate('//point(row, j, i)//') scale('// &
-                       short_number(1.0_wp/k)//')" stroke-width="1.6">'
+                       short_number(merge(crowded, 1.0_wp, size(scene%joints) > many)/k)//')" stroke-width="1.6">'
                if (joint%turning .and. joint%fixed) start = start//'<use href="#ground" class="symbol"/>'
                do s = 1, size(scene%slides)
                   if (scene%slides(s)%block /= j) cycle
@@ -440,15 +445,14 @@ contains
 
       call place_labels(scene, k, ox, oy, at)
       do j = 1, size(scene%joints)
-         if (.not. scene%prescribed%known(j, scene%reference) .or. len(scene%joints(j)%name) == 0) cycle
+         if (at(1, j) < 0.0_wp) cycle
          call text%add('<text class="letter" x="'//px(at(1, j))//'" y="'//px(at(2, j) + 5.0_wp)//'">'// &
                        scene%joints(j)%name//'</text>')
       end do
    end subroutine draw_letters
 
    !> A bar of a round length, about a sixth of the width.
-   subroutine draw_scale(scene, k, foot, text)
-      type(scene_t), intent(in) :: scene
+   subroutine draw_scale(k, foot, text)
       real(wp), intent(in) :: k, foot
       type(text_t), intent(inout) :: text
       real(wp) :: length, power
@@ -465,7 +469,6 @@ contains
       call text%add('<g id="scale"><path class="axis" stroke-width="1.6" d="M28 '//px(foot + 8.0_wp)//'v8h'//px(k*length)// &
                     'v-8"/><text class="key" x="'//px(36.0_wp + k*length)//'" y="'//px(foot + 20.0_wp)//'" data-length="'// &
                     full_precision(length)//'">'//number(length)//'</text></g>')
-      if (scene%sound) return
    end subroutine draw_scale
 
    subroutine draw_legend(scene, foot, text)
