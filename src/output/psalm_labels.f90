@@ -9,7 +9,7 @@ module psalm_labels
 
    integer, parameter :: ways = 12                  !! directions that are tried
    integer, parameter :: most_dots = 400            !! traces of more points are not looked at
-   real(wp), parameter :: too_crowded = 60.0_wp     !! a letter that would lie on others is left out
+   real(wp), parameter :: too_crowded = 45.0_wp     !! a letter that would lie on others is left out
    real(wp), parameter :: away = 18.0_wp            !! distance of a letter from its joint, pixels
    real(wp), parameter :: room_bar = 13.0_wp, room_joint = 22.0_wp, room_letter = 20.0_wp, room_dot = 10.0_wp !! wanted, pixels
 
@@ -63,7 +63,7 @@ contains
          do m = 1, size(scene%joints)
             if (shown(m) .and. m /= j) crowd = crowd + 2.0_wp*max(0.0_wp, room_joint - hypot(p(1) - x(m), p(2) - y(m)))
             if (at(1, m) > -huge(1.0_wp) .and. m /= j) &
-               crowd = crowd + 3.0_wp*max(0.0_wp, room_letter - hypot(p(1) - at(1, m), p(2) - at(2, m)))
+               crowd = crowd + 3.0_wp*max(0.0_wp, room_letter + more_room(j) - hypot(p(1) - at(1, m), p(2) - at(2, m)))
             if (scene%joints(m)%fixed .or. scene%prescribed%n > most_dots) cycle
             do i = 1, scene%prescribed%n
                if (.not. scene%prescribed%known(m, i)) cycle
@@ -72,6 +72,13 @@ contains
             end do
          end do
       end function crowd
+
+      !> Names of several letters are wider.
+      pure real(wp) function more_room(j)
+         integer, intent(in) :: j
+
+         more_room = 5.0_wp*real(len(scene%joints(j)%name) - 1, wp)
+      end function more_room
    end subroutine place_labels
 
    !> Distance of a point from a piece of a line.

@@ -144,7 +144,29 @@ contains
       if (scene%output == scene%output_base) scene%pointer = pointer_part*norm2(scene%high - scene%low)
       call find_wishes(scene, scene%prescribed)
       call find_wishes(scene, scene%sweep)
+      call widen_view(scene)
    end subroutine make_scene
+
+   !> Directions and desired places of the output belong into the view too.
+   subroutine widen_view(scene)
+      type(scene_t), intent(inout) :: scene
+      integer :: k
+
+      do k = 1, scene%prescribed%n
+         if (.not. scene%prescribed%closed(k)) cycle
+         if (scene%motion == motion_angle) call take(scene%prescribed%aim(:, k))
+         if (scene%desired) call take(scene%prescribed%wish(:, k))
+      end do
+
+   contains
+
+      subroutine take(point)
+         real(wp), intent(in) :: point(2)
+
+         scene%low = min(scene%low, point)
+         scene%high = max(scene%high, point)
+      end subroutine take
+   end subroutine widen_view
 
    !> The other assembly of each pair: the common joint mirrored in the line of the outer joints (types 1 to 3), or the other
    !> point of the slide's line at the link's distance (types 4 and 5).
