@@ -91,7 +91,7 @@ contains
       do k = 1, size(scripts)
          script = name//scripts(k)%ending//'.gp'
          call write_one(stem//scripts(k)%ending//'.gp', scripts(k)%content)
-         call execute_command_line('cd '//shell_word(directory)//' && gnuplot '//shell_word('./'//script)//' >/dev/null', &
+         call execute_command_line('cd '//shell_word(directory)//' && gnuplot '//shell_word('./'//script)//' >/dev/null 2>&1', &
                                    exitstat=status, cmdstat=failed)
          made = status == 0 .and. failed == 0
          if (made) then

@@ -400,7 +400,7 @@ def test_curves():
     script = read("needle_search.gp")
     lines = re.search(r"\$progress << END\n(.*?)END", script, re.S).group(1).splitlines()
     best = [float(l.split()[1]) for l in lines]
-    told = re.findall(r"BEST +(\S+)", read("needle_search.dev1"))
+    told = re.findall(r"ITERATION \d+ +BEST +(\S+)", read("needle_search.dev1"))
     check("curves: convergence is that of device 1", best == [float(v.replace("D", "E")) for v in told] and len(best) > 5)
     names, rows = device9("needle.dev9")[0]
     run(balm, "--quiet", "--curves", "needle.nml")

@@ -33,8 +33,8 @@ contains
       angles = any(scene%pairs%joint_type == 1)
       panels = 1 + count([scene%motion == motion_point, errors, angles, steps > 0])
       call text%add('set datafile missing "NaN"')
-      call text%add('set grid; set key outside right top; set xlabel '//quoted(input_name(scene)))
-      if (.not. scene%sliding) call text%add('set xtics 30')
+      call text%add('set grid; set key outside right top; set lmargin 11; set rmargin 17')
+      call input_axis(scene, text)
       do pass = 1, 2
          if (pass == 1) then
             call text%add('set terminal pngcairo size 1000,'//to_text(panels*panel_height + 40)//' font "sans,10"')
@@ -49,6 +49,23 @@ contains
          call text%add('unset output')
       end do
    end subroutine write_curves
+
+   !> The same axis for all panels; a turn is a whole one.
+   subroutine input_axis(scene, text)
+      type(scene_t), intent(in) :: scene
+      type(text_t), intent(inout) :: text
+      real(wp) :: low, high
+
+      call text%add('set xlabel '//quoted(input_name(scene)))
+      low = minval(scene%sweep%input)
+      high = maxval(scene%sweep%input)
+      if (.not. scene%sliding) then
+         call text%add('set xtics 30')
+         low = scene%sweep%input(1) + min(0.0_wp, scene%sense*full_turn)
+         high = low + full_turn
+      end if
+      if (high > low) call text%add('set xrange ['//short_number(low)//':'//short_number(high)//']')
+   end subroutine input_axis
 
    !> Input along the sweep (degrees go on beyond a turn), actual, desired, errors, transmission angles.
    subroutine write_table(name, scene, row, text)
@@ -194,10 +211,11 @@ contains
                        short_number(90.0_wp + scene%tangle)//" dt 2 lc 'red' notitle; set yrange [*:*]")
       end if
       if (steps == 0) return
-      call text%add('set xlabel "iteration, or start"; set xtics auto; set ylabel "objective"; set logscale y; '// &
+      call text%add('set xlabel "iteration, or start"; set xtics auto; set xrange [*:*]')
+      call text%add('set ylabel "objective"; set logscale y; '// &
                     "plot $progress using 1:3 with linespoints pt 7 ps 0.4 title 'worst', '' using 1:2 with linespoints pt 7 "// &
-                    "ps 0.4 title 'best'; unset logscale y; set xlabel "//quoted(input_name(scene)))
-      if (.not. scene%sliding) call text%add('set xtics 30')
+                    "ps 0.4 title 'best'; unset logscale y")
+      call input_axis(scene, text)
 
    contains
 

@@ -362,7 +362,7 @@ contains
       type(chain_t), intent(in) :: chain
       integer, intent(in) :: loop, p, q, i, k
       type(row_t), intent(inout) :: row
-      real(wp) :: x, y
+      real(wp) :: x, y, length, along
 
       call reach_out(p, x, y)
       row%tip(1, loop, k) = row%x(chain%outer(1, loop), k) + x
@@ -370,6 +370,17 @@ contains
       call reach_out(q, x, y)
       row%tip(3, loop, k) = row%x(chain%outer(2, loop), k) - x
       row%tip(4, loop, k) = row%y(chain%outer(2, loop), k) - y
+      ! a slide is as long as it must be to come nearest to the link
+      select case (problem%topology%joint(loop))
+      case (4)
+         call problem%linkage%arc_at(problem%plan, q, i, x, y, length)
+         along = (row%tip(1, loop, k) - row%tip(3, loop, k))*x + (row%tip(2, loop, k) - row%tip(4, loop, k))*y
+         row%tip(3:4, loop, k) = row%tip(3:4, loop, k) + along*[x, y]
+      case (5)
+         call problem%linkage%arc_at(problem%plan, p, i, x, y, length)
+         along = (row%tip(3, loop, k) - row%tip(1, loop, k))*x + (row%tip(4, loop, k) - row%tip(2, loop, k))*y
+         row%tip(1:2, loop, k) = row%tip(1:2, loop, k) + along*[x, y]
+      end select
 
    contains
 
