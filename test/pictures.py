@@ -582,6 +582,7 @@ def test_browser_cases(browser, shots):
     gap = Page(browser, "open.html")
     gap.ask("balm.go(270)")
     check("open: explained on the picture", gap.page.is_visible("#alert") and "LINK 2 IS TOO SHORT" in gap.page.text_content("#alert"))
+    check("open: by how much here", gap.page.text_content("#alert").endswith("; HERE BY 15"), gap.page.text_content("#alert"))
     gap.ask("balm.go(20)")
     check("open: nothing to explain where it closes", not gap.page.is_visible("#alert"))
     gap.page.click("#messages .go")

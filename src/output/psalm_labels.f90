@@ -11,6 +11,7 @@ module psalm_labels
    integer, parameter :: most_dots = 400            !! traces of more points are not looked at
    real(wp), parameter :: too_crowded = 45.0_wp     !! a letter that would lie on others is left out
    real(wp), parameter :: away = 18.0_wp            !! distance of a letter from its joint, pixels
+   real(wp), parameter :: room_symbol = 5.0_wp      !! more for the symbol of a prismatic joint
    real(wp), parameter :: room_bar = 13.0_wp, room_joint = 22.0_wp, room_letter = 20.0_wp, room_dot = 10.0_wp !! wanted, pixels
 
 contains
@@ -20,7 +21,7 @@ contains
       type(scene_t), intent(in) :: scene
       real(wp), intent(in) :: k, ox, oy      !! pixels per unit of length; place of the view's low corner
       real(wp), intent(out) :: at(:, :)      !! shape (2, joints)
-      real(wp) :: x(size(scene%joints)), y(size(scene%joints)), try(2), c, s, score, best
+      real(wp) :: x(size(scene%joints)), y(size(scene%joints)), try(2), c, s, reach, score, best
       logical :: shown(size(scene%joints))
       integer :: j, w
 
@@ -33,7 +34,8 @@ contains
          best = huge(best)
          do w = 0, ways - 1
             call unit_vector(real(w, wp)*(360.0_wp/real(ways, wp)) + 60.0_wp, c, s)
-            try = [x(j) + away*c, y(j) - away*s]
+            reach = away + merge(room_symbol, 0.0_wp, scene%joints(j)%slides)
+            try = [x(j) + reach*c, y(j) - reach*s]
             ! a frame joint has its triangle below
             score = merge(30.0_wp, 0.0_wp, scene%joints(j)%fixed .and. scene%joints(j)%turning .and. s < -0.7_wp)
             score = score + crowd(j, try)

@@ -196,7 +196,8 @@ contains
             kind = class_of(scene, bar%body)
             if (class == 'every' .and. kind == 'frame') cycle
             dashes = ''
-            if (kind == 'frame') dashes = ' stroke-dasharray="'//short_number(6.0_wp/k)//' '//short_number(6.0_wp/k)//'"'
+            if (kind == 'frame') dashes = stroke(1.5_wp, k)// &
+                                          ' stroke-dasharray="'//short_number(6.0_wp/k)//' '//short_number(6.0_wp/k)//'"'
             call text%add('<path class="'//class//' '//kind//'" data-position="'//to_text(i)//'" data-arc="'//to_text(bar%loop)// &
                           ' '//to_text(bar%arc)//'"'//dashes//' d="M'// &
                           point(row, bar%start, i)//'L'//point(row, bar%finish, i)//'"/>')
