@@ -549,6 +549,14 @@ def test_browser(browser, shots):
     check("64 loops, 360 positions are smooth", 0 < time <= LARGE_LIMIT and 0 < raster <= LARGE_LIMIT and large.ask("balm.cases[0].sweep.n") == 360)
     large.context.close()
     test_browser_cases(browser, shots)
+    for name in ("extreme_lengths", "parallel_slides"):
+        run(balm, "--quiet", "--output-dir", ".", os.path.join(DATA, "hard", name + ".nml"))
+    for name in sorted(f for f in os.listdir(".") if f.endswith(".html")):
+        every = Page(browser, name)
+        every.ask("balm.cases.forEach((c, i) => { balm.choose(i); balm.frameTime(20); })")
+        every.page.check("#other") if every.page.is_visible("#other") else None
+        check(name + ": every case is drawn without complaint", not every.complaints, str(every.complaints))
+        every.context.close()
 
 
 def test_browser_cases(browser, shots):

@@ -1,5 +1,5 @@
 /* The page's text, psalm_page_data.c.html beside this file, as bytes of the program. __FILE__ finds it wherever the compiler
-   is started. A build does not notice a change of the page alone: change this file too, or build afresh. Page revision 6. */
+   is started. fpm does not notice a change of the page alone; scripts/setup then has this file compiled anew. */
 __asm__(".section .rodata\n"
         ".global psalm_page_text\n"
         ".global psalm_page_end\n"
