@@ -5,53 +5,21 @@ usage: test/pictures.py PROGRAM_DIRECTORY [SCREENSHOT_DIRECTORY]. Last line: N p
 Readers are independent of balm: XML and JSON of Python, ezdxf, chromium.
 """
 import html
-import json
 import math
 import os
 import re
 import shutil
-import subprocess
 import sys
 import tempfile
 import xml.etree.ElementTree as ElementTree
 
 import ezdxf
-from playwright.sync_api import sync_playwright
 
-TOP = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
-DATA = os.path.join(TOP, "data")
+import picture_tools
+from page_in_browser import test_pages
+from picture_tools import DATA, TOP, balm, check, page_data, psalm, read, write
+
 SVG = "{http://www.w3.org/2000/svg}"
-FLAGS = ["--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run",
-         "--disable-background-networking", "--disable-component-update", "--disable-sync"]
-FRAME_LIMIT = 4.0  # milliseconds, for the ten-bars
-LARGE_LIMIT = 16.0  # milliseconds, for 64 loops: a frame at 60 a second
-passed = failed = 0
-psalm = balm = ""
-
-
-def check(law, good, detail=""):
-    global passed, failed
-    if good:
-        passed += 1
-    else:
-        failed += 1
-        print("FAILED: %s %s" % (law, detail))
-    return good
-
-
-def run(*arguments, stdin=None, env=None, cwd=None):
-    done = subprocess.run(arguments, capture_output=True, input=stdin, env=env, cwd=cwd, check=False)
-    return done.returncode, done.stdout.decode("utf-8", "replace"), done.stderr.decode("utf-8", "replace")
-
-
-def read(name):
-    with open(name, encoding="utf-8") as text:
-        return text.read()
-
-
-def write(name, text):
-    with open(name, "wb") as file:
-        file.write(text if isinstance(text, bytes) else text.encode("utf-8"))
 
 
 def device9(name):
@@ -89,11 +57,6 @@ def place(element):
 
 def numbers(element):
     return re.findall(r"[-+0-9.E]+", re.sub("[MLHVZhvz]", " ", element.get("d")))
-
-
-def page_data(name):
-    text = read(name)
-    return json.loads(re.search(r'<script type="application/json" id="data">(.*?)</script>', text, re.S).group(1))["cases"]
 
 
 def near(a, b, relative=1e-11, scale=0.0):
@@ -240,12 +203,12 @@ def test_geometry():
     for name in hard:
         shutil.copy(os.path.join(DATA, "hard", name + ".nml"), name + ".nml")
     for name in found + ["brake_reaction"]:
-        run(psalm, "--quiet", "--output-dir", "found", os.path.join(DATA, name + ".nml"))
+        psalm("--quiet", "--output-dir", "found", os.path.join(DATA, name + ".nml"))
         text = read("found/%s.dev7" % name)
         write(name + ".nml", re.sub(r"IPLOT\s*=\s*0", "IPLOT=1", text))
     for name in plain + found + hard:
-        code, _, _ = run(psalm, "--quiet", name + ".nml")
-        ours, _, errors = run(balm, "--quiet", name + ".nml")
+        code, _, _ = psalm("--quiet", name + ".nml")
+        ours, _, errors = balm("--quiet", name + ".nml")
         if name != "needle":
             check(name + ": exit status as psalm's", ours == code, "%d %d %s" % (ours, code, errors))
         cases = page_data(name + ".html")
@@ -272,7 +235,7 @@ def test_symbols():
         style = read(name + ".svg")
         check(name + ": dark scheme", "prefers-color-scheme:dark" in style)
     write("every.nml", read("needle.nml").replace("IPLOT=1", "KTHETA=1"))
-    run(balm, "--quiet", "every.nml")
+    balm("--quiet", "every.nml")
     every = Picture("every.svg").of_class("every")
     check("KTHETA=1 draws every link at every position", len({e.get("data-position") for e in every}) == 19)
     check("KTHETA=0 does not", not Picture("needle.svg").of_class("every"))
@@ -297,8 +260,8 @@ def test_assemblies():
             change = (change[1], change[0])
         check(name + ": signs", change[0] in text)
         write("turned.nml", text.replace(*change))
-        run(balm, "--quiet", "--assemblies", name + ".nml")
-        run(balm, "--quiet", "turned.nml")
+        balm("--quiet", "--assemblies", name + ".nml")
+        balm("--quiet", "turned.nml")
         ghost = Picture(name + ".svg").of_class("ghost")
         check(name + ": a grey assembly", len(ghost) == 1)
         case = page_data("turned.html")[0]
@@ -307,7 +270,7 @@ def test_assemblies():
         size = case["view"][2] - case["view"][0]
         check(name + ": the other sign is the grey assembly", abs(x - row["x"][joint][case["reference"]]) < 1e-10 * size and
               abs(y - row["y"][joint][case["reference"]]) < 1e-10 * size)
-        run(balm, "--quiet", name + ".nml")
+        balm("--quiet", name + ".nml")
 
 
 # ---- messages and awkward places ------------------------------------------------------------------------------------------
@@ -315,7 +278,7 @@ def test_assemblies():
 def test_messages():
     slider = read("dyad4_slider_crank.nml")
     write("open.nml", slider.replace("140.0,0.0,10.0", "35.0,0.0,10.0"))
-    code, _, errors = run(balm, "open.nml")
+    code, _, errors = balm("open.nml")
     check("open: exit status", code == 1)
     check("open: remark", "LINK 2 IS TOO SHORT BY 15.00000" in errors)
     check("open: on the picture", "LOOP 1, DYAD OF TYPE 4 (ARCS 2 AND 3), POSITIONS 16 TO 22: LINK 2 IS TOO SHORT BY 15.00000" in
@@ -326,7 +289,7 @@ def test_messages():
           {b[0] for b in case["sweep"]["broken"]} == {i for i, v in enumerate(case["sweep"]["closed"]) if v == "0"})
 
     write("nowhere.nml", slider.replace("140.0,0.0,10.0", "5.0,0.0,60.0"))
-    code, _, _ = run(balm, "--quiet", "nowhere.nml")
+    code, _, _ = balm("--quiet", "nowhere.nml")
     picture = Picture("nowhere.svg")
     check("closes nowhere: exit status", code == 1)
     check("closes nowhere: says why", "TOO SHORT" in picture.text() and "POSITIONS 1 TO 24" in picture.text())
@@ -335,16 +298,16 @@ def test_messages():
     check("closes nowhere: DXF", not ezdxf.readfile("nowhere.dxf").audit().errors)
 
     write("sign.nml", re.sub(r"ILINK=1,(-?)2,", lambda m: "ILINK=1,%s2," % ("" if m.group(1) else "-"), read("dyad2_oscillating_cylinder.nml")))
-    code, _, errors = run(balm, "sign.nml")
+    code, _, errors = balm("sign.nml")
     check("a bad sign: exit status", code == 2)
     check("a bad sign: picture and page show the message", "error: &LINKS ILINK" in Picture("sign.svg").text() and
           page_data("sign.html")[0]["errors"] and not page_data("sign.html")[0]["sound"], errors)
     check("a bad sign: no drawing for CAD", not os.path.exists("sign.dxf"))
     write("typo.nml", slider.replace("NLOOP", "NLOPP"))
-    code, _, errors = run(balm, "typo.nml")
+    code, _, errors = balm("typo.nml")
     check("a slip in a name", code == 2 and "did you mean NLOOP" in errors and "did you mean NLOOP" in Picture("typo.svg").text())
     write("both.nml", read("actuator_davis_steering.nml").replace("NOUTLK=4, NOUTLP=2", "NOUTLK=4, NOUTLP=7"))
-    code, _, _ = run(balm, "--quiet", "both.nml")
+    code, _, _ = balm("--quiet", "both.nml")
     cases = page_data("both.html")
     check("one of two cases is wrong: the other is drawn", code == 2 and cases[0]["sound"] and not cases[1]["sound"] and
           not cases[0]["errors"] and os.path.exists("both.dxf"))
@@ -355,7 +318,7 @@ NASTY = b"</script><script>alert(1)</script> & \"q\" 'x' \\u0041 <!-- \xc3\xa9 \
 
 def test_awkward():
     write("nasty.nml", NASTY + b"\n" + read("needle.nml").split("\n", 1)[1].encode())
-    code, _, errors = run(balm, "--quiet", "--curves", "nasty.nml")
+    code, _, errors = balm("--quiet", "--curves", "nasty.nml")
     check("a nasty title: exit status", code == 0, errors)
     title = picture_title("nasty.svg")
     check("a nasty title: SVG", title.startswith("</script><script>alert(1)</script> & \"q\" 'x' \\u0041 <!-- \u00e9 \u00ff"), title)
@@ -363,26 +326,26 @@ def test_awkward():
     check("a nasty title: curves", read_bytes("nasty.png")[:8] == b"\x89PNG\r\n\x1a\n" and read_bytes("nasty.pdf")[:5] == b"%PDF-")
 
     write("empty.nml", "")
-    code, _, errors = run(balm, "empty.nml")
+    code, _, errors = balm("empty.nml")
     check("an empty file", code == 2 and "the file is empty" in errors and not os.path.exists("empty.svg"))
-    check("a missing file", run(balm, "missing.nml")[0] == 3)
-    check("a full disk", run(balm, "--output-dir", "/dev/full", "needle.nml")[0] == 3)
-    check("an unknown option", run(balm, "--frobnicate", "needle.nml")[0] == 2)
-    check("options of balm are not psalm's", run(psalm, "--curves", "needle.nml")[0] == 2)
-    code, out, _ = run(balm, "--help")
+    check("a missing file", balm("missing.nml")[0] == 3)
+    check("a full disk", balm("--output-dir", "/dev/full", "needle.nml")[0] == 3)
+    check("an unknown option", balm("--frobnicate", "needle.nml")[0] == 2)
+    check("options of balm are not psalm's", psalm("--curves", "needle.nml")[0] == 2)
+    code, out, _ = balm("--help")
     check("--help", code == 0 and "Exit status" in out)
-    check("--version", re.fullmatch(r"balm \d+\.\d+\.\d+\n", run(balm, "--version")[1]))
+    check("--version", re.fullmatch(r"balm \d+\.\d+\.\d+\n", balm("--version")[1]))
     os.makedirs("elsewhere", exist_ok=True)
-    check("standard input", run(balm, "--quiet", stdin=read("needle.nml").encode(), cwd="elsewhere")[0] == 0 and
+    check("standard input", balm("--quiet", stdin=read("needle.nml").encode(), cwd="elsewhere")[0] == 0 and
           os.path.exists("elsewhere/psalm.svg"))
-    check("from another directory", run(balm, "--quiet", "--output-dir", "out", "../needle.nml", cwd="elsewhere")[0] == 0 and
+    check("from another directory", balm("--quiet", "--output-dir", "out", "../needle.nml", cwd="elsewhere")[0] == 0 and
           read_bytes("elsewhere/out/needle.svg") == read_bytes("needle.svg"))
     odd = "it's a \"case\" $(x).nml"
     shutil.copy("needle.nml", odd)
-    code, _, errors = run(balm, "--quiet", "--curves", odd)
+    code, _, errors = balm("--quiet", "--curves", odd)
     check("a name with quotes and blanks", code == 0 and os.path.exists(odd[:-4] + ".png") and os.path.exists(odd[:-4] + ".html"), errors)
     check("no half-written file is left", not [f for f in os.listdir(".") if f.endswith(".part")])
-    code, _, errors = run(balm, "--quiet", "--curves", "needle.nml", env={"PATH": "/nonexistent"})
+    code, _, errors = balm("--quiet", "--curves", "needle.nml", env={"PATH": "/nonexistent"})
     check("gnuplot is missing: exit status and message", code == 3 and "gnuplot is missing or failed" in errors, errors)
     check("gnuplot is missing: the other pictures are there", os.path.exists("needle.svg"))
 
@@ -393,8 +356,8 @@ def read_bytes(name):
 
 
 def test_curves():
-    run(psalm, "--quiet", os.path.join(DATA, "needle_search.nml"), "--output-dir", ".")
-    code, _, errors = run(balm, "--quiet", "--curves", "--output-dir", ".", os.path.join(DATA, "needle_search.nml"))
+    psalm("--quiet", os.path.join(DATA, "needle_search.nml"), "--output-dir", ".")
+    code, _, errors = balm("--quiet", "--curves", "--output-dir", ".", os.path.join(DATA, "needle_search.nml"))
     check("curves: exit status", code == 0, errors)
     check("curves: PNG and PDF", read_bytes("needle_search.png")[:4] == b"\x89PNG" and read_bytes("needle_search.pdf")[:5] == b"%PDF-")
     script = read("needle_search.gp")
@@ -403,7 +366,7 @@ def test_curves():
     told = re.findall(r"ITERATION \d+ +BEST +(\S+)", read("needle_search.dev1"))
     check("curves: convergence is that of device 1", best == [float(v.replace("D", "E")) for v in told] and len(best) > 5)
     names, rows = device9("needle.dev9")[0]
-    run(balm, "--quiet", "--curves", "needle.nml")
+    balm("--quiet", "--curves", "needle.nml")
     table = re.search(r"\$prescribed << END\n#.*?\n(.*?)END", read("needle.gp"), re.S).group(1).splitlines()
     check("curves: actual and desired are those of device 9",
           [l.split()[1] for l in table] == [r[names.index("actual")] for r in rows] and
@@ -437,206 +400,8 @@ def test_embedded():
     check("the page asks nothing of a network", not re.search(r"""(src|href)=["']?(https?:)?//|url\(|@import|fetch\(|XMLHttp""", source))
 
 
-# ---- in a browser -----------------------------------------------------------------------------------------------------------
-
-class Page:
-    """A page in the browser; everything it complains of or asks for is kept."""
-
-    def __init__(self, browser, name, width=1280, height=900, scheme="light"):
-        self.complaints, self.requests, self.dialogs = [], [], []
-        self.context = browser.new_context(viewport={"width": width, "height": height}, color_scheme=scheme)
-        self.page = self.context.new_page()
-        self.page.on("console", lambda m: m.type in ("error", "warning") and self.complaints.append(m.text))
-        self.page.on("pageerror", lambda e: self.complaints.append(str(e)))
-        self.page.on("request", lambda r: self.requests.append(r.url))
-        self.page.on("dialog", lambda d: (self.dialogs.append(d.message), d.dismiss()))
-        self.page.goto("file://" + os.path.abspath(name))
-        self.page.wait_for_timeout(150)
-
-    def ask(self, script):
-        return self.page.evaluate(script)
-
-    def pixels(self, canvas="linkage"):
-        return self.ask("document.getElementById('%s').toDataURL()" % canvas)
-
-
-def test_browser(browser, shots):
-    one = Page(browser, "needle.html")
-    page = one.page
-    check("page: loads without complaint", not one.complaints, str(one.complaints))
-    check("page: asks for nothing but itself", all(u.startswith(("file:", "data:")) for u in one.requests), str(one.requests))
-    check("page: title", page.text_content("#title") == "TEN-BAR NEEDLE LINKAGE")
-    case = page_data("needle.html")[0]
-    check("page: stands at the reference position", abs(one.ask("balm.position")) < 1e-9)
-    check("page: draws the joints where they are", all(
-        math.dist(one.ask("balm.joint(%d)" % j), (case["prescribed"]["x"][j][0], case["prescribed"]["y"][j][0])) < 1e-5
-        for j in range(len(case["joints"]))))
-    if shots:
-        page.screenshot(path=os.path.join(shots, "needle.png"))
-    before, drawn = one.ask("balm.position"), one.pixels()
-    page.click("#play")
-    page.wait_for_timeout(400)
-    check("play moves", one.ask("balm.playing") and one.ask("balm.position") != before)
-    check("play draws", one.pixels() != drawn and page.get_attribute("#play", "aria-label") == "pause")
-    page.keyboard.press("Escape")
-    page.click("#play")
-    stopped = one.ask("balm.position")
-    page.wait_for_timeout(150)
-    check("pause stops", one.ask("balm.position") == stopped and not one.ask("balm.playing"))
-    page.focus("#linkage")
-    page.keyboard.press("Home")
-    check("Home", one.ask("balm.position") == 0)
-    page.keyboard.press("ArrowRight")
-    check("right steps", one.ask("balm.position") == 1)
-    page.keyboard.press("Shift+ArrowRight")
-    page.keyboard.press("ArrowLeft")
-    check("left steps", one.ask("balm.position") == 10)
-    page.keyboard.press("]")
-    check("] goes to the next prescribed position", one.ask("balm.position") == 15 and "position 2" in page.text_content("#facts"))
-    page.keyboard.press("End")
-    check("End", one.ask("balm.position") == 359)
-    speed = one.ask("balm.speed")
-    page.keyboard.press("+")
-    check("+ is faster", one.ask("balm.speed") > speed)
-    page.keyboard.press("-")
-    check("- is slower", one.ask("balm.speed") == speed)
-    page.keyboard.press(" ")
-    check("space plays", one.ask("balm.playing"))
-    page.keyboard.press(" ")
-    check("space pauses", not one.ask("balm.playing"))
-
-    # the crank follows the mouse by the angle about its pivot
-    page.keyboard.press("Home")
-    x, y = one.ask("balm.screen(0)")
-    page.mouse.move(x + 60, y)
-    page.mouse.down()
-    for degrees in range(5, 45, 5):
-        page.mouse.move(x + 60 * math.cos(math.radians(degrees)), y + 60 * math.sin(math.radians(degrees)))
-    page.mouse.up()
-    check("drag: 40 degrees clockwise turn the crank by 40", abs(one.ask("balm.position") - 40) < 1, str(one.ask("balm.position")))
-    box = page.locator("#curves").bounding_box()
-    page.mouse.click(box["x"] + box["width"] / 2, box["y"] + 100)
-    check("the cursor of the curves moves the linkage", 120 < one.ask("balm.position") < 200)
-    a, b = one.ask("balm.screen(0)"), one.ask("balm.screen(1)")
-    bars = {(bar["loop"], bar["arc"]): bar for bar in case["bars"]}
-    coupler = bars[(1, 2)]
-    a, b = one.ask("balm.screen(%d)" % coupler["from"]), one.ask("balm.screen(%d)" % coupler["to"])
-    page.mouse.move(0.55 * a[0] + 0.45 * b[0], 0.55 * a[1] + 0.45 * b[1])
-    tip = page.text_content("#tip")
-    check("hover names the arc", page.is_visible("#tip") and "loop 1, arc 2: length 95, angle " in tip, tip)
-    page.mouse.move(0.5 * a[0], 2)
-    drawn = one.pixels()
-    page.check("#other")
-    check("other assemblies are drawn", one.pixels() != drawn)
-    drawn = one.pixels()
-    page.uncheck("#letters")
-    check("letters go", one.pixels() != drawn)
-    check("every control has a name", one.ask("""[...document.querySelectorAll('button,select,input')].every(
-        (e) => e.getAttribute('aria-label') || e.closest('label')?.textContent.trim() || e.textContent.trim())"""))
-    for name in ["needle", "textile"]:
-        ten = one if name == "needle" else Page(browser, name + ".html")
-        time, raster = ten.ask("balm.frameTime(300)"), ten.ask("balm.frameTime(300, true)")
-        print("frame time, %s ten-bar: %.3f ms, waiting for the pixels %.3f ms" % (name, time, raster))
-        check("frame time of the %s ten-bar" % name, 0 < time <= FRAME_LIMIT and 0 < raster <= FRAME_LIMIT)
-    check("page: no complaint after all", not [c for c in one.complaints if "willReadFrequently" not in c], str(one.complaints))
-    one.context.close()
-
-    shutil.copy(os.path.join(DATA, "hard", "chain64.nml"), "chain64.nml")
-    run(balm, "--quiet", "chain64.nml")
-    large = Page(browser, "chain64.html")
-    time, raster = large.ask("balm.frameTime(300)"), large.ask("balm.frameTime(300, true)")
-    print("frame time, 64 loops, 360 positions: %.3f ms, waiting for the pixels %.3f ms" % (time, raster))
-    check("64 loops, 360 positions are smooth", 0 < time <= LARGE_LIMIT and 0 < raster <= LARGE_LIMIT and large.ask("balm.cases[0].sweep.n") == 360)
-    large.context.close()
-    test_browser_cases(browser, shots)
-    for name in ("extreme_lengths", "parallel_slides"):
-        run(balm, "--quiet", "--output-dir", ".", os.path.join(DATA, "hard", name + ".nml"))
-    for name in sorted(f for f in os.listdir(".") if f.endswith(".html")):
-        every = Page(browser, name)
-        every.ask("balm.cases.forEach((c, i) => { balm.choose(i); balm.frameTime(20); })")
-        every.page.check("#other") if every.page.is_visible("#other") else None
-        check(name + ": every case is drawn without complaint", not every.complaints, str(every.complaints))
-        every.context.close()
-
-
-def test_browser_cases(browser, shots):
-    three = Page(browser, "needle_lsq.html")
-    page = three.page
-    check("three cases: chooser", page.is_visible("#case") and page.locator("#case option").count() == 3)
-    drawn = three.pixels()
-    page.select_option("#case", "2")
-    check("three cases: switch", three.ask("balm.current") == 2 and three.pixels() != drawn)
-    drawn = three.pixels()
-    page.check('[data-overlay="0"]')
-    check("three cases: overlay", three.ask("balm.overlays") == [0] and three.pixels() != drawn)
-    check("three cases: no complaint", not three.complaints, str(three.complaints))
-    if shots:
-        page.screenshot(path=os.path.join(shots, "overlay.png"))
-    three.context.close()
-
-    slide = Page(browser, "actuator_davis_steering.html")
-    x, y = slide.ask("balm.screen(1)")
-    before = slide.ask("balm.input")
-    slide.page.mouse.move(x, y)
-    slide.page.mouse.down()
-    slide.page.mouse.move(x + 12, y, steps=4)
-    slide.page.mouse.up()
-    check("a sliding input follows the mouse", slide.ask("balm.input") != before, "%s %s" % (before, slide.ask("balm.input")))
-    slide.page.click("#play")
-    slide.page.wait_for_timeout(200)
-    check("a sliding input plays", not slide.complaints and slide.ask("balm.playing"))
-    slide.context.close()
-
-    gap = Page(browser, "open.html")
-    gap.ask("balm.go(270)")
-    check("open: explained on the picture", gap.page.is_visible("#alert") and "LINK 2 IS TOO SHORT" in gap.page.text_content("#alert"))
-    check("open: by how much here", gap.page.text_content("#alert").endswith("; HERE BY 15"), gap.page.text_content("#alert"))
-    gap.ask("balm.go(20)")
-    check("open: nothing to explain where it closes", not gap.page.is_visible("#alert"))
-    gap.page.click("#messages .go")
-    check("open: a message leads to its position", gap.page.is_visible("#alert"))
-    check("open: no complaint", not gap.complaints, str(gap.complaints))
-    if shots:
-        gap.page.screenshot(path=os.path.join(shots, "open.png"))
-    gap.context.close()
-    nowhere = Page(browser, "nowhere.html")
-    check("closes nowhere: page says why", "TOO SHORT" in nowhere.page.text_content("#alert") and not nowhere.complaints)
-    nowhere.context.close()
-    for name in ["sign", "typo"]:
-        wrong = Page(browser, name + ".html")
-        check(name + ": the page shows the errors", "error:" in wrong.page.text_content("#messages") and not wrong.complaints and
-              not wrong.page.is_visible("#stage"))
-        wrong.context.close()
-    nasty = Page(browser, "nasty.html")
-    check("a nasty title: nothing runs, nothing breaks", not nasty.dialogs and not nasty.complaints and
-          nasty.page.text_content("#title").startswith("</script><script>alert(1)</script> & \"q\""), str(nasty.complaints))
-    nasty.context.close()
-    for scheme in ["light", "dark"]:
-        phone = Page(browser, "textile.html", 390, 844, scheme)
-        check("phone, %s: no sideways scrolling" % scheme, phone.ask("document.documentElement.scrollWidth") <= 390)
-        paper = phone.ask("getComputedStyle(document.body).backgroundColor")
-        check("phone, %s: colour of the paper" % scheme, (paper == "rgb(255, 255, 255)") == (scheme == "light"), paper)
-        if shots:
-            phone.page.screenshot(path=os.path.join(shots, "phone_%s.png" % scheme), full_page=True)
-        phone.context.close()
-    touch = browser.new_context(viewport={"width": 390, "height": 844}, has_touch=True)
-    page = touch.new_page()
-    page.goto("file://" + os.path.abspath("needle.html"))
-    page.wait_for_timeout(150)
-    x, y = page.evaluate("balm.screen(0)")
-    client = touch.new_cdp_session(page)
-    client.send("Input.dispatchTouchEvent", {"type": "touchStart", "touchPoints": [{"x": x + 60, "y": y}]})
-    for degrees in (10, 20, 30):
-        client.send("Input.dispatchTouchEvent", {"type": "touchMove", "touchPoints": [
-            {"x": x + 60 * math.cos(math.radians(degrees)), "y": y + 60 * math.sin(math.radians(degrees))}]})
-    client.send("Input.dispatchTouchEvent", {"type": "touchEnd", "touchPoints": []})
-    check("drag by touch", 15 < page.evaluate("balm.position") < 45, str(page.evaluate("balm.position")))
-    touch.close()
-
-
 def main(programs, shots=None):
-    global psalm, balm
-    psalm, balm = (os.path.join(os.path.abspath(programs), p) for p in ("psalm", "balm"))
+    picture_tools.programs = os.path.abspath(programs)
     if shots:
         shots = os.path.abspath(shots)
         os.makedirs(shots, exist_ok=True)
@@ -649,13 +414,10 @@ def main(programs, shots=None):
         test_awkward()
         test_curves()
         test_embedded()
-        with sync_playwright() as playwright:
-            browser = playwright.chromium.launch(executable_path=shutil.which("chromium"), args=FLAGS)
-            test_browser(browser, shots)
-            browser.close()
+        test_pages(shots)
         os.chdir("/")
-    print("%d passed, %d failed" % (passed, failed))
-    return failed > 0
+    print("%d passed, %d failed" % (picture_tools.passed, picture_tools.failed))
+    return picture_tools.failed > 0
 
 
 if __name__ == "__main__":

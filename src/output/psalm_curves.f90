@@ -4,9 +4,10 @@ module psalm_curves
    use psalm_kinds, only: wp, full_turn
    use psalm_markup, only: clean_text, short_number
    use psalm_number, only: parse_real
-   use psalm_scene, only: scene_t, row_t
+   use psalm_scene, only: scene_t
    use psalm_source, only: line_t
    use psalm_text, only: text_t, full_precision, to_text
+   use psalm_trace, only: row_t
    implicit none (type, external)
    private
    public :: write_curves

@@ -3,8 +3,9 @@ module psalm_page
    use, intrinsic :: iso_c_binding, only: c_char, c_int, c_ptr, c_null_ptr, c_loc
    use psalm_kinds, only: wp
    use psalm_markup, only: xml_text, json_text, number_or_null, short_number, strings_t
-   use psalm_scene, only: scene_t, row_t
+   use psalm_scene, only: scene_t
    use psalm_text, only: text_t, full_precision, to_text
+   use psalm_trace, only: row_t
    implicit none (type, external)
    private
    public :: write_page, page_template

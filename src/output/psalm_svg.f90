@@ -9,8 +9,9 @@ module psalm_svg
    use psalm_kinds, only: wp
    use psalm_labels, only: place_labels
    use psalm_markup, only: xml_text, short_number, wrapped, strings_t, add_string
-   use psalm_scene, only: scene_t, row_t
+   use psalm_scene, only: scene_t
    use psalm_text, only: text_t, full_precision, to_text, general
+   use psalm_trace, only: row_t
    implicit none (type, external)
    private
    public :: write_svg
