@@ -26,7 +26,7 @@ program psalm
       nl//'The listing goes to standard output; CASE.dev1, .dev2, .dev7, .dev8 and .dev9 beside the case.'//nl// &
       nl//'  --output-dir DIR  put the device files into DIR'//nl// &
       '  --device4 FILE    read supplied vertices (NGUESS) from FILE; default CASE.dev4'//nl// &
-      '  --threads N       threads that share the positions of an evaluation; default 1'//nl// &
+      '  --threads N       threads that share the work; default THREADS of the case, or 1'//nl// &
       '  --quiet           no remarks on standard error, errors only'//nl// &
       '  --version         print the version'//nl// &
       '  --help            print this text'//nl// &

@@ -20,7 +20,7 @@ module psalm_console
       character(:), allocatable :: files(:)      !! cases, `-` for standard input
       character(:), allocatable :: output_dir    !! empty: beside the case
       character(:), allocatable :: device4       !! empty: CASE.dev4
-      integer :: threads = 1
+      integer :: threads = 0                     !! 0: not given
       logical :: curves = .false., assemblies = .false. !! balm: curves by gnuplot; the other assembly of each pair
       logical :: quiet = .false., help = .false., version = .false.
       integer :: code = 0                        !! exit status that bad arguments lead to

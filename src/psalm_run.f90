@@ -9,12 +9,16 @@ module psalm_run
    use psalm_data_set_text, only: write_vertices, write_data_set
    use psalm_error, only: problem_t, motion_t, make_problem
    use psalm_finale, only: list_results, describe_violation
-   use psalm_kinds, only: wp
+   use psalm_interrupt, only: interrupt_t
+   use psalm_kinds, only: wp, right_angle
+   use psalm_margin_list, only: list_margins, describe_margin
+   use psalm_margins, only: margin_t, inspector_t, prepare_inspector, inspect, is_violated, margin_angle, margin_bound
    use psalm_plot_data, only: write_block
-   use psalm_search, only: result_t, search_many, transmission_margin
+   use psalm_regions, only: check_regions
+   use psalm_search, only: result_t, search_many
    use psalm_setup, only: set_up
    use psalm_topology, only: topology_t, dimensions_t
-   use psalm_simplx, only: search_monitor_t, search_state_t, search_simplex, stop_iterations, stop_converged
+   use psalm_simplx, only: search_monitor_t, search_state_t, search_simplex, stop_iterations, stop_converged, stop_interrupted
    use psalm_source, only: line_t
    use psalm_start, only: simplex_t, start_simplex, read_vertices
    use psalm_status, only: diagnostics_t, exit_done, exit_violation
@@ -54,6 +58,7 @@ contains
 
       call set_up(set, topology, dimensions, findings)
       if (findings%failed()) return
+      call check_regions(set%constr, topology, findings)
       if (topology%has_search() .and. set%nguess > 0) then
          call read_vertices(supplied, size(topology%variables), set%nguess, vertices, findings)
       else
@@ -62,10 +67,10 @@ contains
    end subroutine check_case
 
    !> Run a case that `check_case` found no fault with.
-   subroutine run_case(set, vertices, threads, devices, monitor)
+   subroutine run_case(set, vertices, asked, devices, monitor)
       type(data_set_t), intent(in) :: set
       real(wp), intent(in) :: vertices(:, :)   !! shape (marble, nguess)
-      integer, intent(in) :: threads           !! threads that share the positions of an evaluation
+      integer, intent(in) :: asked             !! threads that share the work; 0: as THREADS says
       type(devices_t), intent(inout) :: devices
       class(search_monitor_t), intent(inout), optional :: monitor
       type(diagnostics_t) :: repeated
@@ -75,19 +80,23 @@ contains
       type(motion_t) :: motion
       type(result_t) :: others
       type(data_set_t) :: final
-      integer :: i
+      type(interrupt_t) :: interrupt
+      integer :: i, threads
 
+      threads = merge(asked, max(1, set%search%threads), asked > 0)
       allocate (others%best(0))
       call set_up(set, topology, dimensions, repeated)
       call make_problem(set, topology, dimensions, problem)
       call problem%set_threads(threads)
       call list_input(' *** PSALM, VERSION '//version//' ***', set, topology, dimensions, devices%eight)
       if (topology%has_search()) then
-         if (set%solver == 'LSQ') then
-            call synthesize_from_starts(set, vertices, problem, threads, dimensions, others, devices)
+         call interrupt%hold()
+         if (set%search%solver == 'SIMPLEX') then
+            call synthesize(set, vertices, problem, interrupt, dimensions, devices, monitor)
          else
-            call synthesize(set, vertices, problem, dimensions, devices, monitor)
+            call synthesize_from_starts(set, vertices, problem, threads, interrupt, dimensions, others, devices, monitor)
          end if
+         call interrupt%release()
       end if
       call problem%analyse(dimensions, motion)
       call list_results(set, problem, dimensions, motion, devices%six)
@@ -96,7 +105,8 @@ contains
          call devices%eight%add(' '//repeated%list(i)%render())
       end do
       if (set%ktheta /= 0) call list_arcs(problem, motion, conditions(problem), devices%eight)
-      if (size(others%best) > 1) call list_found(problem, others, devices%six)
+      if (set%search%given .or. set%constr%given) call judge(set, problem, dimensions, devices)
+      if (size(others%best) > 1) call list_found(set, problem, others, devices%six)
       call write_found(set, topology, dimensions, others, devices%seven)
       call write_plot_data(set, problem, dimensions, motion, devices%nine)
       if (set%tolerances) then
@@ -107,22 +117,45 @@ contains
       call note_violations(set, problem, motion, devices)
    end subroutine run_case
 
-   !> Search by least squares from many starts; `dimensions` becomes the best linkage found.
-   subroutine synthesize_from_starts(set, vertices, problem, threads, dimensions, found, devices)
+   !> Margins of every constraint; a linkage that violates one is no success.
+   subroutine judge(set, problem, dimensions, devices)
+      type(data_set_t), intent(in) :: set
+      type(problem_t), intent(in) :: problem
+      type(dimensions_t), intent(in) :: dimensions
+      type(devices_t), intent(inout) :: devices
+      type(inspector_t) :: inspector
+      type(margin_t), allocatable :: margins(:)
+      integer :: i
+
+      call prepare_inspector(set, problem, set%search%solver /= 'SIMPLEX', inspector)
+      call inspect(inspector, dimensions, problem%delt, margins)
+      call list_margins(set, problem%topology, dimensions, margins, devices%six)
+      do i = 1, size(margins)
+         if (.not. is_violated(margins(i))) cycle
+         devices%code = max(devices%code, exit_violation)
+         call devices%notes%add(set%file//': '//trim(set%title)//': violated: '// &
+                                describe_margin(set, problem%topology, dimensions, margins(i)))
+      end do
+   end subroutine judge
+
+   !> Search from many starts; `dimensions` becomes the best linkage found.
+   subroutine synthesize_from_starts(set, vertices, problem, threads, interrupt, dimensions, found, devices, monitor)
       type(data_set_t), intent(in) :: set
       real(wp), intent(in) :: vertices(:, :)
       type(problem_t), intent(inout) :: problem
       integer, intent(in) :: threads
+      type(interrupt_t), intent(in) :: interrupt
       type(dimensions_t), intent(inout) :: dimensions
       type(result_t), intent(out) :: found
       type(devices_t), intent(inout) :: devices
-      real(wp), allocatable :: first(:)
-      character(:), allocatable :: line
+      class(search_monitor_t), intent(inout), optional :: monitor
+      character(:), allocatable :: line, continue
+      real(wp), allocatable :: vertices_found(:, :)
+      integer :: i
 
-      first = problem%topology%first_values(dimensions)
-      if (size(vertices, 2) > 0) first = vertices(:, 1)
       call devices%one%add(' '//set%title)
-      call search_many(set, problem, first, threads, found, devices%one)
+      call search_many(set, problem, problem%topology%first_values(dimensions), vertices, threads, interrupt, found, devices%one, &
+                       monitor)
       line = to_text(found%starts)//' starts, '//to_text(found%feasible)//' led to a linkage, '//to_text(found%evaluations)// &
              ' evaluations, '//to_text(found%jacobians)//' Jacobians'
       if (size(found%best) == 0) then
@@ -133,37 +166,61 @@ contains
          if (set%ifree /= 0) call problem%move_inputs(found%best(1)%delt)
          line = line//'; best objective '//trim(adjustl(general(found%best(1)%objective)))
       end if
-      if (found%out_of_time) then
+      if (found%out_of_time) line = 'MAXTIME passed before all starts were made: '//line
+      if (found%refused) then
          devices%code = max(devices%code, exit_violation)
-         line = 'MAXTIME passed before NSTART: '//line
+         line = 'NLopt refuses '//set%search%solver//' for this problem: '//line
       end if
+      if (found%interrupted) line = 'interrupted: '//line
+      if (found%next > 0) then
+         devices%code = max(devices%code, exit_violation)
+         continue = 'to go on, give this device 7 as device 4 with NGUESS='//to_text(size(found%best))//', FIRST='// &
+                    to_text(found%next)//', NSTART='//to_text(max(1, set%search%first + set%search%nstart - found%next))
+         call devices%notes%add(set%file//': '//trim(set%title)//': '//continue)
+         call devices%seven%add('! '//continue)
+      end if
+      allocate (vertices_found(size(problem%topology%variables), size(found%best)))
+      do i = 1, size(found%best)
+         vertices_found(:, i) = found%best(i)%values
+      end do
+      call write_vertices('F', vertices_found, found%best%objective, devices%seven)
       call devices%one%add(' '//line)
       call devices%notes%add(set%file//': '//trim(set%title)//': '//line)
    end subroutine synthesize_from_starts
 
    !> The linkages found, ranked.
-   subroutine list_found(problem, found, text)
+   subroutine list_found(set, problem, found, text)
+      type(data_set_t), intent(in) :: set
       type(problem_t), intent(inout) :: problem
       type(result_t), intent(in) :: found
       type(text_t), intent(inout) :: text
       type(dimensions_t) :: dimensions
-      character(:), allocatable :: rank
+      type(inspector_t) :: inspector
+      type(margin_t), allocatable :: margins(:)
+      character(:), allocatable :: rank, start
+      real(wp) :: angle, length
       integer :: i
 
       call text%add()
       call text%add(' LINKAGES FOUND (DEVICE 7 HAS THEM ALL)')
-      call text%add('  RANK      OBJECTIVE  ANGLE MARGIN   LONGEST ARC  LARGEST CHANGE   START')
+      call text%add('  RANK      OBJECTIVE  ANGLE MARGIN LENGTH MARGIN    LONGEST ARC LARGEST CHANGE   START')
       dimensions = problem%given
+      call prepare_inspector(set, problem, .true., inspector)
       do i = 1, size(found%best)
          call problem%topology%apply(found%best(i)%values, dimensions)
-         call problem%move_inputs(found%best(i)%delt)
+         call inspect(inspector, dimensions, found%best(i)%delt, margins)
+         angle = right_angle
+         length = maxval(dimensions%arcl)
+         if (any(margins%kind == margin_angle)) angle = minval(margins%margin, mask=margins%kind == margin_angle)
+         if (any(margins%kind > margin_angle .and. margins%kind < margin_bound)) length = &
+            minval(margins%margin, mask=margins%kind > margin_angle .and. margins%kind < margin_bound)
          rank = to_text(i)
-         call text%add(repeat(' ', 6 - min(5, len(rank)))//rank//general(found%best(i)%objective)// &
-                       general(transmission_margin(problem, dimensions))//general(maxval(dimensions%arcl))// &
-                       general(found%best(i)%distance)//'    '//to_text(found%best(i)%start))
+         start = to_text(found%best(i)%start)
+         if (found%best(i)%start < 0) start = 'SUPPLIED '//to_text(-found%best(i)%start)
+         call text%add(repeat(' ', 6 - min(5, len(rank)))//rank//general(found%best(i)%objective)//general(angle)// &
+                       general(length)//general(maxval(dimensions%arcl))//general(found%best(i)%distance)//'   '//start)
       end do
       call problem%topology%apply(found%best(1)%values, dimensions)
-      call problem%move_inputs(found%best(1)%delt)
       call problem%bind(dimensions)
    end subroutine list_found
 
@@ -224,10 +281,11 @@ contains
    end subroutine tolerances
 
    !> Search from the given linkage; `dimensions` becomes the best one found.
-   subroutine synthesize(set, vertices, problem, dimensions, devices, monitor)
+   subroutine synthesize(set, vertices, problem, interrupt, dimensions, devices, monitor)
       type(data_set_t), intent(in) :: set
       real(wp), intent(in) :: vertices(:, :)
       type(problem_t), intent(inout) :: problem
+      type(interrupt_t), intent(in) :: interrupt
       type(dimensions_t), intent(inout) :: dimensions
       type(devices_t), intent(inout) :: devices
       class(search_monitor_t), intent(inout), optional :: monitor
@@ -247,7 +305,7 @@ contains
          return
       end if
       call write_vertices('I', simplex%v, simplex%f, devices%seven)
-      call search_simplex(set, problem, constraints, simplex, state, devices%one, monitor)
+      call search_simplex(set, problem, constraints, simplex, interrupt, state, devices%one, monitor)
       call write_vertices('F', simplex%v, simplex%f, devices%seven)
       call problem%topology%apply(simplex%v(:, simplex%best), dimensions)
       call tell_search(set, simplex, state, devices)
@@ -263,6 +321,9 @@ contains
       select case (state%reason)
       case (stop_iterations)
          reason = 'stopped at NITER before converging'
+         devices%code = max(devices%code, exit_violation)
+      case (stop_interrupted)
+         reason = 'interrupted (to go on, give this device 7 as device 4 with NGUESS='//to_text(size(simplex%f))//')'
          devices%code = max(devices%code, exit_violation)
       case (stop_converged)
          reason = 'the simplex has converged'

@@ -55,6 +55,7 @@ for f in needle_search suspension textile brake_reaction actuator_davis_steering
     "$psalm" --quiet $f.nml >first.lst
     cp $f.dev7 again.nml
     status 0 "$f: device 7 is a case" "$psalm" --quiet again.nml
+    sed -i '/^ MARGINS/,$d' first.lst && sed -i '${/^$/d}' first.lst
     if cmp -s first.lst out; then ok; else bad "$f: device 7 reproduces the listing"; fi
     if diff <(grep -v '^#' $f.dev9) <(grep -v '^#' again.dev9) >/dev/null; then ok; else bad "$f: to the last digit"; fi
 done
@@ -130,7 +131,7 @@ status 0 'LSQ: two threads' "$psalm" --quiet --threads 2 needle_lsq.nml
 if cmp -s out needle_lsq.lst; then ok; else bad 'LSQ: the same digits with two threads'; fi
 sed "s/'LSQ'/'SIMPLX'/" needle_lsq.nml >solver.nml
 status 2 'LSQ: unknown solver' "$psalm" solver.nml
-said 'LSQ: unknown solver' "'SIMPLEX' or 'LSQ' is expected; found 'SIMPLX'"
+said 'LSQ: unknown solver' "as 'LN_COBYLA' or 'LD_SLSQP', is expected; found 'SIMPLX'"
 sed "s/SOLVER='LSQ', //" needle_lsq.nml >starts.nml
 status 2 'LSQ: several starts need it' "$psalm" starts.nml
 
@@ -138,7 +139,75 @@ check 'LSQ: path of 18 points as good as the best published' awk '/TOTAL ERROR/ 
 check 'LSQ: free timing meets six points on a line' awk '/TOTAL ERROR/ { getline; sub("D", "E"); v = $1 } END { exit !(v < 1e-12) }' line6.lst
 sed "s/SOLVER='LSQ', NSTART=1000/SOLVER='SIMPLEX'/" line6.nml >free.nml
 status 2 'free timing needs LSQ' "$psalm" free.nml
-said 'free timing needs LSQ' "IFREE=1 (free timing) needs the group &SEARCH with SOLVER='LSQ'"
+said 'free timing needs LSQ' "IFREE=1 (free timing) needs the group &SEARCH with another SOLVER"
+
+# other solvers, constraints over the whole turn, forbidden regions
+objective() { awk '/TOTAL ERROR/ { getline; sub("D", "E"); print $1; exit }' "$1"; }
+at_most() { awk -v a="$(objective "$2")" -v b="$3" 'BEGIN { exit !(a != "" && a <= b) }' && ok || bad "$1: $(objective "$2") instead of at most $3"; }
+for a in LN_COBYLA LN_BOBYQA LN_SBPLX NLOPT_LN_NELDERMEAD LD_SLSQP ld_lbfgs LD_AUGLAG GN_CRS2_LM GD_MLSL_LDS GN_ISRES; do
+    sed "s/SOLVER='LSQ', NSTART=60, NBEST=3/SOLVER='$a'/" needle_lsq.nml >solver.nml
+    status 0 "$a" "$psalm" solver.nml
+    at_most "$a: no worse than the simplex of the thesis" out 1.96
+    check "$a: no constraint is violated" sh -c '! grep -q VIOLATED out'
+done
+"$psalm" --quiet solver.nml >two.lst
+same 'GN_ISRES: the same digits every time' out two.lst
+sed "s/SOLVER='LSQ', NSTART=60, NBEST=3/SOLVER='GD_STOGO'/" needle_lsq.nml >solver.nml
+status 1 'an algorithm NLopt refuses' "$psalm" solver.nml
+said 'an algorithm NLopt refuses' 'NLopt refuses GD_STOGO for this problem'
+sed "s/SOLVER='LSQ', NSTART=60, NBEST=3/SOLVER='GN_DIRECT'/; s/ISTART=789/ISTART=789, VAR=0.0/" needle_lsq.nml >solver.nml
+status 2 'a global algorithm without a box' "$psalm" solver.nml
+said 'a global algorithm without a box' 'OPLOW and OPHIGH must give a value'
+sed "s/NSTART=60, NBEST=3/NSTART=1, MAXEVAL=5/" needle_lsq.nml >short.nml
+"$psalm" --quiet short.nml >out
+check 'MAXEVAL: few evaluations' awk '/EVALUATIONS/ { for (i = 1; i < NF; i++) if ($i == "EVALUATIONS" && $(i+1) > 30) exit 1 }' short.dev1
+{ cat needle_lsq.nml; echo ' &CONSTR IRANGE=2 &END'; } >turn.nml
+status 0 'IRANGE=2' "$psalm" turn.nml
+check 'IRANGE=2: margins over a full turn' grep -q 'MARGINS OF THE CONSTRAINTS, OVER A FULL TURN' out
+awk '/^! rank 2/ { exit } { print }' turn.dev7 | sed 's/LAST=0/LAST=1/; s/NDES=20,/IKIN=1,/; /DELT=/,/^! IVA/{/^! IVA/!d}' >whole.nml
+status 0 'IRANGE=2: every degree of the turn obeys' "$psalm" whole.nml
+check 'IRANGE=2: 360 positions' test "$(grep -cE '^ +[0-9.]+ +[0-9.D+-]+$' out)" -ge 355
+{ sed 's/TANGLE=90.0/TANGLE=50.0/' path5.nml
+  echo ' &CONSTR IRANGE=2, NREGN=2, RKIND=1,-3, RLINK=2,0, RLOOP=1,0, RPLACE=2.0,2.0,8.0,8.0,3.0,3.0,2.5 &END'; } >region.nml
+status 0 'forbidden regions' "$psalm" region.nml
+check 'forbidden regions: margins' grep -q '^ REGION 2, OUTPUT POINT' out
+awk '/^! rank 2/ { exit } { print }' region.dev7 | sed 's/NDES=5,/IKIN=1,/; s/LAST=0/LAST=1/; /DELT=/,/^! IVA/{/^! IVA/!d}' >whole.nml
+status 0 'forbidden regions: the analysis agrees' "$psalm" whole.nml
+check 'forbidden regions: every point of the path lies in the circle' \
+    awk '/^[^#]/ && NF >= 4 { if (($3 - 3)^2 + ($4 - 3)^2 > 2.5^2 + 1e-6) bad = 1; n++ } END { exit !(n == 360 && !bad) }' whole.dev9
+sed 's/RPLACE=2.0,2.0,8.0,8.0,3.0,3.0,2.5/RPLACE=2.0,2.0,8.0,8.0,300.0,300.0,0.5/' region.nml >never.nml
+status 1 'a region that cannot be reached' "$psalm" never.nml
+said 'a region that cannot be reached' 'no linkage that obeys the constraints was found'
+check 'a region that cannot be reached: the margin says so' grep -qE '^ REGION 2, OUTPUT POINT .* VIOLATED' out
+sed 's/RKIND=1,-3/RKIND=1,-4/' region.nml >bad.nml
+status 2 'a region of an unknown kind' "$psalm" bad.nml
+said 'a region of an unknown kind' 'region 2: 1 (box), 2 (half-plane), 3 (circle) is expected'
+sed 's/RLINK=2,0/RLINK=5,0/' region.nml >bad.nml
+status 2 'a region of a joint that is not there' "$psalm" bad.nml
+{ cat actuator_rapson_slide.nml; echo ' &CONSTR IRANGE=2 &END'; } >bad.nml
+status 2 'a sliding input makes no turn' "$psalm" bad.nml
+said 'a sliding input makes no turn' 'IRANGE=1 is its range'
+
+# interruption and restart
+sed 's/NSTART=200/NSTART=400000/' path18.nml >long.nml
+"$psalm" --quiet long.nml >out 2>err & pid=$!
+sleep 1; kill -TERM $pid; wait $pid
+if [ $? -eq 1 ]; then ok; else bad 'interrupted: exit status 1'; fi
+at_most 'interrupted: the best so far is listed' out 0.02
+check 'interrupted: device 7 says how to go on' grep -q '^! to go on, .* FIRST=' long.dev7
+guess=$(sed -n 's/.*NGUESS=\([0-9]*\).*/\1/p' long.dev7 | head -1)
+first=$(sed -n 's/.*FIRST=\([0-9]*\).*/\1/p' long.dev7 | head -1)
+best=$(awk -v b="$(objective out)" 'BEGIN { print b*1.00001 }')
+cp long.dev7 rest.dev4
+sed "s/NSTART=200/NSTART=5, FIRST=$first/; s/VAR=0.0/VAR=0.0, NGUESS=$guess/" path18.nml >rest.nml
+status 0 'a restart' "$psalm" rest.nml
+at_most 'a restart goes on from the best' out "$best"
+check 'a restart makes the next starts' grep -q "^ START $first " rest.dev1
+sed 's/NITER=[0-9]*/NITER=200000000/; s/FMIN=0.1/FMIN=0.0, SMALL=0.0/' needle_search.nml >long.nml
+"$psalm" --quiet long.nml >out 2>err & pid=$!
+sleep 1; kill -INT $pid; wait $pid
+if [ $? -eq 1 ]; then ok; else bad 'the simplex interrupted: exit status 1'; fi
+check 'the simplex interrupted: the best so far' grep -q 'TOTAL ERROR' out
 
 # tolerances
 { cat needle.nml; echo ' &TOLER TOLLEN=0.05, TOLANG=0.02, NTRIAL=20000 &END'; } >toler.nml

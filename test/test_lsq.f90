@@ -6,7 +6,9 @@ program test_lsq
    use psalm_error, only: problem_t, motion_t
    use psalm_kinds, only: wp
    use psalm_lapack, only: solve_positive
-   use psalm_search, only: result_t, search_many, transmission_margin
+   use psalm_interrupt, only: interrupt_t
+   use psalm_margins, only: inspector_t, margin_t, prepare_inspector, inspect, is_violated
+   use psalm_search, only: result_t, search_many
    use psalm_sensitivity, only: sensitivity_t, prepare_sensitivity, find_jacobian, find_constraints
    use psalm_text, only: text_t, to_text
    use psalm_topology, only: dimensions_t
@@ -29,6 +31,19 @@ program test_lsq
    call t%report()
 
 contains
+
+   !> A search from the linkage of the data set.
+   subroutine search(set, problem, threads, found)
+      type(data_set_t), intent(in) :: set
+      type(problem_t), intent(in) :: problem
+      integer, intent(in) :: threads
+      type(result_t), intent(out) :: found
+      type(interrupt_t) :: interrupt
+      type(text_t) :: log
+      real(wp) :: none(size(problem%topology%variables), 0)
+
+      call search_many(set, problem, problem%topology%first_values(problem%given), none, threads, interrupt, found, log)
+   end subroutine search
 
    subroutine equations()
       real(wp) :: x(2)
@@ -91,13 +106,15 @@ contains
       type(result_t) :: found
       type(dimensions_t) :: dimensions
       type(motion_t) :: motion
-      type(text_t) :: log
+      type(inspector_t) :: inspector
+      type(margin_t), allocatable :: margins(:)
       character(:), allocatable :: label
 
       label = name//', '//to_text(starts)//' starts: '
       call load_case(name, problem, set)
-      set%nstart = starts
-      call search_many(set, problem, problem%topology%first_values(problem%given), 1, found, log)
+      set%search%solver = 'LSQ'
+      set%search%nstart = starts
+      call search(set, problem, 1, found)
       call t%is_true(size(found%best) == 1, label//'a linkage is found')
       if (size(found%best) < 1) return
       call t%is_true(found%best(1)%objective <= value, label//'as good as '//to_text(nint(1.0e6_wp*value))//'e-6')
@@ -106,7 +123,9 @@ contains
       call problem%analyse(dimensions, motion)
       call t%equal_integer(size(motion%violations), 0, label//'no constraint is violated')
       call t%close_to(motion%total, found%best(1)%objective, 1.0e-10_wp, label//'analysis and search agree')
-      call t%is_true(transmission_margin(problem, dimensions) >= 0.0_wp, label//'transmission angles are inside their limits')
+      call prepare_inspector(set, problem, .true., inspector)
+      call inspect(inspector, dimensions, problem%delt, margins)
+      call t%is_true(.not. any(is_violated(margins)), label//'no margin is negative')
       call t%is_true(all(dimensions%arcl >= 0.0_wp), label//'lengths are positive')
    end subroutine published
 
@@ -114,13 +133,13 @@ contains
       type(problem_t) :: problem
       type(data_set_t) :: set
       type(result_t) :: found
-      type(text_t) :: log
 
       call load_case('chain_short', problem, set)
+      set%search%solver = 'LSQ'
       set%limval = 1
       set%oplow(:2) = [320.0_wp, 70.0_wp]
       set%ophigh(:2) = [330.0_wp, 72.0_wp]
-      call search_many(set, problem, problem%topology%first_values(problem%given), 1, found, log)
+      call search(set, problem, 1, found)
       call t%is_true(size(found%best) == 1, 'within bounds: a linkage is found')
       call t%close_to(found%best(1)%values(1), 330.0_wp - set%stepin, 1.0e-9_wp, 'the best lies at the bound')
       call t%is_true(found%best(1)%values(2) > 70.0_wp .and. found%best(1)%values(2) < 72.0_wp, 'and within the other')
@@ -130,22 +149,22 @@ contains
       type(problem_t) :: problem
       type(data_set_t) :: set
       type(result_t) :: one, two
-      type(text_t) :: log
       integer :: i
 
       call load_case('needle', problem, set)
-      set%nstart = 7
-      set%nbest = 5
-      call search_many(set, problem, problem%topology%first_values(problem%given), 1, one, log)
-      call search_many(set, problem, problem%topology%first_values(problem%given), 3, two, log)
+      set%search%solver = 'LSQ'
+      set%search%nstart = 21
+      set%search%nbest = 5
+      call search(set, problem, 1, one)
+      call search(set, problem, 3, two)
       call t%equal_integer(size(two%best), size(one%best), 'as many linkages for any number of threads')
       do i = 1, size(one%best)
          call t%is_true(all(abs(one%best(i)%values - two%best(i)%values) <= 0.0_wp), 'the same linkages for any number of threads')
          if (i > 1) call t%is_true(one%best(i)%objective >= one%best(i - 1)%objective, 'ranked by objective')
       end do
       call t%is_true(size(one%best) > 1, 'several linkages are kept')
-      set%maxtime = 1.0e-9_wp
-      call search_many(set, problem, problem%topology%first_values(problem%given), 1, one, log)
-      call t%is_true(one%out_of_time .and. one%starts == 1, 'MAXTIME ends the search; the first start is always made')
+      set%search%maxtime = 1.0e-9_wp
+      call search(set, problem, 1, one)
+      call t%is_true(one%out_of_time .and. one%starts == 0 .and. one%next == 1, 'MAXTIME ends the search and tells where to go on')
    end subroutine threads
 end program test_lsq

@@ -6,6 +6,7 @@ program test_search
    use psalm_constr, only: constraints_t, repair_count_t, make_constraints, constrain, repair_link_pair
    use psalm_data_set, only: data_set_t
    use psalm_error, only: problem_t, motion_t
+   use psalm_interrupt, only: interrupt_t
    use psalm_kinds, only: wp, radians_per_degree
    use psalm_run, only: devices_t, run_case
    use psalm_topology, only: dimensions_t
@@ -224,13 +225,14 @@ contains
       type(constraints_t) :: constraints
       type(dimensions_t) :: dimensions
       type(text_t) :: device1, device2
+      type(interrupt_t) :: interrupt
       real(wp) :: none(size(problem%topology%variables), 0)
       logical :: feasible
 
       call make_constraints(set, problem, constraints)
       call start_simplex(set, problem, constraints, none, simplex, feasible, device1, device2)
       call t%is_true(feasible, 'the published start is feasible')
-      call search_simplex(set, problem, constraints, simplex, state, device1)
+      call search_simplex(set, problem, constraints, simplex, interrupt, state, device1)
       dimensions = problem%given
       call problem%topology%apply(simplex%v(:, simplex%best), dimensions)
       call problem%analyse(dimensions, motion)

@@ -4,8 +4,10 @@
 !> default and checked by itself. Source of items and defaults: Oldham (1977), appendix B.
 module psalm_data_set
    use psalm_kinds, only: wp, full_turn, half_turn, radians_per_degree
-   use psalm_group, only: group_t
+   use psalm_constraint_group, only: constraint_group_t, read_constraint_group
+   use psalm_group, only: group_t, read_flag, check_flags, check_range, out_of, required
    use psalm_namelist, only: case_text_t, read_case
+   use psalm_search_group, only: search_group_t, read_search_group
    use psalm_source, only: line_t, read_lines
    use psalm_status, only: diagnostics_t
    use psalm_text, only: to_text, edit_distance
@@ -73,11 +75,8 @@ module psalm_data_set
       integer :: nprint = 100, nprt = 20
       integer :: iplot = 0
       integer :: last = 1
-      ! SEARCH
-      character(:), allocatable :: solver  !! SIMPLEX or LSQ
-      integer :: nstart = 1                !! starts
-      integer :: nbest = 1                 !! linkages kept
-      real(wp) :: maxtime = 0.0_wp         !! seconds; 0: no limit
+      type(search_group_t) :: search       !! SEARCH
+      type(constraint_group_t) :: constr   !! CONSTR
       ! TOLER
       logical :: tolerances = .false.              !! the group was given
       real(wp), allocatable :: tolarc(:, :), tolgam(:, :) !! shape (maxarc, nloop): of ARCL and GAMA
@@ -153,7 +152,7 @@ contains
       type(case_text_t), intent(in) :: case
       type(data_set_t), intent(out) :: set
       type(diagnostics_t), intent(inout) :: findings
-      type(group_t) :: links, method, limits, search, toler
+      type(group_t) :: links, method, limits, group, toler
       logical :: shape_known
       integer :: i
 
@@ -183,8 +182,14 @@ contains
          allocate (set%iva(0, 0), set%ivg(0, 0))
       end if
       call read_limits(limits, set, findings)
-      search = case%take('SEARCH')
-      call read_search(search, set, findings)
+      group = case%take('SEARCH')
+      call read_search_group(group, set%search, findings)
+      if (set%ifree /= 0 .and. set%search%solver == 'SIMPLEX') then
+         call findings%error("IFREE=1 (free timing) needs the group &SEARCH with another SOLVER, as 'LSQ'", line=set%method_line, &
+                             group='METHOD', item='IFREE')
+      end if
+      group = case%take('CONSTR')
+      call read_constraint_group(group, set%nloop, set%maxarc, set%constr, findings)
       toler = case%take('TOLER')
       call read_tolerances(toler, set, findings)
       set%others = ''
@@ -197,32 +202,6 @@ contains
          end select
       end do
    end subroutine read_set
-
-   !> Group SEARCH: which search, from how many starts.
-   subroutine read_search(group, set, findings)
-      type(group_t), intent(inout) :: group
-      type(data_set_t), intent(inout) :: set
-      type(diagnostics_t), intent(inout) :: findings
-
-      set%solver = 'SIMPLEX'
-      call group%get_word('SOLVER', set%solver, findings)
-      call group%get_integer('NSTART', set%nstart, findings)
-      call group%get_integer('NBEST', set%nbest, findings)
-      call group%get_real('MAXTIME', set%maxtime, findings)
-      call check_range(group, 'NSTART', set%nstart, 1, most_positions, findings)
-      call check_range(group, 'NBEST', set%nbest, 1, most_positions, findings)
-      if (set%maxtime < 0.0_wp) call out_of(group, 'MAXTIME', 'must not be negative', findings)
-      if (set%ifree /= 0 .and. set%solver /= 'LSQ') then
-         call findings%error("IFREE=1 (free timing) needs the group &SEARCH with SOLVER='LSQ'", line=set%method_line, &
-                             group='METHOD', item='IFREE')
-      end if
-      if (set%solver /= 'SIMPLEX' .and. set%solver /= 'LSQ') then
-         call out_of(group, 'SOLVER', "'SIMPLEX' or 'LSQ' is expected; found '"//set%solver//"'", findings)
-      else if (set%solver == 'SIMPLEX' .and. (set%nstart > 1 .or. set%nbest > 1)) then
-         call out_of(group, 'NSTART', "several starts and several linkages need SOLVER='LSQ'", findings)
-      end if
-      call group%finish(findings)
-   end subroutine read_search
 
    !> Group TOLER: tolerances of dimensions, one for all or one for each, and the size of the sample.
    subroutine read_tolerances(group, set, findings)
@@ -549,59 +528,4 @@ contains
       set%accel = set%accel*unit
       call group%finish(findings)
    end subroutine read_rates
-
-   subroutine read_flag(group, name, value, findings)
-      type(group_t), intent(inout) :: group
-      character(*), intent(in) :: name
-      integer, intent(inout) :: value
-      type(diagnostics_t), intent(inout) :: findings
-
-      call group%get_integer(name, value, findings)
-      call check_range(group, name, value, 0, 1, findings)
-   end subroutine read_flag
-
-   subroutine check_flags(group, name, values, findings)
-      type(group_t), intent(in) :: group
-      character(*), intent(in) :: name
-      integer, intent(in) :: values(:, :)
-      type(diagnostics_t), intent(inout) :: findings
-
-      if (any(values /= 0 .and. values /= 1)) call out_of(group, name, 'entries are 0 (fixed) or 1 (may vary)', findings)
-   end subroutine check_flags
-
-   subroutine check_range(group, name, value, lowest, highest, findings, required)
-      type(group_t), intent(in) :: group
-      character(*), intent(in) :: name
-      integer, intent(in) :: value, lowest, highest
-      type(diagnostics_t), intent(inout) :: findings
-      logical, intent(in), optional :: required
-      character(:), allocatable :: text
-
-      if (present(required)) then
-         if (required .and. .not. group%given(name)) then
-            call findings%error('is required', line=group%line, group=trim(group%name), item=name)
-            return
-         end if
-      end if
-      if (value >= lowest .and. value <= highest) return
-      text = 'must be at least '//to_text(lowest)
-      if (highest < huge(1)) text = 'must lie in '//to_text(lowest)//' to '//to_text(highest)
-      call findings%error(text//'; found '//to_text(value), line=group%item_line(name), group=trim(group%name), item=name)
-   end subroutine check_range
-
-   subroutine out_of(group, name, text, findings)
-      type(group_t), intent(in) :: group
-      character(*), intent(in) :: name, text
-      type(diagnostics_t), intent(inout) :: findings
-
-      call findings%error(text, line=group%item_line(name), group=trim(group%name), item=name)
-   end subroutine out_of
-
-   subroutine required(group, name, findings)
-      type(group_t), intent(in) :: group
-      character(*), intent(in) :: name
-      type(diagnostics_t), intent(inout) :: findings
-
-      call findings%error('is required', line=group%line, group=trim(group%name), item=name)
-   end subroutine required
 end module psalm_data_set

@@ -10,6 +10,7 @@ module psalm_group
    implicit none (type, external)
    private
    public :: group_t, item_t, value_t, add_item, add_value
+   public :: read_flag, check_flags, check_range, out_of, required
 
    integer, parameter :: name_length = 31          !! longest name kept
    integer, parameter :: most_values = 20000000    !! values one item may have, repeat counts included
@@ -399,4 +400,64 @@ contains
 
       padded = name
    end function padded
+
+   !> An item that is 0 or 1.
+   subroutine read_flag(group, name, value, findings)
+      type(group_t), intent(inout) :: group
+      character(*), intent(in) :: name
+      integer, intent(inout) :: value
+      type(diagnostics_t), intent(inout) :: findings
+
+      call group%get_integer(name, value, findings)
+      call check_range(group, name, value, 0, 1, findings)
+   end subroutine read_flag
+
+   !> Report entries that are neither 0 nor 1.
+   subroutine check_flags(group, name, values, findings)
+      type(group_t), intent(in) :: group
+      character(*), intent(in) :: name
+      integer, intent(in) :: values(:, :)
+      type(diagnostics_t), intent(inout) :: findings
+
+      if (any(values /= 0 .and. values /= 1)) call out_of(group, name, 'entries are 0 (fixed) or 1 (may vary)', findings)
+   end subroutine check_flags
+
+   !> Report a value outside its range.
+   subroutine check_range(group, name, value, lowest, highest, findings, required)
+      type(group_t), intent(in) :: group
+      character(*), intent(in) :: name
+      integer, intent(in) :: value, lowest, highest
+      type(diagnostics_t), intent(inout) :: findings
+      logical, intent(in), optional :: required
+      character(:), allocatable :: text
+
+      if (present(required)) then
+         if (required .and. .not. group%given(name)) then
+            call findings%error('is required', line=group%line, group=trim(group%name), item=name)
+            return
+         end if
+      end if
+      if (value >= lowest .and. value <= highest) return
+      text = 'must be at least '//to_text(lowest)
+      if (highest < huge(1)) text = 'must lie in '//to_text(lowest)//' to '//to_text(highest)
+      call findings%error(text//'; found '//to_text(value), line=group%item_line(name), group=trim(group%name), item=name)
+   end subroutine check_range
+
+   !> Report an item whose value cannot be.
+   subroutine out_of(group, name, text, findings)
+      type(group_t), intent(in) :: group
+      character(*), intent(in) :: name, text
+      type(diagnostics_t), intent(inout) :: findings
+
+      call findings%error(text, line=group%item_line(name), group=trim(group%name), item=name)
+   end subroutine out_of
+
+   !> Report an item that is missing.
+   subroutine required(group, name, findings)
+      type(group_t), intent(in) :: group
+      character(*), intent(in) :: name
+      type(diagnostics_t), intent(inout) :: findings
+
+      call findings%error('is required', line=group%line, group=trim(group%name), item=name)
+   end subroutine required
 end module psalm_group

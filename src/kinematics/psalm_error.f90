@@ -115,12 +115,12 @@ contains
    end subroutine make_problem
 
    !> Make a plan that finds everything derivatives need; inputs and desired values are kept.
-   subroutine want_derivatives(self, everything)
+   subroutine want_derivatives(self, everything, joints)
       class(problem_t), intent(inout) :: self
       logical, intent(in) :: everything     !! solve every loop, wanted or not
+      integer, intent(in), optional :: joints(:, :) !! joints to be made, as `make_plan` has them
 
-
-      self%plan = make_plan(self%topology, self%motion, everything, all_roots=.true.)
+      self%plan = make_plan(self%topology, self%motion, everything, .true., joints)
       call self%linkage%prepare(self%topology, self%plan, self%tangle, self%delt)
       if (allocated(self%crew)) call self%set_threads(size(self%crew))
    end subroutine want_derivatives

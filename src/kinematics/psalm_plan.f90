@@ -48,18 +48,21 @@ module psalm_plan
       integer, allocatable :: dyad_sign(:)     !! by loop: sign of the closure entry
       integer :: output_point = origin         !! point the output arc starts from
       logical, allocatable :: used(:)          !! by root: something after its dyad needs it
+      integer, allocatable :: joint_points(:)  !! points of the joints that were asked for
    end type plan_t
 
 contains
 
    !> Compile the plan for one kind of output.
-   function make_plan(topology, motion, everything, all_roots) result(plan)
+   function make_plan(topology, motion, everything, all_roots, joints) result(plan)
       type(topology_t), intent(in) :: topology
       integer, intent(in) :: motion        !! MOTION
       logical, intent(in) :: everything    !! solve every loop, wanted or not
       logical, intent(in) :: all_roots     !! find both directions of every link pair (derivatives need them)
+      integer, intent(in), optional :: joints(:, :) !! shape (2, joints): loop and arc; the finish of the arc is wanted (arc 0:
+                                           !! the input pivot); their loops must be solved
       type(plan_t) :: plan
-      integer :: loop, a
+      integer :: loop, a, point
 
       call assign_roots(topology, plan)
       allocate (plan%solved(topology%nloop), source=everything)
@@ -75,6 +78,13 @@ contains
          if (plan%solved(loop)) call add_loop(topology, loop, plan)
       end do
       if (motion == motion_point .or. motion == motion_distance) call add_output(topology, plan)
+      allocate (plan%joint_points(0))
+      if (present(joints)) then
+         do a = 1, size(joints, 2)
+            call add_joint(topology, joints(1, a), joints(2, a), joints(2, a) <= topology%larcx(1, joints(1, a)), plan, point)
+            plan%joint_points = [plan%joint_points, point]
+         end do
+      end if
       call mark_roots(topology, everything .or. all_roots, plan)
    end function make_plan
 
@@ -295,22 +305,34 @@ contains
    pure subroutine add_output(topology, plan)
       type(topology_t), intent(in) :: topology
       type(plan_t), intent(inout) :: plan
-      integer :: loop, last, a, point
+      integer :: loop, last
       logical :: forwards
 
       call output_chain(topology, loop, last, forwards)
-      point = origin
+      call add_joint(topology, loop, last, forwards, plan, plan%output_point)
+   end subroutine add_output
+
+   !> The joint at the finish of arc `last` of a loop, reached forwards from the pivot or backwards.
+   pure subroutine add_joint(topology, loop, last, forwards, plan, point)
+      type(topology_t), intent(in) :: topology
+      integer, intent(in) :: loop, last
+      logical, intent(in) :: forwards
+      type(plan_t), intent(inout) :: plan
+      integer, intent(out) :: point
+      integer :: a, next
+
+      next = origin
       if (forwards) then
          do a = 1, last
-            call add_point(topology, point, topology%seq(loop, a), 1, plan, point)
+            call add_point(topology, next, topology%seq(loop, a), 1, plan, next)
          end do
       else
          do a = topology%loopl(loop), last + 1, -1
-            call add_point(topology, point, topology%seq(loop, a), -1, plan, point)
+            call add_point(topology, next, topology%seq(loop, a), -1, plan, next)
          end do
       end if
-      plan%output_point = point
-   end subroutine add_output
+      point = next
+   end subroutine add_joint
 
    !> The point at the other end of an arc; an equal point that is already made serves again.
    pure subroutine add_point(topology, from, n, sense, plan, to)

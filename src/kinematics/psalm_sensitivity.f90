@@ -16,7 +16,7 @@ module psalm_sensitivity
                              variable_origng, variable_crnki
    implicit none (type, external)
    private
-   public :: sensitivity_t, prepare_sensitivity, find_jacobian, find_constraints, find_gradient
+   public :: sensitivity_t, prepare_sensitivity, find_jacobian, find_constraints, block_constraints, find_gradient
 
    !> Room to work in, and which arcs each variable changes.
    type :: sensitivity_t
@@ -109,13 +109,14 @@ contains
    !>
    !> Output as the listing has it (degrees for MOTION 1); variables in their own units (degrees for angles). The linkage must
    !> close; at a dead point the derivatives are infinite and zero is given.
-   subroutine find_jacobian(problem, dimensions, work, dx, dy, k, dk)
+   subroutine find_jacobian(problem, dimensions, work, dx, dy, k, dk, dp)
       type(problem_t), intent(inout) :: problem
       type(dimensions_t), intent(in) :: dimensions
       type(sensitivity_t), intent(inout) :: work
       real(wp), intent(out) :: dx(:, :), dy(:, :)   !! shape (positions, marble)
       real(wp), intent(out), optional :: k(:, :)    !! shape (positions, nloop): as `find_constraints` has it
       real(wp), intent(out), optional :: dk(:, :, :) !! shape (positions, nloop, marble): its derivatives
+      real(wp), intent(out), optional :: dp(:, :, :, :) !! shape (positions, 2, joints, marble): of the joints asked for
       integer :: block, offset, n, m, v
 
       call problem%bind(dimensions)
@@ -130,15 +131,16 @@ contains
             call change_of(problem, v, m, work)
             call change_of_output(problem, v, n, work, dx(offset + 1:offset + n, v), dy(offset + 1:offset + n, v))
             if (present(dk)) call change_of_constraints(problem, v, n, work, dk(offset + 1:offset + n, :, v))
+            if (present(dp)) call change_of_joints(problem, v, n, work, dp(offset + 1:offset + n, :, :, v))
             call clear(problem, v, m, work%rates)
          end do
       end do
    end subroutine find_jacobian
 
-   !> How near each dyad is to its limit, at every position: the dyad closes while abs(k) <= 1.
+   !> How near each dyad is to its limit, at every position: the dyad closes, with TOGGLE in hand, while abs(k) <= 1.
    !>
    !> Type 1: the cosine of the transmission angle, beyond 1 where the dyad is open: smooth across closing. Types 2 and 3: guide
-   !> over distance. Types 4 and 5: offset over link. Others, and loops that are not solved: 0.
+   !> and TOGGLE over distance. Types 4 and 5: offset and TOGGLE over link. Others, and loops that are not solved: 0.
    subroutine find_constraints(problem, k)
       type(problem_t), intent(inout) :: problem     !! bound
       real(wp), intent(out) :: k(:, :)              !! shape (positions, nloop)
@@ -150,12 +152,15 @@ contains
       end do
    end subroutine find_constraints
 
+   !> The same for the block just solved; shape of k (n, nloop).
    pure subroutine block_constraints(problem, n, k)
       type(problem_t), intent(in) :: problem
       integer, intent(in) :: n
       real(wp), intent(out) :: k(:, :)
+      real(wp) :: hand
       integer :: loop
 
+      hand = problem%toggle*problem%linkage%scale
       do loop = 1, problem%topology%nloop
          k(:, loop) = 0.0_wp
          if (problem%linkage%step_of_loop(loop) == 0) cycle
@@ -165,13 +170,13 @@ contains
                case (1)
                   k(:, loop) = (dyad%p**2 + dyad%q**2 - reach)/(2.0_wp*dyad%p*dyad%q)
                case (2)
-                  k(:, loop) = dyad%q/sqrt(max(reach, tiny(1.0_wp)))
+                  k(:, loop) = (dyad%q + hand)/sqrt(max(reach, tiny(1.0_wp)))
                case (3)
-                  k(:, loop) = dyad%p/sqrt(max(reach, tiny(1.0_wp)))
+                  k(:, loop) = (dyad%p + hand)/sqrt(max(reach, tiny(1.0_wp)))
                case (4)
-                  k(:, loop) = reach/dyad%p
+                  k(:, loop) = (reach + sign(hand, reach))/dyad%p
                case (5)
-                  k(:, loop) = reach/dyad%q
+                  k(:, loop) = (reach + sign(hand, reach))/dyad%q
                end select
             end associate
          end associate
@@ -184,10 +189,11 @@ contains
       integer, intent(in) :: v, n
       type(sensitivity_t), intent(in) :: work
       real(wp), intent(out) :: dk(:, :)             !! shape (n, nloop)
-      real(wp) :: unit, hx, hy, gx, gy, dp, dq, reach, h, ux, uy, turn
+      real(wp) :: unit, hx, hy, gx, gy, dp, dq, reach, h, ux, uy, turn, hand
       integer :: loop, i
 
       unit = unit_of(problem, v)
+      hand = problem%toggle*problem%linkage%scale
       do loop = 1, problem%topology%nloop
          dk(:, loop) = 0.0_wp
          if (problem%linkage%step_of_loop(loop) == 0) cycle
@@ -209,18 +215,18 @@ contains
                case (2, 3)
                   h = sqrt(max(reach, tiny(1.0_wp)))
                   dk(i + 1, loop) = merge(dq, dp, dyad%joint == 2)/h &
-                                    - merge(dyad%q, dyad%p, dyad%joint == 2)*(hx*gx + hy*gy)/(h*h*h)
+                                    - (merge(dyad%q, dyad%p, dyad%joint == 2) + hand)*(hx*gx + hy*gy)/(h*h*h)
                case default
                   if (dyad%joint == 4) then
                      ux = dyad%qx*link%store(dyad%q_x + i) - dyad%qy*link%store(dyad%q_y + i)
                      uy = dyad%qx*link%store(dyad%q_y + i) + dyad%qy*link%store(dyad%q_x + i)
                      turn = d(dyad%q_x + i, 1) + work%turn(dyad%arc_q, v)
-                     dk(i + 1, loop) = (ux*gy - uy*gx - turn*(ux*hx + uy*hy))/dyad%p - reach*dp/dyad%p**2
+                     dk(i + 1, loop) = (ux*gy - uy*gx - turn*(ux*hx + uy*hy))/dyad%p - (reach + sign(hand, reach))*dp/dyad%p**2
                   else
                      ux = dyad%px*link%store(dyad%p_x + i) - dyad%py*link%store(dyad%p_y + i)
                      uy = dyad%px*link%store(dyad%p_y + i) + dyad%py*link%store(dyad%p_x + i)
                      turn = d(dyad%p_x + i, 1) + work%turn(dyad%arc_p, v)
-                     dk(i + 1, loop) = (ux*gy - uy*gx - turn*(ux*hx + uy*hy))/dyad%q - reach*dq/dyad%q**2
+                     dk(i + 1, loop) = (ux*gy - uy*gx - turn*(ux*hx + uy*hy))/dyad%q - (reach + sign(hand, reach))*dq/dyad%q**2
                   end if
                end select
             end do
@@ -228,6 +234,43 @@ contains
          end associate
       end do
    end subroutine change_of_constraints
+
+   !> Change of the joints asked for with a variable, in machine axes and the user's unit.
+   subroutine change_of_joints(problem, v, n, work, dp)
+      type(problem_t), intent(in) :: problem
+      integer, intent(in) :: v, n
+      type(sensitivity_t), intent(in) :: work
+      real(wp), intent(out) :: dp(:, :, :)          !! shape (n, 2, joints)
+      real(wp) :: back, ox, oy
+      integer :: j
+
+      back = unit_of(problem, v)/problem%linkage%scale
+      call change_of_origin(problem, v, ox, oy)
+      do j = 1, size(problem%plan%joint_points)
+         associate (px => problem%linkage%point_x(problem%plan%joint_points(j)), &
+                    py => problem%linkage%point_y(problem%plan%joint_points(j)), d => work%rates%d)
+            dp(:, 1, j) = d(px:px + n - 1, 1)*back + ox*unit_of(problem, v)
+            dp(:, 2, j) = d(py:py + n - 1, 1)*back + oy*unit_of(problem, v)
+         end associate
+      end do
+   end subroutine change_of_joints
+
+   !> Change of the input pivot with a variable (per radian for its angle).
+   pure subroutine change_of_origin(problem, v, x, y)
+      type(problem_t), intent(in) :: problem
+      integer, intent(in) :: v
+      real(wp), intent(out) :: x, y
+
+      x = 0.0_wp
+      y = 0.0_wp
+      if (problem%topology%variables(v)%kind == variable_origlk) then
+         x = problem%origin_c
+         y = problem%origin_s
+      else if (problem%topology%variables(v)%kind == variable_origng) then
+         x = -problem%origin_y
+         y = problem%origin_x
+      end if
+   end subroutine change_of_origin
 
    !> Radians a unit of the variable is worth if it is an angle in degrees, else 1.
    pure real(wp) function unit_of(problem, v) result(unit)
@@ -384,15 +427,7 @@ contains
             return
          end select
          grow = merge(1.0_wp, 0.0_wp, variable%kind == variable_outlk)
-         ox = 0.0_wp
-         oy = 0.0_wp
-         if (variable%kind == variable_origlk) then
-            ox = problem%origin_c
-            oy = problem%origin_s
-         else if (variable%kind == variable_origng) then
-            ox = -problem%origin_y
-            oy = problem%origin_x
-         end if
+         call change_of_origin(problem, v, ox, oy)
          px = link%point_x(plan%output_point)
          py = link%point_y(plan%output_point)
          do i = 1, n

@@ -3,9 +3,10 @@
 !> `psalm_setup` makes a topology from a data set; everything after it works on these types.
 module psalm_topology
    use psalm_kinds, only: wp
+   use psalm_text, only: to_text
    implicit none (type, external)
    private
-   public :: arc_t, variable_t, topology_t, dimensions_t
+   public :: arc_t, variable_t, topology_t, dimensions_t, name_of
    public :: arc_absent, arc_determined, arc_link, arc_slide, arc_crank, arc_actuator
    public :: variable_length, variable_outlk, variable_origlk, variable_gama, variable_outang, variable_origng, variable_crnki
    integer, parameter :: arc_absent = 0      !! no such arc
@@ -137,4 +138,27 @@ contains
          if (self%angle_variable(n) > 0 .and. .not. self%arcs(n)%same) dimensions%gama(n) = values(self%angle_variable(n))
       end do
    end subroutine apply
+
+   !> What a variable is called in listings.
+   pure function name_of(variable) result(name)
+      type(variable_t), intent(in) :: variable
+      character(:), allocatable :: name
+
+      select case (variable%kind)
+      case (variable_length)
+         name = 'LENGTH OF ARC '//to_text(variable%arc)//' IN LOOP '//to_text(variable%loop)
+      case (variable_gama)
+         name = 'ANGLE OF ARC '//to_text(variable%arc)//' IN LOOP '//to_text(variable%loop)
+      case (variable_outlk)
+         name = 'OUTPUT LENGTH'
+      case (variable_outang)
+         name = 'OUTPUT ANGLE'
+      case (variable_origlk)
+         name = 'INPUT PIVOT, DISTANCE'
+      case (variable_origng)
+         name = 'INPUT PIVOT, ANGLE'
+      case default
+         name = 'REFERENCE INPUT'
+      end select
+   end function name_of
 end module psalm_topology

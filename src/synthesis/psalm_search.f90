@@ -1,30 +1,47 @@
-!> Searches from many starts: the user's linkage and others drawn round it, each improved by least squares, the best kept.
+!> Searches from many starts: the user's linkage, supplied ones and others drawn round it, each improved, the best kept.
 !>
 !> Start i takes its random numbers from a place of the sequence that depends on i alone, and the linkages found are ranked
 !> afterwards: the same input gives the same answer for any number of threads (unless time runs out).
 module psalm_search
-   use, intrinsic :: iso_fortran_env, only: int64
    use psalm_constr, only: constraints_t, repair_count_t, make_constraints, constrain
+   use psalm_constraint_group, only: range_positions
    use psalm_data_set, only: data_set_t
    use psalm_error, only: problem_t
-   use psalm_kinds, only: wp, dp, i8, degrees_per_radian, right_angle
-   use psalm_lsq, only: lsq_t, prepare_lsq, improve
+   use psalm_interrupt, only: interrupt_t
+   use psalm_kinds, only: wp, dp, i8, right_angle
+   use psalm_lsq, only: improve
+   use psalm_margins, only: inspector_t, margin_t, prepare_inspector, inspect, is_violated
+   use psalm_merit, only: merit_t, prepare_merit, measure, set_extra, extra_positions
+   use psalm_optimise, only: optimise
    use psalm_random, only: random_t
+   use psalm_simplx, only: search_monitor_t, search_state_t
    use psalm_start, only: random_limits
    use psalm_text, only: text_t, general, to_text
-   use psalm_topology, only: dimensions_t, variable_length, variable_outlk
+   use psalm_timing, only: timing_t, prepare_timing, find_timing
+   use psalm_topology, only: dimensions_t, variable_length, variable_outlk, variable_origlk, variable_crnki
    implicit none (type, external)
    private
-   public :: found_t, result_t, search_many, transmission_margin
+   public :: found_t, result_t, search_many
 
    real(wp), parameter :: same_linkage = 1.0e-3_wp !! relative difference below which two results are one
+   integer, parameter :: most_returns = 4          !! times a search goes back to work on what an inspection found
+   real(wp), parameter :: rough = 1.0e-3_wp        !! relative gain of a step that ends the search of a start ...
+   real(wp), parameter :: rough_free = 1.0e-5_wp   !! ... with free timing, whose valleys are long ...
+   real(wp), parameter :: fine = 1.0e-9_wp         !! ... and that of the best, which are searched on
+   integer, parameter :: most_rounds = 8           !! a later round draws every other start near the best so far
+   real(wp), parameter :: wide = 10.0_wp           !! ratio of the bounds of a length above which ratios are drawn
+   integer, parameter :: fineness = 5              !! near: by a half, a quarter ... a 32nd
+   integer, parameter :: least_of_round = 16       !! starts
+   integer, parameter :: least_refined = 8         !! starts searched on, at least
+   real(wp), parameter :: worth_it = 1.0e-6_wp     !! relative gain for which another timing is tried
 
    !> A linkage found.
    type :: found_t
       real(wp), allocatable :: values(:)   !! shape (marble)
       real(wp), allocatable :: delt(:)     !! shape (positions): input increments (those given, but for free timing)
       real(wp) :: objective = 0.0_wp
-      integer :: start = 0                 !! the start that led to it
+      integer :: start = 0                 !! the start that led to it; -j: the j-th supplied vertex
+      integer :: place = 0                 !! of its outcome
       real(wp) :: distance = 0.0_wp        !! from the first linkage: largest relative change of a value
    end type found_t
 
@@ -34,153 +51,382 @@ module psalm_search
       integer :: starts = 0                !! starts made
       integer :: feasible = 0              !! of which led to a linkage that obeys every constraint
       integer :: evaluations = 0, jacobians = 0
-      logical :: out_of_time = .false.     !! MAXTIME passed before NSTART was reached
+      logical :: out_of_time = .false.     !! MAXTIME passed before all starts were made
+      logical :: interrupted = .false.     !! a signal came before
+      logical :: refused = .false.         !! NLopt refuses the algorithm for this problem
+      integer :: next = 0                  !! first start not made; 0: all were
    end type result_t
+
+   !> What one start led to.
+   type :: outcome_t
+      real(wp), allocatable :: values(:), delt(:)
+      real(wp) :: objective = 0.0_wp
+      integer :: evaluations = 0, jacobians = 0
+      logical :: done = .false., feasible = .false.
+      logical :: refused = .false.         !! NLopt refuses the algorithm for this problem
+   end type outcome_t
 
    !> What one thread works with.
    type :: worker_t
       type(problem_t) :: problem
       type(constraints_t) :: constraints
-      type(lsq_t) :: lsq
+      type(merit_t) :: merit
+      type(timing_t) :: timing
+      type(inspector_t) :: inspector
    end type worker_t
 
 contains
 
-   !> Search from NSTART starts. `first` is the user's linkage (or the first supplied vertex).
-   subroutine search_many(set, problem, first, threads, result, device1)
+   !> Search from the supplied vertices and NSTART starts. `first` is the user's linkage.
+   subroutine search_many(set, problem, first, supplied, threads, interrupt, result, device1, monitor)
       type(data_set_t), intent(in) :: set
       type(problem_t), intent(in) :: problem
       real(wp), intent(in) :: first(:)          !! shape (marble)
+      real(wp), intent(in) :: supplied(:, :)    !! shape (marble, supplied)
       integer, intent(in) :: threads
+      type(interrupt_t), intent(in) :: interrupt !! asked now and then
       type(result_t), intent(out) :: result
       type(text_t), intent(inout) :: device1
-      type(worker_t), allocatable :: workers(:)
-      real(wp), allocatable :: values(:, :), delt(:, :), objective(:)
-      logical, allocatable :: feasible(:), done(:)
-      integer, allocatable :: evaluations(:), jacobians(:)
-      integer(int64) :: begun
-      integer :: t, i
+      class(search_monitor_t), intent(inout), optional :: monitor
+      type(worker_t), allocatable, target :: workers(:)
+      type(outcome_t), allocatable :: outcomes(:)
+      type(search_state_t) :: state
+      type(interrupt_t) :: ending
+      real(wp), allocatable :: elite(:, :)
+      integer :: t, i, extra, total, round, rounds, begin, until
 
-      call system_clock(begun)
-      allocate (workers(min(max(1, threads), set%nstart)))
+      ending = interrupt
+      call ending%limit_time(set%search%maxtime)
+      allocate (result%best(0))
+      begin = 0
+      extra = size(supplied, 2)
+      total = extra + set%search%nstart
+      allocate (outcomes(total), workers(min(max(1, threads), total)))
       do t = 1, size(workers)
          workers(t)%problem = problem
          call make_constraints(set, problem, workers(t)%constraints)
-         call prepare_lsq(set, problem, first, workers(t)%lsq)
+         call prepare_merit(set, problem, first, workers(t)%merit)
+         workers(t)%merit%interrupt = ending
+         if (workers(t)%merit%free) call prepare_timing(problem, workers(t)%merit, workers(t)%timing)
+         if (workers(t)%merit%irange /= range_positions) call prepare_inspector(set, problem, .true., workers(t)%inspector)
       end do
-      allocate (values(size(first), set%nstart), objective(set%nstart), source=0.0_wp)
-      allocate (delt(problem%positions, set%nstart), source=0.0_wp)
-      allocate (feasible(set%nstart), done(set%nstart), source=.false.)
-      allocate (evaluations(set%nstart), jacobians(set%nstart), source=0)
-      !$omp parallel do num_threads(size(workers)) schedule(static) private(i)
-      do t = 1, size(workers)
-         do i = t, set%nstart, size(workers)
-            if (i > size(workers) .and. time_is_up(set, begun)) exit
-            call one_start(set, workers(t), first, i, values(:, i), delt(:, i), objective(i), feasible(i), evaluations(i), &
-                           jacobians(i))
-            done(i) = .true.
+      state%limit = total
+      state%best = huge(1.0_wp)
+      rounds = min(most_rounds, max(1, set%search%nstart/least_of_round))
+      do round = 1, rounds
+         until = extra + (set%search%nstart*round)/rounds
+         allocate (elite(size(first), size(result%best)))
+         do i = 1, size(result%best)
+            elite(:, i) = result%best(i)%values
          end do
+         !$omp parallel do num_threads(size(workers)) schedule(static)
+         do t = 1, size(workers)
+            if (t == 1) then
+               call make_starts(set, workers(t), begin + t, until, size(workers), first, supplied, elite, outcomes, state, monitor)
+            else
+               call make_starts(set, workers(t), begin + t, until, size(workers), first, supplied, elite, outcomes)
+            end if
+         end do
+         !$omp end parallel do
+         begin = until
+         deallocate (elite)
+         call rank(set, is_length(problem), first, extra, max(least_refined, set%search%nbest), outcomes, result%best)
       end do
-      !$omp end parallel do
-      result%starts = count(done)
-      result%feasible = count(feasible)
-      result%evaluations = sum(evaluations)
-      result%jacobians = sum(jacobians)
-      result%out_of_time = .not. all(done)
-      do i = 1, set%nstart
-         if (.not. done(i)) cycle
-         if (feasible(i)) then
-            call device1%add(' START '//to_text(i)//'  OBJECTIVE'//general(objective(i))//'  EVALUATIONS '// &
-                             to_text(evaluations(i))//'  JACOBIANS '//to_text(jacobians(i)))
-         else
-            call device1%add(' START '//to_text(i)//'  NO LINKAGE THAT OBEYS THE CONSTRAINTS')
-         end if
-      end do
-      call rank(set, is_length(problem), first, values, delt, objective, feasible, result%best)
+      result%starts = count(outcomes%done)
+      result%feasible = count(outcomes%feasible)
+      result%refused = any(outcomes%refused)
+      result%interrupted = ending%signalled()
+      result%out_of_time = .not. all(outcomes%done) .and. .not. result%interrupted
+      i = findloc(outcomes(extra + 1:)%done, .false., dim=1)
+      if (i > 0) result%next = set%search%first + i - 1
+      if (set%search%solver == 'LSQ' .and. .not. ending%waiting()) then
+         !$omp parallel do num_threads(size(workers)) schedule(static) private(i)
+         do t = 1, size(workers)
+            do i = t, size(result%best), size(workers)
+               call refine(set, workers(t), first, outcomes(result%best(i)%place))
+            end do
+         end do
+         !$omp end parallel do
+      end if
+      result%evaluations = sum(outcomes%evaluations)
+      result%jacobians = sum(outcomes%jacobians)
+      call tell_starts(set, extra, outcomes, device1)
+      call rank(set, is_length(problem), first, extra, set%search%nbest, outcomes, result%best)
    end subroutine search_many
 
-   logical function time_is_up(set, begun)
+   !> The starts of one thread: from, from + step ... until.
+   subroutine make_starts(set, worker, from, until, step, first, supplied, elite, outcomes, state, monitor)
       type(data_set_t), intent(in) :: set
-      integer(int64), intent(in) :: begun
-      integer(int64) :: now, rate
+      type(worker_t), intent(inout) :: worker
+      integer, intent(in) :: from, until, step
+      real(wp), intent(in) :: first(:), supplied(:, :), elite(:, :)
+      type(outcome_t), intent(inout) :: outcomes(:)
+      type(search_state_t), intent(inout), optional :: state
+      class(search_monitor_t), intent(inout), optional :: monitor
+      integer :: i, number
 
-      time_is_up = .false.
-      if (set%maxtime <= 0.0_wp) return
-      call system_clock(now, rate)
-      time_is_up = real(now - begun, dp)/real(rate, dp) > real(set%maxtime, dp)
-   end function time_is_up
+      do i = from, until, step
+         if (worker%merit%interrupt%waiting()) return
+         number = start_number(set, size(supplied, 2), i)
+         if (number < 0) then
+            call one_start(set, worker, first, supplied(:, i), number, elite, outcomes(i))
+         else
+            call one_start(set, worker, first, first, number, elite, outcomes(i))
+         end if
+         ! what a start that was cut short has is kept, but the start is not done with
+         outcomes(i)%done = .not. worker%merit%interrupt%waiting()
+         if (.not. present(monitor)) cycle
+         state%iteration = i
+         state%evaluations = state%evaluations + outcomes(i)%evaluations*step
+         if (outcomes(i)%feasible) state%best = min(state%best, outcomes(i)%objective)
+         state%worst = state%best
+         call monitor%report(state)
+      end do
+   end subroutine make_starts
 
-   !> Start i: draw it, make it close, improve it.
-   subroutine one_start(set, worker, first, i, values, delt, objective, feasible, evaluations, jacobians)
+   !> A line for each start.
+   subroutine tell_starts(set, extra, outcomes, device1)
+      type(data_set_t), intent(in) :: set
+      integer, intent(in) :: extra
+      type(outcome_t), intent(in) :: outcomes(:)
+      type(text_t), intent(inout) :: device1
+      character(:), allocatable :: name
+      integer :: i
+
+      do i = 1, size(outcomes)
+         if (.not. (outcomes(i)%done .or. outcomes(i)%feasible)) cycle
+         name = ' START '//to_text(start_number(set, extra, i))
+         if (i <= extra) name = ' SUPPLIED VERTEX '//to_text(i)
+         if (outcomes(i)%feasible) then
+            call device1%add(name//'  OBJECTIVE'//general(outcomes(i)%objective)//'  EVALUATIONS '// &
+                             to_text(outcomes(i)%evaluations)//'  JACOBIANS '//to_text(outcomes(i)%jacobians))
+         else
+            call device1%add(name//'  NO LINKAGE THAT OBEYS THE CONSTRAINTS')
+         end if
+      end do
+   end subroutine tell_starts
+
+   !> Number of the i-th start; supplied vertices have negative ones.
+   pure integer function start_number(set, extra, i)
+      type(data_set_t), intent(in) :: set
+      integer, intent(in) :: extra, i
+
+      start_number = merge(-i, set%search%first + i - extra - 1, i <= extra)
+   end function start_number
+
+   !> One start: draw it, make it close where that is easy, improve it, inspect it.
+   subroutine one_start(set, worker, first, given, number, elite, outcome)
+      type(data_set_t), intent(in) :: set
+      type(worker_t), intent(inout) :: worker
+      real(wp), intent(in) :: first(:), given(:)       !! shape (marble): the user's linkage; the one to start from
+      integer, intent(in) :: number                    !! 1: start from the user's; above: from one drawn; below: from `given`
+      real(wp), intent(in) :: elite(:, :)              !! shape (marble, any): the best linkages of the rounds before
+      type(outcome_t), intent(inout) :: outcome
+      type(repair_count_t) :: counts
+      real(wp), allocatable :: low(:), high(:), home(:)
+      real(wp) :: objective
+      logical :: closes
+      integer :: before
+
+      call random_limits(set, first, low, high)
+      before = 0
+      if (number > 1) then
+         outcome%values = drawn(set, low, high, low > 0.0_wp .and. high > wide*low .and. is_length(worker%problem), number)
+         if (size(elite, 2) > 0 .and. mod(number, 2) == 1) then
+            call draw_near(worker%problem, elite(:, 1 + mod(number/2, size(elite, 2))), low, high, 1 + mod(number/4, fineness), &
+                           outcome%values)
+         end if
+         home = first
+         call constrain(worker%problem, worker%constraints, home, objective, closes, before, counts)
+         ! every other start keeps its own shape, closed or not; the others draw near the user's until they close
+         if (mod(number, 2) == 0 .and. closes) call constrain(worker%problem, worker%constraints, outcome%values, objective, &
+                                                              closes, before, counts, towards=home)
+      else
+         outcome%values = given
+         call constrain(worker%problem, worker%constraints, outcome%values, objective, closes, before, counts)
+         if (.not. closes) outcome%values = given
+      end if
+      worker%merit%evaluations = 0
+      worker%merit%jacobians = 0
+      worker%merit%delt = worker%problem%delt
+      if (worker%merit%patrols) call set_extra(worker%merit, [real(wp) ::])
+      if (worker%merit%free .and. number /= 1) call retime(worker, outcome%values)
+      call work_on(set, worker, low, high, merge(rough_free, rough, worker%merit%free), number, outcome)
+      outcome%delt = worker%merit%delt
+      outcome%evaluations = before + worker%merit%evaluations
+      outcome%jacobians = worker%merit%jacobians
+   end subroutine one_start
+
+   !> Turn a random linkage within the box into one near a given one: every value within 1/2**fineness of itself, or of a right
+   !> angle.
+   pure subroutine draw_near(problem, best, low, high, fineness, values)
+      type(problem_t), intent(in) :: problem
+      real(wp), intent(in) :: best(:), low(:), high(:)
+      integer, intent(in) :: fineness
+      real(wp), intent(inout) :: values(:)
+      real(wp) :: reach, deviate
+      integer :: v
+
+      do v = 1, size(values)
+         deviate = 0.0_wp
+         if (abs(high(v) - low(v)) > 0.0_wp) deviate = 2.0_wp*(values(v) - low(v))/(high(v) - low(v)) - 1.0_wp
+         select case (problem%topology%variables(v)%kind)
+         case (variable_length, variable_outlk, variable_origlk)
+            reach = abs(best(v))
+         case default
+            reach = right_angle
+         end select
+         if (problem%topology%sliding_input .and. problem%topology%variables(v)%kind == variable_crnki) reach = abs(best(v))
+         values(v) = best(v) + reach*deviate*0.5_wp**fineness
+      end do
+   end subroutine draw_near
+
+   !> Search on from what a start led to.
+   subroutine refine(set, worker, first, outcome)
       type(data_set_t), intent(in) :: set
       type(worker_t), intent(inout) :: worker
       real(wp), intent(in) :: first(:)
-      integer, intent(in) :: i
-      real(wp), intent(out) :: values(:), delt(:), objective
-      logical, intent(out) :: feasible
-      integer, intent(out) :: evaluations, jacobians
+      type(outcome_t), intent(inout) :: outcome
+      type(outcome_t) :: finer
+      real(wp), allocatable :: low(:), high(:)
+
+      call random_limits(set, first, low, high)
+      finer%values = outcome%values
+      worker%merit%delt = outcome%delt
+      worker%merit%evaluations = 0
+      worker%merit%jacobians = 0
+      if (worker%merit%patrols) call set_extra(worker%merit, [real(wp) ::])
+      call work_on(set, worker, low, high, fine, 1, finer)
+      outcome%evaluations = outcome%evaluations + worker%merit%evaluations
+      outcome%jacobians = outcome%jacobians + worker%merit%jacobians
+      if (.not. finer%feasible .or. finer%objective > outcome%objective) return
+      outcome%values = finer%values
+      outcome%delt = worker%merit%delt
+      outcome%objective = finer%objective
+   end subroutine refine
+
+   !> The random linkage of a start.
+   function drawn(set, low, high, by_ratio, number) result(values)
+      type(data_set_t), intent(in) :: set
+      real(wp), intent(in) :: low(:), high(:)
+      logical, intent(in) :: by_ratio(:)          !! shape (marble): in every other start all ratios are alike, not all lengths
+      integer, intent(in) :: number
+      real(wp) :: values(size(low))
       type(random_t) :: random
-      type(repair_count_t) :: counts
-      real(wp), allocatable :: low(:), high(:), home(:)
       real(wp) :: deviate
       integer :: v
 
-      evaluations = 0
-      jacobians = 0
-      home = first
-      call constrain(worker%problem, worker%constraints, home, objective, feasible, evaluations, counts)
-      values = home
-      if (i > 1) then
-         call random_limits(set, first, low, high)
-         random%state = int(set%istart, i8)
-         call random%skip(int(i - 2, i8)*int(size(first), i8))
-         do v = 1, size(first)
-            call random%next(deviate)
-            values(v) = low(v) + deviate*(high(v) - low(v))
+      random%state = int(set%istart, i8)
+      call random%skip(int(number - 2, i8)*int(size(low), i8))
+      do v = 1, size(low)
+         call random%next(deviate)
+         values(v) = low(v) + deviate*(high(v) - low(v))
+         if (by_ratio(v) .and. mod(number, 2) == 1) values(v) = low(v)*(high(v)/low(v))**deviate
+      end do
+   end function drawn
+
+   !> Improve, look for a better timing, inspect the range of the input; go back to work on what is found.
+   subroutine work_on(set, worker, low, high, least_gain, number, outcome)
+      type(data_set_t), intent(in) :: set
+      type(worker_t), intent(inout) :: worker
+      real(wp), intent(in) :: low(:), high(:)
+      real(wp), intent(in) :: least_gain               !! of a step of least squares
+      integer, intent(in) :: number
+      type(outcome_t), intent(inout) :: outcome
+      type(margin_t), allocatable :: margins(:)
+      real(wp), allocatable :: extra(:), values(:), delt(:)
+      real(wp) :: objective
+      integer :: round
+      logical :: feasible
+
+      allocate (extra(0))
+      call run_solver(outcome%values, outcome%objective, outcome%feasible)
+      if (worker%merit%free .and. set%search%solver == 'LSQ') then
+         do round = 1, most_returns
+            values = outcome%values
+            delt = worker%merit%delt
+            call retime(worker, values)
+            call run_solver(values, objective, feasible)
+            if (feasible .and. (.not. outcome%feasible .or. objective < outcome%objective*(1.0_wp - worth_it))) then
+               outcome%values = values
+               outcome%objective = objective
+               outcome%feasible = .true.
+            else
+               worker%merit%delt = delt
+               exit
+            end if
          end do
-         if (feasible) then
-            call constrain(worker%problem, worker%constraints, values, objective, feasible, evaluations, counts, towards=home)
-         else
-            call constrain(worker%problem, worker%constraints, values, objective, feasible, evaluations, counts)
-         end if
       end if
-      worker%lsq%evaluations = 0
-      worker%lsq%jacobians = 0
-      ! a start that closes but breaks another limit may still lead somewhere
-      worker%lsq%delt = worker%problem%delt
-      call improve(worker%lsq, values, objective, feasible)
-      delt = worker%lsq%delt
-      evaluations = evaluations + worker%lsq%evaluations
-      jacobians = worker%lsq%jacobians
-   end subroutine one_start
+      if (worker%merit%irange == range_positions .or. .not. outcome%feasible) return
+      do round = 1, most_returns
+         call worker%problem%topology%apply(outcome%values, worker%merit%dimensions)
+         call inspect(worker%inspector, worker%merit%dimensions, worker%merit%delt, margins)
+         outcome%feasible = .not. any(is_violated(margins))
+         if (outcome%feasible) return
+         if (size(extra) >= extra_positions) return
+         extra = [extra, pack(margins%delt, is_violated(margins))]
+         call set_extra(worker%merit, extra)
+         call run_solver(outcome%values, outcome%objective, outcome%feasible)
+         if (.not. outcome%feasible) return
+      end do
+      outcome%feasible = .false.
+
+   contains
+
+      subroutine run_solver(x, f, sound)
+         real(wp), intent(inout) :: x(:)
+         real(wp), intent(out) :: f
+         logical, intent(out) :: sound
+         logical :: accepted
+
+         if (set%search%solver == 'LSQ') then
+            call improve(worker%merit, x, least_gain, merge(set%search%maxeval, huge(1), set%search%maxeval > 0), f, sound)
+         else
+            call optimise(set%search%solver, worker%merit, x, low, high, set%istart + number, set%search%maxeval, f, sound, &
+                          accepted)
+            outcome%refused = .not. accepted
+         end if
+      end subroutine run_solver
+   end subroutine work_on
+
+   !> Give the merit the timing that fits the linkage best, seen over the whole range of the input.
+   subroutine retime(worker, values)
+      type(worker_t), intent(inout) :: worker
+      real(wp), intent(in) :: values(:)
+
+      call worker%problem%topology%apply(values, worker%merit%dimensions)
+      call find_timing(worker%timing, worker%merit, worker%merit%delt)
+   end subroutine retime
 
    !> Sort what was found and keep the best distinct linkages.
    !>
    !> Two results are one linkage if their lengths and objectives agree: it may stand turned in the machine.
-   subroutine rank(set, lengths, first, values, delt, objective, feasible, best)
+   subroutine rank(set, lengths, first, extra, most, outcomes, best)
       type(data_set_t), intent(in) :: set
       logical, intent(in) :: lengths(:)           !! shape (marble): values to compare
-      real(wp), intent(in) :: first(:), values(:, :), delt(:, :), objective(:)
-      logical, intent(in) :: feasible(:)
+      real(wp), intent(in) :: first(:)
+      integer, intent(in) :: extra, most          !! supplied vertices; linkages to keep
+      type(outcome_t), intent(in) :: outcomes(:)
       type(found_t), allocatable, intent(out) :: best(:)
-      logical :: left(size(feasible))
+      logical :: left(size(outcomes))
       type(found_t) :: next
       integer :: i, k
 
       allocate (best(0))
-      left = feasible
-      do while (any(left) .and. size(best) < set%nbest)
-         i = minloc(objective, dim=1, mask=left)
-         next%values = values(:, i)
-         next%delt = delt(:, i)
-         next%objective = objective(i)
-         next%start = i
-         next%distance = maxval(abs(values(:, i) - first)/max(abs(first), same_linkage))
+      left = outcomes%feasible
+      do while (any(left) .and. size(best) < most)
+         i = minloc(outcomes%objective, dim=1, mask=left)
+         next%values = outcomes(i)%values
+         next%delt = outcomes(i)%delt
+         next%objective = outcomes(i)%objective
+         next%place = i
+         next%start = start_number(set, extra, i)
+         next%distance = maxval(abs(next%values - first)/max(abs(first), same_linkage))
          best = [best, next]
          do k = 1, size(left)
             if (.not. left(k)) cycle
-            left(k) = any(lengths .and. abs(values(:, k) - next%values) > same_linkage*abs(next%values)) .or. &
-                      objective(k) - next%objective > same_linkage*max(next%objective, set%fmin)
+            left(k) = any(lengths .and. abs(outcomes(k)%values - next%values) > same_linkage*abs(next%values)) .or. &
+                      outcomes(k)%objective - next%objective > same_linkage*max(next%objective, set%fmin)
          end do
          left(i) = .false.
       end do
@@ -194,29 +440,4 @@ contains
       lengths = problem%topology%variables%kind == variable_length .or. problem%topology%variables%kind == variable_outlk
       if (.not. any(lengths)) lengths = .true.
    end function is_length
-
-   !> Degrees that the worst transmission angle is inside its limits, over all link pairs that are solved and all positions.
-   !>
-   !> 90 if there is no link pair.
-   real(wp) function transmission_margin(problem, dimensions) result(margin)
-      type(problem_t), intent(inout) :: problem
-      type(dimensions_t), intent(in) :: dimensions
-      integer :: block, offset, n, i, loop
-      real(wp) :: cosine
-
-      margin = right_angle
-      call problem%bind(dimensions)
-      do block = 1, problem%blocks()
-         call problem%solve_block(block, offset, n)
-         do loop = 1, problem%topology%nloop
-            if (problem%linkage%step_of_loop(loop) == 0 .or. problem%topology%joint(loop) /= 1) cycle
-            associate (dyad => problem%linkage%steps(problem%linkage%step_of_loop(loop)), row => problem%linkage%reach(loop))
-               do i = 0, n - 1
-                  cosine = (dyad%p**2 + dyad%q**2 - problem%linkage%store(row + i))/(2.0_wp*dyad%p*dyad%q)
-                  margin = min(margin, problem%tangle - asin(min(1.0_wp, abs(cosine)))*degrees_per_radian)
-               end do
-            end associate
-         end do
-      end do
-   end function transmission_margin
 end module psalm_search

@@ -6,17 +6,19 @@ module psalm_simplx
    use psalm_constr, only: constraints_t, constrain
    use psalm_data_set, only: data_set_t
    use psalm_error, only: problem_t
+   use psalm_interrupt, only: interrupt_t
    use psalm_kinds, only: wp
    use psalm_start, only: simplex_t
    use psalm_text, only: text_t, general, to_text
    implicit none (type, external)
    private
    public :: search_monitor_t, search_state_t, search_simplex
-   public :: stop_iterations, stop_small_objective, stop_converged
+   public :: stop_iterations, stop_small_objective, stop_converged, stop_interrupted
 
    integer, parameter :: stop_iterations = 1       !! NITER was passed
    integer, parameter :: stop_small_objective = 2  !! best objective below FMIN
    integer, parameter :: stop_converged = 3        !! simplex has shrunk to a point
+   integer, parameter :: stop_interrupted = 4      !! a signal came
 
    integer, parameter :: most_expansions = 200     !! of one move: a factor of EXPAND**200 is no linkage any more
 
@@ -48,11 +50,12 @@ module psalm_simplx
 contains
 
    !> Improve the simplex until one of the criteria of convergence is met. On return `simplex%best` is the result.
-   subroutine search_simplex(set, problem, constraints, simplex, state, device1, monitor)
+   subroutine search_simplex(set, problem, constraints, simplex, interrupt, state, device1, monitor)
       type(data_set_t), intent(in) :: set
       type(problem_t), intent(inout) :: problem
       type(constraints_t), intent(inout) :: constraints
       type(simplex_t), intent(inout) :: simplex
+      type(interrupt_t), intent(in) :: interrupt       !! asked after every iteration
       type(search_state_t), intent(out) :: state
       type(text_t), intent(inout) :: device1
       class(search_monitor_t), intent(inout), optional :: monitor
@@ -75,6 +78,9 @@ contains
             end if
          end if
          if (state%reason == 0 .and. state%iteration >= set%niter) state%reason = stop_iterations
+         if (state%reason == 0) then
+            if (interrupt%waiting()) state%reason = stop_interrupted
+         end if
          if (state%reason /= 0) return
          state%iteration = state%iteration + 1
          calls_before = simplex%repairs%calls

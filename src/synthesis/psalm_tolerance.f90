@@ -16,7 +16,7 @@ module psalm_tolerance
    use psalm_setup, only: set_up
    use psalm_status, only: diagnostics_t
    use psalm_text, only: text_t, full_precision, general, to_text
-   use psalm_topology, only: topology_t, dimensions_t, variable_t, variable_length, variable_gama, variable_outlk, &
+   use psalm_topology, only: topology_t, dimensions_t, variable_t, name_of, variable_length, variable_gama, variable_outlk, &
                              variable_outang, variable_origlk, variable_origng
    implicit none (type, external)
    private
@@ -328,27 +328,6 @@ contains
       if (sample%open > most_named) call text%add('   AND '//to_text(sample%open - most_named)//' MORE')
    end subroutine list_tolerances
 
-   pure function name_of(variable) result(name)
-      type(variable_t), intent(in) :: variable
-      character(:), allocatable :: name
-
-      select case (variable%kind)
-      case (variable_length)
-         name = 'LENGTH OF ARC '//to_text(variable%arc)//' IN LOOP '//to_text(variable%loop)
-      case (variable_gama)
-         name = 'ANGLE OF ARC '//to_text(variable%arc)//' IN LOOP '//to_text(variable%loop)
-      case (variable_outlk)
-         name = 'OUTPUT LENGTH'
-      case (variable_outang)
-         name = 'OUTPUT ANGLE'
-      case (variable_origlk)
-         name = 'INPUT PIVOT, DISTANCE'
-      case (variable_origng)
-         name = 'INPUT PIVOT, ANGLE'
-      case default
-         name = 'REFERENCE INPUT'
-      end select
-   end function name_of
 
    !> A block of device 9: bands and sample at every position.
    subroutine plot_tolerances(title, linear, sample, text)

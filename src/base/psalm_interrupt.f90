@@ -1,0 +1,143 @@
+!> When a search must end: a signal, or the time it was given. Signals are asked for instead of suffered.
+!>
+!> Between `hold` and `release` the signals INT and TERM wait; no handler is installed and nothing is kept but the mask of before.
+module psalm_interrupt
+   use, intrinsic :: iso_c_binding, only: c_int, c_long
+   use, intrinsic :: iso_fortran_env, only: int64
+   use psalm_kinds, only: dp, wp
+   implicit none (type, external)
+   private
+   public :: interrupt_t
+
+   integer, parameter :: mask_words = 128          !! a signal set is far smaller in every C library
+   integer(c_int), parameter :: signal_interrupt = 2_c_int, signal_terminate = 15_c_int !! numbers fixed by POSIX
+   integer(c_int), parameter :: how_block = 0_c_int, how_set = 2_c_int !! SIG_BLOCK and SIG_SETMASK of Linux
+
+   type :: interrupt_t
+      private
+      integer(c_long) :: before(mask_words) = 0_c_long !! mask of before
+      integer(c_long) :: wanted(mask_words) = 0_c_long !! the signals that wait
+      logical :: holds = .false.
+      integer(int64) :: end = huge(1_int64)            !! clock count after which time is up
+   contains
+      procedure :: hold
+      procedure :: limit_time
+      procedure :: waiting
+      procedure :: signalled
+      procedure :: late
+      procedure :: release
+   end type interrupt_t
+
+   interface
+      integer(c_int) function c_sigemptyset(set) bind(c, name='sigemptyset')
+         import :: c_int, c_long
+         implicit none (type, external)
+         integer(c_long), intent(inout) :: set(*)
+      end function c_sigemptyset
+
+      integer(c_int) function c_sigaddset(set, number) bind(c, name='sigaddset')
+         import :: c_int, c_long
+         implicit none (type, external)
+         integer(c_long), intent(inout) :: set(*)
+         integer(c_int), value :: number
+      end function c_sigaddset
+
+      integer(c_int) function c_sigismember(set, number) bind(c, name='sigismember')
+         import :: c_int, c_long
+         implicit none (type, external)
+         integer(c_long), intent(in) :: set(*)
+         integer(c_int), value :: number
+      end function c_sigismember
+
+      integer(c_int) function c_pthread_sigmask(how, set, before) bind(c, name='pthread_sigmask')
+         import :: c_int, c_long
+         implicit none (type, external)
+         integer(c_int), value :: how
+         integer(c_long), intent(in) :: set(*)
+         integer(c_long), intent(inout) :: before(*)
+      end function c_pthread_sigmask
+
+      integer(c_int) function c_sigpending(set) bind(c, name='sigpending')
+         import :: c_int, c_long
+         implicit none (type, external)
+         integer(c_long), intent(inout) :: set(*)
+      end function c_sigpending
+
+      integer(c_int) function c_sigwait(set, number) bind(c, name='sigwait')
+         import :: c_int, c_long
+         implicit none (type, external)
+         integer(c_long), intent(in) :: set(*)
+         integer(c_int), intent(out) :: number
+      end function c_sigwait
+   end interface
+
+contains
+
+   !> Let the signals wait from now on, in this thread and those it makes.
+   subroutine hold(self)
+      class(interrupt_t), intent(inout) :: self
+      integer(c_int) :: status
+
+      status = c_sigemptyset(self%wanted)
+      status = c_sigaddset(self%wanted, signal_interrupt)
+      status = c_sigaddset(self%wanted, signal_terminate)
+      self%holds = c_pthread_sigmask(how_block, self%wanted, self%before) == 0
+   end subroutine hold
+
+   !> Give so many seconds from now on; 0: no limit.
+   subroutine limit_time(self, seconds)
+      class(interrupt_t), intent(inout) :: self
+      real(wp), intent(in) :: seconds
+      integer(int64) :: now, rate
+
+      self%end = huge(self%end)
+      if (seconds <= 0.0_wp) return
+      call system_clock(now, rate)
+      if (real(seconds, dp) < real(self%end - now, dp)/real(rate, dp)) self%end = now + int(real(seconds, dp)*real(rate, dp), int64)
+   end subroutine limit_time
+
+   !> True if the search must end.
+   logical function waiting(self)
+      class(interrupt_t), intent(in) :: self
+
+      waiting = self%late()
+      if (.not. waiting) waiting = self%signalled()
+   end function waiting
+
+   !> True if the time is up.
+   logical function late(self)
+      class(interrupt_t), intent(in) :: self
+      integer(int64) :: now
+
+      late = .false.
+      if (self%end == huge(self%end)) return
+      call system_clock(now)
+      late = now > self%end
+   end function late
+
+   !> True if a signal is waiting.
+   logical function signalled(self)
+      class(interrupt_t), intent(in) :: self
+      integer(c_long) :: pending(mask_words)
+
+      signalled = .false.
+      if (.not. self%holds) return
+      pending = 0_c_long
+      if (c_sigpending(pending) /= 0) return
+      signalled = c_sigismember(pending, signal_interrupt) == 1 .or. c_sigismember(pending, signal_terminate) == 1
+   end function signalled
+
+   !> Take what is waiting and let signals through again. A caller that was interrupted ends in good order by itself.
+   subroutine release(self)
+      class(interrupt_t), intent(inout) :: self
+      integer(c_long) :: unused(mask_words)
+      integer(c_int) :: status, number
+
+      do while (self%signalled())
+         if (c_sigwait(self%wanted, number) /= 0) exit
+      end do
+      unused = 0_c_long
+      if (self%holds) status = c_pthread_sigmask(how_set, self%before, unused)
+      self%holds = .false.
+   end subroutine release
+end module psalm_interrupt

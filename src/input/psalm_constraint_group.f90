@@ -1,0 +1,102 @@
+!> The group CONSTR: where closure and transmission angles must hold, and where joints must not go.
+module psalm_constraint_group
+   use psalm_group, only: group_t, check_range
+   use psalm_kinds, only: wp
+   use psalm_status, only: diagnostics_t
+   use psalm_text, only: to_text
+   implicit none (type, external)
+   private
+   public :: constraint_group_t, region_t, read_constraint_group
+   public :: range_positions, range_inputs, range_turn, region_box, region_half_plane, region_circle
+
+   integer, parameter :: range_positions = 0   !! IRANGE: at the prescribed positions
+   integer, parameter :: range_inputs = 1      !! from the lowest to the highest prescribed input
+   integer, parameter :: range_turn = 2        !! over a full turn of the crank
+   integer, parameter :: region_box = 1, region_half_plane = 2, region_circle = 3 !! RKIND
+   integer, parameter :: most_regions = 1000   !! above this NREGN is taken for a slip of the pen
+   integer, parameter :: numbers_of_region = 4
+
+   !> A region of the machine plane that a joint must keep out of, or stay inside of.
+   type :: region_t
+      integer :: kind = region_box
+      logical :: stay_inside = .false.    !! the outside is forbidden
+      real(wp) :: at(numbers_of_region) = 0.0_wp !! two corners; point and angle of the edge; centre, radius
+      integer :: arc = 0, loop = 0        !! the joint: finish of the arc (of arc 0: the input pivot); loop 0: output point
+   end type region_t
+
+   type :: constraint_group_t
+      logical :: given = .false.          !! the group was given
+      integer :: irange = range_positions
+      type(region_t), allocatable :: regions(:)
+   end type constraint_group_t
+
+contains
+
+   !> Read the group. Errors: numbers out of range, joints that are not there, regions without extent.
+   subroutine read_constraint_group(group, nloop, maxarc, constr, findings)
+      type(group_t), intent(inout) :: group
+      integer, intent(in) :: nloop, maxarc
+      type(constraint_group_t), intent(inout) :: constr
+      type(diagnostics_t), intent(inout) :: findings
+      integer, allocatable :: kinds(:), links(:), loops(:)
+      real(wp), allocatable :: numbers(:)
+      integer :: n, r
+
+      constr%given = group%line > 0
+      call group%get_integer('IRANGE', constr%irange, findings)
+      call check_range(group, 'IRANGE', constr%irange, range_positions, range_turn, findings)
+      n = 0
+      call group%get_integer('NREGN', n, findings)
+      call check_range(group, 'NREGN', n, 0, most_regions, findings)
+      n = min(max(n, 0), most_regions)
+      allocate (constr%regions(n), kinds(n), links(n), loops(n))
+      kinds = 0
+      links = 0
+      loops = 0
+      allocate (numbers(numbers_of_region*n), source=0.0_wp)
+      call group%get_integers('RKIND', kinds, findings)
+      call group%get_integers('RLINK', links, findings)
+      call group%get_integers('RLOOP', loops, findings)
+      call group%get_reals('RPLACE', numbers, findings, numbers_of_region)
+      do r = 1, n
+         associate (region => constr%regions(r))
+            region%kind = abs(kinds(r))
+            region%stay_inside = kinds(r) < 0
+            region%at = numbers(numbers_of_region*(r - 1) + 1:numbers_of_region*r)
+            region%loop = loops(r)
+            region%arc = links(r)
+            if (links(r) < 0) region%arc = -links(r) - 1
+            select case (region%kind)
+            case (region_box)
+               if (region%at(1) == region%at(3) .or. region%at(2) == region%at(4)) call wrong('RPLACE', 'the box has no extent', r)
+               region%at = [min(region%at(1), region%at(3)), min(region%at(2), region%at(4)), &
+                            max(region%at(1), region%at(3)), max(region%at(2), region%at(4))]
+            case (region_half_plane)
+               continue
+            case (region_circle)
+               if (region%at(3) <= 0.0_wp) call wrong('RPLACE', 'the radius must be above 0', r)
+            case default
+               call wrong('RKIND', '1 (box), 2 (half-plane), 3 (circle) is expected, negative: outside forbidden; found '// &
+                          to_text(kinds(r)), r)
+            end select
+            if (region%loop < 0 .or. region%loop > nloop) then
+               call wrong('RLOOP', 'there is no loop '//to_text(region%loop), r)
+            else if (region%loop > 0 .and. (region%arc < 0 .or. region%arc > maxarc .or. links(r) == 0)) then
+               call wrong('RLINK', 'the number of an arc is expected (negative for the joint at its start); found '// &
+                          to_text(links(r)), r)
+            end if
+         end associate
+      end do
+      call group%finish(findings)
+
+   contains
+
+      subroutine wrong(item, text, which)
+         character(*), intent(in) :: item, text
+         integer, intent(in) :: which
+
+         call findings%error('region '//to_text(which)//': '//text, line=max(group%item_line(item), group%line), group='CONSTR', &
+                             item=item)
+      end subroutine wrong
+   end subroutine read_constraint_group
+end module psalm_constraint_group

@@ -1,0 +1,62 @@
+!> The group SEARCH: which search, from how many starts, for how long.
+module psalm_search_group
+   use psalm_group, only: group_t, check_range, out_of, read_flag
+   use psalm_kinds, only: wp
+   use psalm_nlopt, only: algorithm_of, plain_name
+   use psalm_status, only: diagnostics_t
+   implicit none (type, external)
+   private
+   public :: search_group_t, read_search_group, most_search_threads
+
+   integer, parameter :: most_starts = 10000000     !! above this a number is taken for a slip of the pen
+   integer, parameter :: most_search_threads = 1024
+
+   !> How to search.
+   type :: search_group_t
+      logical :: given = .false.           !! the group was given
+      character(:), allocatable :: solver  !! SIMPLEX, LSQ, or an NLopt algorithm without NLOPT_
+      integer :: nstart = 1                !! starts
+      integer :: first = 1                 !! number of the first one; a restart continues with it
+      integer :: nbest = 1                 !! linkages kept
+      integer :: maxeval = 0               !! evaluations of each start; 0: as many as it takes
+      real(wp) :: maxtime = 0.0_wp         !! seconds; 0: no limit
+      integer :: threads = 0               !! 0: as the command line says
+      integer :: order = 1                 !! free timing: the points are visited in their order
+   end type search_group_t
+
+contains
+
+   !> Read the group. Errors: unknown solvers, numbers out of range, several starts of the simplex.
+   subroutine read_search_group(group, search, findings)
+      type(group_t), intent(inout) :: group
+      type(search_group_t), intent(inout) :: search
+      type(diagnostics_t), intent(inout) :: findings
+
+      search%given = group%line > 0
+      search%solver = 'SIMPLEX'
+      call group%get_word('SOLVER', search%solver, findings)
+      call group%get_integer('NSTART', search%nstart, findings)
+      call group%get_integer('FIRST', search%first, findings)
+      call group%get_integer('NBEST', search%nbest, findings)
+      call group%get_integer('MAXEVAL', search%maxeval, findings)
+      call group%get_real('MAXTIME', search%maxtime, findings)
+      call group%get_integer('THREADS', search%threads, findings)
+      call read_flag(group, 'ORDER', search%order, findings)
+      call check_range(group, 'NSTART', search%nstart, 1, most_starts, findings)
+      call check_range(group, 'FIRST', search%first, 1, most_starts, findings)
+      call check_range(group, 'NBEST', search%nbest, 1, most_starts, findings)
+      call check_range(group, 'MAXEVAL', search%maxeval, 0, huge(1), findings)
+      call check_range(group, 'THREADS', search%threads, 0, most_search_threads, findings)
+      if (search%maxtime < 0.0_wp) call out_of(group, 'MAXTIME', 'must not be negative', findings)
+      search%solver = plain_name(search%solver)
+      if (search%solver == 'SIMPLEX') then
+         if (search%nstart > 1 .or. search%nbest > 1) call out_of(group, 'NSTART', &
+            "several starts and several linkages need another SOLVER, as 'LSQ'", findings)
+      else if (search%solver /= 'LSQ') then
+         if (algorithm_of(search%solver) < 0) call out_of(group, 'SOLVER', &
+            "'SIMPLEX', 'LSQ' or the name of an NLopt algorithm, as 'LN_COBYLA' or 'LD_SLSQP', is expected; found '"// &
+            search%solver//"'", findings)
+      end if
+      call group%finish(findings)
+   end subroutine read_search_group
+end module psalm_search_group

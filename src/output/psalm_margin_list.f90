@@ -1,0 +1,100 @@
+!> How far the linkage is inside its constraints, for the listing.
+module psalm_margin_list
+   use psalm_constraint_group, only: range_positions, range_inputs, region_t
+   use psalm_data_set, only: data_set_t
+   use psalm_kinds, only: wp
+   use psalm_angles, only: within_turn
+   use psalm_margins, only: margin_t, is_violated, margin_angle, margin_guide, margin_offset, margin_region, margin_bound
+   use psalm_text, only: text_t, general, to_text
+   use psalm_topology, only: topology_t, dimensions_t, name_of
+   implicit none (type, external)
+   private
+   public :: list_margins, describe_margin
+
+   integer, parameter :: name_columns = 44   !! width of a constraint's name
+
+contains
+
+   !> Append the table of margins.
+   subroutine list_margins(set, topology, dimensions, margins, text)
+      type(data_set_t), intent(in) :: set
+      type(topology_t), intent(in) :: topology
+      type(dimensions_t), intent(in) :: dimensions
+      type(margin_t), intent(in) :: margins(:)
+      type(text_t), intent(inout) :: text
+      character(name_columns) :: name
+      character(:), allocatable :: line
+      integer :: i
+
+      call text%add()
+      select case (set%constr%irange)
+      case (range_positions)
+         call text%add(' MARGINS OF THE CONSTRAINTS, AT THE PRESCRIBED POSITIONS')
+      case (range_inputs)
+         call text%add(' MARGINS OF THE CONSTRAINTS, OVER THE RANGE OF THE INPUTS')
+      case default
+         call text%add(' MARGINS OF THE CONSTRAINTS, OVER A FULL TURN')
+      end select
+      call text%add(' CONSTRAINT                                           MARGIN       AT INPUT')
+      do i = 1, size(margins)
+         name = name_of_margin(set, topology, margins(i))
+         line = ' '//name//general(margins(i)%margin)
+         if (margins(i)%kind < margin_bound) line = line//general(input_of(topology, dimensions, margins(i)))
+         if (is_violated(margins(i))) line = line//'  VIOLATED'
+         call text%add(line)
+      end do
+   end subroutine list_margins
+
+   !> A violated constraint in words.
+   function describe_margin(set, topology, dimensions, margin) result(text)
+      type(data_set_t), intent(in) :: set
+      type(topology_t), intent(in) :: topology
+      type(dimensions_t), intent(in) :: dimensions
+      type(margin_t), intent(in) :: margin
+      character(:), allocatable :: text
+
+      text = name_of_margin(set, topology, margin)//' by '//trim(adjustl(general(-margin%margin)))
+      if (margin%kind < margin_bound) text = text//' at input '//trim(adjustl(general(input_of(topology, dimensions, margin))))
+   end function describe_margin
+
+   pure real(wp) function input_of(topology, dimensions, margin)
+      type(topology_t), intent(in) :: topology
+      type(dimensions_t), intent(in) :: dimensions
+      type(margin_t), intent(in) :: margin
+
+      input_of = dimensions%crnki + margin%delt
+      if (.not. topology%sliding_input) input_of = within_turn(input_of)
+   end function input_of
+
+   pure function name_of_margin(set, topology, margin) result(name)
+      type(data_set_t), intent(in) :: set
+      type(topology_t), intent(in) :: topology
+      type(margin_t), intent(in) :: margin
+      character(:), allocatable :: name
+
+      select case (margin%kind)
+      case (margin_angle)
+         name = 'TRANSMISSION ANGLE, LOOP '//to_text(margin%which)//', DEGREES'
+      case (margin_guide)
+         name = 'GUIDE AND TOGGLE, LOOP '//to_text(margin%which)
+      case (margin_offset)
+         name = 'OFFSET AND TOGGLE, LOOP '//to_text(margin%which)
+      case (margin_region)
+         name = 'REGION '//to_text(margin%which)//', '//joint_name(set%constr%regions(margin%which))
+      case (margin_bound)
+         name = 'BOUND, '//name_of(topology%variables(margin%which))
+      case default
+         name = 'LENGTH, '//name_of(topology%variables(margin%which))
+      end select
+   end function name_of_margin
+
+   pure function joint_name(region) result(name)
+      type(region_t), intent(in) :: region
+      character(:), allocatable :: name
+
+      name = 'OUTPUT POINT'
+      if (region%loop == 0) return
+      name = 'FINISH OF ARC '//to_text(region%arc)//' IN LOOP '//to_text(region%loop)
+      if (region%arc == 0) name = 'INPUT PIVOT'
+   end function joint_name
+end module psalm_margin_list

@@ -1,0 +1,484 @@
+!> What a search minimises: errors and violated constraints of a linkage, past closing too, with their derivatives.
+!>
+!> The merit is the objective plus a weight times the squared violations of closure, transmission angles, TOGGLE and forbidden
+!> regions, at the prescribed positions and, if asked for, over the whole range of the input. With free timing (IFREE) every
+!> input position is an unknown too; it meets only its own position's errors.
+module psalm_merit
+   use psalm_angles, only: unit_vector
+   use psalm_constraint_group, only: region_t, range_positions, range_inputs, range_turn
+   use psalm_data_set, only: data_set_t, motion_point
+   use psalm_error, only: problem_t
+   use psalm_interrupt, only: interrupt_t
+   use psalm_kinds, only: wp, full_turn, right_angle
+   use psalm_regions, only: trespass, region_joints, joint_of_region
+   use psalm_station, only: station_t, prepare_station, look, look_closely
+   use psalm_topology, only: dimensions_t, variable_length, variable_outlk
+   implicit none (type, external)
+   private
+   public :: merit_t, prepare_merit, measure, form_equations, obeys, watch_inputs, set_extra, violations, count_violations, &
+             squared_violations, &
+             range_steps, extra_positions
+
+   integer, parameter :: range_steps = 120           !! steps the range of the input is looked at in
+   integer, parameter :: extra_positions = 8         !! further inputs where a violation was found between the steps
+   real(wp), parameter :: slack = 1.0e-7_wp          !! constraints are aimed this far inside their limits
+   real(wp), parameter :: least_length = 1.0e-6_wp   !! of the first value: what positive means
+
+   !> A problem made ready, with room to work in. One object serves one thread.
+   type :: merit_t
+      type(station_t) :: main                        !! the prescribed positions
+      type(station_t) :: patrol                      !! where else constraints hold
+      logical :: patrols = .false.                   !! there is a patrol
+      type(problem_t) :: judge                       !! with the user's limits: what counts in the end
+      type(dimensions_t) :: dimensions
+      real(wp), allocatable :: low(:), high(:)       !! shape (marble): bounds
+      real(wp), allocatable :: limit(:)              !! by loop: of abs(k)
+      type(region_t), allocatable :: regions(:)
+      integer, allocatable :: joint(:)               !! by region: its joint of the patrol, 0: output point
+      real(wp) :: size = 1.0_wp                      !! of the linkage: makes depths in regions comparable
+      real(wp) :: floor = 0.0_wp                     !! an objective of rounding only
+      integer :: irange = range_positions
+      logical :: free = .false.                      !! free timing
+      logical :: ordered = .false.                   !! free timing: inputs go one way
+      real(wp) :: sense = 1.0_wp                     !! which
+      real(wp), allocatable :: delt(:)               !! shape (positions): input increments
+      ! the equations
+      real(wp), allocatable :: matrix(:, :), gradient(:) !! halves of the second and first derivatives by the dimensions
+      real(wp), allocatable :: border(:, :)          !! shape (marble, positions): timing against dimensions
+      real(wp), allocatable :: edge(:), edge_gradient(:) !! shape (positions): timing against itself, and its gradient
+      integer :: evaluations = 0, jacobians = 0
+      type(interrupt_t) :: interrupt                 !! when to end
+   end type merit_t
+
+contains
+
+   !> Make a search ready. `first` is the linkage the bounds of lengths are derived from where none are given.
+   subroutine prepare_merit(set, problem, first, merit)
+      type(data_set_t), intent(in) :: set
+      type(problem_t), intent(in) :: problem        !! with desired values
+      real(wp), intent(in) :: first(:)              !! shape (marble)
+      type(merit_t), intent(out) :: merit
+      type(problem_t) :: plain
+      integer, allocatable :: joints(:, :)
+      real(wp) :: cosine, unused
+      integer :: marble, n, loop, r
+
+      marble = size(problem%topology%variables)
+      n = problem%positions
+      merit%judge = problem
+      call merit%judge%set_inputs(problem%delt)
+      call copy_desired(problem, merit%judge)
+      merit%free = set%ifree /= 0
+      merit%ordered = merit%free .and. set%search%order /= 0
+      if (n > 1) merit%sense = sign(1.0_wp, problem%delt(2) - problem%delt(1))
+      merit%delt = problem%delt
+      merit%irange = set%constr%irange
+      merit%regions = set%constr%regions
+      merit%dimensions = problem%given
+      merit%size = max(maxval(problem%given%arcl), tiny(1.0_wp)**0.25_wp)
+      plain = problem
+      plain%tangle = right_angle
+      call prepare_station(plain, problem%delt, merit%free, reshape([integer ::], [2, 0]), .true., merit%main)
+      call copy_desired(problem, merit%main%problem)
+      merit%floor = sum(merit%main%problem%weight(:n))*(epsilon(1.0_wp)*merit%size)**2
+      merit%patrols = merit%irange /= range_positions .or. size(merit%regions) > 0
+      joints = region_joints(merit%regions)
+      allocate (merit%joint(size(merit%regions)), source=0)
+      do r = 1, size(merit%regions)
+         merit%joint(r) = joint_of_region(merit%regions(r), joints)
+      end do
+      if (merit%patrols) then
+         plain%motion = motion_point
+         call prepare_station(plain, watch_inputs(merit%irange, problem, problem%delt, range_steps, extra_positions), &
+                              merit%free .and. merit%irange == range_positions, joints, .true., merit%patrol)
+      end if
+      merit%low = spread(-huge(1.0_wp), 1, marble)
+      merit%high = -merit%low
+      if (set%limval == 1) then
+         merit%low = set%oplow(:marble) + set%stepin
+         merit%high = set%ophigh(:marble) - set%stepin
+      end if
+      where (problem%topology%variables%kind == variable_length .or. problem%topology%variables%kind == variable_outlk)
+         merit%low = max(merit%low, least_length*abs(first))
+      end where
+      call unit_vector(right_angle - set%tangle, cosine, unused)
+      allocate (merit%limit(problem%topology%nloop))
+      do loop = 1, problem%topology%nloop
+         merit%limit(loop) = merge(cosine, 1.0_wp, problem%topology%joint(loop) == 1) - slack
+      end do
+      allocate (merit%matrix(marble, marble), merit%gradient(marble), source=0.0_wp)
+      if (merit%free) allocate (merit%border(marble, n), merit%edge(n), merit%edge_gradient(n), source=0.0_wp)
+   end subroutine prepare_merit
+
+   subroutine copy_desired(from, to)
+      type(problem_t), intent(in) :: from
+      type(problem_t), intent(inout) :: to
+
+      associate (n => from%positions)
+         if (from%motion == motion_point) then
+            call to%set_desired(from%wanted(:n), from%weight(:n), from%wanted_y(:n), from%weight_y(:n))
+         else
+            call to%set_desired(from%wanted(:n), from%weight(:n))
+         end if
+      end associate
+   end subroutine copy_desired
+
+   !> Inputs at which constraints hold beside the prescribed ones: the prescribed ones themselves, or even steps over the range and
+   !> `extra` more that can be moved.
+   pure function watch_inputs(irange, problem, delt, steps, extra) result(inputs)
+      integer, intent(in) :: irange                  !! IRANGE
+      type(problem_t), intent(in) :: problem
+      real(wp), intent(in) :: delt(:)                !! shape (positions): prescribed increments
+      integer, intent(in) :: steps, extra
+      real(wp), allocatable :: inputs(:)
+      real(wp) :: from, to
+      integer :: i
+
+      if (irange == range_positions) then
+         inputs = delt
+         return
+      end if
+      from = minval(delt)
+      to = maxval(delt)
+      if (irange == range_turn .and. .not. problem%topology%sliding_input) to = from + full_turn
+      inputs = [(from + (to - from)*(real(i, wp)/real(steps, wp)), i=0, steps), spread(from, 1, extra)]
+   end function watch_inputs
+
+   !> Move the patrol: its even steps to the range of the inputs, its further positions to where violations were found.
+   subroutine set_extra(merit, extra)
+      type(merit_t), intent(inout) :: merit
+      real(wp), intent(in) :: extra(:)               !! shape (at most extra_positions): inputs
+      real(wp), allocatable :: inputs(:)
+      integer :: n
+
+      inputs = watch_inputs(merit%irange, merit%judge, merit%delt, range_steps, extra_positions)
+      n = min(size(extra), extra_positions)
+      if (merit%irange /= range_positions) inputs(range_steps + 2:range_steps + 1 + n) = extra(:n)
+      call merit%patrol%problem%move_inputs(inputs)
+   end subroutine set_extra
+
+   !> Put values and, with free timing, input increments in.
+   subroutine put_in(merit, values, delt)
+      type(merit_t), intent(inout) :: merit
+      real(wp), intent(in) :: values(:), delt(:)
+
+      if (merit%free) call merit%main%problem%move_inputs(delt)
+      if (merit%patrols .and. merit%patrol%timed) call merit%patrol%problem%move_inputs(delt)
+      ! the judge's variables are the user's; those of a station may have one more for the input
+      call merit%judge%topology%apply(values, merit%dimensions)
+   end subroutine put_in
+
+   !> Objective, and merit: objective + weight * squared violations.
+   subroutine measure(merit, values, delt, weight, total, objective)
+      type(merit_t), intent(inout) :: merit
+      real(wp), intent(in) :: values(:)              !! shape (marble)
+      real(wp), intent(in) :: delt(:)                !! shape (positions)
+      real(wp), intent(in) :: weight
+      real(wp), intent(out) :: total, objective
+
+      call put_in(merit, values, delt)
+      call look(merit%main, merit%dimensions)
+      if (merit%patrols) call look(merit%patrol, merit%dimensions)
+      merit%evaluations = merit%evaluations + 1
+      objective = sum_of_errors(merit)
+      total = objective
+      if (weight > 0.0_wp) total = total + weight*squared_violations(merit)
+   end subroutine measure
+
+   !> The objective of the linkage last looked at.
+   pure real(wp) function sum_of_errors(merit)
+      type(merit_t), intent(in) :: merit
+
+      associate (problem => merit%main%problem, n => merit%main%problem%positions)
+         sum_of_errors = sum(problem%weight(:n)*merit%main%out(:, 1)**2)
+         if (problem%motion == motion_point) sum_of_errors = sum_of_errors + sum(problem%weight_y(:n)*merit%main%out(:, 2)**2)
+      end associate
+   end function sum_of_errors
+
+   !> Sum of the squared violations of the linkage last looked at.
+   pure real(wp) function squared_violations(merit) result(total)
+      type(merit_t), intent(in) :: merit
+      real(wp) :: depth, gx, gy
+      integer :: i, r
+
+      total = squared_angles(merit%main, merit%limit)
+      if (.not. merit%patrols) return
+      total = total + squared_angles(merit%patrol, merit%limit)
+      do r = 1, size(merit%regions)
+         do i = 1, merit%patrol%problem%positions
+            call depth_at(merit, r, i, depth, gx, gy)
+            total = total + max(depth, 0.0_wp)**2
+         end do
+      end do
+   end function squared_violations
+
+   pure real(wp) function squared_angles(station, limit) result(total)
+      type(station_t), intent(in) :: station
+      real(wp), intent(in) :: limit(:)
+      integer :: loop
+
+      total = 0.0_wp
+      do loop = 1, size(limit)
+         total = total + sum(max(abs(station%k(:, loop)) - limit(loop), 0.0_wp)**2)
+      end do
+   end function squared_angles
+
+   !> Depth in region r at position i of the patrol, in sizes of the linkage, and its gradient by the point.
+   pure subroutine depth_at(merit, r, i, depth, gx, gy)
+      type(merit_t), intent(in) :: merit
+      integer, intent(in) :: r, i
+      real(wp), intent(out) :: depth, gx, gy
+
+      if (merit%joint(r) == 0) then
+         call trespass(merit%regions(r), merit%patrol%out(i, 1), merit%patrol%out(i, 2), depth, gx, gy)
+      else
+         call trespass(merit%regions(r), merit%patrol%joints(i, 1, merit%joint(r)), merit%patrol%joints(i, 2, merit%joint(r)), &
+                       depth, gx, gy)
+      end if
+      depth = depth/merit%size + slack
+      gx = gx/merit%size
+      gy = gy/merit%size
+   end subroutine depth_at
+
+   !> Gradient and matrix of the normal equations: J^T W r and J^T W J of errors and violations.
+   subroutine form_equations(merit, values, delt, weight)
+      type(merit_t), intent(inout) :: merit
+      real(wp), intent(in) :: values(:), delt(:), weight
+      integer :: i, r, a, b
+      real(wp) :: depth, gx, gy
+      real(wp) :: row(size(values))
+
+      call put_in(merit, values, delt)
+      call look_closely(merit%main, merit%dimensions)
+      merit%jacobians = merit%jacobians + 1
+      merit%matrix = 0.0_wp
+      merit%gradient = 0.0_wp
+      if (merit%free) call clear_timing(merit)
+      associate (marble => size(values), main => merit%main, n => merit%main%problem%positions, w => merit%main%problem%weight)
+         call add_errors(marble, w(:n), main%out(:, 1), main%dx, merit)
+         if (main%problem%motion == motion_point) call add_errors(marble, main%problem%weight_y(:n), main%out(:, 2), main%dy, merit)
+         call add_angles(main, marble, weight, merit)
+         if (merit%patrols) then
+            call look_closely(merit%patrol, merit%dimensions)
+            call add_angles(merit%patrol, marble, weight, merit)
+            do r = 1, size(merit%regions)
+               do i = 1, merit%patrol%problem%positions
+                  call depth_at(merit, r, i, depth, gx, gy)
+                  if (depth <= 0.0_wp) cycle
+                  row = slope(merit, r, i, gx, gy, 1, marble)
+                  call add_row(merit, weight, depth, row)
+                  if (merit%patrol%timed) call add_timing(merit, i, weight, depth, row, &
+                                                          sum(slope(merit, r, i, gx, gy, marble + 1, marble + 1)))
+               end do
+            end do
+         end if
+         do a = 1, marble
+            do b = 1, a - 1
+               merit%matrix(a, b) = merit%matrix(b, a)
+            end do
+         end do
+      end associate
+   end subroutine form_equations
+
+   !> Derivatives of a region's depth by the variables `from` to `to`.
+   pure function slope(merit, r, i, gx, gy, from, to) result(row)
+      type(merit_t), intent(in) :: merit
+      integer, intent(in) :: r, i, from, to
+      real(wp), intent(in) :: gx, gy
+      real(wp) :: row(to - from + 1)
+
+      if (merit%joint(r) == 0) then
+         row = gx*merit%patrol%dx(i, from:to) + gy*merit%patrol%dy(i, from:to)
+      else
+         row = gx*merit%patrol%djoints(i, 1, merit%joint(r), from:to) + gy*merit%patrol%djoints(i, 2, merit%joint(r), from:to)
+      end if
+   end function slope
+
+   pure subroutine clear_timing(merit)
+      type(merit_t), intent(inout) :: merit
+
+      merit%border = 0.0_wp
+      merit%edge = 0.0_wp
+      merit%edge_gradient = 0.0_wp
+   end subroutine clear_timing
+
+   !> Errors of one co-ordinate at all positions. Only the upper triangle of the matrix is added to.
+   subroutine add_errors(marble, weight, error, d, merit)
+      integer, intent(in) :: marble
+      real(wp), intent(in) :: weight(:), error(:)    !! shape (positions)
+      real(wp), intent(in) :: d(:, :)                !! shape (positions, columns)
+      type(merit_t), intent(inout) :: merit
+      integer :: a, b, i
+
+      do a = 1, marble
+         merit%gradient(a) = merit%gradient(a) + sum(weight*error*d(:, a))
+         do b = 1, a
+            merit%matrix(b, a) = merit%matrix(b, a) + sum(weight*d(:, a)*d(:, b))
+         end do
+      end do
+      if (.not. merit%free) return
+      do i = 1, size(error)
+         call add_timing(merit, i, weight(i), error(i), d(i, :marble), d(i, marble + 1))
+      end do
+   end subroutine add_errors
+
+   !> Violations of closure, transmission angles and TOGGLE at the positions of a station.
+   subroutine add_angles(station, marble, weight, merit)
+      type(station_t), intent(in) :: station
+      integer, intent(in) :: marble
+      real(wp), intent(in) :: weight
+      type(merit_t), intent(inout) :: merit
+      real(wp) :: over
+      integer :: loop, i
+
+      do loop = 1, size(merit%limit)
+         do i = 1, size(station%k, 1)
+            over = abs(station%k(i, loop)) - merit%limit(loop)
+            if (over <= 0.0_wp) cycle
+            over = sign(over, station%k(i, loop))
+            call add_row(merit, weight, over, station%dk(i, loop, :marble))
+            if (station%timed) call add_timing(merit, i, weight, over, station%dk(i, loop, :marble), &
+                                               station%dk(i, loop, marble + 1))
+         end do
+      end do
+   end subroutine add_angles
+
+   !> One residual of the dimensions.
+   pure subroutine add_row(merit, weight, residual, d)
+      type(merit_t), intent(inout) :: merit
+      real(wp), intent(in) :: weight, residual, d(:)
+      integer :: a
+
+      do a = 1, size(d)
+         merit%gradient(a) = merit%gradient(a) + weight*residual*d(a)
+         merit%matrix(:a, a) = merit%matrix(:a, a) + weight*d(a)*d(:a)
+      end do
+   end subroutine add_row
+
+   !> The part of a residual that hangs on the input of position i.
+   pure subroutine add_timing(merit, i, weight, residual, d, turn)
+      type(merit_t), intent(inout) :: merit
+      integer, intent(in) :: i
+      real(wp), intent(in) :: weight, residual, d(:), turn   !! turn: derivative by the input
+
+      merit%edge(i) = merit%edge(i) + weight*turn**2
+      merit%edge_gradient(i) = merit%edge_gradient(i) + weight*turn*residual
+      merit%border(:, i) = merit%border(:, i) + weight*turn*d
+   end subroutine add_timing
+
+   !> True if a linkage obeys every constraint at the positions looked at; `objective` is the user's.
+   subroutine obeys(merit, values, delt, objective, sound)
+      type(merit_t), intent(inout) :: merit
+      real(wp), intent(in) :: values(:), delt(:)
+      real(wp), intent(out) :: objective
+      logical, intent(out) :: sound
+      integer :: loop, i, r
+      real(wp) :: depth, gx, gy
+
+      call put_in(merit, values, delt)
+      if (merit%free) call merit%judge%move_inputs(delt)
+      call merit%judge%evaluate(merit%dimensions, objective, loop)
+      merit%evaluations = merit%evaluations + 1
+      sound = loop == 0
+      if (.not. sound) return
+      call look(merit%main, merit%dimensions)
+      sound = keeps_limits(merit%main, merit%limit)
+      if (.not. (sound .and. merit%patrols)) return
+      call look(merit%patrol, merit%dimensions)
+      sound = all(merit%patrol%closed) .and. keeps_limits(merit%patrol, merit%limit)
+      do r = 1, size(merit%regions)
+         do i = 1, merit%patrol%problem%positions
+            call depth_at(merit, r, i, depth, gx, gy)
+            if (depth > slack) sound = .false.
+         end do
+      end do
+   end subroutine obeys
+
+   pure logical function keeps_limits(station, limit)
+      type(station_t), intent(in) :: station
+      real(wp), intent(in) :: limit(:)
+      integer :: loop
+
+      keeps_limits = .true.
+      do loop = 1, size(limit)
+         if (any(abs(station%k(:, loop)) > limit(loop) + slack)) keeps_limits = .false.
+      end do
+   end function keeps_limits
+
+   ! ---- constraints one by one, for optimisers that take them ---------------------------------------------------------
+
+   !> How many constraints `violations` gives.
+   pure integer function count_violations(merit)
+      type(merit_t), intent(in) :: merit
+
+      count_violations = of_station(merit%main)
+      if (merit%patrols) count_violations = count_violations + of_station(merit%patrol) &
+                                            + size(merit%regions)*merit%patrol%problem%positions
+
+   contains
+
+      pure integer function of_station(station)
+         type(station_t), intent(in) :: station
+         integer :: loop
+
+         of_station = 2*station%problem%positions*count([(has_limit(station, loop), loop=1, size(merit%limit))])
+      end function of_station
+   end function count_violations
+
+   !> True for a dyad that is solved and may fail to close.
+   pure logical function has_limit(station, loop)
+      type(station_t), intent(in) :: station
+      integer, intent(in) :: loop
+      integer, parameter :: last_type = 5
+
+      has_limit = station%problem%linkage%step_of_loop(loop) > 0 .and. station%problem%topology%joint(loop) <= last_type
+   end function has_limit
+
+   !> Every constraint (<= 0) of the linkage last looked at and, with `slopes`, its derivatives by dimensions and input positions.
+   subroutine violations(merit, values, slopes)
+      type(merit_t), intent(in) :: merit
+      real(wp), intent(out) :: values(:)             !! shape (count_violations)
+      real(wp), intent(out), optional :: slopes(:, :) !! shape (marble, or marble + positions; count_violations)
+      real(wp) :: depth, gx, gy
+      integer :: next, r, i, marble
+
+      marble = size(merit%low)
+      next = 0
+      if (present(slopes)) slopes = 0.0_wp
+      call of_station(merit%main)
+      if (.not. merit%patrols) return
+      call of_station(merit%patrol)
+      do r = 1, size(merit%regions)
+         do i = 1, merit%patrol%problem%positions
+            call depth_at(merit, r, i, depth, gx, gy)
+            next = next + 1
+            values(next) = depth
+            if (.not. present(slopes)) cycle
+            slopes(:marble, next) = slope(merit, r, i, gx, gy, 1, marble)
+            if (merit%patrol%timed) slopes(marble + i, next) = sum(slope(merit, r, i, gx, gy, marble + 1, marble + 1))
+         end do
+      end do
+
+   contains
+
+      subroutine of_station(station)
+         type(station_t), intent(in) :: station
+         integer :: loop, k, way
+         real(wp) :: side
+
+         do loop = 1, size(merit%limit)
+            if (.not. has_limit(station, loop)) cycle
+            do k = 1, size(station%k, 1)
+               do way = 1, 2
+                  side = merge(1.0_wp, -1.0_wp, way == 1)
+                  next = next + 1
+                  values(next) = side*station%k(k, loop) - merit%limit(loop)
+                  if (.not. present(slopes)) cycle
+                  slopes(:marble, next) = side*station%dk(k, loop, :marble)
+                  if (station%timed) slopes(marble + k, next) = side*station%dk(k, loop, marble + 1)
+               end do
+            end do
+         end do
+      end subroutine of_station
+   end subroutine violations
+end module psalm_merit

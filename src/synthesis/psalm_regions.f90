@@ -1,0 +1,108 @@
+!> Forbidden regions: how far a joint is outside of them. Source of the wish: Oldham (1977), section 9.2.3.
+module psalm_regions
+   use psalm_angles, only: unit_vector
+   use psalm_constraint_group, only: constraint_group_t, region_t, range_turn, region_box, region_half_plane, region_circle
+   use psalm_kinds, only: wp
+   use psalm_status, only: diagnostics_t
+   use psalm_text, only: to_text
+   use psalm_topology, only: topology_t
+   implicit none (type, external)
+   private
+   public :: trespass, region_joints, joint_of_region, check_regions
+
+contains
+
+   !> How deep a point is where it must not be (negative: how far it is from there), [length], and its gradient.
+   !>
+   !> Box: distance to the nearest edge line; half-plane: what lies left of its edge; circle: radial distance.
+   pure subroutine trespass(region, x, y, depth, gx, gy)
+      type(region_t), intent(in) :: region
+      real(wp), intent(in) :: x, y            !! point, machine axes
+      real(wp), intent(out) :: depth, gx, gy
+      real(wp) :: outside(4), ux, uy, r
+
+      gx = 0.0_wp
+      gy = 0.0_wp
+      select case (region%kind)
+      case (region_box)
+         outside = [region%at(1) - x, region%at(2) - y, x - region%at(3), y - region%at(4)]
+         depth = -maxval(outside)
+         select case (maxloc(outside, dim=1))
+         case (1)
+            gx = 1.0_wp
+         case (2)
+            gy = 1.0_wp
+         case (3)
+            gx = -1.0_wp
+         case default
+            gy = -1.0_wp
+         end select
+      case (region_half_plane)
+         call unit_vector(region%at(3), ux, uy)
+         depth = ux*(y - region%at(2)) - uy*(x - region%at(1))
+         gx = -uy
+         gy = ux
+      case (region_circle)
+         ux = x - region%at(1)
+         uy = y - region%at(2)
+         r = hypot(ux, uy)
+         depth = region%at(3) - r
+         if (r > 0.0_wp) then
+            gx = -ux/r
+            gy = -uy/r
+         end if
+      case default
+         depth = 0.0_wp
+      end select
+      if (.not. region%stay_inside) return
+      depth = -depth
+      gx = -gx
+      gy = -gy
+   end subroutine trespass
+
+   !> Joints the regions speak of, each once. Shape of the result: (2, joints), loop and arc.
+   pure function region_joints(regions) result(joints)
+      type(region_t), intent(in) :: regions(:)
+      integer, allocatable :: joints(:, :)
+      integer :: r
+
+      allocate (joints(2, 0))
+      do r = 1, size(regions)
+         if (regions(r)%loop == 0 .or. joint_of_region(regions(r), joints) > 0) cycle
+         joints = reshape([joints, [regions(r)%loop, regions(r)%arc]], [2, size(joints, 2) + 1])
+      end do
+   end function region_joints
+
+   !> Which of the joints a region speaks of; 0: the output point.
+   pure integer function joint_of_region(region, joints)
+      type(region_t), intent(in) :: region
+      integer, intent(in) :: joints(:, :)     !! shape (2, joints)
+      integer :: j
+
+      joint_of_region = 0
+      do j = 1, size(joints, 2)
+         if (region%loop > 0 .and. joints(1, j) == region%loop .and. joints(2, j) == region%arc) joint_of_region = j
+      end do
+   end function joint_of_region
+
+   !> Errors of the group that only the topology shows: joints that are not there, a full turn of an input that slides.
+   subroutine check_regions(constr, topology, findings)
+      type(constraint_group_t), intent(in) :: constr
+      type(topology_t), intent(in) :: topology
+      type(diagnostics_t), intent(inout) :: findings
+      integer :: r
+
+      if (constr%irange == range_turn .and. topology%sliding_input) then
+         call findings%error('a sliding input makes no turn; IRANGE=1 is its range', group='CONSTR', item='IRANGE')
+      end if
+      do r = 1, size(constr%regions)
+         associate (region => constr%regions(r))
+            if (region%loop < 1) cycle
+            if (region%arc > topology%loopl(region%loop)) then
+               call findings%error('region '//to_text(r)//': loop '//to_text(region%loop)//' has '// &
+                                   to_text(topology%loopl(region%loop))//' arcs only', group='CONSTR', item='RLINK')
+            end if
+         end associate
+      end do
+   end subroutine check_regions
+end module psalm_regions

@@ -1,0 +1,175 @@
+!> Positions at which a search looks at a linkage: output, constraints of the dyads, joints, and their derivatives.
+!>
+!> A linkage is looked at whether it closes or not. Where a dyad is open its joint lies where the kernels put it, with the
+!> root clamped: between the links' ends for two links, at the foot of the perpendicular for link and slide. Everything is
+!> continuous across closing, so that a search can cross it and come back. The derivatives are exact where the linkage closes;
+!> at open positions they are one-sided differences.
+module psalm_station
+   use psalm_angles, only: angles_between
+   use psalm_data_set, only: motion_point, motion_angle
+   use psalm_error, only: problem_t
+   use psalm_kinds, only: wp, degrees_per_radian
+   use psalm_linkage, only: padded
+   use psalm_sensitivity, only: sensitivity_t, prepare_sensitivity, find_jacobian, block_constraints
+   use psalm_topology, only: dimensions_t, variable_t, variable_length, variable_outlk, variable_origlk, variable_crnki
+   implicit none (type, external)
+   private
+   public :: station_t, prepare_station, look, look_closely
+
+   real(wp), parameter :: small_change = sqrt(epsilon(1.0_wp)) !! relative change of a variable for differences
+
+   !> Positions and what is seen there. The last column of derivatives is that of the input where `timed`.
+   type :: station_t
+      type(problem_t) :: problem                   !! closure only
+      type(sensitivity_t) :: work
+      logical :: timed = .false.                   !! every input position is a variable too
+      integer :: columns = 0                       !! variables, the input included
+      logical, allocatable :: closed(:)            !! shape (positions)
+      real(wp), allocatable :: out(:, :)           !! shape (positions, 2): actual - desired; without desired values the actual
+      real(wp), allocatable :: k(:, :)             !! shape (positions, nloop): `find_constraints`
+      real(wp), allocatable :: joints(:, :, :)     !! shape (positions, 2, joints): co-ordinates, machine axes
+      real(wp), allocatable :: dx(:, :), dy(:, :)  !! shape (positions, columns): derivatives of `out`
+      real(wp), allocatable :: dk(:, :, :)         !! shape (positions, nloop, columns)
+      real(wp), allocatable :: djoints(:, :, :, :) !! shape (positions, 2, joints, columns)
+      real(wp), allocatable :: out0(:, :), k0(:, :), joints0(:, :, :) !! the unchanged linkage while differences are taken
+      logical, allocatable :: closed0(:)
+   end type station_t
+
+contains
+
+   !> Make a station of a problem whose inputs and desired values are set.
+   subroutine prepare_station(problem, delt, timed, joints, derivatives, station)
+      type(problem_t), intent(in) :: problem
+      real(wp), intent(in) :: delt(:)            !! input increments; those of the problem where it has desired values
+      logical, intent(in) :: timed               !! every input position is a variable too
+      integer, intent(in) :: joints(:, :)        !! shape (2, joints): loop and arc, as `make_plan` has them
+      logical, intent(in) :: derivatives         !! room for derivatives is wanted
+      type(station_t), intent(out) :: station
+      type(variable_t) :: input
+      integer :: n
+
+      n = size(delt)
+      station%problem = problem
+      if (allocated(station%problem%crew)) deallocate (station%problem%crew)
+      station%timed = timed
+      if (timed) then
+         input%kind = variable_crnki
+         station%problem%topology%variables = [problem%topology%variables, input]
+      end if
+      station%columns = size(station%problem%topology%variables)
+      call station%problem%set_inputs(delt)
+      call station%problem%want_derivatives(size(joints, 2) > 0, joints)
+      allocate (station%closed(n), station%closed0(n), source=.true.)
+      associate (loops => problem%topology%nloop, c => merge(station%columns, 0, derivatives), j => size(joints, 2))
+         allocate (station%out(n, 2), station%k(n, loops), station%joints(n, 2, j), source=0.0_wp)
+         station%out0 = station%out
+         station%k0 = station%k
+         station%joints0 = station%joints
+         allocate (station%dx(n, c), station%dy(n, c), station%dk(n, loops, c), station%djoints(n, 2, j, c), source=0.0_wp)
+      end associate
+      if (derivatives) call prepare_sensitivity(station%problem, station%work)
+   end subroutine prepare_station
+
+   !> See what a linkage does at every position. No allocation.
+   subroutine look(station, dimensions)
+      type(station_t), intent(inout) :: station
+      type(dimensions_t), intent(in) :: dimensions
+      integer :: block, offset, n, m, i, loop, j
+
+      associate (problem => station%problem)
+         call problem%bind(dimensions)
+         do block = 1, problem%blocks()
+            call problem%solve_block(block, offset, n)
+            call problem%output_of(n)
+            m = padded(n)
+            associate (link => problem%linkage)
+               associate (x => link%store(link%out_x:link%out_x + m - 1), y => link%store(link%out_y:link%out_y + m - 1), &
+                          miss => link%store(link%miss:link%miss + m - 1))
+                  if (problem%desired .and. problem%motion == motion_angle) then
+                     associate (root => problem%plan%root(problem%topology%output_arc))
+                        call angles_between(m, link%store(link%root_x(root)), link%store(link%root_y(root)), problem%out_c, &
+                                            problem%out_s, problem%toward_x(offset + 1:offset + m), &
+                                            problem%toward_y(offset + 1:offset + m), link%store(link%miss))
+                     end associate
+                     station%out(offset + 1:offset + n, 1) = -miss(:n)
+                  else if (problem%desired) then
+                     station%out(offset + 1:offset + n, 1) = x(:n) - problem%wanted(offset + 1:offset + n)
+                     if (problem%motion == motion_point) &
+                        station%out(offset + 1:offset + n, 2) = y(:n) - problem%wanted_y(offset + 1:offset + n)
+                  else if (problem%motion == motion_angle) then
+                     station%out(offset + 1:offset + n, 1) = atan2(y(:n), x(:n))*degrees_per_radian
+                  else
+                     station%out(offset + 1:offset + n, 1) = x(:n)
+                     station%out(offset + 1:offset + n, 2) = y(:n)
+                  end if
+               end associate
+               call block_constraints(problem, n, station%k(offset + 1:offset + n, :))
+               station%closed(offset + 1:offset + n) = .true.
+               do loop = 1, problem%topology%nloop
+                  if (link%step_of_loop(loop) == 0) cycle
+                  do i = 1, n
+                     if (.not. link%closes(i, loop)) station%closed(offset + i) = .false.
+                  end do
+               end do
+               do j = 1, size(problem%plan%joint_points)
+                  associate (px => link%point_x(problem%plan%joint_points(j)), py => link%point_y(problem%plan%joint_points(j)))
+                     station%joints(offset + 1:offset + n, 1, j) = link%store(px:px + n - 1)/link%scale + problem%origin_x
+                     station%joints(offset + 1:offset + n, 2, j) = link%store(py:py + n - 1)/link%scale + problem%origin_y
+                  end associate
+               end do
+            end associate
+         end do
+      end associate
+   end subroutine look
+
+   !> See it with all derivatives.
+   subroutine look_closely(station, dimensions)
+      type(station_t), intent(inout) :: station
+      type(dimensions_t), intent(in) :: dimensions
+
+      call look(station, dimensions)
+      call find_jacobian(station%problem, dimensions, station%work, station%dx, station%dy, dk=station%dk, dp=station%djoints)
+      if (.not. all(station%closed)) call difference_open(station, dimensions)
+   end subroutine look_closely
+
+   !> Derivatives at the positions that do not close, by differences.
+   subroutine difference_open(station, dimensions)
+      type(station_t), intent(inout) :: station
+      type(dimensions_t), intent(in) :: dimensions
+      type(dimensions_t) :: changed
+      real(wp), allocatable :: values(:)
+      real(wp) :: step, reach
+      integer :: v, i
+
+      station%out0 = station%out
+      station%k0 = station%k
+      station%joints0 = station%joints
+      station%closed0 = station%closed
+      reach = maxval(dimensions%arcl)
+      changed = dimensions
+      do v = 1, station%columns
+         values = station%problem%topology%first_values(dimensions)
+         associate (kind => station%problem%topology%variables(v)%kind)
+            step = small_change*degrees_per_radian
+            if (kind == variable_length .or. kind == variable_outlk .or. kind == variable_origlk) step = small_change*reach
+            if (kind == variable_crnki .and. station%problem%topology%sliding_input) step = small_change*reach
+            values(v) = values(v) + step
+            call station%problem%topology%apply(values, changed)
+            if (kind == variable_crnki) changed%crnki = dimensions%crnki + step
+         end associate
+         call look(station, changed)
+         do i = 1, size(station%closed0)
+            if (station%closed0(i)) cycle
+            station%dx(i, v) = (station%out(i, 1) - station%out0(i, 1))/step
+            station%dy(i, v) = (station%out(i, 2) - station%out0(i, 2))/step
+            station%dk(i, :, v) = (station%k(i, :) - station%k0(i, :))/step
+            station%djoints(i, :, :, v) = (station%joints(i, :, :) - station%joints0(i, :, :))/step
+         end do
+         call station%problem%topology%apply(station%problem%topology%first_values(dimensions), changed)
+      end do
+      station%out = station%out0
+      station%k = station%k0
+      station%joints = station%joints0
+      station%closed = station%closed0
+   end subroutine difference_open
+end module psalm_station

@@ -1,0 +1,121 @@
+!> Free timing, seen as a whole: which point of the path a linkage traces comes nearest to each desired one.
+!>
+!> A descent moves every input only as far as its own valley goes; this looks over the whole range of the input.
+module psalm_timing
+   use psalm_angles, only: nearest_difference
+   use psalm_data_set, only: motion_point, motion_angle
+   use psalm_error, only: problem_t
+   use psalm_kinds, only: wp, full_turn
+   use psalm_merit, only: merit_t
+   use psalm_station, only: station_t, prepare_station, look
+   implicit none (type, external)
+   private
+   public :: timing_t, prepare_timing, find_timing
+
+   integer, parameter :: steps = 120              !! of the range: 3 degrees each
+   integer, parameter :: starts = 60              !! where an ordered visit may begin
+   real(wp), parameter :: never = 1.0e30_wp       !! cost of a position that does not close
+
+   type :: timing_t
+      type(station_t) :: path
+      real(wp), allocatable :: inputs(:)          !! shape (steps)
+      real(wp), allocatable :: cost(:, :)         !! shape (steps, positions): weighted squared distance
+      real(wp), allocatable :: least(:, :)        !! shape (steps, positions): of visits that end here or before
+   end type timing_t
+
+contains
+
+   !> Allocate for a search with free timing.
+   subroutine prepare_timing(problem, merit, timing)
+      type(problem_t), intent(in) :: problem
+      type(merit_t), intent(in) :: merit
+      type(timing_t), intent(out) :: timing
+      real(wp) :: from, to
+      integer :: i
+
+      from = merit%sense*minval(merit%sense*problem%delt)
+      to = from + merit%sense*full_turn
+      if (problem%topology%sliding_input) to = merit%sense*maxval(merit%sense*problem%delt)
+      timing%inputs = [(from + (to - from)*(real(i, wp)/real(merge(steps - 1, steps, problem%topology%sliding_input), wp)), &
+                        i=0, steps - 1)]
+      call prepare_station(problem, timing%inputs, .false., reshape([integer ::], [2, 0]), .false., timing%path)
+      allocate (timing%cost(steps, problem%positions), timing%least(steps, problem%positions), source=0.0_wp)
+   end subroutine prepare_timing
+
+   !> The timing that fits the merit's linkage (`merit%dimensions`) best, at the steps of the range.
+   subroutine find_timing(timing, merit, delt)
+      type(timing_t), intent(inout) :: timing
+      type(merit_t), intent(in) :: merit
+      real(wp), intent(out) :: delt(:)            !! shape (positions)
+      integer :: i, from, best_from
+      real(wp) :: total, best
+
+      call look(timing%path, merit%dimensions)
+      associate (problem => merit%main%problem, out => timing%path%out)
+         do i = 1, size(delt)
+            if (problem%motion == motion_angle) then
+               timing%cost(:, i) = problem%weight(i)*nearest_difference(out(:, 1), problem%wanted(i))**2
+            else
+               timing%cost(:, i) = problem%weight(i)*(out(:, 1) - problem%wanted(i))**2
+               if (problem%motion == motion_point) timing%cost(:, i) = timing%cost(:, i) &
+                                                               + problem%weight_y(i)*(out(:, 2) - problem%wanted_y(i))**2
+            end if
+            where (.not. timing%path%closed) timing%cost(:, i) = timing%cost(:, i) + never
+         end do
+         if (.not. merit%ordered) then
+            delt = timing%inputs(minloc(timing%cost, dim=1))
+            return
+         end if
+         best = huge(best)
+         best_from = 1
+         do from = 1, merge(1, steps, problem%topology%sliding_input), steps/starts
+            call visit(timing, from, total)
+            if (total < best) then
+               best = total
+               best_from = from
+            end if
+         end do
+         call visit(timing, best_from, total)
+         call trace_back(timing, best_from, merit%sense, delt)
+      end associate
+   end subroutine find_timing
+
+   !> Least cost of a visit of all points in order that begins at step `from` or after.
+   subroutine visit(timing, from, total)
+      type(timing_t), intent(inout) :: timing
+      integer, intent(in) :: from
+      real(wp), intent(out) :: total
+      integer :: i, j
+      real(wp) :: before
+
+      do i = 1, size(timing%cost, 2)
+         do j = 1, steps
+            before = 0.0_wp
+            if (i > 1) before = timing%least(j, i - 1)
+            timing%least(j, i) = before + timing%cost(modulo(from + j - 2, steps) + 1, i)
+            if (j > 1) timing%least(j, i) = min(timing%least(j, i), timing%least(j - 1, i))
+         end do
+      end do
+      total = timing%least(steps, size(timing%cost, 2))
+   end subroutine visit
+
+   !> The visit itself.
+   pure subroutine trace_back(timing, from, sense, delt)
+      type(timing_t), intent(in) :: timing
+      integer, intent(in) :: from
+      real(wp), intent(in) :: sense
+      real(wp), intent(out) :: delt(:)
+      integer :: i, j, place
+
+      j = steps
+      do i = size(delt), 1, -1
+         do while (j > 1)
+            if (timing%least(j - 1, i) > timing%least(j, i)) exit
+            j = j - 1
+         end do
+         place = modulo(from + j - 2, steps) + 1
+         delt(i) = timing%inputs(place)
+         if (place < from) delt(i) = delt(i) + sense*full_turn
+      end do
+   end subroutine trace_back
+end module psalm_timing

@@ -1,0 +1,395 @@
+!> Constraints of a synthesis: past closing, over the range of the input, forbidden regions; timing; NLopt; interruption.
+program test_constraints
+   use, intrinsic :: iso_c_binding, only: c_int
+   use cases, only: load_case, names
+   use check, only: checks_t
+   use psalm_constraint_group, only: region_t, region_box, region_half_plane, region_circle, range_turn, range_positions
+   use psalm_data_set, only: data_set_t
+   use psalm_error, only: problem_t
+   use psalm_interrupt, only: interrupt_t
+   use psalm_kinds, only: wp, degrees_per_radian
+   use psalm_lsq, only: put_in_order
+   use psalm_margins, only: inspector_t, margin_t, prepare_inspector, inspect, is_violated, margin_angle, margin_region
+   use psalm_merit, only: merit_t, prepare_merit, measure, form_equations, violations, count_violations
+   use psalm_nlopt, only: algorithm_of, plain_name, is_global, needs_gradient, takes_constraints
+   use psalm_regions, only: trespass
+   use psalm_search, only: result_t, search_many
+   use psalm_station, only: station_t, prepare_station, look, look_closely
+   use psalm_text, only: text_t, to_text
+   use psalm_timing, only: timing_t, prepare_timing, find_timing
+   use psalm_topology, only: dimensions_t
+   implicit none (type, external)
+
+   interface
+      integer(c_int) function c_raise(number) bind(c, name='raise')
+         import :: c_int
+         implicit none (type, external)
+         integer(c_int), value :: number
+      end function c_raise
+   end interface
+
+   type(checks_t) :: t
+   integer :: k
+
+   do k = 1, size(names)
+      call derivatives_past_closing(names(k))
+   end do
+   call across_closing()
+   call regions()
+   call gradients()
+   call whole_turn()
+   call order()
+   call timing()
+   call solvers()
+   call interruption()
+   call t%report()
+
+contains
+
+   !> Derivatives of output, constraints and joints against central differences, at positions that close and that do not.
+   subroutine derivatives_past_closing(name)
+      character(*), intent(in) :: name
+      type(problem_t) :: problem
+      type(data_set_t) :: set
+      type(station_t) :: station
+      type(dimensions_t) :: dimensions
+      real(wp), allocatable :: values(:), changed(:), ahead(:, :, :), near(:, :)
+      real(wp), allocatable :: joints(:, :, :, :)
+      real(wp) :: step, worst, worst_open, size_of, difference
+      integer :: v, i, joint(2, 2), opened
+
+      call load_case(name, problem, set, vary=.true.)
+      problem%toggle = 0.5_wp
+      joint = reshape([1, 1, 1, problem%topology%larcx(1, 1)], [2, 2])
+      call prepare_station(problem, problem%delt, .false., joint, .true., station)
+      values = problem%topology%first_values(problem%given)
+      dimensions = problem%given
+      ! the first variable length is made a third longer: some positions of some linkages open
+      values(1) = values(1)*4.0_wp/3.0_wp
+      call problem%topology%apply(values, dimensions)
+      call look_closely(station, dimensions)
+      opened = count(.not. station%closed)
+      near = abs(abs(station%k) - 1.0_wp)
+      worst = 0.0_wp
+      worst_open = 0.0_wp
+      size_of = max(maxval(abs(station%dk), mask=spread(near > 0.02_wp, 3, station%columns)), 1.0e-3_wp)
+      associate (dk => station%dk, closed => station%closed, n => size(station%closed))
+         allocate (ahead(n, size(station%k, 2), 2), joints(n, 2, 2, 2))
+         do v = 1, station%columns
+            step = 1.0e-5_wp*max(1.0_wp, 0.1_wp*abs(values(v)))
+            changed = values
+            changed(v) = values(v) + step
+            call observe(station, problem, changed, dimensions, ahead(:, :, 1), joints(:, :, :, 1))
+            changed(v) = values(v) - step
+            call observe(station, problem, changed, dimensions, ahead(:, :, 2), joints(:, :, :, 2))
+            do i = 1, n
+               if (any(near(i, :) <= 0.02_wp)) cycle ! beside the kink
+               difference = maxval(abs((ahead(i, :, 1) - ahead(i, :, 2))/(2.0_wp*step) - dk(i, :, v)))/size_of
+               difference = max(difference, &
+                                maxval(abs((joints(i, :, :, 1) - joints(i, :, :, 2))/(2.0_wp*step) - station%djoints(i, :, :, v))) &
+                                /max(1.0_wp, maxval(abs(station%djoints(i, :, :, v)))))
+               if (closed(i)) then
+                  worst = max(worst, difference)
+               else
+                  worst_open = max(worst_open, difference)
+               end if
+            end do
+         end do
+      end associate
+      call t%close_to(worst, 0.0_wp, 1.0e-5_wp, trim(name)//': derivatives of constraints and joints')
+      if (opened > 0) call t%close_to(worst_open, 0.0_wp, 1.0e-4_wp, trim(name)//': past closing too')
+
+   end subroutine derivatives_past_closing
+
+   !> Constraints and joints of a changed linkage.
+   subroutine observe(station, problem, values, dimensions, k, joints)
+      type(station_t), intent(in) :: station
+      type(problem_t), intent(in) :: problem
+      real(wp), intent(in) :: values(:)
+      type(dimensions_t), intent(inout) :: dimensions
+      real(wp), intent(out) :: k(:, :), joints(:, :, :)
+      type(station_t) :: other
+
+      other = station
+      call problem%topology%apply(values, dimensions)
+      call look(other, dimensions)
+      k = other%k
+      joints = other%joints
+   end subroutine observe
+
+   !> Output and constraints are continuous where a dyad opens: the merit has no jump.
+   subroutine across_closing()
+      type(problem_t) :: problem
+      type(data_set_t) :: set
+      type(merit_t) :: merit
+      real(wp), allocatable :: values(:)
+      real(wp) :: total, before, objective, step
+      integer :: i
+      logical :: opened
+
+      call load_case('needle', problem, set)
+      values = problem%topology%first_values(problem%given)
+      call prepare_merit(set, problem, values, merit)
+      opened = .false.
+      step = 0.0_wp
+      before = 0.0_wp
+      do i = 0, 2000
+         values(1) = 95.0_wp - 0.04_wp*real(i, wp)
+         call measure(merit, values, merit%delt, 1.0_wp, total, objective)
+         if (i > 0) step = max(step, abs(total - before)/max(1.0_wp, total))
+         before = total
+         opened = opened .or. .not. all(merit%main%closed)
+      end do
+      call t%is_true(opened, 'the needle linkage opens on the way')
+      call t%is_true(step < 0.2_wp, 'the merit makes no jump where it opens')
+   end subroutine across_closing
+
+   !> Depths and gradients of the three kinds of region.
+   subroutine regions()
+      type(region_t) :: region
+      real(wp) :: depth, gx, gy, ahead, behind, unused(2), x, y
+      integer :: kind, side, i
+      real(wp), parameter :: h = 1.0e-6_wp
+
+      region%kind = region_box
+      region%at = [1.0_wp, 2.0_wp, 5.0_wp, 4.0_wp]
+      call trespass(region, 2.0_wp, 2.5_wp, depth, gx, gy)
+      call t%close_to(depth, 0.5_wp, 1.0e-14_wp, 'box: half a unit inside')
+      call trespass(region, 7.0_wp, 3.0_wp, depth, gx, gy)
+      call t%close_to(depth, -2.0_wp, 1.0e-14_wp, 'box: two units outside')
+      region%kind = region_half_plane
+      region%at = [0.0_wp, 1.0_wp, 90.0_wp, 0.0_wp]
+      call trespass(region, -3.0_wp, 9.0_wp, depth, gx, gy)
+      call t%close_to(depth, 3.0_wp, 1.0e-14_wp, 'half-plane: its left is forbidden')
+      region%kind = region_circle
+      region%at = [1.0_wp, 1.0_wp, 2.0_wp, 0.0_wp]
+      call trespass(region, 4.0_wp, 5.0_wp, depth, gx, gy)
+      call t%close_to(depth, -3.0_wp, 1.0e-14_wp, 'circle: three units outside')
+      region%stay_inside = .true.
+      call trespass(region, 4.0_wp, 5.0_wp, depth, gx, gy)
+      call t%close_to(depth, 3.0_wp, 1.0e-14_wp, 'circle: outside forbidden')
+      region%at = [1.0_wp, 2.0_wp, 3.0_wp, 4.5_wp]
+      do kind = region_box, region_circle
+         do side = 1, 2
+            region%kind = kind
+            region%stay_inside = side == 2
+            do i = 1, 5
+               x = -1.3_wp + 1.1_wp*real(i, wp)
+               y = 6.1_wp - 1.7_wp*real(i, wp)
+               call trespass(region, x, y, depth, gx, gy)
+               call trespass(region, x + h, y, ahead, unused(1), unused(2))
+               call trespass(region, x - h, y, behind, unused(1), unused(2))
+               call t%close_to(gx, (ahead - behind)/(2.0_wp*h), 1.0e-8_wp, 'region '//to_text(kind)//': gradient, x')
+               call trespass(region, x, y + h, ahead, unused(1), unused(2))
+               call trespass(region, x, y - h, behind, unused(1), unused(2))
+               call t%close_to(gy, (ahead - behind)/(2.0_wp*h), 1.0e-8_wp, 'region '//to_text(kind)//': gradient, y')
+            end do
+         end do
+      end do
+   end subroutine regions
+
+   !> Gradient of the merit, and slopes of single constraints, against differences: violated angles, regions, range, free timing.
+   subroutine gradients()
+      type(problem_t) :: problem
+      type(data_set_t) :: set
+      type(merit_t) :: merit
+      real(wp), allocatable :: values(:), delt(:), ahead(:), behind(:), slopes(:, :)
+      real(wp) :: up, down, worst
+      integer :: v, variant, n
+      real(wp), parameter :: h = 1.0e-5_wp, weight = 3.0_wp
+
+      do variant = 1, 2
+         call load_case('path18', problem, set)
+         set%ifree = merge(1, 0, variant == 1)
+         set%constr%irange = merge(range_positions, range_turn, variant == 1)
+         deallocate (set%constr%regions)
+         allocate (set%constr%regions(2))
+         set%constr%regions(1) = region_t(region_circle, .true., [0.3_wp, 0.6_wp, 0.2_wp, 0.0_wp], 0, 0)
+         set%constr%regions(2) = region_t(region_box, .false., [-2.0_wp, 0.0_wp, 2.0_wp, 2.0_wp], 2, 1)
+         set%tangle = 20.0_wp
+         values = problem%topology%first_values(problem%given)
+         call prepare_merit(set, problem, values, merit)
+         delt = merit%delt
+         call form_equations(merit, values, delt, weight)
+         n = count_violations(merit)
+         allocate (ahead(n), behind(n), slopes(size(values) + merge(size(delt), 0, merit%free), n))
+         call violations(merit, ahead, slopes)
+         call t%is_true(any(ahead > 0.0_wp), 'constraints are violated here')
+         worst = 0.0_wp
+         do v = 1, size(slopes, 1)
+            call change(merit, values, delt, v, h, weight, up, ahead)
+            call change(merit, values, delt, v, -h, weight, down, behind)
+            if (v <= size(values)) then
+               worst = max(worst, abs((up - down)/(2.0_wp*h) - 2.0_wp*merit%gradient(v))/max(1.0_wp, abs(merit%gradient(v))))
+            else
+               worst = max(worst, abs((up - down)/(2.0_wp*h) - 2.0_wp*merit%edge_gradient(v - size(values))))
+            end if
+            worst = max(worst, maxval(abs((ahead - behind)/(2.0_wp*h) - slopes(v, :))))
+         end do
+         call t%close_to(worst, 0.0_wp, 1.0e-5_wp, 'gradient of merit and constraints, variant '//to_text(variant))
+         deallocate (ahead, behind, slopes)
+      end do
+
+   end subroutine gradients
+
+   !> Merit and constraints with one unknown changed: a dimension or an input.
+   subroutine change(merit, values, delt, v, by, weight, total, each)
+      type(merit_t), intent(inout) :: merit
+      real(wp), intent(in) :: values(:), delt(:), by, weight
+      integer, intent(in) :: v
+      real(wp), intent(out) :: total, each(:)
+      real(wp) :: changed(size(values)), moved(size(delt)), objective
+
+      moved = delt
+      changed = values
+      if (v <= size(values)) then
+         changed(v) = values(v) + by
+      else
+         moved(v - size(values)) = delt(v - size(values)) + by
+      end if
+      call measure(merit, changed, moved, weight, total, objective)
+      call violations(merit, each)
+   end subroutine change
+
+   !> The least margin of a crank-rocker is where crank and frame are in line: cos mu = (p^2 + q^2 - (d -+ a)^2)/(2 p q).
+   subroutine whole_turn()
+      type(problem_t) :: problem
+      type(data_set_t) :: set
+      type(inspector_t) :: inspector
+      type(margin_t), allocatable :: margins(:)
+      real(wp) :: a, p, q, d, least
+
+      call load_case('dyad1_crank_rocker', problem, set)
+      set%constr%irange = range_turn
+      call prepare_inspector(set, problem, .true., inspector)
+      call inspect(inspector, problem%given, problem%delt, margins)
+      a = problem%given%arcl(1)
+      p = problem%given%arcl(2)
+      q = problem%given%arcl(3)
+      d = problem%given%arcl(4)
+      least = set%tangle - max(off_square(p, q, d - a), off_square(p, q, d + a))
+      call t%equal_integer(margins(1)%kind, margin_angle, 'a link pair has an angle margin')
+      call t%close_to(margins(1)%margin, least, 1.0e-7_wp, 'least margin of a crank-rocker over its turn')
+      set%constr%irange = range_positions
+      deallocate (set%constr%regions)
+      allocate (set%constr%regions(1))
+      set%constr%regions(1) = region_t(region_circle, .true., [0.0_wp, 0.0_wp, 0.5_wp*a, 0.0_wp], 1, 1)
+      call prepare_inspector(set, problem, .true., inspector)
+      call inspect(inspector, problem%given, problem%delt, margins)
+      margins = pack(margins, margins%kind == margin_region)
+      call t%close_to(margins(1)%margin, -0.5_wp*a, 1.0e-12_wp, 'the crank pin is half a crank outside its circle')
+      call t%is_true(is_violated(margins(1)), 'and that is a violation')
+
+   end subroutine whole_turn
+
+   !> Degrees the angle between two links is off 90 when the ends are h apart.
+   pure real(wp) function off_square(p, q, h)
+      real(wp), intent(in) :: p, q, h
+
+      off_square = asin(abs((p*p + q*q - h*h)/(2.0_wp*p*q)))*degrees_per_radian
+   end function off_square
+
+   !> Inputs in order: the nearest ones that never go back.
+   subroutine order()
+      real(wp) :: delt(5)
+
+      delt = [1.0_wp, 3.0_wp, 2.0_wp, 2.5_wp, 7.0_wp]
+      call put_in_order(delt, 1.0_wp)
+      call t%close_to(maxval(abs(delt - [1.0_wp, 2.5_wp, 2.5_wp, 2.5_wp, 7.0_wp])), 0.0_wp, 1.0e-14_wp, &
+                       'means of those that go back')
+      delt = -[1.0_wp, 3.0_wp, 2.0_wp, 2.5_wp, 700.0_wp]
+      call put_in_order(delt, -1.0_wp)
+      call t%close_to(maxval(abs(delt + [1.0_wp, 2.5_wp, 2.5_wp, 2.5_wp, 361.0_wp])), 0.0_wp, 1.0e-13_wp, &
+                       'downwards, within a turn')
+   end subroutine order
+
+   !> Timing over the whole path: points of the path itself are found again, in order and not.
+   subroutine timing()
+      type(problem_t) :: problem
+      type(data_set_t) :: set
+      type(merit_t) :: merit
+      type(timing_t) :: whole
+      real(wp), allocatable :: delt(:), places(:)
+      integer :: ordered, i
+      logical :: rises
+
+      call load_case('line6', problem, set)
+      places = [(12.0_wp + 51.0_wp*real(i, wp), i=0, problem%positions - 1)]
+      do ordered = 0, 1
+         call load_case('line6', problem, set)
+         set%search%order = ordered
+         call problem%set_inputs(places)
+         call problem%linkage%prepare(problem%topology, problem%plan, problem%tangle, problem%delt)
+         call points_of_itself(problem)
+         call problem%move_inputs([(10.0_wp*real(i, wp), i=1, size(places))])
+         call prepare_merit(set, problem, problem%topology%first_values(problem%given), merit)
+         call prepare_timing(problem, merit, whole)
+         allocate (delt(size(places)))
+         call find_timing(whole, merit, delt)
+         call t%is_true(all(abs(modulo(delt - places + 180.0_wp, 360.0_wp) - 180.0_wp) <= 3.0_wp), &
+                        'each point of the path is found within a step')
+         rises = all(delt(2:) >= delt(:size(delt) - 1)) .and. delt(size(delt)) - delt(1) <= 360.0_wp
+         if (ordered == 1) call t%is_true(rises, 'and in order')
+         deallocate (delt)
+      end do
+   end subroutine timing
+
+   !> Make the points a linkage goes through the desired ones.
+   subroutine points_of_itself(problem)
+      type(problem_t), intent(inout) :: problem
+      type(station_t) :: station
+
+      call prepare_station(problem, problem%delt, .false., reshape([integer ::], [2, 0]), .false., station)
+      call look(station, problem%given)
+      call problem%set_desired(station%out(:, 1), spread(1.0_wp, 1, problem%positions), station%out(:, 2), &
+                               spread(1.0_wp, 1, problem%positions))
+   end subroutine points_of_itself
+
+   !> NLopt: names, kinds, the same answer for any number of threads.
+   subroutine solvers()
+      type(problem_t) :: problem
+      type(data_set_t) :: set
+      type(result_t) :: one, two
+      type(text_t) :: log
+      type(interrupt_t) :: interrupt
+      real(wp), allocatable :: first(:), none(:, :)
+
+      call t%is_true(algorithm_of('nlopt_ld_slsqp') == algorithm_of('LD_SLSQP') .and. algorithm_of('LD_SLSQP') >= 0, &
+                     'names of NLopt')
+      call t%is_true(algorithm_of('LD_SLSPQ') < 0, 'a name NLopt does not know')
+      call t%equal_text(plain_name('nlopt_gn_crs2_lm'), 'GN_CRS2_LM', 'its plain name')
+      call t%is_true(is_global('GN_CRS2_LM') .and. .not. is_global('LN_COBYLA'), 'global or local')
+      call t%is_true(needs_gradient('LD_MMA') .and. .not. needs_gradient('LN_COBYLA'), 'with gradient or without')
+      call t%is_true(takes_constraints('LN_COBYLA') .and. .not. takes_constraints('LN_SBPLX'), 'takes constraints or not')
+      call load_case('path5', problem, set)
+      first = problem%topology%first_values(problem%given)
+      allocate (none(size(first), 0))
+      set%search%solver = 'LD_SLSQP'
+      set%search%nstart = 9
+      set%search%nbest = 3
+      call search_many(set, problem, first, none, 1, interrupt, one, log)
+      call search_many(set, problem, first, none, 3, interrupt, two, log)
+      call t%is_true(size(one%best) == size(two%best) .and. size(one%best) > 0, 'SLSQP: as many linkages for any number of threads')
+      if (size(one%best) /= size(two%best)) return
+      do k = 1, size(one%best)
+         call t%is_true(all(abs(one%best(k)%values - two%best(k)%values) <= 0.0_wp), 'SLSQP: the same linkages')
+      end do
+      call t%is_true(one%best(1)%objective < 1.0e-6_wp, 'SLSQP: five timed points to the best known')
+   end subroutine solvers
+
+   !> A signal that is held waits, and is gone after its release.
+   subroutine interruption()
+      type(interrupt_t) :: interrupt
+      integer(c_int) :: status
+
+      call interrupt%hold()
+      call t%is_true(.not. interrupt%waiting(), 'no signal waits')
+      status = c_raise(15_c_int)
+      call t%is_true(interrupt%signalled(), 'a signal waits')
+      call interrupt%release()
+      call t%is_true(.not. interrupt%signalled(), 'it is gone, and we still run')
+      call interrupt%limit_time(1.0e-9_wp)
+      status = c_raise(0_c_int)
+      call t%is_true(interrupt%late(), 'time is up')
+   end subroutine interruption
+end program test_constraints
