@@ -8,7 +8,7 @@ module psalm_page
    use psalm_trace, only: row_t
    implicit none (type, external)
    private
-   public :: write_page, page_template
+   public :: write_page
 
    character(*), parameter :: title_mark = '<!--TITLE-->', data_mark = '<!--DATA-->' !! places in the page
 
@@ -42,7 +42,7 @@ contains
       call text%add_text(page(place + len(data_mark):))
    end subroutine write_page
 
-   !> The page as it was built in.
+   !> The page as it was built in, with the marks of title and data.
    function page_template() result(page)
       character(:), allocatable :: page
       character(kind=c_char), allocatable, target :: bytes(:)
