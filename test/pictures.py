@@ -225,6 +225,8 @@ def test_symbols():
     for symbol in ["#revolute", "#ground", "#prismatic", "#star"]:
         check("textile: symbol " + symbol, symbol in uses)
     check("needle: joint letters from A on", {e.text for e in Picture("needle.svg").of_class("letter")} >= set("ABCDEFGHIJ"))
+    layers = {layer.dxf.name for layer in ezdxf.readfile("needle.dxf").layers}
+    check("needle: nine layers of links beside the frame", {"LINK_9", "FRAME"} <= layers and "LINK_10" not in layers)
     check("needle: ternary links are plates", len(Picture("needle.svg").of_class("plate")) >= 2)
     bar = next(e for e in Picture("needle.svg").root.iter(SVG + "text") if e.get("data-length"))
     width = float(re.search(r"v8h(\S+?)v", Picture("needle.svg").root.find('.//%sg[@id="scale"]' % SVG)[0].get("d")).group(1))
@@ -241,6 +243,25 @@ def test_symbols():
     check("KTHETA=0 does not", not Picture("needle.svg").of_class("every"))
     angle = Picture("dyad4_slider_crank.svg").root.findall('.//%suse[@href="#prismatic"]' % SVG)[0].get("transform")
     check("prismatic: bases along the slide", "rotate(" in angle)
+
+
+def test_regions():
+    group = " &CONSTR NREGN=3, RKIND=1,2,-3, RLOOP=1,1,0, RLINK=2,2,0, RPLACE=10.0,20.0,60.0,50.0, 0.0,-40.0,10.0,0.0, 0.0,0.0,300.0,0.0 &END\n"
+    write("regions.nml", read("dyad1_crank_rocker.nml").rstrip() + "\n" + group)
+    code, _, errors = balm("regions.nml")
+    check("regions: read as psalm reads them", code == psalm("--quiet", "regions.nml")[0] != 2, errors)
+    shapes = Picture("regions.svg").of_class("region")
+    check("regions: what trespasses is said", code == 1 and "violated: " in errors and "violated: " in Picture("regions.svg").text() and
+          page_data("regions.html")[0]["breaches"], errors)
+    check("regions: box", [float(v) for v in re.findall(r"[-+0-9.E]+", shapes[0].get("d"))] == [10, 20, 60, 50, 10])
+    check("regions: circle to stay inside of", shapes[2].get("r") == "3.0000000000000000E+02" and "inside" in shapes[2].get("class"))
+    x1, y1, x2, y2 = [float(v) for v in re.findall(r"[-+0-9.E]+", shapes[1].get("d"))[:4]]
+    check("regions: half-plane", abs(math.degrees(math.atan2(y2 - y1, x2 - x1)) - 10) < 1e-9)
+    check("regions: on the page", [r["kind"] for r in page_data("regions.html")[0]["regions"]] == [1, 2, 3])
+    write("regions.nml", read("regions.nml").replace("RLINK=2,", "RLINK=5,"))
+    check("regions: a joint that is not there", balm("regions.nml")[0] == 2 and "RLINK" in Picture("regions.svg").text())
+    write("regions.nml", read("regions.nml").replace("RLINK=5,", "RLINK=2,"))
+    balm("--quiet", "regions.nml")
 
 
 def picture_title(name):
@@ -410,6 +431,7 @@ def main(programs, shots=None):
         test_geometry()
         test_symbols()
         test_assemblies()
+        test_regions()
         test_messages()
         test_awkward()
         test_curves()

@@ -6,14 +6,14 @@ module psalm_balm
    use psalm_curves, only: write_curves
    use psalm_data_set, only: data_set_t
    use psalm_dxf, only: write_dxf
+   use psalm_kinds, only: wp
    use psalm_page, only: write_page
+   use psalm_run, only: check_case
    use psalm_scene, only: scene_t, make_scene, message_scene
-   use psalm_setup, only: set_up
    use psalm_source, only: line_t
    use psalm_status, only: diagnostics_t, finding_t, exit_violation, level_error
    use psalm_svg, only: write_svg
    use psalm_text, only: text_t, to_text
-   use psalm_topology, only: topology_t, dimensions_t
    implicit none (type, external)
    private
    public :: picture_t, balm_t, make_scenes, draw_file, draw_curves
@@ -42,8 +42,9 @@ contains
       type(balm_t), intent(out) :: balm
       type(finding_t), allocatable :: read(:), own(:)
       type(diagnostics_t) :: judged
-      type(topology_t) :: topology
-      type(dimensions_t) :: dimensions
+      type(data_set_t) :: each
+      type(line_t) :: none(0)
+      real(wp), allocatable :: vertices(:, :)
       integer :: k, i
 
       allocate (balm%scenes(size(sets)))
@@ -56,7 +57,9 @@ contains
             call message_scene(sets(k), own, balm%scenes(k))
             cycle
          end if
-         call set_up(sets(k), topology, dimensions, judged)
+         each = sets(k)
+         each%nguess = 0
+         call check_case(each, none, vertices, judged)
          own = [own, finding_list(judged)]
          do i = 1, judged%count
             associate (new => judged%list(i))
@@ -103,8 +106,11 @@ contains
       type(balm_t), intent(inout) :: balm
       integer :: i
 
+      if (scene%prescribed%violated .or. size(scene%breaches) > 0) balm%code = max(balm%code, exit_violation)
+      do i = 1, size(scene%breaches)
+         call balm%notes%add(set%file//': '//trim(set%title)//': '//scene%breaches(i)%text)
+      end do
       if (.not. scene%prescribed%violated) return
-      balm%code = max(balm%code, exit_violation)
       if (.not. all(scene%prescribed%closed)) then
          call balm%notes%add(set%file//': '//trim(set%title)//': the linkage does not close at '// &
                              to_text(count(.not. scene%prescribed%closed))//' of '//to_text(scene%prescribed%n)//' positions')

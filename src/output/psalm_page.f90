@@ -67,6 +67,8 @@ contains
       call add_messages('errors', scene%errors)
       call text%add_text(',')
       call add_messages('warnings', scene%warnings)
+      call text%add_text(',')
+      call add_messages('breaches', scene%breaches)
       if (scene%sound) then
          call text%add_text(',"motion":'//to_text(scene%motion)//',"sliding":'//truth(scene%sliding)//',"desired":'// &
                             truth(scene%desired)//',"tangle":'//full_precision(scene%tangle)//',"sense":'// &
@@ -139,6 +141,14 @@ contains
          associate (pair => scene%pairs(i))
             call text%add_text(comma(i)//'{"type":'//to_text(pair%joint_type)//',"start":'//to_text(pair%start - 1)// &
                                ',"shared":'//to_text(pair%shared - 1)//',"finish":'//to_text(pair%finish - 1)//'}')
+         end associate
+      end do
+      call text%add('],"regions":[')
+      do i = 1, size(scene%regions)
+         associate (region => scene%regions(i))
+            call text%add_text(comma(i)//'{"kind":'//to_text(region%kind)//',"inside":'//truth(region%stay_inside)//',"at":['// &
+                               full_precision(region%at(1))//','//full_precision(region%at(2))//','// &
+                               full_precision(region%at(3))//','//full_precision(region%at(4))//']}')
          end associate
       end do
       call text%add_text(']')

@@ -4,10 +4,13 @@
 module psalm_scene
    use psalm_angles, only: unit_vector
    use psalm_chain, only: chain_t, make_chain
+   use psalm_constraint_group, only: region_t
    use psalm_data_set, only: data_set_t, motion_point, motion_angle, motion_distance, motion_slide
    use psalm_error, only: problem_t, make_problem
    use psalm_kinds, only: wp
-      use psalm_markup, only: strings_t, add_string
+      use psalm_margin_list, only: describe_margin
+   use psalm_margins, only: margin_t, inspector_t, prepare_inspector, inspect, is_violated
+   use psalm_markup, only: strings_t, add_string
    use psalm_parts, only: joint_t, bar_t, body_t, slide_t, pair_t, find_slides, convex_hull
    use psalm_plan, only: root_frame
    use psalm_setup, only: set_up
@@ -28,6 +31,7 @@ module psalm_scene
       character(:), allocatable :: title, file
       logical :: sound = .false.                          !! there is a linkage to draw, not messages only
       type(strings_t), allocatable :: errors(:), warnings(:)
+      type(strings_t), allocatable :: breaches(:)         !! constraints of the group CONSTR that are violated
       integer :: motion = motion_point
       logical :: sliding = .false., desired = .false., everywhere = .false. !! sliding input; desired values; KTHETA=1
       real(wp) :: tangle = 90.0_wp, sense = 1.0_wp
@@ -37,6 +41,7 @@ module psalm_scene
       type(body_t), allocatable :: bodies(:)
       type(slide_t), allocatable :: slides(:)
       type(pair_t), allocatable :: pairs(:)               !! by loop
+      type(region_t), allocatable :: regions(:)           !! where joints must not go
       integer :: output = 0, output_base = 0              !! joints: the output point, where the output arc begins
       integer :: output_slide = 0                         !! MOTION 3: the slide
       type(row_t) :: prescribed, sweep
@@ -57,7 +62,7 @@ contains
       scene%title = set%title
       scene%file = set%file
       allocate (scene%errors(0), scene%warnings(0), scene%joints(0), scene%bars(0), scene%bodies(0))
-      allocate (scene%slides(0), scene%pairs(0))
+      allocate (scene%slides(0), scene%pairs(0), scene%regions(0), scene%breaches(0))
       do i = 1, size(findings)
          if (findings(i)%level == level_error) then
             call add_string(scene%errors, findings(i)%render())
@@ -90,6 +95,7 @@ contains
       scene%sliding = topology%sliding_input
       scene%everywhere = set%ktheta /= 0
       scene%tangle = set%tangle
+      if (allocated(set%constr%regions)) scene%regions = set%constr%regions
       scene%loops = topology%nloop
       call make_problem(set, topology, dimensions, own)
       scene%desired = own%desired
@@ -102,6 +108,7 @@ contains
       call find_slides(topology, whole%plan, chain, scene%slides)
       if (scene%motion == motion_slide) call find_output_slide(topology, chain, scene)
       call trace_row(own, whole, chain, dimensions, scene%slides, scene%output_slide, scene%prescribed)
+      if (set%constr%given) call judge(set, own, dimensions, scene)
       call own%set_inputs(sweep_inputs(own))
       call whole%set_inputs(own%delt)
       call trace_row(own, whole, chain, dimensions, scene%slides, scene%output_slide, scene%sweep)
@@ -208,6 +215,24 @@ contains
          end select
       end do
    end subroutine find_wishes
+
+   !> Constraints of the group CONSTR, as `psalm` judges its results.
+   subroutine judge(set, own, dimensions, scene)
+      type(data_set_t), intent(in) :: set
+      type(problem_t), intent(in) :: own
+      type(dimensions_t), intent(in) :: dimensions
+      type(scene_t), intent(inout) :: scene
+      type(inspector_t) :: inspector
+      type(margin_t), allocatable :: margins(:)
+      integer :: i
+
+      call prepare_inspector(set, own, set%search%solver /= 'SIMPLEX', inspector)
+      call inspect(inspector, dimensions, own%delt, margins)
+      do i = 1, size(margins)
+         if (is_violated(margins(i))) &
+            call add_string(scene%breaches, 'violated: '//describe_margin(set, own%topology, dimensions, margins(i)))
+      end do
+   end subroutine judge
 
    subroutine find_output_slide(topology, chain, scene)
       type(topology_t), intent(in) :: topology

@@ -4,7 +4,8 @@
 !> letters have sizes of the drawing. Symbols are those of Oldham (1977), section 15.1: circles for revolute joints, single
 !> triangles for frame joints, a pair of triangles vertex to vertex for prismatic joints, five-pointed stars for the output.
 module psalm_svg
-   use psalm_angles, only: degrees_of
+   use psalm_angles, only: degrees_of, unit_vector
+   use psalm_constraint_group, only: region_box, region_half_plane
    use psalm_data_set, only: motion_point, motion_angle, motion_distance, motion_slide
    use psalm_kinds, only: wp
    use psalm_labels, only: place_labels
@@ -20,6 +21,7 @@ module psalm_svg
    real(wp), parameter :: line_height = 17.0_wp
    integer, parameter :: characters = 104     !! of a message on one line
    integer, parameter :: most_messages = 14   !! the listing and the page have all
+   real(wp), parameter :: region_strip = 12.0_wp !! of a half-plane, pixels
    integer, parameter :: many = 60            !! joints above which symbols are smaller
    real(wp), parameter :: crowded = 0.55_wp   !! size of symbols then
    integer, parameter :: colours = 8          !! of links, used in turn
@@ -77,7 +79,7 @@ contains
          '#1f6fb5', '#b5541c', '#2e8540', '#7b3fa0', '#a8740a', '#b0305f', '#16808a', '#5a6b1c']
       character(*), parameter :: dark(*) = [character(7) :: &
          '#6db6f2', '#f0a070', '#7ccf8a', '#c79be6', '#e3bb5a', '#f08bb0', '#63cbd4', '#b9cc6a']
-      character(*), parameter :: fine = '.rail,.ghost,.broken,.wanted{fill:none}.bar,.trace,.every,.path,.rail,.ghost'// &
+      character(*), parameter :: fine = '.rail,.ghost,.broken{fill:none}.bar,.trace,.every,.path,.rail,.ghost'// &
          '{fill:none;stroke-linecap:round;stroke-linejoin:round}'
       integer :: i
 
@@ -87,6 +89,7 @@ contains
                     'font-style:italic;text-anchor:middle}.error{fill:#b3261e}.warning{fill:#8a5a00}')
       call text%add('.paper{fill:#fff}.symbol{fill:#fff;stroke:#14202b}'//fine//'.bar{stroke:#14202b}.frame{stroke:#7d8994}'// &
                     '.trace{stroke:#566370}.plate{fill-opacity:.16;stroke:none}.rail{stroke:#7d8994}.every{stroke-opacity:.3}'// &
+                    '.region{fill:#d3302f;fill-opacity:.09;stroke:#d3302f}.inside{fill:none}'// &
                     '.ghost{stroke:#9aa4ad}.broken{stroke:#d3302f}.actual{fill:#c62828;stroke:#c62828}.path{stroke:#c62828}'// &
                     '.desired{fill:none;stroke:#0b57d0}.axis{stroke:#14202b;fill:none}.direction{fill:none}')
       do i = 1, colours
@@ -137,6 +140,7 @@ contains
       type(text_t), intent(inout) :: text
       integer :: i
 
+      call draw_regions(scene, k, text)
       call draw_traces(scene, k, text)
       if (scene%everywhere) then
          call text%add('<g'//stroke(1.1_wp, k)//'>')
@@ -157,6 +161,39 @@ contains
       call draw_symbols(scene, k, text)
       call draw_star(scene, k, text)
    end subroutine draw_linkage
+
+   !> Where joints must not go: shaded; where they must stay: a dashed outline. Of a half-plane a strip along its edge.
+   subroutine draw_regions(scene, k, text)
+      type(scene_t), intent(in) :: scene
+      real(wp), intent(in) :: k
+      type(text_t), intent(inout) :: text
+      character(:), allocatable :: start
+      real(wp) :: far, strip, c, s
+      integer :: r
+
+      do r = 1, size(scene%regions)
+         associate (region => scene%regions(r))
+            start = ' class="region'//trim(merge(' inside', '       ', region%stay_inside))//'" data-region="'//to_text(r)//'"'// &
+                    stroke(1.2_wp, k)
+            if (region%stay_inside) start = start//' stroke-dasharray="'//short_number(5.0_wp/k)//' '//short_number(4.0_wp/k)//'"'
+            select case (region%kind)
+            case (region_box)
+               call text%add('<path'//start//' d="M'//pair(region%at(1), region%at(2))//'H'//full_precision(region%at(3))//'V'// &
+                             full_precision(region%at(4))//'H'//full_precision(region%at(1))//'Z"/>')
+            case (region_half_plane)
+               call unit_vector(region%at(3), c, s)
+               far = 2.0_wp*(maxval(scene%high - scene%low) + hypot(region%at(1) - scene%low(1), region%at(2) - scene%low(2)))
+               strip = merge(-region_strip, region_strip, region%stay_inside)/k
+               call text%add('<path'//start//' d="M'//pair(region%at(1) - far*c, region%at(2) - far*s)//'L'// &
+                             pair(region%at(1) + far*c, region%at(2) + far*s)//'l'//pair(-strip*s, strip*c)//'l'// &
+                             pair(-2.0_wp*far*c, -2.0_wp*far*s)//'Z"/>')
+            case default
+               call text%add('<circle'//start//' cx="'//full_precision(region%at(1))//'" cy="'//full_precision(region%at(2))// &
+                             '" r="'//full_precision(region%at(3))//'"/>')
+            end select
+         end associate
+      end do
+   end subroutine draw_regions
 
    !> Every moving joint at every position.
    subroutine draw_traces(scene, k, text)
@@ -512,10 +549,11 @@ contains
 
       allocate (lines(0))
       told = 0
-      all_of_them = size(scene%errors) + size(scene%prescribed%words) + size(scene%warnings)
+      all_of_them = size(scene%errors) + size(scene%breaches) + size(scene%prescribed%words) + size(scene%warnings)
       if (.not. scene%sound) call add_string(lines, 'eThe input is wrong; there is no linkage to draw:')
       call take(scene%errors, 'e')
       call take(scene%prescribed%words, 'e')
+      call take(scene%breaches, 'e')
       call take(scene%warnings, 'w')
       if (told < all_of_them) call add_string(lines, 'wand '//to_text(all_of_them - told)//' more messages')
 
