@@ -14,10 +14,12 @@ module psalm_lsq
    private
    public :: improve, put_in_order
 
-   integer, parameter :: most_iterations = 400       !! for one weight of the violations
+   integer, parameter :: most_iterations = 5000      !! for one weight of the violations
    integer, parameter :: weights = 6                 !! weights of the violations tried, each 100 times the one before
    real(wp), parameter :: weight_step = 100.0_wp
    integer, parameter :: most_idle = 4               !! steps of too small a gain in a row that end the search
+   real(wp), parameter :: slow_gain = 0.1_wp         !! relative gain of a step below which second derivatives are believed
+   real(wp), parameter :: least_angle = 1.0e-6_wp    !! cosine below which a step teaches nothing about them
    real(wp), parameter :: first_damping = 1.0e-2_wp
    real(wp), parameter :: largest_damping = 1.0e12_wp
 
@@ -55,20 +57,24 @@ contains
       integer, intent(in) :: last                   !! evaluation to stop at
       real(wp) :: trial(size(values)), step(size(values)), right(size(values)), damped(size(values), size(values))
       real(wp) :: trial_delt(size(merit%delt)), turn(size(merit%delt))
+      real(wp) :: bend(size(values), size(values)), before(size(values))
       real(wp) :: total, trial_total, objective, damping, growth, gain, promised
-      logical :: held(size(values)), sound
+      logical :: held(size(values)), sound, slow
       integer :: iteration, idle, v
 
       call measure(merit, values, merit%delt, weight, total, objective)
       damping = first_damping
       growth = 2.0_wp
       idle = 0
+      bend = 0.0_wp
+      slow = .false.
       call form_equations(merit, values, merit%delt, weight)
       do iteration = 1, most_iterations
          if (merit%evaluations >= last .or. merit%interrupt%waiting()) return
          ! a value at its bound that wants to pass it is held
          held = (values <= merit%low .and. merit%gradient > 0.0_wp) .or. (values >= merit%high .and. merit%gradient < 0.0_wp)
          damped = merit%matrix
+         if (slow) damped = damped + bend
          right = -merit%gradient
          if (merit%free) call eliminate(merit, damping, damped, right)
          do v = 1, size(values)
@@ -94,6 +100,7 @@ contains
          if (trial_total < total) then
             ! against what the linear model promised
             promised = -2.0_wp*dot_product(merit%gradient, step) - dot_product(step, matmul(merit%matrix, step))
+            if (slow) promised = promised - dot_product(step, matmul(bend, step))
             if (merit%free) then
                turn = trial_delt - merit%delt
                promised = promised - 2.0_wp*dot_product(merit%edge_gradient + matmul(step, merit%border), turn) &
@@ -103,11 +110,17 @@ contains
             gain = (total - trial_total)/max(promised, tiny(1.0_wp))
             idle = merge(idle + 1, 0, total - trial_total <= least_gain*total)
             values = trial
+            slow = .not. merit%free .and. total - trial_total < slow_gain*total
             total = trial_total
             if (idle >= most_idle .or. total <= merit%floor) return
             damping = damping*max(1.0_wp/3.0_wp, 1.0_wp - (2.0_wp*min(gain, 2.0_wp) - 1.0_wp)**3)
             growth = 2.0_wp
+            before = merit%gradient
             call form_equations(merit, values, merit%delt, weight)
+            call learn_bend(merit%matrix, step, merit%gradient - before, bend)
+         else if (slow) then
+            slow = .false.
+            damping = damping*growth
          else
             damping = damping*growth
             growth = 2.0_wp*growth
@@ -115,6 +128,24 @@ contains
          end if
       end do
    end subroutine descend
+
+   !> What the squares of first derivatives leave out of the second derivatives, learned from the last step (symmetric rank one).
+   !>
+   !> Source: the structured secant methods, Dennis, Gay and Welsch (1981); the update is that of Broyden and others (1967).
+   pure subroutine learn_bend(matrix, step, change, bend)
+      real(wp), intent(in) :: matrix(:, :)          !! shape (marble, marble): J^T J after the step
+      real(wp), intent(in) :: step(:), change(:)    !! shape (marble): of the values, of the gradient
+      real(wp), intent(inout) :: bend(:, :)         !! shape (marble, marble)
+      real(wp) :: missing(size(step)), along
+      integer :: v
+
+      missing = change - matmul(matrix + bend, step)
+      along = dot_product(missing, step)
+      if (abs(along) <= least_angle*sqrt(sum(missing**2)*sum(step**2))) return
+      do v = 1, size(step)
+         bend(:, v) = bend(:, v) + missing*(missing(v)/along)
+      end do
+   end subroutine learn_bend
 
    !> Second derivative of the merit by each input position, damped.
    pure function damped_edge(merit, damping) result(edge)

@@ -31,6 +31,7 @@ module psalm_optimise
       real(wp), allocatable :: kept(:), kept_delt(:)  !! lowest merit seen
       real(wp) :: lowest = huge(1.0_wp)
       integer :: last = huge(1)                       !! evaluation after which a stop is forced
+      logical :: converged = .false.                  !! the last run ended by itself
    end type context_t
 
 contains
@@ -82,8 +83,9 @@ contains
             call run(algorithm, context, box_low, box_high, seed, &
                      merit%evaluations + max(1, (last - merit%evaluations)/(rounds + 1 - round)), sound)
             call settle()
-            if (feasible .or. .not. sound .or. merit%evaluations >= last .or. merit%interrupt%waiting()) exit
-            context%weight = context%weight*weight_step
+            if (.not. sound .or. merit%evaluations >= last .or. merit%interrupt%waiting()) exit
+            if (feasible .and. context%converged) exit
+            if (.not. feasible) context%weight = context%weight*weight_step
          end do
       end if
 
@@ -143,6 +145,7 @@ contains
          call context%optimiser%set_limits(real(ftol, c_double), real(xtol, c_double), max(1, last - context%merit%evaluations))
          call context%optimiser%minimise(merit_value, c_loc(context), x, least, status)
          sound = .not. refused(status)
+         context%converged = context%merit%evaluations < last
       end if
       call context%optimiser%close()
       context%values = context%kept

@@ -1,0 +1,207 @@
+!> Every solver on every data set, from a hundred starts each; and what an iteration of least squares costs.
+!>
+!> usage: account runs DIRECTORY SEEDS     set | solver | seed | objective (or -1: no linkage) | evaluations | seconds
+!>        account scaling DIRECTORY        positions | microseconds of a Jacobian | of an iteration of least squares
+program account
+   use, intrinsic :: iso_fortran_env, only: int64
+   use psalm_constr, only: constraints_t, make_constraints
+   use psalm_data_set, only: data_set_t, read_data_sets
+   use psalm_error, only: problem_t, make_problem
+   use psalm_interrupt, only: interrupt_t
+   use psalm_kinds, only: wp, dp
+   use psalm_lsq, only: improve
+   use psalm_merit, only: merit_t, prepare_merit
+   use psalm_search, only: result_t, search_many
+   use psalm_setup, only: set_up
+   use psalm_simplx, only: search_simplex, search_state_t
+   use psalm_start, only: simplex_t, start_simplex
+   use psalm_station, only: look_closely
+   use psalm_status, only: diagnostics_t
+   use psalm_text, only: text_t
+   use psalm_topology, only: topology_t, dimensions_t, variable_length, variable_outlk, variable_origlk
+   implicit none (type, external)
+
+   character(*), parameter :: sets(*) = [character(20) :: 'needle_search', 'needle_unweighted', 'suspension', 'chain_short', &
+      'chain_long', 'brake_reaction', 'path18', 'path5', 'log10', 'striking', 'slider_linear', 'dwell', 'line6']
+   character(*), parameter :: solvers(*) = [character(20) :: 'SIMPLEX', 'LSQ', 'LD_SLSQP', 'LD_LBFGS', 'LD_AUGLAG', &
+      'LN_COBYLA', 'LN_BOBYQA', 'LN_SBPLX', 'LN_NELDERMEAD', 'LN_PRAXIS', 'GN_CRS2_LM', 'GN_ISRES', 'GN_DIRECT_L', 'GD_MLSL_LDS']
+   integer, parameter :: most_evaluations = 5000
+   real(wp), parameter :: most_seconds = 0.5_wp
+   integer, parameter :: most_iterations = 5000      !! of the simplex
+   integer, parameter :: repeats = 5
+   real(wp), parameter :: longest = 10.0_wp          !! times the longest arc of the data set: bound of lengths where none is given
+   real(wp), parameter :: widest = 3600.0_wp         !! likewise of angles, degrees
+   character(200) :: task, directory, word
+   integer :: seeds
+
+   call get_command_argument(1, task)
+   call get_command_argument(2, directory)
+   call get_command_argument(3, word)
+   select case (task)
+   case ('runs')
+      read (word, *) seeds
+      call all_runs()
+   case ('scaling')
+      call scaling()
+   case default
+      error stop 'usage: account runs DIRECTORY SEEDS | scaling DIRECTORY'
+   end select
+
+contains
+
+   subroutine load(name, set, problem)
+      character(*), intent(in) :: name
+      type(data_set_t), intent(out) :: set
+      type(problem_t), intent(out) :: problem
+      type(data_set_t), allocatable :: all_sets(:)
+      type(diagnostics_t) :: findings
+      type(topology_t) :: topology
+      type(dimensions_t) :: dimensions
+      integer :: v
+
+      call read_data_sets(trim(directory)//'/'//trim(name)//'.nml', all_sets, findings)
+      if (.not. findings%failed()) then
+         set = all_sets(1)
+         call set_up(set, topology, dimensions, findings)
+      end if
+      if (findings%failed()) error stop 'a data set cannot be read'
+      call make_problem(set, topology, dimensions, problem)
+      if (set%limval /= 0) return
+      ! some searches run away to links of infinite length, which are slides
+      set%limval = 1
+      do v = 1, size(topology%variables)
+         set%oplow(v) = -widest
+         set%ophigh(v) = widest
+         if (all(topology%variables(v)%kind /= [variable_length, variable_outlk, variable_origlk])) cycle
+         set%oplow(v) = 0.0_wp
+         set%ophigh(v) = longest*maxval(dimensions%arcl)
+      end do
+   end subroutine load
+
+   real(dp) function seconds()
+      integer(int64) :: now, rate
+
+      call system_clock(now, rate)
+      seconds = real(now, dp)/real(rate, dp)
+   end function seconds
+
+   subroutine all_runs()
+      type(data_set_t) :: set
+      type(problem_t) :: problem
+      integer :: s, k, seed, evaluations
+      real(dp) :: begun
+      real(wp) :: objective
+
+      do s = 1, size(sets)
+         do k = 1, size(solvers)
+            call load(sets(s), set, problem)
+            ! the simplex of the thesis knows no free timing
+            if (set%ifree /= 0 .and. solvers(k) == 'SIMPLEX') cycle
+            do seed = 1, seeds
+               set%istart = 19 + 2*seed
+               begun = seconds()
+               if (solvers(k) == 'SIMPLEX') then
+                  call run_simplex(set, problem, objective, evaluations)
+               else
+                  set%search%solver = trim(solvers(k))
+                  call run_other(set, problem, objective, evaluations)
+               end if
+               print '(a,"|",a,"|",i0,"|",es14.7,"|",i0,"|",es10.3)', trim(sets(s)), trim(solvers(k)), seed, objective, &
+                  evaluations, seconds() - begun
+            end do
+         end do
+      end do
+   end subroutine all_runs
+
+   subroutine run_simplex(given, given_problem, objective, evaluations)
+      type(data_set_t), intent(in) :: given
+      type(problem_t), intent(in) :: given_problem
+      real(wp), intent(out) :: objective
+      integer, intent(out) :: evaluations
+      type(data_set_t) :: set
+      type(problem_t) :: problem
+      type(constraints_t) :: constraints
+      type(simplex_t) :: simplex
+      type(search_state_t) :: state
+      type(text_t) :: device1, device2
+      type(interrupt_t) :: interrupt
+      real(wp) :: none(size(given_problem%topology%variables), 0)
+      logical :: feasible
+
+      set = given
+      set%niter = most_iterations
+      set%fmin = 0.0_wp
+      problem = given_problem
+      call make_constraints(set, problem, constraints)
+      call start_simplex(set, problem, constraints, none, simplex, feasible, device1, device2)
+      objective = -1.0_wp
+      evaluations = simplex%evaluations
+      if (.not. feasible) return
+      call search_simplex(set, problem, constraints, simplex, interrupt, state, device1)
+      objective = state%best
+      evaluations = simplex%evaluations
+   end subroutine run_simplex
+
+   subroutine run_other(given, problem, objective, evaluations)
+      type(data_set_t), intent(in) :: given
+      type(problem_t), intent(in) :: problem
+      real(wp), intent(out) :: objective
+      integer, intent(out) :: evaluations
+      type(data_set_t) :: set
+      type(result_t) :: result
+      type(text_t) :: device1
+      type(interrupt_t) :: interrupt
+      real(wp) :: none(size(problem%topology%variables), 0)
+
+      set = given
+      set%search%nstart = 1
+      set%search%first = 2             ! a linkage drawn as the simplex draws its vertices
+      set%search%nbest = 1
+      set%search%maxeval = most_evaluations
+      set%search%maxtime = most_seconds
+      call search_many(set, problem, problem%topology%first_values(problem%given), none, 1, interrupt, result, device1)
+      objective = -1.0_wp
+      if (size(result%best) > 0) objective = result%best(1)%objective
+      evaluations = result%evaluations + result%jacobians
+   end subroutine run_other
+
+   !> Positions of the needle linkage repeated: what the Jacobian costs, what a whole iteration.
+   subroutine scaling()
+      type(data_set_t) :: set
+      type(problem_t) :: problem
+      type(merit_t) :: merit
+      real(wp), allocatable :: first(:), values(:)
+      real(wp) :: objective
+      real(dp) :: begun, jacobian, iteration
+      integer :: n, power, i, k, calls
+      logical :: feasible
+
+      do power = 0, 3
+         call load('needle_search', set, problem)
+         n = 20*10**power
+         associate (delt => [(problem%delt(1 + mod(i, 20)), i=0, n - 1)], &
+                    wanted => [(problem%wanted(1 + mod(i, 20)), i=0, n - 1)], &
+                    weight => [(problem%weight(1 + mod(i, 20)), i=0, n - 1)])
+            call problem%set_inputs(delt)
+            call problem%set_desired(wanted, weight)
+         end associate
+         first = problem%topology%first_values(problem%given)
+         jacobian = huge(jacobian)
+         iteration = huge(iteration)
+         do k = 1, repeats
+            call prepare_merit(set, problem, first, merit)
+            calls = max(1, 20000/n)
+            begun = seconds()
+            do i = 1, calls
+               call look_closely(merit%main, merit%dimensions)
+            end do
+            jacobian = min(jacobian, (seconds() - begun)/real(calls, dp))
+            values = first
+            begun = seconds()
+            call improve(merit, values, 1.0e-9_wp, huge(1), objective, feasible)
+            iteration = min(iteration, (seconds() - begun)/real(merit%jacobians, dp))
+         end do
+         print '(i0,"|",f0.2,"|",f0.2)', n, 1.0e6_dp*jacobian, 1.0e6_dp*iteration
+      end do
+   end subroutine scaling
+end program account
