@@ -21,6 +21,7 @@ module psalm_console
       character(:), allocatable :: output_dir    !! empty: beside the case
       character(:), allocatable :: device4       !! empty: CASE.dev4
       integer :: threads = 0                     !! 0: not given
+      logical :: curves = .false., assemblies = .false. !! balm: curves by gnuplot; the other assembly of each pair
       logical :: quiet = .false., help = .false., version = .false.
       integer :: code = 0                        !! exit status that bad arguments lead to
    end type arguments_t
@@ -94,6 +95,13 @@ contains
             arguments%version = .true.
          case ('--quiet', '-q')
             arguments%quiet = .true.
+         case ('--curves', '--assemblies')
+            if (program /= 'balm') then
+               call say(program, "unknown option '"//word//"'; see --help")
+               arguments%code = exit_bad_input
+            end if
+            arguments%curves = arguments%curves .or. word == '--curves'
+            arguments%assemblies = arguments%assemblies .or. word == '--assemblies'
          case ('--output-dir')
             call value_of(program, word, i, arguments%output_dir, arguments%code)
          case ('--threads')

@@ -10,7 +10,7 @@ module psalm_run
    use psalm_error, only: problem_t, motion_t, make_problem
    use psalm_finale, only: list_results, describe_violation
    use psalm_interrupt, only: interrupt_t
-   use psalm_kinds, only: wp, full_turn, right_angle
+   use psalm_kinds, only: wp, right_angle
    use psalm_margin_list, only: list_margins, describe_margin
    use psalm_margins, only: margin_t, inspector_t, prepare_inspector, inspect, is_violated, margin_angle, margin_bound
    use psalm_plot_data, only: write_block
@@ -22,6 +22,7 @@ module psalm_run
    use psalm_source, only: line_t
    use psalm_start, only: simplex_t, start_simplex, read_vertices
    use psalm_status, only: diagnostics_t, exit_done, exit_violation
+   use psalm_sweep, only: sweep_inputs
    use psalm_text, only: text_t, general, to_text
    use psalm_tolerance, only: tolerance_t, sample_t, find_tolerances, draw_sample, list_tolerances, plot_tolerances
    implicit none (type, external)
@@ -345,19 +346,11 @@ contains
       type(text_t), intent(inout) :: text
       type(problem_t) :: fine
       type(motion_t) :: every_degree
-      real(wp) :: sense
-      integer :: i
 
       call add_block('prescribed positions', problem, motion)
       if (set%iplot == 0) return
       fine = problem
-      if (problem%topology%sliding_input) then
-         call fine%set_inputs(evenly(problem%delt))
-      else
-         sense = 1.0_wp
-         if (size(problem%delt) > 1) sense = sign(1.0_wp, problem%delt(2) - problem%delt(1))
-         call fine%set_inputs([(problem%delt(1) + sense*real(i, wp), i=0, nint(full_turn) - 1)])
-      end if
+      call fine%set_inputs(sweep_inputs(problem))
       call fine%analyse(dimensions, every_degree)
       call add_block(trim(merge('every degree ', 'evenly spaced', .not. problem%topology%sliding_input)), fine, every_degree)
 
@@ -393,25 +386,6 @@ contains
          end do
       end do
    end function conditions
-
-   !> A sliding input has no degrees: 361 even steps over its range.
-   pure function evenly(delt) result(steps)
-      real(wp), intent(in) :: delt(:)
-      real(wp), allocatable :: steps(:)
-      real(wp) :: from, to
-      integer :: i
-      integer, parameter :: intervals = 360
-
-      from = minval(delt)
-      to = maxval(delt)
-      if (size(delt) > 1) then
-         if (delt(2) < delt(1)) then
-            from = maxval(delt)
-            to = minval(delt)
-         end if
-      end if
-      steps = [(from + (to - from)*(real(i, wp)/real(intervals, wp)), i=0, intervals)]
-   end function evenly
 
    !> Exit status 1 and a remark where limits are violated.
    subroutine note_violations(set, problem, motion, devices)

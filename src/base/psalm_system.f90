@@ -5,7 +5,7 @@ module psalm_system
    use, intrinsic :: iso_c_binding, only: c_char, c_int, c_null_char, c_ptr, c_associated, c_size_t
    implicit none (type, external)
    private
-   public :: write_whole_file, write_standard_output, write_standard_error, error_is_terminal, make_directory
+   public :: write_whole_file, write_standard_output, write_standard_error, error_is_terminal, make_directory, move_file
 
    integer, parameter :: error_unit_number = 2  !! file descriptor of standard error
    integer, parameter :: output_unit_number = 1 !! file descriptor of standard output
@@ -134,6 +134,14 @@ contains
 
       error_is_terminal = c_isatty(int(error_unit_number, c_int)) == 1
    end function error_is_terminal
+
+   !> Give a file another name, in place of a file that has it.
+   subroutine move_file(from, to, done)
+      character(*), intent(in) :: from, to
+      logical, intent(out) :: done
+
+      done = c_rename(from//c_null_char, to//c_null_char) == 0
+   end subroutine move_file
 
    !> Make a directory; an existing one is as good. Failure shows when a file is written there.
    subroutine make_directory(path)

@@ -1,0 +1,279 @@
+!> Curves of a scene as a gnuplot script that carries its data: output, error, transmission angles, convergence.
+module psalm_curves
+   use psalm_data_set, only: motion_point, motion_angle, motion_distance
+   use psalm_kinds, only: wp, full_turn
+   use psalm_markup, only: clean_text, short_number
+   use psalm_number, only: parse_real
+   use psalm_scene, only: scene_t
+   use psalm_source, only: line_t
+   use psalm_text, only: text_t, full_precision, to_text
+   use psalm_trace, only: row_t
+   implicit none (type, external)
+   private
+   public :: write_curves
+
+   integer, parameter :: panel_height = 330 !! pixels
+   integer, parameter :: most_lines = 12    !! transmission angles named one by one
+
+contains
+
+   !> Append a script that makes `name`.png.part and `name`.pdf.part in the directory it is run in.
+   subroutine write_curves(scene, name, progress, text)
+      type(scene_t), intent(in) :: scene
+      character(*), intent(in) :: name         !! of the case, without directory
+      type(line_t), intent(in) :: progress(:)  !! device 1, empty if there is none
+      type(text_t), intent(inout) :: text
+      integer :: panels, steps, pass
+      logical :: errors, angles
+
+      call text%add('# '//clean_text(trim(scene%title)))
+      call write_table('$prescribed', scene, scene%prescribed, text)
+      call write_table('$sweep', scene, scene%sweep, text)
+      call write_progress(progress, steps, text)
+      errors = scene%desired
+      angles = any(scene%pairs%joint_type == 1)
+      panels = 1 + count([scene%motion == motion_point, errors, angles, steps > 0])
+      call text%add('set datafile missing "NaN"')
+      call text%add('set grid; set key outside right top; set lmargin 11; set rmargin 17')
+      call input_axis(scene, text)
+      do pass = 1, 2
+         if (pass == 1) then
+            call text%add('set terminal pngcairo size 1000,'//to_text(panels*panel_height + 40)//' font "sans,10"')
+            call text%add('set output '//quoted(name//'.png.part'))
+         else
+            call text%add('set terminal pdfcairo size 21cm,'//short_number(7.0_wp*real(panels, wp) + 0.8_wp)//'cm font "sans,9"')
+            call text%add('set output '//quoted(name//'.pdf.part'))
+         end if
+         call text%add('set multiplot layout '//to_text(panels)//',1 title '//quoted(trim(scene%title))//' noenhanced')
+         call plot_panels(scene, errors, angles, steps, text)
+         call text%add('unset multiplot')
+         call text%add('unset output')
+      end do
+   end subroutine write_curves
+
+   !> The same axis for all panels; a turn is a whole one.
+   subroutine input_axis(scene, text)
+      type(scene_t), intent(in) :: scene
+      type(text_t), intent(inout) :: text
+      real(wp) :: low, high
+
+      call text%add('set xlabel '//quoted(input_name(scene)))
+      low = minval(scene%sweep%input)
+      high = maxval(scene%sweep%input)
+      if (.not. scene%sliding) then
+         call text%add('set xtics 30')
+         low = scene%sweep%input(1) + min(0.0_wp, scene%sense*full_turn)
+         high = low + full_turn
+      end if
+      if (high > low) call text%add('set xrange ['//short_number(low)//':'//short_number(high)//']')
+   end subroutine input_axis
+
+   !> Input along the sweep (degrees go on beyond a turn), actual, desired, errors, transmission angles.
+   subroutine write_table(name, scene, row, text)
+      character(*), intent(in) :: name
+      type(scene_t), intent(in) :: scene
+      type(row_t), intent(in) :: row
+      type(text_t), intent(inout) :: text
+      character(:), allocatable :: line
+      real(wp) :: value, before
+      integer :: i, loop
+
+      call text%add(name//' << END')
+      call text%add('# input actual actual_y desired desired_y error error_y, then the transmission angle of each link pair')
+      before = 0.0_wp
+      do i = 1, row%n
+         value = row%actual(i)
+         if (scene%motion == motion_angle) then
+            ! an angle goes on from the one before it
+            if (scene%desired .and. size(row%wanted) == 0 .and. i == 1) before = scene%prescribed%actual(1)
+            if (size(row%wanted) == 0) value = value + full_turn*anint((before - value)/full_turn)
+            if (row%closed(i)) before = value
+         end if
+         line = full_precision(along(scene, row, i))//' '//number(value, row%closed(i))//' '// &
+                number(row%actual_y(i), row%closed(i) .and. scene%motion == motion_point)
+         if (size(row%wanted) > 0) then
+            line = line//' '//full_precision(row%wanted(i))
+            if (scene%motion == motion_point) then
+               line = line//' '//full_precision(row%wanted_y(i))
+            else
+               line = line//' NaN'
+            end if
+            line = line//' '//number(row%error(i), row%closed(i))//' '//number(row%error_y(i), row%closed(i))
+         else
+            line = line//' NaN NaN NaN NaN'
+         end if
+         do loop = 1, scene%loops
+            if (scene%pairs(loop)%joint_type == 1) line = line//' '//number(row%angle(loop, i), row%sound(loop, i))
+         end do
+         call text%add(line)
+      end do
+      call text%add('END')
+   end subroutine write_table
+
+   !> Input of a position on the axis of the sweep.
+   pure real(wp) function along(scene, row, i)
+      type(scene_t), intent(in) :: scene
+      type(row_t), intent(in) :: row
+      integer, intent(in) :: i
+
+      along = row%input(i)
+      if (scene%sliding) return
+      associate (start => scene%sweep%input(1))
+         along = start + scene%sense*modulo(scene%sense*(row%delt(i) - scene%sweep%delt(1)), full_turn)
+      end associate
+   end function along
+
+   !> Best and worst objective by iteration, or objective by start, from device 1.
+   subroutine write_progress(progress, steps, text)
+      type(line_t), intent(in) :: progress(:)
+      integer, intent(out) :: steps      !! lines found
+      type(text_t), intent(inout) :: text
+      character(:), allocatable :: reason
+      real(wp) :: at, best, worst
+      logical :: valid
+      integer :: i
+
+      steps = 0
+      call text%add('$progress << END')
+      do i = 1, size(progress)
+         associate (line => progress(i)%text)
+            if (index(line, ' ITERATION ') == 1) then
+               call value_after(line, ' ITERATION', at, valid)
+               if (valid) call value_after(line, ' BEST', best, valid)
+               if (valid) call value_after(line, ' WORST', worst, valid)
+            else if (index(line, ' START ') == 1) then
+               call value_after(line, ' START', at, valid)
+               if (valid) call value_after(line, ' OBJECTIVE', best, valid)
+               worst = best
+            else
+               valid = .false.
+            end if
+            if (.not. valid) cycle
+            steps = steps + 1
+            call text%add(short_number(at)//' '//full_precision(best)//' '//full_precision(worst))
+         end associate
+      end do
+      call text%add('END')
+
+   contains
+
+      subroutine value_after(line, word, value, valid)
+         character(*), intent(in) :: line, word
+         real(wp), intent(out) :: value
+         logical, intent(out) :: valid
+         integer :: first, last
+
+         value = 0.0_wp
+         valid = index(line, word//' ') > 0
+         if (.not. valid) return
+         first = index(line, word//' ') + len(word)
+         first = first + verify(line(first:)//'x', ' ') - 1
+         last = first + scan(line(first:)//' ', ' ') - 2
+         call parse_real(line(first:last), value, valid, reason)
+      end subroutine value_after
+   end subroutine write_progress
+
+   subroutine plot_panels(scene, errors, angles, steps, text)
+      type(scene_t), intent(in) :: scene
+      logical, intent(in) :: errors, angles
+      integer, intent(in) :: steps
+      type(text_t), intent(inout) :: text
+      character(:), allocatable :: line
+      integer :: loop, column
+
+      if (scene%motion == motion_point) then
+         call output_panel('x of the output point', 2, 4)
+         call output_panel('y of the output point', 3, 5)
+      else
+         call output_panel(output_name(scene), 2, 4)
+      end if
+      if (errors) then
+         line = 'set ylabel "error: desired - actual"; plot $prescribed using 1:6 with linespoints pt 7 ps 0.6 title '
+         if (scene%motion == motion_point) then
+            call text%add(line//"'x', '' using 1:7 with linespoints pt 5 ps 0.6 title 'y'")
+         else
+            call text%add(line//"'error'")
+         end if
+      end if
+      if (angles) then
+         line = 'set ylabel "transmission angle, degrees"; set yrange [0:180]; plot '
+         column = 7
+         do loop = 1, scene%loops
+            if (scene%pairs(loop)%joint_type /= 1) cycle
+            column = column + 1
+            line = line//"$sweep using 1:"//to_text(column)//" with lines "
+            if (column - 7 <= most_lines) then
+               line = line//"title 'loop "//to_text(loop)//"', "
+            else
+               line = line//'notitle, '
+            end if
+         end do
+         call text%add(line//short_number(90.0_wp - scene%tangle)//" dt 2 lc 'red' title 'limits', "// &
+                       short_number(90.0_wp + scene%tangle)//" dt 2 lc 'red' notitle; set yrange [*:*]")
+      end if
+      if (steps == 0) return
+      call text%add('set xlabel "iteration, or start"; set xtics auto; set xrange [*:*]')
+      call text%add('set ylabel "objective"; set logscale y; '// &
+                    "plot $progress using 1:3 with linespoints pt 7 ps 0.4 title 'worst', '' using 1:2 with linespoints pt 7 "// &
+                    "ps 0.4 title 'best'; unset logscale y")
+      call input_axis(scene, text)
+
+   contains
+
+      subroutine output_panel(name, actual, desired)
+         character(*), intent(in) :: name
+         integer, intent(in) :: actual, desired
+         character(:), allocatable :: plot
+
+         plot = 'set ylabel '//quoted(name)//'; plot $sweep using 1:'//to_text(actual)// &
+                " with lines lw 1.5 title 'actual', $prescribed using 1:"//to_text(actual)//" with points pt 7 ps 0.5 lc 1 notitle"
+         if (scene%desired) plot = plot//', $prescribed using 1:'//to_text(desired)//" with points pt 6 lc 2 title 'desired'"
+         call text%add(plot)
+      end subroutine output_panel
+   end subroutine plot_panels
+
+   pure function output_name(scene) result(name)
+      type(scene_t), intent(in) :: scene
+      character(:), allocatable :: name
+
+      select case (scene%motion)
+      case (motion_angle)
+         name = 'angle, degrees'
+      case (motion_distance)
+         name = 'distance'
+      case default
+         name = 'length of the slide'
+      end select
+   end function output_name
+
+   pure function input_name(scene) result(name)
+      type(scene_t), intent(in) :: scene
+      character(:), allocatable :: name
+
+      name = trim(merge('input length         ', 'crank angle, degrees ', scene%sliding))
+   end function input_name
+
+   pure function number(value, known) result(written)
+      real(wp), intent(in) :: value
+      logical, intent(in) :: known
+      character(:), allocatable :: written
+
+      written = 'NaN'
+      if (known) written = full_precision(value)
+   end function number
+
+   !> A text as a string of gnuplot.
+   pure function quoted(string) result(written)
+      character(*), intent(in) :: string
+      character(:), allocatable :: written, clean
+      integer :: i
+
+      clean = clean_text(string)
+      written = "'"
+      do i = 1, len(clean)
+         written = written//clean(i:i)
+         if (clean(i:i) == "'") written = written//"'"
+      end do
+      written = written//"'"
+   end function quoted
+end module psalm_curves

@@ -1,0 +1,212 @@
+!> Text and numbers inside SVG, HTML, JSON and gnuplot: what a user may have written in a title must not end a string there.
+module psalm_markup
+   use psalm_kinds, only: wp
+   use psalm_text, only: full_precision, to_text
+   implicit none (type, external)
+   private
+   public :: clean_text, xml_text, json_text, number_or_null, short_number, wrapped, strings_t, add_string
+
+   integer, parameter :: significant = 9 !! digits of `short_number`
+
+   !> Lines of different lengths.
+   type :: strings_t
+      character(:), allocatable :: text
+   end type strings_t
+
+contains
+
+   !> The text as valid UTF-8 without control characters: a byte that fits no sequence is taken for Latin-1.
+   pure function clean_text(text) result(clean)
+      character(*), intent(in) :: text
+      character(:), allocatable :: clean
+      integer :: i, k, code, more, least
+
+      clean = ''
+      i = 1
+      do while (i <= len(text))
+         code = ichar(text(i:i))
+         if (code < 128) then
+            if (code < 32 .or. code == 127) code = 32
+            clean = clean//achar(code)
+            i = i + 1
+            cycle
+         end if
+         more = 0
+         least = 0
+         if (code >= 194 .and. code <= 223) then
+            more = 1
+            code = code - 192
+            least = 128
+         else if (code >= 224 .and. code <= 239) then
+            more = 2
+            code = code - 224
+            least = 2048
+         else if (code >= 240 .and. code <= 244) then
+            more = 3
+            code = code - 240
+            least = 65536
+         end if
+         do k = 1, more
+            if (i + k > len(text)) then
+               more = 0
+               exit
+            end if
+            if (ichar(text(i + k:i + k)) < 128 .or. ichar(text(i + k:i + k)) > 191) then
+               more = 0
+               exit
+            end if
+            code = code*64 + ichar(text(i + k:i + k)) - 128
+         end do
+         ! too long a form, surrogates, and what XML does not take
+         if (code < least .or. (code >= 55296 .and. code <= 57343) .or. code > 1114111) more = 0
+         if (code == 65534 .or. code == 65535) more = 0
+         if (more > 0 .and. code >= 160) then
+            clean = clean//text(i:i + more)
+         else if (more > 0) then
+            clean = clean//' '
+         else
+            code = ichar(text(i:i))
+            if (code >= 160) then
+               clean = clean//char(192 + code/64)//char(128 + modulo(code, 64))
+            else
+               clean = clean//'?'
+            end if
+         end if
+         i = i + 1 + more
+      end do
+   end function clean_text
+
+   !> The text for the content or an attribute of an XML or HTML element.
+   pure function xml_text(text) result(escaped)
+      character(*), intent(in) :: text
+      character(:), allocatable :: escaped, clean
+      integer :: i
+
+      clean = clean_text(text)
+      escaped = ''
+      do i = 1, len(clean)
+         select case (clean(i:i))
+         case ('&')
+            escaped = escaped//'&amp;'
+         case ('<')
+            escaped = escaped//'&lt;'
+         case ('>')
+            escaped = escaped//'&gt;'
+         case ('"')
+            escaped = escaped//'&quot;'
+         case ("'")
+            escaped = escaped//'&#39;'
+         case default
+            escaped = escaped//clean(i:i)
+         end select
+      end do
+   end function xml_text
+
+   !> The text as a JSON string, quotes included, that may stand inside a script element.
+   pure function json_text(text) result(quoted)
+      character(*), intent(in) :: text
+      character(:), allocatable :: quoted, clean
+      integer :: i
+
+      clean = clean_text(text)
+      quoted = '"'
+      do i = 1, len(clean)
+         select case (clean(i:i))
+         case ('"')
+            quoted = quoted//achar(92)//'"'
+         case (achar(92))
+            quoted = quoted//achar(92)//achar(92)
+         case ('<')
+            quoted = quoted//achar(92)//'u003c'
+         case ('>')
+            quoted = quoted//achar(92)//'u003e'
+         case ('&')
+            quoted = quoted//achar(92)//'u0026'
+         case default
+            quoted = quoted//clean(i:i)
+         end select
+      end do
+      quoted = quoted//'"'
+   end function json_text
+
+   !> All digits of a number, or `null` if it is not known.
+   pure function number_or_null(value, known) result(text)
+      real(wp), intent(in) :: value
+      logical, intent(in) :: known
+      character(:), allocatable :: text
+
+      text = 'null'
+      if (known) text = full_precision(value)
+   end function number_or_null
+
+   !> Nine significant digits without needless zeros.
+   pure function short_number(value) result(text)
+      real(wp), intent(in) :: value
+      character(:), allocatable :: text
+      character(40) :: buffer
+      character(12) :: layout
+      integer :: power, mark
+
+      if (abs(value) <= tiny(value)) then
+         text = '0'
+         return
+      end if
+      power = floor(log10(abs(value)))
+      if (power >= -4 .and. power < significant - 1) then
+         write (layout, '("(f36.",i0,")")') significant - 1 - power
+         write (buffer, layout) value
+         text = trim(adjustl(buffer))
+         text = without_zeros(text)
+      else
+         write (buffer, '(es36.8e4)') value
+         buffer = adjustl(buffer)
+         mark = index(buffer, 'E')
+         text = without_zeros(buffer(:mark - 1))//trim(buffer(mark:))
+      end if
+   end function short_number
+
+   pure function without_zeros(number) result(text)
+      character(*), intent(in) :: number
+      character(:), allocatable :: text
+      integer :: last
+
+      last = verify(number, '0', back=.true.)
+      if (number(last:last) == '.') last = last - 1
+      text = number(:last)
+   end function without_zeros
+
+   !> Break a message into lines of at most `width` characters, at blanks where there are any.
+   pure function wrapped(text, width) result(lines)
+      character(*), intent(in) :: text
+      integer, intent(in) :: width
+      type(strings_t), allocatable :: lines(:)
+      integer :: first, last
+
+      allocate (lines(0))
+      first = 1
+      do while (first <= len_trim(text))
+         last = min(len_trim(text), first + width - 1)
+         if (last < len_trim(text)) then
+            if (index(text(first:last + 1), ' ', back=.true.) > width/2) &
+               last = first + index(text(first:last + 1), ' ', back=.true.) - 2
+         end if
+         call add_string(lines, text(first:last))
+         first = last + 1
+         if (first <= len(text)) then
+            if (text(first:first) == ' ') first = first + 1
+         end if
+      end do
+   end function wrapped
+
+   !> Append a line to a list.
+   pure subroutine add_string(lines, text)
+      type(strings_t), allocatable, intent(inout) :: lines(:)
+      character(*), intent(in) :: text
+      type(strings_t), allocatable :: more(:)
+
+      allocate (more(size(lines) + 1))
+      more(:size(lines)) = lines
+      more(size(more))%text = text
+      call move_alloc(more, lines)
+   end subroutine add_string
+end module psalm_markup

@@ -1,0 +1,320 @@
+!> Scenes as one self-contained HTML page: the page's text is part of the program, the scenes go into it as JSON.
+module psalm_page
+   use, intrinsic :: iso_c_binding, only: c_char, c_int, c_ptr, c_null_ptr, c_loc
+   use psalm_kinds, only: wp
+   use psalm_markup, only: xml_text, json_text, number_or_null, short_number, strings_t
+   use psalm_scene, only: scene_t
+   use psalm_text, only: text_t, full_precision, to_text
+   use psalm_trace, only: row_t
+   implicit none (type, external)
+   private
+   public :: write_page
+
+   character(*), parameter :: title_mark = '<!--TITLE-->', data_mark = '<!--DATA-->' !! places in the page
+
+   interface
+      integer(c_int) function page_copy(place) bind(c, name='psalm_page_copy')
+         import :: c_int, c_ptr
+         implicit none (type, external)
+         type(c_ptr), value :: place
+      end function page_copy
+   end interface
+
+contains
+
+   !> Append the page with all scenes of a file.
+   subroutine write_page(scenes, text)
+      type(scene_t), intent(in) :: scenes(:)   !! at least one
+      type(text_t), intent(inout) :: text
+      character(:), allocatable :: page
+      integer :: title, place, i
+
+      page = page_template()
+      title = index(page, title_mark)
+      place = index(page, data_mark)
+      call text%add_text(page(:title - 1)//xml_text(trim(scenes(1)%title))//page(title + len(title_mark):place - 1))
+      call text%add_text('<script type="application/json" id="data">{"cases":[')
+      do i = 1, size(scenes)
+         if (i > 1) call text%add_text(',')
+         call write_scene(scenes(i), text)
+      end do
+      call text%add_text(']}</script>')
+      call text%add_text(page(place + len(data_mark):))
+   end subroutine write_page
+
+   !> The page as it was built in, with the marks of title and data.
+   function page_template() result(page)
+      character(:), allocatable :: page
+      character(kind=c_char), allocatable, target :: bytes(:)
+      integer(c_int) :: length
+      integer :: i
+
+      length = page_copy(c_null_ptr)
+      allocate (bytes(length))
+      length = page_copy(c_loc(bytes))
+      allocate (character(length) :: page)
+      do i = 1, length
+         page(i:i) = bytes(i)
+      end do
+   end function page_template
+
+   subroutine write_scene(scene, text)
+      type(scene_t), intent(in) :: scene
+      type(text_t), intent(inout) :: text
+
+      call text%add_text('{"title":'//json_text(trim(scene%title))//',"file":'//json_text(scene%file)//',"sound":'// &
+                         truth(scene%sound)//',')
+      call add_messages('errors', scene%errors)
+      call text%add_text(',')
+      call add_messages('warnings', scene%warnings)
+      call text%add_text(',')
+      call add_messages('breaches', scene%breaches)
+      if (scene%sound) then
+         call text%add_text(',"motion":'//to_text(scene%motion)//',"sliding":'//truth(scene%sliding)//',"desired":'// &
+                            truth(scene%desired)//',"tangle":'//full_precision(scene%tangle)//',"sense":'// &
+                            short_number(scene%sense)//',"loops":'//to_text(scene%loops)//',"output":'// &
+                            to_text(scene%output - 1)//',"base":'//to_text(scene%output_base - 1)//',"reference":'// &
+                            to_text(scene%reference - 1)//',"view":['//short_number(scene%low(1))//','// &
+                            short_number(scene%low(2))//','//short_number(scene%high(1))//','//short_number(scene%high(2))//']')
+         call write_parts(scene, text)
+         call text%add(',"prescribed":{')
+         call write_row(scene, scene%prescribed, .true., text)
+         call text%add('},"sweep":{')
+         call write_row(scene, scene%sweep, .false., text)
+         call text%add_text('}')
+      end if
+      call text%add('}')
+
+   contains
+
+      subroutine add_messages(name, messages)
+         character(*), intent(in) :: name
+         type(strings_t), intent(in) :: messages(:)
+         integer :: i
+
+         call text%add_text('"'//name//'":[')
+         do i = 1, size(messages)
+            if (i > 1) call text%add_text(',')
+            call text%add_text(json_text(messages(i)%text))
+         end do
+         call text%add_text(']')
+      end subroutine add_messages
+   end subroutine write_scene
+
+   !> Joints, bars, bodies, slides and pairs; numbers count from 0, -1 is none.
+   subroutine write_parts(scene, text)
+      type(scene_t), intent(in) :: scene
+      type(text_t), intent(inout) :: text
+      integer :: i
+
+      call text%add(',"joints":[')
+      do i = 1, size(scene%joints)
+         associate (joint => scene%joints(i))
+            call text%add_text(comma(i)//'{"name":'//json_text(joint%name)//',"turning":'//truth(joint%turning)//',"slides":'// &
+                               truth(joint%slides)//',"fixed":'//truth(joint%fixed)//'}')
+         end associate
+      end do
+      call text%add('],"bars":[')
+      do i = 1, size(scene%bars)
+         associate (bar => scene%bars(i))
+            call text%add_text(comma(i)//'{"from":'//to_text(bar%start - 1)//',"to":'//to_text(bar%finish - 1)//',"loop":'// &
+                               to_text(bar%loop)//',"arc":'//to_text(bar%arc)//',"others":'//json_text(bar%others)//',"slide":'// &
+                               to_text(bar%slide - 1)//',"body":'//to_text(bar%body - 1)//',"length":'// &
+                               full_precision(bar%length)//'}')
+         end associate
+      end do
+      call text%add('],"bodies":[')
+      do i = 1, size(scene%bodies)
+         call text%add_text(comma(i)//'{"frame":'//truth(scene%bodies(i)%frame)//',"hull":'// &
+                            integers(scene%bodies(i)%hull - 1)//'}')
+      end do
+      call text%add('],"slides":[')
+      do i = 1, size(scene%slides)
+         associate (slide => scene%slides(i))
+            call text%add_text(comma(i)//'{"guide":'//to_text(slide%guide - 1)//',"block":'//to_text(slide%block - 1)// &
+                               ',"sense":'//short_number(slide%sense)//',"low":'//short_number(slide%low)//',"high":'// &
+                               short_number(slide%high)//'}')
+         end associate
+      end do
+      call text%add('],"pairs":[')
+      do i = 1, size(scene%pairs)
+         associate (pair => scene%pairs(i))
+            call text%add_text(comma(i)//'{"type":'//to_text(pair%joint_type)//',"start":'//to_text(pair%start - 1)// &
+                               ',"shared":'//to_text(pair%shared - 1)//',"finish":'//to_text(pair%finish - 1)//'}')
+         end associate
+      end do
+      call text%add('],"regions":[')
+      do i = 1, size(scene%regions)
+         associate (region => scene%regions(i))
+            call text%add_text(comma(i)//'{"kind":'//to_text(region%kind)//',"inside":'//truth(region%stay_inside)//',"at":['// &
+                               full_precision(region%at(1))//','//full_precision(region%at(2))//','// &
+                               full_precision(region%at(3))//','//full_precision(region%at(4))//']}')
+         end associate
+      end do
+      call text%add_text(']')
+   end subroutine write_parts
+
+   !> A row of positions: prescribed ones with all digits, a sweep with nine.
+   subroutine write_row(scene, row, exact, text)
+      type(scene_t), intent(in) :: scene
+      type(row_t), intent(in) :: row
+      logical, intent(in) :: exact
+      type(text_t), intent(inout) :: text
+      logical :: all_known(row%n)
+      integer :: i, j, loop
+      logical :: first
+
+      all_known = .true.
+      call text%add_text('"n":'//to_text(row%n))
+      call add_numbers('delt', row%delt, all_known)
+      call add_numbers('input', row%input, all_known)
+      call add_numbers('actual', row%actual, row%closed)
+      call add_numbers('actual_y', row%actual_y, row%closed)
+      if (size(row%wanted) > 0) then
+         call add_numbers('desired', row%wanted, all_known)
+         call add_numbers('error', row%error, row%closed)
+         if (size(row%wanted_y) > 0) then
+            call add_numbers('desired_y', row%wanted_y, all_known)
+            call add_numbers('error_y', row%error_y, row%closed)
+         end if
+         call add_numbers('wish_x', row%wish(1, :), all_known)
+         call add_numbers('wish_y', row%wish(2, :), all_known)
+      end if
+      call add_numbers('aim_x', row%aim(1, :), row%closed)
+      call add_numbers('aim_y', row%aim(2, :), row%closed)
+      call text%add_text(',"closed":"')
+      do i = 1, row%n
+         call text%add_text(merge('1', '0', row%closed(i)))
+      end do
+      call text%add('","x":[')
+      do j = 1, size(scene%joints)
+         call add_array(j, row%x(j, :), row%known(j, :), scene%joints(j)%fixed)
+      end do
+      call text%add('],"y":[')
+      do j = 1, size(scene%joints)
+         call add_array(j, row%y(j, :), row%known(j, :), scene%joints(j)%fixed)
+      end do
+      call text%add('],"ux":[')
+      do j = 1, size(scene%slides)
+         call add_array(j, row%ux(j, :), abs(row%ux(j, :)) + abs(row%uy(j, :)) > 0.0_wp, scene%slides(j)%still)
+      end do
+      call text%add('],"uy":[')
+      do j = 1, size(scene%slides)
+         call add_array(j, row%uy(j, :), abs(row%ux(j, :)) + abs(row%uy(j, :)) > 0.0_wp, scene%slides(j)%still)
+      end do
+      call text%add('],"angle":[')
+      first = .true.
+      do loop = 1, scene%loops
+         if (scene%pairs(loop)%joint_type /= 1) cycle
+         if (.not. first) call text%add_text(',')
+         first = .false.
+         call text%add_text('{"loop":'//to_text(loop)//',"values":[')
+         do i = 1, row%n
+            call text%add_text(comma(i)//number(row%angle(loop, i), row%sound(loop, i)))
+         end do
+         call text%add(']}')
+      end do
+      call text%add('],"broken":[')
+      call add_broken(row)
+      call text%add('],"violations":[')
+      do i = 1, size(row%violations)
+         associate (violation => row%violations(i))
+            call text%add(comma(i)//'{"loop":'//to_text(violation%loop)//',"first":'//to_text(violation%first - 1)//',"last":'// &
+                          to_text(violation%last - 1)//',"text":'//json_text(row%words(i)%text)//'}')
+         end associate
+      end do
+      call text%add(']')
+
+   contains
+
+      pure function number(value, known) result(written)
+         real(wp), intent(in) :: value
+         logical, intent(in) :: known
+         character(:), allocatable :: written
+
+         if (exact .or. .not. known) then
+            written = number_or_null(value, known)
+         else
+            written = short_number(value)
+         end if
+      end function number
+
+      subroutine add_numbers(name, values, known)
+         character(*), intent(in) :: name
+         real(wp), intent(in) :: values(:)
+         logical, intent(in) :: known(:)
+         integer :: m
+
+         call text%add(',"'//name//'":[')
+         do m = 1, size(values)
+            call text%add_text(comma(m)//number(values(m), known(m)))
+         end do
+         call text%add(']')
+      end subroutine add_numbers
+
+      !> What does not move in a sweep is one number.
+      subroutine add_array(j, values, known, still)
+         integer, intent(in) :: j
+         real(wp), intent(in) :: values(:)
+         logical, intent(in) :: known(:), still
+         integer :: m
+
+         if (j > 1) call text%add(',')
+         if (still .and. .not. exact) then
+            call text%add_text(number(values(1), known(1)))
+            return
+         end if
+         call text%add_text('[')
+         do m = 1, size(values)
+            call text%add_text(comma(m)//number(values(m), known(m)))
+         end do
+         call text%add_text(']')
+      end subroutine add_array
+
+      !> Pairs that do not meet: position, loop, where p and q end.
+      subroutine add_broken(row)
+         type(row_t), intent(in) :: row
+         integer :: k, l, m, count
+
+         count = 0
+         do k = 1, row%n
+            do l = 1, scene%loops
+               if (.not. row%broken(l, k)) cycle
+               count = count + 1
+               call text%add_text(comma(count)//'['//to_text(k - 1)//','//to_text(l - 1))
+               do m = 1, 4
+                  call text%add_text(','//short_number(row%tip(m, l, k)))
+               end do
+               call text%add(']')
+            end do
+         end do
+      end subroutine add_broken
+   end subroutine write_row
+
+   pure function comma(i) result(text)
+      integer, intent(in) :: i
+      character(:), allocatable :: text
+
+      text = ','
+      if (i == 1) text = ''
+   end function comma
+
+   pure function truth(value) result(text)
+      logical, intent(in) :: value
+      character(:), allocatable :: text
+
+      text = trim(merge('true ', 'false', value))
+   end function truth
+
+   pure function integers(values) result(text)
+      integer, intent(in) :: values(:)
+      character(:), allocatable :: text
+      integer :: i
+
+      text = '['
+      do i = 1, size(values)
+         text = text//comma(i)//to_text(values(i))
+      end do
+      text = text//']'
+   end function integers
+end module psalm_page

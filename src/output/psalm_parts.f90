@@ -1,0 +1,141 @@
+!> The parts of a linkage as drawn: joints, bars, rigid bodies, slides, pairs of undetermined arcs.
+module psalm_parts
+   use psalm_chain, only: chain_t
+   use psalm_kinds, only: wp
+   use psalm_plan, only: plan_t, root_frame
+   use psalm_topology, only: topology_t
+   implicit none (type, external)
+   private
+   public :: joint_t, bar_t, body_t, slide_t, pair_t, find_slides, convex_hull
+
+   real(wp), parameter :: flat = 1.0e-3_wp !! a hull with less area than this times its width squared is a line
+
+   type :: joint_t
+      character(:), allocatable :: name       !! letter; empty: a corner of one body, no joint
+      logical :: turning = .false.            !! revolute
+      logical :: slides = .false.             !! prismatic: a block sits here
+      logical :: fixed = .false.              !! on the frame
+   end type joint_t
+
+   !> An arc, or several arcs that are the same.
+   type :: bar_t
+      integer :: start = 0, finish = 0        !! joints
+      integer :: loop = 0, arc = 0            !! the first arc along it; 0: the output arc
+      character(:), allocatable :: others     !! the other arcs along it, in words
+      integer :: root = 0                     !! root of its direction
+      integer :: slide = 0                    !! number of the slide, 0: fixed length
+      integer :: body = 0                     !! rigid body it belongs to, 0: none
+      real(wp) :: length = 0.0_wp             !! fixed length
+   end type bar_t
+
+   type :: body_t
+      integer, allocatable :: joints(:)
+      integer, allocatable :: hull(:)         !! joints round its outline, size 0: no plate
+      logical :: frame = .false.
+   end type body_t
+
+   type :: slide_t
+      integer :: bar = 0
+      integer :: guide = 0, block = 0         !! joints: where the guide meets the line, and what moves along it
+      real(wp) :: sense = 1.0_wp              !! +1: the arc leads from guide to block
+      logical :: still = .false.              !! its direction is that of the frame
+      real(wp) :: low = 0.0_wp, high = 0.0_wp !! reach of the rail, from the guide along sense times the arc's direction
+   end type slide_t
+
+   !> The undetermined arcs of a loop.
+   type :: pair_t
+      integer :: joint_type = 0               !! dyad, 1 to 8
+      integer :: start = 0, shared = 0, finish = 0 !! joints S, common joint, E
+      integer :: bars(2) = 0                  !! p and q
+   end type pair_t
+
+contains
+
+   !> Every bar of varying length, with joint numbers of the chain.
+   pure subroutine find_slides(topology, plan, chain, slides)
+      type(topology_t), intent(in) :: topology
+      type(plan_t), intent(in) :: plan
+      type(chain_t), intent(in) :: chain
+      type(slide_t), allocatable, intent(out) :: slides(:)
+      type(slide_t) :: slide
+      integer :: b, n, guide
+      logical :: before
+
+      allocate (slides(0))
+      do b = 1, chain%bars
+         n = chain%bar_arc(b)
+         if (plan%length_slot(n) == 0) cycle
+         n = topology%arcs(n)%representative
+         guide = topology%arcs(n)%reference
+         ! the loop is a ring: for a slide that leaves the input pivot a frame arc comes before it
+         before = guide < n .or. (n == 1 .and. guide > 2)
+         slide%bar = b
+         slide%guide = merge(chain%start(b), chain%finish(b), before)
+         slide%block = merge(chain%finish(b), chain%start(b), before)
+         slide%sense = merge(1.0_wp, -1.0_wp, before)
+         slide%still = plan%root(chain%bar_arc(b)) == root_frame
+         slides = [slides, slide]
+      end do
+   end subroutine find_slides
+
+   !> Joints round the outline of a set of points, anticlockwise; size 0 if they lie on a line.
+   function convex_hull(joints, x, y) result(hull)
+      integer, intent(in) :: joints(:)
+      real(wp), intent(in) :: x(:), y(:)       !! shape as `joints`
+      integer, allocatable :: hull(:)
+      integer :: order(size(joints)), chain(2*size(joints)), i, k, first, count
+      real(wp) :: u(size(joints)), v(size(joints)), width
+
+      allocate (hull(0))
+      width = max(maxval(x) - minval(x), maxval(y) - minval(y))
+      if (size(joints) < 3 .or. width <= 0.0_wp) return
+      u = (x - minval(x))/width
+      v = (y - minval(y))/width
+      order = [(i, i=1, size(joints))]
+      do i = 2, size(order)
+         do k = i, 2, -1
+            if (u(order(k)) > u(order(k - 1)) .or. (u(order(k)) >= u(order(k - 1)) .and. v(order(k)) >= v(order(k - 1)))) exit
+            order([k - 1, k]) = order([k, k - 1])
+         end do
+      end do
+      count = 0
+      first = 1
+      do i = 1, size(order)
+         call push(order(i))
+      end do
+      first = count
+      do i = size(order) - 1, 1, -1
+         call push(order(i))
+      end do
+      count = count - 1
+      if (count < 3 .or. area() < flat) return
+      hull = joints(chain(:count))
+
+   contains
+
+      !> Put a point on the outline; points it leaves to its right go.
+      subroutine push(point)
+         integer, intent(in) :: point
+
+         do while (count > first)
+            associate (a => chain(count - 1), b => chain(count))
+               if ((u(b) - u(a))*(v(point) - v(b)) - (v(b) - v(a))*(u(point) - u(b)) > flat*flat) exit
+            end associate
+            count = count - 1
+         end do
+         count = count + 1
+         chain(count) = point
+      end subroutine push
+
+      pure real(wp) function area()
+         integer :: m
+
+         area = 0.0_wp
+         do m = 1, count
+            associate (a => chain(m), b => chain(modulo(m, count) + 1))
+               area = area + 0.5_wp*(u(a)*v(b) - u(b)*v(a))
+            end associate
+         end do
+      end function area
+   end function convex_hull
+end module psalm_parts

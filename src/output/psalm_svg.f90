@@ -1,0 +1,638 @@
+!> A scene as SVG: one file, readable in print and on a dark screen.
+!>
+!> Geometry stands in machine co-ordinates with all digits inside one group that flips and scales; symbols, strokes and
+!> letters have sizes of the drawing. Symbols are those of Oldham (1977), section 15.1: circles for revolute joints, single
+!> triangles for frame joints, a pair of triangles vertex to vertex for prismatic joints, five-pointed stars for the output.
+module psalm_svg
+   use psalm_angles, only: degrees_of, unit_vector
+   use psalm_constraint_group, only: region_box, region_half_plane
+   use psalm_data_set, only: motion_point, motion_angle, motion_distance, motion_slide
+   use psalm_kinds, only: wp
+   use psalm_labels, only: place_labels
+   use psalm_markup, only: xml_text, short_number, wrapped, strings_t, add_string
+   use psalm_scene, only: scene_t
+   use psalm_text, only: text_t, full_precision, to_text, general
+   use psalm_trace, only: row_t
+   implicit none (type, external)
+   private
+   public :: write_svg
+
+   real(wp), parameter :: width = 960.0_wp, tallest = 660.0_wp, margin = 52.0_wp, header = 72.0_wp !! sizes, pixels
+   real(wp), parameter :: line_height = 17.0_wp
+   integer, parameter :: characters = 104     !! of a message on one line
+   integer, parameter :: most_messages = 14   !! the listing and the page have all
+   real(wp), parameter :: region_strip = 12.0_wp !! of a half-plane, pixels
+   integer, parameter :: many = 60            !! joints above which symbols are smaller
+   real(wp), parameter :: crowded = 0.55_wp   !! size of symbols then
+   integer, parameter :: colours = 8          !! of links, used in turn
+
+contains
+
+   !> Append the picture.
+   subroutine write_svg(scene, assemblies, text)
+      type(scene_t), intent(in) :: scene
+      logical, intent(in) :: assemblies      !! show the other assembly of each pair in grey
+      type(text_t), intent(inout) :: text
+      type(strings_t), allocatable :: lines(:)
+      real(wp) :: k, ox, oy, height, foot
+
+      call message_lines(scene, lines)
+      k = 1.0_wp
+      ox = 0.0_wp
+      oy = header
+      foot = header
+      if (scene%sound) then
+         associate (size_ => scene%high - scene%low)
+            k = min((width - 2.0_wp*margin)/size_(1), (tallest - 2.0_wp*margin)/size_(2))
+            ox = 0.5_wp*(width - k*size_(1))
+            oy = header + margin + k*size_(2)
+            foot = oy + margin
+         end associate
+      end if
+      height = foot + merge(46.0_wp, 8.0_wp, scene%sound) + line_height*real(size(lines), wp) + 14.0_wp
+      call text%add('<?xml version="1.0" encoding="UTF-8"?>')
+      call text%add('<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 '//px(width)//' '//px(height)//'" width="'//px(width)// &
+                    '" height="'//px(height)//'" role="img" aria-labelledby="title">')
+      call text%add('<title id="title">'//xml_text(scene%title)//'</title>')
+      call write_style(text)
+      call text%add('<rect class="paper" width="'//px(width)//'" height="'//px(height)//'"/>')
+      call text%add('<text class="head" x="28" y="36">'//xml_text(trim(scene%title))//'</text>')
+      if (scene%sound) then
+         call text%add('<text class="sub" x="28" y="57">'//xml_text(subtitle(scene))//'</text>')
+         call text%add('<clipPath id="area"><rect x="8" y="'//px(header - 4.0_wp)//'" width="'//px(width - 16.0_wp)// &
+                       '" height="'//px(foot - header + 4.0_wp)//'"/></clipPath><g clip-path="url(#area)">')
+         call text%add('<g id="linkage" transform="matrix('//short_number(k)//' 0 0 '//short_number(-k)//' '// &
+                       short_number(ox - k*scene%low(1))//' '//short_number(oy + k*scene%low(2))//')">')
+         call draw_linkage(scene, assemblies, k, text)
+         call text%add('</g></g>')
+         call draw_letters(scene, k, ox, oy, text)
+         call draw_scale(k, foot, text)
+         call draw_legend(scene, foot, text)
+      end if
+      call draw_messages(lines, foot + merge(46.0_wp, 8.0_wp, scene%sound), text)
+      call text%add('</svg>')
+   end subroutine write_svg
+
+   subroutine write_style(text)
+      type(text_t), intent(inout) :: text
+      character(*), parameter :: light(*) = [character(7) :: &
+         '#1f6fb5', '#b5541c', '#2e8540', '#7b3fa0', '#a8740a', '#b0305f', '#16808a', '#5a6b1c']
+      character(*), parameter :: dark(*) = [character(7) :: &
+         '#6db6f2', '#f0a070', '#7ccf8a', '#c79be6', '#e3bb5a', '#f08bb0', '#63cbd4', '#b9cc6a']
+      character(*), parameter :: fine = '.rail,.ghost,.broken{fill:none}.bar,.trace,.every,.path,.rail,.ghost'// &
+         '{fill:none;stroke-linecap:round;stroke-linejoin:round}'
+      integer :: i
+
+      call text%add('<style>')
+      call text%add('text{font-family:"DejaVu Sans",Verdana,Arial,sans-serif;font-size:13px;fill:#14202b}'// &
+                    '.head{font-size:20px;font-weight:bold}.sub,.key{font-size:12.5px;fill:#45525e}.letter{font-size:15px;'// &
+                    'font-style:italic;text-anchor:middle}.error{fill:#b3261e}.warning{fill:#8a5a00}')
+      call text%add('.paper{fill:#fff}.symbol{fill:#fff;stroke:#14202b}'//fine//'.bar{stroke:#14202b}.frame{stroke:#7d8994}'// &
+                    '.trace{stroke:#566370}.plate{fill-opacity:.16;stroke:none}.rail{stroke:#7d8994}.every{stroke-opacity:.3}'// &
+                    '.region{fill:#d3302f;fill-opacity:.09;stroke:#d3302f}.inside{fill:none}'// &
+                    '.ghost{stroke:#9aa4ad}.broken{stroke:#d3302f}.actual{fill:#c62828;stroke:#c62828}.path{stroke:#c62828}'// &
+                    '.desired{fill:none;stroke:#0b57d0}.axis{stroke:#14202b;fill:none}.direction{fill:none}')
+      do i = 1, colours
+         call text%add('.c'//to_text(i)//'{stroke:'//light(i)//'}.plate.c'//to_text(i)//'{fill:'//light(i)//';stroke:none}')
+      end do
+      call text%add('@media screen and (prefers-color-scheme:dark){text{fill:#e6ebf0}.sub,.key{fill:#aab6c1}'// &
+                    '.error{fill:#ff8a80}'// &
+                    '.warning{fill:#f0c060}.paper{fill:#14191f}.symbol{fill:#14191f;stroke:#e6ebf0}.bar{stroke:#e6ebf0}'// &
+                    '.frame,.rail{stroke:#8793a0}.trace{stroke:#9fb0bf}.ghost{stroke:#6b7681}.broken{stroke:#ff6b60}'// &
+                    '.actual{fill:#ff6b60;stroke:#ff6b60}.path{stroke:#ff6b60}.desired{stroke:#7db4ff}.axis{stroke:#e6ebf0}')
+      do i = 1, colours
+         call text%add('.c'//to_text(i)//'{stroke:'//dark(i)//'}.plate.c'//to_text(i)//'{fill:'//dark(i)//'}')
+      end do
+      call text%add('.actual.direction{fill:none}}.actual.direction,.desired.direction{fill:none}</style>')
+      call text%add('<defs><circle id="revolute" r="5"/><path id="ground" d="M0 0L-9.5-16.5H9.5Z"/><path id="prismatic" '// &
+                    'd="M0 0L-9 9.5H9ZM0 0L-9-9.5H9Z"/><path id="star" d="M0 10L2.25 3.09 9.51 3.09 3.63-1.18 5.88-8.09 0-3.82'// &
+                    '-5.88-8.09-3.63-1.18-9.51 3.09-2.25 3.09Z"/><path id="diamond" d="M0 7L6 0 0-7-6 0Z"/><path id="cross" '// &
+                    'd="M-9 0H9M0-9V9"/></defs>')
+   end subroutine write_style
+
+   function subtitle(scene) result(line)
+      type(scene_t), intent(in) :: scene
+      character(:), allocatable :: line
+
+      line = 'drawn at '//trim(merge('input length', 'crank angle ', scene%sliding))//' '// &
+             number(scene%prescribed%input(scene%reference))//trim(merge('           ', ' degrees   ', scene%sliding))//'; '
+      select case (scene%motion)
+      case (motion_point)
+         line = line//'output: the point'
+      case (motion_angle)
+         line = line//'output: direction of the output arc'
+      case (motion_distance)
+         line = line//'output: distance of the point from the origin'
+      case default
+         line = line//'output: length of a slide'
+      end select
+      line = line//'; '//to_text(scene%prescribed%n)//' position'//repeat('s', merge(0, 1, scene%prescribed%n == 1))
+      if (.not. all(scene%prescribed%closed)) &
+         line = line//', of which '//to_text(count(.not. scene%prescribed%closed))//' do not close'
+   end function subtitle
+
+   ! ---- the linkage -------------------------------------------------------------------------------------------------
+
+   subroutine draw_linkage(scene, assemblies, k, text)
+      type(scene_t), intent(in) :: scene
+      logical, intent(in) :: assemblies
+      real(wp), intent(in) :: k               !! pixels per unit of length
+      type(text_t), intent(inout) :: text
+      integer :: i
+
+      call draw_regions(scene, k, text)
+      call draw_traces(scene, k, text)
+      if (scene%everywhere) then
+         call text%add('<g'//stroke(1.1_wp, k)//'>')
+         do i = 1, scene%prescribed%n
+            if (i /= scene%reference) call draw_bars(scene, scene%prescribed, i, 'every', k, text)
+         end do
+         call text%add('</g>')
+      end if
+      if (assemblies) call draw_ghosts(scene, k, text)
+      call draw_rails(scene, k, text)
+      call draw_plates(scene, text)
+      call draw_path(scene, k, text)
+      call text%add('<g id="reference" data-position="'//to_text(scene%reference)//'"'//stroke(2.6_wp, k)//'>')
+      call draw_bars(scene, scene%prescribed, scene%reference, 'bar', k, text)
+      call text%add('</g>')
+      call draw_broken(scene, k, text)
+      call draw_output(scene, k, text)
+      call draw_symbols(scene, k, text)
+      call draw_star(scene, k, text)
+   end subroutine draw_linkage
+
+   !> Where joints must not go: shaded; where they must stay: a dashed outline. Of a half-plane a strip along its edge.
+   subroutine draw_regions(scene, k, text)
+      type(scene_t), intent(in) :: scene
+      real(wp), intent(in) :: k
+      type(text_t), intent(inout) :: text
+      character(:), allocatable :: start
+      real(wp) :: far, strip, c, s
+      integer :: r
+
+      do r = 1, size(scene%regions)
+         associate (region => scene%regions(r))
+            start = ' class="region'//trim(merge(' inside', '       ', region%stay_inside))//'" data-region="'//to_text(r)//'"'// &
+                    stroke(1.2_wp, k)
+            if (region%stay_inside) start = start//' stroke-dasharray="'//short_number(5.0_wp/k)//' '//short_number(4.0_wp/k)//'"'
+            select case (region%kind)
+            case (region_box)
+               call text%add('<path'//start//' d="M'//pair(region%at(1), region%at(2))//'H'//full_precision(region%at(3))//'V'// &
+                             full_precision(region%at(4))//'H'//full_precision(region%at(1))//'Z"/>')
+            case (region_half_plane)
+               call unit_vector(region%at(3), c, s)
+               far = 2.0_wp*(maxval(scene%high - scene%low) + hypot(region%at(1) - scene%low(1), region%at(2) - scene%low(2)))
+               strip = merge(-region_strip, region_strip, region%stay_inside)/k
+               call text%add('<path'//start//' d="M'//pair(region%at(1) - far*c, region%at(2) - far*s)//'L'// &
+                             pair(region%at(1) + far*c, region%at(2) + far*s)//'l'//pair(-strip*s, strip*c)//'l'// &
+                             pair(-2.0_wp*far*c, -2.0_wp*far*s)//'Z"/>')
+            case default
+               call text%add('<circle'//start//' cx="'//full_precision(region%at(1))//'" cy="'//full_precision(region%at(2))// &
+                             '" r="'//full_precision(region%at(3))//'"/>')
+            end select
+         end associate
+      end do
+   end subroutine draw_regions
+
+   !> Every moving joint at every position.
+   subroutine draw_traces(scene, k, text)
+      type(scene_t), intent(in) :: scene
+      real(wp), intent(in) :: k
+      type(text_t), intent(inout) :: text
+      integer :: j, i
+
+      call text%add('<g id="traces"'//stroke(3.2_wp, k)//'>')
+      associate (row => scene%prescribed)
+         do j = 1, size(scene%joints)
+            if (scene%joints(j)%fixed .or. len(scene%joints(j)%name) == 0) cycle
+            call text%add('<path class="trace" data-joint="'//scene%joints(j)%name//'" d="')
+            do i = 1, row%n
+               if (row%known(j, i)) call text%add('M'//point(row, j, i)//'h0')
+            end do
+            call text%add('"/>')
+         end do
+      end associate
+      call text%add('</g>')
+   end subroutine draw_traces
+
+   !> All links at one position.
+   subroutine draw_bars(scene, row, i, class, k, text)
+      type(scene_t), intent(in) :: scene
+      type(row_t), intent(in) :: row
+      integer, intent(in) :: i
+      character(*), intent(in) :: class
+      real(wp), intent(in) :: k
+      type(text_t), intent(inout) :: text
+      integer :: b
+      character(:), allocatable :: kind, dashes
+
+      do b = 1, size(scene%bars)
+         associate (bar => scene%bars(b))
+            if (bar%start == bar%finish) cycle
+            if (.not. (row%known(bar%start, i) .and. row%known(bar%finish, i))) cycle
+            kind = class_of(scene, bar%body)
+            if (class == 'every' .and. kind == 'frame') cycle
+            dashes = ''
+            if (kind == 'frame') dashes = stroke(1.5_wp, k)// &
+                                          ' stroke-dasharray="'//short_number(6.0_wp/k)//' '//short_number(6.0_wp/k)//'"'
+            call text%add('<path class="'//class//' '//kind//'" data-position="'//to_text(i)//'" data-arc="'//to_text(bar%loop)// &
+                          ' '//to_text(bar%arc)//'"'//dashes//' d="M'// &
+                          point(row, bar%start, i)//'L'//point(row, bar%finish, i)//'"/>')
+         end associate
+      end do
+   end subroutine draw_bars
+
+   pure function class_of(scene, body) result(class)
+      type(scene_t), intent(in) :: scene
+      integer, intent(in) :: body
+      character(:), allocatable :: class
+
+      class = 'c1'
+      if (body == 0) return
+      if (scene%bodies(body)%frame) then
+         class = 'frame'
+      else
+         class = 'c'//to_text(modulo(body - 1, colours) + 1)
+      end if
+   end function class_of
+
+   subroutine draw_plates(scene, text)
+      type(scene_t), intent(in) :: scene
+      type(text_t), intent(inout) :: text
+      integer :: b, m
+
+      associate (row => scene%prescribed, i => scene%reference)
+         do b = 1, size(scene%bodies)
+            associate (body => scene%bodies(b))
+               if (size(body%hull) == 0 .or. body%frame) cycle
+               if (.not. all(row%known(body%hull, i))) cycle
+               call text%add('<polygon class="plate '//class_of(scene, b)//'" points="')
+               do m = 1, size(body%hull)
+                  call text%add(full_precision(row%x(body%hull(m), i))//','//full_precision(row%y(body%hull(m), i)))
+               end do
+               call text%add('"/>')
+            end associate
+         end do
+      end associate
+   end subroutine draw_plates
+
+   subroutine draw_rails(scene, k, text)
+      type(scene_t), intent(in) :: scene
+      real(wp), intent(in) :: k
+      type(text_t), intent(inout) :: text
+      real(wp) :: x, y, ux, uy
+      integer :: s
+
+      if (size(scene%slides) == 0) return
+      call text%add('<g id="rails"'//stroke(1.5_wp, k)//'>')
+      associate (row => scene%prescribed, i => scene%reference)
+         do s = 1, size(scene%slides)
+            associate (slide => scene%slides(s))
+               if (.not. (row%known(slide%guide, i) .and. row%known(slide%block, i))) cycle
+               x = row%x(slide%guide, i)
+               y = row%y(slide%guide, i)
+               ux = slide%sense*row%ux(s, i)
+               uy = slide%sense*row%uy(s, i)
+               call text%add('<path class="rail" data-arc="'//to_text(scene%bars(slide%bar)%loop)//' '// &
+                             to_text(scene%bars(slide%bar)%arc)//'" d="M'//pair(x + slide%low*ux, y + slide%low*uy)//'L'// &
+                             pair(x + slide%high*ux, y + slide%high*uy)//'"/>')
+            end associate
+         end do
+      end associate
+      call text%add('</g>')
+   end subroutine draw_rails
+
+   !> The other assembly of each pair at the reference position.
+   subroutine draw_ghosts(scene, k, text)
+      type(scene_t), intent(in) :: scene
+      real(wp), intent(in) :: k
+      type(text_t), intent(inout) :: text
+      integer :: loop
+
+      call text%add('<g id="assemblies"'//stroke(1.8_wp, k)//'>')
+      associate (row => scene%prescribed, i => scene%reference)
+         do loop = 1, size(scene%pairs)
+            if (.not. row%other_known(loop, i)) cycle
+            associate (two => scene%pairs(loop))
+               call text%add('<path class="ghost" data-loop="'//to_text(loop)//'" d="M'//point(row, two%start, i)//'L'// &
+                             pair(row%other(1, loop, i), row%other(2, loop, i))//'L'//point(row, two%finish, i)//'"/>')
+            end associate
+         end do
+      end associate
+      call text%add('</g>')
+   end subroutine draw_ghosts
+
+   !> The path of the output point over the sweep, broken where it does not close.
+   subroutine draw_path(scene, k, text)
+      type(scene_t), intent(in) :: scene
+      real(wp), intent(in) :: k
+      type(text_t), intent(inout) :: text
+      logical :: down
+      integer :: i
+
+      if (scene%motion /= motion_point .and. scene%motion /= motion_distance) return
+      call text%add('<path class="path" id="path"'//stroke(1.3_wp, k)//' d="')
+      down = .false.
+      do i = 1, scene%sweep%n
+         if (scene%sweep%known(scene%output, i)) then
+            call text%add(merge('L', 'M', down)//point(scene%sweep, scene%output, i))
+            down = .true.
+         else
+            down = .false.
+         end if
+      end do
+      if (all(scene%sweep%known(scene%output, :)) .and. .not. scene%sliding) call text%add('Z')
+      call text%add('"/>')
+   end subroutine draw_path
+
+   !> Pairs that do not meet at the reference position.
+   subroutine draw_broken(scene, k, text)
+      type(scene_t), intent(in) :: scene
+      real(wp), intent(in) :: k
+      type(text_t), intent(inout) :: text
+      integer :: loop
+
+      associate (row => scene%prescribed, i => scene%reference)
+         do loop = 1, scene%loops
+            if (.not. row%broken(loop, i)) cycle
+            associate (two => scene%pairs(loop), tip => row%tip(:, loop, i))
+               call text%add('<path class="broken" data-loop="'//to_text(loop)//'"'//stroke(2.6_wp, k)//' d="M'// &
+                             point(row, two%start, i)//'L'//pair(tip(1), tip(2))//'M'//point(row, two%finish, i)//'L'// &
+                             pair(tip(3), tip(4))//'"/>')
+               call text%add('<path class="broken gap" data-loop="'//to_text(loop)//'"'//stroke(1.2_wp, k)// &
+                             ' stroke-dasharray="'//short_number(3.0_wp/k)//' '//short_number(3.0_wp/k)//'" d="M'// &
+                             pair(tip(1), tip(2))//'L'//pair(tip(3), tip(4))//'"/>')
+            end associate
+         end do
+      end associate
+   end subroutine draw_broken
+
+   !> Actual and desired output at every prescribed position.
+   subroutine draw_output(scene, k, text)
+      type(scene_t), intent(in) :: scene
+      real(wp), intent(in) :: k
+      type(text_t), intent(inout) :: text
+      character(:), allocatable :: facts
+      integer :: i
+
+      associate (row => scene%prescribed)
+         if (scene%motion == motion_distance) call text%add('<use href="#cross" class="axis"'//placed(0.0_wp, 0.0_wp, 1.0_wp)//'/>')
+         do i = 1, row%n
+            facts = ' data-position="'//to_text(i)//'" data-input="'//full_precision(row%input(i))//'"'
+            if (row%closed(i)) then
+               if (scene%motion == motion_angle) then
+                  call text%add('<path class="output actual direction"'//facts//values(row%actual, row%actual_y, i)// &
+                                stroke(merge(2.6_wp, 1.0_wp, i == scene%reference), k)//' d="M'// &
+                                point(row, scene%output_base, i)//'L'//pair(row%aim(1, i), row%aim(2, i))//'"/>')
+               else
+                  call text%add('<use href="#star" class="output actual"'//facts//values(row%actual, row%actual_y, i)// &
+                                placed(row%x(scene%output, i), row%y(scene%output, i), 0.55_wp)//'/>')
+               end if
+            end if
+            if (.not. scene%desired) cycle
+            if (scene%motion == motion_point) then
+               call text%add('<use href="#diamond" class="output desired"'//facts//values(row%wanted, row%wanted_y, i)// &
+                             placed(row%wish(1, i), row%wish(2, i), 1.0_wp)//'/>')
+            else if (row%closed(i) .and. scene%motion == motion_angle) then
+               call text%add('<path class="output desired direction"'//facts//values(row%wanted, row%wanted, i)// &
+                             stroke(1.3_wp, k)//' stroke-dasharray="'//short_number(7.0_wp/k)//' '//short_number(5.0_wp/k)// &
+                             '" d="M'//point(row, scene%output_base, i)//'L'//pair(row%wish(1, i), row%wish(2, i))//'"/>')
+            else if (row%closed(i)) then
+               call text%add('<use href="#diamond" class="output desired"'//facts//values(row%wanted, row%wanted, i)// &
+                             placed(row%wish(1, i), row%wish(2, i), 1.0_wp)//'/>')
+            end if
+         end do
+      end associate
+
+   contains
+
+      function placed(x, y, size_) result(attribute)
+         real(wp), intent(in) :: x, y, size_
+         character(:), allocatable :: attribute
+
+         attribute = ' transform="translate('//pair(x, y)//') scale('//short_number(size_/k)//')"'
+      end function placed
+
+      function values(v, w, i) result(attribute)
+         real(wp), intent(in) :: v(:), w(:)
+         integer, intent(in) :: i
+         character(:), allocatable :: attribute
+
+         attribute = ' data-value="'//full_precision(v(i))
+         if (scene%motion == motion_point) attribute = attribute//' '//full_precision(w(i))
+         attribute = attribute//'"'
+      end function values
+   end subroutine draw_output
+
+   !> Joints at the reference position.
+   subroutine draw_symbols(scene, k, text)
+      type(scene_t), intent(in) :: scene
+      real(wp), intent(in) :: k
+      type(text_t), intent(inout) :: text
+      real(wp) :: angle
+      character(:), allocatable :: start
+      integer :: j, s
+
+      associate (row => scene%prescribed, i => scene%reference)
+         do j = 1, size(scene%joints)
+            if (.not. row%known(j, i) .or. len(scene%joints(j)%name) == 0) cycle
+            associate (joint => scene%joints(j))
+               start = '<g class="joint" data-joint="'//joint%name//'" transform="translate('//point(row, j, i)//') scale('// &
+                       short_number(merge(crowded, 1.0_wp, size(scene%joints) > many)/k)//')" stroke-width="1.6">'
+               if (joint%turning .and. joint%fixed) start = start//'<use href="#ground" class="symbol"/>'
+               do s = 1, size(scene%slides)
+                  if (scene%slides(s)%block /= j) cycle
+                  angle = degrees_of(row%ux(s, i), row%uy(s, i))
+                  start = start//'<use href="#prismatic" class="symbol" transform="rotate('//short_number(angle)//')"/>'
+               end do
+               if (joint%turning) start = start//'<use href="#revolute" class="symbol"/>'
+               call text%add(start//'</g>')
+            end associate
+         end do
+      end associate
+   end subroutine draw_symbols
+
+   subroutine draw_star(scene, k, text)
+      type(scene_t), intent(in) :: scene
+      real(wp), intent(in) :: k
+      type(text_t), intent(inout) :: text
+      real(wp) :: x, y
+
+      associate (row => scene%prescribed, i => scene%reference)
+         if (.not. row%known(scene%output, i)) return
+         x = row%x(scene%output, i)
+         y = row%y(scene%output, i)
+         if (scene%motion == motion_angle .and. scene%output == scene%output_base) then
+            if (.not. row%closed(i)) return
+            x = row%aim(1, i)
+            y = row%aim(2, i)
+         end if
+         call text%add('<use href="#star" class="output actual" id="star" stroke="none" transform="translate('//pair(x, y)// &
+                       ') scale('//short_number(1.0_wp/k)//')"/>')
+      end associate
+   end subroutine draw_star
+
+   ! ---- letters, scale, legend, messages ----------------------------------------------------------------------------
+
+   subroutine draw_letters(scene, k, ox, oy, text)
+      type(scene_t), intent(in) :: scene
+      real(wp), intent(in) :: k, ox, oy
+      type(text_t), intent(inout) :: text
+      real(wp) :: at(2, size(scene%joints))
+      integer :: j
+
+      call place_labels(scene, k, ox, oy, at)
+      do j = 1, size(scene%joints)
+         if (at(1, j) < 0.0_wp) cycle
+         call text%add('<text class="letter" x="'//px(at(1, j))//'" y="'//px(at(2, j) + 5.0_wp)//'">'// &
+                       scene%joints(j)%name//'</text>')
+      end do
+   end subroutine draw_letters
+
+   !> A bar of a round length, about a sixth of the width.
+   subroutine draw_scale(k, foot, text)
+      real(wp), intent(in) :: k, foot
+      type(text_t), intent(inout) :: text
+      real(wp) :: length, power
+
+      length = width/6.0_wp/k
+      power = 10.0_wp**floor(log10(length))
+      if (length >= 5.0_wp*power) then
+         length = 5.0_wp*power
+      else if (length >= 2.0_wp*power) then
+         length = 2.0_wp*power
+      else
+         length = power
+      end if
+      call text%add('<g id="scale"><path class="axis" stroke-width="1.6" d="M28 '//px(foot + 8.0_wp)//'v8h'//px(k*length)// &
+                    'v-8"/><text class="key" x="'//px(36.0_wp + k*length)//'" y="'//px(foot + 20.0_wp)//'" data-length="'// &
+                    full_precision(length)//'">'//number(length)//'</text></g>')
+   end subroutine draw_scale
+
+   subroutine draw_legend(scene, foot, text)
+      type(scene_t), intent(in) :: scene
+      real(wp), intent(in) :: foot
+      type(text_t), intent(inout) :: text
+      real(wp) :: x
+
+      x = 330.0_wp
+      call entry('revolute', 'symbol', 'revolute', 0.0_wp)
+      call entry('ground', 'symbol', 'frame joint', 8.0_wp)
+      if (size(scene%slides) > 0) call entry('prismatic', 'symbol', 'prismatic', 0.0_wp)
+      call entry('star', 'actual', 'output', 0.0_wp)
+      if (scene%desired .and. scene%motion /= motion_angle) call entry('diamond', 'desired', 'desired', 0.0_wp)
+      if (scene%desired .and. scene%motion == motion_angle) then
+         call text%add('<path class="desired" stroke-width="1.3" stroke-dasharray="7 5" d="M'//px(x - 8.0_wp)//' '// &
+                       px(foot + 15.0_wp)//'h30"/><text class="key" x="'//px(x + 30.0_wp)//'" y="'//px(foot + 20.0_wp)// &
+                       '">desired direction</text>')
+      end if
+
+   contains
+
+      subroutine entry(symbol, class, words, down)
+         character(*), intent(in) :: symbol, class, words
+         real(wp), intent(in) :: down        !! the symbol's middle below its point, pixels
+
+         call text%add('<use href="#'//symbol//'" class="'//class//'" stroke-width="1.5" transform="translate('//px(x)//' '// &
+                       px(foot + 15.0_wp - down)//') scale(.85 -.85)"/><text class="key" x="'//px(x + 15.0_wp)//'" y="'// &
+                       px(foot + 20.0_wp)//'">'//words//'</text>')
+         x = x + 48.0_wp + 7.4_wp*real(len(words), wp)
+      end subroutine entry
+   end subroutine draw_legend
+
+   !> Errors, closure and limits, warnings, in lines of the picture's width; the first character tells which.
+   subroutine message_lines(scene, lines)
+      type(scene_t), intent(in) :: scene
+      type(strings_t), allocatable, intent(out) :: lines(:)
+      integer :: told, all_of_them
+
+      allocate (lines(0))
+      told = 0
+      all_of_them = size(scene%errors) + size(scene%breaches) + size(scene%prescribed%words) + size(scene%warnings)
+      if (.not. scene%sound) call add_string(lines, 'eThe input is wrong; there is no linkage to draw:')
+      call take(scene%errors, 'e')
+      call take(scene%prescribed%words, 'e')
+      call take(scene%breaches, 'e')
+      call take(scene%warnings, 'w')
+      if (told < all_of_them) call add_string(lines, 'wand '//to_text(all_of_them - told)//' more messages')
+
+   contains
+
+      subroutine take(messages, mark)
+         type(strings_t), intent(in) :: messages(:)
+         character(1), intent(in) :: mark
+         type(strings_t), allocatable :: parts(:)
+         integer :: i, m
+
+         do i = 1, size(messages)
+            if (told >= most_messages) return
+            told = told + 1
+            parts = wrapped(messages(i)%text, characters)
+            do m = 1, size(parts)
+               call add_string(lines, mark//repeat(' ', merge(0, 4, m == 1))//parts(m)%text)
+            end do
+         end do
+      end subroutine take
+   end subroutine message_lines
+
+   subroutine draw_messages(lines, top, text)
+      type(strings_t), intent(in) :: lines(:)
+      real(wp), intent(in) :: top
+      type(text_t), intent(inout) :: text
+      integer :: i, indent
+
+      if (size(lines) == 0) return
+      call text%add('<g id="messages">')
+      do i = 1, size(lines)
+         associate (line => lines(i)%text)
+            indent = verify(line(2:), ' ') - 1
+            call text%add('<text class="'//trim(merge('error  ', 'warning', line(1:1) == 'e'))//'" x="'// &
+                          px(28.0_wp + 6.0_wp*real(indent, wp))//'" y="'//px(top + line_height*real(i, wp))//'">'// &
+                          xml_text(line(2 + indent:))//'</text>')
+         end associate
+      end do
+      call text%add('</g>')
+   end subroutine draw_messages
+
+   ! ---- numbers -----------------------------------------------------------------------------------------------------
+
+   pure function point(row, j, i) result(text)
+      type(row_t), intent(in) :: row
+      integer, intent(in) :: j, i
+      character(:), allocatable :: text
+
+      text = pair(row%x(j, i), row%y(j, i))
+   end function point
+
+   pure function pair(x, y) result(text)
+      real(wp), intent(in) :: x, y
+      character(:), allocatable :: text
+
+      text = full_precision(x)//' '//full_precision(y)
+   end function pair
+
+   !> A width of a stroke in pixels, where a unit of length has k.
+   pure function stroke(pixels, k) result(attribute)
+      real(wp), intent(in) :: pixels, k
+      character(:), allocatable :: attribute
+
+      attribute = ' stroke-width="'//short_number(pixels/k)//'"'
+   end function stroke
+
+   pure function px(value) result(text)
+      real(wp), intent(in) :: value
+      character(:), allocatable :: text
+
+      text = short_number(real(nint(value*100.0_wp), wp)/100.0_wp)
+   end function px
+
+   !> A number for people.
+   pure function number(value) result(text)
+      real(wp), intent(in) :: value
+      character(:), allocatable :: text
+
+      text = short_number(value)
+      if (len(text) > 9) text = trim(adjustl(general(value, 'E')))
+   end function number
+end module psalm_svg

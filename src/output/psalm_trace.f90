@@ -1,0 +1,240 @@
+!> A row of positions as pictures show them: joints, slides, output, what does not close, in machine axes.
+!>
+!> Every loop is solved, wanted by the output or not. What is the output's own (actual, error, closed) comes from the very
+!> problem that `psalm` solves, so that pictures and device 9 agree to the last digit.
+module psalm_trace
+   use psalm_angles, only: degrees_of
+   use psalm_chain, only: chain_t
+   use psalm_data_set, only: motion_point
+   use psalm_error, only: problem_t, motion_t, violation_t
+   use psalm_finale, only: describe_violation
+   use psalm_kinds, only: wp
+   use psalm_markup, only: strings_t, add_string
+   use psalm_parts, only: slide_t
+   use psalm_topology, only: dimensions_t, arc_slide
+   implicit none (type, external)
+   private
+   public :: row_t, trace_row
+
+   !> A row of positions. Co-ordinates in machine axes; what is not known is 0 with `known` false.
+   type :: row_t
+      integer :: n = 0
+      real(wp), allocatable :: input(:), delt(:)          !! degrees within a turn or length; increments
+      logical, allocatable :: closed(:)                   !! every loop the output depends on closes
+      real(wp), allocatable :: actual(:), actual_y(:)     !! as on device 9
+      real(wp), allocatable :: error(:), error_y(:)
+      real(wp), allocatable :: wanted(:), wanted_y(:)     !! size 0 without desired values
+      real(wp), allocatable :: x(:, :), y(:, :)           !! shape (joints, n)
+      logical, allocatable :: known(:, :)                 !! shape (joints, n)
+      real(wp), allocatable :: ux(:, :), uy(:, :)         !! shape (slides, n): direction of the arc
+      logical, allocatable :: sound(:, :)                 !! shape (loops, n): closes, and so do all it hangs on
+      logical, allocatable :: broken(:, :)                !! shape (loops, n): does not close, though its outer joints are known
+      real(wp), allocatable :: tip(:, :, :)               !! shape (4, loops, n): where p and q of a broken loop end; x, y, x, y
+      real(wp), allocatable :: other(:, :, :)             !! shape (2, loops, n): common joint of a pair in its other assembly
+      logical, allocatable :: other_known(:, :)           !! shape (loops, n): there is one
+      real(wp), allocatable :: aim(:, :), wish(:, :)      !! shape (2, n): where a line along the actual direction of the output
+                                                          !! arc ends (MOTION 1); the desired place of the output
+      real(wp), allocatable :: angle(:, :)                !! shape (loops, n): transmission angle of link pairs, degrees
+      type(violation_t), allocatable :: violations(:)
+      type(strings_t), allocatable :: words(:)            !! of each violation
+      logical :: violated = .false.                       !! the output's own loops violate closure or limits
+   end type row_t
+
+contains
+
+   !> Joints, slides and outputs at the positions of the two problems.
+   subroutine trace_row(own, whole, chain, dimensions, slides, output_slide, row)
+      type(problem_t), intent(inout) :: own     !! as `psalm` solves it
+      type(problem_t), intent(inout) :: whole   !! every loop; its output is the output point
+      type(chain_t), intent(in) :: chain
+      type(dimensions_t), intent(in) :: dimensions
+      type(slide_t), intent(in) :: slides(:)    !! joints by numbers of the chain
+      integer, intent(in) :: output_slide       !! MOTION 3: the slide whose length is the output, else 0
+      type(row_t), intent(out) :: row
+      type(motion_t) :: motion, points
+      integer :: block, offset, n, i, k, joints, loops
+
+      call own%analyse(dimensions, motion)
+      row%n = own%positions
+      row%violated = size(motion%violations) > 0
+      row%delt = own%delt
+      row%input = motion%input
+      row%closed = motion%closed
+      row%actual = motion%actual
+      row%actual_y = motion%actual_y
+      row%error = motion%error
+      row%error_y = motion%error_y
+      allocate (row%wanted(0), row%wanted_y(0))
+      if (own%desired) then
+         row%wanted = own%wanted(:row%n)
+         if (own%motion == motion_point) row%wanted_y = own%wanted_y(:row%n)
+      end if
+      call whole%analyse(dimensions, points)
+      allocate (row%violations(size(points%violations)))
+      row%violations = points%violations
+      allocate (row%words(0))
+      do i = 1, size(row%violations)
+         call add_string(row%words, describe_violation(whole, points, row%violations(i)))
+      end do
+      joints = chain%joints + 1
+      loops = own%topology%nloop
+      allocate (row%x(joints, row%n), row%y(joints, row%n), source=0.0_wp)
+      allocate (row%known(joints, row%n), row%sound(loops, row%n), row%broken(loops, row%n), source=.false.)
+      allocate (row%ux(size(slides), row%n), row%uy(size(slides), row%n), source=0.0_wp)
+      allocate (row%tip(4, loops, row%n), row%angle(loops, row%n), source=0.0_wp)
+      do block = 1, whole%blocks()
+         call whole%solve_block(block, offset, n)
+         do i = 1, n
+            call place_joints(whole, chain, slides, i, offset + i, row)
+         end do
+      end do
+      do k = 1, row%n
+         call place_output(own, chain, slides, output_slide, points, k, row)
+      end do
+   end subroutine trace_row
+
+   !> Joints in the order of the chain: each from one before it.
+   subroutine place_joints(problem, chain, slides, i, k, row)
+      type(problem_t), intent(in) :: problem
+      type(chain_t), intent(in) :: chain
+      type(slide_t), intent(in) :: slides(:)
+      integer, intent(in) :: i, k       !! position of the block, of the row
+      type(row_t), intent(inout) :: row
+      integer :: j, loop, p, q, s
+      real(wp) :: x, y, length
+
+      row%x(1, k) = problem%origin_x
+      row%y(1, k) = problem%origin_y
+      row%known(1, k) = .true.
+      do j = 2, chain%joints
+         loop = chain%pair_loop(j)
+         if (loop > 0) then
+            p = problem%topology%seq(loop, problem%topology%larcx(1, loop))
+            q = problem%topology%seq(loop, problem%topology%larcx(2, loop))
+            row%broken(loop, k) = row%known(chain%outer(1, loop), k) .and. row%known(chain%outer(2, loop), k) .and. &
+                                  is_known(problem, p, loop, row%sound(:, k)) .and. is_known(problem, q, loop, row%sound(:, k))
+            if (row%broken(loop, k)) then
+               row%sound(loop, k) = problem%linkage%closes(i, loop)
+               row%broken(loop, k) = .not. row%sound(loop, k)
+            end if
+            row%known(j, k) = row%sound(loop, k)
+            if (row%broken(loop, k)) call leave_open(problem, chain, loop, p, q, i, k, row)
+            if (row%sound(loop, k) .and. problem%topology%joint(loop) == 1) &
+               row%angle(loop, k) = transmission_angle(problem, p, q, i)
+         else
+            row%known(j, k) = row%known(chain%from(j), k) .and. is_known(problem, chain%arc(j), 0, row%sound(:, k))
+         end if
+         if (.not. row%known(j, k)) cycle
+         call problem%linkage%arc_at(problem%plan, chain%arc(j), i, x, y, length)
+         row%x(j, k) = row%x(chain%from(j), k) + real(chain%way(j), wp)*length*x
+         row%y(j, k) = row%y(chain%from(j), k) + real(chain%way(j), wp)*length*y
+      end do
+      do s = 1, size(slides)
+         if (.not. is_known(problem, chain%bar_arc(slides(s)%bar), 0, row%sound(:, k))) cycle
+         call problem%linkage%arc_at(problem%plan, chain%bar_arc(slides(s)%bar), i, row%ux(s, k), row%uy(s, k), length)
+      end do
+   end subroutine place_joints
+
+   !> True if the loops that find an arc's direction and length close; the loop `within` is not asked.
+   pure logical function is_known(problem, n, within, sound)
+      type(problem_t), intent(in) :: problem
+      integer, intent(in) :: n, within
+      logical, intent(in) :: sound(:)    !! by loop, so far
+      integer :: loop, arc
+
+      is_known = .true.
+      loop = problem%plan%root_loop(problem%plan%root(n))
+      if (loop > 0 .and. loop /= within) is_known = sound(loop)
+      arc = problem%topology%arcs(n)%representative
+      if (problem%topology%arcs(arc)%kind /= arc_slide) return
+      loop = (arc - 1)/problem%topology%maxarc + 1
+      if (loop /= within) is_known = is_known .and. sound(loop)
+   end function is_known
+
+   !> A pair that does not meet: each arc is drawn from its own outer joint in the direction that comes nearest.
+   pure subroutine leave_open(problem, chain, loop, p, q, i, k, row)
+      type(problem_t), intent(in) :: problem
+      type(chain_t), intent(in) :: chain
+      integer, intent(in) :: loop, p, q, i, k
+      type(row_t), intent(inout) :: row
+      real(wp) :: x, y, length, along
+
+      call reach_out(p, x, y)
+      row%tip(1, loop, k) = row%x(chain%outer(1, loop), k) + x
+      row%tip(2, loop, k) = row%y(chain%outer(1, loop), k) + y
+      call reach_out(q, x, y)
+      row%tip(3, loop, k) = row%x(chain%outer(2, loop), k) - x
+      row%tip(4, loop, k) = row%y(chain%outer(2, loop), k) - y
+      ! a slide is as long as it must be to come nearest to the link
+      select case (problem%topology%joint(loop))
+      case (4)
+         call problem%linkage%arc_at(problem%plan, q, i, x, y, length)
+         along = (row%tip(1, loop, k) - row%tip(3, loop, k))*x + (row%tip(2, loop, k) - row%tip(4, loop, k))*y
+         row%tip(3:4, loop, k) = row%tip(3:4, loop, k) + along*[x, y]
+      case (5)
+         call problem%linkage%arc_at(problem%plan, p, i, x, y, length)
+         along = (row%tip(3, loop, k) - row%tip(1, loop, k))*x + (row%tip(4, loop, k) - row%tip(2, loop, k))*y
+         row%tip(1:2, loop, k) = row%tip(1:2, loop, k) + along*[x, y]
+      end select
+
+   contains
+
+      pure subroutine reach_out(n, x, y)
+         integer, intent(in) :: n
+         real(wp), intent(out) :: x, y
+         real(wp) :: length, unit
+
+         call problem%linkage%arc_at(problem%plan, n, i, x, y, length)
+         unit = hypot(x, y)
+         if (problem%plan%length_slot(n) > 0 .or. unit <= tiny(unit)) then
+            x = 0.0_wp
+            y = 0.0_wp
+         else
+            ! the kernels' direction is no unit vector where the root was clamped
+            x = length*(x/unit)
+            y = length*(y/unit)
+         end if
+      end subroutine reach_out
+   end subroutine leave_open
+
+   !> Angle between the links of a pair at their joint, degrees.
+   pure real(wp) function transmission_angle(problem, p, q, i) result(angle)
+      type(problem_t), intent(in) :: problem
+      integer, intent(in) :: p, q, i
+      real(wp) :: px, py, qx, qy, length
+
+      call problem%linkage%arc_at(problem%plan, p, i, px, py, length)
+      call problem%linkage%arc_at(problem%plan, q, i, qx, qy, length)
+      angle = degrees_of(-(px*qx + py*qy), abs(px*qy - py*qx))
+   end function transmission_angle
+
+   !> The output point is the last joint of the row; with MOTION 3 it is the block on the sliding arc.
+   subroutine place_output(own, chain, slides, output_slide, points, k, row)
+      type(problem_t), intent(in) :: own
+      type(chain_t), intent(in) :: chain
+      type(slide_t), intent(in) :: slides(:)
+      integer, intent(in) :: output_slide
+      type(motion_t), intent(in) :: points    !! of the problem whose output is the output point
+      integer, intent(in) :: k
+      type(row_t), intent(inout) :: row
+      integer :: j, start, finish, base
+
+      j = chain%joints + 1
+      if (output_slide > 0) then
+         base = slides(output_slide)%block
+         row%known(j, k) = row%known(base, k)
+         row%x(j, k) = row%x(base, k)
+         row%y(j, k) = row%y(base, k)
+         return
+      end if
+      call chain%ends_of(own%topology, own%topology%output_arc, start, finish)
+      base = merge(start, finish, own%topology%output_from_start)
+      row%known(j, k) = row%known(base, k) .and. is_known(own, own%topology%output_arc, 0, row%sound(:, k))
+      if (.not. row%known(j, k)) return
+      row%x(j, k) = points%actual(k)
+      row%y(j, k) = points%actual_y(k)
+      if (own%motion /= motion_point .or. .not. row%closed(k)) return
+      row%x(j, k) = row%actual(k)
+      row%y(j, k) = row%actual_y(k)
+   end subroutine place_output
+end module psalm_trace

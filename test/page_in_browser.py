@@ -1,0 +1,219 @@
+"""The page of balm in chromium without a screen: it plays, drags, switches cases, explains what does not close.
+
+Called by pictures.py in a directory that holds the pages.
+"""
+import math
+import os
+import shutil
+
+from playwright.sync_api import sync_playwright
+
+from picture_tools import DATA, balm, check, page_data
+
+FLAGS = ["--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run",
+         "--disable-background-networking", "--disable-component-update", "--disable-sync"]
+FRAME_LIMIT = 4.0  # milliseconds, for the ten-bars
+LARGE_LIMIT = 16.0  # milliseconds, for 64 loops: a frame at 60 a second
+
+
+def test_pages(shots):
+    """All tests; screenshots go into the directory `shots`, if any."""
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=shutil.which("chromium"), args=FLAGS)
+        test_browser(browser, shots)
+        browser.close()
+
+
+class Page:
+    """A page in the browser; everything it complains of or asks for is kept."""
+
+    def __init__(self, browser, name, width=1280, height=900, scheme="light"):
+        self.complaints, self.requests, self.dialogs = [], [], []
+        self.context = browser.new_context(viewport={"width": width, "height": height}, color_scheme=scheme)
+        self.page = self.context.new_page()
+        self.page.on("console", lambda m: m.type in ("error", "warning") and self.complaints.append(m.text))
+        self.page.on("pageerror", lambda e: self.complaints.append(str(e)))
+        self.page.on("request", lambda r: self.requests.append(r.url))
+        self.page.on("dialog", lambda d: (self.dialogs.append(d.message), d.dismiss()))
+        self.page.goto("file://" + os.path.abspath(name))
+        self.page.wait_for_timeout(150)
+
+    def ask(self, script):
+        return self.page.evaluate(script)
+
+    def pixels(self, canvas="linkage"):
+        return self.ask("document.getElementById('%s').toDataURL()" % canvas)
+
+
+def test_browser(browser, shots):
+    one = Page(browser, "needle.html")
+    page = one.page
+    check("page: loads without complaint", not one.complaints, str(one.complaints))
+    check("page: asks for nothing but itself", all(u.startswith(("file:", "data:")) for u in one.requests), str(one.requests))
+    check("page: title", page.text_content("#title") == "TEN-BAR NEEDLE LINKAGE")
+    case = page_data("needle.html")[0]
+    check("page: stands at the reference position", abs(one.ask("balm.position")) < 1e-9)
+    check("page: draws the joints where they are", all(
+        math.dist(one.ask("balm.joint(%d)" % j), (case["prescribed"]["x"][j][0], case["prescribed"]["y"][j][0])) < 1e-5
+        for j in range(len(case["joints"]))))
+    if shots:
+        page.screenshot(path=os.path.join(shots, "needle.png"))
+    before, drawn = one.ask("balm.position"), one.pixels()
+    page.click("#play")
+    page.wait_for_timeout(400)
+    check("play moves", one.ask("balm.playing") and one.ask("balm.position") != before)
+    check("play draws", one.pixels() != drawn and page.get_attribute("#play", "aria-label") == "pause")
+    page.keyboard.press("Escape")
+    page.click("#play")
+    stopped = one.ask("balm.position")
+    page.wait_for_timeout(150)
+    check("pause stops", one.ask("balm.position") == stopped and not one.ask("balm.playing"))
+    page.focus("#linkage")
+    page.keyboard.press("Home")
+    check("Home", one.ask("balm.position") == 0)
+    page.keyboard.press("ArrowRight")
+    check("right steps", one.ask("balm.position") == 1)
+    page.keyboard.press("Shift+ArrowRight")
+    page.keyboard.press("ArrowLeft")
+    check("left steps", one.ask("balm.position") == 10)
+    page.keyboard.press("]")
+    check("] goes to the next prescribed position", one.ask("balm.position") == 15 and "position 2" in page.text_content("#facts"))
+    page.keyboard.press("End")
+    check("End", one.ask("balm.position") == 359)
+    speed = one.ask("balm.speed")
+    page.keyboard.press("+")
+    check("+ is faster", one.ask("balm.speed") > speed)
+    page.keyboard.press("-")
+    check("- is slower", one.ask("balm.speed") == speed)
+    page.keyboard.press(" ")
+    check("space plays", one.ask("balm.playing"))
+    page.keyboard.press(" ")
+    check("space pauses", not one.ask("balm.playing"))
+
+    # the crank follows the mouse by the angle about its pivot
+    page.keyboard.press("Home")
+    x, y = one.ask("balm.screen(0)")
+    page.mouse.move(x + 60, y)
+    page.mouse.down()
+    for degrees in range(5, 45, 5):
+        page.mouse.move(x + 60 * math.cos(math.radians(degrees)), y + 60 * math.sin(math.radians(degrees)))
+    page.mouse.up()
+    check("drag: 40 degrees clockwise turn the crank by 40", abs(one.ask("balm.position") - 40) < 1, str(one.ask("balm.position")))
+    box = page.locator("#curves").bounding_box()
+    page.mouse.click(box["x"] + box["width"] / 2, box["y"] + 100)
+    check("the cursor of the curves moves the linkage", 120 < one.ask("balm.position") < 200)
+    a, b = one.ask("balm.screen(0)"), one.ask("balm.screen(1)")
+    bars = {(bar["loop"], bar["arc"]): bar for bar in case["bars"]}
+    coupler = bars[(1, 2)]
+    a, b = one.ask("balm.screen(%d)" % coupler["from"]), one.ask("balm.screen(%d)" % coupler["to"])
+    page.mouse.move(0.55 * a[0] + 0.45 * b[0], 0.55 * a[1] + 0.45 * b[1])
+    tip = page.text_content("#tip")
+    check("hover names the arc", page.is_visible("#tip") and "loop 1, arc 2: length 95, angle " in tip, tip)
+    page.mouse.move(0.5 * a[0], 2)
+    drawn = one.pixels()
+    page.check("#other")
+    check("other assemblies are drawn", one.pixels() != drawn)
+    drawn = one.pixels()
+    page.uncheck("#letters")
+    check("letters go", one.pixels() != drawn)
+    check("every control has a name", one.ask("""[...document.querySelectorAll('button,select,input')].every(
+        (e) => e.getAttribute('aria-label') || e.closest('label')?.textContent.trim() || e.textContent.trim())"""))
+    for name in ["needle", "textile"]:
+        ten = one if name == "needle" else Page(browser, name + ".html")
+        time, raster = ten.ask("balm.frameTime(300)"), ten.ask("balm.frameTime(300, true)")
+        print("frame time, %s ten-bar: %.3f ms, waiting for the pixels %.3f ms" % (name, time, raster))
+        check("frame time of the %s ten-bar" % name, 0 < time <= FRAME_LIMIT and 0 < raster <= FRAME_LIMIT)
+    check("page: no complaint after all", not [c for c in one.complaints if "willReadFrequently" not in c], str(one.complaints))
+    one.context.close()
+
+    shutil.copy(os.path.join(DATA, "hard", "chain64.nml"), "chain64.nml")
+    balm("--quiet", "chain64.nml")
+    large = Page(browser, "chain64.html")
+    time, raster = large.ask("balm.frameTime(300)"), large.ask("balm.frameTime(300, true)")
+    print("frame time, 64 loops, 360 positions: %.3f ms, waiting for the pixels %.3f ms" % (time, raster))
+    check("64 loops, 360 positions are smooth", 0 < time <= LARGE_LIMIT and 0 < raster <= LARGE_LIMIT and large.ask("balm.cases[0].sweep.n") == 360)
+    large.context.close()
+    test_browser_cases(browser, shots)
+    for name in ("extreme_lengths", "parallel_slides"):
+        balm("--quiet", "--output-dir", ".", os.path.join(DATA, "hard", name + ".nml"))
+    for name in sorted(f for f in os.listdir(".") if f.endswith(".html")):
+        every = Page(browser, name)
+        every.ask("balm.cases.forEach((c, i) => { balm.choose(i); balm.frameTime(20); })")
+        every.page.check("#other") if every.page.is_visible("#other") else None
+        check(name + ": every case is drawn without complaint", not every.complaints, str(every.complaints))
+        every.context.close()
+
+
+def test_browser_cases(browser, shots):
+    three = Page(browser, "needle_lsq.html")
+    page = three.page
+    check("three cases: chooser", page.is_visible("#case") and page.locator("#case option").count() == 3)
+    drawn = three.pixels()
+    page.select_option("#case", "2")
+    check("three cases: switch", three.ask("balm.current") == 2 and three.pixels() != drawn)
+    drawn = three.pixels()
+    page.check('[data-overlay="0"]')
+    check("three cases: overlay", three.ask("balm.overlays") == [0] and three.pixels() != drawn)
+    check("three cases: no complaint", not three.complaints, str(three.complaints))
+    if shots:
+        page.screenshot(path=os.path.join(shots, "overlay.png"))
+    three.context.close()
+
+    slide = Page(browser, "actuator_davis_steering.html")
+    x, y = slide.ask("balm.screen(1)")
+    before = slide.ask("balm.input")
+    slide.page.mouse.move(x, y)
+    slide.page.mouse.down()
+    slide.page.mouse.move(x + 12, y, steps=4)
+    slide.page.mouse.up()
+    check("a sliding input follows the mouse", slide.ask("balm.input") != before, "%s %s" % (before, slide.ask("balm.input")))
+    slide.page.click("#play")
+    slide.page.wait_for_timeout(200)
+    check("a sliding input plays", not slide.complaints and slide.ask("balm.playing"))
+    slide.context.close()
+
+    gap = Page(browser, "open.html")
+    gap.ask("balm.go(270)")
+    check("open: explained on the picture", gap.page.is_visible("#alert") and "LINK 2 IS TOO SHORT" in gap.page.text_content("#alert"))
+    check("open: by how much here", gap.page.text_content("#alert").endswith("; HERE BY 15"), gap.page.text_content("#alert"))
+    gap.ask("balm.go(20)")
+    check("open: nothing to explain where it closes", not gap.page.is_visible("#alert"))
+    gap.page.click("#messages .go")
+    check("open: a message leads to its position", gap.page.is_visible("#alert"))
+    check("open: no complaint", not gap.complaints, str(gap.complaints))
+    if shots:
+        gap.page.screenshot(path=os.path.join(shots, "open.png"))
+    gap.context.close()
+    nowhere = Page(browser, "nowhere.html")
+    check("closes nowhere: page says why", "TOO SHORT" in nowhere.page.text_content("#alert") and not nowhere.complaints)
+    nowhere.context.close()
+    for name in ["sign", "typo"]:
+        wrong = Page(browser, name + ".html")
+        check(name + ": the page shows the errors", "error:" in wrong.page.text_content("#messages") and not wrong.complaints and
+              not wrong.page.is_visible("#stage"))
+        wrong.context.close()
+    nasty = Page(browser, "nasty.html")
+    check("a nasty title: nothing runs, nothing breaks", not nasty.dialogs and not nasty.complaints and
+          nasty.page.text_content("#title").startswith("</script><script>alert(1)</script> & \"q\""), str(nasty.complaints))
+    nasty.context.close()
+    for scheme in ["light", "dark"]:
+        phone = Page(browser, "textile.html", 390, 844, scheme)
+        check("phone, %s: no sideways scrolling" % scheme, phone.ask("document.documentElement.scrollWidth") <= 390)
+        paper = phone.ask("getComputedStyle(document.body).backgroundColor")
+        check("phone, %s: colour of the paper" % scheme, (paper == "rgb(255, 255, 255)") == (scheme == "light"), paper)
+        if shots:
+            phone.page.screenshot(path=os.path.join(shots, "phone_%s.png" % scheme), full_page=True)
+        phone.context.close()
+    touch = browser.new_context(viewport={"width": 390, "height": 844}, has_touch=True)
+    page = touch.new_page()
+    page.goto("file://" + os.path.abspath("needle.html"))
+    page.wait_for_timeout(150)
+    x, y = page.evaluate("balm.screen(0)")
+    client = touch.new_cdp_session(page)
+    client.send("Input.dispatchTouchEvent", {"type": "touchStart", "touchPoints": [{"x": x + 60, "y": y}]})
+    for degrees in (10, 20, 30):
+        client.send("Input.dispatchTouchEvent", {"type": "touchMove", "touchPoints": [
+            {"x": x + 60 * math.cos(math.radians(degrees)), "y": y + 60 * math.sin(math.radians(degrees))}]})
+    client.send("Input.dispatchTouchEvent", {"type": "touchEnd", "touchPoints": []})
+    check("drag by touch", 15 < page.evaluate("balm.position") < 45, str(page.evaluate("balm.position")))
+    touch.close()

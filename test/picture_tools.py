@@ -1,0 +1,48 @@
+"""What the tests of the pictures share: counting, running programs, reading files."""
+import json
+import os
+import re
+import subprocess
+
+TOP = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
+DATA = os.path.join(TOP, "data")
+passed = failed = 0
+programs = ""  # directory of psalm and balm
+
+
+def check(law, good, detail=""):
+    global passed, failed
+    if good:
+        passed += 1
+    else:
+        failed += 1
+        print("FAILED: %s %s" % (law, detail))
+    return good
+
+
+def psalm(*arguments, **more):
+    return run(os.path.join(programs, "psalm"), *arguments, **more)
+
+
+def balm(*arguments, **more):
+    return run(os.path.join(programs, "balm"), *arguments, **more)
+
+
+def run(*arguments, stdin=None, env=None, cwd=None):
+    done = subprocess.run(arguments, capture_output=True, input=stdin, env=env, cwd=cwd, check=False)
+    return done.returncode, done.stdout.decode("utf-8", "replace"), done.stderr.decode("utf-8", "replace")
+
+
+def read(name):
+    with open(name, encoding="utf-8") as text:
+        return text.read()
+
+
+def write(name, text):
+    with open(name, "wb") as file:
+        file.write(text if isinstance(text, bytes) else text.encode("utf-8"))
+
+
+def page_data(name):
+    text = read(name)
+    return json.loads(re.search(r'<script type="application/json" id="data">(.*?)</script>', text, re.S).group(1))["cases"]

@@ -1,0 +1,446 @@
+#!/usr/bin/env python3
+"""The pictures of balm from outside: SVG, DXF and page against device 9 of psalm, the page in a browser without a screen.
+
+usage: test/pictures.py PROGRAM_DIRECTORY [SCREENSHOT_DIRECTORY]. Last line: N passed, N failed.
+Readers are independent of balm: XML and JSON of Python, ezdxf, chromium.
+"""
+import html
+import math
+import os
+import re
+import shutil
+import sys
+import tempfile
+import xml.etree.ElementTree as ElementTree
+
+import ezdxf
+
+import picture_tools
+from page_in_browser import test_pages
+from picture_tools import DATA, TOP, balm, check, page_data, psalm, read, write
+
+SVG = "{http://www.w3.org/2000/svg}"
+
+
+def device9(name):
+    """Blocks of a device 9 file: (names, rows of strings)."""
+    blocks = []
+    for line in read(name).splitlines():
+        if line.startswith("# input"):
+            blocks.append((line[2:].split(), []))
+        elif line.strip() and not line.startswith("#"):
+            blocks[-1][1].append(line.split())
+    return blocks
+
+
+class Picture:
+    """What a test asks of an SVG."""
+
+    def __init__(self, name):
+        self.root = ElementTree.parse(name).getroot()
+        self.elements = list(self.root.iter())
+
+    def of_class(self, *names):
+        return [e for e in self.elements if set(names) <= set(e.get("class", "").split())]
+
+    def text(self):
+        return " ".join("".join(e.itertext()) for e in self.root.iter(SVG + "text"))
+
+    def joints(self):
+        return {e.get("data-joint"): place(e) for e in self.of_class("joint")}
+
+
+def place(element):
+    """The two strings of translate(x y)."""
+    return re.search(r"translate\((\S+) (\S+)\)", element.get("transform")).groups()
+
+
+def numbers(element):
+    return re.findall(r"[-+0-9.E]+", re.sub("[MLHVZhvz]", " ", element.get("d")))
+
+
+def near(a, b, relative=1e-11, scale=0.0):
+    return abs(a - b) <= relative * max(abs(a), abs(b), scale)
+
+
+# ---- geometry -----------------------------------------------------------------------------------------------------------
+
+def compare_case(name, number, blocks, case):
+    """One case: device 9 blocks of psalm against SVG, page and DXF of balm."""
+    stem = name if number == 1 else "%s.%d" % (name, number)
+    law = "%s, case %d: " % (name, number)
+    picture = Picture(stem + ".svg")
+    names, rows = blocks[0]
+    motion, row = case["motion"], case["prescribed"]
+    actual = ["actual_x", "actual_y"] if motion == 0 else ["actual"]
+    desired = ["desired_x", "desired_y"] if motion == 0 else ["desired"]
+    column = {n: [r[i] for r in rows] for i, n in enumerate(names)}
+    check(law + "page: inputs", [float(v) for v in column["input"]] == row["input"])
+    check(law + "page: closed", "".join(column["closed"]) == row["closed"])
+    for n, key in zip(actual, ["actual", "actual_y"]):
+        check(law + "page: " + n, [None if v == "NaN" else float(v) for v in column[n]] == row[key])
+    if desired[0] in column:
+        for n, key in zip(desired, ["desired", "desired_y"]):
+            check(law + "page: " + n, [float(v) for v in column[n]] == row[key])
+
+    # the marks of the SVG carry the very digits of device 9
+    marks = {int(e.get("data-position")): e for e in picture.of_class("output", "actual") if e.get("data-position")}
+    closed = [i + 1 for i, v in enumerate(column["closed"]) if v == "1"]
+    check(law + "SVG: a mark for each closed position", sorted(marks) == closed)
+    check(law + "SVG: values are those of device 9",
+          all(marks[i].get("data-value").split() == [column[n][i - 1] for n in actual] and
+              marks[i].get("data-input") == column["input"][i - 1] for i in closed))
+    size = max(case["view"][2] - case["view"][0], case["view"][3] - case["view"][1])
+    out, base = case["output"], case["base"]
+    if motion == 0:
+        check(law + "SVG: stars stand at the digits", all(place(marks[i]) == tuple(column[n][i - 1] for n in actual) for i in closed))
+    elif motion == 1:
+        def direction(element):
+            x1, y1, x2, y2 = map(float, numbers(element))
+            return math.degrees(math.atan2(y2 - y1, x2 - x1))
+        check(law + "SVG: lines have the angle",
+              all(abs(math.remainder(direction(marks[i]) - float(column["actual"][i - 1]), 360)) < 1e-9 for i in closed))
+    elif motion == 2:
+        check(law + "SVG: stars stand at the distance",
+              all(near(math.hypot(*map(float, place(marks[i]))), float(column["actual"][i - 1])) for i in closed))
+    else:
+        slide = next(s for s in case["slides"] if s["block"] == out)
+        check(law + "page: the block stands at the length",
+              any(all(near(math.hypot(row["x"][out][i - 1] - row["x"][s["guide"]][i - 1], row["y"][out][i - 1] - row["y"][s["guide"]][i - 1]),
+                           abs(float(column["actual"][i - 1])), scale=size) for i in closed)
+                  for s in case["slides"] if s["block"] == out), str(slide))
+    if desired[0] in column:
+        wishes = {int(e.get("data-position")): e for e in picture.of_class("output", "desired")}
+        wanted = range(1, len(rows) + 1) if motion == 0 else closed
+        check(law + "SVG: desired values", sorted(wishes) == list(wanted) and
+              all(wishes[i].get("data-value").split() == [column[n][i - 1] for n in desired] for i in wanted))
+        if motion == 0:
+            check(law + "SVG: desired points", all(place(wishes[i]) == tuple(column[n][i - 1] for n in desired) for i in wanted))
+
+    # joints: SVG = page = DXF, traces at every position, every bar keeps its length
+    reference = case["reference"]
+    joints = picture.joints()
+    for j, joint in enumerate(case["joints"]):
+        if not joint["name"] or row["x"][j][reference] is None:
+            continue
+        if not check(law + "joint " + joint["name"] + ": SVG and page agree", joint["name"] in joints and
+                     tuple(map(float, joints[joint["name"]])) == (row["x"][j][reference], row["y"][j][reference])):
+            break
+    for trace in picture.of_class("trace"):
+        j = next(k for k, joint in enumerate(case["joints"]) if joint["name"] == trace.get("data-joint"))
+        points = re.findall(r"M(\S+) (\S+)h0", trace.get("d"))
+        there = [(x, y) for x, y in zip(row["x"][j], row["y"][j]) if x is not None]
+        if not check(law + "trace of " + trace.get("data-joint"), [(float(x), float(y)) for x, y in points] == there):
+            break
+    worst = 0.0
+    for bar in case["bars"]:
+        if bar["slide"] >= 0:
+            continue
+        for i in range(row["n"]):
+            ends = [row[k][bar[e]][i] for e in ("from", "to") for k in ("x", "y")]
+            if None not in ends:
+                worst = max(worst, abs(math.hypot(ends[2] - ends[0], ends[3] - ends[1]) - bar["length"]) / size)
+    check(law + "every link keeps its length at every position", worst < 1e-12, "%.1e" % worst)
+    compare_dxf(law, stem, case, joints, blocks)
+    if motion == 1 and out != base:
+        check(law + "the output point lies in the direction of the output", all(
+            abs(math.remainder(math.degrees(math.atan2(row["y"][out][i - 1] - row["y"][base][i - 1],
+                                                       row["x"][out][i - 1] - row["x"][base][i - 1]))
+                               - row["actual"][i - 1], 360)) < 1e-9 for i in closed))
+
+    # the sweep against the block of IPLOT
+    if len(blocks) > 1:
+        sweep = case["sweep"]
+        for n, key in zip(actual, ["actual", "actual_y"]):
+            k = blocks[1][0].index(n)
+            ours, theirs = sweep[key], [float(r[k]) for r in blocks[1][1]]
+            good = len(ours) == len(theirs)
+            for a, b in zip(ours, theirs):
+                good = good and (math.isnan(b) if a is None else near(a, b, 1e-7, 1e-3 * size))
+            check(law + "sweep: " + n, good)
+
+
+def compare_dxf(law, stem, case, joints, blocks):
+    document = ezdxf.readfile(stem + ".dxf")
+    check(law + "DXF: no faults", not document.audit().errors)
+    space = document.modelspace()
+    circles = {(c.dxf.center.x, c.dxf.center.y) for c in space.query('CIRCLE[layer=="JOINTS"]')}
+    check(law + "DXF: circles are the joints", circles == {tuple(map(float, j)) for j in joints.values()})
+    row, out = case["prescribed"], case["output"]
+    points = [(p.dxf.location.x, p.dxf.location.y) for p in space.query('POINT[layer=="OUTPUT"]')]
+    check(law + "DXF: output points", points == [(x, y) for x, y in zip(row["x"][out], row["y"][out]) if x is not None])
+    bodies = {b["body"] for b in case["bars"] if b["body"] >= 0 and b["from"] != b["to"]}
+    links = {layer.dxf.name for layer in document.layers if layer.dxf.name.startswith("LINK_")}
+    moving = {b for b in bodies if not case["bodies"][b]["frame"]}
+    check(law + "DXF: a layer for each link", len(links) >= len(moving))
+    drawn = {line.dxf.layer for line in space.query("LINE") if line.dxf.layer.startswith("LINK_")}
+    check(law + "DXF: lines lie on layers of links", drawn <= links and (len(drawn) == len(moving) or "0" in row["closed"]))
+    if case["motion"] == 0 and len(blocks) > 1:
+        k = blocks[1][0].index("actual_x")
+        theirs = [(float(r[k]), float(r[k + 1])) for r in blocks[1][1] if r[1] == "1"]
+        ours = [(v.dxf.location.x, v.dxf.location.y) for line in space.query("POLYLINE") for v in line.vertices]
+        check(law + "DXF: the path is that of device 9", ours == theirs)
+
+
+def split_blocks(blocks, cases):
+    """Device 9 blocks of each case: one, or two where the second has the 360 or 361 inputs of IPLOT."""
+    groups = []
+    for block in blocks:
+        n = len(block[1])
+        if groups and len(groups[-1]) == 1 and n in (360, 361) and len(groups[-1][0][1]) not in (360, 361):
+            groups[-1].append(block)
+        else:
+            groups.append([block])
+    return groups if len(groups) == len(cases) else []
+
+
+def test_geometry():
+    plain = ["needle", "textile", "brake_reaction"] + sorted(f[:-4] for f in os.listdir(DATA) if f.startswith(("dyad", "actuator")))
+    found = ["suspension", "chain_short", "path18", "needle_lsq"]
+    hard = ["kite", "parallelogram", "copied_slide", "zero_guide", "toggle", "ratios", "many_turns"]
+    for name in plain:
+        shutil.copy(os.path.join(DATA, name + ".nml"), name + ".nml")
+    for name in hard:
+        shutil.copy(os.path.join(DATA, "hard", name + ".nml"), name + ".nml")
+    for name in found + ["brake_reaction"]:
+        psalm("--quiet", "--output-dir", "found", os.path.join(DATA, name + ".nml"))
+        text = read("found/%s.dev7" % name)
+        write(name + ".nml", re.sub(r"IPLOT\s*=\s*0", "IPLOT=1", text))
+    for name in plain + found + hard:
+        code, _, _ = psalm("--quiet", name + ".nml")
+        ours, _, errors = balm("--quiet", name + ".nml")
+        if name != "needle":
+            check(name + ": exit status as psalm's", ours == code, "%d %d %s" % (ours, code, errors))
+        cases = page_data(name + ".html")
+        groups = split_blocks(device9(name + ".dev9"), cases)
+        if check(name + ": all cases of the file", len(groups) == len(cases) > 0):
+            for i, (group, case) in enumerate(zip(groups, cases), 1):
+                compare_case(name, i, group, case)
+    check("needle_lsq: device 7 of three linkages gives three cases", len(page_data("needle_lsq.html")) == 3)
+
+
+def test_symbols():
+    picture = Picture("textile.svg")
+    uses = [e.get("href") for e in picture.root.iter(SVG + "use")]
+    for symbol in ["#revolute", "#ground", "#prismatic", "#star"]:
+        check("textile: symbol " + symbol, symbol in uses)
+    check("needle: joint letters from A on", {e.text for e in Picture("needle.svg").of_class("letter")} >= set("ABCDEFGHIJ"))
+    layers = {layer.dxf.name for layer in ezdxf.readfile("needle.dxf").layers}
+    check("needle: nine layers of links beside the frame", {"LINK_9", "FRAME"} <= layers and "LINK_10" not in layers)
+    check("needle: ternary links are plates", len(Picture("needle.svg").of_class("plate")) >= 2)
+    bar = next(e for e in Picture("needle.svg").root.iter(SVG + "text") if e.get("data-length"))
+    width = float(re.search(r"v8h(\S+?)v", Picture("needle.svg").root.find('.//%sg[@id="scale"]' % SVG)[0].get("d")).group(1))
+    scale = float(Picture("needle.svg").root.find('.//*[@id="linkage"]').get("transform")[7:].split()[0])
+    check("needle: the scale bar is as long as it says", near(width / scale, float(bar.get("data-length")), 1e-3))
+    check("needle: title", "TEN-BAR NEEDLE LINKAGE" in picture_title("needle.svg"))
+    for name in ["needle", "textile"]:
+        style = read(name + ".svg")
+        check(name + ": dark scheme", "prefers-color-scheme:dark" in style)
+    write("every.nml", read("needle.nml").replace("IPLOT=1", "KTHETA=1"))
+    balm("--quiet", "every.nml")
+    every = Picture("every.svg").of_class("every")
+    check("KTHETA=1 draws every link at every position", len({e.get("data-position") for e in every}) == 19)
+    check("KTHETA=0 does not", not Picture("needle.svg").of_class("every"))
+    angle = Picture("dyad4_slider_crank.svg").root.findall('.//%suse[@href="#prismatic"]' % SVG)[0].get("transform")
+    check("prismatic: bases along the slide", "rotate(" in angle)
+
+
+def test_regions():
+    group = " &CONSTR NREGN=3, RKIND=1,2,-3, RLOOP=1,1,0, RLINK=2,2,0, RPLACE=10.0,20.0,60.0,50.0, 0.0,-40.0,10.0,0.0, 0.0,0.0,300.0,0.0 &END\n"
+    write("regions.nml", read("dyad1_crank_rocker.nml").rstrip() + "\n" + group)
+    code, _, errors = balm("regions.nml")
+    check("regions: read as psalm reads them", code == psalm("--quiet", "regions.nml")[0] != 2, errors)
+    shapes = Picture("regions.svg").of_class("region")
+    check("regions: what trespasses is said", code == 1 and "violated: " in errors and "violated: " in Picture("regions.svg").text() and
+          page_data("regions.html")[0]["breaches"], errors)
+    check("regions: box", [float(v) for v in re.findall(r"[-+0-9.E]+", shapes[0].get("d"))] == [10, 20, 60, 50, 10])
+    check("regions: circle to stay inside of", shapes[2].get("r") == "3.0000000000000000E+02" and "inside" in shapes[2].get("class"))
+    x1, y1, x2, y2 = [float(v) for v in re.findall(r"[-+0-9.E]+", shapes[1].get("d"))[:4]]
+    check("regions: half-plane", abs(math.degrees(math.atan2(y2 - y1, x2 - x1)) - 10) < 1e-9)
+    check("regions: on the page", [r["kind"] for r in page_data("regions.html")[0]["regions"]] == [1, 2, 3])
+    write("regions.nml", read("regions.nml").replace("RLINK=2,", "RLINK=5,"))
+    check("regions: a joint that is not there", balm("regions.nml")[0] == 2 and "RLINK" in Picture("regions.svg").text())
+    write("regions.nml", read("regions.nml").replace("RLINK=5,", "RLINK=2,"))
+    balm("--quiet", "regions.nml")
+
+
+def picture_title(name):
+    return Picture(name).root.find(SVG + "title").text
+
+
+def test_assemblies():
+    """Turning the sign of the pair in ILINK gives the assembly that is drawn in grey."""
+    signs = {"dyad1_crank_rocker": ("ILINK=1,2,3,4", "ILINK=1,-2,-3,4"), "dyad2_oscillating_cylinder": None, "dyad3_quick_return": None,
+             "dyad4_slider_crank": ("ILINK=1,-2,3,4", "ILINK=1,2,3,4"), "dyad5_turning_block": ("ILINK=1,2,3,4", "ILINK=1,2,-3,4")}
+    for name, change in signs.items():
+        text = read(name + ".nml")
+        if change is None:
+            a, b, c, d = re.search(r"ILINK=(-?\d),(-?\d),(-?\d),(-?\d)", text).groups()
+            change = ("ILINK=%s,%s,%s,%s" % (a, b, c, d), "ILINK=%s,%d,%d,%s" % (a, -int(b), -int(c), d))
+        elif change[0] not in text:
+            change = (change[1], change[0])
+        check(name + ": signs", change[0] in text)
+        write("turned.nml", text.replace(*change))
+        balm("--quiet", "--assemblies", name + ".nml")
+        balm("--quiet", "turned.nml")
+        ghost = Picture(name + ".svg").of_class("ghost")
+        check(name + ": a grey assembly", len(ghost) == 1)
+        case = page_data("turned.html")[0]
+        joint, row = case["pairs"][0]["shared"], case["prescribed"]
+        x, y = map(float, numbers(ghost[0])[2:4])
+        size = case["view"][2] - case["view"][0]
+        check(name + ": the other sign is the grey assembly", abs(x - row["x"][joint][case["reference"]]) < 1e-10 * size and
+              abs(y - row["y"][joint][case["reference"]]) < 1e-10 * size)
+        balm("--quiet", name + ".nml")
+
+
+# ---- messages and awkward places ------------------------------------------------------------------------------------------
+
+def test_messages():
+    slider = read("dyad4_slider_crank.nml")
+    write("open.nml", slider.replace("140.0,0.0,10.0", "35.0,0.0,10.0"))
+    code, _, errors = balm("open.nml")
+    check("open: exit status", code == 1)
+    check("open: remark", "LINK 2 IS TOO SHORT BY 15.00000" in errors)
+    check("open: on the picture", "LOOP 1, DYAD OF TYPE 4 (ARCS 2 AND 3), POSITIONS 16 TO 22: LINK 2 IS TOO SHORT BY 15.00000" in
+          Picture("open.svg").text())
+    case = page_data("open.html")[0]
+    check("open: on the page", any("LINK 2 IS TOO SHORT" in v["text"] for v in case["prescribed"]["violations"]))
+    check("open: the gap is known at every open position of the sweep",
+          {b[0] for b in case["sweep"]["broken"]} == {i for i, v in enumerate(case["sweep"]["closed"]) if v == "0"})
+
+    write("nowhere.nml", slider.replace("140.0,0.0,10.0", "5.0,0.0,60.0"))
+    code, _, _ = balm("--quiet", "nowhere.nml")
+    picture = Picture("nowhere.svg")
+    check("closes nowhere: exit status", code == 1)
+    check("closes nowhere: says why", "TOO SHORT" in picture.text() and "POSITIONS 1 TO 24" in picture.text())
+    check("closes nowhere: the crank and the gap are drawn", picture.of_class("bar") and picture.of_class("broken"))
+    check("closes nowhere: no output", not picture.of_class("output", "actual"))
+    check("closes nowhere: DXF", not ezdxf.readfile("nowhere.dxf").audit().errors)
+
+    write("sign.nml", re.sub(r"ILINK=1,(-?)2,", lambda m: "ILINK=1,%s2," % ("" if m.group(1) else "-"), read("dyad2_oscillating_cylinder.nml")))
+    code, _, errors = balm("sign.nml")
+    check("a bad sign: exit status", code == 2)
+    check("a bad sign: picture and page show the message", "error: &LINKS ILINK" in Picture("sign.svg").text() and
+          page_data("sign.html")[0]["errors"] and not page_data("sign.html")[0]["sound"], errors)
+    check("a bad sign: no drawing for CAD", not os.path.exists("sign.dxf"))
+    write("typo.nml", slider.replace("NLOOP", "NLOPP"))
+    code, _, errors = balm("typo.nml")
+    check("a slip in a name", code == 2 and "did you mean NLOOP" in errors and "did you mean NLOOP" in Picture("typo.svg").text())
+    write("both.nml", read("actuator_davis_steering.nml").replace("NOUTLK=4, NOUTLP=2", "NOUTLK=4, NOUTLP=7"))
+    code, _, _ = balm("--quiet", "both.nml")
+    cases = page_data("both.html")
+    check("one of two cases is wrong: the other is drawn", code == 2 and cases[0]["sound"] and not cases[1]["sound"] and
+          not cases[0]["errors"] and os.path.exists("both.dxf"))
+
+
+NASTY = b"</script><script>alert(1)</script> & \"q\" 'x' \\u0041 <!-- \xc3\xa9 \xff\xc3 \x01\x1b ]]>"
+
+
+def test_awkward():
+    write("nasty.nml", NASTY + b"\n" + read("needle.nml").split("\n", 1)[1].encode())
+    code, _, errors = balm("--quiet", "--curves", "nasty.nml")
+    check("a nasty title: exit status", code == 0, errors)
+    title = picture_title("nasty.svg")
+    check("a nasty title: SVG", title.startswith("</script><script>alert(1)</script> & \"q\" 'x' \\u0041 <!-- \u00e9 \u00ff"), title)
+    check("a nasty title: page", page_data("nasty.html")[0]["title"].startswith(title[:40]))
+    check("a nasty title: curves", read_bytes("nasty.png")[:8] == b"\x89PNG\r\n\x1a\n" and read_bytes("nasty.pdf")[:5] == b"%PDF-")
+
+    write("empty.nml", "")
+    code, _, errors = balm("empty.nml")
+    check("an empty file", code == 2 and "the file is empty" in errors and not os.path.exists("empty.svg"))
+    check("a missing file", balm("missing.nml")[0] == 3)
+    check("a full disk", balm("--output-dir", "/dev/full", "needle.nml")[0] == 3)
+    check("an unknown option", balm("--frobnicate", "needle.nml")[0] == 2)
+    check("options of balm are not psalm's", psalm("--curves", "needle.nml")[0] == 2)
+    code, out, _ = balm("--help")
+    check("--help", code == 0 and "Exit status" in out)
+    check("--version", re.fullmatch(r"balm \d+\.\d+\.\d+\n", balm("--version")[1]))
+    os.makedirs("elsewhere", exist_ok=True)
+    check("standard input", balm("--quiet", stdin=read("needle.nml").encode(), cwd="elsewhere")[0] == 0 and
+          os.path.exists("elsewhere/psalm.svg"))
+    check("from another directory", balm("--quiet", "--output-dir", "out", "../needle.nml", cwd="elsewhere")[0] == 0 and
+          read_bytes("elsewhere/out/needle.svg") == read_bytes("needle.svg"))
+    odd = "it's a \"case\" $(x).nml"
+    shutil.copy("needle.nml", odd)
+    code, _, errors = balm("--quiet", "--curves", odd)
+    check("a name with quotes and blanks", code == 0 and os.path.exists(odd[:-4] + ".png") and os.path.exists(odd[:-4] + ".html"), errors)
+    check("no half-written file is left", not [f for f in os.listdir(".") if f.endswith(".part")])
+    code, _, errors = balm("--quiet", "--curves", "needle.nml", env={"PATH": "/nonexistent"})
+    check("gnuplot is missing: exit status and message", code == 3 and "gnuplot is missing or failed" in errors, errors)
+    check("gnuplot is missing: the other pictures are there", os.path.exists("needle.svg"))
+
+
+def read_bytes(name):
+    with open(name, "rb") as file:
+        return file.read()
+
+
+def test_curves():
+    psalm("--quiet", os.path.join(DATA, "needle_search.nml"), "--output-dir", ".")
+    code, _, errors = balm("--quiet", "--curves", "--output-dir", ".", os.path.join(DATA, "needle_search.nml"))
+    check("curves: exit status", code == 0, errors)
+    check("curves: PNG and PDF", read_bytes("needle_search.png")[:4] == b"\x89PNG" and read_bytes("needle_search.pdf")[:5] == b"%PDF-")
+    script = read("needle_search.gp")
+    lines = re.search(r"\$progress << END\n(.*?)END", script, re.S).group(1).splitlines()
+    best = [float(l.split()[1]) for l in lines]
+    told = re.findall(r"ITERATION \d+ +BEST +(\S+)", read("needle_search.dev1"))
+    check("curves: convergence is that of device 1", best == [float(v.replace("D", "E")) for v in told] and len(best) > 5)
+    names, rows = device9("needle.dev9")[0]
+    balm("--quiet", "--curves", "needle.nml")
+    table = re.search(r"\$prescribed << END\n#.*?\n(.*?)END", read("needle.gp"), re.S).group(1).splitlines()
+    check("curves: actual and desired are those of device 9",
+          [l.split()[1] for l in table] == [r[names.index("actual")] for r in rows] and
+          [l.split()[3] for l in table] == [r[names.index("desired")] for r in rows])
+    angles = [[float(v) for v in l.split()[7:]] for l in table]
+    case = page_data("needle.html")[0]
+    check("curves: transmission angles by the law of cosines", cosine_law(case, angles))
+
+
+def cosine_law(case, angles):
+    row, k = case["prescribed"], 0
+    for loop in case["pairs"]:
+        if loop["type"] != 1:
+            continue
+        for i in range(row["n"]):
+            s, j, e = [(row["x"][loop[n]][i], row["y"][loop[n]][i]) for n in ("start", "shared", "finish")]
+            p, q, h = math.dist(s, j), math.dist(j, e), math.dist(s, e)
+            if abs(math.degrees(math.acos((p * p + q * q - h * h) / (2 * p * q))) - angles[i][k]) > 1e-9:
+                return False
+        k += 1
+    return k > 0
+
+
+def test_embedded():
+    """The page in the program is the page in the sources."""
+    source = read(os.path.join(TOP, "src", "output", "psalm_page_data.c.html"))
+    page = read("needle.html")
+    page = re.sub(r'<script type="application/json" id="data">.*?</script>', "<!--DATA-->", page, flags=re.S)
+    page = page.replace("<title>" + html.escape(page_data("needle.html")[0]["title"]) + "</title>", "<title><!--TITLE--></title>")
+    check("the page built in is the page of the sources", page == source)
+    check("the page asks nothing of a network", not re.search(r"""(src|href)=["']?(https?:)?//|url\(|@import|fetch\(|XMLHttp""", source))
+
+
+def main(programs, shots=None):
+    picture_tools.programs = os.path.abspath(programs)
+    if shots:
+        shots = os.path.abspath(shots)
+        os.makedirs(shots, exist_ok=True)
+    with tempfile.TemporaryDirectory() as work:
+        os.chdir(work)
+        test_geometry()
+        test_symbols()
+        test_assemblies()
+        test_regions()
+        test_messages()
+        test_awkward()
+        test_curves()
+        test_embedded()
+        test_pages(shots)
+        os.chdir("/")
+    print("%d passed, %d failed" % (picture_tools.passed, picture_tools.failed))
+    return picture_tools.failed > 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(*sys.argv[1:]))

@@ -1,0 +1,65 @@
+!> Text inside SVG, HTML and JSON, and the outline of a plate.
+program test_markup
+   use check, only: checks_t
+   use psalm_kinds, only: wp
+   use psalm_markup, only: clean_text, json_text, number_or_null, short_number, strings_t, wrapped, xml_text
+   use psalm_parts, only: convex_hull
+   implicit none (type, external)
+   type(checks_t) :: t
+
+   call texts()
+   call numbers()
+   call lines()
+   call outlines()
+   call t%report()
+
+contains
+
+   subroutine texts()
+      character(*), parameter :: e_acute = char(195)//char(169) !! in UTF-8
+
+      call t%equal_text(clean_text('plain'), 'plain', 'plain text stays')
+      call t%equal_text(clean_text('a'//achar(9)//achar(27)//'b'), 'a  b', 'control characters become blanks')
+      call t%equal_text(clean_text(e_acute), e_acute, 'UTF-8 stays')
+      call t%equal_text(clean_text(char(233)), e_acute, 'a byte that is no UTF-8 is taken for Latin-1')
+      call t%equal_text(clean_text('x'//char(195)), 'x'//char(195)//char(131), 'a sequence cut short')
+      call t%equal_text(clean_text(char(192)//char(128)), char(195)//char(128)//'?', 'a sequence longer than it need be')
+      call t%equal_text(clean_text(char(237)//char(160)//char(128)), char(195)//char(173)//char(194)//char(160)//'?', &
+                        'half a surrogate pair')
+      call t%equal_text(xml_text('<a b="c">&''</a>'), '&lt;a b=&quot;c&quot;&gt;&amp;&#39;&lt;/a&gt;', 'XML')
+      call t%equal_text(json_text('</script>"'//achar(92)), '"'//achar(92)//'u003c/script'//achar(92)//'u003e'//achar(92)//'"'// &
+                        achar(92)//achar(92)//'"', 'JSON that a script element may hold')
+   end subroutine texts
+
+   subroutine numbers()
+      call t%equal_text(short_number(0.0_wp), '0', 'zero')
+      call t%equal_text(short_number(0.5_wp), '0.5', 'a digit before the point: JSON wants it')
+      call t%equal_text(short_number(-12.25_wp), '-12.25', 'a negative number')
+      call t%equal_text(short_number(1234567.0_wp), '1234567', 'no needless point')
+      call t%equal_text(short_number(1.0_wp/3.0_wp), '0.333333333', 'nine digits')
+      call t%equal_text(short_number(2.5e20_wp), '2.5E+0020', 'a large number')
+      call t%equal_text(number_or_null(1.0_wp, .false.), 'null', 'what is not known is null')
+   end subroutine numbers
+
+   subroutine lines()
+      type(strings_t), allocatable :: parts(:)
+
+      parts = wrapped('one two three four', 9)
+      call t%equal_integer(size(parts), 3, 'lines of at most nine characters')
+      call t%equal_text(parts(1)%text//'|'//parts(2)%text//'|'//parts(3)%text, 'one two|three|four', 'broken at blanks')
+      parts = wrapped('abcdefghij', 4)
+      call t%equal_text(parts(1)%text//'|'//parts(2)%text//'|'//parts(3)%text, 'abcd|efgh|ij', 'a long word is cut')
+   end subroutine lines
+
+   subroutine outlines()
+      integer, allocatable :: hull(:)
+
+      hull = convex_hull([7, 8, 9, 10], [0.0_wp, 4.0_wp, 0.0_wp, 1.0_wp], [0.0_wp, 0.0_wp, 4.0_wp, 1.0_wp])
+      call t%is_true(size(hull) == 3 .and. all([any(hull == 7), any(hull == 8), any(hull == 9)]), &
+                     'a point inside is not on the outline')
+      hull = convex_hull([1, 2, 3], [0.0_wp, 1.0_wp, 2.0_wp], [0.0_wp, 1.0_wp, 2.0_wp])
+      call t%equal_integer(size(hull), 0, 'points on a line make no plate')
+      hull = convex_hull([1, 2, 3], 1.0e-200_wp*[0.0_wp, 1.0_wp, 0.0_wp], 1.0e-200_wp*[0.0_wp, 0.0_wp, 1.0_wp])
+      call t%equal_integer(size(hull), 3, 'very small plates')
+   end subroutine outlines
+end program test_markup
