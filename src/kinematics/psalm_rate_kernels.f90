@@ -13,7 +13,7 @@ module psalm_rate_kernels
    public :: arc_vector, add_arc_rate, add_arc_change, difference
    public :: point_back, dyad_back, arc_back
    public :: invert_columns, solve_columns, quarter_turn_of_sum
-   public :: link_pair_second, link_pair_third, turn_point_twice, turn_point_third
+   public :: link_pair_change, link_pair_second, link_pair_third, turn_point_twice, turn_point_third
    public :: slide_point_twice, projections_twice
 
    real(wp), parameter :: least = tiny(1.0_wp)**0.25_wp !! guards a division
@@ -358,4 +358,19 @@ contains
          along(i) = -(gx(i)*ex(i) + gy(i)*ey(i))
       end do
    end subroutine arc_back
+
+   !> Change of the cosine of a link pair's transmission angle: base + slope*reach - factor*(h . h').
+   pure subroutine link_pair_change(n, sx, sy, ex, ey, dsx, dsy, dex, dey, reach, base, slope, factor, change)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: sx(n), sy(n), ex(n), ey(n)     !! outer joints S and E
+      real(wp), intent(in) :: dsx(n), dsy(n), dex(n), dey(n) !! their changes
+      real(wp), intent(in) :: reach(n)                       !! h**2
+      real(wp), intent(in) :: base, slope, factor            !! parts that hang on the links
+      real(wp), intent(out) :: change(n)
+      integer :: i
+
+      do i = 1, n
+         change(i) = base + slope*reach(i) - factor*((ex(i) - sx(i))*(dex(i) - dsx(i)) + (ey(i) - sy(i))*(dey(i) - dsy(i)))
+      end do
+   end subroutine link_pair_change
 end module psalm_rate_kernels

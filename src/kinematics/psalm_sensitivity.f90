@@ -10,7 +10,7 @@ module psalm_sensitivity
    use psalm_kinds, only: wp, radians_per_degree, degrees_per_radian
    use psalm_linkage, only: bound_step_t, padded
    use psalm_plan, only: step_point, root_crank
-   use psalm_rate_kernels, only: add_arc_change, difference, solve_columns, point_back, dyad_back, arc_back
+   use psalm_rate_kernels, only: add_arc_change, difference, solve_columns, link_pair_change, point_back, dyad_back, arc_back
    use psalm_rates, only: rates_t, prepare_rates, form_frames, row_of, unknowns_of, rows_of_arc
    use psalm_topology, only: dimensions_t, variable_length, variable_gama, variable_outlk, variable_outang, variable_origlk, &
                              variable_origng, variable_crnki
@@ -202,6 +202,15 @@ contains
             if (dyad%joint > 5) cycle
             dp = work%stretch(dyad%arc_p, v)*link%scale
             dq = work%stretch(dyad%arc_q, v)*link%scale
+            if (dyad%joint == 1) then
+               h = 0.5_wp/(dyad%p*dyad%q)
+               call link_pair_change(n, link%store(dyad%from_x), link%store(dyad%from_y), link%store(dyad%to_x), &
+                                     link%store(dyad%to_y), d(dyad%from_x, 1), d(dyad%from_y, 1), d(dyad%to_x, 1), &
+                                     d(dyad%to_y, 1), link%store(dyad%reach_row), &
+                                     unit*h*(dp/dyad%p - dq/dyad%q)*(dyad%p - dyad%q)*(dyad%p + dyad%q), &
+                                     unit*h*(dp/dyad%p + dq/dyad%q), 2.0_wp*unit*h, dk(:, loop))
+               cycle
+            end if
             do i = 0, n - 1
                hx = link%store(dyad%to_x + i) - link%store(dyad%from_x + i)
                hy = link%store(dyad%to_y + i) - link%store(dyad%from_y + i)
@@ -209,9 +218,6 @@ contains
                gy = d(dyad%to_y + i, 1) - d(dyad%from_y + i, 1)
                reach = link%store(dyad%reach_row + i)
                select case (dyad%joint)
-               case (1)
-                  dk(i + 1, loop) = (dp*(dyad%p**2 - dyad%q**2 + reach)/dyad%p + dq*(dyad%q**2 - dyad%p**2 + reach)/dyad%q &
-                                     - 2.0_wp*(hx*gx + hy*gy))/(2.0_wp*dyad%p*dyad%q)
                case (2, 3)
                   h = sqrt(max(reach, tiny(1.0_wp)))
                   dk(i + 1, loop) = merge(dq, dp, dyad%joint == 2)/h &

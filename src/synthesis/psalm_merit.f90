@@ -305,15 +305,15 @@ contains
    !> Errors of one co-ordinate at all positions. Only the upper triangle of the matrix is added to.
    subroutine add_errors(marble, weight, error, d, merit)
       integer, intent(in) :: marble
-      real(wp), intent(in) :: weight(:), error(:)    !! shape (positions)
-      real(wp), intent(in) :: d(:, :)                !! shape (positions, columns)
+      real(wp), intent(in), contiguous :: weight(:), error(:) !! shape (positions)
+      real(wp), intent(in), contiguous :: d(:, :)    !! shape (positions, columns)
       type(merit_t), intent(inout) :: merit
       integer :: a, b, i
 
       do a = 1, marble
-         merit%gradient(a) = merit%gradient(a) + sum(weight*error*d(:, a))
+         merit%gradient(a) = merit%gradient(a) + product_of(size(error), weight, error, d(:, a))
          do b = 1, a
-            merit%matrix(b, a) = merit%matrix(b, a) + sum(weight*d(:, a)*d(:, b))
+            merit%matrix(b, a) = merit%matrix(b, a) + product_of(size(error), weight, d(:, a), d(:, b))
          end do
       end do
       if (.not. merit%free) return
@@ -321,6 +321,24 @@ contains
          call add_timing(merit, i, weight(i), error(i), d(i, :marble), d(i, marble + 1))
       end do
    end subroutine add_errors
+
+   !> Sum of weight*a*b in a fixed order: eight partial sums, so that it runs in vector lanes.
+   pure real(wp) function product_of(n, weight, a, b)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: weight(n), a(n), b(n)
+      integer, parameter :: lanes = 8
+      real(wp) :: part(lanes)
+      integer :: i
+
+      part = 0.0_wp
+      do i = 1, n - lanes + 1, lanes
+         part = part + weight(i:i + lanes - 1)*a(i:i + lanes - 1)*b(i:i + lanes - 1)
+      end do
+      product_of = ((part(1) + part(2)) + (part(3) + part(4))) + ((part(5) + part(6)) + (part(7) + part(8)))
+      do i = n - modulo(n, lanes) + 1, n
+         product_of = product_of + weight(i)*a(i)*b(i)
+      end do
+   end function product_of
 
    !> Violations of closure, transmission angles and TOGGLE at the positions of a station.
    subroutine add_angles(station, marble, weight, merit)

@@ -19,6 +19,7 @@ module psalm_optimise
    integer, parameter :: usual_evaluations = 2000     !! for each unknown and one more, where MAXEVAL is not given
    real(wp), parameter :: care = 1.0e6_wp             !! first objectives a violation of 1 counts as, among linkages to keep
    real(wp), parameter :: ftol = 1.0e-10_wp, xtol = 1.0e-9_wp
+   real(wp), parameter :: unbounded = 0.5_wp*huge(1.0_wp) !! bounds beyond it are none
    real(wp), parameter :: tolerance = 1.0e-8_wp       !! of the constraints: less than they are aimed inside their limits
 
    !> What the functions NLopt calls need.
@@ -118,19 +119,16 @@ contains
       context%slopes = reshape([real(wp) ::], [n, merge(m, 0, needs_gradient(algorithm))], pad=[0.0_wp])
       allocate (x(n), low(n), high(n))
       call pack_up(context%merit, context%values, context%merit%delt, x)
-      low = -huge(1.0_c_double)
-      high = huge(1.0_c_double)
-      low(:marble) = real(max(context%merit%low, -real(huge(1.0_c_double), wp)), c_double)
-      high(:marble) = real(min(context%merit%high, real(huge(1.0_c_double), wp)), c_double)
+      ! what NLopt takes for no bound at all
+      low = -infinity()
+      high = infinity()
+      where (context%merit%low > -unbounded) low(:marble) = real(context%merit%low, c_double)
+      where (context%merit%high < unbounded) high(:marble) = real(context%merit%high, c_double)
       if (is_global(algorithm)) then
          low(:marble) = max(low(:marble), real(box_low, c_double))
          high(:marble) = min(high(:marble), real(box_high, c_double))
          low(marble + 1:) = x(marble + 1:) - real(full_turn, c_double)
          high(marble + 1:) = x(marble + 1:) + real(full_turn, c_double)
-      else
-         ! what NLopt takes for no bound at all
-         where (low < -0.5_c_double*huge(low)) low = -infinity()
-         where (high > 0.5_c_double*huge(high)) high = infinity()
       end if
       x = min(max(x, low), high)
       context%lowest = huge(1.0_wp)
@@ -189,7 +187,7 @@ contains
       call unpack(context, x, context%values, context%delt)
       associate (merit => context%merit)
          call measure(merit, context%values, context%delt, context%weight, total, objective)
-         merit_value = real(min(total, real(huge(1.0_c_double), wp)), c_double)
+         merit_value = real(total, c_double)
          call keep(context, total + context%care*squared_violations(merit))
          if (c_associated(gradient)) then
             call c_f_pointer(gradient, slope, [int(n)])
