@@ -132,7 +132,7 @@ contains
             call change_of_output(problem, v, n, work, dx(offset + 1:offset + n, v), dy(offset + 1:offset + n, v))
             if (present(dk)) call change_of_constraints(problem, v, n, work, dk(offset + 1:offset + n, :, v))
             if (present(dp)) call change_of_joints(problem, v, n, work, dp(offset + 1:offset + n, :, :, v))
-            call clear(problem, v, m, work%rates)
+            call clear(problem, v, m, work)
          end do
       end do
    end subroutine find_jacobian
@@ -369,13 +369,13 @@ contains
    end subroutine dyad_change
 
    !> Put the rows a variable has changed back to zero.
-   subroutine clear(problem, v, n, rates)
+   subroutine clear(problem, v, n, work)
       type(problem_t), intent(in) :: problem
       integer, intent(in) :: v, n
-      type(rates_t), intent(inout) :: rates
+      type(sensitivity_t), intent(inout) :: work
       integer :: k, first, second
 
-      associate (link => problem%linkage, d => rates%d)
+      associate (link => problem%linkage)
          if (problem%topology%variables(v)%kind == variable_crnki) then
             if (.not. link%sliding_input) then
                call zero(link%root_x(root_crank))
@@ -384,6 +384,7 @@ contains
             end if
          end if
          do k = 1, size(link%steps)
+            if (.not. work%moves(k, v)) cycle
             if (problem%plan%steps(k)%kind == step_point) then
                call zero(link%steps(k)%to_x)
                call zero(link%steps(k)%to_y)
@@ -400,7 +401,7 @@ contains
       subroutine zero(at)
          integer, intent(in) :: at
 
-         rates%d(at:at + n - 1, 1) = 0.0_wp
+         work%rates%d(at:at + n - 1, 1) = 0.0_wp
       end subroutine zero
    end subroutine clear
 

@@ -107,6 +107,7 @@ contains
                station%closed(offset + 1:offset + n) = .true.
                do loop = 1, problem%topology%nloop
                   if (link%step_of_loop(loop) == 0) cycle
+                  if (link%all_accepted(m, loop)) cycle
                   do i = 1, n
                      if (.not. link%closes(i, loop)) station%closed(offset + i) = .false.
                   end do
