@@ -18,6 +18,7 @@ program psalm
    type(arguments_t) :: arguments
    logical :: finished
    integer :: code, i
+   logical :: interrupted = .false. !! a signal came: what is left is not begun
 
    call begin('psalm', &
       'usage: psalm [options] [CASE.nml ...]'//nl// &
@@ -37,6 +38,7 @@ program psalm
    if (finished) stop code, quiet=.true.
    do i = 1, size(arguments%files)
       call run_file(trim(arguments%files(i)))
+      if (interrupted) exit
    end do
    stop code, quiet=.true.
 
@@ -66,10 +68,12 @@ contains
       if (findings%failed()) return
       do k = 1, size(sets)
          call run_case(sets(k), supplies(k)%vertices, arguments%threads, devices, monitor)
+         if (devices%interrupted) exit
       end do
       if (monitor%active) call write_standard_error(nl)
       if (.not. arguments%quiet) call write_standard_error(devices%notes%content())
       code = max(code, devices%code)
+      interrupted = devices%interrupted
       call write_devices(file, arguments%output_dir, '', devices, code)
    end subroutine run_file
 end program psalm

@@ -43,6 +43,7 @@ module psalm_run
       type(text_t) :: nine    !! plotting data
       type(text_t) :: notes   !! remarks for standard error
       integer :: code = exit_done !! exit status so far
+      logical :: interrupted = .false. !! a signal came: no further case is to be run
    end type devices_t
 
 contains
@@ -90,12 +91,13 @@ contains
       call problem%set_threads(threads)
       call list_input(' *** PSALM, VERSION '//version//' ***', set, topology, dimensions, devices%eight)
       if (topology%has_search()) then
-         call interrupt%hold()
+         call interrupt%hold(threads)
          if (set%search%solver == 'SIMPLEX') then
             call synthesize(set, vertices, problem, interrupt, dimensions, devices, monitor)
          else
             call synthesize_from_starts(set, vertices, problem, threads, interrupt, dimensions, others, devices, monitor)
          end if
+         devices%interrupted = interrupt%signalled()
          call interrupt%release()
       end if
       call problem%analyse(dimensions, motion)
@@ -166,7 +168,8 @@ contains
          if (set%ifree /= 0) call problem%move_inputs(found%best(1)%delt)
          line = line//'; best objective '//trim(adjustl(general(found%best(1)%objective)))
       end if
-      if (found%out_of_time) line = 'MAXTIME passed before all starts were made: '//line
+      if (found%out_of_time) line = 'MAXTIME passed before the search was done: '//line
+      if (found%out_of_time .or. found%interrupted) devices%code = max(devices%code, exit_violation)
       if (found%refused) then
          devices%code = max(devices%code, exit_violation)
          line = 'NLopt refuses '//set%search%solver//' for this problem: '//line
@@ -237,7 +240,7 @@ contains
 
       one = set
       if (size(found%best) <= 1) then
-         if (size(found%best) == 1 .and. set%ikin == 0) one%delt = found%best(1)%delt
+         if (size(found%best) == 1) one%delt = found%best(1)%delt
          call write_data_set(one, topology, dimensions, text)
          return
       end if
@@ -292,6 +295,7 @@ contains
       type(constraints_t) :: constraints
       type(simplex_t) :: simplex
       type(search_state_t) :: state
+      type(interrupt_t) :: ending
       logical :: feasible
 
       call make_constraints(set, problem, constraints)
@@ -305,16 +309,19 @@ contains
          return
       end if
       call write_vertices('I', simplex%v, simplex%f, devices%seven)
-      call search_simplex(set, problem, constraints, simplex, interrupt, state, devices%one, monitor)
+      ending = interrupt
+      call ending%limit_time(set%search%maxtime)
+      call search_simplex(set, problem, constraints, simplex, ending, state, devices%one, monitor)
       call write_vertices('F', simplex%v, simplex%f, devices%seven)
       call problem%topology%apply(simplex%v(:, simplex%best), dimensions)
-      call tell_search(set, simplex, state, devices)
+      call tell_search(set, simplex, state, ending, devices)
    end subroutine synthesize
 
-   subroutine tell_search(set, simplex, state, devices)
+   subroutine tell_search(set, simplex, state, ending, devices)
       type(data_set_t), intent(in) :: set
       type(simplex_t), intent(in) :: simplex
       type(search_state_t), intent(in) :: state
+      type(interrupt_t), intent(in) :: ending
       type(devices_t), intent(inout) :: devices
       character(:), allocatable :: line, reason
 
@@ -323,7 +330,8 @@ contains
          reason = 'stopped at NITER before converging'
          devices%code = max(devices%code, exit_violation)
       case (stop_interrupted)
-         reason = 'interrupted (to go on, give this device 7 as device 4 with NGUESS='//to_text(size(simplex%f))//')'
+         reason = trim(merge('MAXTIME passed', 'interrupted   ', ending%late()))// &
+                  ' (to go on, give this device 7 as device 4 with NGUESS='//to_text(size(simplex%f))//')'
          devices%code = max(devices%code, exit_violation)
       case (stop_converged)
          reason = 'the simplex has converged'

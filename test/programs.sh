@@ -196,6 +196,58 @@ status 2 'a region of a joint that is not there' "$psalm" bad.nml
 status 2 'a sliding input makes no turn' "$psalm" bad.nml
 said 'a sliding input makes no turn' 'IRANGE=1 is its range'
 
+sed 's/RKIND=1,-3, RLINK=2,0, RLOOP=1,0/RKIND=1,-3, RLINK=2,2, RLOOP=1,0/' region.nml >bad.nml
+status 2 'an arc without its loop' "$psalm" bad.nml
+said 'an arc without its loop' 'region 2: arc 2 is named, but not its loop'
+sed 's/NREGN=2, //' region.nml >bad.nml
+status 2 'regions without their number' "$psalm" bad.nml
+said 'regions without their number' 'regions are given, but not their number NREGN'
+sed 's/,3.0,3.0,2.5 &END/ \&END/' region.nml >bad.nml
+status 2 'too few numbers for the regions' "$psalm" bad.nml
+said 'too few numbers for the regions' 'four numbers are expected for each of 2 regions; found 4'
+for item in NSTART=2 NBEST=2 FIRST=2 MAXEVAL=9; do
+    { cat needle_search.nml; echo " &SEARCH $item &END"; } >bad.nml
+    status 2 "the simplex and $item" "$psalm" bad.nml
+    said "the simplex and $item" "&SEARCH ${item%=*}: the simplex makes one search"
+done
+sed "s/IVA=4\*1, ILKOUT=1, IORIG=1, IVG=3\*0,1, INGOUT=1, //" line6.nml >bad.nml
+status 2 'free timing of nothing' "$psalm" bad.nml
+said 'free timing of nothing' 'no dimension may vary'
+# a start that fits its points exactly, but stands in a forbidden region
+cat >exact.nml <<'CASE'
+FOUR-BAR THAT GOES THROUGH ITS POINTS
+ &LINKS NLOOP=1, MAXARC=4, ILINK=1,-2,-3,4, ILOOP=1,0,0,1,
+  ARCL=1.0,3.0,3.0,3.0, GAMA=3*0.0,180.0, NOUTLK=-2, NOUTLP=1, OUTLK=1.5, OUTANG=20.0 &END
+ &METHOD MOTION=0, NDES=8, DELT=0.,20.,40.,60.,80.,100.,120.,140.,
+  DESX=9.8615678509700366E-01,1.1948922593186915E+00,1.2506127317038680E+00,1.1403659864087932E+00,
+  9.0391115512308606E-01,5.9597079100570705E-01,2.6883044924947147E-01,-3.3435352766504001E-02,
+  DESY=1.4999361204401840E+00,1.8201517830968821E+00,2.0623627481339240E+00,2.2224661151502887E+00,
+  2.2950428402224650E+00,2.2723195560879179E+00,2.1540082221119410E+00,1.9517123289629847E+00,
+  IVA=1,1,1,0, ILKOUT=1, INGOUT=1 &END
+ &LIMITS TANGLE=90.0 &END
+CASE
+"$psalm" --quiet exact.nml >out
+at_most 'the points are its own' out 1e-28
+for a in LSQ LD_SLSQP LN_COBYLA LN_SBPLX; do
+    { cat exact.nml; echo " &CONSTR NREGN=1, RKIND=2, RPLACE=0.0,2.2,0.0 &END &SEARCH SOLVER='$a' &END"; } >leave.nml
+    status 0 "$a leaves a region where it fits exactly" "$psalm" leave.nml
+    at_most "$a leaves a region where it fits exactly" out 0.2
+done
+{ sed 's/TANGLE=90.0/TANGLE=90.0, LIMVAL=1, STEPIN=1.0, OPLOW=4*1.0,-9.0, OPHIGH=4*3.0,40.0/' exact.nml
+  echo " &SEARCH SOLVER='LSQ' &END"; } >narrow.nml
+status 0 'bounds nearer than twice STEPIN' "$psalm" narrow.nml
+for a in LN_COBYLA LD_LBFGS GN_CRS2_LM; do
+    sed "s/SOLVER='LSQ', NSTART=400/SOLVER='$a', NSTART=3, MAXEVAL=2000/; /CONSTR/d" path18_free.nml >order.nml
+    "$psalm" --quiet order.nml >out
+    check "$a: free timing in order" awk '/CRANK ANGLE  /{ on = 1; next } /TOTAL/{ on = 0 }
+        on && NF >= 7 { if (n++) { d = last - $1; if (d < 0) d += 360; sum += d } last = $1 } END { exit !(n == 18 && sum <= 360) }' out
+done
+{ sed 's/NITER=[0-9]*/NITER=200000000/; s/FMIN=0.1/FMIN=0.0, SMALL=0.0/' needle_search.nml; echo ' &SEARCH MAXTIME=0.2 &END'; } >short.nml
+status 1 'MAXTIME ends the simplex' "$psalm" short.nml
+said 'MAXTIME ends the simplex' 'MAXTIME passed'
+sed 's/NBEST=5/NBEST=100, MAXTIME=0.3/' dwell.nml >short.nml
+status 1 'MAXTIME ends least squares' "$psalm" short.nml
+
 # interruption and restart
 sed 's/NSTART=200/NSTART=400000/' path18.nml >long.nml
 "$psalm" --quiet long.nml >out 2>err & pid=$!
@@ -216,6 +268,15 @@ sed 's/NITER=[0-9]*/NITER=200000000/; s/FMIN=0.1/FMIN=0.0, SMALL=0.0/' needle_se
 sleep 1; kill -INT $pid; wait $pid
 if [ $? -eq 1 ]; then ok; else bad 'the simplex interrupted: exit status 1'; fi
 check 'the simplex interrupted: the best so far' grep -q 'TOTAL ERROR' out
+
+# one signal ends all cases; threads of an earlier case do not take it
+{ sed 's/IPLOT=1/LAST=0/' needle.nml; echo ' &TOLER TOLLEN=0.05, NTRIAL=2000 &END'
+  sed '/^!/d; s/NSTART=200/NSTART=400000/; s/STEPIN=1.0E-9/STEPIN=1.0E-9, LAST=0/' path18.nml
+  sed '/^!/d; s/NSTART=200/NSTART=400000/' path18.nml; } >three.nml
+"$psalm" --quiet --threads 2 three.nml >out 2>err & pid=$!
+sleep 1.5; kill -INT $pid; wait $pid
+if [ $? -eq 1 ]; then ok; else bad 'one signal ends all cases: exit status 1'; fi
+check 'the first case and the interrupted one are listed, the last is not begun' test "$(grep -c 'TOTAL ERROR' out)" -eq 2
 
 # tolerances
 { cat needle.nml; echo ' &TOLER TOLLEN=0.05, TOLANG=0.02, NTRIAL=20000 &END'; } >toler.nml

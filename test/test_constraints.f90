@@ -294,11 +294,11 @@ contains
       real(wp) :: delt(5)
 
       delt = [1.0_wp, 3.0_wp, 2.0_wp, 2.5_wp, 7.0_wp]
-      call put_in_order(delt, 1.0_wp)
+      call put_in_order(delt, 1.0_wp, 360.0_wp)
       call t%close_to(maxval(abs(delt - [1.0_wp, 2.5_wp, 2.5_wp, 2.5_wp, 7.0_wp])), 0.0_wp, 1.0e-14_wp, &
                        'means of those that go back')
       delt = -[1.0_wp, 3.0_wp, 2.0_wp, 2.5_wp, 700.0_wp]
-      call put_in_order(delt, -1.0_wp)
+      call put_in_order(delt, -1.0_wp, 360.0_wp)
       call t%close_to(maxval(abs(delt + [1.0_wp, 2.5_wp, 2.5_wp, 2.5_wp, 361.0_wp])), 0.0_wp, 1.0e-13_wp, &
                        'downwards, within a turn')
    end subroutine order
@@ -382,7 +382,7 @@ contains
       type(interrupt_t) :: interrupt
       integer(c_int) :: status
 
-      call interrupt%hold()
+      call interrupt%hold(2)
       call t%is_true(.not. interrupt%waiting(), 'no signal waits')
       status = c_raise(15_c_int)
       call t%is_true(interrupt%signalled(), 'a signal waits')

@@ -74,14 +74,21 @@ module psalm_interrupt
 contains
 
    !> Let the signals wait from now on, in this thread and those it makes.
-   subroutine hold(self)
+   subroutine hold(self, threads)
       class(interrupt_t), intent(inout) :: self
-      integer(c_int) :: status
+      integer, intent(in) :: threads              !! as many as the case will use
+      integer(c_long) :: unused(mask_words)
+      integer(c_int) :: status, ignored
 
       status = c_sigemptyset(self%wanted)
       status = c_sigaddset(self%wanted, signal_interrupt)
       status = c_sigaddset(self%wanted, signal_terminate)
       self%holds = c_pthread_sigmask(how_block, self%wanted, self%before) == 0
+      ! threads that an earlier case left waiting must not take the signals either
+      !$omp parallel num_threads(threads) private(unused, ignored)
+      unused = 0_c_long
+      ignored = c_pthread_sigmask(how_block, self%wanted, unused)
+      !$omp end parallel
    end subroutine hold
 
    !> Give so many seconds from now on; 0: no limit.

@@ -40,7 +40,7 @@ contains
       type(diagnostics_t), intent(inout) :: findings
       integer, allocatable :: kinds(:), links(:), loops(:)
       real(wp), allocatable :: numbers(:)
-      integer :: n, r
+      integer :: n, r, given
 
       constr%given = group%line > 0
       call group%get_integer('IRANGE', constr%irange, findings)
@@ -49,6 +49,11 @@ contains
       call group%get_integer('NREGN', n, findings)
       call check_range(group, 'NREGN', n, 0, most_regions, findings)
       n = min(max(n, 0), most_regions)
+      if (n == 0 .and. (group%given('RKIND') .or. group%given('RPLACE'))) then
+         call findings%error('regions are given, but not their number NREGN', line=group%line, group='CONSTR', item='NREGN')
+         allocate (constr%regions(0))
+         return
+      end if
       allocate (constr%regions(n), kinds(n), links(n), loops(n))
       kinds = 0
       links = 0
@@ -57,7 +62,11 @@ contains
       call group%get_integers('RKIND', kinds, findings)
       call group%get_integers('RLINK', links, findings)
       call group%get_integers('RLOOP', loops, findings)
-      call group%get_reals('RPLACE', numbers, findings, numbers_of_region)
+      call group%get_reals('RPLACE', numbers, findings, numbers_of_region, last=given)
+      if (n > 0 .and. given < numbers_of_region*n - 1) then
+         call findings%error('four numbers are expected for each of '//to_text(n)//' regions; found '//to_text(given), &
+                             line=max(group%item_line('RPLACE'), group%line), group='CONSTR', item='RPLACE')
+      end if
       do r = 1, n
          associate (region => constr%regions(r))
             region%kind = abs(kinds(r))
@@ -79,7 +88,9 @@ contains
                call wrong('RKIND', '1 (box), 2 (half-plane), 3 (circle) is expected, negative: outside forbidden; found '// &
                           to_text(kinds(r)), r)
             end select
-            if (region%loop < 0 .or. region%loop > nloop) then
+            if (region%loop == 0 .and. links(r) /= 0) then
+               call wrong('RLOOP', 'arc '//to_text(links(r))//' is named, but not its loop', r)
+            else if (region%loop < 0 .or. region%loop > nloop) then
                call wrong('RLOOP', 'there is no loop '//to_text(region%loop), r)
             else if (region%loop > 0 .and. (region%arc < 0 .or. region%arc > maxarc .or. links(r) == 0)) then
                call wrong('RLINK', 'the number of an arc is expected (negative for the joint at its start); found '// &

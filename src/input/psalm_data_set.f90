@@ -188,6 +188,10 @@ contains
          call findings%error("IFREE=1 (free timing) needs the group &SEARCH with another SOLVER, as 'LSQ'", line=set%method_line, &
                              group='METHOD', item='IFREE')
       end if
+      if (set%ifree /= 0 .and. set%ikin == 0 .and. .not. set%wants_search()) then
+         call findings%error('free timing is a part of a search, but no dimension may vary', line=set%method_line, group='METHOD', &
+                             item='IFREE')
+      end if
       group = case%take('CONSTR')
       call read_constraint_group(group, set%nloop, set%maxarc, set%constr, findings)
       toler = case%take('TOLER')

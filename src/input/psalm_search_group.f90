@@ -8,7 +8,7 @@ module psalm_search_group
    private
    public :: search_group_t, read_search_group, most_search_threads
 
-   integer, parameter :: most_starts = 10000000     !! above this a number is taken for a slip of the pen
+   integer, parameter :: most_starts = 1000000      !! above this a number is taken for a slip of the pen
    integer, parameter :: most_search_threads = 1024
 
    !> How to search.
@@ -50,13 +50,23 @@ contains
       if (search%maxtime < 0.0_wp) call out_of(group, 'MAXTIME', 'must not be negative', findings)
       search%solver = plain_name(search%solver)
       if (search%solver == 'SIMPLEX') then
-         if (search%nstart > 1 .or. search%nbest > 1) call out_of(group, 'NSTART', &
-            "several starts and several linkages need another SOLVER, as 'LSQ'", findings)
+         if (search%nstart > 1) call other_solver('NSTART')
+         if (search%nbest > 1) call other_solver('NBEST')
+         if (search%first > 1) call other_solver('FIRST')
+         if (search%maxeval > 0) call other_solver('MAXEVAL')
       else if (search%solver /= 'LSQ') then
          if (algorithm_of(search%solver) < 0) call out_of(group, 'SOLVER', &
             "'SIMPLEX', 'LSQ' or the name of an NLopt algorithm, as 'LN_COBYLA' or 'LD_SLSQP', is expected; found '"// &
             search%solver//"'", findings)
       end if
       call group%finish(findings)
+
+   contains
+
+      subroutine other_solver(item)
+         character(*), intent(in) :: item
+
+         call out_of(group, item, "the simplex makes one search to NITER; this needs another SOLVER, as 'LSQ'", findings)
+      end subroutine other_solver
    end subroutine read_search_group
 end module psalm_search_group

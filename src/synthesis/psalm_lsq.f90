@@ -7,13 +7,15 @@
 !> With free timing the unknown inputs are eliminated one by one (a division each) before the equations of the dimensions are
 !> solved. Inputs that must follow each other are put in order after every step.
 module psalm_lsq
-   use psalm_kinds, only: wp, full_turn
+   use psalm_kinds, only: wp
    use psalm_lapack, only: solve_positive
    use psalm_merit, only: merit_t, measure, form_equations, obeys
    implicit none (type, external)
    private
    public :: improve, put_in_order
 
+   integer, parameter :: rough_iterations = 400      !! the same where the search is a rough one
+   real(wp), parameter :: rough = 1.0e-6_wp          !! least gain of such a search
    integer, parameter :: most_iterations = 5000      !! for one weight of the violations
    integer, parameter :: weights = 6                 !! weights of the violations tried, each 100 times the one before
    real(wp), parameter :: weight_step = 100.0_wp
@@ -36,10 +38,11 @@ contains
       real(wp) :: weight, total
       integer :: round, last
 
+      merit%order_weighs = .false.
       last = merit%evaluations + min(most_evaluations, huge(1) - merit%evaluations)
       values = min(max(values, merit%low), merit%high)
       call measure(merit, values, merit%delt, 0.0_wp, total, objective)
-      weight = max(objective, tiny(1.0_wp)**0.5_wp)
+      weight = max(objective, merit%small)
       feasible = .false.
       do round = 1, weights
          call descend(merit, values, weight, least_gain, last)
@@ -69,7 +72,7 @@ contains
       bend = 0.0_wp
       slow = .false.
       call form_equations(merit, values, merit%delt, weight)
-      do iteration = 1, most_iterations
+      do iteration = 1, merge(rough_iterations, most_iterations, least_gain > rough)
          if (merit%evaluations >= last .or. merit%interrupt%waiting()) return
          ! a value at its bound that wants to pass it is held
          held = (values <= merit%low .and. merit%gradient > 0.0_wp) .or. (values >= merit%high .and. merit%gradient < 0.0_wp)
@@ -93,7 +96,7 @@ contains
             trial_delt = merit%delt
             if (merit%free) then
                trial_delt = merit%delt - (merit%edge_gradient + matmul(step, merit%border))/damped_edge(merit, damping)
-               if (merit%ordered) call put_in_order(trial_delt, merit%sense)
+               if (merit%ordered) call put_in_order(trial_delt, merit%sense, merit%span)
             end if
             call measure(merit, trial, trial_delt, weight, trial_total, objective)
          end if
@@ -107,7 +110,8 @@ contains
                           - sum(merit%edge*turn**2)
                merit%delt = trial_delt
             end if
-            gain = (total - trial_total)/max(promised, tiny(1.0_wp))
+            gain = 2.0_wp
+            if (total - trial_total < 2.0_wp*promised) gain = (total - trial_total)/promised
             idle = merge(idle + 1, 0, total - trial_total <= least_gain*total)
             values = trial
             slow = .not. merit%free .and. total - trial_total < slow_gain*total
@@ -174,9 +178,10 @@ contains
    end subroutine eliminate
 
    !> The nearest inputs (least squares) that never go back, within one turn: neighbours that do are given their mean.
-   pure subroutine put_in_order(delt, sense)
+   pure subroutine put_in_order(delt, sense, span)
       real(wp), intent(inout) :: delt(:)            !! shape (positions): input increments, degrees or length
       real(wp), intent(in) :: sense                 !! +1: they grow, -1: they fall
+      real(wp), intent(in) :: span                  !! most between the first and the last
       real(wp) :: level(size(delt))
       integer :: members(size(delt))
       integer :: i, groups, at
@@ -199,6 +204,6 @@ contains
          delt(at + 1:at + members(i)) = sense*level(i)
          at = at + members(i)
       end do
-      delt = sense*min(sense*delt, sense*delt(1) + full_turn)
+      delt = sense*min(sense*delt, sense*delt(1) + span)
    end subroutine put_in_order
 end module psalm_lsq

@@ -41,6 +41,7 @@ module psalm_margins
       logical :: turns = .false.             !! the input turns
       logical :: everywhere = .false.        !! the range is a full turn
       real(wp) :: tangle = right_angle
+      real(wp) :: size = 1.0_wp              !! longest given arc: what rounding is measured by
       type(region_t), allocatable :: regions(:)
       integer, allocatable :: joint(:)       !! by region
       logical :: bounded = .false.
@@ -66,6 +67,7 @@ contains
       inspector%turns = .not. problem%topology%sliding_input
       inspector%everywhere = inspector%turns .and. inspector%irange == range_turn
       inspector%tangle = set%tangle
+      inspector%size = maxval(problem%given%arcl)
       inspector%regions = set%constr%regions
       joints = region_joints(inspector%regions)
       allocate (inspector%joint(size(inspector%regions)), source=0)
@@ -131,7 +133,7 @@ contains
 
          margin%kind = kind
          margin%which = which
-         margin%unit = merge(1.0_wp, maxval(dimensions%arcl), kind == margin_angle)
+         margin%unit = merge(1.0_wp, min(inspector%size, maxval(dimensions%arcl)), kind == margin_angle)
          call find_least(inspector, dimensions, margin)
          margins = [margins, margin]
       end subroutine add
@@ -151,7 +153,7 @@ contains
          is_length = topology%variables%kind == variable_length .or. topology%variables%kind == variable_outlk
       end associate
       if (size(values) == 0) return
-      margin%unit = maxval(dimensions%arcl)
+      margin%unit = min(inspector%size, maxval(dimensions%arcl))
       if (inspector%bounded) then
          room = min(values - inspector%low, inspector%high - values)
          margin%kind = margin_bound
@@ -176,7 +178,7 @@ contains
 
       n = inspector%fine%problem%positions
       call least_of(inspector, inspector%fine, n, margin)
-      if (inspector%irange == range_positions .or. n < inspector%prescribed + 2) return
+      if (inspector%irange == range_positions) return
       ! only the steps of the range stand for what lies between them
       half = abs(inspector%fine%problem%delt(n) - inspector%fine%problem%delt(inspector%prescribed + 1))/real(steps_of_range, wp)
       do round = 1, lenses

@@ -6,10 +6,10 @@
 module psalm_merit
    use psalm_angles, only: unit_vector
    use psalm_constraint_group, only: region_t, range_positions, range_inputs, range_turn
-   use psalm_data_set, only: data_set_t, motion_point
+   use psalm_data_set, only: data_set_t, motion_point, motion_angle
    use psalm_error, only: problem_t
    use psalm_interrupt, only: interrupt_t
-   use psalm_kinds, only: wp, full_turn, right_angle
+   use psalm_kinds, only: wp, degrees_per_radian, full_turn, right_angle
    use psalm_regions, only: trespass, region_joints, joint_of_region
    use psalm_station, only: station_t, prepare_station, look, look_closely
    use psalm_topology, only: dimensions_t, variable_length, variable_outlk
@@ -22,6 +22,7 @@ module psalm_merit
    integer, parameter :: range_steps = 120           !! steps the range of the input is looked at in
    integer, parameter :: extra_positions = 8         !! further inputs where a violation was found between the steps
    real(wp), parameter :: slack = 1.0e-7_wp          !! constraints are aimed this far inside their limits
+   real(wp), parameter :: longest = 1.0e4_wp         !! times the longest given arc: no variable length grows beyond it
    real(wp), parameter :: least_length = 1.0e-6_wp   !! of the first value: what positive means
 
    !> A problem made ready, with room to work in. One object serves one thread.
@@ -37,10 +38,15 @@ module psalm_merit
       integer, allocatable :: joint(:)               !! by region: its joint of the patrol, 0: output point
       real(wp) :: size = 1.0_wp                      !! of the linkage: makes depths in regions comparable
       real(wp) :: floor = 0.0_wp                     !! an objective of rounding only
+      real(wp) :: small = 0.0_wp                     !! objectives below it weigh violations as much as it does
       integer :: irange = range_positions
       logical :: free = .false.                      !! free timing
       logical :: ordered = .false.                   !! free timing: inputs go one way
       real(wp) :: sense = 1.0_wp                     !! which
+      real(wp) :: span = full_turn                   !! and no further than this
+      logical :: order_weighs = .false.              !! disorder of the inputs counts as a violation
+      real(wp) :: reach = full_turn                  !! how far a global algorithm moves an input
+      real(wp), allocatable :: late(:)               !! shape (positions): how far each input is past the next, radians or sizes
       real(wp), allocatable :: delt(:)               !! shape (positions): input increments
       ! the equations
       real(wp), allocatable :: matrix(:, :), gradient(:) !! halves of the second and first derivatives by the dimensions
@@ -71,6 +77,11 @@ contains
       merit%free = set%ifree /= 0
       merit%ordered = merit%free .and. set%search%order /= 0
       if (n > 1) merit%sense = sign(1.0_wp, problem%delt(2) - problem%delt(1))
+      if (problem%topology%sliding_input) then
+         merit%span = huge(1.0_wp)
+         merit%reach = maxval(problem%delt) - minval(problem%delt)
+      end if
+      allocate (merit%late(n), source=0.0_wp)
       merit%delt = problem%delt
       merit%irange = set%constr%irange
       merit%regions = set%constr%regions
@@ -81,6 +92,8 @@ contains
       call prepare_station(plain, problem%delt, merit%free, reshape([integer ::], [2, 0]), .true., merit%main)
       call copy_desired(problem, merit%main%problem)
       merit%floor = sum(merit%main%problem%weight(:n))*(epsilon(1.0_wp)*merit%size)**2
+      merit%small = max(1.0e-2_wp*sum(merit%main%problem%weight(:n)) &
+                        *merge(1.0_wp, merit%size, problem%motion == motion_angle)**2, sqrt(tiny(1.0_wp)))
       merit%patrols = merit%irange /= range_positions .or. size(merit%regions) > 0
       joints = region_joints(merit%regions)
       allocate (merit%joint(size(merit%regions)), source=0)
@@ -95,11 +108,13 @@ contains
       merit%low = spread(-huge(1.0_wp), 1, marble)
       merit%high = -merit%low
       if (set%limval == 1) then
-         merit%low = set%oplow(:marble) + set%stepin
-         merit%high = set%ophigh(:marble) - set%stepin
+         ! a narrow box is not turned over
+         merit%low = set%oplow(:marble) + min(set%stepin, 0.25_wp*(set%ophigh(:marble) - set%oplow(:marble)))
+         merit%high = set%ophigh(:marble) - min(set%stepin, 0.25_wp*(set%ophigh(:marble) - set%oplow(:marble)))
       end if
       where (problem%topology%variables%kind == variable_length .or. problem%topology%variables%kind == variable_outlk)
          merit%low = max(merit%low, least_length*abs(first))
+         merit%high = min(merit%high, max(longest, maxval(abs(first))/merit%size)*merit%size)
       end where
       call unit_vector(right_angle - set%tangle, cosine, unused)
       allocate (merit%limit(problem%topology%nloop))
@@ -164,9 +179,18 @@ contains
 
       if (merit%free) call merit%main%problem%move_inputs(delt)
       if (merit%patrols .and. merit%patrol%timed) call merit%patrol%problem%move_inputs(delt)
+      if (merit%order_weighs) merit%late = (merit%sense*(delt - cshift(delt, 1)) &
+                                            - [spread(0.0_wp, 1, size(delt) - 1), merit%span])/unit_of_input(merit)
       ! the judge's variables are the user's; those of a station may have one more for the input
       call merit%judge%topology%apply(values, merit%dimensions)
    end subroutine put_in
+
+   !> What counts as much as a radian of the crank.
+   pure real(wp) function unit_of_input(merit)
+      type(merit_t), intent(in) :: merit
+
+      unit_of_input = merge(merit%size, degrees_per_radian, merit%judge%topology%sliding_input)
+   end function unit_of_input
 
    !> Objective, and merit: objective + weight * squared violations.
    subroutine measure(merit, values, delt, weight, total, objective)
@@ -202,6 +226,7 @@ contains
       integer :: i, r
 
       total = squared_angles(merit%main, merit%limit)
+      if (merit%order_weighs) total = total + sum(max(merit%late, 0.0_wp)**2)
       if (.not. merit%patrols) return
       total = total + squared_angles(merit%patrol, merit%limit)
       do r = 1, size(merit%regions)
@@ -258,6 +283,11 @@ contains
          call add_errors(marble, w(:n), main%out(:, 1), main%dx, merit)
          if (main%problem%motion == motion_point) call add_errors(marble, main%problem%weight_y(:n), main%out(:, 2), main%dy, merit)
          call add_angles(main, marble, weight, merit)
+         if (merit%order_weighs) then
+            associate (pull => (weight*merit%sense/unit_of_input(merit))*max(merit%late, 0.0_wp))
+               merit%edge_gradient = merit%edge_gradient + pull - cshift(pull, -1)
+            end associate
+         end if
          if (merit%patrols) then
             call look_closely(merit%patrol, merit%dimensions)
             call add_angles(merit%patrol, marble, weight, merit)
@@ -430,6 +460,7 @@ contains
       type(merit_t), intent(in) :: merit
 
       count_violations = of_station(merit%main)
+      if (merit%order_weighs) count_violations = count_violations + size(merit%late)
       if (merit%patrols) count_violations = count_violations + of_station(merit%patrol) &
                                             + size(merit%regions)*merit%patrol%problem%positions
 
@@ -464,6 +495,15 @@ contains
       next = 0
       if (present(slopes)) slopes = 0.0_wp
       call of_station(merit%main)
+      if (merit%order_weighs) then
+         do i = 1, size(merit%late)
+            next = next + 1
+            values(next) = merit%late(i)
+            if (.not. present(slopes)) cycle
+            slopes(marble + i, next) = merit%sense/unit_of_input(merit)
+            slopes(marble + 1 + modulo(i, size(merit%late)), next) = -merit%sense/unit_of_input(merit)
+         end do
+      end if
       if (.not. merit%patrols) return
       call of_station(merit%patrol)
       do r = 1, size(merit%regions)

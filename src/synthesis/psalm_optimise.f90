@@ -5,7 +5,8 @@
 !> constraints, COBYLA or SLSQP.
 module psalm_optimise
    use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_f_pointer, c_int, c_loc, c_ptr
-   use psalm_kinds, only: wp, full_turn
+   use psalm_kinds, only: wp
+   use psalm_lsq, only: put_in_order
    use psalm_merit, only: merit_t, measure, form_equations, obeys, violations, count_violations, &
                           squared_violations
    use psalm_nlopt, only: nlopt_t, is_global, needs_gradient, takes_constraints, refused
@@ -31,6 +32,8 @@ module psalm_optimise
       real(wp), allocatable :: slopes(:, :), limits(:)
       real(wp), allocatable :: kept(:), kept_delt(:)  !! lowest merit seen
       real(wp) :: lowest = huge(1.0_wp)
+      real(wp), allocatable :: obedient(:), obedient_delt(:) !! lowest objective seen where nothing is violated
+      real(wp) :: least = huge(1.0_wp)                !! of these; over all runs
       integer :: last = huge(1)                       !! evaluation after which a stop is forced
       logical :: converged = .false.                  !! the last run ended by itself
    end type context_t
@@ -57,18 +60,20 @@ contains
       if (is_global(algorithm)) values = min(max(values, box_low), box_high)
       n = size(values)
       if (merit%free) n = n + size(merit%delt)
+      merit%order_weighs = merit%ordered
       context%merit => merit
       context%values = values
       context%delt = merit%delt
       share = merge(most_evaluations, usual_evaluations*(n + 1), most_evaluations > 0)
       last = merit%evaluations + share
       call measure(merit, values, merit%delt, 0.0_wp, total, objective)
-      context%care = care*max(objective, sqrt(tiny(1.0_wp)))
+      call keep(context, total, objective, squared_violations(merit))
+      context%care = care*max(objective, merit%small)
       if (takes_constraints(algorithm)) then
          call run(algorithm, context, box_low, box_high, seed, last, sound)
          call settle()
       else if (is_global(algorithm)) then
-         context%weight = max(objective, sqrt(tiny(1.0_wp)))*global_weight
+         context%weight = max(objective, merit%small)*global_weight
          call run(algorithm, context, box_low, box_high, seed, last - share/weights, sound)
          call settle()
          context%weight = 0.0_wp
@@ -78,7 +83,7 @@ contains
             call settle()
          end if
       else
-         context%weight = max(objective, sqrt(tiny(1.0_wp)))
+         context%weight = max(objective, merit%small)
          rounds = weights
          do round = 1, rounds
             call run(algorithm, context, box_low, box_high, seed, &
@@ -95,6 +100,11 @@ contains
       subroutine settle()
          values = context%kept
          merit%delt = context%kept_delt
+         if (merit%ordered) call put_in_order(merit%delt, merit%sense, merit%span)
+         call obeys(merit, values, merit%delt, objective, feasible)
+         if (feasible .and. objective <= context%least .or. .not. allocated(context%obedient)) return
+         values = context%obedient
+         merit%delt = context%obedient_delt
          call obeys(merit, values, merit%delt, objective, feasible)
       end subroutine settle
    end subroutine optimise
@@ -127,8 +137,8 @@ contains
       if (is_global(algorithm)) then
          low(:marble) = max(low(:marble), real(box_low, c_double))
          high(:marble) = min(high(:marble), real(box_high, c_double))
-         low(marble + 1:) = x(marble + 1:) - real(full_turn, c_double)
-         high(marble + 1:) = x(marble + 1:) + real(full_turn, c_double)
+         low(marble + 1:) = x(marble + 1:) - real(context%merit%reach, c_double)
+         high(marble + 1:) = x(marble + 1:) + real(context%merit%reach, c_double)
       end if
       x = min(max(x, low), high)
       context%lowest = huge(1.0_wp)
@@ -188,7 +198,7 @@ contains
       associate (merit => context%merit)
          call measure(merit, context%values, context%delt, context%weight, total, objective)
          merit_value = real(total, c_double)
-         call keep(context, total + context%care*squared_violations(merit))
+         call keep(context, total, objective, squared_violations(merit))
          if (c_associated(gradient)) then
             call c_f_pointer(gradient, slope, [int(n)])
             call form_equations(merit, context%values, context%delt, context%weight)
@@ -201,12 +211,17 @@ contains
    end function merit_value
 
    !> Remember the best linkage: violations count for more than in the merit.
-   subroutine keep(context, total)
+   subroutine keep(context, total, objective, violated)
       type(context_t), intent(inout) :: context
-      real(wp), intent(in) :: total
+      real(wp), intent(in) :: total, objective, violated
 
-      if (total >= context%lowest) return
-      context%lowest = total
+      if (violated <= 0.0_wp .and. objective < context%least) then
+         context%least = objective
+         context%obedient = context%values
+         context%obedient_delt = context%delt
+      end if
+      if (total + context%care*violated >= context%lowest) return
+      context%lowest = total + context%care*violated
       context%kept = context%values
       context%kept_delt = context%delt
    end subroutine keep

@@ -8,7 +8,7 @@ module psalm_search
    use psalm_data_set, only: data_set_t
    use psalm_error, only: problem_t
    use psalm_interrupt, only: interrupt_t
-   use psalm_kinds, only: wp, dp, i8, right_angle
+   use psalm_kinds, only: wp, dp, i8, full_turn, right_angle
    use psalm_lsq, only: improve
    use psalm_margins, only: inspector_t, margin_t, prepare_inspector, inspect, is_violated
    use psalm_merit, only: merit_t, prepare_merit, measure, set_extra, extra_positions
@@ -18,7 +18,8 @@ module psalm_search
    use psalm_start, only: random_limits
    use psalm_text, only: text_t, general, to_text
    use psalm_timing, only: timing_t, prepare_timing, find_timing
-   use psalm_topology, only: dimensions_t, variable_length, variable_outlk, variable_origlk, variable_crnki
+   use psalm_topology, only: dimensions_t, variable_length, variable_outlk, variable_origlk, variable_crnki, &
+                             variable_gama, variable_outang, variable_origng
    implicit none (type, external)
    private
    public :: found_t, result_t, search_many
@@ -136,8 +137,6 @@ contains
       result%starts = count(outcomes%done)
       result%feasible = count(outcomes%feasible)
       result%refused = any(outcomes%refused)
-      result%interrupted = ending%signalled()
-      result%out_of_time = .not. all(outcomes%done) .and. .not. result%interrupted
       i = findloc(outcomes(extra + 1:)%done, .false., dim=1)
       if (i > 0) result%next = set%search%first + i - 1
       if (set%search%solver == 'LSQ' .and. .not. ending%waiting()) then
@@ -149,6 +148,8 @@ contains
          end do
          !$omp end parallel do
       end if
+      result%interrupted = ending%signalled()
+      result%out_of_time = ending%late() .and. .not. result%interrupted
       result%evaluations = sum(outcomes%evaluations)
       result%jacobians = sum(outcomes%jacobians)
       call tell_starts(set, extra, outcomes, device1)
@@ -176,6 +177,7 @@ contains
          end if
          ! what a start that was cut short has is kept, but the start is not done with
          outcomes(i)%done = .not. worker%merit%interrupt%waiting()
+         if (outcomes(i)%refused) return
          if (.not. present(monitor)) cycle
          state%iteration = i
          state%evaluations = state%evaluations + outcomes(i)%evaluations*step
@@ -253,6 +255,7 @@ contains
       if (worker%merit%patrols) call set_extra(worker%merit, [real(wp) ::])
       if (worker%merit%free .and. number /= 1) call retime(worker, outcome%values)
       call work_on(set, worker, low, high, merge(rough_free, rough, worker%merit%free), number, outcome)
+      call unwind(set, worker%problem, first, outcome%values)
       outcome%delt = worker%merit%delt
       outcome%evaluations = before + worker%merit%evaluations
       outcome%jacobians = worker%merit%jacobians
@@ -282,6 +285,22 @@ contains
       end do
    end subroutine draw_near
 
+   !> Angles without bounds are told within half a turn of the first ones.
+   pure subroutine unwind(set, problem, first, values)
+      type(data_set_t), intent(in) :: set
+      type(problem_t), intent(in) :: problem
+      real(wp), intent(in) :: first(:)
+      real(wp), intent(inout) :: values(:)
+      logical :: turns(size(values))
+
+      if (set%limval /= 0) return
+      associate (kind => problem%topology%variables%kind)
+         turns = kind == variable_gama .or. kind == variable_outang .or. kind == variable_origng .or. &
+                 (kind == variable_crnki .and. .not. problem%topology%sliding_input)
+      end associate
+      where (turns) values = values - full_turn*anint((values - first)/full_turn)
+   end subroutine unwind
+
    !> Search on from what a start led to.
    subroutine refine(set, worker, first, outcome)
       type(data_set_t), intent(in) :: set
@@ -294,14 +313,15 @@ contains
       call random_limits(set, first, low, high)
       finer%values = outcome%values
       worker%merit%delt = outcome%delt
-      worker%merit%evaluations = 0
-      worker%merit%jacobians = 0
+      worker%merit%evaluations = outcome%evaluations
+      worker%merit%jacobians = outcome%jacobians
       if (worker%merit%patrols) call set_extra(worker%merit, [real(wp) ::])
       call work_on(set, worker, low, high, fine, 1, finer)
-      outcome%evaluations = outcome%evaluations + worker%merit%evaluations
-      outcome%jacobians = outcome%jacobians + worker%merit%jacobians
+      outcome%evaluations = worker%merit%evaluations
+      outcome%jacobians = worker%merit%jacobians
       if (.not. finer%feasible .or. finer%objective > outcome%objective) return
       outcome%values = finer%values
+      call unwind(set, worker%problem, first, outcome%values)
       outcome%delt = worker%merit%delt
       outcome%objective = finer%objective
    end subroutine refine
@@ -379,12 +399,14 @@ contains
          real(wp), intent(out) :: f
          logical, intent(out) :: sound
          logical :: accepted
+         integer :: left
 
+         left = max(1, set%search%maxeval - worker%merit%evaluations)
          if (set%search%solver == 'LSQ') then
-            call improve(worker%merit, x, least_gain, merge(set%search%maxeval, huge(1), set%search%maxeval > 0), f, sound)
+            call improve(worker%merit, x, least_gain, merge(left, huge(1), set%search%maxeval > 0), f, sound)
          else
-            call optimise(set%search%solver, worker%merit, x, low, high, set%istart + number, set%search%maxeval, f, sound, &
-                          accepted)
+            call optimise(set%search%solver, worker%merit, x, low, high, set%istart + number, &
+                          merge(left, 0, set%search%maxeval > 0), f, sound, accepted)
             outcome%refused = .not. accepted
          end if
       end subroutine run_solver
