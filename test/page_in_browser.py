@@ -216,4 +216,18 @@ def test_browser_cases(browser, shots):
             {"x": x + 60 * math.cos(math.radians(degrees)), "y": y + 60 * math.sin(math.radians(degrees))}]})
     client.send("Input.dispatchTouchEvent", {"type": "touchEnd", "touchPoints": []})
     check("drag by touch", 15 < page.evaluate("balm.position") < 45, str(page.evaluate("balm.position")))
+    coupler = next(b for b in page_data("needle.html")[0]["bars"] if (b["loop"], b["arc"]) == (1, 2))
+    ends = [page.evaluate("balm.screen(%d)" % coupler[k]) for k in ("from", "to")]
+    page.touchscreen.tap(0.4 * ends[0][0] + 0.6 * ends[1][0], 0.4 * ends[0][1] + 0.6 * ends[1][1])
+    check("a tap names the arc", page.is_visible("#tip") and "loop 1, arc 2: length 95" in page.text_content("#tip"), page.text_content("#tip"))
     touch.close()
+    large = Page(browser, "needle.html", 1920, 1080, "dark")
+    check("a large screen is used", large.ask("document.getElementById('linkage').clientHeight") > 800 and
+          large.page.locator("#controls").bounding_box()["y"] < 1000)
+    large.context.close()
+    slider = Page(browser, "dyad4_slider_crank.html")
+    joint = next(j for j, v in enumerate(page_data("dyad4_slider_crank.html")[0]["joints"]) if v["slides"])
+    before = slider.ask("balm.screen(%d)" % joint)
+    slider.page.check("#other")
+    check("other assemblies widen the view", slider.ask("balm.screen(%d)" % joint) != before)
+    slider.context.close()
