@@ -224,6 +224,12 @@ def test_browser_cases(browser, shots):
     large = Page(browser, "needle.html", 1920, 1080, "dark")
     check("a large screen is used", large.ask("document.getElementById('linkage').clientHeight") > 800 and
           large.page.locator("#controls").bounding_box()["y"] < 1000)
+    paper = "getComputedStyle(document.body).backgroundColor"
+    dark = large.ask(paper)
+    large.ask("dispatchEvent(new Event('beforeprint'))")
+    check("printed from a dark screen the page is light", large.ask(paper) == "rgb(255, 255, 255)" != dark)
+    large.ask("dispatchEvent(new Event('afterprint'))")
+    check("after printing it is dark again", large.ask(paper) == dark)
     large.context.close()
     slider = Page(browser, "dyad4_slider_crank.html")
     joint = next(j for j, v in enumerate(page_data("dyad4_slider_crank.html")[0]["joints"]) if v["slides"])
