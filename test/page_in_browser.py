@@ -151,6 +151,7 @@ def test_browser_cases(browser, shots):
     drawn = three.pixels()
     page.select_option("#case", "2")
     check("three cases: switch", three.ask("balm.current") == 2 and three.pixels() != drawn)
+    check("three cases: the case shown is not laid over itself", page.is_disabled('[data-overlay="2"]') and page.is_enabled('[data-overlay="0"]'))
     drawn = three.pixels()
     page.check('[data-overlay="0"]')
     check("three cases: overlay", three.ask("balm.overlays") == [0] and three.pixels() != drawn)

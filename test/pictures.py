@@ -240,6 +240,12 @@ def test_symbols():
     balm("--quiet", "every.nml")
     every = Picture("every.svg").of_class("every")
     check("KTHETA=1 draws every link at every position", len({e.get("data-position") for e in every}) == 19)
+    many = ",\n  ".join("%.2f" % (0.36 * i) for i in range(1000))
+    write("many.nml", re.sub(r"IKIN *= *15", "NDES=1000, DELT=" + many, read("dyad1_crank_rocker.nml")).replace("IPLOT=1", "KTHETA=1"))
+    balm("--quiet", "many.nml")
+    faint = [float(v) for v in re.findall(r'stroke-opacity="(\S+)"', read("many.svg"))]
+    check("a thousand positions are no blot", len(Picture("many.svg").of_class("direction")) == 1000 and
+          len(faint) == 1000 and max(faint) < 0.1, "%d" % len(faint))
     check("KTHETA=0 does not", not Picture("needle.svg").of_class("every"))
     angle = Picture("dyad4_slider_crank.svg").root.findall('.//%suse[@href="#prismatic"]' % SVG)[0].get("transform")
     check("prismatic: bases along the slide", "rotate(" in angle)

@@ -20,6 +20,9 @@ module psalm_svg
    real(wp), parameter :: width = 960.0_wp, tallest = 660.0_wp, margin = 52.0_wp, header = 72.0_wp !! sizes, pixels
    real(wp), parameter :: line_height = 17.0_wp
    integer, parameter :: characters = 116     !! of a message on one line
+   integer, parameter :: most_links = 30, most_directions = 80 !! positions from which on these get fainter
+   real(wp), parameter :: faint = 0.3_wp, faintest = 0.02_wp  !! opacity of links at every position
+   real(wp), parameter :: faintest_direction = 0.01_wp
    integer, parameter :: digits_for_people = 7
    integer, parameter :: most_messages = 14   !! the listing and the page have all
    integer, parameter :: plain_power = 15     !! lengths beyond ten to this, or below its inverse, are drawn in another unit
@@ -176,7 +179,7 @@ contains
                     'font-style:italic;text-anchor:middle}.error{fill:#b3261e}.warning{fill:#8a5a00}')
       call text%add('.paper{fill:#fff}.symbol{fill:#fff;stroke:#14202b}'//fine//'.bar{stroke:#14202b}.frame{stroke:#7d8994}'// &
                     '.trace{stroke:#566370}'// &
-                    '.plate{fill-opacity:.16;stroke-linejoin:round}.rail{stroke:#7d8994}.every{stroke-opacity:.3}'// &
+                    '.plate{fill-opacity:.16;stroke-linejoin:round}.rail{stroke:#7d8994}'// &
                     '.region{fill:#d3302f;fill-opacity:.09;stroke:#d3302f}.inside{fill:none}'// &
                     '.ghost{stroke:#9aa4ad}.broken{stroke:#d3302f}.actual{fill:#c62828;stroke:#c62828}.path{stroke:#c62828}'// &
                     '.desired{fill:none;stroke:#0b57d0}.axis{stroke:#14202b;fill:none}.direction{fill:none}')
@@ -222,6 +225,14 @@ contains
 
    ! ---- the linkage -------------------------------------------------------------------------------------------------
 
+   !> Opacity of what is drawn at every position: the more there are, the less.
+   pure real(wp) function faintness(scene, most)
+      type(scene_t), intent(in) :: scene
+      integer, intent(in) :: most
+
+      faintness = max(faintest, faint*min(1.0_wp, sqrt(real(most, wp)/real(scene%prescribed%n, wp))))
+   end function faintness
+
    subroutine draw_linkage(scene, assemblies, k, text)
       type(scene_t), intent(in) :: scene
       logical, intent(in) :: assemblies
@@ -232,7 +243,7 @@ contains
       call draw_regions(scene, k, text)
       call draw_traces(scene, k, text)
       if (scene%everywhere) then
-         call text%add('<g'//stroke(1.1_wp, k)//'>')
+         call text%add('<g'//stroke(1.1_wp, k)//' stroke-opacity="'//px(faintness(scene, most_links))//'">')
          do i = 1, scene%prescribed%n
             if (i /= scene%reference) call draw_bars(scene, scene%prescribed, i, 'every', k, text)
          end do
@@ -463,13 +474,17 @@ contains
       type(scene_t), intent(in) :: scene
       real(wp), intent(in) :: k
       type(text_t), intent(inout) :: text
-      character(:), allocatable :: facts
+      character(:), allocatable :: facts, veil
       integer :: i
 
+      veil = ''
+      if (scene%prescribed%n > most_directions) veil = ' stroke-opacity="'//&
+         px(max(faintest_direction, real(most_directions, wp)/real(scene%prescribed%n, wp)))//'"'
       associate (row => scene%prescribed)
          if (scene%motion == motion_distance) call text%add('<use href="#cross" class="axis"'//placed(0.0_wp, 0.0_wp, 1.0_wp)//'/>')
          do i = 1, row%n
             facts = ' data-position="'//to_text(i)//'" data-input="'//full_precision(row%input(i))//'"'
+            if (scene%motion == motion_angle .and. i /= scene%reference) facts = facts//veil
             if (row%closed(i)) then
                if (scene%motion == motion_angle) then
                   call text%add('<path class="output actual direction"'//facts//values(row%actual, row%actual_y, i)// &
