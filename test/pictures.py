@@ -240,9 +240,45 @@ def test_symbols():
     balm("--quiet", "every.nml")
     every = Picture("every.svg").of_class("every")
     check("KTHETA=1 draws every link at every position", len({e.get("data-position") for e in every}) == 19)
+    many = ",\n  ".join("%.2f" % (0.36 * i) for i in range(1000))
+    write("many.nml", re.sub(r"IKIN *= *15", "NDES=1000, DELT=" + many, read("dyad1_crank_rocker.nml")).replace("IPLOT=1", "KTHETA=1"))
+    balm("--quiet", "many.nml")
+    faint = [float(v) for v in re.findall(r'stroke-opacity="(\S+)"', read("many.svg"))]
+    check("a thousand positions are no blot", len(Picture("many.svg").of_class("direction")) == 1000 and
+          len(faint) == 1000 and max(faint) < 0.1, "%d" % len(faint))
     check("KTHETA=0 does not", not Picture("needle.svg").of_class("every"))
     angle = Picture("dyad4_slider_crank.svg").root.findall('.//%suse[@href="#prismatic"]' % SVG)[0].get("transform")
     check("prismatic: bases along the slide", "rotate(" in angle)
+    plates = [e for name in ("needle", "path18", "brake_reaction") for e in Picture(name + ".svg").of_class("plate")]
+    check("plates have an outline", plates and all(float(e.get("stroke-width")) > 0 for e in plates))
+    star = {name: float(re.search(r"scale\((\S+)\)", Picture(name + ".svg").root.find('.//*[@id="star"][@transform]').get("transform")).group(1))
+            * float(Picture(name + ".svg").root.find('.//%sg[@id="linkage"]' % SVG).get("transform")[7:].split()[0])
+            for name in ("needle", "dyad2_oscillating_cylinder")}
+    check("a star on a block leaves its symbol visible", near(star["needle"], 1, 1e-3) and star["dyad2_oscillating_cylinder"] < 0.7, str(star))
+
+
+def test_extreme_lengths():
+    """Viewers compute in single precision: lengths beyond it are drawn in another unit."""
+    shutil.copy(os.path.join(DATA, "hard", "extreme_lengths.nml"), "extreme_lengths.nml")
+    balm("--quiet", "extreme_lengths.nml")
+    for number, case in enumerate(page_data("extreme_lengths.html"), 1):
+        law = "extreme lengths, case %d: " % number
+        picture = Picture("extreme_lengths.svg" if number == 1 else "extreme_lengths.%d.svg" % number)
+        group = picture.root.find('.//%sg[@id="linkage"]' % SVG)
+        unit, row, reference = float(group.get("data-unit")), case["prescribed"], case["reference"]
+        scale = float(group.get("transform")[7:].split()[0])
+        check(law + "a scale that viewers can hold", 1e-6 < scale < 1e6 and (unit < 1e-100 or unit > 1e100), "%s %s" % (unit, scale))
+        places = {name: tuple(map(float, at)) for name, at in picture.joints().items()}
+        size = case["view"][2] - case["view"][0]
+        check(law + "places times the unit", len(places) > 2 and all(
+            near(places[joint["name"]][k] * unit, row["xy"[k]][j][reference], 1e-14, size)
+            for j, joint in enumerate(case["joints"]) if joint["name"] for k in (0, 1)))
+        marks = {int(e.get("data-position")): e for e in picture.of_class("output", "actual") if e.get("data-position")}
+        check(law + "values keep unit and digits", all(float(e.get("data-value")) == row["actual"][i - 1] for i, e in marks.items()))
+        label = next(e for e in picture.root.iter(SVG + "text") if e.get("data-length"))
+        bar = float(re.search(r"v8h(\S+?)v", picture.root.find('.//%sg[@id="scale"]' % SVG)[0].get("d")).group(1))
+        check(law + "scale bar", near(bar / scale * unit, float(label.get("data-length")), 1e-3) and re.fullmatch(r"[125]E-?1(49|5\d)", label.text), label.text)
+    check("an ordinary linkage is drawn in its own unit", "data-unit" not in read("needle.svg"))
 
 
 def test_regions():
@@ -291,6 +327,11 @@ def test_assemblies():
         size = case["view"][2] - case["view"][0]
         check(name + ": the other sign is the grey assembly", abs(x - row["x"][joint][case["reference"]]) < 1e-10 * size and
               abs(y - row["y"][joint][case["reference"]]) < 1e-10 * size)
+        picture = Picture(name + ".svg")
+        a, b, c, d, e, f = map(float, picture.root.find('.//%sg[@id="linkage"]' % SVG).get("transform")[7:-1].split())
+        px, py = a * x + c * y + e, b * x + d * y + f
+        height = float(picture.root.get("height"))
+        check(name + ": the grey assembly lies in the picture", 40 < px < 920 and 60 < py < height - 40, "%g %g" % (px, py))
         balm("--quiet", name + ".nml")
 
 
@@ -316,6 +357,10 @@ def test_messages():
     check("closes nowhere: says why", "TOO SHORT" in picture.text() and "POSITIONS 1 TO 24" in picture.text())
     check("closes nowhere: the crank and the gap are drawn", picture.of_class("bar") and picture.of_class("broken"))
     check("closes nowhere: no output", not picture.of_class("output", "actual"))
+    check("closes nowhere: curves too", balm("--quiet", "--curves", "nowhere.nml")[0] == 1 and
+          read_bytes("nowhere.png")[:4] == b"\x89PNG" and "'the linkage does not close'" in read("nowhere.gp"))
+    check("open: curves are not drawn across the gap", balm("--quiet", "--curves", "open.nml")[0] == 1 and
+          "missing" not in read("open.gp") and " NaN " in read("open.gp") and read("open.gp").count("set object rectangle") == 2)
     check("closes nowhere: DXF", not ezdxf.readfile("nowhere.dxf").audit().errors)
 
     write("sign.nml", re.sub(r"ILINK=1,(-?)2,", lambda m: "ILINK=1,%s2," % ("" if m.group(1) else "-"), read("dyad2_oscillating_cylinder.nml")))
@@ -386,6 +431,17 @@ def test_curves():
     best = [float(l.split()[1]) for l in lines]
     told = re.findall(r"ITERATION \d+ +BEST +(\S+)", read("needle_search.dev1"))
     check("curves: convergence is that of device 1", best == [float(v.replace("D", "E")) for v in told] and len(best) > 5)
+    psalm("--quiet", "--output-dir", ".", os.path.join(DATA, "log10.nml"))
+    code, _, errors = balm("--quiet", "--curves", "--output-dir", ".", os.path.join(DATA, "log10.nml"))
+    script = read("log10.gp")
+    lines = re.search(r"\$progress << END\n(.*?)END", script, re.S).group(1).splitlines()
+    each = [float(l.split()[2]) for l in lines]
+    told = re.findall(r"START \d+ +OBJECTIVE +(\S+)", read("log10.dev1"))
+    check("curves: objectives of the starts", each == [float(v.replace("D", "E")) for v in told] and len(each) > 5)
+    check("curves: best so far", [float(l.split()[1]) for l in lines] == [min(each[:i + 1]) for i in range(len(each))] and 'xlabel "start"' in script)
+    low, high = map(float, re.search(r"set xrange \[(\S+):(\S+)\]", script).groups())
+    row = page_data("log10.html")[0]["prescribed"]
+    check("curves: the axis shows what is prescribed", near(high - low, abs(row["delt"][-1] - row["delt"][0]), 1e-6), "%g %g" % (low, high))
     names, rows = device9("needle.dev9")[0]
     balm("--quiet", "--curves", "needle.nml")
     table = re.search(r"\$prescribed << END\n#.*?\n(.*?)END", read("needle.gp"), re.S).group(1).splitlines()
@@ -430,6 +486,7 @@ def main(programs, shots=None):
         os.chdir(work)
         test_geometry()
         test_symbols()
+        test_extreme_lengths()
         test_assemblies()
         test_regions()
         test_messages()

@@ -14,6 +14,8 @@ module psalm_curves
 
    integer, parameter :: panel_height = 330 !! pixels
    integer, parameter :: most_lines = 12    !! transmission angles named one by one
+   real(wp), parameter :: part_of_turn = 300.0_wp !! prescribed over less than this, degrees, the axis shows that part only
+   character(*), parameter :: colour_open = '#d3302f' !! of bands where the linkage does not close
 
 contains
 
@@ -24,18 +26,19 @@ contains
       type(line_t), intent(in) :: progress(:)  !! device 1, empty if there is none
       type(text_t), intent(inout) :: text
       integer :: panels, steps, pass
-      logical :: errors, angles
+      logical :: errors, angles, starts
+      real(wp) :: low, high
 
       call text%add('# '//clean_text(trim(scene%title)))
       call write_table('$prescribed', scene, scene%prescribed, text)
       call write_table('$sweep', scene, scene%sweep, text)
-      call write_progress(progress, steps, text)
+      call write_progress(progress, steps, starts, text)
       errors = scene%desired
       angles = any(scene%pairs%joint_type == 1)
       panels = 1 + count([scene%motion == motion_point, errors, angles, steps > 0])
-      call text%add('set datafile missing "NaN"')
       call text%add('set grid; set key outside right top; set lmargin 11; set rmargin 17')
-      call input_axis(scene, text)
+      call find_axis(scene, low, high)
+      call input_axis(scene, low, high, text)
       do pass = 1, 2
          if (pass == 1) then
             call text%add('set terminal pngcairo size 1000,'//to_text(panels*panel_height + 40)//' font "sans,10"')
@@ -45,28 +48,78 @@ contains
             call text%add('set output '//quoted(name//'.pdf.part'))
          end if
          call text%add('set multiplot layout '//to_text(panels)//',1 title '//quoted(trim(scene%title))//' noenhanced')
-         call plot_panels(scene, errors, angles, steps, text)
+         call add_bands(scene, low, high, text)
+         call plot_panels(scene, errors, angles, steps, starts, low, high, text)
          call text%add('unset multiplot')
          call text%add('unset output')
       end do
    end subroutine write_curves
 
-   !> The same axis for all panels; a turn is a whole one.
-   subroutine input_axis(scene, text)
+   !> Range of the inputs that is shown: what is prescribed, if that is a part of a turn only, else the whole turn.
+   pure subroutine find_axis(scene, low, high)
       type(scene_t), intent(in) :: scene
+      real(wp), intent(out) :: low, high
+      real(wp) :: ends(2)
+      integer :: i
+
+      if (scene%sliding) then
+         low = minval(scene%sweep%input)
+         high = maxval(scene%sweep%input)
+         return
+      end if
+      ends = scene%sweep%input(1)
+      do i = 1, scene%prescribed%n
+         associate (place => along(scene, scene%prescribed, i))
+            ends = [min(ends(1), place), max(ends(2), place)]
+         end associate
+      end do
+      low = ends(1)
+      high = ends(2)
+      if (scene%prescribed%n > 1 .and. high - low < part_of_turn .and. high > low) return
+      low = scene%sweep%input(1) + min(0.0_wp, scene%sense*full_turn)
+      high = low + full_turn
+   end subroutine find_axis
+
+   !> The same axis for all panels.
+   subroutine input_axis(scene, low, high, text)
+      type(scene_t), intent(in) :: scene
+      real(wp), intent(in) :: low, high
       type(text_t), intent(inout) :: text
-      real(wp) :: low, high
 
       call text%add('set xlabel '//quoted(input_name(scene)))
-      low = minval(scene%sweep%input)
-      high = maxval(scene%sweep%input)
-      if (.not. scene%sliding) then
-         call text%add('set xtics 30')
-         low = scene%sweep%input(1) + min(0.0_wp, scene%sense*full_turn)
-         high = low + full_turn
-      end if
+      if (.not. scene%sliding .and. high - low >= part_of_turn) call text%add('set xtics 30')
       if (high > low) call text%add('set xrange ['//short_number(low)//':'//short_number(high)//']')
    end subroutine input_axis
+
+   !> Red bands where the linkage does not close.
+   subroutine add_bands(scene, low, high, text)
+      type(scene_t), intent(in) :: scene
+      real(wp), intent(in) :: low, high
+      type(text_t), intent(inout) :: text
+      real(wp) :: half, from, to
+      integer :: i, k
+
+      associate (row => scene%sweep)
+         if (row%n < 2) return
+         half = 0.5_wp*abs(row%delt(2) - row%delt(1))
+         i = 1
+         do while (i <= row%n)
+            k = i
+            do while (k <= row%n)
+               if (row%closed(k) .neqv. row%closed(i)) exit
+               k = k + 1
+            end do
+            if (.not. row%closed(i)) then
+               from = max(low, min(along(scene, row, i), along(scene, row, k - 1)) - half)
+               to = min(high, max(along(scene, row, i), along(scene, row, k - 1)) + half)
+               if (to > from) call text%add('set object rectangle from first '//short_number(from)//', graph 0 to first '// &
+                                            short_number(to)//', graph 1 fc rgb "'//colour_open// &
+                                            '" fs transparent solid 0.13 noborder behind')
+            end if
+            i = k
+         end do
+      end associate
+   end subroutine add_bands
 
    !> Input along the sweep (degrees go on beyond a turn), actual, desired, errors, transmission angles.
    subroutine write_table(name, scene, row, text)
@@ -123,17 +176,20 @@ contains
       end associate
    end function along
 
-   !> Best and worst objective by iteration, or objective by start, from device 1.
-   subroutine write_progress(progress, steps, text)
+   !> Best and worst objective by iteration, or objective of each start and the best so far, from device 1.
+   subroutine write_progress(progress, steps, starts, text)
       type(line_t), intent(in) :: progress(:)
       integer, intent(out) :: steps      !! lines found
+      logical, intent(out) :: starts     !! they are starts, not iterations
       type(text_t), intent(inout) :: text
       character(:), allocatable :: reason
-      real(wp) :: at, best, worst
+      real(wp) :: at, best, worst, least
       logical :: valid
       integer :: i
 
       steps = 0
+      starts = .false.
+      least = huge(least)
       call text%add('$progress << END')
       do i = 1, size(progress)
          associate (line => progress(i)%text)
@@ -143,8 +199,12 @@ contains
                if (valid) call value_after(line, ' WORST', worst, valid)
             else if (index(line, ' START ') == 1) then
                call value_after(line, ' START', at, valid)
-               if (valid) call value_after(line, ' OBJECTIVE', best, valid)
-               worst = best
+               if (valid) call value_after(line, ' OBJECTIVE', worst, valid)
+               if (valid) then
+                  starts = .true.
+                  least = min(least, worst)
+                  best = least
+               end if
             else
                valid = .false.
             end if
@@ -173,13 +233,25 @@ contains
       end subroutine value_after
    end subroutine write_progress
 
-   subroutine plot_panels(scene, errors, angles, steps, text)
+   subroutine plot_panels(scene, errors, angles, steps, starts, low, high, text)
       type(scene_t), intent(in) :: scene
       logical, intent(in) :: errors, angles
       integer, intent(in) :: steps
+      logical, intent(in) :: starts
+      real(wp), intent(in) :: low, high       !! of the inputs shown
       type(text_t), intent(inout) :: text
       character(:), allocatable :: line
-      integer :: loop, column
+      integer :: loop, column, i
+      logical :: seen
+
+      ! gnuplot refuses a panel without a single number
+      seen = any(scene%prescribed%closed)
+      do i = 1, scene%sweep%n
+         associate (place => along(scene, scene%sweep, i))
+            seen = seen .or. (scene%sweep%closed(i) .and. place >= low .and. place <= high)
+         end associate
+      end do
+      if (.not. seen) call text%add("set label 1 'the linkage does not close' at graph 0.5,0.5 center front")
 
       if (scene%motion == motion_point) then
          call output_panel('x of the output point', 2, 4)
@@ -188,7 +260,8 @@ contains
          call output_panel(output_name(scene), 2, 4)
       end if
       if (errors) then
-         line = 'set ylabel "error: desired - actual"; plot $prescribed using 1:6 with linespoints pt 7 ps 0.6 title '
+         line = 'set ylabel "error: desired - actual"; '//y_range(any(scene%prescribed%closed))// &
+                'plot $prescribed using 1:6 with linespoints pt 7 ps 0.6 title '
          if (scene%motion == motion_point) then
             call text%add(line//"'x', '' using 1:7 with linespoints pt 5 ps 0.6 title 'y'")
          else
@@ -211,12 +284,20 @@ contains
          call text%add(line//short_number(90.0_wp - scene%tangle)//" dt 2 lc 'red' title 'limits', "// &
                        short_number(90.0_wp + scene%tangle)//" dt 2 lc 'red' notitle; set yrange [*:*]")
       end if
+      call text%add('set yrange [*:*]; unset label 1')
       if (steps == 0) return
-      call text%add('set xlabel "iteration, or start"; set xtics auto; set xrange [*:*]')
-      call text%add('set ylabel "objective"; set logscale y; '// &
-                    "plot $progress using 1:3 with linespoints pt 7 ps 0.4 title 'worst', '' using 1:2 with linespoints pt 7 "// &
-                    "ps 0.4 title 'best'; unset logscale y")
-      call input_axis(scene, text)
+      call text%add('unset object; set xtics auto; set xrange [*:*]; set logscale y; set format y "%g"; set ylabel "objective"')
+      if (starts) then
+         call text%add('set xlabel "start"; '// &
+                       "plot $progress using 1:3 with points pt 7 ps 0.4 title 'start', "// &
+                       "'' using 1:2 with steps lw 1.5 title 'best'")
+      else
+         call text%add('set xlabel "iteration"; '// &
+                       "plot $progress using 1:3 with linespoints pt 7 ps 0.4 title 'worst', '' using 1:2 with linespoints "// &
+                       "pt 7 ps 0.4 title 'best'")
+      end if
+      call text%add('unset logscale y; set format y')
+      call input_axis(scene, low, high, text)
 
    contains
 
@@ -225,11 +306,18 @@ contains
          integer, intent(in) :: actual, desired
          character(:), allocatable :: plot
 
-         plot = 'set ylabel '//quoted(name)//'; plot $sweep using 1:'//to_text(actual)// &
+         plot = 'set ylabel '//quoted(name)//'; '//y_range(seen .or. scene%desired)//'plot $sweep using 1:'//to_text(actual)// &
                 " with lines lw 1.5 title 'actual', $prescribed using 1:"//to_text(actual)//" with points pt 7 ps 0.5 lc 1 notitle"
          if (scene%desired) plot = plot//', $prescribed using 1:'//to_text(desired)//" with points pt 6 lc 2 title 'desired'"
          call text%add(plot)
       end subroutine output_panel
+
+      pure function y_range(numbers) result(command)
+         logical, intent(in) :: numbers     !! there is something to scale the axis by
+         character(:), allocatable :: command
+
+         command = trim(merge('set yrange [*:*];', 'set yrange [0:1];', numbers))//' '
+      end function y_range
    end subroutine plot_panels
 
    pure function output_name(scene) result(name)

@@ -1,6 +1,7 @@
 !> Where the letters of the joints go: beside their joint, off the links, off each other.
 module psalm_labels
    use psalm_angles, only: unit_vector
+   use psalm_data_set, only: motion_angle
    use psalm_kinds, only: wp
    use psalm_scene, only: scene_t
    implicit none (type, external)
@@ -8,9 +9,12 @@ module psalm_labels
    public :: place_labels
 
    integer, parameter :: ways = 12                  !! directions that are tried
+   integer, parameter :: rounds = 2                 !! distances that are tried
    integer, parameter :: most_dots = 400            !! traces of more points are not looked at
    real(wp), parameter :: too_crowded = 45.0_wp     !! a letter that would lie on others is left out
    real(wp), parameter :: away = 18.0_wp            !! distance of a letter from its joint, pixels
+   real(wp), parameter :: farther = 9.0_wp          !! more in the second round, which costs
+   real(wp), parameter :: cost_of_round = 8.0_wp
    real(wp), parameter :: room_symbol = 5.0_wp      !! more for the symbol of a prismatic joint
    real(wp), parameter :: room_bar = 13.0_wp, room_joint = 22.0_wp, room_letter = 20.0_wp, room_dot = 10.0_wp !! wanted, pixels
 
@@ -23,7 +27,7 @@ contains
       real(wp), intent(out) :: at(:, :)      !! shape (2, joints)
       real(wp) :: x(size(scene%joints)), y(size(scene%joints)), try(2), c, s, reach, score, best
       logical :: shown(size(scene%joints))
-      integer :: j, w
+      integer :: j, w, round
 
       at = -huge(1.0_wp)
       shown = scene%prescribed%known(:, scene%reference)
@@ -32,13 +36,14 @@ contains
       do j = 1, size(scene%joints)
          if (.not. shown(j) .or. len(scene%joints(j)%name) == 0) cycle
          best = huge(best)
-         do w = 0, ways - 1
+         do w = 0, rounds*ways - 1
+            round = w/ways
             call unit_vector(real(w, wp)*(360.0_wp/real(ways, wp)) + 60.0_wp, c, s)
-            reach = away + merge(room_symbol, 0.0_wp, scene%joints(j)%slides)
+            reach = away + merge(room_symbol, 0.0_wp, scene%joints(j)%slides) + farther*real(round, wp)
             try = [x(j) + reach*c, y(j) - reach*s]
             ! a frame joint has its triangle below
             score = merge(30.0_wp, 0.0_wp, scene%joints(j)%fixed .and. scene%joints(j)%turning .and. s < -0.7_wp)
-            score = score + crowd(j, try)
+            score = score + crowd(j, try) + cost_of_round*real(round, wp)
             if (score < best) then
                best = score
                at(:, j) = try
@@ -62,6 +67,7 @@ contains
                                            to_segment(p, x(bar%start), y(bar%start), x(bar%finish), y(bar%finish)))
             end associate
          end do
+         crowd = crowd + 2.0_wp*max(0.0_wp, room_bar - to_lines(p))
          do m = 1, size(scene%joints)
             if (shown(m) .and. m /= j) crowd = crowd + 2.0_wp*max(0.0_wp, room_joint - hypot(p(1) - x(m), p(2) - y(m)))
             if (at(1, m) > -huge(1.0_wp) .and. m /= j) &
@@ -74,6 +80,40 @@ contains
             end do
          end do
       end function crowd
+
+      !> Distance from the nearest direction of the output and from the pairs that do not meet, pixels.
+      pure real(wp) function to_lines(p) result(least)
+         real(wp), intent(in) :: p(2)
+         integer :: i, loop
+
+         least = huge(least)
+         associate (row => scene%prescribed)
+            if (scene%motion == motion_angle .and. row%n <= most_dots) then
+               do i = 1, row%n
+                  if (.not. row%closed(i)) cycle
+                  associate (base => [row%x(scene%output_base, i), row%y(scene%output_base, i)])
+                     least = min(least, to_piece(p, base, row%aim(:, i)))
+                     if (scene%desired) least = min(least, to_piece(p, base, row%wish(:, i)))
+                  end associate
+               end do
+            end if
+            do loop = 1, scene%loops
+               if (.not. row%broken(loop, scene%reference)) cycle
+               associate (pair => scene%pairs(loop), i => scene%reference)
+                  least = min(least, to_piece(p, [row%x(pair%start, i), row%y(pair%start, i)], row%tip(1:2, loop, i)), &
+                              to_piece(p, [row%x(pair%finish, i), row%y(pair%finish, i)], row%tip(3:4, loop, i)))
+               end associate
+            end do
+         end associate
+      end function to_lines
+
+      !> Distance of a point of the drawing from a piece of a line in machine axes, pixels.
+      pure real(wp) function to_piece(p, from, to)
+         real(wp), intent(in) :: p(2), from(2), to(2)
+
+         to_piece = to_segment(p, ox + k*(from(1) - scene%low(1)), oy - k*(from(2) - scene%low(2)), &
+                               ox + k*(to(1) - scene%low(1)), oy - k*(to(2) - scene%low(2)))
+      end function to_piece
 
       !> Names of several letters are wider.
       pure real(wp) function more_room(j)

@@ -139,29 +139,34 @@ contains
       if (known) text = full_precision(value)
    end function number_or_null
 
-   !> Nine significant digits without needless zeros.
-   pure function short_number(value) result(text)
+   !> Nine significant digits, or as many as wanted, without needless zeros.
+   pure function short_number(value, wanted) result(text)
       real(wp), intent(in) :: value
+      integer, intent(in), optional :: wanted
       character(:), allocatable :: text
       character(40) :: buffer
       character(12) :: layout
-      integer :: power, mark
+      integer :: power, mark, digits
 
+      digits = significant
+      if (present(wanted)) digits = wanted
       if (abs(value) <= tiny(value)) then
          text = '0'
          return
       end if
       power = floor(log10(abs(value)))
-      if (power >= -4 .and. power < significant - 1) then
-         write (layout, '("(f36.",i0,")")') significant - 1 - power
+      if (power >= -4 .and. power < digits - 1) then
+         write (layout, '("(f36.",i0,")")') digits - 1 - power
          write (buffer, layout) value
          text = trim(adjustl(buffer))
          text = without_zeros(text)
       else
-         write (buffer, '(es36.8e4)') value
+         write (layout, '("(es36.",i0,"e4)")') digits - 1
+         write (buffer, layout) value
          buffer = adjustl(buffer)
          mark = index(buffer, 'E')
-         text = without_zeros(buffer(:mark - 1))//trim(buffer(mark:))
+         read (buffer(mark + 1:), '(i5)') power
+         text = without_zeros(buffer(:mark - 1))//'E'//to_text(power)
       end if
    end function short_number
 

@@ -2,6 +2,7 @@
 module psalm_page
    use, intrinsic :: iso_c_binding, only: c_char, c_int, c_ptr, c_null_ptr, c_loc
    use psalm_kinds, only: wp
+   use psalm_labels, only: place_labels
    use psalm_markup, only: xml_text, json_text, number_or_null, short_number, strings_t
    use psalm_scene, only: scene_t
    use psalm_text, only: text_t, full_precision, to_text
@@ -11,6 +12,9 @@ module psalm_page
    public :: write_page
 
    character(*), parameter :: title_mark = '<!--TITLE-->', data_mark = '<!--DATA-->' !! places in the page
+
+   real(wp), parameter :: usual_width = 600.0_wp      !! of a linkage on the page, pixels
+   real(wp), parameter :: beside(2) = [13.0_wp, -13.0_wp] !! place of a letter that finds none better
 
    interface
       integer(c_int) function page_copy(place) bind(c, name='psalm_page_copy')
@@ -105,13 +109,16 @@ contains
    subroutine write_parts(scene, text)
       type(scene_t), intent(in) :: scene
       type(text_t), intent(inout) :: text
+      real(wp) :: letters(2, size(scene%joints)), k
       integer :: i
 
+      call find_letters()
       call text%add(',"joints":[')
       do i = 1, size(scene%joints)
          associate (joint => scene%joints(i))
             call text%add_text(comma(i)//'{"name":'//json_text(joint%name)//',"turning":'//truth(joint%turning)//',"slides":'// &
-                               truth(joint%slides)//',"fixed":'//truth(joint%fixed)//'}')
+                               truth(joint%slides)//',"fixed":'//truth(joint%fixed)//',"letter":['// &
+                               short_number(letters(1, i))//','//short_number(letters(2, i))//']}')
          end associate
       end do
       call text%add('],"bars":[')
@@ -152,6 +159,26 @@ contains
          end associate
       end do
       call text%add_text(']')
+
+   contains
+
+      !> Middles of the letters from their joints, pixels, y downwards: free of the links at the reference position.
+      subroutine find_letters()
+         integer :: j
+
+         k = usual_width/maxval(scene%high - scene%low)
+         call place_labels(scene, k, 0.0_wp, 0.0_wp, letters)
+         associate (row => scene%prescribed, i => scene%reference)
+            do j = 1, size(scene%joints)
+               if (letters(1, j) > -huge(1.0_wp)) then
+                  letters(1, j) = anint(letters(1, j) - k*(row%x(j, i) - scene%low(1)))
+                  letters(2, j) = anint(letters(2, j) + k*(row%y(j, i) - scene%low(2)))
+               else
+                  letters(:, j) = beside
+               end if
+            end do
+         end associate
+      end subroutine find_letters
    end subroutine write_parts
 
    !> A row of positions: prescribed ones with all digits, a sweep with nine.

@@ -8,7 +8,7 @@ module psalm_scene
    use psalm_data_set, only: data_set_t, motion_point, motion_angle, motion_distance, motion_slide
    use psalm_error, only: problem_t, make_problem
    use psalm_kinds, only: wp
-      use psalm_margin_list, only: describe_margin
+   use psalm_margin_list, only: describe_margin
    use psalm_margins, only: margin_t, inspector_t, prepare_inspector, inspect, is_violated
    use psalm_markup, only: strings_t, add_string
    use psalm_parts, only: joint_t, bar_t, body_t, slide_t, pair_t, find_slides, convex_hull

@@ -11,7 +11,7 @@ module psalm_svg
    use psalm_labels, only: place_labels
    use psalm_markup, only: xml_text, short_number, wrapped, strings_t, add_string
    use psalm_scene, only: scene_t
-   use psalm_text, only: text_t, full_precision, to_text, general
+   use psalm_text, only: text_t, full_precision, to_text
    use psalm_trace, only: row_t
    implicit none (type, external)
    private
@@ -19,8 +19,15 @@ module psalm_svg
 
    real(wp), parameter :: width = 960.0_wp, tallest = 660.0_wp, margin = 52.0_wp, header = 72.0_wp !! sizes, pixels
    real(wp), parameter :: line_height = 17.0_wp
-   integer, parameter :: characters = 104     !! of a message on one line
+   integer, parameter :: characters = 116     !! of a message on one line
+   integer, parameter :: most_links = 30, most_directions = 80 !! positions from which on these get fainter
+   real(wp), parameter :: faint = 0.3_wp, faintest = 0.02_wp  !! opacity of links at every position
+   real(wp), parameter :: faintest_direction = 0.01_wp
+   integer, parameter :: digits_for_people = 7
    integer, parameter :: most_messages = 14   !! the listing and the page have all
+   integer, parameter :: plain_power = 15     !! lengths beyond ten to this, or below its inverse, are drawn in another unit
+   real(wp), parameter :: small_star = 0.55_wp
+   real(wp), parameter :: ghost_room = 1.0_wp !! the other assemblies widen the view by at most this part of it
    real(wp), parameter :: region_strip = 12.0_wp !! of a half-plane, pixels
    integer, parameter :: many = 60            !! joints above which symbols are smaller
    real(wp), parameter :: crowded = 0.55_wp   !! size of symbols then
@@ -29,13 +36,19 @@ module psalm_svg
 contains
 
    !> Append the picture.
-   subroutine write_svg(scene, assemblies, text)
-      type(scene_t), intent(in) :: scene
+   subroutine write_svg(given, assemblies, text)
+      type(scene_t), intent(in) :: given
       logical, intent(in) :: assemblies      !! show the other assembly of each pair in grey
       type(text_t), intent(inout) :: text
+      type(scene_t) :: scene
       type(strings_t), allocatable :: lines(:)
-      real(wp) :: k, ox, oy, height, foot
+      real(wp) :: k, ox, oy, height, foot, unit
 
+      scene = given
+      unit = 1.0_wp
+      if (scene%sound) unit = drawing_unit(scene)
+      if (unit /= 1.0_wp) call change_unit(scene, unit)
+      if (scene%sound .and. assemblies) call widen_view(scene)
       call message_lines(scene, lines)
       k = 1.0_wp
       ox = 0.0_wp
@@ -61,17 +74,94 @@ contains
          call text%add('<text class="sub" x="28" y="57">'//xml_text(subtitle(scene))//'</text>')
          call text%add('<clipPath id="area"><rect x="8" y="'//px(header - 4.0_wp)//'" width="'//px(width - 16.0_wp)// &
                        '" height="'//px(foot - header + 4.0_wp)//'"/></clipPath><g clip-path="url(#area)">')
-         call text%add('<g id="linkage" transform="matrix('//short_number(k)//' 0 0 '//short_number(-k)//' '// &
+         call text%add('<g id="linkage"'//data_unit(unit)//' transform="matrix('//short_number(k)//' 0 0 '// &
+                       short_number(-k)//' '// &
                        short_number(ox - k*scene%low(1))//' '//short_number(oy + k*scene%low(2))//')">')
          call draw_linkage(scene, assemblies, k, text)
          call text%add('</g></g>')
          call draw_letters(scene, k, ox, oy, text)
-         call draw_scale(k, foot, text)
+         call draw_scale(k, foot, unit, text)
          call draw_legend(scene, foot, text)
       end if
       call draw_messages(lines, foot + merge(46.0_wp, 8.0_wp, scene%sound), text)
       call text%add('</svg>')
    end subroutine write_svg
+
+   !> Unit of length of the drawing: 1, or a power of ten where the single precision of viewers would not hold the lengths.
+   real(wp) function drawing_unit(scene) result(unit)
+      type(scene_t), intent(in) :: scene
+      integer :: power
+
+      unit = 1.0_wp
+      power = floor(log10(maxval(scene%high - scene%low)))
+      if (abs(power) > plain_power) unit = 10.0_wp**power
+   end function drawing_unit
+
+   !> All places and lengths of a scene in another unit; values of the output stay.
+   subroutine change_unit(scene, unit)
+      type(scene_t), intent(inout) :: scene
+      real(wp), intent(in) :: unit
+
+      scene%low = scene%low/unit
+      scene%high = scene%high/unit
+      scene%pointer = scene%pointer/unit
+      scene%slides%low = scene%slides%low/unit
+      scene%slides%high = scene%slides%high/unit
+      call change_regions()
+      call change(scene%prescribed)
+      call change(scene%sweep)
+
+   contains
+
+      pure subroutine change(row)
+         type(row_t), intent(inout) :: row
+
+         row%x = row%x/unit
+         row%y = row%y/unit
+         row%tip = row%tip/unit
+         row%other = row%other/unit
+         row%aim = row%aim/unit
+         row%wish = row%wish/unit
+      end subroutine change
+
+      subroutine change_regions()
+         integer :: r, last
+
+         do r = 1, size(scene%regions)
+            associate (region => scene%regions(r))
+               ! of a half-plane the third number is a direction
+               last = merge(2, size(region%at), region%kind == region_half_plane)
+               region%at(:last) = region%at(:last)/unit
+            end associate
+         end do
+      end subroutine change_regions
+   end subroutine change_unit
+
+   !> The other assemblies belong into the view, if that does not make the linkage too small.
+   pure subroutine widen_view(scene)
+      type(scene_t), intent(inout) :: scene
+      real(wp) :: low(2), high(2), room
+      integer :: loop
+
+      low = scene%low
+      high = scene%high
+      room = ghost_room*maxval(high - low)
+      do loop = 1, scene%loops
+         if (.not. scene%prescribed%other_known(loop, scene%reference)) cycle
+         associate (other => scene%prescribed%other(:, loop, scene%reference))
+            scene%low = min(scene%low, max(other, low - room))
+            scene%high = max(scene%high, min(other, high + room))
+         end associate
+      end do
+   end subroutine widen_view
+
+   function data_unit(unit) result(attribute)
+      real(wp), intent(in) :: unit
+      character(:), allocatable :: attribute
+
+      attribute = ''
+      if (unit /= 1.0_wp) attribute = ' data-unit="'//number(unit)//'"'
+   end function data_unit
 
    subroutine write_style(text)
       type(text_t), intent(inout) :: text
@@ -88,12 +178,13 @@ contains
                     '.head{font-size:20px;font-weight:bold}.sub,.key{font-size:12.5px;fill:#45525e}.letter{font-size:15px;'// &
                     'font-style:italic;text-anchor:middle}.error{fill:#b3261e}.warning{fill:#8a5a00}')
       call text%add('.paper{fill:#fff}.symbol{fill:#fff;stroke:#14202b}'//fine//'.bar{stroke:#14202b}.frame{stroke:#7d8994}'// &
-                    '.trace{stroke:#566370}.plate{fill-opacity:.16;stroke:none}.rail{stroke:#7d8994}.every{stroke-opacity:.3}'// &
+                    '.trace{stroke:#566370}'// &
+                    '.plate{fill-opacity:.16;stroke-linejoin:round}.rail{stroke:#7d8994}'// &
                     '.region{fill:#d3302f;fill-opacity:.09;stroke:#d3302f}.inside{fill:none}'// &
                     '.ghost{stroke:#9aa4ad}.broken{stroke:#d3302f}.actual{fill:#c62828;stroke:#c62828}.path{stroke:#c62828}'// &
                     '.desired{fill:none;stroke:#0b57d0}.axis{stroke:#14202b;fill:none}.direction{fill:none}')
       do i = 1, colours
-         call text%add('.c'//to_text(i)//'{stroke:'//light(i)//'}.plate.c'//to_text(i)//'{fill:'//light(i)//';stroke:none}')
+         call text%add('.c'//to_text(i)//'{stroke:'//light(i)//'}.plate.c'//to_text(i)//'{fill:'//light(i)//'}')
       end do
       call text%add('@media screen and (prefers-color-scheme:dark){text{fill:#e6ebf0}.sub,.key{fill:#aab6c1}'// &
                     '.error{fill:#ff8a80}'// &
@@ -128,10 +219,19 @@ contains
       end select
       line = line//'; '//to_text(scene%prescribed%n)//' position'//repeat('s', merge(0, 1, scene%prescribed%n == 1))
       if (.not. all(scene%prescribed%closed)) &
-         line = line//', of which '//to_text(count(.not. scene%prescribed%closed))//' do not close'
+         line = line//', of which '//to_text(count(.not. scene%prescribed%closed))// &
+                trim(merge(' does not close', ' do not close  ', count(.not. scene%prescribed%closed) == 1))
    end function subtitle
 
    ! ---- the linkage -------------------------------------------------------------------------------------------------
+
+   !> Opacity of what is drawn at every position: the more there are, the less.
+   pure real(wp) function faintness(scene, most)
+      type(scene_t), intent(in) :: scene
+      integer, intent(in) :: most
+
+      faintness = max(faintest, faint*min(1.0_wp, sqrt(real(most, wp)/real(scene%prescribed%n, wp))))
+   end function faintness
 
    subroutine draw_linkage(scene, assemblies, k, text)
       type(scene_t), intent(in) :: scene
@@ -143,7 +243,7 @@ contains
       call draw_regions(scene, k, text)
       call draw_traces(scene, k, text)
       if (scene%everywhere) then
-         call text%add('<g'//stroke(1.1_wp, k)//'>')
+         call text%add('<g'//stroke(1.1_wp, k)//' stroke-opacity="'//px(faintness(scene, most_links))//'">')
          do i = 1, scene%prescribed%n
             if (i /= scene%reference) call draw_bars(scene, scene%prescribed, i, 'every', k, text)
          end do
@@ -151,7 +251,7 @@ contains
       end if
       if (assemblies) call draw_ghosts(scene, k, text)
       call draw_rails(scene, k, text)
-      call draw_plates(scene, text)
+      call draw_plates(scene, k, text)
       call draw_path(scene, k, text)
       call text%add('<g id="reference" data-position="'//to_text(scene%reference)//'"'//stroke(2.6_wp, k)//'>')
       call draw_bars(scene, scene%prescribed, scene%reference, 'bar', k, text)
@@ -257,8 +357,9 @@ contains
       end if
    end function class_of
 
-   subroutine draw_plates(scene, text)
+   subroutine draw_plates(scene, k, text)
       type(scene_t), intent(in) :: scene
+      real(wp), intent(in) :: k
       type(text_t), intent(inout) :: text
       integer :: b, m
 
@@ -267,7 +368,7 @@ contains
             associate (body => scene%bodies(b))
                if (size(body%hull) == 0 .or. body%frame) cycle
                if (.not. all(row%known(body%hull, i))) cycle
-               call text%add('<polygon class="plate '//class_of(scene, b)//'" points="')
+               call text%add('<polygon class="plate '//class_of(scene, b)//'"'//stroke(1.3_wp, k)//' points="')
                do m = 1, size(body%hull)
                   call text%add(full_precision(row%x(body%hull(m), i))//','//full_precision(row%y(body%hull(m), i)))
                end do
@@ -373,13 +474,17 @@ contains
       type(scene_t), intent(in) :: scene
       real(wp), intent(in) :: k
       type(text_t), intent(inout) :: text
-      character(:), allocatable :: facts
+      character(:), allocatable :: facts, veil
       integer :: i
 
+      veil = ''
+      if (scene%prescribed%n > most_directions) veil = ' stroke-opacity="'//&
+         px(max(faintest_direction, real(most_directions, wp)/real(scene%prescribed%n, wp)))//'"'
       associate (row => scene%prescribed)
          if (scene%motion == motion_distance) call text%add('<use href="#cross" class="axis"'//placed(0.0_wp, 0.0_wp, 1.0_wp)//'/>')
          do i = 1, row%n
             facts = ' data-position="'//to_text(i)//'" data-input="'//full_precision(row%input(i))//'"'
+            if (scene%motion == motion_angle .and. i /= scene%reference) facts = facts//veil
             if (row%closed(i)) then
                if (scene%motion == motion_angle) then
                   call text%add('<path class="output actual direction"'//facts//values(row%actual, row%actual_y, i)// &
@@ -387,7 +492,7 @@ contains
                                 point(row, scene%output_base, i)//'L'//pair(row%aim(1, i), row%aim(2, i))//'"/>')
                else
                   call text%add('<use href="#star" class="output actual"'//facts//values(row%actual, row%actual_y, i)// &
-                                placed(row%x(scene%output, i), row%y(scene%output, i), 0.55_wp)//'/>')
+                                placed(row%x(scene%output, i), row%y(scene%output, i), small_star)//'/>')
                end if
             end if
             if (.not. scene%desired) cycle
@@ -469,7 +574,7 @@ contains
             y = row%aim(2, i)
          end if
          call text%add('<use href="#star" class="output actual" id="star" stroke="none" transform="translate('//pair(x, y)// &
-                       ') scale('//short_number(1.0_wp/k)//')"/>')
+                       ') scale('//short_number(merge(small_star, 1.0_wp, scene%motion == motion_slide)/k)//')"/>')
       end associate
    end subroutine draw_star
 
@@ -491,8 +596,8 @@ contains
    end subroutine draw_letters
 
    !> A bar of a round length, about a sixth of the width.
-   subroutine draw_scale(k, foot, text)
-      real(wp), intent(in) :: k, foot
+   subroutine draw_scale(k, foot, unit, text)
+      real(wp), intent(in) :: k, foot, unit
       type(text_t), intent(inout) :: text
       real(wp) :: length, power
 
@@ -507,7 +612,7 @@ contains
       end if
       call text%add('<g id="scale"><path class="axis" stroke-width="1.6" d="M28 '//px(foot + 8.0_wp)//'v8h'//px(k*length)// &
                     'v-8"/><text class="key" x="'//px(36.0_wp + k*length)//'" y="'//px(foot + 20.0_wp)//'" data-length="'// &
-                    full_precision(length)//'">'//number(length)//'</text></g>')
+                    full_precision(length*unit)//'">'//number(length*unit)//'</text></g>')
    end subroutine draw_scale
 
    subroutine draw_legend(scene, foot, text)
@@ -632,7 +737,6 @@ contains
       real(wp), intent(in) :: value
       character(:), allocatable :: text
 
-      text = short_number(value)
-      if (len(text) > 9) text = trim(adjustl(general(value, 'E')))
+      text = short_number(value, digits_for_people)
    end function number
 end module psalm_svg
