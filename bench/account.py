@@ -36,6 +36,10 @@ def main(directory):
           "any solver found in this account (below 1e-10: met exactly), every constraint obeyed. Evaluations: objectives and "
           "Jacobians\ntogether. `to be sure`: seconds until one more run would find the best with 99 per cent, log(0.01)/log(1 - "
           "success) times the median time.\n")
+    print("A run is one start only, within the data set's VAR or bounds; many starts are what `NSTART` is for. Where the best was found far\n"
+          "outside of the starts' range (needle, brake reaction: by LD_AUGLAG, whose inner steps sometimes jump there), starts from a\n"
+          "wider range find as good or better: `data/needle_wide.nml`, `data/brake_reaction_lsq.nml`. Not in the tables: LD_MMA and LD_CCSAQ, slow\n"
+          "with hundreds of constraints; GD_STOGO and GN_AGS, which NLopt refuses here.\n")
     print(THESIS)
     for name, solvers in runs.items():
         reached = [o for rows in solvers.values() for o, _, _ in rows if o >= 0]

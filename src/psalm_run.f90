@@ -5,7 +5,7 @@ module psalm_run
    use psalm_check_list, only: list_input, list_setup, list_arcs
    use psalm_condition, only: condition_t, prepare_condition, condition_at
    use psalm_constr, only: constraints_t, make_constraints
-   use psalm_data_set, only: data_set_t
+   use psalm_data_set, only: data_set_t, title_columns
    use psalm_data_set_text, only: write_vertices, write_data_set
    use psalm_error, only: problem_t, motion_t, make_problem
    use psalm_finale, only: list_results, describe_violation
@@ -236,6 +236,7 @@ contains
       type(text_t), intent(inout) :: text
       type(data_set_t) :: one
       type(dimensions_t) :: each
+      character(:), allocatable :: rank
       integer :: i
 
       one = set
@@ -249,6 +250,8 @@ contains
          call topology%apply(found%best(i)%values, each)
          one%delt = found%best(i)%delt
          one%last = merge(set%last, 0, i == size(found%best))
+         rank = ', RANK '//to_text(i)
+         one%title = trim(set%title(:min(len(set%title), title_columns - len(rank))))//rank
          call text%add('! rank '//to_text(i)//', objective '//trim(adjustl(general(found%best(i)%objective, 'E'))))
          call write_data_set(one, topology, each, text)
       end do

@@ -145,6 +145,8 @@ said 'free timing needs LSQ' "IFREE=1 (free timing) needs the group &SEARCH with
 objective() { awk '/TOTAL ERROR/ { getline; sub("D", "E"); print $1; exit }' "$1"; }
 at_most() { awk -v a="$(objective "$2")" -v b="$3" 'BEGIN { exit !(a != "" && a <= b) }' && ok || bad "$1: $(objective "$2") instead of at most $3"; }
 at_most 'log10: as good as known' log10.lst 1.46e-4
+at_most 'needle_wide: better than from nearby starts' needle_wide.lst 0.3968
+at_most 'brake_reaction_lsq: far better than published' brake_reaction_lsq.lst 1.0
 at_most 'dwell: better than its reference' dwell.lst 0.02
 at_most 'slider_linear: as good as known' slider_linear.lst 3.3e-8
 at_most 'path5: as good as known' path5.lst 7.5e-7

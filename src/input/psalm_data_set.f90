@@ -14,6 +14,7 @@ module psalm_data_set
    implicit none (type, external)
    private
    public :: data_set_t, read_data_sets
+   public :: title_columns
    public :: motion_point, motion_angle, motion_distance, motion_slide
 
    integer, parameter :: motion_point = 0     !! MOTION 0: x and y of the output point
@@ -28,7 +29,7 @@ module psalm_data_set
    integer, parameter :: largest_istart = 999999999 !! nine digits
    integer, parameter :: most_trials = 1000000000  !! likewise NTRIAL
    real(wp), parameter :: fastest = 1.0e30_wp      !! likewise SPEED and ACCEL
-   integer, parameter :: title_columns = 72
+   integer, parameter :: title_columns = 72        !! of a title, at most
 
    !> Everything the user can say to `psalm`. Angles in degrees, lengths in the user's one unit.
    type :: data_set_t
