@@ -1,6 +1,7 @@
 !> How far a linkage is inside each of its constraints, at the prescribed positions and over the range asked for.
 !>
-!> A range is looked at in steps of half a degree; round the least margin the look is sharpened until a thousandth of that.
+!> A range is looked at in steps of half a degree; in every valley that may be the deepest the look is sharpened until a
+!> thousandth of that.
 module psalm_margins
    use psalm_constraint_group, only: region_t, range_positions, range_turn
    use psalm_data_set, only: data_set_t, motion_point
@@ -168,72 +169,105 @@ contains
       margins = [margins, margin]
    end subroutine add_values
 
-   !> Margin and place where it is least.
+   !> Margin and place where it is least: over the positions, then, with a range, in every valley between its steps that may
+   !> go lower.
    subroutine find_least(inspector, dimensions, margin)
       type(inspector_t), intent(inout) :: inspector
       type(dimensions_t), intent(in) :: dimensions
       type(margin_t), intent(inout) :: margin
-      real(wp) :: half, from, to
-      integer :: i, n, round
+      real(wp) :: values(inspector%fine%problem%positions)
+      real(wp) :: half, bottom, bend
+      integer :: i, n
 
-      n = inspector%fine%problem%positions
-      call least_of(inspector, inspector%fine, n, margin)
+      n = size(values)
+      do i = 1, n
+         values(i) = margin_at(inspector, inspector%fine, i, margin)
+      end do
+      i = minloc(values, dim=1)
+      margin%margin = values(i)
+      margin%delt = inspector%fine%problem%delt(i)
       if (inspector%irange == range_positions) return
-      ! only the steps of the range stand for what lies between them
-      half = abs(inspector%fine%problem%delt(n) - inspector%fine%problem%delt(inspector%prescribed + 1))/real(steps_of_range, wp)
-      do round = 1, lenses
-         from = margin%delt - half
-         to = margin%delt + half
-         if (.not. inspector%everywhere) then
-            from = max(from, inspector%fine%problem%delt(inspector%prescribed + 1))
-            to = min(to, inspector%fine%problem%delt(n))
-         end if
-         call inspector%lens%problem%move_inputs([(from + (to - from)*(real(i, wp)/real(steps_of_lens, wp)), i=0, steps_of_lens)])
-         call look(inspector%lens, dimensions)
-         call least_of(inspector, inspector%lens, steps_of_lens + 1, margin, sharper=.true.)
-         half = half*2.0_wp/real(steps_of_lens, wp)
+      half = (inspector%fine%problem%delt(n) - inspector%fine%problem%delt(inspector%prescribed + 1))/real(steps_of_range, wp)
+      ! at the ends of a full turn the neighbour lies at the other end; the lens sees it all the same
+      do i = inspector%prescribed + 1, n
+         associate (before => values(max(i - 1, inspector%prescribed + 1)), after => values(min(i + 1, n)))
+            if (values(i) > min(before, after)) cycle
+            bend = before + after - 2.0_wp*values(i)
+            bottom = values(i)
+            if (bend > 0.0_wp) bottom = values(i) - (before - after)**2/(8.0_wp*bend)
+            ! a parabola is not all: as much again
+            if (2.0_wp*bottom - values(i) - abs(bend) > margin%margin) cycle
+         end associate
+         call look_sharper(inspector, dimensions, inspector%fine%problem%delt(i), half, margin)
       end do
    end subroutine find_least
 
-   !> Least margin over the positions of a station.
-   subroutine least_of(inspector, station, n, margin, sharper)
+   !> Look for a lesser margin within `half` of an input.
+   subroutine look_sharper(inspector, dimensions, delt, half, margin)
+      type(inspector_t), intent(inout) :: inspector
+      type(dimensions_t), intent(in) :: dimensions
+      real(wp), intent(in) :: delt, half
+      type(margin_t), intent(inout) :: margin
+      real(wp) :: at, reach, from, to, value, least
+      integer :: i, round
+
+      at = delt
+      reach = half
+      do round = 1, lenses
+         from = at - reach
+         to = at + reach
+         if (.not. inspector%everywhere) then
+            from = max(from, inspector%fine%problem%delt(inspector%prescribed + 1))
+            to = min(to, inspector%fine%problem%delt(inspector%fine%problem%positions))
+         end if
+         call inspector%lens%problem%move_inputs([(from + (to - from)*(real(i, wp)/real(steps_of_lens, wp)), i=0, steps_of_lens)])
+         call look(inspector%lens, dimensions)
+         least = huge(least)
+         do i = 1, steps_of_lens + 1
+            value = margin_at(inspector, inspector%lens, i, margin)
+            if (value >= least) cycle
+            least = value
+            at = inspector%lens%problem%delt(i)
+         end do
+         if (least < margin%margin) then
+            margin%margin = least
+            margin%delt = at
+         end if
+         reach = reach*2.0_wp/real(steps_of_lens, wp)
+      end do
+   end subroutine look_sharper
+
+   !> Margin of a constraint at position i of a station.
+   pure real(wp) function margin_at(inspector, station, i, margin) result(value)
       type(inspector_t), intent(in) :: inspector
       type(station_t), intent(in) :: station
-      integer, intent(in) :: n
-      type(margin_t), intent(inout) :: margin
-      logical, intent(in), optional :: sharper     !! keep what is there if nothing is less
-      real(wp) :: value, gx, gy
-      integer :: i
+      integer, intent(in) :: i
+      type(margin_t), intent(in) :: margin
+      real(wp) :: gx, gy
 
-      if (.not. present(sharper)) margin%margin = huge(1.0_wp)
-      do i = 1, n
-         select case (margin%kind)
-         case (margin_region)
-            associate (r => margin%which, j => inspector%joint(margin%which))
-               if (j == 0) then
-                  call trespass(inspector%regions(r), station%out(i, 1), station%out(i, 2), value, gx, gy)
-               else
-                  call trespass(inspector%regions(r), station%joints(i, 1, j), station%joints(i, 2, j), value, gx, gy)
-               end if
-            end associate
-            value = -value
-         case (margin_angle)
-            ! past closing the sine stands for more than a right angle
-            value = abs(station%k(i, margin%which))
-            value = inspector%tangle - (asin(min(value, 1.0_wp)) + max(value - 1.0_wp, 0.0_wp))*degrees_per_radian
-         case (margin_guide)
-            value = guide(station, margin%which)*(1.0_wp/max(station%k(i, margin%which), tiny(1.0_wp)**0.25_wp) - 1.0_wp)
-         case default
-            associate (dyad => station%problem%linkage%steps(station%problem%linkage%step_of_loop(margin%which)))
-               value = merge(dyad%p, dyad%q, dyad%joint == 4)/station%problem%linkage%scale &
-                       *(1.0_wp - abs(station%k(i, margin%which)))
-            end associate
-         end select
-         if (value >= margin%margin) cycle
-         margin%margin = value
-         margin%delt = station%problem%delt(i)
-      end do
-   end subroutine least_of
+      select case (margin%kind)
+      case (margin_region)
+         associate (r => margin%which, j => inspector%joint(margin%which))
+            if (j == 0) then
+               call trespass(inspector%regions(r), station%out(i, 1), station%out(i, 2), value, gx, gy)
+            else
+               call trespass(inspector%regions(r), station%joints(i, 1, j), station%joints(i, 2, j), value, gx, gy)
+            end if
+         end associate
+         value = -value
+      case (margin_angle)
+         ! past closing the sine stands for more than a right angle
+         value = abs(station%k(i, margin%which))
+         value = inspector%tangle - (asin(min(value, 1.0_wp)) + max(value - 1.0_wp, 0.0_wp))*degrees_per_radian
+      case (margin_guide)
+         value = guide(station, margin%which)*(1.0_wp/max(station%k(i, margin%which), tiny(1.0_wp)**0.25_wp) - 1.0_wp)
+      case default
+         associate (dyad => station%problem%linkage%steps(station%problem%linkage%step_of_loop(margin%which)))
+            value = merge(dyad%p, dyad%q, dyad%joint == 4)/station%problem%linkage%scale &
+                    *(1.0_wp - abs(station%k(i, margin%which)))
+         end associate
+      end select
+   end function margin_at
 
    !> Guide of a dyad of type 2 or 3 and TOGGLE, user's unit.
    pure real(wp) function guide(station, loop)
