@@ -258,6 +258,7 @@ contains
       type(inspector_t) :: inspector
       type(margin_t), allocatable :: margins(:)
       real(wp) :: a, p, q, d, least
+      integer :: i
 
       call load_case('dyad1_crank_rocker', problem, set)
       set%constr%irange = range_turn
@@ -270,6 +271,19 @@ contains
       least = set%tangle - max(off_square(p, q, d - a), off_square(p, q, d + a))
       call t%equal_integer(margins(1)%kind, margin_angle, 'a link pair has an angle margin')
       call t%close_to(margins(1)%margin, least, 1.0e-7_wp, 'least margin of a crank-rocker over its turn')
+      ! two valleys of almost the same depth, a quarter of a degree beside the steps
+      do i = -1, 1, 2
+         problem%given%arcl(2) = 1.3_wp*problem%given%arcl(1)
+         problem%given%arcl(4) = 2.1_wp*problem%given%arcl(1)
+         problem%given%arcl(3) = sqrt(a**2 + problem%given%arcl(4)**2 - problem%given%arcl(2)**2 + 1.0e-7_wp*a**2*real(i, wp))
+         problem%given%crnki = 0.25_wp
+         call inspect(inspector, problem%given, problem%delt, margins)
+         associate (h => problem%given%arcl(4), p => problem%given%arcl(2), q => problem%given%arcl(3))
+            least = set%tangle - max(off_square(p, q, h - a), off_square(p, q, h + a))
+         end associate
+         call t%close_to(margins(1)%margin, least, 1.0e-8_wp, 'the deeper of two valleys is found')
+      end do
+      call load_case('dyad1_crank_rocker', problem, set)
       set%constr%irange = range_positions
       deallocate (set%constr%regions)
       allocate (set%constr%regions(1))
