@@ -3,7 +3,8 @@ program test_constraints
    use, intrinsic :: iso_c_binding, only: c_int
    use cases, only: load_case, names
    use check, only: checks_t
-   use psalm_constraint_group, only: region_t, region_box, region_half_plane, region_circle, range_turn, range_positions
+   use psalm_constraint_group, only: region_t, region_box, region_half_plane, region_circle, range_turn, range_inputs, &
+                                     range_positions
    use psalm_data_set, only: data_set_t
    use psalm_error, only: problem_t
    use psalm_interrupt, only: interrupt_t
@@ -271,12 +272,14 @@ contains
       least = set%tangle - max(off_square(p, q, d - a), off_square(p, q, d + a))
       call t%equal_integer(margins(1)%kind, margin_angle, 'a link pair has an angle margin')
       call t%close_to(margins(1)%margin, least, 1.0e-7_wp, 'least margin of a crank-rocker over its turn')
-      ! two valleys of almost the same depth, a quarter of a degree beside the steps
+      ! two valleys of almost the same depth, the one nearly on a step, the other between two
+      set%constr%irange = range_inputs
+      call prepare_inspector(set, problem, .true., inspector)
       do i = -1, 1, 2
          problem%given%arcl(2) = 1.3_wp*problem%given%arcl(1)
          problem%given%arcl(4) = 2.1_wp*problem%given%arcl(1)
          problem%given%arcl(3) = sqrt(a**2 + problem%given%arcl(4)**2 - problem%given%arcl(2)**2 + 1.0e-7_wp*a**2*real(i, wp))
-         problem%given%crnki = 0.25_wp
+         problem%given%crnki = -10.0_wp
          call inspect(inspector, problem%given, problem%delt, margins)
          associate (h => problem%given%arcl(4), p => problem%given%arcl(2), q => problem%given%arcl(3))
             least = set%tangle - max(off_square(p, q, h - a), off_square(p, q, h + a))
