@@ -39,6 +39,7 @@ program test_constraints
    call regions()
    call gradients()
    call whole_turn()
+   call box_of_slider()
    call order()
    call timing()
    call solvers()
@@ -298,6 +299,30 @@ contains
       call t%is_true(is_violated(margins(1)), 'and that is a violation')
 
    end subroutine whole_turn
+
+   !> A slider that runs along the edge of its box and just beyond the next one: at the stretched crank, between two steps.
+   subroutine box_of_slider()
+      type(problem_t) :: problem
+      type(data_set_t) :: set
+      type(inspector_t) :: inspector
+      type(margin_t), allocatable :: margins(:)
+      real(wp) :: farthest
+
+      call load_case('dyad4_slider_crank', problem, set)
+      set%constr%irange = range_turn
+      deallocate (set%constr%regions)
+      allocate (set%constr%regions(1))
+      associate (arcl => problem%given%arcl)
+         farthest = sqrt((arcl(1) + arcl(2))**2 - arcl(4)**2)
+         set%constr%regions(1) = region_t(region_box, .true., [-1.0e3_wp, -arcl(4) - 1.0e-5_wp, farthest - 1.0e-4_wp, &
+                                                              arcl(4) + 1.0e-5_wp], 2, 1)
+      end associate
+      call prepare_inspector(set, problem, .true., inspector)
+      call inspect(inspector, problem%given, problem%delt, margins)
+      margins = pack(margins, margins%kind == margin_region)
+      call t%equal_integer(size(margins), 1, 'one margin for a box')
+      call t%close_to(margins(1)%margin, -1.0e-4_wp, 1.0e-7_wp, 'a short trespass over one edge, running along another')
+   end subroutine box_of_slider
 
    !> Degrees the angle between two links is off 90 when the ends are h apart.
    pure real(wp) function off_square(p, q, h)

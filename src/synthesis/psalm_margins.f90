@@ -3,12 +3,12 @@
 !> A range is looked at in steps of half a degree; in every valley that may be the deepest the look is sharpened until a
 !> thousandth of that.
 module psalm_margins
-   use psalm_constraint_group, only: region_t, range_positions, range_turn
+   use psalm_constraint_group, only: region_t, range_positions, range_turn, region_box
    use psalm_data_set, only: data_set_t, motion_point
    use psalm_error, only: problem_t
    use psalm_kinds, only: wp, degrees_per_radian, full_turn, right_angle
    use psalm_merit, only: watch_inputs
-   use psalm_regions, only: trespass, region_joints, joint_of_region
+   use psalm_regions, only: trespass, beyond_edge, box_edges, region_joints, joint_of_region
    use psalm_station, only: station_t, prepare_station, look
    use psalm_topology, only: dimensions_t, variable_length, variable_outlk
    implicit none (type, external)
@@ -32,6 +32,7 @@ module psalm_margins
       real(wp) :: margin = huge(1.0_wp)      !! negative: violated
       real(wp) :: delt = 0.0_wp              !! input increment where it is least
       real(wp) :: unit = 1.0_wp              !! what counts as much, for rounding
+      integer :: edge = 0                    !! of a box to stay inside of: each edge has its own valleys
    end type margin_t
 
    type :: inspector_t
@@ -99,7 +100,7 @@ contains
       real(wp), intent(in) :: delt(:)              !! shape (positions)
       type(margin_t), allocatable, intent(out) :: margins(:)
       type(margin_t) :: margin
-      integer :: loop, r
+      integer :: loop, r, edge
 
       allocate (margins(0))
       associate (fine => inspector%fine)
@@ -122,16 +123,30 @@ contains
             end select
          end do
          do r = 1, size(inspector%regions)
-            call add(margin_region, r)
+            if (inspector%regions(r)%kind == region_box .and. inspector%regions(r)%stay_inside) then
+               do edge = 1, box_edges
+                  call add(margin_region, r, edge)
+               end do
+               ! the nearest edge stands for the box
+               associate (from => size(margins) - box_edges)
+                  margins(from + 1) = margins(from + minloc(margins(from + 1:)%margin, dim=1))
+                  margins = margins(:from + 1)
+               end associate
+            else
+               call add(margin_region, r)
+            end if
          end do
          call add_values(inspector, dimensions, margins)
       end associate
 
    contains
 
-      subroutine add(kind, which)
+      subroutine add(kind, which, one_edge)
          integer, intent(in) :: kind, which
+         integer, intent(in), optional :: one_edge
 
+         margin%edge = 0
+         if (present(one_edge)) margin%edge = one_edge
          margin%kind = kind
          margin%which = which
          margin%unit = merge(1.0_wp, min(inspector%size, maxval(dimensions%arcl)), kind == margin_angle)
@@ -196,7 +211,7 @@ contains
             bottom = values(i)
             if (bend > 0.0_wp) bottom = values(i) - (before - after)**2/(8.0_wp*bend)
             ! a parabola is not all: as much again
-            if (2.0_wp*bottom - values(i) - abs(bend) > margin%margin) cycle
+            if (2.0_wp*bottom - values(i) - abs(bend) >= margin%margin - 0.01_wp*rounding*margin%unit) cycle
          end associate
          call look_sharper(inspector, dimensions, inspector%fine%problem%delt(i), half, margin)
       end do
@@ -243,15 +258,22 @@ contains
       type(station_t), intent(in) :: station
       integer, intent(in) :: i
       type(margin_t), intent(in) :: margin
-      real(wp) :: gx, gy
+      real(wp) :: x, y, gx, gy
 
       select case (margin%kind)
       case (margin_region)
          associate (r => margin%which, j => inspector%joint(margin%which))
             if (j == 0) then
-               call trespass(inspector%regions(r), station%out(i, 1), station%out(i, 2), value, gx, gy)
+               x = station%out(i, 1)
+               y = station%out(i, 2)
             else
-               call trespass(inspector%regions(r), station%joints(i, 1, j), station%joints(i, 2, j), value, gx, gy)
+               x = station%joints(i, 1, j)
+               y = station%joints(i, 2, j)
+            end if
+            if (margin%edge > 0) then
+               value = beyond_edge(inspector%regions(r), margin%edge, x, y)
+            else
+               call trespass(inspector%regions(r), x, y, value, gx, gy)
             end if
          end associate
          value = -value

@@ -8,9 +8,29 @@ module psalm_regions
    use psalm_topology, only: topology_t
    implicit none (type, external)
    private
-   public :: trespass, region_joints, joint_of_region, check_regions
+   public :: trespass, beyond_edge, box_edges, region_joints, joint_of_region, check_regions
+
+   integer, parameter :: box_edges = 4     !! left, lower, right, upper
 
 contains
+
+   !> How far a point is beyond one edge of a box, [length].
+   pure real(wp) function beyond_edge(region, edge, x, y)
+      type(region_t), intent(in) :: region
+      integer, intent(in) :: edge             !! 1 to 4
+      real(wp), intent(in) :: x, y            !! point, machine axes
+
+      select case (edge)
+      case (1)
+         beyond_edge = region%at(1) - x
+      case (2)
+         beyond_edge = region%at(2) - y
+      case (3)
+         beyond_edge = x - region%at(3)
+      case default
+         beyond_edge = y - region%at(4)
+      end select
+   end function beyond_edge
 
    !> How deep a point is where it must not be (negative: how far it is from there), [length], and its gradient.
    !>
@@ -19,13 +39,14 @@ contains
       type(region_t), intent(in) :: region
       real(wp), intent(in) :: x, y            !! point, machine axes
       real(wp), intent(out) :: depth, gx, gy
-      real(wp) :: outside(4), ux, uy, r
+      real(wp) :: outside(box_edges), ux, uy, r
+      integer :: i
 
       gx = 0.0_wp
       gy = 0.0_wp
       select case (region%kind)
       case (region_box)
-         outside = [region%at(1) - x, region%at(2) - y, x - region%at(3), y - region%at(4)]
+         outside = [(beyond_edge(region, i, x, y), i=1, box_edges)]
          depth = -maxval(outside)
          select case (maxloc(outside, dim=1))
          case (1)
