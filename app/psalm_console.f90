@@ -249,7 +249,7 @@ contains
       write (line, '(a,i0,a,i0,a,a,a,a,a,i0,a,i0,a)') 'iteration ', state%iteration, ' of ', state%limit, '  best ', &
          trim(adjustl(general(state%best))), '  worst ', trim(adjustl(general(state%worst))), '  ', &
          nint(real(state%evaluations, dp)/seconds), ' evaluations/s  ', &
-         nint(seconds*real(state%limit - state%iteration, dp)/real(max(1, state%iteration), dp)), ' s to NITER'
+         nint(seconds*real(state%limit - state%iteration, dp)/real(max(1, state%iteration), dp)), ' s left at most'
       call write_standard_error(achar(13)//line)
    end subroutine show_progress
 end module psalm_console

@@ -209,7 +209,7 @@ contains
       logical, intent(out) :: sound
       type(c_ptr) :: local
       integer(c_int) :: status
-      character(:), allocatable :: helper
+      character(:), allocatable :: inner
 
       self%unknowns = unknowns
       self%handle = nlopt_create(int(algorithm_of(name), c_int), int(unknowns, c_int))
@@ -217,9 +217,9 @@ contains
       if (.not. sound) return
       call nlopt_srand(int(seed, c_long))
       if (index(name, 'AUGLAG') == 0 .and. index(name, 'MLSL') == 0) return
-      helper = 'LN_SBPLX'
-      if (needs_gradient(plain_name(name))) helper = 'LD_LBFGS'
-      local = nlopt_create(int(algorithm_of(helper), c_int), int(unknowns, c_int))
+      inner = 'LN_SBPLX'
+      if (needs_gradient(plain_name(name))) inner = 'LD_LBFGS'
+      local = nlopt_create(int(algorithm_of(inner), c_int), int(unknowns, c_int))
       status = nlopt_set_ftol_rel(local, 1.0e-8_c_double)
       status = nlopt_set_xtol_rel(local, 1.0e-8_c_double)
       status = nlopt_set_maxeval(local, int(500*(unknowns + 1), c_int))
