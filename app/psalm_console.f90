@@ -234,7 +234,7 @@ contains
       type(search_state_t), intent(in) :: state
       integer(int64) :: now, rate
       real(dp) :: seconds
-      character(100) :: line
+      character(110) :: line         ! a longer one is cut
 
       if (.not. self%active) then
          if (.not. error_is_terminal()) return
@@ -246,10 +246,19 @@ contains
       if (now - self%shown < rate/10) return
       self%shown = now
       seconds = real(now - self%started, dp)/real(rate, dp)
-      write (line, '(a,i0,a,i0,a,a,a,a,a,i0,a,i0,a)') 'iteration ', state%iteration, ' of ', state%limit, '  best ', &
-         trim(adjustl(general(state%best))), '  worst ', trim(adjustl(general(state%worst))), '  ', &
-         nint(real(state%evaluations, dp)/seconds), ' evaluations/s  ', &
-         nint(seconds*real(state%limit - state%iteration, dp)/real(max(1, state%iteration), dp)), ' s left at most'
+      line = 'iteration '//to_text(state%iteration)//' of '//to_text(state%limit)
+      if (state%best < huge(state%best)) line = trim(line)//'  best '//trim(adjustl(general(state%best)))
+      if (state%worst > state%best) line = trim(line)//'  worst '//trim(adjustl(general(state%worst)))
+      line = trim(line)//'  '//to_text(count_of(real(state%evaluations, dp)/seconds))//' evaluations/s  '// &
+             to_text(count_of(seconds*real(state%limit - state%iteration, dp)/real(max(1, state%iteration), dp)))//' s left at most'
       call write_standard_error(achar(13)//line)
+
+   contains
+
+      pure integer function count_of(number)
+         real(dp), intent(in) :: number
+
+         count_of = nint(min(number, 1.0e9_dp))
+      end function count_of
    end subroutine show_progress
 end module psalm_console

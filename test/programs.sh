@@ -246,9 +246,22 @@ for a in LN_COBYLA LD_LBFGS GN_CRS2_LM; do
 done
 { sed 's/NITER=[0-9]*/NITER=200000000/; s/FMIN=0.1/FMIN=0.0, SMALL=0.0/' needle_search.nml; echo ' &SEARCH MAXTIME=0.2 &END'; } >short.nml
 status 1 'MAXTIME ends the simplex' "$psalm" short.nml
+cp short.nml deep.nml
 said 'MAXTIME ends the simplex' 'MAXTIME passed'
 sed 's/NBEST=5/NBEST=100, MAXTIME=0.3/' dwell.nml >short.nml
 status 1 'MAXTIME ends least squares' "$psalm" short.nml
+
+# the progress line on a terminal, where the machine lends one
+on_terminal() { python3 -c 'import os, pty, sys; sys.exit(os.waitstatus_to_exitcode(pty.spawn(sys.argv[1:])))' "$@"; }
+if python3 -c 'import pty; pty.openpty()' 2>/dev/null; then
+    sed "s/NSTART=200, NBEST=3/NSTART=400000, NBEST=3, MAXTIME=0.5/" path18.nml >long.nml
+    status 1 'progress of many starts' on_terminal "$psalm" long.nml
+    check 'progress of many starts: a line' \
+        grep -qaE 'iteration [0-9]+ of 400000  best .* evaluations/s +[0-9]+ s left at most' out
+    status 1 'progress of the simplex' on_terminal "$psalm" deep.nml
+    check 'progress of the simplex: a line' \
+        grep -qaE 'iteration [0-9]+ of 200000000  best .* worst .* evaluations/s +[0-9]+ s left at most' out
+fi
 
 # interruption and restart
 sed 's/NSTART=200/NSTART=400000/' path18.nml >long.nml
