@@ -13,6 +13,7 @@ module psalm_svg
    use psalm_scene, only: scene_t
    use psalm_text, only: text_t, full_precision, to_text
    use psalm_trace, only: row_t
+   use psalm_view, only: drawing_unit, change_unit, take_in_others
    implicit none (type, external)
    private
    public :: write_svg
@@ -25,9 +26,7 @@ module psalm_svg
    real(wp), parameter :: faintest_direction = 0.01_wp
    integer, parameter :: digits_for_people = 7
    integer, parameter :: most_messages = 14   !! the listing and the page have all
-   integer, parameter :: plain_power = 15     !! lengths beyond ten to this, or below its inverse, are drawn in another unit
    real(wp), parameter :: small_star = 0.55_wp
-   real(wp), parameter :: ghost_room = 1.0_wp !! the other assemblies widen the view by at most this part of it
    real(wp), parameter :: region_strip = 12.0_wp !! of a half-plane, pixels
    integer, parameter :: many = 60            !! joints above which symbols are smaller
    real(wp), parameter :: crowded = 0.55_wp   !! size of symbols then
@@ -48,7 +47,7 @@ contains
       unit = 1.0_wp
       if (scene%sound) unit = drawing_unit(scene)
       if (unit /= 1.0_wp) call change_unit(scene, unit)
-      if (scene%sound .and. assemblies) call widen_view(scene)
+      if (scene%sound .and. assemblies) call take_in_others(scene)
       call message_lines(scene, lines)
       k = 1.0_wp
       ox = 0.0_wp
@@ -86,74 +85,6 @@ contains
       call draw_messages(lines, foot + merge(46.0_wp, 8.0_wp, scene%sound), text)
       call text%add('</svg>')
    end subroutine write_svg
-
-   !> Unit of length of the drawing: 1, or a power of ten where the single precision of viewers would not hold the lengths.
-   real(wp) function drawing_unit(scene) result(unit)
-      type(scene_t), intent(in) :: scene
-      integer :: power
-
-      unit = 1.0_wp
-      power = floor(log10(maxval(scene%high - scene%low)))
-      if (abs(power) > plain_power) unit = 10.0_wp**power
-   end function drawing_unit
-
-   !> All places and lengths of a scene in another unit; values of the output stay.
-   subroutine change_unit(scene, unit)
-      type(scene_t), intent(inout) :: scene
-      real(wp), intent(in) :: unit
-
-      scene%low = scene%low/unit
-      scene%high = scene%high/unit
-      scene%pointer = scene%pointer/unit
-      scene%slides%low = scene%slides%low/unit
-      scene%slides%high = scene%slides%high/unit
-      call change_regions()
-      call change(scene%prescribed)
-      call change(scene%sweep)
-
-   contains
-
-      pure subroutine change(row)
-         type(row_t), intent(inout) :: row
-
-         row%x = row%x/unit
-         row%y = row%y/unit
-         row%tip = row%tip/unit
-         row%other = row%other/unit
-         row%aim = row%aim/unit
-         row%wish = row%wish/unit
-      end subroutine change
-
-      subroutine change_regions()
-         integer :: r, last
-
-         do r = 1, size(scene%regions)
-            associate (region => scene%regions(r))
-               ! of a half-plane the third number is a direction
-               last = merge(2, size(region%at), region%kind == region_half_plane)
-               region%at(:last) = region%at(:last)/unit
-            end associate
-         end do
-      end subroutine change_regions
-   end subroutine change_unit
-
-   !> The other assemblies belong into the view, if that does not make the linkage too small.
-   pure subroutine widen_view(scene)
-      type(scene_t), intent(inout) :: scene
-      real(wp) :: low(2), high(2), room
-      integer :: loop
-
-      low = scene%low
-      high = scene%high
-      room = ghost_room*maxval(high - low)
-      do loop = 1, scene%loops
-         if (.not. scene%prescribed%other_known(loop, scene%reference)) cycle
-         associate (other => scene%prescribed%other(:, loop, scene%reference))
-            scene%low = min(scene%low, max(other, low - room))
-            scene%high = max(scene%high, min(other, high + room))
-         end associate
-      end do
-   end subroutine widen_view
 
    function data_unit(unit) result(attribute)
       real(wp), intent(in) :: unit

@@ -8,7 +8,7 @@ module psalm_search
    use psalm_data_set, only: data_set_t
    use psalm_error, only: problem_t
    use psalm_interrupt, only: interrupt_t
-   use psalm_kinds, only: wp, dp, i8, full_turn, right_angle
+   use psalm_kinds, only: wp, i8, full_turn, right_angle
    use psalm_lsq, only: improve
    use psalm_margins, only: inspector_t, margin_t, prepare_inspector, inspect, is_violated
    use psalm_merit, only: merit_t, prepare_merit, measure, set_extra, extra_positions
