@@ -11,7 +11,7 @@ module psalm_namelist
    use psalm_group, only: group_t, item_t, value_t, add_item, add_value
    use psalm_source, only: line_t
    use psalm_status, only: diagnostics_t
-   use psalm_text, only: upper_case, edit_distance, to_text
+   use psalm_text, only: upper_case, to_text
    implicit none (type, external)
    private
    public :: case_text_t, read_case

@@ -9,7 +9,7 @@ module psalm_condition
    use psalm_data_set, only: motion_angle, motion_slide
    use psalm_error, only: problem_t
    use psalm_kinds, only: wp, radians_per_degree
-   use psalm_linkage, only: linkage_t, bound_step_t
+   use psalm_linkage, only: linkage_t
    use psalm_plan, only: plan_t, step_point, root_crank
    implicit none (type, external)
    private

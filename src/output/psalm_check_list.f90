@@ -7,7 +7,7 @@ module psalm_check_list
    use psalm_error, only: problem_t, motion_t
    use psalm_finale, only: angle_text, list_dimensions, list_reference, list_output_arc
    use psalm_kinds, only: wp
-   use psalm_topology, only: topology_t, dimensions_t, arc_link, arc_slide
+   use psalm_topology, only: topology_t, dimensions_t, arc_slide
    use psalm_text, only: text_t, fixed, general, to_text
    implicit none (type, external)
    private

@@ -15,7 +15,6 @@ module psalm_finale
    public :: list_results, list_dimensions, list_reference, list_output_arc, angle_text, describe_violation
 
    integer, parameter :: column = 10   !! width of a dimension
-   integer, parameter :: wide = 15     !! width of a value of the motion table
 
 contains
 

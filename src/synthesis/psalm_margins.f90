@@ -6,7 +6,7 @@ module psalm_margins
    use psalm_constraint_group, only: region_t, range_positions, range_turn, region_box
    use psalm_data_set, only: data_set_t, motion_point
    use psalm_error, only: problem_t
-   use psalm_kinds, only: wp, degrees_per_radian, full_turn, right_angle
+   use psalm_kinds, only: wp, degrees_per_radian, right_angle
    use psalm_merit, only: watch_inputs
    use psalm_regions, only: trespass, beyond_edge, box_edges, region_joints, joint_of_region
    use psalm_station, only: station_t, prepare_station, look

@@ -5,7 +5,7 @@
 !> input position is an unknown too; it meets only its own position's errors.
 module psalm_merit
    use psalm_angles, only: unit_vector
-   use psalm_constraint_group, only: region_t, range_positions, range_inputs, range_turn
+   use psalm_constraint_group, only: region_t, range_positions, range_turn
    use psalm_data_set, only: data_set_t, motion_point, motion_angle
    use psalm_error, only: problem_t
    use psalm_interrupt, only: interrupt_t

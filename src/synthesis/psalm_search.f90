@@ -11,14 +11,14 @@ module psalm_search
    use psalm_kinds, only: wp, i8, full_turn, right_angle
    use psalm_lsq, only: improve
    use psalm_margins, only: inspector_t, margin_t, prepare_inspector, inspect, is_violated
-   use psalm_merit, only: merit_t, prepare_merit, measure, set_extra, extra_positions
+   use psalm_merit, only: merit_t, prepare_merit, set_extra, extra_positions
    use psalm_optimise, only: optimise
    use psalm_random, only: random_t
    use psalm_simplx, only: search_monitor_t, search_state_t
    use psalm_start, only: random_limits
    use psalm_text, only: text_t, general, to_text
    use psalm_timing, only: timing_t, prepare_timing, find_timing
-   use psalm_topology, only: dimensions_t, variable_length, variable_outlk, variable_origlk, variable_crnki, &
+   use psalm_topology, only: variable_length, variable_outlk, variable_origlk, variable_crnki, &
                              variable_gama, variable_outang, variable_origng
    implicit none (type, external)
    private
