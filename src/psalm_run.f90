@@ -388,7 +388,7 @@ contains
       integer :: block, offset, n, i
 
       allocate (numbers(problem%positions))
-      call prepare_condition(problem%plan, condition)
+      call prepare_condition(problem%linkage, condition)
       do block = 1, problem%blocks()
          call problem%solve_block(block, offset, n)
          call problem%output_of(n)

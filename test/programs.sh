@@ -82,8 +82,9 @@ check 'ICOND adds a column' grep -qx '# input closed actual desired condition' i
 check 'KTHETA lists condition numbers' test "$(grep -c 'CONDITION NUMBER' icond.dev8)" -eq 20
 
 # nothing is written inside an evaluation: its modules know no output statement
-for m in psalm_angles psalm_dyads psalm_linkage psalm_error psalm_plan; do
-    o=$(find "$top/build" -name "src_kinematics_$m.f90.o" -newer "$top/fpm.toml" | head -1)
+for m in base_psalm_angles assur_psalm_assur assur_psalm_rrr assur_psalm_rpr assur_psalm_rrp assur_psalm_rpp assur_psalm_prp \
+    motion_psalm_linkage motion_psalm_error structure_psalm_plan; do
+    o=$(find "$top/build" -name "src_$m.f90.o" -newer "$top/fpm.toml" | head -1)
     if [ -n "$o" ] && ! nm -u "$o" | grep -qE '_gfortran_st_(write|read|open|close)'; then ok
     else bad "$m: no input or output"; fi
 done

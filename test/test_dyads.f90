@@ -1,10 +1,13 @@
 !> Every dyad: the two arcs close the gap, keep their lengths, and lie on the side that the sign says.
 program test_dyads
    use check, only: checks_t
-   use psalm_dyads, only: solve_two_links, solve_slide_on_q, solve_slide_on_p, solve_link_slide, &
-                          project_on_slides, solve_two_slides
    use psalm_kinds, only: wp
+   use psalm_prp, only: solve_two_slides
    use psalm_random, only: random_t
+   use psalm_rpp, only: project_on_slides
+   use psalm_rpr, only: solve_slide_on_q, solve_slide_on_p
+   use psalm_rrp, only: solve_link_slide
+   use psalm_rrr, only: solve_two_links
    implicit none (type, external)
    integer, parameter :: n = 1003
    real(wp), parameter :: tolerance = 1.0e-13_wp

@@ -92,10 +92,10 @@ contains
       call differentiate(problem, rates, m, highest_order)
       do i = 1, n
          call output_rates(problem, rates, i, highest_order, x, y)
-         associate (store => problem%linkage%store, at_x => problem%linkage%out_x + i - 1, at_y => problem%linkage%out_y + i - 1)
-            values(0, 2*i - 1) = store(at_x)
-            values(0, 2*i) = merge(store(at_y), 0.0_wp, problem%motion == 0)
-            if (problem%motion == motion_angle) values(0, 2*i - 1) = atan2(store(at_y), store(at_x))
+         associate (store => problem%linkage%store%v, x => problem%linkage%out_x, y => problem%linkage%out_y)
+            values(0, 2*i - 1) = store(i, x)
+            values(0, 2*i) = merge(store(i, y), 0.0_wp, problem%motion == 0)
+            if (problem%motion == motion_angle) values(0, 2*i - 1) = atan2(store(i, y), store(i, x))
          end associate
          values(1:2, 2*i - 1) = x(1:2)
          values(1:2, 2*i) = y(1:2)
@@ -142,15 +142,15 @@ contains
             do a = 1, problem%topology%loopl(loop)
                arc = problem%topology%seq(loop, a)
                call problem%linkage%arc_at(problem%plan, arc, i, x, y, length)
-               root = problem%linkage%root_x(problem%plan%root(arc)) + i - 1
-               w1 = rates%d(root, 1)
-               w2 = rates%d(root, 2)
+               root = problem%linkage%root_x(problem%plan%root(arc))
+               w1 = rates%d(1)%v(i, root)
+               w2 = rates%d(2)%v(i, root)
                l1 = 0.0_wp
                l2 = 0.0_wp
                if (problem%plan%length_slot(arc) > 0) then
-                  slide = problem%linkage%slide(problem%plan%length_slot(arc)) + i - 1
-                  l1 = rates%d(slide, 1)
-                  l2 = rates%d(slide, 2)
+                  slide = problem%linkage%slide(problem%plan%length_slot(arc))
+                  l1 = rates%d(1)%v(i, slide)
+                  l2 = rates%d(2)%v(i, slide)
                end if
                sum1 = sum1 + l1*[x, y] + w1*length*[-y, x]
                sum2 = sum2 + (l2 - w1*w1*length)*[x, y] + (2.0_wp*w1*l1 + w2*length)*[-y, x]
@@ -206,6 +206,6 @@ contains
          if (.not. quad .and. (i == 3 .or. i == 5)) cycle
          call t%is_true(is_dead(problem, rates, 1, i) .eqv. (i == 4 .or. i == 11), 'only the change points are dead points')
       end do
-      call t%is_true(all(abs(rates%d) <= huge(1.0_wp)), 'numbers stay finite at a dead point')
+      call t%is_true(all([(all(abs(rates%d(i)%v) <= huge(1.0_wp)), i=1, highest_order)]), 'numbers stay finite at a dead point')
    end subroutine dead_points
 end program test_rates

@@ -3,7 +3,8 @@ program test_search
    use cases, only: load_case
    use check, only: checks_t
    use psalm_angles, only: unit_vector
-   use psalm_constr, only: constraints_t, repair_count_t, make_constraints, constrain, repair_link_pair
+   use psalm_rrr, only: repair_link_pair
+   use psalm_constr, only: constraints_t, repair_count_t, make_constraints, constrain
    use psalm_data_set, only: data_set_t
    use psalm_error, only: problem_t, motion_t
    use psalm_interrupt, only: interrupt_t

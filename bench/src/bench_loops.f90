@@ -64,7 +64,7 @@ contains
             if (plan%root(n) > 0) loops%angle_unknown(n) = of_root(plan%root(n))
             if (plan%length_slot(n) > 0) loops%length_unknown(n) = of_slot(plan%length_slot(n))
          end do
-         loops%sign = [(link%steps(link%step_of_loop(loop))%sign, loop=1, loops%nloop)]
+         loops%sign = [(link%steps(link%step_of_loop(loop))%dyad%sign, loop=1, loops%nloop)]
          loops%out_arc = topology%output_arc
          loops%out_loop = (topology%output_arc - 1)/topology%maxarc + 1
          loops%out_last = topology%output_arc - (loops%out_loop - 1)*topology%maxarc

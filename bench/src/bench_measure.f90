@@ -72,8 +72,8 @@ contains
          call problem%solve_block(block, offset, n)
          call problem%output_of(n)
          associate (link => problem%linkage)
-            x(offset + 1:offset + n) = link%store(link%out_x:link%out_x + n - 1)
-            y(offset + 1:offset + n) = link%store(link%out_y:link%out_y + n - 1)
+            x(offset + 1:offset + n) = link%store%v(1:n, link%out_x)
+            y(offset + 1:offset + n) = link%store%v(1:n, link%out_y)
          end associate
       end do
    end subroutine points_of

@@ -4,8 +4,9 @@
 module psalm_finale
    use psalm_angles, only: unit_vector
    use psalm_data_set, only: data_set_t, motion_point, motion_angle, motion_distance
-   use psalm_error, only: problem_t, motion_t, violation_t, violation_too_short, violation_too_long, violation_parallel, &
-                          violation_angle_small, violation_angle_large, violation_undetermined
+   use psalm_dyad, only: form_t, form_of, violation_too_short, violation_too_long, violation_parallel, violation_angle_small, &
+                         violation_angle_large, violation_undetermined
+   use psalm_error, only: problem_t, motion_t, violation_t
    use psalm_kinds, only: wp, full_turn
    use psalm_plan, only: root_frame
    use psalm_topology, only: dimensions_t, topology_t
@@ -238,13 +239,14 @@ contains
       type(violation_t), intent(in) :: violation
       character(:), allocatable :: text
       character(:), allocatable :: pair, p, q
-      integer :: joint
+      type(form_t) :: form
 
-      joint = problem%topology%joint(violation%loop)
+      form = form_of(problem%topology%joint(violation%loop))
       p = to_text(problem%topology%larcx(1, violation%loop))
       q = to_text(problem%topology%larcx(2, violation%loop))
       pair = 'ARCS '//p//' AND '//q
-      text = 'LOOP '//to_text(violation%loop)//', DYAD OF TYPE '//to_text(joint)//' ('//pair//'), POSITION'
+      text = 'LOOP '//to_text(violation%loop)//', DYAD OF TYPE '//to_text(problem%topology%joint(violation%loop))// &
+             ' ('//pair//'), POSITION'
       if (violation%first == violation%last) then
          text = text//' '//to_text(violation%first)
       else
@@ -253,16 +255,16 @@ contains
       text = text//': '
       select case (violation%kind)
       case (violation_too_short)
-         if (joint == 1) then
+         if (.not. any(form%slides)) then
             text = text//'BOTH LINKS ARE TOO SHORT BY '//amount()
          else
-            text = text//'LINK '//merge(p, q, joint == 4)//' IS TOO SHORT BY '//amount()
+            text = text//'LINK '//merge(p, q, form%slides(2))//' IS TOO SHORT BY '//amount()
          end if
       case (violation_too_long)
-         if (joint == 1) then
+         if (.not. any(form%slides)) then
             text = text//'THE DIFFERENCE OF THE LINKS IS TOO GREAT BY '//amount()
          else
-            text = text//'GUIDE '//merge(q, p, joint == 2)//' IS TOO LONG BY '//amount()
+            text = text//'GUIDE '//merge(q, p, form%slides(1))//' IS TOO LONG BY '//amount()
          end if
       case (violation_undetermined)
          text = text//'THE OUTER JOINTS COINCIDE, THE DIRECTION OF THE ARCS IS NOT DETERMINED'

@@ -9,7 +9,7 @@ module psalm_kalm
    use psalm_finale, only: angle_text, describe_violation
    use psalm_kinds, only: wp
    use psalm_plan, only: step_point
-   use psalm_rates, only: rates_t, prepare_rates, differentiate, output_rates, is_dead, at_origin, highest_order
+   use psalm_rates, only: rates_t, prepare_rates, differentiate, output_rates, derivatives_of, is_dead, at_origin, highest_order
    use psalm_run, only: devices_t, version
    use psalm_setup, only: set_up
    use psalm_status, only: diagnostics_t, exit_violation
@@ -127,10 +127,10 @@ contains
             call problem%linkage%arc_at(problem%plan, n, i, x, y, length)
             slide = 0.0_wp
             if (problem%plan%length_slot(n) > 0) then
-               slide = in_time(rates%d(problem%linkage%slide(problem%plan%length_slot(n)) + i - 1, :)/problem%linkage%scale, &
+               slide = in_time(derivatives_of(rates, problem%linkage%slide(problem%plan%length_slot(n)), i)/problem%linkage%scale, &
                                set%speed, set%accel)
             end if
-            angle = in_time(rates%d(problem%linkage%root_x(problem%plan%root(n)) + i - 1, :), set%speed, set%accel)
+            angle = in_time(derivatives_of(rates, problem%linkage%root_x(problem%plan%root(n)), i), set%speed, set%accel)
             name = repeat(' ', 6 - len(to_text(loop)))//to_text(loop)//repeat(' ', 5 - len(to_text(a)))//to_text(a)
             call text%add(name//general(length)//general(slide(1))//general(slide(2))//general(atan2(y, x))//general(angle(1))// &
                           general(angle(2)))
@@ -140,13 +140,13 @@ contains
       do step = 1, size(problem%plan%steps)
          if (problem%plan%steps(step)%kind /= step_point) cycle
          associate (link => problem%linkage, point => problem%plan%steps(step)%to, arc => problem%plan%steps(step)%arc)
-            px = in_time(rates%d(link%point_x(point) + i - 1, :)/link%scale, set%speed, set%accel)
-            py = in_time(rates%d(link%point_y(point) + i - 1, :)/link%scale, set%speed, set%accel)
+            px = in_time(derivatives_of(rates, link%point_x(point), i)/link%scale, set%speed, set%accel)
+            py = in_time(derivatives_of(rates, link%point_y(point), i)/link%scale, set%speed, set%accel)
             loop = (arc - 1)/problem%topology%maxarc + 1
             name = ' LOOP '//to_text(loop)//' ARC '//to_text(arc - (loop - 1)*problem%topology%maxarc)
             call text%add(name//repeat(' ', max(1, 20 - len(name)))// &
-                          general(link%store(link%point_x(point) + i - 1)/link%scale + problem%origin_x)// &
-                          general(link%store(link%point_y(point) + i - 1)/link%scale + problem%origin_y)// &
+                          general(link%store%v(i, link%point_x(point))/link%scale + problem%origin_x)// &
+                          general(link%store%v(i, link%point_y(point))/link%scale + problem%origin_y)// &
                           general(px(1))//general(py(1))//general(px(2))//general(py(2)))
          end associate
       end do

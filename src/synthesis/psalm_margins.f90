@@ -5,10 +5,13 @@
 module psalm_margins
    use psalm_constraint_group, only: region_t, range_positions, range_turn, region_box
    use psalm_data_set, only: data_set_t, motion_point
+   use psalm_dyad, only: assur_rrr, assur_rpr, assur_rpr_guide_first, assur_rrp, assur_prr
    use psalm_error, only: problem_t
    use psalm_kinds, only: wp, degrees_per_radian, right_angle
    use psalm_merit, only: watch_inputs
    use psalm_regions, only: trespass, beyond_edge, box_edges, region_joints, joint_of_region
+   use psalm_rpr, only: guide_of
+   use psalm_rrp, only: link_of
    use psalm_station, only: station_t, prepare_station, look
    use psalm_topology, only: dimensions_t, variable_length, variable_outlk
    implicit none (type, external)
@@ -113,12 +116,12 @@ contains
          do loop = 1, fine%problem%topology%nloop
             if (fine%problem%linkage%step_of_loop(loop) == 0) cycle
             select case (fine%problem%topology%joint(loop))
-            case (1)
+            case (assur_rrr)
                call add(margin_angle, loop)
-            case (2, 3)
+            case (assur_rpr, assur_rpr_guide_first)
                ! without a guide a slide always closes
                if (guide(fine, loop) > 0.0_wp) call add(margin_guide, loop)
-            case (4, 5)
+            case (assur_rrp, assur_prr)
                call add(margin_offset, loop)
             end select
          end do
@@ -284,8 +287,8 @@ contains
       case (margin_guide)
          value = guide(station, margin%which)*(1.0_wp/max(station%k(i, margin%which), tiny(1.0_wp)**0.25_wp) - 1.0_wp)
       case default
-         associate (dyad => station%problem%linkage%steps(station%problem%linkage%step_of_loop(margin%which)))
-            value = merge(dyad%p, dyad%q, dyad%joint == 4)/station%problem%linkage%scale &
+         associate (dyad => station%problem%linkage%steps(station%problem%linkage%step_of_loop(margin%which))%dyad)
+            value = link_of(dyad)/station%problem%linkage%scale &
                     *(1.0_wp - abs(station%k(i, margin%which)))
          end associate
       end select
@@ -297,8 +300,8 @@ contains
       integer, intent(in) :: loop
 
       associate (link => station%problem%linkage)
-         associate (dyad => link%steps(link%step_of_loop(loop)))
-            guide = merge(dyad%q, dyad%p, dyad%joint == 2)/link%scale + station%problem%toggle
+         associate (dyad => link%steps(link%step_of_loop(loop))%dyad)
+            guide = guide_of(dyad)/link%scale + station%problem%toggle
          end associate
       end associate
    end function guide

@@ -83,13 +83,13 @@ contains
             call problem%output_of(n)
             m = padded(n)
             associate (link => problem%linkage)
-               associate (x => link%store(link%out_x:link%out_x + m - 1), y => link%store(link%out_y:link%out_y + m - 1), &
-                          miss => link%store(link%miss:link%miss + m - 1))
+               associate (x => link%store%v(1:m, link%out_x), y => link%store%v(1:m, link%out_y), &
+                          miss => link%store%v(1:m, link%miss))
                   if (problem%desired .and. problem%motion == motion_angle) then
                      associate (root => problem%plan%root(problem%topology%output_arc))
-                        call angles_between(m, link%store(link%root_x(root)), link%store(link%root_y(root)), problem%out_c, &
-                                            problem%out_s, problem%toward_x(offset + 1:offset + m), &
-                                            problem%toward_y(offset + 1:offset + m), link%store(link%miss))
+                        call angles_between(m, link%store%v(1, link%root_x(root)), link%store%v(1, link%root_y(root)), &
+                                            problem%out_c, problem%out_s, problem%toward_x(offset + 1:offset + m), &
+                                            problem%toward_y(offset + 1:offset + m), link%store%v(1, link%miss))
                      end associate
                      station%out(offset + 1:offset + n, 1) = -miss(:n)
                   else if (problem%desired) then
@@ -114,8 +114,8 @@ contains
                end do
                do j = 1, size(problem%plan%joint_points)
                   associate (px => link%point_x(problem%plan%joint_points(j)), py => link%point_y(problem%plan%joint_points(j)))
-                     station%joints(offset + 1:offset + n, 1, j) = link%store(px:px + n - 1)/link%scale + problem%origin_x
-                     station%joints(offset + 1:offset + n, 2, j) = link%store(py:py + n - 1)/link%scale + problem%origin_y
+                     station%joints(offset + 1:offset + n, 1, j) = link%store%v(1:n, px)/link%scale + problem%origin_x
+                     station%joints(offset + 1:offset + n, 2, j) = link%store%v(1:n, py)/link%scale + problem%origin_y
                   end associate
                end do
             end associate

@@ -4,25 +4,16 @@
 !> linkage to move. Source of motions and objective: Oldham (1977), chapter 5 and appendix B.
 module psalm_error
    use psalm_angles, only: unit_vector, angles_between, degrees_of, within_turn
+   use psalm_assur, only: breach_of
    use psalm_data_set, only: data_set_t, motion_point, motion_angle, motion_distance, motion_slide
+   use psalm_dyad, only: breach_t, form_t, form_of, violation_none, violation_angle_small
    use psalm_kinds, only: wp
    use psalm_linkage, only: linkage_t, padded
    use psalm_plan, only: plan_t, make_plan
    use psalm_topology, only: topology_t, dimensions_t
    implicit none (type, external)
    private
-   public :: problem_t, motion_t, violation_t, make_problem, violation_none
-   public :: violation_too_short, violation_too_long, violation_parallel, violation_angle_small, violation_angle_large, &
-             violation_undetermined
-
-   integer, parameter :: violation_none = 0
-   integer, parameter :: violation_too_short = 1    !! the dyad does not reach
-   integer, parameter :: violation_too_long = 2     !! the difference of the links, or the guide, is too great
-   integer, parameter :: violation_parallel = 3     !! two slides are parallel
-   integer, parameter :: violation_angle_small = 4  !! closes, but the transmission angle is too small
-   integer, parameter :: violation_angle_large = 5  !! closes, but the transmission angle is too large
-
-   integer, parameter :: violation_undetermined = 6 !! the outer joints coincide: no direction is determined
+   public :: problem_t, motion_t, violation_t, make_problem
 
    !> Consecutive positions at which one dyad violates one limit.
    type :: violation_t
@@ -78,7 +69,7 @@ module psalm_error
       procedure :: blocks
       procedure :: evaluate
       procedure :: analyse
-      procedure :: reach_of
+      procedure :: measure_of
       procedure :: deviations
       procedure :: output_of
    end type problem_t
@@ -303,10 +294,10 @@ contains
          n = min(self%linkage%room, self%positions - offset)
          associate (link => self%linkage)
             if (self%motion == motion_point) then
-               miss(offset + 1:offset + n, 1) = link%store(link%out_x:link%out_x + n - 1) - self%wanted(offset + 1:offset + n)
-               miss(offset + 1:offset + n, 2) = link%store(link%out_y:link%out_y + n - 1) - self%wanted_y(offset + 1:offset + n)
+               miss(offset + 1:offset + n, 1) = link%store%v(1:n, link%out_x) - self%wanted(offset + 1:offset + n)
+               miss(offset + 1:offset + n, 2) = link%store%v(1:n, link%out_y) - self%wanted_y(offset + 1:offset + n)
             else
-               miss(offset + 1:offset + n, 1) = -link%store(link%miss:link%miss + n - 1)
+               miss(offset + 1:offset + n, 1) = -link%store%v(1:n, link%miss)
             end if
          end associate
       end do
@@ -332,23 +323,23 @@ contains
       end do
       loop = 0
       if (self%motion /= motion_angle) call output_of_block(self, linkage, m)
-      associate (store => linkage%store, rx => linkage%root_x(self%plan%root(self%topology%output_arc)), &
+      associate (store => linkage%store%v, rx => linkage%root_x(self%plan%root(self%topology%output_arc)), &
                  ry => linkage%root_y(self%plan%root(self%topology%output_arc)), &
                  x => linkage%out_x, y => linkage%out_y, miss => linkage%miss, first => offset + 1, &
                  last => offset + m)
          select case (self%motion)
          case (motion_angle)
-            call angles_between(m, store(rx), store(ry), self%out_c, self%out_s, self%toward_x(first:last), &
-                                self%toward_y(first:last), store(miss))
-            objective = sum_of_squares(m, store(miss), self%weight(first:last))
+            call angles_between(m, store(1, rx), store(1, ry), self%out_c, self%out_s, self%toward_x(first:last), &
+                                self%toward_y(first:last), store(1, miss))
+            objective = sum_of_squares(m, store(1, miss), self%weight(first:last))
          case (motion_point)
-            call misses(m, self%wanted(first:last), store(x), store(miss))
-            objective = sum_of_squares(m, store(miss), self%weight(first:last))
-            call misses(m, self%wanted_y(first:last), store(y), store(miss))
-            objective = objective + sum_of_squares(m, store(miss), self%weight_y(first:last))
+            call misses(m, self%wanted(first:last), store(1, x), store(1, miss))
+            objective = sum_of_squares(m, store(1, miss), self%weight(first:last))
+            call misses(m, self%wanted_y(first:last), store(1, y), store(1, miss))
+            objective = objective + sum_of_squares(m, store(1, miss), self%weight_y(first:last))
          case default
-            call misses(m, self%wanted(first:last), store(x), store(miss))
-            objective = sum_of_squares(m, store(miss), self%weight(first:last))
+            call misses(m, self%wanted(first:last), store(1, x), store(1, miss))
+            objective = sum_of_squares(m, store(1, miss), self%weight(first:last))
          end select
       end associate
    end subroutine evaluate_block
@@ -394,20 +385,20 @@ contains
 
       root = self%plan%root(self%topology%output_arc)
       back = 1.0_wp/linkage%scale
-      associate (store => linkage%store, x => linkage%out_x, y => linkage%out_y, rx => linkage%root_x(root), &
+      associate (store => linkage%store%v, x => linkage%out_x, y => linkage%out_y, rx => linkage%root_x(root), &
                  ry => linkage%root_y(root), px => linkage%point_x(self%plan%output_point), &
                  py => linkage%point_y(self%plan%output_point))
          select case (self%motion)
          case (motion_slide)
             associate (slide => linkage%slide(self%plan%length_slot(self%topology%output_arc)))
-               call scaled(n, store(slide), back, store(x))
+               call scaled(n, store(1, slide), back, store(1, x))
             end associate
          case (motion_angle)
-            call turned(n, store(rx), store(ry), self%out_c, self%out_s, store(x), store(y))
+            call turned(n, store(1, rx), store(1, ry), self%out_c, self%out_s, store(1, x), store(1, y))
          case default
-            call output_points(n, store(px), store(py), store(rx), store(ry), back, self%out_c*self%out_length, &
-                               self%out_s*self%out_length, self%origin_x, self%origin_y, store(x), store(y))
-            if (self%motion == motion_distance) call distances(n, store(x), store(y))
+            call output_points(n, store(1, px), store(1, py), store(1, rx), store(1, ry), back, self%out_c*self%out_length, &
+                               self%out_s*self%out_length, self%origin_x, self%origin_y, store(1, x), store(1, y))
+            if (self%motion == motion_distance) call distances(n, store(1, x), store(1, y))
          end select
       end associate
    end subroutine output_of_block
@@ -458,24 +449,22 @@ contains
       end do
    end subroutine distances
 
-   !> Reach of one loop at every position: what `psalm_dyads` defines for its type, in the user's unit.
-   pure subroutine reach_of(self, loop, reach)
+   !> Closure measure of one loop at every position, in the user's unit.
+   subroutine measure_of(self, loop, measure)
       class(problem_t), intent(inout) :: self
       integer, intent(in) :: loop
-      real(wp), intent(out) :: reach(:)    !! shape (positions)
+      real(wp), intent(out) :: measure(:)  !! shape (positions)
+      type(form_t) :: form
       real(wp) :: back
       integer :: block, offset, n
 
-      back = 1.0_wp/self%linkage%scale
-      if (self%topology%joint(loop) <= 3) back = back*back
-      if (self%topology%joint(loop) >= 6) back = 1.0_wp
+      form = form_of(self%topology%joint(loop))
+      back = (1.0_wp/self%linkage%scale)**form%power
       do block = 1, self%blocks()
          call self%solve_block(block, offset, n, self%linkage%step_of_loop(loop))
-         associate (row => self%linkage%reach(loop))
-            reach(offset + 1:offset + n) = self%linkage%store(row:row + n - 1)*back
-         end associate
+         measure(offset + 1:offset + n) = self%linkage%store%v(1:n, self%linkage%measure(loop))*back
       end do
-   end subroutine reach_of
+   end subroutine measure_of
 
    !> The whole motion of a linkage: actual values, errors, and every violation of closure or transmission limits.
    subroutine analyse(self, dimensions, motion)
@@ -506,20 +495,20 @@ contains
             end do
          end do
          call output_of_block(self, self%linkage, m)
-         associate (store => self%linkage%store, x => self%linkage%out_x, y => self%linkage%out_y, &
+         associate (store => self%linkage%store%v, x => self%linkage%out_x, y => self%linkage%out_y, &
                     miss => self%linkage%miss, &
                     rx => self%linkage%root_x(self%plan%root(self%topology%output_arc)), &
                     ry => self%linkage%root_y(self%plan%root(self%topology%output_arc)))
             if (self%desired .and. self%motion == motion_angle) then
-               call angles_between(m, store(rx), store(ry), self%out_c, self%out_s, self%toward_x(offset + 1:offset + m), &
-                                   self%toward_y(offset + 1:offset + m), store(miss))
+               call angles_between(m, store(1, rx), store(1, ry), self%out_c, self%out_s, self%toward_x(offset + 1:offset + m), &
+                                   self%toward_y(offset + 1:offset + m), store(1, miss))
             end if
             do i = 1, n
                k = offset + i
-               motion%actual(k) = store(x + i - 1)
-               motion%actual_y(k) = store(y + i - 1)
+               motion%actual(k) = store(i, x)
+               motion%actual_y(k) = store(i, y)
                if (self%motion == motion_angle .and. self%desired) then
-                  motion%error(k) = store(miss + i - 1)
+                  motion%error(k) = store(i, miss)
                   motion%actual(k) = self%wanted(k) - motion%error(k)
                else if (self%motion == motion_angle) then
                   motion%actual(k) = within_turn(degrees_of(motion%actual(k), motion%actual_y(k)))
@@ -575,47 +564,13 @@ contains
    pure type(violation_t) function violation_at(self, loop, i) result(violation)
       class(problem_t), intent(in) :: self
       integer, intent(in) :: loop, i
-      real(wp) :: reach, h, cosine
+      type(breach_t) :: breach
 
+      breach = breach_of(self%linkage%steps(self%linkage%step_of_loop(loop))%dyad, &
+                         self%linkage%store%v(i, self%linkage%measure(loop)), self%linkage%closes(i, loop))
       violation%loop = loop
-      reach = self%linkage%store(self%linkage%reach(loop) + i - 1)
-      associate (dyad => self%linkage%steps(self%linkage%step_of_loop(loop)))
-         select case (dyad%joint)
-         case (1)
-            h = sqrt(reach)
-            if (self%linkage%closes(i, loop)) then
-               cosine = (dyad%p**2 + dyad%q**2 - reach)/(2.0_wp*dyad%p*dyad%q)
-               violation%kind = merge(violation_angle_small, violation_angle_large, cosine > 0.0_wp)
-               violation%amount = degrees_of(cosine, sqrt(max((1.0_wp - cosine)*(1.0_wp + cosine), 0.0_wp)))
-               return
-            end if
-            if (reach < tiny(reach) .and. abs(dyad%p - dyad%q) <= epsilon(h)*dyad%p) then
-               violation%kind = violation_undetermined
-               return
-            end if
-            if (h > dyad%p + dyad%q) then
-               violation%kind = violation_too_short
-               violation%amount = h - (dyad%p + dyad%q)
-            else
-               violation%kind = violation_too_long
-               violation%amount = abs(dyad%p - dyad%q) - h
-            end if
-         case (2, 3)
-            if (reach < tiny(reach) .and. merge(dyad%q, dyad%p, dyad%joint == 2) <= 0.0_wp) then
-               violation%kind = violation_undetermined
-               return
-            end if
-            violation%kind = violation_too_long
-            violation%amount = merge(dyad%q, dyad%p, dyad%joint == 2) - sqrt(reach)
-         case (4, 5)
-            violation%kind = violation_too_short
-            violation%amount = abs(reach) - merge(dyad%p, dyad%q, dyad%joint == 4)
-         case default
-            violation%kind = violation_parallel
-            violation%amount = 0.0_wp
-            return
-         end select
-      end associate
-      violation%amount = violation%amount/self%linkage%scale
+      violation%kind = breach%kind
+      violation%amount = breach%amount
+      if (breach%is_length) violation%amount = violation%amount/self%linkage%scale
    end function violation_at
 end module psalm_error

@@ -5,7 +5,9 @@
 !> points are made once, though many loops run through them. Loops the output does not depend on are not in the plan
 !> (unless everything is asked for).
 module psalm_plan
+   use psalm_assur, only: sign_of_dyad
    use psalm_data_set, only: motion_point, motion_angle, motion_distance, motion_slide
+   use psalm_dyad, only: form_t, form_of, direction_found, direction_known, direction_of_partner
    use psalm_kinds, only: wp
    use psalm_topology, only: topology_t, arc_determined, arc_slide, arc_crank, arc_actuator
    implicit none (type, external)
@@ -45,7 +47,7 @@ module psalm_plan
       logical, allocatable :: solved(:)        !! by loop: it is in the plan
       type(step_t), allocatable :: steps(:)
       integer, allocatable :: dyad_root(:, :)  !! shape (2, nloop): roots found by the dyad, 0: none
-      integer, allocatable :: dyad_sign(:)     !! by loop: sign of the closure entry
+      integer, allocatable :: dyad_sign(:)     !! by loop: assembly mode, +1 or -1
       integer :: output_point = origin         !! point the output arc starts from
       logical, allocatable :: used(:)          !! by root: something after its dyad needs it
       integer, allocatable :: joint_points(:)  !! points of the joints that were asked for
@@ -118,6 +120,7 @@ contains
    subroutine assign_roots(topology, plan)
       type(topology_t), intent(in) :: topology
       type(plan_t), intent(inout) :: plan
+      type(form_t) :: form
       integer :: loop, a, n, count, p, q
 
       n = size(topology%arcs)
@@ -135,35 +138,13 @@ contains
          end do
          p = topology%seq(loop, topology%larcx(1, loop))
          q = topology%seq(loop, topology%larcx(2, loop))
-         select case (topology%joint(loop))
-         case (1)
-            call found_by_dyad(1, p)
-            call found_by_dyad(2, q)
-            plan%dyad_sign(loop) = topology%arcs(p)%sign
-         case (2)
-            call found_by_dyad(1, p)
-            call turned(q, p, -topology%arcs(p)%turn)
-         case (3)
-            call found_by_dyad(1, p)
-            call turned(q, p, topology%arcs(q)%turn)
-         case (4)
-            call found_by_dyad(1, p)
-            call turned(q, topology%arcs(q)%reference, topology%arcs(q)%turn)
-            plan%dyad_sign(loop) = topology%arcs(p)%sign
-         case (5)
-            call turned(p, topology%arcs(p)%reference, topology%arcs(p)%turn)
-            call found_by_dyad(2, q)
-            plan%dyad_sign(loop) = topology%arcs(q)%sign
-         case (6)
-            call turned(q, topology%arcs(q)%reference, topology%arcs(q)%turn)
-            call turned(p, q, topology%arcs(p)%turn)
-         case (7)
-            call turned(p, topology%arcs(p)%reference, topology%arcs(p)%turn)
-            call turned(q, p, topology%arcs(q)%turn)
-         case (8)
-            call turned(p, topology%arcs(p)%reference, topology%arcs(p)%turn)
-            call turned(q, topology%arcs(q)%reference, topology%arcs(q)%turn)
-         end select
+         form = form_of(topology%joint(loop))
+         call direct(1)
+         call direct(2)
+         if (form%direction(1) == direction_of_partner) call turned(p, q, topology%arcs(p)%turn)
+         if (form%direction(2) == direction_of_partner) call turned(q, p, merge(topology%arcs(q)%turn, -topology%arcs(p)%turn, &
+                                                                                form%slides(2)))
+         plan%dyad_sign(loop) = sign_of_dyad(topology%joint(loop), topology%arcs([p, q])%sign, topology%arcs([p, q])%turn)
          do a = 1, topology%loopl(loop)
             n = topology%seq(loop, a)
             select case (topology%arcs(n)%kind)
@@ -178,6 +159,20 @@ contains
       plan%order = plan%order(:count)
 
    contains
+
+      !> Direction of arc p (1) or q (2) of the dyad, unless it hangs on the other.
+      subroutine direct(which)
+         integer, intent(in) :: which
+
+         associate (arc => merge(p, q, which == 1))
+            select case (form%direction(which))
+            case (direction_found)
+               call found_by_dyad(which, arc)
+            case (direction_known)
+               call turned(arc, topology%arcs(arc)%reference, topology%arcs(arc)%turn)
+            end select
+         end associate
+      end subroutine direct
 
       !> A determined arc or the input, after the arc it hangs on (a later one of its loop, if that is a frame arc).
       recursive subroutine place_arc(n)

@@ -1,47 +1,37 @@
 !> A linkage ready to move: the solution plan with its numbers put in, and the storage one block of positions needs.
 !>
 !> `prepare` is called once for a topology, `bind` for each set of dimensions, `solve` for each block of positions. After
-!> `solve` the unit vectors of all roots, the points, the sliding lengths and the reach of each dyad lie in the object.
+!> `solve` the unit vectors of all roots, the points, the sliding lengths and the closure measure of each dyad lie in the object.
 !> Nothing is allocated after `prepare`. Knows nothing of desired values or of searches.
 module psalm_linkage
-   use, intrinsic :: iso_c_binding, only: c_intptr_t, c_loc
    use psalm_angles, only: unit_vector
-   use psalm_dyads, only: solve_two_links, solve_one_link, solve_slide_on_q, solve_slide_on_p, solve_link_slide, &
-                          project_on_slides, solve_two_slides
+   use psalm_assur, only: mark_unknowns, bind_dyad, solve_dyad
+   use psalm_dyad, only: dyad_t
    use psalm_kinds, only: wp, right_angle
    use psalm_plan, only: plan_t, step_point, step_dyad, root_crank
+   use psalm_rows, only: rows_t, make_rows
    use psalm_topology, only: topology_t, dimensions_t
    implicit none (type, external)
    private
-   public :: linkage_t, bound_step_t, block_length, padded, offset_to_line, line_elements
+   public :: linkage_t, bound_step_t, block_length, padded
 
    integer, parameter :: block_length = 128 !! positions solved together: all arrays stay in first-level cache
    integer, parameter :: lane = 8           !! positions are padded to a multiple of this: no remainder loops
 
-   real(wp), parameter :: rounding = 64.0_wp*epsilon(1.0_wp) !! relative width of a limit of closure
-   real(wp), parameter :: least_sine = 16.0_wp*epsilon(1.0_wp) !! two slides at a smaller angle are parallel
    integer, parameter :: plain_exponent = maxexponent(1.0_wp)/8 !! lengths beyond 2**this are scaled before they are squared
-   integer, parameter :: line_bytes = 64    !! of a cache line: rows of the store begin on one
-   integer, parameter :: line_elements = line_bytes/(storage_size(1.0_wp)/8) !! reals of a cache line
 
-   !> One step of the plan with its numbers. Which components have a meaning depends on the kind. Components `..._row` are
-   !> places in the store.
+   !> One step of the plan with its numbers: a point at the other end of an arc, or a dyad. Components `..._x`, `..._y` and
+   !> `slide_row` are rows of the store.
    type :: bound_step_t
-      integer :: kind = 0, loop = 0, joint = 0
+      integer :: kind = 0, loop = 0
       integer :: from_x = 0, from_y = 0, to_x = 0, to_y = 0 !! rows of points; of a dyad: S and E
-      integer :: arc = 0                         !! point step: the arc
-      integer :: root_x = 0, root_y = 0          !! point step: rows of the arc's root
-      integer :: slide_row = 0                   !! point step: row of its varying length, 0: fixed length
-      logical :: fixed = .false.                 !! point step: the point belongs to the frame
-      integer :: arc_p = 0, arc_q = 0            !! dyad: the undetermined arcs
-      integer :: p_x = 0, p_y = 0, q_x = 0, q_y = 0 !! dyad: rows of the roots of p and q, found or given
-      integer :: slide_p = 0, slide_q = 0        !! dyad: rows of the slides
-      integer :: reach_row = 0                   !! dyad: row of its reach
-      logical :: wants_p = .true., wants_q = .true. !! dyad: something hangs on the direction found
-      real(wp) :: x = 0.0_wp, y = 0.0_wp         !! point step: the arc in the axes of its root, sense included
-      real(wp) :: p = 0.0_wp, q = 0.0_wp, sign = 1.0_wp !! dyad: lengths and assembly
-      real(wp) :: px = 1.0_wp, py = 0.0_wp       !! dyad: direction of slide p in the axes of its root
-      real(wp) :: qx = 1.0_wp, qy = 0.0_wp       !! dyad: direction of slide q in the axes of its root
+      integer :: arc = 0                         !! point: the arc
+      integer :: root_x = 0, root_y = 0          !! point: rows of the arc's root
+      integer :: slide_row = 0                   !! point: row of its varying length, 0: fixed length
+      logical :: fixed = .false.                 !! point: it belongs to the frame
+      real(wp) :: sign = 1.0_wp                  !! point: +1 along the arc, -1 against it
+      real(wp) :: x = 0.0_wp, y = 0.0_wp         !! point: the arc in the axes of its root, sense included
+      type(dyad_t) :: dyad
    end type bound_step_t
 
    type :: linkage_t
@@ -53,14 +43,11 @@ module psalm_linkage
       real(wp), allocatable :: angle(:)          !! degrees from the root
       real(wp), allocatable :: x(:), y(:)        !! its cosine and sine
       real(wp), allocatable :: length(:)         !! scaled length
-      ! limits of the dyads' reach, by loop: closure, and closure with transmission angle
-      real(wp), allocatable :: closes_low(:), closes_high(:), accepts_low(:), accepts_high(:)
-      ! one block of positions: rows of `room` values; position i of a row is store(row + i - 1)
-      real(wp), allocatable :: store(:)
+      type(rows_t) :: store                      !! one block of positions: position i of a row is store%v(i, row)
       integer, allocatable :: root_x(:), root_y(:)   !! by root: rows of its unit vector
       integer, allocatable :: point_x(:), point_y(:) !! by point, 0 the input pivot: rows of its scaled co-ordinates
       integer, allocatable :: slide(:)               !! by varying length: row of the scaled length
-      integer, allocatable :: reach(:)               !! by loop: row of the reach, scaled; as `psalm_dyads` defines it
+      integer, allocatable :: measure(:)             !! by loop: row of its dyad's closure measure, scaled
       integer :: out_x = 0, out_y = 0, miss = 0      !! rows for the caller: output and error
       ! input
       logical :: sliding_input = .false.
@@ -99,8 +86,6 @@ contains
       allocate (self%angle(n), self%y(n), source=0.0_wp)
       allocate (self%x(n), source=1.0_wp)
       allocate (self%length(n), source=0.0_wp)
-      allocate (self%closes_low(topology%nloop), self%closes_high(topology%nloop), source=0.0_wp)
-      allocate (self%accepts_low(topology%nloop), self%accepts_high(topology%nloop), source=0.0_wp)
       call lay_out(self, plan%nroots, plan%npoints, plan%nlengths, topology%nloop)
       self%sliding_input = topology%sliding_input
       if (self%sliding_input) self%largest_input = maxval(abs(delt))
@@ -122,28 +107,37 @@ contains
                bound%fixed = step%fixed
                bound%sign = real(step%sense, wp)
             else
-               loop = step%loop
-               self%step_of_loop(loop) = k
-               bound%joint = topology%joint(loop)
-               bound%arc_p = topology%seq(loop, topology%larcx(1, loop))
-               bound%arc_q = topology%seq(loop, topology%larcx(2, loop))
-               bound%p_x = self%root_x(plan%root(bound%arc_p))
-               bound%p_y = self%root_y(plan%root(bound%arc_p))
-               bound%q_x = self%root_x(plan%root(bound%arc_q))
-               bound%q_y = self%root_y(plan%root(bound%arc_q))
-               bound%wants_p = plan%used(plan%root(bound%arc_p))
-               bound%wants_q = plan%used(plan%root(bound%arc_q))
-               bound%slide_p = row_of_slide(plan%length_slot(bound%arc_p))
-               bound%slide_q = row_of_slide(plan%length_slot(bound%arc_q))
-               bound%reach_row = self%reach(loop)
-               bound%sign = real(plan%dyad_sign(loop), wp)
-               if (bound%joint == 2) bound%sign = real(-topology%arcs(bound%arc_p)%turn, wp)
-               if (bound%joint == 3) bound%sign = real(topology%arcs(bound%arc_q)%turn, wp)
+               self%step_of_loop(step%loop) = k
+               call prepare_dyad(bound%dyad)
             end if
          end associate
       end do
 
    contains
+
+      subroutine prepare_dyad(dyad)
+         type(dyad_t), intent(inout) :: dyad
+
+         loop = plan%steps(k)%loop
+         dyad%kind = topology%joint(loop)
+         dyad%arc_p = topology%seq(loop, topology%larcx(1, loop))
+         dyad%arc_q = topology%seq(loop, topology%larcx(2, loop))
+         dyad%s_x = self%point_x(plan%steps(k)%from)
+         dyad%s_y = self%point_y(plan%steps(k)%from)
+         dyad%e_x = self%point_x(plan%steps(k)%to)
+         dyad%e_y = self%point_y(plan%steps(k)%to)
+         dyad%p_x = self%root_x(plan%root(dyad%arc_p))
+         dyad%p_y = self%root_y(plan%root(dyad%arc_p))
+         dyad%q_x = self%root_x(plan%root(dyad%arc_q))
+         dyad%q_y = self%root_y(plan%root(dyad%arc_q))
+         dyad%wants_p = plan%used(plan%root(dyad%arc_p))
+         dyad%wants_q = plan%used(plan%root(dyad%arc_q))
+         dyad%slide_p = row_of_slide(plan%length_slot(dyad%arc_p))
+         dyad%slide_q = row_of_slide(plan%length_slot(dyad%arc_q))
+         dyad%measure = self%measure(loop)
+         dyad%sign = real(plan%dyad_sign(loop), wp)
+         call mark_unknowns(dyad)
+      end subroutine prepare_dyad
 
       pure integer function row_of_slide(slot)
          integer, intent(in) :: slot
@@ -160,21 +154,20 @@ contains
       padded = lane*((max(1, positions) + lane - 1)/lane)
    end function padded
 
-   !> Allocate the store and give every row its place. The first row begins on a cache line, and so do all.
+   !> Allocate the store and give every row its place.
    subroutine lay_out(self, roots, points, lengths, loops)
       type(linkage_t), intent(inout) :: self
       integer, intent(in) :: roots, points, lengths, loops
-      integer :: next, k, per_line
+      integer :: next, k
 
-      per_line = line_elements
-      allocate (self%root_x(roots), self%root_y(roots), self%slide(lengths), self%reach(loops))
+      allocate (self%root_x(roots), self%root_y(roots), self%slide(lengths), self%measure(loops))
       allocate (self%point_x(0:points), self%point_y(0:points))
-      allocate (self%store(self%room*(2*roots + 2*(points + 1) + lengths + loops + 3) + per_line), source=0.0_wp)
-      next = 1 + offset_to_line(self%store)
+      call make_rows(self%room, 2*roots + 2*(points + 1) + lengths + loops + 3, self%store)
+      next = 0
       do k = 1, roots
          self%root_x(k) = new_row()
          self%root_y(k) = new_row()
-         self%store(self%root_x(k):self%root_x(k) + self%room - 1) = 1.0_wp
+         self%store%v(:, self%root_x(k)) = 1.0_wp
       end do
       do k = 0, points
          self%point_x(k) = new_row()
@@ -184,7 +177,7 @@ contains
          self%slide(k) = new_row()
       end do
       do k = 1, loops
-         self%reach(k) = new_row()
+         self%measure(k) = new_row()
       end do
       self%out_x = new_row()
       self%out_y = new_row()
@@ -193,21 +186,10 @@ contains
    contains
 
       integer function new_row()
+         next = next + 1
          new_row = next
-         next = next + self%room
       end function new_row
    end subroutine lay_out
-
-   !> Elements from the beginning of an array to the next beginning of a cache line.
-   integer function offset_to_line(array)
-      real(wp), intent(in), target, contiguous :: array(:)  !! its first element counts
-      integer(c_intptr_t) :: address
-      integer :: bytes
-
-      address = transfer(c_loc(array), address)
-      bytes = int(modulo(-address, int(line_bytes, c_intptr_t)))
-      offset_to_line = bytes/(storage_size(1.0_wp)/8)
-   end function offset_to_line
 
    !> Put a set of dimensions in. Only angles that differ from the last ones cost a sine and a cosine.
    pure subroutine bind(self, topology, plan, dimensions)
@@ -230,7 +212,7 @@ contains
          if (self%steps(k)%kind == step_point) then
             call bind_point(self, self%steps(k))
          else
-            call bind_dyad(self, self%steps(k))
+            call bind_lengths(self, self%steps(k)%dyad)
          end if
       end do
    end subroutine bind
@@ -291,59 +273,27 @@ contains
       step%x = step%x*self%length(step%arc)
       step%y = step%y*self%length(step%arc)
       if (.not. step%fixed) return
-      x = self%store(step%from_x) + step%x
-      y = self%store(step%from_y) + step%y
-      self%store(step%to_x:step%to_x + self%room - 1) = x
-      self%store(step%to_y:step%to_y + self%room - 1) = y
+      x = self%store%v(1, step%from_x) + step%x
+      y = self%store%v(1, step%from_y) + step%y
+      self%store%v(:, step%to_x) = x
+      self%store%v(:, step%to_y) = y
    end subroutine bind_point
 
-   pure subroutine bind_dyad(self, step)
-      type(linkage_t), intent(inout) :: self
-      type(bound_step_t), intent(inout) :: step
-      real(wp) :: p, q, slack
+   !> Lengths and fixed directions of a dyad, and the limits of its closure measure.
+   pure subroutine bind_lengths(self, dyad)
+      type(linkage_t), intent(in) :: self
+      type(dyad_t), intent(inout) :: dyad
 
-      p = self%length(step%arc_p)
-      q = self%length(step%arc_q)
-      step%p = p
-      step%q = q
-      step%px = self%x(step%arc_p)
-      step%py = self%y(step%arc_p)
-      step%qx = self%x(step%arc_q)
-      step%qy = self%y(step%arc_q)
-      associate (low => self%closes_low(step%loop), high => self%closes_high(step%loop))
-         select case (step%joint)
-         case (1)
-            slack = rounding*(p + q)**2
-            low = max((p - q)**2 - slack, tiny(p))
-            high = (p + q)**2 + slack
-            self%accepts_low(step%loop) = max(p*p + q*q - 2.0_wp*p*q*self%cosine_lowest - slack, tiny(p))
-            self%accepts_high(step%loop) = p*p + q*q + 2.0_wp*p*q*self%cosine_lowest + slack
-            return
-         case (2)
-            low = max(q*q*(1.0_wp - rounding), tiny(q))
-            high = huge(q)
-         case (3)
-            low = max(p*p*(1.0_wp - rounding), tiny(p))
-            high = huge(p)
-         case (4)
-            high = p*(1.0_wp + rounding)
-            low = -high
-         case (5)
-            high = q*(1.0_wp + rounding)
-            low = -high
-         case (8)
-            low = least_sine
-            high = 2.0_wp
-         case default
-            low = 0.0_wp
-            high = 2.0_wp
-         end select
-         self%accepts_low(step%loop) = low
-         self%accepts_high(step%loop) = high
-      end associate
-   end subroutine bind_dyad
+      dyad%p = self%length(dyad%arc_p)
+      dyad%q = self%length(dyad%arc_q)
+      dyad%px = self%x(dyad%arc_p)
+      dyad%py = self%y(dyad%arc_p)
+      dyad%qx = self%x(dyad%arc_q)
+      dyad%qy = self%y(dyad%arc_q)
+      call bind_dyad(dyad, self%cosine_lowest)
+   end subroutine bind_lengths
 
-   !> Positions of one block. After it, the store holds roots, points, slides and reaches.
+   !> Positions of one block. After it, the store holds roots, points, slides and closure measures.
    pure subroutine solve(self, n, first, second, last_step)
       class(linkage_t), intent(inout) :: self
       integer, intent(in) :: n                   !! positions, at most `room`
@@ -353,26 +303,26 @@ contains
       integer :: k, last
 
       if (.not. self%sliding_input) then
-         call turn_crank(n, first, second, self%crank_x, self%crank_y, self%store(self%root_x(root_crank)), &
-                         self%store(self%root_y(root_crank)))
+         call turn_crank(n, first, second, self%crank_x, self%crank_y, &
+                         self%store%v(1, self%root_x(root_crank)), self%store%v(1, self%root_y(root_crank)))
       else if (self%input_slot > 0) then
          associate (row => self%slide(self%input_slot))
-            self%store(row:row + n - 1) = (self%reference_length + first)*self%scale
+            self%store%v(1:n, row) = (self%reference_length + first)*self%scale
          end associate
       end if
       last = size(self%steps)
       if (present(last_step)) last = last_step
       do k = 1, last
-         associate (step => self%steps(k), store => self%store)
+         associate (step => self%steps(k), v => self%store%v)
             if (step%kind == step_dyad) then
-               call solve_dyad(n, step, size(store), store)
+               call solve_dyad(n, step%dyad, self%store)
             else if (.not. step%fixed) then
                if (step%slide_row == 0) then
-                  call add_arc(n, store(step%from_x), store(step%from_y), store(step%root_x), store(step%root_y), step%x, step%y, &
-                               store(step%to_x), store(step%to_y))
+                  call add_arc(n, v(1, step%from_x), v(1, step%from_y), v(1, step%root_x), v(1, step%root_y), step%x, step%y, &
+                               v(1, step%to_x), v(1, step%to_y))
                else
-                  call add_slide(n, store(step%from_x), store(step%from_y), store(step%root_x), store(step%root_y), &
-                                 store(step%slide_row), step%x, step%y, store(step%to_x), store(step%to_y))
+                  call add_slide(n, v(1, step%from_x), v(1, step%from_y), v(1, step%root_x), v(1, step%root_y), &
+                                 v(1, step%slide_row), step%x, step%y, v(1, step%to_x), v(1, step%to_y))
                end if
             end if
          end associate
@@ -391,47 +341,6 @@ contains
          ry(i) = y*first(i) + x*second(i)
       end do
    end subroutine turn_crank
-
-   pure subroutine solve_dyad(n, step, total, store)
-      integer, intent(in) :: n, total
-      type(bound_step_t), intent(in) :: step
-      real(wp), intent(inout) :: store(total)
-
-      associate (sx => step%from_x, sy => step%from_y, ex => step%to_x, ey => step%to_y, px => step%p_x, py => step%p_y, &
-                 qx => step%q_x, qy => step%q_y, reach => step%reach_row)
-         select case (step%joint)
-         case (1)
-            if (step%wants_p .and. step%wants_q) then
-               call solve_two_links(n, store(sx), store(sy), store(ex), store(ey), step%p, step%q, step%sign, store(px), &
-                                    store(py), store(qx), store(qy), store(reach))
-            else if (step%wants_q) then
-               call solve_one_link(n, store(sx), store(sy), store(ex), store(ey), step%q, step%p, -step%sign, store(qx), &
-                                   store(qy), store(reach))
-            else
-               call solve_one_link(n, store(sx), store(sy), store(ex), store(ey), step%p, step%q, step%sign, store(px), &
-                                   store(py), store(reach))
-            end if
-         case (2)
-            call solve_slide_on_q(n, store(sx), store(sy), store(ex), store(ey), step%q, step%sign, store(px), store(py), &
-                                  store(step%slide_p), store(reach))
-         case (3)
-            call solve_slide_on_p(n, store(sx), store(sy), store(ex), store(ey), step%p, step%sign, store(px), store(py), &
-                                  store(step%slide_q), store(reach))
-         case (4)
-            call solve_link_slide(n, store(sx), store(sy), store(ex), store(ey), step%p, step%sign, store(qx), store(qy), &
-                                  step%qx, step%qy, store(px), store(py), store(step%slide_q), store(reach))
-         case (5)
-            call solve_link_slide(n, store(sx), store(sy), store(ex), store(ey), step%q, -step%sign, store(px), store(py), &
-                                  step%px, step%py, store(qx), store(qy), store(step%slide_p), store(reach))
-         case (6, 7)
-            call project_on_slides(n, store(sx), store(sy), store(ex), store(ey), store(px), store(py), step%px, step%py, &
-                                   step%qx, step%qy, store(step%slide_p), store(step%slide_q), store(reach))
-         case (8)
-            call solve_two_slides(n, store(sx), store(sy), store(ex), store(ey), store(px), store(py), step%px, step%py, &
-                                  store(qx), store(qy), step%qx, step%qy, store(step%slide_p), store(step%slide_q), store(reach))
-         end select
-      end associate
-   end subroutine solve_dyad
 
    !> Point at the other end of an arc of fixed length.
    pure subroutine add_arc(n, fx, fy, rx, ry, ax, ay, tx, ty)
@@ -466,8 +375,10 @@ contains
       class(linkage_t), intent(in) :: self
       integer, intent(in) :: i, loop
 
-      associate (reach => self%store(self%reach(loop) + i - 1))
-         closes = reach >= self%closes_low(loop) .and. reach <= self%closes_high(loop)
+      associate (dyad => self%steps(self%step_of_loop(loop))%dyad)
+         associate (measure => self%store%v(i, dyad%measure))
+            closes = measure >= dyad%closes_low .and. measure <= dyad%closes_high
+         end associate
       end associate
    end function closes
 
@@ -476,8 +387,10 @@ contains
       class(linkage_t), intent(in) :: self
       integer, intent(in) :: i, loop
 
-      associate (reach => self%store(self%reach(loop) + i - 1))
-         accepts = reach >= self%accepts_low(loop) .and. reach <= self%accepts_high(loop)
+      associate (dyad => self%steps(self%step_of_loop(loop))%dyad)
+         associate (measure => self%store%v(i, dyad%measure))
+            accepts = measure >= dyad%accepts_low .and. measure <= dyad%accepts_high
+         end associate
       end associate
    end function accepts
 
@@ -486,19 +399,21 @@ contains
       class(linkage_t), intent(in) :: self
       integer, intent(in) :: n, loop
 
-      all_accepted = within(n, self%store(self%reach(loop)), self%accepts_low(loop), self%accepts_high(loop))
+      associate (dyad => self%steps(self%step_of_loop(loop))%dyad)
+         all_accepted = within(n, self%store%v(1, dyad%measure), dyad%accepts_low, dyad%accepts_high)
+      end associate
    end function all_accepted
 
-   !> True if low <= reach <= high throughout. What is outside is counted in lanes, as reals: it runs in vector registers.
-   pure logical function within(n, reach, low, high)
+   !> True if low <= measure <= high throughout. What is outside is counted in lanes, as reals: it runs in vector registers.
+   pure logical function within(n, measure, low, high)
       integer, intent(in) :: n          !! a multiple of `lane`
-      real(wp), intent(in) :: reach(n), low, high
+      real(wp), intent(in) :: measure(n), low, high
       real(wp) :: outside(lane)
       integer :: i
 
       outside = 0.0_wp
       do i = 1, n, lane
-         outside = outside + merge(1.0_wp, 0.0_wp, reach(i:i + lane - 1) < low .or. reach(i:i + lane - 1) > high)
+         outside = outside + merge(1.0_wp, 0.0_wp, measure(i:i + lane - 1) < low .or. measure(i:i + lane - 1) > high)
       end do
       within = all(outside <= 0.0_wp)
    end function within
@@ -511,12 +426,12 @@ contains
       real(wp), intent(out) :: x, y, length     !! unit vector; length, signed for a slide
       real(wp) :: rx, ry
 
-      rx = self%store(self%root_x(plan%root(arc)) + i - 1)
-      ry = self%store(self%root_y(plan%root(arc)) + i - 1)
+      rx = self%store%v(i, self%root_x(plan%root(arc)))
+      ry = self%store%v(i, self%root_y(plan%root(arc)))
       x = self%x(arc)*rx - self%y(arc)*ry
       y = self%x(arc)*ry + self%y(arc)*rx
       length = self%length(arc)
-      if (plan%length_slot(arc) > 0) length = self%store(self%slide(plan%length_slot(arc)) + i - 1)
+      if (plan%length_slot(arc) > 0) length = self%store%v(i, self%slide(plan%length_slot(arc)))
       length = length/self%scale
    end subroutine arc_at
 end module psalm_linkage

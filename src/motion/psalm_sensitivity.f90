@@ -5,13 +5,17 @@
 !> matrices of `psalm_rates`. Angles vary in degrees. Derivation: `doc/theory.md`, Sensitivities.
 module psalm_sensitivity
    use psalm_angles, only: angles_between
+   use psalm_arc_kernels, only: add_arc_change, difference, solve_columns, point_back, dyad_back, arc_back
+   use psalm_assur, only: closure_of, change_of_closure
    use psalm_data_set, only: motion_point, motion_angle, motion_distance, motion_slide
+   use psalm_dyad, only: dyad_t
    use psalm_error, only: problem_t
+   use psalm_frames, only: frames_t, rows_of_arc, matrix_row
    use psalm_kinds, only: wp, radians_per_degree, degrees_per_radian
-   use psalm_linkage, only: bound_step_t, padded
+   use psalm_linkage, only: padded
    use psalm_plan, only: step_point, root_crank
-   use psalm_rate_kernels, only: add_arc_change, difference, solve_columns, link_pair_change, point_back, dyad_back, arc_back
-   use psalm_rates, only: rates_t, prepare_rates, form_frames, row_of, unknowns_of, rows_of_arc
+   use psalm_rates, only: rates_t, prepare_rates, form_frames
+   use psalm_rows, only: rows_t
    use psalm_topology, only: dimensions_t, variable_length, variable_gama, variable_outlk, variable_outang, variable_origlk, &
                              variable_origng, variable_crnki
    implicit none (type, external)
@@ -65,10 +69,10 @@ contains
       type(problem_t), intent(in) :: problem
       integer, intent(in) :: v
       type(sensitivity_t), intent(inout) :: work
-      logical, allocatable :: row(:)   !! by place in the store: it changes
-      integer :: k, first, second
+      logical, allocatable :: row(:)   !! by row of the store: it changes
+      integer :: k
 
-      allocate (row(0:size(problem%linkage%store)), source=.false.)
+      allocate (row(0:size(problem%linkage%store%v, 2)), source=.false.)
       associate (link => problem%linkage)
          if (problem%topology%variables(v)%kind == variable_crnki) then
             if (.not. link%sliding_input) then
@@ -84,11 +88,11 @@ contains
                                      changes(step%arc)
                   row(step%to_x) = work%moves(k, v)
                else
-                  work%moves(k, v) = row(step%from_x) .or. row(step%to_x) .or. changes(step%arc_p) .or. changes(step%arc_q) .or. &
-                                     row(step%p_x) .or. row(step%q_x)
-                  call unknowns_of(step, first, second)
-                  row(first) = work%moves(k, v)
-                  row(second) = work%moves(k, v)
+                  associate (dyad => step%dyad)
+                     work%moves(k, v) = row(dyad%s_x) .or. row(dyad%e_x) .or. changes(dyad%arc_p) .or. changes(dyad%arc_q) .or. &
+                                        row(dyad%p_x) .or. row(dyad%q_x)
+                     row(dyad%unknown) = work%moves(k, v)
+                  end associate
                end if
             end associate
          end do
@@ -125,7 +129,7 @@ contains
          call problem%output_of(n)
          m = padded(n)
          call form_frames(problem, work%rates, m, fixed_too=.true.)
-         work%rates%d(:, 1) = 0.0_wp
+         work%rates%d(1)%v = 0.0_wp
          if (present(k)) call block_constraints(problem, n, k(offset + 1:offset + n, :))
          do v = 1, size(problem%topology%variables)
             call change_of(problem, v, m, work)
@@ -137,10 +141,7 @@ contains
       end do
    end subroutine find_jacobian
 
-   !> How near each dyad is to its limit, at every position: the dyad closes, with TOGGLE in hand, while abs(k) <= 1.
-   !>
-   !> Type 1: the cosine of the transmission angle, beyond 1 where the dyad is open: smooth across closing. Types 2 and 3: guide
-   !> and TOGGLE over distance. Types 4 and 5: offset and TOGGLE over link. Others, and loops that are not solved: 0.
+   !> How near each dyad is to its limit, at every position, as `closure_of` has it; loops that are not solved: 0.
    subroutine find_constraints(problem, k)
       type(problem_t), intent(inout) :: problem     !! bound
       real(wp), intent(out) :: k(:, :)              !! shape (positions, nloop)
@@ -157,28 +158,12 @@ contains
       type(problem_t), intent(in) :: problem
       integer, intent(in) :: n
       real(wp), intent(out) :: k(:, :)
-      real(wp) :: hand
       integer :: loop
 
-      hand = problem%toggle*problem%linkage%scale
       do loop = 1, problem%topology%nloop
          k(:, loop) = 0.0_wp
-         if (problem%linkage%step_of_loop(loop) == 0) cycle
-         associate (dyad => problem%linkage%steps(problem%linkage%step_of_loop(loop)), row => problem%linkage%reach(loop))
-            associate (reach => problem%linkage%store(row:row + n - 1))
-               select case (dyad%joint)
-               case (1)
-                  k(:, loop) = (dyad%p**2 + dyad%q**2 - reach)/(2.0_wp*dyad%p*dyad%q)
-               case (2)
-                  k(:, loop) = (dyad%q + hand)/sqrt(max(reach, tiny(1.0_wp)))
-               case (3)
-                  k(:, loop) = (dyad%p + hand)/sqrt(max(reach, tiny(1.0_wp)))
-               case (4)
-                  k(:, loop) = (reach + sign(hand, reach))/dyad%p
-               case (5)
-                  k(:, loop) = (reach + sign(hand, reach))/dyad%q
-               end select
-            end associate
+         associate (step => problem%linkage%step_of_loop(loop), link => problem%linkage)
+            if (step > 0) call closure_of(n, link%steps(step)%dyad, link%store, problem%toggle*link%scale, k(:, loop))
          end associate
       end do
    end subroutine block_constraints
@@ -189,54 +174,18 @@ contains
       integer, intent(in) :: v, n
       type(sensitivity_t), intent(in) :: work
       real(wp), intent(out) :: dk(:, :)             !! shape (n, nloop)
-      real(wp) :: unit, hx, hy, gx, gy, dp, dq, reach, h, ux, uy, turn, hand
-      integer :: loop, i
+      integer :: loop
 
-      unit = unit_of(problem, v)
-      hand = problem%toggle*problem%linkage%scale
       do loop = 1, problem%topology%nloop
          dk(:, loop) = 0.0_wp
-         if (problem%linkage%step_of_loop(loop) == 0) cycle
-         if (.not. work%moves(problem%linkage%step_of_loop(loop), v)) cycle
-         associate (dyad => problem%linkage%steps(problem%linkage%step_of_loop(loop)), link => problem%linkage, d => work%rates%d)
-            if (dyad%joint > 5) cycle
-            dp = work%stretch(dyad%arc_p, v)*link%scale
-            dq = work%stretch(dyad%arc_q, v)*link%scale
-            if (dyad%joint == 1) then
-               h = 0.5_wp/(dyad%p*dyad%q)
-               call link_pair_change(n, link%store(dyad%from_x), link%store(dyad%from_y), link%store(dyad%to_x), &
-                                     link%store(dyad%to_y), d(dyad%from_x, 1), d(dyad%from_y, 1), d(dyad%to_x, 1), &
-                                     d(dyad%to_y, 1), link%store(dyad%reach_row), &
-                                     unit*h*(dp/dyad%p - dq/dyad%q)*(dyad%p - dyad%q)*(dyad%p + dyad%q), &
-                                     unit*h*(dp/dyad%p + dq/dyad%q), 2.0_wp*unit*h, dk(:, loop))
-               cycle
-            end if
-            do i = 0, n - 1
-               hx = link%store(dyad%to_x + i) - link%store(dyad%from_x + i)
-               hy = link%store(dyad%to_y + i) - link%store(dyad%from_y + i)
-               gx = d(dyad%to_x + i, 1) - d(dyad%from_x + i, 1)
-               gy = d(dyad%to_y + i, 1) - d(dyad%from_y + i, 1)
-               reach = link%store(dyad%reach_row + i)
-               select case (dyad%joint)
-               case (2, 3)
-                  h = sqrt(max(reach, tiny(1.0_wp)))
-                  dk(i + 1, loop) = merge(dq, dp, dyad%joint == 2)/h &
-                                    - (merge(dyad%q, dyad%p, dyad%joint == 2) + hand)*(hx*gx + hy*gy)/(h*h*h)
-               case default
-                  if (dyad%joint == 4) then
-                     ux = dyad%qx*link%store(dyad%q_x + i) - dyad%qy*link%store(dyad%q_y + i)
-                     uy = dyad%qx*link%store(dyad%q_y + i) + dyad%qy*link%store(dyad%q_x + i)
-                     turn = d(dyad%q_x + i, 1) + work%turn(dyad%arc_q, v)
-                     dk(i + 1, loop) = (ux*gy - uy*gx - turn*(ux*hx + uy*hy))/dyad%p - (reach + sign(hand, reach))*dp/dyad%p**2
-                  else
-                     ux = dyad%px*link%store(dyad%p_x + i) - dyad%py*link%store(dyad%p_y + i)
-                     uy = dyad%px*link%store(dyad%p_y + i) + dyad%py*link%store(dyad%p_x + i)
-                     turn = d(dyad%p_x + i, 1) + work%turn(dyad%arc_p, v)
-                     dk(i + 1, loop) = (ux*gy - uy*gx - turn*(ux*hx + uy*hy))/dyad%q - (reach + sign(hand, reach))*dq/dyad%q**2
-                  end if
-               end select
-            end do
-            dk(:, loop) = dk(:, loop)*unit
+         associate (step => problem%linkage%step_of_loop(loop), link => problem%linkage)
+            if (step == 0) cycle
+            if (.not. work%moves(step, v)) cycle
+            associate (dyad => link%steps(step)%dyad)
+               call change_of_closure(n, dyad, link%store, work%rates%d(1), problem%toggle*link%scale, unit_of(problem, v), &
+                                      work%stretch(dyad%arc_p, v)*link%scale, work%stretch(dyad%arc_q, v)*link%scale, &
+                                      work%turn(dyad%arc_p, v), work%turn(dyad%arc_q, v), dk(:, loop))
+            end associate
          end associate
       end do
    end subroutine change_of_constraints
@@ -254,9 +203,9 @@ contains
       call change_of_origin(problem, v, ox, oy)
       do j = 1, size(problem%plan%joint_points)
          associate (px => problem%linkage%point_x(problem%plan%joint_points(j)), &
-                    py => problem%linkage%point_y(problem%plan%joint_points(j)), d => work%rates%d)
-            dp(:, 1, j) = d(px:px + n - 1, 1)*back + ox*unit_of(problem, v)
-            dp(:, 2, j) = d(py:py + n - 1, 1)*back + oy*unit_of(problem, v)
+                    py => problem%linkage%point_y(problem%plan%joint_points(j)), d => work%rates%d(1)%v)
+            dp(:, 1, j) = d(1:n, px)*back + ox*unit_of(problem, v)
+            dp(:, 2, j) = d(1:n, py)*back + oy*unit_of(problem, v)
          end associate
       end do
    end subroutine change_of_joints
@@ -299,81 +248,83 @@ contains
       type(sensitivity_t), intent(inout) :: work
       integer :: k
 
-      associate (link => problem%linkage, d => work%rates%d)
+      associate (link => problem%linkage, d => work%rates%d(1)%v)
          if (problem%topology%variables(v)%kind == variable_crnki) then
             if (.not. link%sliding_input) then
-               d(link%root_x(root_crank):link%root_x(root_crank) + n - 1, 1) = 1.0_wp
+               d(1:n, link%root_x(root_crank)) = 1.0_wp
             else if (link%input_slot > 0) then
-               associate (at => link%slide(link%input_slot))
-                  d(at:at + n - 1, 1) = link%scale
-               end associate
+               d(1:n, link%slide(link%input_slot)) = link%scale
             end if
          end if
          do k = 1, size(link%steps)
             if (.not. work%moves(k, v)) cycle
             if (problem%plan%steps(k)%kind == step_point) then
                associate (step => link%steps(k))
-                  call arc_change(work%rates, n, 1.0_wp, row_of(work%rates, k, 0), step%root_x, step%slide_row, &
-                                  work%turn(step%arc, v), work%stretch(step%arc, v)*link%scale, d(step%from_x, 1), &
-                                  d(step%from_y, 1), d(step%to_x, 1), d(step%to_y, 1))
+                  call arc_change(work%rates%frames, work%rates%d(1), n, 1.0_wp, work%rates%place(k), step%root_x, &
+                                  step%slide_row, work%turn(step%arc, v), work%stretch(step%arc, v)*link%scale, &
+                                  d(1, step%from_x), d(1, step%from_y), d(1, step%to_x), d(1, step%to_y))
                end associate
             else
-               call dyad_change(link%steps(k), k, v, n, link%scale, work)
+               call dyad_change(link%steps(k)%dyad, work%rates%place(k), v, n, link%scale, work)
             end if
          end do
       end associate
    end subroutine change_of
 
-   subroutine arc_change(rates, n, factor, at, root, slide, turn, stretch, fx, fy, tx, ty)
-      type(rates_t), intent(in) :: rates
+   subroutine arc_change(frames, d, n, factor, at, root, slide, turn, stretch, fx, fy, tx, ty)
+      type(frames_t), intent(in) :: frames
+      type(rows_t), intent(in) :: d
       integer, intent(in) :: n, at, root, slide
       real(wp), intent(in) :: factor, turn, stretch
       real(wp), intent(in) :: fx(n), fy(n)
       real(wp), intent(out) :: tx(n), ty(n)
 
-      associate (w => rates%work, d => rates%d, room => rates%room)
+      associate (w => frames%work%v)
          if (slide > 0) then
-            call add_arc_change(n, factor, fx, fy, w(at), w(at + room), w(at + 4*room), d(root, 1), d(slide, 1), turn, &
+            call add_arc_change(n, factor, fx, fy, w(1, at), w(1, at + 1), w(1, at + 4), d%v(1, root), d%v(1, slide), turn, &
                                 stretch, tx, ty)
          else
-            call add_arc_change(n, factor, fx, fy, w(at), w(at + room), w(at + 4*room), d(root, 1), w(rates%zero), turn, &
+            call add_arc_change(n, factor, fx, fy, w(1, at), w(1, at + 1), w(1, at + 4), d%v(1, root), w(1, frames%zero), turn, &
                                 stretch, tx, ty)
          end if
       end associate
    end subroutine arc_change
 
-   subroutine dyad_change(step, k, v, n, scale, work)
-      type(bound_step_t), intent(in) :: step
-      integer, intent(in) :: k, v, n
+   subroutine dyad_change(dyad, at, v, n, scale, work)
+      type(dyad_t), intent(in) :: dyad
+      integer, intent(in) :: at, v, n     !! first row of the dyad's frame; variable; positions, padded
       real(wp), intent(in) :: scale
       type(sensitivity_t), intent(inout) :: work
-      integer :: first, second, a, b, m
       logical :: known
 
-      a = row_of(work%rates, k, 0)
-      b = row_of(work%rates, k, rows_of_arc)
-      m = row_of(work%rates, k, 2*rows_of_arc)
-      call unknowns_of(step, first, second)
-      associate (w => work%rates%work, room => work%rates%room, d => work%rates%d)
-         call difference(n, d(step%from_x, 1), d(step%from_y, 1), d(step%to_x, 1), d(step%to_y, 1), work%gx, work%gy)
-         known = abs(work%stretch(step%arc_p, v)) + abs(work%stretch(step%arc_q, v)) > 0.0_wp
-         if (step%joint > 3 .or. known) then
+      associate (w => work%rates%frames%work%v, m => at + matrix_row, d => work%rates%d(1)%v, first => dyad%unknown(1), &
+                 second => dyad%unknown(2))
+         call difference(n, d(1, dyad%s_x), d(1, dyad%s_y), d(1, dyad%e_x), d(1, dyad%e_y), work%gx, work%gy)
+         known = abs(work%stretch(dyad%arc_p, v)) + abs(work%stretch(dyad%arc_q, v)) > 0.0_wp
+         if (known .or. takes_direction(dyad)) then
             ! unknown rows hold zero here
-            call arc_change(work%rates, n, -1.0_wp, a, step%p_x, step%slide_p, work%turn(step%arc_p, v), &
-                            work%stretch(step%arc_p, v)*scale, work%gx, work%gy, work%tx, work%ty)
-            call arc_change(work%rates, n, -1.0_wp, b, step%q_x, step%slide_q, work%turn(step%arc_q, v), &
-                            work%stretch(step%arc_q, v)*scale, work%tx, work%ty, work%gx, work%gy)
+            call arc_change(work%rates%frames, work%rates%d(1), n, -1.0_wp, at, dyad%p_x, dyad%slide_p, &
+                            work%turn(dyad%arc_p, v), work%stretch(dyad%arc_p, v)*scale, work%gx, work%gy, work%tx, work%ty)
+            call arc_change(work%rates%frames, work%rates%d(1), n, -1.0_wp, at + rows_of_arc, dyad%q_x, dyad%slide_q, &
+                            work%turn(dyad%arc_q, v), work%stretch(dyad%arc_q, v)*scale, work%tx, work%ty, work%gx, work%gy)
          end if
-         call solve_columns(n, w(m), w(m + room), w(m + 2*room), w(m + 3*room), work%gx, work%gy, d(first, 1), d(second, 1))
+         call solve_columns(n, w(1, m), w(1, m + 1), w(1, m + 2), w(1, m + 3), work%gx, work%gy, d(1, first), d(1, second))
       end associate
    end subroutine dyad_change
+
+   !> True for a dyad with an arc whose direction it does not find.
+   pure logical function takes_direction(dyad)
+      type(dyad_t), intent(in) :: dyad
+
+      takes_direction = all(dyad%unknown /= dyad%p_x) .or. all(dyad%unknown /= dyad%q_x)
+   end function takes_direction
 
    !> Put the rows a variable has changed back to zero.
    subroutine clear(problem, v, n, work)
       type(problem_t), intent(in) :: problem
       integer, intent(in) :: v, n
       type(sensitivity_t), intent(inout) :: work
-      integer :: k, first, second
+      integer :: k
 
       associate (link => problem%linkage)
          if (problem%topology%variables(v)%kind == variable_crnki) then
@@ -389,19 +340,18 @@ contains
                call zero(link%steps(k)%to_x)
                call zero(link%steps(k)%to_y)
             else
-               call unknowns_of(link%steps(k), first, second)
-               call zero(first)
-               call zero(second)
+               call zero(link%steps(k)%dyad%unknown(1))
+               call zero(link%steps(k)%dyad%unknown(2))
             end if
          end do
       end associate
 
    contains
 
-      subroutine zero(at)
-         integer, intent(in) :: at
+      subroutine zero(row)
+         integer, intent(in) :: row
 
-         work%rates%d(at:at + n - 1, 1) = 0.0_wp
+         work%rates%d(1)%v(1:n, row) = 0.0_wp
       end subroutine zero
    end subroutine clear
 
@@ -415,7 +365,7 @@ contains
       integer :: i, root, root_y, px, py
 
       associate (link => problem%linkage, plan => problem%plan, variable => problem%topology%variables(v), &
-                 arc => problem%topology%output_arc, d => work%rates%d)
+                 arc => problem%topology%output_arc, d => work%rates%d(1)%v)
          unit = unit_of(problem, v)
          back = 1.0_wp/link%scale
          turn = work%turn(arc, v)
@@ -425,11 +375,11 @@ contains
          root_y = link%root_y(plan%root(arc))
          select case (problem%motion)
          case (motion_angle)
-            dx = (d(root:root + n - 1, 1) + turn)*(unit*degrees_per_radian)
+            dx = (d(1:n, root) + turn)*(unit*degrees_per_radian)
             return
          case (motion_slide)
             associate (slide => link%slide(plan%length_slot(arc)))
-               dx = d(slide:slide + n - 1, 1)*(back*unit)
+               dx = d(1:n, slide)*(back*unit)
             end associate
             return
          end select
@@ -438,11 +388,11 @@ contains
          px = link%point_x(plan%output_point)
          py = link%point_y(plan%output_point)
          do i = 1, n
-            ex = problem%out_c*link%store(root + i - 1) - problem%out_s*link%store(root_y + i - 1)
-            ey = problem%out_c*link%store(root_y + i - 1) + problem%out_s*link%store(root + i - 1)
-            w = (d(root + i - 1, 1) + turn)*problem%out_length
-            dx(i) = (d(px + i - 1, 1)*back + grow*ex - w*ey + ox)*unit
-            dy(i) = (d(py + i - 1, 1)*back + grow*ey + w*ex + oy)*unit
+            ex = problem%out_c*link%store%v(i, root) - problem%out_s*link%store%v(i, root_y)
+            ey = problem%out_c*link%store%v(i, root_y) + problem%out_s*link%store%v(i, root)
+            w = (d(i, root) + turn)*problem%out_length
+            dx(i) = (d(i, px)*back + grow*ex - w*ey + ox)*unit
+            dy(i) = (d(i, py)*back + grow*ey + w*ex + oy)*unit
          end do
          if (problem%motion /= motion_distance) return
          do i = 1, n
@@ -462,11 +412,11 @@ contains
       real(wp) :: rx, ry
 
       associate (link => problem%linkage, plan => problem%plan)
-         rx = link%store(link%root_x(plan%root(problem%topology%output_arc)) + i - 1)
-         ry = link%store(link%root_y(plan%root(problem%topology%output_arc)) + i - 1)
-         x = link%store(link%point_x(plan%output_point) + i - 1)/link%scale + problem%origin_x &
+         rx = link%store%v(i, link%root_x(plan%root(problem%topology%output_arc)))
+         ry = link%store%v(i, link%root_y(plan%root(problem%topology%output_arc)))
+         x = link%store%v(i, link%point_x(plan%output_point))/link%scale + problem%origin_x &
              + (problem%out_c*rx - problem%out_s*ry)*problem%out_length
-         y = link%store(link%point_y(plan%output_point) + i - 1)/link%scale + problem%origin_y &
+         y = link%store%v(i, link%point_y(plan%output_point))/link%scale + problem%origin_y &
              + (problem%out_c*ry + problem%out_s*rx)*problem%out_length
       end associate
    end subroutine output_vector
@@ -495,22 +445,20 @@ contains
          call problem%solve_block(block, offset, n)
          m = padded(n)
          call form_frames(problem, work%rates, m, fixed_too=.true.)
-         work%rates%d(:, 1) = 0.0_wp
+         work%rates%d(1)%v = 0.0_wp
          call seed(problem, offset, n, m, work, objective, outlk_bar, outang_bar, origin_bar)
          do k = size(problem%linkage%steps), 1, -1
             if (problem%plan%steps(k)%kind == step_point) then
                call back_through_point(problem, k, m, work)
             else
-               call back_through_dyad(problem%linkage%steps(k), k, m, work)
+               call back_through_dyad(problem%linkage%steps(k)%dyad, work%rates%place(k), m, work)
             end if
          end do
          associate (link => problem%linkage)
             if (.not. link%sliding_input) then
-               crank_bar = crank_bar + sum(work%rates%d(link%root_x(root_crank):link%root_x(root_crank) + n - 1, 1))
+               crank_bar = crank_bar + sum(work%rates%d(1)%v(1:n, link%root_x(root_crank)))
             else if (link%input_slot > 0) then
-               associate (at => link%slide(link%input_slot))
-                  crank_bar = crank_bar + sum(work%rates%d(at:at + n - 1, 1))*link%scale
-               end associate
+               crank_bar = crank_bar + sum(work%rates%d(1)%v(1:n, link%slide(link%input_slot)))*link%scale
             end if
          end associate
       end do
@@ -548,18 +496,18 @@ contains
       real(wp) :: e, bar, bx, by, x, y, ex, ey, r, back
       integer :: i, k, root, root_y, px, py, slide
 
-      associate (link => problem%linkage, plan => problem%plan, arc => problem%topology%output_arc, d => work%rates%d)
+      associate (link => problem%linkage, plan => problem%plan, arc => problem%topology%output_arc, d => work%rates%d(1)%v)
          root = link%root_x(plan%root(arc))
          root_y = link%root_y(plan%root(arc))
          back = 1.0_wp/link%scale
          if (problem%motion == motion_angle) then
-            call angles_between(m, link%store(root), link%store(root_y), problem%out_c, problem%out_s, &
+            call angles_between(m, link%store%v(1, root), link%store%v(1, root_y), problem%out_c, problem%out_s, &
                                 problem%toward_x(offset + 1:offset + m), problem%toward_y(offset + 1:offset + m), work%along)
             do i = 1, n
                e = work%along(i)*problem%weight(offset + i)
                objective = objective + e*work%along(i)
                bar = -2.0_wp*e*degrees_per_radian
-               d(root + i - 1, 1) = bar
+               d(i, root) = bar
                outang_bar = outang_bar + bar
                work%angle_bar(arc) = work%angle_bar(arc) + bar
             end do
@@ -568,9 +516,9 @@ contains
          if (problem%motion == motion_slide) then
             slide = link%slide(plan%length_slot(arc))
             do i = 1, n
-               e = problem%wanted(offset + i) - link%store(slide + i - 1)*back
+               e = problem%wanted(offset + i) - link%store%v(i, slide)*back
                objective = objective + problem%weight(offset + i)*e*e
-               d(slide + i - 1, 1) = -2.0_wp*problem%weight(offset + i)*e*back
+               d(i, slide) = -2.0_wp*problem%weight(offset + i)*e*back
             end do
             return
          end if
@@ -597,16 +545,16 @@ contains
                   by = bar*(y/r)
                end if
             end if
-            ex = problem%out_c*link%store(root + i - 1) - problem%out_s*link%store(root_y + i - 1)
-            ey = problem%out_c*link%store(root_y + i - 1) + problem%out_s*link%store(root + i - 1)
+            ex = problem%out_c*link%store%v(i, root) - problem%out_s*link%store%v(i, root_y)
+            ey = problem%out_c*link%store%v(i, root_y) + problem%out_s*link%store%v(i, root)
             outlk_bar = outlk_bar + bx*ex + by*ey
             bar = (by*ex - bx*ey)*problem%out_length
-            d(root + i - 1, 1) = bar
+            d(i, root) = bar
             outang_bar = outang_bar + bar
             work%angle_bar(arc) = work%angle_bar(arc) + bar
             origin_bar = origin_bar + [bx, by]
-            d(px + i - 1, 1) = bx*back
-            d(py + i - 1, 1) = by*back
+            d(i, px) = bx*back
+            d(i, py) = by*back
          end do
       end associate
    end subroutine seed
@@ -615,48 +563,43 @@ contains
       type(problem_t), intent(in) :: problem
       integer, intent(in) :: k, n
       type(sensitivity_t), intent(inout) :: work
-      integer :: a
 
-      a = row_of(work%rates, k, 0)
-      associate (step => problem%linkage%steps(k), w => work%rates%work, room => work%rates%room, d => work%rates%d)
-         call arc_back(n, d(step%to_x, 1), d(step%to_y, 1), w(a), w(a + room), w(a + 4*room), work%across, work%along)
+      associate (step => problem%linkage%steps(k), w => work%rates%frames%work%v, a => work%rates%place(k), &
+                 d => work%rates%d(1)%v)
+         call arc_back(n, d(1, step%to_x), d(1, step%to_y), w(1, a), w(1, a + 1), w(1, a + 4), work%across, work%along)
          if (work%turns(step%arc)) work%angle_bar(step%arc) = work%angle_bar(step%arc) - sum(work%across(:n))
          if (work%stretches(step%arc)) work%length_bar(step%arc) = work%length_bar(step%arc) - sum(work%along(:n))
-         call point_back(n, d(step%to_x, 1), d(step%to_y, 1), w(a), w(a + room), w(a + 4*room), d(step%from_x, 1), &
-                         d(step%from_y, 1), d(step%root_x, 1), work%along)
-         if (step%slide_row > 0) d(step%slide_row:step%slide_row + n - 1, 1) = &
-            d(step%slide_row:step%slide_row + n - 1, 1) + work%along(:n)
+         call point_back(n, d(1, step%to_x), d(1, step%to_y), w(1, a), w(1, a + 1), w(1, a + 4), d(1, step%from_x), &
+                         d(1, step%from_y), d(1, step%root_x), work%along)
+         if (step%slide_row > 0) d(1:n, step%slide_row) = d(1:n, step%slide_row) + work%along(:n)
       end associate
    end subroutine back_through_point
 
-   subroutine back_through_dyad(step, k, n, work)
-      type(bound_step_t), intent(in) :: step
-      integer, intent(in) :: k, n
+   subroutine back_through_dyad(dyad, at, n, work)
+      type(dyad_t), intent(in) :: dyad
+      integer, intent(in) :: at, n        !! first row of the dyad's frame; positions, padded
       type(sensitivity_t), intent(inout) :: work
-      integer :: m, first, second
 
-      m = row_of(work%rates, k, 2*rows_of_arc)
-      call unknowns_of(step, first, second)
-      associate (w => work%rates%work, room => work%rates%room, d => work%rates%d)
-         call dyad_back(n, d(first, 1), d(second, 1), w(m), w(m + room), w(m + 2*room), w(m + 3*room), d(step%from_x, 1), &
-                        d(step%from_y, 1), d(step%to_x, 1), d(step%to_y, 1), work%gx, work%gy)
+      associate (w => work%rates%frames%work%v, m => at + matrix_row, d => work%rates%d(1)%v)
+         call dyad_back(n, d(1, dyad%unknown(1)), d(1, dyad%unknown(2)), w(1, m), w(1, m + 1), w(1, m + 2), w(1, m + 3), &
+                        d(1, dyad%s_x), d(1, dyad%s_y), d(1, dyad%e_x), d(1, dyad%e_y), work%gx, work%gy)
       end associate
-      call known_part(row_of(work%rates, k, 0), step%p_x, step%slide_p, step%arc_p)
-      call known_part(row_of(work%rates, k, rows_of_arc), step%q_x, step%slide_q, step%arc_q)
+      call known_part(at, dyad%p_x, dyad%slide_p, dyad%arc_p)
+      call known_part(at + rows_of_arc, dyad%q_x, dyad%slide_q, dyad%arc_q)
 
    contains
 
       !> An arc whose direction is not the dyad's to find hands on to its root; a fixed length that varies to itself.
-      subroutine known_part(at, root, slide, arc)
-         integer, intent(in) :: at, root, slide, arc
+      subroutine known_part(a, root, slide, arc)
+         integer, intent(in) :: a, root, slide, arc
          logical :: turned
 
-         turned = root /= first .and. root /= second .and. step%joint > 3
+         turned = all(dyad%unknown /= root)
          if (.not. turned .and. .not. (work%stretches(arc) .and. slide == 0)) return
-         associate (w => work%rates%work, room => work%rates%room, d => work%rates%d)
-            call arc_back(n, work%gx, work%gy, w(at), w(at + room), w(at + 4*room), work%across, work%along)
+         associate (w => work%rates%frames%work%v, d => work%rates%d(1)%v)
+            call arc_back(n, work%gx, work%gy, w(1, a), w(1, a + 1), w(1, a + 4), work%across, work%along)
             if (turned) then
-               d(root:root + n - 1, 1) = d(root:root + n - 1, 1) + work%across(:n)
+               d(1:n, root) = d(1:n, root) + work%across(:n)
                if (work%turns(arc)) work%angle_bar(arc) = work%angle_bar(arc) + sum(work%across(:n))
             end if
             if (work%stretches(arc) .and. slide == 0) work%length_bar(arc) = work%length_bar(arc) + sum(work%along(:n))

@@ -4,7 +4,9 @@
 !> names; everything else is held by arc. Arc numbers run from 1 in a loop; a sequential number is
 !> n = (loop-1)*MAXARC + arc. Source: Oldham (1977), chapter 4 and appendices B2 and C.
 module psalm_setup
+   use psalm_assur, only: kind_of_dyad
    use psalm_data_set, only: data_set_t, motion_slide
+   use psalm_dyad, only: form_t, form_of, assur_none, direction_known
    use psalm_kinds, only: wp, full_turn, half_turn
    use psalm_status, only: diagnostics_t
    use psalm_text, only: to_text
@@ -278,8 +280,9 @@ contains
          end if
          topology%arcs(topology%seq(loop, p))%dyad = 1
          topology%arcs(topology%seq(loop, q))%dyad = 2
-         topology%joint(loop) = dyad_type(set, topology, loop, p, q)
-         if (topology%joint(loop) == 0) then
+         topology%joint(loop) = kind_of_dyad(topology%arcs(topology%seq(loop, p):topology%seq(loop, q))%kind == arc_slide, &
+                                             [-set%iloop(p, loop) == q, -set%iloop(q, loop) == p])
+         if (topology%joint(loop) == assur_none) then
             call complain(set, 'ILOOP', loop, 0, 'has an undetermined pair that is none of the eight dyads: two slides that '// &
                           'guide each other', findings)
          end if
@@ -287,35 +290,6 @@ contains
       end do
       call check_order(set, topology, findings)
    end subroutine find_dyads
-
-   !> Type 1 to 8 of the dyad (table of spec section 1); 0 if it is none.
-   pure integer function dyad_type(set, topology, loop, p, q) result(joint)
-      type(data_set_t), intent(in) :: set
-      type(topology_t), intent(in) :: topology
-      integer, intent(in) :: loop, p, q
-      logical :: p_slides, q_slides
-      integer :: guide_p, guide_q
-
-      p_slides = topology%arcs(topology%seq(loop, p))%kind == arc_slide
-      q_slides = topology%arcs(topology%seq(loop, q))%kind == arc_slide
-      guide_p = -set%iloop(p, loop)
-      guide_q = -set%iloop(q, loop)
-      if (.not. p_slides .and. .not. q_slides) then
-         joint = 1
-      else if (p_slides .and. .not. q_slides) then
-         joint = merge(2, 5, guide_p == q)
-      else if (.not. p_slides .and. q_slides) then
-         joint = merge(3, 4, guide_q == p)
-      else if (guide_p == q .and. guide_q == p) then
-         joint = 0
-      else if (guide_p == q) then
-         joint = 6
-      else if (guide_q == p) then
-         joint = 7
-      else
-         joint = 8
-      end if
-   end function dyad_type
 
    !> Types 1, 2, 3: both entries state the same fact and must agree, unless the guide has no length.
    subroutine check_closure_entries(set, topology, dimensions, loop, p, q, findings)
@@ -325,22 +299,33 @@ contains
       integer, intent(in) :: loop, p, q
       type(diagnostics_t), intent(inout) :: findings
 
-      select case (topology%joint(loop))
-      case (1)
-         continue
-      case (2)
-         if (dimensions%arcl(topology%seq(loop, q)) <= 0.0_wp) return
-      case (3)
-         if (dimensions%arcl(topology%seq(loop, p)) <= 0.0_wp) return
-      case default
-         return
-      end select
+      type(form_t) :: form
+      integer :: guide
+
+      form = form_of(topology%joint(loop))
+      if (any(form%direction == direction_known)) return
+      guide = guide_of_dyad(topology, loop)
+      if (guide > 0) then
+         if (dimensions%arcl(topology%seq(loop, guide)) <= 0.0_wp) return
+      end if
       if (sign(1, set%ilink(p, loop)) /= sign(1, set%ilink(q, loop))) then
          call complain(set, 'ILINK', loop, 0, 'has undetermined arcs '//to_text(p)//' and '//to_text(q)//' of opposite sign; '// &
                        'for this dyad both are positive when the joint they share lies to the right of the line from the '// &
                        'start of the first to the finish of the second', findings)
       end if
    end subroutine check_closure_entries
+
+   !> Arc of a loop that guides its partner in an RPR dyad; 0: the loop's dyad is another.
+   pure integer function guide_of_dyad(topology, loop) result(guide)
+      type(topology_t), intent(in) :: topology
+      integer, intent(in) :: loop
+      type(form_t) :: form
+
+      guide = 0
+      form = form_of(topology%joint(loop))
+      if (count(form%slides) == 1 .and. .not. any(form%direction == direction_known)) &
+         guide = topology%larcx(findloc(form%slides, .false., dim=1), loop)
+   end function guide_of_dyad
 
    !> Determined arcs of a loop may not hang on the loop's own unknowns, and guides must be known or be the partner.
    subroutine check_order(set, topology, findings)
@@ -609,9 +594,7 @@ contains
       do loop = 1, set%nloop
          do a = 1, topology%loopl(loop)
             n = topology%seq(loop, a)
-            guide = 0
-            if (topology%joint(loop) == 2) guide = topology%larcx(2, loop)
-            if (topology%joint(loop) == 3) guide = topology%larcx(1, loop)
+            guide = guide_of_dyad(topology, loop)
             select case (topology%arcs(n)%kind)
             case (arc_link)
                if (dimensions%arcl(n) == 0.0_wp .and. a /= guide) then

@@ -1,4 +1,4 @@
-!> Kernels of the derivatives: one arc, one point, one dyad, for many positions at once.
+!> Kernels of arcs and points, which no kind of Assur group owns: vectors, their derivatives, the reverse of both.
 !>
 !> An arc L e, with e a unit vector whose angle has the derivatives w1, w2, w3 and L the derivatives l1, l2, l3, has
 !>   order 1: l1 e + w1 L i e
@@ -6,15 +6,15 @@
 !>   order 3: (l3 - 3 w1**2 l1 - 3 w1 w2 L) e + (3 w1 l2 + 3 w2 l1 + (w3 - w1**3) L) i e
 !> Derivatives are with respect to one parameter: the input, a dimension. A dyad's unknowns x1, x2 of the highest order obey
 !> c1 x1 + c2 x2 = g with the same matrix in every order. All arrays have the shape (n). Derivation: `doc/theory.md`, Rates.
-module psalm_rate_kernels
+module psalm_arc_kernels
    use psalm_kinds, only: wp
    implicit none (type, external)
    private
    public :: arc_vector, add_arc_rate, add_arc_change, difference
    public :: point_back, dyad_back, arc_back
    public :: invert_columns, solve_columns, quarter_turn_of_sum
-   public :: link_pair_change, link_pair_second, link_pair_third, turn_point_twice, turn_point_third
-   public :: slide_point_twice, projections_twice
+   public :: turn_point_twice, turn_point_third, slide_point_twice
+   public :: least
 
    real(wp), parameter :: least = tiny(1.0_wp)**0.25_wp !! guards a division
 
@@ -123,66 +123,18 @@ contains
       end do
    end subroutine solve_columns
 
-   !> Link pair, first and second order in one pass; the inverse of the sine between the links is kept.
-   !>
-   !> Where the square of the sine is not above `limit` (a dead point) the inverse is zero.
-   pure subroutine link_pair_second(n, p, q, limit, sx1, sy1, ex1, ey1, sx2, sy2, ex2, ey2, px, py, qx, qy, inverse, sine2, wp1, &
-                                    wq1, wp2, wq2)
+   !> c = i (a + b): the column of an angle that turns both arcs of a dyad.
+   pure subroutine quarter_turn_of_sum(n, ax, ay, bx, by, cx, cy)
       integer, intent(in) :: n
-      real(wp), intent(in) :: p, q, limit
-      real(wp), intent(in) :: sx1(n), sy1(n), ex1(n), ey1(n)  !! first derivatives of S and E
-      real(wp), intent(in) :: sx2(n), sy2(n), ex2(n), ey2(n)  !! second derivatives of S and E
-      real(wp), intent(in) :: px(n), py(n), qx(n), qy(n)
-      real(wp), intent(out) :: inverse(n), sine2(n), wp1(n), wq1(n), wp2(n), wq2(n)
-      real(wp) :: gx, gy, sine, to_p, to_q, along_p, along_q
+      real(wp), intent(in) :: ax(n), ay(n), bx(n), by(n)
+      real(wp), intent(out) :: cx(n), cy(n)
       integer :: i
 
-      to_p = 1.0_wp/p
-      to_q = -1.0_wp/q
       do i = 1, n
-         sine = px(i)*qy(i) - py(i)*qx(i)
-         sine2(i) = sine*sine
-         sine = 1.0_wp/sign(max(abs(sine), least), sine)
-         sine = merge(sine, 0.0_wp, sine2(i) > limit)
-         inverse(i) = sine
-         gx = ex1(i) - sx1(i)
-         gy = ey1(i) - sy1(i)
-         along_p = (gx*qx(i) + gy*qy(i))*(sine*to_p)
-         along_q = (gx*px(i) + gy*py(i))*(sine*to_q)
-         wp1(i) = along_p
-         wq1(i) = along_q
-         along_p = p*along_p*along_p
-         along_q = q*along_q*along_q
-         gx = ex2(i) - sx2(i) + along_p*px(i) + along_q*qx(i)
-         gy = ey2(i) - sy2(i) + along_p*py(i) + along_q*qy(i)
-         wp2(i) = (gx*qx(i) + gy*qy(i))*(sine*to_p)
-         wq2(i) = (gx*px(i) + gy*py(i))*(sine*to_q)
+         cx(i) = -(ay(i) + by(i))
+         cy(i) = ax(i) + bx(i)
       end do
-   end subroutine link_pair_second
-
-   !> Link pair, third order.
-   pure subroutine link_pair_third(n, p, q, sx, sy, ex, ey, px, py, qx, qy, inverse, wp1, wq1, wp2, wq2, wp3, wq3)
-      integer, intent(in) :: n
-      real(wp), intent(in) :: p, q
-      real(wp), intent(in) :: sx(n), sy(n), ex(n), ey(n)  !! third derivatives of S and E
-      real(wp), intent(in) :: px(n), py(n), qx(n), qy(n), inverse(n), wp1(n), wq1(n), wp2(n), wq2(n)
-      real(wp), intent(out) :: wp3(n), wq3(n)
-      real(wp) :: gx, gy, to_p, to_q, along_p, along_q, across_p, across_q
-      integer :: i
-
-      to_p = 1.0_wp/p
-      to_q = -1.0_wp/q
-      do i = 1, n
-         along_p = 3.0_wp*p*wp1(i)*wp2(i)
-         along_q = 3.0_wp*q*wq1(i)*wq2(i)
-         across_p = p*wp1(i)**3
-         across_q = q*wq1(i)**3
-         gx = ex(i) - sx(i) + along_p*px(i) + along_q*qx(i) - across_p*py(i) - across_q*qy(i)
-         gy = ey(i) - sy(i) + along_p*py(i) + along_q*qy(i) + across_p*px(i) + across_q*qx(i)
-         wp3(i) = (gx*qx(i) + gy*qy(i))*(inverse(i)*to_p)
-         wq3(i) = (gx*px(i) + gy*py(i))*(inverse(i)*to_q)
-      end do
-   end subroutine link_pair_third
+   end subroutine quarter_turn_of_sum
 
    !> Point at the end of an arc of fixed length, first and second order in one pass.
    pure subroutine turn_point_twice(n, ax, ay, fx1, fy1, fx2, fy2, rx, ry, w1, w2, tx1, ty1, tx2, ty2)
@@ -241,54 +193,6 @@ contains
          ty2(i) = fy2(i) + along*y + across*x
       end do
    end subroutine slide_point_twice
-
-   !> Types 6 and 7, first and second order: both slides are projections of h on directions that turn together.
-   !>
-   !> L = h.u gives L' = h'.u + w1 h.iu and L'' = h''.u + 2 w1 h'.iu + (w2 iu - w1**2 u).h.
-   pure subroutine projections_twice(n, sx, sy, ex, ey, sx1, sy1, ex1, ey1, sx2, sy2, ex2, ey2, rx, ry, w1, w2, cp, dp, cq, dq, &
-                                     p1, q1, p2, q2)
-      integer, intent(in) :: n
-      real(wp), intent(in) :: sx(n), sy(n), ex(n), ey(n)      !! S and E
-      real(wp), intent(in) :: sx1(n), sy1(n), ex1(n), ey1(n)  !! their first derivatives
-      real(wp), intent(in) :: sx2(n), sy2(n), ex2(n), ey2(n)  !! their second derivatives
-      real(wp), intent(in) :: rx(n), ry(n), w1(n), w2(n)      !! root and derivatives of its angle
-      real(wp), intent(in) :: cp, dp, cq, dq                  !! directions of the slides in the axes of the root
-      real(wp), intent(out) :: p1(n), q1(n), p2(n), q2(n)
-      real(wp) :: along, across, along1, across1, along2, across2
-      integer :: i
-
-      do i = 1, n
-         ! h and its derivatives in the axes of the root
-         along = (ex(i) - sx(i))*rx(i) + (ey(i) - sy(i))*ry(i)
-         across = (ey(i) - sy(i))*rx(i) - (ex(i) - sx(i))*ry(i)
-         along1 = (ex1(i) - sx1(i))*rx(i) + (ey1(i) - sy1(i))*ry(i)
-         across1 = (ey1(i) - sy1(i))*rx(i) - (ex1(i) - sx1(i))*ry(i)
-         along2 = (ex2(i) - sx2(i))*rx(i) + (ey2(i) - sy2(i))*ry(i)
-         across2 = (ey2(i) - sy2(i))*rx(i) - (ex2(i) - sx2(i))*ry(i)
-         ! what an observer on the root sees
-         along2 = along2 + 2.0_wp*w1(i)*across1 + w2(i)*across - w1(i)*w1(i)*along
-         across2 = across2 - 2.0_wp*w1(i)*along1 - w2(i)*along - w1(i)*w1(i)*across
-         along1 = along1 + w1(i)*across
-         across1 = across1 - w1(i)*along
-         p1(i) = along1*cp + across1*dp
-         q1(i) = along1*cq + across1*dq
-         p2(i) = along2*cp + across2*dp
-         q2(i) = along2*cq + across2*dq
-      end do
-   end subroutine projections_twice
-
-   !> c = i (a + b): the column of an angle that turns both arcs of a dyad.
-   pure subroutine quarter_turn_of_sum(n, ax, ay, bx, by, cx, cy)
-      integer, intent(in) :: n
-      real(wp), intent(in) :: ax(n), ay(n), bx(n), by(n)
-      real(wp), intent(out) :: cx(n), cy(n)
-      integer :: i
-
-      do i = 1, n
-         cx(i) = -(ay(i) + by(i))
-         cy(i) = ax(i) + bx(i)
-      end do
-   end subroutine quarter_turn_of_sum
 
    !> Changes of one dimension: t = f + factor * ((dl + l1) e + (dw + w1) L i e).
    !>
@@ -358,19 +262,4 @@ contains
          along(i) = -(gx(i)*ex(i) + gy(i)*ey(i))
       end do
    end subroutine arc_back
-
-   !> Change of the cosine of a link pair's transmission angle: base + slope*reach - factor*(h . h').
-   pure subroutine link_pair_change(n, sx, sy, ex, ey, dsx, dsy, dex, dey, reach, base, slope, factor, change)
-      integer, intent(in) :: n
-      real(wp), intent(in) :: sx(n), sy(n), ex(n), ey(n)     !! outer joints S and E
-      real(wp), intent(in) :: dsx(n), dsy(n), dex(n), dey(n) !! their changes
-      real(wp), intent(in) :: reach(n)                       !! h**2
-      real(wp), intent(in) :: base, slope, factor            !! parts that hang on the links
-      real(wp), intent(out) :: change(n)
-      integer :: i
-
-      do i = 1, n
-         change(i) = base + slope*reach(i) - factor*((ex(i) - sx(i))*(dex(i) - dsx(i)) + (ey(i) - sy(i))*(dey(i) - dsy(i)))
-      end do
-   end subroutine link_pair_change
-end module psalm_rate_kernels
+end module psalm_arc_kernels

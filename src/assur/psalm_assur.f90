@@ -1,0 +1,314 @@
+!> Assur groups: the one place that knows which kind of dyad is which.
+!>
+!> Each verb - bind, solve, form, differentiate, closure, its change, error bounds, breach, repair - goes to the file of the
+!> dyad's kind. A new kind is a new file and a line in each verb here.
+module psalm_assur
+   use psalm_dyad, only: dyad_t, form_t, breach_t, form_of, assur_none, assur_rrr, assur_rpr, assur_rpr_guide_first, assur_rrp, &
+                         assur_prr, assur_rpp, assur_ppr, assur_prp
+   use psalm_frames, only: frames_t, form_arc, dyad_rate, rows_of_arc, sine_row
+   use psalm_kinds, only: wp
+   use psalm_prp, only: bind_prp, solve_prp, form_prp, bounds_prp, breach_prp
+   use psalm_rows, only: rows_t
+   use psalm_rpp, only: bind_rpp, solve_rpp, form_rpp, rates_twice_rpp, bounds_rpp
+   use psalm_rpr, only: bind_rpr, solve_rpr, form_rpr, measure_rpr, change_of_measure_rpr, bounds_rpr, breach_rpr, repair_rpr
+   use psalm_rrp, only: bind_rrp, solve_rrp, form_rrp, measure_rrp, change_of_measure_rrp, bounds_rrp, breach_rrp, repair_rrp
+   use psalm_rrr, only: bind_rrr, solve_rrr, form_rrr, rates_rrr, measure_rrr, change_of_measure_rrr, bounds_rrr, breach_rrr, &
+                        repair_rrr
+   implicit none (type, external)
+   private
+   public :: kind_of_dyad, sign_of_dyad, mark_unknowns, bind_dyad, solve_dyad, form_dyad, differentiate_dyad, is_dead_dyad
+   public :: closure_of, change_of_closure, bounds_of_dyad, breach_of, repair_dyad, is_orthogonal
+
+   real(wp), parameter :: dead_by_root = 64.0_wp*epsilon(1.0_wp) !! square of the sine below which a triangle is flat
+   real(wp), parameter :: dead_by_angle = dead_by_root**2        !! the same where the sine itself is computed
+
+contains
+
+   !> Kind of a dyad from what slides and what guides what; `assur_none` if two slides guide each other.
+   pure integer function kind_of_dyad(slides, guided_by_partner) result(kind)
+      logical, intent(in) :: slides(2)             !! p, q: its length varies
+      logical, intent(in) :: guided_by_partner(2)  !! p, q: the other arc of the dyad guides it
+
+      if (.not. any(slides)) then
+         kind = assur_rrr
+      else if (slides(1) .and. .not. slides(2)) then
+         kind = merge(assur_rpr, assur_prr, guided_by_partner(1))
+      else if (slides(2) .and. .not. slides(1)) then
+         kind = merge(assur_rpr_guide_first, assur_rrp, guided_by_partner(2))
+      else if (all(guided_by_partner)) then
+         kind = assur_none
+      else if (guided_by_partner(1)) then
+         kind = assur_rpp
+      else if (guided_by_partner(2)) then
+         kind = assur_ppr
+      else
+         kind = assur_prp
+      end if
+   end function kind_of_dyad
+
+   !> Assembly mode, +1 or -1, from the signs of both arcs and, for a slide, the sense of the right angle to its guide.
+   pure integer function sign_of_dyad(kind, sign, turn)
+      integer, intent(in) :: kind
+      integer, intent(in) :: sign(2), turn(2)      !! p, q: sign of ILINK; +1 if the slide is anticlockwise from its guide
+
+      select case (kind)
+      case (assur_rrr, assur_rrp)
+         sign_of_dyad = sign(1)
+      case (assur_rpr)
+         sign_of_dyad = -turn(1)
+      case (assur_rpr_guide_first)
+         sign_of_dyad = turn(2)
+      case (assur_prr)
+         sign_of_dyad = sign(2)
+      case default
+         sign_of_dyad = 1
+      end select
+   end function sign_of_dyad
+
+   !> Enter the rows of what the dyad finds, in the order of p and q, a direction before a length.
+   pure subroutine mark_unknowns(dyad)
+      type(dyad_t), intent(inout) :: dyad
+
+      select case (dyad%kind)
+      case (assur_rrr)
+         dyad%unknown = [dyad%p_x, dyad%q_x]
+      case (assur_rpr)
+         dyad%unknown = [dyad%p_x, dyad%slide_p]
+      case (assur_rpr_guide_first, assur_rrp)
+         dyad%unknown = [dyad%p_x, dyad%slide_q]
+      case (assur_prr)
+         dyad%unknown = [dyad%slide_p, dyad%q_x]
+      case default
+         dyad%unknown = [dyad%slide_p, dyad%slide_q]
+      end select
+   end subroutine mark_unknowns
+
+   !> Limits of the closure measure for the dyad's present lengths.
+   pure subroutine bind_dyad(dyad, cosine_lowest)
+      type(dyad_t), intent(inout) :: dyad
+      real(wp), intent(in) :: cosine_lowest        !! cosine of the smallest transmission angle allowed
+
+      select case (dyad%kind)
+      case (assur_rrr)
+         call bind_rrr(dyad, cosine_lowest)
+         return
+      case (assur_rpr, assur_rpr_guide_first)
+         call bind_rpr(dyad)
+      case (assur_rrp, assur_prr)
+         call bind_rrp(dyad)
+      case (assur_rpp, assur_ppr)
+         call bind_rpp(dyad)
+      case default
+         call bind_prp(dyad)
+      end select
+      dyad%accepts_low = dyad%closes_low
+      dyad%accepts_high = dyad%closes_high
+   end subroutine bind_dyad
+
+   !> Unknowns and closure measure at `n` positions.
+   pure subroutine solve_dyad(n, dyad, store)
+      integer, intent(in) :: n                     !! positions, padded
+      type(dyad_t), intent(in) :: dyad
+      type(rows_t), intent(inout) :: store
+
+      select case (dyad%kind)
+      case (assur_rrr)
+         call solve_rrr(n, dyad, store)
+      case (assur_rpr, assur_rpr_guide_first)
+         call solve_rpr(n, dyad, store)
+      case (assur_rrp, assur_prr)
+         call solve_rrp(n, dyad, store)
+      case (assur_rpp, assur_ppr)
+         call solve_rpp(n, dyad, store)
+      case default
+         call solve_prp(n, dyad, store)
+      end select
+   end subroutine solve_dyad
+
+   !> Vectors of both arcs and the inverse matrix, into `rows_of_dyad` rows from `at` on.
+   subroutine form_dyad(n, dyad, angle_x, angle_y, store, at, frames)
+      integer, intent(in) :: n, at
+      type(dyad_t), intent(in) :: dyad
+      real(wp), intent(in) :: angle_x(:), angle_y(:) !! by arc: cosine, sine of its fixed angle
+      type(rows_t), intent(in) :: store
+      type(frames_t), intent(inout) :: frames
+      real(wp) :: limit
+
+      call form_arc(n, store, dyad%p_x, dyad%p_y, angle_x(dyad%arc_p), angle_y(dyad%arc_p), dyad%p, dyad%slide_p, frames, at)
+      call form_arc(n, store, dyad%q_x, dyad%q_y, angle_x(dyad%arc_q), angle_y(dyad%arc_q), dyad%q, dyad%slide_q, frames, &
+                    at + rows_of_arc)
+      limit = dead_limit(dyad%kind)
+      select case (dyad%kind)
+      case (assur_rrr)
+         call form_rrr(n, limit, at, frames)
+      case (assur_rpr, assur_rpr_guide_first)
+         call form_rpr(n, limit, dyad, at, frames)
+      case (assur_rrp, assur_prr)
+         call form_rrp(n, limit, dyad, at, frames)
+      case (assur_rpp, assur_ppr)
+         call form_rpp(n, limit, at, frames)
+      case default
+         call form_prp(n, limit, at, frames)
+      end select
+   end subroutine form_dyad
+
+   !> Derivatives of the unknowns by the input, orders 1 to `orders` (2 or 3).
+   subroutine differentiate_dyad(n, orders, dyad, angle_x, angle_y, store, at, frames, d)
+      integer, intent(in) :: n, orders, at
+      type(dyad_t), intent(in) :: dyad
+      real(wp), intent(in) :: angle_x(:), angle_y(:)
+      type(rows_t), intent(in) :: store
+      type(frames_t), intent(inout) :: frames
+      type(rows_t), intent(inout) :: d(:)          !! by order
+      integer :: order
+
+      if (dyad%kind == assur_rrr) then
+         call rates_rrr(n, orders, dead_by_root, dyad, store, at, frames, d)
+      else if (orders == 2 .and. is_orthogonal(dyad%kind)) then
+         call rates_twice_rpp(n, dyad, store, d)
+      else
+         call form_dyad(n, dyad, angle_x, angle_y, store, at, frames)
+         do order = 1, orders
+            call dyad_rate(n, order, dyad, frames, at, d)
+         end do
+      end if
+   end subroutine differentiate_dyad
+
+   !> True for two slides that are always at right angles: their matrix always has an inverse, and need not be formed.
+   pure logical function is_orthogonal(kind)
+      integer, intent(in) :: kind
+
+      is_orthogonal = kind == assur_rpp .or. kind == assur_ppr
+   end function is_orthogonal
+
+   !> True where the matrix of a dyad has no inverse at position i: a dead point, rates are infinite.
+   pure logical function is_dead_dyad(kind, frames, at, i)
+      integer, intent(in) :: kind, at, i
+      type(frames_t), intent(in) :: frames
+
+      is_dead_dyad = frames%work%v(i, at + sine_row) <= dead_limit(kind)
+   end function is_dead_dyad
+
+   !> Square of the sine at and below which a dyad of this kind is at a dead point.
+   pure real(wp) function dead_limit(kind)
+      integer, intent(in) :: kind
+      type(form_t) :: form
+
+      form = form_of(kind)
+      dead_limit = merge(dead_by_root, dead_by_angle, form%by_root)
+   end function dead_limit
+
+   !> How near a dyad is to its limit: it closes, with `clearance` to spare, while abs(k) <= 1. Dimensionless and smooth across
+   !> closing: RRR the cosine of the transmission angle; RPR guide and clearance over distance; RRP offset and clearance over
+   !> link; others 0.
+   pure subroutine closure_of(n, dyad, store, clearance, k)
+      integer, intent(in) :: n
+      type(dyad_t), intent(in) :: dyad
+      type(rows_t), intent(in) :: store
+      real(wp), intent(in) :: clearance            !! TOGGLE, scaled as lengths are
+      real(wp), intent(out) :: k(:)                !! shape (n)
+
+      select case (dyad%kind)
+      case (assur_rrr)
+         call measure_rrr(n, dyad, store, k)
+      case (assur_rpr, assur_rpr_guide_first)
+         call measure_rpr(n, dyad, store, clearance, k)
+      case (assur_rrp, assur_prr)
+         call measure_rrp(n, dyad, store, clearance, k)
+      case default
+         k = 0.0_wp
+      end select
+   end subroutine closure_of
+
+   !> Change of `closure_of` with a variable.
+   pure subroutine change_of_closure(n, dyad, store, d, clearance, unit, dp, dq, turn_p, turn_q, dk)
+      integer, intent(in) :: n
+      type(dyad_t), intent(in) :: dyad
+      type(rows_t), intent(in) :: store
+      type(rows_t), intent(in) :: d                !! changes of all rows
+      real(wp), intent(in) :: clearance
+      real(wp), intent(in) :: unit                 !! radians a unit of the variable is worth, or 1
+      real(wp), intent(in) :: dp, dq               !! changes of the lengths
+      real(wp), intent(in) :: turn_p, turn_q       !! turns of the fixed angles
+      real(wp), intent(out) :: dk(:)               !! shape (n)
+
+      select case (dyad%kind)
+      case (assur_rrr)
+         call change_of_measure_rrr(n, dyad, store, d, unit, dp, dq, dk)
+      case (assur_rpr, assur_rpr_guide_first)
+         call change_of_measure_rpr(n, dyad, store, d, clearance, unit, dp, dq, dk)
+      case (assur_rrp, assur_prr)
+         call change_of_measure_rrp(n, dyad, store, d, clearance, unit, dp, dq, turn_p, turn_q, dk)
+      case default
+         dk = 0.0_wp
+      end select
+   end subroutine change_of_closure
+
+   !> First-order bounds of the errors of the unknowns at position i, in units of epsilon, in the order of `dyad%unknown`.
+   pure subroutine bounds_of_dyad(dyad, store, i, s, e, direction, worst, bound)
+      type(dyad_t), intent(in) :: dyad
+      type(rows_t), intent(in) :: store
+      integer, intent(in) :: i
+      real(wp), intent(in) :: s, e                 !! bounds of the outer joints, length
+      real(wp), intent(in) :: direction(2)         !! bounds of the directions of p and q, radians, where they are known
+      real(wp), intent(in) :: worst                !! larger factors say nothing more
+      real(wp), intent(out) :: bound(2)
+      real(wp) :: h, gap
+
+      associate (v => store%v)
+         h = hypot(v(i, dyad%e_x) - v(i, dyad%s_x), v(i, dyad%e_y) - v(i, dyad%s_y))
+         gap = s + e + h
+         select case (dyad%kind)
+         case (assur_rrr)
+            call bounds_rrr(dyad, v(i, dyad%measure), s, e, worst, bound)
+         case (assur_rpr, assur_rpr_guide_first)
+            call bounds_rpr(dyad, v(i, dyad%unknown(2)), h, gap, worst, bound)
+         case (assur_rrp, assur_prr)
+            call bounds_rrp(dyad, v(i, dyad%measure), h, gap, direction, bound)
+         case (assur_rpp, assur_ppr)
+            call bounds_rpp(h, gap, direction, bound)
+         case default
+            call bounds_prp(v(i, dyad%measure), [v(i, dyad%slide_p), v(i, dyad%slide_q)], h, gap, direction, bound)
+         end select
+      end associate
+   end subroutine bounds_of_dyad
+
+   !> What is wrong at a position whose closure measure is not accepted; lengths scaled as those of the dyad.
+   pure type(breach_t) function breach_of(dyad, measure, closes) result(breach)
+      type(dyad_t), intent(in) :: dyad
+      real(wp), intent(in) :: measure
+      logical, intent(in) :: closes                !! only the transmission angle is out of its limits
+
+      select case (dyad%kind)
+      case (assur_rrr)
+         breach = breach_rrr(dyad, measure, closes)
+      case (assur_rpr, assur_rpr_guide_first)
+         breach = breach_rpr(dyad, measure)
+      case (assur_rrp, assur_prr)
+         breach = breach_rrp(dyad, measure)
+      case default
+         breach = breach_prp()
+      end select
+   end function breach_of
+
+   !> Lengths with which the dyad is accepted at every position. Source: Oldham (1977), section 6.3.
+   pure subroutine repair_dyad(kind, measure, tangle, toggle, vary, length, repaired)
+      integer, intent(in) :: kind
+      real(wp), intent(in) :: measure(:)           !! shape (positions), user's unit
+      real(wp), intent(in) :: tangle, toggle       !! TANGLE, TOGGLE
+      logical, intent(in) :: vary(2)               !! p, q: the length may change
+      real(wp), intent(inout) :: length(2)         !! p, q
+      logical, intent(out) :: repaired             !! false: nothing helps
+
+      select case (kind)
+      case (assur_rrr)
+         call repair_rrr(measure, tangle, vary, length, repaired)
+      case (assur_rpr, assur_rpr_guide_first)
+         call repair_rpr(kind, measure, toggle, vary, length, repaired)
+      case (assur_rrp, assur_prr)
+         call repair_rrp(kind, measure, toggle, vary, length, repaired)
+      case default
+         repaired = .false.
+      end select
+   end subroutine repair_dyad
+end module psalm_assur

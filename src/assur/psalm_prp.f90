@@ -1,0 +1,95 @@
+!> Dyad PRP: two slides along known directions, a revolute joint between them.
+!>
+!> Closure measure: the sine of the angle between the slides; the dyad closes while it is not zero.
+module psalm_prp
+   use psalm_dyad, only: dyad_t, breach_t, violation_parallel
+   use psalm_frames, only: frames_t, invert, rows_of_arc
+   use psalm_kinds, only: wp
+   use psalm_rows, only: rows_t
+   implicit none (type, external)
+   private
+   public :: bind_prp, solve_prp, form_prp, bounds_prp, breach_prp
+   public :: solve_two_slides
+
+
+   real(wp), parameter :: least_sine = 16.0_wp*epsilon(1.0_wp) !! two slides at a smaller angle are parallel
+
+contains
+
+   !> Limits of the measure.
+   pure subroutine bind_prp(dyad)
+      type(dyad_t), intent(inout) :: dyad
+
+      dyad%closes_low = least_sine
+      dyad%closes_high = 2.0_wp
+   end subroutine bind_prp
+
+   !> Lengths of both slides.
+   pure subroutine solve_prp(n, dyad, store)
+      integer, intent(in) :: n
+      type(dyad_t), intent(in) :: dyad
+      type(rows_t), intent(inout) :: store
+
+      associate (v => store%v)
+         call solve_two_slides(n, v(1, dyad%s_x), v(1, dyad%s_y), v(1, dyad%e_x), v(1, dyad%e_y), v(1, dyad%p_x), &
+                               v(1, dyad%p_y), dyad%px, dyad%py, v(1, dyad%q_x), v(1, dyad%q_y), dyad%qx, dyad%qy, &
+                               v(1, dyad%slide_p), v(1, dyad%slide_q), v(1, dyad%measure))
+      end associate
+   end subroutine solve_prp
+
+   !> Inverse matrix of the slides' directions.
+   subroutine form_prp(n, limit, at, frames)
+      integer, intent(in) :: n, at
+      real(wp), intent(in) :: limit
+      type(frames_t), intent(inout) :: frames
+
+      call invert(n, limit, at, at + rows_of_arc, at, frames)
+   end subroutine form_prp
+
+   !> First-order bounds of the errors of both lengths.
+   pure subroutine bounds_prp(measure, slide, h, gap, direction, bound)
+      real(wp), intent(in) :: measure, h, gap
+      real(wp), intent(in) :: slide(2)        !! lengths of p and q
+      real(wp), intent(in) :: direction(2)    !! bounds of their directions
+      real(wp), intent(out) :: bound(2)
+      real(wp) :: sine
+
+      sine = max(measure, epsilon(1.0_wp))
+      bound = (gap + h*direction([2, 1]) + abs(slide)*(direction(1) + direction(2) + 1.0_wp))/sine
+   end subroutine bounds_prp
+
+   !> What is wrong at a position whose measure is not accepted.
+   pure type(breach_t) function breach_prp() result(breach)
+
+      breach%kind = violation_parallel
+   end function breach_prp
+
+   ! ---- kernels -----------------------------------------------------------------------------------------------------
+
+   !> Two slides along known directions; two linear equations.
+   !>
+   !> `reach` is the sine of the angle between p and q: closed while it is not zero.
+   pure subroutine solve_two_slides(n, sx, sy, ex, ey, rx, ry, cp, dp, tx, ty, cq, dq, slide_p, slide_q, reach)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: sx(n), sy(n), ex(n), ey(n)
+      real(wp), intent(in) :: rx(n), ry(n), cp, dp !! root of p, and the fixed angle from it to p
+      real(wp), intent(in) :: tx(n), ty(n), cq, dq !! likewise for q
+      real(wp), intent(out) :: slide_p(n), slide_q(n), reach(n) !! signed lengths; sine
+      real(wp) :: hx, hy, ux, uy, vx, vy, det
+      integer :: i
+
+      do i = 1, n
+         hx = ex(i) - sx(i)
+         hy = ey(i) - sy(i)
+         ux = cp*rx(i) - dp*ry(i)
+         uy = cp*ry(i) + dp*rx(i)
+         vx = cq*tx(i) - dq*ty(i)
+         vy = cq*ty(i) + dq*tx(i)
+         det = ux*vy - uy*vx
+         reach(i) = abs(det)
+         det = 1.0_wp/sign(max(abs(det), epsilon(1.0_wp)**2), det)
+         slide_p(i) = (hx*vy - hy*vx)*det
+         slide_q(i) = (ux*hy - uy*hx)*det
+      end do
+   end subroutine solve_two_slides
+end module psalm_prp

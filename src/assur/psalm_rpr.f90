@@ -1,0 +1,207 @@
+!> Dyad RPR: a slide between two revolute joints, guided at right angles by the other arc, the guide.
+!>
+!> Slide p with guide q, or guide p with slide q. Closure measure: the squared distance h**2 of the outer joints; the dyad
+!> closes while h is not shorter than the guide. Notes of `psalm_rrr` on kernels hold here too.
+module psalm_rpr
+   use psalm_dyad, only: dyad_t, breach_t, assur_rpr, violation_too_long, violation_undetermined
+   use psalm_frames, only: frames_t, turned_column, invert, rows_of_arc
+   use psalm_kinds, only: wp
+   use psalm_rows, only: rows_t
+   implicit none (type, external)
+   private
+   public :: bind_rpr, solve_rpr, form_rpr, measure_rpr, change_of_measure_rpr, bounds_rpr, breach_rpr, repair_rpr, guide_of
+   public :: solve_slide_on_q, solve_slide_on_p
+
+
+   real(wp), parameter :: least_square = 4.0_wp*tiny(1.0_wp) !! guards a division; such a dyad is reported as open
+   real(wp), parameter :: rounding = 64.0_wp*epsilon(1.0_wp) !! relative width of a limit of closure
+
+contains
+
+   !> Length of the guide.
+   pure real(wp) function guide_of(dyad)
+      type(dyad_t), intent(in) :: dyad
+
+      guide_of = merge(dyad%q, dyad%p, dyad%kind == assur_rpr)
+   end function guide_of
+
+   !> Limits of the measure.
+   pure subroutine bind_rpr(dyad)
+      type(dyad_t), intent(inout) :: dyad
+      real(wp) :: guide
+
+      guide = guide_of(dyad)
+      dyad%closes_low = max(guide*guide*(1.0_wp - rounding), tiny(guide))
+      dyad%closes_high = huge(guide)
+   end subroutine bind_rpr
+
+   !> Direction and length of the slide.
+   pure subroutine solve_rpr(n, dyad, store)
+      integer, intent(in) :: n
+      type(dyad_t), intent(in) :: dyad
+      type(rows_t), intent(inout) :: store
+
+      associate (v => store%v, sx => dyad%s_x, sy => dyad%s_y, ex => dyad%e_x, ey => dyad%e_y, px => dyad%p_x, py => dyad%p_y)
+         if (dyad%kind == assur_rpr) then
+            call solve_slide_on_q(n, v(1, sx), v(1, sy), v(1, ex), v(1, ey), dyad%q, dyad%sign, v(1, px), v(1, py), &
+                                  v(1, dyad%slide_p), v(1, dyad%measure))
+         else
+            call solve_slide_on_p(n, v(1, sx), v(1, sy), v(1, ex), v(1, ey), dyad%p, dyad%sign, v(1, px), v(1, py), &
+                                  v(1, dyad%slide_q), v(1, dyad%measure))
+         end if
+      end associate
+   end subroutine solve_rpr
+
+   !> Inverse matrix: an angle that turns both arcs, and the slide.
+   subroutine form_rpr(n, limit, dyad, at, frames)
+      integer, intent(in) :: n, at
+      real(wp), intent(in) :: limit
+      type(dyad_t), intent(in) :: dyad
+      type(frames_t), intent(inout) :: frames
+
+      call turned_column(n, frames, at, at + rows_of_arc, 1)
+      call invert(n, limit, frames%scratch, merge(at, at + rows_of_arc, dyad%kind == assur_rpr), at, frames)
+   end subroutine form_rpr
+
+   !> Guide and clearance over distance: the dyad closes, with the clearance to spare, while it is at most 1.
+   pure subroutine measure_rpr(n, dyad, store, clearance, k)
+      integer, intent(in) :: n
+      type(dyad_t), intent(in) :: dyad
+      type(rows_t), intent(in) :: store
+      real(wp), intent(in) :: clearance
+      real(wp), intent(out) :: k(:)
+
+      k = (guide_of(dyad) + clearance)/sqrt(max(store%v(1:n, dyad%measure), tiny(1.0_wp)))
+   end subroutine measure_rpr
+
+   !> Change of that with a variable that changes the lengths by `dp`, `dq` and moves the outer joints.
+   pure subroutine change_of_measure_rpr(n, dyad, store, d, clearance, unit, dp, dq, dk)
+      integer, intent(in) :: n
+      type(dyad_t), intent(in) :: dyad
+      type(rows_t), intent(in) :: store, d
+      real(wp), intent(in) :: clearance, unit, dp, dq
+      real(wp), intent(out) :: dk(n)
+      real(wp) :: hx, hy, gx, gy, h
+      integer :: i
+
+      associate (v => store%v, sx => dyad%s_x, sy => dyad%s_y, ex => dyad%e_x, ey => dyad%e_y)
+         do i = 1, n
+            hx = v(i, ex) - v(i, sx)
+            hy = v(i, ey) - v(i, sy)
+            gx = d%v(i, ex) - d%v(i, sx)
+            gy = d%v(i, ey) - d%v(i, sy)
+            h = sqrt(max(v(i, dyad%measure), tiny(1.0_wp)))
+            dk(i) = merge(dq, dp, dyad%kind == assur_rpr)/h - (guide_of(dyad) + clearance)*(hx*gx + hy*gy)/(h*h*h)
+         end do
+      end associate
+      dk = dk*unit
+   end subroutine change_of_measure_rpr
+
+   !> First-order bounds of the errors of direction and slide: slide = sqrt(h**2 - guide**2); the angle between h and the
+   !> slide has the sine guide/h.
+   pure subroutine bounds_rpr(dyad, slide, h, gap, worst, bound)
+      type(dyad_t), intent(in) :: dyad
+      real(wp), intent(in) :: slide, h, gap, worst
+      real(wp), intent(out) :: bound(2)
+      real(wp) :: guide, length
+
+      guide = guide_of(dyad)
+      length = max(slide, epsilon(1.0_wp)*h)
+      bound(1) = ratio(gap, h) + ratio(guide*(1.0_wp + ratio(gap, h)), length) + 1.0_wp
+      bound(2) = ratio(h*gap + guide*guide, length)
+
+   contains
+
+      !> a/b, but no more than `worst`.
+      pure real(wp) function ratio(a, b)
+         real(wp), intent(in) :: a, b
+
+         ratio = worst
+         if (b*worst > a) ratio = a/b
+      end function ratio
+   end subroutine bounds_rpr
+
+   !> What is wrong at a position whose measure is not accepted.
+   pure type(breach_t) function breach_rpr(dyad, measure) result(breach)
+      type(dyad_t), intent(in) :: dyad
+      real(wp), intent(in) :: measure
+
+      if (measure < tiny(measure) .and. guide_of(dyad) <= 0.0_wp) then
+         breach%kind = violation_undetermined
+         return
+      end if
+      breach%kind = violation_too_long
+      breach%amount = guide_of(dyad) - sqrt(measure)
+      breach%is_length = .true.
+   end function breach_rpr
+
+   !> Length of the guide with which the dyad closes at every position with `toggle` to spare.
+   pure subroutine repair_rpr(kind, measure, toggle, vary, length, repaired)
+      integer, intent(in) :: kind
+      real(wp), intent(in) :: measure(:), toggle
+      logical, intent(in) :: vary(2)
+      real(wp), intent(inout) :: length(2)
+      logical, intent(out) :: repaired
+
+      associate (guide => merge(2, 1, kind == assur_rpr))
+         length(guide) = sqrt(minval(measure)) - toggle
+         repaired = vary(guide) .and. length(guide) >= 0.0_wp
+      end associate
+   end subroutine repair_rpr
+
+   ! ---- kernels -----------------------------------------------------------------------------------------------------
+
+   !> Slide p guided by q: q is the guide, at right angles to p.
+   !>
+   !> `reach` is h**2: closed while reach >= q**2.
+   pure subroutine solve_slide_on_q(n, sx, sy, ex, ey, q, s, px, py, slide, reach)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: sx(n), sy(n), ex(n), ey(n)
+      real(wp), intent(in) :: q                  !! length of the guide, >= 0
+      real(wp), intent(in) :: s                  !! +1: the guide's direction is 90 degrees anticlockwise from the slide's
+      real(wp), intent(out) :: px(n), py(n)      !! unit vector of the slide
+      real(wp), intent(out) :: slide(n), reach(n) !! length of the slide; h**2
+      real(wp) :: hx, hy, d, length, side
+      integer :: i
+
+      side = s*q
+      do i = 1, n
+         hx = ex(i) - sx(i)
+         hy = ey(i) - sy(i)
+         d = hx*hx + hy*hy
+         reach(i) = d
+         length = sqrt(max(d - q*q, 0.0_wp))
+         slide(i) = length
+         d = 1.0_wp/max(d, least_square)
+         px(i) = (hx*length + hy*side)*d
+         py(i) = (hy*length - hx*side)*d
+      end do
+   end subroutine solve_slide_on_q
+
+   !> Slide q guided by p: p is the guide.
+   !>
+   !> `reach` is h**2: closed while reach >= p**2.
+   pure subroutine solve_slide_on_p(n, sx, sy, ex, ey, p, t, px, py, slide, reach)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: sx(n), sy(n), ex(n), ey(n)
+      real(wp), intent(in) :: p                  !! length of the guide, >= 0
+      real(wp), intent(in) :: t                  !! +1: the slide's direction is 90 degrees anticlockwise from the guide's
+      real(wp), intent(out) :: px(n), py(n)      !! unit vector of the guide
+      real(wp), intent(out) :: slide(n), reach(n) !! length of the slide; h**2
+      real(wp) :: hx, hy, d, length, side
+      integer :: i
+
+      do i = 1, n
+         hx = ex(i) - sx(i)
+         hy = ey(i) - sy(i)
+         d = hx*hx + hy*hy
+         reach(i) = d
+         length = sqrt(max(d - p*p, 0.0_wp))
+         slide(i) = length
+         side = t*length
+         d = 1.0_wp/max(d, least_square)
+         px(i) = (hx*p + hy*side)*d
+         py(i) = (hy*p - hx*side)*d
+      end do
+   end subroutine solve_slide_on_p
+end module psalm_rpr
