@@ -64,7 +64,7 @@ contains
       type(data_set_t) :: set
       type(sensitivity_t) :: work
       type(dimensions_t) :: dimensions
-      real(wp), allocatable :: dx(:, :), dy(:, :), k(:, :), dk(:, :, :), ahead(:, :), behind(:, :), values(:), changed(:)
+      real(wp), allocatable :: dout(:, :, :), k(:, :), dk(:, :, :), ahead(:, :), behind(:, :), values(:), changed(:)
       real(wp) :: step, worst, size_of
       integer :: v, marble
 
@@ -72,10 +72,10 @@ contains
       call problem%want_derivatives(.false.)
       marble = size(problem%topology%variables)
       associate (n => problem%positions, loops => problem%topology%nloop)
-         allocate (dx(n, marble), dy(n, marble), k(n, loops), dk(n, loops, marble), ahead(n, loops), behind(n, loops))
+         allocate (dout(n, marble, problem%output%kind%components), k(n, loops), dk(n, loops, marble), ahead(n, loops), behind(n, loops))
       end associate
       call prepare_sensitivity(problem, work)
-      call find_jacobian(problem, problem%given, work, dx, dy, k, dk)
+      call find_jacobian(problem, problem%given, work, dout, k, dk)
       values = problem%topology%first_values(problem%given)
       worst = 0.0_wp
       size_of = max(maxval(abs(dk)), 1.0e-3_wp)

@@ -2,10 +2,11 @@
 program test_positions
    use cases, only: load_case, names
    use check, only: checks_t
-   use psalm_data_set, only: data_set_t, motion_point, motion_angle
+   use psalm_data_set, only: data_set_t
    use psalm_error, only: problem_t, motion_t
    use psalm_kinds, only: wp, radians_per_degree, degrees_per_radian
    use psalm_linkage, only: block_length
+   use psalm_output_kind, only: motion_point, motion_angle
    use psalm_topology, only: dimensions_t
    implicit none (type, external)
    type(checks_t) :: t
@@ -121,7 +122,7 @@ contains
       case (motion_point)
          c = cos(turn*radians_per_degree)
          s = sin(turn*radians_per_degree)
-         call t%close_to(maxval(abs(after%actual - (c*before%actual - s*before%actual_y)))/maxval(abs(before%actual)), &
+         call t%close_to(maxval(abs(after%actual(:, 1) - (c*before%actual(:, 1) - s*before%actual(:, 2))))/maxval(abs(before%actual)), &
                          0.0_wp, 1.0e-13_wp, trim(name)//': the output point turns with the machine')
       case default
          call t%close_to(maxval(abs(after%actual - before%actual))/maxval(abs(before%actual)), 0.0_wp, 1.0e-13_wp, &
@@ -148,7 +149,7 @@ contains
       do i = 1, size(lengths)
          call problem%set_inputs(spread(at, 1, lengths(i)))
          call problem%analyse(problem%given, row)
-         same = same .and. all(abs(row%actual - single%actual(1)) <= 0.0_wp)
+         same = same .and. all(abs(row%actual(:, 1) - single%actual(1, 1)) <= 0.0_wp)
       end do
       call t%is_true(same, trim(name)//': the same bits at any place of any number of positions')
    end subroutine blocks
@@ -186,7 +187,7 @@ contains
       call load_case('dyad5_turning_block', problem, set)
       call problem%analyse(problem%given, motion)
       ! the crank pin lies on the slot's line, 10 from the driver's shaft
-      associate (b => motion%actual*radians_per_degree)
+      associate (b => motion%actual(:, 1)*radians_per_degree)
          call t%close_to(maxval(abs((25.0_wp + 60.0_wp*cos(b))*cos(a) + 60.0_wp*sin(b)*sin(a) - 10.0_wp)), 0.0_wp, 1.0e-12_wp, &
                          'turning block: the pin stays in the slot')
       end associate
@@ -197,7 +198,7 @@ contains
       real(wp), intent(in) :: want(:)
       character(*), intent(in) :: name
 
-      call t%close_to(maxval(abs(motion%actual - want))/maxval(abs(want)), 0.0_wp, 4.0e-15_wp, name)
+      call t%close_to(maxval(abs(motion%actual(:, 1) - want))/maxval(abs(want)), 0.0_wp, 4.0e-15_wp, name)
    end subroutine same_as
 
    !> Ackermann: the cotangents of the wheel angles differ by track over wheelbase.
@@ -215,7 +216,7 @@ contains
       worst = 0.0_wp
       do i = 1, size(set%delt)
          if (abs(set%delt(i)) < 1.0_wp) cycle
-         worst = max(worst, abs(1.0_wp/tan(left%actual(i)*radians_per_degree) - 1.0_wp/tan(right%actual(i)*radians_per_degree) &
+         worst = max(worst, abs(1.0_wp/tan(left%actual(i, 1)*radians_per_degree) - 1.0_wp/tan(right%actual(i, 1)*radians_per_degree) &
                                 + 1200.0_wp/2700.0_wp))
       end do
       call t%close_to(worst, 0.0_wp, 1.0e-9_wp, 'Davis steering gear meets the condition of Ackermann')
@@ -264,7 +265,7 @@ contains
       problem%given%arcl(problem%topology%seq(2, 2)) = 1.0e-9_wp
       call problem%analyse(problem%given, little)
       call t%close_to(maxval(abs(none%actual - little%actual)), 0.0_wp, 1.0e-8_wp, 'an arc of no length on the copy of a slide')
-      call t%close_to(none%actual(1), 250.26778_wp, 1.0e-7_wp, 'its first position')
+      call t%close_to(none%actual(1, 1), 250.26778_wp, 1.0e-7_wp, 'its first position')
    end subroutine copied_slide
 
    !> The sliding lengths of the textile linkage, computed elsewhere with 40 digits.

@@ -4,9 +4,10 @@
 program test_rates
    use cases, only: load_case, names
    use check, only: checks_t
-   use psalm_data_set, only: data_set_t, motion_angle
+   use psalm_data_set, only: data_set_t
    use psalm_error, only: problem_t
    use psalm_kinds, only: wp, dp, radians_per_degree
+   use psalm_output_kind, only: motion_angle
    use psalm_rates, only: rates_t, prepare_rates, differentiate, output_rates, is_dead, highest_order
    implicit none (type, external)
    logical, parameter :: quad = precision(1.0_wp) > precision(1.0_dp)
@@ -82,8 +83,8 @@ contains
       integer, intent(in) :: n
       real(wp), intent(out) :: values(0:, :)
       type(rates_t) :: rates
-      real(wp) :: x(highest_order), y(highest_order)
-      integer :: offset, m, i
+      real(wp) :: d(highest_order, problem%output%kind%components)
+      integer :: offset, m, i, c
 
       call prepare_rates(problem, rates)
       call problem%bind(problem%given)
@@ -91,14 +92,13 @@ contains
       call problem%output_of(m)
       call differentiate(problem, rates, m, highest_order)
       do i = 1, n
-         call output_rates(problem, rates, i, highest_order, x, y)
-         associate (store => problem%linkage%store%v, x => problem%linkage%out_x, y => problem%linkage%out_y)
-            values(0, 2*i - 1) = store(i, x)
-            values(0, 2*i) = merge(store(i, y), 0.0_wp, problem%motion == 0)
-            if (problem%motion == motion_angle) values(0, 2*i - 1) = atan2(store(i, y), store(i, x))
-         end associate
-         values(1:2, 2*i - 1) = x(1:2)
-         values(1:2, 2*i) = y(1:2)
+         call output_rates(problem, rates, i, highest_order, d)
+         values(:, 2*i) = 0.0_wp
+         do c = 1, size(d, 2)
+            values(0, 2*i - 2 + c) = problem%output%actual(c, i, problem%linkage)
+            if (c == problem%output%kind%angle) values(0, 2*i - 2 + c) = values(0, 2*i - 2 + c)*radians_per_degree
+            values(1:2, 2*i - 2 + c) = d(1:2, c)
+         end do
       end do
    end subroutine take
 
@@ -107,6 +107,7 @@ contains
       integer, intent(in) :: n
       real(wp), intent(out) :: x(:, :), y(:, :)
       type(rates_t) :: rates
+      real(wp) :: d(highest_order, problem%output%kind%components)
       integer :: offset, m, i
 
       call prepare_rates(problem, rates)
@@ -114,7 +115,10 @@ contains
       call problem%solve_block(1, offset, m)
       call differentiate(problem, rates, m, highest_order)
       do i = 1, n
-         call output_rates(problem, rates, i, highest_order, x(:, i), y(:, i))
+         call output_rates(problem, rates, i, highest_order, d)
+         x(:, i) = d(:, 1)
+         y(:, i) = 0.0_wp
+         if (size(d, 2) > 1) y(:, i) = d(:, 2)
       end do
    end subroutine take_rates
 

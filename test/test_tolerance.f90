@@ -95,7 +95,7 @@ contains
       call problem%analyse(dimensions, plus)
       dimensions%arcl(2) = problem%given%arcl(2) - tolerance
       call problem%analyse(dimensions, minus)
-      call t%close_to(maxval(abs((plus%actual - minus%actual)/2.0_wp - linear%dx(:, 1))), 0.0_wp, 1.0e-10_wp, &
+      call t%close_to(maxval(abs((plus%actual(:, 1) - minus%actual(:, 1))/2.0_wp - linear%effect(:, 1, 1))), 0.0_wp, 1.0e-10_wp, &
                       'the effect of one dimension')
    end subroutine one_dimension
 

@@ -69,8 +69,8 @@ contains
          loops%out_loop = (topology%output_arc - 1)/topology%maxarc + 1
          loops%out_last = topology%output_arc - (loops%out_loop - 1)*topology%maxarc
          if (topology%output_from_start) loops%out_last = loops%out_last - 1
-         loops%out_angle = problem%out_angle*radians_per_degree
-         loops%out_length = problem%out_length
+         loops%out_angle = problem%output%angle*radians_per_degree
+         loops%out_length = problem%output%length
          loops%crank = problem%given%crnki*radians_per_degree
       end associate
    end subroutine make_loops

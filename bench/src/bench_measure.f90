@@ -3,9 +3,10 @@ module bench_measure
    use, intrinsic :: iso_fortran_env, only: int64, real128
    use bench_loops, only: loops_t, make_loops, first_unknowns
    use bench_rivals, only: direct_1977, newton_raphson, integrate_velocities
-   use psalm_data_set, only: data_set_t, read_data_sets, motion_point
+   use psalm_data_set, only: data_set_t, read_data_sets
    use psalm_error, only: problem_t, make_problem
    use psalm_kinds, only: wp, dp, radians_per_degree
+   use psalm_output_kind, only: motion_point
    use psalm_rates, only: rates_t, prepare_rates, differentiate
    use psalm_sensitivity, only: sensitivity_t, prepare_sensitivity, find_jacobian, find_gradient
    use psalm_setup, only: set_up
@@ -72,8 +73,8 @@ contains
          call problem%solve_block(block, offset, n)
          call problem%output_of(n)
          associate (link => problem%linkage)
-            x(offset + 1:offset + n) = link%store%v(1:n, link%out_x)
-            y(offset + 1:offset + n) = link%store%v(1:n, link%out_y)
+            x(offset + 1:offset + n) = link%store%v(1:n, link%out(1))
+            y(offset + 1:offset + n) = link%store%v(1:n, link%out(2))
          end associate
       end do
    end subroutine points_of
@@ -316,7 +317,7 @@ contains
       type(topology_t) :: topology
       type(dimensions_t) :: dimensions
       type(sensitivity_t) :: work
-      real(wp), allocatable :: dx(:, :), dy(:, :), gradient(:)
+      real(wp), allocatable :: dout(:, :, :), gradient(:)
       real(wp) :: objective, total
       real(dp) :: alone, with_rates, one, jacobian, adjoint
       integer :: k, loop, sample, i, block, offset, n
@@ -350,7 +351,7 @@ contains
       call make_problem(sets(1), topology, dimensions, problem)
       call problem%want_derivatives(.false.)
       call prepare_sensitivity(problem, work)
-      allocate (dx(problem%positions, size(topology%variables)), dy(problem%positions, size(topology%variables)))
+      allocate (dout(problem%positions, size(topology%variables), problem%output%kind%components))
       allocate (gradient(size(topology%variables)))
       one = huge(one)
       jacobian = huge(one)
@@ -368,8 +369,8 @@ contains
          call system_clock(from)
          do i = 1, repeats
             call change()
-            call find_jacobian(problem, dimensions, work, dx, dy)
-            total = total + dx(1, 1)
+            call find_jacobian(problem, dimensions, work, dout)
+            total = total + dout(1, 1, 1)
          end do
          call system_clock(to)
          jacobian = min(jacobian, real(to - from, dp)/real(rate, dp)/real(repeats, dp))

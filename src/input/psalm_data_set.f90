@@ -6,6 +6,7 @@ module psalm_data_set
    use psalm_kinds, only: wp, full_turn, half_turn, radians_per_degree
    use psalm_constraint_group, only: constraint_group_t, read_constraint_group
    use psalm_group, only: group_t, read_flag, check_flags, check_range, out_of, required
+   use psalm_output_kind, only: output_kind_t, output_kind, motion_point, motion_pose
    use psalm_namelist, only: case_text_t, read_case
    use psalm_search_group, only: search_group_t, read_search_group
    use psalm_source, only: line_t, read_lines
@@ -15,12 +16,6 @@ module psalm_data_set
    private
    public :: data_set_t, read_data_sets
    public :: title_columns
-   public :: motion_point, motion_angle, motion_distance, motion_slide
-
-   integer, parameter :: motion_point = 0     !! MOTION 0: x and y of the output point
-   integer, parameter :: motion_angle = 1     !! MOTION 1: angle of the output arc
-   integer, parameter :: motion_distance = 2  !! MOTION 2: distance of the output point from the origin
-   integer, parameter :: motion_slide = 3     !! MOTION 3: length of a sliding arc
 
    integer, parameter :: original_arcs = 100      !! entries of the thesis's arc arrays: fillers up to here are usual
    integer, parameter :: most_loops = 100000      !! above this NLOOP is taken for a slip of the pen
@@ -367,7 +362,8 @@ contains
       end if
       call group%get_real('CRNKI', set%crnki, findings)
       call group%get_integer('MOTION', set%motion, findings)
-      call check_range(group, 'MOTION', set%motion, motion_point, motion_slide, findings)
+      call check_range(group, 'MOTION', set%motion, motion_point, motion_pose, findings)
+      set%motion = min(max(set%motion, motion_point), motion_pose)
       call group%get_real('XADD', set%xadd, findings)
       call group%get_real('YADD', set%yadd, findings)
       call group%get_real('ORIGLK', set%origlk, findings)
@@ -410,6 +406,7 @@ contains
       type(group_t), intent(inout) :: group
       type(data_set_t), intent(inout) :: set
       type(diagnostics_t), intent(inout) :: findings
+      type(output_kind_t) :: kind
       integer :: n, got_x, got_y, got_angle
 
       n = set%ndes
@@ -422,14 +419,14 @@ contains
       call read_position_array('XMULT', set%xmult)
       call read_position_array('YMULT', set%ymult)
       call read_position_array('ANMULT', set%anmult)
-      if (set%motion == motion_point) then
-         set%desired = got_x > 0 .or. got_y > 0
-         if (set%desired .and. set%ikin == 0) then
-            if (got_x == 0) call short('DESX', 0)
-            if (got_y == 0) call short('DESY', 0)
-         end if
-      else
-         set%desired = got_angle > 0
+      kind = output_kind(set%motion)
+      set%desired = .false.
+      if (kind%components > 1) set%desired = got_x > 0 .or. got_y > 0
+      if (kind%components /= 2) set%desired = set%desired .or. got_angle > 0
+      if (set%desired .and. set%ikin == 0) then
+         if (kind%components > 1 .and. got_x == 0) call short('DESX', 0)
+         if (kind%components > 1 .and. got_y == 0) call short('DESY', 0)
+         if (kind%components == 3 .and. got_angle == 0) call short('DESANG', 0)
       end if
       if (any(set%xmult < 0.0_wp)) call out_of(group, 'XMULT', 'weights must not be negative', findings)
       if (any(set%ymult < 0.0_wp)) call out_of(group, 'YMULT', 'weights must not be negative', findings)

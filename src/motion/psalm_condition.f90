@@ -7,7 +7,6 @@
 !> Derivation: `doc/theory.md`, section Condition.
 module psalm_condition
    use psalm_assur, only: bounds_of_dyad
-   use psalm_data_set, only: motion_angle, motion_slide
    use psalm_error, only: problem_t
    use psalm_kinds, only: wp, radians_per_degree
    use psalm_linkage, only: linkage_t, bound_step_t
@@ -35,18 +34,15 @@ contains
    end subroutine prepare_condition
 
    !> Condition number of the output at position `i` of the block just solved, position `k` of all.
-   !>
-   !> Relative to the output: for MOTION 0 to the distance of the output point from the machine origin, for MOTION 2 and 3 to
-   !> the distance or length, for MOTION 1 to one radian.
    subroutine condition_at(problem, i, k, condition, number)
       type(problem_t), intent(in) :: problem
       integer, intent(in) :: i, k
       type(condition_t), intent(inout) :: condition
       real(wp), intent(out) :: number
-      real(wp) :: arc, x, y, bound(2)
+      real(wp) :: bound(2)
       integer :: m
 
-      associate (link => problem%linkage, plan => problem%plan, out => problem%topology%output_arc, v => problem%linkage%store%v)
+      associate (link => problem%linkage)
          condition%row = 0.0_wp
          if (link%sliding_input) then
             if (link%input_slot > 0) condition%row(link%slide(link%input_slot)) = abs(link%reference_length) + abs(problem%delt(k))
@@ -67,33 +63,9 @@ contains
                end if
             end associate
          end do
-         arc = condition%row(link%root_x(plan%root(out))) + 1.0_wp + abs(problem%out_angle)*radians_per_degree
-         select case (problem%motion)
-         case (motion_angle)
-            number = arc
-         case (motion_slide)
-            associate (slide => link%slide(plan%length_slot(out)))
-               number = ratio(condition%row(slide), abs(v(i, slide)))
-            end associate
-         case default
-            x = v(i, link%out_x)*link%scale
-            y = v(i, link%out_y)*link%scale
-            number = condition%row(link%point_x(plan%output_point)) + abs(problem%out_length)*link%scale*(arc + 1.0_wp) &
-                     + hypot(problem%origin_x, problem%origin_y)*link%scale*(2.0_wp + abs(problem%origin_angle)*radians_per_degree)
-            if (problem%motion == 0) x = hypot(x, y)
-            number = 1.0_wp + ratio(number, abs(x))
-         end select
-         number = min(number, worst)
+         number = problem%output%bound(link, condition%row, i, worst)
       end associate
    end subroutine condition_at
-
-   !> a/b, but no more than `worst`.
-   pure real(wp) function ratio(a, b)
-      real(wp), intent(in) :: a, b   !! a >= 0, b >= 0
-
-      ratio = worst
-      if (b*worst > a) ratio = a/b
-   end function ratio
 
    !> Bound of an arc's direction, radians.
    pure real(wp) function of_arc(link, root_x, arc, row)

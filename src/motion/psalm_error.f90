@@ -3,12 +3,14 @@
 !> A `problem_t` is everything an analysis or a search works on: topology, plan, inputs, desired values and weights, and a
 !> linkage to move. Source of motions and objective: Oldham (1977), chapter 5 and appendix B.
 module psalm_error
-   use psalm_angles, only: unit_vector, angles_between, degrees_of, within_turn
+   use psalm_angles, only: unit_vector, within_turn
    use psalm_assur, only: breach_of
-   use psalm_data_set, only: data_set_t, motion_point, motion_angle, motion_distance, motion_slide
+   use psalm_data_set, only: data_set_t
    use psalm_dyad, only: breach_t, form_t, form_of, violation_none, violation_angle_small
    use psalm_kinds, only: wp
    use psalm_linkage, only: linkage_t, padded
+   use psalm_observable, only: observable_t
+   use psalm_output_kind, only: output_kind_t, output_kind, motion_point, motion_angle
    use psalm_plan, only: plan_t, make_plan
    use psalm_topology, only: topology_t, dimensions_t
    implicit none (type, external)
@@ -28,10 +30,8 @@ module psalm_error
    type :: motion_t
       logical, allocatable :: closed(:)            !! every loop the output depends on closes
       real(wp), allocatable :: input(:)            !! degrees in a turn, or length
-      real(wp), allocatable :: actual(:)           !! angle, distance or length; x for MOTION 0
-      real(wp), allocatable :: actual_y(:)         !! y for MOTION 0
-      real(wp), allocatable :: error(:)            !! desired - actual (x for MOTION 0); 0 without desired values
-      real(wp), allocatable :: error_y(:)
+      real(wp), allocatable :: actual(:, :)        !! shape (positions, components): x and y, or angle, distance, length
+      real(wp), allocatable :: error(:, :)         !! desired - actual; 0 without desired values
       real(wp) :: total = 0.0_wp                   !! objective over the closed positions
       type(violation_t), allocatable :: violations(:)
    end type motion_t
@@ -49,15 +49,12 @@ module psalm_error
       ! tables for whole blocks: the positions, padded with the last one
       real(wp), allocatable :: first(:), second(:) !! cosine and sine of DELT; sliding input: DELT twice
       logical :: desired = .false.                 !! there are desired values
-      real(wp), allocatable :: wanted(:), wanted_y(:) !! desired values, machine co-ordinates for MOTION 0
-      real(wp), allocatable :: toward_x(:), toward_y(:) !! MOTION 1: unit vectors of the desired angles
-      real(wp), allocatable :: weight(:), weight_y(:) !! weights, 0 for padding
+      real(wp), allocatable :: wanted(:, :)        !! shape (positions, components): desired, points in machine co-ordinates
+      real(wp), allocatable :: toward_x(:), toward_y(:) !! unit vectors of desired angles
+      real(wp), allocatable :: weight(:, :)        !! shape as `wanted`: weights, 0 for padding
       real(wp), allocatable :: partial(:)          !! shape (blocks): objective of each
       integer, allocatable :: offending(:)         !! shape (blocks): lowest loop not accepted in each
-      real(wp) :: out_angle = 0.0_wp, out_c = 1.0_wp, out_s = 0.0_wp    !! output arc from its root: degrees, cosine, sine
-      real(wp) :: out_length = 0.0_wp
-      real(wp) :: origin_angle = 0.0_wp, origin_c = 1.0_wp, origin_s = 0.0_wp !! direction of the input pivot
-      real(wp) :: origin_x = 0.0_wp, origin_y = 0.0_wp                  !! the input pivot
+      type(observable_t) :: output                 !! what the linkage is for
    contains
       procedure :: want_derivatives
       procedure :: set_inputs
@@ -82,7 +79,7 @@ contains
       type(topology_t), intent(in) :: topology
       type(dimensions_t), intent(in) :: dimensions
       type(problem_t), intent(out) :: problem
-      real(wp), allocatable :: turn(:)
+      real(wp), allocatable :: turn(:), wanted(:, :), weight(:, :)
       integer :: i
 
       problem%topology = topology
@@ -98,12 +95,28 @@ contains
       end if
       call problem%set_inputs(set%delt)
       if (.not. set%desired) return
-      if (set%motion == motion_point) then
-         call problem%set_desired(set%desx + set%xadd, set%xmult, set%desy + set%yadd, set%ymult)
-      else
-         call problem%set_desired(set%desang, set%anmult)
-      end if
+      call desired_of(set, wanted, weight)
+      call problem%set_desired(wanted, weight)
    end subroutine make_problem
+
+   !> Desired values and weights of a data set, component by component.
+   pure subroutine desired_of(set, wanted, weight)
+      type(data_set_t), intent(in) :: set
+      real(wp), allocatable, intent(out) :: wanted(:, :), weight(:, :) !! shape (positions, components)
+      type(output_kind_t) :: kind
+
+      kind = output_kind(set%motion)
+      allocate (wanted(set%ndes, kind%components), weight(set%ndes, kind%components), source=0.0_wp)
+      if (kind%components > 1) then
+         wanted(:, 1) = set%desx + set%xadd
+         wanted(:, 2) = set%desy + set%yadd
+         weight(:, 1) = set%xmult
+         weight(:, 2) = set%ymult
+      end if
+      if (kind%components == 2) return
+      wanted(:, kind%components) = set%desang
+      weight(:, kind%components) = set%anmult
+   end subroutine desired_of
 
    !> Make a plan that finds everything derivatives need; inputs and desired values are kept.
    subroutine want_derivatives(self, everything, joints)
@@ -113,6 +126,7 @@ contains
 
       self%plan = make_plan(self%topology, self%motion, everything, .true., joints)
       call self%linkage%prepare(self%topology, self%plan, self%tangle, self%delt)
+      call self%output%locate(self%motion, self%topology, self%plan, self%linkage)
       if (allocated(self%crew)) call self%set_threads(size(self%crew))
    end subroutine want_derivatives
 
@@ -126,6 +140,7 @@ contains
       self%delt = delt
       self%desired = .false.
       call self%linkage%prepare(self%topology, self%plan, self%tangle, delt)
+      call self%output%locate(self%motion, self%topology, self%plan, self%linkage)
       if (allocated(self%crew)) deallocate (self%crew)
       self%first = whole_blocks(self, delt, delt(size(delt)))
       self%second = self%first
@@ -159,22 +174,24 @@ contains
    end subroutine move_inputs
 
    !> Give desired values and weights for the positions.
-   subroutine set_desired(self, wanted, weight, wanted_y, weight_y)
+   subroutine set_desired(self, wanted, weight)
       class(problem_t), intent(inout) :: self
-      real(wp), intent(in) :: wanted(:), weight(:)                        !! shape (positions)
-      real(wp), intent(in), optional :: wanted_y(:), weight_y(:)          !! shape (positions); MOTION 0
-      integer :: i
+      real(wp), intent(in) :: wanted(:, :), weight(:, :)   !! shape (positions, components)
+      integer :: i, c, components
 
       self%desired = .true.
-      self%wanted = whole_blocks(self, wanted, wanted(size(wanted)))
-      self%weight = whole_blocks(self, weight, 0.0_wp)
-      if (present(wanted_y)) self%wanted_y = whole_blocks(self, wanted_y, wanted_y(size(wanted_y)))
-      if (present(weight_y)) self%weight_y = whole_blocks(self, weight_y, 0.0_wp)
-      if (self%motion /= motion_angle) return
-      self%toward_x = self%wanted
-      self%toward_y = self%wanted
-      do i = 1, size(self%wanted)
-         call unit_vector(self%wanted(i), self%toward_x(i), self%toward_y(i))
+      components = self%output%kind%components
+      if (allocated(self%wanted)) deallocate (self%wanted, self%weight, self%toward_x, self%toward_y)
+      associate (n => self%blocks()*self%linkage%room)
+         allocate (self%wanted(n, components), self%weight(n, components), self%toward_x(n), self%toward_y(n), source=0.0_wp)
+      end associate
+      do c = 1, components
+         self%wanted(:, c) = whole_blocks(self, wanted(:, c), wanted(size(wanted, 1), c))
+         self%weight(:, c) = whole_blocks(self, weight(:, c), 0.0_wp)
+      end do
+      if (self%output%kind%angle == 0) return
+      do i = 1, size(self%wanted, 1)
+         call unit_vector(self%wanted(i, self%output%kind%angle), self%toward_x(i), self%toward_y(i))
       end do
    end subroutine set_desired
 
@@ -206,18 +223,9 @@ contains
    pure subroutine bind_problem(self, dimensions)
       class(problem_t), intent(inout) :: self
       type(dimensions_t), intent(in) :: dimensions
-      real(wp) :: angle
 
       call self%linkage%bind(self%topology, self%plan, dimensions)
-      angle = self%linkage%angle(self%topology%output_arc) + dimensions%outang
-      if (angle /= self%out_angle) call unit_vector(angle, self%out_c, self%out_s)
-      self%out_angle = angle
-      self%out_length = dimensions%outlk
-      angle = dimensions%origng
-      if (angle /= self%origin_angle) call unit_vector(angle, self%origin_c, self%origin_s)
-      self%origin_angle = angle
-      self%origin_x = dimensions%origlk*self%origin_c
-      self%origin_y = dimensions%origlk*self%origin_s
+      call self%output%bind(dimensions, self%linkage)
    end subroutine bind_problem
 
    !> Number of blocks the positions make.
@@ -280,10 +288,10 @@ contains
    pure subroutine deviations(self, dimensions, miss, loop)
       class(problem_t), intent(inout) :: self
       type(dimensions_t), intent(in) :: dimensions
-      real(wp), intent(inout) :: miss(:, :)  !! shape (positions, 2): second column for MOTION 0 only
+      real(wp), intent(inout) :: miss(:, :)  !! shape (positions, components)
       integer, intent(out) :: loop
       real(wp) :: unused
-      integer :: block, offset, n
+      integer :: block, offset, n, c
 
       call self%bind(dimensions)
       loop = 0
@@ -292,14 +300,10 @@ contains
          if (loop > 0) return
          offset = (block - 1)*self%linkage%room
          n = min(self%linkage%room, self%positions - offset)
-         associate (link => self%linkage)
-            if (self%motion == motion_point) then
-               miss(offset + 1:offset + n, 1) = link%store%v(1:n, link%out_x) - self%wanted(offset + 1:offset + n)
-               miss(offset + 1:offset + n, 2) = link%store%v(1:n, link%out_y) - self%wanted_y(offset + 1:offset + n)
-            else
-               miss(offset + 1:offset + n, 1) = -link%store%v(1:n, link%miss)
-            end if
-         end associate
+         do c = 1, self%output%kind%components
+            call miss_of(self, self%linkage, c, offset, padded(n))
+            miss(offset + 1:offset + n, c) = -self%linkage%store%v(1:n, self%linkage%miss)
+         end do
       end do
    end subroutine deviations
 
@@ -322,35 +326,24 @@ contains
          if (.not. linkage%all_accepted(m, l)) return
       end do
       loop = 0
-      if (self%motion /= motion_angle) call output_of_block(self, linkage, m)
-      associate (store => linkage%store%v, rx => linkage%root_x(self%plan%root(self%topology%output_arc)), &
-                 ry => linkage%root_y(self%plan%root(self%topology%output_arc)), &
-                 x => linkage%out_x, y => linkage%out_y, miss => linkage%miss, first => offset + 1, &
-                 last => offset + m)
-         select case (self%motion)
-         case (motion_angle)
-            call angles_between(m, store(1, rx), store(1, ry), self%out_c, self%out_s, self%toward_x(first:last), &
-                                self%toward_y(first:last), store(1, miss))
-            objective = sum_of_squares(m, store(1, miss), self%weight(first:last))
-         case (motion_point)
-            call misses(m, self%wanted(first:last), store(1, x), store(1, miss))
-            objective = sum_of_squares(m, store(1, miss), self%weight(first:last))
-            call misses(m, self%wanted_y(first:last), store(1, y), store(1, miss))
-            objective = objective + sum_of_squares(m, store(1, miss), self%weight_y(first:last))
-         case default
-            call misses(m, self%wanted(first:last), store(1, x), store(1, miss))
-            objective = sum_of_squares(m, store(1, miss), self%weight(first:last))
-         end select
-      end associate
+      if (self%motion /= motion_angle) call self%output%observe(m, linkage)
+      do l = 1, self%output%kind%components
+         call miss_of(self, linkage, l, offset, m)
+         objective = objective + sum_of_squares(m, linkage%store%v(1, linkage%miss), self%weight(offset + 1:offset + m, l))
+      end do
    end subroutine evaluate_block
 
-   pure subroutine misses(n, wanted, actual, miss)
-      integer, intent(in) :: n
-      real(wp), intent(in) :: wanted(n), actual(n)
-      real(wp), intent(out) :: miss(n)
+   !> Desired less actual value of a component at the positions of a block, into the row `miss`.
+   pure subroutine miss_of(self, linkage, component, offset, n)
+      class(problem_t), intent(in) :: self
+      type(linkage_t), intent(inout) :: linkage
+      integer, intent(in) :: component, offset, n
 
-      miss = wanted - actual
-   end subroutine misses
+      associate (first => offset + 1, last => offset + n)
+         call self%output%miss(component, n, self%wanted(first:last, component), self%toward_x(first:last), &
+                               self%toward_y(first:last), linkage)
+      end associate
+   end subroutine miss_of
 
    !> Sum of weight * error**2 in a fixed order: eight partial sums, so that it runs in vector lanes.
    pure real(wp) function sum_of_squares(n, error, weight)
@@ -367,87 +360,13 @@ contains
       sum_of_squares = ((part(1) + part(2)) + (part(3) + part(4))) + ((part(5) + part(6)) + (part(7) + part(8)))
    end function sum_of_squares
 
-   !> Output of the first `n` positions of the block just solved, into the rows `out_x` and `out_y` of the linkage.
+   !> Output of the first `n` positions of the block just solved, into the output's rows of the linkage.
    pure subroutine output_of(self, n)
       class(problem_t), intent(inout) :: self
       integer, intent(in) :: n
 
-      call output_of_block(self, self%linkage, padded(n))
+      call self%output%observe(padded(n), self%linkage)
    end subroutine output_of
-
-   !> Output of the block: x and y; unit vector of the output arc; distance or length (x only).
-   pure subroutine output_of_block(self, linkage, n)
-      class(problem_t), intent(in) :: self
-      type(linkage_t), intent(inout) :: linkage
-      integer, intent(in) :: n
-      real(wp) :: back
-      integer :: root
-
-      root = self%plan%root(self%topology%output_arc)
-      back = 1.0_wp/linkage%scale
-      associate (store => linkage%store%v, x => linkage%out_x, y => linkage%out_y, rx => linkage%root_x(root), &
-                 ry => linkage%root_y(root), px => linkage%point_x(self%plan%output_point), &
-                 py => linkage%point_y(self%plan%output_point))
-         select case (self%motion)
-         case (motion_slide)
-            associate (slide => linkage%slide(self%plan%length_slot(self%topology%output_arc)))
-               call scaled(n, store(1, slide), back, store(1, x))
-            end associate
-         case (motion_angle)
-            call turned(n, store(1, rx), store(1, ry), self%out_c, self%out_s, store(1, x), store(1, y))
-         case default
-            call output_points(n, store(1, px), store(1, py), store(1, rx), store(1, ry), back, self%out_c*self%out_length, &
-                               self%out_s*self%out_length, self%origin_x, self%origin_y, store(1, x), store(1, y))
-            if (self%motion == motion_distance) call distances(n, store(1, x), store(1, y))
-         end select
-      end associate
-   end subroutine output_of_block
-
-   pure subroutine scaled(n, from, factor, to)
-      integer, intent(in) :: n
-      real(wp), intent(in) :: from(n), factor
-      real(wp), intent(out) :: to(n)
-
-      to = from*factor
-   end subroutine scaled
-
-   pure subroutine turned(n, rx, ry, c, s, x, y)
-      integer, intent(in) :: n
-      real(wp), intent(in) :: rx(n), ry(n), c, s
-      real(wp), intent(out) :: x(n), y(n)
-      integer :: i
-
-      do i = 1, n
-         x(i) = c*rx(i) - s*ry(i)
-         y(i) = c*ry(i) + s*rx(i)
-      end do
-   end subroutine turned
-
-   pure subroutine output_points(n, px, py, rx, ry, back, c, s, origin_x, origin_y, x, y)
-      integer, intent(in) :: n
-      real(wp), intent(in) :: px(n), py(n), rx(n), ry(n), back, c, s, origin_x, origin_y
-      real(wp), intent(out) :: x(n), y(n)
-      integer :: i
-
-      do i = 1, n
-         x(i) = px(i)*back + (c*rx(i) - s*ry(i)) + origin_x
-         y(i) = py(i)*back + (c*ry(i) + s*rx(i)) + origin_y
-      end do
-   end subroutine output_points
-
-   !> Distance from the machine origin, in place of x.
-   pure subroutine distances(n, x, y)
-      integer, intent(in) :: n
-      real(wp), intent(inout) :: x(n)
-      real(wp), intent(in) :: y(n)
-      real(wp) :: largest
-      integer :: i
-
-      do i = 1, n
-         largest = max(max(abs(x(i)), abs(y(i))), tiny(1.0_wp))
-         x(i) = largest*sqrt((x(i)/largest)**2 + (y(i)/largest)**2)
-      end do
-   end subroutine distances
 
    !> Closure measure of one loop at every position, in the user's unit.
    subroutine measure_of(self, loop, measure)
@@ -471,12 +390,14 @@ contains
       class(problem_t), intent(inout) :: self
       type(dimensions_t), intent(in) :: dimensions
       type(motion_t), intent(out) :: motion
-      integer :: block, offset, n, m, i, k, l
+      integer :: block, offset, n, m, i, k, l, c, components
       integer, allocatable :: open_violation(:)
 
       n = self%positions
+      components = self%output%kind%components
       allocate (motion%closed(n), source=.true.)
-      allocate (motion%input(n), motion%actual(n), motion%actual_y(n), motion%error(n), motion%error_y(n), source=0.0_wp)
+      allocate (motion%input(n), source=0.0_wp)
+      allocate (motion%actual(n, components), motion%error(n, components), source=0.0_wp)
       allocate (motion%violations(0))
       allocate (open_violation(self%topology%nloop), source=0)
       motion%input = dimensions%crnki + self%delt
@@ -494,34 +415,27 @@ contains
                call note_violation(self, l, i, offset + i, open_violation(l), motion%violations)
             end do
          end do
-         call output_of_block(self, self%linkage, m)
-         associate (store => self%linkage%store%v, x => self%linkage%out_x, y => self%linkage%out_y, &
-                    miss => self%linkage%miss, &
-                    rx => self%linkage%root_x(self%plan%root(self%topology%output_arc)), &
-                    ry => self%linkage%root_y(self%plan%root(self%topology%output_arc)))
-            if (self%desired .and. self%motion == motion_angle) then
-               call angles_between(m, store(1, rx), store(1, ry), self%out_c, self%out_s, self%toward_x(offset + 1:offset + m), &
-                                   self%toward_y(offset + 1:offset + m), store(1, miss))
-            end if
+         call self%output%observe(m, self%linkage)
+         do c = 1, components
+            if (self%desired) call miss_of(self, self%linkage, c, offset, m)
             do i = 1, n
                k = offset + i
-               motion%actual(k) = store(i, x)
-               motion%actual_y(k) = store(i, y)
-               if (self%motion == motion_angle .and. self%desired) then
-                  motion%error(k) = store(i, miss)
-                  motion%actual(k) = self%wanted(k) - motion%error(k)
-               else if (self%motion == motion_angle) then
-                  motion%actual(k) = within_turn(degrees_of(motion%actual(k), motion%actual_y(k)))
-               else if (self%desired) then
-                  motion%error(k) = self%wanted(k) - motion%actual(k)
-                  if (self%motion == motion_point) motion%error_y(k) = self%wanted_y(k) - motion%actual_y(k)
-               end if
-               if (self%desired .and. motion%closed(k)) then
-                  motion%total = motion%total + self%weight(k)*motion%error(k)**2
-                  if (self%motion == motion_point) motion%total = motion%total + self%weight_y(k)*motion%error_y(k)**2
+               if (self%desired .and. c == self%output%kind%angle) then
+                  motion%error(k, c) = self%linkage%store%v(i, self%linkage%miss)
+                  motion%actual(k, c) = self%wanted(k, c) - motion%error(k, c)
+               else
+                  motion%actual(k, c) = self%output%actual(c, i, self%linkage)
+                  if (self%desired) motion%error(k, c) = self%wanted(k, c) - motion%actual(k, c)
                end if
             end do
-         end associate
+         end do
+         if (.not. self%desired) cycle
+         do k = offset + 1, offset + n
+            if (.not. motion%closed(k)) cycle
+            do c = 1, components
+               motion%total = motion%total + self%weight(k, c)*motion%error(k, c)**2
+            end do
+         end do
       end do
    end subroutine analyse
 

@@ -48,7 +48,7 @@ module psalm_linkage
       integer, allocatable :: point_x(:), point_y(:) !! by point, 0 the input pivot: rows of its scaled co-ordinates
       integer, allocatable :: slide(:)               !! by varying length: row of the scaled length
       integer, allocatable :: measure(:)             !! by loop: row of its dyad's closure measure, scaled
-      integer :: out_x = 0, out_y = 0, miss = 0      !! rows for the caller: output and error
+      integer :: out(2) = 0, direction(2) = 0, miss = 0 !! rows for the output: lengths, unit vector, deviation
       ! input
       logical :: sliding_input = .false.
       real(wp) :: largest_input = 0.0_wp         !! sliding input: largest increment
@@ -162,7 +162,7 @@ contains
 
       allocate (self%root_x(roots), self%root_y(roots), self%slide(lengths), self%measure(loops))
       allocate (self%point_x(0:points), self%point_y(0:points))
-      call make_rows(self%room, 2*roots + 2*(points + 1) + lengths + loops + 3, self%store)
+      call make_rows(self%room, 2*roots + 2*(points + 1) + lengths + loops + 5, self%store)
       next = 0
       do k = 1, roots
          self%root_x(k) = new_row()
@@ -179,8 +179,12 @@ contains
       do k = 1, loops
          self%measure(k) = new_row()
       end do
-      self%out_x = new_row()
-      self%out_y = new_row()
+      do k = 1, 2
+         self%out(k) = new_row()
+      end do
+      do k = 1, 2
+         self%direction(k) = new_row()
+      end do
       self%miss = new_row()
 
    contains

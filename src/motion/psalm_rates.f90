@@ -5,7 +5,6 @@
 !> sliding input's length. Closed forms, no differencing. Source: Haines (about 1982), section 15.1; derivation in
 !> `doc/theory.md`, Rates.
 module psalm_rates
-   use psalm_data_set, only: motion_angle, motion_distance, motion_slide
    use psalm_error, only: problem_t
    use psalm_kinds, only: wp
    use psalm_arc_kernels, only: turn_point_twice, turn_point_third, slide_point_twice
@@ -17,10 +16,9 @@ module psalm_rates
    implicit none (type, external)
    private
    public :: rates_t, prepare_rates, differentiate, form_frames, output_rates, is_dead, highest_order
-   public :: at_origin, derivatives_of
+   public :: derivatives_of
 
    integer, parameter :: highest_order = 3
-   real(wp), parameter :: at_origin = 64.0_wp*epsilon(1.0_wp)    !! relative distance below which a point lies on the origin
 
    !> Derivatives of one block of positions.
    type :: rates_t
@@ -175,73 +173,13 @@ contains
       end associate
    end function is_dead
 
-   !> Derivatives of the output at position `i` of the block, orders 1 to 3: x and y for MOTION 0, else in x only.
-   !>
-   !> MOTION 1: of the angle in radians. User's unit of length. MOTION 2: zero where the point lies on the origin (`at_origin`).
-   subroutine output_rates(problem, rates, i, orders, x, y)
+   !> Derivatives of the output's components at position `i` of the block, orders 1 to `orders`: see `psalm_observable`.
+   subroutine output_rates(problem, rates, i, orders, values)
       type(problem_t), intent(in) :: problem
       type(rates_t), intent(in) :: rates
       integer, intent(in) :: i, orders
-      real(wp), intent(out) :: x(highest_order), y(highest_order)
-      real(wp) :: px, py, rx, ry, r, w(highest_order), w1, w2, w3, back
-      integer :: root, px_row, py_row, order
+      real(wp), intent(out) :: values(:, :)  !! shape (3, components)
 
-      x = 0.0_wp
-      y = 0.0_wp
-      associate (link => problem%linkage, plan => problem%plan, arc => problem%topology%output_arc)
-         back = 1.0_wp/link%scale
-         root = link%root_x(plan%root(arc))
-         px_row = link%point_x(plan%output_point)
-         py_row = link%point_y(plan%output_point)
-         select case (problem%motion)
-         case (motion_angle)
-            w = derivatives_of(rates, root, i)
-            x(:orders) = w(:orders)
-            return
-         case (motion_slide)
-            w = derivatives_of(rates, link%slide(plan%length_slot(arc)), i)*back
-            x(:orders) = w(:orders)
-            return
-         end select
-         rx = link%store%v(i, root)
-         ry = link%store%v(i, link%root_y(plan%root(arc)))
-         px = (problem%out_c*rx - problem%out_s*ry)*problem%out_length
-         py = (problem%out_c*ry + problem%out_s*rx)*problem%out_length
-         w1 = rates%d(1)%v(i, root)
-         w2 = rates%d(2)%v(i, root)
-         w3 = rates%d(3)%v(i, root)
-         do order = 1, orders
-            x(order) = rates%d(order)%v(i, px_row)*back
-            y(order) = rates%d(order)%v(i, py_row)*back
-            select case (order)
-            case (1)
-               x(1) = x(1) - w1*py
-               y(1) = y(1) + w1*px
-            case (2)
-               x(2) = x(2) - w1*w1*px - w2*py
-               y(2) = y(2) - w1*w1*py + w2*px
-            case default
-               x(3) = x(3) - 3.0_wp*w1*w2*px - (w3 - w1**3)*py
-               y(3) = y(3) - 3.0_wp*w1*w2*py + (w3 - w1**3)*px
-            end select
-         end do
-         if (problem%motion /= motion_distance) return
-         r = abs(px) + abs(py) + abs(problem%origin_x) + abs(problem%origin_y)
-         px = px + link%store%v(i, px_row)*back + problem%origin_x
-         py = py + link%store%v(i, py_row)*back + problem%origin_y
-         ! at the origin the distance has a corner and no derivative
-         if (hypot(px, py) <= at_origin*max(r, maxval(link%length)*back)) then
-            x = 0.0_wp
-            y = 0.0_wp
-            return
-         end if
-         r = hypot(px, py)
-         ! r r' = x x' + y y', and its derivatives
-         w1 = (px*x(1) + py*y(1))/r
-         w2 = (px*x(2) + py*y(2) + x(1)**2 + y(1)**2 - w1*w1)/r
-         w3 = (px*x(3) + py*y(3) + 3.0_wp*(x(1)*x(2) + y(1)*y(2)) - 3.0_wp*w1*w2)/r
-         x = [w1, w2, w3]
-         y = 0.0_wp
-      end associate
+      call problem%output%rates(problem%linkage, rates%d, i, orders, values)
    end subroutine output_rates
 end module psalm_rates

@@ -4,15 +4,14 @@
 !> gradient of the objective goes backward (adjoint): once through the plan for all variables together. Both use the inverse
 !> matrices of `psalm_rates`. Angles vary in degrees. Derivation: `doc/theory.md`, Sensitivities.
 module psalm_sensitivity
-   use psalm_angles, only: angles_between
    use psalm_arc_kernels, only: add_arc_change, difference, solve_columns, point_back, dyad_back, arc_back
    use psalm_assur, only: closure_of, change_of_closure
-   use psalm_data_set, only: motion_point, motion_angle, motion_distance, motion_slide
    use psalm_dyad, only: dyad_t
    use psalm_error, only: problem_t
    use psalm_frames, only: frames_t, rows_of_arc, matrix_row
-   use psalm_kinds, only: wp, radians_per_degree, degrees_per_radian
+   use psalm_kinds, only: wp, radians_per_degree
    use psalm_linkage, only: padded
+   use psalm_observable, only: seed_t
    use psalm_plan, only: step_point, root_crank
    use psalm_rates, only: rates_t, prepare_rates, form_frames
    use psalm_rows, only: rows_t
@@ -109,15 +108,15 @@ contains
 
    ! ---- forward -----------------------------------------------------------------------------------------------------
 
-   !> Derivatives of the output by every variable, at every position: dx(i, v), and dy(i, v) for MOTION 0.
+   !> Derivatives of the output's components by every variable, at every position.
    !>
-   !> Output as the listing has it (degrees for MOTION 1); variables in their own units (degrees for angles). The linkage must
+   !> Output as the listing has it (angles in degrees); variables in their own units (degrees for angles). The linkage must
    !> close; at a dead point the derivatives are infinite and zero is given.
-   subroutine find_jacobian(problem, dimensions, work, dx, dy, k, dk, dp)
+   subroutine find_jacobian(problem, dimensions, work, dout, k, dk, dp)
       type(problem_t), intent(inout) :: problem
       type(dimensions_t), intent(in) :: dimensions
       type(sensitivity_t), intent(inout) :: work
-      real(wp), intent(out) :: dx(:, :), dy(:, :)   !! shape (positions, marble)
+      real(wp), intent(out) :: dout(:, :, :)        !! shape (positions, marble, components)
       real(wp), intent(out), optional :: k(:, :)    !! shape (positions, nloop): as `find_constraints` has it
       real(wp), intent(out), optional :: dk(:, :, :) !! shape (positions, nloop, marble): its derivatives
       real(wp), intent(out), optional :: dp(:, :, :, :) !! shape (positions, 2, joints, marble): of the joints asked for
@@ -133,7 +132,9 @@ contains
          if (present(k)) call block_constraints(problem, n, k(offset + 1:offset + n, :))
          do v = 1, size(problem%topology%variables)
             call change_of(problem, v, m, work)
-            call change_of_output(problem, v, n, work, dx(offset + 1:offset + n, v), dy(offset + 1:offset + n, v))
+            call problem%output%change(problem%linkage, work%rates%d(1), n, problem%topology%variables(v)%kind, &
+                                       work%turn(problem%topology%output_arc, v), unit_of(problem, v), &
+                                       dout(offset + 1:offset + n, v, :))
             if (present(dk)) call change_of_constraints(problem, v, n, work, dk(offset + 1:offset + n, :, v))
             if (present(dp)) call change_of_joints(problem, v, n, work, dp(offset + 1:offset + n, :, :, v))
             call clear(problem, v, m, work)
@@ -200,7 +201,7 @@ contains
       integer :: j
 
       back = unit_of(problem, v)/problem%linkage%scale
-      call change_of_origin(problem, v, ox, oy)
+      call problem%output%change_of_origin(problem%topology%variables(v)%kind, ox, oy)
       do j = 1, size(problem%plan%joint_points)
          associate (px => problem%linkage%point_x(problem%plan%joint_points(j)), &
                     py => problem%linkage%point_y(problem%plan%joint_points(j)), d => work%rates%d(1)%v)
@@ -209,23 +210,6 @@ contains
          end associate
       end do
    end subroutine change_of_joints
-
-   !> Change of the input pivot with a variable (per radian for its angle).
-   pure subroutine change_of_origin(problem, v, x, y)
-      type(problem_t), intent(in) :: problem
-      integer, intent(in) :: v
-      real(wp), intent(out) :: x, y
-
-      x = 0.0_wp
-      y = 0.0_wp
-      if (problem%topology%variables(v)%kind == variable_origlk) then
-         x = problem%origin_c
-         y = problem%origin_s
-      else if (problem%topology%variables(v)%kind == variable_origng) then
-         x = -problem%origin_y
-         y = problem%origin_x
-      end if
-   end subroutine change_of_origin
 
    !> Radians a unit of the variable is worth if it is an angle in degrees, else 1.
    pure real(wp) function unit_of(problem, v) result(unit)
@@ -355,72 +339,6 @@ contains
       end subroutine zero
    end subroutine clear
 
-   !> Change of the output with a variable, in the listing's units.
-   subroutine change_of_output(problem, v, n, work, dx, dy)
-      type(problem_t), intent(in) :: problem
-      integer, intent(in) :: v, n
-      type(sensitivity_t), intent(in) :: work
-      real(wp), intent(out) :: dx(:), dy(:)
-      real(wp) :: turn, back, unit, ex, ey, w, grow, ox, oy
-      integer :: i, root, root_y, px, py
-
-      associate (link => problem%linkage, plan => problem%plan, variable => problem%topology%variables(v), &
-                 arc => problem%topology%output_arc, d => work%rates%d(1)%v)
-         unit = unit_of(problem, v)
-         back = 1.0_wp/link%scale
-         turn = work%turn(arc, v)
-         if (variable%kind == variable_outang) turn = turn + 1.0_wp
-         dy = 0.0_wp
-         root = link%root_x(plan%root(arc))
-         root_y = link%root_y(plan%root(arc))
-         select case (problem%motion)
-         case (motion_angle)
-            dx = (d(1:n, root) + turn)*(unit*degrees_per_radian)
-            return
-         case (motion_slide)
-            associate (slide => link%slide(plan%length_slot(arc)))
-               dx = d(1:n, slide)*(back*unit)
-            end associate
-            return
-         end select
-         grow = merge(1.0_wp, 0.0_wp, variable%kind == variable_outlk)
-         call change_of_origin(problem, v, ox, oy)
-         px = link%point_x(plan%output_point)
-         py = link%point_y(plan%output_point)
-         do i = 1, n
-            ex = problem%out_c*link%store%v(i, root) - problem%out_s*link%store%v(i, root_y)
-            ey = problem%out_c*link%store%v(i, root_y) + problem%out_s*link%store%v(i, root)
-            w = (d(i, root) + turn)*problem%out_length
-            dx(i) = (d(i, px)*back + grow*ex - w*ey + ox)*unit
-            dy(i) = (d(i, py)*back + grow*ey + w*ex + oy)*unit
-         end do
-         if (problem%motion /= motion_distance) return
-         do i = 1, n
-            call output_vector(problem, i, ex, ey)
-            w = hypot(ex, ey)
-            if (w > 0.0_wp) dx(i) = (ex/w)*dx(i) + (ey/w)*dy(i)
-            dy(i) = 0.0_wp
-         end do
-      end associate
-   end subroutine change_of_output
-
-   !> Output point in machine co-ordinates at position `i` of the block.
-   pure subroutine output_vector(problem, i, x, y)
-      type(problem_t), intent(in) :: problem
-      integer, intent(in) :: i
-      real(wp), intent(out) :: x, y
-      real(wp) :: rx, ry
-
-      associate (link => problem%linkage, plan => problem%plan)
-         rx = link%store%v(i, link%root_x(plan%root(problem%topology%output_arc)))
-         ry = link%store%v(i, link%root_y(plan%root(problem%topology%output_arc)))
-         x = link%store%v(i, link%point_x(plan%output_point))/link%scale + problem%origin_x &
-             + (problem%out_c*rx - problem%out_s*ry)*problem%out_length
-         y = link%store%v(i, link%point_y(plan%output_point))/link%scale + problem%origin_y &
-             + (problem%out_c*ry + problem%out_s*rx)*problem%out_length
-      end associate
-   end subroutine output_vector
-
    ! ---- backward ----------------------------------------------------------------------------------------------------
 
    !> Objective and its derivatives by every variable, by the adjoint route.
@@ -430,15 +348,13 @@ contains
       type(sensitivity_t), intent(inout) :: work
       real(wp), intent(out) :: objective
       real(wp), intent(out) :: gradient(:)      !! shape (marble)
-      real(wp) :: crank_bar, outlk_bar, outang_bar, origin_bar(2)
+      type(seed_t) :: bar
+      real(wp) :: crank_bar
       integer :: block, offset, n, m, k, v
 
       call problem%bind(dimensions)
       objective = 0.0_wp
       crank_bar = 0.0_wp
-      outlk_bar = 0.0_wp
-      outang_bar = 0.0_wp
-      origin_bar = 0.0_wp
       work%angle_bar = 0.0_wp
       work%length_bar = 0.0_wp
       do block = 1, problem%blocks()
@@ -446,7 +362,11 @@ contains
          m = padded(n)
          call form_frames(problem, work%rates, m, fixed_too=.true.)
          work%rates%d(1)%v = 0.0_wp
-         call seed(problem, offset, n, m, work, objective, outlk_bar, outang_bar, origin_bar)
+         associate (first => offset + 1, last => offset + m)
+            call problem%output%seed(problem%linkage, n, m, problem%wanted(first:last, :), problem%weight(first:last, :), &
+                                     problem%toward_x(first:last), problem%toward_y(first:last), work%rates%d(1), objective, bar, &
+                                     work%angle_bar(problem%topology%output_arc), work%along)
+         end associate
          do k = size(problem%linkage%steps), 1, -1
             if (problem%plan%steps(k)%kind == step_point) then
                call back_through_point(problem, k, m, work)
@@ -472,13 +392,13 @@ contains
                gradient(v) = sum(work%angle_bar, mask=problem%topology%angle_variable == v .and. problem%plan%takes_gama) &
                              *radians_per_degree
             case (variable_outlk)
-               gradient(v) = outlk_bar
+               gradient(v) = bar%outlk
             case (variable_outang)
-               gradient(v) = outang_bar*radians_per_degree
+               gradient(v) = bar%outang*radians_per_degree
             case (variable_origlk)
-               gradient(v) = origin_bar(1)*problem%origin_c + origin_bar(2)*problem%origin_s
+               gradient(v) = bar%origin(1)*problem%output%origin_c + bar%origin(2)*problem%output%origin_s
             case (variable_origng)
-               gradient(v) = (origin_bar(2)*problem%origin_x - origin_bar(1)*problem%origin_y)*radians_per_degree
+               gradient(v) = (bar%origin(2)*problem%output%origin_x - bar%origin(1)*problem%output%origin_y)*radians_per_degree
             case default
                gradient(v) = crank_bar
                if (.not. problem%linkage%sliding_input) gradient(v) = crank_bar*radians_per_degree
@@ -486,78 +406,6 @@ contains
          end associate
       end do
    end subroutine find_gradient
-
-   !> Objective of a block and its derivatives by what the output hangs on.
-   subroutine seed(problem, offset, n, m, work, objective, outlk_bar, outang_bar, origin_bar)
-      type(problem_t), intent(inout) :: problem
-      integer, intent(in) :: offset, n, m
-      type(sensitivity_t), intent(inout) :: work
-      real(wp), intent(inout) :: objective, outlk_bar, outang_bar, origin_bar(2)
-      real(wp) :: e, bar, bx, by, x, y, ex, ey, r, back
-      integer :: i, k, root, root_y, px, py, slide
-
-      associate (link => problem%linkage, plan => problem%plan, arc => problem%topology%output_arc, d => work%rates%d(1)%v)
-         root = link%root_x(plan%root(arc))
-         root_y = link%root_y(plan%root(arc))
-         back = 1.0_wp/link%scale
-         if (problem%motion == motion_angle) then
-            call angles_between(m, link%store%v(1, root), link%store%v(1, root_y), problem%out_c, problem%out_s, &
-                                problem%toward_x(offset + 1:offset + m), problem%toward_y(offset + 1:offset + m), work%along)
-            do i = 1, n
-               e = work%along(i)*problem%weight(offset + i)
-               objective = objective + e*work%along(i)
-               bar = -2.0_wp*e*degrees_per_radian
-               d(i, root) = bar
-               outang_bar = outang_bar + bar
-               work%angle_bar(arc) = work%angle_bar(arc) + bar
-            end do
-            return
-         end if
-         if (problem%motion == motion_slide) then
-            slide = link%slide(plan%length_slot(arc))
-            do i = 1, n
-               e = problem%wanted(offset + i) - link%store%v(i, slide)*back
-               objective = objective + problem%weight(offset + i)*e*e
-               d(i, slide) = -2.0_wp*problem%weight(offset + i)*e*back
-            end do
-            return
-         end if
-         px = link%point_x(plan%output_point)
-         py = link%point_y(plan%output_point)
-         do i = 1, n
-            k = offset + i
-            call output_vector(problem, i, x, y)
-            if (problem%motion == motion_point) then
-               bx = problem%weight(k)*(problem%wanted(k) - x)
-               by = problem%weight_y(k)*(problem%wanted_y(k) - y)
-               objective = objective + bx*(problem%wanted(k) - x) + by*(problem%wanted_y(k) - y)
-               bx = -2.0_wp*bx
-               by = -2.0_wp*by
-            else
-               r = hypot(x, y)
-               e = problem%wanted(k) - r
-               objective = objective + problem%weight(k)*e*e
-               bar = -2.0_wp*problem%weight(k)*e
-               bx = 0.0_wp
-               by = 0.0_wp
-               if (r > 0.0_wp) then
-                  bx = bar*(x/r)
-                  by = bar*(y/r)
-               end if
-            end if
-            ex = problem%out_c*link%store%v(i, root) - problem%out_s*link%store%v(i, root_y)
-            ey = problem%out_c*link%store%v(i, root_y) + problem%out_s*link%store%v(i, root)
-            outlk_bar = outlk_bar + bx*ex + by*ey
-            bar = (by*ex - bx*ey)*problem%out_length
-            d(i, root) = bar
-            outang_bar = outang_bar + bar
-            work%angle_bar(arc) = work%angle_bar(arc) + bar
-            origin_bar = origin_bar + [bx, by]
-            d(i, px) = bx*back
-            d(i, py) = by*back
-         end do
-      end associate
-   end subroutine seed
 
    subroutine back_through_point(problem, k, n, work)
       type(problem_t), intent(in) :: problem

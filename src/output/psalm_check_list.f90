@@ -3,10 +3,11 @@
 !> Layout of Oldham (1977), figures 7.3 and C1.
 module psalm_check_list
    use psalm_angles, only: degrees_of, within_turn
-   use psalm_data_set, only: data_set_t, motion_point, motion_angle, motion_distance
+   use psalm_data_set, only: data_set_t
    use psalm_error, only: problem_t, motion_t
    use psalm_finale, only: angle_text, list_dimensions, list_reference, list_output_arc
    use psalm_kinds, only: wp
+   use psalm_output_kind, only: output_kind_t, output_kind
    use psalm_topology, only: topology_t, dimensions_t, arc_slide
    use psalm_text, only: text_t, fixed, general, to_text
    implicit none (type, external)
@@ -65,11 +66,12 @@ contains
       type(data_set_t), intent(in) :: set
       type(topology_t), intent(in) :: topology
       type(text_t), intent(inout) :: text
+      type(output_kind_t) :: kind
 
       call text%add(' NUMBER OF DESIRED POSITIONS, NDES'//trim(integers([set%ndes], 7)))
       if (set%desired) then
-         select case (set%motion)
-         case (motion_point)
+         kind = output_kind(set%motion)
+         if (kind%components > 1) then
             call text%add(' THE DESIRED POINTS ARE RELATIVE TO XADD, YADD')
             call rows([set%xadd, set%yadd])
             call text%add(' THE DESIRED X CO-ORDINATE')
@@ -80,10 +82,11 @@ contains
             call rows(set%desy)
             call text%add(' WEIGHTING FACTORS FOR THE VALUES ABOVE')
             call rows(set%ymult)
-         case default
-            if (set%motion == motion_angle) then
+         end if
+         if (kind%components /= 2) then
+            if (kind%angle > 0) then
                call text%add(' THE DESIRED OUTPUT ANGLE')
-            else if (set%motion == motion_distance) then
+            else if (kind%has_point) then
                call text%add(' THE DESIRED OUTPUT DISTANCE')
             else
                call text%add(' THE DESIRED SLIDING LENGTH')
@@ -91,7 +94,7 @@ contains
             call rows(set%desang)
             call text%add(' WEIGHTING FACTORS FOR THE VALUES ABOVE')
             call rows(set%anmult)
-         end select
+         end if
       end if
       if (topology%sliding_input) then
          call text%add(' THE DESIRED INPUT LENGTH')

@@ -1,9 +1,10 @@
 !> Curves of a scene as a gnuplot script that carries its data: output, error, transmission angles, convergence.
 module psalm_curves
-   use psalm_data_set, only: motion_point, motion_angle, motion_distance
+   use psalm_dyad, only: assur_rrr
    use psalm_kinds, only: wp, full_turn
    use psalm_markup, only: clean_text, short_number
    use psalm_number, only: parse_real
+   use psalm_output_kind, only: motion_point, motion_angle, motion_distance
    use psalm_scene, only: scene_t
    use psalm_source, only: line_t
    use psalm_text, only: text_t, full_precision, to_text
@@ -34,7 +35,7 @@ contains
       call write_table('$sweep', scene, scene%sweep, text)
       call write_progress(progress, steps, starts, text)
       errors = scene%desired
-      angles = any(scene%pairs%joint_type == 1)
+      angles = any(scene%pairs%joint_type == assur_rrr)
       panels = 1 + count([scene%motion == motion_point, errors, angles, steps > 0])
       call text%add('set grid; set key outside right top; set lmargin 11; set rmargin 17')
       call find_axis(scene, low, high)
@@ -156,7 +157,7 @@ contains
             line = line//' NaN NaN NaN NaN'
          end if
          do loop = 1, scene%loops
-            if (scene%pairs(loop)%joint_type == 1) line = line//' '//number(row%angle(loop, i), row%sound(loop, i))
+            if (scene%pairs(loop)%joint_type == assur_rrr) line = line//' '//number(row%angle(loop, i), row%sound(loop, i))
          end do
          call text%add(line)
       end do
@@ -272,7 +273,7 @@ contains
          line = 'set ylabel "transmission angle, degrees"; set yrange [0:180]; plot '
          column = 7
          do loop = 1, scene%loops
-            if (scene%pairs(loop)%joint_type /= 1) cycle
+            if (scene%pairs(loop)%joint_type /= assur_rrr) cycle
             column = column + 1
             line = line//"$sweep using 1:"//to_text(column)//" with lines "
             if (column - 7 <= most_lines) then

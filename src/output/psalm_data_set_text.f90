@@ -3,8 +3,9 @@
 !> Numbers of the data set have as many digits as it takes to read the same bits back. The vertices stand in comment lines,
 !> so that `psalm` reads the file as a case; as device 4 it supplies vertices.
 module psalm_data_set_text
-   use psalm_data_set, only: data_set_t, motion_point
+   use psalm_data_set, only: data_set_t
    use psalm_kinds, only: wp
+   use psalm_output_kind, only: output_kind_t, output_kind
    use psalm_topology, only: topology_t, dimensions_t
    use psalm_start, only: values_per_record
    use psalm_text, only: text_t, general, full_precision, to_text
@@ -125,17 +126,20 @@ contains
       end subroutine real_row
 
       subroutine write_positions()
+         type(output_kind_t) :: kind
 
          call text%add('  NDES='//to_text(set%ndes)//',')
          call real_row('DELT=', set%delt)
          if (.not. set%desired) return
-         if (set%motion == motion_point) then
+         kind = output_kind(set%motion)
+         if (kind%components > 1) then
             call text%add('  XADD='//full_precision(set%xadd)//', YADD='//full_precision(set%yadd)//',')
             call real_row('DESX=', set%desx)
             call real_row('DESY=', set%desy)
             call real_row('XMULT=', set%xmult)
             call real_row('YMULT=', set%ymult)
-         else
+         end if
+         if (kind%components /= 2) then
             call real_row('DESANG=', set%desang)
             call real_row('ANMULT=', set%anmult)
          end if

@@ -1,7 +1,7 @@
 !> A scene as DXF (release 12, ASCII): one layer for each link, joints as circles, the output path as a polyline.
 module psalm_dxf
-   use psalm_data_set, only: motion_point, motion_angle
    use psalm_kinds, only: wp
+   use psalm_output_kind, only: motion_point, motion_angle
    use psalm_scene, only: scene_t
    use psalm_text, only: text_t, full_precision, to_text
    implicit none (type, external)

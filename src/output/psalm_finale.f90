@@ -3,11 +3,12 @@
 !> Layout and numbers follow the published listing (Oldham 1977, figure 7.2), so that listings can be compared.
 module psalm_finale
    use psalm_angles, only: unit_vector
-   use psalm_data_set, only: data_set_t, motion_point, motion_angle, motion_distance
+   use psalm_data_set, only: data_set_t
    use psalm_dyad, only: form_t, form_of, violation_too_short, violation_too_long, violation_parallel, violation_angle_small, &
                          violation_angle_large, violation_undetermined
    use psalm_error, only: problem_t, motion_t, violation_t
    use psalm_kinds, only: wp, full_turn
+   use psalm_output_kind, only: motion_point, motion_angle, motion_distance, motion_pose
    use psalm_plan, only: root_frame
    use psalm_topology, only: dimensions_t, topology_t
    use psalm_text, only: text_t, fixed, general, to_text
@@ -163,6 +164,11 @@ contains
          line = line//'       ACTUAL X       ACTUAL Y'
          if (problem%desired) line = line//'        ERROR X        ERROR Y'
          return
+      case (motion_pose)
+         if (problem%desired) line = line//'      DESIRED X      DESIRED Y  DESIRED ANGLE'
+         line = line//'       ACTUAL X       ACTUAL Y   ACTUAL ANGLE'
+         if (problem%desired) line = line//'        ERROR X        ERROR Y    ERROR ANGLE'
+         return
       case (motion_angle)
          if (problem%desired) line = line//'  DESIRED ANGLE'
          line = line//'   ACTUAL ANGLE'
@@ -182,25 +188,27 @@ contains
       type(motion_t), intent(in) :: motion
       type(text_t), intent(inout) :: text
       character(:), allocatable :: line
-      logical :: point, in_turn
-      integer :: i
+      logical :: in_turn
+      integer :: i, c
 
-      point = problem%motion == motion_point
-      in_turn = problem%motion == motion_angle .and. .not. problem%desired
       call text%add()
       call text%add(motion_headings(problem))
       do i = 1, size(motion%input)
          line = merge(general(motion%input(i)), angle_text(motion%input(i)), problem%topology%sliding_input)
          if (problem%desired) then
-            line = line//general(problem%wanted(i))
-            if (point) line = line//general(problem%wanted_y(i))
+            do c = 1, size(motion%actual, 2)
+               line = line//general(problem%wanted(i, c))
+            end do
          end if
          if (motion%closed(i)) then
-            line = line//merge(angle_text(motion%actual(i)), general(motion%actual(i)), in_turn)
-            if (point) line = line//general(motion%actual_y(i))
+            do c = 1, size(motion%actual, 2)
+               in_turn = c == problem%output%kind%angle .and. .not. problem%desired
+               line = line//merge(angle_text(motion%actual(i, c)), general(motion%actual(i, c)), in_turn)
+            end do
             if (problem%desired) then
-               line = line//general(motion%error(i))
-               if (point) line = line//general(motion%error_y(i))
+               do c = 1, size(motion%actual, 2)
+                  line = line//general(motion%error(i, c))
+               end do
             end if
          else
             line = line//'   DOES NOT CLOSE'

@@ -4,12 +4,14 @@
 !> time, for the speed and acceleration of the group RATES. Source: Haines (about 1982), section 15.1; Oldham (1977), 9.3.1.
 module psalm_kalm
    use psalm_check_list, only: list_input
-   use psalm_data_set, only: data_set_t, motion_point, motion_angle, motion_distance
+   use psalm_data_set, only: data_set_t
    use psalm_error, only: problem_t, motion_t, make_problem
    use psalm_finale, only: angle_text, describe_violation
    use psalm_kinds, only: wp
+   use psalm_observable, only: at_origin
+   use psalm_output_kind, only: motion_point, motion_distance, motion_pose
    use psalm_plan, only: step_point
-   use psalm_rates, only: rates_t, prepare_rates, differentiate, output_rates, derivatives_of, is_dead, at_origin, highest_order
+   use psalm_rates, only: rates_t, prepare_rates, differentiate, output_rates, derivatives_of, is_dead, highest_order
    use psalm_run, only: devices_t, version
    use psalm_setup, only: set_up
    use psalm_status, only: diagnostics_t, exit_violation
@@ -24,8 +26,8 @@ module psalm_kalm
 
    !> Derivatives of the output at all positions.
    type :: output_rates_t
-      real(wp), allocatable :: x(:, :), y(:, :)     !! shape (3, positions): by the input
-      real(wp), allocatable :: xt(:, :), yt(:, :)   !! shape (3, positions): by time
+      real(wp), allocatable :: d(:, :, :)           !! shape (3, components, positions): by the input
+      real(wp), allocatable :: t(:, :, :)           !! shape (3, components, positions): by time
       integer, allocatable :: dead(:)               !! loop at a dead point, 0: none, or `output_at_origin`
    end type output_rates_t
 
@@ -75,10 +77,11 @@ contains
       type(output_rates_t), intent(out) :: rates
       type(text_t), intent(inout) :: device8
       type(rates_t) :: block_rates
-      integer :: block, offset, n, i, k, loop
+      integer :: block, offset, n, i, k, c, loop
 
       associate (m => problem%positions)
-         allocate (rates%x(highest_order, m), rates%y(highest_order, m), rates%xt(highest_order, m), rates%yt(highest_order, m))
+         allocate (rates%d(highest_order, problem%output%kind%components, m))
+         allocate (rates%t(highest_order, problem%output%kind%components, m))
          allocate (rates%dead(m), source=0)
       end associate
       call prepare_rates(problem, block_rates)
@@ -87,15 +90,16 @@ contains
          call differentiate(problem, block_rates, n, highest_order)
          do i = 1, n
             k = offset + i
-            call output_rates(problem, block_rates, i, highest_order, rates%x(:, k), rates%y(:, k))
-            rates%xt(:, k) = in_time(rates%x(:, k), set%speed, set%accel)
-            rates%yt(:, k) = in_time(rates%y(:, k), set%speed, set%accel)
+            call output_rates(problem, block_rates, i, highest_order, rates%d(:, :, k))
+            do c = 1, problem%output%kind%components
+               rates%t(:, c, k) = in_time(rates%d(:, c, k), set%speed, set%accel)
+            end do
             do loop = problem%topology%nloop, 1, -1
                if (problem%linkage%step_of_loop(loop) == 0) cycle
                if (is_dead(problem, block_rates, loop, i)) rates%dead(k) = loop
             end do
-            if (problem%motion == motion_distance .and. all(abs(rates%x(:, k)) <= 0.0_wp)) then
-               if (motion%actual(k) <= at_origin*maxval(problem%given%arcl)) rates%dead(k) = output_at_origin
+            if (problem%motion == motion_distance .and. all(abs(rates%d(:, 1, k)) <= 0.0_wp)) then
+               if (motion%actual(k, 1) <= at_origin*maxval(problem%given%arcl)) rates%dead(k) = output_at_origin
             end if
             if (set%ktheta /= 0) call list_position(set, problem, motion, block_rates, i, k, rates%dead(k), device8)
          end do
@@ -145,8 +149,8 @@ contains
             loop = (arc - 1)/problem%topology%maxarc + 1
             name = ' LOOP '//to_text(loop)//' ARC '//to_text(arc - (loop - 1)*problem%topology%maxarc)
             call text%add(name//repeat(' ', max(1, 20 - len(name)))// &
-                          general(link%store%v(i, link%point_x(point))/link%scale + problem%origin_x)// &
-                          general(link%store%v(i, link%point_y(point))/link%scale + problem%origin_y)// &
+                          general(link%store%v(i, link%point_x(point))/link%scale + problem%output%origin_x)// &
+                          general(link%store%v(i, link%point_y(point))/link%scale + problem%output%origin_y)// &
                           general(px(1))//general(py(1))//general(px(2))//general(py(2)))
          end associate
       end do
@@ -160,7 +164,7 @@ contains
       type(output_rates_t), intent(in) :: rates
       type(text_t), intent(inout) :: text
       character(:), allocatable :: line, name
-      integer :: k
+      integer :: k, c, order
 
       call text%add(' '//set%title)
       call text%add()
@@ -174,11 +178,14 @@ contains
       call text%add(' SPEED OF THE INPUT'//general(set%speed)//' '//line//name)
       if (abs(set%accel) > 0.0_wp) call text%add(' ACCELERATION OF THE INPUT'//general(set%accel)//' '//line//'**2')
       if (abs(set%accel) > 0.0_wp) call text%add(' THE SPEED IS THE SAME AT EVERY POSITION, THE ACCELERATION TOO')
-      if (problem%motion == motion_angle) call text%add(' ANGLES IN DEGREES, THEIR RATES IN RADIANS')
+      if (problem%output%kind%angle > 0) call text%add(' ANGLES IN DEGREES, THEIR RATES IN RADIANS')
       call text%add()
       line = merge('   INPUT LENGTH', '    CRANK ANGLE', problem%topology%sliding_input)
       if (problem%motion == motion_point) then
          line = line//'              X              Y             VX             VY             AX             AY          SPEED'
+      else if (problem%motion == motion_pose) then
+         line = line//'              X              Y          ANGLE             VX             VY        ANG.VEL.'// &
+                '             AX             AY        ANG.ACC.          SPEED'
       else
          line = line//'         OUTPUT       VELOCITY   ACCELERATION           JERK VELOCITY RATIO MECH.ADVANTAGE'
       end if
@@ -188,18 +195,25 @@ contains
          if (.not. motion%closed(k)) then
             line = line//'   DOES NOT CLOSE'
          else if (rates%dead(k) /= 0) then
-            line = line//general(motion%actual(k))
-            if (problem%motion == motion_point) line = line//general(motion%actual_y(k))
+            do c = 1, size(motion%actual, 2)
+               line = line//general(motion%actual(k, c))
+            end do
             line = line//'   '//dead_words(rates%dead(k))
-         else if (problem%motion == motion_point) then
-            line = line//general(motion%actual(k))//general(motion%actual_y(k))//general(rates%xt(1, k))// &
-                   general(rates%yt(1, k))//general(rates%xt(2, k))//general(rates%yt(2, k))// &
-                   general(hypot(rates%xt(1, k), rates%yt(1, k)))
+         else if (size(motion%actual, 2) > 1) then
+            do c = 1, size(motion%actual, 2)
+               line = line//general(motion%actual(k, c))
+            end do
+            do order = 1, 2
+               do c = 1, size(motion%actual, 2)
+                  line = line//general(rates%t(order, c, k))
+               end do
+            end do
+            line = line//general(hypot(rates%t(1, 1, k), rates%t(1, 2, k)))
          else
-            line = line//general(motion%actual(k))//general(rates%xt(1, k))//general(rates%xt(2, k))//general(rates%xt(3, k))// &
-                   general(rates%x(1, k))
-            if (abs(rates%x(1, k)) > tiny(1.0_wp)**0.5_wp) then
-               line = line//general(1.0_wp/rates%x(1, k))
+            line = line//general(motion%actual(k, 1))//general(rates%t(1, 1, k))//general(rates%t(2, 1, k))// &
+                   general(rates%t(3, 1, k))//general(rates%d(1, 1, k))
+            if (abs(rates%d(1, 1, k)) > tiny(1.0_wp)**0.5_wp) then
+               line = line//general(1.0_wp/rates%d(1, 1, k))
             else
                line = line//'       INFINITE'
             end if
@@ -216,7 +230,7 @@ contains
       type(output_rates_t), intent(in) :: rates
       type(text_t), intent(inout) :: text
       character(:), allocatable :: line, per
-      integer :: k, order
+      integer :: k, c, order
 
       if (text%length > 0) then
          call text%add()
@@ -224,11 +238,9 @@ contains
       end if
       per = trim(merge('length', 'rad   ', problem%topology%sliding_input))
       line = '# input closed'
-      if (problem%motion == motion_point) then
-         line = line//' actual_x actual_y'
-      else
-         line = line//' actual'
-      end if
+      do c = 1, size(motion%actual, 2)
+         line = line//' actual'//trim(problem%output%kind%suffix(c))
+      end do
       do order = 1, highest_order
          call name_columns(per, order)
       end do
@@ -242,14 +254,14 @@ contains
       do k = 1, size(motion%input)
          line = full_precision(motion%input(k))//merge(' 1', ' 0', motion%closed(k))
          if (motion%closed(k)) then
-            line = line//' '//full_precision(motion%actual(k))
-            if (problem%motion == motion_point) line = line//' '//full_precision(motion%actual_y(k))
+            do c = 1, size(motion%actual, 2)
+               line = line//' '//full_precision(motion%actual(k, c))
+            end do
          else
-            line = line//' NaN'
-            if (problem%motion == motion_point) line = line//' NaN'
+            line = line//repeat(' NaN', size(motion%actual, 2))
          end if
-         call add_values(rates%x(:, k), rates%y(:, k))
-         call add_values(rates%xt(:, k), rates%yt(:, k))
+         call add_values(rates%d(:, :, k))
+         call add_values(rates%t(:, :, k))
          call text%add(line)
       end do
 
@@ -262,22 +274,25 @@ contains
 
          power = per
          if (order > 1) power = per//to_text(order)
-         if (problem%motion == motion_point) then
-            line = line//' x_per_'//power//' y_per_'//power
-         else
-            line = line//' actual_per_'//power
-         end if
+         do c = 1, size(motion%actual, 2)
+            if (size(motion%actual, 2) > 1) then
+               line = line//' '//trim(problem%output%kind%suffix(c)(2:))//'_per_'//power
+            else
+               line = line//' actual_per_'//power
+            end if
+         end do
       end subroutine name_columns
 
-      subroutine add_values(x, y)
-         real(wp), intent(in) :: x(:), y(:)
+      subroutine add_values(values)
+         real(wp), intent(in) :: values(:, :)   !! shape (3, components)
          integer :: order
          logical :: known
 
          known = motion%closed(k) .and. rates%dead(k) == 0
          do order = 1, highest_order
-            line = line//' '//value_or_nan(x(order), known)
-            if (problem%motion == motion_point) line = line//' '//value_or_nan(y(order), known)
+            do c = 1, size(values, 2)
+               line = line//' '//value_or_nan(values(order, c), known)
+            end do
          end do
       end subroutine add_values
    end subroutine write_table

@@ -1,8 +1,8 @@
 !> Where the letters of the joints go: beside their joint, off the links, off each other.
 module psalm_labels
    use psalm_angles, only: unit_vector
-   use psalm_data_set, only: motion_angle
    use psalm_kinds, only: wp
+   use psalm_output_kind, only: motion_angle
    use psalm_scene, only: scene_t
    implicit none (type, external)
    private

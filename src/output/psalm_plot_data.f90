@@ -3,9 +3,9 @@
 !> Comment lines begin with `#`, the first of them names the columns; one row for each input position, 17 significant digits,
 !> a closed column of 0 or 1. Blocks are two blank lines apart (gnuplot's `index`).
 module psalm_plot_data
-   use psalm_data_set, only: motion_point, motion_angle
    use psalm_error, only: problem_t, motion_t
    use psalm_kinds, only: wp
+   use psalm_output_kind, only: output_kind_t, motion_pose
    use psalm_text, only: text_t, full_precision, general
    implicit none (type, external)
    private
@@ -22,44 +22,59 @@ contains
       type(motion_t), intent(in) :: motion
       type(text_t), intent(inout) :: text
       real(wp), intent(in), optional :: condition(:) !! shape (positions): adds a column
+      type(output_kind_t) :: kind
       character(:), allocatable :: line
-      integer :: i
+      integer :: i, c
+
+      kind = problem%output%kind
 
       if (text%length > 0) then
          call text%add()
          call text%add()
       end if
       line = '# input closed'
-      if (problem%motion == motion_point) then
-         line = line//' actual_x actual_y'
-         if (desired_columns) line = line//' desired_x desired_y'
-      else
-         line = line//' actual'
-         if (desired_columns) line = line//' desired'
+      do c = 1, kind%components
+         line = line//' actual'//trim(kind%suffix(c))
+      end do
+      if (desired_columns) then
+         do c = 1, kind%components
+            line = line//' desired'//trim(kind%suffix(c))
+         end do
       end if
       if (present(condition)) line = line//' condition'
       call text%add(line)
       call text%add('# '//title)
       call text%add('# '//name//'; input in '//trim(merge('length ', 'degrees', problem%topology%sliding_input))// &
-                    ', output in '//trim(merge('degrees', 'length ', problem%motion == motion_angle)))
+                    ', output in '//unit_of_output())
       do i = 1, size(motion%input)
          line = full_precision(motion%input(i))//merge(' 1', ' 0', motion%closed(i))
-         if (motion%closed(i)) then
-            line = line//' '//full_precision(motion%actual(i))
-            if (problem%motion == motion_point) line = line//' '//full_precision(motion%actual_y(i))
-         else
-            line = line//' NaN'
-            if (problem%motion == motion_point) line = line//' NaN'
-         end if
-         if (problem%desired) then
-            line = line//' '//full_precision(problem%wanted(i))
-            if (problem%motion == motion_point) line = line//' '//full_precision(problem%wanted_y(i))
-         else if (desired_columns) then
-            line = line//' NaN'
-            if (problem%motion == motion_point) line = line//' NaN'
+         do c = 1, kind%components
+            if (motion%closed(i)) then
+               line = line//' '//full_precision(motion%actual(i, c))
+            else
+               line = line//' NaN'
+            end if
+         end do
+         if (desired_columns) then
+            do c = 1, kind%components
+               if (problem%desired) then
+                  line = line//' '//full_precision(problem%wanted(i, c))
+               else
+                  line = line//' NaN'
+               end if
+            end do
          end if
          if (present(condition)) line = line//' '//trim(adjustl(general(condition(i), 'E')))
          call text%add(line)
       end do
+
+   contains
+
+      pure function unit_of_output() result(unit)
+         character(:), allocatable :: unit
+
+         unit = trim(merge('degrees', 'length ', kind%angle > 0))
+         if (problem%motion == motion_pose) unit = 'length and degrees'
+      end function unit_of_output
    end subroutine write_block
 end module psalm_plot_data

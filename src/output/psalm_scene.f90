@@ -5,12 +5,14 @@ module psalm_scene
    use psalm_angles, only: unit_vector
    use psalm_chain, only: chain_t, make_chain
    use psalm_constraint_group, only: region_t
-   use psalm_data_set, only: data_set_t, motion_point, motion_angle, motion_distance, motion_slide
+   use psalm_data_set, only: data_set_t
+   use psalm_dyad, only: form_t, form_of, direction_known
    use psalm_error, only: problem_t, make_problem
    use psalm_kinds, only: wp
    use psalm_margin_list, only: describe_margin
    use psalm_margins, only: margin_t, inspector_t, prepare_inspector, inspect, is_violated
    use psalm_markup, only: strings_t, add_string
+   use psalm_output_kind, only: motion_point, motion_angle, motion_distance, motion_slide, motion_pose
    use psalm_parts, only: joint_t, bar_t, body_t, slide_t, pair_t, find_slides, convex_hull
    use psalm_plan, only: root_frame
    use psalm_setup, only: set_up
@@ -91,7 +93,8 @@ contains
       if (again%failed()) return
       scene%sound = .true.
       deallocate (scene%joints, scene%bars, scene%bodies, scene%pairs)
-      scene%motion = set%motion
+      ! a pose is drawn as its point
+      scene%motion = merge(motion_point, set%motion, set%motion == motion_pose)
       scene%sliding = topology%sliding_input
       scene%everywhere = set%ktheta /= 0
       scene%tangle = set%tangle
@@ -154,26 +157,30 @@ contains
    pure subroutine find_others(scene, row)
       type(scene_t), intent(in) :: scene
       type(row_t), intent(inout) :: row
+      type(form_t) :: form
       real(wp) :: from(2), along(2), joint(2)
       integer :: loop, k, s
+      logical :: mirrored
 
       allocate (row%other(2, scene%loops, row%n), source=0.0_wp)
       allocate (row%other_known(scene%loops, row%n), source=.false.)
       do loop = 1, scene%loops
          associate (pair => scene%pairs(loop))
-            if (pair%joint_type > 5) cycle
-            s = scene%bars(pair%bars(merge(2, 1, pair%joint_type == 4)))%slide
+            form = form_of(pair%joint_type)
+            if (form%power == 0) cycle
+            mirrored = all(form%direction /= direction_known)
+            s = scene%bars(pair%bars(merge(2, 1, form%slides(2))))%slide
             do k = 1, row%n
                if (.not. row%sound(loop, k)) cycle
                joint = [row%x(pair%shared, k), row%y(pair%shared, k)]
                from = [row%x(pair%start, k), row%y(pair%start, k)]
                along = [row%x(pair%finish, k), row%y(pair%finish, k)] - from
-               if (pair%joint_type <= 3) then
+               if (mirrored) then
                   if (norm2(along) <= 0.0_wp) cycle
                   along = along/norm2(along)
                   row%other(:, loop, k) = 2.0_wp*(from + along*dot_product(joint - from, along)) - joint
                else
-                  if (pair%joint_type == 5) from = from + along
+                  if (form%slides(1)) from = from + along
                   along = [row%ux(s, k), row%uy(s, k)]
                   row%other(:, loop, k) = joint - 2.0_wp*along*dot_product(joint - from, along)
                end if

@@ -6,10 +6,10 @@
 module psalm_svg
    use psalm_angles, only: degrees_of, unit_vector
    use psalm_constraint_group, only: region_box, region_half_plane
-   use psalm_data_set, only: motion_point, motion_angle, motion_distance, motion_slide
    use psalm_kinds, only: wp
    use psalm_labels, only: place_labels
    use psalm_markup, only: xml_text, short_number, wrapped, strings_t, add_string
+   use psalm_output_kind, only: motion_point, motion_angle, motion_distance, motion_slide
    use psalm_scene, only: scene_t
    use psalm_text, only: text_t, full_precision, to_text
    use psalm_trace, only: row_t

@@ -5,7 +5,7 @@
 module psalm_trace
    use psalm_angles, only: degrees_of
    use psalm_chain, only: chain_t
-   use psalm_data_set, only: motion_point
+   use psalm_dyad, only: form_t, form_of, assur_rrr, direction_known
    use psalm_error, only: problem_t, motion_t, violation_t
    use psalm_finale, only: describe_violation
    use psalm_kinds, only: wp
@@ -60,15 +60,19 @@ contains
       row%delt = own%delt
       row%input = motion%input
       row%closed = motion%closed
-      row%actual = motion%actual
-      row%actual_y = motion%actual_y
-      row%error = motion%error
-      row%error_y = motion%error_y
-      allocate (row%wanted(0), row%wanted_y(0))
-      if (own%desired) then
-         row%wanted = own%wanted(:row%n)
-         if (own%motion == motion_point) row%wanted_y = own%wanted_y(:row%n)
-      end if
+      associate (y => size(motion%actual, 2))
+         row%actual = motion%actual(:, 1)
+         row%error = motion%error(:, 1)
+         row%actual_y = spread(0.0_wp, 1, row%n)
+         row%error_y = row%actual_y
+         allocate (row%wanted(0), row%wanted_y(0))
+         if (own%desired) row%wanted = own%wanted(:row%n, 1)
+         if (y > 1) then
+            row%actual_y = motion%actual(:, 2)
+            row%error_y = motion%error(:, 2)
+            if (own%desired) row%wanted_y = own%wanted(:row%n, 2)
+         end if
+      end associate
       call whole%analyse(dimensions, points)
       allocate (row%violations(size(points%violations)))
       row%violations = points%violations
@@ -103,8 +107,8 @@ contains
       integer :: j, loop, p, q, s
       real(wp) :: x, y, length
 
-      row%x(1, k) = problem%origin_x
-      row%y(1, k) = problem%origin_y
+      row%x(1, k) = problem%output%origin_x
+      row%y(1, k) = problem%output%origin_y
       row%known(1, k) = .true.
       do j = 2, chain%joints
          loop = chain%pair_loop(j)
@@ -119,7 +123,7 @@ contains
             end if
             row%known(j, k) = row%sound(loop, k)
             if (row%broken(loop, k)) call leave_open(problem, chain, loop, p, q, i, k, row)
-            if (row%sound(loop, k) .and. problem%topology%joint(loop) == 1) &
+            if (row%sound(loop, k) .and. problem%topology%joint(loop) == assur_rrr) &
                row%angle(loop, k) = transmission_angle(problem, p, q, i)
          else
             row%known(j, k) = row%known(chain%from(j), k) .and. is_known(problem, chain%arc(j), 0, row%sound(:, k))
@@ -157,6 +161,7 @@ contains
       type(chain_t), intent(in) :: chain
       integer, intent(in) :: loop, p, q, i, k
       type(row_t), intent(inout) :: row
+      type(form_t) :: form
       real(wp) :: x, y, length, along
 
       call reach_out(p, x, y)
@@ -166,16 +171,17 @@ contains
       row%tip(3, loop, k) = row%x(chain%outer(2, loop), k) - x
       row%tip(4, loop, k) = row%y(chain%outer(2, loop), k) - y
       ! a slide is as long as it must be to come nearest to the link
-      select case (problem%topology%joint(loop))
-      case (4)
+      form = form_of(problem%topology%joint(loop))
+      if (count(form%slides) /= 1 .or. all(form%direction /= direction_known)) return
+      if (form%slides(2)) then
          call problem%linkage%arc_at(problem%plan, q, i, x, y, length)
          along = (row%tip(1, loop, k) - row%tip(3, loop, k))*x + (row%tip(2, loop, k) - row%tip(4, loop, k))*y
          row%tip(3:4, loop, k) = row%tip(3:4, loop, k) + along*[x, y]
-      case (5)
+      else
          call problem%linkage%arc_at(problem%plan, p, i, x, y, length)
          along = (row%tip(3, loop, k) - row%tip(1, loop, k))*x + (row%tip(4, loop, k) - row%tip(2, loop, k))*y
          row%tip(1:2, loop, k) = row%tip(1:2, loop, k) + along*[x, y]
-      end select
+      end if
 
    contains
 
@@ -231,9 +237,9 @@ contains
       base = merge(start, finish, own%topology%output_from_start)
       row%known(j, k) = row%known(base, k) .and. is_known(own, own%topology%output_arc, 0, row%sound(:, k))
       if (.not. row%known(j, k)) return
-      row%x(j, k) = points%actual(k)
-      row%y(j, k) = points%actual_y(k)
-      if (own%motion /= motion_point .or. .not. row%closed(k)) return
+      row%x(j, k) = points%actual(k, 1)
+      row%y(j, k) = points%actual(k, 2)
+      if (own%output%kind%components == 1 .or. .not. row%closed(k)) return
       row%x(j, k) = row%actual(k)
       row%y(j, k) = row%actual_y(k)
    end subroutine place_output

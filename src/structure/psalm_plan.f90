@@ -6,9 +6,9 @@
 !> (unless everything is asked for).
 module psalm_plan
    use psalm_assur, only: sign_of_dyad
-   use psalm_data_set, only: motion_point, motion_angle, motion_distance, motion_slide
    use psalm_dyad, only: form_t, form_of, direction_found, direction_known, direction_of_partner
    use psalm_kinds, only: wp
+   use psalm_output_kind, only: output_kind_t, output_kind
    use psalm_topology, only: topology_t, arc_determined, arc_slide, arc_crank, arc_actuator
    implicit none (type, external)
    private
@@ -64,6 +64,7 @@ contains
       integer, intent(in), optional :: joints(:, :) !! shape (2, joints): loop and arc; the finish of the arc is wanted (arc 0:
                                            !! the input pivot); their loops must be solved
       type(plan_t) :: plan
+      type(output_kind_t) :: kind
       integer :: loop, a, point
 
       call assign_roots(topology, plan)
@@ -79,7 +80,8 @@ contains
       do loop = 1, topology%nloop
          if (plan%solved(loop)) call add_loop(topology, loop, plan)
       end do
-      if (motion == motion_point .or. motion == motion_distance) call add_output(topology, plan)
+      kind = output_kind(motion)
+      if (kind%has_point) call add_output(topology, plan)
       allocate (plan%joint_points(0))
       if (present(joints)) then
          do a = 1, size(joints, 2)
@@ -244,11 +246,13 @@ contains
       type(topology_t), intent(in) :: topology
       integer, intent(in) :: motion
       type(plan_t), intent(inout) :: plan
+      type(output_kind_t) :: kind
       integer :: loop, last, a
       logical :: forwards
 
       call mark_arc(topology, topology%output_arc, 0, plan)
-      if (motion == motion_angle .or. motion == motion_slide) return
+      kind = output_kind(motion)
+      if (.not. kind%has_point) return
       call output_chain(topology, loop, last, forwards)
       if (forwards) then
          do a = 1, last

@@ -5,9 +5,10 @@
 !> n = (loop-1)*MAXARC + arc. Source: Oldham (1977), chapter 4 and appendices B2 and C.
 module psalm_setup
    use psalm_assur, only: kind_of_dyad
-   use psalm_data_set, only: data_set_t, motion_slide
+   use psalm_data_set, only: data_set_t
    use psalm_dyad, only: form_t, form_of, assur_none, direction_known
    use psalm_kinds, only: wp, full_turn, half_turn
+   use psalm_output_kind, only: motion_slide
    use psalm_status, only: diagnostics_t
    use psalm_text, only: to_text
    use psalm_topology, only: topology_t, dimensions_t, variable_t, arc_absent, arc_determined, arc_link, arc_slide, arc_crank, &

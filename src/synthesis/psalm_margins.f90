@@ -4,11 +4,12 @@
 !> thousandth of that.
 module psalm_margins
    use psalm_constraint_group, only: region_t, range_positions, range_turn, region_box
-   use psalm_data_set, only: data_set_t, motion_point
+   use psalm_data_set, only: data_set_t
    use psalm_dyad, only: assur_rrr, assur_rpr, assur_rpr_guide_first, assur_rrp, assur_prr
    use psalm_error, only: problem_t
    use psalm_kinds, only: wp, degrees_per_radian, right_angle
    use psalm_merit, only: watch_inputs
+   use psalm_output_kind, only: motion_point
    use psalm_regions, only: trespass, beyond_edge, box_edges, region_joints, joint_of_region
    use psalm_rpr, only: guide_of
    use psalm_rrp, only: link_of

@@ -6,10 +6,12 @@
 module psalm_merit
    use psalm_angles, only: unit_vector
    use psalm_constraint_group, only: region_t, range_positions, range_turn
-   use psalm_data_set, only: data_set_t, motion_point, motion_angle
+   use psalm_data_set, only: data_set_t
+   use psalm_dyad, only: form_t, form_of, assur_rrr
    use psalm_error, only: problem_t
    use psalm_interrupt, only: interrupt_t
    use psalm_kinds, only: wp, degrees_per_radian, full_turn, right_angle
+   use psalm_output_kind, only: motion_point, motion_angle
    use psalm_regions, only: trespass, region_joints, joint_of_region
    use psalm_station, only: station_t, prepare_station, look, look_closely
    use psalm_topology, only: dimensions_t, variable_length, variable_outlk
@@ -91,8 +93,8 @@ contains
       plain%tangle = right_angle
       call prepare_station(plain, problem%delt, merit%free, reshape([integer ::], [2, 0]), .true., merit%main)
       call copy_desired(problem, merit%main%problem)
-      merit%floor = sum(merit%main%problem%weight(:n))*(epsilon(1.0_wp)*merit%size)**2
-      merit%small = max(1.0e-2_wp*sum(merit%main%problem%weight(:n)) &
+      merit%floor = sum(merit%main%problem%weight(:n, 1))*(epsilon(1.0_wp)*merit%size)**2
+      merit%small = max(1.0e-2_wp*sum(merit%main%problem%weight(:n, 1)) &
                         *merge(1.0_wp, merit%size, problem%motion == motion_angle)**2, sqrt(tiny(1.0_wp)))
       merit%patrols = merit%irange /= range_positions .or. size(merit%regions) > 0
       joints = region_joints(merit%regions)
@@ -119,7 +121,7 @@ contains
       call unit_vector(right_angle - set%tangle, cosine, unused)
       allocate (merit%limit(problem%topology%nloop))
       do loop = 1, problem%topology%nloop
-         merit%limit(loop) = merge(cosine, 1.0_wp, problem%topology%joint(loop) == 1) - slack
+         merit%limit(loop) = merge(cosine, 1.0_wp, problem%topology%joint(loop) == assur_rrr) - slack
       end do
       allocate (merit%matrix(marble, marble), merit%gradient(marble), source=0.0_wp)
       if (merit%free) allocate (merit%border(marble, n), merit%edge(n), merit%edge_gradient(n), source=0.0_wp)
@@ -130,11 +132,7 @@ contains
       type(problem_t), intent(inout) :: to
 
       associate (n => from%positions)
-         if (from%motion == motion_point) then
-            call to%set_desired(from%wanted(:n), from%weight(:n), from%wanted_y(:n), from%weight_y(:n))
-         else
-            call to%set_desired(from%wanted(:n), from%weight(:n))
-         end if
+         call to%set_desired(from%wanted(:n, :), from%weight(:n, :))
       end associate
    end subroutine copy_desired
 
@@ -212,10 +210,13 @@ contains
    !> The objective of the linkage last looked at.
    pure real(wp) function sum_of_errors(merit)
       type(merit_t), intent(in) :: merit
+      integer :: c
 
       associate (problem => merit%main%problem, n => merit%main%problem%positions)
-         sum_of_errors = sum(problem%weight(:n)*merit%main%out(:, 1)**2)
-         if (problem%motion == motion_point) sum_of_errors = sum_of_errors + sum(problem%weight_y(:n)*merit%main%out(:, 2)**2)
+         sum_of_errors = 0.0_wp
+         do c = 1, size(merit%main%out, 2)
+            sum_of_errors = sum_of_errors + sum(problem%weight(:n, c)*merit%main%out(:, c)**2)
+         end do
       end associate
    end function sum_of_errors
 
@@ -279,9 +280,10 @@ contains
       merit%matrix = 0.0_wp
       merit%gradient = 0.0_wp
       if (merit%free) call clear_timing(merit)
-      associate (marble => size(values), main => merit%main, n => merit%main%problem%positions, w => merit%main%problem%weight)
-         call add_errors(marble, w(:n), main%out(:, 1), main%dx, merit)
-         if (main%problem%motion == motion_point) call add_errors(marble, main%problem%weight_y(:n), main%out(:, 2), main%dy, merit)
+      associate (marble => size(values), main => merit%main, n => merit%main%problem%positions)
+         do r = 1, size(main%out, 2)
+            call add_errors(marble, main%problem%weight(:n, r), main%out(:, r), main%dout(:, :, r), merit)
+         end do
          call add_angles(main, marble, weight, merit)
          if (merit%order_weighs) then
             associate (pull => (weight*merit%sense/unit_of_input(merit))*max(merit%late, 0.0_wp))
@@ -318,7 +320,7 @@ contains
       real(wp) :: row(to - from + 1)
 
       if (merit%joint(r) == 0) then
-         row = gx*merit%patrol%dx(i, from:to) + gy*merit%patrol%dy(i, from:to)
+         row = gx*merit%patrol%dout(i, from:to, 1) + gy*merit%patrol%dout(i, from:to, 2)
       else
          row = gx*merit%patrol%djoints(i, 1, merit%joint(r), from:to) + gy*merit%patrol%djoints(i, 2, merit%joint(r), from:to)
       end if
@@ -478,9 +480,10 @@ contains
    pure logical function has_limit(station, loop)
       type(station_t), intent(in) :: station
       integer, intent(in) :: loop
-      integer, parameter :: last_type = 5
+      type(form_t) :: form
 
-      has_limit = station%problem%linkage%step_of_loop(loop) > 0 .and. station%problem%topology%joint(loop) <= last_type
+      form = form_of(station%problem%topology%joint(loop))
+      has_limit = station%problem%linkage%step_of_loop(loop) > 0 .and. form%power > 0
    end function has_limit
 
    !> Every constraint (<= 0) of the linkage last looked at and, with `slopes`, its derivatives by dimensions and input positions.

@@ -5,8 +5,6 @@
 !> continuous across closing, so that a search can cross it and come back. The derivatives are exact where the linkage closes;
 !> at open positions they are one-sided differences.
 module psalm_station
-   use psalm_angles, only: angles_between
-   use psalm_data_set, only: motion_point, motion_angle
    use psalm_error, only: problem_t
    use psalm_kinds, only: wp, degrees_per_radian
    use psalm_linkage, only: padded
@@ -25,10 +23,10 @@ module psalm_station
       logical :: timed = .false.                   !! every input position is a variable too
       integer :: columns = 0                       !! variables, the input included
       logical, allocatable :: closed(:)            !! shape (positions)
-      real(wp), allocatable :: out(:, :)           !! shape (positions, 2): actual - desired; without desired values the actual
+      real(wp), allocatable :: out(:, :)           !! shape (positions, components): actual - desired; without desired values the actual
       real(wp), allocatable :: k(:, :)             !! shape (positions, nloop): `find_constraints`
       real(wp), allocatable :: joints(:, :, :)     !! shape (positions, 2, joints): co-ordinates, machine axes
-      real(wp), allocatable :: dx(:, :), dy(:, :)  !! shape (positions, columns): derivatives of `out`
+      real(wp), allocatable :: dout(:, :, :)       !! shape (positions, columns, components): derivatives of `out`
       real(wp), allocatable :: dk(:, :, :)         !! shape (positions, nloop, columns)
       real(wp), allocatable :: djoints(:, :, :, :) !! shape (positions, 2, joints, columns)
       real(wp), allocatable :: out0(:, :), k0(:, :), joints0(:, :, :) !! the unchanged linkage while differences are taken
@@ -60,12 +58,13 @@ contains
       call station%problem%set_inputs(delt)
       call station%problem%want_derivatives(size(joints, 2) > 0, joints)
       allocate (station%closed(n), station%closed0(n), source=.true.)
-      associate (loops => problem%topology%nloop, c => merge(station%columns, 0, derivatives), j => size(joints, 2))
-         allocate (station%out(n, 2), station%k(n, loops), station%joints(n, 2, j), source=0.0_wp)
+      associate (loops => problem%topology%nloop, c => merge(station%columns, 0, derivatives), j => size(joints, 2), &
+                 components => station%problem%output%kind%components)
+         allocate (station%out(n, components), station%k(n, loops), station%joints(n, 2, j), source=0.0_wp)
          station%out0 = station%out
          station%k0 = station%k
          station%joints0 = station%joints
-         allocate (station%dx(n, c), station%dy(n, c), station%dk(n, loops, c), station%djoints(n, 2, j, c), source=0.0_wp)
+         allocate (station%dout(n, c, components), station%dk(n, loops, c), station%djoints(n, 2, j, c), source=0.0_wp)
       end associate
       if (derivatives) call prepare_sensitivity(station%problem, station%work)
    end subroutine prepare_station
@@ -74,7 +73,7 @@ contains
    subroutine look(station, dimensions)
       type(station_t), intent(inout) :: station
       type(dimensions_t), intent(in) :: dimensions
-      integer :: block, offset, n, m, i, loop, j
+      integer :: block, offset, n, m, i, loop, j, c
 
       associate (problem => station%problem)
          call problem%bind(dimensions)
@@ -83,26 +82,17 @@ contains
             call problem%output_of(n)
             m = padded(n)
             associate (link => problem%linkage)
-               associate (x => link%store%v(1:m, link%out_x), y => link%store%v(1:m, link%out_y), &
-                          miss => link%store%v(1:m, link%miss))
-                  if (problem%desired .and. problem%motion == motion_angle) then
-                     associate (root => problem%plan%root(problem%topology%output_arc))
-                        call angles_between(m, link%store%v(1, link%root_x(root)), link%store%v(1, link%root_y(root)), &
-                                            problem%out_c, problem%out_s, problem%toward_x(offset + 1:offset + m), &
-                                            problem%toward_y(offset + 1:offset + m), link%store%v(1, link%miss))
-                     end associate
-                     station%out(offset + 1:offset + n, 1) = -miss(:n)
-                  else if (problem%desired) then
-                     station%out(offset + 1:offset + n, 1) = x(:n) - problem%wanted(offset + 1:offset + n)
-                     if (problem%motion == motion_point) &
-                        station%out(offset + 1:offset + n, 2) = y(:n) - problem%wanted_y(offset + 1:offset + n)
-                  else if (problem%motion == motion_angle) then
-                     station%out(offset + 1:offset + n, 1) = atan2(y(:n), x(:n))*degrees_per_radian
+               do c = 1, problem%output%kind%components
+                  if (problem%desired) then
+                     call problem%output%miss(c, m, problem%wanted(offset + 1:offset + m, c), problem%toward_x(offset + 1:offset + m), &
+                                              problem%toward_y(offset + 1:offset + m), link)
+                     station%out(offset + 1:offset + n, c) = -link%store%v(1:n, link%miss)
                   else
-                     station%out(offset + 1:offset + n, 1) = x(:n)
-                     station%out(offset + 1:offset + n, 2) = y(:n)
+                     do i = 1, n
+                        station%out(offset + i, c) = problem%output%actual(c, i, link)
+                     end do
                   end if
-               end associate
+               end do
                call block_constraints(problem, n, station%k(offset + 1:offset + n, :))
                station%closed(offset + 1:offset + n) = .true.
                do loop = 1, problem%topology%nloop
@@ -114,8 +104,8 @@ contains
                end do
                do j = 1, size(problem%plan%joint_points)
                   associate (px => link%point_x(problem%plan%joint_points(j)), py => link%point_y(problem%plan%joint_points(j)))
-                     station%joints(offset + 1:offset + n, 1, j) = link%store%v(1:n, px)/link%scale + problem%origin_x
-                     station%joints(offset + 1:offset + n, 2, j) = link%store%v(1:n, py)/link%scale + problem%origin_y
+                     station%joints(offset + 1:offset + n, 1, j) = link%store%v(1:n, px)/link%scale + problem%output%origin_x
+                     station%joints(offset + 1:offset + n, 2, j) = link%store%v(1:n, py)/link%scale + problem%output%origin_y
                   end associate
                end do
             end associate
@@ -129,7 +119,7 @@ contains
       type(dimensions_t), intent(in) :: dimensions
 
       call look(station, dimensions)
-      call find_jacobian(station%problem, dimensions, station%work, station%dx, station%dy, dk=station%dk, dp=station%djoints)
+      call find_jacobian(station%problem, dimensions, station%work, station%dout, dk=station%dk, dp=station%djoints)
       if (.not. all(station%closed)) call difference_open(station, dimensions)
    end subroutine look_closely
 
@@ -161,8 +151,7 @@ contains
          call look(station, changed)
          do i = 1, size(station%closed0)
             if (station%closed0(i)) cycle
-            station%dx(i, v) = (station%out(i, 1) - station%out0(i, 1))/step
-            station%dy(i, v) = (station%out(i, 2) - station%out0(i, 2))/step
+            station%dout(i, v, :) = (station%out(i, :) - station%out0(i, :))/step
             station%dk(i, :, v) = (station%k(i, :) - station%k0(i, :))/step
             station%djoints(i, :, :, v) = (station%joints(i, :, :) - station%joints0(i, :, :))/step
          end do

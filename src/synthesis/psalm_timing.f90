@@ -3,7 +3,6 @@
 !> A descent moves every input only as far as its own valley goes; this looks over the whole range of the input.
 module psalm_timing
    use psalm_angles, only: nearest_difference
-   use psalm_data_set, only: motion_point, motion_angle
    use psalm_error, only: problem_t
    use psalm_kinds, only: wp, full_turn
    use psalm_merit, only: merit_t
@@ -47,19 +46,20 @@ contains
       type(timing_t), intent(inout) :: timing
       type(merit_t), intent(in) :: merit
       real(wp), intent(out) :: delt(:)            !! shape (positions)
-      integer :: i, from, best_from
+      integer :: i, c, from, best_from
       real(wp) :: total, best
 
       call look(timing%path, merit%dimensions)
       associate (problem => merit%main%problem, out => timing%path%out)
          do i = 1, size(delt)
-            if (problem%motion == motion_angle) then
-               timing%cost(:, i) = problem%weight(i)*nearest_difference(out(:, 1), problem%wanted(i))**2
-            else
-               timing%cost(:, i) = problem%weight(i)*(out(:, 1) - problem%wanted(i))**2
-               if (problem%motion == motion_point) timing%cost(:, i) = timing%cost(:, i) &
-                                                               + problem%weight_y(i)*(out(:, 2) - problem%wanted_y(i))**2
-            end if
+            timing%cost(:, i) = 0.0_wp
+            do c = 1, size(out, 2)
+               if (c == problem%output%kind%angle) then
+                  timing%cost(:, i) = timing%cost(:, i) + problem%weight(i, c)*nearest_difference(out(:, c), problem%wanted(i, c))**2
+               else
+                  timing%cost(:, i) = timing%cost(:, i) + problem%weight(i, c)*(out(:, c) - problem%wanted(i, c))**2
+               end if
+            end do
             where (.not. timing%path%closed) timing%cost(:, i) = timing%cost(:, i) + never
          end do
          if (.not. merit%ordered) then

@@ -5,11 +5,12 @@
 !> generator, shared out to threads in chunks that start where the sequence says: the same bits for any number of threads.
 !> Source: Oldham (1977), section 8.2.5 and chapter 1.
 module psalm_tolerance
-   use psalm_data_set, only: data_set_t, motion_point
+   use psalm_data_set, only: data_set_t
    use psalm_error, only: problem_t, motion_t, make_problem
    use psalm_finale, only: angle_text
    use psalm_kinds, only: wp, i8
    use psalm_linkage, only: padded
+   use psalm_output_kind, only: output_kind_t
    use psalm_random, only: random_t
    use psalm_rates, only: form_frames, is_dead
    use psalm_sensitivity, only: sensitivity_t, prepare_sensitivity, find_jacobian
@@ -33,9 +34,9 @@ module psalm_tolerance
       type(dimensions_t) :: dimensions             !! the nominal linkage
       type(motion_t) :: nominal                    !! its motion
       real(wp), allocatable :: tolerance(:)        !! shape (marble)
-      real(wp), allocatable :: dx(:, :), dy(:, :)  !! shape (positions, marble): change of the output with each
-      real(wp), allocatable :: worst(:), worst_y(:)   !! shape (positions): worst case
-      real(wp), allocatable :: square(:), square_y(:) !! shape (positions): root-sum-square
+      real(wp), allocatable :: effect(:, :, :)     !! shape (positions, marble, components): change of the output with each
+      real(wp), allocatable :: worst(:, :)         !! shape (positions, components): worst case
+      real(wp), allocatable :: square(:, :)        !! shape (positions, components): root-sum-square
       logical, allocatable :: dead(:)              !! shape (positions): a dead point, where the effects are infinite
    end type tolerance_t
 
@@ -46,7 +47,7 @@ module psalm_tolerance
       integer :: open = 0                          !! linkages that do not close at some position
       integer :: named(most_named) = 0             !! the first of them
       integer :: loop(most_named) = 0              !! and the loop that fails
-      real(wp), allocatable :: low(:, :), high(:, :), mean(:, :), deviation(:, :) !! shape (positions, 2): x and y
+      real(wp), allocatable :: low(:, :), high(:, :), mean(:, :), deviation(:, :) !! shape (positions, components)
    end type sample_t
 
 contains
@@ -99,21 +100,18 @@ contains
       if (.not. closes) return
       marble = size(topology%variables)
       n = result%problem%positions
-      allocate (result%tolerance(marble), result%dx(n, marble), result%dy(n, marble))
+      allocate (result%tolerance(marble), result%effect(n, marble, result%problem%output%kind%components))
       do v = 1, marble
          result%tolerance(v) = tolerance_of(set, topology%variables(v))
       end do
       call prepare_sensitivity(result%problem, work)
-      call find_jacobian(result%problem, dimensions, work, result%dx, result%dy)
+      call find_jacobian(result%problem, dimensions, work, result%effect)
       call find_dead(result%problem, dimensions, work, result%dead)
       do v = 1, marble
-         result%dx(:, v) = result%dx(:, v)*result%tolerance(v)
-         result%dy(:, v) = result%dy(:, v)*result%tolerance(v)
+         result%effect(:, v, :) = result%effect(:, v, :)*result%tolerance(v)
       end do
-      result%worst = sum(abs(result%dx), dim=2)
-      result%worst_y = sum(abs(result%dy), dim=2)
-      result%square = sqrt(sum(result%dx**2, dim=2))
-      result%square_y = sqrt(sum(result%dy**2, dim=2))
+      result%worst = sum(abs(result%effect), dim=2)
+      result%square = sqrt(sum(result%effect**2, dim=2))
    end subroutine find_tolerances
 
    !> Positions at which some dyad is at a dead point.
@@ -170,9 +168,10 @@ contains
       type(problem_t), allocatable :: workers(:)
       real(wp), allocatable :: low(:, :, :), high(:, :, :), total(:, :, :), squares(:, :, :) !! by chunk
       integer, allocatable :: open(:), named(:, :), loop(:, :)
-      integer :: chunk, chunks, k, t, n, i, closed
+      integer :: chunk, chunks, k, t, n, i, closed, components
 
       n = linear%problem%positions
+      components = linear%problem%output%kind%components
       chunk = max(least_chunk, (trials - 1)/most_chunks + 1)
       chunks = (trials - 1)/chunk + 1
       sample%trials = trials
@@ -180,14 +179,9 @@ contains
       do t = 1, size(workers)
          workers(t) = linear%lean
          call workers(t)%set_inputs(linear%problem%delt)
-         if (linear%problem%motion == motion_point) then
-            call workers(t)%set_desired(linear%nominal%actual, spread(1.0_wp, 1, n), linear%nominal%actual_y, &
-                                        spread(1.0_wp, 1, n))
-         else
-            call workers(t)%set_desired(linear%nominal%actual, spread(1.0_wp, 1, n))
-         end if
+         call workers(t)%set_desired(linear%nominal%actual, spread(spread(1.0_wp, 1, n), 2, components))
       end do
-      allocate (low(n, 2, chunks), high(n, 2, chunks), total(n, 2, chunks), squares(n, 2, chunks))
+      allocate (low(n, components, chunks), high(n, components, chunks), total(n, components, chunks), squares(n, components, chunks))
       allocate (open(chunks), named(most_named, chunks), loop(most_named, chunks), source=0)
       !$omp parallel do num_threads(size(workers)) schedule(static) private(k)
       do t = 1, size(workers)
@@ -199,7 +193,7 @@ contains
       !$omp end parallel do
       sample%low = minval(low, dim=3)
       sample%high = maxval(high, dim=3)
-      allocate (sample%mean(n, 2), sample%deviation(n, 2), source=0.0_wp)
+      allocate (sample%mean(n, components), sample%deviation(n, components), source=0.0_wp)
       do k = 1, chunks
          sample%mean = sample%mean + total(:, :, k)
          sample%deviation = sample%deviation + squares(:, :, k)
@@ -221,7 +215,7 @@ contains
       type(tolerance_t), intent(in) :: linear
       type(problem_t), intent(inout) :: problem
       integer, intent(in) :: from, to, istart
-      real(wp), intent(out) :: low(:, :), high(:, :), total(:, :), squares(:, :) !! shape (positions, 2)
+      real(wp), intent(out) :: low(:, :), high(:, :), total(:, :), squares(:, :) !! shape (positions, components)
       integer, intent(out) :: open, named(:), loop(:)
       type(dimensions_t) :: dimensions
       type(random_t) :: random
@@ -239,7 +233,7 @@ contains
       dimensions = linear%dimensions
       nominal = problem%topology%first_values(linear%dimensions)
       values = nominal
-      allocate (miss(problem%positions, 2), source=0.0_wp)
+      allocate (miss(problem%positions, size(low, 2)), source=0.0_wp)
       random%state = int(istart, i8)
       call random%skip(int(from - 1, i8)*int(size(values), i8))
       do t = from, to
@@ -257,14 +251,13 @@ contains
             end if
             cycle
          end if
-         do k = 1, 2
+         do k = 1, size(low, 2)
             do i = 1, size(miss, 1)
                low(i, k) = merge(miss(i, k), low(i, k), miss(i, k) < low(i, k))
                high(i, k) = merge(miss(i, k), high(i, k), miss(i, k) > high(i, k))
                total(i, k) = total(i, k) + miss(i, k)
                squares(i, k) = squares(i, k) + miss(i, k)**2
             end do
-            if (problem%motion /= motion_point) exit
          end do
       end do
    end subroutine run_chunk
@@ -278,47 +271,50 @@ contains
       type(text_t), intent(inout) :: text
       character(:), allocatable :: line
       real(wp), allocatable :: size_of(:)
-      integer :: v, i, worst
+      type(output_kind_t) :: kind
+      integer :: v, i, k, worst
 
+      kind = linear%problem%output%kind
       call text%add()
       call text%add(' EFFECT OF TOLERANCES ON THE OUTPUT')
       call text%add(' DIMENSION                          TOLERANCE  LARGEST EFFECT  AT POSITION')
       do v = 1, size(linear%tolerance)
-         size_of = hypot(linear%dx(:, v), linear%dy(:, v))
+         size_of = abs(linear%effect(:, v, 1))
+         if (kind%has_point .and. kind%components > 1) size_of = hypot(linear%effect(:, v, 1), linear%effect(:, v, 2))
          worst = maxloc(size_of, dim=1)
          line = ' '//name_of(linear%problem%topology%variables(v))
          line = line//repeat(' ', max(1, 30 - len(line)))//general(linear%tolerance(v))
-         if (linear%problem%motion == motion_point) then
+         if (kind%components > 1) then
             line = line//' '//general(size_of(worst))
          else
-            line = line//' '//general(linear%dx(worst, v))
+            line = line//' '//general(linear%effect(worst, v, 1))
          end if
          call text%add(line//'    '//to_text(worst))
       end do
       call text%add()
-      if (linear%problem%motion == motion_point) then
+      if (kind%components == 2) then
          call text%add(' BANDS OF X, THEN OF Y (+-), AND WHAT THE SAMPLE DEVIATED')
+      else if (kind%components == 3) then
+         call text%add(' BANDS OF X, Y AND ANGLE (+-), AND WHAT THE SAMPLE DEVIATED')
       else
          call text%add(' BANDS OF THE OUTPUT (+-), AND WHAT THE SAMPLE DEVIATED')
       end if
       line = '          INPUT     WORST CASE ROOT SUM SQUARE'
       if (sample%any_closed) line = line//'         LOWEST        HIGHEST           MEAN   STD.DEVIATION'
       call text%add(line)
-      do i = 1, size(linear%worst)
+      do i = 1, size(linear%worst, 1)
          line = angle_text(linear%nominal%input(i))
          if (linear%dead(i)) then
             call text%add(line//'   DEAD POINT: THE EFFECTS ARE INFINITE')
             cycle
          end if
-         line = line//general(linear%worst(i))//' '//general(linear%square(i))
-         if (sample%any_closed) line = line//general(sample%low(i, 1))//general(sample%high(i, 1))// &
-                                       general(sample%mean(i, 1))//' '//general(sample%deviation(i, 1))
-         call text%add(line)
-         if (linear%problem%motion /= motion_point) cycle
-         line = repeat(' ', 15)//general(linear%worst_y(i))//' '//general(linear%square_y(i))
-         if (sample%any_closed) line = line//general(sample%low(i, 2))//general(sample%high(i, 2))// &
-                                       general(sample%mean(i, 2))//' '//general(sample%deviation(i, 2))
-         call text%add(line)
+         do k = 1, kind%components
+            if (k > 1) line = repeat(' ', 15)
+            line = line//general(linear%worst(i, k))//' '//general(linear%square(i, k))
+            if (sample%any_closed) line = line//general(sample%low(i, k))//general(sample%high(i, k))// &
+                                          general(sample%mean(i, k))//' '//general(sample%deviation(i, k))
+            call text%add(line)
+         end do
       end do
       if (sample%trials == 0) return
       call text%add(' LINKAGES OF THE SAMPLE '//to_text(sample%trials)//', OF WHICH DO NOT CLOSE '//to_text(sample%open))
@@ -336,30 +332,28 @@ contains
       type(sample_t), intent(in) :: sample
       type(text_t), intent(inout) :: text
       character(:), allocatable :: line
-      integer :: i, k, last
+      integer :: i, k
 
-      last = merge(2, 1, linear%problem%motion == motion_point)
       if (text%length > 0) then
          call text%add()
          call text%add()
       end if
       line = '# input closed'
-      do k = 1, last
+      do k = 1, linear%problem%output%kind%components
          line = line//' actual'//axis(k)//' worst_case'//axis(k)//' root_sum_square'//axis(k)
          if (sample%any_closed) line = line//' lowest'//axis(k)//' highest'//axis(k)//' mean'//axis(k)//' std_deviation'//axis(k)
       end do
       call text%add(line)
       call text%add('# '//title)
       call text%add('# tolerances: linear bands (+-), and deviations of a sample of '//to_text(sample%trials)//' linkages')
-      do i = 1, size(linear%worst)
+      do i = 1, size(linear%worst, 1)
          line = full_precision(linear%nominal%input(i))//' 1'
-         do k = 1, last
-            line = line//' '//full_precision(merge(linear%nominal%actual(i), linear%nominal%actual_y(i), k == 1))
+         do k = 1, linear%problem%output%kind%components
+            line = line//' '//full_precision(linear%nominal%actual(i, k))
             if (linear%dead(i)) then
                line = line//' NaN NaN'
             else
-               line = line//' '//full_precision(merge(linear%worst(i), linear%worst_y(i), k == 1))//' '// &
-                      full_precision(merge(linear%square(i), linear%square_y(i), k == 1))
+               line = line//' '//full_precision(linear%worst(i, k))//' '//full_precision(linear%square(i, k))
             end if
             if (sample%any_closed) line = line//' '//full_precision(sample%low(i, k))//' '//full_precision(sample%high(i, k))// &
                                           ' '//full_precision(sample%mean(i, k))//' '//full_precision(sample%deviation(i, k))
@@ -373,8 +367,7 @@ contains
          integer, intent(in) :: k
          character(:), allocatable :: suffix
 
-         suffix = ''
-         if (last == 2) suffix = trim(merge('_x', '_y', k == 1))
+         suffix = trim(linear%problem%output%kind%suffix(k))
       end function axis
    end subroutine plot_tolerances
 end module psalm_tolerance
