@@ -3,8 +3,9 @@
 !> Each verb - bind, solve, form, differentiate, closure, its change, error bounds, breach, repair - goes to the file of the
 !> dyad's kind. A new kind is a new file and a line in each verb here.
 module psalm_assur
-   use psalm_dyad, only: dyad_t, form_t, breach_t, form_of, assur_none, assur_rrr, assur_rpr, assur_rpr_guide_first, assur_rrp, &
-                         assur_prr, assur_rpp, assur_ppr, assur_prp
+   use psalm_dyad, only: dyad_t, breach_t
+   use psalm_dyad_kind, only: assur_none, assur_ppr, assur_prp, assur_prr, assur_rpp, assur_rpr, assur_rpr_guide_first, &
+                              assur_rrp, assur_rrr, form_of, form_t
    use psalm_frames, only: frames_t, form_arc, dyad_rate, rows_of_arc, sine_row
    use psalm_kinds, only: wp
    use psalm_prp, only: bind_prp, solve_prp, form_prp, bounds_prp, breach_prp
@@ -16,54 +17,13 @@ module psalm_assur
                         repair_rrr
    implicit none (type, external)
    private
-   public :: kind_of_dyad, sign_of_dyad, mark_unknowns, bind_dyad, solve_dyad, form_dyad, differentiate_dyad, is_dead_dyad
+   public :: mark_unknowns, bind_dyad, solve_dyad, form_dyad, differentiate_dyad, is_dead_dyad
    public :: closure_of, change_of_closure, bounds_of_dyad, breach_of, repair_dyad, is_orthogonal
 
    real(wp), parameter :: dead_by_root = 64.0_wp*epsilon(1.0_wp) !! square of the sine below which a triangle is flat
    real(wp), parameter :: dead_by_angle = dead_by_root**2        !! the same where the sine itself is computed
 
 contains
-
-   !> Kind of a dyad from what slides and what guides what; `assur_none` if two slides guide each other.
-   pure integer function kind_of_dyad(slides, guided_by_partner) result(kind)
-      logical, intent(in) :: slides(2)             !! p, q: its length varies
-      logical, intent(in) :: guided_by_partner(2)  !! p, q: the other arc of the dyad guides it
-
-      if (.not. any(slides)) then
-         kind = assur_rrr
-      else if (slides(1) .and. .not. slides(2)) then
-         kind = merge(assur_rpr, assur_prr, guided_by_partner(1))
-      else if (slides(2) .and. .not. slides(1)) then
-         kind = merge(assur_rpr_guide_first, assur_rrp, guided_by_partner(2))
-      else if (all(guided_by_partner)) then
-         kind = assur_none
-      else if (guided_by_partner(1)) then
-         kind = assur_rpp
-      else if (guided_by_partner(2)) then
-         kind = assur_ppr
-      else
-         kind = assur_prp
-      end if
-   end function kind_of_dyad
-
-   !> Assembly mode, +1 or -1, from the signs of both arcs and, for a slide, the sense of the right angle to its guide.
-   pure integer function sign_of_dyad(kind, sign, turn)
-      integer, intent(in) :: kind
-      integer, intent(in) :: sign(2), turn(2)      !! p, q: sign of ILINK; +1 if the slide is anticlockwise from its guide
-
-      select case (kind)
-      case (assur_rrr, assur_rrp)
-         sign_of_dyad = sign(1)
-      case (assur_rpr)
-         sign_of_dyad = -turn(1)
-      case (assur_rpr_guide_first)
-         sign_of_dyad = turn(2)
-      case (assur_prr)
-         sign_of_dyad = sign(2)
-      case default
-         sign_of_dyad = 1
-      end select
-   end function sign_of_dyad
 
    !> Enter the rows of what the dyad finds, in the order of p and q, a direction before a length.
    pure subroutine mark_unknowns(dyad)

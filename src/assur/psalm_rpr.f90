@@ -3,7 +3,8 @@
 !> Slide p with guide q, or guide p with slide q. Closure measure: the squared distance h**2 of the outer joints; the dyad
 !> closes while h is not shorter than the guide. Notes of `psalm_rrr` on kernels hold here too.
 module psalm_rpr
-   use psalm_dyad, only: dyad_t, breach_t, assur_rpr, violation_too_long, violation_undetermined
+   use psalm_dyad, only: dyad_t, breach_t, violation_too_long, violation_undetermined
+   use psalm_dyad_kind, only: assur_rpr
    use psalm_frames, only: frames_t, turned_column, invert, rows_of_arc
    use psalm_kinds, only: wp
    use psalm_rows, only: rows_t

@@ -3,7 +3,8 @@
 !> Link p with slide q, or slide p with link q. Closure measure: the offset cross(u, h), user's sense; the dyad closes while
 !> it is not longer than the link. Notes of `psalm_rrr` on kernels hold here too.
 module psalm_rrp
-   use psalm_dyad, only: dyad_t, breach_t, assur_rrp, violation_too_short
+   use psalm_dyad, only: dyad_t, breach_t, violation_too_short
+   use psalm_dyad_kind, only: assur_rrp
    use psalm_frames, only: frames_t, turned_column, invert, rows_of_arc
    use psalm_kinds, only: wp
    use psalm_rows, only: rows_t

@@ -6,7 +6,8 @@ module psalm_error
    use psalm_angles, only: unit_vector, within_turn
    use psalm_assur, only: breach_of
    use psalm_data_set, only: data_set_t
-   use psalm_dyad, only: breach_t, form_t, form_of, violation_none, violation_angle_small
+   use psalm_dyad, only: breach_t, violation_none, violation_angle_small
+   use psalm_dyad_kind, only: form_of, form_t
    use psalm_kinds, only: wp
    use psalm_linkage, only: linkage_t, padded
    use psalm_observable, only: observable_t

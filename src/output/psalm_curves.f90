@@ -1,6 +1,6 @@
 !> Curves of a scene as a gnuplot script that carries its data: output, error, transmission angles, convergence.
 module psalm_curves
-   use psalm_dyad, only: assur_rrr
+   use psalm_dyad_kind, only: assur_rrr
    use psalm_kinds, only: wp, full_turn
    use psalm_markup, only: clean_text, short_number
    use psalm_number, only: parse_real

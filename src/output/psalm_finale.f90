@@ -4,8 +4,9 @@
 module psalm_finale
    use psalm_angles, only: unit_vector
    use psalm_data_set, only: data_set_t
-   use psalm_dyad, only: form_t, form_of, violation_too_short, violation_too_long, violation_parallel, violation_angle_small, &
+   use psalm_dyad, only: violation_too_short, violation_too_long, violation_parallel, violation_angle_small, &
                          violation_angle_large, violation_undetermined
+   use psalm_dyad_kind, only: form_of, form_t
    use psalm_error, only: problem_t, motion_t, violation_t
    use psalm_kinds, only: wp, full_turn
    use psalm_output_kind, only: motion_point, motion_angle, motion_distance, motion_pose

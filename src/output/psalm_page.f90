@@ -1,7 +1,7 @@
 !> Scenes as one self-contained HTML page: the page's text is part of the program, the scenes go into it as JSON.
 module psalm_page
    use, intrinsic :: iso_c_binding, only: c_char, c_int, c_ptr, c_null_ptr, c_loc
-   use psalm_dyad, only: assur_rrr
+   use psalm_dyad_kind, only: assur_rrr
    use psalm_kinds, only: wp
    use psalm_labels, only: place_labels
    use psalm_markup, only: xml_text, json_text, number_or_null, short_number, strings_t

@@ -6,7 +6,7 @@ module psalm_scene
    use psalm_chain, only: chain_t, make_chain
    use psalm_constraint_group, only: region_t
    use psalm_data_set, only: data_set_t
-   use psalm_dyad, only: form_t, form_of, direction_known
+   use psalm_dyad_kind, only: direction_known, form_of, form_t
    use psalm_error, only: problem_t, make_problem
    use psalm_kinds, only: wp
    use psalm_margin_list, only: describe_margin

@@ -5,7 +5,7 @@
 module psalm_trace
    use psalm_angles, only: degrees_of
    use psalm_chain, only: chain_t
-   use psalm_dyad, only: form_t, form_of, assur_rrr, direction_known
+   use psalm_dyad_kind, only: assur_rrr, direction_known, form_of, form_t
    use psalm_error, only: problem_t, motion_t, violation_t
    use psalm_finale, only: describe_violation
    use psalm_kinds, only: wp

@@ -5,8 +5,7 @@
 !> points are made once, though many loops run through them. Loops the output does not depend on are not in the plan
 !> (unless everything is asked for).
 module psalm_plan
-   use psalm_assur, only: sign_of_dyad
-   use psalm_dyad, only: form_t, form_of, direction_found, direction_known, direction_of_partner
+   use psalm_dyad_kind, only: direction_found, direction_known, direction_of_partner, form_of, form_t, sign_of_dyad
    use psalm_kinds, only: wp
    use psalm_output_kind, only: output_kind_t, output_kind
    use psalm_topology, only: topology_t, arc_determined, arc_slide, arc_crank, arc_actuator

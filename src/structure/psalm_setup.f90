@@ -4,9 +4,8 @@
 !> names; everything else is held by arc. Arc numbers run from 1 in a loop; a sequential number is
 !> n = (loop-1)*MAXARC + arc. Source: Oldham (1977), chapter 4 and appendices B2 and C.
 module psalm_setup
-   use psalm_assur, only: kind_of_dyad
    use psalm_data_set, only: data_set_t
-   use psalm_dyad, only: form_t, form_of, assur_none, direction_known
+   use psalm_dyad_kind, only: assur_none, direction_known, form_of, form_t, kind_of_dyad
    use psalm_kinds, only: wp, full_turn, half_turn
    use psalm_output_kind, only: motion_slide
    use psalm_status, only: diagnostics_t

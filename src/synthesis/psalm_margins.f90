@@ -5,7 +5,7 @@
 module psalm_margins
    use psalm_constraint_group, only: region_t, range_positions, range_turn, region_box
    use psalm_data_set, only: data_set_t
-   use psalm_dyad, only: assur_rrr, assur_rpr, assur_rpr_guide_first, assur_rrp, assur_prr
+   use psalm_dyad_kind, only: assur_prr, assur_rpr, assur_rpr_guide_first, assur_rrp, assur_rrr
    use psalm_error, only: problem_t
    use psalm_kinds, only: wp, degrees_per_radian, right_angle
    use psalm_merit, only: watch_inputs

@@ -7,7 +7,7 @@ module psalm_merit
    use psalm_angles, only: unit_vector
    use psalm_constraint_group, only: region_t, range_positions, range_turn
    use psalm_data_set, only: data_set_t
-   use psalm_dyad, only: form_t, form_of, assur_rrr
+   use psalm_dyad_kind, only: assur_rrr, form_of, form_t
    use psalm_error, only: problem_t
    use psalm_interrupt, only: interrupt_t
    use psalm_kinds, only: wp, degrees_per_radian, full_turn, right_angle

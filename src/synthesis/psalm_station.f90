@@ -84,8 +84,10 @@ contains
             associate (link => problem%linkage)
                do c = 1, problem%output%kind%components
                   if (problem%desired) then
-                     call problem%output%miss(c, m, problem%wanted(offset + 1:offset + m, c), problem%toward_x(offset + 1:offset + m), &
-                                              problem%toward_y(offset + 1:offset + m), link)
+                     associate (first => offset + 1, last => offset + m)
+                        call problem%output%miss(c, m, problem%wanted(first:last, c), problem%toward_x(first:last), &
+                                                 problem%toward_y(first:last), link)
+                     end associate
                      station%out(offset + 1:offset + n, c) = -link%store%v(1:n, link%miss)
                   else
                      do i = 1, n

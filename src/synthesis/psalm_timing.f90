@@ -55,7 +55,8 @@ contains
             timing%cost(:, i) = 0.0_wp
             do c = 1, size(out, 2)
                if (c == problem%output%kind%angle) then
-                  timing%cost(:, i) = timing%cost(:, i) + problem%weight(i, c)*nearest_difference(out(:, c), problem%wanted(i, c))**2
+                  timing%cost(:, i) = timing%cost(:, i) &
+                                      + problem%weight(i, c)*nearest_difference(out(:, c), problem%wanted(i, c))**2
                else
                   timing%cost(:, i) = timing%cost(:, i) + problem%weight(i, c)*(out(:, c) - problem%wanted(i, c))**2
                end if

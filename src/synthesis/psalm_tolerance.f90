@@ -181,7 +181,8 @@ contains
          call workers(t)%set_inputs(linear%problem%delt)
          call workers(t)%set_desired(linear%nominal%actual, spread(spread(1.0_wp, 1, n), 2, components))
       end do
-      allocate (low(n, components, chunks), high(n, components, chunks), total(n, components, chunks), squares(n, components, chunks))
+      allocate (low(n, components, chunks), high(n, components, chunks))
+      allocate (total(n, components, chunks), squares(n, components, chunks))
       allocate (open(chunks), named(most_named, chunks), loop(most_named, chunks), source=0)
       !$omp parallel do num_threads(size(workers)) schedule(static) private(k)
       do t = 1, size(workers)
