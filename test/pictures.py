@@ -4,7 +4,7 @@
 usage: test/pictures.py PROGRAM_DIRECTORY [SCREENSHOT_DIRECTORY]. Last line: N passed, N failed.
 Readers are independent of balm: XML and JSON of Python, ezdxf, chromium.
 """
-import html
+import json
 import math
 import os
 import re
@@ -17,9 +17,10 @@ import ezdxf
 
 import picture_tools
 from page_in_browser import test_pages
-from picture_tools import DATA, TOP, balm, check, page_data, psalm, read, write
+from picture_tools import DATA, TOP, balm, check, page_data, psalm, read, run, write
 
 SVG = "{http://www.w3.org/2000/svg}"
+DYADS = ("RRR", "RPR", "RRP", "PRR", "RPP", "PPR", "PRP")
 
 
 def device9(name):
@@ -72,8 +73,10 @@ def compare_case(name, number, blocks, case):
     picture = Picture(stem + ".svg")
     names, rows = blocks[0]
     motion, row = case["motion"], case["prescribed"]
-    actual = ["actual_x", "actual_y"] if motion == 0 else ["actual"]
-    desired = ["desired_x", "desired_y"] if motion == 0 else ["desired"]
+    check(law + "page: names of motion and dyads", motion in ("point", "angle", "distance", "slide") and
+          all(p["type"] in DYADS for p in case["pairs"]), str(case["pairs"]))
+    actual = ["actual_x", "actual_y"] if motion == "point" else ["actual"]
+    desired = ["desired_x", "desired_y"] if motion == "point" else ["desired"]
     column = {n: [r[i] for r in rows] for i, n in enumerate(names)}
     check(law + "page: inputs", [float(v) for v in column["input"]] == row["input"])
     check(law + "page: closed", "".join(column["closed"]) == row["closed"])
@@ -92,15 +95,15 @@ def compare_case(name, number, blocks, case):
               marks[i].get("data-input") == column["input"][i - 1] for i in closed))
     size = max(case["view"][2] - case["view"][0], case["view"][3] - case["view"][1])
     out, base = case["output"], case["base"]
-    if motion == 0:
+    if motion == "point":
         check(law + "SVG: stars stand at the digits", all(place(marks[i]) == tuple(column[n][i - 1] for n in actual) for i in closed))
-    elif motion == 1:
+    elif motion == "angle":
         def direction(element):
             x1, y1, x2, y2 = map(float, numbers(element))
             return math.degrees(math.atan2(y2 - y1, x2 - x1))
         check(law + "SVG: lines have the angle",
               all(abs(math.remainder(direction(marks[i]) - float(column["actual"][i - 1]), 360)) < 1e-9 for i in closed))
-    elif motion == 2:
+    elif motion == "distance":
         check(law + "SVG: stars stand at the distance",
               all(near(math.hypot(*map(float, place(marks[i]))), float(column["actual"][i - 1])) for i in closed))
     else:
@@ -111,10 +114,10 @@ def compare_case(name, number, blocks, case):
                   for s in case["slides"] if s["block"] == out), str(slide))
     if desired[0] in column:
         wishes = {int(e.get("data-position")): e for e in picture.of_class("output", "desired")}
-        wanted = range(1, len(rows) + 1) if motion == 0 else closed
+        wanted = range(1, len(rows) + 1) if motion == "point" else closed
         check(law + "SVG: desired values", sorted(wishes) == list(wanted) and
               all(wishes[i].get("data-value").split() == [column[n][i - 1] for n in desired] for i in wanted))
-        if motion == 0:
+        if motion == "point":
             check(law + "SVG: desired points", all(place(wishes[i]) == tuple(column[n][i - 1] for n in desired) for i in wanted))
 
     # joints: SVG = page = DXF, traces at every position, every bar keeps its length
@@ -142,7 +145,7 @@ def compare_case(name, number, blocks, case):
                 worst = max(worst, abs(math.hypot(ends[2] - ends[0], ends[3] - ends[1]) - bar["length"]) / size)
     check(law + "every link keeps its length at every position", worst < 1e-12, "%.1e" % worst)
     compare_dxf(law, stem, case, joints, blocks)
-    if motion == 1 and out != base:
+    if motion == "angle" and out != base:
         check(law + "the output point lies in the direction of the output", all(
             abs(math.remainder(math.degrees(math.atan2(row["y"][out][i - 1] - row["y"][base][i - 1],
                                                        row["x"][out][i - 1] - row["x"][base][i - 1]))
@@ -175,7 +178,7 @@ def compare_dxf(law, stem, case, joints, blocks):
     check(law + "DXF: a layer for each link", len(links) >= len(moving))
     drawn = {line.dxf.layer for line in space.query("LINE") if line.dxf.layer.startswith("LINK_")}
     check(law + "DXF: lines lie on layers of links", drawn <= links and (len(drawn) == len(moving) or "0" in row["closed"]))
-    if case["motion"] == 0 and len(blocks) > 1:
+    if case["motion"] == "point" and len(blocks) > 1:
         k = blocks[1][0].index("actual_x")
         theirs = [(float(r[k]), float(r[k + 1])) for r in blocks[1][1] if r[1] == "1"]
         ours = [(v.dxf.location.x, v.dxf.location.y) for line in space.query("POLYLINE") for v in line.vertices]
@@ -293,7 +296,7 @@ def test_regions():
     check("regions: circle to stay inside of", shapes[2].get("r") == "3.0000000000000000E+02" and "inside" in shapes[2].get("class"))
     x1, y1, x2, y2 = [float(v) for v in re.findall(r"[-+0-9.E]+", shapes[1].get("d"))[:4]]
     check("regions: half-plane", abs(math.degrees(math.atan2(y2 - y1, x2 - x1)) - 10) < 1e-9)
-    check("regions: on the page", [r["kind"] for r in page_data("regions.html")[0]["regions"]] == [1, 2, 3])
+    check("regions: on the page", [r["kind"] for r in page_data("regions.html")[0]["regions"]] == ["box", "half-plane", "circle"])
     write("regions.nml", read("regions.nml").replace("RLINK=2,", "RLINK=5,"))
     check("regions: a joint that is not there", balm("regions.nml")[0] == 2 and "RLINK" in Picture("regions.svg").text())
     write("regions.nml", read("regions.nml").replace("RLINK=5,", "RLINK=2,"))
@@ -342,11 +345,11 @@ def test_messages():
     write("open.nml", slider.replace("140.0,0.0,10.0", "35.0,0.0,10.0"))
     code, _, errors = balm("open.nml")
     check("open: exit status", code == 1)
-    check("open: remark", "LINK 2 IS TOO SHORT BY 15.00000" in errors)
-    check("open: on the picture", "LOOP 1, DYAD OF TYPE 4 (ARCS 2 AND 3), POSITIONS 16 TO 22: LINK 2 IS TOO SHORT BY 15.00000" in
+    check("open: remark", "link 2 is too short by 15.00000" in errors)
+    check("open: on the picture", "Loop 1, dyad of type 4 (arcs 2 and 3), positions 16 to 22: link 2 is too short by 15.00000" in
           Picture("open.svg").text())
     case = page_data("open.html")[0]
-    check("open: on the page", any("LINK 2 IS TOO SHORT" in v["text"] for v in case["prescribed"]["violations"]))
+    check("open: on the page", any("link 2 is too short" in v["text"] for v in case["prescribed"]["violations"]))
     check("open: the gap is known at every open position of the sweep",
           {b[0] for b in case["sweep"]["broken"]} == {i for i, v in enumerate(case["sweep"]["closed"]) if v == "0"})
 
@@ -354,7 +357,7 @@ def test_messages():
     code, _, _ = balm("--quiet", "nowhere.nml")
     picture = Picture("nowhere.svg")
     check("closes nowhere: exit status", code == 1)
-    check("closes nowhere: says why", "TOO SHORT" in picture.text() and "POSITIONS 1 TO 24" in picture.text())
+    check("closes nowhere: says why", "too short" in picture.text() and "positions 1 to 24" in picture.text())
     check("closes nowhere: the crank and the gap are drawn", picture.of_class("bar") and picture.of_class("broken"))
     check("closes nowhere: no output", not picture.of_class("output", "actual"))
     check("closes nowhere: curves too", balm("--quiet", "--curves", "nowhere.nml")[0] == 1 and
@@ -456,7 +459,7 @@ def test_curves():
 def cosine_law(case, angles):
     row, k = case["prescribed"], 0
     for loop in case["pairs"]:
-        if loop["type"] != 1:
+        if loop["type"] != "RRR":
             continue
         for i in range(row["n"]):
             s, j, e = [(row["x"][loop[n]][i], row["y"][loop[n]][i]) for n in ("start", "shared", "finish")]
@@ -468,13 +471,42 @@ def cosine_law(case, angles):
 
 
 def test_embedded():
-    """The page in the program is the page in the sources."""
-    source = read(os.path.join(TOP, "src", "output", "psalm_page_data.c.html"))
-    page = read("needle.html")
-    page = re.sub(r'<script type="application/json" id="data">.*?</script>', "<!--DATA-->", page, flags=re.S)
-    page = page.replace("<title>" + html.escape(page_data("needle.html")[0]["title"]) + "</title>", "<title><!--TITLE--></title>")
-    check("the page built in is the page of the sources", page == source)
-    check("the page asks nothing of a network", not re.search(r"""(src|href)=["']?(https?:)?//|url\(|@import|fetch\(|XMLHttp""", source))
+    """The page of balm is put together from web/ and its scenes; the sample in web/ is what balm writes."""
+    for name in ("needle", "textile", "needle_lsq", "sign", "nasty"):
+        page = read(name + ".html")
+        write("scenes.json", re.search(r'<script type="application/json" id="data">(.*?)</script>', page, re.S).group(1))
+        code, text, errors = run(os.path.join(TOP, "tools", "embed_page"), "--data", "scenes.json")
+        check(name + ": the page is that of web/", code == 0 and text == page, errors)
+        check(name + ": one file that asks for nothing", not re.search(
+            r"""(src|href)=["']?(?!data:)[^"' ]|url\(|@import|fetch\(|XMLHttp|eval\(""", page.replace(read("scenes.json"), "")))
+    check("embed_page --check", run(os.path.join(TOP, "tools", "embed_page"), "--check")[0] == 0)
+    balm("--quiet", "--output-dir", ".", os.path.join(TOP, "web", "sample.nml"))
+    sample = json.loads(re.search(r"String\.raw`(.*?)`;", read(os.path.join(TOP, "web", "sample.js")), re.S).group(1))
+    check("web/sample.js: as balm writes it", sample["format"] == 1 and alike(sample["cases"], page_data("sample.html")))
+
+
+def alike(a, b):
+    """The same structure, names and texts, numbers to six digits."""
+    if isinstance(a, dict):
+        return isinstance(b, dict) and a.keys() == b.keys() and all(alike(a[k], b[k]) for k in a)
+    if isinstance(a, list):
+        return isinstance(b, list) and len(a) == len(b) and all(map(alike, a, b))
+    if isinstance(a, float) and isinstance(b, (int, float)) or isinstance(b, float) and isinstance(a, int):
+        return near(a, b, 1e-6, 1e-3)
+    return a == b
+
+
+def test_messages_are_short():
+    """Pictures name the file, not the way to it, and speak in sentences."""
+    os.makedirs("way/there", exist_ok=True)
+    shutil.copy("textile.nml", "way/there/textile.nml")
+    _, _, errors = balm("way/there/textile.nml")
+    check("a warning on standard error has the name as typed", "way/there/textile.nml:2: warning" in errors, errors)
+    told = page_data("way/there/textile.html")[0]["warnings"] + [Picture("way/there/textile.svg").text()]
+    check("on the pictures it has the file's own", all("textile.nml:2: warning" in t and "way/there" not in t for t in told), str(told))
+    check("no capitals of the listing on the page", not re.search(r"\b(LOOP|DYAD|POSITION|ARCS|DEGREES|INPUT)\b", json.dumps(
+        [[c["breaches"], c["prescribed"]["violations"], c["sweep"]["violations"]] for c in
+         page_data("open.html") + page_data("nowhere.html") + page_data("regions.html")])))
 
 
 def main(programs, shots=None):
@@ -493,6 +525,7 @@ def main(programs, shots=None):
         test_awkward()
         test_curves()
         test_embedded()
+        test_messages_are_short()
         test_pages(shots)
         os.chdir("/")
     print("%d passed, %d failed" % (picture_tools.passed, picture_tools.failed))

@@ -232,24 +232,24 @@ contains
    end function angle_text
 
    !> A violation in words: loop, dyad, positions and by how much.
-   function describe_violation(problem, motion, violation) result(text)
+   function describe_violation(problem, motion, violation, numbered) result(text)
       type(problem_t), intent(in) :: problem
       type(motion_t), intent(in) :: motion
       type(violation_t), intent(in) :: violation
+      logical, intent(in), optional :: numbered !! false: the positions have no numbers that a user knows; default true
       character(:), allocatable :: text
       character(:), allocatable :: pair, p, q
       integer :: joint
+      logical :: with_numbers
 
+      with_numbers = .true.
+      if (present(numbered)) with_numbers = numbered
       joint = problem%topology%joint(violation%loop)
       p = to_text(problem%topology%larcx(1, violation%loop))
       q = to_text(problem%topology%larcx(2, violation%loop))
       pair = 'ARCS '//p//' AND '//q
-      text = 'LOOP '//to_text(violation%loop)//', DYAD OF TYPE '//to_text(joint)//' ('//pair//'), POSITION'
-      if (violation%first == violation%last) then
-         text = text//' '//to_text(violation%first)
-      else
-         text = text//'S '//to_text(violation%first)//' TO '//to_text(violation%last)
-      end if
+      text = 'LOOP '//to_text(violation%loop)//', DYAD OF TYPE '//to_text(joint)//' ('//pair//')'
+      if (with_numbers) text = text//', POSITION'//positions()
       text = text//': '
       select case (violation%kind)
       case (violation_too_short)
@@ -273,11 +273,23 @@ contains
       end select
       if (violation%first /= violation%last .and. violation%kind /= violation_parallel .and. &
           violation%kind /= violation_undetermined) then
-         text = text//' AT WORST (POSITION '//to_text(violation%worst)//')'
+         text = text//' AT WORST'
+         if (with_numbers) text = text//' (POSITION '//to_text(violation%worst)//')'
       end if
-      text = text//'; INPUT '//trim(adjustl(general(motion%input(violation%worst))))
+      if (with_numbers) then
+         text = text//'; INPUT '//trim(adjustl(general(motion%input(violation%worst))))
+      else
+         text = text//' (INPUT '//trim(adjustl(general(motion%input(violation%worst))))//')'
+      end if
 
    contains
+
+      function positions() result(words)
+         character(:), allocatable :: words
+
+         words = ' '//to_text(violation%first)
+         if (violation%first /= violation%last) words = 'S'//words//' TO '//to_text(violation%last)
+      end function positions
 
       function amount() result(words)
          character(:), allocatable :: words

@@ -4,7 +4,7 @@ module psalm_markup
    use psalm_text, only: full_precision, to_text
    implicit none (type, external)
    private
-   public :: clean_text, xml_text, json_text, number_or_null, short_number, wrapped, strings_t, add_string
+   public :: clean_text, xml_text, json_text, number_or_null, short_number, sentence_case, wrapped, strings_t, add_string
 
    integer, parameter :: significant = 9 !! digits of `short_number`
 
@@ -169,6 +169,20 @@ contains
          text = without_zeros(buffer(:mark - 1))//'E'//to_text(power)
       end if
    end function short_number
+
+   !> Words of the listings, which are in capitals, as a sentence. The exponent of a number keeps its letter.
+   pure function sentence_case(words) result(sentence)
+      character(*), intent(in) :: words
+      character(len(words)) :: sentence
+      integer :: i
+
+      sentence = words
+      do i = 2, len(words)
+         if (words(i:i) < 'A' .or. words(i:i) > 'Z') cycle
+         if (scan(words(i - 1:i - 1), '.0123456789') > 0) cycle
+         sentence(i:i) = achar(iachar(words(i:i)) + iachar('a') - iachar('A'))
+      end do
+   end function sentence_case
 
    pure function without_zeros(number) result(text)
       character(*), intent(in) :: number
