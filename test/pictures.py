@@ -509,6 +509,18 @@ def test_messages_are_short():
          page_data("open.html") + page_data("nowhere.html") + page_data("regions.html")])))
 
 
+def test_flat_curves():
+    """An axis does not magnify the rounding of a constant."""
+    balm("--quiet", "--curves", "textile.nml")
+    ranges = re.findall(r'set ylabel \'(.*?)\'; set yrange \[(.*?)\]', read("textile.gp"))[:2]
+    low, high = (float(v) for v in ranges[1][1].split(":"))
+    size = page_data("textile.html")[0]["view"]
+    size = max(size[2] - size[0], size[3] - size[1])
+    check("curves: a constant lies in the middle of its axis", ranges[1][0].startswith("y of") and near(low + high, 54, 1e-6) and
+          near(high - low, 0.02 * size, 1e-3), str(ranges))
+    check("curves: what varies fills its axis", ranges[0][1] == "*:*", str(ranges))
+
+
 def main(programs, shots=None):
     picture_tools.programs = os.path.abspath(programs)
     if shots:
@@ -526,6 +538,7 @@ def main(programs, shots=None):
         test_curves()
         test_embedded()
         test_messages_are_short()
+        test_flat_curves()
         test_pages(shots)
         os.chdir("/")
     print("%d passed, %d failed" % (picture_tools.passed, picture_tools.failed))
