@@ -235,6 +235,12 @@ def test_browser_cases(browser, shots):
         if shots:
             phone.page.screenshot(path=os.path.join(shots, "phone_%s.png" % scheme), full_page=True)
         phone.context.close()
+    for width, across in ((390, 390), (1280, 960)):
+        picture = Page(browser, "needle.svg", width, 700)
+        box = picture.ask("(({width, height}) => [width, height])(document.documentElement.getBoundingClientRect())")
+        shape = picture.ask("document.documentElement.viewBox.baseVal.height/document.documentElement.viewBox.baseVal.width")
+        check("SVG: fits a window of %d pixels" % width, abs(box[0] - across) < 1 and abs(box[1] - across * shape) < 1, str(box))
+        picture.context.close()
     touch = browser.new_context(viewport={"width": 390, "height": 844}, has_touch=True)
     page = touch.new_page()
     page.goto("file://" + os.path.abspath("needle.html"))

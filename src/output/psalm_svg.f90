@@ -105,6 +105,8 @@ contains
       integer :: i
 
       call text%add('<style>')
+      ! in a narrower window the picture shrinks; width and height above are its size elsewhere
+      call text%add('svg{max-width:100%;height:auto}')
       call text%add('text{font-family:"DejaVu Sans",Verdana,Arial,sans-serif;font-size:13px;fill:#14202b}'// &
                     '.head{font-size:20px;font-weight:bold}.sub,.key{font-size:12.5px;fill:#45525e}.letter{font-size:15px;'// &
                     'font-style:italic;text-anchor:middle}.error{fill:#b3261e}.warning{fill:#8a5a00}')
