@@ -2,7 +2,8 @@
 program test_markup
    use check, only: checks_t
    use psalm_kinds, only: wp
-   use psalm_markup, only: clean_text, json_text, number_or_null, short_number, strings_t, wrapped, xml_text
+   use psalm_markup, only: clean_text, json_text, number_or_null, sentence_case, short_number, strings_t, wrapped, &
+                           xml_text
    use psalm_parts, only: convex_hull
    implicit none (type, external)
    type(checks_t) :: t
@@ -29,6 +30,8 @@ contains
       call t%equal_text(xml_text('<a b="c">&''</a>'), '&lt;a b=&quot;c&quot;&gt;&amp;&#39;&lt;/a&gt;', 'XML')
       call t%equal_text(json_text('</script>"'//achar(92)), '"'//achar(92)//'u003c/script'//achar(92)//'u003e'//achar(92)//'"'// &
                         achar(92)//achar(92)//'"', 'JSON that a script element may hold')
+      call t%equal_text(sentence_case('LOOP 1, DYAD OF TYPE 4 (ARCS 2 AND 3): TOO SHORT BY 0.15D-02'), &
+                        'Loop 1, dyad of type 4 (arcs 2 and 3): too short by 0.15D-02', 'capitals of a listing as a sentence')
    end subroutine texts
 
    subroutine numbers()

@@ -13,7 +13,7 @@ module psalm_page
    private
    public :: write_page
 
-   integer, parameter :: format = 1  !! of the scenes; web/scene.js expects the same
+   integer, parameter :: scene_format = 1  !! of the data; web/scene.js expects the same
 
    !> Names of the dyads by type: links and guides with revolute joints R and prismatic joints P from start to finish.
    character(3), parameter :: dyads(8) = ['RRR', 'RPR', 'RPR', 'RRP', 'PRR', 'RPP', 'PPR', 'PRP']
@@ -35,7 +35,7 @@ contains
       place = index(page, data_mark)
       call text%add_text(page(:title - 1)//'<title>'//xml_text(trim(scenes(1)%title))//'</title>'// &
                          page(title + len(title_mark):place - 1))
-      call text%add_text('<script type="application/json" id="data">{"format":'//to_text(format)//',"cases":[')
+      call text%add_text('<script type="application/json" id="data">{"format":'//to_text(scene_format)//',"cases":[')
       do i = 1, size(scenes)
          if (i > 1) call text%add_text(',')
          call write_scene(scenes(i), text)
