@@ -8,6 +8,7 @@ globalThis.balm = globalThis.balm || {};
 balm.scene = (() => {
   const FORMAT = 1;             // of the data that balm writes
   const OPEN = 2, BEYOND = 1;   // status of a position: does not close, a transmission angle is beyond its limits
+  const HERE = 1e-6;            // places nearer than this are one
   const NOISE = 1e-12;          // part of the size of a linkage that is rounding
 
   const modulo = (a, b) => ((a % b) + b) % b;
@@ -101,12 +102,18 @@ balm.scene = (() => {
   const mixed = (v, [i, k, f]) => typeof v === 'number' ? v : f === 0 ? v[i] : v[i] + f * (v[k] - v[i]);
 
   /** Index of the prescribed position at t, or -1. */
-  const prescribedAt = (c, t) => c.at.findIndex((at) => Math.abs(at - t) < 1e-6);
+  function prescribedAt(c, t) {
+    let best = -1, least = HERE;
+    c.at.forEach((at, i) => {
+      if (Math.abs(at - t) < least) [best, least] = [i, Math.abs(at - t)];
+    });
+    return best;
+  }
 
   /** Place of the next prescribed position in the direction `way`; beyond the last comes the first. */
   function prescribedNext(c, t, way) {
     const list = [...c.at].sort((a, b) => a - b);
-    const next = way > 0 ? list.find((at) => at > t + 1e-6) : list.findLast((at) => at < t - 1e-6);
+    const next = way > 0 ? list.find((at) => at > t + HERE) : list.findLast((at) => at < t - HERE);
     return next ?? (way > 0 ? list[0] : list.at(-1));
   }
 

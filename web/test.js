@@ -79,6 +79,11 @@ globalThis.results = [];
     scene.prescribedNext(c, 90, 1) === 180 && scene.prescribedNext(c, 90, -1) === 0 && scene.prescribedNext(c, 270, 1) === 0 &&
     scene.prescribedNext(c, 0, -1) === 270);
 
+  const close = small();
+  close.prescribed.at = [0, 1 - 5e-7, 1, 2];
+  check('of prescribed positions close together it is the nearest', scene.prescribedAt(scene.prepare(close), 1) === 2 &&
+    scene.prescribedAt(close, 1 - 6e-7) === 1);
+
   // ---- angles -------------------------------------------------------------------------------------------------------
 
   const turning = small({ motion: 'angle' });

@@ -425,6 +425,7 @@ module psalm_page_text
    'balm.scene = (() => {'//nl// &
    '  const FORMAT = 1;             // of the data that balm writes'//nl// &
    '  const OPEN = 2, BEYOND = 1;   // status of a position: does not close, a transmission angle is beyond its limits'//nl// &
+   '  const HERE = 1e-6;            // places nearer than this are one'//nl// &
    '  const NOISE = 1e-12;          // part of the size of a linkage that is rounding'//nl// &
    ''//nl// &
    '  const modulo = (a, b) => ((a % b) + b) % b;'//nl// &
@@ -516,16 +517,22 @@ module psalm_page_text
    ''//nl// &
    '  /** A value there; what does not move is one number. */'//nl// &
    "  const mixed = (v, [i, k, f]) => typeof v === 'number' ? v : f === 0 ? v[i] : v[i] + f * (v[k] - v[i]);"//nl// &
-   ''//nl// &
-   '  /** Index of the prescribed position at t, or -1. */'//nl
+   ''//nl
 
    character(*), parameter :: part_6 = &
-   '  const prescribedAt = (c, t) => c.at.findIndex((at) => Math.abs(at - t) < 1e-6);'//nl// &
+   '  /** Index of the prescribed position at t, or -1. */'//nl// &
+   '  function prescribedAt(c, t) {'//nl// &
+   '    let best = -1, least = HERE;'//nl// &
+   '    c.at.forEach((at, i) => {'//nl// &
+   '      if (Math.abs(at - t) < least) [best, least] = [i, Math.abs(at - t)];'//nl// &
+   '    });'//nl// &
+   '    return best;'//nl// &
+   '  }'//nl// &
    ''//nl// &
    '  /** Place of the next prescribed position in the direction `way`; beyond the last comes the first. */'//nl// &
    '  function prescribedNext(c, t, way) {'//nl// &
    '    const list = [...c.at].sort((a, b) => a - b);'//nl// &
-   '    const next = way > 0 ? list.find((at) => at > t + 1e-6) : list.findLast((at) => at < t - 1e-6);'//nl// &
+   '    const next = way > 0 ? list.find((at) => at > t + HERE) : list.findLast((at) => at < t - HERE);'//nl// &
    '    return next ?? (way > 0 ? list[0] : list.at(-1));'//nl// &
    '  }'//nl// &
    ''//nl// &
@@ -612,16 +619,16 @@ module psalm_page_text
    ''//nl// &
    '  /** Colour of the link of a body. */'//nl// &
    "  const linkColour = (i) => pens['link' + i % 8];"//nl// &
-   '  function colourOf(c, body) {'//nl// &
+   '  function colourOf(c, body) {'//nl
+
+   character(*), parameter :: part_7 = &
    '    if (c.ink) return c.ink;'//nl// &
    '    return body < 0 ? pens.link0 : c.bodies[body].frame ? pens.frame : linkColour(body);'//nl// &
    '  }'//nl// &
    ''//nl// &
    '  /** Cases laid over the one shown, each in a colour of its own. */'//nl// &
    '  function shownOverlays() {'//nl// &
-   '    const { state, cases } = balm;'//nl
-
-   character(*), parameter :: part_7 = &
+   '    const { state, cases } = balm;'//nl// &
    '    return [...state.overlays].filter((i) => i !== state.c && cases[i].sound).map((i) => {'//nl// &
    '      const o = prepare(cases[i]);'//nl// &
    '      o.ink = linkColour(i + 1);'//nl// &
@@ -715,16 +722,16 @@ module psalm_page_text
    '    g.strokeStyle = c.ink || pens.actual;'//nl// &
    '    g.lineWidth = 1.2 * view.u;'//nl// &
    '    g.beginPath();'//nl// &
-   '    let down = false;'//nl// &
+   '    let down = false;'//nl
+
+   character(*), parameter :: part_8 = &
    '    for (let i = 0; i <= (c.ring ? s.n : s.n - 1); i++) {'//nl// &
    '      const at = [i % s.n, i % s.n, 0], x = mixed(s.x[c.output], at), y = mixed(s.y[c.output], at);'//nl// &
    '      if (!isFinite(x)) { down = false; continue; }'//nl// &
    '      if (down) g.lineTo(X(x), Y(y)); else g.moveTo(X(x), Y(y));'//nl// &
    '      down = true;'//nl// &
    '    }'//nl// &
-   '    g.stroke();'//nl
-
-   character(*), parameter :: part_8 = &
+   '    g.stroke();'//nl// &
    '  }'//nl// &
    ''//nl// &
    '  /** Output of the kind angle: lines along the actual and the desired direction. */'//nl// &
@@ -818,16 +825,16 @@ module psalm_page_text
    '  /** The linkage at the place t of its sweep, under it the cases laid over it. */'//nl// &
    '  function frame(c, t) {'//nl// &
    '    pen.clearRect(0, 0, view.w, view.h);'//nl// &
-   '    pen.drawImage(still, 0, 0, view.w, view.h);'//nl// &
+   '    pen.drawImage(still, 0, 0, view.w, view.h);'//nl
+
+   character(*), parameter :: part_9 = &
    '    const part = (t - c.ends[0]) / Math.max(1e-9, c.ends[1] - c.ends[0]);'//nl// &
    '    for (const o of shownOverlays()) {'//nl// &
    '      pen.globalAlpha = 0.6;'//nl// &
    '      drawLinkage(o, o.ends[0] + part * (o.ends[1] - o.ends[0]), false);'//nl// &
    '      pen.globalAlpha = 1;'//nl// &
    '    }'//nl// &
-   '    drawLinkage(c, t, true);'//nl
-
-   character(*), parameter :: part_9 = &
+   '    drawLinkage(c, t, true);'//nl// &
    '  }'//nl// &
    ''//nl// &
    '  /** One linkage; `main` is false for a case laid over the one shown. */'//nl// &
@@ -920,16 +927,16 @@ module psalm_page_text
    '      g.setLineDash([3, 4]);'//nl// &
    '      segment(g, ...tip);'//nl// &
    '      g.setLineDash([]);'//nl// &
-   '    }'//nl// &
+   '    }'//nl
+
+   character(*), parameter :: part_10 = &
    '  }'//nl// &
    ''//nl// &
    '  /** The star, and with an output angle without an output arc a line in its direction. */'//nl// &
    '  function drawOutput(c, at) {'//nl// &
    '    let x = c.px[c.output], y = c.py[c.output];'//nl// &
    "    if (c.motion === 'angle' && c.output === c.base && c.sweep.closed[at[0]] === '1') {"//nl// &
-   '      const ax = X(mixed(c.sweep.aim_x, at)), ay = Y(mixed(c.sweep.aim_y, at));'//nl
-
-   character(*), parameter :: part_10 = &
+   '      const ax = X(mixed(c.sweep.aim_x, at)), ay = Y(mixed(c.sweep.aim_y, at));'//nl// &
    '      pen.strokeStyle = pens.actual;'//nl// &
    '      pen.lineWidth = 2.2 * view.u;'//nl// &
    '      line(pen, x, y, ax, ay);'//nl// &
@@ -1024,16 +1031,16 @@ module psalm_page_text
    "  const OUTPUT = { angle: 'angle, degrees', distance: 'distance', slide: 'length of the slide' };"//nl// &
    '  const ROUND = 2 * Math.PI;'//nl// &
    '  let canvas, chart, still, strip;'//nl// &
-   '  let plot = null;          // place of the panels'//nl// &
+   '  let plot = null;          // place of the panels'//nl
+
+   character(*), parameter :: part_11 = &
    ''//nl// &
    '  function begin() {'//nl// &
    "    canvas = document.getElementById('curves');"//nl// &
    "    chart = canvas.getContext('2d');"//nl// &
    "    still = document.createElement('canvas');"//nl// &
    "    strip = document.getElementById('strip');"//nl// &
-   '  }'//nl
-
-   character(*), parameter :: part_11 = &
+   '  }'//nl// &
    ''//nl// &
    '  // ---- axes --------------------------------------------------------------------------------------------------------'// &
    '-'//nl// &
@@ -1128,16 +1135,16 @@ module psalm_page_text
    '      g.fillText(short(c.ring ? modulo(v, 360) : v), plot.x((v - first) / each), h - 20 * u);'//nl// &
    "    g.fillText(c.sliding ? 'input length' : 'crank angle, degrees', (left + right) / 2, h - 5 * u);"//nl// &
    "    g.textAlign = 'left';"//nl// &
-   '  }'//nl// &
+   '  }'//nl
+
+   character(*), parameter :: part_12 = &
    ''//nl// &
    '  function drawPanel(g, c, panel) {'//nl// &
    '    const { pens } = balm.drawing, { left, right, u } = plot, { top, bottom } = panel;'//nl// &
    '    const [low, high] = panel.fixed || axisRange(...extent(panel, plot.from, plot.to), panel.size);'//nl// &
    '    const pad = panel.fixed ? 0 : 0.06 * (high - low);'//nl// &
    '    panel.y = (v) => bottom - (v - low + pad) / (high - low + 2 * pad) * (bottom - top);'//nl// &
-   '    bands(g, c, plot.x, top, bottom - top);'//nl
-
-   character(*), parameter :: part_12 = &
+   '    bands(g, c, plot.x, top, bottom - top);'//nl// &
    '    g.strokeStyle = pens.line;'//nl// &
    '    g.lineWidth = 1;'//nl// &
    '    g.fillStyle = pens.soft;'//nl// &
@@ -1230,16 +1237,16 @@ module psalm_page_text
    '      i = k;'//nl// &
    '    }'//nl// &
    '  }'//nl// &
-   ''//nl// &
+   ''//nl
+
+   character(*), parameter :: part_13 = &
    '  function layOutStrip(c) {'//nl// &
    "    const { fit, pens } = balm.drawing, [w, h] = fit(strip), g = strip.getContext('2d');"//nl// &
    '    const x = (t) => 8 + (t - plot.from) / (plot.to - plot.from) * (w - 16);'//nl// &
    '    g.clearRect(0, 0, w, h);'//nl// &
    '    bands(g, c, x, 0, h);'//nl// &
    '    g.fillStyle = pens.accent;'//nl// &
-   '    for (const t of c.at) if (t <= plot.to + 1e-9) g.fillRect(x(t) - 0.8, 2, 1.6, h - 4);'//nl
-
-   character(*), parameter :: part_13 = &
+   '    for (const t of c.at) if (t <= plot.to + 1e-9) g.fillRect(x(t) - 0.8, 2, 1.6, h - 4);'//nl// &
    '  }'//nl// &
    ''//nl// &
    '  /** One frame: the cursor at t. */'//nl// &
@@ -1332,16 +1339,16 @@ module psalm_page_text
    "      button.type = 'button';"//nl// &
    '      button.textContent = violation.text;'//nl// &
    "      button.addEventListener('click', () => balm.controls.go(c.at[violation.first]));"//nl// &
-   '      return button;'//nl// &
+   '      return button;'//nl
+
+   character(*), parameter :: part_14 = &
    '    };'//nl// &
    "    part(c.sound ? 'Errors' : 'The input is wrong; there is no linkage to draw', c.errors, 'error', plain);"//nl// &
    "    if (c.sound) part('Closure and limits at the prescribed positions', c.prescribed.violations, 'error', link);"//nl// &
    "    part('Constraints', c.breaches, 'error', plain);"//nl// &
    "    part('Warnings', c.warnings, 'warning', plain);"//nl// &
    '  }'//nl// &
-   ''//nl
-
-   character(*), parameter :: part_14 = &
+   ''//nl// &
    '  /** Name, length and direction of a bar at t. */'//nl// &
    '  function describe(c, bar, t) {'//nl// &
    '    const s = c.sweep, at = between(c, t), scale = balm.drawing.scale;'//nl// &
@@ -1434,7 +1441,9 @@ module psalm_page_text
    ''//nl// &
    '  function speed(way) {'//nl// &
    "    const box = $('speed');"//nl// &
-   '    box.selectedIndex = Math.min(box.options.length - 1, Math.max(0, box.selectedIndex + way));'//nl// &
+   '    box.selectedIndex = Math.min(box.options.length - 1, Math.max(0, box.selectedIndex + way));'//nl
+
+   character(*), parameter :: part_15 = &
    '    balm.state.speed = Number(box.value);'//nl// &
    '  }'//nl// &
    ''//nl// &
@@ -1442,9 +1451,7 @@ module psalm_page_text
    '-'//nl// &
    ''//nl// &
    '  function grab(event) {'//nl// &
-   '    const { canvas } = balm.drawing;'//nl
-
-   character(*), parameter :: part_15 = &
+   '    const { canvas } = balm.drawing;'//nl// &
    '    if (!shown().sound) return;'//nl// &
    '    setPlaying(false);'//nl// &
    "    balm.messages.tip('');"//nl// &
@@ -1539,16 +1546,16 @@ module psalm_page_text
    "    $('after').addEventListener('click', () => prescribed(1));"//nl// &
    "    $('time').addEventListener('input', () => {"//nl// &
    '      setPlaying(false);'//nl// &
-   "      go(beforeTurn(Number($('time').value)));"//nl// &
+   "      go(beforeTurn(Number($('time').value)));"//nl
+
+   character(*), parameter :: part_16 = &
    '    });'//nl// &
    "    for (const name of ['whole', 'other', 'traces', 'letters']) $(name).addEventListener('change', () => {"//nl// &
    '      state[name] = $(name).checked;'//nl// &
    '      refresh();'//nl// &
    '    });'//nl// &
    "    picture.addEventListener('pointerdown', grab);"//nl// &
-   "    picture.addEventListener('pointermove', pull);"//nl
-
-   character(*), parameter :: part_16 = &
+   "    picture.addEventListener('pointermove', pull);"//nl// &
    "    picture.addEventListener('pointerup', release);"//nl// &
    "    picture.addEventListener('pointercancel', release);"//nl// &
    "    picture.addEventListener('pointerleave', leave);"//nl// &
@@ -1641,16 +1648,16 @@ module psalm_page_text
    ''//nl// &
    '  /** Titles in the list as long as the window has room for. */'//nl// &
    '  function nameCases() {'//nl// &
-   '    const room = Math.max(12, Math.floor((document.documentElement.clientWidth - 130) / 10));'//nl// &
+   '    const room = Math.max(12, Math.floor((document.documentElement.clientWidth - 130) / 10));'//nl
+
+   character(*), parameter :: part_17 = &
    "    [...$('case').options].forEach((option, i) => {"//nl// &
    "      option.textContent = (i + 1) + ': ' + scene.shortTitle(titleOf(cases[i]), room);"//nl// &
    '      option.title = titleOf(cases[i]);'//nl// &
    '    });'//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  function listCases() {'//nl
-
-   character(*), parameter :: part_17 = &
+   '  function listCases() {'//nl// &
    '    cases.forEach((c, i) => {'//nl// &
    "      const option = document.createElement('option');"//nl// &
    '      option.value = String(i);'//nl// &
