@@ -58,7 +58,7 @@ contains
       type(problem_t), intent(in) :: problem
       logical, intent(in) :: toggle                !! TOGGLE is a constraint, not only a distance of repair
       type(inspector_t), intent(out) :: inspector
-      type(problem_t) :: plain
+      type(problem_t), allocatable :: plain
       integer, allocatable :: joints(:, :)
       real(wp), allocatable :: inputs(:)
       integer :: r, marble
@@ -76,7 +76,7 @@ contains
       do r = 1, size(inspector%regions)
          inspector%joint(r) = joint_of_region(inspector%regions(r), joints)
       end do
-      plain = problem
+      allocate (plain, source=problem)
       plain%tangle = right_angle
       if (.not. toggle) plain%toggle = 0.0_wp
       if (size(inspector%regions) > 0) plain%motion = motion_point

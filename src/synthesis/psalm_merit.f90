@@ -64,7 +64,7 @@ contains
       type(problem_t), intent(in) :: problem        !! with desired values
       real(wp), intent(in) :: first(:)              !! shape (marble)
       type(merit_t), intent(out) :: merit
-      type(problem_t) :: plain
+      type(problem_t), allocatable :: plain
       integer, allocatable :: joints(:, :)
       real(wp) :: cosine, unused
       integer :: marble, n, loop, r
@@ -87,7 +87,7 @@ contains
       merit%regions = set%constr%regions
       merit%dimensions = problem%given
       merit%size = max(maxval(problem%given%arcl), tiny(1.0_wp)**0.25_wp)
-      plain = problem
+      allocate (plain, source=problem)
       plain%tangle = right_angle
       call prepare_station(plain, problem%delt, merit%free, reshape([integer ::], [2, 0]), .true., merit%main)
       call copy_desired(problem, merit%main%problem)

@@ -70,11 +70,12 @@ module psalm_search
 
    !> What one thread works with.
    type :: worker_t
-      type(problem_t) :: problem
-      type(constraints_t) :: constraints
-      type(merit_t) :: merit
-      type(timing_t) :: timing
-      type(inspector_t) :: inspector
+      ! allocated: together they would fill a small stack
+      type(problem_t), allocatable :: problem
+      type(constraints_t), allocatable :: constraints
+      type(merit_t), allocatable :: merit
+      type(timing_t), allocatable :: timing
+      type(inspector_t), allocatable :: inspector
    end type worker_t
 
 contains
@@ -105,7 +106,8 @@ contains
       total = extra + set%search%nstart
       allocate (outcomes(total), workers(min(max(1, threads), total)))
       do t = 1, size(workers)
-         workers(t)%problem = problem
+         allocate (workers(t)%problem, source=problem)
+         allocate (workers(t)%constraints, workers(t)%merit, workers(t)%timing, workers(t)%inspector)
          call make_constraints(set, problem, workers(t)%constraints)
          call prepare_merit(set, problem, first, workers(t)%merit)
          workers(t)%merit%interrupt = ending
