@@ -3,13 +3,16 @@
 !> A file becomes a list of data sets. Topology is judged later, in `psalm_setup`; here each item is read, given its
 !> default and checked by itself. Source of items and defaults: Oldham (1977), appendix B.
 module psalm_data_set
+   use, intrinsic :: iso_fortran_env, only: int64
    use psalm_kinds, only: wp, full_turn, half_turn, radians_per_degree
    use psalm_constraint_group, only: constraint_group_t, read_constraint_group
    use psalm_group, only: group_t, read_flag, check_flags, check_range, out_of, required
+   use psalm_mark, only: mark_t
    use psalm_namelist, only: case_text_t, read_case
    use psalm_search_group, only: search_group_t, read_search_group
    use psalm_source, only: line_t, read_lines
    use psalm_status, only: diagnostics_t
+   use psalm_system, only: memory_to_be_had
    use psalm_text, only: to_text, edit_distance
    implicit none (type, external)
    private
@@ -26,6 +29,7 @@ module psalm_data_set
    integer, parameter :: most_loops = 100000      !! above this NLOOP is taken for a slip of the pen
    integer, parameter :: most_arcs = 10000000     !! likewise NLOOP times MAXARC
    integer, parameter :: most_positions = 10000000 !! likewise NDES
+   integer(int64), parameter :: bytes_of_position = 10*storage_size(1.0_wp)/8 !! seven arrays, and copies on the way
    integer, parameter :: largest_istart = 999999999 !! nine digits
    integer, parameter :: most_trials = 1000000000  !! likewise NTRIAL
    real(wp), parameter :: fastest = 1.0e30_wp      !! likewise SPEED and ACCEL
@@ -109,11 +113,12 @@ contains
    !> Read every case of a file, up to the one with LAST=1.
    !>
    !> Errors: those of the file, of the notation and of each item, all collected in `findings`.
-   subroutine read_data_sets(file, sets, findings, rates)
+   subroutine read_data_sets(file, sets, findings, rates, mark)
       character(*), intent(in) :: file                       !! name, `-` for standard input
       type(data_set_t), allocatable, intent(out) :: sets(:)  !! the cases
       type(diagnostics_t), intent(inout) :: findings
       logical, intent(in), optional :: rates                 !! read the group RATES too
+      type(mark_t), intent(inout), optional :: mark          !! takes in the text
       type(line_t), allocatable :: lines(:)
       type(case_text_t) :: case
       type(data_set_t) :: set
@@ -125,6 +130,11 @@ contains
       if (file == '-') findings%file = 'standard input'
       call read_lines(file, lines, findings)
       if (findings%failed()) return
+      if (present(mark)) then
+         do next = 1, size(lines)
+            call mark%add(lines(next)%text)
+         end do
+      end if
       next = 1
       do
          call read_case(lines, next, case, findings)
@@ -361,6 +371,10 @@ contains
       if (group%given('NDES')) then
          call check_range(group, 'NDES', set%ndes, 1, most_positions, findings)
          if (set%ndes < 1 .or. set%ndes > most_positions) set%ndes = 0
+         if (.not. memory_to_be_had(bytes_of_position*int(set%ndes, int64))) then
+            call findings%trouble('the memory for NDES='//to_text(set%ndes)//' positions is not to be had')
+            set%ndes = 0
+         end if
       else if (set%ikin == 0) then
          call findings%error('the number of prescribed positions is required (or IKIN for an analysis through one turn)', &
                              line=group%line, group='METHOD', item='NDES')

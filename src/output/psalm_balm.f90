@@ -8,10 +8,10 @@ module psalm_balm
    use psalm_dxf, only: write_dxf
    use psalm_kinds, only: wp
    use psalm_page, only: write_page
-   use psalm_run, only: check_case
+   use psalm_run, only: demand_t, check_case
    use psalm_scene, only: scene_t, make_scene, message_scene
    use psalm_source, only: line_t
-   use psalm_status, only: diagnostics_t, finding_t, exit_violation, level_error
+   use psalm_status, only: diagnostics_t, finding_t, exit_file_trouble, exit_violation, level_error
    use psalm_svg, only: write_svg
    use psalm_text, only: text_t, to_text
    implicit none (type, external)
@@ -19,11 +19,14 @@ module psalm_balm
    public :: picture_t, balm_t, make_scenes, draw_file, draw_curves
 
    integer, parameter :: most_told = 5 !! messages of one case on standard error
+   type(demand_t), parameter :: demand = demand_t(position=1000, arc=500, ktheta_only=.false.)
+   integer, parameter :: ending_width = 24 !! room for a number and a suffix
 
    !> A file to write.
    type :: picture_t
-      character(:), allocatable :: ending   !! of the name, after that of the case
+      character(ending_width) :: ending = '' !! of the name, after that of the case
       character(:), allocatable :: content
+      logical :: made = .false.             !! of a script: gnuplot has made its pictures
    end type picture_t
 
    !> The cases of one file.
@@ -59,11 +62,13 @@ contains
          end if
          each = sets(k)
          each%nguess = 0
-         call check_case(each, none, vertices, judged)
+         call check_case(each, none, vertices, judged, demand)
          own = [own, finding_list(judged)]
          do i = 1, judged%count
             associate (new => judged%list(i))
-               if (new%level == level_error) then
+               if (new%code == exit_file_trouble) then
+                  call findings%trouble(new%text)
+               else if (new%level == level_error) then
                   call findings%error(new%text, new%line, new%group, new%item)
                else
                   call findings%warning(new%text, new%line, new%group, new%item)
@@ -123,9 +128,10 @@ contains
    end subroutine tell
 
    !> Pictures of a file: SVG and DXF of each case, one page of all.
-   subroutine draw_file(balm, assemblies, pictures)
+   subroutine draw_file(balm, assemblies, mark, pictures)
       type(balm_t), intent(in) :: balm
       logical, intent(in) :: assemblies        !! the SVG shows the other assembly of each pair
+      character(*), intent(in) :: mark         !! of the run
       type(picture_t), allocatable, intent(out) :: pictures(:)
       type(text_t) :: text
       integer :: k
@@ -134,15 +140,24 @@ contains
       if (size(balm%scenes) == 0) return
       do k = 1, size(balm%scenes)
          call write_svg(balm%scenes(k), assemblies, text)
+         call add_comment()
          call put(ending(k, '.svg'))
          if (.not. balm%scenes(k)%sound) cycle
+         call text%add('999') ! a comment of DXF
+         call text%add('run '//mark)
          call write_dxf(balm%scenes(k), text)
          call put(ending(k, '.dxf'))
       end do
       call write_page(balm%scenes, text)
+      call add_comment()
       call put('.html')
 
    contains
+
+      subroutine add_comment()
+
+         call text%add('<!-- run '//mark//' -->')
+      end subroutine add_comment
 
       subroutine put(name)
          character(*), intent(in) :: name
@@ -153,10 +168,11 @@ contains
    end subroutine draw_file
 
    !> Scripts for the curves of each sound case; each ending is followed by that of the picture.
-   subroutine draw_curves(balm, name, progress, scripts)
+   subroutine draw_curves(balm, name, progress, mark, scripts)
       type(balm_t), intent(in) :: balm
       character(*), intent(in) :: name          !! of the case, without directory
       type(line_t), intent(in) :: progress(:)   !! device 1, empty if there is none; of the first case
+      character(*), intent(in) :: mark          !! of the run
       type(picture_t), allocatable, intent(out) :: scripts(:)
       type(line_t) :: none(0)
       type(text_t) :: text
@@ -166,10 +182,11 @@ contains
       do k = 1, size(balm%scenes)
          if (.not. balm%scenes(k)%sound) cycle
          text = text_t()
+         call text%add('# run '//mark)
          if (k == 1) then
-            call write_curves(balm%scenes(k), name//ending(k, ''), progress, text)
+            call write_curves(balm%scenes(k), name//trim(ending(k, '')), progress, text)
          else
-            call write_curves(balm%scenes(k), name//ending(k, ''), none, text)
+            call write_curves(balm%scenes(k), name//trim(ending(k, '')), none, text)
          end if
          call add_picture(scripts, ending(k, ''), text%content())
       end do
@@ -183,7 +200,7 @@ contains
 
       allocate (more(size(pictures) + 1))
       do i = 1, size(pictures)
-         call move_alloc(pictures(i)%ending, more(i)%ending)
+         more(i)%ending = pictures(i)%ending
          call move_alloc(pictures(i)%content, more(i)%content)
       end do
       more(size(more))%ending = ending

@@ -21,7 +21,7 @@ module psalm_curves
 
 contains
 
-   !> Append a script that makes `name`.png.part and `name`.pdf.part in the directory it is run in.
+   !> Append a script that makes `name`.png and `name`.pdf in the directory it is run in.
    subroutine write_curves(scene, name, progress, text)
       type(scene_t), intent(in) :: scene
       character(*), intent(in) :: name         !! of the case, without directory
@@ -44,10 +44,10 @@ contains
       do pass = 1, 2
          if (pass == 1) then
             call text%add('set terminal pngcairo size 1000,'//to_text(panels*panel_height + 40)//' font "sans,10"')
-            call text%add('set output '//quoted(name//'.png.part'))
+            call text%add('set output '//quoted(name//'.png'))
          else
             call text%add('set terminal pdfcairo size 21cm,'//short_number(7.0_wp*real(panels, wp) + 0.8_wp)//'cm font "sans,9"')
-            call text%add('set output '//quoted(name//'.pdf.part'))
+            call text%add('set output '//quoted(name//'.pdf'))
          end if
          call text%add('set multiplot layout '//to_text(panels)//',1 title '//quoted(trim(scene%title))//' noenhanced')
          call add_bands(scene, low, high, text)

@@ -10,7 +10,7 @@ module psalm_kalm
    use psalm_kinds, only: wp
    use psalm_plan, only: step_point
    use psalm_rates, only: rates_t, prepare_rates, differentiate, output_rates, is_dead, at_origin, highest_order
-   use psalm_run, only: devices_t, version
+   use psalm_run, only: devices_t, header_of
    use psalm_setup, only: set_up
    use psalm_status, only: diagnostics_t, exit_violation
    use psalm_text, only: text_t, full_precision, general, lower_case, to_text
@@ -46,7 +46,7 @@ contains
       call make_problem(set, topology, dimensions, problem)
       call problem%want_derivatives(set%ktheta /= 0)
       call problem%analyse(dimensions, motion)
-      call list_input(' *** KALM, VERSION '//version//' ***', set, topology, dimensions, devices%eight)
+      call list_input(header_of('KALM', devices%mark), set, topology, dimensions, devices%eight)
       if (set%ktheta /= 0) then
          call devices%eight%add()
          call devices%eight%add(' ALL ARCS: LENGTH AND ANGLE, THEIR FIRST AND SECOND DERIVATIVES BY TIME (RADIANS)')
