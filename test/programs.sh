@@ -391,7 +391,7 @@ check 'the sound one is listed' grep -q 'TEXTILE' out
 if [ $? -eq 3 ]; then ok; else bad 'a full disk gives exit status 3'; fi
 said 'a full disk' 'cannot write the listing'
 status 3 'devices that cannot be written' "$psalm" --output-dir needle.nml/x textile.nml
-said 'devices that cannot be written' "cannot write 'needle.nml/x/textile.dev7'"
+said 'devices that cannot be written' "cannot make the directory 'needle.nml/x': Not a directory"
 check 'no half-written file is left' test -z "$(ls -- *.part 2>/dev/null)"
 status 0 '--help' "$psalm" --help
 check '--help tells the exit status' grep -q 'Exit status' out
