@@ -44,7 +44,7 @@ contains
       character(:), allocatable :: stem
       integer :: k
 
-      call read_data_sets(file, sets, findings)
+      call read_data_sets(file, sets, findings, program='balm')
       call make_scenes(sets, findings, scenes)
       if (findings%failed() .or. .not. arguments%quiet) call show_findings(findings)
       if (.not. arguments%quiet) call write_standard_error(scenes%notes%content())

@@ -45,7 +45,7 @@ contains
       type(devices_t) :: devices
       integer :: k
 
-      call read_data_sets(file, sets, findings, rates=.true.)
+      call read_data_sets(file, sets, findings, program='kalm')
       do k = 1, size(sets)
          sets(k)%nguess = 0
          if (.not. findings%failed()) call check_case(sets(k), none, vertices, findings)

@@ -5,7 +5,7 @@ module psalm_text
    use psalm_kinds, only: wp, dp
    implicit none (type, external)
    private
-   public :: text_t, upper_case, lower_case, to_text, fixed, general, full_precision, edit_distance, nearest_name
+   public :: text_t, upper_case, lower_case, to_text, fixed, general, full_precision, nearest_name, shortened
 
    !> A text that grows by lines. Lines end with a line feed.
    type :: text_t
@@ -172,6 +172,19 @@ contains
          text = text(:len(text) - 3)//text(len(text) - 1:)
       end do
    end function full_precision
+
+   !> What a user wrote, short enough for a message.
+   pure function shortened(written) result(text)
+      character(*), intent(in) :: written
+      character(:), allocatable :: text
+      integer, parameter :: room = 40
+
+      if (len(written) <= room) then
+         text = written
+      else
+         text = written(:room)//'...'
+      end if
+   end function shortened
 
    !> Levenshtein distance of two names: letters to change, insert or delete.
    pure integer function edit_distance(a, b)

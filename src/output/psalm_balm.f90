@@ -62,13 +62,7 @@ contains
          call check_case(each, none, vertices, judged)
          own = [own, finding_list(judged)]
          do i = 1, judged%count
-            associate (new => judged%list(i))
-               if (new%level == level_error) then
-                  call findings%error(new%text, new%line, new%group, new%item)
-               else
-                  call findings%warning(new%text, new%line, new%group, new%item)
-               end if
-            end associate
+            call findings%add(judged%list(i))
          end do
          call make_scene(sets(k), own, balm%scenes(k))
          if (balm%scenes(k)%sound) call tell(sets(k), balm%scenes(k), balm)
