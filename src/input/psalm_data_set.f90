@@ -207,7 +207,7 @@ contains
       call read_tolerances(groups(toler), set, findings)
       call read_rates(groups(rates), set, findings)
       do i = 1, size(groups)
-         call groups(i)%finish(groups, findings)
+         if (groups(i)%line > 0) call groups(i)%finish(groups, findings)
          call set%origins%append(groups(i)%origins)
       end do
    end subroutine read_set
@@ -330,8 +330,8 @@ contains
 
       call group%get_integer('NLOOP', set%nloop, findings)
       call group%get_integer('MAXARC', set%maxarc, findings)
-      call check_range(group, 'NLOOP', set%nloop, 1, most_loops, findings, required=.true.)
-      call check_range(group, 'MAXARC', set%maxarc, 3, most_arcs, findings, required=.true.)
+      call check_range(group, 'NLOOP', set%nloop, 1, most_loops, findings, must_be=.true.)
+      call check_range(group, 'MAXARC', set%maxarc, 3, most_arcs, findings, must_be=.true.)
       shape_known = set%nloop >= 1 .and. set%nloop <= most_loops .and. set%maxarc >= 3 .and. set%maxarc <= most_arcs
       if (shape_known) shape_known = set%maxarc <= most_arcs/set%nloop
       n = 0
@@ -344,7 +344,7 @@ contains
       allocate (integers(max(n, merge(0, original_arcs, shape_known))), source=0)
       allocate (reals(size(integers)), source=0.0_wp)
       call group%get_integers('ILINK', integers, findings, set%maxarc, last=highest, needed=needed, beyond=beyond)
-      if (highest == 0) call required(group, 'ILINK', findings)
+      if (highest == 0) call required(group, 'ILINK')
       ! one row too many or too few is told once, not for every array
       rows_known = shape_known
       if (shape_known .and. beyond > 0) then
@@ -358,7 +358,7 @@ contains
       set%ilink = reshape(integers(:n), [set%maxarc, set%nloop])
       integers = 0
       call group%get_integers('ILOOP', integers, findings, set%maxarc, last=highest, needed=needed, beyond=beyond)
-      if (highest == 0) call required(group, 'ILOOP', findings)
+      if (highest == 0) call required(group, 'ILOOP')
       if (rows_known .and. beyond > 0) call too_many_rows('ILOOP', needed, beyond)
       set%iloop = reshape(integers(:n), [set%maxarc, set%nloop])
       call group%get_reals('ARCL', reals, findings, set%maxarc, last=highest, needed=needed, beyond=beyond)
@@ -381,8 +381,8 @@ contains
       call group%get_integer('NOUTLP', set%noutlp, findings)
       call group%get_real('OUTLK', set%outlk, findings)
       call group%get_real('OUTANG', set%outang, findings)
-      if (.not. group%given('NOUTLK')) call required(group, 'NOUTLK', findings)
-      if (.not. group%given('NOUTLP')) call required(group, 'NOUTLP', findings)
+      if (.not. group%given('NOUTLK')) call required(group, 'NOUTLK')
+      if (.not. group%given('NOUTLP')) call required(group, 'NOUTLP')
       if (set%outlk < 0.0_wp) call out_of(group, 'OUTLK', 'the length is negative; turn OUTANG by 180 instead', findings)
 
    contains
@@ -435,8 +435,7 @@ contains
          call check_range(group, 'NDES', set%ndes, 1, most_positions, findings)
          if (set%ndes < 1 .or. set%ndes > most_positions) set%ndes = 0
       else if (set%ikin == 0) then
-         call out_of(group, 'NDES', 'the number of prescribed positions is required (or IKIN for an analysis through one turn)', &
-                     findings)
+         call required(group, 'NDES', 'the number of prescribed positions is required (or IKIN for an analysis through one turn)')
       end if
       call group%get_real('CRNKI', set%crnki, findings)
       call group%get_integer('MOTION', set%motion, findings)

@@ -39,6 +39,12 @@ module psalm_group
       integer :: count = 0                  !! how many values
    end type item_t
 
+   !> An item that must be there and is not.
+   type :: missing_t
+      character(name_length) :: name = ''
+      character(:), allocatable :: text     !! what is said
+   end type missing_t
+
    !> One group: its items and who asked for them.
    type :: group_t
       character(name_length) :: name = ''   !! in capitals, without `&`
@@ -51,6 +57,7 @@ module psalm_group
       integer, allocatable :: order(:)      !! the items by name, those of one name as they were written
       character(name_length), allocatable :: known(:) !! names asked for so far
       type(origins_t) :: origins            !! places of the values handed out
+      type(missing_t), allocatable :: missing(:) !! told at the end, if no misspelt item is meant
    contains
       procedure :: begin
       procedure :: sort_items
@@ -82,6 +89,8 @@ contains
       if (.not. allocated(self%items)) allocate (self%items(16), self%values(16))
       if (allocated(self%known)) deallocate (self%known)
       allocate (self%known(0))
+      if (allocated(self%missing)) deallocate (self%missing)
+      allocate (self%missing(0))
       if (allocated(self%order)) deallocate (self%order)
       allocate (self%order(0))
       call self%origins%in_file('')
@@ -371,14 +380,17 @@ contains
       if (present(beyond)) beyond = line_beyond
    end subroutine hand_out
 
-   !> Report items that nobody asked for, each with the group it belongs to or the nearest valid name, and scalars given
-   !> twice. `all_groups` have been asked for all their items, so that they know them.
+   !> Report items that nobody asked for, each with the group it belongs to or the nearest valid name, scalars given twice,
+   !> and items that are missing, unless a misspelt one is meant.
+   !>
+   !> `all_groups` have been asked for all their items, so that they know their names.
    subroutine finish(self, all_groups, findings)
       class(group_t), intent(in) :: self
       type(group_t), intent(in) :: all_groups(:)
       type(diagnostics_t), intent(inout) :: findings
       integer, allocatable :: earlier(:)  !! by item: line of an earlier mention, 0: none
       logical, allocatable :: known(:)    !! by item
+      logical :: meant(size(self%missing))
       integer :: i, k, run, first_line, unknown
       logical :: is_known
 
@@ -402,20 +414,27 @@ contains
          end if
       end do
       unknown = 0
+      meant = .false.
       do i = 1, self%count
          associate (item => self%items(i))
             if (.not. known(i)) then
                unknown = unknown + 1
-               if (unknown <= most_unknown) call findings%error('no such item'//hint(item%name), line=item%line, &
-                                                                group=trim(self%name), item=trim(item%name))
+               if (unknown > most_unknown) cycle
+               meant = meant .or. self%missing%name == nearest_name(item%name, self%known)
+               call findings%error('no such item'//hint(item%name), line=item%line, group=trim(self%name), &
+                                   item=trim(item%name))
             else if (earlier(i) > 0) then
                call findings%warning('given twice (first in line '//to_text(earlier(i))//'); the last counts', &
                                      line=item%line, group=trim(self%name), item=trim(item%name))
             end if
          end associate
       end do
-      if (unknown > most_unknown) call findings%error('and '//to_text(unknown - most_unknown)//' more items that it does not '// &
-                                                      'have', line=self%line, group=trim(self%name))
+      if (unknown > most_unknown) call findings%error('and '//to_text(unknown - most_unknown)//' more items that it does '// &
+                                                      'not have', line=self%line, group=trim(self%name))
+      do i = 1, size(self%missing)
+         if (.not. meant(i)) call findings%error(self%missing(i)%text, line=self%line, group=trim(self%name), &
+                                                 item=trim(self%missing(i)%name))
+      end do
 
    contains
 
@@ -604,17 +623,17 @@ contains
    end subroutine check_flags
 
    !> Report a value outside its range.
-   subroutine check_range(group, name, value, lowest, highest, findings, required)
-      type(group_t), intent(in) :: group
+   subroutine check_range(group, name, value, lowest, highest, findings, must_be)
+      type(group_t), intent(inout) :: group
       character(*), intent(in) :: name
       integer, intent(in) :: value, lowest, highest
       type(diagnostics_t), intent(inout) :: findings
-      logical, intent(in), optional :: required
+      logical, intent(in), optional :: must_be  !! the item is required
       character(:), allocatable :: text
 
-      if (present(required)) then
-         if (required .and. .not. group%given(name)) then
-            call findings%error('is required', line=group%line, group=trim(group%name), item=name)
+      if (present(must_be)) then
+         if (must_be .and. .not. group%given(name)) then
+            call required(group, name)
             return
          end if
       end if
@@ -638,12 +657,16 @@ contains
       call findings%error(text, line=group%origins%line(trim(group%name), name, which), group=trim(group%name), item=name)
    end subroutine out_of
 
-   !> Report an item that is missing.
-   subroutine required(group, name, findings)
-      type(group_t), intent(in) :: group
+   !> Note an item that is missing; `finish` reports it.
+   subroutine required(group, name, text)
+      type(group_t), intent(inout) :: group
       character(*), intent(in) :: name
-      type(diagnostics_t), intent(inout) :: findings
+      character(*), intent(in), optional :: text  !! what is said
+      type(missing_t) :: one
 
-      call findings%error('is required', line=group%line, group=trim(group%name), item=name)
+      one%name = name
+      one%text = 'is required'
+      if (present(text)) one%text = text
+      group%missing = [group%missing, one]
    end subroutine required
 end module psalm_group
