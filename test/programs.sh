@@ -375,6 +375,14 @@ said 'an output at rest' 'the output does not move'
 sed 's/50.0,30.0,30.0,50.0/50.0,80.0,0.01,100.0/; s/DELT=.*&END/DELT=0.0,0.001,0.002 \&END/' rhombus.nml >tiny.nml
 "$psalm" tiny.nml >out 2>err
 said 'a link of no length' 'a link of practically no length (the longest arc is 100.0000): length of arc 3 in loop 1 is 0.1000000E-01'
+{ printf 'MANY POSITIONS\n &LINKS NLOOP=1, MAXARC=4, ILINK=1,2,3,4, ILOOP=1,0,0,1, ARCL=50.0,80.0,70.0,90.0, GAMA=3*0.0,180.0, NOUTLK=3, NOUTLP=1 &END\n &METHOD MOTION=1, NDES=5001, DELT='
+  awk 'BEGIN { for (i = 0; i <= 5000; i++) printf "%.2f,\n", i*0.01 }'; printf ' &END\n &LIMITS TANGLE=89.0 &END\n'; } >dense.nml
+status 0 'balm: many positions' "$bin/balm" --quiet dense.nml
+check 'balm: one in three is drawn' test "$(grep -c 'class="output actual' dense.svg)" -eq 1667
+check 'balm: and the picture says so' grep -q 'of 5001 positions 1667 are drawn, one in 3' dense.svg
+sed 's/^10.01,/179.99,/; s/50.0,80.0,70.0,90.0/50.0,80.0,50.0,90.0/' dense.nml >gap.nml
+status 1 'balm: a violation at a position that is not drawn' "$bin/balm" gap.nml
+said 'balm: a violation at a position that is not drawn' 'all positions: LOOP 1'
 # awkward places
 sed 's/$/\r/' needle.nml >crlf.nml
 "$psalm" --quiet crlf.nml >out

@@ -96,7 +96,7 @@ SIZES = [
     ("wrong loops", "psalm", wrong_loops, 20_000, 100_000, (2,)),
     ("values", "psalm", values, 50_000, 1_000_000, (0,)),
     ("positions", "psalm", positions, 50_000, 1_000_000, (0,)),
-    ("positions", "balm", positions, 10_000, 1_000_000, (0,)),
+    ("positions", "balm", positions, 50_000, 1_000_000, (0,)),
 ]
 LARGEST_RATIO = 3.0
 TOO_SHORT = 0.05  # seconds; below this a run is start-up, not work

@@ -393,6 +393,12 @@ contains
       call t%equal_integer(findings%count, 1, 'and nothing else is wrong')
       call read_text(two_loops('1', '-2'))
       call t%equal_integer(findings%count, 0, 'a second side that begins at its link''s joint')
+      call read_text('LEG OF JANSEN'//nl//' &LINKS NLOOP=3, MAXARC=6,'//nl// &
+                     ' ILINK=1,2,3,4,0,0, 1,-2,-3,4,0,0, 1,2,-3,-4,-3,4,'//nl// &
+                     ' ILOOP=1,0,0,1,0,0, 1,0,0,1,0,0, 1,2,0,0,1,1,'//nl// &
+                     ' ARCL=15.,50.,41.5,38.7923,2*0., 0.,61.9,39.3,3*0., 2*0.,36.7,39.4,40.1,0.,'//nl// &
+                     ' GAMA=3*0.,11.6,2*0., 6*0., 4*0.,86.27,0., NOUTLK=-3, NOUTLP=3 &END'//nl//method)
+      call t%equal_integer(findings%count, 0, 'a second side that ends at a joint of the frame and its link')
       call read_text(two_loops('1', '-3'))
       call t%finds(findings, 'arc 2 of loop 2 belongs to the link of arc 3 of loop 1, but it begins and ends at no joint', &
                    'an arc that hangs in the air')

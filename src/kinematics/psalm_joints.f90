@@ -52,6 +52,7 @@ contains
       integer, allocatable :: last(:)       !! by body: its last seat
       logical, allocatable :: loose(:)      !! by body: a joint of it is not known
       real(wp), allocatable :: angle(:)     !! by sequential number: from the axes of its body, degrees
+      real(wp), allocatable :: length(:)    !! by sequential number
       integer :: n, loop, a, nodes, filled, here, there, p, q
       real(wp) :: near
 
@@ -59,6 +60,7 @@ contains
       allocate (joints%astray(n), source=.false.)
       allocate (joints%start(n), joints%finish(n), body(n), source=0)
       allocate (angle(n), source=0.0_wp)
+      length = dimensions%arcl
       allocate (last(0:n), source=0)
       allocate (loose(0:n), source=.false.)
       allocate (seats(64), next(64))
@@ -90,7 +92,7 @@ contains
          joints%finish(n) = there
          if (topology%arcs(n)%kind == arc_link .and. here > 0 .and. there > 0) then
             call seat(here, body(n), 0.0_wp, 0.0_wp)
-            call seat(there, body(n), dimensions%arcl(n), 0.0_wp)
+            call seat(there, body(n), length(n), 0.0_wp)
          else
             loose(body(n)) = .true.
          end if
@@ -111,6 +113,7 @@ contains
             if (arc%reference == 0) return
             body(n) = body(arc%reference)
             angle(n) = angle(n) + angle(arc%reference)
+            if (arc%same) length(n) = length(arc%reference)
          end associate
       end subroutine find_body
 
@@ -139,8 +142,8 @@ contains
                   loose(root) = .true.
                else
                   call unit_vector(angle(n), c, d)
-                  x = seats(s)%x + sense*dimensions%arcl(n)*c
-                  y = seats(s)%y + sense*dimensions%arcl(n)*d
+                  x = seats(s)%x + sense*length(n)*c
+                  y = seats(s)%y + sense*length(n)*d
                   follow = node_at(root, x, y)
                   if (follow == 0) then
                      nodes = nodes + 1
