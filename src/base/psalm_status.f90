@@ -44,6 +44,7 @@ module psalm_status
       procedure :: warning => add_warning
       procedure :: trouble => add_trouble
       procedure :: add => add_finding
+      procedure :: told_enough
       procedure :: failed
       procedure :: exit_code
    end type diagnostics_t
@@ -88,6 +89,20 @@ contains
          call append(self, finding%level, finding%code, finding%text, finding%line, finding%group, finding%item)
       end do
    end subroutine add_finding
+
+   !> True if further findings of this kind are only counted, so that their words and places need not be looked for.
+   pure logical function told_enough(self, level, group, item)
+      class(diagnostics_t), intent(in) :: self
+      integer, intent(in) :: level
+      character(*), intent(in) :: group, item
+      integer :: i
+
+      told_enough = .false.
+      do i = 1, self%count
+         if (self%list(i)%more == 0 .or. self%list(i)%level /= level) cycle
+         told_enough = told_enough .or. (self%list(i)%group == group .and. self%list(i)%item == item)
+      end do
+   end function told_enough
 
    !> True if any finding is an error.
    pure logical function failed(self)

@@ -7,7 +7,8 @@ module psalm_setup
    use psalm_data_set, only: data_set_t, motion_slide
    use psalm_joints, only: joints_t, find_joints
    use psalm_kinds, only: wp, full_turn, half_turn
-   use psalm_status, only: diagnostics_t
+   use psalm_origin, only: origin_t
+   use psalm_status, only: diagnostics_t, level_error, level_warning
    use psalm_text, only: general, lower_case, to_text
    use psalm_topology, only: topology_t, dimensions_t, variable_t, arc_absent, arc_determined, arc_link, arc_slide, arc_crank, &
                              arc_actuator, name_of, variable_length, variable_outlk, variable_origlk, variable_gama, &
@@ -800,9 +801,11 @@ contains
       character(*), intent(in) :: item, text
       integer, intent(in) :: loop, a
       type(diagnostics_t), intent(inout) :: findings
+      type(origin_t) :: origin
 
-      call findings%error(subject(loop, a)//text, line=set%origins%line('LINKS', item, (loop - 1)*set%maxarc + max(a, 1)), &
-                          group='LINKS', item=item)
+      if (.not. findings%told_enough(level_error, 'LINKS', item)) &
+         origin = set%origins%of('LINKS', item, (loop - 1)*set%maxarc + max(a, 1))
+      call findings%error(subject(loop, a)//text, line=origin%line, group='LINKS', item=item)
    end subroutine complain
 
    subroutine arc_warning(set, item, loop, a, text, findings)
@@ -811,11 +814,13 @@ contains
       integer, intent(in) :: loop, a
       type(diagnostics_t), intent(inout) :: findings
       character(:), allocatable :: group
+      type(origin_t) :: origin
 
       group = 'LINKS'
       if (item == 'IVA' .or. item == 'IVG') group = 'METHOD'
-      call findings%warning(subject(loop, a)//text, line=set%origins%line(group, item, (loop - 1)*set%maxarc + a), group=group, &
-                            item=item)
+      if (.not. findings%told_enough(level_warning, group, item)) &
+         origin = set%origins%of(group, item, (loop - 1)*set%maxarc + a)
+      call findings%warning(subject(loop, a)//text, line=origin%line, group=group, item=item)
    end subroutine arc_warning
 
    pure function subject(loop, a) result(text)
