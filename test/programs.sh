@@ -378,7 +378,7 @@ said 'a link of no length' 'a link of practically no length (the longest arc is 
 { printf 'MANY POSITIONS\n &LINKS NLOOP=1, MAXARC=4, ILINK=1,2,3,4, ILOOP=1,0,0,1, ARCL=50.0,80.0,70.0,90.0, GAMA=3*0.0,180.0, NOUTLK=3, NOUTLP=1 &END\n &METHOD MOTION=1, NDES=5001, DELT='
   awk 'BEGIN { for (i = 0; i <= 5000; i++) printf "%.2f,\n", i*0.01 }'; printf ' &END\n &LIMITS TANGLE=89.0 &END\n'; } >dense.nml
 status 0 'balm: many positions' "$bin/balm" --quiet dense.nml
-check 'balm: one in three is drawn' test "$(grep -c 'data-position' dense.svg)" -eq 1667
+check 'balm: one in three is drawn' test "$(grep -c 'class="output actual.*data-position' dense.svg)" -eq 1667
 check 'balm: and the picture says so' grep -q 'of 5001 positions 1667 are drawn, one in 3' dense.svg
 sed 's/^10.01,/179.99,/; s/50.0,80.0,70.0,90.0/50.0,80.0,50.0,90.0/' dense.nml >gap.nml
 status 1 'balm: a violation at a position that is not drawn' "$bin/balm" gap.nml

@@ -426,7 +426,10 @@ contains
 
       end_of_value = from
       do while (end_of_value < len(text))
-         if (scan(text(end_of_value + 1:end_of_value + 1), " ,;/&$!=""'"//achar(9)) > 0) exit
+         select case (text(end_of_value + 1:end_of_value + 1))
+         case (' ', ',', ';', '/', '&', '$', '!', '=', '"', "'", achar(9))
+            exit
+         end select
          end_of_value = end_of_value + 1
       end do
    end function end_of_value
