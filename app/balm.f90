@@ -55,7 +55,7 @@ contains
 
       mark = begin_mark(arguments%program)
       if (arguments%assemblies) call mark%add('--assemblies')
-      call read_data_sets(file, sets, findings, mark=mark)
+      call read_data_sets(file, sets, findings, program='balm', mark=mark)
       call make_scenes(sets, findings, scenes)
       if (findings%failed() .or. .not. arguments%quiet) call show_findings(findings)
       if (.not. arguments%quiet) call write_standard_error(scenes%notes%content())

@@ -53,7 +53,7 @@ contains
       integer :: k
 
       mark = begin_mark(arguments%program)
-      call read_data_sets(file, sets, findings, rates=.true., mark=mark)
+      call read_data_sets(file, sets, findings, program='kalm', mark=mark)
       do k = 1, size(sets)
          sets(k)%nguess = 0
          if (.not. findings%failed()) call check_case(sets(k), none, vertices, findings, demand)

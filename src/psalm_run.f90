@@ -6,8 +6,9 @@ module psalm_run
    use psalm_check_list, only: list_input, list_setup, list_arcs
    use psalm_condition, only: condition_t, prepare_condition, condition_at
    use psalm_constr, only: constraints_t, make_constraints
-   use psalm_data_set, only: data_set_t, title_columns
+   use psalm_data_set, only: data_set_t, title_columns, default_niter
    use psalm_data_set_text, only: write_vertices, write_data_set
+   use psalm_doubts, only: find_doubts, list_reference_joints
    use psalm_error, only: problem_t, motion_t, make_problem
    use psalm_finale, only: list_results, describe_violation
    use psalm_interrupt, only: interrupt_t, shield_threads
@@ -142,6 +143,8 @@ contains
       call problem%analyse(dimensions, motion)
       call list_results(set, problem, dimensions, motion, devices%six)
       call list_setup(set, problem, devices%eight)
+      if (len(set%skipped) > 0) call devices%eight%add(' GROUPS THAT PSALM DOES NOT READ: '//set%skipped)
+      call list_reference_joints(set, problem, dimensions, devices%eight)
       do i = 1, repeated%count
          call devices%eight%add(' '//repeated%list(i)%render())
       end do
@@ -157,6 +160,7 @@ contains
          call tolerances(final, dimensions, threads, interrupt, devices)
       end if
       call note_violations(set, problem, motion, devices)
+      call find_doubts(set%file//': '//trim(set%title)//': ', topology, problem, dimensions, motion, devices%notes)
       devices%interrupted = interrupt%signalled()
    end subroutine run_case
 
@@ -397,6 +401,10 @@ contains
              to_text(simplex%repairs%moves)//' moves; best objective '//trim(adjustl(general(state%best)))
       call devices%one%add(' '//line//'; '//reason)
       call devices%notes%add(set%file//': '//trim(set%title)//': '//reason//' after '//line)
+      if (state%reason == stop_iterations .and. set%niter == default_niter) then
+         call devices%notes%add(set%file//': '//trim(set%title)//': NITER='//to_text(set%niter)// &
+                                ' is for looking at the start; set NITER in &METHOD to some thousands')
+      end if
    end subroutine tell_search
 
    !> Device 9: the prescribed positions, and with IPLOT every degree in the direction of the first two.

@@ -22,9 +22,11 @@ cp "$data"/*.nml .
 # published listings
 status 1 'needle: two iterations do not converge' "$psalm" needle.nml
 same 'needle: device 6 is the published listing' out "$ref/needle-results.lst"
-sed '1s/.*/*** PSALM, DEC. 1976 ***/' needle.dev8 >dev8
+sed '1s/.*/*** PSALM, DEC. 1976 ***/; /^ JOINT OF THE UNDETERMINED/,$d' needle.dev8 >dev8
 cat "$ref/needle-input.lst" "$ref/needle-setup.lst" >want8
 same 'needle: device 8 is the published listing' dev8 want8
+check 'needle: device 8 has the joint of each pair' grep -qxE ' LOOP 4, ARCS 4 AND 5 +-12\.1546 +319\.1695' needle.dev8
+said 'needle: NITER of the thesis' 'set NITER in &METHOD to some thousands'
 check 'needle: device 8 names program and version' grep -q 'PSALM, VERSION' needle.dev8
 status 0 'textile' "$psalm" textile.nml
 check 'textile: JOINT 1 7 1 6' grep -qE '^ +1 +7 +1 +6$' textile.dev8
@@ -109,6 +111,7 @@ check 'kalm: 600 rev/min is 20 pi rad/s; velocity of the yoke at 90 degrees is -
 check 'kalm: mechanical advantage is infinite where the output rests' grep -q 'INFINITE' out
 check 'kalm: arcs and joints on device 8' grep -q 'JOINT AT THE END OF ARC' yoke.kalm.dev8
 status 0 'psalm skips RATES' "$psalm" yoke.nml
+check 'psalm skips RATES: device 8 says so' grep -qx ' GROUPS THAT PSALM DOES NOT READ: &RATES (kalm)' yoke.dev8
 cp yoke.dev7 yoke_again.nml
 "$bin/kalm" --quiet yoke.nml >first.lst
 status 0 'device 7 keeps the groups of other programs' "$bin/kalm" --quiet yoke_again.nml
@@ -131,7 +134,7 @@ status 0 'LSQ: two threads' "$psalm" --quiet --threads 2 needle_lsq.nml
 if cmp -s out needle_lsq.lst; then ok; else bad 'LSQ: the same digits with two threads'; fi
 sed "s/'LSQ'/'SIMPLX'/" needle_lsq.nml >solver.nml
 status 2 'LSQ: unknown solver' "$psalm" solver.nml
-said 'LSQ: unknown solver' "as 'LN_COBYLA' or 'LD_SLSQP', is expected; found 'SIMPLX'"
+said 'LSQ: unknown solver' "no solver is called 'SIMPLX'; did you mean 'SIMPLEX'?"
 sed "s/SOLVER='LSQ', //" needle_lsq.nml >starts.nml
 status 2 'LSQ: several starts need it' "$psalm" starts.nml
 
@@ -352,6 +355,34 @@ status 2 'an unknown option' "$psalm" --frobnicate needle.nml
 said 'an unknown option' "unknown option '--frobnicate'"
 status 2 'an option without its value' "$psalm" --output-dir
 
+# what is wrong is told, or at least doubted
+{ cat "$data/needle_lsq.nml"; echo ' &CONST IRANGE=2 &END'; } >bad.nml
+status 2 'a misspelt group' "$psalm" bad.nml
+said 'a misspelt group' 'unknown group &CONST; did you mean &CONSTR?'
+cat >rhombus.nml <<'CASE'
+RHOMBUS: AT 0 DEGREES THE OUTER JOINTS OF ITS TWO LINKS COINCIDE
+ &LINKS NLOOP=1, MAXARC=4, ILINK=1,2,3,4, ILOOP=1,0,0,1, ARCL=50.0,30.0,30.0,50.0, GAMA=3*0.0,180.0,
+  NOUTLK=3, NOUTLP=1 &END
+ &METHOD MOTION=1, NDES=3, DELT=0.0,1.0E-12,60.0 &END
+ &LIMITS TANGLE=90.0 &END
+CASE
+status 1 'pins that coincide' "$psalm" rhombus.nml
+said 'pins that coincide' 'LOOP 1, DYAD OF TYPE 1 (ARCS 2 AND 3), POSITIONS 1 TO 2: THE OUTER JOINTS COINCIDE'
+check 'pins that coincide: not called closed' test "$(awk '!/^#/ && $2 == 0 && $3 == "NaN"' rhombus.dev9 | wc -l)" -eq 2
+sed 's/NOUTLK=3/NOUTLK=4/; s/DELT=0.0,1.0E-12/DELT=20.0,40.0/' rhombus.nml >rest.nml
+status 0 'an output at rest' "$psalm" rest.nml
+said 'an output at rest' 'the output does not move'
+sed 's/50.0,30.0,30.0,50.0/50.0,80.0,0.01,100.0/; s/DELT=.*&END/DELT=0.0,0.001,0.002 \&END/' rhombus.nml >tiny.nml
+"$psalm" tiny.nml >out 2>err
+said 'a link of no length' 'a link of practically no length (the longest arc is 100.0000): length of arc 3 in loop 1 is 0.1000000E-01'
+{ printf 'MANY POSITIONS\n &LINKS NLOOP=1, MAXARC=4, ILINK=1,2,3,4, ILOOP=1,0,0,1, ARCL=50.0,80.0,70.0,90.0, GAMA=3*0.0,180.0, NOUTLK=3, NOUTLP=1 &END\n &METHOD MOTION=1, NDES=5001, DELT='
+  awk 'BEGIN { for (i = 0; i <= 5000; i++) printf "%.2f,\n", i*0.01 }'; printf ' &END\n &LIMITS TANGLE=89.0 &END\n'; } >dense.nml
+status 0 'balm: many positions' "$bin/balm" --quiet dense.nml
+check 'balm: one in three is drawn' test "$(grep -c 'class="output actual.*data-position' dense.svg)" -eq 1667
+check 'balm: and the picture says so' grep -q 'of 5001 positions 1667 are drawn, one in 3' dense.svg
+sed 's/^10.01,/179.99,/; s/50.0,80.0,70.0,90.0/50.0,80.0,50.0,90.0/' dense.nml >gap.nml
+status 1 'balm: a violation at a position that is not drawn' "$bin/balm" gap.nml
+said 'balm: a violation at a position that is not drawn' 'all positions: LOOP 1'
 # awkward places
 sed 's/$/\r/' needle.nml >crlf.nml
 "$psalm" --quiet crlf.nml >out

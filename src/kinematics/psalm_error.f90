@@ -22,6 +22,7 @@ module psalm_error
    integer, parameter :: violation_angle_small = 4  !! closes, but the transmission angle is too small
    integer, parameter :: violation_angle_large = 5  !! closes, but the transmission angle is too large
 
+   real(wp), parameter :: no_distance = 1.0e3_wp*epsilon(1.0_wp) !! of the links: outer joints so near each other coincide
    integer, parameter :: violation_undetermined = 6 !! the outer joints coincide: no direction is determined
 
    !> Consecutive positions at which one dyad violates one limit.
@@ -482,10 +483,11 @@ contains
       class(problem_t), intent(inout) :: self
       type(dimensions_t), intent(in) :: dimensions
       type(motion_t), intent(out) :: motion
-      integer :: block, offset, n, m, i, k, l
+      integer :: block, offset, n, m, i, k, l, noted
       integer, allocatable :: open_violation(:)
 
       n = self%positions
+      noted = 0
       allocate (motion%closed(n), source=.true.)
       allocate (motion%input(n), motion%actual(n), motion%actual_y(n), motion%error(n), motion%error_y(n), source=0.0_wp)
       allocate (motion%violations(0))
@@ -498,11 +500,11 @@ contains
          m = padded(n)
          do l = 1, self%topology%nloop
             if (self%linkage%step_of_loop(l) == 0) cycle
-            if (self%linkage%all_accepted(m, l)) cycle
+            if (self%linkage%all_accepted(m, l) .and. .not. may_coincide(self, l)) cycle
             do i = 1, n
-               if (self%linkage%accepts(i, l)) cycle
-               if (.not. self%linkage%closes(i, l)) motion%closed(offset + i) = .false.
-               call note_violation(self, l, i, offset + i, open_violation(l), motion%violations)
+               if (self%linkage%accepts(i, l) .and. .not. coincides(self, l, i)) cycle
+               if (.not. self%linkage%closes(i, l) .or. coincides(self, l, i)) motion%closed(offset + i) = .false.
+               call note_violation(self, l, i, offset + i, open_violation(l), motion%violations, noted)
             end do
          end do
          call output_of_block(self, self%linkage, m)
@@ -534,14 +536,16 @@ contains
             end do
          end associate
       end do
+      motion%violations = motion%violations(:noted)
    end subroutine analyse
 
    !> Enter a violation, or let the one of the position before go on.
-   subroutine note_violation(self, loop, i, position, current, violations)
+   subroutine note_violation(self, loop, i, position, current, violations, noted)
       class(problem_t), intent(in) :: self
       integer, intent(in) :: loop, i, position
       integer, intent(inout) :: current    !! the loop's last violation in the list, 0: none
-      type(violation_t), allocatable, intent(inout) :: violations(:)
+      type(violation_t), allocatable, intent(inout) :: violations(:) !! room; the first `noted` are valid
+      integer, intent(inout) :: noted
       type(violation_t) :: new
       type(violation_t), allocatable :: more(:)
       logical :: worse
@@ -564,12 +568,50 @@ contains
             end if
          end associate
       end if
-      allocate (more(size(violations) + 1))
-      more(:size(violations)) = violations
-      more(size(more)) = new
-      call move_alloc(more, violations)
-      current = size(violations)
+      if (noted == size(violations)) then
+         allocate (more(max(8, 2*noted)))
+         more(:noted) = violations
+         call move_alloc(more, violations)
+      end if
+      noted = noted + 1
+      violations(noted) = new
+      current = noted
    end subroutine note_violation
+
+   !> True if the outer joints of a loop's dyad can meet while it closes: two equal links, a slide whose guide has no length.
+   pure logical function may_coincide(self, loop)
+      class(problem_t), intent(in) :: self
+      integer, intent(in) :: loop
+
+      associate (dyad => self%linkage%steps(self%linkage%step_of_loop(loop)))
+         select case (dyad%joint)
+         case (1)
+            may_coincide = abs(dyad%p - dyad%q) <= no_distance*(dyad%p + dyad%q)
+         case (2)
+            may_coincide = dyad%q <= 0.0_wp
+         case (3)
+            may_coincide = dyad%p <= 0.0_wp
+         case default
+            may_coincide = .false.
+         end select
+      end associate
+   end function may_coincide
+
+   !> True if the outer joints of a loop's dyad coincide at position `i` of the block: no direction is determined.
+   pure logical function coincides(self, loop, i)
+      class(problem_t), intent(in) :: self
+      integer, intent(in) :: loop, i
+      real(wp) :: least
+
+      coincides = .false.
+      if (.not. may_coincide(self, loop)) return
+      associate (dyad => self%linkage%steps(self%linkage%step_of_loop(loop)))
+         ! lengths are scaled: the longest arc is about 1
+         least = no_distance
+         if (dyad%joint == 1) least = no_distance*(dyad%p + dyad%q)
+         coincides = self%linkage%store(self%linkage%reach(loop) + i - 1) <= least**2
+      end associate
+   end function coincides
 
    !> What is wrong with a loop at position `i` of the block, and by how much.
    pure type(violation_t) function violation_at(self, loop, i) result(violation)
@@ -579,6 +621,10 @@ contains
 
       violation%loop = loop
       reach = self%linkage%store(self%linkage%reach(loop) + i - 1)
+      if (coincides(self, loop, i)) then
+         violation%kind = violation_undetermined
+         return
+      end if
       associate (dyad => self%linkage%steps(self%linkage%step_of_loop(loop)))
          select case (dyad%joint)
          case (1)
@@ -589,10 +635,6 @@ contains
                violation%amount = degrees_of(cosine, sqrt(max((1.0_wp - cosine)*(1.0_wp + cosine), 0.0_wp)))
                return
             end if
-            if (reach < tiny(reach) .and. abs(dyad%p - dyad%q) <= epsilon(h)*dyad%p) then
-               violation%kind = violation_undetermined
-               return
-            end if
             if (h > dyad%p + dyad%q) then
                violation%kind = violation_too_short
                violation%amount = h - (dyad%p + dyad%q)
@@ -601,10 +643,6 @@ contains
                violation%amount = abs(dyad%p - dyad%q) - h
             end if
          case (2, 3)
-            if (reach < tiny(reach) .and. merge(dyad%q, dyad%p, dyad%joint == 2) <= 0.0_wp) then
-               violation%kind = violation_undetermined
-               return
-            end if
             violation%kind = violation_too_long
             violation%amount = merge(dyad%q, dyad%p, dyad%joint == 2) - sqrt(reach)
          case (4, 5)

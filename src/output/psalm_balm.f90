@@ -6,18 +6,23 @@ module psalm_balm
    use psalm_curves, only: write_curves
    use psalm_data_set, only: data_set_t
    use psalm_dxf, only: write_dxf
+   use psalm_error, only: problem_t, motion_t, make_problem
+   use psalm_finale, only: describe_violation
    use psalm_kinds, only: wp
    use psalm_page, only: write_page
    use psalm_run, only: demand_t, check_case
    use psalm_scene, only: scene_t, make_scene, message_scene
+   use psalm_setup, only: set_up
    use psalm_source, only: line_t
    use psalm_status, only: diagnostics_t, finding_t, exit_file_trouble, exit_violation, level_error
    use psalm_svg, only: write_svg
    use psalm_text, only: text_t, to_text
+   use psalm_topology, only: topology_t, dimensions_t
    implicit none (type, external)
    private
    public :: picture_t, balm_t, make_scenes, draw_file, draw_curves
 
+   integer, parameter :: most_drawn = 2000 !! positions of a picture; more of them make one black band
    integer, parameter :: most_told = 5 !! messages of one case on standard error
    type(demand_t), parameter :: demand = demand_t(position=1000, arc=500, ktheta_only=.false.)
    integer, parameter :: ending_width = 24 !! room for a number and a suffix
@@ -63,20 +68,16 @@ contains
          each = sets(k)
          each%nguess = 0
          call check_case(each, none, vertices, judged, demand)
+         if (.not. judged%failed() .and. each%ikin == 0 .and. each%ndes > most_drawn) call thin_out(each, judged)
          own = [own, finding_list(judged)]
          do i = 1, judged%count
-            associate (new => judged%list(i))
-               if (new%code == exit_file_trouble) then
-                  call findings%trouble(new%text)
-               else if (new%level == level_error) then
-                  call findings%error(new%text, new%line, new%group, new%item)
-               else
-                  call findings%warning(new%text, new%line, new%group, new%item)
-               end if
-            end associate
+            call findings%add(judged%list(i))
          end do
-         call make_scene(sets(k), own, balm%scenes(k))
-         if (balm%scenes(k)%sound) call tell(sets(k), balm%scenes(k), balm)
+         each%nguess = sets(k)%nguess
+         call make_scene(each, own, balm%scenes(k))
+         if (.not. balm%scenes(k)%sound) cycle
+         if (each%ndes < sets(k)%ndes) call tell_all_positions(sets(k), balm)
+         call tell(each, balm%scenes(k), balm)
       end do
 
    contains
@@ -103,6 +104,48 @@ contains
          if (findings%count > 0) list = findings%list(:findings%count)
       end function finding_list
    end subroutine make_scenes
+
+   !> Keep evenly chosen positions, as many as a picture can show.
+   subroutine thin_out(set, findings)
+      type(data_set_t), intent(inout) :: set
+      type(diagnostics_t), intent(inout) :: findings
+      integer :: step
+
+      step = (set%ndes - 1)/most_drawn + 1
+      set%delt = set%delt(1::step)
+      set%desx = set%desx(1::step)
+      set%desy = set%desy(1::step)
+      set%desang = set%desang(1::step)
+      set%xmult = set%xmult(1::step)
+      set%ymult = set%ymult(1::step)
+      set%anmult = set%anmult(1::step)
+      call findings%warning('of '//to_text(set%ndes)//' positions '//to_text(size(set%delt))//' are drawn, one in '// &
+                            to_text(step)//', and numbered so on the pictures', line=set%origins%line('METHOD', 'NDES', 1), &
+                            group='METHOD', item='NDES')
+      set%ndes = size(set%delt)
+   end subroutine thin_out
+
+   !> Violations at positions of which not all are drawn.
+   subroutine tell_all_positions(set, balm)
+      type(data_set_t), intent(in) :: set
+      type(balm_t), intent(inout) :: balm
+      type(topology_t) :: topology
+      type(dimensions_t) :: dimensions
+      type(diagnostics_t) :: again
+      type(problem_t) :: problem
+      type(motion_t) :: motion
+      integer :: i
+
+      call set_up(set, topology, dimensions, again)
+      call make_problem(set, topology, dimensions, problem)
+      call problem%analyse(dimensions, motion)
+      if (size(motion%violations) == 0) return
+      balm%code = max(balm%code, exit_violation)
+      do i = 1, min(size(motion%violations), most_told)
+         call balm%notes%add(set%file//': '//trim(set%title)//', all positions: '// &
+                             describe_violation(problem, motion, motion%violations(i)))
+      end do
+   end subroutine tell_all_positions
 
    !> Exit status 1 and remarks where a linkage does not close or exceeds limits.
    subroutine tell(set, scene, balm)

@@ -15,6 +15,7 @@ module psalm_finale
    public :: list_results, list_dimensions, list_reference, list_output_arc, angle_text, describe_violation
 
    integer, parameter :: column = 10   !! width of a dimension
+   real(wp), parameter :: nearly_full = 0.99_wp*full_turn !! below this no angle prints as 360.0000
 
 contains
 
@@ -189,13 +190,21 @@ contains
       call text%add()
       call text%add(motion_headings(problem))
       do i = 1, size(motion%input)
-         line = merge(general(motion%input(i)), angle_text(motion%input(i)), problem%topology%sliding_input)
+         if (problem%topology%sliding_input) then
+            line = general(motion%input(i))
+         else
+            line = angle_text(motion%input(i))
+         end if
          if (problem%desired) then
             line = line//general(problem%wanted(i))
             if (point) line = line//general(problem%wanted_y(i))
          end if
          if (motion%closed(i)) then
-            line = line//merge(angle_text(motion%actual(i)), general(motion%actual(i)), in_turn)
+            if (in_turn) then
+               line = line//angle_text(motion%actual(i))
+            else
+               line = line//general(motion%actual(i))
+            end if
             if (point) line = line//general(motion%actual_y(i))
             if (problem%desired) then
                line = line//general(motion%error(i))
@@ -228,6 +237,7 @@ contains
       character(15) :: text
 
       text = general(degrees)
+      if (degrees < nearly_full) return
       if (text == general(full_turn)) text = general(0.0_wp)
    end function angle_text
 

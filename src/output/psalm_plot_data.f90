@@ -43,23 +43,33 @@ contains
       call text%add('# '//name//'; input in '//trim(merge('length ', 'degrees', problem%topology%sliding_input))// &
                     ', output in '//trim(merge('degrees', 'length ', problem%motion == motion_angle)))
       do i = 1, size(motion%input)
-         line = full_precision(motion%input(i))//merge(' 1', ' 0', motion%closed(i))
+         call text%add_text(full_precision(motion%input(i)))
+         call text%add_text(merge(' 1', ' 0', motion%closed(i)))
          if (motion%closed(i)) then
-            line = line//' '//full_precision(motion%actual(i))
-            if (problem%motion == motion_point) line = line//' '//full_precision(motion%actual_y(i))
+            call add_number(motion%actual(i))
+            if (problem%motion == motion_point) call add_number(motion%actual_y(i))
          else
-            line = line//' NaN'
-            if (problem%motion == motion_point) line = line//' NaN'
+            call text%add_text(' NaN')
+            if (problem%motion == motion_point) call text%add_text(' NaN')
          end if
          if (problem%desired) then
-            line = line//' '//full_precision(problem%wanted(i))
-            if (problem%motion == motion_point) line = line//' '//full_precision(problem%wanted_y(i))
+            call add_number(problem%wanted(i))
+            if (problem%motion == motion_point) call add_number(problem%wanted_y(i))
          else if (desired_columns) then
-            line = line//' NaN'
-            if (problem%motion == motion_point) line = line//' NaN'
+            call text%add_text(' NaN')
+            if (problem%motion == motion_point) call text%add_text(' NaN')
          end if
-         if (present(condition)) line = line//' '//trim(adjustl(general(condition(i), 'E')))
-         call text%add(line)
+         if (present(condition)) call text%add_text(' '//trim(adjustl(general(condition(i), 'E'))))
+         call text%add()
       end do
+
+   contains
+
+      subroutine add_number(value)
+         real(wp), intent(in) :: value
+
+         call text%add_text(' ')
+         call text%add_text(full_precision(value))
+      end subroutine add_number
    end subroutine write_block
 end module psalm_plot_data
