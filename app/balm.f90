@@ -1,7 +1,7 @@
 !> balm: pictures of planar linkages from a namelist file.
 program balm
    use psalm_balm, only: balm_t, picture_t, make_scenes, draw_file, draw_curves
-   use psalm_console, only: arguments_t, begin, show_findings, stem_of
+   use psalm_console, only: arguments_t, begin, leave, show_findings, stem_of
    use psalm_data_set, only: data_set_t, read_data_sets
    use psalm_source, only: line_t, read_lines
    use psalm_status, only: diagnostics_t, exit_file_trouble
@@ -27,11 +27,11 @@ program balm
       '(the pictures show the messages); 3 a file could not be read or written, or gnuplot failed.'//nl, &
       arguments, finished)
    code = arguments%code
-   if (finished) stop code, quiet=.true.
+   if (finished) call leave(code)
    do i = 1, size(arguments%files)
       call run_file(trim(arguments%files(i)))
    end do
-   stop code, quiet=.true.
+   call leave(code)
 
 contains
 

@@ -1,6 +1,6 @@
 !> kalm: velocities and accelerations of planar linkages from a namelist file.
 program kalm
-   use psalm_console, only: arguments_t, begin, show_findings, write_devices
+   use psalm_console, only: arguments_t, begin, leave, show_findings, write_devices
    use psalm_data_set, only: data_set_t, read_data_sets
    use psalm_kalm, only: run_kalm
    use psalm_kinds, only: wp
@@ -28,11 +28,11 @@ program kalm
       '2 the input is wrong; 3 a file could not be read or written.'//nl, &
       arguments, finished)
    code = arguments%code
-   if (finished) stop code, quiet=.true.
+   if (finished) call leave(code)
    do i = 1, size(arguments%files)
       call run_file(trim(arguments%files(i)))
    end do
-   stop code, quiet=.true.
+   call leave(code)
 
 contains
 

@@ -1,6 +1,6 @@
 !> psalm: displacement analysis and dimensional synthesis of planar linkages from a namelist file.
 program psalm
-   use psalm_console, only: arguments_t, progress_t, begin, show_findings, stem_of, write_devices
+   use psalm_console, only: arguments_t, progress_t, begin, leave, show_findings, stem_of, write_devices
    use psalm_data_set, only: data_set_t, read_data_sets
    use psalm_kinds, only: wp
    use psalm_run, only: devices_t, check_case, run_case
@@ -35,12 +35,12 @@ program psalm
       '2 the input is wrong; 3 a file could not be read or written.'//nl, &
       arguments, finished)
    code = arguments%code
-   if (finished) stop code, quiet=.true.
+   if (finished) call leave(code)
    do i = 1, size(arguments%files)
       call run_file(trim(arguments%files(i)))
       if (interrupted) exit
    end do
-   stop code, quiet=.true.
+   call leave(code)
 
 contains
 

@@ -1,5 +1,6 @@
 !> What the programs of the suite share at the console: arguments, messages, files of the devices, the progress line.
 module psalm_console
+   use, intrinsic :: iso_c_binding, only: c_int
    use, intrinsic :: iso_fortran_env, only: int64
    use psalm_kinds, only: dp
    use psalm_number, only: parse_integer
@@ -10,7 +11,7 @@ module psalm_console
    use psalm_text, only: to_text, general
    implicit none (type, external)
    private
-   public :: arguments_t, progress_t, begin, show_findings, stem_of, write_devices
+   public :: arguments_t, progress_t, begin, leave, show_findings, stem_of, write_devices
 
    integer, parameter :: most_threads = 1024
 
@@ -34,7 +35,22 @@ module psalm_console
       procedure :: report => show_progress
    end type progress_t
 
+   interface
+      subroutine c_exit(status) bind(c, name='exit')
+         import :: c_int
+         implicit none (type, external)
+         integer(c_int), value :: status
+      end subroutine c_exit
+   end interface
+
 contains
+
+   !> End the program with an exit status and without a word; `stop code, quiet=.true.` is not known to every compiler.
+   subroutine leave(code)
+      integer, intent(in) :: code
+
+      call c_exit(int(code, c_int))
+   end subroutine leave
 
    !> What every program does first: read the command line, answer --help and --version, refuse mistakes.
    !>
