@@ -40,7 +40,7 @@ def lines_of(folder, build):
 def measure(tree, build):
     """Run every stage. Returns all lines, and for each line that is run the names of the stages that ran it."""
     everything, ran = set(), {}
-    quad = workshop.Build(tree, os.path.join(tree, "build", "quad"), workshop.release_flags() + ["-DREAL128"], tests=False)
+    quad = workshop.Build(tree, os.path.join(tree, "build", "quad"), workshop.quad_flags(), tests=False)
     quad.all()
     for number, stage in enumerate(workshop.stages(tree, build, build, quad)):
         folder = os.path.join(PLACE, "counters", str(number))
@@ -72,7 +72,7 @@ def main():
     tree = os.path.join(PLACE, "tree")
     workshop.copy_tree(tree)
     subprocess.run(["rm", "-rf", os.path.join(PLACE, "counters")], check=True)
-    build = workshop.Build(tree, os.path.join(tree, "build", "debug"), ["-O0", "--coverage"] + workshop.setup_value("release_flags"))
+    build = workshop.Build(tree, os.path.join(tree, "build", "debug"), ["-O1", "--coverage"] + workshop.setup_value("release_flags"))
     build.all()
     everything, ran = measure(tree, build)
     with open(os.path.join(PLACE, "lines.json"), "w", encoding="utf-8") as out:

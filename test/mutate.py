@@ -74,8 +74,7 @@ class Trial:
         workshop.copy_tree(self.tree)
         self.debug = workshop.Build(self.tree, os.path.join(self.tree, "build", "debug"), workshop.check_flags())
         self.release = workshop.Build(self.tree, os.path.join(self.tree, "build", "release"), workshop.release_flags(), tests=False)
-        self.quad = workshop.Build(self.tree, os.path.join(self.tree, "build", "quad"), workshop.release_flags() + ["-DREAL128"],
-                                   tests=False)
+        self.quad = workshop.Build(self.tree, os.path.join(self.tree, "build", "quad"), workshop.quad_flags(), tests=False)
         self.stages = workshop.stages(self.tree, self.debug, self.release, self.quad)
         for build in (self.debug, self.release, self.quad):
             build.all()

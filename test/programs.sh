@@ -282,6 +282,45 @@ changed dwell.nml 's/NBEST=5/NBEST=100, MAXTIME=0.3/' >short.nml
 status 1 'MAXTIME ends least squares' "$psalm" short.nml
 fi
 
+# every call on a file that is written fails once: exit status 3, a message, old files or new ones, nothing left beside them
+if part faults; then
+if cc -shared -fPIC -O1 -o faults.so "$top/test/faults.c" -ldl 2>/dev/null; then
+    mkdir faults && cp needle.nml textile.nml faults && cd faults || exit 1
+    FAULT_LOG=$PWD/../failed_call
+    export FAULT_LOG
+    # law, file that must stay as it was or be new, program and its arguments
+    every_call() {
+        local law=$1 file=$2 n=0 torn=0 wrong=0 told=1 calls=''
+        shift 2
+        while [ $n -lt 200 ]; do
+            n=$((n + 1))
+            rm -f "$FAULT_LOG" && rm -rf out && mkdir out && echo before >"out/$file"
+            LD_PRELOAD=../faults.so FAULT_AT=$n FAULT_PATH=$PWD/out "$@" >../out 2>../err
+            local got=$?
+            [ -e "$FAULT_LOG" ] || break
+            calls="$calls $(cat "$FAULT_LOG")"
+            [ $got -eq 3 ] || wrong=$((wrong + 1))
+            grep -q "cannot write" ../err || told=0
+            if ! grep -qx before "out/$file" && ! cmp -s "out/$file" "whole/$file"; then torn=$((torn + 1)); fi
+            for f in out/*; do [ -e "whole/${f#out/}" ] || torn=$((torn + 1)); done
+        done
+        check "$law: the calls are met ($calls)" test $n -gt 5
+        check "$law: exit status 3 whichever fails, $wrong of $n not" test $wrong -eq 0
+        check "$law: a message whichever fails" test $told -eq 1
+        check "$law: old or new, nothing beside it, $torn times not" test $torn -eq 0
+    }
+    "$psalm" --quiet --output-dir "$PWD/whole" textile.nml >/dev/null
+    every_call 'psalm' textile.dev9 "$psalm" --quiet --output-dir "$PWD/out" textile.nml
+    "$bin/kalm" --quiet --output-dir "$PWD/whole" textile.nml >/dev/null
+    every_call 'kalm' textile.kalm.dev9 "$bin/kalm" --quiet --output-dir "$PWD/out" textile.nml
+    "$bin/balm" --quiet --output-dir "$PWD/whole" textile.nml
+    every_call 'balm' textile.svg "$bin/balm" --quiet --output-dir "$PWD/out" textile.nml
+    cd ..
+else
+    skip 'calls of the system that fail (no C compiler)'
+fi
+fi
+
 if part interruption; then
 { changed needle_search.nml 's/NITER=[0-9]*/NITER=200000000/' 's/FMIN=0.1/FMIN=0.0, SMALL=0.0/'; echo ' &SEARCH MAXTIME=0.2 &END'; } >deep.nml
 # the progress line on a terminal, where the machine lends one

@@ -28,6 +28,10 @@ def release_flags():
     return ["-O3", "-funroll-loops"] + setup_value("release_flags")
 
 
+def quad_flags():
+    return ["-O1", "-DREAL128"] + setup_value("release_flags")
+
+
 def check_flags():
     return ["-O0"] + [flag for flag in setup_value("check_flags") if not flag.startswith("-W")]
 
