@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Which lines of src/ and app/ the tests run.
 
-usage: coverage.py [--least PER_CENT]. Names what is left, file by file; the last line is N of M lines, per cent.
-The exit status is 1 below PER_CENT (97). build/coverage/lines.json tells for every line which tests ran it.
+usage: coverage.py [--least PER_CENT] [--quick]. Names what is left, file by file; the last line is N of M lines, per cent.
+The exit status is 1 below PER_CENT (97). --quick leaves out the parts that take longest. build/coverage/lines.json tells for every line which tests ran it.
 """
 import argparse
 import glob
@@ -37,12 +37,12 @@ def lines_of(folder, build):
     return seen
 
 
-def measure(tree, build):
+def measure(tree, build, quick):
     """Run every stage. Returns all lines, and for each line that is run the names of the stages that ran it."""
     everything, ran = set(), {}
-    quad = workshop.Build(tree, os.path.join(tree, "build", "quad"), workshop.quad_flags(), tests=False)
-    quad.all()
-    for number, stage in enumerate(workshop.stages(tree, build, build, quad)):
+    for number, stage in enumerate(workshop.stages(tree, build, build, build)):
+        if quick and stage.name in workshop.SLOW:
+            continue
         folder = os.path.join(PLACE, "counters", str(number))
         os.makedirs(folder, exist_ok=True)
         sound = stage.run(tree, 3600, GCOV_PREFIX=folder, GCOV_PREFIX_STRIP=str(build.place.count("/")))
@@ -68,13 +68,15 @@ def ranges(numbers):
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--least", type=float, default=97.0)
-    least = parser.parse_args().least
+    parser.add_argument("--quick", action="store_true")
+    options = parser.parse_args()
     tree = os.path.join(PLACE, "tree")
     workshop.copy_tree(tree)
     subprocess.run(["rm", "-rf", os.path.join(PLACE, "counters")], check=True)
-    build = workshop.Build(tree, os.path.join(tree, "build", "debug"), ["-O1", "--coverage"] + workshop.setup_value("release_flags"))
+    flags = ["-O1", "--coverage"] + workshop.setup_value("release_flags")
+    build = workshop.Build(tree, os.path.join(tree, "build", "debug"), flags)
     build.all()
-    everything, ran = measure(tree, build)
+    everything, ran = measure(tree, build, options.quick)
     with open(os.path.join(PLACE, "lines.json"), "w", encoding="utf-8") as out:
         json.dump([[file, line, ran.get((file, line), [])] for file, line in sorted(everything)], out)
     for file in sorted({file for file, _ in everything}):
@@ -84,7 +86,7 @@ def main():
             print("%5.1f %s: %s" % (100.0 * (len(lines) - len(left)) / len(lines), file, ranges(left)))
     share = 100.0 * len(ran) / len(everything)
     print("%d of %d lines, %.2f per cent" % (len(ran), len(everything), share))
-    return share < least
+    return share < options.least
 
 
 if __name__ == "__main__":

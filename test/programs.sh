@@ -412,6 +412,15 @@ said 'nearest name' 'did you mean MAXARC?'
 said 'both faults in one run' "an integer is expected, not a real; found '2.5'"
 check 'nothing is printed' test ! -s out
 check 'nothing is overwritten' grep -qx keep bad.dev7
+# whichever of the terminators is missing
+for n in 1 2 3; do
+    awk -v n=$n '{ at = index($0, "&END") } at && ++k == n { $0 = substr($0, 1, at - 1) } { print }' textile.nml >bad.nml
+    check "group $n not closed: the terminator is gone" test "$(grep -c '&END' bad.nml)" -eq 2
+    status 2 "group $n not closed" "$psalm" bad.nml
+    case $n in 3) before='the end of the file' ;; *) before="&$(sed -n 's/^ *&\([A-Z]*\).*/\1/p' bad.nml | grep -v END | sed -n "$((n + 1))p")" ;; esac
+    said "group $n not closed" "the group is not closed before $before"
+    check "group $n not closed: no other message" test "$(wc -l <err)" -eq 1
+done
 : >empty.nml
 status 2 'an empty file' "$psalm" empty.nml
 said 'an empty file' 'the file is empty'
