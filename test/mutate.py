@@ -204,7 +204,7 @@ def again(options, results, done):
 def run(options, results, done):
     trial = Trial(options.quick)
     generator = random.Random(options.seed)
-    sources = [s for s in trial.release.order if s.endswith(("90")) and s.startswith(options.room)]
+    sources = [s for s in trial.release.order if s.endswith("90") and s.startswith(("src/", "app/")) and s.startswith(options.room)]
     texts = {s: open(os.path.join(trial.tree, s), encoding="utf-8").read() for s in sources}
     everything = [(s, site) for s in sources for site in sites(s, texts[s])]
     weights = [site[4] for _, site in everything]

@@ -303,6 +303,39 @@ def to_segment(p, a, b):
     return math.dist(p, (a[0] + t*(b[0] - a[0]), a[1] + t*(b[1] - a[1])))
 
 
+def test_desired_marks():
+    """Where the actual values are what is desired, the mark of each desired value stands on that of the actual one."""
+    for name in ["dyad2_oscillating_cylinder", "dyad4_slider_crank", "dyad1_crank_rocker", "dyad5_turning_block", "textile",
+                 "actuator_rapson_slide"]:
+        names, values = device9(name + ".dev9")[0]
+        inputs = [float(row[0]) for row in values]
+        text = re.sub(r"(IKIN|DELT|NDES) *=[^A-Z&]*", "", read(DATA + "/" + name + ".nml"))
+        start = float((re.search(r"CRNKI *= *([-0-9.]+)", text) or ["", "0"])[1])
+        items = {"actual": "DESANG", "actual_x": "DESX", "actual_y": "DESY"}
+        wanted = ", ".join("%s=%s" % (items[n], ",".join(row[k] for row in values)) for k, n in enumerate(names) if n in items)
+        given = "&METHOD NDES=%d, DELT=%s, %s, " % (len(inputs), ",".join(repr(v - start) for v in inputs), wanted)
+        write("own.nml", changed(text, "&METHOD ", given))
+        code, _, errors = balm("--quiet", "--curves", "own.nml")
+        picture = Picture("own.svg")
+        marks = [{int(e.get("data-position")): e for e in picture.of_class("output", kind) if e.get("data-position")}
+                 for kind in ("actual", "desired")]
+        law = name + ", its own outputs desired: "
+        check(law + "a mark for each", code == 0 and sorted(marks[0]) == sorted(marks[1]) == list(range(1, len(inputs) + 1)), errors)
+        size = max(abs(v) for v in page_data("own.html")[0]["view"])
+
+        def spot(element):
+            at = numbers(element) if element.get("d") else place(element)
+            return [float(v) for v in at]
+        check(law + "desired and actual marks coincide", all(
+            all(abs(a - b) <= 1e-9*size for a, b in zip(spot(marks[0][i]), spot(marks[1][i]))) for i in marks[1] if i in marks[0]))
+        table = re.search(r"\$prescribed << END\n#.*?\n(.*?)END", read("own.gp"), re.S).group(1).splitlines()
+        errors = [line.split()[k] for line in table for k in ((5,) if "actual" in names else (5, 6))]
+        check(law + "no error in the curves", len(table) == len(inputs) and all(abs(float(e)) <= 1e-9*size for e in errors))
+        low, high = map(float, re.search(r"set xrange \[(\S+):(\S+)\]", read("own.gp")).groups())
+        check(law + "the curves' axis holds every input", low <= min(inputs) and max(inputs) <= high)
+
+
+
 def test_symbols():
     picture = Picture("textile.svg")
     uses = [e.get("href") for e in picture.root.iter(SVG + "use")]
@@ -626,6 +659,7 @@ def test_flat_curves():
 PARTS = {
     "geometry": test_geometry,
     "drawing": test_drawing,
+    "desired_marks": test_desired_marks,
     "symbols": test_symbols,
     "extreme_lengths": test_extreme_lengths,
     "assemblies": test_assemblies,

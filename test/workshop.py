@@ -195,6 +195,7 @@ def stages(top, debug, release, quad):
     script = open(os.path.join(test, "programs.sh"), encoding="utf-8").read()
     result += [Stage("programs: " + part, [os.path.join(test, "programs.sh"), release.bin, part])
                for part in re.findall(r"^if part (\w+); then", script, re.M)]
+    result += [Stage("laws", [python, os.path.join(test, "laws.py"), release.bin])]
     result += [Stage("hard cases", [os.path.join(test, "hard_cases.sh"), release.bin, quad.bin], ("release", "quad"))]
     script = open(os.path.join(test, "pictures.py"), encoding="utf-8").read()
     result += [Stage("pictures: " + part, [python, os.path.join(test, "pictures.py"), release.bin, "--only", part])
