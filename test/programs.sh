@@ -114,6 +114,16 @@ check 'restart goes on from the best so far' awk '{ sub("D", "E"); v[NR] = $1 }
     END { d = v[1] - v[2]; if (d < 0) d = -d; exit !(NR == 2 && v[1] > 0 && d <= 1e-4*v[1]) }' ended began
 cp stage1.dev7 stage2.dev4
 status 0 'device 4 beside the case' "$psalm" stage2.nml
+# a linkage that does not close, and nothing that could mend it may vary
+changed dyad1_crank_rocker.nml 's/40.0,120.0,80.0,130.0/40.0,20.0,80.0,130.0/' \
+    's/IKIN=15/NDES=2, DELT=0.0,90.0, DESANG=80.0,90.0, INGOUT=1/' >lost.nml
+status 1 'a start that cannot be repaired' "$psalm" lost.nml
+said 'a start that cannot be repaired' 'cannot be repaired; no search was made'
+check 'a start that cannot be repaired: it is listed as given' grep -q 'DOES NOT CLOSE' out
+# simplex, violations above NVIOL told on device 1
+changed needle_search.nml 's/NITER=2000/NITER=200, NCHECK=1/' 's/IPLOT=1/IPLOT=1, NVIOL=0, NPRT=1/' >told.nml
+"$psalm" --quiet told.nml >/dev/null
+check 'NVIOL=0: every iteration with violations is told' grep -qE '^ ITERATION [0-9]+  VIOLATIONS [1-9][0-9]*  LAST IN LOOP [1-4]$' told.dev1
 fi
 
 if part kinematics; then
