@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """The pictures of balm from outside: SVG, DXF and page against device 9 of psalm, the page in a browser without a screen.
 
-usage: test/pictures.py PROGRAM_DIRECTORY [SCREENSHOT_DIRECTORY]. Last line: N passed, N failed.
+usage: test/pictures.py PROGRAM_DIRECTORY [SCREENSHOT_DIRECTORY | --only PART]. Last line: N passed, N failed.
 Readers are independent of balm: XML and JSON of Python, ezdxf, chromium.
 """
 import json
@@ -17,7 +17,7 @@ import ezdxf
 
 import picture_tools
 from page_in_browser import test_pages
-from picture_tools import DATA, TOP, balm, check, page_data, psalm, read, run, write
+from picture_tools import DATA, TOP, balm, changed, check, page_data, psalm, read, run, write
 
 SVG = "{http://www.w3.org/2000/svg}"
 DYADS = ("RRR", "RPR", "RRP", "PRR", "RPP", "PPR", "PRP")
@@ -63,6 +63,9 @@ def numbers(element):
 def near(a, b, relative=1e-11, scale=0.0):
     return abs(a - b) <= relative * max(abs(a), abs(b), scale)
 
+
+LETTER_RISE = 5.0  # pixels from the base line of a letter to its middle
+CROWD = 40         # joints above which some letters may be left out
 
 # ---- geometry -----------------------------------------------------------------------------------------------------------
 
@@ -197,21 +200,31 @@ def split_blocks(blocks, cases):
     return groups if len(groups) == len(cases) else []
 
 
-def test_geometry():
-    plain = ["needle", "textile", "brake_reaction"] + sorted(f[:-4] for f in os.listdir(DATA) if f.startswith(("dyad", "actuator")))
-    found = ["suspension", "chain_short", "path18", "needle_lsq"]
-    hard = ["kite", "parallelogram", "copied_slide", "zero_guide", "toggle", "ratios", "many_turns"]
-    for name in plain:
+PLAIN = ["needle", "textile", "brake_reaction"] + sorted(f[:-4] for f in os.listdir(DATA) if f.startswith(("dyad", "actuator")))
+FOUND = ["suspension", "chain_short", "path18", "needle_lsq"]
+HARD = ["kite", "parallelogram", "copied_slide", "zero_guide", "toggle", "ratios", "many_turns"]
+
+
+def prepare():
+    """Cases and what the programs make of them. Returns exit status of psalm and balm, and balm's messages, by case."""
+    codes = {}
+    for name in PLAIN:
         shutil.copy(os.path.join(DATA, name + ".nml"), name + ".nml")
-    for name in hard:
+    for name in HARD:
         shutil.copy(os.path.join(DATA, "hard", name + ".nml"), name + ".nml")
-    for name in found + ["brake_reaction"]:
+    for name in FOUND + ["brake_reaction"]:
         psalm("--quiet", "--output-dir", "found", os.path.join(DATA, name + ".nml"))
         text = read("found/%s.dev7" % name)
         write(name + ".nml", re.sub(r"IPLOT\s*=\s*0", "IPLOT=1", text))
-    for name in plain + found + hard:
+    for name in PLAIN + FOUND + HARD:
         code, _, _ = psalm("--quiet", name + ".nml")
         ours, _, errors = balm("--quiet", name + ".nml")
+        codes[name] = code, ours, errors
+    return codes
+
+
+def test_geometry(codes):
+    for name, (code, ours, errors) in codes.items():
         if name != "needle":
             check(name + ": exit status as psalm's", ours == code, "%d %d %s" % (ours, code, errors))
         cases = page_data(name + ".html")
@@ -220,6 +233,107 @@ def test_geometry():
             for i, (group, case) in enumerate(zip(groups, cases), 1):
                 compare_case(name, i, group, case)
     check("needle_lsq: device 7 of three linkages gives three cases", len(page_data("needle_lsq.html")) == 3)
+
+
+def test_drawing():
+    """Every link, plate, symbol and letter, from the joints and bodies that the page tells."""
+    for name in PLAIN + FOUND + HARD:
+        picture, case = Picture(name + ".svg"), page_data(name + ".html")[0]
+        row, i = case["prescribed"], case["reference"]
+        at = [(x[i], y[i]) for x, y in zip(row["x"], row["y"])]
+        bodies, law = case["bodies"], name + ": "
+        wanted = {}
+        for bar in case["bars"]:
+            ends = [at[bar["from"]], at[bar["to"]]]
+            if None not in ends[0] + ends[1] and bar["from"] != bar["to"]:
+                wanted["%d %d" % (bar["loop"], bar["arc"])] = (ends, bar["body"])
+        drawn = {e.get("data-arc"): e for e in picture.of_class("bar")}
+        check(law + "a line for each link", sorted(drawn) == sorted(wanted), "%s %s" % (sorted(drawn), sorted(wanted)))
+        check(law + "links end at their joints", all(
+            [float(v) for v in numbers(drawn[arc])] == [*ends[0], *ends[1]] for arc, (ends, _) in wanted.items() if arc in drawn))
+        colours = {}
+        for arc, (_, body) in wanted.items():
+            if arc in drawn and body >= 0:
+                colours.setdefault(body, set()).add(drawn[arc].get("class"))
+        check(law + "one colour for a body, dashes for the frame", all(len(c) == 1 for c in colours.values()) and all(
+            (colours[body] == {"bar frame"}) == bodies[body]["frame"] for body in colours) and all(
+            (drawn[arc].get("stroke-dasharray") is not None) == bodies[body]["frame"] for arc, (_, body) in wanted.items() if arc in drawn and body >= 0))
+        moving = [tuple(c)[0] for body, c in colours.items() if not bodies[body]["frame"]]
+        check(law + "colours tell bodies apart", len(moving) > 8 or len(set(moving)) == len(moving), str(moving))
+        plates = [[float(v) for v in re.split("[ ,\n]+", e.get("points").strip())] for e in picture.of_class("plate")]
+        hulls = [[v for j in body["hull"] for v in at[j]] for body in bodies if body["hull"] and not body["frame"]]
+        check(law + "plates have their corners in the joints", sorted(plates) == sorted(h for h in hulls if None not in h))
+        groups = {e.get("data-joint"): [use.get("href") for use in e] for e in picture.of_class("joint")}
+        for j, joint in enumerate(case["joints"]):
+            if joint["name"] and at[j][0] is not None:
+                symbols = (["#ground"] if joint["turning"] and joint["fixed"] else []) + \
+                    ["#prismatic"]*sum(slide["block"] == j for slide in case["slides"]) + (["#revolute"] if joint["turning"] else [])
+                if not check(law + "symbols of joint " + joint["name"], groups.get(joint["name"]) == symbols, str(groups.get(joint["name"]))):
+                    break
+        fixed = [j for j, joint in enumerate(case["joints"]) if joint["fixed"]]
+        check(law + "a joint is fixed where it does not move", all(
+            (len(set(zip(row["x"][j], row["y"][j]))) == 1) or j not in fixed for j in range(len(at))))
+        letters(law, picture, case, at)
+
+
+def letters(law, picture, case, at):
+    """Each letter stands beside its own joint, off links, joints and other letters."""
+    a, _, _, d, e, f = map(float, picture.root.find('.//%sg[@id="linkage"]' % SVG).get("transform")[7:-1].split())
+    places = [None if x is None else (a*x + e, d*y + f) for x, y in at]
+    middle = {e.text: (float(e.get("x")), float(e.get("y")) - LETTER_RISE) for e in picture.of_class("letter")}
+    names = [joint["name"] for j, joint in enumerate(case["joints"]) if joint["name"] and places[j]]
+    check(law + "a letter for each joint", len(names) > CROWD or sorted(middle) == sorted(names), "%s %s" % (sorted(middle), names))
+    lines = [(places[bar["from"]], places[bar["to"]]) for bar in case["bars"] if places[bar["from"]] and places[bar["to"]]]
+    for j, joint in enumerate(case["joints"]):
+        if joint["name"] not in middle or not places[j]:
+            continue
+        here = middle[joint["name"]]
+        own = math.dist(here, places[j])
+        others = min([math.dist(here, p) for k, p in enumerate(places) if p and k != j and math.dist(p, places[j]) > 1] + [99])
+        apart = min([math.dist(here, m) for name, m in middle.items() if name != joint["name"]] + [99])
+        off = min([to_segment(here, *line) for line in lines] + [99])
+        if not check(law + "letter %s is beside its joint and off all else" % joint["name"],
+                     17 < own < 33 and others > 19 and apart > 20 and off > 10, "%.1f %.1f %.1f %.1f" % (own, others, apart, off)):
+            break
+
+
+def to_segment(p, a, b):
+    length = math.dist(a, b)
+    t = min(1, max(0, ((p[0] - a[0])*(b[0] - a[0]) + (p[1] - a[1])*(b[1] - a[1]))/length**2)) if length else 0
+    return math.dist(p, (a[0] + t*(b[0] - a[0]), a[1] + t*(b[1] - a[1])))
+
+
+def test_desired_marks():
+    """Where the actual values are what is desired, the mark of each desired value stands on that of the actual one."""
+    for name in ["dyad2_oscillating_cylinder", "dyad4_slider_crank", "dyad1_crank_rocker", "dyad5_turning_block", "textile",
+                 "actuator_rapson_slide"]:
+        names, values = device9(name + ".dev9")[0]
+        inputs = [float(row[0]) for row in values]
+        text = re.sub(r"(IKIN|DELT|NDES) *=[^A-Z&]*", "", read(DATA + "/" + name + ".nml"))
+        start = float((re.search(r"CRNKI *= *([-0-9.]+)", text) or ["", "0"])[1])
+        items = {"actual": "DESANG", "actual_x": "DESX", "actual_y": "DESY"}
+        wanted = ", ".join("%s=%s" % (items[n], ",".join(row[k] for row in values)) for k, n in enumerate(names) if n in items)
+        given = "&METHOD NDES=%d, DELT=%s, %s, " % (len(inputs), ",".join(repr(v - start) for v in inputs), wanted)
+        write("own.nml", changed(text, "&METHOD ", given))
+        code, _, errors = balm("--quiet", "--curves", "own.nml")
+        picture = Picture("own.svg")
+        marks = [{int(e.get("data-position")): e for e in picture.of_class("output", kind) if e.get("data-position")}
+                 for kind in ("actual", "desired")]
+        law = name + ", its own outputs desired: "
+        check(law + "a mark for each", code == 0 and sorted(marks[0]) == sorted(marks[1]) == list(range(1, len(inputs) + 1)), errors)
+        size = max(abs(v) for v in page_data("own.html")[0]["view"])
+
+        def spot(element):
+            at = numbers(element) if element.get("d") else place(element)
+            return [float(v) for v in at]
+        check(law + "desired and actual marks coincide", all(
+            all(abs(a - b) <= 1e-9*size for a, b in zip(spot(marks[0][i]), spot(marks[1][i]))) for i in marks[1] if i in marks[0]))
+        table = re.search(r"\$prescribed << END\n#.*?\n(.*?)END", read("own.gp"), re.S).group(1).splitlines()
+        errors = [line.split()[k] for line in table for k in ((5,) if "actual" in names else (5, 6))]
+        check(law + "no error in the curves", len(table) == len(inputs) and all(abs(float(e)) <= 1e-9*size for e in errors))
+        low, high = map(float, re.search(r"set xrange \[(\S+):(\S+)\]", read("own.gp")).groups())
+        check(law + "the curves' axis holds every input", low <= min(inputs) and max(inputs) <= high)
+
 
 
 def test_symbols():
@@ -239,12 +353,12 @@ def test_symbols():
     for name in ["needle", "textile"]:
         style = read(name + ".svg")
         check(name + ": dark scheme", "prefers-color-scheme:dark" in style)
-    write("every.nml", read("needle.nml").replace("IPLOT=1", "KTHETA=1"))
+    write("every.nml", changed(read("needle.nml"), "IPLOT=1", "KTHETA=1"))
     balm("--quiet", "every.nml")
     every = Picture("every.svg").of_class("every")
     check("KTHETA=1 draws every link at every position", len({e.get("data-position") for e in every}) == 19)
     many = ",\n  ".join("%.2f" % (0.36 * i) for i in range(1000))
-    write("many.nml", re.sub(r"IKIN *= *15", "NDES=1000, DELT=" + many, read("dyad1_crank_rocker.nml")).replace("IPLOT=1", "KTHETA=1"))
+    write("many.nml", re.sub(r"IKIN *= *15", "NDES=1000, DELT=" + many, changed(read("dyad1_crank_rocker.nml"), "IPLOT=1", "KTHETA=1")))
     balm("--quiet", "many.nml")
     faint = [float(v) for v in re.findall(r'stroke-opacity="(\S+)"', read("many.svg"))]
     check("a thousand positions are no blot", len(Picture("many.svg").of_class("direction")) == 1000 and
@@ -297,9 +411,9 @@ def test_regions():
     x1, y1, x2, y2 = [float(v) for v in re.findall(r"[-+0-9.E]+", shapes[1].get("d"))[:4]]
     check("regions: half-plane", abs(math.degrees(math.atan2(y2 - y1, x2 - x1)) - 10) < 1e-9)
     check("regions: on the page", [r["kind"] for r in page_data("regions.html")[0]["regions"]] == ["box", "half-plane", "circle"])
-    write("regions.nml", read("regions.nml").replace("RLINK=2,", "RLINK=5,"))
+    write("regions.nml", changed(read("regions.nml"), "RLINK=2,", "RLINK=5,"))
     check("regions: a joint that is not there", balm("regions.nml")[0] == 2 and "RLINK" in Picture("regions.svg").text())
-    write("regions.nml", read("regions.nml").replace("RLINK=5,", "RLINK=2,"))
+    write("regions.nml", changed(read("regions.nml"), "RLINK=5,", "RLINK=2,"))
     balm("--quiet", "regions.nml")
 
 
@@ -342,7 +456,7 @@ def test_assemblies():
 
 def test_messages():
     slider = read("dyad4_slider_crank.nml")
-    write("open.nml", slider.replace("140.0,0.0,10.0", "35.0,0.0,10.0"))
+    write("open.nml", changed(slider, "140.0,0.0,10.0", "35.0,0.0,10.0"))
     code, _, errors = balm("open.nml")
     check("open: exit status", code == 1)
     check("open: remark", "link 2 is too short by 15.00000" in errors)
@@ -353,7 +467,7 @@ def test_messages():
     check("open: the gap is known at every open position of the sweep",
           {b[0] for b in case["sweep"]["broken"]} == {i for i, v in enumerate(case["sweep"]["closed"]) if v == "0"})
 
-    write("nowhere.nml", slider.replace("140.0,0.0,10.0", "5.0,0.0,60.0"))
+    write("nowhere.nml", changed(slider, "140.0,0.0,10.0", "5.0,0.0,60.0"))
     code, _, _ = balm("--quiet", "nowhere.nml")
     picture = Picture("nowhere.svg")
     check("closes nowhere: exit status", code == 1)
@@ -372,14 +486,35 @@ def test_messages():
     check("a bad sign: picture and page show the message", "error: &LINKS ILINK" in Picture("sign.svg").text() and
           page_data("sign.html")[0]["errors"] and not page_data("sign.html")[0]["sound"], errors)
     check("a bad sign: no drawing for CAD", not os.path.exists("sign.dxf"))
-    write("typo.nml", slider.replace("NLOOP", "NLOPP"))
+    write("typo.nml", changed(slider, "NLOOP", "NLOPP"))
     code, _, errors = balm("typo.nml")
     check("a slip in a name", code == 2 and "did you mean NLOOP" in errors and "did you mean NLOOP" in Picture("typo.svg").text())
-    write("both.nml", read("actuator_davis_steering.nml").replace("NOUTLK=4, NOUTLP=2", "NOUTLK=4, NOUTLP=7"))
+    write("both.nml", changed(read("actuator_davis_steering.nml"), "NOUTLK=4, NOUTLP=2", "NOUTLK=4, NOUTLP=7"))
     code, _, _ = balm("--quiet", "both.nml")
     cases = page_data("both.html")
     check("one of two cases is wrong: the other is drawn", code == 2 and cases[0]["sound"] and not cases[1]["sound"] and
           not cases[0]["errors"] and os.path.exists("both.dxf"))
+
+
+def test_findings():
+    """A message belongs to the case it is about, on its picture and on the page; errors of two origins, and a warning."""
+    sound = changed(read("dyad1_crank_rocker.nml"), "IPLOT=1", "IPLOT=1, LAST=0")
+    faults = {"errors": [("SETUP", changed(sound, "NOUTLP=1", "NOUTLP=7"), "NOUTLP"), ("reading", changed(sound, "NLOOP=1", "NLOPP=1"), "NLOPP")],
+              "warnings": [("title", changed(sound, "WIPER DRIVE, ", "WIPER DRIVE "*8), "title is cut")]}
+    for kind, which in faults.items():
+        for origin, text, words in which:
+            for place in range(3):
+                cases = [sound]*3
+                cases[place] = text
+                write("cases.nml", "".join(cases[:2]) + changed(cases[2], ", LAST=0", ""))
+                code, _, errors = balm("cases.nml")
+                law = "a finding of %s in case %d of three: " % (origin, place + 1)
+                page = page_data("cases.html")
+                pictures = [Picture("cases.svg" if k == 0 else "cases.%d.svg" % (k + 1)).text() for k in range(3)]
+                check(law + "status and message", code == (2 if kind == "errors" else 0) and words in errors, errors)
+                check(law + "the page has it there", [any(words in m for m in case[kind]) for case in page] == [k == place for k in range(3)])
+                check(law + "so have the pictures", [words in text for text in pictures] == [k == place for k in range(3)])
+                check(law + "the others are drawn", [case["sound"] for case in page] == [kind != "errors" or k != place for k in range(3)])
 
 
 NASTY = b"</script><script>alert(1)</script> & \"q\" 'x' \\u0041 <!-- \xc3\xa9 \xff\xc3 \x01\x1b ]]>"
@@ -521,29 +656,44 @@ def test_flat_curves():
     check("curves: what varies fills its axis", ranges[0][1] == "*:*", str(ranges))
 
 
-def main(programs, shots=None):
-    picture_tools.programs = os.path.abspath(programs)
-    if shots:
-        shots = os.path.abspath(shots)
+PARTS = {
+    "geometry": test_geometry,
+    "drawing": test_drawing,
+    "desired_marks": test_desired_marks,
+    "symbols": test_symbols,
+    "extreme_lengths": test_extreme_lengths,
+    "assemblies": test_assemblies,
+    "regions": test_regions,
+    "messages": test_messages,
+    "findings": test_findings,
+    "awkward": test_awkward,
+    "curves": test_curves,
+    "embedded": test_embedded,
+    "short_messages": test_messages_are_short,
+    "flat_curves": test_flat_curves,
+    "pages": test_pages,
+}
+NEEDED = {"pages": ["messages"], "short_messages": ["messages", "regions"]}  # parts whose files another part uses
+
+
+def main(arguments):
+    picture_tools.programs = os.path.abspath(arguments.pop(0))
+    only, shots = None, None
+    if arguments[:1] == ["--only"]:
+        only = arguments[1]
+    elif arguments:
+        shots = os.path.abspath(arguments[0])
         os.makedirs(shots, exist_ok=True)
     with tempfile.TemporaryDirectory() as work:
         os.chdir(work)
-        test_geometry()
-        test_symbols()
-        test_extreme_lengths()
-        test_assemblies()
-        test_regions()
-        test_messages()
-        test_awkward()
-        test_curves()
-        test_embedded()
-        test_messages_are_short()
-        test_flat_curves()
-        test_pages(shots)
+        codes = prepare()
+        for name, part in PARTS.items():
+            if only in (None, name) or name in NEEDED.get(only, []):
+                part(*{"geometry": [codes], "pages": [shots]}.get(name, []))
         os.chdir("/")
     print("%d passed, %d failed" % (picture_tools.passed, picture_tools.failed))
     return picture_tools.failed > 0
 
 
 if __name__ == "__main__":
-    sys.exit(main(*sys.argv[1:]))
+    sys.exit(main(sys.argv[1:]))

@@ -42,6 +42,7 @@ program test_constraints
    call box_of_slider()
    call order()
    call timing()
+   call timing_of_angles()
    call solvers()
    call interruption()
    call t%report()
@@ -375,6 +376,38 @@ contains
          deallocate (delt)
       end do
    end subroutine timing
+
+   !> Free timing of angles: whole turns in what is wanted change nothing, and the angle is met within a step.
+   subroutine timing_of_angles()
+      type(problem_t) :: problem
+      type(data_set_t) :: set
+      type(merit_t) :: merit
+      type(timing_t) :: whole
+      type(station_t) :: station
+      real(wp), allocatable :: delt(:), found(:, :), wanted(:)
+      integer :: turns, i
+
+      call load_case('dyad1_crank_rocker', problem, set, vary=.true.)
+      allocate (found(problem%positions, 0:1))
+      call prepare_station(problem, problem%delt, .false., reshape([integer ::], [2, 0]), .false., station)
+      call look(station, problem%given)
+      do turns = 0, 1
+         wanted = station%out(:, 1) + 360.0_wp*[(real(turns*(mod(i, 5) - 2), wp), i=1, problem%positions)]
+         call problem%set_desired(wanted, spread(1.0_wp, 1, problem%positions), wanted, spread(1.0_wp, 1, problem%positions))
+         call prepare_merit(set, problem, problem%topology%first_values(problem%given), merit)
+         call prepare_timing(problem, merit, whole)
+         allocate (delt(problem%positions))
+         call find_timing(whole, merit, delt)
+         found(:, turns) = delt
+         deallocate (delt)
+      end do
+      call t%is_true(all(abs(found(:, 1) - found(:, 0)) <= 0.0_wp), 'whole turns of a wanted angle do not change the timing')
+      wanted = station%out(:, 1)
+      call prepare_station(problem, found(:, 1), .false., reshape([integer ::], [2, 0]), .false., station)
+      call look(station, problem%given)
+      call t%is_true(all(abs(station%out(:, 1) - wanted) <= 2.0_wp), 'each angle is met within a step')
+      call t%is_true(maxval(wanted) - minval(wanted) > 30.0_wp, 'angles that differ')
+   end subroutine timing_of_angles
 
    !> Make the points a linkage goes through the desired ones.
    subroutine points_of_itself(problem)

@@ -31,6 +31,7 @@ program test_input
    call many()
    call numbers()
    call wrong_topology()
+   call wrong_references()
    call warnings()
    call t%report()
 
@@ -371,6 +372,28 @@ contains
       call wrong('T'//nl//' &LINKS NLOOP=1, MAXARC=4, ILINK=-1,2,3,4, ILOOP=-4,0,-2,1, ARCL=3*0.,9., GAMA=3*0.,90., NOUTLK=3,'// &
                  ' NOUTLP=1 &END'//nl//' &METHOD MOTION=1, IKIN=30 &END'//nl, 'the input slides')
    end subroutine wrong_topology
+
+   !> References between arcs and limits of variables that cannot be meant.
+   subroutine wrong_references()
+      character(*), parameter :: arrays = 'MAXARC=4, ILINK=1,2,3,4, ILOOP=1,0,0,1'
+      character(*), parameter :: second = ' &LINKS NLOOP=2, MAXARC=4, ILOOP=1,0,0,1,1,0,0,1, NOUTLK=3, NOUTLP=2,'// &
+                                 ' ARCL=40.,120.,80.,130.,', row = ' ILINK=1,2,3,4,'
+
+      call wrong(altered(arrays, 'MAXARC=4, ILINK=1,2,3,0, ILOOP=1,0,0,1'), 'must be 0, because ILINK says there is no such arc')
+      call wrong(altered(arrays, 'MAXARC=4, ILINK=1,2,0,0, ILOOP=1,0,0,0'), 'has fewer than three arcs')
+      call wrong('T'//nl//second//'40.,120.,80.,130.,'//row//'-7,2,3,4 &END'//nl//method, &
+                 'refers to arc 7 of loop 1, which does not exist')
+      call wrong('T'//nl//' &LINKS NLOOP=1, MAXARC=4, ILINK=-1,2,3,4, ILOOP=-3,0,-2,1, ARCL=3*0.,9., NOUTLK=3, NOUTLP=1 &END'// &
+                 nl//method, 'as the guide of the sliding input, but that is not a frame arc')
+      call wrong(altered('NDES=3', 'IVA=0,1, DESANG=3*9., NDES=3')//' &LIMITS LIMVAL=1, OPLOW=9., OPHIGH=1. &END'//nl, &
+                 'variable 1 has a lower limit above its upper limit')
+      call wrong(altered('NDES=3', 'IVA=0,1, DESANG=3*9., NGUESS=3, NDES=3'), '1 variables has 2 vertices; found 3')
+      call read_text('T'//nl//second//'41.,120.,80.,130., GAMA=4*0.,5.,'//row//'1,2,3,4 &END'//nl//method)
+      call t%finds(findings, 'is not used: ILINK is positive, the arc has the length of arc', 'a length that is not used')
+      call t%finds(findings, 'is not used: ILINK is positive, the arc has the direction of arc', 'an angle that is not used')
+      call read_text('T'//nl//second//'40.,120.,80.,130.,'//row//'1,2,3,4 &END'//nl//method)
+      call t%equal_integer(findings%count, 0, 'the same length given again is no fault')
+   end subroutine wrong_references
 
    subroutine warnings()
       call read_text(altered('NDES=3', 'IVA=4*1, IVG=0,1,0,0, DESANG=3*9., NDES=3'))
