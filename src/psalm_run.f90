@@ -10,11 +10,12 @@ module psalm_run
    use psalm_data_set_text, only: write_vertices, write_data_set
    use psalm_doubts, only: find_doubts, list_reference_joints
    use psalm_error, only: problem_t, motion_t, make_problem
-   use psalm_finale, only: list_results, describe_violation
+   use psalm_finale, only: list_results, describe_violation, describe_crossing
    use psalm_interrupt, only: interrupt_t, shield_threads
    use psalm_kinds, only: wp, right_angle
    use psalm_margin_list, only: list_margins, describe_margin
-   use psalm_margins, only: margin_t, inspector_t, prepare_inspector, inspect, is_violated, margin_angle, margin_bound
+   use psalm_margins, only: margin_t, inspector_t, prepare_inspector, inspect, is_violated, margin_slides, margin_guide, &
+                            margin_bound
    use psalm_mark, only: mark_width
    use psalm_plot_data, only: write_block
    use psalm_regions, only: check_regions
@@ -261,9 +262,9 @@ contains
          call inspect(inspector, dimensions, found%best(i)%delt, margins)
          angle = right_angle
          length = maxval(dimensions%arcl)
-         if (any(margins%kind == margin_angle)) angle = minval(margins%margin, mask=margins%kind == margin_angle)
-         if (any(margins%kind > margin_angle .and. margins%kind < margin_bound)) length = &
-            minval(margins%margin, mask=margins%kind > margin_angle .and. margins%kind < margin_bound)
+         if (any(margins%kind <= margin_slides)) angle = minval(margins%margin, mask=margins%kind <= margin_slides)
+         if (any(margins%kind >= margin_guide .and. margins%kind < margin_bound)) length = &
+            minval(margins%margin, mask=margins%kind >= margin_guide .and. margins%kind < margin_bound)
          rank = to_text(i)
          start = to_text(found%best(i)%start)
          if (found%best(i)%start < 0) start = 'SUPPLIED '//to_text(-found%best(i)%start)
@@ -465,6 +466,9 @@ contains
       type(devices_t), intent(inout) :: devices
       integer :: i
 
+      do i = 1, min(size(motion%crossings), most_told)
+         call devices%notes%add(set%file//': '//trim(set%title)//': warning: '//describe_crossing(motion, motion%crossings(i)))
+      end do
       if (size(motion%violations) == 0) return
       devices%code = max(devices%code, exit_violation)
       if (.not. all(motion%closed)) then

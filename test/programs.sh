@@ -416,6 +416,44 @@ check 'an open linkage: the other positions are printed' grep -qE '^ +0\.0 +[0-9
 check 'an open linkage: rows say so' grep -q 'DOES NOT CLOSE' out
 check 'an open linkage: closed column' grep -qE '^2\.7[0-9E+]*[0-9.E+]* 0 NaN' open.dev9
 
+# two slides that become parallel on the way
+sed 's/&LIMITS &END/\&LIMITS \&END\n \&CONSTR IRANGE=2 \&END/' dyad8_tangent_mechanism.nml >turn8.nml
+check 'the edit added a full turn' grep -q 'IRANGE=2' turn8.nml
+status 1 'parallel slides within a full turn' "$psalm" turn8.nml
+said 'parallel slides within a full turn' 'violated: ANGLE BETWEEN THE SLIDES, LOOP 1, DEGREES by 90'
+sed 's/IRANGE=2/IRANGE=1/; s/NDES=13, DELT=-60.0.*/NDES=2, DELT=-60.0,140.0 \&END/' turn8.nml >range8.nml
+check 'the edit made a range' grep -q 'DELT=-60.0,140.0 &END' range8.nml
+status 1 'parallel slides within the range' "$psalm" range8.nml
+said 'parallel slides between two positions' 'the slides of loop 1 are parallel between positions 1 and 2 (inputs 210.0000 and 50.00000)'
+sed 's/ &CONSTR.*//' range8.nml >positions8.nml
+status 0 'positions on both sides of parallel slides' "$psalm" positions8.nml
+said 'positions on both sides of parallel slides' 'warning: the slides of loop 1 are parallel between positions 1 and 2'
+status 0 'and to kalm' "$bin/kalm" positions8.nml
+said 'and to kalm' 'warning: the slides of loop 1 are parallel between positions 1 and 2'
+sed 's/IRANGE=2/IRANGE=1/' turn8.nml >sound8.nml
+status 0 'slides that stay clear of parallel' "$psalm" sound8.nml
+check 'their margin is the angle that is left' grep -qE '^ ANGLE BETWEEN THE SLIDES, LOOP 1, DEGREES +30\.00000 ' out
+check 'a limit that was not given is not on device 7' test "$(grep -c TANGLE sound8.dev7)" -eq 0
+sed 's/&LIMITS &END/\&LIMITS TANGLE=50.0 \&END/' dyad8_tangent_mechanism.nml >limit8.nml
+check 'the edit gave a limit' grep -q 'TANGLE=50.0' limit8.nml
+status 1 'TANGLE given holds for two slides' "$psalm" limit8.nml
+said 'TANGLE given holds for two slides' 'POSITION 1: ANGLE BETWEEN THE SLIDES 30.00000, OUTSIDE 90 +- 50.00000; INPUT 210.0000'
+check 'and is on device 7' grep -q 'TANGLE=5.0' limit8.dev7
+
+# a crank as long as the frame, at the place where its pin meets the other pivot; links of hardly any length
+cat >meet.nml <<'EOF'
+CRANK AS LONG AS THE FRAME, SHORT COUPLER
+ &LINKS NLOOP=1, MAXARC=4, ILINK=1,-2,-3,4, ILOOP=1,0,0,1, ARCL=60.0,1E-3,200.0,60.0, GAMA=3*0.0,180.0, NOUTLK=-2, NOUTLP=1 &END
+ &METHOD NDES=1, DELT=10.0 &END
+EOF
+sed 's/60.0,1E-3,200.0,60.0/257.0,1E-150,200.0,257.0/' meet.nml >short.nml
+check 'the edit made a short link' grep -q 1E-150 short.nml
+for f in meet short; do
+    status 1 "balm: $f" "$bin/balm" $f.nml
+    said "balm: $f" 'THE DIFFERENCE OF THE LINKS IS TOO GREAT BY'
+    check "balm: $f: no NaN in the picture" test "$(grep -ciE 'nan|inf(init)?[^o]' $f.svg)" -eq 0
+done
+
 # bad input: one message a fault, status 2, nothing overwritten
 echo keep >bad.dev7
 changed needle.nml 's/NLOOP=4, MAXARC=6/NLOOP=4, MAXRAC=6/' 's/NITER=2/NITER=2.5/' >bad.nml

@@ -1,5 +1,6 @@
 !> Text inside SVG, HTML and JSON, and the outline of a plate.
 program test_markup
+   use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan, ieee_negative_inf
    use check, only: checks_t
    use psalm_kinds, only: wp
    use psalm_markup, only: clean_text, json_text, number_or_null, sentence_case, short_number, strings_t, wrapped, &
@@ -77,6 +78,9 @@ contains
       call t%equal_text(short_number(1.0_wp/3.0_wp), '0.333333333', 'nine digits')
       call t%equal_text(short_number(2.5e20_wp), '2.5E20', 'a large number')
       call t%equal_text(number_or_null(1.0_wp, .false.), 'null', 'what is not known is null')
+      call t%equal_text(number_or_null(ieee_value(1.0_wp, ieee_quiet_nan), .true.), 'null', 'what is no number is null')
+      call t%equal_text(short_number(ieee_value(1.0_wp, ieee_quiet_nan)), '0', 'no number')
+      call t%equal_text(short_number(ieee_value(1.0_wp, ieee_negative_inf)), '0', 'nor is infinity')
    end subroutine numbers
 
    subroutine lines()

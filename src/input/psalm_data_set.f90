@@ -73,6 +73,7 @@ module psalm_data_set
       real(wp) :: fmin = 0.0_wp, small = 0.001_wp
       ! LIMITS
       real(wp) :: tangle = 50.0_wp, toggle = 0.1_wp
+      logical :: tangle_given = .false.                !! then it holds for the angle between two slides too
       integer :: limval = 0
       real(wp), allocatable :: oplow(:), ophigh(:) !! shape (values given, at least the number of variables)
       integer :: low_given = 0, high_given = 0     !! values given in OPLOW and in OPHIGH
@@ -566,6 +567,7 @@ contains
       integer :: room
 
       call group%get_real('TANGLE', set%tangle, findings)
+      set%tangle_given = group%given('TANGLE')
       if (set%tangle <= 0.0_wp .or. set%tangle > 90.0_wp) then
          call out_of(group, 'TANGLE', 'must lie between 0 and 90 degrees', findings)
       end if

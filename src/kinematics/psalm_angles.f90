@@ -63,7 +63,7 @@ contains
    !> positions at once.
    !>
    !> A loop without calls or branches: the tangent of the angle reduced to -45 ... 45 by exchanging or turning the two legs.
-   !> Neither vector may be zero. Accurate to 3 units of the last digit; the same bits at any place of the array.
+   !> Accurate to 3 units of the last digit; the same bits at any place of the array. For a zero vector: 0.
    pure subroutine angles_between(n, rx, ry, turn_x, turn_y, wx, wy, degrees)
       integer, intent(in) :: n
       real(wp), intent(in) :: rx(n), ry(n), wx(n), wy(n)
@@ -95,7 +95,8 @@ contains
          wide = small > tan_eighth*large
          top = merge(small - large, small, wide)
          bottom = merge(large + small, large, wide)
-         t = top/bottom
+         ! a dyad that is open may have no direction
+         t = top/max(bottom, tiny(1.0_wp))
          z = t*t
          ! in pairs (Estrin): short chains of operations
          z2 = z*z

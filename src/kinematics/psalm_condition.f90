@@ -156,7 +156,7 @@ contains
             condition%slide(plan%length_slot(dyad%arc_p)) = across
             condition%slide(plan%length_slot(dyad%arc_q)) = across
          case (8)
-            sine = max(reach, epsilon(1.0_wp))
+            sine = max(abs(reach), epsilon(1.0_wp))
             along_p = of_arc(link, plan, dyad%arc_p, condition)
             along_q = of_arc(link, plan, dyad%arc_q, condition)
             condition%slide(plan%length_slot(dyad%arc_p)) = &

@@ -9,9 +9,11 @@ module psalm_dyads
    implicit none (type, external)
    private
    public :: solve_two_links, solve_one_link, solve_slide_on_q, solve_slide_on_p, solve_link_slide
-   public :: project_on_slides, solve_two_slides
+   public :: project_on_slides, solve_two_slides, least_square
 
-   real(wp), parameter :: least_square = 4.0_wp*tiny(1.0_wp) !! guards a division; such a dyad is reported as open
+   real(wp), parameter :: least_square = tiny(1.0_wp)**0.8_wp !! guards a division; such a dyad is reported as open
+   real(wp), parameter :: least_length = tiny(1.0_wp)**0.4_wp !! the same for the length of a link
+   real(wp), parameter :: largest_half = 0.25_wp*huge(1.0_wp)*least_square !! so that 1/least_square times it is finite
 
 contains
 
@@ -31,8 +33,8 @@ contains
       sum2 = (p + q)**2
       diff2 = (p - q)**2
       product = (p - q)*(p + q)
-      half_p = 0.5_wp/p
-      half_q = 0.5_wp/q
+      half_p = half_of(p)
+      half_q = half_of(q)
       do i = 1, n
          hx = ex(i) - sx(i)
          hy = ey(i) - sy(i)
@@ -64,7 +66,7 @@ contains
       sum2 = (a + b)**2
       diff2 = (a - b)**2
       product = (a - b)*(a + b)
-      half = 0.5_wp/a
+      half = half_of(a)
       do i = 1, n
          hx = ex(i) - sx(i)
          hy = ey(i) - sy(i)
@@ -77,6 +79,13 @@ contains
          ay(i) = (along*hy - root*hx)*d
       end do
    end subroutine solve_one_link
+
+   !> 0.5/length; what a length too short to have a direction gives stays finite when it is divided by `least_square`.
+   elemental real(wp) function half_of(length)
+      real(wp), intent(in) :: length             !! > 0
+
+      half_of = 0.5_wp/max(length, 0.5_wp/largest_half)
+   end function half_of
 
    !> Type 2, slide p guided by q: q is the guide, at right angles to p.
    !>
@@ -144,9 +153,10 @@ contains
       real(wp), intent(in) :: c, d               !! cosine, sine of the fixed angle from the root to u
       real(wp), intent(out) :: px(n), py(n)      !! unit vector of the link
       real(wp), intent(out) :: slide(n), reach(n) !! signed length of the slide; offset
-      real(wp) :: hx, hy, ux, uy, offset, root
+      real(wp) :: hx, hy, ux, uy, offset, root, length
       integer :: i
 
+      length = max(p, least_length)
       do i = 1, n
          hx = ex(i) - sx(i)
          hy = ey(i) - sy(i)
@@ -156,8 +166,8 @@ contains
          reach(i) = offset
          root = s*sqrt(max((p - offset)*(p + offset), 0.0_wp))
          slide(i) = hx*ux + hy*uy - root
-         px(i) = (root*ux - offset*uy)/p
-         py(i) = (root*uy + offset*ux)/p
+         px(i) = (root*ux - offset*uy)/length
+         py(i) = (root*uy + offset*ux)/length
       end do
    end subroutine solve_link_slide
 
@@ -184,13 +194,14 @@ contains
 
    !> Type 8: two slides along known directions; two linear equations.
    !>
-   !> `reach` is the sine of the angle between p and q: closed while it is not zero.
+   !> `reach` is the sine of the angle from p to q: closed while it is not zero. Where it changes its sign between two inputs the
+   !> slides have been parallel, and their joint at infinity.
    pure subroutine solve_two_slides(n, sx, sy, ex, ey, rx, ry, cp, dp, tx, ty, cq, dq, slide_p, slide_q, reach)
       integer, intent(in) :: n
       real(wp), intent(in) :: sx(n), sy(n), ex(n), ey(n)
       real(wp), intent(in) :: rx(n), ry(n), cp, dp !! root of p, and the fixed angle from it to p
       real(wp), intent(in) :: tx(n), ty(n), cq, dq !! likewise for q
-      real(wp), intent(out) :: slide_p(n), slide_q(n), reach(n) !! signed lengths; sine
+      real(wp), intent(out) :: slide_p(n), slide_q(n), reach(n) !! signed lengths; signed sine
       real(wp) :: hx, hy, ux, uy, vx, vy, det
       integer :: i
 
@@ -202,7 +213,7 @@ contains
          vx = cq*tx(i) - dq*ty(i)
          vy = cq*ty(i) + dq*tx(i)
          det = ux*vy - uy*vx
-         reach(i) = abs(det)
+         reach(i) = det
          det = 1.0_wp/sign(max(abs(det), epsilon(1.0_wp)**2), det)
          slide_p(i) = (hx*vy - hy*vx)*det
          slide_q(i) = (ux*hy - uy*hx)*det

@@ -5,15 +5,15 @@
 module psalm_error
    use psalm_angles, only: unit_vector, angles_between, degrees_of, within_turn
    use psalm_data_set, only: data_set_t, motion_point, motion_angle, motion_distance, motion_slide
-   use psalm_kinds, only: wp
+   use psalm_kinds, only: wp, degrees_per_radian
    use psalm_linkage, only: linkage_t, padded
    use psalm_plan, only: plan_t, make_plan
    use psalm_topology, only: topology_t, dimensions_t
    implicit none (type, external)
    private
-   public :: problem_t, motion_t, violation_t, make_problem, violation_none
+   public :: problem_t, motion_t, violation_t, crossing_t, make_problem, violation_none
    public :: violation_too_short, violation_too_long, violation_parallel, violation_angle_small, violation_angle_large, &
-             violation_undetermined
+             violation_undetermined, violation_slides
 
    integer, parameter :: violation_none = 0
    integer, parameter :: violation_too_short = 1    !! the dyad does not reach
@@ -24,6 +24,7 @@ module psalm_error
 
    real(wp), parameter :: no_distance = 1.0e3_wp*epsilon(1.0_wp) !! of the links: outer joints so near each other coincide
    integer, parameter :: violation_undetermined = 6 !! the outer joints coincide: no direction is determined
+   integer, parameter :: violation_slides = 7       !! closes, but the angle between the slides is too small
 
    !> Consecutive positions at which one dyad violates one limit.
    type :: violation_t
@@ -33,6 +34,12 @@ module psalm_error
       integer :: worst = 0             !! position of the largest amount
       real(wp) :: amount = 0.0_wp      !! length missing, or the transmission angle, degrees, at the worst position
    end type violation_t
+
+   !> Two slides that have been parallel between a position and the next: the linkage cannot move from one to the other.
+   type :: crossing_t
+      integer :: loop = 0
+      integer :: position = 0
+   end type crossing_t
 
    !> What the linkage does at a row of input positions.
    type :: motion_t
@@ -44,6 +51,7 @@ module psalm_error
       real(wp), allocatable :: error_y(:)
       real(wp) :: total = 0.0_wp                   !! objective over the closed positions
       type(violation_t), allocatable :: violations(:)
+      type(crossing_t), allocatable :: crossings(:)
    end type motion_t
 
    type :: problem_t
@@ -54,6 +62,8 @@ module psalm_error
       type(linkage_t), allocatable :: crew(:)      !! one more linkage for each further thread
       integer :: motion = motion_point
       real(wp) :: tangle = 90.0_wp, toggle = 0.0_wp
+      real(wp) :: slide_angle = 90.0_wp            !! allowed deviation of the angle between two slides from 90 degrees
+      real(wp), allocatable :: side(:)             !! by loop: +1 or -1, sign of the sine between two slides that is wanted
       integer :: positions = 0
       real(wp), allocatable :: delt(:)             !! shape (positions): degrees or length
       ! tables for whole blocks: the positions, padded with the last one
@@ -100,6 +110,8 @@ contains
       problem%motion = set%motion
       problem%tangle = set%tangle
       problem%toggle = set%toggle
+      if (set%tangle_given) problem%slide_angle = set%tangle
+      allocate (problem%side(topology%nloop), source=1.0_wp)
       problem%plan = make_plan(topology, set%motion, everything=set%ktheta /= 0, all_roots=.false.)
       if (set%ikin /= 0) then
          turn = [(real(i*set%ikin, wp), i=0, (359/abs(set%ikin)))]
@@ -122,7 +134,7 @@ contains
       integer, intent(in), optional :: joints(:, :) !! joints to be made, as `make_plan` has them
 
       self%plan = make_plan(self%topology, self%motion, everything, .true., joints)
-      call self%linkage%prepare(self%topology, self%plan, self%tangle, self%delt)
+      call self%linkage%prepare(self%topology, self%plan, self%tangle, self%slide_angle, self%delt)
       if (allocated(self%crew)) call self%set_threads(size(self%crew))
    end subroutine want_derivatives
 
@@ -135,7 +147,7 @@ contains
       self%positions = size(delt)
       self%delt = delt
       self%desired = .false.
-      call self%linkage%prepare(self%topology, self%plan, self%tangle, delt)
+      call self%linkage%prepare(self%topology, self%plan, self%tangle, self%slide_angle, delt)
       if (allocated(self%crew)) deallocate (self%crew)
       self%first = whole_blocks(self, delt, delt(size(delt)))
       self%second = self%first
@@ -208,7 +220,7 @@ contains
       if (threads < 2 .or. self%blocks() < 2*threads) return
       allocate (self%crew(threads))
       do t = 1, threads
-         call self%crew(t)%prepare(self%topology, self%plan, self%tangle, self%delt)
+         call self%crew(t)%prepare(self%topology, self%plan, self%tangle, self%slide_angle, self%delt)
       end do
    end subroutine set_threads
 
@@ -253,9 +265,10 @@ contains
 
    !> Objective of a linkage: the sum of weight * (desired - actual)**2.
    !>
-   !> `loop` is the lowest loop that does not close, or whose transmission angle is out of limits, at any position; the
-   !> objective has no meaning then. No allocation. With `set_threads` the blocks are shared out; each block's sum is formed
-   !> by itself and the sums are added in order, so that the bits do not depend on the number of threads.
+   !> `loop` is the lowest loop that does not close, or whose transmission angle is out of limits, at any position, or whose two
+   !> slides are not always on the same side of each other; the objective has no meaning then. No allocation. With
+   !> `set_threads` the blocks are shared out; each block's sum is formed by itself and the sums are added in order, so that the
+   !> bits do not depend on the number of threads.
    subroutine evaluate(self, dimensions, objective, loop)
       class(problem_t), intent(inout) :: self
       type(dimensions_t), intent(in) :: dimensions
@@ -284,6 +297,17 @@ contains
          objective = objective + self%partial(block)
          if (self%offending(block) > 0 .and. (loop == 0 .or. self%offending(block) < loop)) loop = self%offending(block)
       end do
+      if (loop > 0 .or. .not. any(self%linkage%two_slides)) return
+      do loop = 1, self%topology%nloop
+         if (allocated(self%crew)) then
+            do t = 1, size(self%crew)
+               if (.not. self%crew(t)%stays_on_side(loop, self%crew(1))) return
+            end do
+         else
+            if (.not. self%linkage%stays_on_side(loop)) return
+         end if
+      end do
+      loop = 0
    end subroutine evaluate
 
    !> Deviations actual - desired of a linkage at every position; `loop` is the lowest loop not accepted, 0: none. No allocation.
@@ -320,18 +344,14 @@ contains
       integer, intent(in) :: block
       real(wp), intent(out) :: objective
       integer, intent(out) :: loop         !! lowest loop not accepted, 0: none
-      integer :: offset, m, l
+      integer :: offset, m
 
       offset = (block - 1)*linkage%room
       m = padded(min(linkage%room, self%positions - offset))
-      call linkage%solve(m, self%first(offset + 1:offset + m), self%second(offset + 1:offset + m))
       objective = 0.0_wp
-      do l = 1, self%topology%nloop
-         if (linkage%step_of_loop(l) == 0) cycle
-         loop = l
-         if (.not. linkage%all_accepted(m, l)) return
-      end do
-      loop = 0
+      call linkage%solve(m, self%first(offset + 1:offset + m), self%second(offset + 1:offset + m), offending=loop)
+      if (loop > 0) return
+      call linkage%note_sides(m)
       if (self%motion /= motion_angle) call output_of_block(self, linkage, m)
       associate (store => linkage%store, rx => linkage%root_x(self%plan%root(self%topology%output_arc)), &
                  ry => linkage%root_y(self%plan%root(self%topology%output_arc)), &
@@ -485,12 +505,16 @@ contains
       type(motion_t), intent(out) :: motion
       integer :: block, offset, n, m, i, k, l, noted
       integer, allocatable :: open_violation(:)
+      real(wp), allocatable :: sine(:)     !! by loop: between two slides, at the position before
+      logical :: closed_before
 
       n = self%positions
       noted = 0
       allocate (motion%closed(n), source=.true.)
       allocate (motion%input(n), motion%actual(n), motion%actual_y(n), motion%error(n), motion%error_y(n), source=0.0_wp)
-      allocate (motion%violations(0))
+      allocate (motion%violations(0), motion%crossings(0))
+      allocate (sine(self%topology%nloop), source=0.0_wp)
+      closed_before = .false.
       allocate (open_violation(self%topology%nloop), source=0)
       motion%input = dimensions%crnki + self%delt
       if (.not. self%topology%sliding_input) motion%input = within_turn(motion%input)
@@ -506,6 +530,17 @@ contains
                if (.not. self%linkage%closes(i, l) .or. coincides(self, l, i)) motion%closed(offset + i) = .false.
                call note_violation(self, l, i, offset + i, open_violation(l), motion%violations, noted)
             end do
+         end do
+         do i = 1, n
+            do l = 1, self%topology%nloop
+               if (.not. self%linkage%two_slides(l) .or. self%linkage%step_of_loop(l) == 0) cycle
+               associate (now => self%linkage%store(self%linkage%reach(l) + i - 1))
+                  if (now*sine(l) < 0.0_wp .and. closed_before .and. motion%closed(offset + i)) &
+                     motion%crossings = [motion%crossings, crossing_t(l, offset + i - 1)]
+                  sine(l) = now
+               end associate
+            end do
+            closed_before = motion%closed(offset + i)
          end do
          call output_of_block(self, self%linkage, m)
          associate (store => self%linkage%store, x => self%linkage%out_x, y => self%linkage%out_y, &
@@ -559,7 +594,7 @@ contains
             if (old%kind == new%kind .and. old%last == position - 1) then
                old%last = position
                worse = new%amount > old%amount
-               if (new%kind == violation_angle_small) worse = new%amount < old%amount
+               if (new%kind == violation_angle_small .or. new%kind == violation_slides) worse = new%amount < old%amount
                if (worse) then
                   old%amount = new%amount
                   old%worst = position
@@ -651,6 +686,10 @@ contains
          case default
             violation%kind = violation_parallel
             violation%amount = 0.0_wp
+            if (self%linkage%closes(i, loop)) then
+               violation%kind = violation_slides
+               violation%amount = asin(min(abs(reach), 1.0_wp))*degrees_per_radian
+            end if
             return
          end select
       end associate

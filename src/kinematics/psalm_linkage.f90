@@ -7,7 +7,7 @@ module psalm_linkage
    use, intrinsic :: iso_c_binding, only: c_intptr_t, c_loc
    use psalm_angles, only: unit_vector
    use psalm_dyads, only: solve_two_links, solve_one_link, solve_slide_on_q, solve_slide_on_p, solve_link_slide, &
-                          project_on_slides, solve_two_slides
+                          project_on_slides, solve_two_slides, least_square
    use psalm_kinds, only: wp, right_angle
    use psalm_plan, only: plan_t, step_point, step_dyad, root_crank
    use psalm_topology, only: topology_t, dimensions_t
@@ -21,6 +21,10 @@ module psalm_linkage
    real(wp), parameter :: rounding = 64.0_wp*epsilon(1.0_wp) !! relative width of a limit of closure
    real(wp), parameter :: least_sine = 16.0_wp*epsilon(1.0_wp) !! two slides at a smaller angle are parallel
    integer, parameter :: plain_exponent = maxexponent(1.0_wp)/8 !! lengths beyond 2**this are scaled before they are squared
+   integer, parameter :: mixed = 2          !! both signs
+   ! what an open dyad may leave: components of a direction, and length of a slide, whose fourth power is finite
+   real(wp), parameter :: largest_direction = 2.0_wp**(maxexponent(1.0_wp)/16)
+   real(wp), parameter :: largest_slide = 2.0_wp**plain_exponent*largest_direction
    integer, parameter :: line_bytes = 64    !! of a cache line: rows of the store begin on one
    integer, parameter :: line_elements = line_bytes/(storage_size(1.0_wp)/8) !! reals of a cache line
 
@@ -53,10 +57,14 @@ module psalm_linkage
       real(wp), allocatable :: angle(:)          !! degrees from the root
       real(wp), allocatable :: x(:), y(:)        !! its cosine and sine
       real(wp), allocatable :: length(:)         !! scaled length
-      ! limits of the dyads' reach, by loop: closure, and closure with transmission angle
+      ! limits of the dyads' reach (of two slides: of its amount), by loop: closure, and closure with transmission angle
       real(wp), allocatable :: closes_low(:), closes_high(:), accepts_low(:), accepts_high(:)
+      logical, allocatable :: two_slides(:)      !! by loop: its dyad is of type 8
+      integer, allocatable :: side(:)            !! by loop: sign of the reach of two slides wherever `note_sides` looked since the
+                                                 !! last `bind`; 0: nowhere, or `mixed`
       ! one block of positions: rows of `room` values; position i of a row is store(row + i - 1)
       real(wp), allocatable :: store(:)
+      integer :: first_row = 1                       !! of the store: it begins on a cache line
       integer, allocatable :: root_x(:), root_y(:)   !! by root: rows of its unit vector
       integer, allocatable :: point_x(:), point_y(:) !! by point, 0 the input pivot: rows of its scaled co-ordinates
       integer, allocatable :: slide(:)               !! by varying length: row of the scaled length
@@ -70,6 +78,7 @@ module psalm_linkage
       real(wp) :: crank_angle = 0.0_wp           !! its angle, degrees
       real(wp) :: reference_length = 0.0_wp      !! actuator's length at the reference position, user's unit
       real(wp) :: cosine_lowest = 0.0_wp         !! cosine of the smallest transmission angle allowed
+      real(wp) :: sine_lowest = 0.0_wp           !! sine of the smallest angle between two slides allowed
    contains
       procedure :: prepare
       procedure :: bind
@@ -77,17 +86,20 @@ module psalm_linkage
       procedure :: closes
       procedure :: accepts
       procedure :: all_accepted
+      procedure :: note_sides
+      procedure :: stays_on_side
       procedure :: arc_at
    end type linkage_t
 
 contains
 
    !> Allocate storage and resolve every index of the plan.
-   subroutine prepare(self, topology, plan, tangle, delt)
+   subroutine prepare(self, topology, plan, tangle, slide_angle, delt)
       class(linkage_t), intent(out) :: self
       type(topology_t), intent(in) :: topology
       type(plan_t), intent(in) :: plan
       real(wp), intent(in) :: tangle    !! allowed deviation of a transmission angle from 90 degrees; 90: closure only
+      real(wp), intent(in) :: slide_angle   !! the same for the angle between two slides
       real(wp), intent(in) :: delt(:)   !! input increments there will be
       real(wp) :: unused
       integer :: k, n, loop
@@ -101,10 +113,13 @@ contains
       allocate (self%length(n), source=0.0_wp)
       allocate (self%closes_low(topology%nloop), self%closes_high(topology%nloop), source=0.0_wp)
       allocate (self%accepts_low(topology%nloop), self%accepts_high(topology%nloop), source=0.0_wp)
+      allocate (self%side(topology%nloop), source=0)
+      self%two_slides = topology%joint == 8
       call lay_out(self, plan%nroots, plan%npoints, plan%nlengths, topology%nloop)
       self%sliding_input = topology%sliding_input
       if (self%sliding_input) self%largest_input = maxval(abs(delt))
       call unit_vector(right_angle - tangle, self%cosine_lowest, unused)
+      call unit_vector(right_angle - slide_angle, unused, self%sine_lowest)
       if (topology%sliding_input) self%input_slot = plan%length_slot(1)
       do k = 1, size(plan%steps)
          associate (step => plan%steps(k), bound => self%steps(k))
@@ -164,13 +179,16 @@ contains
    subroutine lay_out(self, roots, points, lengths, loops)
       type(linkage_t), intent(inout) :: self
       integer, intent(in) :: roots, points, lengths, loops
+      real(wp), allocatable, target :: store(:)
       integer :: next, k, per_line
 
       per_line = line_elements
       allocate (self%root_x(roots), self%root_y(roots), self%slide(lengths), self%reach(loops))
       allocate (self%point_x(0:points), self%point_y(0:points))
-      allocate (self%store(self%room*(2*roots + 2*(points + 1) + lengths + loops + 3) + per_line), source=0.0_wp)
-      next = 1 + offset_to_line(self%store)
+      allocate (store(self%room*(2*roots + 2*(points + 1) + lengths + loops + 3) + per_line), source=0.0_wp)
+      next = 1 + offset_to_line(store)
+      call move_alloc(store, self%store)
+      self%first_row = next
       do k = 1, roots
          self%root_x(k) = new_row()
          self%root_y(k) = new_row()
@@ -217,6 +235,7 @@ contains
       type(dimensions_t), intent(in) :: dimensions
       integer :: k
 
+      self%side = 0
       call choose_scale(self, dimensions)
       call bind_angles(self, plan, dimensions)
       self%length = dimensions%arcl*self%scale
@@ -314,16 +333,16 @@ contains
          select case (step%joint)
          case (1)
             slack = rounding*(p + q)**2
-            low = max((p - q)**2 - slack, tiny(p))
+            low = max((p - q)**2 - slack, least_square)
             high = (p + q)**2 + slack
-            self%accepts_low(step%loop) = max(p*p + q*q - 2.0_wp*p*q*self%cosine_lowest - slack, tiny(p))
+            self%accepts_low(step%loop) = max(p*p + q*q - 2.0_wp*p*q*self%cosine_lowest - slack, least_square)
             self%accepts_high(step%loop) = p*p + q*q + 2.0_wp*p*q*self%cosine_lowest + slack
             return
          case (2)
-            low = max(q*q*(1.0_wp - rounding), tiny(q))
+            low = max(q*q*(1.0_wp - rounding), least_square)
             high = huge(q)
          case (3)
-            low = max(p*p*(1.0_wp - rounding), tiny(p))
+            low = max(p*p*(1.0_wp - rounding), least_square)
             high = huge(p)
          case (4)
             high = p*(1.0_wp + rounding)
@@ -334,6 +353,9 @@ contains
          case (8)
             low = least_sine
             high = 2.0_wp
+            self%accepts_low(step%loop) = max(self%sine_lowest - rounding, low)
+            self%accepts_high(step%loop) = high
+            return
          case default
             low = 0.0_wp
             high = 2.0_wp
@@ -343,15 +365,19 @@ contains
       end associate
    end subroutine bind_dyad
 
-   !> Positions of one block. After it, the store holds roots, points, slides and reaches.
-   pure subroutine solve(self, n, first, second, last_step)
+   !> Positions of one block. After it, the store holds roots, points, slides and reaches, finite numbers all of them.
+   !>
+   !> With `offending` the block ends at the first loop that is not accepted everywhere; what comes after it is not solved.
+   pure subroutine solve(self, n, first, second, last_step, offending)
       class(linkage_t), intent(inout) :: self
       integer, intent(in) :: n                   !! positions, at most `room`
       real(wp), intent(in) :: first(n)           !! cosine of the input increment (sliding input: the increment, [length])
       real(wp), intent(in) :: second(n)          !! sine of the input increment (sliding input: not used)
       integer, intent(in), optional :: last_step !! solve the steps up to this one only; default all
+      integer, intent(out), optional :: offending !! the first loop not accepted, 0: none
       integer :: k, last
 
+      if (present(offending)) offending = 0
       if (.not. self%sliding_input) then
          call turn_crank(n, first, second, self%crank_x, self%crank_y, self%store(self%root_x(root_crank)), &
                          self%store(self%root_y(root_crank)))
@@ -366,6 +392,14 @@ contains
          associate (step => self%steps(k), store => self%store)
             if (step%kind == step_dyad) then
                call solve_dyad(n, step, size(store), store)
+               if (present(offending)) then
+                  if (.not. self%all_accepted(n, step%loop)) then
+                     offending = step%loop
+                     return
+                  end if
+               else if (.not. all_between(self, n, step%loop, self%closes_low(step%loop), self%closes_high(step%loop))) then
+                  call tame(n, step, size(store), store)
+               end if
             else if (.not. step%fixed) then
                if (step%slide_row == 0) then
                   call add_arc(n, store(step%from_x), store(step%from_y), store(step%root_x), store(step%root_y), step%x, step%y, &
@@ -433,6 +467,28 @@ contains
       end associate
    end subroutine solve_dyad
 
+   !> Where a dyad is open its arcs may be found endless: the dyads after it could not work with that.
+   pure subroutine tame(n, step, total, store)
+      integer, intent(in) :: n, total
+      type(bound_step_t), intent(in) :: step
+      real(wp), intent(inout) :: store(total)
+
+      call limit(n, largest_direction, store(step%p_x))
+      call limit(n, largest_direction, store(step%p_y))
+      call limit(n, largest_direction, store(step%q_x))
+      call limit(n, largest_direction, store(step%q_y))
+      if (step%slide_p > 0) call limit(n, largest_slide, store(step%slide_p))
+      if (step%slide_q > 0) call limit(n, largest_slide, store(step%slide_q))
+   end subroutine tame
+
+   pure subroutine limit(n, largest, row)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: largest
+      real(wp), intent(inout) :: row(n)
+
+      row = min(max(row, -largest), largest)
+   end subroutine limit
+
    !> Point at the other end of an arc of fixed length.
    pure subroutine add_arc(n, fx, fy, rx, ry, ax, ay, tx, ty)
       integer, intent(in) :: n
@@ -466,9 +522,7 @@ contains
       class(linkage_t), intent(in) :: self
       integer, intent(in) :: i, loop
 
-      associate (reach => self%store(self%reach(loop) + i - 1))
-         closes = reach >= self%closes_low(loop) .and. reach <= self%closes_high(loop)
-      end associate
+      closes = is_between(self, i, loop, self%closes_low(loop), self%closes_high(loop))
    end function closes
 
    !> True where loop `loop` closes at position `i` of the block and its transmission angle is within the limits.
@@ -476,18 +530,67 @@ contains
       class(linkage_t), intent(in) :: self
       integer, intent(in) :: i, loop
 
-      associate (reach => self%store(self%reach(loop) + i - 1))
-         accepts = reach >= self%accepts_low(loop) .and. reach <= self%accepts_high(loop)
-      end associate
+      accepts = is_between(self, i, loop, self%accepts_low(loop), self%accepts_high(loop))
    end function accepts
+
+   !> Reach of a loop, of two slides its amount, against limits.
+   pure logical function is_between(self, i, loop, low, high)
+      type(linkage_t), intent(in) :: self
+      integer, intent(in) :: i, loop
+      real(wp), intent(in) :: low, high
+      real(wp) :: reach
+
+      reach = self%store(self%reach(loop) + i - 1)
+      if (self%two_slides(loop)) reach = abs(reach)
+      is_between = reach >= low .and. reach <= high
+   end function is_between
 
    !> True if loop `loop` is accepted at the first `n` positions of the block.
    pure logical function all_accepted(self, n, loop)
       class(linkage_t), intent(in) :: self
       integer, intent(in) :: n, loop
 
-      all_accepted = within(n, self%store(self%reach(loop)), self%accepts_low(loop), self%accepts_high(loop))
+      all_accepted = all_between(self, n, loop, self%accepts_low(loop), self%accepts_high(loop))
    end function all_accepted
+
+   !> Reach of a loop, of two slides its amount, against limits, at the first `n` positions of the block.
+   pure logical function all_between(self, n, loop, low, high)
+      type(linkage_t), intent(in) :: self
+      integer, intent(in) :: n, loop
+      real(wp), intent(in) :: low, high
+
+      if (self%two_slides(loop)) then
+         all_between = beyond(n, self%store(self%reach(loop)), low)
+      else
+         all_between = within(n, self%store(self%reach(loop)), low, high)
+      end if
+   end function all_between
+
+   !> Remember on which side of each other the two slides of each loop are at the first `n` positions of the block.
+   pure subroutine note_sides(self, n)
+      class(linkage_t), intent(inout) :: self
+      integer, intent(in) :: n
+      integer :: loop, i, side
+
+      do loop = 1, size(self%side)
+         if (.not. self%two_slides(loop) .or. self%step_of_loop(loop) == 0) cycle
+         do i = 0, n - 1
+            side = merge(1, -1, self%store(self%reach(loop) + i) > 0.0_wp)
+            if (self%side(loop) == 0) self%side(loop) = side
+            if (self%side(loop) /= side) self%side(loop) = mixed
+         end do
+      end do
+   end subroutine note_sides
+
+   !> True unless the slides of a loop were on both sides of each other, here or in another part of the positions.
+   pure logical function stays_on_side(self, loop, other)
+      class(linkage_t), intent(in) :: self
+      integer, intent(in) :: loop
+      class(linkage_t), intent(in), optional :: other
+
+      stays_on_side = self%side(loop) /= mixed
+      if (present(other)) stays_on_side = stays_on_side .and. self%side(loop) == other%side(loop)
+   end function stays_on_side
 
    !> True if low <= reach <= high throughout. What is outside is counted in lanes, as reals: it runs in vector registers.
    pure logical function within(n, reach, low, high)
@@ -502,6 +605,20 @@ contains
       end do
       within = all(outside <= 0.0_wp)
    end function within
+
+   !> True if the amount of reach is not below `low` anywhere.
+   pure logical function beyond(n, reach, low)
+      integer, intent(in) :: n          !! a multiple of `lane`
+      real(wp), intent(in) :: reach(n), low
+      real(wp) :: inside(lane)
+      integer :: i
+
+      inside = 0.0_wp
+      do i = 1, n, lane
+         inside = inside + merge(1.0_wp, 0.0_wp, abs(reach(i:i + lane - 1)) < low)
+      end do
+      beyond = all(inside <= 0.0_wp)
+   end function beyond
 
    !> Direction and length (user's unit) of an arc at position `i` of the block.
    pure subroutine arc_at(self, plan, arc, i, x, y, length)

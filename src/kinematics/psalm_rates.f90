@@ -43,6 +43,7 @@ contains
    subroutine prepare_rates(problem, rates)
       type(problem_t), intent(in) :: problem
       type(rates_t), intent(out) :: rates
+      real(wp), allocatable, target :: work(:)
       integer :: k, rows, shift
 
       rates%room = problem%linkage%room
@@ -52,8 +53,9 @@ contains
          rates%place(k) = rows*rates%room
          rows = rows + merge(rows_of_arc, 2*rows_of_arc + rows_of_matrix, problem%plan%steps(k)%kind == step_point)
       end do
-      allocate (rates%work((rows + 7)*rates%room + line_elements), source=0.0_wp)
-      shift = 1 + offset_to_line(rates%work)
+      allocate (work((rows + 7)*rates%room + line_elements), source=0.0_wp)
+      shift = 1 + offset_to_line(work)
+      call move_alloc(work, rates%work)
       rates%place = rates%place + shift
       ! slides at right angles are never parallel
       do k = 1, size(rates%place)
@@ -64,7 +66,7 @@ contains
       end do
       rates%zero = rows*rates%room + shift
       rates%scratch = (rows + 1)*rates%room + shift
-      call allocate_alike(size(problem%linkage%store), 1 + offset_to_line(problem%linkage%store), rates%d)
+      call allocate_alike(size(problem%linkage%store), problem%linkage%first_row, rates%d)
    end subroutine prepare_rates
 
    !> Allocate an array whose element `first` lies on a cache line, as it does in the store: a lower bound a little below 1.
@@ -73,20 +75,22 @@ contains
    subroutine allocate_alike(elements, first, array)
       integer, intent(in) :: elements, first
       real(wp), allocatable, intent(out) :: array(:, :)
+      real(wp), allocatable, target :: trial(:, :)
       integer :: low, try, rows
 
       low = 1
       rows = line_elements*((elements + 2*line_elements - 1)/line_elements)
       do try = 1, 3
-         if (allocated(array)) deallocate (array)
-         allocate (array(low:low + rows - 1, highest_order), source=0.0_wp)
+         if (allocated(trial)) deallocate (trial)
+         allocate (trial(low:low + rows - 1, highest_order), source=0.0_wp)
          ! elements from `first` to the next cache line
-         associate (gap => modulo(offset_to_line(array(:, 1)) - (first - low), line_elements))
-            if (gap == 0) return
+         associate (gap => modulo(offset_to_line(trial(:, 1)) - (first - low), line_elements))
+            if (gap == 0) exit
             low = low - gap
             if (low <= 1 - line_elements) low = low + line_elements
          end associate
       end do
+      call move_alloc(trial, array)
    end subroutine allocate_alike
 
    !> Place of row `which` (counted from 0) of a step.

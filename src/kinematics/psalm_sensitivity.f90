@@ -140,7 +140,8 @@ contains
    !> How near each dyad is to its limit, at every position: the dyad closes, with TOGGLE in hand, while abs(k) <= 1.
    !>
    !> Type 1: the cosine of the transmission angle, beyond 1 where the dyad is open: smooth across closing. Types 2 and 3: guide
-   !> and TOGGLE over distance. Types 4 and 5: offset and TOGGLE over link. Others, and loops that are not solved: 0.
+   !> and TOGGLE over distance. Types 4 and 5: offset and TOGGLE over link. Type 8: 1 less the sine between the slides, negative on
+   !> the other side of parallel than `side` wants. Others, and loops that are not solved: 0.
    subroutine find_constraints(problem, k)
       type(problem_t), intent(inout) :: problem     !! bound
       real(wp), intent(out) :: k(:, :)              !! shape (positions, nloop)
@@ -177,6 +178,8 @@ contains
                   k(:, loop) = (reach + sign(hand, reach))/dyad%p
                case (5)
                   k(:, loop) = (reach + sign(hand, reach))/dyad%q
+               case (8)
+                  k(:, loop) = 1.0_wp - problem%side(loop)*reach
                end select
             end associate
          end associate
@@ -199,7 +202,7 @@ contains
          if (problem%linkage%step_of_loop(loop) == 0) cycle
          if (.not. work%moves(problem%linkage%step_of_loop(loop), v)) cycle
          associate (dyad => problem%linkage%steps(problem%linkage%step_of_loop(loop)), link => problem%linkage, d => work%rates%d)
-            if (dyad%joint > 5) cycle
+            if (dyad%joint == 6 .or. dyad%joint == 7) cycle
             dp = work%stretch(dyad%arc_p, v)*link%scale
             dq = work%stretch(dyad%arc_q, v)*link%scale
             if (dyad%joint == 1) then
@@ -209,6 +212,10 @@ contains
                                      d(dyad%to_y, 1), link%store(dyad%reach_row), &
                                      unit*h*(dp/dyad%p - dq/dyad%q)*(dyad%p - dyad%q)*(dyad%p + dyad%q), &
                                      unit*h*(dp/dyad%p + dq/dyad%q), 2.0_wp*unit*h, dk(:, loop))
+               cycle
+            end if
+            if (dyad%joint == 8) then
+               call slides_change(dk(:, loop))
                cycle
             end if
             do i = 0, n - 1
@@ -239,6 +246,24 @@ contains
             dk(:, loop) = dk(:, loop)*unit
          end associate
       end do
+
+   contains
+
+      !> Two slides: what the sine between them loses where the angle from p to q turns.
+      subroutine slides_change(change)
+         real(wp), intent(inout) :: change(:)
+
+         associate (dyad => problem%linkage%steps(problem%linkage%step_of_loop(loop)), link => problem%linkage, d => work%rates%d)
+            do i = 0, n - 1
+               hx = dyad%px*link%store(dyad%p_x + i) - dyad%py*link%store(dyad%p_y + i)
+               hy = dyad%px*link%store(dyad%p_y + i) + dyad%py*link%store(dyad%p_x + i)
+               ux = dyad%qx*link%store(dyad%q_x + i) - dyad%qy*link%store(dyad%q_y + i)
+               uy = dyad%qx*link%store(dyad%q_y + i) + dyad%qy*link%store(dyad%q_x + i)
+               turn = d(dyad%q_x + i, 1) + work%turn(dyad%arc_q, v) - d(dyad%p_x + i, 1) - work%turn(dyad%arc_p, v)
+               change(i + 1) = -problem%side(loop)*(hx*ux + hy*uy)*turn*unit
+            end do
+         end associate
+      end subroutine slides_change
    end subroutine change_of_constraints
 
    !> Change of the joints asked for with a variable, in machine axes and the user's unit.

@@ -4,15 +4,16 @@
 module psalm_finale
    use psalm_angles, only: unit_vector
    use psalm_data_set, only: data_set_t, motion_point, motion_angle, motion_distance
-   use psalm_error, only: problem_t, motion_t, violation_t, violation_too_short, violation_too_long, violation_parallel, &
-                          violation_angle_small, violation_angle_large, violation_undetermined
+   use psalm_error, only: problem_t, motion_t, violation_t, crossing_t, violation_too_short, violation_too_long, &
+                          violation_parallel, violation_angle_small, violation_angle_large, violation_undetermined, &
+                          violation_slides
    use psalm_kinds, only: wp, full_turn
    use psalm_plan, only: root_frame
    use psalm_topology, only: dimensions_t, topology_t
    use psalm_text, only: text_t, fixed, general, to_text
    implicit none (type, external)
    private
-   public :: list_results, list_dimensions, list_reference, list_output_arc, angle_text, describe_violation
+   public :: list_results, list_dimensions, list_reference, list_output_arc, angle_text, describe_violation, describe_crossing
 
    integer, parameter :: column = 10   !! width of a dimension
    real(wp), parameter :: nearly_full = 0.99_wp*full_turn !! below this no angle prints as 360.0000
@@ -241,6 +242,19 @@ contains
       if (text == general(full_turn)) text = general(0.0_wp)
    end function angle_text
 
+   !> Slides that are parallel between two positions, in words.
+   function describe_crossing(motion, crossing) result(text)
+      type(motion_t), intent(in) :: motion
+      type(crossing_t), intent(in) :: crossing
+      character(:), allocatable :: text
+
+      associate (i => crossing%position)
+         text = 'the slides of loop '//to_text(crossing%loop)//' are parallel between positions '//to_text(i)//' and '// &
+                to_text(i + 1)//' (inputs '//trim(adjustl(general(motion%input(i))))//' and '// &
+                trim(adjustl(general(motion%input(i + 1))))//'): the linkage cannot move from one to the other'
+      end associate
+   end function describe_crossing
+
    !> A violation in words: loop, dyad, positions and by how much.
    function describe_violation(problem, motion, violation, numbered) result(text)
       type(problem_t), intent(in) :: problem
@@ -280,6 +294,8 @@ contains
          text = text//'THE SLIDES ARE PARALLEL'
       case (violation_angle_small, violation_angle_large)
          text = text//'TRANSMISSION ANGLE '//amount()//', OUTSIDE 90 +- '//trim(adjustl(general(problem%tangle)))
+      case (violation_slides)
+         text = text//'ANGLE BETWEEN THE SLIDES '//amount()//', OUTSIDE 90 +- '//trim(adjustl(general(problem%slide_angle)))
       end select
       if (violation%first /= violation%last .and. violation%kind /= violation_parallel .and. &
           violation%kind /= violation_undetermined) then

@@ -6,7 +6,7 @@ module psalm_kalm
    use psalm_check_list, only: list_input
    use psalm_data_set, only: data_set_t, motion_point, motion_angle, motion_distance
    use psalm_error, only: problem_t, motion_t, make_problem
-   use psalm_finale, only: angle_text, describe_violation
+   use psalm_finale, only: angle_text, describe_violation, describe_crossing
    use psalm_kinds, only: wp
    use psalm_plan, only: step_point
    use psalm_rates, only: rates_t, prepare_rates, differentiate, output_rates, is_dead, at_origin, highest_order
@@ -311,6 +311,9 @@ contains
       type(devices_t), intent(inout) :: devices
       integer :: k, told
 
+      do k = 1, min(size(motion%crossings), most_told)
+         call devices%notes%add(set%file//': '//trim(set%title)//': warning: '//describe_crossing(motion, motion%crossings(k)))
+      end do
       if (.not. all(motion%closed)) then
          devices%code = max(devices%code, exit_violation)
          call devices%notes%add(set%file//': '//trim(set%title)//': the linkage does not close at '// &

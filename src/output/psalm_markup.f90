@@ -1,5 +1,6 @@
 !> Text and numbers inside SVG, HTML, JSON and gnuplot: what a user may have written in a title must not end a string there.
 module psalm_markup
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use psalm_kinds, only: wp
    use psalm_text, only: full_precision, to_text
    implicit none (type, external)
@@ -136,10 +137,10 @@ contains
       character(:), allocatable :: text
 
       text = 'null'
-      if (known) text = full_precision(value)
+      if (known .and. ieee_is_finite(value)) text = full_precision(value)
    end function number_or_null
 
-   !> Nine significant digits, or as many as wanted, without needless zeros.
+   !> Nine significant digits, or as many as wanted, without needless zeros. What is no number is 0: a picture has no place for it.
    pure function short_number(value, wanted) result(text)
       real(wp), intent(in) :: value
       integer, intent(in), optional :: wanted
@@ -150,6 +151,10 @@ contains
 
       digits = significant
       if (present(wanted)) digits = wanted
+      if (.not. ieee_is_finite(value)) then
+         text = '0'
+         return
+      end if
       if (abs(value) <= tiny(value)) then
          text = '0'
          return

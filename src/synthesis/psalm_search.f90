@@ -161,7 +161,7 @@ contains
    !> The starts of one thread: from, from + step ... until.
    subroutine make_starts(set, worker, from, until, step, first, supplied, elite, outcomes, state, monitor)
       type(data_set_t), intent(in) :: set
-      type(worker_t), intent(inout) :: worker
+      type(worker_t), intent(inout), target :: worker
       integer, intent(in) :: from, until, step
       real(wp), intent(in) :: first(:), supplied(:, :), elite(:, :)
       type(outcome_t), intent(inout) :: outcomes(:)
@@ -222,7 +222,7 @@ contains
    !> One start: draw it, make it close where that is easy, improve it, inspect it.
    subroutine one_start(set, worker, first, given, number, elite, outcome)
       type(data_set_t), intent(in) :: set
-      type(worker_t), intent(inout) :: worker
+      type(worker_t), intent(inout), target :: worker
       real(wp), intent(in) :: first(:), given(:)       !! shape (marble): the user's linkage; the one to start from
       integer, intent(in) :: number                    !! 1: start from the user's; above: from one drawn; below: from `given`
       real(wp), intent(in) :: elite(:, :)              !! shape (marble, any): the best linkages of the rounds before
@@ -306,7 +306,7 @@ contains
    !> Search on from what a start led to.
    subroutine refine(set, worker, first, outcome)
       type(data_set_t), intent(in) :: set
-      type(worker_t), intent(inout) :: worker
+      type(worker_t), intent(inout), target :: worker
       real(wp), intent(in) :: first(:)
       type(outcome_t), intent(inout) :: outcome
       type(outcome_t) :: finer
@@ -351,7 +351,7 @@ contains
    !> Improve, look for a better timing, inspect the range of the input; go back to work on what is found.
    subroutine work_on(set, worker, low, high, least_gain, number, outcome)
       type(data_set_t), intent(in) :: set
-      type(worker_t), intent(inout) :: worker
+      type(worker_t), intent(inout), target :: worker
       real(wp), intent(in) :: low(:), high(:)
       real(wp), intent(in) :: least_gain               !! of a step of least squares
       integer, intent(in) :: number
@@ -383,7 +383,7 @@ contains
       if (worker%merit%irange == range_positions .or. .not. outcome%feasible) return
       do round = 1, most_returns
          call worker%problem%topology%apply(outcome%values, worker%merit%dimensions)
-         call inspect(worker%inspector, worker%merit%dimensions, worker%merit%delt, margins)
+         call inspect(worker%inspector, worker%merit%dimensions, worker%merit%delt, margins, hasty=.true.)
          outcome%feasible = .not. any(is_violated(margins))
          if (outcome%feasible) return
          if (size(extra) >= extra_positions) return
