@@ -3,6 +3,7 @@
 !> A range is looked at in steps of half a degree; in every valley that may be the deepest the look is sharpened until a
 !> thousandth of that.
 module psalm_margins
+   use psalm_angles, only: arc_sine
    use psalm_constraint_group, only: region_t, range_positions, range_turn, region_box
    use psalm_data_set, only: data_set_t, motion_point
    use psalm_error, only: problem_t
@@ -280,7 +281,7 @@ contains
       case (margin_angle)
          ! past closing the sine stands for more than a right angle
          value = abs(station%k(i, margin%which))
-         value = inspector%tangle - (asin(min(value, 1.0_wp)) + max(value - 1.0_wp, 0.0_wp))*degrees_per_radian
+         value = inspector%tangle - (arc_sine(min(value, 1.0_wp)) + max(value - 1.0_wp, 0.0_wp)*degrees_per_radian)
       case (margin_guide)
          value = guide(station, margin%which)*(1.0_wp/max(station%k(i, margin%which), tiny(1.0_wp)**0.25_wp) - 1.0_wp)
       case default
