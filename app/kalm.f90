@@ -53,11 +53,12 @@ contains
       if (findings%failed() .or. .not. arguments%quiet) call show_findings(findings)
       code = max(code, findings%exit_code())
       if (findings%failed()) return
+      devices%wants_summary = .not. arguments%quiet
       do k = 1, size(sets)
          call run_kalm(sets(k), devices)
       end do
-      if (.not. arguments%quiet) call write_standard_error(devices%notes%content())
+      if (.not. arguments%quiet) call write_standard_error(devices%notes%content()//devices%summary%content())
       code = max(code, devices%code)
-      call write_devices(file, arguments%output_dir, '.kalm', devices, code)
+      call write_devices(file, arguments%output_dir, '.kalm', devices, .not. arguments%quiet, code)
    end subroutine run_file
 end program kalm

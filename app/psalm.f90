@@ -66,14 +66,15 @@ contains
       if (findings%failed() .or. .not. arguments%quiet) call show_findings(findings)
       code = max(code, findings%exit_code())
       if (findings%failed()) return
+      devices%wants_summary = .not. arguments%quiet
       do k = 1, size(sets)
          call run_case(sets(k), supplies(k)%vertices, arguments%threads, devices, monitor)
          if (devices%interrupted) exit
       end do
       if (monitor%active) call write_standard_error(nl)
-      if (.not. arguments%quiet) call write_standard_error(devices%notes%content())
+      if (.not. arguments%quiet) call write_standard_error(devices%notes%content()//devices%summary%content())
       code = max(code, devices%code)
       interrupted = devices%interrupted
-      call write_devices(file, arguments%output_dir, '', devices, code)
+      call write_devices(file, arguments%output_dir, '', devices, .not. arguments%quiet, code)
    end subroutine run_file
 end program psalm

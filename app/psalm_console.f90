@@ -182,21 +182,24 @@ contains
    end subroutine show_findings
 
    !> Write the files of the devices, then the listing; the exit status is raised if something cannot be written.
-   subroutine write_devices(file, output_dir, suffix, devices, code)
+   subroutine write_devices(file, output_dir, suffix, devices, tell, code)
       character(*), intent(in) :: file, output_dir
       character(*), intent(in) :: suffix      !! between the case's name and .devN
       type(devices_t), intent(in) :: devices
+      logical, intent(in) :: tell             !! name the files on standard error
       integer, intent(inout) :: code
-      character(:), allocatable :: stem
+      character(:), allocatable :: stem, written
       logical :: done
 
       stem = stem_of(file, output_dir)//suffix
+      written = ''
       if (len(output_dir) > 0) call make_directory(output_dir)
-      if (devices%one%length > 0) call write_one('1', devices%one%content())
-      if (devices%two%length > 0) call write_one('2', devices%two%content())
-      if (devices%seven%length > 0) call write_one('7', devices%seven%content())
-      if (devices%eight%length > 0) call write_one('8', devices%eight%content())
-      if (devices%nine%length > 0) call write_one('9', devices%nine%content())
+      if (devices%one%length > 0) call write_one('1', 'search', devices%one%content())
+      if (devices%two%length > 0) call write_one('2', 'first simplex', devices%two%content())
+      if (devices%seven%length > 0) call write_one('7', 'linkage as a data set', devices%seven%content())
+      if (devices%eight%length > 0) call write_one('8', 'input as read', devices%eight%content())
+      if (devices%nine%length > 0) call write_one('9', 'table for plotting', devices%nine%content())
+      if (tell .and. len(written) > 0) call write_standard_error('Written: '//stem//written//new_line('a'))
       call write_standard_output(devices%six%content(), done)
       if (.not. done) then
          call write_standard_error('cannot write the listing to standard output'//new_line('a'))
@@ -205,11 +208,15 @@ contains
 
    contains
 
-      subroutine write_one(number, text)
-         character(*), intent(in) :: number, text
+      subroutine write_one(number, purpose, text)
+         character(*), intent(in) :: number, purpose, text
 
          call write_whole_file(stem//'.dev'//number, text, done)
-         if (done) return
+         if (done) then
+            if (len(written) > 0) written = written//', '
+            written = written//'.dev'//number//' ('//purpose//')'
+            return
+         end if
          call write_standard_error("cannot write '"//stem//'.dev'//number//"'"//new_line('a'))
          code = exit_file_trouble
       end subroutine write_one

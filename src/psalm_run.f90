@@ -22,12 +22,14 @@ module psalm_run
    use psalm_source, only: line_t
    use psalm_start, only: simplex_t, start_simplex, read_vertices
    use psalm_status, only: diagnostics_t, exit_done, exit_violation
+   use psalm_summary, only: summary_t, summarise
+   use psalm_summary_text, only: write_summary
    use psalm_sweep, only: sweep_inputs
    use psalm_text, only: text_t, general, to_text
    use psalm_tolerance, only: tolerance_t, sample_t, find_tolerances, draw_sample, list_tolerances, plot_tolerances
    implicit none (type, external)
    private
-   public :: devices_t, version, check_case, run_case
+   public :: devices_t, version, check_case, run_case, sum_up
 
    character(*), parameter :: version = '0.1.0' !! of the suite, as in fpm.toml
 
@@ -42,6 +44,8 @@ module psalm_run
       type(text_t) :: eight   !! annotated input, intermediate arrays, all arcs
       type(text_t) :: nine    !! plotting data
       type(text_t) :: notes   !! remarks for standard error
+      type(text_t) :: summary !! what the linkage does, for standard error
+      logical :: wants_summary = .false. !! asked for by the caller
       integer :: code = exit_done !! exit status so far
       logical :: interrupted = .false. !! a signal came: no further case is to be run
    end type devices_t
@@ -117,7 +121,21 @@ contains
          call tolerances(final, dimensions, threads, devices)
       end if
       call note_violations(set, problem, motion, devices)
+      if (devices%wants_summary) call sum_up(set, problem, dimensions, motion, devices)
    end subroutine run_case
+
+   !> What the linkage does over the range of its input, in words.
+   subroutine sum_up(set, problem, dimensions, motion, devices)
+      type(data_set_t), intent(in) :: set
+      type(problem_t), intent(in) :: problem
+      type(dimensions_t), intent(in) :: dimensions
+      type(motion_t), intent(in) :: motion
+      type(devices_t), intent(inout) :: devices
+      type(summary_t) :: summary
+
+      call summarise(problem, dimensions, motion, summary)
+      call write_summary(set%title, summary, devices%summary)
+   end subroutine sum_up
 
    !> Margins of every constraint; a linkage that violates one is no success.
    subroutine judge(set, problem, dimensions, devices)

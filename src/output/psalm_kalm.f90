@@ -12,7 +12,7 @@ module psalm_kalm
    use psalm_kinds, only: wp, radians_per_degree
    use psalm_plan, only: step_point
    use psalm_rates, only: rates_t, prepare_rates, differentiate, output_rates, is_dead, at_origin, highest_order
-   use psalm_run, only: devices_t, version
+   use psalm_run, only: devices_t, sum_up, version
    use psalm_setup, only: set_up
    use psalm_status, only: diagnostics_t, exit_violation
    use psalm_text, only: text_t, full_precision, general, lower_case, to_text
@@ -57,6 +57,7 @@ contains
       call list_rates(set, problem, motion, rates, devices%six)
       call write_table(set, problem, motion, rates, devices%nine)
       call note_trouble(set, problem, motion, rates, devices)
+      if (devices%wants_summary) call sum_up(set, problem, dimensions, motion, devices)
    end subroutine run_kalm
 
    !> Derivatives by time from derivatives by the input that moves at a speed and an acceleration.
