@@ -154,7 +154,7 @@ contains
       real(dp) :: s_head, s_tail, c_head, c_tail, sine, cosine, side
       integer :: k
 
-      k = nint(degrees)
+      k = int(degrees + sign(0.5_dp, degrees))
       away = degrees - real(k, dp)
       side = sign(1.0_dp, real(k, dp))
       s_head = side*sine_table(1, abs(k))
