@@ -65,10 +65,11 @@ contains
       call prepare_outputs(arguments, stem, endings, ready, code)
       if (.not. ready) return
       devices%mark = mark%name()
+      devices%wants_summary = .not. arguments%quiet
       do k = 1, size(sets)
          call run_kalm(sets(k), devices)
       end do
-      if (.not. arguments%quiet) call write_standard_error(devices%notes%content())
+      if (.not. arguments%quiet) call write_standard_error(devices%notes%content()//devices%summary%content())
       code = max(code, devices%code)
       call write_devices(arguments, stem, devices, code)
    end subroutine run_file

@@ -82,12 +82,13 @@ contains
       call prepare_outputs(arguments, stem, endings(:k), ready, code)
       if (.not. ready) return
       devices%mark = mark%name()
+      devices%wants_summary = .not. arguments%quiet
       do k = 1, size(sets)
          call run_case(sets(k), supplies(k)%vertices, arguments%threads, devices, monitor)
          if (devices%interrupted) exit
       end do
       if (monitor%active) call write_standard_error(nl)
-      if (.not. arguments%quiet) call write_standard_error(devices%notes%content())
+      if (.not. arguments%quiet) call write_standard_error(devices%notes%content()//devices%summary%content())
       code = max(code, devices%code)
       call write_devices(arguments, stem, devices, code)
       interrupted = devices%interrupted

@@ -302,30 +302,43 @@ contains
       type(devices_t), intent(in) :: devices
       integer, intent(inout) :: code
       type(exchange_t) :: files
-      character(:), allocatable :: nine
+      character(:), allocatable :: nine, written
       logical :: done
       integer :: first_line
 
+      written = ''
       call files%begin(directory_of(stem), arguments%inputs)
-      if (devices%one%length > 0) call files%add(stem//'.dev1', '! run '//devices%mark//nl//devices%one%content())
-      if (devices%two%length > 0) call files%add(stem//'.dev2', '! run '//devices%mark//nl//devices%two%content())
-      if (devices%seven%length > 0) call files%add(stem//'.dev7', '! run '//devices%mark//nl//devices%seven%content())
-      if (devices%eight%length > 0) call files%add(stem//'.dev8', devices%eight%content()) ! has it in its header
+      if (devices%one%length > 0) call add('1', 'search', '! run '//devices%mark//nl//devices%one%content())
+      if (devices%two%length > 0) call add('2', 'first simplex', '! run '//devices%mark//nl//devices%two%content())
+      if (devices%seven%length > 0) call add('7', 'linkage as a data set', '! run '//devices%mark//nl//devices%seven%content())
+      if (devices%eight%length > 0) call add('8', 'input as read', devices%eight%content()) ! has the mark in its header
       if (devices%nine%length > 0) then
          ! the first line names the columns, where programs that plot look for them
          nine = devices%nine%content()
          first_line = index(nine, nl)
-         call files%add(stem//'.dev9', nine(:first_line)//'# run '//devices%mark//nl//nine(first_line + 1:))
+         call add('9', 'table for plotting', nine(:first_line)//'# run '//devices%mark//nl//nine(first_line + 1:))
       end if
       call files%finish()
       if (files%code /= exit_done) then
          call say(arguments%program, files%message)
          code = max(code, files%code)
+      else if (.not. arguments%quiet .and. len(written) > 0) then
+         call write_standard_error('Written: '//stem//written//nl)
       end if
       call write_standard_output(devices%six%content(), done)
       if (done) return
       call say(arguments%program, 'cannot write the listing to standard output')
       code = exit_file_trouble
+
+   contains
+
+      subroutine add(number, purpose, text)
+         character(*), intent(in) :: number, purpose, text
+
+         call files%add(stem//'.dev'//number, text)
+         if (len(written) > 0) written = written//', '
+         written = written//'.dev'//number//' ('//purpose//')'
+      end subroutine add
    end subroutine write_devices
 
    !> Name of the devices' files without `.devN`: that of the case without its ending.

@@ -26,13 +26,15 @@ module psalm_run
    use psalm_source, only: line_t
    use psalm_start, only: simplex_t, start_simplex, read_vertices
    use psalm_status, only: diagnostics_t, exit_done, exit_violation
+   use psalm_summary, only: summary_t, summarise
+   use psalm_summary_text, only: write_summary
    use psalm_sweep, only: sweep_inputs
    use psalm_system, only: memory_to_be_had, threads_to_be_had
    use psalm_text, only: text_t, general, to_text
    use psalm_tolerance, only: tolerance_t, sample_t, find_tolerances, draw_sample, list_tolerances, plot_tolerances
    implicit none (type, external)
    private
-   public :: devices_t, demand_t, version, check_case, run_case, header_of
+   public :: devices_t, demand_t, version, check_case, run_case, sum_up, header_of
 
    character(*), parameter :: version = '0.1.0' !! of the suite, as in fpm.toml
 
@@ -55,6 +57,8 @@ module psalm_run
       type(text_t) :: eight   !! annotated input, intermediate arrays, all arcs
       type(text_t) :: nine    !! plotting data
       type(text_t) :: notes   !! remarks for standard error
+      type(text_t) :: summary !! what the linkage does, for standard error
+      logical :: wants_summary = .false. !! asked for by the caller
       integer :: code = exit_done !! exit status so far
       logical :: interrupted = .false. !! a signal came: no further case is to be run
       type(interrupt_t) :: interrupt   !! holds signals once there are results of a search or sample; to be released by the caller
@@ -162,8 +166,22 @@ contains
       end if
       call note_violations(set, problem, motion, devices)
       call find_doubts(set%file//': '//trim(set%title)//': ', topology, problem, dimensions, motion, devices%notes)
+      if (devices%wants_summary) call sum_up(set, problem, dimensions, motion, devices)
       devices%interrupted = interrupt%signalled()
    end subroutine run_case
+
+   !> What the linkage does over the range of its input, in words.
+   subroutine sum_up(set, problem, dimensions, motion, devices)
+      type(data_set_t), intent(in) :: set
+      type(problem_t), intent(in) :: problem
+      type(dimensions_t), intent(in) :: dimensions
+      type(motion_t), intent(in) :: motion
+      type(devices_t), intent(inout) :: devices
+      type(summary_t) :: summary
+
+      call summarise(problem, dimensions, motion, summary)
+      call write_summary(set%title, summary, devices%summary)
+   end subroutine sum_up
 
    !> Margins of every constraint; a linkage that violates one is no success.
    subroutine judge(set, problem, dimensions, devices)

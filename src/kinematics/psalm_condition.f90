@@ -7,6 +7,7 @@
 !> Derivation: `doc/theory.md`, section Condition.
 module psalm_condition
    use psalm_data_set, only: motion_angle, motion_slide
+   use psalm_elementary, only: hypotenuse
    use psalm_error, only: problem_t
    use psalm_kinds, only: wp, radians_per_degree
    use psalm_linkage, only: linkage_t
@@ -73,8 +74,9 @@ contains
             x = value(link, link%out_x, i)*link%scale
             y = value(link, link%out_y, i)*link%scale
             number = condition%point(plan%output_point) + abs(problem%out_length)*link%scale*(arc + 1.0_wp) &
-                     + hypot(problem%origin_x, problem%origin_y)*link%scale*(2.0_wp + abs(problem%origin_angle)*radians_per_degree)
-            if (problem%motion == 0) x = hypot(x, y)
+                     + hypotenuse(problem%origin_x, problem%origin_y)*link%scale &
+                     *(2.0_wp + abs(problem%origin_angle)*radians_per_degree)
+            if (problem%motion == 0) x = hypotenuse(x, y)
             number = 1.0_wp + ratio(number, abs(x))
          end select
          number = min(number, worst)
@@ -117,7 +119,7 @@ contains
          length = link%length(step%arc)
          if (plan%length_slot(step%arc) > 0) length = abs(value(link, link%slide(plan%length_slot(step%arc)), i))
          condition%point(step%to) = condition%point(step%from) + length*(of_arc(link, plan, step%arc, condition) + 1.0_wp) &
-            + hypot(value(link, link%point_x(step%to), i), value(link, link%point_y(step%to), i))
+            + hypotenuse(value(link, link%point_x(step%to), i), value(link, link%point_y(step%to), i))
          if (plan%length_slot(step%arc) > 0) condition%point(step%to) = condition%point(step%to) &
                                                                         + condition%slide(plan%length_slot(step%arc))
       end associate
@@ -133,7 +135,7 @@ contains
       associate (step => plan%steps(m), dyad => link%steps(m))
          s = condition%point(step%from)
          e = condition%point(step%to)
-         h = hypot(value(link, dyad%to_x, i) - value(link, dyad%from_x, i), &
+         h = hypotenuse(value(link, dyad%to_x, i) - value(link, dyad%from_x, i), &
                    value(link, dyad%to_y, i) - value(link, dyad%from_y, i))
          gap = s + e + h    ! bound of h
          reach = value(link, dyad%reach_row, i)

@@ -3,7 +3,7 @@
 !> A `problem_t` is everything an analysis or a search works on: topology, plan, inputs, desired values and weights, and a
 !> linkage to move. Source of motions and objective: Oldham (1977), chapter 5 and appendix B.
 module psalm_error
-   use psalm_angles, only: unit_vector, angles_between, degrees_of, within_turn
+   use psalm_angles, only: unit_vector, angles_between, arc_sine, degrees_of, within_turn
    use psalm_data_set, only: data_set_t, motion_point, motion_angle, motion_distance, motion_slide
    use psalm_kinds, only: wp, degrees_per_radian
    use psalm_linkage, only: linkage_t, padded
@@ -688,7 +688,7 @@ contains
             violation%amount = 0.0_wp
             if (self%linkage%closes(i, loop)) then
                violation%kind = violation_slides
-               violation%amount = asin(min(abs(reach), 1.0_wp))*degrees_per_radian
+               violation%amount = arc_sine(min(abs(reach), 1.0_wp))
             end if
             return
          end select

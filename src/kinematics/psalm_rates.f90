@@ -6,6 +6,7 @@
 !> `doc/theory.md`, Rates.
 module psalm_rates
    use psalm_data_set, only: motion_angle, motion_distance, motion_slide
+   use psalm_elementary, only: hypotenuse
    use psalm_error, only: problem_t
    use psalm_kinds, only: wp
    use psalm_linkage, only: bound_step_t, line_elements, offset_to_line, padded
@@ -430,12 +431,12 @@ contains
          px = px + link%store(link%point_x(plan%output_point) + i - 1)*back + problem%origin_x
          py = py + link%store(link%point_y(plan%output_point) + i - 1)*back + problem%origin_y
          ! at the origin the distance has a corner and no derivative
-         if (hypot(px, py) <= at_origin*max(r, maxval(link%length)*back)) then
+         if (hypotenuse(px, py) <= at_origin*max(r, maxval(link%length)*back)) then
             x = 0.0_wp
             y = 0.0_wp
             return
          end if
-         r = hypot(px, py)
+         r = hypotenuse(px, py)
          ! r r' = x x' + y y', and its derivatives
          w1 = (px*x(1) + py*y(1))/r
          w2 = (px*x(2) + py*y(2) + x(1)**2 + y(1)**2 - w1*w1)/r

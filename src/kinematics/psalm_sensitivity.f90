@@ -6,6 +6,7 @@
 module psalm_sensitivity
    use psalm_angles, only: angles_between
    use psalm_data_set, only: motion_point, motion_angle, motion_distance, motion_slide
+   use psalm_elementary, only: hypotenuse
    use psalm_error, only: problem_t
    use psalm_kinds, only: wp, radians_per_degree, degrees_per_radian
    use psalm_linkage, only: bound_step_t, padded
@@ -472,7 +473,7 @@ contains
          if (problem%motion /= motion_distance) return
          do i = 1, n
             call output_vector(problem, i, ex, ey)
-            w = hypot(ex, ey)
+            w = hypotenuse(ex, ey)
             if (w > 0.0_wp) dx(i) = (ex/w)*dx(i) + (ey/w)*dy(i)
             dy(i) = 0.0_wp
          end do
@@ -611,7 +612,7 @@ contains
                bx = -2.0_wp*bx
                by = -2.0_wp*by
             else
-               r = hypot(x, y)
+               r = hypotenuse(x, y)
                e = problem%wanted(k) - r
                objective = objective + problem%weight(k)*e*e
                bar = -2.0_wp*problem%weight(k)*e

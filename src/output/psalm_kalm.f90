@@ -3,14 +3,16 @@
 !> Derivatives are taken with respect to the input (per radian, or per unit of length of a sliding input) and with respect to
 !> time, for the speed and acceleration of the group RATES. Source: Haines (about 1982), section 15.1; Oldham (1977), 9.3.1.
 module psalm_kalm
+   use psalm_angles, only: degrees_of
    use psalm_check_list, only: list_input
    use psalm_data_set, only: data_set_t, motion_point, motion_angle, motion_distance
+   use psalm_elementary, only: hypotenuse
    use psalm_error, only: problem_t, motion_t, make_problem
    use psalm_finale, only: angle_text, describe_violation, describe_crossing
-   use psalm_kinds, only: wp
+   use psalm_kinds, only: wp, radians_per_degree
    use psalm_plan, only: step_point
    use psalm_rates, only: rates_t, prepare_rates, differentiate, output_rates, is_dead, at_origin, highest_order
-   use psalm_run, only: devices_t, header_of
+   use psalm_run, only: devices_t, sum_up, header_of
    use psalm_setup, only: set_up
    use psalm_status, only: diagnostics_t, exit_violation
    use psalm_text, only: text_t, full_precision, general, lower_case, to_text
@@ -55,6 +57,7 @@ contains
       call list_rates(set, problem, motion, rates, devices%six)
       call write_table(set, problem, motion, rates, devices%nine)
       call note_trouble(set, problem, motion, rates, devices)
+      if (devices%wants_summary) call sum_up(set, problem, dimensions, motion, devices)
    end subroutine run_kalm
 
    !> Derivatives by time from derivatives by the input that moves at a speed and an acceleration.
@@ -132,8 +135,8 @@ contains
             end if
             angle = in_time(rates%d(problem%linkage%root_x(problem%plan%root(n)) + i - 1, :), set%speed, set%accel)
             name = repeat(' ', 6 - len(to_text(loop)))//to_text(loop)//repeat(' ', 5 - len(to_text(a)))//to_text(a)
-            call text%add(name//general(length)//general(slide(1))//general(slide(2))//general(atan2(y, x))//general(angle(1))// &
-                          general(angle(2)))
+            call text%add(name//general(length)//general(slide(1))//general(slide(2))// &
+                          general(degrees_of(x, y)*radians_per_degree)//general(angle(1))//general(angle(2)))
          end do
       end do
       call text%add('  JOINT AT THE END OF ARC     X              Y            VX             VY             AX             AY')
@@ -194,7 +197,7 @@ contains
          else if (problem%motion == motion_point) then
             line = line//general(motion%actual(k))//general(motion%actual_y(k))//general(rates%xt(1, k))// &
                    general(rates%yt(1, k))//general(rates%xt(2, k))//general(rates%yt(2, k))// &
-                   general(hypot(rates%xt(1, k), rates%yt(1, k)))
+                   general(hypotenuse(rates%xt(1, k), rates%yt(1, k)))
          else
             line = line//general(motion%actual(k))//general(rates%xt(1, k))//general(rates%xt(2, k))//general(rates%xt(3, k))// &
                    general(rates%x(1, k))

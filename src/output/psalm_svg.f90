@@ -7,6 +7,7 @@ module psalm_svg
    use psalm_angles, only: degrees_of, unit_vector
    use psalm_constraint_group, only: region_box, region_half_plane
    use psalm_data_set, only: motion_point, motion_angle, motion_distance, motion_slide
+   use psalm_elementary, only: hypotenuse
    use psalm_kinds, only: wp
    use psalm_labels, only: place_labels
    use psalm_markup, only: xml_text, short_number, wrapped, strings_t, add_string
@@ -215,7 +216,7 @@ contains
                              full_precision(region%at(4))//'H'//full_precision(region%at(1))//'Z"/>')
             case (region_half_plane)
                call unit_vector(region%at(3), c, s)
-               far = 2.0_wp*(maxval(scene%high - scene%low) + hypot(region%at(1) - scene%low(1), region%at(2) - scene%low(2)))
+               far = 2.0_wp*(maxval(scene%high - scene%low) + hypotenuse(region%at(1) - scene%low(1), region%at(2) - scene%low(2)))
                strip = merge(-region_strip, region_strip, region%stay_inside)/k
                call text%add('<path'//start//' d="M'//pair(region%at(1) - far*c, region%at(2) - far*s)//'L'// &
                              pair(region%at(1) + far*c, region%at(2) + far*s)//'l'//pair(-strip*s, strip*c)//'l'// &

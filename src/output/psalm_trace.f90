@@ -6,6 +6,7 @@ module psalm_trace
    use psalm_angles, only: degrees_of
    use psalm_chain, only: chain_t
    use psalm_data_set, only: motion_point
+   use psalm_elementary, only: hypotenuse
    use psalm_error, only: problem_t, motion_t, violation_t
    use psalm_finale, only: describe_violation
    use psalm_kinds, only: wp
@@ -186,7 +187,7 @@ contains
          real(wp) :: length, unit
 
          call problem%linkage%arc_at(problem%plan, n, i, x, y, length)
-         unit = hypot(x, y)
+         unit = hypotenuse(x, y)
          if (problem%plan%length_slot(n) > 0 .or. unit <= tiny(unit)) then
             x = 0.0_wp
             y = 0.0_wp

@@ -4,6 +4,7 @@
 !> thousandth of that. Near a dead point all that hangs on the dyad may swing round within a small part of a step: there
 !> everything is looked at again, in steps that shrink towards the dead point by the same ratio as far as numbers go.
 module psalm_margins
+   use psalm_angles, only: arc_sine
    use psalm_constraint_group, only: region_t, range_positions, range_turn, region_box
    use psalm_data_set, only: data_set_t, motion_point
    use psalm_error, only: problem_t
@@ -470,11 +471,10 @@ contains
       case (margin_angle)
          ! past closing the sine stands for more than a right angle
          value = abs(station%k(i, margin%which))
-         value = inspector%tangle - (asin(min(value, 1.0_wp)) + max(value - 1.0_wp, 0.0_wp))*degrees_per_radian
+         value = inspector%tangle - (arc_sine(min(value, 1.0_wp)) + max(value - 1.0_wp, 0.0_wp)*degrees_per_radian)
       case (margin_slides)
          ! the angle between them, negative past parallel, less what is to remain of it
-         value = inspector%slide_angle - right_angle &
-                 + asin(max(-1.0_wp, min(1.0_wp - station%k(i, margin%which), 1.0_wp)))*degrees_per_radian
+         value = inspector%slide_angle - right_angle + arc_sine(max(-1.0_wp, min(1.0_wp - station%k(i, margin%which), 1.0_wp)))
       case (margin_guide)
          value = guide(station, margin%which)*(1.0_wp/max(station%k(i, margin%which), tiny(1.0_wp)**0.25_wp) - 1.0_wp)
       case default

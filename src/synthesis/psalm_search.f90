@@ -6,6 +6,7 @@ module psalm_search
    use psalm_constr, only: constraints_t, repair_count_t, make_constraints, constrain
    use psalm_constraint_group, only: range_positions
    use psalm_data_set, only: data_set_t
+   use psalm_elementary, only: fractional_power
    use psalm_error, only: problem_t
    use psalm_interrupt, only: interrupt_t
    use psalm_kinds, only: wp, i8, full_turn, right_angle
@@ -344,7 +345,7 @@ contains
       do v = 1, size(low)
          call random%next(deviate)
          values(v) = low(v) + deviate*(high(v) - low(v))
-         if (by_ratio(v) .and. mod(number, 2) == 1) values(v) = low(v)*(high(v)/low(v))**deviate
+         if (by_ratio(v) .and. mod(number, 2) == 1) values(v) = low(v)*fractional_power(high(v)/low(v), deviate)
       end do
    end function drawn
 

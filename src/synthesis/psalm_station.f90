@@ -5,7 +5,7 @@
 !> continuous across closing, so that a search can cross it and come back. The derivatives are exact where the linkage closes;
 !> at open positions they are one-sided differences.
 module psalm_station
-   use psalm_angles, only: angles_between
+   use psalm_angles, only: angles_between, angles_of
    use psalm_data_set, only: motion_point, motion_angle
    use psalm_error, only: problem_t
    use psalm_kinds, only: wp, degrees_per_radian
@@ -123,7 +123,7 @@ contains
                      if (problem%motion == motion_point) &
                         station%out(offset + 1:offset + n, 2) = y(:n) - problem%wanted_y(offset + 1:offset + n)
                   else if (problem%motion == motion_angle) then
-                     station%out(offset + 1:offset + n, 1) = atan2(y(:n), x(:n))*degrees_per_radian
+                     call angles_of(n, x(:n), y(:n), station%out(offset + 1:offset + n, 1))
                   else
                      station%out(offset + 1:offset + n, 1) = x(:n)
                      station%out(offset + 1:offset + n, 2) = y(:n)

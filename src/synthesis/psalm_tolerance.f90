@@ -6,6 +6,7 @@
 !> Source: Oldham (1977), section 8.2.5 and chapter 1.
 module psalm_tolerance
    use psalm_data_set, only: data_set_t, motion_point
+   use psalm_elementary, only: hypotenuse
    use psalm_error, only: problem_t, motion_t, make_problem
    use psalm_finale, only: angle_text
    use psalm_interrupt, only: interrupt_t
@@ -305,7 +306,7 @@ contains
       call text%add(' EFFECT OF TOLERANCES ON THE OUTPUT')
       call text%add(' DIMENSION                          TOLERANCE  LARGEST EFFECT  AT POSITION')
       do v = 1, size(linear%tolerance)
-         size_of = hypot(linear%dx(:, v), linear%dy(:, v))
+         size_of = hypotenuse(linear%dx(:, v), linear%dy(:, v))
          worst = maxloc(size_of, dim=1)
          line = ' '//name_of(linear%problem%topology%variables(v))
          line = line//repeat(' ', max(1, 30 - len(line)))//general(linear%tolerance(v))
