@@ -5,7 +5,7 @@
 module psalm_error
    use psalm_angles, only: unit_vector, angles_between, arc_sine, degrees_of, within_turn
    use psalm_data_set, only: data_set_t, motion_point, motion_angle, motion_distance, motion_slide
-   use psalm_kinds, only: wp, degrees_per_radian
+   use psalm_kinds, only: wp
    use psalm_linkage, only: linkage_t, padded
    use psalm_plan, only: plan_t, make_plan
    use psalm_topology, only: topology_t, dimensions_t
