@@ -137,7 +137,7 @@ check 'KTHETA lists condition numbers' test "$(grep -c 'CONDITION NUMBER' icond.
 
 # nothing is written inside an evaluation: its modules know no output statement
 for m in psalm_angles psalm_dyads psalm_linkage psalm_error psalm_plan; do
-    o=$(find "$top/build" -name "src_kinematics_$m.f90.o" -newer "$top/fpm.toml" | head -1)
+    o=$(find "$top/build" -name "src_*_$m.f90.o" -printf '%T@ %p\n' | sort -n | sed -n '$s/^[^ ]* //p')
     if [ -n "$o" ] && ! nm -u "$o" | grep -qE '_gfortran_st_(write|read|open|close)'; then ok
     else bad "$m: no input or output"; fi
 done
