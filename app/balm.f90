@@ -1,13 +1,17 @@
 !> balm: pictures of planar linkages from a namelist file.
 program balm
    use psalm_balm, only: balm_t, picture_t, make_scenes, draw_file, draw_curves
-   use psalm_console, only: arguments_t, begin, show_findings, stem_of
+   use psalm_console, only: arguments_t, begin, begin_mark, prepare_outputs, say, show_findings, stem_of
    use psalm_data_set, only: data_set_t, read_data_sets
+   use psalm_files, only: exchange_t, directory_of
+   use psalm_mark, only: mark_t
    use psalm_source, only: line_t, read_lines
-   use psalm_status, only: diagnostics_t, exit_file_trouble
-   use psalm_system, only: make_directory, move_file, write_standard_error, write_whole_file
+   use psalm_status, only: diagnostics_t, exit_done, exit_file_trouble
+   use psalm_system, only: held_signals_t, error_text, finish_program, make_private_directory, remove_file, stage, &
+                           write_standard_error
    implicit none (type, external)
    character(*), parameter :: nl = new_line('a')
+   character(*), parameter :: endings(*) = [character(5) :: '.svg', '.html', '.dxf', '.gp', '.png', '.pdf']
    type(arguments_t) :: arguments
    logical :: finished
    integer :: code, i
@@ -25,13 +29,14 @@ program balm
       '  --help            print this text'//nl// &
       nl//'Exit status: 0 done; 1 done, but the linkage violates closure or transmission limits; 2 the input is wrong'//nl// &
       '(the pictures show the messages); 3 a file could not be read or written, or gnuplot failed.'//nl, &
-      arguments, finished)
+      endings, arguments, finished)
    code = arguments%code
-   if (finished) stop code, quiet=.true.
+   if (finished) call finish_program(code)
    do i = 1, size(arguments%files)
       call run_file(trim(arguments%files(i)))
+      if (arguments%no_place) exit
    end do
-   stop code, quiet=.true.
+   call finish_program(code)
 
 contains
 
@@ -40,84 +45,148 @@ contains
       type(diagnostics_t) :: findings
       type(data_set_t), allocatable :: sets(:)
       type(balm_t) :: scenes
-      type(picture_t), allocatable :: pictures(:)
-      character(:), allocatable :: stem
+      type(picture_t), allocatable :: pictures(:), scripts(:)
+      type(exchange_t) :: files
+      type(held_signals_t) :: held
+      type(mark_t) :: mark
+      character(:), allocatable :: stem, workshop
+      logical :: ready
       integer :: k
 
-      call read_data_sets(file, sets, findings)
+      mark = begin_mark(arguments%program)
+      if (arguments%assemblies) call mark%add('--assemblies')
+      call read_data_sets(file, sets, findings, program='balm', mark=mark)
       call make_scenes(sets, findings, scenes)
       if (findings%failed() .or. .not. arguments%quiet) call show_findings(findings)
       if (.not. arguments%quiet) call write_standard_error(scenes%notes%content())
       code = max(code, findings%exit_code(), scenes%code)
+      if (findings%exit_code() == exit_file_trouble) return
       stem = stem_of(file, arguments%output_dir)
-      if (len(arguments%output_dir) > 0 .and. size(sets) > 0) call make_directory(arguments%output_dir)
-      call draw_file(scenes, arguments%assemblies, pictures)
+      allocate (scripts(0))
+      if (arguments%curves) call draw_scripts(scenes, stem, mark, scripts)
+      call draw_file(scenes, arguments%assemblies, mark%name(), pictures)
+      if (size(pictures) == 0) return
+      call prepare_outputs(arguments, stem, pictures%ending, ready, code)
+      if (.not. ready) return
+      workshop = ''
+      if (size(scripts) > 0) then
+         ! signals wait, so that nothing is left beside; the terminal's Ctrl-C still stops gnuplot
+         call held%hold(gently=.true.)
+         call plot(stem, scripts, workshop)
+      end if
+      call files%begin(directory_of(stem), arguments%inputs)
       do k = 1, size(pictures)
-         call write_one(stem//pictures(k)%ending, pictures(k)%content)
+         call files%add(stem//trim(pictures(k)%ending), pictures(k)%content)
       end do
-      if (arguments%curves) call plot(scenes, stem)
+      do k = 1, size(scripts)
+         call files%add(stem//trim(scripts(k)%ending)//'.gp', scripts(k)%content)
+         if (.not. scripts(k)%made) cycle
+         call files%adopt(stem//trim(scripts(k)%ending)//'.png', inside(workshop, stem, scripts(k), '.png'))
+         call files%adopt(stem//trim(scripts(k)%ending)//'.pdf', inside(workshop, stem, scripts(k), '.pdf'))
+      end do
+      call files%finish()
+      if (len(workshop) > 0) call clear(workshop, stem, scripts)
+      call held%release()
+      if (files%code == exit_done) return
+      call say(arguments%program, files%message)
+      code = max(code, files%code)
    end subroutine run_file
 
-   subroutine write_one(path, text)
-      character(*), intent(in) :: path, text
-      logical :: done
-
-      call write_whole_file(path, text, done)
-      if (done) return
-      call write_standard_error("cannot write '"//path//"'"//nl)
-      code = exit_file_trouble
-   end subroutine write_one
-
-   !> Scripts for gnuplot, and the pictures it makes of them.
-   subroutine plot(scenes, stem)
+   !> Scripts for gnuplot; device 1 of the case, if it is there, has the convergence.
+   subroutine draw_scripts(scenes, stem, mark, scripts)
       type(balm_t), intent(in) :: scenes
       character(*), intent(in) :: stem
-      type(picture_t), allocatable :: scripts(:)
+      type(mark_t), intent(inout) :: mark         !! takes device 1 in
+      type(picture_t), allocatable, intent(out) :: scripts(:)
       type(line_t), allocatable :: progress(:)
       type(diagnostics_t) :: unused
-      character(:), allocatable :: directory, name, script
-      logical :: there, made, moved
-      integer :: k, slash, status, failed
+      logical :: there
+      integer :: k
 
-      slash = index(stem, '/', back=.true.)
-      directory = './'
-      if (slash > 0) directory = stem(:slash)
-      if (directory(1:1) == '-') directory = './'//directory
-      name = stem(slash + 1:)
       allocate (progress(0))
       inquire (file=stem//'.dev1', exist=there)
       if (there) call read_lines(stem//'.dev1', progress, unused)
-      call draw_curves(scenes, name, progress, scripts)
+      do k = 1, size(progress)
+         call mark%add(progress(k)%text)
+      end do
+      call draw_curves(scenes, name_of(stem), progress, mark%name(), scripts)
+   end subroutine draw_scripts
+
+   !> Let gnuplot make the pictures in a directory of our own.
+   subroutine plot(stem, scripts, workshop)
+      character(*), intent(in) :: stem
+      type(picture_t), intent(inout) :: scripts(:)      !! `made` tells whether gnuplot did
+      character(:), allocatable, intent(out) :: workshop !! that directory, empty if it cannot be made
+      character(:), allocatable :: beside
+      integer :: k, status, failed, error
+
+      call make_private_directory(stem, workshop, error)
+      if (error /= 0) then
+         call say(arguments%program, "cannot make the directory '"//workshop//"'"//error_text(error))
+         code = exit_file_trouble
+         workshop = ''
+         return
+      end if
       do k = 1, size(scripts)
-         script = name//scripts(k)%ending//'.gp'
-         call write_one(stem//scripts(k)%ending//'.gp', scripts(k)%content)
-         call execute_command_line('cd '//shell_word(directory)//' && gnuplot '//shell_word('./'//script)//' >/dev/null 2>&1', &
-                                   exitstat=status, cmdstat=failed)
-         made = status == 0 .and. failed == 0
-         if (made) then
-            call move_file(stem//scripts(k)%ending//'.png.part', stem//scripts(k)%ending//'.png', made)
-            call move_file(stem//scripts(k)%ending//'.pdf.part', stem//scripts(k)%ending//'.pdf', moved)
-            made = made .and. moved
-         end if
-         if (made) cycle
-         call write_standard_error("cannot make the curves of '"//stem//scripts(k)%ending// &
-                                   "': gnuplot is missing or failed (install gnuplot, or run it on '"//script//"')"//nl)
+         call stage(workshop//'/script', scripts(k)%content, beside, error)
+         status = 1
+         failed = 0
+         if (error == 0) call execute_command_line('cd '//shell_word('./', workshop)//' && gnuplot '// &
+                                                   shell_word('./', name_of(beside))//' >/dev/null 2>&1', &
+                                                   exitstat=status, cmdstat=failed)
+         call remove_file(beside)
+         scripts(k)%made = error == 0 .and. status == 0 .and. failed == 0
+         if (scripts(k)%made) cycle
+         call say(arguments%program, "cannot make the curves of '"//stem//trim(scripts(k)%ending)// &
+                  "': gnuplot is missing or failed (install gnuplot, or run it on '"//name_of(stem)// &
+                  trim(scripts(k)%ending)//".gp')")
          code = exit_file_trouble
       end do
    end subroutine plot
 
-   !> A name as one word of the shell.
-   pure function shell_word(name) result(word)
-      character(*), intent(in) :: name
+   !> Remove the directory of our own and what gnuplot may have left there.
+   subroutine clear(workshop, stem, scripts)
+      character(*), intent(in) :: workshop, stem
+      type(picture_t), intent(in) :: scripts(:)
+      integer :: k
+
+      do k = 1, size(scripts)
+         call remove_file(inside(workshop, stem, scripts(k), '.png'))
+         call remove_file(inside(workshop, stem, scripts(k), '.pdf'))
+      end do
+      call remove_file(workshop)
+   end subroutine clear
+
+   !> A picture in the directory of our own.
+   pure function inside(workshop, stem, script, ending) result(path)
+      character(*), intent(in) :: workshop, stem, ending
+      type(picture_t), intent(in) :: script
+      character(:), allocatable :: path
+
+      path = workshop//'/'//name_of(stem)//trim(script%ending)//ending
+   end function inside
+
+   !> A path without its directory.
+   pure function name_of(path) result(name)
+      character(*), intent(in) :: path
+      character(:), allocatable :: name
+
+      name = path(index(path, '/', back=.true.) + 1:)
+   end function name_of
+
+   !> A path as one word of the shell, led by `here` unless it begins at the root.
+   pure function shell_word(here, path) result(word)
+      character(*), intent(in) :: here, path
       character(:), allocatable :: word
       integer :: m
 
       word = "'"
-      do m = 1, len(name)
-         if (name(m:m) == "'") then
+      if (index(path, '/') /= 1) word = word//here
+      do m = 1, len(path)
+         if (path(m:m) == "'") then
             word = word//"'"//achar(92)//"''"
          else
-            word = word//name(m:m)
+            word = word//path(m:m)
          end if
       end do
       word = word//"'"

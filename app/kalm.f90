@@ -1,15 +1,18 @@
 !> kalm: velocities and accelerations of planar linkages from a namelist file.
 program kalm
-   use psalm_console, only: arguments_t, begin, show_findings, write_devices
+   use psalm_console, only: arguments_t, begin, begin_mark, prepare_outputs, show_findings, stem_of, write_devices
    use psalm_data_set, only: data_set_t, read_data_sets
    use psalm_kalm, only: run_kalm
    use psalm_kinds, only: wp
-   use psalm_run, only: devices_t, check_case
+   use psalm_mark, only: mark_t
+   use psalm_run, only: devices_t, demand_t, check_case
    use psalm_source, only: line_t
    use psalm_status, only: diagnostics_t
-   use psalm_system, only: write_standard_error
+   use psalm_system, only: finish_program, write_standard_error
    implicit none (type, external)
    character(*), parameter :: nl = new_line('a')
+   character(*), parameter :: endings(*) = [character(5) :: '.dev8', '.dev9']
+   type(demand_t), parameter :: demand = demand_t(position=1000, arc=300)
    type(arguments_t) :: arguments
    logical :: finished
    integer :: code, i
@@ -26,13 +29,14 @@ program kalm
       '  --help            print this text'//nl// &
       nl//'Exit status: 0 done; 1 done, but the linkage does not close somewhere or passes a dead point;'//nl// &
       '2 the input is wrong; 3 a file could not be read or written.'//nl, &
-      arguments, finished)
+      '.kalm'//endings, arguments, finished)
    code = arguments%code
-   if (finished) stop code, quiet=.true.
+   if (finished) call finish_program(code)
    do i = 1, size(arguments%files)
       call run_file(trim(arguments%files(i)))
+      if (arguments%no_place) exit
    end do
-   stop code, quiet=.true.
+   call finish_program(code)
 
 contains
 
@@ -43,21 +47,30 @@ contains
       type(line_t) :: none(0)
       real(wp), allocatable :: vertices(:, :)
       type(devices_t) :: devices
+      type(mark_t) :: mark
+      character(:), allocatable :: stem
+      logical :: ready
       integer :: k
 
-      call read_data_sets(file, sets, findings, rates=.true.)
+      mark = begin_mark(arguments%program)
+      call read_data_sets(file, sets, findings, program='kalm', mark=mark)
       do k = 1, size(sets)
          sets(k)%nguess = 0
-         if (.not. findings%failed()) call check_case(sets(k), none, vertices, findings)
+         if (.not. findings%failed()) call check_case(sets(k), none, vertices, findings, demand)
       end do
       if (findings%failed() .or. .not. arguments%quiet) call show_findings(findings)
       code = max(code, findings%exit_code())
       if (findings%failed()) return
+      stem = stem_of(file, arguments%output_dir)//'.kalm'
+      call prepare_outputs(arguments, stem, endings, ready, code)
+      if (.not. ready) return
+      devices%mark = mark%name()
+      devices%wants_summary = .not. arguments%quiet
       do k = 1, size(sets)
          call run_kalm(sets(k), devices)
       end do
-      if (.not. arguments%quiet) call write_standard_error(devices%notes%content())
+      if (.not. arguments%quiet) call write_standard_error(devices%notes%content()//devices%summary%content())
       code = max(code, devices%code)
-      call write_devices(file, arguments%output_dir, '.kalm', devices, code)
+      call write_devices(arguments, stem, devices, code)
    end subroutine run_file
 end program kalm

@@ -1,12 +1,14 @@
 !> psalm: displacement analysis and dimensional synthesis of planar linkages from a namelist file.
 program psalm
-   use psalm_console, only: arguments_t, progress_t, begin, show_findings, stem_of, write_devices
+   use psalm_console, only: arguments_t, progress_t, begin, begin_mark, device4_of, prepare_outputs, show_findings, stem_of, &
+                            write_devices
    use psalm_data_set, only: data_set_t, read_data_sets
    use psalm_kinds, only: wp
+   use psalm_mark, only: mark_t
    use psalm_run, only: devices_t, check_case, run_case
    use psalm_source, only: line_t, read_lines
    use psalm_status, only: diagnostics_t
-   use psalm_system, only: write_standard_error
+   use psalm_system, only: finish_program, write_standard_error
    implicit none (type, external)
 
    !> Vertices of one case, from device 4.
@@ -15,6 +17,8 @@ program psalm
    end type supply_t
 
    character(*), parameter :: nl = new_line('a')
+   character(*), parameter :: endings(*) = [character(5) :: '.dev7', '.dev8', '.dev9', '.dev1', '.dev2']
+   integer, parameter :: of_analysis = 3 !! of these
    type(arguments_t) :: arguments
    logical :: finished
    integer :: code, i
@@ -33,14 +37,14 @@ program psalm
       '  --help            print this text'//nl// &
       nl//'Exit status: 0 done; 1 done, but limits are violated or the search stopped before converging;'//nl// &
       '2 the input is wrong; 3 a file could not be read or written.'//nl, &
-      arguments, finished)
+      endings, arguments, finished)
    code = arguments%code
-   if (finished) stop code, quiet=.true.
+   if (finished) call finish_program(code)
    do i = 1, size(arguments%files)
       call run_file(trim(arguments%files(i)))
-      if (interrupted) exit
+      if (interrupted .or. arguments%no_place) exit
    end do
-   stop code, quiet=.true.
+   call finish_program(code)
 
 contains
 
@@ -52,28 +56,42 @@ contains
       type(line_t), allocatable :: device4(:)
       type(devices_t) :: devices
       type(progress_t) :: monitor
-      integer :: k
+      type(mark_t) :: mark
+      character(:), allocatable :: stem
+      logical :: ready
+      integer :: k, l
 
-      call read_data_sets(file, sets, findings)
+      mark = begin_mark(arguments%program)
+      call read_data_sets(file, sets, findings, mark=mark)
       allocate (supplies(size(sets)), device4(0))
       do k = 1, size(sets)
          if (sets(k)%nguess > 0) then
-            if (len(arguments%device4) == 0) arguments%device4 = stem_of(file, '')//'.dev4'
-            call read_lines(arguments%device4, device4, findings)
+            call read_lines(device4_of(arguments, file), device4, findings)
+            do l = 1, size(device4)
+               call mark%add(device4(l)%text)
+            end do
          end if
          if (.not. findings%failed()) call check_case(sets(k), device4, supplies(k)%vertices, findings)
       end do
       if (findings%failed() .or. .not. arguments%quiet) call show_findings(findings)
       code = max(code, findings%exit_code())
       if (findings%failed()) return
+      stem = stem_of(file, arguments%output_dir)
+      k = of_analysis
+      if (any([(sets(l)%wants_search(), l=1, size(sets))])) k = size(endings)
+      call prepare_outputs(arguments, stem, endings(:k), ready, code)
+      if (.not. ready) return
+      devices%mark = mark%name()
+      devices%wants_summary = .not. arguments%quiet
       do k = 1, size(sets)
          call run_case(sets(k), supplies(k)%vertices, arguments%threads, devices, monitor)
          if (devices%interrupted) exit
       end do
       if (monitor%active) call write_standard_error(nl)
-      if (.not. arguments%quiet) call write_standard_error(devices%notes%content())
+      if (.not. arguments%quiet) call write_standard_error(devices%notes%content()//devices%summary%content())
       code = max(code, devices%code)
+      call write_devices(arguments, stem, devices, code)
       interrupted = devices%interrupted
-      call write_devices(file, arguments%output_dir, '', devices, code)
+      call devices%interrupt%release()
    end subroutine run_file
 end program psalm

@@ -1,18 +1,23 @@
 !> What the programs of the suite share at the console: arguments, messages, files of the devices, the progress line.
 module psalm_console
    use, intrinsic :: iso_fortran_env, only: int64
-   use psalm_kinds, only: dp
+   use psalm_files, only: exchange_t, judge_target, directory_of
+   use psalm_kinds, only: dp, wp
+   use psalm_mark, only: mark_t
    use psalm_number, only: parse_integer
    use psalm_run, only: devices_t, version
    use psalm_simplx, only: search_monitor_t, search_state_t
-   use psalm_status, only: diagnostics_t, exit_bad_input, exit_file_trouble
-   use psalm_system, only: error_is_terminal, make_directory, write_standard_error, write_standard_output, write_whole_file
+   use psalm_status, only: diagnostics_t, exit_bad_input, exit_done, exit_file_trouble
+   use psalm_system, only: identity_t, begin_program, error_is_terminal, error_text, identity_of, identity_of_open, &
+                           make_directories, same_file, standard_error, standard_input, standard_output, write_standard_error, &
+                           write_standard_output
    use psalm_text, only: to_text, general
    implicit none (type, external)
    private
-   public :: arguments_t, progress_t, begin, show_findings, stem_of, write_devices
+   public :: arguments_t, progress_t, begin, begin_mark, device4_of, prepare_outputs, say, show_findings, stem_of, write_devices
 
    integer, parameter :: most_threads = 1024
+   character(*), parameter :: nl = new_line('a')
 
    !> The command line.
    type :: arguments_t
@@ -23,7 +28,9 @@ module psalm_console
       integer :: threads = 0                     !! 0: not given
       logical :: curves = .false., assemblies = .false. !! balm: curves by gnuplot; the other assembly of each pair
       logical :: quiet = .false., help = .false., version = .false.
+      type(identity_t), allocatable :: inputs(:) !! of all files that are read, and of the standard streams
       integer :: code = 0                        !! exit status that bad arguments lead to
+      logical :: no_place = .false.              !! the directory for the outputs cannot be made: no further case is begun
    end type arguments_t
 
    !> Progress line on a terminal, at most ten times a second.
@@ -39,12 +46,14 @@ contains
    !> What every program does first: read the command line, answer --help and --version, refuse mistakes.
    !>
    !> `finished` is true if there is nothing left to do; the program then ends with `arguments%code`.
-   subroutine begin(program, help, arguments, finished)
+   subroutine begin(program, help, endings, arguments, finished)
       character(*), intent(in) :: program, help         !! name of the program; text of --help
+      character(*), intent(in) :: endings(:)            !! of the files that it may write for a case
       type(arguments_t), intent(out) :: arguments
       logical, intent(out) :: finished
       logical :: done
 
+      call begin_program()
       call read_arguments(program, arguments)
       finished = .true.
       if (arguments%code == exit_bad_input) return
@@ -57,9 +66,97 @@ contains
          if (.not. done) arguments%code = exit_file_trouble
          return
       end if
+      call find_inputs(arguments)
       call check_names(arguments)
+      call check_inputs(arguments, endings)
       finished = arguments%code == exit_bad_input
    end subroutine begin
+
+   !> Identities of what the program reads, and of files that standard output and standard error go to.
+   subroutine find_inputs(arguments)
+      type(arguments_t), intent(inout) :: arguments
+      integer :: i
+
+      associate (files => arguments%files)
+         allocate (arguments%inputs(2*size(files) + 3))
+         do i = 1, size(files)
+            if (trim(files(i)) == '-') then
+               arguments%inputs(i) = identity_of_open(standard_input)
+            else
+               arguments%inputs(i) = identity_of(trim(files(i)))
+            end if
+            arguments%inputs(size(files) + i) = identity_of(device4_of(arguments, trim(files(i))))
+         end do
+         arguments%inputs(2*size(files) + 1:) = [identity_of_open(standard_output), identity_of_open(standard_error), &
+                                                 identity_of(arguments%device4)]
+      end associate
+   end subroutine find_inputs
+
+   !> No output may be an input: refuse before any work.
+   subroutine check_inputs(arguments, endings)
+      type(arguments_t), intent(inout) :: arguments
+      character(*), intent(in) :: endings(:)
+      character(:), allocatable :: message
+      integer :: i, k, code
+
+      do i = 1, size(arguments%files)
+         do k = 1, size(endings)
+            call judge_target(stem_of(trim(arguments%files(i)), arguments%output_dir)//trim(endings(k)), arguments%inputs, &
+                              message, code)
+            if (code /= exit_bad_input) cycle
+            call say(arguments%program, message)
+            arguments%code = exit_bad_input
+         end do
+      end do
+   end subroutine check_inputs
+
+   !> Device 4 of a case.
+   pure function device4_of(arguments, file) result(device4)
+      type(arguments_t), intent(in) :: arguments
+      character(*), intent(in) :: file
+      character(:), allocatable :: device4
+
+      device4 = arguments%device4
+      if (len(device4) == 0) device4 = stem_of(file, '')//'.dev4'
+   end function device4_of
+
+   !> The mark of a run, to which its input is to be added: program, version and kind of the numbers.
+   function begin_mark(program) result(mark)
+      character(*), intent(in) :: program
+      type(mark_t) :: mark
+
+      call mark%add(program//' '//version//' '//to_text(storage_size(1.0_wp)))
+   end function begin_mark
+
+   !> Make the directory for the outputs of a case and see whether they may be written, before any work is done.
+   subroutine prepare_outputs(arguments, stem, endings, ready, code)
+      type(arguments_t), intent(inout) :: arguments
+      character(*), intent(in) :: stem                  !! of the outputs' names
+      character(*), intent(in) :: endings(:)
+      logical, intent(out) :: ready                     !! false: what hinders was told
+      integer, intent(inout) :: code                    !! exit status, raised then
+      character(:), allocatable :: message
+      integer :: k, error, reason
+
+      ready = .true.
+      if (len(arguments%output_dir) > 0) then
+         call make_directories(arguments%output_dir, error)
+         if (error /= 0) then
+            call say(arguments%program, "cannot make the directory '"//arguments%output_dir//"'"//error_text(error))
+            arguments%no_place = .true.
+            ready = .false.
+            code = exit_file_trouble
+            return
+         end if
+      end if
+      do k = 1, size(endings)
+         call judge_target(stem//trim(endings(k)), arguments%inputs, message, reason)
+         if (reason == exit_done) cycle
+         call say(arguments%program, message)
+         ready = .false.
+         code = max(code, reason)
+      end do
+   end subroutine prepare_outputs
 
    !> Read the command line. Mistakes are told on standard error.
    subroutine read_arguments(program, arguments)
@@ -129,7 +226,8 @@ contains
 
       do i = 2, size(arguments%files)
          do k = 1, i - 1
-            if (stem_of(arguments%files(i), arguments%output_dir) /= stem_of(arguments%files(k), arguments%output_dir)) cycle
+            if (.not. same_stem(stem_of(arguments%files(i), arguments%output_dir), &
+                                stem_of(arguments%files(k), arguments%output_dir))) cycle
             call say(arguments%program, "'"//trim(arguments%files(k))//"' and '"//trim(arguments%files(i))// &
                      "' would write the same files '"// &
                      stem_of(arguments%files(i), arguments%output_dir)//".dev7' and so on; rename one or run them apart")
@@ -138,6 +236,22 @@ contains
          end do
       end do
    end subroutine check_names
+
+   !> True if two stems name the same files: the same name in the same directory, however that is written.
+   logical function same_stem(one, other)
+      character(*), intent(in) :: one, other
+
+      same_stem = one == other
+      if (same_stem .or. name_in_directory(one) /= name_in_directory(other)) return
+      same_stem = same_file(identity_of(directory_of(one)), identity_of(directory_of(other)))
+   end function same_stem
+
+   pure function name_in_directory(path) result(name)
+      character(*), intent(in) :: path
+      character(:), allocatable :: name
+
+      name = path(index(path, '/', back=.true.) + 1:)
+   end function name_in_directory
 
    function argument(i) result(word)
       integer, intent(in) :: i
@@ -182,37 +296,49 @@ contains
    end subroutine show_findings
 
    !> Write the files of the devices, then the listing; the exit status is raised if something cannot be written.
-   subroutine write_devices(file, output_dir, suffix, devices, code)
-      character(*), intent(in) :: file, output_dir
-      character(*), intent(in) :: suffix      !! between the case's name and .devN
+   subroutine write_devices(arguments, stem, devices, code)
+      type(arguments_t), intent(in) :: arguments
+      character(*), intent(in) :: stem        !! of the files' names
       type(devices_t), intent(in) :: devices
       integer, intent(inout) :: code
-      character(:), allocatable :: stem
+      type(exchange_t) :: files
+      character(:), allocatable :: nine, written
       logical :: done
+      integer :: first_line
 
-      stem = stem_of(file, output_dir)//suffix
-      if (len(output_dir) > 0) call make_directory(output_dir)
-      if (devices%one%length > 0) call write_one('1', devices%one%content())
-      if (devices%two%length > 0) call write_one('2', devices%two%content())
-      if (devices%seven%length > 0) call write_one('7', devices%seven%content())
-      if (devices%eight%length > 0) call write_one('8', devices%eight%content())
-      if (devices%nine%length > 0) call write_one('9', devices%nine%content())
-      call write_standard_output(devices%six%content(), done)
-      if (.not. done) then
-         call write_standard_error('cannot write the listing to standard output'//new_line('a'))
-         code = exit_file_trouble
+      written = ''
+      call files%begin(directory_of(stem), arguments%inputs)
+      if (devices%one%length > 0) call add('1', 'search', '! run '//devices%mark//nl//devices%one%content())
+      if (devices%two%length > 0) call add('2', 'first simplex', '! run '//devices%mark//nl//devices%two%content())
+      if (devices%seven%length > 0) call add('7', 'linkage as a data set', '! run '//devices%mark//nl//devices%seven%content())
+      if (devices%eight%length > 0) call add('8', 'input as read', devices%eight%content()) ! has the mark in its header
+      if (devices%nine%length > 0) then
+         ! the first line names the columns, where programs that plot look for them
+         nine = devices%nine%content()
+         first_line = index(nine, nl)
+         call add('9', 'table for plotting', nine(:first_line)//'# run '//devices%mark//nl//nine(first_line + 1:))
       end if
+      call files%finish()
+      if (files%code /= exit_done) then
+         call say(arguments%program, files%message)
+         code = max(code, files%code)
+      else if (.not. arguments%quiet .and. len(written) > 0) then
+         call write_standard_error('Written: '//stem//written//nl)
+      end if
+      call write_standard_output(devices%six%content(), done)
+      if (done) return
+      call say(arguments%program, 'cannot write the listing to standard output')
+      code = exit_file_trouble
 
    contains
 
-      subroutine write_one(number, text)
-         character(*), intent(in) :: number, text
+      subroutine add(number, purpose, text)
+         character(*), intent(in) :: number, purpose, text
 
-         call write_whole_file(stem//'.dev'//number, text, done)
-         if (done) return
-         call write_standard_error("cannot write '"//stem//'.dev'//number//"'"//new_line('a'))
-         code = exit_file_trouble
-      end subroutine write_one
+         call files%add(stem//'.dev'//number, text)
+         if (len(written) > 0) written = written//', '
+         written = written//'.dev'//number//' ('//purpose//')'
+      end subroutine add
    end subroutine write_devices
 
    !> Name of the devices' files without `.devN`: that of the case without its ending.

@@ -2,17 +2,21 @@
 !>
 !> Nothing is printed here and no file is written; the caller gets texts, messages and an exit status.
 module psalm_run
+   use, intrinsic :: iso_fortran_env, only: int64
    use psalm_check_list, only: list_input, list_setup, list_arcs
    use psalm_condition, only: condition_t, prepare_condition, condition_at
    use psalm_constr, only: constraints_t, make_constraints
-   use psalm_data_set, only: data_set_t, title_columns
+   use psalm_data_set, only: data_set_t, title_columns, default_niter
    use psalm_data_set_text, only: write_vertices, write_data_set
+   use psalm_doubts, only: find_doubts, list_reference_joints
    use psalm_error, only: problem_t, motion_t, make_problem
-   use psalm_finale, only: list_results, describe_violation
-   use psalm_interrupt, only: interrupt_t
+   use psalm_finale, only: list_results, describe_violation, describe_crossing
+   use psalm_interrupt, only: interrupt_t, shield_threads
    use psalm_kinds, only: wp, right_angle
    use psalm_margin_list, only: list_margins, describe_margin
-   use psalm_margins, only: margin_t, inspector_t, prepare_inspector, inspect, is_violated, margin_angle, margin_bound
+   use psalm_margins, only: margin_t, inspector_t, prepare_inspector, inspect, is_violated, margin_slides, margin_guide, &
+                            margin_bound
+   use psalm_mark, only: mark_width
    use psalm_plot_data, only: write_block
    use psalm_regions, only: check_regions
    use psalm_search, only: result_t, search_many
@@ -22,16 +26,27 @@ module psalm_run
    use psalm_source, only: line_t
    use psalm_start, only: simplex_t, start_simplex, read_vertices
    use psalm_status, only: diagnostics_t, exit_done, exit_violation
+   use psalm_summary, only: summary_t, summarise
+   use psalm_summary_text, only: write_summary
    use psalm_sweep, only: sweep_inputs
+   use psalm_system, only: memory_to_be_had, threads_to_be_had
    use psalm_text, only: text_t, general, to_text
    use psalm_tolerance, only: tolerance_t, sample_t, find_tolerances, draw_sample, list_tolerances, plot_tolerances
    implicit none (type, external)
    private
-   public :: devices_t, version, check_case, run_case
+   public :: devices_t, demand_t, version, check_case, run_case, sum_up, header_of
 
    character(*), parameter :: version = '0.1.0' !! of the suite, as in fpm.toml
 
+   integer(int64), parameter :: megabyte = 1000000_int64
    integer, parameter :: most_told = 5 !! violations on standard error; the listing has all
+
+   !> Bytes that a program needs for each position, found by measurement; texts take most of them.
+   type :: demand_t
+      integer :: position = 400        !! always
+      integer :: arc = 100             !! more for each arc
+      logical :: ktheta_only = .true.  !! arcs count with KTHETA=1 only
+   end type demand_t
 
    !> What the devices receive. Cases of one file follow each other.
    type :: devices_t
@@ -42,23 +57,49 @@ module psalm_run
       type(text_t) :: eight   !! annotated input, intermediate arrays, all arcs
       type(text_t) :: nine    !! plotting data
       type(text_t) :: notes   !! remarks for standard error
+      type(text_t) :: summary !! what the linkage does, for standard error
+      logical :: wants_summary = .false. !! asked for by the caller
       integer :: code = exit_done !! exit status so far
       logical :: interrupted = .false. !! a signal came: no further case is to be run
+      type(interrupt_t) :: interrupt   !! holds signals once there are results of a search or sample; to be released by the caller
+      character(mark_width) :: mark = '' !! of the run; blank: none
    end type devices_t
 
 contains
 
+   !> First line of device 8.
+   pure function header_of(program, mark) result(line)
+      character(*), intent(in) :: program      !! its name in capitals
+      character(*), intent(in) :: mark         !! of the run; blank: none
+      character(:), allocatable :: line
+
+      line = ' *** '//program//', VERSION '//version//' ***'
+      if (len_trim(mark) > 0) line = line//' RUN '//mark
+   end function header_of
+
    !> Find every mistake of a case without running it.
-   subroutine check_case(set, supplied, vertices, findings)
+   subroutine check_case(set, supplied, vertices, findings, demand)
       type(data_set_t), intent(in) :: set
       type(line_t), intent(in) :: supplied(:)            !! device 4, empty if none
       real(wp), allocatable, intent(out) :: vertices(:, :) !! shape (marble, nguess)
       type(diagnostics_t), intent(inout) :: findings
+      type(demand_t), intent(in), optional :: demand     !! for memory; that of psalm if absent
       type(topology_t) :: topology
       type(dimensions_t) :: dimensions
+      type(demand_t) :: each
+      integer(int64) :: bytes
 
       call set_up(set, topology, dimensions, findings)
       if (findings%failed()) return
+      if (present(demand)) each = demand
+      bytes = each%position
+      if (set%ktheta /= 0 .or. .not. each%ktheta_only) bytes = bytes + int(each%arc, int64)*sum(topology%loopl)
+      bytes = bytes*set%ndes
+      if (.not. memory_to_be_had(bytes)) then
+         call findings%trouble('the memory for NDES='//to_text(set%ndes)//' positions, about '// &
+                               to_text(int(bytes/megabyte) + 1)//' MB, is not to be had')
+         return
+      end if
       call check_regions(set%constr, topology, findings)
       if (topology%has_search() .and. set%nguess > 0) then
          call read_vertices(supplied, size(topology%variables), set%nguess, vertices, findings)
@@ -84,25 +125,31 @@ contains
       type(interrupt_t) :: interrupt
       integer :: i, threads
 
-      threads = merge(asked, max(1, set%search%threads), asked > 0)
+      i = merge(asked, max(1, set%search%threads), asked > 0)
+      threads = threads_to_be_had(i)
+      if (threads < i) call devices%notes%add(set%file//': '//trim(set%title)//': '//to_text(i)// &
+         ' threads are not to be had; '//to_text(threads)//' do the work (the results are the same)')
+      if (threads > 1) call shield_threads(threads)
       allocate (others%best(0))
       call set_up(set, topology, dimensions, repeated)
       call make_problem(set, topology, dimensions, problem)
       call problem%set_threads(threads)
-      call list_input(' *** PSALM, VERSION '//version//' ***', set, topology, dimensions, devices%eight)
+      call list_input(header_of('PSALM', devices%mark), set, topology, dimensions, devices%eight)
+      ! from the first search or sample on there is something to lose: signals wait until the caller has written it
+      if (topology%has_search() .or. set%ntrial > 0) call devices%interrupt%hold(threads)
+      interrupt = devices%interrupt
       if (topology%has_search()) then
-         call interrupt%hold(threads)
          if (set%search%solver == 'SIMPLEX') then
             call synthesize(set, vertices, problem, interrupt, dimensions, devices, monitor)
          else
             call synthesize_from_starts(set, vertices, problem, threads, interrupt, dimensions, others, devices, monitor)
          end if
-         devices%interrupted = interrupt%signalled()
-         call interrupt%release()
       end if
       call problem%analyse(dimensions, motion)
       call list_results(set, problem, dimensions, motion, devices%six)
       call list_setup(set, problem, devices%eight)
+      if (len(set%skipped) > 0) call devices%eight%add(' GROUPS THAT PSALM DOES NOT READ: '//set%skipped)
+      call list_reference_joints(set, problem, dimensions, devices%eight)
       do i = 1, repeated%count
          call devices%eight%add(' '//repeated%list(i)%render())
       end do
@@ -114,10 +161,27 @@ contains
       if (set%tolerances) then
          final = set
          if (set%ifree /= 0 .and. size(others%best) > 0) final%delt = others%best(1)%delt
-         call tolerances(final, dimensions, threads, devices)
+         call interrupt%limit_time(set%search%maxtime)
+         call tolerances(final, dimensions, threads, interrupt, devices)
       end if
       call note_violations(set, problem, motion, devices)
+      call find_doubts(set%file//': '//trim(set%title)//': ', topology, problem, dimensions, motion, devices%notes)
+      if (devices%wants_summary) call sum_up(set, problem, dimensions, motion, devices)
+      devices%interrupted = interrupt%signalled()
    end subroutine run_case
+
+   !> What the linkage does over the range of its input, in words.
+   subroutine sum_up(set, problem, dimensions, motion, devices)
+      type(data_set_t), intent(in) :: set
+      type(problem_t), intent(in) :: problem
+      type(dimensions_t), intent(in) :: dimensions
+      type(motion_t), intent(in) :: motion
+      type(devices_t), intent(inout) :: devices
+      type(summary_t) :: summary
+
+      call summarise(problem, dimensions, motion, summary)
+      call write_summary(set%title, summary, devices%summary)
+   end subroutine sum_up
 
    !> Margins of every constraint; a linkage that violates one is no success.
    subroutine judge(set, problem, dimensions, devices)
@@ -125,10 +189,11 @@ contains
       type(problem_t), intent(in) :: problem
       type(dimensions_t), intent(in) :: dimensions
       type(devices_t), intent(inout) :: devices
-      type(inspector_t) :: inspector
+      type(inspector_t), allocatable :: inspector
       type(margin_t), allocatable :: margins(:)
       integer :: i
 
+      allocate (inspector)
       call prepare_inspector(set, problem, set%search%solver /= 'SIMPLEX', inspector)
       call inspect(inspector, dimensions, problem%delt, margins)
       call list_margins(set, problem%topology, dimensions, margins, devices%six)
@@ -198,7 +263,7 @@ contains
       type(result_t), intent(in) :: found
       type(text_t), intent(inout) :: text
       type(dimensions_t) :: dimensions
-      type(inspector_t) :: inspector
+      type(inspector_t), allocatable :: inspector
       type(margin_t), allocatable :: margins(:)
       character(:), allocatable :: rank, start
       real(wp) :: angle, length
@@ -208,15 +273,16 @@ contains
       call text%add(' LINKAGES FOUND (DEVICE 7 HAS THEM ALL)')
       call text%add('  RANK      OBJECTIVE  ANGLE MARGIN LENGTH MARGIN    LONGEST ARC LARGEST CHANGE   START')
       dimensions = problem%given
+      allocate (inspector)
       call prepare_inspector(set, problem, .true., inspector)
       do i = 1, size(found%best)
          call problem%topology%apply(found%best(i)%values, dimensions)
          call inspect(inspector, dimensions, found%best(i)%delt, margins)
          angle = right_angle
          length = maxval(dimensions%arcl)
-         if (any(margins%kind == margin_angle)) angle = minval(margins%margin, mask=margins%kind == margin_angle)
-         if (any(margins%kind > margin_angle .and. margins%kind < margin_bound)) length = &
-            minval(margins%margin, mask=margins%kind > margin_angle .and. margins%kind < margin_bound)
+         if (any(margins%kind <= margin_slides)) angle = minval(margins%margin, mask=margins%kind <= margin_slides)
+         if (any(margins%kind >= margin_guide .and. margins%kind < margin_bound)) length = &
+            minval(margins%margin, mask=margins%kind >= margin_guide .and. margins%kind < margin_bound)
          rank = to_text(i)
          start = to_text(found%best(i)%start)
          if (found%best(i)%start < 0) start = 'SUPPLIED '//to_text(-found%best(i)%start)
@@ -258,27 +324,35 @@ contains
    end subroutine write_found
 
    !> Bands of the output within the tolerances of the dimensions.
-   subroutine tolerances(set, dimensions, threads, devices)
+   subroutine tolerances(set, dimensions, threads, interrupt, devices)
       type(data_set_t), intent(in) :: set
       type(dimensions_t), intent(in) :: dimensions
       integer, intent(in) :: threads
+      type(interrupt_t), intent(in) :: interrupt !! asked now and then by the sample
       type(devices_t), intent(inout) :: devices
-      type(tolerance_t) :: linear
+      type(tolerance_t), allocatable :: linear
       type(sample_t) :: sample
       logical :: closes
 
+      allocate (linear)
       call find_tolerances(set, dimensions, linear, closes)
       if (.not. closes) then
          call devices%notes%add(set%file//': '//trim(set%title)//': no tolerances, because the linkage does not close everywhere')
          return
       end if
-      if (set%ntrial > 0) call draw_sample(linear, set%ntrial, set%istart, threads, sample)
+      if (set%ntrial > 0) call draw_sample(linear, set%ntrial, set%istart, threads, sample, interrupt)
       call list_tolerances(linear, sample, devices%six)
       call plot_tolerances(set%title, linear, sample, devices%nine)
       if (any(linear%dead)) then
          devices%code = max(devices%code, exit_violation)
          call devices%notes%add(set%file//': '//trim(set%title)//': dead point at position '// &
                                 to_text(findloc(linear%dead, .true., dim=1))//': effects of tolerances are infinite there')
+      end if
+      if (sample%trials < set%ntrial) then
+         devices%code = max(devices%code, exit_violation)
+         call devices%notes%add(set%file//': '//trim(set%title)//': '// &
+                                trim(merge('MAXTIME passed', 'interrupted   ', interrupt%late()))//': the sample has '// &
+                                to_text(sample%trials)//' of '//to_text(set%ntrial)//' linkages')
       end if
       if (sample%open == 0) return
       devices%code = max(devices%code, exit_violation)
@@ -346,6 +420,10 @@ contains
              to_text(simplex%repairs%moves)//' moves; best objective '//trim(adjustl(general(state%best)))
       call devices%one%add(' '//line//'; '//reason)
       call devices%notes%add(set%file//': '//trim(set%title)//': '//reason//' after '//line)
+      if (state%reason == stop_iterations .and. set%niter == default_niter) then
+         call devices%notes%add(set%file//': '//trim(set%title)//': NITER='//to_text(set%niter)// &
+                                ' is for looking at the start; set NITER in &METHOD to some thousands')
+      end if
    end subroutine tell_search
 
    !> Device 9: the prescribed positions, and with IPLOT every degree in the direction of the first two.
@@ -355,12 +433,12 @@ contains
       type(dimensions_t), intent(in) :: dimensions
       type(motion_t), intent(in) :: motion
       type(text_t), intent(inout) :: text
-      type(problem_t) :: fine
+      type(problem_t), allocatable :: fine
       type(motion_t) :: every_degree
 
       call add_block('prescribed positions', problem, motion)
       if (set%iplot == 0) return
-      fine = problem
+      allocate (fine, source=problem)
       call fine%set_inputs(sweep_inputs(problem))
       call fine%analyse(dimensions, every_degree)
       call add_block(trim(merge('every degree ', 'evenly spaced', .not. problem%topology%sliding_input)), fine, every_degree)
@@ -406,6 +484,9 @@ contains
       type(devices_t), intent(inout) :: devices
       integer :: i
 
+      do i = 1, min(size(motion%crossings), most_told)
+         call devices%notes%add(set%file//': '//trim(set%title)//': warning: '//describe_crossing(motion, motion%crossings(i)))
+      end do
       if (size(motion%violations) == 0) return
       devices%code = max(devices%code, exit_violation)
       if (.not. all(motion%closed)) then

@@ -16,7 +16,9 @@ def check(law, good, detail=""):
         passed += 1
     else:
         failed += 1
-        print("FAILED: %s %s" % (law, detail))
+        print("FAILED: %s %s" % (law, detail), flush=True)
+        if os.environ.get("STOP_AT_FIRST"):
+            os._exit(1)
     return good
 
 
@@ -41,6 +43,12 @@ def read(name):
 def write(name, text):
     with open(name, "wb") as file:
         file.write(text if isinstance(text, bytes) else text.encode("utf-8"))
+
+
+def changed(text, old, new):
+    """The text with every `old` made `new`; a failure if there is none."""
+    check("there is '%s' to be changed" % old, old in text)
+    return text.replace(old, new)
 
 
 def page_data(name):

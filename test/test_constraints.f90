@@ -10,8 +10,10 @@ program test_constraints
    use psalm_interrupt, only: interrupt_t
    use psalm_kinds, only: wp, degrees_per_radian
    use psalm_lsq, only: put_in_order
-   use psalm_margins, only: inspector_t, margin_t, prepare_inspector, inspect, is_violated, margin_angle, margin_region
-   use psalm_merit, only: merit_t, prepare_merit, measure, form_equations, violations, count_violations
+   use psalm_margins, only: inspector_t, margin_t, prepare_inspector, inspect, is_violated, margin_angle, margin_slides, &
+                            margin_region
+   use psalm_merit, only: merit_t, prepare_merit, measure, form_equations, violations, count_violations, &
+                          obeys
    use psalm_nlopt, only: algorithm_of, plain_name, is_global, needs_gradient, takes_constraints
    use psalm_regions, only: trespass
    use psalm_search, only: result_t, search_many
@@ -40,8 +42,13 @@ program test_constraints
    call gradients()
    call whole_turn()
    call box_of_slider()
+   call parallel_slides()
+   do k = 1, size(names)
+      call finite_store(names(k))
+   end do
    call order()
    call timing()
+   call timing_of_angles()
    call solvers()
    call interruption()
    call t%report()
@@ -200,15 +207,22 @@ contains
       integer :: v, variant, n
       real(wp), parameter :: h = 1.0e-5_wp, weight = 3.0_wp
 
-      do variant = 1, 2
-         call load_case('path18', problem, set)
-         set%ifree = merge(1, 0, variant == 1)
-         set%constr%irange = merge(range_positions, range_turn, variant == 1)
-         deallocate (set%constr%regions)
-         allocate (set%constr%regions(2))
-         set%constr%regions(1) = region_t(region_circle, .true., [0.3_wp, 0.6_wp, 0.2_wp, 0.0_wp], 0, 0)
-         set%constr%regions(2) = region_t(region_box, .false., [-2.0_wp, 0.0_wp, 2.0_wp, 2.0_wp], 2, 1)
-         set%tangle = 20.0_wp
+      do variant = 1, 4
+         if (variant <= 2) then
+            call load_case('path18', problem, set)
+            deallocate (set%constr%regions)
+            allocate (set%constr%regions(2))
+            set%constr%regions(1) = region_t(region_circle, .true., [0.3_wp, 0.6_wp, 0.2_wp, 0.0_wp], 0, 0)
+            set%constr%regions(2) = region_t(region_box, .false., [-2.0_wp, 0.0_wp, 2.0_wp, 2.0_wp], 2, 1)
+            set%tangle = 20.0_wp
+         else
+            ! two slides, out of their limits and past parallel
+            call load_case('dyad8_tangent_mechanism', problem, set, vary=.true.)
+            problem%slide_angle = 20.0_wp
+            call problem%move_inputs(problem%delt + 43.3_wp)
+         end if
+         set%ifree = merge(1, 0, mod(variant, 2) == 1)
+         set%constr%irange = merge(range_positions, merge(range_turn, range_inputs, variant <= 2), mod(variant, 2) == 1)
          values = problem%topology%first_values(problem%given)
          call prepare_merit(set, problem, values, merit)
          delt = merit%delt
@@ -224,7 +238,9 @@ contains
             if (v <= size(values)) then
                worst = max(worst, abs((up - down)/(2.0_wp*h) - 2.0_wp*merit%gradient(v))/max(1.0_wp, abs(merit%gradient(v))))
             else
-               worst = max(worst, abs((up - down)/(2.0_wp*h) - 2.0_wp*merit%edge_gradient(v - size(values))))
+               associate (edge => merit%edge_gradient(v - size(values)))
+                  worst = max(worst, abs((up - down)/(2.0_wp*h) - 2.0_wp*edge)/max(1.0_wp, abs(edge)))
+               end associate
             end if
             worst = max(worst, maxval(abs((ahead - behind)/(2.0_wp*h) - slopes(v, :))))
          end do
@@ -324,6 +340,102 @@ contains
       call t%close_to(margins(1)%margin, -1.0e-4_wp, 1.0e-7_wp, 'a short trespass over one edge, running along another')
    end subroutine box_of_slider
 
+   !> A slotted arm on a straight guide: the angle between the slides is 90 degrees less that of the arm.
+   subroutine parallel_slides()
+      type(problem_t) :: problem
+      type(data_set_t) :: set
+      type(inspector_t) :: inspector
+      type(margin_t), allocatable :: margins(:)
+      real(wp), allocatable :: values(:), delt(:)
+      type(merit_t) :: merit
+      type(timing_t) :: whole
+      real(wp) :: objective
+      integer :: loop, far
+      logical :: sound
+
+      call load_case('dyad8_tangent_mechanism', problem, set)
+      do far = 0, 1
+         call problem%set_inputs([-60.0_wp, 0.0_wp, merge(60.0_wp, 89.0_wp, far == 0)])
+         call problem%set_desired(spread(0.0_wp, 1, 3), spread(1.0_wp, 1, 3))
+         set%constr%irange = range_inputs
+         call prepare_inspector(set, problem, .true., inspector)
+         call inspect(inspector, problem%given, problem%delt, margins)
+         call t%equal_integer(margins(1)%kind, margin_slides, 'two slides have a margin')
+         call t%close_to(margins(1)%margin, merge(30.0_wp, 1.0_wp, far == 0), 1.0e-9_wp, 'angle left between the slides')
+         call t%is_true(.not. any(is_violated(margins)), 'not parallel yet')
+         call problem%move_inputs([-60.0_wp, 0.0_wp, 91.0_wp])
+         call inspect(inspector, problem%given, problem%delt, margins)
+         call t%close_to(margins(1)%margin, -1.0_wp, 1.0e-9_wp, 'past parallel')
+         call t%is_true(is_violated(margins(1)), 'is told, whatever the prescribed positions are')
+         call problem%evaluate(problem%given, objective, loop)
+         call t%equal_integer(loop, 1, 'an evaluation tells positions on both sides of parallel')
+      end do
+      ! the limit of TANGLE, where it was given
+      problem%slide_angle = 50.0_wp
+      call problem%set_inputs([-20.0_wp, 0.0_wp, 45.0_wp])
+      call problem%set_desired(spread(0.0_wp, 1, 3), spread(1.0_wp, 1, 3))
+      call prepare_inspector(set, problem, .true., inspector)
+      call inspect(inspector, problem%given, problem%delt, margins)
+      call t%close_to(margins(1)%margin, 5.0_wp, 1.0e-9_wp, 'an angle of 45 degrees where 40 are asked for')
+      call problem%evaluate(problem%given, objective, loop)
+      call t%equal_integer(loop, 0, 'an evaluation accepts it')
+      call problem%set_inputs([-20.0_wp, 0.0_wp, 51.0_wp])
+      call problem%set_desired(spread(0.0_wp, 1, 3), spread(1.0_wp, 1, 3))
+      call problem%evaluate(problem%given, objective, loop)
+      call t%equal_integer(loop, 1, 'and 39 degrees not')
+      ! the range passes parallel slides though no position is on the other side
+      call load_case('dyad8_tangent_mechanism', problem, set, vary=.true.)
+      set%constr%irange = range_turn
+      values = problem%topology%first_values(problem%given)
+      call prepare_merit(set, problem, values, merit)
+      call obeys(merit, values, merit%delt, objective, sound)
+      call t%is_true(.not. sound, 'a search sees parallel slides between the prescribed positions')
+      set%constr%irange = range_inputs
+      call prepare_merit(set, problem, values, merit)
+      call obeys(merit, values, merit%delt, objective, sound)
+      call t%is_true(sound, 'and accepts a range without')
+      ! free timing keeps to one side
+      set%constr%irange = range_positions
+      set%ifree = 1
+      set%search%order = 0
+      problem%wanted(:problem%positions) = 100.0_wp
+      problem%wanted(1) = -120.0_wp
+      call prepare_merit(set, problem, values, merit)
+      call prepare_timing(problem, merit, whole)
+      allocate (delt(problem%positions))
+      call find_timing(whole, merit, delt)
+      call problem%move_inputs(delt)
+      call problem%evaluate(problem%given, objective, loop)
+      call t%equal_integer(loop, 0, 'a free timing stays on one side of parallel')
+   end subroutine parallel_slides
+
+   !> Whatever the lengths are, what is found is finite, open dyads included.
+   subroutine finite_store(name)
+      character(*), intent(in) :: name
+      type(problem_t) :: problem
+      type(data_set_t) :: set
+      type(dimensions_t) :: dimensions
+      real(wp), parameter :: factors(7) = [1.0_wp, 1.0e-2_wp, epsilon(1.0_wp), tiny(1.0_wp)**0.5_wp, tiny(1.0_wp)**0.9_wp, &
+                                           3.0_wp, 1.0e3_wp]
+      integer :: trial, i, block, offset, n
+      logical :: finite
+
+      call load_case(name, problem, set, everything=.true.)
+      dimensions = problem%given
+      finite = .true.
+      do trial = 1, 200
+         do i = 1, size(dimensions%arcl)
+            dimensions%arcl(i) = problem%given%arcl(i)*factors(1 + modulo(trial*(i + 3) + i*i + trial*trial, size(factors)))
+         end do
+         call problem%bind(dimensions)
+         do block = 1, problem%blocks()
+            call problem%solve_block(block, offset, n)
+            finite = finite .and. all(abs(problem%linkage%store) <= huge(1.0_wp))
+         end do
+      end do
+      call t%is_true(finite, trim(name)//': finite numbers for any lengths')
+   end subroutine finite_store
+
    !> Degrees the angle between two links is off 90 when the ends are h apart.
    pure real(wp) function off_square(p, q, h)
       real(wp), intent(in) :: p, q, h
@@ -361,7 +473,7 @@ contains
          call load_case('line6', problem, set)
          set%search%order = ordered
          call problem%set_inputs(places)
-         call problem%linkage%prepare(problem%topology, problem%plan, problem%tangle, problem%delt)
+         call problem%linkage%prepare(problem%topology, problem%plan, problem%tangle, problem%slide_angle, problem%delt)
          call points_of_itself(problem)
          call problem%move_inputs([(10.0_wp*real(i, wp), i=1, size(places))])
          call prepare_merit(set, problem, problem%topology%first_values(problem%given), merit)
@@ -375,6 +487,38 @@ contains
          deallocate (delt)
       end do
    end subroutine timing
+
+   !> Free timing of angles: whole turns in what is wanted change nothing, and the angle is met within a step.
+   subroutine timing_of_angles()
+      type(problem_t) :: problem
+      type(data_set_t) :: set
+      type(merit_t) :: merit
+      type(timing_t) :: whole
+      type(station_t) :: station
+      real(wp), allocatable :: delt(:), found(:, :), wanted(:)
+      integer :: turns, i
+
+      call load_case('dyad1_crank_rocker', problem, set, vary=.true.)
+      allocate (found(problem%positions, 0:1))
+      call prepare_station(problem, problem%delt, .false., reshape([integer ::], [2, 0]), .false., station)
+      call look(station, problem%given)
+      do turns = 0, 1
+         wanted = station%out(:, 1) + 360.0_wp*[(real(turns*(mod(i, 5) - 2), wp), i=1, problem%positions)]
+         call problem%set_desired(wanted, spread(1.0_wp, 1, problem%positions), wanted, spread(1.0_wp, 1, problem%positions))
+         call prepare_merit(set, problem, problem%topology%first_values(problem%given), merit)
+         call prepare_timing(problem, merit, whole)
+         allocate (delt(problem%positions))
+         call find_timing(whole, merit, delt)
+         found(:, turns) = delt
+         deallocate (delt)
+      end do
+      call t%is_true(all(abs(found(:, 1) - found(:, 0)) <= 0.0_wp), 'whole turns of a wanted angle do not change the timing')
+      wanted = station%out(:, 1)
+      call prepare_station(problem, found(:, 1), .false., reshape([integer ::], [2, 0]), .false., station)
+      call look(station, problem%given)
+      call t%is_true(all(abs(station%out(:, 1) - wanted) <= 2.0_wp), 'each angle is met within a step')
+      call t%is_true(maxval(wanted) - minval(wanted) > 30.0_wp, 'angles that differ')
+   end subroutine timing_of_angles
 
    !> Make the points a linkage goes through the desired ones.
    subroutine points_of_itself(problem)

@@ -7,7 +7,7 @@ program test_dyads
    use psalm_rpp, only: project_on_slides
    use psalm_rpr, only: solve_slide_on_q, solve_slide_on_p
    use psalm_rrp, only: solve_link_slide
-   use psalm_rrr, only: solve_two_links
+   use psalm_rrr, only: solve_two_links, solve_one_link
    implicit none (type, external)
    integer, parameter :: n = 1003
    real(wp), parameter :: tolerance = 1.0e-13_wp
@@ -26,6 +26,7 @@ program test_dyads
    end do
    call slides()
    call open_dyads()
+   call nasty()
    call t%report()
 
 contains
@@ -125,7 +126,7 @@ contains
       vy = -root_x
       call solve_two_slides(n, sx, sy, ex, ey, root_x, root_y, c, s, root_x, root_y, 0.0_wp, -1.0_wp, lp, lq, reach)
       call closes(ux, uy, lp, vx, vy, lq, 'type 8')
-      call t%close_to(maxval(abs(reach - abs(ux*vy - uy*vx))), 0.0_wp, tolerance, 'type 8: reach is the sine between the slides')
+      call t%close_to(maxval(abs(reach - (ux*vy - uy*vx))), 0.0_wp, tolerance, 'type 8: reach is the sine from p to q')
    end subroutine slides
 
    !> What cannot close gives finite numbers and a reach that tells.
@@ -141,4 +142,63 @@ contains
       call solve_two_slides(n, sx, sy, ex, ey, root_x, root_y, 1.0_wp, 0.0_wp, root_x, root_y, 1.0_wp, 0.0_wp, lp, lq, reach)
       call t%is_true(all(reach == 0.0_wp) .and. all(abs(lp) < huge(1.0_wp)), 'type 8: parallel slides are told')
    end subroutine open_dyads
+
+   !> Any finite lengths and places, meeting joints, parallel slides: finite numbers.
+   subroutine nasty()
+      real(wp), parameter :: big = 2.0_wp**(maxexponent(1.0_wp)/8) !! the greatest length a linkage has inside
+      integer, parameter :: many = 9
+      real(wp) :: lengths(many), places(many), turn(many)
+      integer :: i, a, b
+
+      lengths = [tiny(1.0_wp)*epsilon(1.0_wp), tiny(1.0_wp), tiny(1.0_wp)**0.5_wp, tiny(1.0_wp)**0.25_wp, epsilon(1.0_wp)**2, &
+                 1.0e-3_wp, 1.0_wp, 257.0_wp, big]
+      places = lengths
+      places(many) = 0.0_wp
+      turn = [1.0_wp, 1.0_wp, 1.0_wp, epsilon(1.0_wp), 0.0_wp, 0.6_wp, 0.8_wp, -1.0_wp, -epsilon(1.0_wp)]
+      do i = 1, n
+         sx(i) = places(one_of(many))
+         sy(i) = places(one_of(many))
+         ex(i) = merge(sx(i), places(one_of(many)), modulo(i, 5) == 0)
+         ey(i) = merge(sy(i), places(one_of(many)), modulo(i, 5) == 0)
+         root_x(i) = merge(1.0_wp, 0.6_wp, modulo(i, 3) == 0)
+         root_y(i) = merge(0.0_wp, 0.8_wp, modulo(i, 3) == 0)
+         hx(i) = merge(root_x(i), turn(1 + modulo(i, many)), modulo(i, 2) == 0)
+         hy(i) = merge(root_y(i), turn(1 + modulo(i + 3, many)), modulo(i, 2) == 0)
+      end do
+      do a = 1, many
+         do b = 1, many
+            call solve_two_links(n, sx, sy, ex, ey, lengths(a), lengths(b), 1.0_wp, px, py, qx, qy, reach)
+            call finite(px, py, qx, qy, 'type 1')
+            call solve_one_link(n, sx, sy, ex, ey, lengths(a), lengths(b), 1.0_wp, px, py, reach)
+            call finite(px, py, reach, reach, 'type 1, one link')
+         end do
+         call solve_slide_on_q(n, sx, sy, ex, ey, lengths(a), -1.0_wp, px, py, lp, reach)
+         call finite(px, py, lp, reach, 'type 2')
+         call solve_slide_on_p(n, sx, sy, ex, ey, lengths(a), -1.0_wp, px, py, lq, reach)
+         call finite(px, py, lq, reach, 'type 3')
+         call solve_link_slide(n, sx, sy, ex, ey, lengths(a), 1.0_wp, root_x, root_y, 1.0_wp, 0.0_wp, px, py, lq, reach)
+         call finite(px, py, lq, reach, 'types 4 and 5')
+      end do
+      call project_on_slides(n, sx, sy, ex, ey, root_x, root_y, 1.0_wp, 0.0_wp, 0.0_wp, 1.0_wp, lp, lq, reach)
+      call finite(lp, lq, reach, reach, 'types 6 and 7')
+      call solve_two_slides(n, sx, sy, ex, ey, root_x, root_y, 1.0_wp, 0.0_wp, hx, hy, 1.0_wp, 0.0_wp, lp, lq, reach)
+      call finite(lp, lq, reach, reach, 'type 8')
+   end subroutine nasty
+
+   !> A number from 1 to `many`, drawn.
+   integer function one_of(many)
+      integer, intent(in) :: many
+      real(wp) :: deviate
+
+      call random%next(deviate)
+      one_of = min(1 + int(deviate*real(many, wp)), many)
+   end function one_of
+
+   subroutine finite(a, b, c, d, name)
+      real(wp), intent(in) :: a(n), b(n), c(n), d(n)
+      character(*), intent(in) :: name
+
+      call t%is_true(all(abs(a) <= huge(a)) .and. all(abs(b) <= huge(b)) .and. all(abs(c) <= huge(c)) .and. &
+                     all(abs(d) <= huge(d)), name//': finite numbers for any lengths and places')
+   end subroutine finite
 end program test_dyads

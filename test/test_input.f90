@@ -2,7 +2,9 @@
 program test_input
    use check, only: checks_t
    use psalm_data_set, only: data_set_t, read_data_sets
+   use psalm_group_table, only: known_groups
    use psalm_kinds, only: wp
+   use psalm_number, only: parse_real
    use psalm_setup, only: set_up
    use psalm_topology, only: topology_t, dimensions_t
    use psalm_status, only: diagnostics_t
@@ -22,7 +24,14 @@ program test_input
    call capacities()
    call wrong_text()
    call wrong_items()
+   call subscripts()
+   call groups()
+   call counts()
+   call places()
+   call many()
+   call numbers()
    call wrong_topology()
+   call wrong_references()
    call warnings()
    call t%report()
 
@@ -180,6 +189,160 @@ contains
       call t%is_true(findings%list(1)%line == 4, 'a message names its line')
    end subroutine wrong_items
 
+   !> An item with a subscript, beside the case: what is said, and that no element is set.
+   subroutine subscripts()
+      integer :: i
+      character(*), parameter :: malformed(*) = [character(14) :: '()', '( )', '(,2)', '(1,)', '(-1)', '(0,1)', '(2.0)', '(x)', &
+                                                 '(1,1,1)', '(1 2)', '(1:2)', '(1,2:3)', '(9999999999)']
+      character(*), parameter :: words(*) = [character(44) :: 'lacks a subscript', 'lacks a subscript', 'lacks a subscript', &
+         'lacks a subscript', 'counted from 1', 'counted from 1', 'not a real', 'an integer is expected', &
+         'more than two subscripts', '(loop,arc) with a comma', 'is a section', 'is a section', 'the integer is too large']
+
+      do i = 1, size(malformed)
+         call wrong(altered('NOUTLK=3', 'ARCL'//trim(malformed(i))//'=41.0, NOUTLK=3'), trim(words(i)))
+         call t%equal_integer(findings%count, 1, 'one message for ARCL'//trim(malformed(i)))
+      end do
+      ! products that come out right in 32 bits only
+      call wrong(altered('NOUTLK=3', 'ARCL(1073741825,1)=41.0, NOUTLK=3'), 'subscript out of range; there are loops 1 to 1')
+      call wrong(altered('NOUTLK=3', 'ARCL(1,1073741825)=41.0, NOUTLK=3'), 'and arcs 1 to 4')
+      call wrong(altered('NOUTLK=3', 'ARCL(2,1)=41.0, NOUTLK=3'), 'there are loops 1 to 1 and arcs 1 to 4')
+      call wrong(altered('NOUTLK=3', 'ARCL(5)=41.0, NOUTLK=3'), 'there are elements 1 to 4')
+      call wrong(altered('NOUTLK=3', 'NOUTLK(2)=3'), 'there is one value only')
+      call wrong(altered('DELT=0.', 'DELT(1,1)=0.'), 'takes one subscript, not two')
+      call read_text(altered('NOUTLK=3', 'ARCL ( 1 , 2 ) = 121.0, GAMA(4)=179., NOUTLK=3'))
+      call t%equal_integer(findings%exit_code(), 0, 'blanks in subscripts')
+      call t%is_true(abs(sets(1)%arcl(2, 1) - 121.0_wp) + abs(sets(1)%gama(4, 1) - 179.0_wp) <= 0.0_wp, 'the values of it')
+   end subroutine subscripts
+
+   !> Groups by name; items in the wrong group. What the table says is known is read by a program.
+   subroutine groups()
+      integer :: i
+
+      call wrong(whole//' &CONST IRANGE=2 &END'//nl, 'unknown group &CONST; did you mean &CONSTR?')
+      call wrong(whole//' &SERCH SOLVER=''LSQ'' &END'//nl, 'did you mean &SEARCH?')
+      call wrong(whole//' &RATE SPEED=3 &END'//nl, 'did you mean &RATES?')
+      call wrong(whole//' &TOLERANCE TOLLEN=3 &END'//nl, 'did you mean &TOLER?')
+      call wrong(whole//' &WEATHER WIND=3 &END'//nl, 'a group of your own begins with &USER')
+      call wrong(altered('&LINKS', '&LINK'), 'did you mean &LINKS?')
+      call t%equal_integer(findings%count, 1, 'a misspelt group is not missing too')
+      call read_text(whole//' &RATES SPEED=3 &END &USERNOTES A=1 &END'//nl)
+      call t%equal_integer(findings%exit_code(), 0, 'groups of a sister program and of the user')
+      call t%equal_text(sets(1)%skipped, '&RATES (kalm), &USERNOTES', 'skipped groups are named')
+      call t%is_true(index(sets(1)%others, 'SPEED=3') > 0 .and. index(sets(1)%others, 'USERNOTES') > 0, 'and kept')
+      do i = 1, size(known_groups)
+         if (index(known_groups(i)%programs, 'psalm') == 0) cycle
+         call wrong(altered(' &END', ' &END &'//trim(known_groups(i)%name)//' NOTHING=1 &END'), &
+                    trim(merge('the group is given twice', 'NOTHING: no such item   ', i <= 2)))
+      end do
+      call wrong(altered('NOUTLK=3', 'IKIN=3, NOUTLK=3'), '&LINKS IKIN: no such item; it belongs to &METHOD')
+      call wrong(altered('NDES=3', "SOLVER='LSQ', NDES=3"), '&METHOD SOLVER: no such item; it belongs to &SEARCH')
+      call wrong(whole//' &LIMITS SPEED=3 &END'//nl, '&LIMITS SPEED: no such item; it belongs to &RATES')
+      call wrong(whole//' &LIMITS NTRIAL=3 &END'//nl, 'it belongs to &TOLER')
+      call wrong(whole//' &LIMITS RPLACE=3 &END'//nl, 'it belongs to &CONSTR')
+      call wrong(whole//' &LIMITS MAXTIMES=3 &END'//nl, 'did you mean MAXTIME of &SEARCH?')
+      call wrong(whole//' &SEARCH SOLVER=''LN_COBILA'' &END'//nl, "did you mean 'LN_COBYLA'?")
+      call t%finds(findings, 'LD_SLSQP', 'the solvers are listed')
+   end subroutine groups
+
+   !> More or fewer values than announced.
+   subroutine counts()
+      call wrong(altered('DELT=0.,30.,60.', 'DELT=0.,30.,60.,90.'), &
+                 'NDES=3 positions are announced, but 4 values given; set NDES=4')
+      call wrong(altered('DELT=0.,30.,60.', 'DELT=0.,30.,60.,0.'), '4 values given')
+      call wrong(altered('NDES=3', 'DESANG=5*1., NDES=3'), '&METHOD DESANG: NDES=3 positions are announced, but 5 values given')
+      call wrong(altered('NDES=3', 'ANMULT=1.,1.,1.,1., NDES=3'), '&METHOD ANMULT: NDES=3 positions are announced, but 4')
+      call wrong(altered('NLOOP=1', 'NLOOP=2'), 'NLOOP=2 loops are announced, but ILINK has values for 1 only')
+      call t%equal_integer(findings%count, 1, 'a loop too many is told once')
+      call wrong('T'//nl//' &LINKS NLOOP=1, MAXARC=4, ILINK=1,2,3,4,1,2,3,4, ILOOP=1,0,0,1,1,0,0,1, ARCL=8*10., GAMA=8*5., '// &
+                 'NOUTLK=3, NOUTLP=1 &END'//nl//method, 'NLOOP=1 rows of MAXARC=4 are announced, found 2 rows (8 values)')
+      call t%equal_integer(findings%count, 1, 'a loop too few is told once')
+      call wrong(altered('ARCL=40.,120.,80.,130.', 'ARCL=40,5, 120,5, 80,0, 130,0'), 'the decimal sign is a point, not a comma')
+      call read_text(altered('NDES=3', 'DESANG=3*1.,161*0.0, ANMULT=181*1.0, NDES=3'))
+      call t%equal_integer(findings%exit_code(), 0, 'repeated values may fill the arrays of positions')
+      call read_text(altered('ARCL=40.,120.,80.,130.', 'ARCL=40.,120.,80.,130.,96*0.'))
+      call t%equal_integer(findings%exit_code(), 0, 'zeros may fill the arrays of arcs')
+      call wrong(altered('NDES=3', 'IVA=0,1,1, DESANG=3*9., NDES=3')//' &LIMITS LIMVAL=1, OPLOW=1., OPHIGH=2*9. &END'//nl, &
+                 'each of the 2 variables; found 1. The variables are length of arc 2 in loop 1, length of arc 3 in loop 1')
+      call wrong(altered('NDES=3', 'IVA=0,1,1, INGOUT=1, DESANG=3*9., NDES=3')// &
+                 ' &LIMITS LIMVAL=1, OPLOW=1., OPHIGH=9. &END'//nl, 'length of arc 3 in loop 1, output angle')
+      call wrong(altered('NDES=3', 'IVA=0,1,1, DESANG=3*9., NDES=3')//' &LIMITS LIMVAL=1, OPLOW=1.,7., OPHIGH=9.,5. &END'//nl, &
+                 'of the length of arc 3 in loop 1 is above its upper limit')
+      call read_text(altered('NDES=3', 'IVA=0,1, DESANG=3*9., NDES=3')//' &LIMITS LIMVAL=1, OPLOW=3*1., OPHIGH=2*9. &END'//nl)
+      call t%finds(findings, '3 limits are given, but there are only 1 variables', 'more limits than variables')
+      call t%equal_integer(findings%exit_code(), 0, 'more limits than variables: a warning')
+   end subroutine counts
+
+   !> The line of a message is that of the value; the first message is that of the mistake.
+   subroutine places()
+      character(*), parameter :: rows = 'T'//nl//' &LINKS NLOOP=2, MAXARC=4,'//nl//'ILINK=1,2,3,4,'//nl//'1,2,-3,4,'//nl// &
+                                 'ILOOP=1,0,0,1,'//nl//'1,0,0,1,'//nl//'ARCL=40.,120.,80.,130.,'//nl//'40.,120.,80.,130.,'//nl// &
+                                 ' GAMA=3*0.,180., NOUTLK=3,'//nl//' NOUTLP=2 &END'//nl//method
+      character(:), allocatable :: text
+      integer :: at
+
+      call wrong(rows, 'of opposite sign')
+      call t%equal_integer(findings%list(1)%line, 4, 'opposite signs: the line of the row')
+      at = index(rows, '-3,4')
+      text = rows(:at - 1)//'7,4'//rows(at + 4:)
+      call wrong(text, 'arc 3 of loop 2 must be')
+      call t%equal_integer(findings%list(1)%line, 4, 'a wrong number: the line of the row')
+      at = index(rows, ' NOUTLP=2')
+      text = rows(:at - 1)//' NOUTLP=9'//rows(at + 9:)
+      at = index(text, '-3,4')
+      text = text(:at - 1)//'3,4'//text(at + 4:)
+      call wrong(text, 'must name a loop from 1 to 2')
+      call t%equal_integer(findings%list(1)%line, 10, 'NOUTLP: its line')
+      call wrong(altered('120.,80.', '120.,'//nl//'-80.'), 'is negative')
+      call t%equal_integer(findings%list(1)%line, 4, 'a negative length: its line')
+      call wrong(altered('DELT=0.,30.,60.', 'DELT=0.,30.,60.,'//nl//'90.'), '4 values given')
+      call t%equal_integer(findings%list(1)%line, 5, 'a value too many: its line')
+      call wrong(altered('ILINK=1,2,3,4, ILOOP=1,0,0,1', 'ILINK=1,2,3,4, ILOOP=1,1,0,0'), 'the frame arc must come last')
+      call t%equal_integer(findings%count, 1, 'the frame arc second: one message')
+      call wrong('T'//nl//' &LINKS NLOOP=1, MAXARC=3, ILINK=1,2,3, ILOOP=1,0,0, ARCL=3*10., NOUTLK=3, NOUTLP=1 &END'//nl//method, &
+                 'the frame arc is missing')
+      call read_text(altered('DELT=0.,30.,60.', 'DELT=0.,30.,'//nl//'0.'))
+      call t%finds(findings, 'positions 1 and 3 have the same input', 'a position given twice')
+      call t%equal_integer(findings%list(1)%line, 5, 'a position given twice: its line')
+   end subroutine places
+
+   !> Of one kind a few findings are told, the others counted.
+   subroutine many()
+      call wrong(altered('NOUTLK=3', repeat('Q=1 ', 100)//'NOUTLK=3'), 'and 95 more items that it does not have')
+      call t%equal_integer(findings%count, 6, 'of 100 unknown items five are told')
+      call wrong(altered('NOUTLK=3', repeat('ARCL(7)=1. ', 100)//'NOUTLK=3'), 'and 95 more')
+      call t%equal_integer(findings%count, 6, 'of 100 errors of one item five are told')
+      call wrong(altered('NLOOP=1', 'NLOOP=100000'), 'NLOOP=100000 loops are announced')
+      call t%equal_integer(findings%count, 1, 'one error for 100000 loops')
+   end subroutine many
+
+   !> The short way to a number gives the bits of the long one.
+   subroutine numbers()
+      character(*), parameter :: written(*) = [character(24) :: '0', '-0.0', '1', '+7.25', '.5', '5.', '-123456789.012345', '0.1', &
+         '1e22', '1D-22', '123456789012345e-22', '4.35', '0.000001', '9007199254740993', '1.7976931348623157e300', &
+         '5E-324', '1+2']
+      character(*), parameter :: no_numbers(*) = [character(8) :: '', '.', '+', 'e5', '1e', '1e+', '1.2.3', '1-', '--1', '1x', &
+         '0x10']
+      character(:), allocatable :: reason
+      character(24) :: number
+      real(wp) :: short, long
+      logical :: valid
+      integer :: i
+
+      do i = 1, size(written)
+         call parse_real(trim(written(i)), short, valid, reason)
+         number = written(i)
+         read (number, *) long
+         call t%is_true(valid .and. abs(short - long) <= 0.0_wp .and. sign(1.0_wp, short) == sign(1.0_wp, long), &
+                        'the number '//trim(written(i)))
+      end do
+      do i = 1, size(no_numbers)
+         call parse_real(trim(no_numbers(i)), short, valid, reason)
+         call t%is_true(.not. valid, 'no number: '//trim(no_numbers(i)))
+      end do
+      call parse_real('1.'//repeat('3', 2000), short, valid, reason)
+      call t%is_true(.not. valid .and. index(reason, 'at most 1000 characters') > 0, 'a number of 2000 digits')
+   end subroutine numbers
+
    !> ILINK and ILOOP inconsistent, each way.
    subroutine wrong_topology()
       character(*), parameter :: ilink = 'ILINK=1,2,3,4', iloop = 'ILOOP=1,0,0,1'
@@ -210,6 +373,28 @@ contains
                  ' NOUTLP=1 &END'//nl//' &METHOD MOTION=1, IKIN=30 &END'//nl, 'the input slides')
    end subroutine wrong_topology
 
+   !> References between arcs and limits of variables that cannot be meant.
+   subroutine wrong_references()
+      character(*), parameter :: arrays = 'MAXARC=4, ILINK=1,2,3,4, ILOOP=1,0,0,1'
+      character(*), parameter :: second = ' &LINKS NLOOP=2, MAXARC=4, ILOOP=1,0,0,1,1,0,0,1, NOUTLK=3, NOUTLP=2,'// &
+                                 ' ARCL=40.,120.,80.,130.,', row = ' ILINK=1,2,3,4,'
+
+      call wrong(altered(arrays, 'MAXARC=4, ILINK=1,2,3,0, ILOOP=1,0,0,1'), 'must be 0, because ILINK says there is no such arc')
+      call wrong(altered(arrays, 'MAXARC=4, ILINK=1,2,0,0, ILOOP=1,0,0,0'), 'has fewer than three arcs')
+      call wrong('T'//nl//second//'40.,120.,80.,130.,'//row//'-7,2,3,4 &END'//nl//method, &
+                 'refers to arc 7 of loop 1, which does not exist')
+      call wrong('T'//nl//' &LINKS NLOOP=1, MAXARC=4, ILINK=-1,2,3,4, ILOOP=-3,0,-2,1, ARCL=3*0.,9., NOUTLK=3, NOUTLP=1 &END'// &
+                 nl//method, 'as the guide of the sliding input, but that is not a frame arc')
+      call wrong(altered('NDES=3', 'IVA=0,1, DESANG=3*9., NDES=3')//' &LIMITS LIMVAL=1, OPLOW=9., OPHIGH=1. &END'//nl, &
+                 'variable 1 has a lower limit above its upper limit')
+      call wrong(altered('NDES=3', 'IVA=0,1, DESANG=3*9., NGUESS=3, NDES=3'), '1 variables has 2 vertices; found 3')
+      call read_text('T'//nl//second//'41.,120.,80.,130., GAMA=4*0.,5.,'//row//'1,2,3,4 &END'//nl//method)
+      call t%finds(findings, 'is not used: ILINK is positive, the arc has the length of arc', 'a length that is not used')
+      call t%finds(findings, 'is not used: ILINK is positive, the arc has the direction of arc', 'an angle that is not used')
+      call read_text('T'//nl//second//'40.,120.,80.,130.,'//row//'1,2,3,4 &END'//nl//method)
+      call t%equal_integer(findings%count, 0, 'the same length given again is no fault')
+   end subroutine wrong_references
+
    subroutine warnings()
       call read_text(altered('NDES=3', 'IVA=4*1, IVG=0,1,0,0, DESANG=3*9., NDES=3'))
       call t%finds(findings, 'its direction is a result and cannot vary', 'a variable angle of an undetermined link')
@@ -225,5 +410,32 @@ contains
       call t%finds(findings, 'cut to its first 72 columns', 'a long title')
       call read_text(altered('NDES=3', 'ISTART=20, NDES=3'))
       call t%finds(findings, 'must be odd; 21 is used', 'an even random integer')
+      ! loop 2 traced along arcs 1 and 2 of loop 1: the crank by -1, a coupler whose second side begins at the crank pin
+      call read_text(two_loops('-1', '-2'))
+      call t%finds(findings, 'arc 1 of loop 2 is identical with arc 1 of loop 1 and is taken for it', 'the crank under a minus')
+      call t%equal_integer(findings%count, 1, 'and nothing else is wrong')
+      call read_text(two_loops('1', '-2'))
+      call t%equal_integer(findings%count, 0, 'a second side that begins at its link''s joint')
+      call read_text('LEG OF JANSEN'//nl//' &LINKS NLOOP=3, MAXARC=6,'//nl// &
+                     ' ILINK=1,2,3,4,0,0, 1,-2,-3,4,0,0, 1,2,-3,-4,-3,4,'//nl// &
+                     ' ILOOP=1,0,0,1,0,0, 1,0,0,1,0,0, 1,2,0,0,1,1,'//nl// &
+                     ' ARCL=15.,50.,41.5,38.7923,2*0., 0.,61.9,39.3,3*0., 2*0.,36.7,39.4,40.1,0.,'//nl// &
+                     ' GAMA=3*0.,11.6,2*0., 6*0., 4*0.,86.27,0., NOUTLK=-3, NOUTLP=3 &END'//nl//method)
+      call t%equal_integer(findings%count, 0, 'a second side that ends at a joint of the frame and its link')
+      call read_text(two_loops('1', '-3'))
+      call t%finds(findings, 'arc 2 of loop 2 belongs to the link of arc 3 of loop 1, but it begins and ends at no joint', &
+                   'an arc that hangs in the air')
+      call t%equal_integer(findings%exit_code(), 0, 'it is a warning')
    end subroutine warnings
+
+   !> A six-bar: loop 2 leads over arcs `first` and `second` of loop 1.
+   function two_loops(first, second) result(text)
+      character(*), intent(in) :: first, second
+      character(:), allocatable :: text
+
+      text = 'T'//nl//' &LINKS NLOOP=2, MAXARC=5, ILINK=1,2,3,4,0,'//first//','//second//',3,4,-4,'//nl// &
+             ' ILOOP=1,0,0,1,0,1,1,0,0,1,'//nl// &
+             ' ARCL=40.,120.,80.,130.,0.,40.,70.,90.,90.,150., GAMA=3*0.,180.,0.,0.,20.,0.,0.,10., NOUTLK=3, NOUTLP=2 &END'// &
+             nl//method
+   end function two_loops
 end program test_input

@@ -5,7 +5,7 @@ program test_lsq
    use psalm_data_set, only: data_set_t
    use psalm_error, only: problem_t, motion_t
    use psalm_kinds, only: wp
-   use psalm_lapack, only: solve_positive
+   use psalm_linear, only: solve_positive
    use psalm_interrupt, only: interrupt_t
    use psalm_margins, only: inspector_t, margin_t, prepare_inspector, inspect, is_violated
    use psalm_search, only: result_t, search_many

@@ -1,13 +1,16 @@
 !> Text inside SVG, HTML and JSON, and the outline of a plate.
 program test_markup
+   use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan, ieee_negative_inf
    use check, only: checks_t
    use psalm_kinds, only: wp
-   use psalm_markup, only: clean_text, json_text, number_or_null, short_number, strings_t, wrapped, xml_text
+   use psalm_markup, only: clean_text, json_text, number_or_null, sentence_case, short_number, strings_t, wrapped, &
+                           xml_text
    use psalm_parts, only: convex_hull
    implicit none (type, external)
    type(checks_t) :: t
 
    call texts()
+   call code_points()
    call numbers()
    call lines()
    call outlines()
@@ -29,7 +32,43 @@ contains
       call t%equal_text(xml_text('<a b="c">&''</a>'), '&lt;a b=&quot;c&quot;&gt;&amp;&#39;&lt;/a&gt;', 'XML')
       call t%equal_text(json_text('</script>"'//achar(92)), '"'//achar(92)//'u003c/script'//achar(92)//'u003e'//achar(92)//'"'// &
                         achar(92)//achar(92)//'"', 'JSON that a script element may hold')
+      call t%equal_text(sentence_case('LOOP 1, DYAD OF TYPE 4 (ARCS 2 AND 3): TOO SHORT BY 0.15D-02'), &
+                        'Loop 1, dyad of type 4 (arcs 2 and 3): too short by 0.15D-02', 'capitals of a listing as a sentence')
    end subroutine texts
+
+   !> Code points at the edges of the forms of UTF-8, and those that XML does not take.
+   subroutine code_points()
+      integer, parameter :: stay(*) = [160, 191, 192, 2047, 2048, 4095, 55295, 57344, 65533, 65536, 1114111]
+      integer, parameter :: go(*) = [55296, 57343, 65534, 65535, 1114112]
+      integer, parameter :: blank(*) = [128, 159]
+      integer :: i
+
+      do i = 1, size(stay)
+         call t%equal_text(clean_text('a'//utf8(stay(i))//'b'), 'a'//utf8(stay(i))//'b', 'a code point that stays')
+      end do
+      do i = 1, size(go)
+         call t%is_true(index(clean_text(utf8(go(i))), utf8(go(i))) == 0, 'a code point that XML does not take')
+      end do
+      do i = 1, size(blank)
+         call t%equal_text('a'//clean_text(utf8(blank(i)))//'b', 'a b', 'a control character of two bytes')
+      end do
+   end subroutine code_points
+
+   pure function utf8(code) result(bytes)
+      integer, intent(in) :: code
+      character(:), allocatable :: bytes
+      integer, parameter :: lead(0:3) = [0, 192, 224, 240]
+      integer :: rest, more
+
+      rest = code
+      bytes = ''
+      more = count(code >= [128, 2048, 65536])
+      do while (len(bytes) < more)
+         bytes = char(128 + modulo(rest, 64))//bytes
+         rest = rest/64
+      end do
+      bytes = char(rest + lead(more))//bytes
+   end function utf8
 
    subroutine numbers()
       call t%equal_text(short_number(0.0_wp), '0', 'zero')
@@ -39,6 +78,9 @@ contains
       call t%equal_text(short_number(1.0_wp/3.0_wp), '0.333333333', 'nine digits')
       call t%equal_text(short_number(2.5e20_wp), '2.5E20', 'a large number')
       call t%equal_text(number_or_null(1.0_wp, .false.), 'null', 'what is not known is null')
+      call t%equal_text(number_or_null(ieee_value(1.0_wp, ieee_quiet_nan), .true.), 'null', 'what is no number is null')
+      call t%equal_text(short_number(ieee_value(1.0_wp, ieee_quiet_nan)), '0', 'no number')
+      call t%equal_text(short_number(ieee_value(1.0_wp, ieee_negative_inf)), '0', 'nor is infinity')
    end subroutine numbers
 
    subroutine lines()

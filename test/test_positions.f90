@@ -7,6 +7,7 @@ program test_positions
    use psalm_kinds, only: wp, radians_per_degree, degrees_per_radian
    use psalm_linkage, only: block_length
    use psalm_output_kind, only: motion_point, motion_angle
+   use psalm_plan, only: step_point
    use psalm_topology, only: dimensions_t
    implicit none (type, external)
    type(checks_t) :: t
@@ -17,6 +18,7 @@ program test_positions
       call scaling(names(k))
       call turning(names(k))
       call blocks(names(k))
+      call fixed_points(names(k))
    end do
    call known_motions()
    call steering()
@@ -57,6 +59,35 @@ contains
       end do
       call t%close_to(worst, 0.0_wp, 1.0e-14_wp, trim(name)//': the arcs of every loop add up to zero')
    end subroutine loops_close
+
+   !> Points of the frame are found once for all positions, and no others: what is not fixed moves.
+   subroutine fixed_points(name)
+      character(*), intent(in) :: name
+      type(problem_t) :: problem
+      type(data_set_t) :: set
+      integer :: k, offset, n, wrong
+      real(wp) :: way
+
+      call load_case(name, problem, set, everything=.true.)
+      call problem%bind(problem%given)
+      call problem%solve_block(1, offset, n)
+      wrong = 0
+      associate (link => problem%linkage)
+         do k = 1, size(problem%plan%steps)
+            associate (step => problem%plan%steps(k))
+               if (step%kind /= step_point) cycle
+               if (link%length(step%arc) <= 0.0_wp .and. problem%plan%length_slot(step%arc) == 0) cycle ! a joint on a joint
+               associate (x => link%store(link%point_x(step%to):link%point_x(step%to) + n - 1), &
+                          y => link%store(link%point_y(step%to):link%point_y(step%to) + n - 1))
+                  way = max(maxval(x) - minval(x), maxval(y) - minval(y))
+               end associate
+               if (step%fixed .eqv. way > 1.0e-9_wp*maxval(problem%given%arcl)) wrong = wrong + 1
+            end associate
+         end do
+      end associate
+      call t%is_true(n > 1, trim(name)//': several positions in a block')
+      call t%equal_integer(wrong, 0, trim(name)//': a point is fixed or moves')
+   end subroutine fixed_points
 
    !> Lengths times a factor: angles stay, lengths follow.
    subroutine scaling(name)

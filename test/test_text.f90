@@ -12,6 +12,7 @@ program test_text
    call round_trip()
    call numbers()
    call random()
+   call figures()
    call t%equal_integer(edit_distance('MAXRAC', 'MAXARC'), 2, 'two letters exchanged are two changes')
    call t%equal_text(trim(nearest_name('NITTER', [character(6) :: 'NCHECK', 'NITER', 'FMIN'])), 'NITER', 'nearest name')
    call t%report()
@@ -46,6 +47,35 @@ contains
       end do
       call t%equal_integer(bad, 0, 'full precision reads back to the same bits')
    end subroutine round_trip
+
+   !> The fast ways to figures give what the run-time library gives.
+   subroutine figures()
+      real(wp) :: x
+      type(random_t) :: random
+      character(40) :: library
+      character(15) :: short
+      integer :: i, bad, worse
+
+      bad = 0
+      worse = 0
+      do i = 1, 40000
+         call random%next(x)
+         x = (x - 0.5_wp)*10.0_wp**(mod(i, 25) - 6)
+         if (mod(i, 3) == 0) x = anint(x*1000.0_wp)/1000.0_wp
+         if (mod(i, 7) == 0) x = anint(x)
+         if (mod(i, 11) == 0) x = anint(x) + 0.5_wp**mod(i, 30)
+         if (mod(i, 13) == 0) x = nearest(10.0_wp**(mod(i, 21) - 5), x)
+         if (x == 0.0_wp) cycle
+         if (abs(x) >= 1.0_wp .and. abs(x) < 1.0e7_wp) then
+            write (short, '(g15.7)') x
+            if (index(short, 'E') == 0 .and. adjustr(short) /= general(x)) bad = bad + 1
+         end if
+         write (library, '(es40.16e2)') x
+         if (precision(x) == 15 .and. adjustl(library) /= full_precision(x)) worse = worse + 1
+      end do
+      call t%equal_integer(bad, 0, 'seven figures')
+      call t%equal_integer(worse, 0, 'seventeen figures')
+   end subroutine figures
 
    subroutine numbers()
       real(wp) :: x

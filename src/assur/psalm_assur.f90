@@ -6,19 +6,21 @@ module psalm_assur
    use psalm_dyad, only: dyad_t, breach_t
    use psalm_dyad_kind, only: assur_none, assur_ppr, assur_prp, assur_prr, assur_rpp, assur_rpr, assur_rpr_guide_first, &
                               assur_rrp, assur_rrr, form_of, form_t
+   use psalm_elementary, only: hypotenuse
    use psalm_frames, only: frames_t, form_arc, dyad_rate, rows_of_arc, sine_row
    use psalm_kinds, only: wp
-   use psalm_prp, only: bind_prp, solve_prp, form_prp, bounds_prp, breach_prp
+   use psalm_prp, only: bind_prp, solve_prp, form_prp, measure_prp, change_of_measure_prp, bounds_prp, breach_prp
    use psalm_rows, only: rows_t
    use psalm_rpp, only: bind_rpp, solve_rpp, form_rpp, rates_twice_rpp, bounds_rpp
-   use psalm_rpr, only: bind_rpr, solve_rpr, form_rpr, measure_rpr, change_of_measure_rpr, bounds_rpr, breach_rpr, repair_rpr
+   use psalm_rpr, only: bind_rpr, solve_rpr, form_rpr, measure_rpr, change_of_measure_rpr, bounds_rpr, breach_rpr, repair_rpr, &
+                        coincidence_rpr
    use psalm_rrp, only: bind_rrp, solve_rrp, form_rrp, measure_rrp, change_of_measure_rrp, bounds_rrp, breach_rrp, repair_rrp
    use psalm_rrr, only: bind_rrr, solve_rrr, form_rrr, rates_rrr, measure_rrr, change_of_measure_rrr, bounds_rrr, breach_rrr, &
-                        repair_rrr
+                        repair_rrr, coincidence_rrr
    implicit none (type, external)
    private
    public :: mark_unknowns, bind_dyad, solve_dyad, form_dyad, differentiate_dyad, is_dead_dyad
-   public :: closure_of, change_of_closure, bounds_of_dyad, breach_of, repair_dyad, is_orthogonal
+   public :: closure_of, change_of_closure, bounds_of_dyad, breach_of, coincidence_of, repair_dyad, is_orthogonal, is_signed
 
    real(wp), parameter :: dead_by_root = 64.0_wp*epsilon(1.0_wp) !! square of the sine below which a triangle is flat
    real(wp), parameter :: dead_by_angle = dead_by_root**2        !! the same where the sine itself is computed
@@ -44,9 +46,10 @@ contains
    end subroutine mark_unknowns
 
    !> Limits of the closure measure for the dyad's present lengths.
-   pure subroutine bind_dyad(dyad, cosine_lowest)
+   pure subroutine bind_dyad(dyad, cosine_lowest, sine_lowest)
       type(dyad_t), intent(inout) :: dyad
       real(wp), intent(in) :: cosine_lowest        !! cosine of the smallest transmission angle allowed
+      real(wp), intent(in) :: sine_lowest          !! sine of the smallest angle between two slides allowed
 
       select case (dyad%kind)
       case (assur_rrr)
@@ -59,7 +62,8 @@ contains
       case (assur_rpp, assur_ppr)
          call bind_rpp(dyad)
       case default
-         call bind_prp(dyad)
+         call bind_prp(dyad, sine_lowest)
+         return
       end select
       dyad%accepts_low = dyad%closes_low
       dyad%accepts_high = dyad%closes_high
@@ -160,12 +164,13 @@ contains
 
    !> How near a dyad is to its limit: it closes, with `clearance` to spare, while abs(k) <= 1. Dimensionless and smooth across
    !> closing: RRR the cosine of the transmission angle; RPR guide and clearance over distance; RRP offset and clearance over
-   !> link; others 0.
-   pure subroutine closure_of(n, dyad, store, clearance, k)
+   !> link; PRP 1 less the sine between the slides; others 0.
+   pure subroutine closure_of(n, dyad, store, clearance, side, k)
       integer, intent(in) :: n
       type(dyad_t), intent(in) :: dyad
       type(rows_t), intent(in) :: store
       real(wp), intent(in) :: clearance            !! TOGGLE, scaled as lengths are
+      real(wp), intent(in) :: side                 !! PRP: +1 or -1, sign of the sine between the slides that is wanted
       real(wp), intent(out) :: k(:)                !! shape (n)
 
       select case (dyad%kind)
@@ -175,18 +180,20 @@ contains
          call measure_rpr(n, dyad, store, clearance, k)
       case (assur_rrp, assur_prr)
          call measure_rrp(n, dyad, store, clearance, k)
+      case (assur_prp)
+         call measure_prp(n, dyad, store, side, k)
       case default
          k = 0.0_wp
       end select
    end subroutine closure_of
 
    !> Change of `closure_of` with a variable.
-   pure subroutine change_of_closure(n, dyad, store, d, clearance, unit, dp, dq, turn_p, turn_q, dk)
+   pure subroutine change_of_closure(n, dyad, store, d, clearance, side, unit, dp, dq, turn_p, turn_q, dk)
       integer, intent(in) :: n
       type(dyad_t), intent(in) :: dyad
       type(rows_t), intent(in) :: store
       type(rows_t), intent(in) :: d                !! changes of all rows
-      real(wp), intent(in) :: clearance
+      real(wp), intent(in) :: clearance, side      !! as `closure_of` has them
       real(wp), intent(in) :: unit                 !! radians a unit of the variable is worth, or 1
       real(wp), intent(in) :: dp, dq               !! changes of the lengths
       real(wp), intent(in) :: turn_p, turn_q       !! turns of the fixed angles
@@ -199,6 +206,8 @@ contains
          call change_of_measure_rpr(n, dyad, store, d, clearance, unit, dp, dq, dk)
       case (assur_rrp, assur_prr)
          call change_of_measure_rrp(n, dyad, store, d, clearance, unit, dp, dq, turn_p, turn_q, dk)
+      case (assur_prp)
+         call change_of_measure_prp(n, dyad, store, d, side, unit, turn_p, turn_q, dk)
       case default
          dk = 0.0_wp
       end select
@@ -216,7 +225,7 @@ contains
       real(wp) :: h, gap
 
       associate (v => store%v)
-         h = hypot(v(i, dyad%e_x) - v(i, dyad%s_x), v(i, dyad%e_y) - v(i, dyad%s_y))
+         h = hypotenuse(v(i, dyad%e_x) - v(i, dyad%s_x), v(i, dyad%e_y) - v(i, dyad%s_y))
          gap = s + e + h
          select case (dyad%kind)
          case (assur_rrr)
@@ -233,6 +242,28 @@ contains
       end associate
    end subroutine bounds_of_dyad
 
+   !> Distance of the outer joints at and below which they coincide and no direction is determined; negative: they cannot.
+   pure real(wp) function coincidence_of(dyad, size) result(distance)
+      type(dyad_t), intent(in) :: dyad
+      real(wp), intent(in) :: size                 !! longest arc of the linkage, scaled as lengths are
+
+      select case (dyad%kind)
+      case (assur_rrr)
+         distance = coincidence_rrr(dyad)
+      case (assur_rpr, assur_rpr_guide_first)
+         distance = coincidence_rpr(dyad, size)
+      case default
+         distance = -1.0_wp
+      end select
+   end function coincidence_of
+
+   !> True if the limits of a kind's measure are those of its amount: a measure that changes its sign where the dyad is open.
+   pure logical function is_signed(kind)
+      integer, intent(in) :: kind
+
+      is_signed = kind == assur_prp
+   end function is_signed
+
    !> What is wrong at a position whose closure measure is not accepted; lengths scaled as those of the dyad.
    pure type(breach_t) function breach_of(dyad, measure, closes) result(breach)
       type(dyad_t), intent(in) :: dyad
@@ -247,7 +278,7 @@ contains
       case (assur_rrp, assur_prr)
          breach = breach_rrp(dyad, measure)
       case default
-         breach = breach_prp()
+         breach = breach_prp(measure, closes)
       end select
    end function breach_of
 

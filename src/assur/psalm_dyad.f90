@@ -10,7 +10,8 @@ module psalm_dyad
    private
    public :: dyad_t, breach_t
    public :: violation_none, violation_too_short, violation_too_long, violation_parallel, violation_angle_small, &
-             violation_angle_large, violation_undetermined
+             violation_angle_large, violation_undetermined, violation_slides
+   public :: least_square, no_distance, rounding
 
    integer, parameter :: violation_none = 0
    integer, parameter :: violation_too_short = 1    !! the dyad does not reach
@@ -19,6 +20,11 @@ module psalm_dyad
    integer, parameter :: violation_angle_small = 4  !! closes, but the transmission angle is too small
    integer, parameter :: violation_angle_large = 5  !! closes, but the transmission angle is too large
    integer, parameter :: violation_undetermined = 6 !! the outer joints coincide: no direction is determined
+   integer, parameter :: violation_slides = 7       !! closes, but the angle between the slides is too small
+
+   real(wp), parameter :: least_square = tiny(1.0_wp)**0.8_wp    !! guards a division; such a dyad is reported as open
+   real(wp), parameter :: no_distance = 1.0e3_wp*epsilon(1.0_wp) !! of the links: outer joints so near each other coincide
+   real(wp), parameter :: rounding = 64.0_wp*epsilon(1.0_wp)     !! relative width of a limit of closure
 
    !> One dyad with its numbers. Components that begin with a row say where its quantities stand in the store.
    type :: dyad_t
@@ -34,7 +40,8 @@ module psalm_dyad
       real(wp) :: sign = 1.0_wp                     !! assembly mode
       real(wp) :: px = 1.0_wp, py = 0.0_wp          !! cosine, sine of the fixed angle from the unit vector to p
       real(wp) :: qx = 1.0_wp, qy = 0.0_wp          !! likewise q
-      real(wp) :: closes_low = 0.0_wp, closes_high = 0.0_wp   !! limits of the measure: the dyad can be assembled
+      real(wp) :: closes_low = 0.0_wp, closes_high = 0.0_wp   !! limits of the measure (of two slides: of its amount): the dyad
+                                                              !! can be assembled
       real(wp) :: accepts_low = 0.0_wp, accepts_high = 0.0_wp !! and its transmission angle is within its limits
    end type dyad_t
 
@@ -42,6 +49,6 @@ module psalm_dyad
    type :: breach_t
       integer :: kind = violation_none
       real(wp) :: amount = 0.0_wp   !! length missing, or the transmission angle, degrees
-      logical :: is_length = .false.
+      logical :: is_length = .false.      !! the amount is a length, scaled as those of the dyad
    end type breach_t
 end module psalm_dyad

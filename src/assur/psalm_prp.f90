@@ -1,14 +1,16 @@
 !> Dyad PRP: two slides along known directions, a revolute joint between them.
 !>
-!> Closure measure: the sine of the angle between the slides; the dyad closes while it is not zero.
+!> Closure measure: the sine of the angle from p to q, with its sign; the dyad closes while it is not zero. Where it changes its
+!> sign between two inputs the slides have been parallel, and their joint at infinity.
 module psalm_prp
-   use psalm_dyad, only: dyad_t, breach_t, violation_parallel
+   use psalm_angles, only: arc_sine
+   use psalm_dyad, only: dyad_t, breach_t, violation_parallel, violation_slides, rounding
    use psalm_frames, only: frames_t, invert, rows_of_arc
    use psalm_kinds, only: wp
    use psalm_rows, only: rows_t
    implicit none (type, external)
    private
-   public :: bind_prp, solve_prp, form_prp, bounds_prp, breach_prp
+   public :: bind_prp, solve_prp, form_prp, measure_prp, change_of_measure_prp, bounds_prp, breach_prp
    public :: solve_two_slides
 
 
@@ -16,12 +18,15 @@ module psalm_prp
 
 contains
 
-   !> Limits of the measure.
-   pure subroutine bind_prp(dyad)
+   !> Limits of the amount of the measure.
+   pure subroutine bind_prp(dyad, sine_lowest)
       type(dyad_t), intent(inout) :: dyad
+      real(wp), intent(in) :: sine_lowest     !! sine of the smallest angle between two slides allowed
 
       dyad%closes_low = least_sine
       dyad%closes_high = 2.0_wp
+      dyad%accepts_low = max(sine_lowest - rounding, least_sine)
+      dyad%accepts_high = 2.0_wp
    end subroutine bind_prp
 
    !> Lengths of both slides.
@@ -54,27 +59,65 @@ contains
       real(wp), intent(out) :: bound(2)
       real(wp) :: sine
 
-      sine = max(measure, epsilon(1.0_wp))
+      sine = max(abs(measure), epsilon(1.0_wp))
       bound = (gap + h*direction([2, 1]) + abs(slide)*(direction(1) + direction(2) + 1.0_wp))/sine
    end subroutine bounds_prp
 
+   !> 1 less the sine between the slides: above 1 past parallel, so that nothing slips through at a point.
+   pure subroutine measure_prp(n, dyad, store, side, k)
+      integer, intent(in) :: n
+      type(dyad_t), intent(in) :: dyad
+      type(rows_t), intent(in) :: store
+      real(wp), intent(in) :: side            !! +1 or -1: sign of the sine that is wanted
+      real(wp), intent(out) :: k(:)
+
+      k = 1.0_wp - side*store%v(1:n, dyad%measure)
+   end subroutine measure_prp
+
+   !> Change of that with a variable: what the sine loses where the angle from p to q turns.
+   pure subroutine change_of_measure_prp(n, dyad, store, d, side, unit, turn_p, turn_q, dk)
+      integer, intent(in) :: n
+      type(dyad_t), intent(in) :: dyad
+      type(rows_t), intent(in) :: store, d
+      real(wp), intent(in) :: side, unit, turn_p, turn_q
+      real(wp), intent(out) :: dk(n)
+      real(wp) :: hx, hy, ux, uy, turn
+      integer :: i
+
+      associate (v => store%v, px => dyad%p_x, py => dyad%p_y, qx => dyad%q_x, qy => dyad%q_y)
+         do i = 1, n
+            hx = dyad%px*v(i, px) - dyad%py*v(i, py)
+            hy = dyad%px*v(i, py) + dyad%py*v(i, px)
+            ux = dyad%qx*v(i, qx) - dyad%qy*v(i, qy)
+            uy = dyad%qx*v(i, qy) + dyad%qy*v(i, qx)
+            turn = d%v(i, qx) + turn_q - d%v(i, px) - turn_p
+            dk(i) = -side*(hx*ux + hy*uy)*turn*unit
+         end do
+      end associate
+   end subroutine change_of_measure_prp
+
    !> What is wrong at a position whose measure is not accepted.
-   pure type(breach_t) function breach_prp() result(breach)
+   pure type(breach_t) function breach_prp(measure, closes) result(breach)
+      real(wp), intent(in) :: measure
+      logical, intent(in) :: closes
 
       breach%kind = violation_parallel
+      if (.not. closes) return
+      breach%kind = violation_slides
+      breach%amount = arc_sine(min(abs(measure), 1.0_wp))
    end function breach_prp
 
    ! ---- kernels -----------------------------------------------------------------------------------------------------
 
    !> Two slides along known directions; two linear equations.
    !>
-   !> `reach` is the sine of the angle between p and q: closed while it is not zero.
+   !> `reach` is the sine of the angle from p to q.
    pure subroutine solve_two_slides(n, sx, sy, ex, ey, rx, ry, cp, dp, tx, ty, cq, dq, slide_p, slide_q, reach)
       integer, intent(in) :: n
       real(wp), intent(in) :: sx(n), sy(n), ex(n), ey(n)
       real(wp), intent(in) :: rx(n), ry(n), cp, dp !! root of p, and the fixed angle from it to p
       real(wp), intent(in) :: tx(n), ty(n), cq, dq !! likewise for q
-      real(wp), intent(out) :: slide_p(n), slide_q(n), reach(n) !! signed lengths; sine
+      real(wp), intent(out) :: slide_p(n), slide_q(n), reach(n) !! signed lengths; signed sine
       real(wp) :: hx, hy, ux, uy, vx, vy, det
       integer :: i
 
@@ -86,7 +129,7 @@ contains
          vx = cq*tx(i) - dq*ty(i)
          vy = cq*ty(i) + dq*tx(i)
          det = ux*vy - uy*vx
-         reach(i) = abs(det)
+         reach(i) = det
          det = 1.0_wp/sign(max(abs(det), epsilon(1.0_wp)**2), det)
          slide_p(i) = (hx*vy - hy*vx)*det
          slide_q(i) = (ux*hy - uy*hx)*det

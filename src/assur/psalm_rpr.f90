@@ -3,19 +3,18 @@
 !> Slide p with guide q, or guide p with slide q. Closure measure: the squared distance h**2 of the outer joints; the dyad
 !> closes while h is not shorter than the guide. Notes of `psalm_rrr` on kernels hold here too.
 module psalm_rpr
-   use psalm_dyad, only: dyad_t, breach_t, violation_too_long, violation_undetermined
+   use psalm_dyad, only: dyad_t, breach_t, violation_too_long, least_square, no_distance, rounding
    use psalm_dyad_kind, only: assur_rpr
    use psalm_frames, only: frames_t, turned_column, invert, rows_of_arc
    use psalm_kinds, only: wp
    use psalm_rows, only: rows_t
    implicit none (type, external)
    private
-   public :: bind_rpr, solve_rpr, form_rpr, measure_rpr, change_of_measure_rpr, bounds_rpr, breach_rpr, repair_rpr, guide_of
+   public :: bind_rpr, solve_rpr, form_rpr, measure_rpr, change_of_measure_rpr, bounds_rpr, breach_rpr, repair_rpr, &
+             coincidence_rpr, guide_of
    public :: solve_slide_on_q, solve_slide_on_p
 
 
-   real(wp), parameter :: least_square = 4.0_wp*tiny(1.0_wp) !! guards a division; such a dyad is reported as open
-   real(wp), parameter :: rounding = 64.0_wp*epsilon(1.0_wp) !! relative width of a limit of closure
 
 contains
 
@@ -32,7 +31,7 @@ contains
       real(wp) :: guide
 
       guide = guide_of(dyad)
-      dyad%closes_low = max(guide*guide*(1.0_wp - rounding), tiny(guide))
+      dyad%closes_low = max(guide*guide*(1.0_wp - rounding), least_square)
       dyad%closes_high = huge(guide)
    end subroutine bind_rpr
 
@@ -127,14 +126,19 @@ contains
       type(dyad_t), intent(in) :: dyad
       real(wp), intent(in) :: measure
 
-      if (measure < tiny(measure) .and. guide_of(dyad) <= 0.0_wp) then
-         breach%kind = violation_undetermined
-         return
-      end if
       breach%kind = violation_too_long
       breach%amount = guide_of(dyad) - sqrt(measure)
       breach%is_length = .true.
    end function breach_rpr
+
+   !> Distance of the outer joints at and below which they coincide and no direction is determined; negative: they cannot.
+   pure real(wp) function coincidence_rpr(dyad, size) result(distance)
+      type(dyad_t), intent(in) :: dyad
+      real(wp), intent(in) :: size     !! longest arc of the linkage
+
+      distance = -1.0_wp
+      if (guide_of(dyad) <= 0.0_wp) distance = no_distance*size
+   end function coincidence_rpr
 
    !> Length of the guide with which the dyad closes at every position with `toggle` to spare.
    pure subroutine repair_rpr(kind, measure, toggle, vary, length, repaired)

@@ -3,7 +3,7 @@
 !> Link p with slide q, or slide p with link q. Closure measure: the offset cross(u, h), user's sense; the dyad closes while
 !> it is not longer than the link. Notes of `psalm_rrr` on kernels hold here too.
 module psalm_rrp
-   use psalm_dyad, only: dyad_t, breach_t, violation_too_short
+   use psalm_dyad, only: dyad_t, breach_t, violation_too_short, rounding
    use psalm_dyad_kind, only: assur_rrp
    use psalm_frames, only: frames_t, turned_column, invert, rows_of_arc
    use psalm_kinds, only: wp
@@ -13,8 +13,7 @@ module psalm_rrp
    public :: bind_rrp, solve_rrp, form_rrp, measure_rrp, change_of_measure_rrp, bounds_rrp, breach_rrp, repair_rrp, link_of
    public :: solve_link_slide
 
-
-   real(wp), parameter :: rounding = 64.0_wp*epsilon(1.0_wp) !! relative width of a limit of closure
+   real(wp), parameter :: least_length = tiny(1.0_wp)**0.4_wp !! of a link, guards a division
 
 contains
 
@@ -179,9 +178,10 @@ contains
       real(wp), intent(in) :: c, d               !! cosine, sine of the fixed angle from the root to u
       real(wp), intent(out) :: px(n), py(n)      !! unit vector of the link
       real(wp), intent(out) :: slide(n), reach(n) !! signed length of the slide; offset
-      real(wp) :: hx, hy, ux, uy, offset, root
+      real(wp) :: hx, hy, ux, uy, offset, root, length
       integer :: i
 
+      length = max(p, least_length)
       do i = 1, n
          hx = ex(i) - sx(i)
          hy = ey(i) - sy(i)
@@ -191,8 +191,8 @@ contains
          reach(i) = offset
          root = s*sqrt(max((p - offset)*(p + offset), 0.0_wp))
          slide(i) = hx*ux + hy*uy - root
-         px(i) = (root*ux - offset*uy)/p
-         py(i) = (root*uy + offset*ux)/p
+         px(i) = (root*ux - offset*uy)/length
+         py(i) = (root*uy + offset*ux)/length
       end do
    end subroutine solve_link_slide
 end module psalm_rrp

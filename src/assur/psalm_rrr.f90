@@ -7,18 +7,18 @@ module psalm_rrr
    use psalm_angles, only: degrees_of, unit_vector
    use psalm_arc_kernels, only: least
    use psalm_dyad, only: dyad_t, breach_t, violation_too_short, violation_too_long, violation_angle_small, &
-                         violation_angle_large, violation_undetermined
+                         violation_angle_large, least_square, no_distance, rounding
    use psalm_frames, only: frames_t, turned_column, invert, rows_of_arc, matrix_row, sine_row
    use psalm_kinds, only: wp, degrees_per_radian, half_turn, right_angle
    use psalm_rows, only: rows_t
    implicit none (type, external)
    private
-   public :: bind_rrr, solve_rrr, form_rrr, rates_rrr, measure_rrr, change_of_measure_rrr, bounds_rrr, breach_rrr, repair_rrr
+   public :: bind_rrr, solve_rrr, form_rrr, rates_rrr, measure_rrr, change_of_measure_rrr, bounds_rrr, breach_rrr, repair_rrr, &
+             coincidence_rrr
    public :: solve_two_links, solve_one_link, repair_link_pair
 
 
-   real(wp), parameter :: least_square = 4.0_wp*tiny(1.0_wp) !! guards a division; such a dyad is reported as open
-   real(wp), parameter :: rounding = 64.0_wp*epsilon(1.0_wp) !! relative width of a limit of closure
+   real(wp), parameter :: largest_half = 0.25_wp*huge(1.0_wp)*least_square !! so that 1/least_square times it is finite
    real(wp), parameter :: inside = 1.0e-6_wp*degrees_per_radian !! degrees a repaired transmission angle is put inside its limit
 
 contains
@@ -31,9 +31,9 @@ contains
 
       associate (p => dyad%p, q => dyad%q)
          slack = rounding*(p + q)**2
-         dyad%closes_low = max((p - q)**2 - slack, tiny(p))
+         dyad%closes_low = max((p - q)**2 - slack, least_square)
          dyad%closes_high = (p + q)**2 + slack
-         dyad%accepts_low = max(p*p + q*q - 2.0_wp*p*q*cosine_lowest - slack, tiny(p))
+         dyad%accepts_low = max(p*p + q*q - 2.0_wp*p*q*cosine_lowest - slack, least_square)
          dyad%accepts_high = p*p + q*q + 2.0_wp*p*q*cosine_lowest + slack
       end associate
    end subroutine bind_rrr
@@ -146,10 +146,6 @@ contains
          breach%amount = degrees_of(cosine, sqrt(max((1.0_wp - cosine)*(1.0_wp + cosine), 0.0_wp)))
          return
       end if
-      if (measure < tiny(measure) .and. abs(dyad%p - dyad%q) <= epsilon(h)*dyad%p) then
-         breach%kind = violation_undetermined
-         return
-      end if
       breach%is_length = .true.
       if (h > dyad%p + dyad%q) then
          breach%kind = violation_too_short
@@ -159,6 +155,14 @@ contains
          breach%amount = abs(dyad%p - dyad%q) - h
       end if
    end function breach_rrr
+
+   !> Distance of the outer joints at and below which they coincide and no direction is determined; negative: they cannot.
+   pure real(wp) function coincidence_rrr(dyad) result(distance)
+      type(dyad_t), intent(in) :: dyad
+
+      distance = -1.0_wp
+      if (abs(dyad%p - dyad%q) <= no_distance*(dyad%p + dyad%q)) distance = no_distance*(dyad%p + dyad%q)
+   end function coincidence_rrr
 
    !> Lengths with which the dyad is accepted at every position; see `repair_link_pair`.
    pure subroutine repair_rrr(measure, tangle, vary, length, repaired)
@@ -188,8 +192,8 @@ contains
       sum2 = (p + q)**2
       diff2 = (p - q)**2
       product = (p - q)*(p + q)
-      half_p = 0.5_wp/p
-      half_q = 0.5_wp/q
+      half_p = half_of(p)
+      half_q = half_of(q)
       do i = 1, n
          hx = ex(i) - sx(i)
          hy = ey(i) - sy(i)
@@ -221,7 +225,7 @@ contains
       sum2 = (a + b)**2
       diff2 = (a - b)**2
       product = (a - b)*(a + b)
-      half = 0.5_wp/a
+      half = half_of(a)
       do i = 1, n
          hx = ex(i) - sx(i)
          hy = ey(i) - sy(i)
@@ -234,6 +238,13 @@ contains
          ay(i) = (along*hy - root*hx)*d
       end do
    end subroutine solve_one_link
+
+   !> 0.5/length; what a length too short to have a direction gives stays finite when it is divided by `least_square`.
+   elemental real(wp) function half_of(length)
+      real(wp), intent(in) :: length             !! > 0
+
+      half_of = 0.5_wp/max(length, 0.5_wp/largest_half)
+   end function half_of
 
    !> Link pair, first and second order in one pass; the inverse of the sine between the links is kept.
    !>

@@ -3,10 +3,11 @@
 !> Kept in a file of its own: a compiler that sees sine or cosine inside a loop over an array may replace it by a vector
 !> version whose last digit depends on the place in the array.
 module psalm_angles
-   use psalm_kinds, only: wp, degrees_per_radian, full_turn, radians_per_degree, right_angle
+   use psalm_elementary, only: sine_cosine, refined_direction, digits_of_pair
+   use psalm_kinds, only: wp, dp, degrees_per_radian, full_turn, radians_per_degree, right_angle
    implicit none (type, external)
    private
-   public :: unit_vector, degrees_of, within_turn, nearest_difference, angles_between
+   public :: unit_vector, degrees_of, arc_sine, within_turn, nearest_difference, angles_between, angles_of
 
    !> atan(t)/t as a polynomial in t**2, for abs(t) <= tan(pi/8): Chebyshev fit, relative error 1.3e-18.
    real(wp), parameter :: arc_tangent(0:11) = [ &
@@ -14,24 +15,33 @@ module psalm_angles
       0.11111110744919658237_wp, -0.090908968090640270761_wp, 0.076920453309022249521_wp, -0.066629518136291900881_wp, &
       0.058468782973308725201_wp, -0.050351024566015518428_wp, 0.037965257453865936236_wp, -0.017805397205419445228_wp]
    integer, parameter :: digits_of_fit = 17 !! decimal digits the polynomial is good for
+   logical, parameter :: by_library = precision(1.0_wp) > digits_of_pair !! real128, the yardstick: the library's functions
 
 contains
 
-   !> Cosine and sine of an angle in degrees; exact at multiples of 90, and no digit lost to many turns.
+   !> Cosine and sine of an angle in degrees, correctly rounded: exact at multiples of 30 and 90 where the value is, and no digit
+   !> lost to many turns.
    !>
-   !> The angle is reduced to -45 ... 45 degrees before it becomes radians; both reductions are exact.
+   !> The angle is reduced to -45 ... 45 degrees before anything else; that is exact.
    pure subroutine unit_vector(degrees, x, y)
       real(wp), intent(in) :: degrees
       real(wp), intent(out) :: x, y !! cosine, sine
       real(wp) :: rest, c, s
+      real(dp) :: cosine, sine
       integer :: quadrant
 
       rest = mod(degrees, full_turn)
       ! ties go up, so that whole turns change nothing
       quadrant = floor(rest/right_angle + 0.5_wp)
-      rest = (rest - right_angle*real(quadrant, wp))*radians_per_degree
-      c = cos(rest)
-      s = sin(rest)
+      rest = rest - right_angle*real(quadrant, wp)
+      if (by_library) then
+         c = cos(rest*radians_per_degree)
+         s = sin(rest*radians_per_degree)
+      else
+         call sine_cosine(real(rest, dp), sine, cosine)
+         c = real(cosine, wp)
+         s = real(sine, wp)
+      end if
       select case (modulo(quadrant, 4))
       case (0)
          x = c
@@ -48,22 +58,66 @@ contains
       end select
    end subroutine unit_vector
 
-   !> Direction of a vector in degrees, -180 to 180; 0 for the zero vector.
+   !> Direction of a vector in degrees, -180 to 180, correctly rounded; 0 for the zero vector.
    elemental real(wp) function degrees_of(x, y)
       real(wp), intent(in) :: x, y
+      real(wp) :: guess(1), legs(2)
+      real(dp) :: whole
+      integer :: quadrant, e
 
       if (x == 0.0_wp .and. y == 0.0_wp) then
          degrees_of = 0.0_wp
-      else
-         degrees_of = atan2(y, x)*degrees_per_radian
+         return
       end if
+      if (by_library) then
+         degrees_of = atan2(y, x)*degrees_per_radian
+         return
+      end if
+      e = exponent(max(abs(x), abs(y)))
+      legs = scale([x, y], -e)
+      call angles_of(1, legs(1:1), legs(2:2), guess)
+      quadrant = nint(guess(1)/right_angle)
+      whole = real(right_angle, dp)*real(quadrant, dp)
+      associate (lx => real(legs(1), dp), ly => real(legs(2), dp), rest => real(guess(1), dp) - whole)
+         select case (quadrant)
+         case (0)
+            degrees_of = real(refined_direction(lx, ly, whole, rest), wp)
+         case (1)
+            degrees_of = real(refined_direction(ly, -lx, whole, rest), wp)
+         case (-1)
+            degrees_of = real(refined_direction(-ly, lx, whole, rest), wp)
+         case default
+            degrees_of = real(refined_direction(-lx, -ly, whole, rest), wp)
+         end select
+      end associate
    end function degrees_of
+
+   !> Angle in degrees of which `value` is the sine, -90 to 90; to 4 units of the last digit.
+   elemental real(wp) function arc_sine(value)
+      real(wp), intent(in) :: value      !! -1 to 1
+      real(wp) :: angle(1)
+
+      call angles_of(1, [sqrt((1.0_wp - value)*(1.0_wp + value))], [value], angle)
+      arc_sine = angle(1)
+   end function arc_sine
+
+   !> Directions of vectors, not zero, in degrees, for many positions at once: as `angles_between`.
+   pure subroutine angles_of(n, x, y, degrees)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: x(n), y(n)
+      real(wp), intent(out) :: degrees(n)
+      real(wp) :: one(n), zero(n)
+
+      one = 1.0_wp
+      zero = 0.0_wp
+      call angles_between(n, one, zero, 1.0_wp, 0.0_wp, x, y, degrees)
+   end subroutine angles_of
 
    !> Angles from unit vectors (rx, ry), turned by a fixed angle, to unit vectors (wx, wy), -180 to 180 degrees, for many
    !> positions at once.
    !>
    !> A loop without calls or branches: the tangent of the angle reduced to -45 ... 45 by exchanging or turning the two legs.
-   !> Neither vector may be zero. Accurate to 3 units of the last digit; the same bits at any place of the array.
+   !> Accurate to 3 units of the last digit; the same bits at any place of the array. For a zero vector: 0.
    pure subroutine angles_between(n, rx, ry, turn_x, turn_y, wx, wy, degrees)
       integer, intent(in) :: n
       real(wp), intent(in) :: rx(n), ry(n), wx(n), wy(n)
@@ -95,7 +149,8 @@ contains
          wide = small > tan_eighth*large
          top = merge(small - large, small, wide)
          bottom = merge(large + small, large, wide)
-         t = top/bottom
+         ! a dyad that is open may have no direction
+         t = top/max(bottom, tiny(1.0_wp))
          z = t*t
          ! in pairs (Estrin): short chains of operations
          z2 = z*z

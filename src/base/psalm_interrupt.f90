@@ -4,12 +4,14 @@
 module psalm_interrupt
    use, intrinsic :: iso_c_binding, only: c_int, c_long
    use, intrinsic :: iso_fortran_env, only: int64
+   use omp_lib, only: omp_get_thread_num
    use psalm_kinds, only: dp, wp
+   use psalm_system, only: held_signals_t
    implicit none (type, external)
    private
-   public :: interrupt_t
+   public :: interrupt_t, shield_threads
 
-   integer, parameter :: mask_words = 128          !! a signal set is far smaller in every C library
+   integer, parameter :: mask_words = 32           !! a signal set is smaller in every C library
    integer(c_int), parameter :: signal_interrupt = 2_c_int, signal_terminate = 15_c_int !! numbers fixed by POSIX
    integer(c_int), parameter :: how_block = 0_c_int, how_set = 2_c_int !! SIG_BLOCK and SIG_SETMASK of Linux
 
@@ -73,17 +75,29 @@ module psalm_interrupt
 
 contains
 
-   !> Let the signals wait from now on, in this thread and those it makes.
+   !> Leave signals to the first thread: the others never take one.
+   subroutine shield_threads(threads)
+      integer, intent(in) :: threads              !! as many as the case will use
+      type(held_signals_t) :: kept
+
+      !$omp parallel num_threads(threads) private(kept)
+      if (omp_get_thread_num() > 0) call kept%hold(gently=.false.)
+      !$omp end parallel
+   end subroutine shield_threads
+
+   !> Let the signals wait from now on, in this thread and those it makes. To be called again before more threads are used.
    subroutine hold(self, threads)
       class(interrupt_t), intent(inout) :: self
       integer, intent(in) :: threads              !! as many as the case will use
       integer(c_long) :: unused(mask_words)
       integer(c_int) :: status, ignored
 
-      status = c_sigemptyset(self%wanted)
-      status = c_sigaddset(self%wanted, signal_interrupt)
-      status = c_sigaddset(self%wanted, signal_terminate)
-      self%holds = c_pthread_sigmask(how_block, self%wanted, self%before) == 0
+      if (.not. self%holds) then
+         status = c_sigemptyset(self%wanted)
+         status = c_sigaddset(self%wanted, signal_interrupt)
+         status = c_sigaddset(self%wanted, signal_terminate)
+         self%holds = c_pthread_sigmask(how_block, self%wanted, self%before) == 0
+      end if
       ! threads that an earlier case left waiting must not take the signals either
       !$omp parallel num_threads(threads) private(unused, ignored)
       unused = 0_c_long

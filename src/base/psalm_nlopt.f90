@@ -3,16 +3,18 @@
 !> Source of the library: Johnson, The NLopt nonlinear-optimization package. Only C calls; NLopt's own Fortran interface has
 !> no explicit types.
 module psalm_nlopt
-   use, intrinsic :: iso_c_binding, only: c_char, c_double, c_funloc, c_funptr, c_int, c_long, c_null_char, &
+   use, intrinsic :: iso_c_binding, only: c_char, c_double, c_f_pointer, c_funloc, c_funptr, c_int, c_long, c_null_char, &
                                           c_null_ptr, c_associated, c_ptr
    use psalm_text, only: upper_case
    implicit none (type, external)
    private
-   public :: nlopt_t, objective_function, constraint_function, algorithm_of, plain_name, is_global, needs_gradient, &
-             takes_constraints, refused
+   public :: nlopt_t, objective_function, constraint_function, algorithm_of, algorithm_names, plain_name, is_global, &
+             needs_gradient, takes_constraints, refused
 
    integer, parameter :: invalid_arguments = -2, out_of_memory = -3 !! results of NLopt
    integer, parameter :: no_algorithm = -1
+   integer, parameter :: name_room = 24        !! characters of the longest name, and some
+   integer, parameter :: most_algorithms = 200 !! a bound for the search of their names
 
    character(*), parameter :: with_constraints(*) = [character(14) :: 'LD_SLSQP', 'LD_MMA', 'LD_CCSAQ', 'LN_COBYLA', &
       'GN_ISRES', 'LN_AUGLAG', 'LD_AUGLAG', 'LN_AUGLAG_EQ', 'LD_AUGLAG_EQ', 'AUGLAG', 'AUGLAG_EQ'] !! nonlinear ones
@@ -60,6 +62,12 @@ module psalm_nlopt
          implicit none (type, external)
          character(kind=c_char), intent(in) :: name(*)
       end function nlopt_algorithm_from_string
+
+      type(c_ptr) function nlopt_algorithm_to_string(algorithm) bind(c)
+         import :: c_int, c_ptr
+         implicit none (type, external)
+         integer(c_int), value :: algorithm
+      end function nlopt_algorithm_to_string
 
       type(c_ptr) function nlopt_create(algorithm, n) bind(c)
          import :: c_ptr, c_int
@@ -169,6 +177,26 @@ contains
       algorithm_of = int(nlopt_algorithm_from_string(plain_name(name)//c_null_char))
       if (algorithm_of < 0) algorithm_of = no_algorithm
    end function algorithm_of
+
+   !> The names of all algorithms.
+   function algorithm_names() result(names)
+      character(name_room), allocatable :: names(:)
+      character(kind=c_char), pointer :: letters(:)
+      type(c_ptr) :: address
+      integer :: i, k
+
+      allocate (names(0))
+      do i = 0, most_algorithms
+         address = nlopt_algorithm_to_string(int(i, c_int))
+         if (.not. c_associated(address)) exit
+         call c_f_pointer(address, letters, [name_room])
+         names = [character(name_room) :: names, '']
+         do k = 1, name_room
+            if (letters(k) == c_null_char) exit
+            names(size(names))(k:k) = letters(k)
+         end do
+      end do
+   end function algorithm_names
 
    !> A global algorithm, by its name: it searches a box, every unknown needs finite bounds.
    pure logical function is_global(name)

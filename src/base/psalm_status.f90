@@ -12,6 +12,9 @@ module psalm_status
    integer, parameter :: level_warning = 1 !! worth a look; the run goes on
    integer, parameter :: level_error = 2   !! the run cannot start
 
+   integer, parameter :: most_of_a_kind = 5 !! findings of one level, group and item that are told
+   integer, parameter :: most_findings = 200 !! findings that are told
+
    integer, parameter :: exit_done = 0          !! done
    integer, parameter :: exit_violation = 1     !! done, but constraints are violated or the search stopped early
    integer, parameter :: exit_bad_input = 2     !! the input is wrong
@@ -26,11 +29,12 @@ module psalm_status
       character(:), allocatable :: group       !! namelist group, empty if none
       character(:), allocatable :: item        !! namelist item, empty if none
       integer :: line = 0                      !! line of the file, 0 if none
+      integer :: more = 0                      !! stands for so many findings of one kind that are not told one by one
    contains
       procedure :: render => render_finding
    end type finding_t
 
-   !> A growing list of findings.
+   !> A growing list of findings. Of one kind (level, group, item) the first few are kept, the rest is counted.
    type :: diagnostics_t
       type(finding_t), allocatable :: list(:)  !! room for findings; the first `count` are valid
       integer :: count = 0                     !! findings so far
@@ -39,6 +43,8 @@ module psalm_status
       procedure :: error => add_error
       procedure :: warning => add_warning
       procedure :: trouble => add_trouble
+      procedure :: add => add_finding
+      procedure :: told_enough
       procedure :: failed
       procedure :: exit_code
    end type diagnostics_t
@@ -72,6 +78,31 @@ contains
 
       call append(self, level_error, exit_file_trouble, text)
    end subroutine add_trouble
+
+   !> Add what was found elsewhere.
+   pure subroutine add_finding(self, finding)
+      class(diagnostics_t), intent(inout) :: self
+      type(finding_t), intent(in) :: finding
+      integer :: i
+
+      do i = 1, max(1, finding%more)
+         call append(self, finding%level, finding%code, finding%text, finding%line, finding%group, finding%item)
+      end do
+   end subroutine add_finding
+
+   !> True if further findings of this kind are only counted, so that their words and places need not be looked for.
+   pure logical function told_enough(self, level, group, item)
+      class(diagnostics_t), intent(in) :: self
+      integer, intent(in) :: level
+      character(*), intent(in) :: group, item
+      integer :: i
+
+      told_enough = .false.
+      do i = 1, self%count
+         if (self%list(i)%more == 0 .or. self%list(i)%level /= level) cycle
+         told_enough = told_enough .or. (self%list(i)%group == group .and. self%list(i)%item == item)
+      end do
+   end function told_enough
 
    !> True if any finding is an error.
    pure logical function failed(self)
@@ -109,6 +140,10 @@ contains
       if (len(self%item) > 0) text = text//self%item
       if (len(self%group) + len(self%item) > 0) text = trim(text)//': '
       text = text//self%text
+      if (self%more > 0) then
+         write (number, '(i0)') self%more
+         text = text//trim(number)//' more'
+      end if
    end function render_finding
 
    pure subroutine append(self, level, code, text, line, group, item)
@@ -118,7 +153,44 @@ contains
       integer, intent(in), optional :: line
       character(*), intent(in), optional :: group, item
       type(finding_t), allocatable :: larger(:)
+      type(finding_t) :: new
+      integer :: i, alike
 
+      new%level = level
+      new%code = code
+      new%text = text
+      new%file = ''
+      if (allocated(self%file)) new%file = self%file
+      new%group = ''
+      if (present(group)) new%group = group
+      new%item = ''
+      if (present(item)) new%item = item
+      if (present(line)) new%line = line
+      alike = 0
+      do i = self%count, 1, -1
+         associate (old => self%list(i))
+            if (old%level /= level .or. old%code /= code) cycle
+            if (old%file /= new%file .or. old%group /= new%group .or. old%item /= new%item) cycle
+            if (old%more > 0) then
+               old%more = old%more + 1
+               return
+            end if
+            alike = alike + 1
+         end associate
+      end do
+      if (self%count == most_findings) then
+         associate (final => self%list(self%count))
+            if (final%more == 0 .or. len(final%group) > 0) final = finding_t(level, code, 'and ', new%file, '', '')
+            final%level = max(final%level, level)
+            final%code = max(final%code, code)
+            final%more = final%more + 1
+         end associate
+         return
+      end if
+      if (alike == most_of_a_kind) then
+         new%text = 'and '
+         new%more = 1
+      end if
       if (.not. allocated(self%list)) allocate (self%list(8))
       if (self%count == size(self%list)) then
          allocate (larger(2*size(self%list)))
@@ -126,17 +198,6 @@ contains
          call move_alloc(larger, self%list)
       end if
       self%count = self%count + 1
-      associate (new => self%list(self%count))
-         new%level = level
-         new%code = code
-         new%text = text
-         new%file = ''
-         if (allocated(self%file)) new%file = self%file
-         new%group = ''
-         if (present(group)) new%group = group
-         new%item = ''
-         if (present(item)) new%item = item
-         if (present(line)) new%line = line
-      end associate
+      self%list(self%count) = new
    end subroutine append
 end module psalm_status

@@ -2,10 +2,11 @@
 !>
 !> All numbers that reach a listing or a device go through this module, so that columns stay the same in every kind.
 module psalm_text
+   use, intrinsic :: iso_fortran_env, only: int64
    use psalm_kinds, only: wp, dp
    implicit none (type, external)
    private
-   public :: text_t, upper_case, lower_case, to_text, fixed, general, full_precision, edit_distance, nearest_name
+   public :: text_t, upper_case, lower_case, to_text, fixed, general, full_precision, edit_distance, nearest_name, shortened
 
    !> A text that grows by lines. Lines end with a line feed.
    type :: text_t
@@ -16,6 +17,11 @@ module psalm_text
       procedure :: add_text
       procedure :: content
    end type text_t
+
+   !> The powers of ten that are exact in double precision.
+   real(dp), parameter :: ten_to(0:22) = [1.0e0_dp, 1.0e1_dp, 1.0e2_dp, 1.0e3_dp, 1.0e4_dp, 1.0e5_dp, 1.0e6_dp, 1.0e7_dp, &
+      1.0e8_dp, 1.0e9_dp, 1.0e10_dp, 1.0e11_dp, 1.0e12_dp, 1.0e13_dp, 1.0e14_dp, 1.0e15_dp, 1.0e16_dp, 1.0e17_dp, 1.0e18_dp, &
+      1.0e19_dp, 1.0e20_dp, 1.0e21_dp, 1.0e22_dp]
 
    interface to_text
       module procedure integer_to_text
@@ -140,11 +146,14 @@ contains
       character(1), intent(in), optional :: letter !! of the exponent; default D
       character(15) :: text
       integer :: e
+      logical :: done
 
       if (value == 0.0_wp) then
          text = '            0.0'
          return
       end if
+      call seven_digits(in_range(value), text, done)
+      if (done) return
       write (text, '(g15.7)') in_range(value)
       e = index(text, 'E')
       if (e > 0) then
@@ -156,6 +165,108 @@ contains
       end if
    end function general
 
+   !> G15.7 of a number from 1 up to ten million, much faster than the run-time library. `done` is false for all other numbers,
+   !> and where the product with a power of ten, once rounded, does not decide the last digit.
+   pure subroutine seven_digits(value, text, done)
+      real(dp), intent(in) :: value
+      character(15), intent(inout) :: text
+      logical, intent(out) :: done
+      integer, parameter :: figures = 7
+      real(dp), parameter :: doubt = 1.0e-6_dp   !! many times the error of a product below 1e7
+      real(dp) :: scaled, size
+      integer :: whole, before, i, at
+
+      size = abs(value)
+      done = size >= 1.0_dp .and. size < 1.0e7_dp
+      if (.not. done) return
+      before = 1
+      do while (size >= ten_to(before))
+         before = before + 1
+      end do
+      scaled = size*ten_to(figures - before)
+      whole = int(scaled)
+      done = abs(scaled - real(whole, dp) - 0.5_dp) > doubt
+      if (.not. done) return
+      if (scaled - real(whole, dp) > 0.5_dp) whole = whole + 1
+      done = whole < 10000000   ! else it has one digit more before the point
+      if (.not. done) return
+      text = ' '
+      at = len(text)
+      do i = 1, figures
+         if (i == figures - before + 1) then
+            text(at:at) = '.'
+            at = at - 1
+         end if
+         text(at:at) = achar(iachar('0') + mod(whole, 10))
+         whole = whole/10
+         at = at - 1
+      end do
+      if (value < 0.0_dp) text(at:at) = '-'
+   end subroutine seven_digits
+
+   !> Seventeen digits of a number of double precision, exactly rounded: its product with a power of ten is held in two
+   !> numbers without error (Dekker 1971). `done` is false where the power is no such number, or two roundings are as near.
+   pure subroutine seventeen_digits(value, text, length, done)
+      real(dp), intent(in) :: value
+      character(*), intent(out) :: text
+      integer, intent(out) :: length      !! characters used
+      logical, intent(out) :: done
+      real(dp), parameter :: splitter = 134217729.0_dp  !! 2**27 + 1
+      real(dp) :: size, power, high, low, a1, a2, b1, b2, c
+      integer(int64) :: whole
+      integer :: exponent_of_ten, i, at
+      integer, parameter :: figures = 17
+
+      size = abs(value)
+      length = 0
+      text = ''
+      done = size >= 1.0e-4_dp .and. size < 1.0e15_dp
+      if (.not. done) return
+      exponent_of_ten = 0
+      if (size >= 1.0_dp) then
+         do while (size >= ten_to(exponent_of_ten + 1))
+            exponent_of_ten = exponent_of_ten + 1
+         end do
+      else
+         ! 0.001 and so on are rounded numbers: where this is one too many, there are sixteen or eighteen digits below
+         do while (size*ten_to(-exponent_of_ten) < 1.0_dp)
+            exponent_of_ten = exponent_of_ten - 1
+         end do
+      end if
+      power = ten_to(figures - 1 - exponent_of_ten)
+      high = size*power
+      c = splitter*size
+      a1 = c - (c - size)
+      a2 = size - a1
+      c = splitter*power
+      b1 = c - (c - power)
+      b2 = power - b1
+      low = ((a1*b1 - high) + a1*b2 + a2*b1) + a2*b2
+      ! from 2**53 on `high` is a whole number; what is left is in `low`
+      whole = int(high, int64)
+      c = real(floor(low), dp)
+      done = abs(low - c - 0.5_dp) > 0.0_dp
+      if (.not. done) return
+      whole = whole + int(c, int64)
+      if (low - c > 0.5_dp) whole = whole + 1_int64
+      done = whole >= 10_int64**(figures - 1) .and. whole < 10_int64**figures
+      if (.not. done) return
+      at = 0
+      if (value < 0.0_dp) then
+         text(1:1) = '-'
+         at = 1
+      end if
+      length = at + figures + 5
+      do i = figures, 2, -1
+         text(at + i + 1:at + i + 1) = achar(iachar('0') + int(mod(whole, 10_int64)))
+         whole = whole/10_int64
+      end do
+      text(at + 1:at + 2) = achar(iachar('0') + int(whole))//'.'
+      text(at + figures + 2:at + figures + 3) = merge('E-', 'E+', exponent_of_ten < 0)
+      i = abs(exponent_of_ten)
+      text(at + figures + 4:length) = achar(iachar('0') + i/10)//achar(iachar('0') + mod(i, 10))
+   end subroutine seventeen_digits
+
    !> The number with as many digits as are needed to read the same bits back (17 for real64).
    pure function full_precision(value) result(text)
       real(wp), intent(in) :: value
@@ -163,7 +274,16 @@ contains
       character(16) :: layout
       character(60) :: buffer
       integer, parameter :: digits_after_point = precision(1.0_wp) + 1
+      integer :: length
+      logical :: done
 
+      if (digits(1.0_wp) == digits(1.0_dp)) then
+         call seventeen_digits(real(value, dp), buffer, length, done)
+         if (done) then
+            text = buffer(:length)
+            return
+         end if
+      end if
       write (layout, '("(es",i0,".",i0,"e4)")') digits_after_point + 10, digits_after_point
       write (buffer, layout) value
       text = trim(adjustl(buffer))
@@ -172,6 +292,19 @@ contains
          text = text(:len(text) - 3)//text(len(text) - 1:)
       end do
    end function full_precision
+
+   !> What a user wrote, short enough for a message.
+   pure function shortened(written) result(text)
+      character(*), intent(in) :: written
+      character(:), allocatable :: text
+      integer, parameter :: room = 40
+
+      if (len(written) <= room) then
+         text = written
+      else
+         text = written(:room)//'...'
+      end if
+   end function shortened
 
    !> Levenshtein distance of two names: letters to change, insert or delete.
    pure integer function edit_distance(a, b)

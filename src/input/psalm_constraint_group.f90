@@ -1,6 +1,6 @@
 !> The group CONSTR: where closure and transmission angles must hold, and where joints must not go.
 module psalm_constraint_group
-   use psalm_group, only: group_t, check_range
+   use psalm_group, only: group_t, check_range, out_of
    use psalm_kinds, only: wp
    use psalm_status, only: diagnostics_t
    use psalm_text, only: to_text
@@ -40,6 +40,7 @@ contains
       type(diagnostics_t), intent(inout) :: findings
       integer, allocatable :: kinds(:), links(:), loops(:)
       real(wp), allocatable :: numbers(:)
+      type(diagnostics_t) :: unused
       integer :: n, r, given
 
       constr%given = group%line > 0
@@ -49,20 +50,17 @@ contains
       call group%get_integer('NREGN', n, findings)
       call check_range(group, 'NREGN', n, 0, most_regions, findings)
       n = min(max(n, 0), most_regions)
-      if (n == 0 .and. (group%given('RKIND') .or. group%given('RPLACE'))) then
-         call findings%error('regions are given, but not their number NREGN', line=group%line, group='CONSTR', item='NREGN')
-         allocate (constr%regions(0))
-         return
-      end if
       allocate (constr%regions(n), kinds(n), links(n), loops(n))
       kinds = 0
       links = 0
       loops = 0
       allocate (numbers(numbers_of_region*n), source=0.0_wp)
-      call group%get_integers('RKIND', kinds, findings)
-      call group%get_integers('RLINK', links, findings)
-      call group%get_integers('RLOOP', loops, findings)
-      call group%get_reals('RPLACE', numbers, findings, numbers_of_region, last=given)
+      if (n == 0 .and. (group%given('RKIND') .or. group%given('RPLACE'))) then
+         call findings%error('regions are given, but not their number NREGN', line=group%line, group='CONSTR', item='NREGN')
+         call read_places(unused)   ! asked for all the same: their names are known
+      else
+         call read_places(findings)
+      end if
       if (n > 0 .and. given < numbers_of_region*n - 1) then
          call findings%error('four numbers are expected for each of '//to_text(n)//' regions; found '//to_text(given), &
                              line=max(group%item_line('RPLACE'), group%line), group='CONSTR', item='RPLACE')
@@ -98,16 +96,24 @@ contains
             end if
          end associate
       end do
-      call group%finish(findings)
 
    contains
+
+      subroutine read_places(told)
+         type(diagnostics_t), intent(inout) :: told
+
+         call group%get_integers('RKIND', kinds, told)
+         call group%get_integers('RLINK', links, told)
+         call group%get_integers('RLOOP', loops, told)
+         call group%get_reals('RPLACE', numbers, told, numbers_of_region, last=given)
+      end subroutine read_places
 
       subroutine wrong(item, text, which)
          character(*), intent(in) :: item, text
          integer, intent(in) :: which
 
-         call findings%error('region '//to_text(which)//': '//text, line=max(group%item_line(item), group%line), group='CONSTR', &
-                             item=item)
+         call out_of(group, item, 'region '//to_text(which)//': '//text, findings, &
+                     merge(numbers_of_region*(which - 1) + 1, which, item == 'RPLACE'))
       end subroutine wrong
    end subroutine read_constraint_group
 end module psalm_constraint_group

@@ -3,28 +3,35 @@
 !> A file becomes a list of data sets. Topology is judged later, in `psalm_setup`; here each item is read, given its
 !> default and checked by itself. Source of items and defaults: Oldham (1977), appendix B.
 module psalm_data_set
+   use, intrinsic :: iso_fortran_env, only: int64
    use psalm_kinds, only: wp, full_turn, half_turn, radians_per_degree
    use psalm_constraint_group, only: constraint_group_t, read_constraint_group
+   use psalm_group_table, only: program_of, program_reads, is_users, nearest_group
    use psalm_group, only: group_t, read_flag, check_flags, check_range, out_of, required
+   use psalm_mark, only: mark_t
    use psalm_output_kind, only: output_kind_t, output_kind, motion_point, motion_pose
    use psalm_namelist, only: case_text_t, read_case
+   use psalm_origin, only: origins_t, name_length
    use psalm_search_group, only: search_group_t, read_search_group
    use psalm_source, only: line_t, read_lines
    use psalm_status, only: diagnostics_t
-   use psalm_text, only: to_text, edit_distance
+   use psalm_system, only: memory_to_be_had
+   use psalm_text, only: text_t, to_text
    implicit none (type, external)
    private
    public :: data_set_t, read_data_sets
-   public :: title_columns
+   public :: title_columns, default_niter
 
    integer, parameter :: original_arcs = 100      !! entries of the thesis's arc arrays: fillers up to here are usual
    integer, parameter :: most_loops = 100000      !! above this NLOOP is taken for a slip of the pen
    integer, parameter :: most_arcs = 10000000     !! likewise NLOOP times MAXARC
    integer, parameter :: most_positions = 10000000 !! likewise NDES
+   integer(int64), parameter :: bytes_of_position = 10*storage_size(1.0_wp)/8 !! seven arrays, and copies on the way
    integer, parameter :: largest_istart = 999999999 !! nine digits
    integer, parameter :: most_trials = 1000000000  !! likewise NTRIAL
    real(wp), parameter :: fastest = 1.0e30_wp      !! likewise SPEED and ACCEL
    integer, parameter :: title_columns = 72        !! of a title, at most
+   integer, parameter :: default_niter = 2         !! the thesis's: enough to look at the start of a search
 
    !> Everything the user can say to `psalm`. Angles in degrees, lengths in the user's one unit.
    type :: data_set_t
@@ -57,13 +64,14 @@ module psalm_data_set
       integer :: istart = 19
       integer :: nguess = 0
       real(wp) :: bounce = 3.0_wp, expand = 2.0_wp, snake = 0.5_wp, reduce = 0.25_wp, shrink = 0.5_wp
-      integer :: niter = 2, ncheck = 1
+      integer :: niter = default_niter, ncheck = 1
       real(wp) :: fmin = 0.0_wp, small = 0.001_wp
       ! LIMITS
       real(wp) :: tangle = 50.0_wp, toggle = 0.1_wp
+      logical :: tangle_given = .false.                !! then it holds for the angle between two slides too
       integer :: limval = 0
       real(wp), allocatable :: oplow(:), ophigh(:) !! shape (values given, at least the number of variables)
-      integer :: bounds_given = 0                  !! values given in both OPLOW and OPHIGH
+      integer :: low_given = 0, high_given = 0     !! values given in OPLOW and in OPHIGH
       real(wp) :: stepin = 0.001_wp
       integer :: ktheta = 0
       integer :: icond = 0                         !! condition number of every position on device 9
@@ -84,9 +92,9 @@ module psalm_data_set
       real(wp) :: speed = 1.0_wp           !! of the input: rad/s, or length/s
       real(wp) :: accel = 0.0_wp           !! of the input: rad/s**2, or length/s**2
       logical :: rates_given = .false.
-      character(:), allocatable :: others  !! the groups of other programs, as text
-      ! where the groups stand, for messages
-      integer :: links_line = 0, method_line = 0, limits_line = 0
+      character(:), allocatable :: others  !! the groups that device 7 keeps as they are
+      character(:), allocatable :: skipped !! the groups that this program does not read, with those that do; empty: none
+      type(origins_t) :: origins           !! where every value was written
    contains
       procedure :: wants_search
    end type data_set_t
@@ -104,104 +112,171 @@ contains
    !> Read every case of a file, up to the one with LAST=1.
    !>
    !> Errors: those of the file, of the notation and of each item, all collected in `findings`.
-   subroutine read_data_sets(file, sets, findings, rates)
+   subroutine read_data_sets(file, sets, findings, program, mark)
       character(*), intent(in) :: file                       !! name, `-` for standard input
       type(data_set_t), allocatable, intent(out) :: sets(:)  !! the cases
       type(diagnostics_t), intent(inout) :: findings
-      logical, intent(in), optional :: rates                 !! read the group RATES too
+      character(*), intent(in), optional :: program          !! who reads; default psalm
+      type(mark_t), intent(inout), optional :: mark          !! takes in the text
       type(line_t), allocatable :: lines(:)
       type(case_text_t) :: case
-      type(data_set_t) :: set
-      type(data_set_t), allocatable :: more(:)
-      integer :: next
+      type(data_set_t), allocatable :: room(:)
+      character(:), allocatable :: reader
+      integer :: next, count
 
+      reader = 'psalm'
+      if (present(program)) reader = program
       allocate (sets(0))
       findings%file = file
       if (file == '-') findings%file = 'standard input'
       call read_lines(file, lines, findings)
       if (findings%failed()) return
+      if (present(mark)) then
+         do next = 1, size(lines)
+            call mark%add(lines(next)%text)
+         end do
+      end if
       next = 1
+      count = 0
       do
          call read_case(lines, next, case, findings)
          if (case%line == 0) then
-            if (size(sets) == 0) then
+            if (count == 0) then
                call findings%error('the file is empty; a case is a title line followed by &LINKS, &METHOD and &LIMITS')
             else
                call findings%error('LAST=0 announces another case, but the file ends here', line=size(lines))
             end if
-            return
+            exit
          end if
-         call read_set(case, set, findings)
-         if (present(rates)) then
-            if (rates) call read_rates(case, set, findings)
+         if (count == size(sets)) then
+            allocate (room(max(1, 2*count)))
+            room(:count) = sets
+            call move_alloc(room, sets)
          end if
-         set%file = findings%file
-         allocate (more(size(sets) + 1))
-         more(:size(sets)) = sets
-         more(size(more)) = set
-         call move_alloc(more, sets)
-         if (set%last /= 0) exit
+         count = count + 1
+         call read_set(case, reader, sets(count), findings)
+         if (sets(count)%last /= 0) exit
       end do
+      if (count < size(sets)) sets = sets(:count)
    end subroutine read_data_sets
 
-   subroutine read_set(case, set, findings)
-      type(case_text_t), intent(in) :: case
+   subroutine read_set(case, program, set, findings)
+      type(case_text_t), intent(inout) :: case
+      character(*), intent(in) :: program
       type(data_set_t), intent(out) :: set
       type(diagnostics_t), intent(inout) :: findings
-      type(group_t) :: links, method, limits, group, toler
+      integer, parameter :: links = 1, method = 2, limits = 3, search = 4, constr = 5, toler = 6, rates = 7
+      character(*), parameter :: names(*) = [character(name_length) :: 'LINKS', 'METHOD', 'LIMITS', 'SEARCH', 'CONSTR', &
+                                             'TOLER', 'RATES']
+      type(group_t) :: groups(size(names))
+      type(diagnostics_t) :: unused
       logical :: shape_known
       integer :: i
 
+      set%file = findings%file
+      call set%origins%in_file(findings%file)
       set%title = case%title(:min(title_columns, len(case%title)))
       set%title_line = case%line
       if (len(case%title) > title_columns) then
          call findings%warning('the title is cut to its first '//to_text(title_columns)//' columns', line=case%line)
       end if
-      links = case%take('LINKS')
-      method = case%take('METHOD')
-      limits = case%take('LIMITS')
-      set%links_line = links%line
-      set%method_line = method%line
-      set%limits_line = limits%line
-      call explain_missing(case, links, .true., findings)
-      call explain_missing(case, method, .true., findings)
-      call explain_missing(case, limits, .false., findings)
-      if (links%line > 0) then
-         call read_links(links, set, shape_known, findings)
+      call keep_others(case, program, set)
+      call refuse_unknown(case, findings)
+      do i = 1, size(names)
+         if (program_reads(program, names(i))) then
+            call case%take(trim(names(i)), groups(i))
+         else
+            call groups(i)%begin(trim(names(i)), 0)
+         end if
+      end do
+      ! a group that is not there is read too: it is asked for its items, and `finish` knows all names
+      if (groups(links)%line > 0) then
+         call read_links(groups(links), set, shape_known, findings)
       else
-         shape_known = .false.
-         allocate (set%ilink(0, 0), set%iloop(0, 0), set%arcl(0, 0), set%gama(0, 0))
+         call read_links(groups(links), set, shape_known, unused)
       end if
-      if (method%line > 0) then
-         call read_method(method, set, shape_known, findings)
+      if (groups(method)%line > 0) then
+         call read_method(groups(method), set, shape_known, findings)
       else
-         allocate (set%iva(0, 0), set%ivg(0, 0))
+         call read_method(groups(method), set, shape_known, unused)
       end if
-      call read_limits(limits, set, findings)
-      group = case%take('SEARCH')
-      call read_search_group(group, set%search, findings)
+      call read_limits(groups(limits), set, findings)
+      call read_search_group(groups(search), set%search, findings)
       if (set%ifree /= 0 .and. set%search%solver == 'SIMPLEX') then
-         call findings%error("IFREE=1 (free timing) needs the group &SEARCH with another SOLVER, as 'LSQ'", line=set%method_line, &
-                             group='METHOD', item='IFREE')
+         call out_of(groups(method), 'IFREE', "IFREE=1 (free timing) needs the group &SEARCH with another SOLVER, as 'LSQ'", &
+                     findings)
       end if
       if (set%ifree /= 0 .and. set%ikin == 0 .and. .not. set%wants_search()) then
-         call findings%error('free timing is a part of a search, but no dimension may vary', line=set%method_line, group='METHOD', &
-                             item='IFREE')
+         call out_of(groups(method), 'IFREE', 'free timing is a part of a search, but no dimension may vary', findings)
       end if
-      group = case%take('CONSTR')
-      call read_constraint_group(group, set%nloop, set%maxarc, set%constr, findings)
-      toler = case%take('TOLER')
-      call read_tolerances(toler, set, findings)
-      set%others = ''
-      do i = 1, case%count
-         select case (case%groups(i)%name)
-         case ('LINKS', 'METHOD', 'LIMITS', 'SEARCH')
-            continue
-         case default
-            set%others = set%others//case%groups(i)%render()
-         end select
+      call read_constraint_group(groups(constr), set%nloop, set%maxarc, set%constr, findings)
+      call read_tolerances(groups(toler), set, findings)
+      call read_rates(groups(rates), set, findings)
+      do i = 1, size(groups)
+         if (groups(i)%line > 0) call groups(i)%finish(groups, findings)
+         call set%origins%append(groups(i)%origins)
       end do
    end subroutine read_set
+
+   !> Keep what `psalm` does not write to device 7 itself, and name what this program does not read.
+   subroutine keep_others(case, program, set)
+      type(case_text_t), intent(in) :: case
+      character(*), intent(in) :: program
+      type(data_set_t), intent(inout) :: set
+      type(text_t) :: others
+      integer :: i
+
+      set%skipped = ''
+      do i = 1, case%count
+         associate (group => case%groups(i))
+            select case (group%name)
+            case ('LINKS', 'METHOD', 'LIMITS', 'SEARCH')
+               cycle
+            end select
+            call group%render(others)
+            if (program_reads(program, group%name)) cycle
+            if (len(set%skipped) > 0) set%skipped = set%skipped//', '
+            set%skipped = set%skipped//'&'//trim(group%name)
+            if (.not. is_users(group%name)) set%skipped = set%skipped//' ('//trim(program_of(group%name))//')'
+         end associate
+      end do
+      set%others = others%content()
+   end subroutine keep_others
+
+   !> Groups that no program knows, and groups that are missing.
+   subroutine refuse_unknown(case, findings)
+      type(case_text_t), intent(in) :: case
+      type(diagnostics_t), intent(inout) :: findings
+      character(:), allocatable :: name, near
+      integer :: i
+      logical :: meant_links, meant_method
+
+      meant_links = any(case%groups(:case%count)%name == 'LINKS')
+      meant_method = any(case%groups(:case%count)%name == 'METHOD')
+      do i = 1, case%count
+         name = trim(case%groups(i)%name)
+         if (is_users(name) .or. len_trim(program_of(name)) > 0) cycle
+         near = nearest_group(name)
+         meant_links = meant_links .or. near == 'LINKS'
+         meant_method = meant_method .or. near == 'METHOD'
+         if (len(near) > 0) then
+            near = 'did you mean &'//near//'?'
+         else
+            near = 'a group of your own begins with &USER'
+         end if
+         call findings%error('unknown group &'//name//'; '//near, line=case%groups(i)%line)
+      end do
+      if (.not. meant_links) call missing('LINKS')
+      if (.not. meant_method) call missing('METHOD')
+
+   contains
+
+      subroutine missing(name)
+         character(*), intent(in) :: name
+
+         call findings%error('the group is missing in the case that begins here', line=case%line, group=name)
+      end subroutine missing
+   end subroutine refuse_unknown
 
    !> Group TOLER: tolerances of dimensions, one for all or one for each, and the size of the sample.
    subroutine read_tolerances(group, set, findings)
@@ -215,16 +290,15 @@ contains
       n = set%nloop*set%maxarc
       allocate (set%tolarc(set%maxarc, set%nloop), set%tolgam(set%maxarc, set%nloop), source=0.0_wp)
       set%tolerances = group%line > 0
-      if (.not. set%tolerances) return
       of_lengths = 0.0_wp
       of_angles = 0.0_wp
       call group%get_real('TOLLEN', of_lengths, findings)
       call group%get_real('TOLANG', of_angles, findings)
       allocate (reals(n), source=of_lengths)
-      call group%get_reals('TOLARC', reals, findings, set%maxarc, excess=0)
+      call group%get_reals('TOLARC', reals, findings, set%maxarc, filler=.true.)
       set%tolarc = reshape(reals, [set%maxarc, set%nloop])
       reals = of_angles
-      call group%get_reals('TOLGAM', reals, findings, set%maxarc, excess=0)
+      call group%get_reals('TOLGAM', reals, findings, set%maxarc, filler=.true.)
       set%tolgam = reshape(reals, [set%maxarc, set%nloop])
       if (set%outlk > 0.0_wp) set%tolout = of_lengths
       set%toloua = of_angles
@@ -248,29 +322,7 @@ contains
          call findings%error('a tolerance is negative; it is the largest deviation to either side', line=group%line, &
                              group='TOLER')
       end if
-      call group%finish(findings)
    end subroutine read_tolerances
-
-   !> A group that is absent but required, or absent while a misspelt one stands there.
-   subroutine explain_missing(case, group, required, findings)
-      type(case_text_t), intent(in) :: case
-      type(group_t), intent(in) :: group
-      logical, intent(in) :: required
-      type(diagnostics_t), intent(inout) :: findings
-      integer :: i
-      integer, parameter :: slip = 2 !! letters that a misspelt name may differ by
-
-      if (group%line > 0) return
-      do i = 1, case%count
-         if (edit_distance(trim(case%groups(i)%name), trim(group%name)) <= slip) then
-            call findings%error('unknown group &'//trim(case%groups(i)%name)//', while &'//trim(group%name)// &
-                                ' is missing; did you mean &'//trim(group%name)//'?', line=case%groups(i)%line)
-            return
-         end if
-      end do
-      if (required) call findings%error('the group is missing in the case that begins here', line=case%line, &
-                                        group=trim(group%name))
-   end subroutine explain_missing
 
    subroutine read_links(group, set, shape_known, findings)
       type(group_t), intent(inout) :: group
@@ -279,12 +331,13 @@ contains
       type(diagnostics_t), intent(inout) :: findings
       integer, allocatable :: integers(:)
       real(wp), allocatable :: reals(:)
-      integer :: n, highest, row, column
+      integer :: n, highest, needed, beyond, row, column
+      logical :: rows_known
 
       call group%get_integer('NLOOP', set%nloop, findings)
       call group%get_integer('MAXARC', set%maxarc, findings)
-      call check_range(group, 'NLOOP', set%nloop, 1, most_loops, findings, required=.true.)
-      call check_range(group, 'MAXARC', set%maxarc, 3, most_arcs, findings, required=.true.)
+      call check_range(group, 'NLOOP', set%nloop, 1, most_loops, findings, must_be=.true.)
+      call check_range(group, 'MAXARC', set%maxarc, 3, most_arcs, findings, must_be=.true.)
       shape_known = set%nloop >= 1 .and. set%nloop <= most_loops .and. set%maxarc >= 3 .and. set%maxarc <= most_arcs
       if (shape_known) shape_known = set%maxarc <= most_arcs/set%nloop
       n = 0
@@ -296,24 +349,37 @@ contains
       end if
       allocate (integers(max(n, merge(0, original_arcs, shape_known))), source=0)
       allocate (reals(size(integers)), source=0.0_wp)
-      call group%get_integers('ILINK', integers, findings, set%maxarc, excess=0, last=highest)
-      if (highest == 0) call required(group, 'ILINK', findings)
+      call group%get_integers('ILINK', integers, findings, set%maxarc, last=highest, needed=needed, beyond=beyond)
+      if (highest == 0) call required(group, 'ILINK')
+      ! one row too many or too few is told once, not for every array
+      rows_known = shape_known
+      if (shape_known .and. beyond > 0) then
+         call too_many_rows('ILINK', needed, beyond)
+         rows_known = .false.
+      else if (shape_known .and. highest > 0 .and. needed <= n - set%maxarc) then
+         call out_of(group, 'NLOOP', 'NLOOP='//to_text(set%nloop)//' loops are announced, but ILINK has values for '// &
+                     to_text((needed - 1)/set%maxarc + 1)//' only (rows of MAXARC='//to_text(set%maxarc)//')', findings)
+         rows_known = .false.
+      end if
       set%ilink = reshape(integers(:n), [set%maxarc, set%nloop])
       integers = 0
-      call group%get_integers('ILOOP', integers, findings, set%maxarc, excess=0, last=highest)
-      if (highest == 0) call required(group, 'ILOOP', findings)
+      call group%get_integers('ILOOP', integers, findings, set%maxarc, last=highest, needed=needed, beyond=beyond)
+      if (highest == 0) call required(group, 'ILOOP')
+      if (rows_known .and. beyond > 0) call too_many_rows('ILOOP', needed, beyond)
       set%iloop = reshape(integers(:n), [set%maxarc, set%nloop])
-      call group%get_reals('ARCL', reals, findings, set%maxarc, excess=0)
+      call group%get_reals('ARCL', reals, findings, set%maxarc, last=highest, needed=needed, beyond=beyond)
+      if (rows_known .and. beyond > 0) call too_many_numbers('ARCL', needed, beyond)
       set%arcl = reshape(reals(:n), [set%maxarc, set%nloop])
       reals = 0.0_wp
-      call group%get_reals('GAMA', reals, findings, set%maxarc, excess=0)
+      call group%get_reals('GAMA', reals, findings, set%maxarc, last=highest, needed=needed, beyond=beyond)
+      if (rows_known .and. beyond > 0) call too_many_numbers('GAMA', needed, beyond)
       set%gama = reshape(reals(:n), [set%maxarc, set%nloop])
       do row = 1, set%nloop
          do column = 1, set%maxarc
             if (set%arcl(column, row) < 0.0_wp) then
-               call findings%error('length of arc '//to_text(column)//' in loop '//to_text(row)// &
-                                   ' is negative; lengths are positive, directions go into GAMA and ILINK', &
-                                   line=group%item_line('ARCL'), group='LINKS', item='ARCL')
+               call out_of(group, 'ARCL', 'length of arc '//to_text(column)//' in loop '//to_text(row)// &
+                           ' is negative; lengths are positive, directions go into GAMA and ILINK', findings, &
+                           (row - 1)*set%maxarc + column)
             end if
          end do
       end do
@@ -321,11 +387,29 @@ contains
       call group%get_integer('NOUTLP', set%noutlp, findings)
       call group%get_real('OUTLK', set%outlk, findings)
       call group%get_real('OUTANG', set%outang, findings)
-      if (.not. group%given('NOUTLK')) call required(group, 'NOUTLK', findings)
-      if (.not. group%given('NOUTLP')) call required(group, 'NOUTLP', findings)
-      if (set%outlk < 0.0_wp) call findings%error('the length is negative; turn OUTANG by 180 instead', &
-                                                  line=group%item_line('OUTLK'), group='LINKS', item='OUTLK')
-      call group%finish(findings)
+      if (.not. group%given('NOUTLK')) call required(group, 'NOUTLK')
+      if (.not. group%given('NOUTLP')) call required(group, 'NOUTLP')
+      if (set%outlk < 0.0_wp) call out_of(group, 'OUTLK', 'the length is negative; turn OUTANG by 180 instead', findings)
+
+   contains
+
+      subroutine too_many_rows(item, found, line)
+         character(*), intent(in) :: item
+         integer, intent(in) :: found, line
+
+         call findings%error('too many values: NLOOP='//to_text(set%nloop)//' rows of MAXARC='//to_text(set%maxarc)// &
+                             ' are announced, found '//to_text((found - 1)/set%maxarc + 1)//' rows ('//to_text(found)// &
+                             ' values); set NLOOP or MAXARC', line=line, group='LINKS', item=item)
+      end subroutine too_many_rows
+
+      subroutine too_many_numbers(item, found, line)
+         character(*), intent(in) :: item
+         integer, intent(in) :: found, line
+
+         call findings%error('too many values: there is room for '//to_text(n)//', found '//to_text(found)// &
+                             ' (only zeros may fill up); the decimal sign is a point, not a comma', line=line, group='LINKS', &
+                             item=item)
+      end subroutine too_many_numbers
    end subroutine read_links
 
    subroutine read_method(group, set, shape_known, findings)
@@ -338,10 +422,10 @@ contains
 
       n = set%nloop*set%maxarc
       allocate (integers(max(n, merge(0, original_arcs, shape_known))), source=0)
-      call group%get_integers('IVA', integers, findings, set%maxarc, excess=0)
+      call group%get_integers('IVA', integers, findings, set%maxarc, filler=.true.)
       set%iva = reshape(integers(:n), [set%maxarc, set%nloop])
       integers = 0
-      call group%get_integers('IVG', integers, findings, set%maxarc, excess=0)
+      call group%get_integers('IVG', integers, findings, set%maxarc, filler=.true.)
       set%ivg = reshape(integers(:n), [set%maxarc, set%nloop])
       call check_flags(group, 'IVA', set%iva, findings)
       call check_flags(group, 'IVG', set%ivg, findings)
@@ -356,9 +440,12 @@ contains
       if (group%given('NDES')) then
          call check_range(group, 'NDES', set%ndes, 1, most_positions, findings)
          if (set%ndes < 1 .or. set%ndes > most_positions) set%ndes = 0
+         if (.not. memory_to_be_had(bytes_of_position*int(set%ndes, int64))) then
+            call findings%trouble('the memory for NDES='//to_text(set%ndes)//' positions is not to be had')
+            set%ndes = 0
+         end if
       else if (set%ikin == 0) then
-         call findings%error('the number of prescribed positions is required (or IKIN for an analysis through one turn)', &
-                             line=group%line, group='METHOD', item='NDES')
+         call required(group, 'NDES', 'the number of prescribed positions is required (or IKIN for an analysis through one turn)')
       end if
       call group%get_real('CRNKI', set%crnki, findings)
       call group%get_integer('MOTION', set%motion, findings)
@@ -370,13 +457,12 @@ contains
       call group%get_real('ORIGNG', set%origng, findings)
       call read_positions(group, set, findings)
       call group%get_real('VAR', set%var, findings)
-      if (set%var < 0.0_wp .or. set%var > 1.0_wp) call findings%error('must lie in 0.0 to 1.0', &
-                                                                    line=group%item_line('VAR'), group='METHOD', item='VAR')
+      if (set%var < 0.0_wp .or. set%var > 1.0_wp) call out_of(group, 'VAR', 'must lie in 0.0 to 1.0', findings)
       call group%get_integer('ISTART', set%istart, findings)
       call check_range(group, 'ISTART', set%istart, 1, largest_istart, findings)
       if (set%istart > 0 .and. mod(set%istart, 2) == 0) then
          call findings%warning('the random integer must be odd; '//to_text(set%istart + 1)//' is used', &
-                               line=group%item_line('ISTART'), group='METHOD', item='ISTART')
+                               line=group%origins%line('METHOD', 'ISTART', 1), group='METHOD', item='ISTART')
          set%istart = set%istart + 1
       end if
       call group%get_integer('NGUESS', set%nguess, findings)
@@ -398,10 +484,10 @@ contains
       call group%get_real('FMIN', set%fmin, findings)
       call group%get_real('SMALL', set%small, findings)
       if (set%small < 0.0_wp) call out_of(group, 'SMALL', 'must not be negative', findings)
-      call group%finish(findings)
    end subroutine read_method
 
-   !> Increments, desired values and weights: as many as NDES, more are ignored.
+   !> Increments, desired values and weights: as many as NDES, and fillers up to the size of the original program's arrays
+   !> (`161*0.0`, weights `181*1.0`). With IKIN they are not used, and may be any number.
    subroutine read_positions(group, set, findings)
       type(group_t), intent(inout) :: group
       type(data_set_t), intent(inout) :: set
@@ -428,9 +514,9 @@ contains
          if (kind%components > 1 .and. got_y == 0) call short('DESY', 0)
          if (kind%components == 3 .and. got_angle == 0) call short('DESANG', 0)
       end if
-      if (any(set%xmult < 0.0_wp)) call out_of(group, 'XMULT', 'weights must not be negative', findings)
-      if (any(set%ymult < 0.0_wp)) call out_of(group, 'YMULT', 'weights must not be negative', findings)
-      if (any(set%anmult < 0.0_wp)) call out_of(group, 'ANMULT', 'weights must not be negative', findings)
+      call check_weights('XMULT', set%xmult)
+      call check_weights('YMULT', set%ymult)
+      call check_weights('ANMULT', set%anmult)
 
    contains
 
@@ -438,12 +524,18 @@ contains
          character(*), intent(in) :: name
          real(wp), intent(inout) :: values(:)
          integer, intent(out), optional :: got
-         integer :: last
+         integer :: last, needed, beyond
 
-         call group%get_reals(name, values, findings, excess=1, last=last)
+         call group%get_reals(name, values, findings, last=last, needed=needed, beyond=beyond, as_written=.true., &
+                              any_filler=index(name, 'MULT') > 0)
          if (present(got)) got = last
-         if (last > 0 .and. last < n .and. set%ikin == 0) then
-            if (index(name, 'MULT') == 0) call short(name, last)
+         if (n == 0 .or. set%ikin /= 0) return
+         if (beyond > 0) then
+            call findings%error('NDES='//to_text(n)//' positions are announced, but '//to_text(needed)// &
+                                ' values given; set NDES='//to_text(needed)//' or leave the others out', line=beyond, &
+                                group='METHOD', item=name)
+         else if (last > 0 .and. last < n .and. index(name, 'MULT') == 0) then
+            call short(name, last)
          end if
       end subroutine read_position_array
 
@@ -454,15 +546,25 @@ contains
          call findings%error('NDES='//to_text(n)//' positions are announced, but only '//to_text(got)//' values given', &
                              line=max(group%item_line(name), group%item_line('NDES')), group='METHOD', item=name)
       end subroutine short
+
+      subroutine check_weights(name, values)
+         character(*), intent(in) :: name
+         real(wp), intent(in) :: values(:)
+         integer :: negative
+
+         negative = findloc(values < 0.0_wp, .true., dim=1)
+         if (negative > 0) call out_of(group, name, 'weights must not be negative', findings, negative)
+      end subroutine check_weights
    end subroutine read_positions
 
    subroutine read_limits(group, set, findings)
       type(group_t), intent(inout) :: group
       type(data_set_t), intent(inout) :: set
       type(diagnostics_t), intent(inout) :: findings
-      integer :: room, low, high
+      integer :: room
 
       call group%get_real('TANGLE', set%tangle, findings)
+      set%tangle_given = group%given('TANGLE')
       if (set%tangle <= 0.0_wp .or. set%tangle > 90.0_wp) then
          call out_of(group, 'TANGLE', 'must lie between 0 and 90 degrees', findings)
       end if
@@ -471,9 +573,8 @@ contains
       call read_flag(group, 'LIMVAL', set%limval, findings)
       room = 2*set%nloop*set%maxarc + 5
       allocate (set%oplow(room), set%ophigh(room), source=0.0_wp)
-      call group%get_reals('OPLOW', set%oplow, findings, excess=0, last=low)
-      call group%get_reals('OPHIGH', set%ophigh, findings, excess=0, last=high)
-      set%bounds_given = min(low, high)
+      call group%get_reals('OPLOW', set%oplow, findings, filler=.true., last=set%low_given)
+      call group%get_reals('OPHIGH', set%ophigh, findings, filler=.true., last=set%high_given)
       call group%get_real('STEPIN', set%stepin, findings)
       if (set%stepin < 0.0_wp) call out_of(group, 'STEPIN', 'must not be negative', findings)
       call read_flag(group, 'KTHETA', set%ktheta, findings)
@@ -486,20 +587,17 @@ contains
       call check_range(group, 'NPRT', set%nprt, 1, huge(1), findings)
       call read_flag(group, 'IPLOT', set%iplot, findings)
       call read_flag(group, 'LAST', set%last, findings)
-      call group%finish(findings)
    end subroutine read_limits
 
    !> Group RATES: speed and acceleration of the input, in the units named.
-   subroutine read_rates(case, set, findings)
-      type(case_text_t), intent(in) :: case
+   subroutine read_rates(group, set, findings)
+      type(group_t), intent(inout) :: group
       type(data_set_t), intent(inout) :: set
       type(diagnostics_t), intent(inout) :: findings
-      type(group_t) :: group
       character(:), allocatable :: units
       real(wp) :: unit
       logical :: sliding
 
-      group = case%take('RATES')
       set%rates_given = group%line > 0
       sliding = .false.
       if (size(set%iloop) > 0) sliding = set%iloop(1, 1) < 0
@@ -528,6 +626,5 @@ contains
       if (abs(set%accel) > fastest) call out_of(group, 'ACCEL', 'is out of all reason', findings)
       set%speed = set%speed*unit
       set%accel = set%accel*unit
-      call group%finish(findings)
    end subroutine read_rates
 end module psalm_data_set

@@ -1,25 +1,28 @@
 !> The groups of a NAMELIST text: items with their values and places, handed out by name and kind.
 !>
 !> What nobody asked for is reported with the nearest valid name, and every value that is not what was asked for with its
-!> line, group and item. The scanner in `psalm_namelist` fills the groups.
+!> line, group and item. The scanner in `psalm_namelist` fills the groups. Values and their characters lie in one row each,
+!> so that a group of a million values is read, copied and written in time linear in its size.
 module psalm_group
    use psalm_kinds, only: wp
    use psalm_number, only: parse_integer, parse_real
+   use psalm_origin, only: origins_t, name_length
    use psalm_status, only: diagnostics_t
-   use psalm_text, only: upper_case, to_text, nearest_name
+   use psalm_text, only: text_t, upper_case, to_text, nearest_name, shortened
    implicit none (type, external)
    private
    public :: group_t, item_t, value_t, add_item, add_value
    public :: read_flag, check_flags, check_range, out_of, required
 
-   integer, parameter :: name_length = 31          !! longest name kept
    integer, parameter :: most_values = 20000000    !! values one item may have, repeat counts included
    integer, parameter :: not_a_position = -1
+   integer, parameter :: most_unknown = 5          !! unknown items of a group that are named
    integer, parameter :: values_a_line = 10        !! when a group is written again
 
    !> One value as written, perhaps repeated.
    type :: value_t
-      character(:), allocatable :: text  !! the characters; empty for a null value
+      integer :: first = 1               !! its first character in the group's
+      integer :: length = 0              !! how many; 0 for a null value
       integer :: repeats = 1             !! repeat count
       integer :: line = 0                !! line of the file
       logical :: quoted = .false.        !! given in quotes
@@ -31,9 +34,16 @@ module psalm_group
       integer :: line = 0                   !! line of its name
       integer :: subscripts = 0             !! how many: 0, 1 or 2
       integer :: subscript(2) = 0           !! the subscripts
-      type(value_t), allocatable :: values(:)
-      integer :: count = 0                  !! valid elements of `values`
+      logical :: misplaced = .false.        !! its subscript is wrong and told: the values are left out
+      integer :: first = 1                  !! its first value in the group's
+      integer :: count = 0                  !! how many values
    end type item_t
+
+   !> An item that must be there and is not.
+   type :: missing_t
+      character(name_length) :: name = ''
+      character(:), allocatable :: text     !! what is said
+   end type missing_t
 
    !> One group: its items and who asked for them.
    type :: group_t
@@ -41,8 +51,17 @@ module psalm_group
       integer :: line = 0                   !! line of its name; 0: the group was not given
       type(item_t), allocatable :: items(:)
       integer :: count = 0                  !! valid elements of `items`
+      type(value_t), allocatable :: values(:)
+      integer :: filled = 0                 !! valid elements of `values`
+      type(text_t) :: characters            !! of all values
+      integer, allocatable :: order(:)      !! the items by name, those of one name as they were written
       character(name_length), allocatable :: known(:) !! names asked for so far
+      type(origins_t) :: origins            !! places of the values handed out
+      type(missing_t), allocatable :: missing(:) !! told at the end, if no misspelt item is meant
    contains
+      procedure :: begin
+      procedure :: sort_items
+      procedure :: text_of
       procedure :: given
       procedure :: item_line
       procedure :: get_integer
@@ -56,22 +75,49 @@ module psalm_group
 
 contains
 
-   !> Append a value to an item.
-   pure subroutine add_value(item, value)
-      type(item_t), intent(inout) :: item
+   !> Make an empty group of that name.
+   pure subroutine begin(self, name, line)
+      class(group_t), intent(inout) :: self
+      character(*), intent(in) :: name
+      integer, intent(in) :: line  !! 0: not given
+
+      self%name = name
+      self%line = line
+      self%count = 0
+      self%filled = 0
+      self%characters%length = 0
+      if (.not. allocated(self%items)) allocate (self%items(16), self%values(16))
+      if (allocated(self%known)) deallocate (self%known)
+      allocate (self%known(0))
+      if (allocated(self%missing)) deallocate (self%missing)
+      allocate (self%missing(0))
+      if (allocated(self%order)) deallocate (self%order)
+      allocate (self%order(0))
+      call self%origins%in_file('')
+      if (line > 0) call self%origins%mention(name, '', line)
+   end subroutine begin
+
+   !> Append a value to the item read last.
+   pure subroutine add_value(group, value, text)
+      type(group_t), intent(inout) :: group
       type(value_t), intent(in) :: value
+      character(*), intent(in) :: text  !! its characters
       type(value_t), allocatable :: larger(:)
 
-      if (item%count == size(item%values)) then
-         allocate (larger(2*item%count))
-         larger(:item%count) = item%values
-         call move_alloc(larger, item%values)
+      if (group%filled == size(group%values)) then
+         allocate (larger(2*group%filled))
+         larger(:group%filled) = group%values
+         call move_alloc(larger, group%values)
       end if
-      item%count = item%count + 1
-      item%values(item%count) = value
+      group%filled = group%filled + 1
+      group%values(group%filled) = value
+      group%values(group%filled)%first = group%characters%length + 1
+      group%values(group%filled)%length = len(text)
+      call group%characters%add_text(text)
+      group%items(group%count)%count = group%items(group%count)%count + 1
    end subroutine add_value
 
-   !> Append an item to a group.
+   !> Append an item to a group; the values that follow are its.
    pure subroutine add_item(group, item)
       type(group_t), intent(inout) :: group
       type(item_t), intent(in) :: item
@@ -84,11 +130,83 @@ contains
       end if
       group%count = group%count + 1
       group%items(group%count) = item
+      group%items(group%count)%first = group%filled + 1
+      group%items(group%count)%count = 0
    end subroutine add_item
+
+   !> Put the items in the order of their names, so that they can be found: a merge sort.
+   pure subroutine sort_items(self)
+      class(group_t), intent(inout) :: self
+      integer, allocatable :: merged(:)
+      integer :: width, left, middle, right, i, j, k
+
+      allocate (merged(self%count))
+      self%order = [(i, i=1, self%count)]
+      width = 1
+      do while (width < self%count)
+         do left = 1, self%count, 2*width
+            middle = min(left + width, self%count + 1)
+            right = min(left + 2*width, self%count + 1)
+            i = left
+            j = middle
+            do k = left, right - 1
+               if (j >= right) then
+                  merged(k) = self%order(i)
+                  i = i + 1
+               else if (i >= middle) then
+                  merged(k) = self%order(j)
+                  j = j + 1
+               else if (self%items(self%order(j))%name < self%items(self%order(i))%name) then
+                  merged(k) = self%order(j)
+                  j = j + 1
+               else
+                  merged(k) = self%order(i)
+                  i = i + 1
+               end if
+            end do
+         end do
+         self%order = merged
+         width = 2*width
+      end do
+   end subroutine sort_items
+
+   !> The items of a name are `order(first:last)`, in the order in which they were written.
+   pure subroutine find(self, name, first, last)
+      class(group_t), intent(in) :: self
+      character(*), intent(in) :: name
+      integer, intent(out) :: first, last
+      integer :: low, high, middle
+
+      low = 1
+      high = size(self%order) + 1
+      do while (low < high)
+         middle = (low + high)/2
+         if (self%items(self%order(middle))%name < name) then
+            low = middle + 1
+         else
+            high = middle
+         end if
+      end do
+      first = low
+      last = low - 1
+      do while (last < size(self%order))
+         if (self%items(self%order(last + 1))%name /= name) exit
+         last = last + 1
+      end do
+   end subroutine find
+
+   !> The characters of a value.
+   pure function text_of(self, value) result(text)
+      class(group_t), intent(in) :: self
+      type(value_t), intent(in) :: value
+      character(value%length) :: text
+
+      if (value%length > 0) text = self%characters%buffer(value%first:value%first + value%length - 1)
+   end function text_of
 
    ! ---- handing out items -------------------------------------------------------------------------------------------
 
-   !> True if the item has at least one value.
+   !> True if the item was given.
    pure logical function given(self, name)
       class(group_t), intent(in) :: self
       character(*), intent(in) :: name
@@ -100,12 +218,11 @@ contains
    pure integer function item_line(self, name)
       class(group_t), intent(in) :: self
       character(*), intent(in) :: name
-      integer :: i
+      integer :: first, last
 
       item_line = 0
-      do i = 1, self%count
-         if (self%items(i)%name == name) item_line = self%items(i)%line
-      end do
+      call find(self, name, first, last)
+      if (last >= first) item_line = self%items(self%order(last))%line
    end function item_line
 
    !> One integer; left as it is if the item is not given.
@@ -140,168 +257,244 @@ contains
       character(*), intent(in) :: name
       character(:), allocatable, intent(inout) :: value
       type(diagnostics_t), intent(inout) :: findings
-      integer :: i
+      integer :: k, first, last
 
       self%known = [character(name_length) :: self%known, padded(name)]
-      do i = 1, self%count
-         if (self%items(i)%name /= name) cycle
-         if (self%items(i)%count /= 1) then
-            call findings%error('expects one word', line=self%items(i)%line, group=trim(self%name), item=name)
-         else
-            value = upper_case(self%items(i)%values(1)%text)
-         end if
+      call find(self, name, first, last)
+      do k = first, last
+         associate (item => self%items(self%order(k)))
+            call self%origins%mention(trim(self%name), name, item%line)
+            if (item%misplaced) cycle
+            if (item%count /= 1 .or. item%subscripts > 0) then
+               call findings%error('expects one word', line=item%line, group=trim(self%name), item=name)
+            else
+               value = shortened(upper_case(self%text_of(self%values(item%first))))
+               call self%origins%place(1, 1, self%values(item%first)%line)
+            end if
+         end associate
       end do
    end subroutine get_word
 
    !> Integers, from the first element on; elements without a value are left as they are.
    !>
-   !> `columns` is the length of a row when two subscripts are given. With `excess` values beyond the end of `values` are
-   !> allowed if they are zero (`excess = 0`) or whatever they are (`excess = 1`). `last` is the highest element given.
-   subroutine get_integers(self, name, values, findings, columns, excess, last)
+   !> `columns` is the length of a row when two subscripts are given. Values beyond the end of `values` are an error, unless
+   !> they are zero and `filler` is true, or `beyond` is there: then it is the line of the first of them that is not zero
+   !> (0: there is none), and the caller judges. With `as_written` a zero counts like any other value, unless it is repeated
+   !> (`161*0.0`), and with `any_filler` whatever is repeated may go beyond the end. `last` is the highest element given,
+   !> `needed` the highest that is no such filler.
+   subroutine get_integers(self, name, values, findings, columns, filler, last, needed, beyond)
       class(group_t), intent(inout) :: self
       character(*), intent(in) :: name
       integer, intent(inout) :: values(:)                !! shape (n)
       type(diagnostics_t), intent(inout) :: findings
-      integer, intent(in), optional :: columns, excess
-      integer, intent(out), optional :: last
-      integer :: i, j, k, first, number, highest
-      logical :: valid
+      integer, intent(in), optional :: columns
+      logical, intent(in), optional :: filler
+      integer, intent(out), optional :: last, needed, beyond
 
-      self%known = [character(name_length) :: self%known, padded(name)]
-      highest = 0
-      do i = 1, self%count
-         if (self%items(i)%name /= name) cycle
-         associate (item => self%items(i))
-            call start_of(self, item, size(values), findings, first, columns)
-            if (first == not_a_position) cycle
-            each_value: do j = 1, item%count
-               if (item%values(j)%repeats > most_values - first) then
-                  call too_many(self, item, item%values(j), size(values), findings)
-                  exit each_value
-               end if
-               number = 0
-               if (len(item%values(j)%text) > 0) then
-                  call to_integer(self, item, item%values(j), number, valid, findings)
-                  if (.not. valid) exit each_value
-                  k = min(first + item%values(j)%repeats - 1, size(values))
-                  values(first:k) = number
-                  if (first + item%values(j)%repeats - 1 > size(values)) then
-                     if (.not. tolerated(excess, number == 0)) then
-                        call too_many(self, item, item%values(j), size(values), findings)
-                        exit each_value
-                     end if
-                  end if
-               end if
-               first = first + item%values(j)%repeats
-               highest = max(highest, first - 1)
-            end do each_value
-         end associate
-      end do
-      if (present(last)) last = highest
+      call hand_out(self, name, size(values), findings, columns, filler, last, needed, beyond, integers=values)
    end subroutine get_integers
 
    !> Reals, in the manner of `get_integers`.
-   subroutine get_reals(self, name, values, findings, columns, excess, last)
+   subroutine get_reals(self, name, values, findings, columns, filler, last, needed, beyond, as_written, any_filler)
       class(group_t), intent(inout) :: self
       character(*), intent(in) :: name
       real(wp), intent(inout) :: values(:)               !! shape (n)
       type(diagnostics_t), intent(inout) :: findings
-      integer, intent(in), optional :: columns, excess
-      integer, intent(out), optional :: last
-      integer :: i, j, k, first, highest
+      integer, intent(in), optional :: columns
+      logical, intent(in), optional :: filler, as_written, any_filler
+      integer, intent(out), optional :: last, needed, beyond
+
+      call hand_out(self, name, size(values), findings, columns, filler, last, needed, beyond, as_written, any_filler, &
+                    reals=values)
+   end subroutine get_reals
+
+   !> What `get_integers` and `get_reals` have in common: either `integers` or `reals` is there.
+   subroutine hand_out(self, name, n, findings, columns, filler, last, needed, beyond, as_written, any_filler, integers, reals)
+      class(group_t), intent(inout) :: self
+      character(*), intent(in) :: name
+      integer, intent(in) :: n                           !! elements there are
+      type(diagnostics_t), intent(inout) :: findings
+      integer, intent(in), optional :: columns
+      logical, intent(in), optional :: filler, as_written, any_filler
+      integer, intent(out), optional :: last, needed, beyond
+      integer, intent(inout), optional :: integers(:)    !! shape (n)
+      real(wp), intent(inout), optional :: reals(:)      !! shape (n)
+      integer :: k, j, from, to, first, final, whole, highest, highest_needed, line_beyond
       real(wp) :: number
-      logical :: valid
+      logical :: valid, fills
+      logical :: zero                                    !! the value may fill up
 
       self%known = [character(name_length) :: self%known, padded(name)]
+      fills = .false.
+      if (present(filler)) fills = filler
       highest = 0
-      do i = 1, self%count
-         if (self%items(i)%name /= name) cycle
-         associate (item => self%items(i))
-            call start_of(self, item, size(values), findings, first, columns)
+      highest_needed = 0
+      line_beyond = 0
+      whole = 0
+      number = 0.0_wp
+      call find(self, name, from, to)
+      do k = from, to
+         associate (item => self%items(self%order(k)))
+            call self%origins%mention(trim(self%name), name, item%line)
+            if (item%misplaced) cycle
+            call start_of(self, item, n, findings, first, columns)
             if (first == not_a_position) cycle
-            each_value: do j = 1, item%count
-               if (item%values(j)%repeats > most_values - first) then
-                  call too_many(self, item, item%values(j), size(values), findings)
+            each_value: do j = item%first, item%first + item%count - 1
+               if (self%values(j)%repeats > most_values - first) then
+                  call too_many(self, item, self%values(j), n, fills, findings)
                   exit each_value
                end if
-               if (len(item%values(j)%text) > 0) then
-                  call to_real(self, item, item%values(j), number, valid, findings)
+               final = first + self%values(j)%repeats - 1
+               if (self%values(j)%length > 0 .or. self%values(j)%quoted) then
+                  call to_number(self, item, self%values(j), present(integers), whole, number, valid, findings)
                   if (.not. valid) exit each_value
-                  k = min(first + item%values(j)%repeats - 1, size(values))
-                  values(first:k) = number
-                  if (first + item%values(j)%repeats - 1 > size(values)) then
-                     if (.not. tolerated(excess, number == 0.0_wp)) then
-                        call too_many(self, item, item%values(j), size(values), findings)
+                  if (present(integers)) then
+                     integers(first:min(final, n)) = whole
+                     zero = whole == 0
+                  else
+                     reals(first:min(final, n)) = number
+                     zero = number == 0.0_wp
+                  end if
+                  if (present(as_written)) then
+                     if (as_written) zero = zero .and. self%values(j)%repeats > 1
+                  end if
+                  if (present(any_filler)) zero = zero .or. (any_filler .and. self%values(j)%repeats > 1)
+                  if (first <= n) call self%origins%place(first, min(final, n), self%values(j)%line)
+                  if (.not. zero) highest_needed = max(highest_needed, final)
+                  if (final > n) then
+                     if (present(beyond)) then
+                        if (line_beyond == 0 .and. .not. zero) line_beyond = self%values(j)%line
+                     else if (.not. (fills .and. zero)) then
+                        call too_many(self, item, self%values(j), n, fills, findings)
                         exit each_value
                      end if
                   end if
                end if
-               first = first + item%values(j)%repeats
-               highest = max(highest, first - 1)
+               first = final + 1
+               highest = max(highest, final)
             end do each_value
          end associate
       end do
       if (present(last)) last = highest
-   end subroutine get_reals
+      if (present(needed)) needed = highest_needed
+      if (present(beyond)) beyond = line_beyond
+   end subroutine hand_out
 
-   !> Report items that nobody asked for, each with the nearest valid name, and scalars given twice.
-   subroutine finish(self, findings)
+   !> Report items that nobody asked for, each with the group it belongs to or the nearest valid name, scalars given twice,
+   !> and items that are missing, unless a misspelt one is meant.
+   !>
+   !> `all_groups` have been asked for all their items, so that they know their names.
+   subroutine finish(self, all_groups, findings)
       class(group_t), intent(in) :: self
+      type(group_t), intent(in) :: all_groups(:)
       type(diagnostics_t), intent(inout) :: findings
-      character(:), allocatable :: near, text
-      integer :: i, j
+      integer, allocatable :: earlier(:)  !! by item: line of an earlier mention, 0: none
+      logical, allocatable :: known(:)    !! by item
+      logical :: meant(size(self%missing))
+      integer :: i, k, run, first_line, unknown
+      logical :: is_known
 
+      allocate (earlier(self%count), known(self%count))
+      run = 1
+      first_line = 0
+      is_known = .false.
+      do k = 1, self%count
+         i = self%order(k)
+         if (self%items(i)%name /= self%items(self%order(run))%name .or. k == 1) then
+            run = k
+            first_line = 0
+            is_known = any(self%known == self%items(i)%name)
+         end if
+         known(i) = is_known
+         earlier(i) = first_line
+         if (self%items(i)%subscripts > 0 .or. self%items(i)%misplaced) then
+            earlier(i) = 0
+         else if (first_line == 0) then
+            first_line = self%items(i)%line
+         end if
+      end do
+      unknown = 0
+      meant = .false.
       do i = 1, self%count
          associate (item => self%items(i))
-            if (all(self%known /= item%name)) then
-               near = nearest_name(item%name, self%known)
-               text = 'no such item'
-               if (len(near) > 0) text = text//'; did you mean '//near//'?'
-               call findings%error(text, line=item%line, group=trim(self%name), item=trim(item%name))
-               cycle
+            if (.not. known(i)) then
+               unknown = unknown + 1
+               if (unknown > most_unknown) cycle
+               meant = meant .or. self%missing%name == nearest_name(item%name, self%known)
+               call findings%error('no such item'//hint(item%name), line=item%line, group=trim(self%name), &
+                                   item=trim(item%name))
+            else if (earlier(i) > 0) then
+               call findings%warning('given twice (first in line '//to_text(earlier(i))//'); the last counts', &
+                                     line=item%line, group=trim(self%name), item=trim(item%name))
             end if
-            if (item%subscripts > 0) cycle
-            do j = 1, i - 1
-               if (self%items(j)%name == item%name .and. self%items(j)%subscripts == 0) then
-                  call findings%warning('given twice (first in line '//to_text(self%items(j)%line)//'); the last counts', &
-                                        line=item%line, group=trim(self%name), item=trim(item%name))
-                  exit
-               end if
-            end do
          end associate
       end do
+      if (unknown > most_unknown) call findings%error('and '//to_text(unknown - most_unknown)//' more items that it does '// &
+                                                      'not have', line=self%line, group=trim(self%name))
+      do i = 1, size(self%missing)
+         if (.not. meant(i)) call findings%error(self%missing(i)%text, line=self%line, group=trim(self%name), &
+                                                 item=trim(self%missing(i)%name))
+      end do
+
+   contains
+
+      function hint(name) result(text)
+         character(*), intent(in) :: name
+         character(:), allocatable :: text
+         integer :: g
+
+         text = ''
+         do g = 1, size(all_groups)
+            if (any(all_groups(g)%known == name)) then
+               text = '; it belongs to &'//trim(all_groups(g)%name)
+               return
+            end if
+         end do
+         text = nearest_name(name, self%known)
+         if (len(text) > 0) then
+            text = '; did you mean '//text//'?'
+            return
+         end if
+         do g = 1, size(all_groups)
+            text = nearest_name(name, all_groups(g)%known)
+            if (len(text) > 0) then
+               text = '; did you mean '//text//' of &'//trim(all_groups(g)%name)//'?'
+               return
+            end if
+         end do
+      end function hint
    end subroutine finish
 
-   !> The group as text again, one item a line. Shape of the result: one text, lines separated by line feeds.
-   function render(self) result(text)
+   !> Append the group to a text, one item a line.
+   subroutine render(self, text)
       class(group_t), intent(in) :: self
-      character(:), allocatable :: text
+      type(text_t), intent(inout) :: text
       integer :: i, k
 
-      text = ' &'//trim(self%name)//new_line('a')
+      call text%add(' &'//trim(self%name))
       do i = 1, self%count
          associate (item => self%items(i))
-            text = text//'  '//trim(item%name)
-            if (item%subscripts == 1) text = text//'('//to_text(item%subscript(1))//')'
-            if (item%subscripts == 2) text = text//'('//to_text(item%subscript(1))//','//to_text(item%subscript(2))//')'
-            text = text//'='
+            call text%add_text('  '//trim(item%name))
+            if (item%subscripts == 1) call text%add_text('('//to_text(item%subscript(1))//')')
+            if (item%subscripts == 2) call text%add_text('('//to_text(item%subscript(1))//','//to_text(item%subscript(2))//')')
+            call text%add_text('=')
             do k = 1, item%count
-               associate (value => item%values(k))
-                  if (value%repeats > 1) text = text//to_text(value%repeats)//'*'
+               associate (value => self%values(item%first + k - 1))
+                  if (value%repeats > 1) call text%add_text(to_text(value%repeats)//'*')
                   if (value%quoted) then
-                     text = text//"'"//value%text//"'"
+                     call text%add_text("'"//self%text_of(value)//"'")
                   else
-                     text = text//value%text
+                     call text%add_text(self%text_of(value))
                   end if
-                  text = text//','
-                  if (mod(k, values_a_line) == 0) text = text//new_line('a')//'   '
+                  call text%add_text(',')
+                  if (mod(k, values_a_line) == 0) call text%add_text(new_line('a')//'   ')
                end associate
             end do
-            text = text//new_line('a')
+            call text%add()
          end associate
       end do
-      text = text//' &END'//new_line('a')
-   end function render
+      call text%add(' &END')
+   end subroutine render
 
    !> First element an item fills; `not_a_position` after reporting a subscript out of range.
    subroutine start_of(group, item, n, findings, first, columns)
@@ -311,88 +504,92 @@ contains
       type(diagnostics_t), intent(inout) :: findings
       integer, intent(out) :: first
       integer, intent(in), optional :: columns
+      character(:), allocatable :: there_are
 
       first = 1
       if (item%count == 0) then
          call findings%warning('no value given', line=item%line, group=trim(group%name), item=trim(item%name))
       end if
       select case (item%subscripts)
+      case (0)
+         return
       case (1)
          first = item%subscript(1)
-      case (2)
+         if (first >= 1 .and. first <= n) return
+         there_are = trim(merge('there is one value only         ', 'there are elements 1 to '//padded_number(n), n == 1))
+      case default
          if (.not. present(columns)) then
             call findings%error('takes one subscript, not two', line=item%line, group=trim(group%name), item=trim(item%name))
             first = not_a_position
             return
          end if
-         first = (item%subscript(1) - 1)*columns + item%subscript(2)
-         if (item%subscript(1) < 1 .or. item%subscript(2) < 1 .or. item%subscript(2) > columns) first = 0
-      end select
-      if (first < 1 .or. first > n) then
-         call findings%error('subscript out of range; there are '//to_text(n)//' elements', line=item%line, &
-                             group=trim(group%name), item=trim(item%name))
          first = not_a_position
-      end if
+         if (columns == 0) return   ! NLOOP or MAXARC is wrong and told
+         ! each subscript by itself: their product may not be a number
+         if (item%subscript(1) >= 1 .and. item%subscript(1) <= n/columns .and. &
+             item%subscript(2) >= 1 .and. item%subscript(2) <= columns) then
+            first = (item%subscript(1) - 1)*columns + item%subscript(2)
+            return
+         end if
+         there_are = 'there are loops 1 to '//to_text(n/columns)//' and arcs 1 to '//to_text(columns)
+      end select
+      call findings%error('subscript out of range; '//there_are, line=item%line, group=trim(group%name), item=trim(item%name))
+      first = not_a_position
    end subroutine start_of
 
-   subroutine too_many(group, item, value, n, findings)
+   pure function padded_number(n) result(text)
+      integer, intent(in) :: n
+      character(8) :: text
+
+      text = to_text(n)
+   end function padded_number
+
+   subroutine too_many(group, item, value, n, fills, findings)
       type(group_t), intent(in) :: group
       type(item_t), intent(in) :: item
       type(value_t), intent(in) :: value
       integer, intent(in) :: n
+      logical, intent(in) :: fills
       type(diagnostics_t), intent(inout) :: findings
+      character(:), allocatable :: text
 
       if (n == 1) then
-         call findings%error("too many values: one is expected, '"//value%text//"' is one too many", &
-                             line=value%line, group=trim(group%name), item=trim(item%name))
+         text = "too many values: one is expected, '"//shortened(group%text_of(value))//"' is one too many"
       else
-         call findings%error('too many values: there is room for '//to_text(n)//", and '"//value%text// &
-                             "' goes beyond (only zeros may fill up)", line=value%line, group=trim(group%name), &
-                             item=trim(item%name))
+         text = 'too many values: there is room for '//to_text(n)//", and '"//shortened(group%text_of(value))//"' goes beyond"
+         if (fills) text = text//' (only zeros may fill up)'
       end if
+      call findings%error(text//'; the decimal sign is a point, not a comma', line=value%line, group=trim(group%name), &
+                          item=trim(item%name))
    end subroutine too_many
 
-   pure logical function tolerated(excess, is_zero)
-      integer, intent(in), optional :: excess
-      logical, intent(in) :: is_zero
-
-      tolerated = .false.
-      if (present(excess)) tolerated = excess > 0 .or. is_zero
-   end function tolerated
-
-   subroutine to_integer(group, item, value, number, valid, findings)
+   !> The number that a value stands for: `whole` if an integer is asked for, else `number`.
+   subroutine to_number(group, item, value, integer_asked, whole, number, valid, findings)
       type(group_t), intent(in) :: group
       type(item_t), intent(in) :: item
       type(value_t), intent(in) :: value
-      integer, intent(out) :: number
+      logical, intent(in) :: integer_asked
+      integer, intent(inout) :: whole
+      real(wp), intent(inout) :: number
       logical, intent(out) :: valid
       type(diagnostics_t), intent(inout) :: findings
       character(:), allocatable :: reason
 
-      reason = 'an integer is expected'
-      number = 0
       valid = .not. value%quoted
-      if (valid) call parse_integer(value%text, number, valid, reason)
-      if (.not. valid) call findings%error(reason//"; found '"//value%text//"'", line=value%line, &
+      if (.not. valid) then
+         reason = trim(merge('an integer is expected', 'a number is expected  ', integer_asked))
+      else
+         associate (text => group%characters%buffer(value%first:value%first + value%length - 1))
+            if (integer_asked) then
+               call parse_integer(text, whole, valid, reason)
+            else
+               call parse_real(text, number, valid, reason)
+            end if
+         end associate
+      end if
+      if (.not. valid) call findings%error(reason//"; found '"//shortened(group%text_of(value))//"'", line=value%line, &
                                            group=trim(group%name), item=trim(item%name))
-   end subroutine to_integer
-
-   subroutine to_real(group, item, value, number, valid, findings)
-      type(group_t), intent(in) :: group
-      type(item_t), intent(in) :: item
-      type(value_t), intent(in) :: value
-      real(wp), intent(out) :: number
-      logical, intent(out) :: valid
-      type(diagnostics_t), intent(inout) :: findings
-      character(:), allocatable :: reason
-
-      reason = 'a number is expected'
-      number = 0.0_wp
-      valid = .not. value%quoted
-      if (valid) call parse_real(value%text, number, valid, reason)
-      if (.not. valid) call findings%error(reason//"; found '"//value%text//"'", line=value%line, &
-                                           group=trim(group%name), item=trim(item%name))
-   end subroutine to_real
+   end subroutine to_number
 
    pure function padded(name)
       character(*), intent(in) :: name
@@ -416,48 +613,60 @@ contains
    subroutine check_flags(group, name, values, findings)
       type(group_t), intent(in) :: group
       character(*), intent(in) :: name
-      integer, intent(in) :: values(:, :)
+      integer, intent(in) :: values(:, :)   !! shape (columns, rows)
       type(diagnostics_t), intent(inout) :: findings
+      integer :: wrong(2)
 
-      if (any(values /= 0 .and. values /= 1)) call out_of(group, name, 'entries are 0 (fixed) or 1 (may vary)', findings)
+      wrong = findloc(values /= 0 .and. values /= 1, .true.)
+      if (all(wrong > 0)) call out_of(group, name, 'entries are 0 (fixed) or 1 (may vary); found '// &
+                                      to_text(values(wrong(1), wrong(2))), findings, (wrong(2) - 1)*size(values, 1) + wrong(1))
    end subroutine check_flags
 
    !> Report a value outside its range.
-   subroutine check_range(group, name, value, lowest, highest, findings, required)
-      type(group_t), intent(in) :: group
+   subroutine check_range(group, name, value, lowest, highest, findings, must_be)
+      type(group_t), intent(inout) :: group
       character(*), intent(in) :: name
       integer, intent(in) :: value, lowest, highest
       type(diagnostics_t), intent(inout) :: findings
-      logical, intent(in), optional :: required
+      logical, intent(in), optional :: must_be  !! the item is required
       character(:), allocatable :: text
 
-      if (present(required)) then
-         if (required .and. .not. group%given(name)) then
-            call findings%error('is required', line=group%line, group=trim(group%name), item=name)
+      if (present(must_be)) then
+         if (must_be .and. .not. group%given(name)) then
+            call required(group, name)
             return
          end if
       end if
       if (value >= lowest .and. value <= highest) return
       text = 'must be at least '//to_text(lowest)
       if (highest < huge(1)) text = 'must lie in '//to_text(lowest)//' to '//to_text(highest)
-      call findings%error(text//'; found '//to_text(value), line=group%item_line(name), group=trim(group%name), item=name)
+      call findings%error(text//'; found '//to_text(value), line=group%origins%line(trim(group%name), name, 1), &
+                          group=trim(group%name), item=name)
    end subroutine check_range
 
    !> Report an item whose value cannot be.
-   subroutine out_of(group, name, text, findings)
+   subroutine out_of(group, name, text, findings, element)
       type(group_t), intent(in) :: group
       character(*), intent(in) :: name, text
       type(diagnostics_t), intent(inout) :: findings
+      integer, intent(in), optional :: element  !! which value; default the first
+      integer :: which
 
-      call findings%error(text, line=group%item_line(name), group=trim(group%name), item=name)
+      which = 1
+      if (present(element)) which = element
+      call findings%error(text, line=group%origins%line(trim(group%name), name, which), group=trim(group%name), item=name)
    end subroutine out_of
 
-   !> Report an item that is missing.
-   subroutine required(group, name, findings)
-      type(group_t), intent(in) :: group
+   !> Note an item that is missing; `finish` reports it.
+   subroutine required(group, name, text)
+      type(group_t), intent(inout) :: group
       character(*), intent(in) :: name
-      type(diagnostics_t), intent(inout) :: findings
+      character(*), intent(in), optional :: text  !! what is said
+      type(missing_t) :: one
 
-      call findings%error('is required', line=group%line, group=trim(group%name), item=name)
+      one%name = name
+      one%text = 'is required'
+      if (present(text)) one%text = text
+      group%missing = [group%missing, one]
    end subroutine required
 end module psalm_group

@@ -9,9 +9,11 @@
 !> cannot say how many values were given, and needs arrays of fixed size.
 module psalm_namelist
    use psalm_group, only: group_t, item_t, value_t, add_item, add_value
+   use psalm_number, only: parse_integer
+   use psalm_origin, only: name_length
    use psalm_source, only: line_t
    use psalm_status, only: diagnostics_t
-   use psalm_text, only: upper_case, to_text
+   use psalm_text, only: upper_case, to_text, shortened
    implicit none (type, external)
    private
    public :: case_text_t, read_case
@@ -25,6 +27,8 @@ module psalm_namelist
    contains
       procedure :: take
    end type case_text_t
+
+   integer, parameter :: most_groups = 1000 !! of a case; above this the file is taken for something else
 
    !> Where the scanner stands.
    type :: cursor_t
@@ -44,30 +48,27 @@ contains
       type(case_text_t), intent(out) :: case            !! title and groups
       type(diagnostics_t), intent(inout) :: findings
       type(cursor_t) :: at
-      character(:), allocatable :: text
 
       allocate (case%groups(4))
       case%title = ''
       do while (next <= size(lines))
-         if (.not. is_blank_or_comment(lines(next)%text)) exit
+         if (.not. is_blank_or_comment(lines(next)%text, 1)) exit
          next = next + 1
       end do
       if (next > size(lines)) return
       case%line = next
-      text = clean(lines(next)%text)
-      if (starts_group(text)) then
-         call findings%error('the first line of a case is its title, but here is the group '//first_word(text)// &
+      if (starts_group(lines(next)%text, 1)) then
+         call findings%error('the first line of a case is its title, but here is the group '//first_word(lines(next)%text)// &
                              '; put a title line before it', line=next)
       else
          case%title = trim(lines(next)%text)
          next = next + 1
       end if
       do while (next <= size(lines))
-         text = clean(lines(next)%text)
-         if (is_blank_or_comment(text)) then
+         if (is_blank_or_comment(lines(next)%text, 1)) then
             next = next + 1
-         else if (starts_group(text)) then
-            at = cursor_t(next, verify(text, ' '))
+         else if (starts_group(lines(next)%text, 1)) then
+            at = cursor_t(next, next_nonblank(lines(next)%text, 1))
             call read_group(lines, at, case, findings)
             next = at%line
          else
@@ -76,23 +77,21 @@ contains
       end do
    end subroutine read_case
 
-   !> The group of that name, taken from the case; `line` is 0 if the case has none.
-   function take(self, name) result(group)
-      class(case_text_t), intent(in) :: self
+   !> Take the group of that name out of the case; its `line` is 0 if the case has none.
+   subroutine take(self, name, group)
+      class(case_text_t), intent(inout) :: self
       character(*), intent(in) :: name !! in capitals
-      type(group_t) :: group
+      type(group_t), intent(out) :: group
       integer :: i
 
       do i = 1, self%count
-         if (self%groups(i)%name == name) then
-            group = self%groups(i)
-            exit
-         end if
+         if (self%groups(i)%name /= name) cycle
+         group = self%groups(i)
+         call group%sort_items()
+         return
       end do
-      group%name = name
-      if (.not. allocated(group%items)) allocate (group%items(0))
-      if (.not. allocated(group%known)) allocate (group%known(0))
-   end function take
+      call group%begin(name, 0)
+   end subroutine take
 
    ! ---- scanning ----------------------------------------------------------------------------------------------------
 
@@ -102,43 +101,43 @@ contains
       type(cursor_t), intent(inout) :: at
       type(case_text_t), intent(inout) :: case
       type(diagnostics_t), intent(inout) :: findings
-      type(group_t) :: group
       type(group_t), allocatable :: larger(:)
-      character(:), allocatable :: rest
       logical :: closed
       integer :: i
 
       do
-         call scan_group(lines, at, group, closed, findings)
-         do i = 1, case%count
-            if (case%groups(i)%name == group%name) call findings%error('the group is given twice in this case (first in line ' &
-               //to_text(case%groups(i)%line)//')', line=group%line, group=trim(group%name))
-         end do
+         if (case%count == most_groups) then
+            call findings%error('more than '//to_text(most_groups)//' groups in one case', line=at%line)
+            at = cursor_t(size(lines) + 1, 1)
+            return
+         end if
          if (case%count == size(case%groups)) then
             allocate (larger(2*case%count))
             larger(:case%count) = case%groups
             call move_alloc(larger, case%groups)
          end if
          case%count = case%count + 1
-         case%groups(case%count) = group
-         if (at%line > size(lines)) return
-         if (at%column == 1) return
-         rest = clean(lines(at%line)%text)
-         if (at%column > len(rest)) then
-            rest = ''
-         else
-            rest = rest(at%column:)
-         end if
-         if (starts_group(rest)) then
-            at%column = at%column + verify(rest, ' ') - 1
-         else
-            if (.not. is_blank_or_comment(rest)) then
-               call findings%warning("'"//trim(adjustl(rest))//"' after the end of the group is ignored", line=at%line, &
-                                     group=trim(group%name))
-            end if
-            at = cursor_t(at%line + 1, 1)
-            return
-         end if
+         associate (group => case%groups(case%count))
+            call scan_group(lines, at, group, closed, findings)
+            do i = 1, case%count - 1
+               if (case%groups(i)%name == group%name) call findings%error('the group is given twice in this case (first in line ' &
+                  //to_text(case%groups(i)%line)//')', line=group%line, group=trim(group%name))
+            end do
+            if (at%line > size(lines)) return
+            if (at%column == 1) return
+            associate (text => lines(at%line)%text)
+               if (starts_group(text, at%column)) then
+                  at%column = next_nonblank(text, at%column)
+                  cycle
+               end if
+               if (.not. is_blank_or_comment(text, at%column)) then
+                  call findings%warning("'"//shortened(text(next_nonblank(text, at%column):))// &
+                                        "' after the end of the group is ignored", line=at%line, group=trim(group%name))
+               end if
+            end associate
+         end associate
+         at = cursor_t(at%line + 1, 1)
+         return
       end do
    end subroutine read_group
 
@@ -146,63 +145,68 @@ contains
    subroutine scan_group(lines, at, group, closed, findings)
       type(line_t), intent(in) :: lines(:)
       type(cursor_t), intent(inout) :: at
-      type(group_t), intent(out) :: group
+      type(group_t), intent(inout) :: group
       logical, intent(out) :: closed
       type(diagnostics_t), intent(inout) :: findings
-      character(:), allocatable :: text, word
-      integer :: column, stop_at
+      character(:), allocatable :: word
+      integer :: column, stop_at, start
       logical :: complained
 
       closed = .false.
       complained = .false.
-      group%line = at%line
-      allocate (group%items(16), group%known(0))
-      text = clean(lines(at%line)%text)
-      stop_at = end_of_name(text, at%column + 1)
-      group%name = upper_case(text(at%column + 1:stop_at))
-      column = stop_at + 1
-      each_line: do
-         each_token: do
-            column = next_nonblank(text, column)
-            if (column > len(text)) exit each_token
-            select case (text(column:column))
-            case ('!')
-               exit each_token
-            case ('/')
-               at = cursor_t(at%line, column + 1)
-               closed = .true.
-               return
-            case ('&', '$')
-               stop_at = end_of_name(text, column + 1)
-               word = upper_case(text(column + 1:stop_at))
-               if (word == 'END' .or. (word == '' .and. text(column:column) == '$')) then
-                  at = cursor_t(at%line, stop_at + 1)
+      column = end_of_name(lines(at%line)%text, at%column + 1) + 1
+      call group%begin(name_of(lines(at%line)%text(at%column + 1:column - 1)), at%line)
+      start = at%line
+      each_line: do while (at%line <= size(lines))
+         if (at%line > start) column = 1
+         associate (text => lines(at%line)%text)
+            each_token: do
+               column = next_nonblank(text, column)
+               if (column > len(text)) exit each_token
+               select case (text(column:column))
+               case ('!')
+                  exit each_token
+               case ('/')
+                  at = cursor_t(at%line, column + 1)
                   closed = .true.
-               else
-                  call findings%error('the group is not closed before '//text(column:stop_at)// &
-                                      ' in line '//to_text(at%line)//'; end it with &END or /', &
-                                      line=group%line, group=trim(group%name))
-                  at = cursor_t(at%line, column)
-                  if (next_nonblank(text, 1) == column) at%column = 1
-               end if
-               return
-            case (',', ';')
-               call add_null(group, at%line)
-               column = column + 1
-            case ('a':'z', 'A':'Z', '_')
-               call scan_name_or_word(text, column, at%line, group, findings, complained)
-            case default
-               call scan_value(text, column, at%line, group, findings, complained)
-            end select
-         end do each_token
+                  return
+               case ('&', '$')
+                  stop_at = end_of_name(text, column + 1)
+                  word = name_of(text(column + 1:stop_at))
+                  if (word == 'END' .or. (word == '' .and. text(column:column) == '$')) then
+                     at = cursor_t(at%line, stop_at + 1)
+                     closed = .true.
+                  else
+                     call findings%error('the group is not closed before '//text(column:column)//word// &
+                                         ' in line '//to_text(at%line)//'; end it with &END or /', &
+                                         line=group%line, group=trim(group%name))
+                     at = cursor_t(at%line, column)
+                     if (next_nonblank(text, 1) == column) at%column = 1
+                  end if
+                  return
+               case (',', ';')
+                  call add_null(group, at%line)
+                  column = column + 1
+               case ('a':'z', 'A':'Z', '_')
+                  call scan_name_or_word(text, column, at%line, group, findings, complained)
+               case default
+                  call scan_value(text, column, at%line, group, findings, complained)
+               end select
+            end do each_token
+         end associate
          at%line = at%line + 1
-         if (at%line > size(lines)) exit each_line
-         text = clean(lines(at%line)%text)
-         column = 1
       end do each_line
       call findings%error('the group is not closed before the end of the file; end it with &END or /', &
                           line=group%line, group=trim(group%name))
    end subroutine scan_group
+
+   !> A name in capitals, cut to the room there is for names.
+   pure function name_of(text) result(name)
+      character(*), intent(in) :: text
+      character(:), allocatable :: name
+
+      name = upper_case(text(:min(len(text), name_length)))
+   end function name_of
 
    !> A word within a group: the name of an item if `=` follows (subscripts allowed between), else a value.
    subroutine scan_name_or_word(text, column, line, group, findings, complained)
@@ -212,36 +216,25 @@ contains
       type(group_t), intent(inout) :: group
       type(diagnostics_t), intent(inout) :: findings
       logical, intent(inout) :: complained
-      integer :: stop_at, after, close_at, colon, comma, status
+      integer :: stop_at, after, open_at, close_at
       type(item_t) :: item
-      character(:), allocatable :: inside
 
       stop_at = end_of_name(text, column)
       after = next_nonblank(text, stop_at + 1)
+      open_at = 0
+      close_at = 0
       if (after <= len(text)) then
          if (text(after:after) == '(') then
-            close_at = index(text(after:), ')')
-            if (close_at > 0) then
-               inside = text(after + 1:after + close_at - 2)
-               comma = index(inside, ',')
-               colon = index(inside, ':')
-               item%subscripts = merge(2, 1, comma > 0)
-               if (colon > 0) inside = inside(:colon - 1)
-               read (inside, *, iostat=status) item%subscript(:item%subscripts)
-               if (status /= 0) then
-                  call findings%error("cannot understand the subscript '("//inside//")'; write (number) or (loop,arc)", &
-                                      line=line, group=trim(group%name), item=upper_case(text(column:stop_at)))
-                  item%subscripts = 0
-               end if
-               after = next_nonblank(text, after + close_at)
-            end if
+            open_at = after
+            close_at = end_of_subscript(text, after)
+            if (close_at > 0) after = next_nonblank(text, close_at + 1)
          end if
       end if
       if (after <= len(text)) then
          if (text(after:after) == '=') then
-            item%name = upper_case(text(column:stop_at))
+            item%name = name_of(text(column:stop_at))
             item%line = line
-            allocate (item%values(4))
+            if (close_at > 0) call read_subscripts(text(open_at + 1:close_at - 1), item, group, findings)
             call add_item(group, item)
             column = after + 1
             complained = .false.
@@ -251,6 +244,91 @@ contains
       call scan_value(text, column, line, group, findings, complained)
    end subroutine scan_name_or_word
 
+   !> Place of the parenthesis that closes the one at `from`; 0 if there is none before the next item.
+   pure integer function end_of_subscript(text, from)
+      character(*), intent(in) :: text
+      integer, intent(in) :: from
+
+      do end_of_subscript = from + 1, len(text)
+         select case (text(end_of_subscript:end_of_subscript))
+         case (')')
+            return
+         case ('(', '=', '!')
+            exit
+         end select
+      end do
+      end_of_subscript = 0
+   end function end_of_subscript
+
+   !> Understand what stands between the parentheses: one number, or two with a comma between them.
+   subroutine read_subscripts(inside, item, group, findings)
+      character(*), intent(in) :: inside
+      type(item_t), intent(inout) :: item
+      type(group_t), intent(in) :: group
+      type(diagnostics_t), intent(inout) :: findings
+      character(:), allocatable :: part, reason, name
+      integer :: from, comma
+      logical :: valid
+
+      name = trim(item%name)
+      if (index(inside, ':') > 0) then
+         call wrong('is a section; give the first element, as '//name//'(1)= or '//name//'(2,1)=, and the values of the '// &
+                    'following ones after it')
+         return
+      end if
+      from = 1
+      do
+         comma = index(inside(from:), ',')
+         if (comma == 0) comma = len(inside) - from + 2
+         part = trimmed(inside(from:from + comma - 2))
+         if (item%subscripts == 2) then
+            call wrong('has more than two subscripts; write (number) or (loop,arc)')
+            return
+         end if
+         if (len(part) == 0) then
+            call wrong('lacks a subscript; write (number) or (loop,arc)')
+            return
+         end if
+         if (scan(part, ' '//achar(9)) > 0) then
+            call wrong('has a blank within a subscript; write (number), or (loop,arc) with a comma')
+            return
+         end if
+         item%subscripts = item%subscripts + 1
+         call parse_integer(part, item%subscript(item%subscripts), valid, reason)
+         if (.not. valid) then
+            call wrong("is no subscript: "//reason//"; found '"//shortened(part)//"'")
+            return
+         end if
+         if (item%subscript(item%subscripts) < 1) then
+            call wrong('is no subscript: loops, arcs and elements are counted from 1')
+            return
+         end if
+         from = from + comma
+         if (from > len(inside) + 1) exit
+      end do
+
+   contains
+
+      subroutine wrong(words)
+         character(*), intent(in) :: words
+
+         item%misplaced = .true.
+         call findings%error("'("//shortened(inside)//")' "//words, line=item%line, group=trim(group%name), item=name)
+      end subroutine wrong
+   end subroutine read_subscripts
+
+   !> The text without the blanks and tabs round it.
+   pure function trimmed(text) result(inner)
+      character(*), intent(in) :: text
+      character(:), allocatable :: inner
+
+      if (verify(text, ' '//achar(9)) == 0) then
+         inner = ''
+      else
+         inner = text(verify(text, ' '//achar(9)):verify(text, ' '//achar(9), back=.true.))
+      end if
+   end function trimmed
+
    !> One value, or `n*value`, or `n*`.
    subroutine scan_value(text, column, line, group, findings, complained)
       character(*), intent(in) :: text
@@ -259,58 +337,62 @@ contains
       type(group_t), intent(inout) :: group
       type(diagnostics_t), intent(inout) :: findings
       logical, intent(inout) :: complained
+      character(:), allocatable :: reason
       type(value_t) :: value
-      integer :: stop_at, star, status
+      integer :: stop_at, star
+      logical :: valid
 
       value%line = line
-      star = 0
-      stop_at = end_of_value(text, column)
-      if (text(column:column) /= '"' .and. text(column:column) /= "'") then
+      stop_at = column
+      if (.not. is_quote(text(column:column))) then
+         stop_at = end_of_value(text, column)
          star = index(text(column:stop_at), '*')
          if (star > 1) then
-            read (text(column:column + star - 2), *, iostat=status) value%repeats
-            if (status /= 0 .or. value%repeats < 1 .or. verify(text(column:column + star - 2), '0123456789') > 0) then
+            call parse_integer(text(column:column + star - 2), value%repeats, valid, reason)
+            if (valid .and. value%repeats > 0) then
+               column = column + star
+            else
                if (group%count > 0) then
-                  call findings%error("'"//text(column:stop_at)//"' has no valid repeat count; write 4*0.0 for four zeros", &
-                                      line=line, group=trim(group%name), item=trim(group%items(group%count)%name))
+                  call findings%error("'"//shortened(text(column:stop_at))//"' has no valid repeat count; write 4*0.0 for four "// &
+                                      "zeros", line=line, group=trim(group%name), item=trim(group%items(group%count)%name))
                end if
                value%repeats = 1
-               star = 0
             end if
          end if
       end if
-      column = column + star
-      if (column <= stop_at) then
-         if (text(column:column) == '"' .or. text(column:column) == "'") then
-            value%quoted = .true.
-            stop_at = column + index(text(column + 1:), text(column:column))
-            if (stop_at == column) then
-               call findings%error('the quotation is not closed on its line', line=line, group=trim(group%name))
-               stop_at = len(text)
-               value%text = text(column + 1:)
-            else
-               value%text = text(column + 1:stop_at - 1)
-            end if
+      if (column <= len(text)) value%quoted = is_quote(text(column:column))
+      if (value%quoted) then
+         column = column + 1
+         stop_at = index(text(column:), text(column - 1:column - 1))
+         if (stop_at == 0) then
+            call findings%error('the quotation is not closed on its line', line=line, group=trim(group%name))
+            stop_at = len(text) + 1
          else
-            value%text = text(column:stop_at)
+            stop_at = column + stop_at - 1
          end if
+         call take(text(column:stop_at - 1))
       else
-         value%text = ''
-      end if
-      column = stop_at + 1
-      if (group%count == 0) then
-         if (.not. complained) then
-            call findings%error("expected NAME = value, found '"//value%text//"'", line=line, group=trim(group%name))
-         end if
-         complained = .true.
-      else
-         call add_value(group%items(group%count), value)
+         call take(text(column:stop_at))
       end if
       ! the comma that follows a value separates; only a second one makes a null value
-      column = next_nonblank(text, column)
+      column = next_nonblank(text, stop_at + 1)
       if (column <= len(text)) then
          if (text(column:column) == ',' .or. text(column:column) == ';') column = column + 1
       end if
+
+   contains
+
+      subroutine take(characters)
+         character(*), intent(in) :: characters
+
+         if (group%count == 0) then
+            if (.not. complained) call findings%error("expected NAME = value, found '"//shortened(characters)//"'", line=line, &
+                                                      group=trim(group%name))
+            complained = .true.
+         else
+            call add_value(group, value, characters)
+         end if
+      end subroutine take
    end subroutine scan_value
 
    subroutine add_null(group, line)
@@ -319,9 +401,8 @@ contains
       type(value_t) :: value
 
       if (group%count == 0) return
-      value%text = ''
       value%line = line
-      call add_value(group%items(group%count), value)
+      call add_value(group, value, '')
    end subroutine add_null
 
    pure integer function end_of_name(text, from)
@@ -345,7 +426,10 @@ contains
 
       end_of_value = from
       do while (end_of_value < len(text))
-         if (scan(text(end_of_value + 1:end_of_value + 1), " ,;/&$!=") > 0) exit
+         select case (text(end_of_value + 1:end_of_value + 1))
+         case (' ', ',', ';', '/', '&', '$', '!', '=', '"', "'", achar(9))
+            exit
+         end select
          end_of_value = end_of_value + 1
       end do
    end function end_of_value
@@ -356,39 +440,36 @@ contains
 
       next_nonblank = from
       do while (next_nonblank <= len(text))
-         if (text(next_nonblank:next_nonblank) /= ' ') exit
+         if (text(next_nonblank:next_nonblank) /= ' ' .and. text(next_nonblank:next_nonblank) /= achar(9)) exit
          next_nonblank = next_nonblank + 1
       end do
    end function next_nonblank
 
-   !> The line with tabs turned into blanks.
-   pure function clean(text) result(cleaned)
-      character(*), intent(in) :: text
-      character(len(text)) :: cleaned
-      integer :: i
+   pure logical function is_quote(letter)
+      character(1), intent(in) :: letter
 
-      cleaned = text
-      do i = 1, len(text)
-         if (cleaned(i:i) == achar(9)) cleaned(i:i) = ' '
-      end do
-   end function clean
+      is_quote = letter == '"' .or. letter == "'"
+   end function is_quote
 
-   pure logical function is_blank_or_comment(text)
+   !> True if nothing stands behind that column, or a comment.
+   pure logical function is_blank_or_comment(text, from)
       character(*), intent(in) :: text
+      integer, intent(in) :: from
       integer :: first
 
-      first = next_nonblank(clean(text), 1)
+      first = next_nonblank(text, from)
       is_blank_or_comment = first > len(text)
       if (.not. is_blank_or_comment) is_blank_or_comment = text(first:first) == '!'
    end function is_blank_or_comment
 
-   !> True for `&NAME` or `$NAME` at the start of the text.
-   pure logical function starts_group(text)
+   !> True for `&NAME` or `$NAME` behind that column.
+   pure logical function starts_group(text, from)
       character(*), intent(in) :: text
+      integer, intent(in) :: from
       integer :: first
 
       starts_group = .false.
-      first = next_nonblank(text, 1)
+      first = next_nonblank(text, from)
       if (first >= len(text)) return
       if (text(first:first) /= '&' .and. text(first:first) /= '$') return
       starts_group = end_of_name(text, first + 1) > first
@@ -400,6 +481,6 @@ contains
       integer :: first
 
       first = next_nonblank(text, 1)
-      word = text(first:end_of_name(text, first + 1))
+      word = shortened(text(first:end_of_name(text, first + 1)))
    end function first_word
 end module psalm_namelist

@@ -2,8 +2,9 @@
 module psalm_search_group
    use psalm_group, only: group_t, check_range, out_of, read_flag
    use psalm_kinds, only: wp
-   use psalm_nlopt, only: algorithm_of, plain_name
+   use psalm_nlopt, only: algorithm_names, algorithm_of, plain_name
    use psalm_status, only: diagnostics_t
+   use psalm_text, only: nearest_name
    implicit none (type, external)
    private
    public :: search_group_t, read_search_group, most_search_threads
@@ -55,13 +56,24 @@ contains
          if (search%first > 1) call other_solver('FIRST')
          if (search%maxeval > 0) call other_solver('MAXEVAL')
       else if (search%solver /= 'LSQ') then
-         if (algorithm_of(search%solver) < 0) call out_of(group, 'SOLVER', &
-            "'SIMPLEX', 'LSQ' or the name of an NLopt algorithm, as 'LN_COBYLA' or 'LD_SLSQP', is expected; found '"// &
-            search%solver//"'", findings)
+         if (algorithm_of(search%solver) < 0) call unknown_solver()
       end if
-      call group%finish(findings)
 
    contains
+
+      subroutine unknown_solver()
+         character(:), allocatable :: near, all_names, names(:)
+         integer :: i
+
+         names = [character(len(algorithm_names())) :: 'SIMPLEX', 'LSQ', algorithm_names()]
+         all_names = trim(names(1))
+         do i = 2, size(names)
+            all_names = all_names//', '//trim(names(i))
+         end do
+         near = nearest_name(search%solver, names)
+         if (len(near) > 0) near = "did you mean '"//near//"'? "
+         call out_of(group, 'SOLVER', "no solver is called '"//search%solver//"'; "//near//'There are '//all_names, findings)
+      end subroutine unknown_solver
 
       subroutine other_solver(item)
          character(*), intent(in) :: item

@@ -5,6 +5,7 @@
 module psalm_source
    use, intrinsic :: iso_fortran_env, only: input_unit
    use psalm_status, only: diagnostics_t
+   use psalm_text, only: text_t
    implicit none (type, external)
    private
    public :: line_t, read_lines
@@ -57,46 +58,38 @@ contains
       integer, intent(out) :: status
       character(*), intent(out) :: message
       character(chunk) :: buffer
-      character(:), allocatable :: line
+      type(text_t) :: line
       integer :: got, count
 
       count = 0
-      deallocate (lines)
-      allocate (lines(64))
       message = ''
       each_line: do
-         line = ''
+         line%length = 0
          do
             got = 0
             read (unit, '(a)', advance='no', iostat=status, iomsg=message, size=got) buffer
-            line = line//buffer(:got)
+            call line%add_text(buffer(:got))
             if (status /= 0) exit
          end do
          if (is_iostat_end(status)) then
-            if (len(line) > 0) call append(line)
+            if (line%length > 0) call append(line%buffer(:line%length))
+            status = 0
             exit each_line
          else if (.not. is_iostat_eor(status)) then
-            lines = lines(:count)
-            return
+            exit each_line
          end if
-         call append(line)
+         call append(line%buffer(:line%length))
       end do each_line
-      lines = lines(:count)
-      status = 0
+      call resize(count)
 
    contains
 
       subroutine append(text)
          character(*), intent(in) :: text
-         type(line_t), allocatable :: larger(:)
          integer :: first, last
          character(3), parameter :: byte_order_mark = char(239)//char(187)//char(191)
 
-         if (count == size(lines)) then
-            allocate (larger(2*count))
-            larger(:count) = lines
-            call move_alloc(larger, lines)
-         end if
+         if (count == size(lines)) call resize(max(64, 2*count))
          first = 1
          last = len(text)
          if (count == 0 .and. last >= 3) then
@@ -108,6 +101,19 @@ contains
          count = count + 1
          lines(count)%text = text(first:last)
       end subroutine append
+
+      !> Give `lines` another size; the texts are moved, not copied.
+      subroutine resize(n)
+         integer, intent(in) :: n
+         type(line_t), allocatable :: others(:)
+         integer :: i
+
+         allocate (others(n))
+         do i = 1, count
+            call move_alloc(lines(i)%text, others(i)%text)
+         end do
+         call move_alloc(others, lines)
+      end subroutine resize
    end subroutine read_unit
 
    !> The run-time library's message without the file name it repeats.

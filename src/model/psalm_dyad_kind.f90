@@ -30,19 +30,19 @@ module psalm_dyad_kind
       integer :: direction(2) = direction_found !! p, q: where its direction comes from
       integer :: power = 0                !! of the unit of length in the unit of the closure measure
       logical :: by_root = .true.         !! the sine of the transmission angle comes out of a square root
-      logical :: may_fail = .true.        !! there are inputs at which the dyad cannot be assembled
+      integer :: ways = 2                 !! in how many ways it may fail to close: above or below limits of its closure measure
    end type form_t
 
    type(form_t), parameter :: forms(0:8) = [ &
-      form_t(may_fail=.false.), &
+      form_t(ways=0), &
       form_t([.false., .false.], [direction_found, direction_found], 2), &
       form_t([.true., .false.], [direction_found, direction_of_partner], 2), &
       form_t([.false., .true.], [direction_found, direction_of_partner], 2), &
       form_t([.false., .true.], [direction_found, direction_known], 1), &
       form_t([.true., .false.], [direction_known, direction_found], 1), &
-      form_t([.true., .true.], [direction_of_partner, direction_known], 0, .false., .false.), &
-      form_t([.true., .true.], [direction_known, direction_of_partner], 0, .false., .false.), &
-      form_t([.true., .true.], [direction_known, direction_known], 0, .false.)]
+      form_t([.true., .true.], [direction_of_partner, direction_known], 0, .false., 0), &
+      form_t([.true., .true.], [direction_known, direction_of_partner], 0, .false., 0), &
+      form_t([.true., .true.], [direction_known, direction_known], 0, .false., 1)]
 
 contains
 

@@ -7,6 +7,7 @@
 !> Derivation: `doc/theory.md`, section Condition.
 module psalm_condition
    use psalm_assur, only: bounds_of_dyad
+   use psalm_elementary, only: hypotenuse
    use psalm_error, only: problem_t
    use psalm_kinds, only: wp, radians_per_degree
    use psalm_linkage, only: linkage_t, bound_step_t
@@ -87,7 +88,7 @@ contains
       length = link%length(step%arc)
       if (step%slide_row > 0) length = abs(link%store%v(i, step%slide_row))
       row(step%to_x) = row(step%from_x) + length*(of_arc(link, step%root_x, step%arc, row) + 1.0_wp) &
-                       + hypot(link%store%v(i, step%to_x), link%store%v(i, step%to_y))
+                       + hypotenuse(link%store%v(i, step%to_x), link%store%v(i, step%to_y))
       if (step%slide_row > 0) row(step%to_x) = row(step%to_x) + row(step%slide_row)
    end subroutine carry_point
 end module psalm_condition

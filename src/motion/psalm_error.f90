@@ -4,9 +4,9 @@
 !> linkage to move. Source of motions and objective: Oldham (1977), chapter 5 and appendix B.
 module psalm_error
    use psalm_angles, only: unit_vector, within_turn
-   use psalm_assur, only: breach_of
+   use psalm_assur, only: breach_of, coincidence_of
    use psalm_data_set, only: data_set_t
-   use psalm_dyad, only: breach_t, violation_none, violation_angle_small
+   use psalm_dyad, only: breach_t, violation_none, violation_angle_small, violation_undetermined, violation_slides
    use psalm_dyad_kind, only: form_of, form_t
    use psalm_kinds, only: wp
    use psalm_linkage, only: linkage_t, padded
@@ -16,7 +16,7 @@ module psalm_error
    use psalm_topology, only: topology_t, dimensions_t
    implicit none (type, external)
    private
-   public :: problem_t, motion_t, violation_t, make_problem
+   public :: problem_t, motion_t, violation_t, crossing_t, make_problem
 
    !> Consecutive positions at which one dyad violates one limit.
    type :: violation_t
@@ -27,6 +27,12 @@ module psalm_error
       real(wp) :: amount = 0.0_wp      !! length missing, or the transmission angle, degrees, at the worst position
    end type violation_t
 
+   !> Two slides that have been parallel between a position and the next: the linkage cannot move from one to the other.
+   type :: crossing_t
+      integer :: loop = 0
+      integer :: position = 0
+   end type crossing_t
+
    !> What the linkage does at a row of input positions.
    type :: motion_t
       logical, allocatable :: closed(:)            !! every loop the output depends on closes
@@ -35,6 +41,7 @@ module psalm_error
       real(wp), allocatable :: error(:, :)         !! desired - actual; 0 without desired values
       real(wp) :: total = 0.0_wp                   !! objective over the closed positions
       type(violation_t), allocatable :: violations(:)
+      type(crossing_t), allocatable :: crossings(:)
    end type motion_t
 
    type :: problem_t
@@ -45,6 +52,8 @@ module psalm_error
       type(linkage_t), allocatable :: crew(:)      !! one more linkage for each further thread
       integer :: motion = motion_point
       real(wp) :: tangle = 90.0_wp, toggle = 0.0_wp
+      real(wp) :: slide_angle = 90.0_wp            !! allowed deviation of the angle between two slides from 90 degrees
+      real(wp), allocatable :: side(:)             !! by loop: +1 or -1, sign of the sine between two slides that is wanted
       integer :: positions = 0
       real(wp), allocatable :: delt(:)             !! shape (positions): degrees or length
       ! tables for whole blocks: the positions, padded with the last one
@@ -88,6 +97,8 @@ contains
       problem%motion = set%motion
       problem%tangle = set%tangle
       problem%toggle = set%toggle
+      if (set%tangle_given) problem%slide_angle = set%tangle
+      allocate (problem%side(topology%nloop), source=1.0_wp)
       problem%plan = make_plan(topology, set%motion, everything=set%ktheta /= 0, all_roots=.false.)
       if (set%ikin /= 0) then
          turn = [(real(i*set%ikin, wp), i=0, (359/abs(set%ikin)))]
@@ -126,7 +137,7 @@ contains
       integer, intent(in), optional :: joints(:, :) !! joints to be made, as `make_plan` has them
 
       self%plan = make_plan(self%topology, self%motion, everything, .true., joints)
-      call self%linkage%prepare(self%topology, self%plan, self%tangle, self%delt)
+      call self%linkage%prepare(self%topology, self%plan, self%tangle, self%slide_angle, self%delt)
       call self%output%locate(self%motion, self%topology, self%plan, self%linkage)
       if (allocated(self%crew)) call self%set_threads(size(self%crew))
    end subroutine want_derivatives
@@ -140,7 +151,7 @@ contains
       self%positions = size(delt)
       self%delt = delt
       self%desired = .false.
-      call self%linkage%prepare(self%topology, self%plan, self%tangle, delt)
+      call self%linkage%prepare(self%topology, self%plan, self%tangle, self%slide_angle, delt)
       call self%output%locate(self%motion, self%topology, self%plan, self%linkage)
       if (allocated(self%crew)) deallocate (self%crew)
       self%first = whole_blocks(self, delt, delt(size(delt)))
@@ -216,7 +227,7 @@ contains
       if (threads < 2 .or. self%blocks() < 2*threads) return
       allocate (self%crew(threads))
       do t = 1, threads
-         call self%crew(t)%prepare(self%topology, self%plan, self%tangle, self%delt)
+         call self%crew(t)%prepare(self%topology, self%plan, self%tangle, self%slide_angle, self%delt)
       end do
    end subroutine set_threads
 
@@ -252,9 +263,10 @@ contains
 
    !> Objective of a linkage: the sum of weight * (desired - actual)**2.
    !>
-   !> `loop` is the lowest loop that does not close, or whose transmission angle is out of limits, at any position; the
-   !> objective has no meaning then. No allocation. With `set_threads` the blocks are shared out; each block's sum is formed
-   !> by itself and the sums are added in order, so that the bits do not depend on the number of threads.
+   !> `loop` is the lowest loop that does not close, or whose transmission angle is out of limits, at any position, or whose two
+   !> slides are not always on the same side of each other; the objective has no meaning then. No allocation. With
+   !> `set_threads` the blocks are shared out; each block's sum is formed by itself and the sums are added in order, so that the
+   !> bits do not depend on the number of threads.
    subroutine evaluate(self, dimensions, objective, loop)
       class(problem_t), intent(inout) :: self
       type(dimensions_t), intent(in) :: dimensions
@@ -283,6 +295,17 @@ contains
          objective = objective + self%partial(block)
          if (self%offending(block) > 0 .and. (loop == 0 .or. self%offending(block) < loop)) loop = self%offending(block)
       end do
+      if (loop > 0 .or. .not. any(self%linkage%two_slides)) return
+      do loop = 1, self%topology%nloop
+         if (allocated(self%crew)) then
+            do t = 1, size(self%crew)
+               if (.not. self%crew(t)%stays_on_side(loop, self%crew(1))) return
+            end do
+         else
+            if (.not. self%linkage%stays_on_side(loop)) return
+         end if
+      end do
+      loop = 0
    end subroutine evaluate
 
    !> Deviations actual - desired of a linkage at every position; `loop` is the lowest loop not accepted, 0: none. No allocation.
@@ -315,22 +338,18 @@ contains
       integer, intent(in) :: block
       real(wp), intent(out) :: objective
       integer, intent(out) :: loop         !! lowest loop not accepted, 0: none
-      integer :: offset, m, l
+      integer :: offset, m, c
 
       offset = (block - 1)*linkage%room
       m = padded(min(linkage%room, self%positions - offset))
-      call linkage%solve(m, self%first(offset + 1:offset + m), self%second(offset + 1:offset + m))
       objective = 0.0_wp
-      do l = 1, self%topology%nloop
-         if (linkage%step_of_loop(l) == 0) cycle
-         loop = l
-         if (.not. linkage%all_accepted(m, l)) return
-      end do
-      loop = 0
+      call linkage%solve(m, self%first(offset + 1:offset + m), self%second(offset + 1:offset + m), offending=loop)
+      if (loop > 0) return
+      call linkage%note_sides(m)
       if (self%motion /= motion_angle) call self%output%observe(m, linkage)
-      do l = 1, self%output%kind%components
-         call miss_of(self, linkage, l, offset, m)
-         objective = objective + sum_of_squares(m, linkage%store%v(1, linkage%miss), self%weight(offset + 1:offset + m, l))
+      do c = 1, self%output%kind%components
+         call miss_of(self, linkage, c, offset, m)
+         objective = objective + sum_of_squares(m, linkage%store%v(1, linkage%miss), self%weight(offset + 1:offset + m, c))
       end do
    end subroutine evaluate_block
 
@@ -391,15 +410,20 @@ contains
       class(problem_t), intent(inout) :: self
       type(dimensions_t), intent(in) :: dimensions
       type(motion_t), intent(out) :: motion
-      integer :: block, offset, n, m, i, k, l, c, components
+      integer :: block, offset, n, m, i, k, l, c, components, noted
       integer, allocatable :: open_violation(:)
+      real(wp), allocatable :: sine(:)     !! by loop: between two slides, at the position before
+      logical :: closed_before
 
       n = self%positions
+      noted = 0
       components = self%output%kind%components
       allocate (motion%closed(n), source=.true.)
       allocate (motion%input(n), source=0.0_wp)
       allocate (motion%actual(n, components), motion%error(n, components), source=0.0_wp)
-      allocate (motion%violations(0))
+      allocate (motion%violations(0), motion%crossings(0))
+      allocate (sine(self%topology%nloop), source=0.0_wp)
+      closed_before = .false.
       allocate (open_violation(self%topology%nloop), source=0)
       motion%input = dimensions%crnki + self%delt
       if (.not. self%topology%sliding_input) motion%input = within_turn(motion%input)
@@ -409,12 +433,23 @@ contains
          m = padded(n)
          do l = 1, self%topology%nloop
             if (self%linkage%step_of_loop(l) == 0) cycle
-            if (self%linkage%all_accepted(m, l)) cycle
+            if (self%linkage%all_accepted(m, l) .and. coincidence(self, l) < 0.0_wp) cycle
             do i = 1, n
-               if (self%linkage%accepts(i, l)) cycle
-               if (.not. self%linkage%closes(i, l)) motion%closed(offset + i) = .false.
-               call note_violation(self, l, i, offset + i, open_violation(l), motion%violations)
+               if (self%linkage%accepts(i, l) .and. .not. coincides(self, l, i)) cycle
+               if (.not. self%linkage%closes(i, l) .or. coincides(self, l, i)) motion%closed(offset + i) = .false.
+               call note_violation(self, l, i, offset + i, open_violation(l), motion%violations, noted)
             end do
+         end do
+         do i = 1, n
+            do l = 1, self%topology%nloop
+               if (.not. self%linkage%two_slides(l) .or. self%linkage%step_of_loop(l) == 0) cycle
+               associate (now => self%linkage%store%v(i, self%linkage%measure(l)))
+                  if (now*sine(l) < 0.0_wp .and. closed_before .and. motion%closed(offset + i)) &
+                     motion%crossings = [motion%crossings, crossing_t(l, offset + i - 1)]
+                  sine(l) = now
+               end associate
+            end do
+            closed_before = motion%closed(offset + i)
          end do
          call self%output%observe(m, self%linkage)
          do c = 1, components
@@ -438,14 +473,16 @@ contains
             end do
          end do
       end do
+      motion%violations = motion%violations(:noted)
    end subroutine analyse
 
    !> Enter a violation, or let the one of the position before go on.
-   subroutine note_violation(self, loop, i, position, current, violations)
+   subroutine note_violation(self, loop, i, position, current, violations, noted)
       class(problem_t), intent(in) :: self
       integer, intent(in) :: loop, i, position
       integer, intent(inout) :: current    !! the loop's last violation in the list, 0: none
-      type(violation_t), allocatable, intent(inout) :: violations(:)
+      type(violation_t), allocatable, intent(inout) :: violations(:) !! room; the first `noted` are valid
+      integer, intent(inout) :: noted
       type(violation_t) :: new
       type(violation_t), allocatable :: more(:)
       logical :: worse
@@ -459,7 +496,7 @@ contains
             if (old%kind == new%kind .and. old%last == position - 1) then
                old%last = position
                worse = new%amount > old%amount
-               if (new%kind == violation_angle_small) worse = new%amount < old%amount
+               if (new%kind == violation_angle_small .or. new%kind == violation_slides) worse = new%amount < old%amount
                if (worse) then
                   old%amount = new%amount
                   old%worst = position
@@ -468,12 +505,34 @@ contains
             end if
          end associate
       end if
-      allocate (more(size(violations) + 1))
-      more(:size(violations)) = violations
-      more(size(more)) = new
-      call move_alloc(more, violations)
-      current = size(violations)
+      if (noted == size(violations)) then
+         allocate (more(max(8, 2*noted)))
+         more(:noted) = violations
+         call move_alloc(more, violations)
+      end if
+      noted = noted + 1
+      violations(noted) = new
+      current = noted
    end subroutine note_violation
+
+   !> Distance of the outer joints of a loop's dyad at and below which they coincide; negative: they cannot.
+   pure real(wp) function coincidence(self, loop)
+      class(problem_t), intent(in) :: self
+      integer, intent(in) :: loop
+
+      coincidence = coincidence_of(self%linkage%steps(self%linkage%step_of_loop(loop))%dyad, maxval(self%linkage%length))
+   end function coincidence
+
+   !> True if the outer joints of a loop's dyad coincide at position `i` of the block: no direction is determined.
+   pure logical function coincides(self, loop, i)
+      class(problem_t), intent(in) :: self
+      integer, intent(in) :: loop, i
+      real(wp) :: least
+
+      least = coincidence(self, loop)
+      coincides = .false.
+      if (least >= 0.0_wp) coincides = self%linkage%store%v(i, self%linkage%measure(loop)) <= least**2
+   end function coincides
 
    !> What is wrong with a loop at position `i` of the block, and by how much.
    pure type(violation_t) function violation_at(self, loop, i) result(violation)
@@ -484,6 +543,10 @@ contains
       breach = breach_of(self%linkage%steps(self%linkage%step_of_loop(loop))%dyad, &
                          self%linkage%store%v(i, self%linkage%measure(loop)), self%linkage%closes(i, loop))
       violation%loop = loop
+      if (coincides(self, loop, i)) then
+         violation%kind = violation_undetermined
+         return
+      end if
       violation%kind = breach%kind
       violation%amount = breach%amount
       if (breach%is_length) violation%amount = violation%amount/self%linkage%scale

@@ -5,7 +5,7 @@
 !> Nothing is allocated after `prepare`. Knows nothing of desired values or of searches.
 module psalm_linkage
    use psalm_angles, only: unit_vector
-   use psalm_assur, only: mark_unknowns, bind_dyad, solve_dyad
+   use psalm_assur, only: mark_unknowns, bind_dyad, solve_dyad, is_signed
    use psalm_dyad, only: dyad_t
    use psalm_kinds, only: wp, right_angle
    use psalm_plan, only: plan_t, step_point, step_dyad, root_crank
@@ -19,6 +19,10 @@ module psalm_linkage
    integer, parameter :: lane = 8           !! positions are padded to a multiple of this: no remainder loops
 
    integer, parameter :: plain_exponent = maxexponent(1.0_wp)/8 !! lengths beyond 2**this are scaled before they are squared
+   integer, parameter :: mixed = 2          !! both signs
+   ! what an open dyad may leave: components of a direction, and length of a slide, whose fourth power is finite
+   real(wp), parameter :: largest_direction = 2.0_wp**(maxexponent(1.0_wp)/16)
+   real(wp), parameter :: largest_slide = 2.0_wp**plain_exponent*largest_direction
 
    !> One step of the plan with its numbers: a point at the other end of an arc, or a dyad. Components `..._x`, `..._y` and
    !> `slide_row` are rows of the store.
@@ -43,6 +47,9 @@ module psalm_linkage
       real(wp), allocatable :: angle(:)          !! degrees from the root
       real(wp), allocatable :: x(:), y(:)        !! its cosine and sine
       real(wp), allocatable :: length(:)         !! scaled length
+      logical, allocatable :: two_slides(:)      !! by loop: its closure measure changes its sign where two slides are parallel
+      integer, allocatable :: side(:)            !! by loop: sign of the measure of two slides wherever `note_sides` looked since
+                                                 !! the last `bind`; 0: nowhere, or `mixed`
       type(rows_t) :: store                      !! one block of positions: position i of a row is store%v(i, row)
       integer, allocatable :: root_x(:), root_y(:)   !! by root: rows of its unit vector
       integer, allocatable :: point_x(:), point_y(:) !! by point, 0 the input pivot: rows of its scaled co-ordinates
@@ -57,6 +64,7 @@ module psalm_linkage
       real(wp) :: crank_angle = 0.0_wp           !! its angle, degrees
       real(wp) :: reference_length = 0.0_wp      !! actuator's length at the reference position, user's unit
       real(wp) :: cosine_lowest = 0.0_wp         !! cosine of the smallest transmission angle allowed
+      real(wp) :: sine_lowest = 0.0_wp           !! sine of the smallest angle between two slides allowed
    contains
       procedure :: prepare
       procedure :: bind
@@ -64,17 +72,20 @@ module psalm_linkage
       procedure :: closes
       procedure :: accepts
       procedure :: all_accepted
+      procedure :: note_sides
+      procedure :: stays_on_side
       procedure :: arc_at
    end type linkage_t
 
 contains
 
    !> Allocate storage and resolve every index of the plan.
-   subroutine prepare(self, topology, plan, tangle, delt)
+   subroutine prepare(self, topology, plan, tangle, slide_angle, delt)
       class(linkage_t), intent(out) :: self
       type(topology_t), intent(in) :: topology
       type(plan_t), intent(in) :: plan
       real(wp), intent(in) :: tangle    !! allowed deviation of a transmission angle from 90 degrees; 90: closure only
+      real(wp), intent(in) :: slide_angle   !! the same for the angle between two slides
       real(wp), intent(in) :: delt(:)   !! input increments there will be
       real(wp) :: unused
       integer :: k, n, loop
@@ -86,10 +97,13 @@ contains
       allocate (self%angle(n), self%y(n), source=0.0_wp)
       allocate (self%x(n), source=1.0_wp)
       allocate (self%length(n), source=0.0_wp)
+      allocate (self%side(topology%nloop), source=0)
+      self%two_slides = [(is_signed(topology%joint(k)), k=1, topology%nloop)]
       call lay_out(self, plan%nroots, plan%npoints, plan%nlengths, topology%nloop)
       self%sliding_input = topology%sliding_input
       if (self%sliding_input) self%largest_input = maxval(abs(delt))
       call unit_vector(right_angle - tangle, self%cosine_lowest, unused)
+      call unit_vector(right_angle - slide_angle, unused, self%sine_lowest)
       if (topology%sliding_input) self%input_slot = plan%length_slot(1)
       do k = 1, size(plan%steps)
          associate (step => plan%steps(k), bound => self%steps(k))
@@ -203,6 +217,7 @@ contains
       type(dimensions_t), intent(in) :: dimensions
       integer :: k
 
+      self%side = 0
       call choose_scale(self, dimensions)
       call bind_angles(self, plan, dimensions)
       self%length = dimensions%arcl*self%scale
@@ -294,18 +309,22 @@ contains
       dyad%py = self%y(dyad%arc_p)
       dyad%qx = self%x(dyad%arc_q)
       dyad%qy = self%y(dyad%arc_q)
-      call bind_dyad(dyad, self%cosine_lowest)
+      call bind_dyad(dyad, self%cosine_lowest, self%sine_lowest)
    end subroutine bind_lengths
 
-   !> Positions of one block. After it, the store holds roots, points, slides and closure measures.
-   pure subroutine solve(self, n, first, second, last_step)
+   !> Positions of one block. After it, the store holds roots, points, slides and closure measures, finite numbers all of them.
+   !>
+   !> With `offending` the block ends at the first loop that is not accepted everywhere; what comes after it is not solved.
+   pure subroutine solve(self, n, first, second, last_step, offending)
       class(linkage_t), intent(inout) :: self
       integer, intent(in) :: n                   !! positions, at most `room`
       real(wp), intent(in) :: first(n)           !! cosine of the input increment (sliding input: the increment, [length])
       real(wp), intent(in) :: second(n)          !! sine of the input increment (sliding input: not used)
       integer, intent(in), optional :: last_step !! solve the steps up to this one only; default all
+      integer, intent(out), optional :: offending !! the first loop not accepted, 0: none
       integer :: k, last
 
+      if (present(offending)) offending = 0
       if (.not. self%sliding_input) then
          call turn_crank(n, first, second, self%crank_x, self%crank_y, &
                          self%store%v(1, self%root_x(root_crank)), self%store%v(1, self%root_y(root_crank)))
@@ -320,6 +339,14 @@ contains
          associate (step => self%steps(k), v => self%store%v)
             if (step%kind == step_dyad) then
                call solve_dyad(n, step%dyad, self%store)
+               if (present(offending)) then
+                  if (.not. self%all_accepted(n, step%loop)) then
+                     offending = step%loop
+                     return
+                  end if
+               else if (.not. all_between(self, n, step%loop, step%dyad%closes_low, step%dyad%closes_high)) then
+                  call limit_dyad(n, step%dyad, self%store)
+               end if
             else if (.not. step%fixed) then
                if (step%slide_row == 0) then
                   call add_arc(n, v(1, step%from_x), v(1, step%from_y), v(1, step%root_x), v(1, step%root_y), step%x, step%y, &
@@ -345,6 +372,30 @@ contains
          ry(i) = y*first(i) + x*second(i)
       end do
    end subroutine turn_crank
+
+   !> Where a dyad is open its arcs may be found endless: the dyads after it could not work with that.
+   pure subroutine limit_dyad(n, dyad, store)
+      integer, intent(in) :: n
+      type(dyad_t), intent(in) :: dyad
+      type(rows_t), intent(inout) :: store
+
+      associate (v => store%v)
+         call limit(n, largest_direction, v(1, dyad%p_x))
+         call limit(n, largest_direction, v(1, dyad%p_y))
+         call limit(n, largest_direction, v(1, dyad%q_x))
+         call limit(n, largest_direction, v(1, dyad%q_y))
+         if (dyad%slide_p > 0) call limit(n, largest_slide, v(1, dyad%slide_p))
+         if (dyad%slide_q > 0) call limit(n, largest_slide, v(1, dyad%slide_q))
+      end associate
+   end subroutine limit_dyad
+
+   pure subroutine limit(n, largest, row)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: largest
+      real(wp), intent(inout) :: row(n)
+
+      row = min(max(row, -largest), largest)
+   end subroutine limit
 
    !> Point at the other end of an arc of fixed length.
    pure subroutine add_arc(n, fx, fy, rx, ry, ax, ay, tx, ty)
@@ -380,9 +431,7 @@ contains
       integer, intent(in) :: i, loop
 
       associate (dyad => self%steps(self%step_of_loop(loop))%dyad)
-         associate (measure => self%store%v(i, dyad%measure))
-            closes = measure >= dyad%closes_low .and. measure <= dyad%closes_high
-         end associate
+         closes = is_between(self, i, loop, dyad%closes_low, dyad%closes_high)
       end associate
    end function closes
 
@@ -392,11 +441,21 @@ contains
       integer, intent(in) :: i, loop
 
       associate (dyad => self%steps(self%step_of_loop(loop))%dyad)
-         associate (measure => self%store%v(i, dyad%measure))
-            accepts = measure >= dyad%accepts_low .and. measure <= dyad%accepts_high
-         end associate
+         accepts = is_between(self, i, loop, dyad%accepts_low, dyad%accepts_high)
       end associate
    end function accepts
+
+   !> Measure of a loop, of two slides its amount, against limits.
+   pure logical function is_between(self, i, loop, low, high)
+      type(linkage_t), intent(in) :: self
+      integer, intent(in) :: i, loop
+      real(wp), intent(in) :: low, high
+      real(wp) :: measure
+
+      measure = self%store%v(i, self%measure(loop))
+      if (self%two_slides(loop)) measure = abs(measure)
+      is_between = measure >= low .and. measure <= high
+   end function is_between
 
    !> True if loop `loop` is accepted at the first `n` positions of the block.
    pure logical function all_accepted(self, n, loop)
@@ -404,9 +463,48 @@ contains
       integer, intent(in) :: n, loop
 
       associate (dyad => self%steps(self%step_of_loop(loop))%dyad)
-         all_accepted = within(n, self%store%v(1, dyad%measure), dyad%accepts_low, dyad%accepts_high)
+         all_accepted = all_between(self, n, loop, dyad%accepts_low, dyad%accepts_high)
       end associate
    end function all_accepted
+
+   !> Measure of a loop, of two slides its amount, against limits, at the first `n` positions of the block.
+   pure logical function all_between(self, n, loop, low, high)
+      type(linkage_t), intent(in) :: self
+      integer, intent(in) :: n, loop
+      real(wp), intent(in) :: low, high
+
+      if (self%two_slides(loop)) then
+         all_between = beyond(n, self%store%v(1, self%measure(loop)), low)
+      else
+         all_between = within(n, self%store%v(1, self%measure(loop)), low, high)
+      end if
+   end function all_between
+
+   !> Remember on which side of each other the two slides of each loop are at the first `n` positions of the block.
+   pure subroutine note_sides(self, n)
+      class(linkage_t), intent(inout) :: self
+      integer, intent(in) :: n
+      integer :: loop, i, side
+
+      do loop = 1, size(self%side)
+         if (.not. self%two_slides(loop) .or. self%step_of_loop(loop) == 0) cycle
+         do i = 1, n
+            side = merge(1, -1, self%store%v(i, self%measure(loop)) > 0.0_wp)
+            if (self%side(loop) == 0) self%side(loop) = side
+            if (self%side(loop) /= side) self%side(loop) = mixed
+         end do
+      end do
+   end subroutine note_sides
+
+   !> True unless the slides of a loop were on both sides of each other, here or in another part of the positions.
+   pure logical function stays_on_side(self, loop, other)
+      class(linkage_t), intent(in) :: self
+      integer, intent(in) :: loop
+      class(linkage_t), intent(in), optional :: other
+
+      stays_on_side = self%side(loop) /= mixed
+      if (present(other)) stays_on_side = stays_on_side .and. self%side(loop) == other%side(loop)
+   end function stays_on_side
 
    !> True if low <= measure <= high throughout. What is outside is counted in lanes, as reals: it runs in vector registers.
    pure logical function within(n, measure, low, high)
@@ -421,6 +519,20 @@ contains
       end do
       within = all(outside <= 0.0_wp)
    end function within
+
+   !> True if the amount of the measure is not below `low` anywhere.
+   pure logical function beyond(n, measure, low)
+      integer, intent(in) :: n          !! a multiple of `lane`
+      real(wp), intent(in) :: measure(n), low
+      real(wp) :: inside(lane)
+      integer :: i
+
+      inside = 0.0_wp
+      do i = 1, n, lane
+         inside = inside + merge(1.0_wp, 0.0_wp, abs(measure(i:i + lane - 1)) < low)
+      end do
+      beyond = all(inside <= 0.0_wp)
+   end function beyond
 
    !> Direction and length (user's unit) of an arc at position `i` of the block.
    pure subroutine arc_at(self, plan, arc, i, x, y, length)

@@ -4,6 +4,7 @@
 !> derivatives of angles per radian where nothing else is said. Source: Oldham (1977), chapter 5 and appendix B.
 module psalm_observable
    use psalm_angles, only: unit_vector, angles_between, degrees_of, within_turn
+   use psalm_elementary, only: hypotenuse
    use psalm_kinds, only: wp, degrees_per_radian, radians_per_degree
    use psalm_linkage, only: linkage_t
    use psalm_output_kind, only: output_kind_t, output_kind, motion_point, motion_angle, motion_distance, motion_slide, &
@@ -195,8 +196,8 @@ contains
       px = px + link%store%v(i, self%base_x)*back + self%origin_x
       py = py + link%store%v(i, self%base_y)*back + self%origin_y
       ! at the origin the distance has a corner and no derivative
-      if (hypot(px, py) <= at_origin*max(r, maxval(link%length)*back)) return
-      r = hypot(px, py)
+      if (hypotenuse(px, py) <= at_origin*max(r, maxval(link%length)*back)) return
+      r = hypotenuse(px, py)
       ! r r' = x x' + y y', and its derivatives
       w1 = (px*x(1) + py*y(1))/r
       w2 = (px*x(2) + py*y(2) + x(1)**2 + y(1)**2 - w1*w1)/r
@@ -252,7 +253,7 @@ contains
       real(wp) :: x, y, r
 
       call output_vector(self, link, i, x, y)
-      r = hypot(x, y)
+      r = hypotenuse(x, y)
       change = dx
       if (r > 0.0_wp) change = (x/r)*dx + (y/r)*dy
    end function along_distance
@@ -333,7 +334,7 @@ contains
                bx = -2.0_wp*bx
                by = -2.0_wp*by
             else
-               r = hypot(x, y)
+               r = hypotenuse(x, y)
                e = wanted(i, 1) - r
                objective = objective + weight(i, 1)*e*e
                slope = -2.0_wp*weight(i, 1)*e
@@ -377,8 +378,8 @@ contains
          x = link%store%v(i, link%out(1))*link%scale
          y = link%store%v(i, link%out(2))*link%scale
          number = row(self%base_x) + abs(self%length)*link%scale*(arc + 1.0_wp) &
-                  + hypot(self%origin_x, self%origin_y)*link%scale*(2.0_wp + abs(self%origin_angle)*radians_per_degree)
-         if (self%motion /= motion_distance) x = hypot(x, y)
+                  + hypotenuse(self%origin_x, self%origin_y)*link%scale*(2.0_wp + abs(self%origin_angle)*radians_per_degree)
+         if (self%motion /= motion_distance) x = hypotenuse(x, y)
          number = 1.0_wp + ratio(number, abs(x))
       end if
       number = min(number, worst)

@@ -164,7 +164,8 @@ contains
       do loop = 1, problem%topology%nloop
          k(:, loop) = 0.0_wp
          associate (step => problem%linkage%step_of_loop(loop), link => problem%linkage)
-            if (step > 0) call closure_of(n, link%steps(step)%dyad, link%store, problem%toggle*link%scale, k(:, loop))
+            if (step > 0) call closure_of(n, link%steps(step)%dyad, link%store, problem%toggle*link%scale, &
+                                         problem%side(loop), k(:, loop))
          end associate
       end do
    end subroutine block_constraints
@@ -183,7 +184,7 @@ contains
             if (step == 0) cycle
             if (.not. work%moves(step, v)) cycle
             associate (dyad => link%steps(step)%dyad)
-               call change_of_closure(n, dyad, link%store, work%rates%d(1), problem%toggle*link%scale, unit_of(problem, v), &
+               call change_of_closure(n, dyad, link%store, work%rates%d(1), problem%toggle*link%scale, problem%side(loop), unit_of(problem, v), &
                                       work%stretch(dyad%arc_p, v)*link%scale, work%stretch(dyad%arc_q, v)*link%scale, &
                                       work%turn(dyad%arc_p, v), work%turn(dyad%arc_q, v), dk(:, loop))
             end associate

@@ -6,24 +6,32 @@ module psalm_balm
    use psalm_curves, only: write_curves
    use psalm_data_set, only: data_set_t
    use psalm_dxf, only: write_dxf
+   use psalm_error, only: problem_t, motion_t, make_problem
+   use psalm_finale, only: describe_violation
    use psalm_kinds, only: wp
    use psalm_page, only: write_page
-   use psalm_run, only: check_case
+   use psalm_run, only: demand_t, check_case
    use psalm_scene, only: scene_t, make_scene, message_scene
+   use psalm_setup, only: set_up
    use psalm_source, only: line_t
-   use psalm_status, only: diagnostics_t, finding_t, exit_violation, level_error
+   use psalm_status, only: diagnostics_t, finding_t, exit_file_trouble, exit_violation, level_error
    use psalm_svg, only: write_svg
    use psalm_text, only: text_t, to_text
+   use psalm_topology, only: topology_t, dimensions_t
    implicit none (type, external)
    private
    public :: picture_t, balm_t, make_scenes, draw_file, draw_curves
 
+   integer, parameter :: most_drawn = 2000 !! positions of a picture; more of them make one black band
    integer, parameter :: most_told = 5 !! messages of one case on standard error
+   type(demand_t), parameter :: demand = demand_t(position=1000, arc=500, ktheta_only=.false.)
+   integer, parameter :: ending_width = 24 !! room for a number and a suffix
 
    !> A file to write.
    type :: picture_t
-      character(:), allocatable :: ending   !! of the name, after that of the case
+      character(ending_width) :: ending = '' !! of the name, after that of the case
       character(:), allocatable :: content
+      logical :: made = .false.             !! of a script: gnuplot has made its pictures
    end type picture_t
 
    !> The cases of one file.
@@ -59,19 +67,17 @@ contains
          end if
          each = sets(k)
          each%nguess = 0
-         call check_case(each, none, vertices, judged)
+         call check_case(each, none, vertices, judged, demand)
+         if (.not. judged%failed() .and. each%ikin == 0 .and. each%ndes > most_drawn) call thin_out(each, judged)
          own = [own, finding_list(judged)]
          do i = 1, judged%count
-            associate (new => judged%list(i))
-               if (new%level == level_error) then
-                  call findings%error(new%text, new%line, new%group, new%item)
-               else
-                  call findings%warning(new%text, new%line, new%group, new%item)
-               end if
-            end associate
+            call findings%add(judged%list(i))
          end do
-         call make_scene(sets(k), own, balm%scenes(k))
-         if (balm%scenes(k)%sound) call tell(sets(k), balm%scenes(k), balm)
+         each%nguess = sets(k)%nguess
+         call make_scene(each, own, balm%scenes(k))
+         if (.not. balm%scenes(k)%sound) cycle
+         if (each%ndes < sets(k)%ndes) call tell_all_positions(sets(k), balm)
+         call tell(each, balm%scenes(k), balm)
       end do
 
    contains
@@ -99,6 +105,48 @@ contains
       end function finding_list
    end subroutine make_scenes
 
+   !> Keep evenly chosen positions, as many as a picture can show.
+   subroutine thin_out(set, findings)
+      type(data_set_t), intent(inout) :: set
+      type(diagnostics_t), intent(inout) :: findings
+      integer :: step
+
+      step = (set%ndes - 1)/most_drawn + 1
+      set%delt = set%delt(1::step)
+      set%desx = set%desx(1::step)
+      set%desy = set%desy(1::step)
+      set%desang = set%desang(1::step)
+      set%xmult = set%xmult(1::step)
+      set%ymult = set%ymult(1::step)
+      set%anmult = set%anmult(1::step)
+      call findings%warning('of '//to_text(set%ndes)//' positions '//to_text(size(set%delt))//' are drawn, one in '// &
+                            to_text(step)//', and numbered so on the pictures', line=set%origins%line('METHOD', 'NDES', 1), &
+                            group='METHOD', item='NDES')
+      set%ndes = size(set%delt)
+   end subroutine thin_out
+
+   !> Violations at positions of which not all are drawn.
+   subroutine tell_all_positions(set, balm)
+      type(data_set_t), intent(in) :: set
+      type(balm_t), intent(inout) :: balm
+      type(topology_t) :: topology
+      type(dimensions_t) :: dimensions
+      type(diagnostics_t) :: again
+      type(problem_t) :: problem
+      type(motion_t) :: motion
+      integer :: i
+
+      call set_up(set, topology, dimensions, again)
+      call make_problem(set, topology, dimensions, problem)
+      call problem%analyse(dimensions, motion)
+      if (size(motion%violations) == 0) return
+      balm%code = max(balm%code, exit_violation)
+      do i = 1, min(size(motion%violations), most_told)
+         call balm%notes%add(set%file//': '//trim(set%title)//', all positions: '// &
+                             describe_violation(problem, motion, motion%violations(i)))
+      end do
+   end subroutine tell_all_positions
+
    !> Exit status 1 and remarks where a linkage does not close or exceeds limits.
    subroutine tell(set, scene, balm)
       type(data_set_t), intent(in) :: set
@@ -123,9 +171,10 @@ contains
    end subroutine tell
 
    !> Pictures of a file: SVG and DXF of each case, one page of all.
-   subroutine draw_file(balm, assemblies, pictures)
+   subroutine draw_file(balm, assemblies, mark, pictures)
       type(balm_t), intent(in) :: balm
       logical, intent(in) :: assemblies        !! the SVG shows the other assembly of each pair
+      character(*), intent(in) :: mark         !! of the run
       type(picture_t), allocatable, intent(out) :: pictures(:)
       type(text_t) :: text
       integer :: k
@@ -134,15 +183,24 @@ contains
       if (size(balm%scenes) == 0) return
       do k = 1, size(balm%scenes)
          call write_svg(balm%scenes(k), assemblies, text)
+         call add_comment()
          call put(ending(k, '.svg'))
          if (.not. balm%scenes(k)%sound) cycle
+         call text%add('999') ! a comment of DXF
+         call text%add('run '//mark)
          call write_dxf(balm%scenes(k), text)
          call put(ending(k, '.dxf'))
       end do
       call write_page(balm%scenes, text)
+      call add_comment()
       call put('.html')
 
    contains
+
+      subroutine add_comment()
+
+         call text%add('<!-- run '//mark//' -->')
+      end subroutine add_comment
 
       subroutine put(name)
          character(*), intent(in) :: name
@@ -153,10 +211,11 @@ contains
    end subroutine draw_file
 
    !> Scripts for the curves of each sound case; each ending is followed by that of the picture.
-   subroutine draw_curves(balm, name, progress, scripts)
+   subroutine draw_curves(balm, name, progress, mark, scripts)
       type(balm_t), intent(in) :: balm
       character(*), intent(in) :: name          !! of the case, without directory
       type(line_t), intent(in) :: progress(:)   !! device 1, empty if there is none; of the first case
+      character(*), intent(in) :: mark          !! of the run
       type(picture_t), allocatable, intent(out) :: scripts(:)
       type(line_t) :: none(0)
       type(text_t) :: text
@@ -166,10 +225,11 @@ contains
       do k = 1, size(balm%scenes)
          if (.not. balm%scenes(k)%sound) cycle
          text = text_t()
+         call text%add('# run '//mark)
          if (k == 1) then
-            call write_curves(balm%scenes(k), name//ending(k, ''), progress, text)
+            call write_curves(balm%scenes(k), name//trim(ending(k, '')), progress, text)
          else
-            call write_curves(balm%scenes(k), name//ending(k, ''), none, text)
+            call write_curves(balm%scenes(k), name//trim(ending(k, '')), none, text)
          end if
          call add_picture(scripts, ending(k, ''), text%content())
       end do
@@ -183,7 +243,7 @@ contains
 
       allocate (more(size(pictures) + 1))
       do i = 1, size(pictures)
-         call move_alloc(pictures(i)%ending, more(i)%ending)
+         more(i)%ending = pictures(i)%ending
          call move_alloc(pictures(i)%content, more(i)%content)
       end do
       more(size(more))%ending = ending

@@ -16,11 +16,13 @@ module psalm_curves
    integer, parameter :: panel_height = 330 !! pixels
    integer, parameter :: most_lines = 12    !! transmission angles named one by one
    real(wp), parameter :: part_of_turn = 300.0_wp !! prescribed over less than this, degrees, the axis shows that part only
+   real(wp), parameter :: flat = 1.0e-8_wp  !! a curve that varies by less than this part of the scale is constant; as on the page
+   real(wp), parameter :: around = 0.01_wp  !! part of the scale that is shown on either side of a constant
    character(*), parameter :: colour_open = '#d3302f' !! of bands where the linkage does not close
 
 contains
 
-   !> Append a script that makes `name`.png.part and `name`.pdf.part in the directory it is run in.
+   !> Append a script that makes `name`.png and `name`.pdf in the directory it is run in.
    subroutine write_curves(scene, name, progress, text)
       type(scene_t), intent(in) :: scene
       character(*), intent(in) :: name         !! of the case, without directory
@@ -43,10 +45,10 @@ contains
       do pass = 1, 2
          if (pass == 1) then
             call text%add('set terminal pngcairo size 1000,'//to_text(panels*panel_height + 40)//' font "sans,10"')
-            call text%add('set output '//quoted(name//'.png.part'))
+            call text%add('set output '//quoted(name//'.png'))
          else
             call text%add('set terminal pdfcairo size 21cm,'//short_number(7.0_wp*real(panels, wp) + 0.8_wp)//'cm font "sans,9"')
-            call text%add('set output '//quoted(name//'.pdf.part'))
+            call text%add('set output '//quoted(name//'.pdf'))
          end if
          call text%add('set multiplot layout '//to_text(panels)//',1 title '//quoted(trim(scene%title))//' noenhanced')
          call add_bands(scene, low, high, text)
@@ -255,13 +257,14 @@ contains
       if (.not. seen) call text%add("set label 1 'the linkage does not close' at graph 0.5,0.5 center front")
 
       if (scene%motion == motion_point) then
-         call output_panel('x of the output point', 2, 4)
-         call output_panel('y of the output point', 3, 5)
+         call output_panel('x of the output point', 2, 4, scene%sweep%actual, scene%prescribed%actual, scene%prescribed%wanted)
+         call output_panel('y of the output point', 3, 5, scene%sweep%actual_y, scene%prescribed%actual_y, &
+                           scene%prescribed%wanted_y)
       else
-         call output_panel(output_name(scene), 2, 4)
+         call output_panel(output_name(scene), 2, 4, scene%sweep%actual, scene%prescribed%actual, scene%prescribed%wanted)
       end if
       if (errors) then
-         line = 'set ylabel "error: desired - actual"; '//y_range(any(scene%prescribed%closed))// &
+         line = 'set ylabel "error: desired - actual"; '//error_range()// &
                 'plot $prescribed using 1:6 with linespoints pt 7 ps 0.6 title '
          if (scene%motion == motion_point) then
             call text%add(line//"'x', '' using 1:7 with linespoints pt 5 ps 0.6 title 'y'")
@@ -302,22 +305,53 @@ contains
 
    contains
 
-      subroutine output_panel(name, actual, desired)
+      subroutine output_panel(name, actual, desired, swept, found, wanted)
          character(*), intent(in) :: name
-         integer, intent(in) :: actual, desired
+         integer, intent(in) :: actual, desired           !! columns
+         real(wp), intent(in) :: swept(:), found(:), wanted(:) !! what is plotted: actual values, desired ones
          character(:), allocatable :: plot
 
-         plot = 'set ylabel '//quoted(name)//'; '//y_range(seen .or. scene%desired)//'plot $sweep using 1:'//to_text(actual)// &
+         plot = 'set ylabel '//quoted(name)//'; '//y_range(seen .or. scene%desired, &
+            [pack(swept, scene%sweep%closed), pack(found, scene%prescribed%closed), wanted])// &
+                'plot $sweep using 1:'//to_text(actual)// &
                 " with lines lw 1.5 title 'actual', $prescribed using 1:"//to_text(actual)//" with points pt 7 ps 0.5 lc 1 notitle"
          if (scene%desired) plot = plot//', $prescribed using 1:'//to_text(desired)//" with points pt 6 lc 2 title 'desired'"
          call text%add(plot)
       end subroutine output_panel
 
-      pure function y_range(numbers) result(command)
-         logical, intent(in) :: numbers     !! there is something to scale the axis by
+      pure function error_range() result(command)
          character(:), allocatable :: command
 
-         command = trim(merge('set yrange [*:*];', 'set yrange [0:1];', numbers))//' '
+         associate (row => scene%prescribed)
+            if (scene%motion == motion_point) then
+               command = y_range(any(row%closed), [pack(row%error, row%closed), pack(row%error_y, row%closed), 0.0_wp])
+            else
+               command = y_range(any(row%closed), [pack(row%error, row%closed), 0.0_wp])
+            end if
+         end associate
+      end function error_range
+
+      !> An axis does not magnify the rounding of a constant.
+      pure function y_range(numbers, values) result(command)
+         logical, intent(in) :: numbers     !! there is something to scale the axis by
+         real(wp), intent(in) :: values(:)
+         character(:), allocatable :: command
+         real(wp) :: scale, turned(size(values)), middle
+
+         command = 'set yrange [0:1]; '
+         if (.not. numbers) return
+         command = 'set yrange [*:*]; '
+         if (size(values) == 0) return
+         scale = maxval(scene%high - scene%low)
+         turned = values
+         if (scene%motion == motion_angle) then
+            scale = full_turn
+            turned = values - full_turn*anint((values - values(1))/full_turn)
+         end if
+         if (maxval(turned) - minval(turned) >= flat*scale) return
+         middle = 0.5_wp*(maxval(turned) + minval(turned))
+         if (abs(middle) < flat*scale) middle = 0.0_wp
+         command = 'set yrange ['//short_number(middle - around*scale)//':'//short_number(middle + around*scale)//']; '
       end function y_range
    end subroutine plot_panels
 

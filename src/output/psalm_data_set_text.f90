@@ -67,7 +67,12 @@ contains
       end if
       if (topology%has_search()) call write_variables()
       call text%add(' &END')
-      call text%add(' &LIMITS TANGLE='//full_precision(set%tangle)//', TOGGLE='//full_precision(set%toggle)//',')
+      ! what was not given does not hold for two slides
+      if (set%tangle_given .or. all(topology%joint /= 8)) then
+         call text%add(' &LIMITS TANGLE='//full_precision(set%tangle)//', TOGGLE='//full_precision(set%toggle)//',')
+      else
+         call text%add(' &LIMITS TOGGLE='//full_precision(set%toggle)//',')
+      end if
       if (set%icond /= 0) call text%add('  ICOND=1,')
       call text%add('  KTHETA='//to_text(set%ktheta)//', IPLOT='//to_text(set%iplot)//', LAST='//to_text(set%last)//' &END')
       call text%add_text(set%others)

@@ -5,9 +5,9 @@ module psalm_finale
    use psalm_angles, only: unit_vector
    use psalm_data_set, only: data_set_t
    use psalm_dyad, only: violation_too_short, violation_too_long, violation_parallel, violation_angle_small, &
-                         violation_angle_large, violation_undetermined
+                         violation_angle_large, violation_undetermined, violation_slides
    use psalm_dyad_kind, only: form_of, form_t
-   use psalm_error, only: problem_t, motion_t, violation_t
+   use psalm_error, only: problem_t, motion_t, violation_t, crossing_t
    use psalm_kinds, only: wp, full_turn
    use psalm_output_kind, only: motion_point, motion_angle, motion_distance, motion_pose
    use psalm_plan, only: root_frame
@@ -15,9 +15,10 @@ module psalm_finale
    use psalm_text, only: text_t, fixed, general, to_text
    implicit none (type, external)
    private
-   public :: list_results, list_dimensions, list_reference, list_output_arc, angle_text, describe_violation
+   public :: list_results, list_dimensions, list_reference, list_output_arc, angle_text, describe_violation, describe_crossing
 
    integer, parameter :: column = 10   !! width of a dimension
+   real(wp), parameter :: nearly_full = 0.99_wp*full_turn !! below this no angle prints as 360.0000
 
 contains
 
@@ -195,7 +196,11 @@ contains
       call text%add()
       call text%add(motion_headings(problem))
       do i = 1, size(motion%input)
-         line = merge(general(motion%input(i)), angle_text(motion%input(i)), problem%topology%sliding_input)
+         if (problem%topology%sliding_input) then
+            line = general(motion%input(i))
+         else
+            line = angle_text(motion%input(i))
+         end if
          if (problem%desired) then
             do c = 1, size(motion%actual, 2)
                line = line//general(problem%wanted(i, c))
@@ -204,7 +209,11 @@ contains
          if (motion%closed(i)) then
             do c = 1, size(motion%actual, 2)
                in_turn = c == problem%output%kind%angle .and. .not. problem%desired
-               line = line//merge(angle_text(motion%actual(i, c)), general(motion%actual(i, c)), in_turn)
+               if (in_turn) then
+                  line = line//angle_text(motion%actual(i, c))
+               else
+                  line = line//general(motion%actual(i, c))
+               end if
             end do
             if (problem%desired) then
                do c = 1, size(motion%actual, 2)
@@ -238,29 +247,43 @@ contains
       character(15) :: text
 
       text = general(degrees)
+      if (degrees < nearly_full) return
       if (text == general(full_turn)) text = general(0.0_wp)
    end function angle_text
 
+   !> Slides that are parallel between two positions, in words.
+   function describe_crossing(motion, crossing) result(text)
+      type(motion_t), intent(in) :: motion
+      type(crossing_t), intent(in) :: crossing
+      character(:), allocatable :: text
+
+      associate (i => crossing%position)
+         text = 'the slides of loop '//to_text(crossing%loop)//' are parallel between positions '//to_text(i)//' and '// &
+                to_text(i + 1)//' (inputs '//trim(adjustl(general(motion%input(i))))//' and '// &
+                trim(adjustl(general(motion%input(i + 1))))//'): the linkage cannot move from one to the other'
+      end associate
+   end function describe_crossing
+
    !> A violation in words: loop, dyad, positions and by how much.
-   function describe_violation(problem, motion, violation) result(text)
+   function describe_violation(problem, motion, violation, numbered) result(text)
       type(problem_t), intent(in) :: problem
       type(motion_t), intent(in) :: motion
       type(violation_t), intent(in) :: violation
+      logical, intent(in), optional :: numbered !! false: the positions have no numbers that a user knows; default true
       character(:), allocatable :: text
       character(:), allocatable :: pair, p, q
       type(form_t) :: form
+      logical :: with_numbers
 
+      with_numbers = .true.
+      if (present(numbered)) with_numbers = numbered
       form = form_of(problem%topology%joint(violation%loop))
       p = to_text(problem%topology%larcx(1, violation%loop))
       q = to_text(problem%topology%larcx(2, violation%loop))
       pair = 'ARCS '//p//' AND '//q
       text = 'LOOP '//to_text(violation%loop)//', DYAD OF TYPE '//to_text(problem%topology%joint(violation%loop))// &
-             ' ('//pair//'), POSITION'
-      if (violation%first == violation%last) then
-         text = text//' '//to_text(violation%first)
-      else
-         text = text//'S '//to_text(violation%first)//' TO '//to_text(violation%last)
-      end if
+             ' ('//pair//')'
+      if (with_numbers) text = text//', POSITION'//positions()
       text = text//': '
       select case (violation%kind)
       case (violation_too_short)
@@ -281,14 +304,28 @@ contains
          text = text//'THE SLIDES ARE PARALLEL'
       case (violation_angle_small, violation_angle_large)
          text = text//'TRANSMISSION ANGLE '//amount()//', OUTSIDE 90 +- '//trim(adjustl(general(problem%tangle)))
+      case (violation_slides)
+         text = text//'ANGLE BETWEEN THE SLIDES '//amount()//', OUTSIDE 90 +- '//trim(adjustl(general(problem%slide_angle)))
       end select
       if (violation%first /= violation%last .and. violation%kind /= violation_parallel .and. &
           violation%kind /= violation_undetermined) then
-         text = text//' AT WORST (POSITION '//to_text(violation%worst)//')'
+         text = text//' AT WORST'
+         if (with_numbers) text = text//' (POSITION '//to_text(violation%worst)//')'
       end if
-      text = text//'; INPUT '//trim(adjustl(general(motion%input(violation%worst))))
+      if (with_numbers) then
+         text = text//'; INPUT '//trim(adjustl(general(motion%input(violation%worst))))
+      else
+         text = text//' (INPUT '//trim(adjustl(general(motion%input(violation%worst))))//')'
+      end if
 
    contains
+
+      function positions() result(words)
+         character(:), allocatable :: words
+
+         words = ' '//to_text(violation%first)
+         if (violation%first /= violation%last) words = 'S'//words//' TO '//to_text(violation%last)
+      end function positions
 
       function amount() result(words)
          character(:), allocatable :: words

@@ -3,16 +3,18 @@
 !> Derivatives are taken with respect to the input (per radian, or per unit of length of a sliding input) and with respect to
 !> time, for the speed and acceleration of the group RATES. Source: Haines (about 1982), section 15.1; Oldham (1977), 9.3.1.
 module psalm_kalm
+   use psalm_angles, only: degrees_of
    use psalm_check_list, only: list_input
    use psalm_data_set, only: data_set_t
+   use psalm_elementary, only: hypotenuse
    use psalm_error, only: problem_t, motion_t, make_problem
-   use psalm_finale, only: angle_text, describe_violation
-   use psalm_kinds, only: wp
+   use psalm_finale, only: angle_text, describe_violation, describe_crossing
+   use psalm_kinds, only: wp, radians_per_degree
    use psalm_observable, only: at_origin
    use psalm_output_kind, only: motion_point, motion_distance, motion_pose
    use psalm_plan, only: step_point
    use psalm_rates, only: rates_t, prepare_rates, differentiate, output_rates, derivatives_of, is_dead, highest_order
-   use psalm_run, only: devices_t, version
+   use psalm_run, only: devices_t, sum_up, header_of
    use psalm_setup, only: set_up
    use psalm_status, only: diagnostics_t, exit_violation
    use psalm_text, only: text_t, full_precision, general, lower_case, to_text
@@ -48,7 +50,7 @@ contains
       call make_problem(set, topology, dimensions, problem)
       call problem%want_derivatives(set%ktheta /= 0)
       call problem%analyse(dimensions, motion)
-      call list_input(' *** KALM, VERSION '//version//' ***', set, topology, dimensions, devices%eight)
+      call list_input(header_of('KALM', devices%mark), set, topology, dimensions, devices%eight)
       if (set%ktheta /= 0) then
          call devices%eight%add()
          call devices%eight%add(' ALL ARCS: LENGTH AND ANGLE, THEIR FIRST AND SECOND DERIVATIVES BY TIME (RADIANS)')
@@ -57,6 +59,7 @@ contains
       call list_rates(set, problem, motion, rates, devices%six)
       call write_table(set, problem, motion, rates, devices%nine)
       call note_trouble(set, problem, motion, rates, devices)
+      if (devices%wants_summary) call sum_up(set, problem, dimensions, motion, devices)
    end subroutine run_kalm
 
    !> Derivatives by time from derivatives by the input that moves at a speed and an acceleration.
@@ -136,8 +139,8 @@ contains
             end if
             angle = in_time(derivatives_of(rates, problem%linkage%root_x(problem%plan%root(n)), i), set%speed, set%accel)
             name = repeat(' ', 6 - len(to_text(loop)))//to_text(loop)//repeat(' ', 5 - len(to_text(a)))//to_text(a)
-            call text%add(name//general(length)//general(slide(1))//general(slide(2))//general(atan2(y, x))//general(angle(1))// &
-                          general(angle(2)))
+            call text%add(name//general(length)//general(slide(1))//general(slide(2))// &
+                          general(degrees_of(x, y)*radians_per_degree)//general(angle(1))//general(angle(2)))
          end do
       end do
       call text%add('  JOINT AT THE END OF ARC     X              Y            VX             VY             AX             AY')
@@ -208,7 +211,7 @@ contains
                   line = line//general(rates%t(order, c, k))
                end do
             end do
-            line = line//general(hypot(rates%t(1, 1, k), rates%t(1, 2, k)))
+            line = line//general(hypotenuse(rates%t(1, 1, k), rates%t(1, 2, k)))
          else
             line = line//general(motion%actual(k, 1))//general(rates%t(1, 1, k))//general(rates%t(2, 1, k))// &
                    general(rates%t(3, 1, k))//general(rates%d(1, 1, k))
@@ -326,6 +329,9 @@ contains
       type(devices_t), intent(inout) :: devices
       integer :: k, told
 
+      do k = 1, min(size(motion%crossings), most_told)
+         call devices%notes%add(set%file//': '//trim(set%title)//': warning: '//describe_crossing(motion, motion%crossings(k)))
+      end do
       if (.not. all(motion%closed)) then
          devices%code = max(devices%code, exit_violation)
          call devices%notes%add(set%file//': '//trim(set%title)//': the linkage does not close at '// &

@@ -1,6 +1,7 @@
 !> Where the letters of the joints go: beside their joint, off the links, off each other.
 module psalm_labels
    use psalm_angles, only: unit_vector
+   use psalm_elementary, only: hypotenuse
    use psalm_kinds, only: wp
    use psalm_output_kind, only: motion_angle
    use psalm_scene, only: scene_t
@@ -69,13 +70,13 @@ contains
          end do
          crowd = crowd + 2.0_wp*max(0.0_wp, room_bar - to_lines(p))
          do m = 1, size(scene%joints)
-            if (shown(m) .and. m /= j) crowd = crowd + 2.0_wp*max(0.0_wp, room_joint - hypot(p(1) - x(m), p(2) - y(m)))
+            if (shown(m) .and. m /= j) crowd = crowd + 2.0_wp*max(0.0_wp, room_joint - hypotenuse(p(1) - x(m), p(2) - y(m)))
             if (at(1, m) > -huge(1.0_wp) .and. m /= j) &
-               crowd = crowd + 3.0_wp*max(0.0_wp, room_letter + more_room(j) - hypot(p(1) - at(1, m), p(2) - at(2, m)))
+               crowd = crowd + 3.0_wp*max(0.0_wp, room_letter + more_room(j) - hypotenuse(p(1) - at(1, m), p(2) - at(2, m)))
             if (scene%joints(m)%fixed .or. scene%prescribed%n > most_dots) cycle
             do i = 1, scene%prescribed%n
                if (.not. scene%prescribed%known(m, i)) cycle
-               crowd = crowd + 0.3_wp*max(0.0_wp, room_dot - hypot(p(1) - ox - k*(scene%prescribed%x(m, i) - scene%low(1)), &
+               crowd = crowd + 0.3_wp*max(0.0_wp, room_dot - hypotenuse(p(1) - ox - k*(scene%prescribed%x(m, i) - scene%low(1)), &
                                                                   p(2) - oy + k*(scene%prescribed%y(m, i) - scene%low(2))))
             end do
          end do
@@ -131,6 +132,6 @@ contains
       d = (x2 - x1)**2 + (y2 - y1)**2
       t = 0.0_wp
       if (d > 0.0_wp) t = min(1.0_wp, max(0.0_wp, ((p(1) - x1)*(x2 - x1) + (p(2) - y1)*(y2 - y1))/d))
-      to_segment = hypot(p(1) - x1 - t*(x2 - x1), p(2) - y1 - t*(y2 - y1))
+      to_segment = hypotenuse(p(1) - x1 - t*(x2 - x1), p(2) - y1 - t*(y2 - y1))
    end function to_segment
 end module psalm_labels

@@ -4,7 +4,8 @@ module psalm_margin_list
    use psalm_data_set, only: data_set_t
    use psalm_kinds, only: wp
    use psalm_angles, only: within_turn
-   use psalm_margins, only: margin_t, is_violated, margin_angle, margin_guide, margin_offset, margin_region, margin_bound
+   use psalm_margins, only: margin_t, is_violated, margin_angle, margin_slides, margin_guide, margin_offset, &
+                             margin_region, margin_bound
    use psalm_text, only: text_t, general, to_text
    use psalm_topology, only: topology_t, dimensions_t, name_of
    implicit none (type, external)
@@ -75,6 +76,8 @@ contains
       select case (margin%kind)
       case (margin_angle)
          name = 'TRANSMISSION ANGLE, LOOP '//to_text(margin%which)//', DEGREES'
+      case (margin_slides)
+         name = 'ANGLE BETWEEN THE SLIDES, LOOP '//to_text(margin%which)//', DEGREES'
       case (margin_guide)
          name = 'GUIDE AND TOGGLE, LOOP '//to_text(margin%which)
       case (margin_offset)

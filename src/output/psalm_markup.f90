@@ -1,10 +1,11 @@
 !> Text and numbers inside SVG, HTML, JSON and gnuplot: what a user may have written in a title must not end a string there.
 module psalm_markup
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use psalm_kinds, only: wp
    use psalm_text, only: full_precision, to_text
    implicit none (type, external)
    private
-   public :: clean_text, xml_text, json_text, number_or_null, short_number, wrapped, strings_t, add_string
+   public :: clean_text, xml_text, json_text, number_or_null, short_number, sentence_case, wrapped, strings_t, add_string
 
    integer, parameter :: significant = 9 !! digits of `short_number`
 
@@ -136,10 +137,10 @@ contains
       character(:), allocatable :: text
 
       text = 'null'
-      if (known) text = full_precision(value)
+      if (known .and. ieee_is_finite(value)) text = full_precision(value)
    end function number_or_null
 
-   !> Nine significant digits, or as many as wanted, without needless zeros.
+   !> Nine significant digits, or as many as wanted, without needless zeros. What is no number is 0: a picture has no place for it.
    pure function short_number(value, wanted) result(text)
       real(wp), intent(in) :: value
       integer, intent(in), optional :: wanted
@@ -150,6 +151,10 @@ contains
 
       digits = significant
       if (present(wanted)) digits = wanted
+      if (.not. ieee_is_finite(value)) then
+         text = '0'
+         return
+      end if
       if (abs(value) <= tiny(value)) then
          text = '0'
          return
@@ -169,6 +174,20 @@ contains
          text = without_zeros(buffer(:mark - 1))//'E'//to_text(power)
       end if
    end function short_number
+
+   !> Words of the listings, which are in capitals, as a sentence. The exponent of a number keeps its letter.
+   pure function sentence_case(words) result(sentence)
+      character(*), intent(in) :: words
+      character(len(words)) :: sentence
+      integer :: i
+
+      sentence = words
+      do i = 2, len(words)
+         if (words(i:i) < 'A' .or. words(i:i) > 'Z') cycle
+         if (scan(words(i - 1:i - 1), '.0123456789') > 0) cycle
+         sentence(i:i) = achar(iachar(words(i:i)) + iachar('a') - iachar('A'))
+      end do
+   end function sentence_case
 
    pure function without_zeros(number) result(text)
       character(*), intent(in) :: number

@@ -1,10 +1,12 @@
 !> Scenes as one self-contained HTML page: the page's text is part of the program, the scenes go into it as JSON.
 module psalm_page
-   use, intrinsic :: iso_c_binding, only: c_char, c_int, c_ptr, c_null_ptr, c_loc
+   use psalm_constraint_group, only: region_box, region_half_plane
    use psalm_dyad_kind, only: assur_rrr
-   use psalm_kinds, only: wp
+   use psalm_kinds, only: wp, full_turn
+   use psalm_output_kind, only: motion_point, motion_angle, motion_distance
    use psalm_labels, only: place_labels
    use psalm_markup, only: xml_text, json_text, number_or_null, short_number, strings_t
+   use psalm_page_text, only: page_text, title_mark, data_mark
    use psalm_scene, only: scene_t
    use psalm_text, only: text_t, full_precision, to_text
    use psalm_trace, only: row_t
@@ -12,18 +14,13 @@ module psalm_page
    private
    public :: write_page
 
-   character(*), parameter :: title_mark = '<!--TITLE-->', data_mark = '<!--DATA-->' !! places in the page
+   integer, parameter :: scene_format = 1  !! of the data; web/scene.js expects the same
+
+   !> Names of the dyads by type: links and guides with revolute joints R and prismatic joints P from start to finish.
+   character(3), parameter :: dyads(8) = ['RRR', 'RPR', 'RPR', 'RRP', 'PRR', 'RPP', 'PPR', 'PRP']
 
    real(wp), parameter :: usual_width = 600.0_wp      !! of a linkage on the page, pixels
    real(wp), parameter :: beside(2) = [13.0_wp, -13.0_wp] !! place of a letter that finds none better
-
-   interface
-      integer(c_int) function page_copy(place) bind(c, name='psalm_page_copy')
-         import :: c_int, c_ptr
-         implicit none (type, external)
-         type(c_ptr), value :: place
-      end function page_copy
-   end interface
 
 contains
 
@@ -34,11 +31,12 @@ contains
       character(:), allocatable :: page
       integer :: title, place, i
 
-      page = page_template()
+      page = page_text()
       title = index(page, title_mark)
       place = index(page, data_mark)
-      call text%add_text(page(:title - 1)//xml_text(trim(scenes(1)%title))//page(title + len(title_mark):place - 1))
-      call text%add_text('<script type="application/json" id="data">{"cases":[')
+      call text%add_text(page(:title - 1)//'<title>'//xml_text(trim(scenes(1)%title))//'</title>'// &
+                         page(title + len(title_mark):place - 1))
+      call text%add_text('<script type="application/json" id="data">{"format":'//to_text(scene_format)//',"cases":[')
       do i = 1, size(scenes)
          if (i > 1) call text%add_text(',')
          call write_scene(scenes(i), text)
@@ -46,22 +44,6 @@ contains
       call text%add_text(']}</script>')
       call text%add_text(page(place + len(data_mark):))
    end subroutine write_page
-
-   !> The page as it was built in, with the marks of title and data.
-   function page_template() result(page)
-      character(:), allocatable :: page
-      character(kind=c_char), allocatable, target :: bytes(:)
-      integer(c_int) :: length
-      integer :: i
-
-      length = page_copy(c_null_ptr)
-      allocate (bytes(length))
-      length = page_copy(c_loc(bytes))
-      allocate (character(length) :: page)
-      do i = 1, length
-         page(i:i) = bytes(i)
-      end do
-   end function page_template
 
    subroutine write_scene(scene, text)
       type(scene_t), intent(in) :: scene
@@ -75,17 +57,20 @@ contains
       call text%add_text(',')
       call add_messages('breaches', scene%breaches)
       if (scene%sound) then
-         call text%add_text(',"motion":'//to_text(scene%motion)//',"sliding":'//truth(scene%sliding)//',"desired":'// &
-                            truth(scene%desired)//',"tangle":'//full_precision(scene%tangle)//',"sense":'// &
-                            short_number(scene%sense)//',"loops":'//to_text(scene%loops)//',"output":'// &
-                            to_text(scene%output - 1)//',"base":'//to_text(scene%output_base - 1)//',"reference":'// &
-                            to_text(scene%reference - 1)//',"view":['//short_number(scene%low(1))//','// &
-                            short_number(scene%low(2))//','//short_number(scene%high(1))//','//short_number(scene%high(2))//']')
+         call text%add_text(',"motion":"'//motion_name(scene%motion)//'","sliding":'//truth(scene%sliding)//',"desired":'// &
+                            truth(scene%desired)//',"limits":['//full_precision(90.0_wp - scene%tangle)//','// &
+                            full_precision(90.0_wp + scene%tangle)//'],"sense":'//short_number(scene%sense)//',"loops":'// &
+                            to_text(scene%loops)//',"output":'//to_text(scene%output - 1)//',"base":'// &
+                            to_text(scene%output_base - 1)//',"reference":'//to_text(scene%reference - 1)//',"view":['// &
+                            short_number(scene%low(1))//','//short_number(scene%low(2))//','// &
+                            short_number(scene%high(1))//','//short_number(scene%high(2))//']')
          call write_parts(scene, text)
          call text%add(',"prescribed":{')
          call write_row(scene, scene%prescribed, .true., text)
+         call write_places(scene, text)
          call text%add('},"sweep":{')
          call write_row(scene, scene%sweep, .false., text)
+         call write_others(scene, scene%sweep, text)
          call text%add_text('}')
       end if
       call text%add('}')
@@ -147,15 +132,15 @@ contains
       call text%add('],"pairs":[')
       do i = 1, size(scene%pairs)
          associate (pair => scene%pairs(i))
-            call text%add_text(comma(i)//'{"type":'//to_text(pair%joint_type)//',"start":'//to_text(pair%start - 1)// &
+            call text%add_text(comma(i)//'{"type":"'//dyads(pair%joint_type)//'","start":'//to_text(pair%start - 1)// &
                                ',"shared":'//to_text(pair%shared - 1)//',"finish":'//to_text(pair%finish - 1)//'}')
          end associate
       end do
       call text%add('],"regions":[')
       do i = 1, size(scene%regions)
          associate (region => scene%regions(i))
-            call text%add_text(comma(i)//'{"kind":'//to_text(region%kind)//',"inside":'//truth(region%stay_inside)//',"at":['// &
-                               full_precision(region%at(1))//','//full_precision(region%at(2))//','// &
+            call text%add_text(comma(i)//'{"kind":"'//region_name(region%kind)//'","inside":'//truth(region%stay_inside)// &
+                               ',"at":['//full_precision(region%at(1))//','//full_precision(region%at(2))//','// &
                                full_precision(region%at(3))//','//full_precision(region%at(4))//']}')
          end associate
       end do
@@ -208,8 +193,10 @@ contains
          call add_numbers('wish_x', row%wish(1, :), all_known)
          call add_numbers('wish_y', row%wish(2, :), all_known)
       end if
-      call add_numbers('aim_x', row%aim(1, :), row%closed)
-      call add_numbers('aim_y', row%aim(2, :), row%closed)
+      if (scene%motion == motion_angle) then
+         call add_numbers('aim_x', row%aim(1, :), row%closed)
+         call add_numbers('aim_y', row%aim(2, :), row%closed)
+      end if
       call text%add_text(',"closed":"')
       do i = 1, row%n
          call text%add_text(merge('1', '0', row%closed(i)))
@@ -318,6 +305,99 @@ contains
          end do
       end subroutine add_broken
    end subroutine write_row
+
+   !> Where the prescribed positions lie on the sweep, counted in its positions.
+   subroutine write_places(scene, text)
+      type(scene_t), intent(in) :: scene
+      type(text_t), intent(inout) :: text
+      real(wp) :: place, whole
+      integer :: i
+
+      call text%add_text(',"at":[')
+      associate (sweep => scene%sweep)
+         whole = sweep%delt(sweep%n) - sweep%delt(1)
+         do i = 1, scene%prescribed%n
+            place = scene%prescribed%delt(i) - sweep%delt(1)
+            if (.not. scene%sliding) then
+               place = modulo(scene%sense*place, full_turn)
+            else if (abs(whole) > 0.0_wp) then
+               place = place/whole*real(sweep%n - 1, wp)
+            else
+               place = 0.0_wp
+            end if
+            call text%add_text(comma(i)//full_precision(place))
+         end do
+      end associate
+      call text%add(']')
+   end subroutine write_places
+
+   !> The common joint of each pair in its other assembly, where there is one.
+   subroutine write_others(scene, row, text)
+      type(scene_t), intent(in) :: scene
+      type(row_t), intent(in) :: row
+      type(text_t), intent(inout) :: text
+      integer :: loop, count
+
+      call text%add_text(',"others":[')
+      count = 0
+      do loop = 1, scene%loops
+         if (.not. any(row%other_known(loop, :))) cycle
+         count = count + 1
+         call text%add_text(comma(count)//'{"pair":'//to_text(loop - 1)//',"x":')
+         call add_places(1)
+         call text%add_text(',"y":')
+         call add_places(2)
+         call text%add('}')
+      end do
+      call text%add(']')
+
+   contains
+
+      subroutine add_places(k)
+         integer, intent(in) :: k
+         integer :: i
+
+         call text%add_text('[')
+         do i = 1, row%n
+            if (row%other_known(loop, i)) then
+               call text%add_text(comma(i)//short_number(row%other(k, loop, i)))
+            else
+               call text%add_text(comma(i)//'null')
+            end if
+         end do
+         call text%add_text(']')
+      end subroutine add_places
+   end subroutine write_others
+
+   pure function motion_name(motion) result(name)
+      integer, intent(in) :: motion
+      character(:), allocatable :: name
+
+      select case (motion)
+      case (motion_point)
+         name = 'point'
+      case (motion_angle)
+         name = 'angle'
+      case (motion_distance)
+         name = 'distance'
+      case default
+         name = 'slide'
+      end select
+   end function motion_name
+
+   pure function region_name(kind) result(name)
+      integer, intent(in) :: kind
+      character(:), allocatable :: name
+
+      select case (kind)
+      case (region_box)
+         name = 'box'
+      case (region_half_plane)
+         name = 'half-plane'
+      case default
+         name = 'circle'
+      end select
+   end function region_name
 
    pure function comma(i) result(text)
       integer, intent(in) :: i

@@ -47,28 +47,36 @@ contains
       call text%add('# '//name//'; input in '//trim(merge('length ', 'degrees', problem%topology%sliding_input))// &
                     ', output in '//unit_of_output())
       do i = 1, size(motion%input)
-         line = full_precision(motion%input(i))//merge(' 1', ' 0', motion%closed(i))
+         call text%add_text(full_precision(motion%input(i)))
+         call text%add_text(merge(' 1', ' 0', motion%closed(i)))
          do c = 1, kind%components
             if (motion%closed(i)) then
-               line = line//' '//full_precision(motion%actual(i, c))
+               call add_number(motion%actual(i, c))
             else
-               line = line//' NaN'
+               call text%add_text(' NaN')
             end if
          end do
          if (desired_columns) then
             do c = 1, kind%components
                if (problem%desired) then
-                  line = line//' '//full_precision(problem%wanted(i, c))
+                  call add_number(problem%wanted(i, c))
                else
-                  line = line//' NaN'
+                  call text%add_text(' NaN')
                end if
             end do
          end if
-         if (present(condition)) line = line//' '//trim(adjustl(general(condition(i), 'E')))
-         call text%add(line)
+         if (present(condition)) call text%add_text(' '//trim(adjustl(general(condition(i), 'E'))))
+         call text%add()
       end do
 
    contains
+
+      subroutine add_number(value)
+         real(wp), intent(in) :: value
+
+         call text%add_text(' ')
+         call text%add_text(full_precision(value))
+      end subroutine add_number
 
       pure function unit_of_output() result(unit)
          character(:), allocatable :: unit

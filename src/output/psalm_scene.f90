@@ -11,7 +11,7 @@ module psalm_scene
    use psalm_kinds, only: wp
    use psalm_margin_list, only: describe_margin
    use psalm_margins, only: margin_t, inspector_t, prepare_inspector, inspect, is_violated
-   use psalm_markup, only: strings_t, add_string
+   use psalm_markup, only: strings_t, add_string, sentence_case
    use psalm_output_kind, only: motion_point, motion_angle, motion_distance, motion_slide, motion_pose
    use psalm_parts, only: joint_t, bar_t, body_t, slide_t, pair_t, find_slides, convex_hull
    use psalm_plan, only: root_frame
@@ -62,17 +62,30 @@ contains
       integer :: i
 
       scene%title = set%title
-      scene%file = set%file
+      scene%file = set%file(index(set%file, '/', back=.true.) + 1:)
       allocate (scene%errors(0), scene%warnings(0), scene%joints(0), scene%bars(0), scene%bodies(0))
       allocate (scene%slides(0), scene%pairs(0), scene%regions(0), scene%breaches(0))
       do i = 1, size(findings)
          if (findings(i)%level == level_error) then
-            call add_string(scene%errors, findings(i)%render())
+            call add_string(scene%errors, words(findings(i)))
          else
-            call add_string(scene%warnings, findings(i)%render())
+            call add_string(scene%warnings, words(findings(i)))
          end if
       end do
       allocate (scene%prescribed%words(0), scene%sweep%words(0))
+
+   contains
+
+      !> The finding with the name of its file, without the way there.
+      pure function words(finding) result(text)
+         type(finding_t), intent(in) :: finding
+         character(:), allocatable :: text
+         type(finding_t) :: short
+
+         short = finding
+         short%file = finding%file(index(finding%file, '/', back=.true.) + 1:)
+         text = short%render()
+      end function words
    end subroutine message_scene
 
    !> The scene of a case. Errors of SETUP make it a scene of messages (`scene%sound` is false).
@@ -110,11 +123,11 @@ contains
       chain = make_chain(topology)
       call find_slides(topology, whole%plan, chain, scene%slides)
       if (scene%motion == motion_slide) call find_output_slide(topology, chain, scene)
-      call trace_row(own, whole, chain, dimensions, scene%slides, scene%output_slide, scene%prescribed)
+      call trace_row(own, whole, chain, dimensions, scene%slides, scene%output_slide, .true., scene%prescribed)
       if (set%constr%given) call judge(set, own, dimensions, scene)
       call own%set_inputs(sweep_inputs(own))
       call whole%set_inputs(own%delt)
-      call trace_row(own, whole, chain, dimensions, scene%slides, scene%output_slide, scene%sweep)
+      call trace_row(own, whole, chain, dimensions, scene%slides, scene%output_slide, .false., scene%sweep)
       call merge_joints(scene, chain%joints + 1, place)
       call make_bars(topology, whole%plan%root, dimensions, chain, place, scene)
       call name_joints(scene)
@@ -237,7 +250,7 @@ contains
       call inspect(inspector, dimensions, own%delt, margins)
       do i = 1, size(margins)
          if (is_violated(margins(i))) &
-            call add_string(scene%breaches, 'violated: '//describe_margin(set, own%topology, dimensions, margins(i)))
+            call add_string(scene%breaches, sentence_case('violated: '//describe_margin(set, own%topology, dimensions, margins(i))))
       end do
    end subroutine judge
 

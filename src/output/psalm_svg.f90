@@ -6,6 +6,7 @@
 module psalm_svg
    use psalm_angles, only: degrees_of, unit_vector
    use psalm_constraint_group, only: region_box, region_half_plane
+   use psalm_elementary, only: hypotenuse
    use psalm_kinds, only: wp
    use psalm_labels, only: place_labels
    use psalm_markup, only: xml_text, short_number, wrapped, strings_t, add_string
@@ -105,6 +106,8 @@ contains
       integer :: i
 
       call text%add('<style>')
+      ! in a narrower window the picture shrinks; width and height above are its size elsewhere
+      call text%add('svg{max-width:100%;height:auto}')
       call text%add('text{font-family:"DejaVu Sans",Verdana,Arial,sans-serif;font-size:13px;fill:#14202b}'// &
                     '.head{font-size:20px;font-weight:bold}.sub,.key{font-size:12.5px;fill:#45525e}.letter{font-size:15px;'// &
                     'font-style:italic;text-anchor:middle}.error{fill:#b3261e}.warning{fill:#8a5a00}')
@@ -213,7 +216,7 @@ contains
                              full_precision(region%at(4))//'H'//full_precision(region%at(1))//'Z"/>')
             case (region_half_plane)
                call unit_vector(region%at(3), c, s)
-               far = 2.0_wp*(maxval(scene%high - scene%low) + hypot(region%at(1) - scene%low(1), region%at(2) - scene%low(2)))
+               far = 2.0_wp*(maxval(scene%high - scene%low) + hypotenuse(region%at(1) - scene%low(1), region%at(2) - scene%low(2)))
                strip = merge(-region_strip, region_strip, region%stay_inside)/k
                call text%add('<path'//start//' d="M'//pair(region%at(1) - far*c, region%at(2) - far*s)//'L'// &
                              pair(region%at(1) + far*c, region%at(2) + far*s)//'l'//pair(-strip*s, strip*c)//'l'// &

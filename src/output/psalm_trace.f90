@@ -6,10 +6,11 @@ module psalm_trace
    use psalm_angles, only: degrees_of
    use psalm_chain, only: chain_t
    use psalm_dyad_kind, only: assur_rrr, direction_known, form_of, form_t
+   use psalm_elementary, only: hypotenuse
    use psalm_error, only: problem_t, motion_t, violation_t
    use psalm_finale, only: describe_violation
    use psalm_kinds, only: wp
-   use psalm_markup, only: strings_t, add_string
+   use psalm_markup, only: strings_t, add_string, sentence_case
    use psalm_parts, only: slide_t
    use psalm_topology, only: dimensions_t, arc_slide
    implicit none (type, external)
@@ -43,13 +44,14 @@ module psalm_trace
 contains
 
    !> Joints, slides and outputs at the positions of the two problems.
-   subroutine trace_row(own, whole, chain, dimensions, slides, output_slide, row)
+   subroutine trace_row(own, whole, chain, dimensions, slides, output_slide, prescribed, row)
       type(problem_t), intent(inout) :: own     !! as `psalm` solves it
       type(problem_t), intent(inout) :: whole   !! every loop; its output is the output point
       type(chain_t), intent(in) :: chain
       type(dimensions_t), intent(in) :: dimensions
       type(slide_t), intent(in) :: slides(:)    !! joints by numbers of the chain
       integer, intent(in) :: output_slide       !! MOTION 3: the slide whose length is the output, else 0
+      logical, intent(in) :: prescribed         !! the positions are the user's own, with numbers he knows
       type(row_t), intent(out) :: row
       type(motion_t) :: motion, points
       integer :: block, offset, n, i, k, joints, loops
@@ -78,7 +80,7 @@ contains
       row%violations = points%violations
       allocate (row%words(0))
       do i = 1, size(row%violations)
-         call add_string(row%words, describe_violation(whole, points, row%violations(i)))
+         call add_string(row%words, sentence_case(describe_violation(whole, points, row%violations(i), prescribed)))
       end do
       joints = chain%joints + 1
       loops = own%topology%nloop
@@ -191,7 +193,7 @@ contains
          real(wp) :: length, unit
 
          call problem%linkage%arc_at(problem%plan, n, i, x, y, length)
-         unit = hypot(x, y)
+         unit = hypotenuse(x, y)
          if (problem%plan%length_slot(n) > 0 .or. unit <= tiny(unit)) then
             x = 0.0_wp
             y = 0.0_wp

@@ -6,18 +6,20 @@
 module psalm_setup
    use psalm_data_set, only: data_set_t
    use psalm_dyad_kind, only: assur_none, direction_known, form_of, form_t, kind_of_dyad
+   use psalm_joints, only: joints_t, find_joints
    use psalm_kinds, only: wp, full_turn, half_turn
+   use psalm_origin, only: origin_t
    use psalm_output_kind, only: motion_slide
-   use psalm_status, only: diagnostics_t
-   use psalm_text, only: to_text
+   use psalm_status, only: diagnostics_t, level_error, level_warning
+   use psalm_text, only: general, lower_case, to_text
    use psalm_topology, only: topology_t, dimensions_t, variable_t, arc_absent, arc_determined, arc_link, arc_slide, arc_crank, &
-                             arc_actuator, variable_length, variable_outlk, variable_origlk, variable_gama, variable_outang, &
-                             variable_origng, variable_crnki
+                             arc_actuator, name_of, variable_length, variable_outlk, variable_origlk, variable_gama, &
+                             variable_outang, variable_origng, variable_crnki
    implicit none (type, external)
    private
    public :: set_up
 
-   integer, parameter :: most_told = 5 !! warnings of one kind
+   integer, parameter :: most_named = 40 !! variables named in one message
 
 contains
 
@@ -57,6 +59,7 @@ contains
       call find_output(set, topology, findings)
       if (set%ikin == 0) call find_variables(set, topology, findings)
       call check_dimensions(set, topology, dimensions, findings)
+      call find_repeated(set, findings)
    end subroutine set_up
 
    ! ---- arcs --------------------------------------------------------------------------------------------------------
@@ -93,6 +96,8 @@ contains
          end if
       end do
       if (.not. sound) return
+      call find_misplaced_frame(set, topology, sound, findings)
+      if (.not. sound) return
       do loop = 1, set%nloop
          do a = 1, topology%loopl(loop)
             call classify(set, topology, loop, a, findings)
@@ -100,6 +105,25 @@ contains
          call check_frame_end(set, topology, loop, findings)
       end do
    end subroutine classify_arcs
+
+   !> A frame arc that is not the last of loop 1: everything else that looks wrong then follows from it.
+   subroutine find_misplaced_frame(set, topology, sound, findings)
+      type(data_set_t), intent(in) :: set
+      type(topology_t), intent(in) :: topology
+      logical, intent(inout) :: sound
+      type(diagnostics_t), intent(inout) :: findings
+      integer :: a, n
+
+      n = topology%loopl(1)
+      if (set%iloop(n, 1) == 1) return
+      do a = 2, n - 1
+         if (abs(set%ilink(a, 1)) /= a .or. set%iloop(a, 1) /= 1) cycle
+         sound = .false.
+         call complain(set, 'ILINK', 1, a, 'is measured from the machine''s x axis, as the frame arc is: the frame arc must '// &
+                       'come last in its loop, as arc '//to_text(n), findings)
+         return
+      end do
+   end subroutine find_misplaced_frame
 
    subroutine classify(set, topology, loop, a, findings)
       type(data_set_t), intent(in) :: set
@@ -230,18 +254,21 @@ contains
       type(topology_t), intent(in) :: topology
       integer, intent(in) :: loop
       type(diagnostics_t), intent(inout) :: findings
+      character(:), allocatable :: missing
       integer :: n
 
       n = topology%loopl(loop)
+      missing = ''
+      if (set%iloop(n, loop) <= 0) missing = '; it seems that the frame arc is missing'
       associate (arc => topology%arcs(topology%seq(loop, n)))
          ! the frame's own arc hangs on the x axis, not on another arc of the frame
          if (arc%frame .and. (loop > 1 .or. abs(set%ilink(n, 1)) == n)) return
          if (loop == 1) then
             call complain(set, 'ILINK', 1, n, 'is the last arc of loop 1, the frame: ILINK='//to_text(n)// &
-                          ' and ILOOP=1 are expected, its direction in GAMA', findings)
+                          ' and ILOOP=1 are expected, its direction in GAMA'//missing, findings)
          else
             call complain(set, 'ILINK', loop, n, 'is the last arc of its loop and must belong to the frame: refer to arc '// &
-                          to_text(topology%loopl(1))//' of loop 1 or to another frame arc', findings)
+                          to_text(topology%loopl(1))//' of loop 1 or to another frame arc'//missing, findings)
          end if
       end associate
    end subroutine check_frame_end
@@ -357,10 +384,11 @@ contains
       type(topology_t), intent(inout) :: topology
       type(dimensions_t), intent(inout) :: dimensions
       type(diagnostics_t), intent(inout) :: findings
-      integer :: loop, a, n, m, turned_round
-      logical :: against
+      integer :: loop, a, n, m
+      logical :: against, along
+      type(joints_t) :: joints
 
-      turned_round = 0
+      call find_joints(topology, dimensions, joints)
       topology%arcs%representative = [(n, n=1, size(topology%arcs))]
       do loop = 1, set%nloop
          do a = 1, topology%loopl(loop)
@@ -368,6 +396,7 @@ contains
             associate (arc => topology%arcs(n))
                if (arc%kind /= arc_determined .or. arc%reference == 0) cycle
                m = arc%reference
+               along = modulo(dimensions%gama(n), full_turn) == 0.0_wp
                against = abs(modulo(dimensions%gama(n), full_turn) - half_turn) == 0.0_wp
                if (arc%same) then
                   arc%representative = topology%arcs(m)%representative
@@ -384,17 +413,26 @@ contains
                         .not. varies_alone(set, loop, a) .and. has_length(topology%arcs(topology%arcs(m)%representative)%kind)) then
                   arc%representative = topology%arcs(m)%representative
                   arc%reversed = .not. topology%arcs(m)%reversed
-                  turned_round = turned_round + 1
-                  if (turned_round <= most_told) call arc_warning(set, 'ILINK', loop, a, 'is identical with arc '// &
-                     place(topology, m)//' but traced the other way', findings)
+                  call arc_warning(set, 'ILINK', loop, a, 'is identical with arc '//place(topology, m)// &
+                                   ' but traced the other way', findings)
+               else if (along .and. dimensions%arcl(n) == dimensions%arcl(m) .and. .not. varies_alone(set, loop, a) .and. &
+                        has_length(topology%arcs(topology%arcs(m)%representative)%kind) .and. joints%alike(n, m)) then
+                  arc%representative = topology%arcs(m)%representative
+                  arc%reversed = topology%arcs(m)%reversed
+                  call arc_warning(set, 'ILINK', loop, a, 'is identical with arc '//place(topology, m)// &
+                                   ' and is taken for it, as a positive ILINK would say', findings)
                end if
             end associate
          end do
       end do
-      if (turned_round > most_told) then
-         call findings%warning(to_text(turned_round - most_told)//' more arcs are identical with others but traced the other way', &
-                               line=set%links_line, group='LINKS', item='ILINK')
-      end if
+      do loop = 1, set%nloop
+         do a = 1, topology%loopl(loop)
+            n = topology%seq(loop, a)
+            if (.not. joints%astray(n)) cycle
+            call arc_warning(set, 'ILINK', loop, a, 'belongs to the link of arc '//place(topology, topology%arcs(n)%reference)// &
+                             ', but it begins and ends at no joint of that link', findings)
+         end do
+      end do
    end subroutine find_identical
 
    !> True if the user lets this arc's own length or angle vary, so that it is not merely another arc turned round.
@@ -457,13 +495,13 @@ contains
 
       if (set%noutlp < 1 .or. set%noutlp > set%nloop) then
          call findings%error('must name a loop from 1 to '//to_text(set%nloop)//'; found '//to_text(set%noutlp), &
-                             line=set%links_line, group='LINKS', item='NOUTLP')
+                             line=set%origins%line('LINKS', 'NOUTLP', 1), group='LINKS', item='NOUTLP')
          return
       end if
       if (set%noutlk == 0 .or. abs(set%noutlk) > topology%loopl(set%noutlp)) then
          call findings%error('must name an arc from 1 to '//to_text(topology%loopl(set%noutlp))//' of loop '// &
-                             to_text(set%noutlp)//'; found '//to_text(set%noutlk), line=set%links_line, group='LINKS', &
-                             item='NOUTLK')
+                             to_text(set%noutlp)//'; found '//to_text(set%noutlk), &
+                             line=set%origins%line('LINKS', 'NOUTLK', 1), group='LINKS', item='NOUTLK')
          return
       end if
       topology%output_arc = topology%seq(set%noutlp, abs(set%noutlk))
@@ -472,13 +510,13 @@ contains
          associate (arc => topology%arcs(topology%arcs(topology%output_arc)%representative))
             if (arc%kind /= arc_slide .and. arc%kind /= arc_actuator) then
                call findings%error('MOTION=3 wants the length of a sliding arc, but arc '//place(topology, topology%output_arc)// &
-                                   ' does not slide', line=set%links_line, group='LINKS', item='NOUTLK')
+                                   ' does not slide', line=set%origins%line('LINKS', 'NOUTLK', 1), group='LINKS', item='NOUTLK')
             end if
          end associate
       end if
       if (set%ikin /= 0 .and. topology%sliding_input) then
          call findings%error('asks for a turn of the input, but the input slides; give NDES and DELT', &
-                             line=set%method_line, group='METHOD', item='IKIN')
+                             line=set%origins%line('METHOD', 'IKIN', 1), group='METHOD', item='IKIN')
       end if
    end subroutine find_output
 
@@ -610,24 +648,135 @@ contains
       marble = size(topology%variables)
       if (marble == 0) return
       if (.not. set%desired) then
-         call findings%error('a search needs desired values (DESX and DESY, or DESANG)', line=set%method_line, group='METHOD')
+         call findings%error('a search needs desired values (DESX and DESY, or DESANG)', line=set%origins%line('METHOD', ''), &
+                             group='METHOD')
       end if
       if (set%limval == 1 .or. set%var == 0.0_wp) then
-         if (set%bounds_given < marble) then
-            call findings%error('OPLOW and OPHIGH must give a value for each of the '//to_text(marble)//' variables; found '// &
-                                to_text(set%bounds_given), line=set%limits_line, group='LIMITS', item='OPLOW')
-         else if (any(set%oplow(:marble) > set%ophigh(:marble))) then
-            call findings%error('variable '//to_text(findloc(set%oplow(:marble) > set%ophigh(:marble), .true., dim=1))// &
-                                ' has a lower limit above its upper limit', line=set%limits_line, group='LIMITS', item='OPLOW')
-         else if (any(set%ophigh(:marble) <= 0.0_wp .and. topology%variables%kind == variable_length)) then
-            call findings%error('a length needs an upper limit above zero', line=set%limits_line, group='LIMITS', item='OPHIGH')
+         if (min(set%low_given, set%high_given) < marble) then
+            if (set%low_given < marble) call short('OPLOW', set%low_given)
+            if (set%high_given < marble) call short('OPHIGH', set%high_given)
+            return
          end if
+         if (set%low_given > marble) call long('OPLOW', set%low_given)
+         if (set%high_given > marble) call long('OPHIGH', set%high_given)
+         do n = 1, marble
+            associate (variable => topology%variables(n))
+               if (set%oplow(n) > set%ophigh(n)) then
+                  call of_variable('OPLOW', n, 'the lower limit '//limit(set%oplow(n))//' of the '// &
+                                   lower_case(name_of(variable))//' is above its upper limit '//limit(set%ophigh(n)))
+               else if (variable%kind == variable_length .and. set%ophigh(n) <= 0.0_wp) then
+                  call of_variable('OPHIGH', n, 'a length needs an upper limit above zero; found '//limit(set%ophigh(n))// &
+                                   ' for the '//lower_case(name_of(variable)))
+               end if
+            end associate
+         end do
       end if
       if (set%nguess > marble + 1) then
          call findings%error('a simplex of '//to_text(marble)//' variables has '//to_text(marble + 1)//' vertices; found '// &
-                             to_text(set%nguess), line=set%method_line, group='METHOD', item='NGUESS')
+                             to_text(set%nguess), line=set%origins%line('METHOD', 'NGUESS', 1), group='METHOD', item='NGUESS')
       end if
+
+   contains
+
+      subroutine of_variable(item, which, text)
+         character(*), intent(in) :: item, text
+         integer, intent(in) :: which
+
+         call findings%error(text, line=set%origins%line('LIMITS', item, which), group='LIMITS', item=item)
+      end subroutine of_variable
+
+      pure function limit(value) result(text)
+         real(wp), intent(in) :: value
+         character(:), allocatable :: text
+
+         text = trim(adjustl(general(value, 'E')))
+      end function limit
+
+      subroutine short(item, got)
+         character(*), intent(in) :: item
+         integer, intent(in) :: got
+         character(:), allocatable :: names
+         integer :: i
+
+         names = lower_case(name_of(topology%variables(1)))
+         do i = 2, min(marble, most_named)
+            names = names//', '//lower_case(name_of(topology%variables(i)))
+         end do
+         if (marble > most_named) names = names//' and so on'
+         call of_variable(item, 1, 'OPLOW and OPHIGH must give a value for each of the '//to_text(marble)//' variables; found '// &
+                          to_text(got)//'. The variables are '//names)
+      end subroutine short
+
+      subroutine long(item, got)
+         character(*), intent(in) :: item
+         integer, intent(in) :: got
+
+         call findings%warning(to_text(got)//' limits are given, but there are only '//to_text(marble)// &
+                               ' variables; the others are not used', line=set%origins%line('LIMITS', item, marble + 1), &
+                               group='LIMITS', item=item)
+      end subroutine long
    end subroutine check_dimensions
+
+   !> A position given twice counts twice, and has two desired values.
+   subroutine find_repeated(set, findings)
+      type(data_set_t), intent(in) :: set
+      type(diagnostics_t), intent(inout) :: findings
+      real(wp), allocatable :: sorted(:)
+      integer :: i, first, second
+
+      if (set%ikin /= 0 .or. set%ifree /= 0 .or. set%ndes < 2) return
+      if (all(set%delt(2:) > set%delt(:set%ndes - 1)) .or. all(set%delt(2:) < set%delt(:set%ndes - 1))) return
+      sorted = set%delt
+      call sort(sorted)
+      do i = 2, set%ndes
+         if (sorted(i) == sorted(i - 1)) exit
+      end do
+      if (i > set%ndes) return
+      first = findloc(set%delt, sorted(i), dim=1)
+      second = first + findloc(set%delt(first + 1:), sorted(i), dim=1)
+      call findings%warning('positions '//to_text(first)//' and '//to_text(second)//' have the same input '// &
+                            trim(adjustl(general(sorted(i), 'E'))), line=set%origins%line('METHOD', 'DELT', second), &
+                            group='METHOD', item='DELT')
+   end subroutine find_repeated
+
+   !> Put numbers in rising order (heap sort).
+   subroutine sort(values)
+      real(wp), intent(inout) :: values(:)
+      integer :: first, last
+      real(wp) :: largest
+
+      do first = size(values)/2, 1, -1
+         call sift(first, size(values))
+      end do
+      do last = size(values), 2, -1
+         largest = values(1)
+         values(1) = values(last)
+         values(last) = largest
+         call sift(1, last - 1)
+      end do
+
+   contains
+
+      subroutine sift(from, to)
+         integer, intent(in) :: from, to
+         integer :: node, child
+         real(wp) :: value
+
+         node = from
+         value = values(node)
+         do while (2*node <= to)
+            child = 2*node
+            if (child < to) then
+               if (values(child + 1) > values(child)) child = child + 1
+            end if
+            if (values(child) <= value) exit
+            values(node) = values(child)
+            node = child
+         end do
+         values(node) = value
+      end subroutine sift
+   end subroutine sort
+
    ! ---- messages ----------------------------------------------------------------------------------------------------
 
    subroutine complain(set, item, loop, a, text, findings)
@@ -635,8 +784,11 @@ contains
       character(*), intent(in) :: item, text
       integer, intent(in) :: loop, a
       type(diagnostics_t), intent(inout) :: findings
+      type(origin_t) :: origin
 
-      call findings%error(subject(loop, a)//text, line=set%links_line, group='LINKS', item=item)
+      if (.not. findings%told_enough(level_error, 'LINKS', item)) &
+         origin = set%origins%of('LINKS', item, (loop - 1)*set%maxarc + max(a, 1))
+      call findings%error(subject(loop, a)//text, line=origin%line, group='LINKS', item=item)
    end subroutine complain
 
    subroutine arc_warning(set, item, loop, a, text, findings)
@@ -644,12 +796,14 @@ contains
       character(*), intent(in) :: item, text
       integer, intent(in) :: loop, a
       type(diagnostics_t), intent(inout) :: findings
+      character(:), allocatable :: group
+      type(origin_t) :: origin
 
-      if (item == 'IVA' .or. item == 'IVG') then
-         call findings%warning(subject(loop, a)//text, line=set%method_line, group='METHOD', item=item)
-      else
-         call findings%warning(subject(loop, a)//text, line=set%links_line, group='LINKS', item=item)
-      end if
+      group = 'LINKS'
+      if (item == 'IVA' .or. item == 'IVG') group = 'METHOD'
+      if (.not. findings%told_enough(level_warning, group, item)) &
+         origin = set%origins%of(group, item, (loop - 1)*set%maxarc + a)
+      call findings%warning(subject(loop, a)//text, line=origin%line, group=group, item=item)
    end subroutine arc_warning
 
    pure function subject(loop, a) result(text)

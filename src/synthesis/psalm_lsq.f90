@@ -8,7 +8,7 @@
 !> solved. Inputs that must follow each other are put in order after every step.
 module psalm_lsq
    use psalm_kinds, only: wp
-   use psalm_lapack, only: solve_positive
+   use psalm_linear, only: solve_positive, along_columns
    use psalm_merit, only: merit_t, measure, form_equations, obeys
    implicit none (type, external)
    private
@@ -95,18 +95,18 @@ contains
             step = trial - values
             trial_delt = merit%delt
             if (merit%free) then
-               trial_delt = merit%delt - (merit%edge_gradient + matmul(step, merit%border))/damped_edge(merit, damping)
+               trial_delt = merit%delt - (merit%edge_gradient + along_columns(merit%border, step))/damped_edge(merit, damping)
                if (merit%ordered) call put_in_order(trial_delt, merit%sense, merit%span)
             end if
             call measure(merit, trial, trial_delt, weight, trial_total, objective)
          end if
          if (trial_total < total) then
             ! against what the linear model promised
-            promised = -2.0_wp*dot_product(merit%gradient, step) - dot_product(step, matmul(merit%matrix, step))
-            if (slow) promised = promised - dot_product(step, matmul(bend, step))
+            promised = -2.0_wp*dot_product(merit%gradient, step) - dot_product(step, along_columns(merit%matrix, step))
+            if (slow) promised = promised - dot_product(step, along_columns(bend, step))
             if (merit%free) then
                turn = trial_delt - merit%delt
-               promised = promised - 2.0_wp*dot_product(merit%edge_gradient + matmul(step, merit%border), turn) &
+               promised = promised - 2.0_wp*dot_product(merit%edge_gradient + along_columns(merit%border, step), turn) &
                           - sum(merit%edge*turn**2)
                merit%delt = trial_delt
             end if
@@ -143,7 +143,7 @@ contains
       real(wp) :: missing(size(step)), along
       integer :: v
 
-      missing = change - matmul(matrix + bend, step)
+      missing = change - along_columns(matrix + bend, step)
       along = dot_product(missing, step)
       if (abs(along) <= least_angle*sqrt(sum(missing**2)*sum(step**2))) return
       do v = 1, size(step)

@@ -1,11 +1,13 @@
 !> How far a linkage is inside each of its constraints, at the prescribed positions and over the range asked for.
 !>
 !> A range is looked at in steps of half a degree; in every valley that may be the deepest the look is sharpened until a
-!> thousandth of that.
+!> thousandth of that. Near a dead point all that hangs on the dyad may swing round within a small part of a step: there
+!> everything is looked at again, in steps that shrink towards the dead point by the same ratio as far as numbers go.
 module psalm_margins
+   use psalm_angles, only: arc_sine
    use psalm_constraint_group, only: region_t, range_positions, range_turn, region_box
    use psalm_data_set, only: data_set_t
-   use psalm_dyad_kind, only: assur_prr, assur_rpr, assur_rpr_guide_first, assur_rrp, assur_rrr
+   use psalm_dyad_kind, only: assur_prp, assur_prr, assur_rpr, assur_rpr_guide_first, assur_rrp, assur_rrr
    use psalm_error, only: problem_t
    use psalm_kinds, only: wp, degrees_per_radian, right_angle
    use psalm_merit, only: watch_inputs
@@ -18,16 +20,25 @@ module psalm_margins
    implicit none (type, external)
    private
    public :: margin_t, inspector_t, prepare_inspector, inspect, is_violated
-   public :: margin_angle, margin_guide, margin_offset, margin_region, margin_bound, margin_length
+   public :: margin_angle, margin_slides, margin_guide, margin_offset, margin_region, margin_bound, margin_length
 
    integer, parameter :: margin_angle = 1    !! transmission angle of a link pair inside its limits, degrees
-   integer, parameter :: margin_guide = 2    !! distance over guide and TOGGLE, length
-   integer, parameter :: margin_offset = 3   !! link over offset and TOGGLE, length
-   integer, parameter :: margin_region = 4   !! distance from a forbidden region, length
-   integer, parameter :: margin_bound = 5    !! variable inside its bounds, its own unit
-   integer, parameter :: margin_length = 6   !! a variable length, length
+   integer, parameter :: margin_slides = 2   !! angle between two slides inside its limits, degrees
+   integer, parameter :: margin_guide = 3    !! distance over guide and TOGGLE, length
+   integer, parameter :: margin_offset = 4   !! link over offset and TOGGLE, length
+   integer, parameter :: margin_region = 5   !! distance from a forbidden region, length
+   integer, parameter :: margin_bound = 6    !! variable inside its bounds, its own unit
+   integer, parameter :: margin_length = 7   !! a variable length, length
    integer, parameter :: steps_of_range = 720, steps_of_lens = 16, lenses = 3
    real(wp), parameter :: rounding = 1.0e-9_wp !! a negative margin smaller than this, relative to the linkage, is rounding
+   real(wp), parameter :: parallel = 1.0e-6_wp !! degrees between two slides that are parallel for every purpose
+   ! narrow places
+   real(wp), parameter :: narrow = 0.05_wp   !! `narrowness` below which a step of the range may hide something
+   integer, parameter :: steps_of_zoom = 120 !! to each side
+   integer, parameter :: steps_per_half = 3  !! so many halve the distance: 0.5/2**40 degrees in the end
+   integer, parameter :: deepest_lens = 13   !! lenses until the bottom of a narrow place is found: a step over 8**13
+   integer, parameter :: most_places = 32    !! narrow places looked into
+   integer, parameter :: most_levels = 3     !! a narrow place inside a narrow place inside a narrow place
 
    !> The least margin of one constraint.
    type :: margin_t
@@ -36,17 +47,20 @@ module psalm_margins
       real(wp) :: margin = huge(1.0_wp)      !! negative: violated
       real(wp) :: delt = 0.0_wp              !! input increment where it is least
       real(wp) :: unit = 1.0_wp              !! what counts as much, for rounding
+      real(wp) :: least_allowed = 0.0_wp     !! violated below
       integer :: edge = 0                    !! of a box to stay inside of: each edge has its own valleys
    end type margin_t
 
    type :: inspector_t
       type(station_t) :: fine                !! prescribed positions, then the range
       type(station_t) :: lens
+      type(station_t) :: zoom                !! round a narrow place
+      integer :: places = 0                  !! narrow places looked into
       integer :: irange = range_positions
       integer :: prescribed = 0              !! positions
       logical :: turns = .false.             !! the input turns
       logical :: everywhere = .false.        !! the range is a full turn
-      real(wp) :: tangle = right_angle
+      real(wp) :: tangle = right_angle, slide_angle = right_angle
       real(wp) :: size = 1.0_wp              !! longest given arc: what rounding is measured by
       type(region_t), allocatable :: regions(:)
       integer, allocatable :: joint(:)       !! by region
@@ -62,7 +76,7 @@ contains
       type(problem_t), intent(in) :: problem
       logical, intent(in) :: toggle                !! TOGGLE is a constraint, not only a distance of repair
       type(inspector_t), intent(out) :: inspector
-      type(problem_t) :: plain
+      type(problem_t), allocatable :: plain
       integer, allocatable :: joints(:, :)
       real(wp), allocatable :: inputs(:)
       integer :: r, marble
@@ -73,6 +87,7 @@ contains
       inspector%turns = .not. problem%topology%sliding_input
       inspector%everywhere = inspector%turns .and. inspector%irange == range_turn
       inspector%tangle = set%tangle
+      inspector%slide_angle = problem%slide_angle
       inspector%size = maxval(problem%given%arcl)
       inspector%regions = set%constr%regions
       joints = region_joints(inspector%regions)
@@ -80,16 +95,22 @@ contains
       do r = 1, size(inspector%regions)
          inspector%joint(r) = joint_of_region(inspector%regions(r), joints)
       end do
-      plain = problem
+      allocate (plain, source=problem)
       plain%tangle = right_angle
+      plain%slide_angle = right_angle
       if (.not. toggle) plain%toggle = 0.0_wp
       if (size(inspector%regions) > 0) plain%motion = motion_point
       inputs = problem%delt
       if (inspector%irange /= range_positions) then
          inputs = [inputs, watch_inputs(inspector%irange, problem, problem%delt, steps_of_range, 0)]
          call prepare_station(plain, inputs(:steps_of_lens + 1), .false., joints, .false., inspector%lens)
+         call prepare_station(plain, inputs(:2*steps_of_zoom + 1), .false., joints, .false., inspector%zoom)
+         allocate (inspector%lens%measure(steps_of_lens + 1, plain%topology%nloop), source=0.0_wp)
+         allocate (inspector%zoom%measure(2*steps_of_zoom + 1, plain%topology%nloop), source=0.0_wp)
       end if
       call prepare_station(plain, inputs, .false., joints, .false., inspector%fine)
+      inspector%fine%leading = problem%positions
+      allocate (inspector%fine%measure(size(inputs), plain%topology%nloop), source=0.0_wp)
       inspector%bounded = set%limval == 1 .and. marble > 0
       if (inspector%bounded) then
          inspector%low = set%oplow(:marble)
@@ -98,15 +119,19 @@ contains
    end subroutine prepare_inspector
 
    !> All margins of a linkage, with the input increments `delt`.
-   subroutine inspect(inspector, dimensions, delt, margins)
+   !>
+   !> With `hasty` narrow places are left out where something is violated anyway.
+   subroutine inspect(inspector, dimensions, delt, margins, hasty)
       type(inspector_t), intent(inout) :: inspector
       type(dimensions_t), intent(in) :: dimensions
       real(wp), intent(in) :: delt(:)              !! shape (positions)
       type(margin_t), allocatable, intent(out) :: margins(:)
-      type(margin_t) :: margin
-      integer :: loop, r, edge
+      logical, intent(in), optional :: hasty
+      type(margin_t), allocatable :: all_edges(:)
+      integer :: loop, r, edge, i
+      logical :: thorough
 
-      allocate (margins(0))
+      allocate (all_edges(0), margins(0))
       associate (fine => inspector%fine)
          if (inspector%irange == range_positions) then
             call fine%problem%move_inputs(delt)
@@ -118,12 +143,14 @@ contains
             if (fine%problem%linkage%step_of_loop(loop) == 0) cycle
             select case (fine%problem%topology%joint(loop))
             case (assur_rrr)
-               call add(margin_angle, loop)
+               call add(margin_angle, loop, 0)
             case (assur_rpr, assur_rpr_guide_first)
                ! without a guide a slide always closes
-               if (guide(fine, loop) > 0.0_wp) call add(margin_guide, loop)
+               if (guide(fine, loop) > 0.0_wp) call add(margin_guide, loop, 0)
             case (assur_rrp, assur_prr)
-               call add(margin_offset, loop)
+               call add(margin_offset, loop, 0)
+            case (assur_prp)
+               call add(margin_slides, loop, 0)
             end select
          end do
          do r = 1, size(inspector%regions)
@@ -131,13 +158,30 @@ contains
                do edge = 1, box_edges
                   call add(margin_region, r, edge)
                end do
-               ! the nearest edge stands for the box
-               associate (from => size(margins) - box_edges)
-                  margins(from + 1) = margins(from + minloc(margins(from + 1:)%margin, dim=1))
-                  margins = margins(:from + 1)
-               end associate
             else
-               call add(margin_region, r)
+               call add(margin_region, r, 0)
+            end if
+         end do
+         if (inspector%irange /= range_positions) then
+            inspector%lens%problem%side = fine%problem%side
+            inspector%zoom%problem%side = fine%problem%side
+         end if
+         do i = 1, size(all_edges)
+            call find_least(inspector, dimensions, all_edges(i))
+         end do
+         thorough = inspector%irange /= range_positions
+         if (present(hasty)) thorough = thorough .and. .not. (hasty .and. any(is_violated(all_edges)))
+         if (thorough) then
+            inspector%places = 0
+            call look_into_narrow_places(inspector, dimensions, (fine%problem%delt(inspector%prescribed + 1:)), &
+                                         narrowness(inspector, fine, inspector%prescribed + 1), 0, all_edges)
+         end if
+         do i = 1, size(all_edges)
+            ! the nearest edge stands for the box
+            if (all_edges(i)%edge > 1) then
+               if (all_edges(i)%margin < margins(size(margins))%margin) margins(size(margins)) = all_edges(i)
+            else
+               margins = [margins, all_edges(i)]
             end if
          end do
          call add_values(inspector, dimensions, margins)
@@ -145,17 +189,17 @@ contains
 
    contains
 
-      subroutine add(kind, which, one_edge)
-         integer, intent(in) :: kind, which
-         integer, intent(in), optional :: one_edge
+      subroutine add(kind, which, edge)
+         integer, intent(in) :: kind, which, edge
+         type(margin_t) :: margin
 
-         margin%edge = 0
-         if (present(one_edge)) margin%edge = one_edge
+         margin%edge = edge
          margin%kind = kind
          margin%which = which
-         margin%unit = merge(1.0_wp, min(inspector%size, maxval(dimensions%arcl)), kind == margin_angle)
-         call find_least(inspector, dimensions, margin)
-         margins = [margins, margin]
+         margin%unit = merge(1.0_wp, min(inspector%size, maxval(dimensions%arcl)), kind <= margin_slides)
+         margin%least_allowed = -rounding*margin%unit
+         if (kind == margin_slides .and. inspector%slide_angle >= right_angle) margin%least_allowed = parallel
+         all_edges = [all_edges, margin]
       end subroutine add
    end subroutine inspect
 
@@ -174,6 +218,7 @@ contains
       end associate
       if (size(values) == 0) return
       margin%unit = min(inspector%size, maxval(dimensions%arcl))
+      margin%least_allowed = -rounding*margin%unit
       if (inspector%bounded) then
          room = min(values - inspector%low, inspector%high - values)
          margin%kind = margin_bound
@@ -227,20 +272,13 @@ contains
       type(dimensions_t), intent(in) :: dimensions
       real(wp), intent(in) :: delt, half
       type(margin_t), intent(inout) :: margin
-      real(wp) :: at, reach, from, to, value, least
+      real(wp) :: at, reach, value, least
       integer :: i, round
 
       at = delt
       reach = half
       do round = 1, lenses
-         from = at - reach
-         to = at + reach
-         if (.not. inspector%everywhere) then
-            from = max(from, inspector%fine%problem%delt(inspector%prescribed + 1))
-            to = min(to, inspector%fine%problem%delt(inspector%fine%problem%positions))
-         end if
-         call inspector%lens%problem%move_inputs([(from + (to - from)*(real(i, wp)/real(steps_of_lens, wp)), i=0, steps_of_lens)])
-         call look(inspector%lens, dimensions)
+         call move_lens(inspector, dimensions, at, reach)
          least = huge(least)
          do i = 1, steps_of_lens + 1
             value = margin_at(inspector, inspector%lens, i, margin)
@@ -255,6 +293,159 @@ contains
          reach = reach*2.0_wp/real(steps_of_lens, wp)
       end do
    end subroutine look_sharper
+
+   !> Look again at everything where a dyad comes near a dead point: in the valleys of `narrowness` along a row of inputs.
+   recursive subroutine look_into_narrow_places(inspector, dimensions, inputs, values, level, margins)
+      type(inspector_t), intent(inout) :: inspector
+      type(dimensions_t), intent(in) :: dimensions
+      real(wp), intent(in) :: inputs(:)            !! shape (n)
+      real(wp), intent(in) :: values(:, :)         !! shape (n, nloop): narrowness there
+      integer, intent(in) :: level                 !! 0: the range; else the inputs are those round a narrow place
+      type(margin_t), intent(inout) :: margins(:)
+      real(wp) :: half, at, value
+      integer :: loop, i, n
+
+      n = size(inputs)
+      do loop = 1, size(values, 2)
+         do i = 1, n
+            if (level > 0 .and. abs(i - (steps_of_zoom + 1)) <= 1) cycle
+            associate (here => values(i, loop), before => values(max(i - 1, 1), loop), after => values(min(i + 1, n), loop))
+               if (here > min(before, after) .or. (here >= before .and. i > 1)) cycle
+               ! the bottom may be as sharp as the corner of a V
+               if (2.0_wp*here - max(before, after) > narrow) cycle
+            end associate
+            half = max(abs(inputs(i) - inputs(max(i - 1, 1))), abs(inputs(min(i + 1, n)) - inputs(i)))
+            at = inputs(i)
+            call find_bottom(inspector, dimensions, loop, half, at, value)
+            if (value > narrow) cycle
+            if (inspector%places >= most_places) return
+            inspector%places = inspector%places + 1
+            call zoom_in(inspector, dimensions, at, half, margins)
+            if (level + 1 < most_levels) call look_into_narrow_places(inspector, dimensions, (inspector%zoom%problem%delt), &
+                                                                      narrowness(inspector, inspector%zoom, 1), level + 1, margins)
+         end do
+      end do
+   end subroutine look_into_narrow_places
+
+   !> How near each dyad is to a dead point, from position `first` of a station on: 0 at it. Shape (positions, nloop).
+   !>
+   !> Two links or a slide with its guide: the distance between the outer joints, for they swing round where these meet. Two
+   !> slides: the sine between them, for they run far out. Link pairs, and link and slide: what is left of closing too.
+   pure function narrowness(inspector, station, first) result(near)
+      type(inspector_t), intent(in) :: inspector
+      type(station_t), intent(in) :: station
+      integer, intent(in) :: first
+      real(wp), allocatable :: near(:, :)
+      integer :: loop
+
+      associate (link => station%problem%linkage)
+         allocate (near(size(station%k, 1) - first + 1, size(station%k, 2)), source=1.0_wp)
+         do loop = 1, size(near, 2)
+            if (link%step_of_loop(loop) == 0) cycle
+            associate (k => station%k(first:, loop), measure => station%measure(first:, loop), &
+                       dyad => link%steps(link%step_of_loop(loop))%dyad)
+               select case (dyad%kind)
+               case (assur_rrr)
+                  near(:, loop) = sqrt(measure)/(dyad%p + dyad%q)
+                  where (abs(k) < 1.0_wp) near(:, loop) = min(near(:, loop), sqrt(1.0_wp - abs(k)))
+               case (assur_rpr, assur_rpr_guide_first)
+                  near(:, loop) = sqrt(measure)/(inspector%size*link%scale)
+               case (assur_rrp, assur_prr)
+                  where (abs(k) < 1.0_wp) near(:, loop) = sqrt(1.0_wp - abs(k))
+               case (assur_prp)
+                  near(:, loop) = abs(measure)
+               end select
+            end associate
+         end do
+      end associate
+   end function narrowness
+
+   !> The input within `half` of the given one where a dyad is nearest to a dead point.
+   subroutine find_bottom(inspector, dimensions, loop, half, at, least)
+      type(inspector_t), intent(inout) :: inspector
+      type(dimensions_t), intent(in) :: dimensions
+      integer, intent(in) :: loop
+      real(wp), intent(in) :: half
+      real(wp), intent(inout) :: at
+      real(wp), intent(out) :: least
+      real(wp) :: near(steps_of_lens + 1, inspector%lens%problem%topology%nloop), reach
+      integer :: round, i
+
+      reach = half
+      do round = 1, deepest_lens
+         call move_lens(inspector, dimensions, at, reach)
+         near = narrowness(inspector, inspector%lens, 1)
+         i = minloc(near(:, loop), dim=1)
+         at = inspector%lens%problem%delt(i)
+         least = near(i, loop)
+         reach = reach*2.0_wp/real(steps_of_lens, wp)
+      end do
+   end subroutine find_bottom
+
+   !> Look at every constraint within `half` of a narrow place, in steps that shrink towards it.
+   subroutine zoom_in(inspector, dimensions, at, half, margins)
+      type(inspector_t), intent(inout) :: inspector
+      type(dimensions_t), intent(in) :: dimensions
+      real(wp), intent(in) :: at, half
+      type(margin_t), intent(inout) :: margins(:)
+      real(wp) :: inputs(2*steps_of_zoom + 1), values(2*steps_of_zoom + 1)
+      integer :: m, i, n
+
+      n = size(inputs)
+      do i = 1, steps_of_zoom
+         associate (offset => half*0.5_wp**(real(i - 1, wp)/real(steps_per_half, wp)))
+            inputs(i) = at - offset
+            inputs(n + 1 - i) = at + offset
+         end associate
+      end do
+      inputs(steps_of_zoom + 1) = at
+      call clip(inspector, inputs)
+      call inspector%zoom%problem%move_inputs(inputs)
+      call look(inspector%zoom, dimensions)
+      do m = 1, size(margins)
+         do i = 1, n
+            values(i) = margin_at(inspector, inspector%zoom, i, margins(m))
+         end do
+         do i = 1, n
+            associate (here => values(i), before => values(max(i - 1, 1)), after => values(min(i + 1, n)))
+               if (here > min(before, after)) cycle
+               if (here < margins(m)%margin) then
+                  margins(m)%margin = here
+                  margins(m)%delt = inputs(i)
+               end if
+               if (2.0_wp*here - max(before, after) >= margins(m)%margin - 0.01_wp*rounding*margins(m)%unit) cycle
+               call look_sharper(inspector, dimensions, inputs(i), max(inputs(i) - inputs(max(i - 1, 1)), &
+                                                                       inputs(min(i + 1, n)) - inputs(i)), margins(m))
+            end associate
+         end do
+      end do
+   end subroutine zoom_in
+
+   !> Inputs beyond the range are put on its ends; a full turn has none.
+   pure subroutine clip(inspector, inputs)
+      type(inspector_t), intent(in) :: inspector
+      real(wp), intent(inout) :: inputs(:)
+
+      if (inspector%everywhere) return
+      associate (delt => inspector%fine%problem%delt)
+         inputs = min(max(inputs, delt(inspector%prescribed + 1)), delt(size(delt)))
+      end associate
+   end subroutine clip
+
+   !> Lay the lens on the inputs within `reach` of one, and look.
+   subroutine move_lens(inspector, dimensions, at, reach)
+      type(inspector_t), intent(inout) :: inspector
+      type(dimensions_t), intent(in) :: dimensions
+      real(wp), intent(in) :: at, reach
+      real(wp) :: ends(2)
+      integer :: i
+
+      ends = [at - reach, at + reach]
+      call clip(inspector, ends)
+      call inspector%lens%problem%move_inputs([(ends(1) + (ends(2) - ends(1))*(real(i, wp)/real(steps_of_lens, wp)), &
+                                                i=0, steps_of_lens)])
+      call look(inspector%lens, dimensions)
+   end subroutine move_lens
 
    !> Margin of a constraint at position i of a station.
    pure real(wp) function margin_at(inspector, station, i, margin) result(value)
@@ -284,7 +475,10 @@ contains
       case (margin_angle)
          ! past closing the sine stands for more than a right angle
          value = abs(station%k(i, margin%which))
-         value = inspector%tangle - (asin(min(value, 1.0_wp)) + max(value - 1.0_wp, 0.0_wp))*degrees_per_radian
+         value = inspector%tangle - (arc_sine(min(value, 1.0_wp)) + max(value - 1.0_wp, 0.0_wp)*degrees_per_radian)
+      case (margin_slides)
+         ! the angle between them, negative past parallel, less what is to remain of it
+         value = inspector%slide_angle - right_angle + arc_sine(max(-1.0_wp, min(1.0_wp - station%k(i, margin%which), 1.0_wp)))
       case (margin_guide)
          value = guide(station, margin%which)*(1.0_wp/max(station%k(i, margin%which), tiny(1.0_wp)**0.25_wp) - 1.0_wp)
       case default
@@ -311,6 +505,6 @@ contains
    elemental logical function is_violated(margin)
       type(margin_t), intent(in) :: margin
 
-      is_violated = margin%margin < -rounding*margin%unit
+      is_violated = margin%margin < margin%least_allowed
    end function is_violated
 end module psalm_margins

@@ -7,7 +7,7 @@ module psalm_merit
    use psalm_angles, only: unit_vector
    use psalm_constraint_group, only: region_t, range_positions, range_turn
    use psalm_data_set, only: data_set_t
-   use psalm_dyad_kind, only: assur_rrr, form_of, form_t
+   use psalm_dyad_kind, only: assur_prp, assur_rrr, form_of, form_t
    use psalm_error, only: problem_t
    use psalm_interrupt, only: interrupt_t
    use psalm_kinds, only: wp, degrees_per_radian, full_turn, right_angle
@@ -66,9 +66,9 @@ contains
       type(problem_t), intent(in) :: problem        !! with desired values
       real(wp), intent(in) :: first(:)              !! shape (marble)
       type(merit_t), intent(out) :: merit
-      type(problem_t) :: plain
+      type(problem_t), allocatable :: plain
       integer, allocatable :: joints(:, :)
-      real(wp) :: cosine, unused
+      real(wp) :: cosine, sine, unused
       integer :: marble, n, loop, r
 
       marble = size(problem%topology%variables)
@@ -89,10 +89,12 @@ contains
       merit%regions = set%constr%regions
       merit%dimensions = problem%given
       merit%size = max(maxval(problem%given%arcl), tiny(1.0_wp)**0.25_wp)
-      plain = problem
+      allocate (plain, source=problem)
       plain%tangle = right_angle
+      plain%slide_angle = right_angle
       call prepare_station(plain, problem%delt, merit%free, reshape([integer ::], [2, 0]), .true., merit%main)
       call copy_desired(problem, merit%main%problem)
+      merit%main%leading = n
       merit%floor = sum(merit%main%problem%weight(:n, 1))*(epsilon(1.0_wp)*merit%size)**2
       merit%small = max(1.0e-2_wp*sum(merit%main%problem%weight(:n, 1)) &
                         *merge(1.0_wp, merit%size, problem%motion == motion_angle)**2, sqrt(tiny(1.0_wp)))
@@ -119,9 +121,12 @@ contains
          merit%high = min(merit%high, max(longest, maxval(abs(first))/merit%size)*merit%size)
       end where
       call unit_vector(right_angle - set%tangle, cosine, unused)
+      call unit_vector(right_angle - problem%slide_angle, unused, sine)
       allocate (merit%limit(problem%topology%nloop))
       do loop = 1, problem%topology%nloop
-         merit%limit(loop) = merge(cosine, 1.0_wp, problem%topology%joint(loop) == assur_rrr) - slack
+         merit%limit(loop) = 1.0_wp - slack
+         if (problem%topology%joint(loop) == assur_rrr) merit%limit(loop) = cosine - slack
+         if (problem%topology%joint(loop) == assur_prp) merit%limit(loop) = 1.0_wp - sine - slack
       end do
       allocate (merit%matrix(marble, marble), merit%gradient(marble), source=0.0_wp)
       if (merit%free) allocate (merit%border(marble, n), merit%edge(n), merit%edge_gradient(n), source=0.0_wp)
@@ -200,12 +205,20 @@ contains
 
       call put_in(merit, values, delt)
       call look(merit%main, merit%dimensions)
-      if (merit%patrols) call look(merit%patrol, merit%dimensions)
+      if (merit%patrols) call look_on_patrol(merit)
       merit%evaluations = merit%evaluations + 1
       objective = sum_of_errors(merit)
       total = objective
       if (weight > 0.0_wp) total = total + weight*squared_violations(merit)
    end subroutine measure
+
+   !> Look at the patrol, with two slides on the side of each other that the prescribed positions say.
+   subroutine look_on_patrol(merit)
+      type(merit_t), intent(inout) :: merit
+
+      merit%patrol%problem%side = merit%main%problem%side
+      call look(merit%patrol, merit%dimensions)
+   end subroutine look_on_patrol
 
    !> The objective of the linkage last looked at.
    pure real(wp) function sum_of_errors(merit)
@@ -291,6 +304,7 @@ contains
             end associate
          end if
          if (merit%patrols) then
+            merit%patrol%problem%side = merit%main%problem%side
             call look_closely(merit%patrol, merit%dimensions)
             call add_angles(merit%patrol, marble, weight, merit)
             do r = 1, size(merit%regions)
@@ -372,7 +386,7 @@ contains
       end do
    end function product_of
 
-   !> Violations of closure, transmission angles and TOGGLE at the positions of a station.
+   !> Violations of closure, transmission angles, angles between slides and TOGGLE at the positions of a station.
    subroutine add_angles(station, marble, weight, merit)
       type(station_t), intent(in) :: station
       integer, intent(in) :: marble
@@ -434,7 +448,7 @@ contains
       call look(merit%main, merit%dimensions)
       sound = keeps_limits(merit%main, merit%limit)
       if (.not. (sound .and. merit%patrols)) return
-      call look(merit%patrol, merit%dimensions)
+      call look_on_patrol(merit)
       sound = all(merit%patrol%closed) .and. keeps_limits(merit%patrol, merit%limit)
       do r = 1, size(merit%regions)
          do i = 1, merit%patrol%problem%positions
@@ -472,19 +486,19 @@ contains
          type(station_t), intent(in) :: station
          integer :: loop
 
-         of_station = 2*station%problem%positions*count([(has_limit(station, loop), loop=1, size(merit%limit))])
+         of_station = station%problem%positions*sum([(ways(station, loop), loop=1, size(merit%limit))])
       end function of_station
    end function count_violations
 
-   !> True for a dyad that is solved and may fail to close.
-   pure logical function has_limit(station, loop)
+   !> In how many ways a dyad that is solved may fail to close: none of type 6 or 7 does, two slides are parallel one way.
+   pure integer function ways(station, loop)
       type(station_t), intent(in) :: station
       integer, intent(in) :: loop
       type(form_t) :: form
 
       form = form_of(station%problem%topology%joint(loop))
-      has_limit = station%problem%linkage%step_of_loop(loop) > 0 .and. form%power > 0
-   end function has_limit
+      ways = merge(form%ways, 0, station%problem%linkage%step_of_loop(loop) > 0)
+   end function ways
 
    !> Every constraint (<= 0) of the linkage last looked at and, with `slopes`, its derivatives by dimensions and input positions.
    subroutine violations(merit, values, slopes)
@@ -528,9 +542,8 @@ contains
          real(wp) :: side
 
          do loop = 1, size(merit%limit)
-            if (.not. has_limit(station, loop)) cycle
             do k = 1, size(station%k, 1)
-               do way = 1, 2
+               do way = 1, ways(station, loop)
                   side = merge(1.0_wp, -1.0_wp, way == 1)
                   next = next + 1
                   values(next) = side*station%k(k, loop) - merit%limit(loop)

@@ -2,6 +2,7 @@
 module psalm_regions
    use psalm_angles, only: unit_vector
    use psalm_constraint_group, only: constraint_group_t, region_t, range_turn, region_box, region_half_plane, region_circle
+   use psalm_elementary, only: hypotenuse
    use psalm_kinds, only: wp
    use psalm_status, only: diagnostics_t
    use psalm_text, only: to_text
@@ -66,7 +67,7 @@ contains
       case (region_circle)
          ux = x - region%at(1)
          uy = y - region%at(2)
-         r = hypot(ux, uy)
+         r = hypotenuse(ux, uy)
          depth = region%at(3) - r
          if (r > 0.0_wp) then
             gx = -ux/r

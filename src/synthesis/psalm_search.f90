@@ -6,6 +6,7 @@ module psalm_search
    use psalm_constr, only: constraints_t, repair_count_t, make_constraints, constrain
    use psalm_constraint_group, only: range_positions
    use psalm_data_set, only: data_set_t
+   use psalm_elementary, only: fractional_power
    use psalm_error, only: problem_t
    use psalm_interrupt, only: interrupt_t
    use psalm_kinds, only: wp, i8, full_turn, right_angle
@@ -70,11 +71,12 @@ module psalm_search
 
    !> What one thread works with.
    type :: worker_t
-      type(problem_t) :: problem
-      type(constraints_t) :: constraints
-      type(merit_t) :: merit
-      type(timing_t) :: timing
-      type(inspector_t) :: inspector
+      ! allocated: together they would fill a small stack
+      type(problem_t), allocatable :: problem
+      type(constraints_t), allocatable :: constraints
+      type(merit_t), allocatable :: merit
+      type(timing_t), allocatable :: timing
+      type(inspector_t), allocatable :: inspector
    end type worker_t
 
 contains
@@ -105,7 +107,8 @@ contains
       total = extra + set%search%nstart
       allocate (outcomes(total), workers(min(max(1, threads), total)))
       do t = 1, size(workers)
-         workers(t)%problem = problem
+         allocate (workers(t)%problem, source=problem)
+         allocate (workers(t)%constraints, workers(t)%merit, workers(t)%timing, workers(t)%inspector)
          call make_constraints(set, problem, workers(t)%constraints)
          call prepare_merit(set, problem, first, workers(t)%merit)
          workers(t)%merit%interrupt = ending
@@ -159,7 +162,7 @@ contains
    !> The starts of one thread: from, from + step ... until.
    subroutine make_starts(set, worker, from, until, step, first, supplied, elite, outcomes, state, monitor)
       type(data_set_t), intent(in) :: set
-      type(worker_t), intent(inout) :: worker
+      type(worker_t), intent(inout), target :: worker
       integer, intent(in) :: from, until, step
       real(wp), intent(in) :: first(:), supplied(:, :), elite(:, :)
       type(outcome_t), intent(inout) :: outcomes(:)
@@ -220,7 +223,7 @@ contains
    !> One start: draw it, make it close where that is easy, improve it, inspect it.
    subroutine one_start(set, worker, first, given, number, elite, outcome)
       type(data_set_t), intent(in) :: set
-      type(worker_t), intent(inout) :: worker
+      type(worker_t), intent(inout), target :: worker
       real(wp), intent(in) :: first(:), given(:)       !! shape (marble): the user's linkage; the one to start from
       integer, intent(in) :: number                    !! 1: start from the user's; above: from one drawn; below: from `given`
       real(wp), intent(in) :: elite(:, :)              !! shape (marble, any): the best linkages of the rounds before
@@ -304,7 +307,7 @@ contains
    !> Search on from what a start led to.
    subroutine refine(set, worker, first, outcome)
       type(data_set_t), intent(in) :: set
-      type(worker_t), intent(inout) :: worker
+      type(worker_t), intent(inout), target :: worker
       real(wp), intent(in) :: first(:)
       type(outcome_t), intent(inout) :: outcome
       type(outcome_t) :: finer
@@ -342,14 +345,14 @@ contains
       do v = 1, size(low)
          call random%next(deviate)
          values(v) = low(v) + deviate*(high(v) - low(v))
-         if (by_ratio(v) .and. mod(number, 2) == 1) values(v) = low(v)*(high(v)/low(v))**deviate
+         if (by_ratio(v) .and. mod(number, 2) == 1) values(v) = low(v)*fractional_power(high(v)/low(v), deviate)
       end do
    end function drawn
 
    !> Improve, look for a better timing, inspect the range of the input; go back to work on what is found.
    subroutine work_on(set, worker, low, high, least_gain, number, outcome)
       type(data_set_t), intent(in) :: set
-      type(worker_t), intent(inout) :: worker
+      type(worker_t), intent(inout), target :: worker
       real(wp), intent(in) :: low(:), high(:)
       real(wp), intent(in) :: least_gain               !! of a step of least squares
       integer, intent(in) :: number
@@ -381,7 +384,7 @@ contains
       if (worker%merit%irange == range_positions .or. .not. outcome%feasible) return
       do round = 1, most_returns
          call worker%problem%topology%apply(outcome%values, worker%merit%dimensions)
-         call inspect(worker%inspector, worker%merit%dimensions, worker%merit%delt, margins)
+         call inspect(worker%inspector, worker%merit%dimensions, worker%merit%delt, margins, hasty=.true.)
          outcome%feasible = .not. any(is_violated(margins))
          if (outcome%feasible) return
          if (size(extra) >= extra_positions) return

@@ -5,6 +5,7 @@
 !> continuous across closing, so that a search can cross it and come back. The derivatives are exact where the linkage closes;
 !> at open positions they are one-sided differences.
 module psalm_station
+   use psalm_angles, only: angles_of
    use psalm_error, only: problem_t
    use psalm_kinds, only: wp, degrees_per_radian
    use psalm_linkage, only: padded
@@ -21,10 +22,13 @@ module psalm_station
       type(problem_t) :: problem                   !! closure only
       type(sensitivity_t) :: work
       logical :: timed = .false.                   !! every input position is a variable too
+      integer :: leading = 0                       !! of the positions: they say on which side of each other two slides are to be;
+                                                   !! 0: that is given
       integer :: columns = 0                       !! variables, the input included
       logical, allocatable :: closed(:)            !! shape (positions)
       real(wp), allocatable :: out(:, :)           !! shape (positions, components): actual - desired; without desired values the actual
       real(wp), allocatable :: k(:, :)             !! shape (positions, nloop): `find_constraints`
+      real(wp), allocatable :: measure(:, :)       !! shape (positions, nloop): of the dyads, scaled, where it is wanted
       real(wp), allocatable :: joints(:, :, :)     !! shape (positions, 2, joints): co-ordinates, machine axes
       real(wp), allocatable :: dout(:, :, :)       !! shape (positions, columns, components): derivatives of `out`
       real(wp), allocatable :: dk(:, :, :)         !! shape (positions, nloop, columns)
@@ -73,6 +77,29 @@ contains
    subroutine look(station, dimensions)
       type(station_t), intent(inout) :: station
       type(dimensions_t), intent(in) :: dimensions
+
+      call observe(station, dimensions)
+      if (station%leading > 0) call choose_sides(station)
+   end subroutine look
+
+   !> Two slides are to be on the side of each other on which they mostly are at the leading positions.
+   pure subroutine choose_sides(station)
+      type(station_t), intent(inout) :: station
+      integer :: loop
+
+      associate (link => station%problem%linkage)
+         do loop = 1, size(link%two_slides)
+            if (.not. link%two_slides(loop) .or. link%step_of_loop(loop) == 0) cycle
+            if (sum(1.0_wp - station%k(:station%leading, loop)) >= 0.0_wp) cycle
+            station%problem%side(loop) = -station%problem%side(loop)
+            station%k(:, loop) = 2.0_wp - station%k(:, loop)
+         end do
+      end associate
+   end subroutine choose_sides
+
+   subroutine observe(station, dimensions)
+      type(station_t), intent(inout) :: station
+      type(dimensions_t), intent(in) :: dimensions
       integer :: block, offset, n, m, i, loop, j, c
 
       associate (problem => station%problem)
@@ -89,13 +116,19 @@ contains
                                                  problem%toward_y(first:last), link)
                      end associate
                      station%out(offset + 1:offset + n, c) = -link%store%v(1:n, link%miss)
+                  else if (c == problem%output%kind%angle) then
+                     call angles_of(n, link%store%v(1, link%direction(1)), link%store%v(1, link%direction(2)), &
+                                    station%out(offset + 1:offset + n, c))
                   else
-                     do i = 1, n
-                        station%out(offset + i, c) = problem%output%actual(c, i, link)
-                     end do
+                     station%out(offset + 1:offset + n, c) = link%store%v(1:n, link%out(c))
                   end if
                end do
                call block_constraints(problem, n, station%k(offset + 1:offset + n, :))
+               if (allocated(station%measure)) then
+                  do loop = 1, problem%topology%nloop
+                     station%measure(offset + 1:offset + n, loop) = link%store%v(1:n, link%measure(loop))
+                  end do
+               end if
                station%closed(offset + 1:offset + n) = .true.
                do loop = 1, problem%topology%nloop
                   if (link%step_of_loop(loop) == 0) cycle
@@ -113,7 +146,7 @@ contains
             end associate
          end do
       end associate
-   end subroutine look
+   end subroutine observe
 
    !> See it with all derivatives.
    subroutine look_closely(station, dimensions)
@@ -150,7 +183,7 @@ contains
             call station%problem%topology%apply(values, changed)
             if (kind == variable_crnki) changed%crnki = dimensions%crnki + step
          end associate
-         call look(station, changed)
+         call observe(station, changed)
          do i = 1, size(station%closed0)
             if (station%closed0(i)) cycle
             station%dout(i, v, :) = (station%out(i, :) - station%out0(i, :))/step

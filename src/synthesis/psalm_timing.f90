@@ -20,6 +20,7 @@ module psalm_timing
       real(wp), allocatable :: inputs(:)          !! shape (steps)
       real(wp), allocatable :: cost(:, :)         !! shape (steps, positions): weighted squared distance
       real(wp), allocatable :: least(:, :)        !! shape (steps, positions): of visits that end here or before
+      integer, allocatable :: like(:)             !! shape (steps): the first step with all pairs of slides on the same sides
    end type timing_t
 
 contains
@@ -39,17 +40,58 @@ contains
                         i=0, steps - 1)]
       call prepare_station(problem, timing%inputs, .false., reshape([integer ::], [2, 0]), .false., timing%path)
       allocate (timing%cost(steps, problem%positions), timing%least(steps, problem%positions), source=0.0_wp)
+      allocate (timing%like(steps), source=1)
    end subroutine prepare_timing
 
    !> The timing that fits the merit's linkage (`merit%dimensions`) best, at the steps of the range.
+   !>
+   !> No linkage moves through parallel slides: what lies on one side of them is a path of its own.
    subroutine find_timing(timing, merit, delt)
       type(timing_t), intent(inout) :: timing
       type(merit_t), intent(in) :: merit
       real(wp), intent(out) :: delt(:)            !! shape (positions)
-      integer :: i, c, from, best_from
-      real(wp) :: total, best
+      real(wp) :: trial(size(delt)), total, best
+      integer :: i
 
       call look(timing%path, merit%dimensions)
+      call find_paths(timing)
+      best = huge(best)
+      do i = 1, steps
+         if (timing%like(i) /= i) cycle
+         call time_path(timing, merit, i, trial, total)
+         if (i > 1 .and. total >= best) cycle
+         best = total
+         delt = trial
+      end do
+   end subroutine find_timing
+
+   !> Which steps belong together.
+   pure subroutine find_paths(timing)
+      type(timing_t), intent(inout) :: timing
+      integer :: i, j
+
+      timing%like = 1
+      associate (pairs => timing%path%problem%linkage%two_slides .and. timing%path%problem%linkage%step_of_loop > 0)
+         if (.not. any(pairs)) return
+         do i = 2, steps
+            do j = 1, i
+               if (all((timing%path%k(j, :) < 1.0_wp .eqv. timing%path%k(i, :) < 1.0_wp) .or. .not. pairs)) exit
+            end do
+            timing%like(i) = j
+         end do
+      end associate
+   end subroutine find_paths
+
+   !> The best timing on one of the paths, and what it costs.
+   subroutine time_path(timing, merit, path, delt, best)
+      type(timing_t), intent(inout) :: timing
+      type(merit_t), intent(in) :: merit
+      integer, intent(in) :: path                 !! its first step
+      real(wp), intent(out) :: delt(:)            !! shape (positions)
+      real(wp), intent(out) :: best
+      integer :: i, c, from, best_from
+      real(wp) :: total
+
       associate (problem => merit%main%problem, out => timing%path%out)
          do i = 1, size(delt)
             timing%cost(:, i) = 0.0_wp
@@ -61,10 +103,11 @@ contains
                   timing%cost(:, i) = timing%cost(:, i) + problem%weight(i, c)*(out(:, c) - problem%wanted(i, c))**2
                end if
             end do
-            where (.not. timing%path%closed) timing%cost(:, i) = timing%cost(:, i) + never
+            where (.not. timing%path%closed .or. timing%like /= path) timing%cost(:, i) = timing%cost(:, i) + never
          end do
          if (.not. merit%ordered) then
             delt = timing%inputs(minloc(timing%cost, dim=1))
+            best = sum(minval(timing%cost, dim=1))
             return
          end if
          best = huge(best)
@@ -79,7 +122,7 @@ contains
          call visit(timing, best_from, total)
          call trace_back(timing, best_from, merit%sense, delt)
       end associate
-   end subroutine find_timing
+   end subroutine time_path
 
    !> Least cost of a visit of all points in order that begins at step `from` or after.
    subroutine visit(timing, from, total)

@@ -6,8 +6,10 @@
 !> Source: Oldham (1977), section 8.2.5 and chapter 1.
 module psalm_tolerance
    use psalm_data_set, only: data_set_t
+   use psalm_elementary, only: hypotenuse
    use psalm_error, only: problem_t, motion_t, make_problem
    use psalm_finale, only: angle_text
+   use psalm_interrupt, only: interrupt_t
    use psalm_kinds, only: wp, i8
    use psalm_linkage, only: padded
    use psalm_output_kind, only: output_kind_t
@@ -25,6 +27,8 @@ module psalm_tolerance
 
    integer, parameter :: least_chunk = 1000     !! linkages of a chunk; sums are formed by chunk and added in order
    integer, parameter :: most_chunks = 1000     !! larger samples have larger chunks
+   integer, parameter :: chunks_at_once = 4     !! of each thread: between these rounds sums are added
+   integer, parameter :: solved_unasked = 20000 !! positions between two looks whether the sample must end
    integer, parameter :: most_named = 10        !! linkages of the sample that are named because they do not close
 
    !> The linear picture.
@@ -42,7 +46,7 @@ module psalm_tolerance
 
    !> The sample.
    type :: sample_t
-      integer :: trials = 0
+      integer :: trials = 0                        !! linkages analysed: fewer than asked for if the sample had to end early
       logical :: any_closed = .false.              !! there is something to tell of
       integer :: open = 0                          !! linkages that do not close at some position
       integer :: named(most_named) = 0             !! the first of them
@@ -160,69 +164,81 @@ contains
 
    !> Analyse a sample of linkages.
    !>
-   !> Linkage t takes its deviates from place (t-1) marble + 1 of the sequence that begins with ISTART.
-   subroutine draw_sample(linear, trials, istart, threads, sample)
+   !> Linkage t takes its deviates from place (t-1) marble + 1 of the sequence that begins with ISTART. A sample that must end early
+   !> has the linkages analysed so far.
+   subroutine draw_sample(linear, trials, istart, threads, sample, interrupt)
       type(tolerance_t), intent(in) :: linear
       integer, intent(in) :: trials, istart, threads
       type(sample_t), intent(out) :: sample
+      type(interrupt_t), intent(in), optional :: interrupt !! asked now and then
+      type(interrupt_t) :: ending
       type(problem_t), allocatable :: workers(:)
-      real(wp), allocatable :: low(:, :, :), high(:, :, :), total(:, :, :), squares(:, :, :) !! by chunk
-      integer, allocatable :: open(:), named(:, :), loop(:, :)
-      integer :: chunk, chunks, k, t, n, i, closed, components
+      real(wp), allocatable :: low(:, :, :), high(:, :, :), total(:, :, :), squares(:, :, :) !! by chunk of a round
+      integer, allocatable :: made(:), open(:), named(:, :), loop(:, :)
+      integer :: chunk, chunks, before, at_once, k, t, n, i, closed, components
 
+      if (present(interrupt)) ending = interrupt
       n = linear%problem%positions
       components = linear%problem%output%kind%components
       chunk = max(least_chunk, (trials - 1)/most_chunks + 1)
       chunks = (trials - 1)/chunk + 1
-      sample%trials = trials
       allocate (workers(max(1, threads)))
       do t = 1, size(workers)
          workers(t) = linear%lean
          call workers(t)%set_inputs(linear%problem%delt)
          call workers(t)%set_desired(linear%nominal%actual, spread(spread(1.0_wp, 1, n), 2, components))
       end do
-      allocate (low(n, components, chunks), high(n, components, chunks))
-      allocate (total(n, components, chunks), squares(n, components, chunks))
-      allocate (open(chunks), named(most_named, chunks), loop(most_named, chunks), source=0)
-      !$omp parallel do num_threads(size(workers)) schedule(static) private(k)
-      do t = 1, size(workers)
-         do k = t, chunks, size(workers)
-            call run_chunk(linear, workers(t), (k - 1)*chunk + 1, min(trials, k*chunk), istart, low(:, :, k), high(:, :, k), &
-                           total(:, :, k), squares(:, :, k), open(k), named(:, k), loop(:, k))
-         end do
-      end do
-      !$omp end parallel do
-      sample%low = minval(low, dim=3)
-      sample%high = maxval(high, dim=3)
+      at_once = min(chunks, chunks_at_once*size(workers))
+      allocate (low(n, components, at_once), high(n, components, at_once))
+      allocate (total(n, components, at_once), squares(n, components, at_once))
+      allocate (made(at_once), open(at_once), named(most_named, at_once), loop(most_named, at_once), source=0)
+      allocate (sample%low(n, components), source=huge(1.0_wp))
+      allocate (sample%high(n, components), source=-huge(1.0_wp))
       allocate (sample%mean(n, components), sample%deviation(n, components), source=0.0_wp)
-      do k = 1, chunks
-         sample%mean = sample%mean + total(:, :, k)
-         sample%deviation = sample%deviation + squares(:, :, k)
-         do i = 1, min(open(k), most_named)
-            if (sample%open + i > most_named) exit
-            sample%named(sample%open + i) = named(i, k)
-            sample%loop(sample%open + i) = loop(i, k)
+      do before = 0, chunks - 1, at_once
+         !$omp parallel do num_threads(size(workers)) schedule(static) private(k)
+         do t = 1, size(workers)
+            do k = t, min(at_once, chunks - before), size(workers)
+               call run_chunk(linear, workers(t), (before + k - 1)*chunk + 1, min(trials, (before + k)*chunk), istart, ending, &
+                              low(:, :, k), high(:, :, k), total(:, :, k), squares(:, :, k), made(k), open(k), named(:, k), &
+                              loop(:, k))
+            end do
          end do
-         sample%open = sample%open + open(k)
+         !$omp end parallel do
+         do k = 1, min(at_once, chunks - before)
+            sample%low = min(sample%low, low(:, :, k))
+            sample%high = max(sample%high, high(:, :, k))
+            sample%mean = sample%mean + total(:, :, k)
+            sample%deviation = sample%deviation + squares(:, :, k)
+            do i = 1, min(open(k), most_named)
+               if (sample%open + i > most_named) exit
+               sample%named(sample%open + i) = named(i, k)
+               sample%loop(sample%open + i) = loop(i, k)
+            end do
+            sample%trials = sample%trials + made(k)
+            sample%open = sample%open + open(k)
+         end do
+         if (ending%waiting()) exit
       end do
-      sample%any_closed = sample%open < trials
-      closed = max(1, trials - sample%open)
+      sample%any_closed = sample%open < sample%trials
+      closed = max(1, sample%trials - sample%open)
       sample%mean = sample%mean/real(closed, wp)
       sample%deviation = sqrt(max(sample%deviation/real(closed, wp) - sample%mean**2, 0.0_wp))
    end subroutine draw_sample
 
    !> The linkages from one number to another.
-   subroutine run_chunk(linear, problem, from, to, istart, low, high, total, squares, open, named, loop)
+   subroutine run_chunk(linear, problem, from, to, istart, ending, low, high, total, squares, made, open, named, loop)
       type(tolerance_t), intent(in) :: linear
       type(problem_t), intent(inout) :: problem
       integer, intent(in) :: from, to, istart
+      type(interrupt_t), intent(in) :: ending
       real(wp), intent(out) :: low(:, :), high(:, :), total(:, :), squares(:, :) !! shape (positions, components)
-      integer, intent(out) :: open, named(:), loop(:)
+      integer, intent(out) :: made, open, named(:), loop(:)
       type(dimensions_t) :: dimensions
       type(random_t) :: random
       real(wp), allocatable :: nominal(:), values(:), miss(:, :)
       real(wp) :: deviate
-      integer :: t, v, failed, i, k
+      integer :: t, v, failed, i, k, unasked
 
       low = huge(low)
       high = -huge(high)
@@ -237,7 +253,13 @@ contains
       allocate (miss(problem%positions, size(low, 2)), source=0.0_wp)
       random%state = int(istart, i8)
       call random%skip(int(from - 1, i8)*int(size(values), i8))
+      unasked = max(1, solved_unasked/max(1, problem%positions))
+      made = 0
       do t = from, to
+         if (mod(t - from, unasked) == 0) then
+            if (ending%waiting()) return
+         end if
+         made = made + 1
          do v = 1, size(values)
             call random%next(deviate)
             values(v) = nominal(v) + linear%tolerance(v)*(2.0_wp*deviate - 1.0_wp)
@@ -281,7 +303,7 @@ contains
       call text%add(' DIMENSION                          TOLERANCE  LARGEST EFFECT  AT POSITION')
       do v = 1, size(linear%tolerance)
          size_of = abs(linear%effect(:, v, 1))
-         if (kind%has_point .and. kind%components > 1) size_of = hypot(linear%effect(:, v, 1), linear%effect(:, v, 2))
+         if (kind%components > 1) size_of = hypotenuse(linear%effect(:, v, 1), linear%effect(:, v, 2))
          worst = maxloc(size_of, dim=1)
          line = ' '//name_of(linear%problem%topology%variables(v))
          line = line//repeat(' ', max(1, 30 - len(line)))//general(linear%tolerance(v))

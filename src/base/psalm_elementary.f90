@@ -1,0 +1,295 @@
+!> Elementary functions that give the same digits on every processor.
+!>
+!> A library's sine may use a fused multiplication where the processor has one, and then ends in another digit. Here everything
+!> is made of +, -, *, / and square roots, which IEEE 754 rounds correctly, one operation after the other (-ffp-contract=off).
+!> Sine and cosine of degrees and their inverse are evaluated as a sum of two numbers; where its rounding is in doubt (once in
+!> some hundred times) it is evaluated again with twice the digits. All is done in real64: real32 rounds the result, and real128,
+!> the yardstick of the tests, takes the library's functions.
+module psalm_elementary
+   use psalm_kinds, only: wp, dp
+   implicit none (type, external)
+   private
+   public :: sine_cosine, refined_direction, hypotenuse, fractional_power, digits_of_pair
+
+   integer, parameter :: digits_of_pair = precision(1.0_dp) !! decimal digits of a kind that these functions serve
+
+   real(dp), parameter :: splitter = 134217729.0_dp        !! 2**27 + 1: halves of 26 bits (Veltkamp 1968, Dekker 1971)
+   real(dp), parameter :: doubt = 2.0_dp**(-63)            !! bound of the relative error of the first evaluation
+   real(dp), parameter :: least_angle = 2.0_dp**(-900)     !! below it halves of products would underflow
+   integer, parameter :: terms = 15                        !! of the series on 0 to 45 degrees: the next is below 2**-110
+
+   ! pi/180: 26 bits and the rest; 53 bits and the rest
+   real(dp), parameter :: degree_head = 1.7453292384743690E-02_dp, degree_tail = 1.3519960527851425E-10_dp
+   real(dp), parameter :: degree = 1.7453292519943295E-02_dp, degree_rest = 2.9486522708701687E-19_dp
+   real(dp), parameter :: degrees_per_radian = 57.2957795130823208767981548141051784_dp
+
+   !> Sines of 0 to 90 degrees: 26 bits, and the rest. The products of heads with numbers of 26 bits are exact.
+   real(dp), parameter :: sine_table(2, 0:90) = reshape([ &
+      0.0000000000000000E+00_dp, 0.0000000000000000E+00_dp, 1.7452406231313944E-02_dp, 2.0596956895650394E-10_dp, &
+      3.4899496473371983E-02_dp, 2.2912898907153230E-10_dp, 5.2335956133902073E-02_dp, 1.0904175981562449E-10_dp, &
+      6.9756474345922470E-02_dp, -6.0179716931681461E-10_dp, 8.7155742570757866E-02_dp, 1.7690030765230254E-10_dp, &
+      1.0452846251428127E-01_dp, 7.5337219851165055E-10_dp, 1.2186934426426888E-01_dp, -8.5912139400917642E-10_dp, &
+      1.3917310163378716E-01_dp, -6.7372171103887050E-10_dp, 1.5643446519970894E-01_dp, -1.5947806958852749E-10_dp, &
+      1.7364817857742310E-01_dp, -9.1049274685140842E-10_dp, 1.9080899655818939E-01_dp, -1.1816445796847034E-09_dp, &
+      2.0791169255971909E-01_dp, -1.7419597485916170E-09_dp, 2.2495105490088463E-01_dp, -5.5701963024479119E-10_dp, &
+      2.4192189425230026E-01_dp, 1.3473674601092705E-09_dp, 2.5881904363632202E-01_dp, 1.4661987408645238E-09_dp, &
+      2.7563735842704773E-01_dp, -2.6100485438422161E-09_dp, 2.9237170517444611E-01_dp, -4.5170937785956254E-10_dp, &
+      3.0901699513196945E-01_dp, -7.5702202780200346E-10_dp, 3.2556815445423126E-01_dp, 2.9254065069776858E-12_dp, &
+      3.4202014654874802E-01_dp, -3.2230792833133221E-09_dp, 3.5836794972419739E-01_dp, -1.7889711421117471E-10_dp, &
+      3.7460659444332123E-01_dp, -1.0274091926123801E-09_dp, 3.9073112607002258E-01_dp, 2.4192511720542720E-09_dp, &
+      4.0673664212226868E-01_dp, 9.5353153099617351E-10_dp, 4.2261826246976852E-01_dp, -7.2906908798294337E-10_dp, &
+      4.3837114423513412E-01_dp, 2.5539432926968751E-09_dp, 4.5399049669504166E-01_dp, 3.0445051350662677E-09_dp, &
+      4.6947156637907028E-01_dp, -3.5931795060229597E-09_dp, 4.8480962216854095E-01_dp, -1.9222039255144640E-09_dp, &
+      5.0000000000000000E-01_dp, 0.0000000000000000E+00_dp, 5.1503807306289673E-01_dp, 1.8471574815660070E-09_dp, &
+      5.2991926670074463E-01_dp, -2.4675396748594689E-09_dp, 5.4463903605937958E-01_dp, -1.0443524954126350E-09_dp, &
+      5.5919291079044342E-01_dp, -7.3196965902497281E-09_dp, 5.7357643544673920E-01_dp, 9.0430689933068815E-10_dp, &
+      5.8778525888919830E-01_dp, -6.5967251740539502E-09_dp, 6.0181502997875214E-01_dp, -6.8267038563124919E-09_dp, &
+      6.1566147208213806E-01_dp, 3.2435202181453735E-09_dp, 6.2932039797306061E-01_dp, -6.9232231552042542E-09_dp, &
+      6.4278760552406311E-01_dp, 4.1624762159710808E-09_dp, 6.5605902671813965E-01_dp, 2.2723676363449961E-09_dp, &
+      6.6913060843944550E-01_dp, -2.0805872817791952E-09_dp, 6.8199835717678070E-01_dp, 2.8857177997586320E-09_dp, &
+      6.9465836882591248E-01_dp, 1.6330848110704687E-09_dp, 7.0710678398609161E-01_dp, -2.7995440893686869E-09_dp, &
+      7.1933980286121368E-01_dp, -2.5225625447259767E-09_dp, 7.3135370016098022E-01_dp, 1.4581902586781685E-09_dp, &
+      7.4314482510089874E-01_dp, 3.7649549233891580E-10_dp, 7.5470958650112152E-01_dp, -6.2783495230531099E-09_dp, &
+      7.6604443788528442E-01_dp, 5.2336936113742676E-09_dp, 7.7714596688747406E-01_dp, -5.4305031800786557E-09_dp, &
+      7.8801074624061584E-01_dp, 7.3661061119674153E-09_dp, 7.9863551259040833E-01_dp, -2.5431154789113115E-09_dp, &
+      8.0901698768138885E-01_dp, 6.6935585691218244E-09_dp, 8.1915204226970673E-01_dp, 2.0192850636102698E-09_dp, &
+      8.2903757691383362E-01_dp, -4.3587919261577259E-09_dp, 8.3867056667804718E-01_dp, 1.2673768494618097E-09_dp, &
+      8.4804809093475342E-01_dp, 5.2216725524174265E-09_dp, 8.5716730356216431E-01_dp, -2.8600520191754070E-09_dp, &
+      8.6602540314197540E-01_dp, 6.4246324393169195E-10_dp, 8.7461970746517181E-01_dp, -3.2577601368020678E-10_dp, &
+      8.8294759392738342E-01_dp, -1.0684564808193911E-09_dp, 8.9100652933120728E-01_dp, -5.1428394130309156E-09_dp, &
+      8.9879404008388519E-01_dp, 6.2152817999112016E-09_dp, 9.0630778670310974E-01_dp, 3.3354022203161516E-10_dp, &
+      9.1354545950889587E-01_dp, -1.8662949785213100E-09_dp, 9.2050485312938690E-01_dp, 3.2305342554142600E-10_dp, &
+      9.2718385159969330E-01_dp, 2.9670941024666307E-09_dp, 9.3358042836189270E-01_dp, -1.8646909512052696E-09_dp, &
+      9.3969261646270752E-01_dp, 4.3232008645228592E-09_dp, 9.4551856815814972E-01_dp, 7.4411670911098439E-09_dp, &
+      9.5105651021003723E-01_dp, 6.0851163406711268E-09_dp, 9.5630475878715515E-01_dp, -2.8241196700285368E-09_dp, &
+      9.6126168966293335E-01_dp, 6.2753855123071219E-09_dp, 9.6592582762241364E-01_dp, -1.3333453485041631E-09_dp, &
+      9.7029572725296021E-01_dp, -9.7696373277174717E-10_dp, 9.7437006235122681E-01_dp, 2.4340084218990693E-09_dp, &
+      9.7814759612083435E-01_dp, 4.6129712873426291E-09_dp, 9.8162718117237091E-01_dp, 2.2752930428519738E-09_dp, &
+      9.8480775952339172E-01_dp, -6.5111836642660699E-09_dp, 9.8768834769725800E-01_dp, -7.1021202694154286E-09_dp, &
+      9.9026806652545929E-01_dp, 2.2161110255329934E-09_dp, 9.9254615604877472E-01_dp, -4.4074526842582200E-09_dp, &
+      9.9452190101146698E-01_dp, -5.6431936430577769E-09_dp, 9.9619470536708832E-01_dp, -7.2753427855760834E-09_dp, &
+      9.9756404757499695E-01_dp, 2.6848272993709751E-09_dp, 9.9862954020500183E-01_dp, -5.4504279572701954E-09_dp, &
+      9.9939082562923431E-01_dp, 1.3898614160413997E-09_dp, 9.9984769523143768E-01_dp, -7.5046443948457191E-11_dp, &
+      1.0000000000000000E+00_dp, 0.0000000000000000E+00_dp], [2, 91])
+
+contains
+
+   !> Sine and cosine of an angle of -45 to 45 degrees, correctly rounded.
+   !>
+   !> (Beyond doubt but for arguments whose value lies within 2**-98 of the middle of two numbers; of angles below 1e-270 degrees
+   !> the error is 1.5 units of the last digit.)
+   pure subroutine sine_cosine(degrees, s, c)
+      real(dp), intent(in) :: degrees
+      real(dp), intent(out) :: s, c
+      real(dp) :: s_low, c_low
+
+      if (abs(degrees) < least_angle) then
+         s = degrees*degree
+         c = 1.0_dp
+         return
+      end if
+      call near_degree(degrees, s, s_low, c, c_low)
+      if (is_doubtful(s, s_low) .or. is_doubtful(c, c_low)) call by_series(degrees, s, s_low, c, c_low)
+      s = s + s_low
+      c = c + c_low
+   end subroutine sine_cosine
+
+   !> Direction of a vector in degrees, correctly rounded, from a guess that is true to six digits.
+   !>
+   !> With the guess reduced to -45 ... 45 degrees and the vector turned back by as many right angles.
+   pure real(dp) function refined_direction(x, y, whole, rest) result(degrees)
+      real(dp), intent(in) :: x, y          !! vector, turned back; the larger leg is x, between 0.5 and 1
+      real(dp), intent(in) :: whole         !! right angles it was turned back by, degrees
+      real(dp), intent(in) :: rest          !! guess of the remaining angle, -46 to 46 degrees
+      real(dp) :: s, s_low, c, c_low, low
+
+      if (abs(rest) < least_angle) then
+         degrees = whole + y/x*degrees_per_radian
+         return
+      end if
+      call near_degree(rest, s, s_low, c, c_low)
+      call newton_step(x, y, whole, rest, s, s_low, c, c_low, degrees, low)
+      if (.not. is_doubtful(degrees, low)) then
+         degrees = degrees + low
+         return
+      end if
+      call by_series(rest, s, s_low, c, c_low)
+      call newton_step(x, y, whole, rest, s, s_low, c, c_low, degrees, low)
+      degrees = degrees + low
+   end function refined_direction
+
+   !> Correct a guess of a direction; the sum of `high` and `low` is the better one.
+   pure subroutine newton_step(x, y, whole, rest, s, s_low, c, c_low, high, low)
+      real(dp), intent(in) :: x, y, whole, rest
+      real(dp), intent(in) :: s, s_low, c, c_low  !! sine and cosine of the guess
+      real(dp), intent(out) :: high, low
+      real(dp) :: ys, ys_low, xs, xs_low, off, guess
+
+      call multiply(y, c, ys, ys_low)
+      call multiply(x, s, xs, xs_low)
+      off = ((ys - xs) + ((ys_low - xs_low) + (y*c_low - x*s_low)))/(x*c + y*s)
+      off = (off - off*off*off/3.0_dp)*degrees_per_radian
+      guess = whole + rest
+      off = off + (rest - (guess - whole))
+      high = guess + off
+      low = off - (high - guess)
+   end subroutine newton_step
+
+   !> True where the sum of two numbers may round otherwise than the value they stand for.
+   pure logical function is_doubtful(high, low)
+      real(dp), intent(in) :: high, low
+      real(dp) :: total, left, width
+
+      total = high + low
+      left = low - (total - high)
+      width = doubt*abs(total)
+      is_doubtful = total + (left + width) > total .or. total + (left - width) < total
+   end function is_doubtful
+
+   !> Sine and cosine from those of the nearest whole degree, each as two numbers; relative error of their sum below `doubt`.
+   pure subroutine near_degree(degrees, s, s_low, c, c_low)
+      real(dp), intent(in) :: degrees
+      real(dp), intent(out) :: s, s_low, c, c_low
+      real(dp) :: away, head, tail, product, rest, u, u_head, u_tail, square, es, ec
+      real(dp) :: s_head, s_tail, c_head, c_tail, sine, cosine, side
+      integer :: k
+
+      k = int(degrees + sign(0.5_dp, degrees))
+      away = degrees - real(k, dp)
+      side = sign(1.0_dp, real(k, dp))
+      s_head = side*sine_table(1, abs(k))
+      s_tail = side*sine_table(2, abs(k))
+      c_head = sine_table(1, 90 - abs(k))
+      c_tail = sine_table(2, 90 - abs(k))
+      ! radians: 26 bits and the rest
+      call split(away, head, tail)
+      product = degree_head*head
+      rest = degree_head*tail + degree_tail*away
+      u = product + rest
+      call split(product, u_head, u_tail)
+      u_tail = u_tail + rest
+      square = u*u
+      es = u*(square*(-1.0_dp/6.0_dp + square*(1.0_dp/120.0_dp - square*(1.0_dp/5040.0_dp))))
+      ec = square*(-0.5_dp + square*(1.0_dp/24.0_dp - square*(1.0_dp/720.0_dp - square*(1.0_dp/40320.0_dp))))
+      sine = s_head + s_tail
+      cosine = c_head + c_tail
+      product = c_head*u_head
+      s = s_head + product
+      s_low = ((s_head - s) + product) + (s_tail + ((c_head*u_tail + c_tail*u) + (cosine*es + sine*ec)))
+      product = s_head*u_head
+      c = c_head - product
+      c_low = ((c_head - c) - product) + (c_tail - ((s_head*u_tail + s_tail*u) + (sine*es - cosine*ec)))
+   end subroutine near_degree
+
+   !> Sine and cosine by their series with twice the digits.
+   pure subroutine by_series(degrees, s, s_low, c, c_low)
+      real(dp), intent(in) :: degrees
+      real(dp), intent(out) :: s, s_low, c, c_low
+      real(dp) :: u(2), square(2), sine(2), cosine(2), term(2)
+      integer :: n
+
+      call multiply(degrees, degree, u(1), u(2))
+      u(2) = u(2) + degrees*degree_rest
+      square = -double_product(u, u)
+      cosine = [1.0_dp, 0.0_dp]
+      sine = u
+      term = cosine
+      do n = 1, terms
+         term = double_quotient(double_product(term, square), real((2*n - 1)*(2*n), dp))
+         cosine = double_sum(cosine, term)
+         sine = double_sum(sine, double_quotient(double_product(term, u), real(2*n + 1, dp)))
+      end do
+      s = sine(1)
+      s_low = sine(2)
+      c = cosine(1)
+      c_low = cosine(2)
+   end subroutine by_series
+
+   !> Halves of a number: 26 bits each.
+   pure subroutine split(value, head, tail)
+      real(dp), intent(in) :: value
+      real(dp), intent(out) :: head, tail
+
+      head = splitter*value
+      head = head - (head - value)
+      tail = value - head
+   end subroutine split
+
+   !> Product of two numbers as a sum of two, exactly.
+   pure subroutine multiply(a, b, high, low)
+      real(dp), intent(in) :: a, b
+      real(dp), intent(out) :: high, low
+      real(dp) :: a_head, a_tail, b_head, b_tail
+
+      call split(a, a_head, a_tail)
+      call split(b, b_head, b_tail)
+      high = a*b
+      low = ((a_head*b_head - high) + a_head*b_tail + a_tail*b_head) + a_tail*b_tail
+   end subroutine multiply
+
+   pure function double_product(a, b) result(product)
+      real(dp), intent(in) :: a(2), b(2)
+      real(dp) :: product(2), low, high
+
+      call multiply(a(1), b(1), high, low)
+      low = low + (a(1)*b(2) + a(2)*b(1))
+      product(1) = high + low
+      product(2) = low - (product(1) - high)
+   end function double_product
+
+   !> Sum; the first is the larger.
+   pure function double_sum(a, b) result(total)
+      real(dp), intent(in) :: a(2), b(2)
+      real(dp) :: total(2), low, high
+
+      high = a(1) + b(1)
+      low = ((a(1) - high) + b(1)) + (a(2) + b(2))
+      total(1) = high + low
+      total(2) = low - (total(1) - high)
+   end function double_sum
+
+   pure function double_quotient(a, b) result(quotient)
+      real(dp), intent(in) :: a(2), b
+      real(dp) :: quotient(2), high, low, part, part_low
+
+      high = a(1)/b
+      call multiply(high, b, part, part_low)
+      low = (((a(1) - part) - part_low) + a(2))/b
+      quotient(1) = high + low
+      quotient(2) = low - (quotient(1) - high)
+   end function double_quotient
+
+   !> Square root of x**2 + y**2, to 1.25 units of the last digit, without overflow.
+   elemental real(wp) function hypotenuse(x, y)
+      real(wp), intent(in) :: x, y
+      real(wp), parameter :: plain = scale(1.0_wp, maxexponent(1.0_wp)/4) !! longer, or shorter than 1/plain: scaled first
+      real(wp) :: larger
+      integer :: e
+
+      larger = max(abs(x), abs(y))
+      if (larger < plain .and. larger > 1.0_wp/plain) then
+         hypotenuse = sqrt(x*x + y*y)
+      else
+         e = exponent(larger)
+         hypotenuse = scale(sqrt(scale(x, -e)**2 + scale(y, -e)**2), e)
+      end if
+   end function hypotenuse
+
+   !> base**power for 0 <= power < 1, by square roots: one for each binary digit of the power.
+   elemental real(wp) function fractional_power(base, power)
+      real(wp), intent(in) :: base          !! not negative
+      real(wp), intent(in) :: power
+      real(wp) :: root, left
+
+      fractional_power = 1.0_wp
+      root = base
+      left = power
+      do while (left > 0.0_wp)
+         root = sqrt(root)
+         left = 2.0_wp*left
+         if (left < 1.0_wp) cycle
+         fractional_power = fractional_power*root
+         left = left - 1.0_wp
+      end do
+   end function fractional_power
+end module psalm_elementary

@@ -1,0 +1,61 @@
+!> The linear algebra of the searches, for the tens of unknowns a linkage has.
+!>
+!> Written out, because the library's routines (matmul too) choose their kernels by the processor, and with them the last digit.
+module psalm_linear
+   use psalm_kinds, only: wp, dp
+   implicit none (type, external)
+   private
+   public :: solve_positive, along_columns
+
+contains
+
+   !> Solve a symmetric positive definite system by Cholesky's factors, in real64; the upper triangle is used.
+   !>
+   !> Errors: `sound` is false if the matrix is not positive definite.
+   pure subroutine solve_positive(matrix, right, solution, sound)
+      real(wp), intent(in) :: matrix(:, :)   !! shape (n, n)
+      real(wp), intent(in) :: right(:)       !! shape (n)
+      real(wp), intent(out) :: solution(:)   !! shape (n)
+      logical, intent(out) :: sound
+      real(dp) :: a(size(right), size(right)), b(size(right)) ! rows of the factor are columns of `a`
+      integer :: i, j, n
+
+      n = size(right)
+      sound = .false.
+      solution = 0.0_wp
+      do j = 1, n
+         a(j:, j) = real(matrix(j, j:), dp)
+      end do
+      b = real(right, dp)
+      do j = 1, n
+         if (.not. a(j, j) > 0.0_dp) return
+         a(j, j) = sqrt(a(j, j))
+         a(j + 1:, j) = a(j + 1:, j)/a(j, j)
+         do i = j + 1, n
+            a(i:, i) = a(i:, i) - a(i, j)*a(i:, j)
+         end do
+         b(j) = b(j)/a(j, j)
+         b(j + 1:) = b(j + 1:) - b(j)*a(j + 1:, j)
+      end do
+      do j = n, 1, -1
+         do i = j + 1, n
+            b(j) = b(j) - a(i, j)*b(i)
+         end do
+         b(j) = b(j)/a(j, j)
+      end do
+      sound = .true.
+      solution = real(b, wp)
+   end subroutine solve_positive
+
+   !> Scalar products of a vector with the columns of a matrix; of a symmetric matrix its product with the vector.
+   pure function along_columns(matrix, vector) result(products)
+      real(wp), intent(in) :: matrix(:, :)   !! shape (n, m)
+      real(wp), intent(in) :: vector(:)      !! shape (n)
+      real(wp) :: products(size(matrix, 2))
+      integer :: i
+
+      do i = 1, size(products)
+         products(i) = dot_product(vector, matrix(:, i))
+      end do
+   end function along_columns
+end module psalm_linear

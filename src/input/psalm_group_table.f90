@@ -1,0 +1,63 @@
+!> The groups that the programs of the suite know, and which program reads which.
+module psalm_group_table
+   use psalm_origin, only: name_length
+   use psalm_text, only: nearest_name
+   implicit none (type, external)
+   private
+   public :: known_group_t, known_groups, program_reads, program_of, is_users, nearest_group
+
+   !> A group and who reads it.
+   type :: known_group_t
+      character(name_length) :: name
+      character(name_length) :: programs  !! names, a blank between them
+   end type known_group_t
+
+   type(known_group_t), parameter :: known_groups(*) = [ &
+      known_group_t('LINKS', 'psalm kalm balm'), &
+      known_group_t('METHOD', 'psalm kalm balm'), &
+      known_group_t('LIMITS', 'psalm kalm balm'), &
+      known_group_t('SEARCH', 'psalm kalm balm'), &
+      known_group_t('CONSTR', 'psalm kalm balm'), &
+      known_group_t('TOLER', 'psalm kalm balm'), &
+      known_group_t('RATES', 'kalm')]
+
+   character(*), parameter :: users = 'USER' !! groups whose names begin so are the user's own
+
+contains
+
+   !> True if the program reads the group.
+   pure logical function program_reads(program, group)
+      character(*), intent(in) :: program, group
+
+      program_reads = index(' '//trim(program_of(group))//' ', ' '//trim(program)//' ') > 0
+   end function program_reads
+
+   !> The programs that read the group; blank if none does.
+   pure function program_of(group) result(programs)
+      character(*), intent(in) :: group
+      character(name_length) :: programs
+      integer :: i
+
+      programs = ''
+      do i = 1, size(known_groups)
+         if (known_groups(i)%name == group) programs = known_groups(i)%programs
+      end do
+   end function program_of
+
+   !> True for a group of the user's own, which every program skips.
+   pure logical function is_users(group)
+      character(*), intent(in) :: group
+
+      is_users = index(group, users) == 1
+   end function is_users
+
+   !> The known group with the nearest name; empty if none is near.
+   pure function nearest_group(name) result(near)
+      character(*), intent(in) :: name
+      character(:), allocatable :: near
+      character(name_length) :: names(size(known_groups))
+
+      names = known_groups%name
+      near = nearest_name(name, names)
+   end function nearest_group
+end module psalm_group_table

@@ -1,0 +1,203 @@
+!> The summary of a run in words, for standard error: a title and at most nine lines a case.
+module psalm_summary_text
+   use psalm_data_set, only: motion_point, motion_angle, motion_distance
+   use psalm_kinds, only: wp, dp
+   use psalm_summary, only: summary_t, span_t, loop_kind_t, kind_crank_rocker, kind_double_crank, kind_double_rocker, &
+                            kind_rocker_crank, kind_triple_rocker, kind_change_point, kind_slider_turning
+   use psalm_text, only: text_t, to_text
+   implicit none (type, external)
+   private
+   public :: write_summary, plain_number
+
+   integer, parameter :: most_listed = 4     !! of ranges, kinds or inputs on one line
+   integer, parameter :: label_columns = 20
+   integer, parameter :: digits = 5          !! significant digits
+   real(dp), parameter :: least_plain = 1.0e-3_dp, most_plain = 1.0e6_dp !! numbers outside are written with an exponent
+
+contains
+
+   !> Append the summary of a case.
+   subroutine write_summary(title, summary, text)
+      character(*), intent(in) :: title
+      type(summary_t), intent(in) :: summary
+      type(text_t), intent(inout) :: text
+
+      call text%add(trim(adjustl(title)))
+      call add_line('Closes', closing_words(summary), text)
+      if (size(summary%kinds) > 0) call add_line('Kind', kind_words(summary%kinds), text)
+      if (summary%partial) call add_line('Prescribed', 'from input '//range_words(summary%prescribed)// &
+                                         '; what follows is over this range', text)
+      if (size(summary%closing) > 0) then
+         if (summary%angle_loop > 0) call add_line('Transmission angle', 'at least '//plain_number(summary%angle)// &
+            ' degrees, in loop '//to_text(summary%angle_loop)//' at input '//plain_number(summary%angle_input), text)
+         call add_output(summary, text)
+         if (size(summary%reverses) > 0) call add_line('Dead points', 'the output reverses at '// &
+                                                       listed(summary%reverses), text)
+      end if
+      if (summary%compared > 0) call add_line('Error', 'RMS '//plain_number(summary%rms)//', largest '// &
+         plain_number(summary%largest)//' '//unit_words(summary)//' at position '//to_text(summary%worst)//' (input '// &
+         plain_number(summary%worst_input)//')', text)
+   end subroutine write_summary
+
+   subroutine add_line(label, words, text)
+      character(*), intent(in) :: label, words
+      type(text_t), intent(inout) :: text
+      character(label_columns) :: column
+
+      column = label
+      call text%add('  '//column//words)
+   end subroutine add_line
+
+   function closing_words(summary) result(words)
+      type(summary_t), intent(in) :: summary
+      character(:), allocatable :: words
+      integer :: i
+
+      if (size(summary%closing) == 0) then
+         words = 'nowhere'
+      else if (summary%everywhere .and. .not. summary%sliding_input) then
+         words = 'over the full turn of the crank'
+      else
+         words = 'from input '
+         if (summary%everywhere) words = 'over the whole range, from input '
+         do i = 1, min(most_listed, size(summary%closing))
+            if (i > 1) words = words//', from '
+            words = words//plain_number(summary%closing(i)%low)//' to '//plain_number(summary%closing(i)%high)
+         end do
+         words = words//and_more(size(summary%closing))
+         if (.not. summary%everywhere) words = words//' only'
+      end if
+   end function closing_words
+
+   function kind_words(kinds) result(words)
+      type(loop_kind_t), intent(in) :: kinds(:)
+      character(:), allocatable :: words
+      integer :: i
+
+      words = ''
+      do i = 1, min(most_listed, size(kinds))
+         if (i > 1) words = words//', '
+         words = words//'loop '//to_text(kinds(i)%loop)//' '//name_of_kind(kinds(i)%kind)
+      end do
+      words = words//and_more(size(kinds))
+   end function kind_words
+
+   pure function name_of_kind(kind) result(name)
+      integer, intent(in) :: kind
+      character(:), allocatable :: name
+
+      select case (kind)
+      case (kind_crank_rocker)
+         name = 'crank-rocker'
+      case (kind_double_crank)
+         name = 'double-crank'
+      case (kind_double_rocker)
+         name = 'double-rocker (the coupler turns)'
+      case (kind_rocker_crank)
+         name = 'crank-rocker driven at its rocker'
+      case (kind_triple_rocker)
+         name = 'triple-rocker'
+      case (kind_change_point)
+         name = 'four-bar with a change point'
+      case (kind_slider_turning)
+         name = 'slider-crank that turns fully'
+      case default
+         name = 'slider-crank that does not turn fully'
+      end select
+   end function name_of_kind
+
+   subroutine add_output(summary, text)
+      type(summary_t), intent(in) :: summary
+      type(text_t), intent(inout) :: text
+
+      if (summary%unbounded) then
+         call add_line('Output', 'runs to infinity', text)
+         return
+      end if
+      select case (summary%motion)
+      case (motion_point)
+         call add_line('Output point', 'x '//range_words(summary%output)//', y '//range_words(summary%output_y)// &
+                       ' length units', text)
+      case (motion_angle)
+         if (summary%turns) then
+            call add_line('Output angle', 'turns fully', text)
+         else
+            call add_line('Output angle', range_words(summary%output)//' degrees (swing '// &
+                          plain_number(summary%output%high - summary%output%low)//')', text)
+         end if
+      case default
+         call add_line(merge('Output distance', 'Output length  ', summary%motion == motion_distance), &
+                       range_words(summary%output)//' length units (stroke '// &
+                       plain_number(summary%output%high - summary%output%low)//')', text)
+      end select
+   end subroutine add_output
+
+   function range_words(span) result(words)
+      type(span_t), intent(in) :: span
+      character(:), allocatable :: words
+
+      words = plain_number(span%low)//' to '//plain_number(span%high)
+   end function range_words
+
+   pure function unit_words(summary) result(words)
+      type(summary_t), intent(in) :: summary
+      character(:), allocatable :: words
+
+      words = 'length units'
+      if (summary%motion == motion_angle) words = 'degrees'
+   end function unit_words
+
+   function listed(values) result(words)
+      real(wp), intent(in) :: values(:)
+      character(:), allocatable :: words
+      integer :: i
+
+      words = trim(merge('input  ', 'inputs ', size(values) == 1))//' '//plain_number(values(1))
+      do i = 2, min(most_listed, size(values))
+         words = words//', '//plain_number(values(i))
+      end do
+      words = words//and_more(size(values))
+   end function listed
+
+   function and_more(count) result(words)
+      integer, intent(in) :: count
+      character(:), allocatable :: words
+
+      words = ''
+      if (count > most_listed) words = ' and '//to_text(count - most_listed)//' more'
+   end function and_more
+
+   !> A number as one would say it: five significant digits, no zeros behind.
+   pure function plain_number(value) result(words)
+      real(wp), intent(in) :: value
+      character(:), allocatable :: words
+      character(32) :: buffer, layout
+      real(dp) :: size_of
+      integer :: before, last
+
+      size_of = abs(real(value, dp))
+      if (size_of <= 0.0_dp) then
+         words = '0'
+         return
+      end if
+      if (.not. (size_of >= least_plain .and. size_of < most_plain)) then
+         write (buffer, '(es12.4e3)') real(value, dp)
+         words = trim(adjustl(buffer))
+         ! two digits of exponent where they do
+         if (words(len(words) - 2:len(words) - 2) == '0') words = words(:len(words) - 3)//words(len(words) - 1:)
+         return
+      end if
+      before = 0
+      do while (10.0_dp**before <= size_of)
+         before = before + 1
+      end do
+      write (layout, '("(f32.",i0,")")') max(0, digits - before)
+      write (buffer, layout) real(value, dp)
+      last = len(buffer)
+      if (index(buffer, '.') > 0) then
+         last = verify(buffer, '0', back=.true.)
+         if (buffer(last:last) == '.') last = last - 1
+      end if
+      words = trim(adjustl(buffer(:last)))
+   end function plain_number
+end module psalm_summary_text

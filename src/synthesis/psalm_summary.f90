@@ -1,0 +1,589 @@
+!> What a linkage does over the range of its input, in a few numbers: where it closes, what kind of four-bar its loops are, its
+!> least transmission angle, range and dead points of the output, errors at the prescribed positions.
+!>
+!> The input is swept in steps of half a degree (a sliding input: 720 steps of its range); ends, extremes and narrow gaps between
+!> the steps are then found by looking ever more closely. That is a search, no proof.
+module psalm_summary
+   use psalm_angles, only: arc_sine, nearest_difference, within_turn
+   use psalm_data_set, only: motion_point, motion_angle
+   use psalm_elementary, only: hypotenuse
+   use psalm_error, only: problem_t, motion_t
+   use psalm_kinds, only: wp, full_turn, right_angle
+   use psalm_plan, only: root_crank, root_frame
+   use psalm_station, only: station_t, prepare_station, look
+   use psalm_sweep, only: sweep_sense
+   use psalm_topology, only: topology_t, dimensions_t
+   implicit none (type, external)
+   private
+   public :: summary_t, loop_kind_t, span_t, summarise, kind_of_four_bar
+   public :: kind_none, kind_crank_rocker, kind_double_crank, kind_double_rocker, kind_rocker_crank, kind_triple_rocker, &
+             kind_change_point, kind_slider_turning, kind_slider_swinging
+
+   integer, parameter :: kind_none = 0
+   integer, parameter :: kind_crank_rocker = 1    !! the crank turns fully, the follower swings
+   integer, parameter :: kind_double_crank = 2    !! both turn fully
+   integer, parameter :: kind_double_rocker = 3   !! both swing, the coupler turns fully
+   integer, parameter :: kind_rocker_crank = 4    !! the follower turns fully, the input link swings
+   integer, parameter :: kind_triple_rocker = 5   !! nothing turns fully
+   integer, parameter :: kind_change_point = 6    !! the links can lie in one line
+   integer, parameter :: kind_slider_turning = 7  !! slider-crank whose crank turns fully
+   integer, parameter :: kind_slider_swinging = 8 !! slider-crank whose crank does not
+
+   integer, parameter :: steps = 720, steps_of_lens = 16
+   integer, parameter :: lenses = 10              !! closer looks: the last at 1e-11 of a step
+   real(wp), parameter :: rounding = 8.0_wp*epsilon(1.0_wp)
+   real(wp), parameter :: rounding_of_angle = 1.0e-4_wp !! degrees; near 0 half of the digits are lost
+   real(wp), parameter :: rounding_of_input = 1.0e-9_wp !! degrees
+   real(wp), parameter :: far = 1.0e6_wp          !! times the longest arc: the output runs to infinity
+   real(wp), parameter :: most_of_turn = 300.0_wp !! inputs over more than this are meant for a full turn, degrees
+   real(wp), parameter :: still = 1.0e-9_wp       !! relative change of the output that is none
+   real(wp), parameter :: near_toggle = 0.9_wp    !! sine of the deviation from 90 degrees above which a gap is looked for
+
+   !> A range of inputs, or of outputs.
+   type :: span_t
+      real(wp) :: low = 0.0_wp, high = 0.0_wp
+   end type span_t
+
+   !> What a loop is by the rule of Grashof.
+   type :: loop_kind_t
+      integer :: loop = 0
+      integer :: kind = kind_none
+   end type loop_kind_t
+
+   type :: summary_t
+      logical :: sliding_input = .false.
+      integer :: motion = motion_point                !! MOTION: what the output is
+      logical :: everywhere = .false.                 !! closes over the whole turn, or the whole range of a sliding input
+      type(span_t), allocatable :: closing(:)         !! inputs from .. to, in the direction of the sweep
+      logical :: partial = .false.                    !! angle, output and dead points are those over the prescribed inputs only
+      type(span_t) :: prescribed                      !! these inputs
+      logical :: unbounded = .false.                  !! the output runs to infinity
+      logical :: turns = .false.                      !! the output angle turns fully
+      type(loop_kind_t), allocatable :: kinds(:)
+      integer :: angle_loop = 0                       !! loop of the least transmission angle, 0: there is none
+      real(wp) :: angle = right_angle                 !! the least one, degrees from the line of the links
+      real(wp) :: angle_input = 0.0_wp
+      type(span_t) :: output, output_y                !! range of the output; the second is y of MOTION 0
+      real(wp), allocatable :: reverses(:)            !! inputs at which the output reverses
+      integer :: compared = 0                         !! closed positions with desired values
+      real(wp) :: rms = 0.0_wp, largest = 0.0_wp      !! errors there, unit of the output
+      integer :: worst = 0                            !! position of the largest
+      real(wp) :: worst_input = 0.0_wp
+   end type summary_t
+
+contains
+
+   !> Summary of a linkage. `motion` is what it does at the prescribed positions.
+   subroutine summarise(problem, dimensions, motion, summary)
+      type(problem_t), intent(in) :: problem
+      type(dimensions_t), intent(in) :: dimensions
+      type(motion_t), intent(in) :: motion
+      type(summary_t), intent(out) :: summary
+      type(problem_t) :: plain
+      type(station_t) :: fine, lens
+      type(summary_t) :: part
+      real(wp), allocatable :: inputs(:), gaps(:)
+      integer :: none(2, 0), i
+
+      summary%sliding_input = problem%topology%sliding_input
+      summary%motion = problem%motion
+      call errors(problem, motion, summary)
+      plain = problem
+      plain%tangle = right_angle
+      plain%toggle = 0.0_wp
+      inputs = [(real(i, wp)/real(steps, wp), i=0, steps)]
+      associate (low => minval(problem%delt), high => maxval(problem%delt))
+         if (summary%sliding_input) then
+            call sweep(low + (high - low)*inputs, .false., summary)
+         else
+            call sweep(problem%delt(1) + sweep_sense(problem)*full_turn*inputs, .true., summary)
+            summary%partial = .not. summary%everywhere .and. high > low .and. high - low < most_of_turn
+         end if
+         if (summary%partial) then
+            part%sliding_input = summary%sliding_input
+            part%motion = summary%motion
+            call sweep(low + (high - low)*inputs, .false., part)
+            summary%prescribed = span_t(input_of(problem, dimensions, low), input_of(problem, dimensions, high))
+            summary%angle = part%angle
+            summary%angle_loop = part%angle_loop
+            summary%angle_input = part%angle_input
+            summary%output = part%output
+            summary%output_y = part%output_y
+            summary%reverses = part%reverses
+         end if
+      end associate
+      if (problem%motion /= motion_angle) summary%unbounded = max(-summary%output%low, summary%output%high, &
+         -summary%output_y%low, summary%output_y%high) > far*maxval(dimensions%arcl)
+      summary%kinds = kinds_of(fine%problem, dimensions)
+
+   contains
+
+      !> Angle, closing and output over a row of inputs.
+      subroutine sweep(row, turn, found)
+         real(wp), intent(in) :: row(:)
+         logical, intent(in) :: turn        !! the row is a full turn: its end is its beginning
+         type(summary_t), intent(inout) :: found
+         real(wp), allocatable :: all_inputs(:)
+
+         allocate (found%reverses(0), found%closing(0))
+         call prepare_station(plain, row, .false., none, .false., fine)
+         call prepare_station(plain, row(:steps_of_lens + 1), .false., none, .false., lens)
+         call look(fine, dimensions)
+         call least_angle(fine, lens, dimensions, found, gaps)
+         if (size(gaps) > 0) then
+            all_inputs = row
+            call insert(gaps, all_inputs)
+            call prepare_station(plain, all_inputs, .false., none, .false., fine)
+            call look(fine, dimensions)
+            do i = 1, size(gaps)
+               where (abs(all_inputs - gaps(i)) <= 0.0_wp) fine%closed = .false.
+            end do
+         end if
+         call follow(fine, lens, dimensions, turn, found)
+      end subroutine sweep
+   end subroutine summarise
+
+   !> Root mean square and largest error; of points their distance.
+   pure subroutine errors(problem, motion, summary)
+      type(problem_t), intent(in) :: problem
+      type(motion_t), intent(in) :: motion
+      type(summary_t), intent(inout) :: summary
+      real(wp) :: miss, total
+      integer :: i
+
+      if (.not. problem%desired) return
+      total = 0.0_wp
+      do i = 1, size(motion%closed)
+         if (.not. motion%closed(i)) cycle
+         miss = abs(motion%error(i))
+         if (problem%motion == motion_point) miss = hypotenuse(motion%error(i), motion%error_y(i))
+         summary%compared = summary%compared + 1
+         total = total + miss**2
+         if (summary%worst > 0 .and. miss <= summary%largest) cycle
+         summary%largest = miss
+         summary%worst = i
+         summary%worst_input = motion%input(i)
+      end do
+      if (summary%compared > 0) summary%rms = sqrt(total/real(summary%compared, wp))
+   end subroutine errors
+
+   !> Least transmission angle where the linkage closes, and inputs between the steps at which it does not.
+   subroutine least_angle(fine, lens, dimensions, summary, gaps)
+      type(station_t), intent(inout) :: fine, lens
+      type(dimensions_t), intent(in) :: dimensions
+      type(summary_t), intent(inout) :: summary
+      real(wp), allocatable, intent(out) :: gaps(:)
+      real(wp), allocatable :: sine(:)
+      real(wp) :: at, worst
+      integer :: loop, i, n
+
+      allocate (gaps(0))
+      n = size(fine%closed)
+      worst = -1.0_wp
+      associate (topology => fine%problem%topology)
+         do loop = 1, topology%nloop
+            if (fine%problem%linkage%step_of_loop(loop) == 0) cycle
+            select case (topology%joint(loop))
+            case (1:5)
+               sine = abs(fine%k(:, loop))
+               do i = 1, n
+                  if (.not. fine%closed(i)) cycle
+                  if (has_angle(topology, loop)) call enter(loop, min(sine(i), 1.0_wp), fine%problem%delt(i))
+                  ! a peak may be higher between the steps
+                  if (sine(i) < max(worst, near_toggle) - 2.0_wp*abs(sine(max(i - 1, 1)) - sine(min(i + 1, n)))) cycle
+                  if (sine(i) < sine(max(i - 1, 1)) .or. sine(i) < sine(min(i + 1, n))) cycle
+                  call climb(loop, i)
+               end do
+            case (8)
+               call cross(loop)
+            end select
+         end do
+      end associate
+      if (summary%angle_loop > 0) summary%angle_input = input_of(fine%problem, dimensions, summary%angle_input)
+
+   contains
+
+      subroutine enter(which, value, delt)
+         integer, intent(in) :: which
+         real(wp), intent(in) :: value, delt
+
+         if (value <= worst) return
+         worst = value
+         summary%angle = angle_of(value)
+         summary%angle_loop = which
+         summary%angle_input = delt
+      end subroutine enter
+
+      !> The peak between the neighbours of step `from`.
+      subroutine climb(which, from)
+         integer, intent(in) :: which, from
+         real(wp) :: reach, best
+         integer :: round, j
+
+         at = fine%problem%delt(from)
+         reach = abs(fine%problem%delt(2) - fine%problem%delt(1))
+         do round = 1, lenses/2
+            call aim(lens, dimensions, fine, at - reach, at + reach)
+            best = -1.0_wp
+            do j = 1, steps_of_lens + 1
+               if (abs(lens%k(j, which)) <= best) cycle
+               best = abs(lens%k(j, which))
+               at = lens%problem%delt(j)
+               if (.not. lens%closed(j)) then
+                  gaps = [gaps, at]
+                  return
+               end if
+            end do
+            reach = 2.0_wp*reach/real(steps_of_lens, wp)
+         end do
+         if (has_angle(fine%problem%topology, which)) call enter(which, min(best, 1.0_wp), at)
+      end subroutine climb
+
+      !> Two slides are parallel where the sine of their angle changes its sign.
+      subroutine cross(which)
+         integer, intent(in) :: which
+         real(wp) :: reach(n), part(steps_of_lens + 1)
+         integer :: j, round, m
+
+         call fine%problem%bind(dimensions)
+         call fine%problem%reach_of(which, reach)
+         do j = 1, n - 1
+            if (reach(j)*reach(j + 1) > 0.0_wp) cycle
+            call aim(lens, dimensions, fine, fine%problem%delt(j), fine%problem%delt(j + 1))
+            do round = 1, lenses
+               call lens%problem%reach_of(which, part)
+               do m = 1, steps_of_lens - 1
+                  if (part(m)*part(m + 1) <= 0.0_wp) exit
+               end do
+               at = lens%problem%delt(m)
+               if (abs(part(m + 1)) < abs(part(m))) at = lens%problem%delt(m + 1)
+               call aim(lens, dimensions, fine, lens%problem%delt(m), lens%problem%delt(m + 1))
+            end do
+            if (size(gaps) > 0) then
+               if (abs(gaps(size(gaps)) - at) <= abs(fine%problem%delt(2) - fine%problem%delt(1))) cycle
+            end if
+            gaps = [gaps, at]
+         end do
+      end subroutine cross
+   end subroutine least_angle
+
+   !> Link pairs and links on slides have a transmission angle.
+   pure logical function has_angle(topology, loop)
+      type(topology_t), intent(in) :: topology
+      integer, intent(in) :: loop
+
+      has_angle = topology%joint(loop) == 1 .or. topology%joint(loop) == 4 .or. topology%joint(loop) == 5
+   end function has_angle
+
+   !> Transmission angle of a sine of its deviation from 90 degrees; stretched or folded links are so but for rounding.
+   pure real(wp) function angle_of(sine)
+      real(wp), intent(in) :: sine
+
+      angle_of = right_angle - arc_sine(min(sine, 1.0_wp))
+      if (angle_of < rounding_of_angle) angle_of = 0.0_wp
+   end function angle_of
+
+   !> Look at even steps between two inputs, within the range of the sweep unless it is a turn.
+   subroutine aim(lens, dimensions, fine, from, to)
+      type(station_t), intent(inout) :: lens
+      type(dimensions_t), intent(in) :: dimensions
+      type(station_t), intent(in) :: fine
+      real(wp), intent(in) :: from, to
+      real(wp) :: low, high
+      integer :: i
+
+      low = from
+      high = to
+      if (abs(fine%problem%delt(size(fine%closed)) - fine%problem%delt(1)) < full_turn .or. &
+          fine%problem%topology%sliding_input) then
+         low = min(max(from, minval(fine%problem%delt)), maxval(fine%problem%delt))
+         high = min(max(to, minval(fine%problem%delt)), maxval(fine%problem%delt))
+      end if
+      call lens%problem%move_inputs([(low + (high - low)*(real(i, wp)/real(steps_of_lens, wp)), i=0, steps_of_lens)])
+      call look(lens, dimensions)
+   end subroutine aim
+
+   !> Put further inputs among those of a sweep.
+   pure subroutine insert(more, inputs)
+      real(wp), intent(in) :: more(:)
+      real(wp), allocatable, intent(inout) :: inputs(:)
+      real(wp) :: sense
+      integer :: i, k
+
+      sense = sign(1.0_wp, inputs(2) - inputs(1))
+      do i = 1, size(more)
+         k = count(sense*inputs < sense*more(i))
+         if (k < size(inputs)) then
+            if (abs(inputs(k + 1) - more(i)) <= 0.0_wp) cycle
+         end if
+         inputs = [inputs(:k), more(i), inputs(k + 1:)]
+      end do
+   end subroutine insert
+
+   !> Ranges in which the linkage closes, and what the output does there.
+   subroutine follow(fine, lens, dimensions, turn, summary)
+      type(station_t), intent(inout) :: fine, lens
+      type(dimensions_t), intent(in) :: dimensions
+      logical, intent(in) :: turn
+      type(summary_t), intent(inout) :: summary
+      real(wp) :: from, to, height, before, turned
+      logical :: first
+      integer :: i, n, begin, start, direction, last_direction, first_direction
+
+      n = size(fine%closed)
+      summary%everywhere = all(fine%closed)
+      first = .true.
+      start = 1
+      ! the sweep of a turn ends where it began: begin with an open input, if there is one
+      if (turn .and. .not. summary%everywhere) then
+         start = max(1, findloc(fine%closed(:n - 1), .false., dim=1))
+         call rotate(fine, start)
+      end if
+      begin = 0
+      do i = 1, n
+         if (.not. fine%closed(i)) cycle
+         if (begin == 0) begin = i
+         if (i < n) then
+            if (fine%closed(i + 1)) cycle
+         end if
+         call one_span()
+         begin = 0
+      end do
+
+   contains
+
+      !> Closes from step `begin` to step i.
+      subroutine one_span()
+         integer :: j
+
+         from = fine%problem%delt(begin)
+         to = fine%problem%delt(i)
+         before = fine%out(begin, 1)
+         call enter(before, fine%out(begin, 2))
+         if (begin > 1) call find_end(fine%problem%delt(begin - 1), from, before)
+         last_direction = 0
+         first_direction = 0
+         before = fine%out(begin, 1)
+         height = before
+         turned = 0.0_wp
+         do j = begin + 1, i
+            turned = step_between(fine%out(j - 1, 1), fine%out(j, 1))
+            height = height + turned
+            call enter(height, fine%out(j, 2))
+            if (j < i) call enter(height, summit(fine%out(j - 1:j + 1, 2)))
+            direction = 0
+            if (abs(turned) > still*size_of(fine, dimensions)) direction = nint(sign(1.0_wp, turned))
+            if (direction == 0) cycle
+            if (first_direction == 0) first_direction = direction
+            if (last_direction*direction < 0) call peak(j - 1, height - turned, last_direction)
+            last_direction = direction
+         end do
+         if (i < n) call find_end(fine%problem%delt(i + 1), to, height)
+         ! a turn goes on at its beginning
+         if (summary%everywhere .and. turn) then
+            if (first_direction*last_direction < 0) call peak(n, height, last_direction)
+            call enter(height, summit(fine%out([n - 1, n, 2], 2)))
+            if (summary%motion == motion_angle) summary%turns = abs(height - fine%out(1, 1)) > right_angle
+         end if
+         summary%closing = [summary%closing, &
+                            span_t(input_of(fine%problem, dimensions, from), input_of(fine%problem, dimensions, to))]
+      end subroutine one_span
+
+      pure real(wp) function step_between(a, b)
+         real(wp), intent(in) :: a, b
+
+         step_between = b - a
+         if (summary%motion == motion_angle) step_between = nearest_difference(b, a)
+      end function step_between
+
+      subroutine enter(value, y)
+         real(wp), intent(in) :: value, y
+
+         if (first) then
+            summary%output = span_t(value, value)
+            summary%output_y = span_t(y, y)
+            first = .false.
+         end if
+         summary%output = span_t(min(summary%output%low, value), max(summary%output%high, value))
+         summary%output_y = span_t(min(summary%output_y%low, y), max(summary%output_y%high, y))
+      end subroutine enter
+
+      !> Where it ceases to close between a closed input and an open one; the output there.
+      subroutine find_end(open, closed, value)
+         real(wp), intent(in) :: open, value
+         real(wp), intent(inout) :: closed
+         real(wp) :: beyond
+         integer :: round, j
+
+         beyond = open
+         do round = 1, lenses
+            call aim(lens, dimensions, fine, closed, beyond)
+            do j = 1, steps_of_lens
+               if (.not. lens%closed(j + 1)) exit
+            end do
+            j = min(j, steps_of_lens)
+            closed = lens%problem%delt(j)
+            beyond = lens%problem%delt(j + 1)
+         end do
+         call enter(value + step_between(value, lens%out(j, 1)), lens%out(j, 2))
+         do round = 1, lens%problem%topology%nloop
+            if (lens%problem%linkage%step_of_loop(round) == 0 .or. .not. has_angle(lens%problem%topology, round)) cycle
+            if (angle_of(abs(lens%k(j, round))) >= summary%angle) cycle
+            summary%angle = angle_of(abs(lens%k(j, round)))
+            summary%angle_loop = round
+            summary%angle_input = input_of(fine%problem, dimensions, closed)
+         end do
+      end subroutine find_end
+
+      !> The extreme of the output near step j.
+      subroutine peak(j, value, up)
+         integer, intent(in) :: j, up
+         real(wp), intent(in) :: value
+         real(wp) :: at, reach, best, here, y
+         integer :: round, m
+
+         at = fine%problem%delt(j)
+         reach = abs(fine%problem%delt(2) - fine%problem%delt(1))
+         best = 0.0_wp
+         y = fine%out(j, 2)
+         do round = 1, lenses/2
+            call aim(lens, dimensions, fine, at - reach, at + reach)
+            do m = 1, steps_of_lens + 1
+               if (.not. lens%closed(m)) cycle
+               here = real(up, wp)*step_between(value, lens%out(m, 1))
+               if (here <= best) cycle
+               best = here
+               at = lens%problem%delt(m)
+               y = lens%out(m, 2)
+            end do
+            reach = 2.0_wp*reach/real(steps_of_lens, wp)
+         end do
+         call enter(value + real(up, wp)*best, y)
+         if (summary%motion /= motion_point) summary%reverses = [summary%reverses, input_of(fine%problem, dimensions, at)]
+      end subroutine peak
+   end subroutine follow
+
+   !> Vertex of the parabola through three even steps, if the middle one is the highest or lowest.
+   pure real(wp) function summit(y)
+      real(wp), intent(in) :: y(3)
+      real(wp) :: bend
+
+      summit = y(2)
+      bend = (y(3) - y(2)) - (y(2) - y(1))
+      if ((y(3) - y(2))*(y(2) - y(1)) < 0.0_wp) summit = y(2) - (y(3) - y(1))**2/(8.0_wp*bend)
+   end function summit
+
+   !> Let the sweep of a turn begin at another step.
+   subroutine rotate(fine, start)
+      type(station_t), intent(inout) :: fine
+      integer, intent(in) :: start
+      real(wp) :: turn
+      integer :: n
+
+      n = size(fine%closed)
+      turn = fine%problem%delt(n) - fine%problem%delt(1)
+      fine%problem%delt = [fine%problem%delt(start:n - 1), fine%problem%delt(:start) + turn]
+      fine%closed = [fine%closed(start:n - 1), fine%closed(:start)]
+      fine%out(:, 1) = [fine%out(start:n - 1, 1), fine%out(:start, 1)]
+      fine%out(:, 2) = [fine%out(start:n - 1, 2), fine%out(:start, 2)]
+   end subroutine rotate
+
+   !> What a change of the output is compared with: a turn, or the longest arc.
+   pure real(wp) function size_of(fine, dimensions)
+      type(station_t), intent(in) :: fine
+      type(dimensions_t), intent(in) :: dimensions
+
+      size_of = full_turn
+      if (fine%problem%motion /= motion_angle) size_of = maxval(dimensions%arcl)
+   end function size_of
+
+   pure real(wp) function input_of(problem, dimensions, delt)
+      type(problem_t), intent(in) :: problem
+      type(dimensions_t), intent(in) :: dimensions
+      real(wp), intent(in) :: delt
+
+      input_of = dimensions%crnki + delt
+      if (problem%topology%sliding_input) return
+      if (abs(input_of - anint(input_of)) < rounding_of_input) input_of = anint(input_of)
+      input_of = within_turn(input_of)
+   end function input_of
+
+   !> Loops that are a four-bar or a slider-crank driven at the input crank.
+   function kinds_of(problem, dimensions) result(kinds)
+      type(problem_t), intent(in) :: problem       !! bound to the dimensions
+      type(dimensions_t), intent(in) :: dimensions
+      type(loop_kind_t), allocatable :: kinds(:)
+      real(wp) :: crank, frame, x, y, c, s, across, link
+      integer :: loop, p, q, a
+
+      allocate (kinds(0))
+      if (problem%topology%sliding_input) return
+      associate (topology => problem%topology, plan => problem%plan)
+         do loop = 1, topology%nloop
+            if (problem%linkage%step_of_loop(loop) == 0) cycle
+            p = topology%larcx(1, loop)
+            q = topology%larcx(2, loop)
+            if (p < 2) cycle
+            if (any(plan%root([(topology%seq(loop, a), a=1, p - 1)]) /= root_crank)) cycle
+            if (any(plan%root([(topology%seq(loop, a), a=q + 1, topology%loopl(loop))]) /= root_frame)) cycle
+            call sum_of_arcs(loop, 1, p - 1, crank, x, y)
+            call sum_of_arcs(loop, q + 1, topology%loopl(loop), frame, x, y)
+            link = dimensions%arcl(topology%seq(loop, p))
+            select case (topology%joint(loop))
+            case (1)
+               kinds = [kinds, loop_kind_t(loop, kind_of_four_bar(crank, link, dimensions%arcl(topology%seq(loop, q)), frame))]
+            case (4)
+               c = problem%linkage%x(topology%seq(loop, q))
+               s = problem%linkage%y(topology%seq(loop, q))
+               across = abs(c*y - s*x)
+               kinds = [kinds, loop_kind_t(loop, merge(kind_slider_turning, kind_slider_swinging, &
+                                                       crank + across <= link*(1.0_wp + rounding)))]
+            end select
+         end do
+      end associate
+
+   contains
+
+      !> Length and components of consecutive arcs of one body, in the axes of their root.
+      pure subroutine sum_of_arcs(which, from, to, length, sx, sy)
+         integer, intent(in) :: which, from, to
+         real(wp), intent(out) :: length, sx, sy
+         integer :: a, n
+
+         sx = 0.0_wp
+         sy = 0.0_wp
+         do a = from, to
+            n = problem%topology%seq(which, a)
+            sx = sx + problem%linkage%x(n)*dimensions%arcl(n)
+            sy = sy + problem%linkage%y(n)*dimensions%arcl(n)
+         end do
+         length = hypotenuse(sx, sy)
+         if (from == to) length = dimensions%arcl(problem%topology%seq(which, from))
+      end subroutine sum_of_arcs
+   end function kinds_of
+
+   !> Kind of a four-bar by the rule of Grashof: shortest and longest link against the other two.
+   pure integer function kind_of_four_bar(crank, coupler, follower, frame) result(kind)
+      real(wp), intent(in) :: crank, coupler, follower, frame   !! lengths; the input turns the crank
+      real(wp) :: links(4), excess
+
+      links = [crank, coupler, follower, frame]
+      excess = 2.0_wp*(minval(links) + maxval(links)) - sum(links)
+      if (abs(excess) <= rounding*sum(links)) then
+         kind = kind_change_point
+      else if (excess > 0.0_wp) then
+         kind = kind_triple_rocker
+      else
+         select case (minloc(links, dim=1))
+         case (1)
+            kind = kind_crank_rocker
+         case (2)
+            kind = kind_double_rocker
+         case (3)
+            kind = kind_rocker_crank
+         case default
+            kind = kind_double_crank
+         end select
+      end if
+   end function kind_of_four_bar
+end module psalm_summary

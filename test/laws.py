@@ -1,0 +1,147 @@
+#!/usr/bin/env python3
+"""Laws that relate one run of the programs to another, from outside.
+
+usage: test/laws.py PROGRAM_DIRECTORY. Last line: N passed, N failed.
+"""
+import os
+import re
+import sys
+import tempfile
+
+import picture_tools
+from picture_tools import DATA, changed, check, psalm, read, run, write
+
+SAMPLES = ["dyad1_crank_rocker", "dyad2_oscillating_cylinder", "dyad3_quick_return", "dyad4_slider_crank", "dyad5_turning_block",
+           "dyad6_scotch_yoke", "dyad7_oldham_coupling", "actuator_rapson_slide", "needle", "textile"]
+
+
+def case(name):
+    return read(os.path.join(DATA, name + ".nml"))
+
+
+def kalm(*arguments):
+    return run(os.path.join(picture_tools.programs, "kalm"), *arguments)
+
+
+def rows(device, block=0):
+    """Rows of a block of device 9, as dictionaries of strings."""
+    blocks = []
+    for line in read(device).splitlines():
+        if line.startswith("# input"):
+            blocks.append((line.split()[1:], []))
+        elif line.strip() and not line.startswith("#"):
+            blocks[-1][1].append(dict(zip(blocks[-1][0], line.split())))
+    return blocks[block][1]
+
+
+def with_items(text, group, items):
+    """Items added to a group; items given twice take the last value."""
+    return changed(text, "&" + group + " ", "&%s %s, " % (group, items))
+
+
+def without(text, item):
+    """The text without the values of an item."""
+    return re.sub(r"\b%s *=[^=]*?(?=,?\s*(\b[A-Z]\w*(\(\S*\))? *=|&END))" % item, "", text).replace(", ,", ",")
+
+
+def test_desired():
+    """What a linkage does, desired of it: no error anywhere, and a total of practically nothing."""
+    for name in SAMPLES:
+        text = case(name)
+        write("own.nml", text)
+        psalm("--quiet", "own.nml")
+        first = rows("own.dev9")
+        inputs = [float(row["input"]) for row in first]
+        names = {"actual": "DESANG"} if "actual" in first[0] else {"actual_x": "DESX", "actual_y": "DESY"}
+        wanted = ["%s=%s" % (item, ",".join(row[key] for row in first)) for key, item in names.items()]
+        start = float((re.search(r"CRNKI *= *([-0-9.]+)", text) or ["", "0"])[1])
+        for item in ("IKIN", "NDES", "DELT", "DESANG", "DESX", "DESY", "XADD", "YADD", "IVA", "IVG", "ILKOUT", "INGOUT", "ICRK", "IORIG"):
+            text = without(text, item)
+        text = with_items(text, "METHOD", "NDES=%d, DELT=%s, %s" % (
+            len(inputs), ",".join(repr(v - start) for v in inputs), ", ".join(wanted)))
+        write("desired.nml", text)
+        code, out, errors = psalm("--quiet", "desired.nml")
+        total = re.search(r"TOTAL ERROR\s+(\S+)", out)
+        again = rows("desired.dev9")
+        scale = max(abs(float(row[key])) for row in first for key in names)
+        check(name + ": its own outputs are met", code == 0 and total and float(total[1].replace("D", "E")) < 1e-20*scale**2*len(inputs),
+              "%d %s %s" % (code, total and total[1], errors))
+        check(name + ": desired columns are what was asked for", len(again) == len(first) and all(
+            b[key.replace("actual", "desired")] == a[key] for a, b in zip(first, again) for key in names))
+
+
+def test_repair():
+    """The amount by which a linkage does not close is what it takes to close it, no less."""
+    opened = [("dyad1_crank_rocker", "40.0,120.0,80.0,130.0", "40.0,%s,60.0,130.0", 30.0, +1, "BOTH LINKS ARE TOO SHORT"),
+              ("dyad1_crank_rocker", "40.0,120.0,80.0,130.0", "40.0,%s,90.0,130.0", 300.0, -1, "THE DIFFERENCE OF THE LINKS IS TOO GREAT"),
+              ("dyad2_oscillating_cylinder", "30.0,0.0,15.0,120.0", "30.0,0.0,%s,120.0", 110.0, -1, "GUIDE 3 IS TOO LONG"),
+              ("dyad3_quick_return", None, None, 0.0, -1, "GUIDE 2 IS TOO LONG"),
+              ("dyad4_slider_crank", "40.0,140.0,0.0,10.0", "40.0,%s,0.0,10.0", 35.0, +1, "LINK 2 IS TOO SHORT"),
+              ("dyad5_turning_block", "10.0,0.0,60.0,25.0", "10.0,0.0,%s,25.0", 20.0, +1, "LINK 3 IS TOO SHORT")]
+    for name, old, new, length, way, words in opened:
+        text = case(name)
+        if old is None:
+            arcs = re.search(r"ARCL=([^A-Z]*)", text)[1].rstrip(", \n").split(",")
+            old, length = ",".join(arcs), 2.0*max(map(float, arcs))
+            new = ",".join([arcs[0], "%s"] + arcs[2:])
+        law = "%s, %s: " % (name, words.lower())
+
+        def amount(value):
+            write("open.nml", changed(text, old, new % repr(value)))
+            _, _, errors = psalm("open.nml")
+            told = re.findall(words + r" BY ([-0-9.D+]+)", errors)
+            return max([float(v.replace("D", "E")) for v in told], default=0.0), "does not close" in errors
+
+        by, is_open = amount(length)
+        check(law + "it says so", by > 0 and is_open, str(by))
+        check(law + "the amount closes it", amount(length + way*by*(1 + 1e-5)) == (0.0, False))
+        check(law + "less does not", amount(length + way*by*(1 - 1e-5))[1])
+
+
+def test_backwards():
+    """A sliding input that goes back: the even steps go back too."""
+    text = case("actuator_rapson_slide")
+    places = re.search(r"DELT=([-0-9.,]+)", text)[1].rstrip(",").split(",")
+    write("forth.nml", text)
+    write("back.nml", changed(text, ",".join(places), ",".join(reversed(places))))
+    for name in ("forth", "back"):
+        psalm("--quiet", name + ".nml")
+    forth, back = (rows(name + ".dev9", 1) for name in ("forth", "back"))
+    check("361 even steps", len(forth) == len(back) == 361)
+    check("they go back", all(abs(float(a["input"]) - float(b["input"])) <= 1e-12*350 and
+                              abs(float(a["actual"]) - float(b["actual"])) <= 1e-11 for a, b in zip(forth, reversed(back))))
+
+
+def test_open_rates():
+    """kalm where a linkage does not close: told, counted, no number there, and the same numbers elsewhere."""
+    write("sound.nml", case("dyad4_slider_crank"))
+    write("open.nml", with_items(changed(case("dyad4_slider_crank"), "140.0,0.0,10.0", "35.0,0.0,10.0"), "LIMITS", "KTHETA=1"))
+    code, out, errors = kalm("open.nml")
+    device = rows("open.kalm.dev9")
+    gone = [row for row in device if row["closed"] == "0"]
+    check("rates of an open linkage: status", code == 1)
+    check("rates of an open linkage: counted", "does not close at %d of %d positions" % (len(gone), len(device)) in errors, errors)
+    check("rates of an open linkage: by how much", "LINK 2 IS TOO SHORT BY 15.00000" in errors, errors)
+    check("rates of an open linkage: the listing says where", out.count("DOES NOT CLOSE") == len(gone) > 0)
+    check("rates of an open linkage: so does device 8", read("open.kalm.dev8").count("DOES NOT CLOSE") == len(gone))
+    check("rates of an open linkage: no number", all(set(list(row.values())[2:]) == {"NaN"} for row in gone))
+    check("rates of an open linkage: numbers elsewhere", all("NaN" not in row.values() for row in device if row not in gone))
+    psalm("--quiet", "open.nml")
+    check("arcs of an open linkage: the loop is named", read("open.dev8").count("LOOP 1 DOES NOT CLOSE") == len(gone))
+
+
+def main(programs):
+    picture_tools.programs = os.path.abspath(programs)
+    with tempfile.TemporaryDirectory() as work:
+        os.chdir(work)
+        test_desired()
+        test_repair()
+        test_backwards()
+        test_open_rates()
+        os.chdir("/")
+    print("%d passed, %d failed" % (picture_tools.passed, picture_tools.failed))
+    return picture_tools.failed > 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1]))

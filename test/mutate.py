@@ -1,0 +1,230 @@
+#!/usr/bin/env python3
+"""Mutation run: one token of the sources is changed at a time; do the tests notice?
+
+usage: mutate.py [--count N] [--seed S] [--room ROOM] [--report | --again] [--quick]
+
+Each change is drawn at random over src/ and app/ (a change of a number a quarter as often as another), built, and put
+through the tests until one fails, cheapest first. Tests that never run the line (build/coverage/lines.json, made by
+coverage.py) are left out. A change that does not compile, or leaves the optimised code as it was, is drawn again. The same
+seed gives the same changes; --again puts those that were missed through the tests of today. Results go to
+build/mutate/seed-S.jsonl as they come, and a run that was stopped goes on there, on the same sources. The sources themselves are
+not touched. --quick builds once, optimised and without the checks of the run-time library, and leaves out the parts of the tests
+that take longest: what it misses goes through --again. The last line is N noticed, N missed; the exit status is 1 if fewer than 90 per cent are noticed.
+"""
+import argparse
+import json
+import os
+import random
+import re
+import sys
+import time
+
+import workshop
+
+PLACE = os.path.join(workshop.TOP, "build", "mutate")
+LEAST = 90.0          # per cent to be noticed
+NUMBERS = 0.25        # weight of a changed number, of which there are many
+SLACK, PATIENCE = 20.0, 8.0  # a stage may take PATIENCE times as long as it does on the sound sources, and SLACK seconds
+
+TOKEN = re.compile(r"""(?P<text>'[^']*'|"[^"]*")|(?P<note>!.*)|(?P<dot>\.\w+\.)
+                       |(?P<number>(?<![\w.])\d+(?:\.\d*)?(?:[ed][-+]?\d+)?(?:_\w+)?)
+                       |(?P<word>[a-z]\w*)|(?P<sign>\*\*|//|==|/=|<=|>=|=>|::|\(/|/\)|[-+*/<>=%(),:])""", re.I | re.X)
+SWAPS = {"+": "-", "-": "+", "*": "/", "/": "*", "<": ["<=", ">"], "<=": "<", ">": [">=", "<"], ">=": ">", "==": "/=",
+         "/=": "==", ".and.": ".or.", ".or.": ".and.", ".true.": ".false.", ".false.": ".true.", "exit": "cycle",
+         "cycle": "exit", "min": "max", "max": "min", "minval": "maxval", "maxval": "minval", "any": "all", "all": "any",
+         "sin": "cos", "cos": "sin",
+         "minloc": "maxloc", "maxloc": "minloc", ".not.": ""}
+NOT_CODE = re.compile(r"\s*(use|implicit|import|end|module|contains|interface|private|public|procedure|type\b[^(]|type,|!|#)", re.I)
+HEADING = re.compile(r"^[^'\"!]*\b(subroutine|function)\s+\w+\s*\(", re.I)
+
+
+def sites(source, text):
+    """Every change of one token: (line number, column, old, new, weight)."""
+    found = []
+    for number, line in enumerate(text.split("\n"), 1):
+        if NOT_CODE.match(line) or HEADING.match(line):
+            continue
+        declaration = "::" in line.split("!")[0]
+        for token in TOKEN.finditer(line):
+            old = token.group()
+            after = line[token.end():].lstrip()[:1]
+            if token.lastgroup in ("text", "note"):
+                continue
+            if token.lastgroup == "number":
+                if not re.fullmatch(r"\d+(\.\d*)?(_\w+)?", old) or (declaration and "parameter" not in line):
+                    continue
+                value = re.match(r"\d+", old).group()
+                found.append((number, token.start(), old, str(int(value) + 1) + old[len(value):], NUMBERS))
+                continue
+            if declaration and token.lastgroup != "dot":
+                continue
+            if token.lastgroup == "word" and old.lower() not in ("exit", "cycle") and after != "(":
+                continue
+            swap = SWAPS.get(old.lower(), [])
+            for new in [swap] if isinstance(swap, str) else swap:
+                found.append((number, token.start(), old, new, 1.0))
+    return found
+
+
+def machine_code(build, source):
+    return open(build.object_of(source), "rb").read()
+
+
+class Trial:
+    """The copied tree with its builds, and what each stage takes on sound sources."""
+
+    def __init__(self, quick):
+        self.tree = os.path.join(PLACE, "tree")
+        workshop.copy_tree(self.tree)
+        build = os.path.join(self.tree, "build")
+        self.release = workshop.Build(self.tree, os.path.join(build, "release"), workshop.release_flags(), tests=quick)
+        self.debug = self.quad = self.release
+        if not quick:
+            self.debug = workshop.Build(self.tree, os.path.join(build, "debug"), workshop.check_flags())
+            self.quad = workshop.Build(self.tree, os.path.join(build, "quad"), workshop.quad_flags(), tests=False)
+        self.stages = [stage for stage in workshop.stages(self.tree, self.debug, self.release, self.quad)
+                       if not quick or stage.name not in workshop.SLOW]
+        self.builds = list(dict.fromkeys((self.release, self.debug, self.quad)))
+        for build in self.builds:
+            build.all()
+        print("-- built", file=sys.stderr, flush=True)
+        self.seconds = {}
+        for stage in self.stages:
+            began = time.monotonic()
+            if not stage.run(self.tree, 3600):
+                raise SystemExit("the tests fail before anything is changed: %s\n%s" % (stage.name, stage.output[-2000:]))
+            self.seconds[stage.name] = time.monotonic() - began
+        self.stages.sort(key=lambda stage: self.seconds[stage.name])
+        print("-- sound sources: %.0f seconds" % sum(self.seconds.values()), file=sys.stderr, flush=True)
+        self.runs = self.read_coverage()
+
+    @staticmethod
+    def read_coverage():
+        """(file, line) -> names of the stages that run it; empty if it was never measured."""
+        name = os.path.join(workshop.TOP, "build", "coverage", "lines.json")
+        if not os.path.exists(name):
+            return {}
+        return {(file, line): set(stages) for file, line, stages in json.load(open(name, encoding="utf-8"))}
+
+    def try_out(self, source, text, change):
+        """None if the change is none; else the name of the stage that notices it, or an empty word."""
+        number, column, old, new, _ = change
+        lines = text.split("\n")
+        lines[number - 1] = lines[number - 1][:column] + new + lines[number - 1][column + len(old):]
+        path = os.path.join(self.tree, source)
+        before = machine_code(self.release, source), self.release.interface(source)
+        changed = []
+        try:
+            with open(path, "w", encoding="utf-8") as out:
+                out.write("\n".join(lines))
+            try:
+                changed.append(self.release)
+                self.release.update(source)
+                if (machine_code(self.release, source), self.release.interface(source)) == before:
+                    return None
+                if self.debug is not self.release:
+                    changed.append(self.debug)
+                    self.debug.update(source)
+            except workshop.BuildFailed:
+                return None
+            ran = self.runs.get((source, number))
+            for stage in self.stages:
+                if ran is not None and stage.name not in ran:
+                    continue
+                if "quad" in stage.needs and self.quad not in changed:
+                    changed.append(self.quad)
+                    self.quad.update(source)
+                if not stage.run(self.tree, SLACK + PATIENCE*self.seconds[stage.name]):
+                    return stage.name
+            return ""
+        finally:
+            with open(path, "w", encoding="utf-8") as out:
+                out.write(text)
+            for build in changed:
+                build.update(source)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--count", type=int, default=200)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--room", default="", help="only sources whose path begins so, as src/output")
+    parser.add_argument("--report", action="store_true", help="print what the run so far has found, run nothing")
+    parser.add_argument("--again", action="store_true", help="only what the run so far has missed, with the tests of today")
+    parser.add_argument("--quick", action="store_true")
+    parser.add_argument("--nice", type=int, default=10)
+    options = parser.parse_args()
+    os.nice(options.nice)
+    os.makedirs(PLACE, exist_ok=True)
+    results = os.path.join(PLACE, "seed-%d%s.jsonl" % (options.seed, options.room.replace("/", "-")))
+    done = []
+    if os.path.exists(results):
+        done = [json.loads(line) for line in open(results, encoding="utf-8")]
+    if options.again:
+        done = again(options, results, done)
+    elif not options.report:
+        done = run(options, results, done)
+    for entry in done:
+        if entry["noticed"] == "":
+            print("missed: %(file)s:%(line)d: %(old)s -> %(new)s   %(text)s" % entry)
+    real = [entry for entry in done if entry["noticed"] is not None]
+    noticed = sum(entry["noticed"] != "" for entry in real)
+    print("%d noticed, %d missed" % (noticed, len(real) - noticed))
+    return noticed < LEAST/100.0*len(real)
+
+
+def tell(entry):
+    print("-- %(file)s:%(line)d %(old)s -> %(new)s: %(noticed)s (%(seconds).0f s)" % dict(entry, noticed={
+        None: "no change", "": "MISSED"}.get(entry["noticed"], entry["noticed"])), file=sys.stderr, flush=True)
+
+
+def again(options, results, done):
+    """Changes that were missed, found by the text of their line; what is no longer there stays as it was."""
+    trial = Trial(options.quick)
+    for entry in done:
+        path = os.path.join(trial.tree, entry["file"])
+        if entry["noticed"] != "" or not os.path.exists(path):
+            continue
+        text = open(path, encoding="utf-8").read()
+        lines = text.split("\n")
+        places = sorted((abs(n - entry["line"]), n) for n, line in enumerate(lines, 1) if line.strip() == entry["text"])
+        if not places:
+            continue
+        number = places[0][1]
+        column = entry["column"] + len(lines[number - 1]) - len(lines[number - 1].lstrip())
+        began = time.monotonic()
+        entry["noticed"] = trial.try_out(entry["file"], text, (number, column, entry["old"], entry["new"], 1.0))
+        entry["seconds"] = round(time.monotonic() - began, 1)
+        tell(entry)
+        with open(results, "w", encoding="utf-8") as out:
+            out.writelines(json.dumps(e) + "\n" for e in done)
+    return done
+
+
+def run(options, results, done):
+    trial = Trial(options.quick)
+    generator = random.Random(options.seed)
+    sources = [s for s in trial.release.order if s.endswith("90") and s.startswith(("src/", "app/")) and s.startswith(options.room)]
+    texts = {s: open(os.path.join(trial.tree, s), encoding="utf-8").read() for s in sources}
+    everything = [(s, site) for s in sources for site in sites(s, texts[s])]
+    weights = [site[4] for _, site in everything]
+    drawn = 0
+    while sum(entry["noticed"] is not None for entry in done) < options.count:
+        source, change = generator.choices(everything, weights)[0]
+        drawn += 1
+        if drawn <= len(done):
+            continue
+        began = time.monotonic()
+        noticed = trial.try_out(source, texts[source], change)
+        line = texts[source].split("\n")[change[0] - 1]
+        entry = {"file": source, "line": change[0], "column": change[1] - (len(line) - len(line.lstrip())), "old": change[2],
+                 "new": change[3], "noticed": noticed, "text": line.strip(), "seconds": round(time.monotonic() - began, 1)}
+        done.append(entry)
+        with open(results, "a", encoding="utf-8") as out:
+            out.write(json.dumps(entry) + "\n")
+        tell(entry)
+    return done
+
+
+if __name__ == "__main__":
+    sys.exit(main())

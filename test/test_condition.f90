@@ -1,0 +1,73 @@
+!> Condition numbers against the derivatives by every dimension: never below what these make of one epsilon, nor far above.
+!>
+!> Source of the laws: the number is a bound of the first-order effect of a relative change of every dimension and of the
+!> input (`doc/theory.md`, section Condition), carried along by absolute values. Away from dead points absolute values give
+!> away a small factor in each loop.
+program test_condition
+   use cases, only: load_case, names
+   use check, only: checks_t
+   use psalm_condition, only: condition_t, prepare_condition, condition_at
+   use psalm_data_set, only: data_set_t, motion_point, motion_angle
+   use psalm_error, only: problem_t, motion_t
+   use psalm_kinds, only: wp, radians_per_degree
+   use psalm_sensitivity, only: sensitivity_t, prepare_sensitivity, find_jacobian
+   implicit none (type, external)
+
+   real(wp), parameter :: given_away(2) = [30.0_wp, 7.5_wp] !! largest bound over effect: several loops, one loop
+   real(wp), parameter :: nothing = 1.0e-9_wp               !! an output below this has no relative error worth the name
+   type(checks_t) :: t
+   integer :: k
+
+   do k = 1, size(names)
+      call bound_of(names(k))
+   end do
+   call t%report()
+
+contains
+
+   subroutine bound_of(name)
+      character(*), intent(in) :: name
+      type(problem_t) :: problem
+      type(data_set_t) :: set
+      type(sensitivity_t) :: work
+      type(motion_t) :: motion
+      type(condition_t) :: condition
+      real(wp), allocatable :: dx(:, :), dy(:, :), values(:)
+      real(wp) :: number, effect, least, most
+      integer :: block, offset, n, i, loops
+
+      call load_case(name, problem, set, vary=.true.)
+      call problem%want_derivatives(.false.)
+      values = problem%topology%first_values(problem%given)
+      allocate (dx(problem%positions, size(values)), dy(problem%positions, size(values)))
+      call prepare_sensitivity(problem, work)
+      call problem%analyse(problem%given, motion)
+      call find_jacobian(problem, problem%given, work, dx, dy)
+      call prepare_condition(problem%plan, condition)
+      least = huge(least)
+      most = 0.0_wp
+      loops = count(problem%plan%solved)
+      do block = 1, problem%blocks()
+         call problem%solve_block(block, offset, n)
+         call problem%output_of(n)
+         do i = 1, n
+            if (problem%motion /= motion_angle .and. abs(motion%actual(offset + i)) < nothing*maxval(abs(motion%actual))) cycle
+            call condition_at(problem, i, offset + i, condition, number)
+            associate (k => offset + i)
+               select case (problem%motion)
+               case (motion_point)
+                  effect = sum(hypot(dx(k, :), dy(k, :))*abs(values))/hypot(motion%actual(k), motion%actual_y(k))
+               case (motion_angle)
+                  effect = sum(abs(dx(k, :)*values))*radians_per_degree
+               case default
+                  effect = sum(abs(dx(k, :)*values))/abs(motion%actual(k))
+               end select
+            end associate
+            least = min(least, number/(1.0_wp + effect))
+            most = max(most, number/(1.0_wp + effect))
+         end do
+      end do
+      call t%is_true(least >= 1.0_wp, trim(name)//': the condition number covers the effect of every dimension')
+      call t%is_true(most <= given_away(merge(1, 2, loops > 1)), trim(name)//': it does not give away much')
+   end subroutine bound_of
+end program test_condition

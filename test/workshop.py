@@ -1,0 +1,203 @@
+"""A build driver for trials of the sources: one module is compiled anew without the others, flags and place are free.
+
+fpm builds what is installed. Mutation runs build hundreds of times with one line changed, and coverage wants to know which
+test ran which line: both need single objects at hand. Object files have the names that fpm gives them.
+"""
+import glob
+import gzip
+import os
+import re
+import shutil
+import signal
+import subprocess
+
+TOP = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
+LIBRARIES = ["-lnlopt", "-llapack", "-lblas"]
+
+
+def setup_value(name):
+    """A variable of scripts/setup, so that flags have one place."""
+    text = open(os.path.join(TOP, "scripts", "setup"), encoding="utf-8").read()
+    parts = re.findall(r'^%s\+?="(.*)"$' % name, text, re.M)
+    if not parts:
+        raise SystemExit("scripts/setup has no " + name)
+    return "".join(parts).split()
+
+
+def release_flags():
+    return ["-O3", "-funroll-loops"] + setup_value("release_flags")
+
+
+def quad_flags():
+    return ["-O1", "-DREAL128"] + setup_value("release_flags")
+
+
+def check_flags():
+    return ["-O0"] + [flag for flag in setup_value("check_flags") if not flag.startswith("-W")]
+
+
+class BuildFailed(Exception):
+    pass
+
+
+def run(command, **more):
+    """Standard output of a command that must succeed."""
+    done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False, **more)
+    if done.returncode != 0:
+        raise BuildFailed("%s\n%s" % (" ".join(command), done.stdout.decode("utf-8", "replace")))
+    return done.stdout
+
+
+class Build:
+    """Objects, a shared library, programs and test programs of the tree at `top`, in `place`."""
+
+    def __init__(self, top, place, flags, tests=True, compiler="gfortran"):
+        self.top, self.place, self.flags, self.compiler = top, place, flags, compiler
+        self.bin = os.path.join(place, "bin")
+        self.tests = os.path.join(place, "tests")
+        self.units = {}       # source -> (module it defines or None, modules it uses, program or not)
+        patterns = ["src/**/*.[fF]90", "app/*.[fF]90", "src/**/*.c"] + (["test/*.[fF]90"] if tests else [])
+        for pattern in patterns:
+            for name in sorted(glob.glob(os.path.join(top, pattern), recursive=True)):
+                self.units[os.path.relpath(name, top)] = self.look(name)
+        self.maker = {unit[0]: source for source, unit in self.units.items() if unit[0]}
+        self.order = []
+        for source in self.units:
+            self.visit(source)
+        for folder in (place, self.bin, self.tests, os.path.join(place, "mod")):
+            os.makedirs(folder, exist_ok=True)
+
+    @staticmethod
+    def look(name):
+        text = open(name, encoding="utf-8").read()
+        module = re.search(r"^\s*module\s+(\w+)\s*$", text, re.M | re.I)
+        uses = set(re.findall(r"^\s*use\s*(?:,\s*non_intrinsic\s*)?(?:::)?\s*(\w+)", text, re.M | re.I))
+        program = re.search(r"^\s*program\s+(\w+)\s*$", text, re.M | re.I) is not None
+        return module and module.group(1).lower(), {u.lower() for u in uses}, program
+
+    def visit(self, source):
+        if source in self.order:
+            return
+        for module in sorted(self.units[source][1]):
+            if module in self.maker and self.maker[module] != source:
+                self.visit(self.maker[module])
+        self.order.append(source)
+
+    def object_of(self, source):
+        return os.path.join(self.place, source.replace("/", "_") + ".o")
+
+    def module_file(self, source):
+        return os.path.join(self.place, "mod", (self.units[source][0] or "") + ".mod")
+
+    def interface(self, source):
+        """What users of a module see of it; None for what is no module."""
+        name = self.module_file(source)
+        if not self.units[source][0] or not os.path.exists(name):
+            return None
+        data = open(name, "rb").read()
+        return gzip.decompress(data) if data[:2] == b"\x1f\x8b" else data
+
+    def compile(self, source):
+        if source.endswith(".c"):
+            command = ["gcc", "-O1", "-fPIC"] + [f for f in self.flags if f.startswith(("--coverage", "-fsanitize"))]
+        else:
+            command = [self.compiler, "-fPIC", "-fopenmp", "-ffree-form", "-J" + os.path.join(self.place, "mod")] + self.flags
+            if source.startswith("test/"):
+                command.append("-O0")     # a test counts allocations that an optimiser would leave out
+        run(command + ["-c", source, "-o", self.object_of(source)], cwd=self.top)
+
+    def users(self, module):
+        return [s for s in self.order if module in self.units[s][1]]
+
+    def update(self, source):
+        """Compile one source anew, and its users as far as what they see of it has changed. Returns what was compiled."""
+        todo, done = [source], []
+        while todo:
+            todo.sort(key=self.order.index)
+            one = todo.pop(0)
+            before = self.interface(one)
+            self.compile(one)
+            done.append(one)
+            if self.interface(one) != before:
+                todo += [u for u in self.users(self.units[one][0]) if u not in todo and u not in done]
+        self.link(done)
+        return done
+
+    def link(self, changed=None):
+        """The library, then every program that is made of a changed object (None: all)."""
+        everything = changed is None
+        changed = set(self.order if everything else changed)
+        programs = [s for s in self.order if self.units[s][2]]
+        helpers = [s for s in self.order if s.startswith("test/") and not self.units[s][2]]
+        parts = [s for s in self.order if not self.units[s][2] and s not in helpers]
+        library = os.path.join(self.place, "libpsalm_trial.so")
+        basic = [self.compiler, "-fopenmp"] + [f for f in self.flags if f.startswith(("--coverage", "-fsanitize", "-O"))]
+        if changed & set(parts):
+            run(basic + ["-shared", "-o", library] + [self.object_of(s) for s in parts] + LIBRARIES)
+        for source in programs:
+            test = source.startswith("test/")
+            if not everything and source not in changed and not (test and changed & set(helpers)):
+                continue
+            name = os.path.splitext(os.path.basename(source))[0]
+            run(basic + ["-o", os.path.join(self.tests if test else self.bin, name), self.object_of(source)] +
+                ([self.object_of(s) for s in helpers] if test else []) +
+                [library, "-Wl,-rpath," + self.place] + LIBRARIES)
+
+    def all(self):
+        for source in self.order:
+            self.compile(source)
+        self.link()
+
+    def test_programs(self):
+        return sorted(os.path.splitext(os.path.basename(s))[0] for s in self.order if self.units[s][2] and s.startswith("test/"))
+
+
+def copy_tree(target):
+    """The files of the work tree that git knows or would take, without what was built."""
+    names = subprocess.run(["git", "ls-files", "-co", "--exclude-standard"], cwd=TOP, capture_output=True, check=True)
+    shutil.rmtree(target, ignore_errors=True)
+    for name in names.stdout.decode().splitlines():
+        if os.path.isfile(os.path.join(TOP, name)):
+            os.makedirs(os.path.dirname(os.path.join(target, name)), exist_ok=True)
+            shutil.copy2(os.path.join(TOP, name), os.path.join(target, name))
+
+
+SLOW = ("programs: datasets", "programs: device7", "programs: solvers", "hard cases", "pictures: pages") # seconds each, not one
+
+
+class Stage:
+    """A part of the tests: a command that fails when it notices something."""
+
+    def __init__(self, name, command, needs=("release",)):
+        self.name, self.command, self.needs = name, command, needs
+
+    def run(self, top, limit, **environment):
+        """True if all is well. A run past `limit` seconds is stopped with all that it started, and is not well."""
+        process = subprocess.Popen(self.command, cwd=top, env=dict(os.environ, STOP_AT_FIRST="1", **environment),
+                                   stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                                   start_new_session=True)
+        try:
+            output, _ = process.communicate(timeout=limit)
+            self.output = output.decode("utf-8", "replace")
+        except subprocess.TimeoutExpired:
+            os.killpg(process.pid, signal.SIGKILL)
+            process.communicate()
+            self.output = "FAILED: no end within %.0f seconds" % limit
+            return False
+        return process.returncode == 0
+
+
+def stages(top, debug, release, quad):
+    """All tests of scripts/test but those of two modules in quadruple precision, cheapest first."""
+    test = os.path.join(top, "test")
+    python = os.path.join(TOP, ".venv", "bin", "python")
+    result = [Stage(name, [os.path.join(debug.tests, name)], ("debug",)) for name in debug.test_programs()]
+    script = open(os.path.join(test, "programs.sh"), encoding="utf-8").read()
+    result += [Stage("programs: " + part, [os.path.join(test, "programs.sh"), release.bin, part])
+               for part in re.findall(r"^if part (\w+); then", script, re.M)]
+    result += [Stage("laws", [python, os.path.join(test, "laws.py"), release.bin])]
+    result += [Stage("hard cases", [os.path.join(test, "hard_cases.sh"), release.bin, quad.bin], ("release", "quad"))]
+    script = open(os.path.join(test, "pictures.py"), encoding="utf-8").read()
+    result += [Stage("pictures: " + part, [python, os.path.join(test, "pictures.py"), release.bin, "--only", part])
+               for part in re.findall(r'^    "(\w+)": ', script, re.M)]
+    return result

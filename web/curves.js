@@ -1,0 +1,248 @@
+// The curves: output, error and transmission angles against the input, with a cursor; the strip above the time line.
+'use strict';
+
+balm.curves = (() => {
+  const { OPEN, between, mixed, modulo, inputAt, short } = balm.scene;
+  const FLAT = 1e-8;        // a curve that varies by less than this part of the scale is constant: nine digits are sent
+  const AROUND = 0.01;      // part of the scale that is shown on either side of a constant
+  const OUTPUT = { angle: 'angle, degrees', distance: 'distance', slide: 'length of the slide' };
+  const ROUND = 2 * Math.PI;
+  let canvas, chart, still, strip;
+  let plot = null;          // place of the panels
+
+  function begin() {
+    canvas = document.getElementById('curves');
+    chart = canvas.getContext('2d');
+    still = document.createElement('canvas');
+    strip = document.getElementById('strip');
+  }
+
+  // ---- axes ---------------------------------------------------------------------------------------------------------
+
+  /** Round numbers from a to b, about `count`; with `angles` steps that divide a turn. */
+  function ticks(a, b, count, angles = false) {
+    const low = Math.min(a, b), high = Math.max(a, b), rough = (high - low) / count || 1;
+    const power = 10 ** Math.floor(Math.log10(rough));
+    const turns = [15, 30, 45, 90, 180, 360].find((s) => s >= rough * 0.999);
+    const step = angles && rough > 10 && turns ? turns : power * [1, 2, 5, 10].find((s) => s * power >= rough * 0.999);
+    const list = [];
+    for (let v = Math.ceil(low / step - 1e-9) * step; v <= high + 1e-9 * step; v += step)
+      list.push(Math.abs(v) < 1e-9 * step ? 0 : v);
+    return list;
+  }
+
+  /** Ends of an axis for values from low to high on a linkage of the given size; rounding is not magnified. */
+  function axisRange(low, high, size) {
+    if (!(high >= low)) return [0, 1];
+    if (high - low >= FLAT * size) return [low, high];
+    const middle = Math.abs(low) < FLAT * size ? 0 : (low + high) / 2;
+    return [middle - AROUND * size, middle + AROUND * size];
+  }
+
+  /** Least and greatest of all values of a panel that are seen from `from` to `to`. */
+  function extent(panel, from, to) {
+    let low = Infinity, high = -Infinity;
+    const see = (t, v) => {
+      if (!isFinite(v) || t < from - 1e-6 || t > to + 1e-6) return;
+      low = Math.min(low, v);
+      high = Math.max(high, v);
+    };
+    for (const one of panel.lines) one.values.forEach((v, i) => see(i, v));
+    for (const one of panel.points) for (const [t, v] of one.marks) see(t, v);
+    return panel.zero ? [Math.min(low, 0), Math.max(high, 0)] : [low, high];
+  }
+
+  // ---- panels -------------------------------------------------------------------------------------------------------
+
+  /** What the panels show: lines over the sweep, points at the prescribed positions. */
+  function panelsOf(c) {
+    const { pens, linkColour } = balm.drawing, s = c.sweep, p = c.prescribed, panels = [];
+    const size = c.motion === 'angle' ? 360 : c.size;
+    const marks = (values) => Array.from(values, (v, i) => [c.at[i], v]);
+    const output = (name, actual, desired) => panels.push({ name, size,
+      lines: [{ label: 'actual', colour: pens.actual, values: s[actual] }],
+      points: c.desired ? [{ label: 'desired', colour: pens.desired, marks: marks(p[desired]) }] : [] });
+    if (c.motion === 'point') {
+      output('x of the output', 'actual', 'desired');
+      output('y of the output', 'actual_y', 'desired_y');
+    } else {
+      output(OUTPUT[c.motion], 'actual', 'desired');
+    }
+    if (c.desired) {
+      const error = (label, colour, values) => ({ label, colour, joined: true, marks: marks(values) });
+      const points = [error(c.motion === 'point' ? 'x' : '', pens.accent, p.error)];
+      if (c.motion === 'point') points.push(error('y', pens.link1, p.error_y));
+      panels.push({ name: 'error (desired - actual)', size, zero: true, lines: [], points });
+    }
+    const named = s.angle.length <= 8;
+    const angle = (a, i) => ({ label: named ? (i ? '' : 'loop ') + a.loop : '', colour: linkColour(i),
+      values: a.values });
+    if (s.angle.length) panels.push({ name: 'transmission angle, degrees', fixed: [0, 180], limits: c.limits,
+      lines: s.angle.map(angle), points: [] });
+    return panels;
+  }
+
+  /** Everything but the cursor. */
+  function layOut(c) {
+    const { fit, sizeOf } = balm.drawing, [w, h] = fit(canvas, still), g = still.getContext('2d');
+    const [from, to] = balm.state.whole ? c.ends : c.range, u = sizeOf(w / 480, h / 520);
+    plot = { w, h, u, left: 58 * u, right: w - 18 * u, from, to: Math.max(to, from + 1e-9), panels: panelsOf(c) };
+    plot.x = (t) => plot.left + (t - plot.from) / (plot.to - plot.from) * (plot.right - plot.left);
+    g.clearRect(0, 0, w, h);
+    g.font = 11 * u + 'px system-ui, sans-serif';
+    const each = (h - 34 * u) / plot.panels.length;
+    plot.panels.forEach((panel, i) => {
+      panel.top = i * each + 20 * u;
+      panel.bottom = (i + 1) * each - 8 * u;
+      drawPanel(g, c, panel);
+    });
+    drawInputAxis(g, c);
+    layOutStrip(c);
+  }
+
+  function drawInputAxis(g, c) {
+    const { w, h, u, left, right } = plot, first = inputAt(c, 0), each = inputAt(c, 1) - first || 1;
+    g.fillStyle = balm.drawing.pens.soft;
+    g.textAlign = 'center';
+    for (const v of ticks(inputAt(c, plot.from), inputAt(c, plot.to), w < 500 * u ? 4 : 7, c.ring))
+      g.fillText(short(c.ring ? modulo(v, 360) : v), plot.x((v - first) / each), h - 20 * u);
+    g.fillText(c.sliding ? 'input length' : 'crank angle, degrees', (left + right) / 2, h - 5 * u);
+    g.textAlign = 'left';
+  }
+
+  function drawPanel(g, c, panel) {
+    const { pens } = balm.drawing, { left, right, u } = plot, { top, bottom } = panel;
+    const [low, high] = panel.fixed || axisRange(...extent(panel, plot.from, plot.to), panel.size);
+    const pad = panel.fixed ? 0 : 0.06 * (high - low);
+    panel.y = (v) => bottom - (v - low + pad) / (high - low + 2 * pad) * (bottom - top);
+    bands(g, c, plot.x, top, bottom - top);
+    g.strokeStyle = pens.line;
+    g.lineWidth = 1;
+    g.fillStyle = pens.soft;
+    g.textAlign = 'right';
+    for (const v of panel.fixed ? [0, 45, 90, 135, 180] : ticks(low, high, Math.max(2, (bottom - top) / (27 * u)))) {
+      const y = Math.round(panel.y(v)) + 0.5;
+      line(g, left, y, right, y);
+      g.fillText(short(v), left - 5 * u, y + 4 * u);
+    }
+    g.textAlign = 'left';
+    drawHead(g, panel);
+    g.save();
+    g.beginPath();
+    g.rect(left - 4 * u, top - 4, right - left + 8 * u, bottom - top + 8);
+    g.clip();
+    for (const v of panel.limits || []) {
+      g.strokeStyle = pens.bad;
+      g.setLineDash([5, 4]);
+      line(g, left, panel.y(v), right, panel.y(v));
+      g.setLineDash([]);
+    }
+    for (const one of panel.lines) drawCurve(g, panel, one);
+    for (const one of panel.points) drawPoints(g, panel, one);
+    g.restore();
+  }
+
+  /** Name of a panel and of its lines, each in its colour. */
+  function drawHead(g, panel) {
+    const { left, u } = plot, y = panel.top - 6 * u;
+    g.fillStyle = balm.drawing.pens.ink;
+    g.fillText(panel.name, left, y);
+    let x = left + g.measureText(panel.name).width + 14 * u;
+    for (const one of [...panel.lines, ...panel.points]) if (one.label) {
+      g.fillStyle = one.colour;
+      g.fillText(one.label, x, y);
+      x += g.measureText(one.label).width + 10 * u;
+    }
+  }
+
+  function line(g, x1, y1, x2, y2) {
+    g.beginPath();
+    g.moveTo(x1, y1);
+    g.lineTo(x2, y2);
+    g.stroke();
+  }
+
+  function drawCurve(g, panel, { values, colour }) {
+    g.strokeStyle = colour;
+    g.lineWidth = 1.6 * plot.u;
+    g.beginPath();
+    let down = false;
+    for (let i = 0; i < values.length; i++) {
+      if (!isFinite(values[i])) { down = false; continue; }
+      if (down) g.lineTo(plot.x(i), panel.y(values[i])); else g.moveTo(plot.x(i), panel.y(values[i]));
+      down = true;
+    }
+    g.stroke();
+  }
+
+  function drawPoints(g, panel, { marks, colour, joined }) {
+    const sorted = marks.filter(([, v]) => isFinite(v)).sort((a, b) => a[0] - b[0]);
+    g.strokeStyle = colour;
+    g.lineWidth = 1.2 * plot.u;
+    if (joined) {
+      g.globalAlpha = 0.5;
+      g.beginPath();
+      for (const [t, v] of sorted) g.lineTo(plot.x(t), panel.y(v));
+      g.stroke();
+      g.globalAlpha = 1;
+    }
+    for (const [t, v] of sorted) {
+      g.beginPath();
+      g.arc(plot.x(t), panel.y(v), 2.6 * plot.u, 0, ROUND);
+      g.stroke();
+    }
+  }
+
+  /** Red where it does not close, amber where a transmission angle is out of its limits. */
+  function bands(g, c, x, top, height) {
+    const { pens } = balm.drawing, n = c.sweep.n;
+    for (let i = 0; i < n;) {
+      const status = c.status[i];
+      let k = i;
+      while (k < n && c.status[k] === status) k++;
+      if (status) {
+        const a = Math.max(x(i - 0.5), x(plot.from)), b = Math.min(x(k - 0.5), x(plot.to));
+        g.fillStyle = status === OPEN ? pens.badband : pens.warnband;
+        if (b > a) g.fillRect(a, top, b - a, height);
+      }
+      i = k;
+    }
+  }
+
+  function layOutStrip(c) {
+    const { fit, pens } = balm.drawing, [w, h] = fit(strip), g = strip.getContext('2d');
+    const x = (t) => 8 + (t - plot.from) / (plot.to - plot.from) * (w - 16);
+    g.clearRect(0, 0, w, h);
+    bands(g, c, x, 0, h);
+    g.fillStyle = pens.accent;
+    for (const t of c.at) if (t <= plot.to + 1e-9) g.fillRect(x(t) - 0.8, 2, 1.6, h - 4);
+  }
+
+  /** One frame: the cursor at t. */
+  function frame(c, t) {
+    const g = chart, at = between(c, t), x = plot.x(t);
+    g.clearRect(0, 0, plot.w, plot.h);
+    g.drawImage(still, 0, 0, plot.w, plot.h);
+    g.strokeStyle = balm.drawing.pens.ink;
+    g.lineWidth = plot.u;
+    line(g, x, 14 * plot.u, x, plot.h - 34 * plot.u);
+    for (const panel of plot.panels) for (const one of panel.lines) {
+      const v = mixed(one.values, at);
+      if (!isFinite(v)) continue;
+      g.fillStyle = one.colour;
+      g.beginPath();
+      g.arc(x, panel.y(v), 3.6 * plot.u, 0, ROUND);
+      g.fill();
+    }
+  }
+
+  /** Place of the sweep under a point of the canvas. */
+  function placeAt(x) {
+    const part = (x - plot.left) / (plot.right - plot.left);
+    return plot.from + Math.min(1, Math.max(0, part)) * (plot.to - plot.from);
+  }
+
+  return { begin, ticks, axisRange, extent, layOut, frame, placeAt,
+    get canvas() { return canvas; }, get chart() { return chart; }, get from() { return plot.from; },
+    get to() { return plot.to; } };
+})();

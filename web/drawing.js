@@ -1,0 +1,430 @@
+// The linkage on its canvas: what stands still is drawn once, the rest in every frame.
+'use strict';
+
+balm.drawing = (() => {
+  const { between, mixed, short, prepare, withOthers } = balm.scene;
+  const COLOURS = ['paper', 'ink', 'soft', 'line', 'accent', 'actual', 'desired', 'bad', 'warn', 'badband', 'warnband',
+    'frame', 'ghost', 'link0', 'link1', 'link2', 'link3', 'link4', 'link5', 'link6', 'link7'];
+  const MANY = 60;               // joints above which symbols are smaller and letters left out
+  const ROUND = 2 * Math.PI;
+  const pens = {};               // colours of the scheme
+  let canvas, pen, still;        // `still` holds what does not move
+  let view = null;               // scale and place of the drawing
+
+  function begin() {
+    canvas = document.getElementById('linkage');
+    pen = canvas.getContext('2d');
+    still = document.createElement('canvas');
+  }
+
+  function readColours() {
+    const css = getComputedStyle(document.documentElement);
+    for (const name of COLOURS) pens[name] = css.getPropertyValue('--' + name).trim();
+  }
+
+  /** Gives a canvas and copies of it the pixels of its place on the screen. */
+  function fit(shown, ...copies) {
+    const dpr = window.devicePixelRatio || 1, w = shown.clientWidth, h = shown.clientHeight;
+    for (const one of [shown, ...copies]) {
+      one.width = Math.max(1, Math.round(w * dpr));
+      one.height = Math.max(1, Math.round(h * dpr));
+      one.getContext('2d').setTransform(dpr, 0, 0, dpr, 0, 0);
+    }
+    return [w, h];
+  }
+
+  /** How much larger than on a desk everything is drawn on a large screen. */
+  const sizeOf = (across, down) => Math.min(2.2, Math.max(1, Math.min(across, down)));
+
+  const X = (x) => view.ox + view.k * x, Y = (y) => view.oy - view.k * y;
+
+  /** Colour of the link of a body. */
+  const linkColour = (i) => pens['link' + i % 8];
+  function colourOf(c, body) {
+    if (c.ink) return c.ink;
+    return body < 0 ? pens.link0 : c.bodies[body].frame ? pens.frame : linkColour(body);
+  }
+
+  /** Cases laid over the one shown, each in a colour of its own. */
+  function shownOverlays() {
+    const { state, cases } = balm;
+    return [...state.overlays].filter((i) => i !== state.c && cases[i].sound).map((i) => {
+      const o = prepare(cases[i]);
+      o.ink = linkColour(i + 1);
+      return o;
+    });
+  }
+
+  /** Sizes, colours, everything that does not move. */
+  function layOut(c) {
+    const { state } = balm;
+    readColours();
+    c.ink = null;
+    const [w, h] = fit(canvas, still), overlays = shownOverlays();
+    let box = c.view.slice();
+    if (state.other) box = withOthers(c, box);
+    for (const { view: v } of overlays)
+      box = [Math.min(box[0], v[0]), Math.min(box[1], v[1]), Math.max(box[2], v[2]), Math.max(box[3], v[3])];
+    const margin = Math.min(48, w / 10);
+    const k = Math.min((w - 2 * margin) / (box[2] - box[0]), (h - 2 * margin) / (box[3] - box[1]));
+    view = { w, h, k, ox: w / 2 - k * (box[0] + box[2]) / 2, oy: h / 2 + k * (box[1] + box[3]) / 2 };
+    view.u = sizeOf(w / 740, h / 520);
+    view.small = view.u * (c.joints.length > MANY ? 0.55 : 1);
+    const g = still.getContext('2d');
+    g.clearRect(0, 0, w, h);
+    drawRegions(g, c);
+    if (state.traces) for (const o of [c, ...overlays]) drawTraces(g, o, o === c ? 1 : 0.5);
+    drawScale(g);
+  }
+
+  // ---- what stands still --------------------------------------------------------------------------------------------
+
+  /** Where joints must not go is shaded, where they must stay is outlined. */
+  function drawRegions(g, c) {
+    g.save();
+    g.strokeStyle = pens.bad;
+    g.fillStyle = pens.badband;
+    for (const region of c.regions) {
+      g.beginPath();
+      outline[region.kind](g, region);
+      g.setLineDash(region.inside ? [5, 4] : []);
+      if (!region.inside) g.fill();
+      g.stroke();
+    }
+    g.restore();
+  }
+
+  const outline = {
+    box: (g, { at }) => g.rect(X(at[0]), Y(at[3]), view.k * (at[2] - at[0]), view.k * (at[3] - at[1])),
+    circle: (g, { at }) => g.arc(X(at[0]), Y(at[1]), view.k * at[2], 0, ROUND),
+    'half-plane'(g, { inside, at }) {
+      const direction = at[2] * Math.PI / 180, far = 4 * (view.w + view.h), side = inside ? -12 : 12;
+      const ux = Math.cos(direction), uy = -Math.sin(direction), x = X(at[0]), y = Y(at[1]);
+      g.moveTo(x - far * ux, y - far * uy);
+      g.lineTo(x + far * ux, y + far * uy);
+      g.lineTo(x + far * ux + side * uy, y + far * uy - side * ux);
+      g.lineTo(x - far * ux + side * uy, y - far * uy - side * ux);
+      g.closePath();
+    },
+  };
+
+  /** Moving joints and output at the prescribed positions, desired values, path of the output. */
+  function drawTraces(g, c, alpha) {
+    g.save();
+    g.globalAlpha = alpha;
+    drawPlaces(g, c);
+    if (c.motion === 'point' || c.motion === 'distance') drawPath(g, c);
+    if (c.motion === 'angle') drawDirections(g, c, alpha); else drawMarks(g, c);
+    if (c.motion === 'distance') {
+      g.strokeStyle = pens.ink;
+      g.lineWidth = 1.2 * view.u;
+      cross(g, X(0), Y(0));
+    }
+    g.restore();
+  }
+
+  function drawPlaces(g, c) {
+    const p = c.prescribed, size = 2.4 * view.u;
+    g.fillStyle = pens.soft;
+    c.joints.forEach((joint, j) => {
+      if (joint.fixed || !joint.name) return;
+      for (let i = 0; i < p.n; i++) {
+        const x = mixed(p.x[j], [i, i, 0]), y = mixed(p.y[j], [i, i, 0]);
+        if (isFinite(x)) g.fillRect(X(x) - size / 2, Y(y) - size / 2, size, size);
+      }
+    });
+  }
+
+  function drawPath(g, c) {
+    const s = c.sweep;
+    g.strokeStyle = c.ink || pens.actual;
+    g.lineWidth = 1.2 * view.u;
+    g.beginPath();
+    let down = false;
+    for (let i = 0; i <= (c.ring ? s.n : s.n - 1); i++) {
+      const at = [i % s.n, i % s.n, 0], x = mixed(s.x[c.output], at), y = mixed(s.y[c.output], at);
+      if (!isFinite(x)) { down = false; continue; }
+      if (down) g.lineTo(X(x), Y(y)); else g.moveTo(X(x), Y(y));
+      down = true;
+    }
+    g.stroke();
+  }
+
+  /** Output of the kind angle: lines along the actual and the desired direction. */
+  function drawDirections(g, c, alpha) {
+    const p = c.prescribed;
+    g.globalAlpha = alpha * Math.max(0.01, Math.min(1, 80 / p.n));   // many lines must not become a blot
+    g.lineWidth = 0.8 * view.u;
+    for (let i = 0; i < p.n; i++) {
+      if (p.closed[i] === '0') continue;
+      const x = mixed(p.x[c.base], [i, i, 0]), y = mixed(p.y[c.base], [i, i, 0]);
+      g.strokeStyle = pens.actual;
+      segment(g, x, y, p.aim_x[i], p.aim_y[i]);
+      if (!c.desired) continue;
+      g.setLineDash([5, 4]);
+      g.strokeStyle = pens.desired;
+      segment(g, x, y, p.wish_x[i], p.wish_y[i]);
+      g.setLineDash([]);
+    }
+    g.globalAlpha = alpha;
+  }
+
+  /** Other outputs: stars at the actual places, diamonds at the desired ones. */
+  function drawMarks(g, c) {
+    const p = c.prescribed, x = p.x[c.output], y = p.y[c.output];
+    for (let i = 0; i < p.n; i++) {
+      const closed = p.closed[i] === '1', at = [i, i, 0];
+      if (closed) star(g, X(mixed(x, at)), Y(mixed(y, at)), 4.5 * view.u, c.ink || pens.actual);
+      if (c.desired && (closed || c.motion === 'point')) diamond(g, X(p.wish_x[i]), Y(p.wish_y[i]));
+    }
+  }
+
+  function line(g, x1, y1, x2, y2) {
+    g.beginPath();
+    g.moveTo(x1, y1);
+    g.lineTo(x2, y2);
+    g.stroke();
+  }
+
+  const segment = (g, x1, y1, x2, y2) => line(g, X(x1), Y(y1), X(x2), Y(y2));
+
+  function cross(g, x, y) {
+    const r = 8 * view.u;
+    line(g, x - r, y, x + r, y);
+    line(g, x, y - r, x, y + r);
+  }
+
+  function diamond(g, x, y) {
+    const r = 6 * view.u;
+    g.strokeStyle = pens.desired;
+    g.lineWidth = 1.3 * view.u;
+    g.beginPath();
+    g.moveTo(x, y - r);
+    g.lineTo(x + r * 5 / 6, y);
+    g.lineTo(x, y + r);
+    g.lineTo(x - r * 5 / 6, y);
+    g.closePath();
+    g.stroke();
+  }
+
+  function star(g, x, y, r, colour) {
+    g.fillStyle = colour;
+    g.beginPath();
+    for (let i = 0; i < 10; i++) {
+      const a = -Math.PI / 2 + i * Math.PI / 5, d = i % 2 ? r * 0.382 : r;
+      g.lineTo(x + d * Math.cos(a), y + d * Math.sin(a));
+    }
+    g.fill();
+  }
+
+  /** A bar of a round length, about a sixth of the width. */
+  function drawScale(g) {
+    let length = view.w / 6 / view.k;
+    const power = 10 ** Math.floor(Math.log10(length)), y = view.h - 12;
+    length = power * (length >= 5 * power ? 5 : length >= 2 * power ? 2 : 1);
+    const end = 12 + view.k * length;
+    g.strokeStyle = g.fillStyle = pens.soft;
+    g.lineWidth = 1.5 * view.u;
+    g.font = 12 * view.u + 'px system-ui, sans-serif';
+    g.beginPath();
+    g.moveTo(12, y - 6);
+    g.lineTo(12, y);
+    g.lineTo(end, y);
+    g.lineTo(end, y - 6);
+    g.stroke();
+    g.fillText(short(length), end + 6, y);
+  }
+
+  // ---- what moves ---------------------------------------------------------------------------------------------------
+
+  /** The linkage at the place t of its sweep, under it the cases laid over it. */
+  function frame(c, t) {
+    pen.clearRect(0, 0, view.w, view.h);
+    pen.drawImage(still, 0, 0, view.w, view.h);
+    const part = (t - c.ends[0]) / Math.max(1e-9, c.ends[1] - c.ends[0]);
+    for (const o of shownOverlays()) {
+      pen.globalAlpha = 0.6;
+      drawLinkage(o, o.ends[0] + part * (o.ends[1] - o.ends[0]), false);
+      pen.globalAlpha = 1;
+    }
+    drawLinkage(c, t, true);
+  }
+
+  /** One linkage; `main` is false for a case laid over the one shown. */
+  function drawLinkage(c, t, main) {
+    const s = c.sweep, at = between(c, t), px = c.px, py = c.py;
+    for (let j = 0; j < px.length; j++) {
+      px[j] = X(mixed(s.x[j], at));
+      py[j] = Y(mixed(s.y[j], at));
+    }
+    pen.lineJoin = pen.lineCap = 'round';
+    drawRails(c, at);
+    drawPlates(c);
+    if (balm.state.other && main) drawOthers(c, at);
+    drawBars(c, main);
+    if (main) drawBroken(c, at[0]);
+    drawJoints(c, at, main);
+    drawOutput(c, at);
+  }
+
+  function drawRails(c, at) {
+    const s = c.sweep, px = c.px, py = c.py;
+    pen.strokeStyle = pens.frame;
+    pen.lineWidth = 1.2 * view.u;
+    c.slides.forEach((slide, i) => {
+      const x = px[slide.guide], y = py[slide.guide];
+      if (!(isFinite(x) && isFinite(px[slide.block]))) return;
+      const ux = slide.sense * view.k * mixed(s.ux[i], at), uy = -slide.sense * view.k * mixed(s.uy[i], at);
+      line(pen, x + slide.low * ux, y + slide.low * uy, x + slide.high * ux, y + slide.high * uy);
+    });
+  }
+
+  function drawPlates(c) {
+    const g = pen, alpha = g.globalAlpha;
+    c.bodies.forEach((body, b) => {
+      if (!body.hull.length || body.frame || !body.hull.every((j) => isFinite(c.px[j]))) return;
+      g.globalAlpha = 0.16 * alpha;
+      g.fillStyle = colourOf(c, b);
+      g.beginPath();
+      for (const j of body.hull) g.lineTo(c.px[j], c.py[j]);
+      g.closePath();
+      g.fill();
+      g.globalAlpha = alpha;
+      g.strokeStyle = g.fillStyle;
+      g.lineWidth = 1.3 * view.small;
+      g.stroke();
+    });
+  }
+
+  /** The other assembly of each pair that has one, in grey. */
+  function drawOthers(c, at) {
+    const g = pen, px = c.px, py = c.py;
+    g.strokeStyle = pens.ghost;
+    g.lineWidth = 1.8 * view.u;
+    g.setLineDash([2, 4]);
+    for (const other of c.sweep.others) {
+      const { start, finish } = c.pairs[other.pair], x = mixed(other.x, at);
+      if (!isFinite(x)) continue;
+      g.beginPath();
+      g.moveTo(px[start], py[start]);
+      g.lineTo(X(x), Y(mixed(other.y, at)));
+      g.lineTo(px[finish], py[finish]);
+      g.stroke();
+    }
+    g.setLineDash([]);
+  }
+
+  function drawBars(c, main) {
+    const g = pen, px = c.px, py = c.py, thin = (c.joints.length > MANY ? 0.7 : 1) * view.u;
+    for (const bar of c.bars) {
+      if (bar.from === bar.to || !isFinite(px[bar.from]) || !isFinite(px[bar.to])) continue;
+      const fixed = bar.body >= 0 && c.bodies[bar.body].frame;
+      g.strokeStyle = colourOf(c, bar.body);
+      g.lineWidth = (bar === balm.state.hover && main ? 5 : fixed ? 1.4 : 2.8) * thin;
+      if (fixed) g.setLineDash([6, 5]);
+      line(g, px[bar.from], py[bar.from], px[bar.to], py[bar.to]);
+      if (fixed) g.setLineDash([]);
+    }
+  }
+
+  /** Pairs that do not meet: both arcs as far as they reach, dots between them. */
+  function drawBroken(c, i) {
+    const g = pen, px = c.px, py = c.py;
+    for (const [loop, tip] of c.broken.get(i) || []) {
+      const { start, finish } = c.pairs[loop];
+      g.strokeStyle = pens.bad;
+      g.lineWidth = 3 * view.u;
+      line(g, px[start], py[start], X(tip[0]), Y(tip[1]));
+      line(g, px[finish], py[finish], X(tip[2]), Y(tip[3]));
+      g.lineWidth = 1.3 * view.u;
+      g.setLineDash([3, 4]);
+      segment(g, ...tip);
+      g.setLineDash([]);
+    }
+  }
+
+  /** The star, and with an output angle without an output arc a line in its direction. */
+  function drawOutput(c, at) {
+    let x = c.px[c.output], y = c.py[c.output];
+    if (c.motion === 'angle' && c.output === c.base && c.sweep.closed[at[0]] === '1') {
+      const ax = X(mixed(c.sweep.aim_x, at)), ay = Y(mixed(c.sweep.aim_y, at));
+      pen.strokeStyle = pens.actual;
+      pen.lineWidth = 2.2 * view.u;
+      line(pen, x, y, ax, ay);
+      [x, y] = [ax, ay];
+    }
+    // on a block the symbol stays visible
+    if (isFinite(x)) star(pen, x, y, (c.motion === 'slide' ? 5 : 9) * view.u, pens.actual);
+  }
+
+  /** Circles, triangles, pairs of triangles; letters of the case in front. */
+  function drawJoints(c, at, main) {
+    const s = c.sweep, g = pen, px = c.px, py = c.py, m = view.small;
+    g.lineWidth = 1.6 * m;
+    g.strokeStyle = pens.ink;
+    g.fillStyle = pens.paper;
+    g.beginPath();
+    c.joints.forEach((joint, j) => {
+      if (!joint.turning || !joint.fixed || !isFinite(px[j])) return;
+      g.moveTo(px[j], py[j]);
+      g.lineTo(px[j] - 9 * m, py[j] + 15 * m);
+      g.lineTo(px[j] + 9 * m, py[j] + 15 * m);
+      g.closePath();
+    });
+    c.slides.forEach((slide, i) => {
+      const x = px[slide.block], y = py[slide.block], r = 9 * m;
+      if (!isFinite(x)) return;
+      const ux = mixed(s.ux[i], at), uy = -mixed(s.uy[i], at);
+      for (const side of [1, -1]) {
+        g.moveTo(x, y);
+        g.lineTo(x + r * (ux - side * uy), y + r * (uy + side * ux));
+        g.lineTo(x + r * (-ux - side * uy), y + r * (-uy + side * ux));
+        g.closePath();
+      }
+    });
+    g.fill();
+    g.stroke();
+    g.beginPath();
+    c.joints.forEach((joint, j) => {
+      if (!joint.turning || !isFinite(px[j])) return;
+      g.moveTo(px[j] + 4.6 * m, py[j]);
+      g.arc(px[j], py[j], 4.6 * m, 0, ROUND);
+    });
+    g.fill();
+    g.stroke();
+    if (balm.state.letters && main && c.joints.length <= MANY) drawLetters(c);
+  }
+
+  function drawLetters(c) {
+    pen.font = 'italic ' + 14 * view.u + 'px system-ui, "DejaVu Sans", sans-serif';
+    pen.fillStyle = pens.ink;
+    pen.textAlign = 'center';
+    c.joints.forEach((joint, j) => {
+      if (!joint.name || !isFinite(c.px[j])) return;
+      pen.fillText(joint.name, c.px[j] + view.u * joint.letter[0], c.py[j] + view.u * (joint.letter[1] + 5));
+    });
+    pen.textAlign = 'left';
+  }
+
+  // ---- where things are ---------------------------------------------------------------------------------------------
+
+  /** The bar nearest to a point of the canvas, or null if none is near. */
+  function nearest(c, x, y) {
+    let best = null, least = 10 * view.u;
+    for (const bar of c.bars) {
+      const ax = c.px[bar.from], ay = c.py[bar.from], dx = c.px[bar.to] - ax, dy = c.py[bar.to] - ay;
+      const d = dx * dx + dy * dy;
+      if (!(d > 0)) continue;
+      const f = Math.min(1, Math.max(0, ((x - ax) * dx + (y - ay) * dy) / d));
+      const away = Math.hypot(x - ax - f * dx, y - ay - f * dy);
+      if (away < least) { least = away; best = bar; }
+    }
+    return best;
+  }
+
+  /** A place of the canvas in machine axes. */
+  const machine = (x, y) => [(x - view.ox) / view.k, (view.oy - y) / view.k];
+
+  return { pens, begin, fit, sizeOf, linkColour, layOut, frame, nearest, machine,
+    get canvas() { return canvas; }, get pen() { return pen; }, get scale() { return view.k; } };
+})();

@@ -1,0 +1,96 @@
+// Words: what the linkage does at the position shown, what is wrong there, the messages of a case, names of arcs.
+'use strict';
+
+balm.messages = (() => {
+  const { OPEN, between, mixed, modulo, inputAt, prescribedAt, short, shortOutput, explain } = balm.scene;
+  const MOST = 3;           // violations told on the picture at a time
+  const $ = (id) => document.getElementById(id);
+
+  function setText(element, text) {
+    if (element.textContent !== text) element.textContent = text;
+  }
+
+  /** The position in one line: input, output, and at a prescribed one the errors. */
+  function factsOf(c, t) {
+    const p = c.prescribed, s = c.sweep, at = between(c, t), near = prescribedAt(c, t);
+    const value = (key) => shortOutput(c, near >= 0 ? p[key][near] : mixed(s[key], at));
+    const input = near >= 0 ? p.input[near] : c.ring ? modulo(inputAt(c, t), 360) : inputAt(c, t);
+    let text = c.sliding ? 'input ' + short(input) + ', ' : 'crank ' + short(input) + '\u00b0, ';
+    if (c.motion === 'point') text += 'x ' + value('actual') + ', y ' + value('actual_y');
+    else text += c.motion + ' ' + value('actual') + (c.motion === 'angle' ? '\u00b0' : '');
+    if ((near >= 0 ? p.closed[near] : s.closed[at[0]]) === '0') text += ' (does not close)';
+    if (near < 0) return text;
+    text += ', position ' + (near + 1);
+    if (!c.desired) return text;
+    if (c.motion === 'point') return text + ', error ' + short(p.error[near]) + ', ' + short(p.error_y[near]);
+    return text + ', desired ' + short(p.desired[near]) + ', error ' + short(p.error[near]);
+  }
+
+  /** Facts and what is wrong at t. */
+  function show(c, t) {
+    const i = between(c, t)[0], wrong = c.wrong[i], open = c.status[i] === OPEN, alert = $('alert');
+    setText($('facts'), factsOf(c, t));
+    alert.hidden = !wrong.length && !open;
+    alert.className = open ? 'open' : 'limits';
+    setText(alert, wrong.slice(0, MOST).map((v) => explain(c, v, i)).join(' \u2014 ') || 'Does not close');
+  }
+
+  /** The lists below the picture; a violation leads to its position. */
+  function list(c) {
+    const box = $('messages');
+    box.textContent = '';
+    const part = (head, items, kind, fill) => {
+      if (!items.length) return;
+      const h = document.createElement('h2'), ul = document.createElement('ul');
+      h.textContent = head;
+      ul.className = kind;
+      for (const item of items) {
+        const li = document.createElement('li');
+        li.append(fill(item));
+        ul.append(li);
+      }
+      box.append(h, ul);
+    };
+    const plain = (text) => text;
+    const link = (violation) => {
+      const button = document.createElement('button');
+      button.className = 'go';
+      button.type = 'button';
+      button.textContent = violation.text;
+      button.addEventListener('click', () => balm.controls.go(c.at[violation.first]));
+      return button;
+    };
+    part(c.sound ? 'Errors' : 'The input is wrong; there is no linkage to draw', c.errors, 'error', plain);
+    if (c.sound) part('Closure and limits at the prescribed positions', c.prescribed.violations, 'error', link);
+    part('Constraints', c.breaches, 'error', plain);
+    part('Warnings', c.warnings, 'warning', plain);
+  }
+
+  /** Name, length and direction of a bar at t. */
+  function describe(c, bar, t) {
+    const s = c.sweep, at = between(c, t), scale = balm.drawing.scale;
+    let dx = (c.px[bar.to] - c.px[bar.from]) / scale, dy = (c.py[bar.from] - c.py[bar.to]) / scale;
+    let length = bar.length;
+    if (bar.slide >= 0) {
+      const ux = mixed(s.ux[bar.slide], at), uy = mixed(s.uy[bar.slide], at);
+      length = dx * ux + dy * uy;
+      [dx, dy] = [ux, uy];
+    }
+    const angle = modulo(Math.atan2(dy, dx) * 180 / Math.PI, 360);
+    return (bar.loop ? 'loop ' + bar.loop + ', arc ' + bar.arc : 'output arc') +
+      ': length ' + short(Number(length.toPrecision(6))) + ', angle ' + angle.toFixed(2) + '\u00b0' +
+      (bar.others ? ' (also ' + bar.others + ')' : '');
+  }
+
+  /** The tip at a point of a box of the given width and height; without words it goes. */
+  function tip(words, x, y, box) {
+    const element = $('tip');
+    element.hidden = !words;
+    if (!words) return;
+    setText(element, words);
+    element.style.left = Math.max(4, Math.min(x + 14, box.width - element.offsetWidth - 6)) + 'px';
+    element.style.top = Math.min(y + 16, box.height - 30) + 'px';
+  }
+
+  return { show, list, describe, tip };
+})();

@@ -1,0 +1,158 @@
+// The data of a page: typed arrays, interpolation, what is wrong where. Nothing here knows the document.
+//
+// The scripts are classic ones, each in a function of its own, because browsers refuse modules from file://. They share
+// the object `balm`.
+'use strict';
+globalThis.balm = globalThis.balm || {};
+
+balm.scene = (() => {
+  const FORMAT = 1;             // of the data that balm writes
+  const OPEN = 2, BEYOND = 1;   // status of a position: does not close, a transmission angle is beyond its limits
+  const HERE = 1e-6;            // places nearer than this are one
+  const NOISE = 1e-12;          // part of the size of a linkage that is rounding
+
+  const modulo = (a, b) => ((a % b) + b) % b;
+  const filled = (values) => Float64Array.from(values, (v) => v === null ? NaN : v);
+  const moving = (rows) => rows.map((v) => Array.isArray(v) ? filled(v) : v === null ? NaN : v);
+
+  /** The cases of a page; the format must be the one the scripts were written for. */
+  function read(text) {
+    const data = JSON.parse(text);
+    if (data.format !== FORMAT) throw new Error('format ' + data.format + ' of the data, ' + FORMAT + ' is expected');
+    return data.cases;
+  }
+
+  /** Typed arrays, status of every position of the sweep, range of the inputs. Comes before anything else. */
+  function prepare(c) {
+    if (c.ready || !c.sound) return c;
+    const s = c.sweep, p = c.prescribed, n = s.n;
+    c.ready = true;
+    c.ring = !c.sliding;
+    for (const row of [s, p]) {
+      for (const key of ['x', 'y', 'ux', 'uy']) row[key] = moving(row[key]);
+      for (const key of ['actual', 'actual_y', 'aim_x', 'aim_y', 'error', 'error_y'])
+        if (row[key]) row[key] = filled(row[key]);
+      for (const a of row.angle) a.values = filled(a.values);
+    }
+    for (const other of s.others) [other.x, other.y] = [filled(other.x), filled(other.y)];
+    c.at = p.at;
+    c.broken = new Map();
+    for (const [i, loop, ...tip] of s.broken) {
+      if (!c.broken.has(i)) c.broken.set(i, []);
+      c.broken.get(i).push([loop, tip]);
+    }
+    c.wrong = Array.from({ length: n }, () => []);
+    c.status = new Uint8Array(n);
+    for (const v of s.violations) for (let i = v.first; i <= v.last; i++) {
+      c.wrong[i].push(v);
+      c.status[i] = Math.max(c.status[i], BEYOND);
+    }
+    for (let i = 0; i < n; i++) if (c.broken.has(i) || s.closed[i] === '0') c.status[i] = OPEN;
+    const last = Math.max(...c.at);
+    c.ends = [0, c.ring ? 360 : n - 1];
+    c.limited = c.ring && 360 - last > 60 && p.n > 1;
+    c.range = c.limited ? [0, last] : c.ends.slice();
+    c.bar = c.bars.find((b) => b.loop === 1 && b.arc === 1);
+    c.size = Math.max(c.view[2] - c.view[0], c.view[3] - c.view[1]);
+    c.px = new Float64Array(c.joints.length);   // joints as drawn last
+    c.py = new Float64Array(c.joints.length);
+    if (c.motion === 'angle') goOn(c);
+    return c;
+  }
+
+  /** An angle goes on from the one before it; the curve then lies nearest to the desired values. */
+  function goOn(c) {
+    const a = c.sweep.actual, p = c.prescribed;
+    let before = NaN;
+    for (let i = 0; i < a.length; i++) {
+      if (!isFinite(a[i])) continue;
+      if (isFinite(before)) a[i] -= 360 * Math.round((a[i] - before) / 360);
+      before = a[i];
+    }
+    const near = (k) => a[Math.round(c.at[k]) % a.length];
+    const k = p.actual.findIndex((v, i) => isFinite(v) && isFinite(near(i)));
+    if (k < 0 || !p.desired) return;
+    const turn = 360 * Math.round((p.actual[k] - near(k)) / 360);
+    for (let i = 0; i < a.length; i++) a[i] += turn;
+  }
+
+  /** Input at a place t of the sweep: degrees that go on, or a length. */
+  function inputAt(c, t) {
+    const from = c.sweep.input[0], n = c.sweep.n;
+    if (c.ring) return from + c.sense * t;
+    return from + (c.sweep.input[n - 1] - from) * t / Math.max(1, n - 1);
+  }
+
+  /** Place t brought into the limits [from, to]; a whole turn begins anew. */
+  function within(c, t, [from, to]) {
+    return c.ring && to - from >= 360 ? modulo(t, 360) : Math.min(to, Math.max(from, t));
+  }
+
+  /** Place t between two positions of the sweep: lower, upper, part. Beside an open position: the nearer one. */
+  function between(c, t) {
+    const n = c.sweep.n;
+    let i = Math.floor(t), f = t - i;
+    if (c.ring) i = modulo(i, n); else if (i >= n - 1) { i = n - 1; f = 0; }
+    let k = c.ring ? (i + 1) % n : Math.min(i + 1, n - 1);
+    if (c.status[i] === OPEN || c.status[k] === OPEN) { if (f > 0.5) i = k; k = i; f = 0; }
+    return [i, k, f];
+  }
+
+  /** A value there; what does not move is one number. */
+  const mixed = (v, [i, k, f]) => typeof v === 'number' ? v : f === 0 ? v[i] : v[i] + f * (v[k] - v[i]);
+
+  /** Index of the prescribed position at t, or -1. */
+  function prescribedAt(c, t) {
+    let best = -1, least = HERE;
+    c.at.forEach((at, i) => {
+      if (Math.abs(at - t) < least) [best, least] = [i, Math.abs(at - t)];
+    });
+    return best;
+  }
+
+  /** Place of the next prescribed position in the direction `way`; beyond the last comes the first. */
+  function prescribedNext(c, t, way) {
+    const list = [...c.at].sort((a, b) => a - b);
+    const next = way > 0 ? list.find((at) => at > t + HERE) : list.findLast((at) => at < t - HERE);
+    return next ?? (way > 0 ? list[0] : list.at(-1));
+  }
+
+  /** Seven digits. */
+  const short = (v) => !isFinite(v) ? '\u2013' : Number(v.toPrecision(7)).toString();
+
+  /** Seven digits of an output, without what is rounding only. */
+  function shortOutput(c, v) {
+    if (c.motion === 'angle') return short(isFinite(v) ? Number(v.toFixed(9)) : v);
+    return short(Math.abs(v) < NOISE * c.size ? 0 : v);
+  }
+
+  /** A title with its beginning and its end, where there is no room for all: ranks of a search differ at the end. */
+  function shortTitle(title, most) {
+    if (title.length <= most) return title;
+    const tail = Math.floor((most - 1) / 2);
+    return title.slice(0, most - 1 - tail).trimEnd() + '\u2026' + title.slice(title.length - tail).trimStart();
+  }
+
+  /** What is wrong at position i of the sweep: the violation, and by how much the pair is apart here. */
+  function explain(c, violation, i) {
+    const gap = (c.broken.get(i) || []).find(([loop]) => loop === violation.loop - 1);
+    const here = gap ? Math.hypot(gap[1][2] - gap[1][0], gap[1][3] - gap[1][1]) : 0;
+    return violation.text + (here > 0 ? '; here by ' + short(Number(here.toPrecision(5))) : '');
+  }
+
+  /** The view with the other assemblies in it, as far as it does not grow to more than three times its size. */
+  function withOthers(c, view) {
+    const room = Math.max(view[2] - view[0], view[3] - view[1]), grown = view.slice();
+    for (const { x, y } of c.sweep.others) for (let t = 0; t < c.sweep.n; t += Math.ceil(c.sweep.n / 72)) {
+      if (!(isFinite(x[t]) && isFinite(y[t]))) continue;
+      grown[0] = Math.min(grown[0], Math.max(x[t], view[0] - room));
+      grown[1] = Math.min(grown[1], Math.max(y[t], view[1] - room));
+      grown[2] = Math.max(grown[2], Math.min(x[t], view[2] + room));
+      grown[3] = Math.max(grown[3], Math.min(y[t], view[3] + room));
+    }
+    return grown;
+  }
+
+  return { OPEN, BEYOND, read, prepare, inputAt, within, between, mixed, modulo, prescribedAt, prescribedNext, short,
+    shortOutput, shortTitle, explain, withOthers };
+})();
