@@ -7,9 +7,10 @@ program test_condition
    use cases, only: load_case, names
    use check, only: checks_t
    use psalm_condition, only: condition_t, prepare_condition, condition_at
-   use psalm_data_set, only: data_set_t, motion_point, motion_angle
+   use psalm_data_set, only: data_set_t
    use psalm_error, only: problem_t, motion_t
    use psalm_kinds, only: wp, radians_per_degree
+   use psalm_output_kind, only: motion_point, motion_angle
    use psalm_sensitivity, only: sensitivity_t, prepare_sensitivity, find_jacobian
    implicit none (type, external)
 
@@ -32,18 +33,18 @@ contains
       type(sensitivity_t) :: work
       type(motion_t) :: motion
       type(condition_t) :: condition
-      real(wp), allocatable :: dx(:, :), dy(:, :), values(:)
+      real(wp), allocatable :: dout(:, :, :), values(:)
       real(wp) :: number, effect, least, most
       integer :: block, offset, n, i, loops
 
       call load_case(name, problem, set, vary=.true.)
       call problem%want_derivatives(.false.)
       values = problem%topology%first_values(problem%given)
-      allocate (dx(problem%positions, size(values)), dy(problem%positions, size(values)))
+      allocate (dout(problem%positions, size(values), problem%output%kind%components))
       call prepare_sensitivity(problem, work)
       call problem%analyse(problem%given, motion)
-      call find_jacobian(problem, problem%given, work, dx, dy)
-      call prepare_condition(problem%plan, condition)
+      call find_jacobian(problem, problem%given, work, dout)
+      call prepare_condition(problem%linkage, condition)
       least = huge(least)
       most = 0.0_wp
       loops = count(problem%plan%solved)
@@ -51,16 +52,17 @@ contains
          call problem%solve_block(block, offset, n)
          call problem%output_of(n)
          do i = 1, n
-            if (problem%motion /= motion_angle .and. abs(motion%actual(offset + i)) < nothing*maxval(abs(motion%actual))) cycle
+            if (problem%motion /= motion_angle .and. abs(motion%actual(offset + i, 1)) < nothing*maxval(abs(motion%actual))) cycle
             call condition_at(problem, i, offset + i, condition, number)
             associate (k => offset + i)
                select case (problem%motion)
                case (motion_point)
-                  effect = sum(hypot(dx(k, :), dy(k, :))*abs(values))/hypot(motion%actual(k), motion%actual_y(k))
+                  effect = sum(hypot(dout(k, :, 1), dout(k, :, 2))*abs(values)) &
+                           /hypot(motion%actual(k, 1), motion%actual(k, 2))
                case (motion_angle)
-                  effect = sum(abs(dx(k, :)*values))*radians_per_degree
+                  effect = sum(abs(dout(k, :, 1)*values))*radians_per_degree
                case default
-                  effect = sum(abs(dx(k, :)*values))/abs(motion%actual(k))
+                  effect = sum(abs(dout(k, :, 1)*values))/abs(motion%actual(k, 1))
                end select
             end associate
             least = min(least, number/(1.0_wp + effect))

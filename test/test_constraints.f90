@@ -430,7 +430,7 @@ contains
          call problem%bind(dimensions)
          do block = 1, problem%blocks()
             call problem%solve_block(block, offset, n)
-            finite = finite .and. all(abs(problem%linkage%store) <= huge(1.0_wp))
+            finite = finite .and. all(abs(problem%linkage%store%v) <= huge(1.0_wp))
          end do
       end do
       call t%is_true(finite, trim(name)//': finite numbers for any lengths')

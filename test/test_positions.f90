@@ -77,8 +77,8 @@ contains
             associate (step => problem%plan%steps(k))
                if (step%kind /= step_point) cycle
                if (link%length(step%arc) <= 0.0_wp .and. problem%plan%length_slot(step%arc) == 0) cycle ! a joint on a joint
-               associate (x => link%store(link%point_x(step%to):link%point_x(step%to) + n - 1), &
-                          y => link%store(link%point_y(step%to):link%point_y(step%to) + n - 1))
+               associate (x => link%store%v(1:n, link%point_x(step%to)), &
+                          y => link%store%v(1:n, link%point_y(step%to)))
                   way = max(maxval(x) - minval(x), maxval(y) - minval(y))
                end associate
                if (step%fixed .eqv. way > 1.0e-9_wp*maxval(problem%given%arcl)) wrong = wrong + 1

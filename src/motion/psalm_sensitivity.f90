@@ -184,7 +184,8 @@ contains
             if (step == 0) cycle
             if (.not. work%moves(step, v)) cycle
             associate (dyad => link%steps(step)%dyad)
-               call change_of_closure(n, dyad, link%store, work%rates%d(1), problem%toggle*link%scale, problem%side(loop), unit_of(problem, v), &
+               call change_of_closure(n, dyad, link%store, work%rates%d(1), problem%toggle*link%scale, problem%side(loop), &
+                                      unit_of(problem, v), &
                                       work%stretch(dyad%arc_p, v)*link%scale, work%stretch(dyad%arc_q, v)*link%scale, &
                                       work%turn(dyad%arc_p, v), work%turn(dyad%arc_q, v), dk(:, loop))
             end associate

@@ -1,6 +1,7 @@
 !> What is no violation and yet makes a result doubtful; and where the joints are, by which a wrong assembly is seen.
 module psalm_doubts
-   use psalm_data_set, only: data_set_t, motion_angle, motion_point
+   use psalm_angles, only: nearest_difference
+   use psalm_data_set, only: data_set_t
    use psalm_error, only: problem_t, motion_t
    use psalm_kinds, only: wp, full_turn
    use psalm_text, only: text_t, fixed, general, lower_case, to_text
@@ -71,22 +72,22 @@ contains
       type(dimensions_t), intent(in) :: dimensions
       type(motion_t), intent(in) :: motion
       type(text_t), intent(inout) :: notes
-      real(wp) :: size_of_output, away
-      integer :: i, first
+      real(wp) :: away
+      integer :: i, c, first
       logical :: input_moves
 
       first = findloc(motion%closed, .true., dim=1)
       if (first == 0) return
-      size_of_output = maxval(dimensions%arcl)
-      if (problem%motion == motion_angle) size_of_output = full_turn
       input_moves = .false.
       do i = first + 1, size(motion%closed)
          if (.not. motion%closed(i)) cycle
          if (motion%input(i) /= motion%input(first)) input_moves = .true.
-         away = abs(motion%actual(i) - motion%actual(first))
-         if (problem%motion == motion_angle) away = min(away, abs(full_turn - away))
-         if (problem%motion == motion_point) away = max(away, abs(motion%actual_y(i) - motion%actual_y(first)))
-         if (away > at_rest*size_of_output) return
+         do c = 1, size(motion%actual, 2)
+            away = abs(motion%actual(i, c) - motion%actual(first, c))/maxval(dimensions%arcl)
+            if (c == problem%output%kind%angle) &
+               away = abs(nearest_difference(motion%actual(i, c), motion%actual(first, c)))/full_turn
+            if (away > at_rest) return
+         end do
       end do
       if (input_moves) call notes%add(head//'the output does not move: NOUTLK and NOUTLP name an arc or a joint at rest')
    end subroutine find_rest
@@ -124,8 +125,8 @@ contains
             associate (link => at_reference%linkage, point => at_reference%plan%joint_points(loop))
                call text%add(' LOOP '//to_text(loop)//', ARCS '//to_text(topology%larcx(1, loop))//' AND '// &
                              to_text(topology%larcx(2, loop))//'  '// &
-                             fixed(link%store(link%point_x(point))/link%scale + at_reference%origin_x, column, 4)// &
-                             fixed(link%store(link%point_y(point))/link%scale + at_reference%origin_y, column, 4))
+                             fixed(link%store%v(1, link%point_x(point))/link%scale + at_reference%output%origin_x, column, 4)// &
+                             fixed(link%store%v(1, link%point_y(point))/link%scale + at_reference%output%origin_y, column, 4))
             end associate
          end do
       end associate

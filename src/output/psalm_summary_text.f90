@@ -1,7 +1,7 @@
 !> The summary of a run in words, for standard error: a title and at most nine lines a case.
 module psalm_summary_text
-   use psalm_data_set, only: motion_point, motion_angle, motion_distance
    use psalm_kinds, only: wp, dp
+   use psalm_output_kind, only: motion_point, motion_angle, motion_distance
    use psalm_summary, only: summary_t, span_t, loop_kind_t, kind_crank_rocker, kind_double_crank, kind_double_rocker, &
                             kind_rocker_crank, kind_triple_rocker, kind_change_point, kind_slider_turning
    use psalm_text, only: text_t, to_text

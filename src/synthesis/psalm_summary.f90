@@ -5,10 +5,11 @@
 !> the steps are then found by looking ever more closely. That is a search, no proof.
 module psalm_summary
    use psalm_angles, only: arc_sine, nearest_difference, within_turn
-   use psalm_data_set, only: motion_point, motion_angle
+   use psalm_dyad_kind, only: assur_prr, assur_rrp, assur_rrr, form_of, form_t
    use psalm_elementary, only: hypotenuse
    use psalm_error, only: problem_t, motion_t
    use psalm_kinds, only: wp, full_turn, right_angle
+   use psalm_output_kind, only: motion_point, motion_angle, motion_pose
    use psalm_plan, only: root_crank, root_frame
    use psalm_station, only: station_t, prepare_station, look
    use psalm_sweep, only: sweep_sense
@@ -86,7 +87,8 @@ contains
       integer :: none(2, 0), i
 
       summary%sliding_input = problem%topology%sliding_input
-      summary%motion = problem%motion
+      ! of a pose the point is told
+      summary%motion = merge(motion_point, problem%motion, problem%motion == motion_pose)
       call errors(problem, motion, summary)
       plain = problem
       plain%tangle = right_angle
@@ -155,8 +157,8 @@ contains
       total = 0.0_wp
       do i = 1, size(motion%closed)
          if (.not. motion%closed(i)) cycle
-         miss = abs(motion%error(i))
-         if (problem%motion == motion_point) miss = hypotenuse(motion%error(i), motion%error_y(i))
+         miss = abs(motion%error(i, 1))
+         if (size(motion%error, 2) > 1) miss = hypotenuse(motion%error(i, 1), motion%error(i, 2))
          summary%compared = summary%compared + 1
          total = total + miss**2
          if (summary%worst > 0 .and. miss <= summary%largest) cycle
@@ -175,6 +177,7 @@ contains
       real(wp), allocatable, intent(out) :: gaps(:)
       real(wp), allocatable :: sine(:)
       real(wp) :: at, worst
+      type(form_t) :: form
       integer :: loop, i, n
 
       allocate (gaps(0))
@@ -183,8 +186,9 @@ contains
       associate (topology => fine%problem%topology)
          do loop = 1, topology%nloop
             if (fine%problem%linkage%step_of_loop(loop) == 0) cycle
-            select case (topology%joint(loop))
-            case (1:5)
+            form = form_of(topology%joint(loop))
+            select case (form%ways)
+            case (2)
                sine = abs(fine%k(:, loop))
                do i = 1, n
                   if (.not. fine%closed(i)) cycle
@@ -194,7 +198,7 @@ contains
                   if (sine(i) < sine(max(i - 1, 1)) .or. sine(i) < sine(min(i + 1, n))) cycle
                   call climb(loop, i)
                end do
-            case (8)
+            case (1)
                call cross(loop)
             end select
          end do
@@ -242,16 +246,16 @@ contains
       !> Two slides are parallel where the sine of their angle changes its sign.
       subroutine cross(which)
          integer, intent(in) :: which
-         real(wp) :: reach(n), part(steps_of_lens + 1)
+         real(wp) :: sines(n), part(steps_of_lens + 1)
          integer :: j, round, m
 
          call fine%problem%bind(dimensions)
-         call fine%problem%reach_of(which, reach)
+         call fine%problem%measure_of(which, sines)
          do j = 1, n - 1
-            if (reach(j)*reach(j + 1) > 0.0_wp) cycle
+            if (sines(j)*sines(j + 1) > 0.0_wp) cycle
             call aim(lens, dimensions, fine, fine%problem%delt(j), fine%problem%delt(j + 1))
             do round = 1, lenses
-               call lens%problem%reach_of(which, part)
+               call lens%problem%measure_of(which, part)
                do m = 1, steps_of_lens - 1
                   if (part(m)*part(m + 1) <= 0.0_wp) exit
                end do
@@ -272,7 +276,7 @@ contains
       type(topology_t), intent(in) :: topology
       integer, intent(in) :: loop
 
-      has_angle = topology%joint(loop) == 1 .or. topology%joint(loop) == 4 .or. topology%joint(loop) == 5
+      has_angle = any(topology%joint(loop) == [assur_rrr, assur_rrp, assur_prr])
    end function has_angle
 
    !> Transmission angle of a sine of its deviation from 90 degrees; stretched or folded links are so but for rounding.
@@ -359,7 +363,7 @@ contains
          from = fine%problem%delt(begin)
          to = fine%problem%delt(i)
          before = fine%out(begin, 1)
-         call enter(before, fine%out(begin, 2))
+         call enter(before, second(fine, begin))
          if (begin > 1) call find_end(fine%problem%delt(begin - 1), from, before)
          last_direction = 0
          first_direction = 0
@@ -369,8 +373,8 @@ contains
          do j = begin + 1, i
             turned = step_between(fine%out(j - 1, 1), fine%out(j, 1))
             height = height + turned
-            call enter(height, fine%out(j, 2))
-            if (j < i) call enter(height, summit(fine%out(j - 1:j + 1, 2)))
+            call enter(height, second(fine, j))
+            if (j < i) call enter(height, summit([second(fine, j - 1), second(fine, j), second(fine, j + 1)]))
             direction = 0
             if (abs(turned) > still*size_of(fine, dimensions)) direction = nint(sign(1.0_wp, turned))
             if (direction == 0) cycle
@@ -382,7 +386,7 @@ contains
          ! a turn goes on at its beginning
          if (summary%everywhere .and. turn) then
             if (first_direction*last_direction < 0) call peak(n, height, last_direction)
-            call enter(height, summit(fine%out([n - 1, n, 2], 2)))
+            call enter(height, summit([second(fine, n - 1), second(fine, n), second(fine, 2)]))
             if (summary%motion == motion_angle) summary%turns = abs(height - fine%out(1, 1)) > right_angle
          end if
          summary%closing = [summary%closing, &
@@ -425,7 +429,7 @@ contains
             closed = lens%problem%delt(j)
             beyond = lens%problem%delt(j + 1)
          end do
-         call enter(value + step_between(value, lens%out(j, 1)), lens%out(j, 2))
+         call enter(value + step_between(value, lens%out(j, 1)), second(lens, j))
          do round = 1, lens%problem%topology%nloop
             if (lens%problem%linkage%step_of_loop(round) == 0 .or. .not. has_angle(lens%problem%topology, round)) cycle
             if (angle_of(abs(lens%k(j, round))) >= summary%angle) cycle
@@ -445,7 +449,7 @@ contains
          at = fine%problem%delt(j)
          reach = abs(fine%problem%delt(2) - fine%problem%delt(1))
          best = 0.0_wp
-         y = fine%out(j, 2)
+         y = second(fine, j)
          do round = 1, lenses/2
             call aim(lens, dimensions, fine, at - reach, at + reach)
             do m = 1, steps_of_lens + 1
@@ -454,7 +458,7 @@ contains
                if (here <= best) cycle
                best = here
                at = lens%problem%delt(m)
-               y = lens%out(m, 2)
+               y = second(lens, m)
             end do
             reach = 2.0_wp*reach/real(steps_of_lens, wp)
          end do
@@ -478,15 +482,23 @@ contains
       type(station_t), intent(inout) :: fine
       integer, intent(in) :: start
       real(wp) :: turn
-      integer :: n
+      integer :: n, c
 
       n = size(fine%closed)
       turn = fine%problem%delt(n) - fine%problem%delt(1)
       fine%problem%delt = [fine%problem%delt(start:n - 1), fine%problem%delt(:start) + turn]
       fine%closed = [fine%closed(start:n - 1), fine%closed(:start)]
-      fine%out(:, 1) = [fine%out(start:n - 1, 1), fine%out(:start, 1)]
-      fine%out(:, 2) = [fine%out(start:n - 1, 2), fine%out(:start, 2)]
+      fine%out = reshape([(fine%out(start:n - 1, c), fine%out(:start, c), c=1, size(fine%out, 2))], shape(fine%out))
    end subroutine rotate
+
+   !> Second component of the output, 0 if there is none.
+   pure real(wp) function second(station, i)
+      type(station_t), intent(in) :: station
+      integer, intent(in) :: i
+
+      second = 0.0_wp
+      if (size(station%out, 2) > 1) second = station%out(i, 2)
+   end function second
 
    !> What a change of the output is compared with: a turn, or the longest arc.
    pure real(wp) function size_of(fine, dimensions)
@@ -530,9 +542,9 @@ contains
             call sum_of_arcs(loop, q + 1, topology%loopl(loop), frame, x, y)
             link = dimensions%arcl(topology%seq(loop, p))
             select case (topology%joint(loop))
-            case (1)
+            case (assur_rrr)
                kinds = [kinds, loop_kind_t(loop, kind_of_four_bar(crank, link, dimensions%arcl(topology%seq(loop, q)), frame))]
-            case (4)
+            case (assur_rrp)
                c = problem%linkage%x(topology%seq(loop, q))
                s = problem%linkage%y(topology%seq(loop, q))
                across = abs(c*y - s*x)
