@@ -611,7 +611,8 @@ def test_embedded():
         page = read(name + ".html")
         write("scenes.json", re.search(r'<script type="application/json" id="data">(.*?)</script>', page, re.S).group(1))
         code, text, errors = run(os.path.join(TOP, "tools", "embed_page"), "--data", "scenes.json")
-        check(name + ": the page is that of web/", code == 0 and text == page, errors)
+        check(name + ": the page is that of web/, then the mark of the run", code == 0 and page.startswith(text)
+              and re.fullmatch("<!-- run [0-9A-F]{16} -->\n", page[len(text):]), errors)
         check(name + ": one file that asks for nothing", not re.search(
             r"""(src|href)=["']?(?!data:)[^"' ]|url\(|@import|fetch\(|XMLHttp|eval\(""", page.replace(read("scenes.json"), "")))
     check("embed_page --check", run(os.path.join(TOP, "tools", "embed_page"), "--check")[0] == 0)
