@@ -611,7 +611,8 @@ def test_embedded():
         page = read(name + ".html")
         write("scenes.json", re.search(r'<script type="application/json" id="data">(.*?)</script>', page, re.S).group(1))
         code, text, errors = run(os.path.join(TOP, "tools", "embed_page"), "--data", "scenes.json")
-        check(name + ": the page is that of web/", code == 0 and text == page, errors)
+        check(name + ": the page is that of web/, then the mark of the run", code == 0 and page.startswith(text)
+              and re.fullmatch("<!-- run [0-9A-F]{16} -->\n", page[len(text):]), errors)
         check(name + ": one file that asks for nothing", not re.search(
             r"""(src|href)=["']?(?!data:)[^"' ]|url\(|@import|fetch\(|XMLHttp|eval\(""", page.replace(read("scenes.json"), "")))
     check("embed_page --check", run(os.path.join(TOP, "tools", "embed_page"), "--check")[0] == 0)
@@ -636,9 +637,9 @@ def test_messages_are_short():
     os.makedirs("way/there", exist_ok=True)
     shutil.copy("textile.nml", "way/there/textile.nml")
     _, _, errors = balm("way/there/textile.nml")
-    check("a warning on standard error has the name as typed", "way/there/textile.nml:2: warning" in errors, errors)
+    check("a warning on standard error has the name as typed", "way/there/textile.nml:3: warning" in errors, errors)
     told = page_data("way/there/textile.html")[0]["warnings"] + [Picture("way/there/textile.svg").text()]
-    check("on the pictures it has the file's own", all("textile.nml:2: warning" in t and "way/there" not in t for t in told), str(told))
+    check("on the pictures it has the file's own", all("textile.nml:3: warning" in t and "way/there" not in t for t in told), str(told))
     check("no capitals of the listing on the page", not re.search(r"\b(LOOP|DYAD|POSITION|ARCS|DEGREES|INPUT)\b", json.dumps(
         [[c["breaches"], c["prescribed"]["violations"], c["sweep"]["violations"]] for c in
          page_data("open.html") + page_data("nowhere.html") + page_data("regions.html")])))

@@ -386,7 +386,7 @@ contains
       call wrong('T'//nl//' &LINKS NLOOP=1, MAXARC=4, ILINK=-1,2,3,4, ILOOP=-3,0,-2,1, ARCL=3*0.,9., NOUTLK=3, NOUTLP=1 &END'// &
                  nl//method, 'as the guide of the sliding input, but that is not a frame arc')
       call wrong(altered('NDES=3', 'IVA=0,1, DESANG=3*9., NDES=3')//' &LIMITS LIMVAL=1, OPLOW=9., OPHIGH=1. &END'//nl, &
-                 'variable 1 has a lower limit above its upper limit')
+                 'of the length of arc 2 in loop 1 is above its upper limit')
       call wrong(altered('NDES=3', 'IVA=0,1, DESANG=3*9., NGUESS=3, NDES=3'), '1 variables has 2 vertices; found 3')
       call read_text('T'//nl//second//'41.,120.,80.,130., GAMA=4*0.,5.,'//row//'1,2,3,4 &END'//nl//method)
       call t%finds(findings, 'is not used: ILINK is positive, the arc has the length of arc', 'a length that is not used')

@@ -5,6 +5,7 @@
 !> axes of every link that meets there. A joint that slides on a link has none, and a link with such a joint is not judged.
 module psalm_joints
    use psalm_angles, only: unit_vector
+   use psalm_elementary, only: hypotenuse
    use psalm_kinds, only: wp
    use psalm_topology, only: topology_t, dimensions_t, arc_actuator, arc_crank, arc_determined, arc_link, arc_slide
    implicit none (type, external)
@@ -205,7 +206,7 @@ contains
          node_at = 0
          s = last(root)
          do while (s > 0)
-            if (hypot(seats(s)%x - x, seats(s)%y - y) <= near) node_at = seats(s)%node
+            if (hypotenuse(seats(s)%x - x, seats(s)%y - y) <= near) node_at = seats(s)%node
             s = next(s)
          end do
       end function node_at

@@ -36,6 +36,7 @@ module psalm_margins
    real(wp), parameter :: narrow = 0.05_wp   !! `narrowness` below which a step of the range may hide something
    integer, parameter :: steps_of_zoom = 120 !! to each side
    integer, parameter :: steps_per_half = 3  !! so many halve the distance: 0.5/2**40 degrees in the end
+   real(wp), parameter :: part_of_half(0:steps_per_half - 1) = [1.0_wp, 0.5_wp**(1.0_wp/3.0_wp), 0.5_wp**(2.0_wp/3.0_wp)]
    integer, parameter :: deepest_lens = 13   !! lenses until the bottom of a narrow place is found: a step over 8**13
    integer, parameter :: most_places = 32    !! narrow places looked into
    integer, parameter :: most_levels = 3     !! a narrow place inside a narrow place inside a narrow place
@@ -393,7 +394,7 @@ contains
 
       n = size(inputs)
       do i = 1, steps_of_zoom
-         associate (offset => half*0.5_wp**(real(i - 1, wp)/real(steps_per_half, wp)))
+         associate (offset => scale(half*part_of_half(mod(i - 1, steps_per_half)), -((i - 1)/steps_per_half)))
             inputs(i) = at - offset
             inputs(n + 1 - i) = at + offset
          end associate

@@ -150,23 +150,19 @@ contains
       type(problem_t), intent(in) :: problem
       type(motion_t), intent(in) :: motion
       type(summary_t), intent(inout) :: summary
-      real(wp) :: miss, total
-      integer :: i
+      real(wp), allocatable :: miss(:)
 
-      if (.not. problem%desired) return
-      total = 0.0_wp
-      do i = 1, size(motion%closed)
-         if (.not. motion%closed(i)) cycle
-         miss = abs(motion%error(i, 1))
-         if (size(motion%error, 2) > 1) miss = hypotenuse(motion%error(i, 1), motion%error(i, 2))
-         summary%compared = summary%compared + 1
-         total = total + miss**2
-         if (summary%worst > 0 .and. miss <= summary%largest) cycle
-         summary%largest = miss
-         summary%worst = i
-         summary%worst_input = motion%input(i)
-      end do
-      if (summary%compared > 0) summary%rms = sqrt(total/real(summary%compared, wp))
+      summary%compared = count(motion%closed)
+      if (.not. problem%desired) summary%compared = 0
+      if (summary%compared == 0) return
+      miss = abs(motion%error(:, 1))
+      if (size(motion%error, 2) > 1) miss = hypotenuse(motion%error(:, 1), motion%error(:, 2))
+      summary%worst = maxloc(miss, dim=1, mask=motion%closed)
+      summary%worst_input = motion%input(summary%worst)
+      summary%largest = miss(summary%worst)
+      if (summary%largest <= 0.0_wp) return
+      ! relative to the largest, for squares of extreme lengths overflow
+      summary%rms = summary%largest*sqrt(sum((miss/summary%largest)**2, mask=motion%closed)/real(summary%compared, wp))
    end subroutine errors
 
    !> Least transmission angle where the linkage closes, and inputs between the steps at which it does not.
