@@ -18,12 +18,13 @@ module cases
 contains
 
    !> The n-th case of `data/NAME.nml`; with `everything` all loops are solved, with `vary` every dimension is a variable.
-   subroutine load_case(name, problem, set, n, everything, vary)
+   subroutine load_case(name, problem, set, n, everything, vary, motion)
       character(*), intent(in) :: name
       type(problem_t), intent(out) :: problem
       type(data_set_t), intent(out) :: set
       integer, intent(in), optional :: n
       logical, intent(in), optional :: everything, vary
+      integer, intent(in), optional :: motion     !! in place of MOTION
       type(data_set_t), allocatable :: sets(:)
       type(diagnostics_t) :: findings
       type(topology_t) :: topology
@@ -36,6 +37,7 @@ contains
       if (.not. findings%failed()) then
          set = sets(which)
          if (present(everything)) set%ktheta = merge(1, set%ktheta, everything)
+         if (present(motion)) set%motion = motion
          if (present(vary)) call let_vary(set)
          call set_up(set, topology, dimensions, findings)
       end if

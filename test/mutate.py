@@ -148,7 +148,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--count", type=int, default=200)
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--room", default="", help="only sources whose path begins so, as src/output")
+    parser.add_argument("--room", default="", help="only sources whose path begins so, as src/picture")
     parser.add_argument("--report", action="store_true", help="print what the run so far has found, run nothing")
     parser.add_argument("--again", action="store_true", help="only what the run so far has missed, with the tests of today")
     parser.add_argument("--quick", action="store_true")

@@ -181,6 +181,14 @@ status 0 'kalm --version' "$bin/kalm" --version
 fi
 
 if part solvers; then
+# poses: point and angle together
+cp "$data/door_five_poses.nml" . && status 0 'five poses of a door' "$psalm" --quiet door_five_poses.nml
+cp out door_five_poses.lst
+at_most 'five poses of a door: hundredths of a millimetre' door_five_poses.lst 0.01
+check 'a pose has three columns' grep -qx '# input closed actual_x actual_y actual_angle desired_x desired_y desired_angle' door_five_poses.dev9
+changed door_five_poses.nml 's/DESANG=.*ANMULT/ANMULT/' >noangle.nml
+status 2 'a pose without its angles' "$psalm" noangle.nml
+said 'a pose without its angles' 'DESANG'
 # least squares from many starts
 "$psalm" --quiet needle_lsq.nml >needle_lsq.lst
 status 0 'LSQ: two threads' "$psalm" --quiet --threads 2 needle_lsq.nml

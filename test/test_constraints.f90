@@ -356,7 +356,7 @@ contains
       call load_case('dyad8_tangent_mechanism', problem, set)
       do far = 0, 1
          call problem%set_inputs([-60.0_wp, 0.0_wp, merge(60.0_wp, 89.0_wp, far == 0)])
-         call problem%set_desired(spread(0.0_wp, 1, 3), spread(1.0_wp, 1, 3))
+         call problem%set_desired(reshape([0.0_wp, 0.0_wp, 0.0_wp], [3, 1]))
          set%constr%irange = range_inputs
          call prepare_inspector(set, problem, .true., inspector)
          call inspect(inspector, problem%given, problem%delt, margins)
@@ -373,14 +373,14 @@ contains
       ! the limit of TANGLE, where it was given
       problem%slide_angle = 50.0_wp
       call problem%set_inputs([-20.0_wp, 0.0_wp, 45.0_wp])
-      call problem%set_desired(spread(0.0_wp, 1, 3), spread(1.0_wp, 1, 3))
+      call problem%set_desired(reshape([0.0_wp, 0.0_wp, 0.0_wp], [3, 1]))
       call prepare_inspector(set, problem, .true., inspector)
       call inspect(inspector, problem%given, problem%delt, margins)
       call t%close_to(margins(1)%margin, 5.0_wp, 1.0e-9_wp, 'an angle of 45 degrees where 40 are asked for')
       call problem%evaluate(problem%given, objective, loop)
       call t%equal_integer(loop, 0, 'an evaluation accepts it')
       call problem%set_inputs([-20.0_wp, 0.0_wp, 51.0_wp])
-      call problem%set_desired(spread(0.0_wp, 1, 3), spread(1.0_wp, 1, 3))
+      call problem%set_desired(reshape([0.0_wp, 0.0_wp, 0.0_wp], [3, 1]))
       call problem%evaluate(problem%given, objective, loop)
       call t%equal_integer(loop, 1, 'and 39 degrees not')
       ! the range passes parallel slides though no position is on the other side
@@ -398,8 +398,8 @@ contains
       set%constr%irange = range_positions
       set%ifree = 1
       set%search%order = 0
-      problem%wanted(:problem%positions) = 100.0_wp
-      problem%wanted(1) = -120.0_wp
+      problem%wanted(:problem%positions, 1) = 100.0_wp
+      problem%wanted(1, 1) = -120.0_wp
       call prepare_merit(set, problem, values, merit)
       call prepare_timing(problem, merit, whole)
       allocate (delt(problem%positions))
@@ -504,7 +504,7 @@ contains
       call look(station, problem%given)
       do turns = 0, 1
          wanted = station%out(:, 1) + 360.0_wp*[(real(turns*(mod(i, 5) - 2), wp), i=1, problem%positions)]
-         call problem%set_desired(wanted, spread(1.0_wp, 1, problem%positions), wanted, spread(1.0_wp, 1, problem%positions))
+         call problem%set_desired(reshape(wanted, [size(wanted), 1]))
          call prepare_merit(set, problem, problem%topology%first_values(problem%given), merit)
          call prepare_timing(problem, merit, whole)
          allocate (delt(problem%positions))
@@ -527,8 +527,7 @@ contains
 
       call prepare_station(problem, problem%delt, .false., reshape([integer ::], [2, 0]), .false., station)
       call look(station, problem%given)
-      call problem%set_desired(station%out(:, 1), spread(1.0_wp, 1, problem%positions), station%out(:, 2), &
-                               spread(1.0_wp, 1, problem%positions))
+      call problem%set_desired(station%out)
    end subroutine points_of_itself
 
    !> NLopt: names, kinds, the same answer for any number of threads.

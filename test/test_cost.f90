@@ -60,8 +60,7 @@ contains
 
       call load_case(name, problem, set)
       if (.not. problem%desired) then
-         call problem%set_desired(spread(1.0_wp, 1, problem%positions), spread(1.0_wp, 1, problem%positions), &
-                                  spread(1.0_wp, 1, problem%positions), spread(1.0_wp, 1, problem%positions))
+         call problem%set_desired(spread(spread(1.0_wp, 1, problem%positions), 2, problem%output%kind%components))
       end if
       dimensions = problem%given
       before = allocations
@@ -105,7 +104,7 @@ contains
       call load_case('needle', problem, set)
       problem%tangle = 90.0_wp
       call problem%set_inputs([(real(i, wp)*0.018_wp, i=1, n)])
-      call problem%set_desired([(147.0_wp + real(mod(i, 7), wp), i=1, n)], spread(1.0_wp, 1, n))
+      call problem%set_desired(reshape([(147.0_wp + real(mod(i, 7), wp), i=1, n)], [n, 1]))
       call problem%evaluate(problem%given, one, loop)
       call t%equal_integer(loop, 0, 'the linkage closes through the whole turn')
       do i = 2, 4

@@ -175,7 +175,7 @@ contains
       call wrong(altered('NDES=3, ', ''), 'the number of prescribed positions is required')
       call wrong(altered('NDES=3', 'NDES=5'), 'only 3 values given')
       call wrong(altered('NDES=3', 'NDES=-1'), 'must lie in 1 to')
-      call wrong(altered('MOTION=1', 'MOTION=4'), 'must lie in 0 to 3')
+      call wrong(altered('MOTION=1', 'MOTION=5'), 'must lie in 0 to 4')
       call wrong(altered('MOTION=1', 'MOTION=3'), 'does not slide')
       call wrong(altered('NDES=3', 'ISTART=0, NDES=3'), 'must lie in 1 to')
       call wrong(altered('NDES=3', 'REDUCE=1.5, NDES=3'), 'must lie between 0 and 1')

@@ -72,7 +72,8 @@ contains
       call problem%want_derivatives(.false.)
       marble = size(problem%topology%variables)
       associate (n => problem%positions, loops => problem%topology%nloop)
-         allocate (dout(n, marble, problem%output%kind%components), k(n, loops), dk(n, loops, marble), ahead(n, loops), behind(n, loops))
+         allocate (dout(n, marble, problem%output%kind%components), k(n, loops), dk(n, loops, marble))
+         allocate (ahead(n, loops), behind(n, loops))
       end associate
       call prepare_sensitivity(problem, work)
       call find_jacobian(problem, problem%given, work, dout, k, dk)

@@ -153,8 +153,9 @@ contains
       case (motion_point)
          c = cos(turn*radians_per_degree)
          s = sin(turn*radians_per_degree)
-         call t%close_to(maxval(abs(after%actual(:, 1) - (c*before%actual(:, 1) - s*before%actual(:, 2))))/maxval(abs(before%actual)), &
-                         0.0_wp, 1.0e-13_wp, trim(name)//': the output point turns with the machine')
+         call t%close_to(maxval(abs(after%actual(:, 1) - (c*before%actual(:, 1) - s*before%actual(:, 2)))) &
+                         /maxval(abs(before%actual(:, 1))), 0.0_wp, 1.0e-13_wp, &
+                         trim(name)//': the output point turns with the machine')
       case default
          call t%close_to(maxval(abs(after%actual - before%actual))/maxval(abs(before%actual)), 0.0_wp, 1.0e-13_wp, &
                          trim(name)//': a distance does not turn')
@@ -247,7 +248,8 @@ contains
       worst = 0.0_wp
       do i = 1, size(set%delt)
          if (abs(set%delt(i)) < 1.0_wp) cycle
-         worst = max(worst, abs(1.0_wp/tan(left%actual(i, 1)*radians_per_degree) - 1.0_wp/tan(right%actual(i, 1)*radians_per_degree) &
+         worst = max(worst, abs(1.0_wp/tan(left%actual(i, 1)*radians_per_degree) &
+                                - 1.0_wp/tan(right%actual(i, 1)*radians_per_degree) &
                                 + 1200.0_wp/2700.0_wp))
       end do
       call t%close_to(worst, 0.0_wp, 1.0e-9_wp, 'Davis steering gear meets the condition of Ackermann')

@@ -5,9 +5,9 @@ program test_rates
    use cases, only: load_case, names
    use check, only: checks_t
    use psalm_data_set, only: data_set_t
-   use psalm_error, only: problem_t
+   use psalm_error, only: problem_t, motion_t
    use psalm_kinds, only: wp, dp, radians_per_degree
-   use psalm_output_kind, only: motion_angle
+   use psalm_output_kind, only: motion_point, motion_angle, motion_pose
    use psalm_rates, only: rates_t, prepare_rates, differentiate, output_rates, is_dead, highest_order
    implicit none (type, external)
    logical, parameter :: quad = precision(1.0_wp) > precision(1.0_dp)
@@ -19,6 +19,8 @@ program test_rates
       call loop_equations(names(k))
    end do
    call against_differences('hard/chain64')
+   call pose_rates('needle')
+   call pose_rates('dyad4_slider_crank')
    call known_rates()
    call dead_points()
    call t%report()
@@ -166,6 +168,58 @@ contains
       ! relative to the sum of the terms: far inside 64 epsilon times the condition number
       call t%close_to(worst/epsilon(1.0_wp), 0.0_wp, 64.0_wp, trim(name)//': differentiated loop equations')
    end subroutine loop_equations
+
+   !> A pose is the output point and the angle of the output arc: values and derivatives are those of the two, bit for bit.
+   subroutine pose_rates(name)
+      character(*), intent(in) :: name
+      type(problem_t) :: pose, alone
+      type(data_set_t) :: set
+      type(motion_t) :: whole, part
+      type(rates_t) :: rates
+      real(wp), allocatable :: d(:, :, :), one(:, :, :)
+      integer :: kind, n
+
+      call load_case(name, pose, set, motion=motion_pose)
+      n = pose%positions
+      allocate (d(highest_order, 3, n))
+      call pose%want_derivatives(.false.)
+      pose%desired = .false.
+      call pose%analyse(pose%given, whole)
+      call take_all(pose, rates, d)
+      do kind = motion_point, motion_angle
+         call load_case(name, alone, set, motion=kind)
+         call alone%want_derivatives(.false.)
+         alone%desired = .false.
+         call alone%analyse(alone%given, part)
+         allocate (one(highest_order, alone%output%kind%components, n))
+         call take_all(alone, rates, one)
+         if (kind == motion_point) then
+            call t%is_true(all(abs(whole%actual(:, :2) - part%actual) <= 0.0_wp), trim(name)//': the point of a pose')
+            call t%is_true(all(abs(d(:, :2, :) - one) <= 0.0_wp), trim(name)//': derivatives of the point of a pose')
+         else
+            call t%is_true(all(abs(whole%actual(:, 3) - part%actual(:, 1)) <= 0.0_wp), trim(name)//': the angle of a pose')
+            call t%is_true(all(abs(d(:, 3, :) - one(:, 1, :)) <= 0.0_wp), trim(name)//': derivatives of the angle of a pose')
+         end if
+         deallocate (one)
+      end do
+   end subroutine pose_rates
+
+   !> Derivatives of all components at the positions of the first block.
+   subroutine take_all(problem, rates, d)
+      type(problem_t), intent(inout) :: problem
+      type(rates_t), intent(out) :: rates
+      real(wp), intent(out) :: d(:, :, :)
+      integer :: offset, m, i
+
+      d = 0.0_wp
+      call prepare_rates(problem, rates)
+      call problem%bind(problem%given)
+      call problem%solve_block(1, offset, m)
+      call differentiate(problem, rates, m, highest_order)
+      do i = 1, m
+         call output_rates(problem, rates, i, highest_order, d(:, :, i))
+      end do
+   end subroutine take_all
 
    subroutine known_rates()
       type(problem_t) :: problem

@@ -164,7 +164,7 @@ contains
 
       ! make the arc the one variable and give desired values, as a user would
       searched = problem
-      call searched%set_desired(spread(1.0_wp, 1, problem%positions), spread(1.0_wp, 1, problem%positions))
+      call searched%set_desired(spread(spread(1.0_wp, 1, problem%positions), 2, problem%output%kind%components))
       searched%topology%length_variable(arc) = 1
       deallocate (searched%topology%variables)
       allocate (searched%topology%variables(1))

@@ -5,6 +5,7 @@ program test_sensitivity
    use psalm_data_set, only: data_set_t
    use psalm_error, only: problem_t, motion_t
    use psalm_kinds, only: wp, dp
+   use psalm_output_kind, only: motion_pose
    use psalm_sensitivity, only: sensitivity_t, prepare_sensitivity, find_jacobian, find_gradient
    use psalm_text, only: to_text
    use psalm_topology, only: dimensions_t
@@ -19,14 +20,17 @@ program test_sensitivity
    end do
    call one_case('needle', .false.)
    call one_case('suspension', .true.)
+   call one_case('needle', .true., motion_pose)
+   call one_case('dyad4_slider_crank', .true., motion_pose)
    call t%is_true(all(met), 'every kind of variable was tried')
    call t%report()
 
 contains
 
-   subroutine one_case(name, vary)
+   subroutine one_case(name, vary, motion_wanted)
       character(*), intent(in) :: name
       logical, intent(in) :: vary
+      integer, intent(in), optional :: motion_wanted   !! in place of MOTION
       type(problem_t) :: problem
       type(data_set_t) :: set
       type(sensitivity_t) :: work
@@ -36,7 +40,7 @@ contains
       integer :: v, marble
 
       if (vary) then
-         call load_case(name, problem, set, vary=.true.)
+         call load_case(name, problem, set, vary=.true., motion=motion_wanted)
       else
          call load_case(name, problem, set)
       end if

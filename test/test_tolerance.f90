@@ -65,10 +65,10 @@ contains
       call t%is_true(closes, name//': closes')
       call draw_sample(linear, trials, 19, 1, sample)
       call t%equal_integer(sample%open, 0, name//': every linkage of the sample closes')
-      call t%is_true(all(abs(sample%deviation(:, 1)*sqrt(3.0_wp) - linear%square) <= 0.03_wp*linear%square + 1.0e-12_wp), &
+      call t%is_true(all(abs(sample%deviation*sqrt(3.0_wp) - linear%square) <= 0.03_wp*linear%square + 1.0e-12_wp), &
                      name//': spread of the sample is that of the linear band')
-      call t%is_true(all(sample%high(:, 1) <= 1.02_wp*linear%worst + 1.0e-12_wp .and. &
-                         sample%low(:, 1) >= -1.02_wp*linear%worst - 1.0e-12_wp), name//': the sample lies in the worst case')
+      call t%is_true(all(sample%high <= 1.02_wp*linear%worst + 1.0e-12_wp .and. &
+                         sample%low >= -1.02_wp*linear%worst - 1.0e-12_wp), name//': the sample lies in the worst case')
       call t%is_true(all(linear%square <= linear%worst*(1.0_wp + 1.0e-12_wp)), name//': root sum square is below the worst case')
       call draw_sample(linear, trials, 19, 3, shared)
       call t%is_true(all(abs(sample%mean - shared%mean) + abs(sample%deviation - shared%deviation) + &

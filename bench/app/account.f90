@@ -183,10 +183,10 @@ contains
          call load('needle_search', set, problem)
          n = 20*10**power
          associate (delt => [(problem%delt(1 + mod(i, 20)), i=0, n - 1)], &
-                    wanted => [(problem%wanted(1 + mod(i, 20)), i=0, n - 1)], &
-                    weight => [(problem%weight(1 + mod(i, 20)), i=0, n - 1)])
+                    wanted => [(problem%wanted(1 + mod(i, 20), 1), i=0, n - 1)], &
+                    weight => [(problem%weight(1 + mod(i, 20), 1), i=0, n - 1)])
             call problem%set_inputs(delt)
-            call problem%set_desired(wanted, weight)
+            call problem%set_desired(reshape(wanted, [n, 1]), reshape(weight, [n, 1]))
          end associate
          first = problem%topology%first_values(problem%given)
          jacobian = huge(jacobian)

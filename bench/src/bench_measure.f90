@@ -247,7 +247,7 @@ contains
       do m = 1, size(positions)
          n = positions(m)
          call load(3, n, .false., problem, as_written=.true.)
-         call problem%set_desired([(147.0_wp + real(mod(i, 5), wp), i=1, n)], [(1.0_wp, i=1, n)])
+         call problem%set_desired(reshape([(147.0_wp + real(mod(i, 5), wp), i=1, n)], [n, 1]))
          dimensions = problem%given
          repeats = max(1, 2000000/n)
          best = huge(best)
@@ -300,7 +300,7 @@ contains
       real(wp) :: objective
 
       call load(3, n, .false., problem, as_written=.true.)
-      call problem%set_desired([(147.0_wp + real(mod(i, 5), wp), i=1, n)], [(1.0_wp, i=1, n)])
+      call problem%set_desired(reshape([(147.0_wp + real(mod(i, 5), wp), i=1, n)], [n, 1]))
       do i = 1, 10
          call problem%evaluate(problem%given, objective, loop)
       end do

@@ -188,7 +188,8 @@ contains
    !> Give desired values and weights for the positions.
    subroutine set_desired(self, wanted, weight)
       class(problem_t), intent(inout) :: self
-      real(wp), intent(in) :: wanted(:, :), weight(:, :)   !! shape (positions, components)
+      real(wp), intent(in) :: wanted(:, :)             !! shape (positions, components)
+      real(wp), intent(in), optional :: weight(:, :)   !! the same shape; default 1
       integer :: i, c, components
 
       self%desired = .true.
@@ -199,7 +200,8 @@ contains
       end associate
       do c = 1, components
          self%wanted(:, c) = whole_blocks(self, wanted(:, c), wanted(size(wanted, 1), c))
-         self%weight(:, c) = whole_blocks(self, weight(:, c), 0.0_wp)
+         self%weight(:self%positions, c) = 1.0_wp
+         if (present(weight)) self%weight(:self%positions, c) = weight(:, c)
       end do
       if (self%output%kind%angle == 0) return
       do i = 1, size(self%wanted, 1)

@@ -26,7 +26,8 @@ module psalm_station
                                                    !! 0: that is given
       integer :: columns = 0                       !! variables, the input included
       logical, allocatable :: closed(:)            !! shape (positions)
-      real(wp), allocatable :: out(:, :)           !! shape (positions, components): actual - desired; without desired values the actual
+      real(wp), allocatable :: out(:, :)           !! shape (positions, components): actual - desired, or
+                                                   !! the actual without desired values
       real(wp), allocatable :: k(:, :)             !! shape (positions, nloop): `find_constraints`
       real(wp), allocatable :: measure(:, :)       !! shape (positions, nloop): of the dyads, scaled, where it is wanted
       real(wp), allocatable :: joints(:, :, :)     !! shape (positions, 2, joints): co-ordinates, machine axes
