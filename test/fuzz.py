@@ -234,12 +234,15 @@ class Generator:
 
 
 def without_desired(text):
-    """Device 9 without its desired columns: between prescribed positions nothing is desired, and NaN stands there."""
+    """Device 9 without its desired columns (between prescribed positions nothing is desired) and without the rows that do not
+    close (between them the linkage need not): NaN stands there."""
     keep, out = None, []
     for line in text.split(b"\n"):
         words = line.split()
         if line.startswith(b"# input"):
             keep = [k for k, name in enumerate(words[1:]) if not name.startswith(b"desired")]
+        elif words[1:2] == [b"0"] and not line.startswith(b"#"):
+            continue
         elif words and keep and not line.startswith(b"#"):
             out += [words[k] for k in keep if k < len(words)]
     return b" ".join(out)

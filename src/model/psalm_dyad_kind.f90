@@ -76,19 +76,20 @@ contains
    end function kind_of_dyad
 
    !> Assembly mode, +1 or -1, from the signs of both arcs and, for a slide, the sense of the right angle to its guide.
-   pure integer function sign_of_dyad(kind, sign, turn)
+   pure integer function sign_of_dyad(kind, sign_p, sign_q, turn_p, turn_q)
       integer, intent(in) :: kind
-      integer, intent(in) :: sign(2), turn(2)      !! p, q: sign of ILINK; +1 if the slide is anticlockwise from its guide
+      integer, intent(in) :: sign_p, sign_q        !! of ILINK
+      integer, intent(in) :: turn_p, turn_q        !! +1 if the slide is anticlockwise from its guide
 
       select case (kind)
       case (assur_rrr, assur_rrp)
-         sign_of_dyad = sign(1)
+         sign_of_dyad = sign_p
       case (assur_rpr)
-         sign_of_dyad = -turn(1)
+         sign_of_dyad = -turn_p
       case (assur_rpr_guide_first)
-         sign_of_dyad = turn(2)
+         sign_of_dyad = turn_q
       case (assur_prr)
-         sign_of_dyad = sign(2)
+         sign_of_dyad = sign_q
       case default
          sign_of_dyad = 1
       end select

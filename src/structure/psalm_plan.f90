@@ -145,7 +145,8 @@ contains
          if (form%direction(1) == direction_of_partner) call turned(p, q, topology%arcs(p)%turn)
          if (form%direction(2) == direction_of_partner) call turned(q, p, merge(topology%arcs(q)%turn, -topology%arcs(p)%turn, &
                                                                                 form%slides(2)))
-         plan%dyad_sign(loop) = sign_of_dyad(topology%joint(loop), topology%arcs([p, q])%sign, topology%arcs([p, q])%turn)
+         plan%dyad_sign(loop) = sign_of_dyad(topology%joint(loop), topology%arcs(p)%sign, topology%arcs(q)%sign, &
+                                                topology%arcs(p)%turn, topology%arcs(q)%turn)
          do a = 1, topology%loopl(loop)
             n = topology%seq(loop, a)
             select case (topology%arcs(n)%kind)

@@ -40,6 +40,7 @@ module psalm_run
 
    integer(int64), parameter :: megabyte = 1000000_int64
    integer, parameter :: most_told = 5 !! violations on standard error; the listing has all
+   integer, parameter :: most_summarised = 10 !! cases of a file whose summary is written
 
    !> Bytes that a program needs for each position, found by measurement; texts take most of them.
    type :: demand_t
@@ -59,6 +60,7 @@ module psalm_run
       type(text_t) :: notes   !! remarks for standard error
       type(text_t) :: summary !! what the linkage does, for standard error
       logical :: wants_summary = .false. !! asked for by the caller
+      integer :: summarised = 0          !! cases met by the summary
       integer :: code = exit_done !! exit status so far
       logical :: interrupted = .false. !! a signal came: no further case is to be run
       type(interrupt_t) :: interrupt   !! holds signals once there are results of a search or sample; to be released by the caller
@@ -179,8 +181,12 @@ contains
       type(devices_t), intent(inout) :: devices
       type(summary_t) :: summary
 
+      devices%summarised = devices%summarised + 1
+      if (devices%summarised > most_summarised) return
       call summarise(problem, dimensions, motion, summary)
       call write_summary(set%title, summary, devices%summary)
+      if (devices%summarised == most_summarised .and. set%last == 0) &
+         call devices%summary%add('Further cases of the file are not summarised')
    end subroutine sum_up
 
    !> Margins of every constraint; a linkage that violates one is no success.

@@ -53,9 +53,10 @@ module psalm_margins
    end type margin_t
 
    type :: inspector_t
-      type(station_t) :: fine                !! prescribed positions, then the range
-      type(station_t) :: lens
-      type(station_t) :: zoom                !! round a narrow place
+      ! in memory of their own, for objects this large fill a small stack
+      type(station_t), allocatable :: fine   !! prescribed positions, then the range
+      type(station_t), allocatable :: lens
+      type(station_t), allocatable :: zoom   !! round a narrow place
       integer :: places = 0                  !! narrow places looked into
       integer :: irange = range_positions
       integer :: prescribed = 0              !! positions
@@ -97,6 +98,7 @@ contains
          inspector%joint(r) = joint_of_region(inspector%regions(r), joints)
       end do
       allocate (plain, source=problem)
+      allocate (inspector%fine, inspector%lens, inspector%zoom)
       plain%tangle = right_angle
       plain%slide_angle = right_angle
       if (.not. toggle) plain%toggle = 0.0_wp

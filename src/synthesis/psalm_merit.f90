@@ -29,10 +29,11 @@ module psalm_merit
 
    !> A problem made ready, with room to work in. One object serves one thread.
    type :: merit_t
-      type(station_t) :: main                        !! the prescribed positions
-      type(station_t) :: patrol                      !! where else constraints hold
+      ! in memory of their own, for objects this large fill a small stack
+      type(station_t), allocatable :: main           !! the prescribed positions
+      type(station_t), allocatable :: patrol         !! where else constraints hold
       logical :: patrols = .false.                   !! there is a patrol
-      type(problem_t) :: judge                       !! with the user's limits: what counts in the end
+      type(problem_t), allocatable :: judge          !! with the user's limits: what counts in the end
       type(dimensions_t) :: dimensions
       real(wp), allocatable :: low(:), high(:)       !! shape (marble): bounds
       real(wp), allocatable :: limit(:)              !! by loop: of abs(k)
@@ -73,7 +74,8 @@ contains
 
       marble = size(problem%topology%variables)
       n = problem%positions
-      merit%judge = problem
+      allocate (merit%main, merit%patrol)
+      allocate (merit%judge, source=problem)
       call merit%judge%set_inputs(problem%delt)
       call copy_desired(problem, merit%judge)
       merit%free = set%ifree /= 0
