@@ -120,10 +120,10 @@ contains
       type(diagnostics_t) :: repeated
       type(topology_t) :: topology
       type(dimensions_t) :: dimensions
-      type(problem_t) :: problem
+      type(problem_t), allocatable :: problem    ! large: it would fill a small stack
       type(motion_t) :: motion
       type(result_t) :: others
-      type(data_set_t) :: final
+      type(data_set_t), allocatable :: final
       type(interrupt_t) :: interrupt
       integer :: i, threads
 
@@ -134,6 +134,7 @@ contains
       if (threads > 1) call shield_threads(threads)
       allocate (others%best(0))
       call set_up(set, topology, dimensions, repeated)
+      allocate (problem)
       call make_problem(set, topology, dimensions, problem)
       call problem%set_threads(threads)
       call list_input(header_of('PSALM', devices%mark), set, topology, dimensions, devices%eight)
@@ -161,7 +162,7 @@ contains
       call write_found(set, topology, dimensions, others, devices%seven)
       call write_plot_data(set, problem, dimensions, motion, devices%nine)
       if (set%tolerances) then
-         final = set
+         allocate (final, source=set)
          if (set%ifree /= 0 .and. size(others%best) > 0) final%delt = others%best(1)%delt
          call interrupt%limit_time(set%search%maxtime)
          call tolerances(final, dimensions, threads, interrupt, devices)

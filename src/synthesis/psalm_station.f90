@@ -19,7 +19,7 @@ module psalm_station
 
    !> Positions and what is seen there. The last column of derivatives is that of the input where `timed`.
    type :: station_t
-      type(problem_t), allocatable :: problem      !! closure only; allocated, for it fills a small stack
+      type(problem_t) :: problem                   !! closure only
       type(sensitivity_t) :: work
       logical :: timed = .false.                   !! every input position is a variable too
       integer :: leading = 0                       !! of the positions: they say on which side of each other two slides are to be;
@@ -52,7 +52,7 @@ contains
       integer :: n
 
       n = size(delt)
-      allocate (station%problem, source=problem)
+      station%problem = problem
       if (allocated(station%problem%crew)) deallocate (station%problem%crew)
       station%timed = timed
       if (timed) then
