@@ -674,7 +674,7 @@ PARTS = {
     "flat_curves": test_flat_curves,
     "pages": test_pages,
 }
-NEEDED = {"pages": ["messages"], "short_messages": ["messages", "regions"]}  # parts whose files another part uses
+NEEDED = {"pages": ["messages"], "embedded": ["messages", "awkward"], "short_messages": ["messages", "regions"]}  # parts whose files another part uses
 
 
 def main(arguments):
