@@ -111,15 +111,15 @@ class Build:
 
     def update(self, source):
         """Compile one source anew, and its users as far as what they see of it has changed. Returns what was compiled."""
-        todo, done = [source], []
-        while todo:
-            todo.sort(key=self.order.index)
-            one = todo.pop(0)
+        waiting, done = [source], []
+        while waiting:
+            waiting.sort(key=self.order.index)
+            one = waiting.pop(0)
             before = self.interface(one)
             self.compile(one)
             done.append(one)
             if self.interface(one) != before:
-                todo += [u for u in self.users(self.units[one][0]) if u not in todo and u not in done]
+                waiting += [u for u in self.users(self.units[one][0]) if u not in waiting and u not in done]
         self.link(done)
         return done
 

@@ -42,7 +42,8 @@ module psalm_run
    integer, parameter :: most_told = 5 !! violations on standard error; the listing has all
    integer, parameter :: most_summarised = 10 !! cases of a file whose summary is written
 
-   !> Bytes that a program needs for each position, found by measurement; texts take most of them.
+   !> Bytes that a program needs for each position: measured for psalm, estimated for kalm's
+   !> arcs and for balm; texts take most of them.
    type :: demand_t
       integer :: position = 400        !! always
       integer :: arc = 100             !! more for each arc
