@@ -6,9 +6,11 @@ program psalm
    use psalm_kinds, only: wp
    use psalm_mark, only: mark_t
    use psalm_run, only: devices_t, check_case, run_case
+   use psalm_signals, only: signals_t, shield_threads
    use psalm_source, only: line_t, read_lines
    use psalm_status, only: diagnostics_t
-   use psalm_system, only: finish_program, write_standard_error
+   use psalm_stop, only: stop_t
+   use psalm_system, only: finish_program, threads_to_be_had, write_standard_error
    implicit none (type, external)
 
    !> Vertices of one case, from device 4.
@@ -55,6 +57,8 @@ contains
       type(supply_t), allocatable :: supplies(:)
       type(line_t), allocatable :: device4(:)
       type(devices_t) :: devices
+      type(signals_t), target :: signals
+      type(stop_t) :: stop
       type(progress_t) :: monitor
       type(mark_t) :: mark
       character(:), allocatable :: stem
@@ -83,15 +87,28 @@ contains
       if (.not. ready) return
       devices%mark = mark%name()
       devices%wants_summary = .not. arguments%quiet
+      call stop%listen_to(signals)
       do k = 1, size(sets)
-         call run_case(sets(k), supplies(k)%vertices, arguments%threads, devices, monitor)
-         if (devices%interrupted) exit
+         call prepare_signals(sets(k), signals)
+         call run_case(sets(k), supplies(k)%vertices, arguments%threads, stop, devices, monitor)
+         interrupted = signals%asked()
+         if (interrupted) exit
       end do
       if (monitor%active) call write_standard_error(nl)
       if (.not. arguments%quiet) call write_standard_error(devices%notes%content()//devices%summary%content())
       code = max(code, devices%code)
       call write_devices(arguments, stem, devices, code)
-      interrupted = devices%interrupted
-      call devices%interrupt%release()
+      call signals%release()
    end subroutine run_file
+
+   !> A case with a search or a sample has something to lose: signals wait until it is written. Threads take none.
+   subroutine prepare_signals(set, signals)
+      type(data_set_t), intent(in) :: set
+      type(signals_t), intent(inout) :: signals
+      integer :: threads
+
+      threads = threads_to_be_had(merge(arguments%threads, max(1, set%search%threads), arguments%threads > 0))
+      if (threads > 1) call shield_threads(threads)
+      if (set%wants_search() .or. set%ntrial > 0) call signals%hold(threads)
+   end subroutine prepare_signals
 end program psalm

@@ -1,13 +1,12 @@
-!> Constraints of a synthesis: past closing, over the range of the input, forbidden regions; timing; NLopt; interruption.
+!> Constraints of a synthesis: past closing, over the range of the input, forbidden regions; timing; NLopt; the end of a study.
 program test_constraints
-   use, intrinsic :: iso_c_binding, only: c_int
+   use, intrinsic :: iso_fortran_env, only: int64
    use cases, only: load_case, names
    use check, only: checks_t
    use psalm_constraint_group, only: region_t, region_box, region_half_plane, region_circle, range_turn, range_inputs, &
                                      range_positions
    use psalm_data_set, only: data_set_t
    use psalm_error, only: problem_t
-   use psalm_interrupt, only: interrupt_t
    use psalm_kinds, only: wp, degrees_per_radian
    use psalm_lsq, only: put_in_order
    use psalm_margins, only: inspector_t, margin_t, prepare_inspector, inspect, is_violated, margin_angle, margin_slides, &
@@ -18,18 +17,12 @@ program test_constraints
    use psalm_regions, only: trespass
    use psalm_search, only: result_t, search_many
    use psalm_station, only: station_t, prepare_station, look, look_closely
+   use psalm_stop, only: stop_t
    use psalm_text, only: text_t, to_text
    use psalm_timing, only: timing_t, prepare_timing, find_timing
    use psalm_topology, only: dimensions_t
+   use stopping_host, only: host_t
    implicit none (type, external)
-
-   interface
-      integer(c_int) function c_raise(number) bind(c, name='raise')
-         import :: c_int
-         implicit none (type, external)
-         integer(c_int), value :: number
-      end function c_raise
-   end interface
 
    type(checks_t) :: t
    integer :: k
@@ -536,7 +529,7 @@ contains
       type(data_set_t) :: set
       type(result_t) :: one, two
       type(text_t) :: log
-      type(interrupt_t) :: interrupt
+      type(stop_t) :: interrupt
       real(wp), allocatable :: first(:), none(:, :)
 
       call t%is_true(algorithm_of('nlopt_ld_slsqp') == algorithm_of('LD_SLSQP') .and. algorithm_of('LD_SLSQP') >= 0, &
@@ -562,19 +555,28 @@ contains
       call t%is_true(one%best(1)%objective < 1.0e-6_wp, 'SLSQP: five timed points to the best known')
    end subroutine solvers
 
-   !> A signal that is held waits, and is gone after its release.
+   !> A study is to end when its host says so, or when its time is up.
    subroutine interruption()
-      type(interrupt_t) :: interrupt
-      integer(c_int) :: status
+      type(stop_t) :: stop, copy
+      type(host_t), target :: host
+      integer(int64) :: now, before
 
-      call interrupt%hold(2)
-      call t%is_true(.not. interrupt%waiting(), 'no signal waits')
-      status = c_raise(15_c_int)
-      call t%is_true(interrupt%signalled(), 'a signal waits')
-      call interrupt%release()
-      call t%is_true(.not. interrupt%signalled(), 'it is gone, and we still run')
-      call interrupt%limit_time(1.0e-9_wp)
-      status = c_raise(0_c_int)
-      call t%is_true(interrupt%late(), 'time is up')
+      call t%is_true(.not. stop%waiting(), 'a token of nobody never asks for the end')
+      call stop%listen_to(host)
+      copy = stop
+      call t%is_true(.not. copy%waiting(), 'the host is content')
+      host%wants_end = .true.
+      call t%is_true(copy%requested() .and. copy%waiting() .and. .not. copy%late(), 'a copy hears the host')
+      host%wants_end = .false.
+      call copy%limit_time(1.0e-9_wp)
+      call system_clock(before)
+      do
+         call system_clock(now)
+         if (now > before + 1) exit
+      end do
+      call t%is_true(copy%late() .and. copy%waiting() .and. .not. copy%requested(), 'time is up')
+      call t%is_true(.not. stop%late(), 'only that of the copy')
+      call copy%limit_time(0.0_wp)
+      call t%is_true(.not. copy%waiting(), 'no limit any more')
    end subroutine interruption
 end program test_constraints

@@ -6,7 +6,7 @@ program test_lsq
    use psalm_error, only: problem_t, motion_t
    use psalm_kinds, only: wp
    use psalm_linear, only: solve_positive
-   use psalm_interrupt, only: interrupt_t
+   use psalm_stop, only: stop_t
    use psalm_margins, only: inspector_t, margin_t, prepare_inspector, inspect, is_violated
    use psalm_search, only: result_t, search_many
    use psalm_sensitivity, only: sensitivity_t, prepare_sensitivity, find_jacobian, find_constraints
@@ -38,7 +38,7 @@ contains
       type(problem_t), intent(in) :: problem
       integer, intent(in) :: threads
       type(result_t), intent(out) :: found
-      type(interrupt_t) :: interrupt
+      type(stop_t) :: interrupt
       type(text_t) :: log
       real(wp) :: none(size(problem%topology%variables), 0)
 

@@ -7,7 +7,7 @@ program test_search
    use psalm_constr, only: constraints_t, repair_count_t, make_constraints, constrain
    use psalm_data_set, only: data_set_t
    use psalm_error, only: problem_t, motion_t
-   use psalm_interrupt, only: interrupt_t
+   use psalm_stop, only: stop_t
    use psalm_kinds, only: wp, radians_per_degree
    use psalm_run, only: devices_t, run_case
    use psalm_topology, only: dimensions_t
@@ -226,7 +226,7 @@ contains
       type(constraints_t) :: constraints
       type(dimensions_t) :: dimensions
       type(text_t) :: device1, device2
-      type(interrupt_t) :: interrupt
+      type(stop_t) :: interrupt
       real(wp) :: none(size(problem%topology%variables), 0)
       logical :: feasible
 
@@ -299,6 +299,7 @@ contains
       type(problem_t) :: problem
       type(data_set_t) :: set
       type(devices_t) :: devices
+      type(stop_t) :: stop
       type(diagnostics_t) :: findings
       type(line_t), allocatable :: lines(:)
       real(wp), allocatable :: v(:, :), none(:, :)
@@ -307,7 +308,7 @@ contains
 
       call load_case('chain_short', problem, set)
       allocate (none(2, 0))
-      call run_case(set, none, 1, devices)
+      call run_case(set, none, 1, stop, devices)
       text = devices%seven%content()
       allocate (lines(0))
       do while (len(text) > 0)

@@ -11,7 +11,6 @@ module psalm_run
    use psalm_doubts, only: find_doubts, list_reference_joints
    use psalm_error, only: problem_t, motion_t, make_problem
    use psalm_finale, only: list_results, describe_violation, describe_crossing
-   use psalm_interrupt, only: interrupt_t, shield_threads
    use psalm_kinds, only: wp, right_angle
    use psalm_margin_list, only: list_margins, describe_margin
    use psalm_margins, only: margin_t, inspector_t, prepare_inspector, inspect, is_violated, margin_slides, margin_guide, &
@@ -26,6 +25,7 @@ module psalm_run
    use psalm_source, only: line_t
    use psalm_start, only: simplex_t, start_simplex, read_vertices
    use psalm_status, only: diagnostics_t, exit_done, exit_violation
+   use psalm_stop, only: stop_t
    use psalm_summary, only: summary_t, summarise
    use psalm_summary_text, only: write_summary
    use psalm_sweep, only: sweep_inputs
@@ -63,8 +63,6 @@ module psalm_run
       logical :: wants_summary = .false. !! asked for by the caller
       integer :: summarised = 0          !! cases met by the summary
       integer :: code = exit_done !! exit status so far
-      logical :: interrupted = .false. !! a signal came: no further case is to be run
-      type(interrupt_t) :: interrupt   !! holds signals once there are results of a search or sample; to be released by the caller
       character(mark_width) :: mark = '' !! of the run; blank: none
    end type devices_t
 
@@ -112,10 +110,11 @@ contains
    end subroutine check_case
 
    !> Run a case that `check_case` found no fault with.
-   subroutine run_case(set, vertices, asked, devices, monitor)
+   subroutine run_case(set, vertices, asked, stop, devices, monitor)
       type(data_set_t), intent(in) :: set
       real(wp), intent(in) :: vertices(:, :)   !! shape (marble, nguess)
       integer, intent(in) :: asked             !! threads that share the work; 0: as THREADS says
+      type(stop_t), intent(in) :: stop         !! asked now and then by searches and samples
       type(devices_t), intent(inout) :: devices
       class(search_monitor_t), intent(inout), optional :: monitor
       type(diagnostics_t) :: repeated
@@ -125,23 +124,20 @@ contains
       type(motion_t) :: motion
       type(result_t) :: others
       type(data_set_t), allocatable :: final
-      type(interrupt_t) :: interrupt
+      type(stop_t) :: interrupt
       integer :: i, threads
 
       i = merge(asked, max(1, set%search%threads), asked > 0)
       threads = threads_to_be_had(i)
       if (threads < i) call devices%notes%add(set%file//': '//trim(set%title)//': '//to_text(i)// &
          ' threads are not to be had; '//to_text(threads)//' do the work (the results are the same)')
-      if (threads > 1) call shield_threads(threads)
       allocate (others%best(0))
       call set_up(set, topology, dimensions, repeated)
       allocate (problem)
       call make_problem(set, topology, dimensions, problem)
       call problem%set_threads(threads)
       call list_input(header_of('PSALM', devices%mark), set, topology, dimensions, devices%eight)
-      ! from the first search or sample on there is something to lose: signals wait until the caller has written it
-      if (topology%has_search() .or. set%ntrial > 0) call devices%interrupt%hold(threads)
-      interrupt = devices%interrupt
+      interrupt = stop
       if (topology%has_search()) then
          if (set%search%solver == 'SIMPLEX') then
             call synthesize(set, vertices, problem, interrupt, dimensions, devices, monitor)
@@ -171,7 +167,6 @@ contains
       call note_violations(set, problem, motion, devices)
       call find_doubts(set%file//': '//trim(set%title)//': ', topology, problem, dimensions, motion, devices%notes)
       if (devices%wants_summary) call sum_up(set, problem, dimensions, motion, devices)
-      devices%interrupted = interrupt%signalled()
    end subroutine run_case
 
    !> What the linkage does over the range of its input, in words.
@@ -219,7 +214,7 @@ contains
       real(wp), intent(in) :: vertices(:, :)
       type(problem_t), intent(inout) :: problem
       integer, intent(in) :: threads
-      type(interrupt_t), intent(in) :: interrupt
+      type(stop_t), intent(in) :: interrupt
       type(dimensions_t), intent(inout) :: dimensions
       type(result_t), intent(out) :: found
       type(devices_t), intent(inout) :: devices
@@ -336,7 +331,7 @@ contains
       type(data_set_t), intent(in) :: set
       type(dimensions_t), intent(in) :: dimensions
       integer, intent(in) :: threads
-      type(interrupt_t), intent(in) :: interrupt !! asked now and then by the sample
+      type(stop_t), intent(in) :: interrupt !! asked now and then by the sample
       type(devices_t), intent(inout) :: devices
       type(tolerance_t), allocatable :: linear
       type(sample_t) :: sample
@@ -373,14 +368,14 @@ contains
       type(data_set_t), intent(in) :: set
       real(wp), intent(in) :: vertices(:, :)
       type(problem_t), intent(inout) :: problem
-      type(interrupt_t), intent(in) :: interrupt
+      type(stop_t), intent(in) :: interrupt
       type(dimensions_t), intent(inout) :: dimensions
       type(devices_t), intent(inout) :: devices
       class(search_monitor_t), intent(inout), optional :: monitor
       type(constraints_t) :: constraints
       type(simplex_t) :: simplex
       type(search_state_t) :: state
-      type(interrupt_t) :: ending
+      type(stop_t) :: ending
       logical :: feasible
 
       call make_constraints(set, problem, constraints)
@@ -406,7 +401,7 @@ contains
       type(data_set_t), intent(in) :: set
       type(simplex_t), intent(in) :: simplex
       type(search_state_t), intent(in) :: state
-      type(interrupt_t), intent(in) :: ending
+      type(stop_t), intent(in) :: ending
       type(devices_t), intent(inout) :: devices
       character(:), allocatable :: line, reason
 

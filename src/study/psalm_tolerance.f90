@@ -9,7 +9,7 @@ module psalm_tolerance
    use psalm_elementary, only: hypotenuse
    use psalm_error, only: problem_t, motion_t, make_problem
    use psalm_finale, only: angle_text
-   use psalm_interrupt, only: interrupt_t
+   use psalm_stop, only: stop_t
    use psalm_kinds, only: wp, i8
    use psalm_linkage, only: padded
    use psalm_output_kind, only: output_kind_t
@@ -170,8 +170,8 @@ contains
       type(tolerance_t), intent(in) :: linear
       integer, intent(in) :: trials, istart, threads
       type(sample_t), intent(out) :: sample
-      type(interrupt_t), intent(in), optional :: interrupt !! asked now and then
-      type(interrupt_t) :: ending
+      type(stop_t), intent(in), optional :: interrupt !! asked now and then
+      type(stop_t) :: ending
       type(problem_t), allocatable :: workers(:)
       real(wp), allocatable :: low(:, :, :), high(:, :, :), total(:, :, :), squares(:, :, :) !! by chunk of a round
       integer, allocatable :: made(:), open(:), named(:, :), loop(:, :)
@@ -231,7 +231,7 @@ contains
       type(tolerance_t), intent(in) :: linear
       type(problem_t), intent(inout) :: problem
       integer, intent(in) :: from, to, istart
-      type(interrupt_t), intent(in) :: ending
+      type(stop_t), intent(in) :: ending
       real(wp), intent(out) :: low(:, :), high(:, :), total(:, :), squares(:, :) !! shape (positions, components)
       integer, intent(out) :: made, open, named(:), loop(:)
       type(dimensions_t) :: dimensions

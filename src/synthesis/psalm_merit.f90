@@ -9,7 +9,7 @@ module psalm_merit
    use psalm_data_set, only: data_set_t
    use psalm_dyad_kind, only: assur_prp, assur_rrr, form_of, form_t
    use psalm_error, only: problem_t
-   use psalm_interrupt, only: interrupt_t
+   use psalm_stop, only: stop_t
    use psalm_kinds, only: wp, degrees_per_radian, full_turn, right_angle
    use psalm_output_kind, only: motion_point, motion_angle
    use psalm_regions, only: trespass, region_joints, joint_of_region
@@ -56,7 +56,7 @@ module psalm_merit
       real(wp), allocatable :: border(:, :)          !! shape (marble, positions): timing against dimensions
       real(wp), allocatable :: edge(:), edge_gradient(:) !! shape (positions): timing against itself, and its gradient
       integer :: evaluations = 0, jacobians = 0
-      type(interrupt_t) :: interrupt                 !! when to end
+      type(stop_t) :: interrupt                 !! when to end
    end type merit_t
 
 contains

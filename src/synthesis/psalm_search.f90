@@ -8,7 +8,7 @@ module psalm_search
    use psalm_data_set, only: data_set_t
    use psalm_elementary, only: fractional_power
    use psalm_error, only: problem_t
-   use psalm_interrupt, only: interrupt_t
+   use psalm_stop, only: stop_t
    use psalm_kinds, only: wp, i8, full_turn, right_angle
    use psalm_lsq, only: improve
    use psalm_margins, only: inspector_t, margin_t, prepare_inspector, inspect, is_violated
@@ -88,14 +88,14 @@ contains
       real(wp), intent(in) :: first(:)          !! shape (marble)
       real(wp), intent(in) :: supplied(:, :)    !! shape (marble, supplied)
       integer, intent(in) :: threads
-      type(interrupt_t), intent(in) :: interrupt !! asked now and then
+      type(stop_t), intent(in) :: interrupt !! asked now and then
       type(result_t), intent(out) :: result
       type(text_t), intent(inout) :: device1
       class(search_monitor_t), intent(inout), optional :: monitor
       type(worker_t), allocatable, target :: workers(:)
       type(outcome_t), allocatable :: outcomes(:)
       type(search_state_t) :: state
-      type(interrupt_t) :: ending
+      type(stop_t) :: ending
       real(wp), allocatable :: elite(:, :)
       integer :: t, i, extra, total, round, rounds, begin, until
 
@@ -151,7 +151,7 @@ contains
          end do
          !$omp end parallel do
       end if
-      result%interrupted = ending%signalled()
+      result%interrupted = ending%requested()
       result%out_of_time = ending%late() .and. .not. result%interrupted
       result%evaluations = sum(outcomes%evaluations)
       result%jacobians = sum(outcomes%jacobians)

@@ -6,7 +6,7 @@ module psalm_simplx
    use psalm_constr, only: constraints_t, constrain
    use psalm_data_set, only: data_set_t
    use psalm_error, only: problem_t
-   use psalm_interrupt, only: interrupt_t
+   use psalm_stop, only: stop_t
    use psalm_kinds, only: wp
    use psalm_start, only: simplex_t
    use psalm_text, only: text_t, general, to_text
@@ -55,7 +55,7 @@ contains
       type(problem_t), intent(inout) :: problem
       type(constraints_t), intent(inout) :: constraints
       type(simplex_t), intent(inout) :: simplex
-      type(interrupt_t), intent(in) :: interrupt       !! asked after every iteration
+      type(stop_t), intent(in) :: interrupt       !! asked after every iteration
       type(search_state_t), intent(out) :: state
       type(text_t), intent(inout) :: device1
       class(search_monitor_t), intent(inout), optional :: monitor

@@ -1,34 +1,29 @@
-!> When a search must end: a signal, or the time it was given. Signals are asked for instead of suffered.
+!> Signals that end a search in good order: a study is told of them through its stop token.
 !>
 !> Between `hold` and `release` the signals INT and TERM wait; no handler is installed and nothing is kept but the mask of before.
-module psalm_interrupt
+module psalm_signals
    use, intrinsic :: iso_c_binding, only: c_int, c_long
-   use, intrinsic :: iso_fortran_env, only: int64
    use omp_lib, only: omp_get_thread_num
-   use psalm_kinds, only: dp, wp
+   use psalm_stop, only: stop_request_t
    use psalm_system, only: held_signals_t
    implicit none (type, external)
    private
-   public :: interrupt_t, shield_threads
+   public :: signals_t, shield_threads
 
    integer, parameter :: mask_words = 32           !! a signal set is smaller in every C library
    integer(c_int), parameter :: signal_interrupt = 2_c_int, signal_terminate = 15_c_int !! numbers fixed by POSIX
    integer(c_int), parameter :: how_block = 0_c_int, how_set = 2_c_int !! SIG_BLOCK and SIG_SETMASK of Linux
 
-   type :: interrupt_t
+   type, extends(stop_request_t) :: signals_t
       private
       integer(c_long) :: before(mask_words) = 0_c_long !! mask of before
       integer(c_long) :: wanted(mask_words) = 0_c_long !! the signals that wait
       logical :: holds = .false.
-      integer(int64) :: end = huge(1_int64)            !! clock count after which time is up
    contains
       procedure :: hold
-      procedure :: limit_time
-      procedure :: waiting
-      procedure :: signalled
-      procedure :: late
+      procedure :: asked
       procedure :: release
-   end type interrupt_t
+   end type signals_t
 
    interface
       integer(c_int) function c_sigemptyset(set) bind(c, name='sigemptyset')
@@ -87,7 +82,7 @@ contains
 
    !> Let the signals wait from now on, in this thread and those it makes. To be called again before more threads are used.
    subroutine hold(self, threads)
-      class(interrupt_t), intent(inout) :: self
+      class(signals_t), intent(inout) :: self
       integer, intent(in) :: threads              !! as many as the case will use
       integer(c_long) :: unused(mask_words)
       integer(c_int) :: status, ignored
@@ -105,60 +100,29 @@ contains
       !$omp end parallel
    end subroutine hold
 
-   !> Give so many seconds from now on; 0: no limit.
-   subroutine limit_time(self, seconds)
-      class(interrupt_t), intent(inout) :: self
-      real(wp), intent(in) :: seconds
-      integer(int64) :: now, rate
-
-      self%end = huge(self%end)
-      if (seconds <= 0.0_wp) return
-      call system_clock(now, rate)
-      if (real(seconds, dp) < real(self%end - now, dp)/real(rate, dp)) self%end = now + int(real(seconds, dp)*real(rate, dp), int64)
-   end subroutine limit_time
-
-   !> True if the search must end.
-   logical function waiting(self)
-      class(interrupt_t), intent(in) :: self
-
-      waiting = self%late()
-      if (.not. waiting) waiting = self%signalled()
-   end function waiting
-
-   !> True if the time is up.
-   logical function late(self)
-      class(interrupt_t), intent(in) :: self
-      integer(int64) :: now
-
-      late = .false.
-      if (self%end == huge(self%end)) return
-      call system_clock(now)
-      late = now > self%end
-   end function late
-
    !> True if a signal is waiting.
-   logical function signalled(self)
-      class(interrupt_t), intent(in) :: self
+   logical function asked(self)
+      class(signals_t), intent(in) :: self
       integer(c_long) :: pending(mask_words)
 
-      signalled = .false.
+      asked = .false.
       if (.not. self%holds) return
       pending = 0_c_long
       if (c_sigpending(pending) /= 0) return
-      signalled = c_sigismember(pending, signal_interrupt) == 1 .or. c_sigismember(pending, signal_terminate) == 1
-   end function signalled
+      asked = c_sigismember(pending, signal_interrupt) == 1 .or. c_sigismember(pending, signal_terminate) == 1
+   end function asked
 
    !> Take what is waiting and let signals through again. A caller that was interrupted ends in good order by itself.
    subroutine release(self)
-      class(interrupt_t), intent(inout) :: self
+      class(signals_t), intent(inout) :: self
       integer(c_long) :: unused(mask_words)
       integer(c_int) :: status, number
 
-      do while (self%signalled())
+      do while (self%asked())
          if (c_sigwait(self%wanted, number) /= 0) exit
       end do
       unused = 0_c_long
       if (self%holds) status = c_pthread_sigmask(how_set, self%before, unused)
       self%holds = .false.
    end subroutine release
-end module psalm_interrupt
+end module psalm_signals
