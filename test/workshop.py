@@ -12,7 +12,7 @@ import signal
 import subprocess
 
 TOP = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
-LIBRARIES = ["-lnlopt", "-llapack", "-lblas"]
+LIBRARIES = ["-lnlopt"]
 
 
 def setup_value(name):
