@@ -5,7 +5,8 @@ program test_summary
    use psalm_data_set, only: data_set_t
    use psalm_error, only: problem_t, motion_t
    use psalm_kinds, only: wp
-   use psalm_summary
+   use psalm_summary, only: kind_change_point, kind_crank_rocker, kind_double_crank, kind_double_rocker, kind_of_four_bar, &
+                            kind_rocker_crank, kind_slider_swinging, kind_slider_turning, kind_triple_rocker, summarise, summary_t
    use psalm_summary_text, only: plain_number, write_summary
    use psalm_text, only: text_t
    implicit none (type, external)

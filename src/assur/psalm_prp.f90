@@ -13,7 +13,6 @@ module psalm_prp
    public :: bind_prp, solve_prp, form_prp, measure_prp, change_of_measure_prp, bounds_prp, breach_prp
    public :: solve_two_slides
 
-
    real(wp), parameter :: least_sine = 16.0_wp*epsilon(1.0_wp) !! two slides at a smaller angle are parallel
 
 contains

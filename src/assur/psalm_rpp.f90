@@ -9,7 +9,6 @@ module psalm_rpp
    public :: bind_rpp, solve_rpp, form_rpp, rates_twice_rpp, bounds_rpp
    public :: project_on_slides
 
-
 contains
 
    !> Limits of the measure, which is 1.

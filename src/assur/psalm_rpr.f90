@@ -14,8 +14,6 @@ module psalm_rpr
              coincidence_rpr, guide_of
    public :: solve_slide_on_q, solve_slide_on_p
 
-
-
 contains
 
    !> Length of the guide.

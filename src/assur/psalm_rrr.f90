@@ -17,7 +17,6 @@ module psalm_rrr
              coincidence_rrr
    public :: solve_two_links, solve_one_link, repair_link_pair
 
-
    real(wp), parameter :: largest_half = 0.25_wp*huge(1.0_wp)*least_square !! so that 1/least_square times it is finite
    real(wp), parameter :: inside = 1.0e-6_wp*degrees_per_radian !! degrees a repaired transmission angle is put inside its limit
 

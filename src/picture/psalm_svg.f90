@@ -277,17 +277,17 @@ contains
       end do
    end subroutine draw_bars
 
-   pure function class_of(scene, body) result(class)
+   pure function class_of(scene, body) result(name)
       type(scene_t), intent(in) :: scene
       integer, intent(in) :: body
-      character(:), allocatable :: class
+      character(:), allocatable :: name
 
-      class = 'c1'
+      name = 'c1'
       if (body == 0) return
       if (scene%bodies(body)%frame) then
-         class = 'frame'
+         name = 'frame'
       else
-         class = 'c'//to_text(modulo(body - 1, colours) + 1)
+         name = 'c'//to_text(modulo(body - 1, colours) + 1)
       end if
    end function class_of
 

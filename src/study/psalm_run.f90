@@ -219,7 +219,7 @@ contains
       type(result_t), intent(out) :: found
       type(devices_t), intent(inout) :: devices
       class(search_monitor_t), intent(inout), optional :: monitor
-      character(:), allocatable :: line, continue
+      character(:), allocatable :: line, resume
       real(wp), allocatable :: vertices_found(:, :)
       integer :: i
 
@@ -245,10 +245,10 @@ contains
       if (found%interrupted) line = 'interrupted: '//line
       if (found%next > 0) then
          devices%code = max(devices%code, exit_violation)
-         continue = 'to go on, give this device 7 as device 4 with NGUESS='//to_text(size(found%best))//', FIRST='// &
+         resume = 'to go on, give this device 7 as device 4 with NGUESS='//to_text(size(found%best))//', FIRST='// &
                     to_text(found%next)//', NSTART='//to_text(max(1, set%search%first + set%search%nstart - found%next))
-         call devices%notes%add(set%file//': '//trim(set%title)//': '//continue)
-         call devices%seven%add('! '//continue)
+         call devices%notes%add(set%file//': '//trim(set%title)//': '//resume)
+         call devices%seven%add('! '//resume)
       end if
       allocate (vertices_found(size(problem%topology%variables), size(found%best)))
       do i = 1, size(found%best)

@@ -347,7 +347,6 @@ contains
       if (sample%open > most_named) call text%add('   AND '//to_text(sample%open - most_named)//' MORE')
    end subroutine list_tolerances
 
-
    !> A block of device 9: bands and sample at every position.
    subroutine plot_tolerances(title, linear, sample, text)
       character(*), intent(in) :: title
