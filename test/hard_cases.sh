@@ -11,6 +11,7 @@ trap 'rm -rf "$work"' EXIT
 cp "$top"/data/hard/*.nml "$work"
 for f in "$top"/data/dyad*.nml "$top"/data/actuator*.nml "$top"/data/textile.nml; do
     sed 's/&LIMITS/\&LIMITS ICOND=1,/' "$f" >"$work/$(basename "$f")"
+    if cmp -s "$f" "$work/$(basename "$f")"; then echo "FAILED: $f has no &LIMITS to be changed"; exit 1; fi
 done
 # 2**-52, the epsilon of real64
 python3 "$top/test/accuracy.py" "$@" 2.220446049250313e-16 "$bin/psalm" "$quad/psalm" "$work"/*.nml

@@ -40,7 +40,7 @@ def with_items(text, group, items):
 
 
 def without(text, item):
-    """The text without the values of an item."""
+    """The text without an item and its values, if it has them."""
     return re.sub(r"\b%s *=[^=]*?(?=,?\s*(\b[A-Z]\w*(\(\S*\))? *=|&END))" % item, "", text).replace(", ,", ",")
 
 

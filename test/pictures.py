@@ -215,6 +215,7 @@ def prepare():
     for name in FOUND + ["brake_reaction"]:
         psalm("--quiet", "--output-dir", "found", os.path.join(DATA, name + ".nml"))
         text = read("found/%s.dev7" % name)
+        check(name + ": device 7 has IPLOT", re.search(r"IPLOT\s*=\s*[01]", text))
         write(name + ".nml", re.sub(r"IPLOT\s*=\s*0", "IPLOT=1", text))
     for name in PLAIN + FOUND + HARD:
         code, _, _ = psalm("--quiet", name + ".nml")
@@ -309,7 +310,8 @@ def test_desired_marks():
                  "actuator_rapson_slide"]:
         names, values = device9(name + ".dev9")[0]
         inputs = [float(row[0]) for row in values]
-        text = re.sub(r"(IKIN|DELT|NDES) *=[^A-Z&]*", "", read(DATA + "/" + name + ".nml"))
+        text, count = re.subn(r"(IKIN|DELT|NDES) *=[^A-Z&]*", "", read(DATA + "/" + name + ".nml"))
+        check(name + ": positions taken out", count > 0)
         start = float((re.search(r"CRNKI *= *([-0-9.]+)", text) or ["", "0"])[1])
         items = {"actual": "DESANG", "actual_x": "DESX", "actual_y": "DESY"}
         wanted = ", ".join("%s=%s" % (items[n], ",".join(row[k] for row in values)) for k, n in enumerate(names) if n in items)
@@ -358,7 +360,7 @@ def test_symbols():
     every = Picture("every.svg").of_class("every")
     check("KTHETA=1 draws every link at every position", len({e.get("data-position") for e in every}) == 19)
     many = ",\n  ".join("%.2f" % (0.36 * i) for i in range(1000))
-    write("many.nml", re.sub(r"IKIN *= *15", "NDES=1000, DELT=" + many, changed(read("dyad1_crank_rocker.nml"), "IPLOT=1", "KTHETA=1")))
+    write("many.nml", changed(changed(read("dyad1_crank_rocker.nml"), "IKIN=15", "NDES=1000, DELT=" + many), "IPLOT=1", "KTHETA=1"))
     balm("--quiet", "many.nml")
     faint = [float(v) for v in re.findall(r'stroke-opacity="(\S+)"', read("many.svg"))]
     check("a thousand positions are no blot", len(Picture("many.svg").of_class("direction")) == 1000 and
@@ -480,7 +482,10 @@ def test_messages():
           "missing" not in read("open.gp") and " NaN " in read("open.gp") and read("open.gp").count("set object rectangle") == 2)
     check("closes nowhere: DXF", not ezdxf.readfile("nowhere.dxf").audit().errors)
 
-    write("sign.nml", re.sub(r"ILINK=1,(-?)2,", lambda m: "ILINK=1,%s2," % ("" if m.group(1) else "-"), read("dyad2_oscillating_cylinder.nml")))
+    text, count = re.subn(r"ILINK=1,(-?)2,", lambda m: "ILINK=1,%s2," % ("" if m.group(1) else "-"),
+                          read("dyad2_oscillating_cylinder.nml"))
+    check("a bad sign: it was changed", count == 1)
+    write("sign.nml", text)
     code, _, errors = balm("sign.nml")
     check("a bad sign: exit status", code == 2)
     check("a bad sign: picture and page show the message", "error: &LINKS ILINK" in Picture("sign.svg").text() and

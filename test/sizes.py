@@ -19,6 +19,12 @@ METHOD = " &METHOD MOTION=1, NDES=3, DELT=0.,30.,60. &END\n"
 CASE = "SIZE\n" + LINKS + METHOD
 
 
+def changed(text, old, new):
+    """The text with every `old` made `new`; there must be one."""
+    assert old in text, old
+    return text.replace(old, new)
+
+
 def delt(n):
     return ",".join(repr(i * 360 / n) for i in range(n))
 
@@ -34,11 +40,11 @@ def quotes(n):
 
 
 def unknown_items(n):
-    return "SIZE\n" + LINKS + METHOD.replace(" &END", "".join(f" Q{i}=1" for i in range(n)) + " &END")
+    return "SIZE\n" + LINKS + changed(METHOD, " &END", "".join(f" Q{i}=1" for i in range(n)) + " &END")
 
 
 def repeated_items(n):
-    return CASE.replace("NDES=3", "NDES=3, " + "CRNKI=1. " * n)
+    return changed(CASE, "NDES=3", "NDES=3, " + "CRNKI=1. " * n)
 
 
 def opened(n):
@@ -46,11 +52,11 @@ def opened(n):
 
 
 def long_number(n):
-    return CASE.replace("NDES=3", "NDES=3, CRNKI=1." + "3" * n)
+    return changed(CASE, "NDES=3", "NDES=3, CRNKI=1." + "3" * n)
 
 
 def lines(n):
-    return CASE.replace("SIZE\n", "SIZE\n" + "\n" * n)
+    return changed(CASE, "SIZE\n", "SIZE\n" + "\n" * n)
 
 
 def cases(n):
@@ -58,7 +64,7 @@ def cases(n):
 
 
 def many_loops(n):
-    return CASE.replace("NLOOP=1", f"NLOOP={n}")
+    return changed(CASE, "NLOOP=1", f"NLOOP={n}")
 
 
 def wrong_loops(n):
