@@ -21,27 +21,35 @@ contains
 
    !> Cosine and sine of an angle in degrees, correctly rounded: exact at multiples of 30 and 90 where the value is, and no digit
    !> lost to many turns.
-   !>
-   !> The angle is reduced to -45 ... 45 degrees before anything else; that is exact.
    pure subroutine unit_vector(degrees, x, y)
       real(wp), intent(in) :: degrees
       real(wp), intent(out) :: x, y !! cosine, sine
-      real(wp) :: rest, c, s
       real(dp) :: cosine, sine
+
+      if (by_library) then
+         call unit_vector_of_library(degrees, x, y)
+      else
+         call sine_cosine(real(degrees, dp), sine, cosine)
+         x = real(cosine, wp)
+         y = real(sine, wp)
+      end if
+   end subroutine unit_vector
+
+   !> The same by the library's functions.
+   !>
+   !> The angle is reduced to -45 ... 45 degrees before anything else; that is exact.
+   pure subroutine unit_vector_of_library(degrees, x, y)
+      real(wp), intent(in) :: degrees
+      real(wp), intent(out) :: x, y
+      real(wp) :: rest, c, s
       integer :: quadrant
 
       rest = mod(degrees, full_turn)
       ! ties go up, so that whole turns change nothing
       quadrant = floor(rest/right_angle + 0.5_wp)
       rest = rest - right_angle*real(quadrant, wp)
-      if (by_library) then
-         c = cos(rest*radians_per_degree)
-         s = sin(rest*radians_per_degree)
-      else
-         call sine_cosine(real(rest, dp), sine, cosine)
-         c = real(cosine, wp)
-         s = real(sine, wp)
-      end if
+      c = cos(rest*radians_per_degree)
+      s = sin(rest*radians_per_degree)
       select case (modulo(quadrant, 4))
       case (0)
          x = c
@@ -56,7 +64,7 @@ contains
          x = s
          y = -c
       end select
-   end subroutine unit_vector
+   end subroutine unit_vector_of_library
 
    !> Direction of a vector in degrees, -180 to 180, correctly rounded; 0 for the zero vector.
    elemental real(wp) function degrees_of(x, y)

@@ -16,15 +16,20 @@ module psalm_elementary
    real(dp), parameter :: splitter = 134217729.0_dp        !! 2**27 + 1: halves of 26 bits (Veltkamp 1968, Dekker 1971)
    real(dp), parameter :: doubt = 2.0_dp**(-63)            !! bound of the relative error of the first evaluation
    real(dp), parameter :: least_angle = 2.0_dp**(-900)     !! below it halves of products would underflow
+   real(dp), parameter :: most_degrees = 2.0_dp**30        !! larger angles are reduced to a turn first
    integer, parameter :: terms = 15                        !! of the series on 0 to 45 degrees: the next is below 2**-110
+   integer, parameter :: quarter = 90, turn = 360          !! degrees
 
    ! pi/180: 26 bits and the rest; 53 bits and the rest
    real(dp), parameter :: degree_head = 1.7453292384743690E-02_dp, degree_tail = 1.3519960527851425E-10_dp
    real(dp), parameter :: degree = 1.7453292519943295E-02_dp, degree_rest = 2.9486522708701687E-19_dp
    real(dp), parameter :: degrees_per_radian = 57.2957795130823208767981548141051784_dp
+   ! sin(x)/x - 1 and cos(x) - 1 by squares of degrees, for half a degree
+   real(dp), parameter :: sine_series(3) = [-degree**2/6.0_dp, degree**4/120.0_dp, -degree**6/5040.0_dp]
+   real(dp), parameter :: cosine_series(3) = [-degree**2/2.0_dp, degree**4/24.0_dp, -degree**6/720.0_dp]
 
    !> Sines of 0 to 90 degrees: 26 bits, and the rest. The products of heads with numbers of 26 bits are exact.
-   real(dp), parameter :: sine_table(2, 0:90) = reshape([ &
+   real(dp), parameter :: sine_table(2, 0:quarter) = reshape([ &
       0.0000000000000000E+00_dp, 0.0000000000000000E+00_dp, 1.7452406231313944E-02_dp, 2.0596956895650394E-10_dp, &
       3.4899496473371983E-02_dp, 2.2912898907153230E-10_dp, 5.2335956133902073E-02_dp, 1.0904175981562449E-10_dp, &
       6.9756474345922470E-02_dp, -6.0179716931681461E-10_dp, 8.7155742570757866E-02_dp, 1.7690030765230254E-10_dp, &
@@ -72,27 +77,79 @@ module psalm_elementary
       9.9939082562923431E-01_dp, 1.3898614160413997E-09_dp, 9.9984769523143768E-01_dp, -7.5046443948457191E-11_dp, &
       1.0000000000000000E+00_dp, 0.0000000000000000E+00_dp], [2, 91])
 
+   ! the same for a turn and a quarter more, so that every cosine is a sine; and their products with pi/180, which the other of
+   ! sine and cosine grows by in a degree
+   real(dp), parameter :: turn_head(0:turn + quarter - 1) = [sine_table(1, 0:90), sine_table(1, 89:1:-1), &
+                                                            -sine_table(1, 0:90), -sine_table(1, 89:1:-1), sine_table(1, 0:89)]
+   real(dp), parameter :: turn_tail(0:turn + quarter - 1) = [sine_table(2, 0:90), sine_table(2, 89:1:-1), &
+                                                            -sine_table(2, 0:90), -sine_table(2, 89:1:-1), sine_table(2, 0:89)]
+   real(dp), parameter :: rate_product(0:turn + quarter - 1) = degree_head*turn_head
+   real(dp), parameter :: rate_rest(0:turn + quarter - 1) = degree_tail*turn_head + degree*turn_tail
+   real(dp), parameter :: rate(0:turn + quarter - 1) = rate_product + rate_rest
+   real(dp), parameter :: rate_head(0:turn + quarter - 1) = splitter*rate - (splitter*rate - rate)
+   real(dp), parameter :: rate_tail(0:turn + quarter - 1) = (rate_product - rate_head) + rate_rest
+   !> By whole degree: sine, two parts; its product with pi/180, two parts. One entry fills half a cache line.
+   real(dp), parameter :: table(4, 0:turn + quarter - 1) = transpose(reshape([turn_head, turn_tail, rate_head, rate_tail], &
+                                                                             [turn + quarter, 4]))
+
 contains
 
-   !> Sine and cosine of an angle of -45 to 45 degrees, correctly rounded.
+   !> Sine and cosine of an angle, correctly rounded.
    !>
    !> (Beyond doubt but for arguments whose value lies within 2**-98 of the middle of two numbers; of angles below 1e-270 degrees
    !> the error is 1.5 units of the last digit.)
    pure subroutine sine_cosine(degrees, s, c)
       real(dp), intent(in) :: degrees
       real(dp), intent(out) :: s, c
-      real(dp) :: s_low, c_low
+      real(dp) :: angle, away, s_low, c_low
+      logical :: s_doubtful, c_doubtful
+      integer :: k
 
-      if (abs(degrees) < least_angle) then
-         s = degrees*degree
-         c = 1.0_dp
+      angle = degrees
+      if (.not. abs(angle) < most_degrees) angle = mod(angle, real(turn, dp))
+      ! the nearest whole degree; what is left is exact
+      k = int(angle + sign(0.5_dp, angle))
+      away = angle - real(k, dp)
+      k = modulo(k, turn)
+      if (abs(away) < least_angle) then
+         s = table(1, k) + table(2, k)
+         c = table(1, k + quarter) + table(2, k + quarter)
+         if (k == 0) s = sign(away*degree, angle)
          return
       end if
-      call near_degree(degrees, s, s_low, c, c_low)
-      if (is_doubtful(s, s_low) .or. is_doubtful(c, c_low)) call by_series(degrees, s, s_low, c, c_low)
-      s = s + s_low
-      c = c + c_low
+      call near_degree(k, away, s, s_low, c, c_low)
+      call add(s, s_low, s_doubtful)
+      call add(c, c_low, c_doubtful)
+      if (s_doubtful .or. c_doubtful) call sine_cosine_again(k, away, s, c)
    end subroutine sine_cosine
+
+   !> The same by the series, slower, with twice the digits.
+   pure subroutine sine_cosine_again(k, away, s, c)
+      integer, intent(in) :: k             !! whole degrees, 0 to 359
+      real(dp), intent(in) :: away         !! degrees from there
+      real(dp), intent(out) :: s, c
+      real(dp) :: s_low, c_low, x, y
+      integer :: quarters
+
+      quarters = (k + quarter/2)/quarter
+      call by_series(real(k - quarter*quarters, dp) + away, y, s_low, x, c_low)
+      y = y + s_low
+      x = x + c_low
+      select case (modulo(quarters, 4))
+      case (0)
+         s = y
+         c = x
+      case (1)
+         s = x
+         c = -y
+      case (2)
+         s = -y
+         c = -x
+      case default
+         s = -x
+         c = y
+      end select
+   end subroutine sine_cosine_again
 
    !> Direction of a vector in degrees, correctly rounded, from a guess that is true to six digits.
    !>
@@ -102,17 +159,18 @@ contains
       real(dp), intent(in) :: whole         !! right angles it was turned back by, degrees
       real(dp), intent(in) :: rest          !! guess of the remaining angle, -46 to 46 degrees
       real(dp) :: s, s_low, c, c_low, low
+      logical :: doubtful
+      integer :: k
 
       if (abs(rest) < least_angle) then
          degrees = whole + y/x*degrees_per_radian
          return
       end if
-      call near_degree(rest, s, s_low, c, c_low)
+      k = nint(rest)
+      call near_degree(modulo(k, turn), rest - real(k, dp), s, s_low, c, c_low)
       call newton_step(x, y, whole, rest, s, s_low, c, c_low, degrees, low)
-      if (.not. is_doubtful(degrees, low)) then
-         degrees = degrees + low
-         return
-      end if
+      call add(degrees, low, doubtful)
+      if (.not. doubtful) return
       call by_series(rest, s, s_low, c, c_low)
       call newton_step(x, y, whole, rest, s, s_low, c, c_low, degrees, low)
       degrees = degrees + low
@@ -135,70 +193,60 @@ contains
       low = off - (high - guess)
    end subroutine newton_step
 
-   !> True where the sum of two numbers may round otherwise than the value they stand for.
-   pure logical function is_doubtful(high, low)
-      real(dp), intent(in) :: high, low
-      real(dp) :: total, left, width
+   !> Add the lesser part of a value to the greater; doubtful where the value itself may round otherwise (Ziv 1991).
+   pure subroutine add(high, low, doubtful)
+      real(dp), intent(inout) :: high      !! the sum afterwards
+      real(dp), intent(in) :: low
+      logical, intent(out) :: doubtful
+      real(dp) :: width, other
 
-      total = high + low
-      left = low - (total - high)
-      width = doubt*abs(total)
-      is_doubtful = total + (left + width) > total .or. total + (left - width) < total
-   end function is_doubtful
+      width = doubt*high
+      other = high + (low - width)
+      high = high + (low + width)
+      doubtful = high /= other
+   end subroutine add
 
    !> Sine and cosine from those of the nearest whole degree, each as two numbers; relative error of their sum below `doubt`.
-   pure subroutine near_degree(degrees, s, s_low, c, c_low)
-      real(dp), intent(in) :: degrees
+   pure subroutine near_degree(k, away, s, s_low, c, c_low)
+      integer, intent(in) :: k             !! whole degrees, 0 to 359
+      real(dp), intent(in) :: away         !! degrees from there, -0.5 to 0.5, not 0
       real(dp), intent(out) :: s, s_low, c, c_low
-      real(dp) :: away, head, tail, product, rest, u, u_head, u_tail, square, es, ec
-      real(dp) :: s_head, s_tail, c_head, c_tail, sine, cosine, side
-      integer :: k
+      real(dp) :: head, tail, square, more_s, more_c, product
 
-      k = int(degrees + sign(0.5_dp, degrees))
-      away = degrees - real(k, dp)
-      side = sign(1.0_dp, real(k, dp))
-      s_head = side*sine_table(1, abs(k))
-      s_tail = side*sine_table(2, abs(k))
-      c_head = sine_table(1, 90 - abs(k))
-      c_tail = sine_table(2, 90 - abs(k))
-      ! radians: 26 bits and the rest
       call split(away, head, tail)
-      product = degree_head*head
-      rest = degree_head*tail + degree_tail*away
-      u = product + rest
-      call split(product, u_head, u_tail)
-      u_tail = u_tail + rest
-      square = u*u
-      es = u*(square*(-1.0_dp/6.0_dp + square*(1.0_dp/120.0_dp - square*(1.0_dp/5040.0_dp))))
-      ec = square*(-0.5_dp + square*(1.0_dp/24.0_dp - square*(1.0_dp/720.0_dp - square*(1.0_dp/40320.0_dp))))
-      sine = s_head + s_tail
-      cosine = c_head + c_tail
-      product = c_head*u_head
-      s = s_head + product
-      s_low = ((s_head - s) + product) + (s_tail + ((c_head*u_tail + c_tail*u) + (cosine*es + sine*ec)))
-      product = s_head*u_head
-      c = c_head - product
-      c_low = ((c_head - c) - product) + (c_tail - ((s_head*u_tail + s_tail*u) + (sine*es - cosine*ec)))
+      square = away*away
+      more_s = away*(square*(sine_series(1) + square*(sine_series(2) + square*sine_series(3))))
+      more_c = square*(cosine_series(1) + square*(cosine_series(2) + square*cosine_series(3)))
+      associate (sine => table(:, k), cosine => table(:, k + quarter))
+         product = cosine(3)*head
+         s = sine(1) + product
+         s_low = ((sine(1) - s) + product) + (sine(2) + ((cosine(3)*tail + cosine(4)*away) &
+                                                         + ((cosine(3) + cosine(4))*more_s + (sine(1) + sine(2))*more_c)))
+         product = sine(3)*head
+         c = cosine(1) - product
+         c_low = ((cosine(1) - c) - product) + (cosine(2) - ((sine(3)*tail + sine(4)*away) &
+                                                             + ((sine(3) + sine(4))*more_s - (cosine(1) + cosine(2))*more_c)))
+      end associate
    end subroutine near_degree
 
    !> Sine and cosine by their series with twice the digits.
    pure subroutine by_series(degrees, s, s_low, c, c_low)
       real(dp), intent(in) :: degrees
       real(dp), intent(out) :: s, s_low, c, c_low
-      real(dp) :: u(2), square(2), sine(2), cosine(2), term(2)
+      real(dp) :: u(2), square(2), sine(2), cosine(2)
+      real(dp), parameter :: one(2) = [1.0_dp, 0.0_dp]
       integer :: n
 
       call multiply(degrees, degree, u(1), u(2))
       u(2) = u(2) + degrees*degree_rest
       square = -double_product(u, u)
-      cosine = [1.0_dp, 0.0_dp]
-      sine = u
-      term = cosine
-      do n = 1, terms
-         term = double_quotient(double_product(term, square), real((2*n - 1)*(2*n), dp))
-         cosine = double_sum(cosine, term)
-         sine = double_sum(sine, double_quotient(double_product(term, u), real(2*n + 1, dp)))
+      cosine = one
+      sine = one
+      do n = terms, 1, -1
+         cosine = double_sum(one, double_product(cosine, double_quotient(square, real((2*n - 1)*(2*n), dp))))
+         sine = double_sum(one, double_product(sine, double_quotient(square, real((2*n)*(2*n + 1), dp))))
       end do
+      sine = double_product(sine, u)
       s = sine(1)
       s_low = sine(2)
       c = cosine(1)
