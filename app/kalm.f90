@@ -1,18 +1,22 @@
 !> kalm: velocities and accelerations of planar linkages from a namelist file.
 program kalm
    use psalm_console, only: arguments_t, begin, begin_mark, prepare_outputs, show_findings, stem_of, write_devices
+   use psalm_check_list, only: list_input
    use psalm_data_set, only: data_set_t, read_data_sets
-   use psalm_kalm, only: run_kalm
-   use psalm_kinds, only: wp
+   use psalm_devices, only: devices_t, header_of
+   use psalm_error, only: problem_t, make_problem
    use psalm_mark, only: mark_t
-   use psalm_run, only: devices_t, demand_t, check_case
+   use psalm_preparation, only: demand_t, prepared_t, prepare
+   use psalm_rate_study, only: rate_study_t, find_rates
+   use psalm_report, only: most_summarised, report_rates, report_summary
    use psalm_source, only: line_t
    use psalm_status, only: diagnostics_t
+   use psalm_summary, only: summary_t, summarise
    use psalm_system, only: finish_program, write_standard_error
    implicit none (type, external)
    character(*), parameter :: nl = new_line('a')
    character(*), parameter :: endings(*) = [character(5) :: '.dev8', '.dev9']
-   type(demand_t), parameter :: demand = demand_t(position=1000, arc=300)
+   type(demand_t), parameter :: demand = demand_t(position=1000, arc=400)
    type(arguments_t) :: arguments
    logical :: finished
    integer :: code, i
@@ -45,7 +49,7 @@ contains
       type(diagnostics_t) :: findings
       type(data_set_t), allocatable :: sets(:)
       type(line_t) :: none(0)
-      real(wp), allocatable :: vertices(:, :)
+      type(prepared_t), allocatable :: prepared(:)
       type(devices_t) :: devices
       type(mark_t) :: mark
       character(:), allocatable :: stem
@@ -54,9 +58,10 @@ contains
 
       mark = begin_mark(arguments%program)
       call read_data_sets(file, sets, findings, program='kalm', mark=mark)
+      allocate (prepared(size(sets)))
       do k = 1, size(sets)
          sets(k)%nguess = 0
-         if (.not. findings%failed()) call check_case(sets(k), none, vertices, findings, demand)
+         if (.not. findings%failed()) call prepare(sets(k), none, prepared(k), findings, demand)
       end do
       if (findings%failed() .or. .not. arguments%quiet) call show_findings(findings)
       code = max(code, findings%exit_code())
@@ -65,12 +70,29 @@ contains
       call prepare_outputs(arguments, stem, endings, ready, code)
       if (.not. ready) return
       devices%mark = mark%name()
-      devices%wants_summary = .not. arguments%quiet
       do k = 1, size(sets)
-         call run_kalm(sets(k), devices)
+         call run_case(sets(k), prepared(k), devices)
       end do
       if (.not. arguments%quiet) call write_standard_error(devices%notes%content()//devices%summary%content())
       code = max(code, devices%code)
       call write_devices(arguments, stem, devices, code)
    end subroutine run_file
+
+   subroutine run_case(set, prepared, devices)
+      type(data_set_t), intent(in) :: set
+      type(prepared_t), intent(in) :: prepared
+      type(devices_t), intent(inout) :: devices
+      type(problem_t), allocatable :: problem    ! large: it would fill a small stack
+      type(rate_study_t), allocatable :: rates
+      type(summary_t) :: summary
+
+      allocate (problem, rates)
+      call list_input(header_of('KALM', devices%mark), set, prepared%topology, prepared%given, devices%eight)
+      call make_problem(set, prepared%topology, prepared%given, problem)
+      call find_rates(set, problem, prepared%given, rates)
+      call report_rates(set, problem, rates, devices)
+      if (arguments%quiet .or. devices%summarised == most_summarised) return
+      call summarise(problem, prepared%given, rates%motion, summary)
+      call report_summary(set, summary, devices)
+   end subroutine run_case
 end program kalm

@@ -2,21 +2,25 @@
 program psalm
    use psalm_console, only: arguments_t, progress_t, begin, begin_mark, device4_of, prepare_outputs, show_findings, stem_of, &
                             write_devices
+   use psalm_analysis, only: analysis_t, wanted_t, analyse, wanted_by
+   use psalm_check_list, only: list_input
    use psalm_data_set, only: data_set_t, read_data_sets
-   use psalm_kinds, only: wp
+   use psalm_devices, only: devices_t, header_of
+   use psalm_error, only: problem_t, make_problem
    use psalm_mark, only: mark_t
-   use psalm_run, only: devices_t, check_case, run_case
+   use psalm_preparation, only: prepared_t, prepare, threads_for, threads_wanted
+   use psalm_report, only: most_summarised, begin_search_report, report_search, report_analysis, report_found, &
+                           report_tolerances, report_violations, report_summary
    use psalm_signals, only: signals_t, shield_threads
    use psalm_source, only: line_t, read_lines
    use psalm_status, only: diagnostics_t
    use psalm_stop, only: stop_t
-   use psalm_system, only: finish_program, threads_to_be_had, write_standard_error
+   use psalm_synthesis, only: synthesis_t, synthesise
+   use psalm_system, only: finish_program, write_standard_error
+   use psalm_text, only: to_text
+   use psalm_tolerance, only: tolerances_t, study_tolerances
+   use psalm_topology, only: dimensions_t
    implicit none (type, external)
-
-   !> Vertices of one case, from device 4.
-   type :: supply_t
-      real(wp), allocatable :: vertices(:, :)
-   end type supply_t
 
    character(*), parameter :: nl = new_line('a')
    character(*), parameter :: endings(*) = [character(5) :: '.dev7', '.dev8', '.dev9', '.dev1', '.dev2']
@@ -54,7 +58,7 @@ contains
       character(*), intent(in) :: file
       type(diagnostics_t) :: findings
       type(data_set_t), allocatable :: sets(:)
-      type(supply_t), allocatable :: supplies(:)
+      type(prepared_t), allocatable :: prepared(:)
       type(line_t), allocatable :: device4(:)
       type(devices_t) :: devices
       type(signals_t), target :: signals
@@ -67,7 +71,7 @@ contains
 
       mark = begin_mark(arguments%program)
       call read_data_sets(file, sets, findings, mark=mark)
-      allocate (supplies(size(sets)), device4(0))
+      allocate (prepared(size(sets)), device4(0))
       do k = 1, size(sets)
          if (sets(k)%nguess > 0) then
             call read_lines(device4_of(arguments, file), device4, findings)
@@ -75,7 +79,7 @@ contains
                call mark%add(device4(l)%text)
             end do
          end if
-         if (.not. findings%failed()) call check_case(sets(k), device4, supplies(k)%vertices, findings)
+         if (.not. findings%failed()) call prepare(sets(k), device4, prepared(k), findings)
       end do
       if (findings%failed() .or. .not. arguments%quiet) call show_findings(findings)
       code = max(code, findings%exit_code())
@@ -86,11 +90,9 @@ contains
       call prepare_outputs(arguments, stem, endings(:k), ready, code)
       if (.not. ready) return
       devices%mark = mark%name()
-      devices%wants_summary = .not. arguments%quiet
       call stop%listen_to(signals)
       do k = 1, size(sets)
-         call prepare_signals(sets(k), signals)
-         call run_case(sets(k), supplies(k)%vertices, arguments%threads, stop, devices, monitor)
+         call run_case(sets(k), prepared(k), signals, stop, devices, monitor)
          interrupted = signals%asked()
          if (interrupted) exit
       end do
@@ -101,14 +103,63 @@ contains
       call signals%release()
    end subroutine run_file
 
-   !> A case with a search or a sample has something to lose: signals wait until it is written. Threads take none.
-   subroutine prepare_signals(set, signals)
+   !> The studies of a case, and what they have to report.
+   subroutine run_case(set, prepared, signals, stop, devices, monitor)
       type(data_set_t), intent(in) :: set
+      type(prepared_t), intent(in) :: prepared
       type(signals_t), intent(inout) :: signals
+      type(stop_t), intent(in) :: stop
+      type(devices_t), intent(inout) :: devices
+      type(progress_t), intent(inout) :: monitor
+      ! allocated: together they would fill a small stack
+      type(problem_t), allocatable :: problem
+      type(synthesis_t), allocatable :: search
+      type(analysis_t), allocatable :: analysis
+      type(tolerances_t), allocatable :: tolerances
+      type(data_set_t), allocatable :: final
+      type(dimensions_t) :: dimensions
+      type(wanted_t) :: wanted
       integer :: threads
 
-      threads = threads_to_be_had(merge(arguments%threads, max(1, set%search%threads), arguments%threads > 0))
+      allocate (problem, search, analysis)
+      call take_threads(set, signals, threads, devices)
+      call make_problem(set, prepared%topology, prepared%given, problem)
+      call problem%set_threads(threads)
+      call list_input(header_of('PSALM', devices%mark), set, prepared%topology, prepared%given, devices%eight)
+      dimensions = prepared%given
+      if (prepared%topology%has_search()) call begin_search_report(set, devices)
+      call synthesise(set, prepared%vertices, problem, threads, stop, dimensions, search, devices%one, devices%two, monitor)
+      if (prepared%topology%has_search()) call report_search(set, search, devices)
+      wanted = wanted_by(set)
+      wanted%summary = .not. arguments%quiet .and. devices%summarised < most_summarised
+      call analyse(set, problem, dimensions, wanted, analysis)
+      call report_analysis(set, problem, analysis, prepared%warnings, devices)
+      call report_found(set, prepared%topology, dimensions, search, devices)
+      if (set%tolerances) then
+         allocate (tolerances)
+         allocate (final, source=set)
+         if (set%ifree /= 0 .and. size(search%found%best) > 0) final%delt = search%found%best(1)%delt
+         call study_tolerances(final, dimensions, threads, stop, tolerances)
+         call report_tolerances(set, tolerances, devices)
+      end if
+      call report_violations(set, problem, analysis, devices)
+      if (allocated(analysis%summary)) call report_summary(set, analysis%summary, devices)
+   end subroutine run_case
+
+   !> Threads for a case, which take no signals. With a search or a sample there is something to lose: then signals wait until it
+   !> is written.
+   subroutine take_threads(set, signals, threads, devices)
+      type(data_set_t), intent(in) :: set
+      type(signals_t), intent(inout) :: signals
+      integer, intent(out) :: threads
+      type(devices_t), intent(inout) :: devices
+      integer :: wanted
+
+      wanted = threads_wanted(set, arguments%threads)
+      threads = threads_for(set, arguments%threads)
+      if (threads < wanted) call devices%remark(set, to_text(wanted)//' threads are not to be had; '//to_text(threads)// &
+                                                ' do the work (the results are the same)')
       if (threads > 1) call shield_threads(threads)
       if (set%wants_search() .or. set%ntrial > 0) call signals%hold(threads)
-   end subroutine prepare_signals
+   end subroutine take_threads
 end program psalm

@@ -1,17 +1,18 @@
 !> What the programs of the suite share at the console: arguments, messages, files of the devices, the progress line.
 module psalm_console
    use, intrinsic :: iso_fortran_env, only: int64
+   use psalm_devices, only: devices_t
    use psalm_files, only: exchange_t, judge_target, directory_of
    use psalm_kinds, only: dp, wp
    use psalm_mark, only: mark_t
    use psalm_number, only: parse_integer
-   use psalm_run, only: devices_t, version
    use psalm_simplx, only: search_monitor_t, search_state_t
    use psalm_status, only: diagnostics_t, exit_bad_input, exit_done, exit_file_trouble
    use psalm_system, only: identity_t, begin_program, error_is_terminal, error_text, identity_of, identity_of_open, &
                            make_directories, same_file, standard_error, standard_input, standard_output, write_standard_error, &
                            write_standard_output
    use psalm_text, only: to_text, general
+   use psalm_version, only: version
    implicit none (type, external)
    private
    public :: arguments_t, progress_t, begin, begin_mark, device4_of, prepare_outputs, say, show_findings, stem_of, write_devices

@@ -9,12 +9,14 @@ program test_search
    use psalm_error, only: problem_t, motion_t
    use psalm_stop, only: stop_t
    use psalm_kinds, only: wp, radians_per_degree
-   use psalm_run, only: devices_t, run_case
+   use psalm_devices, only: devices_t
+   use psalm_report, only: report_search
    use psalm_topology, only: dimensions_t
    use psalm_simplx, only: search_state_t, search_simplex, stop_converged, stop_iterations, stop_small_objective
    use psalm_source, only: line_t
    use psalm_start, only: simplex_t, start_simplex, read_vertices
    use psalm_status, only: diagnostics_t
+   use psalm_synthesis, only: synthesis_t, synthesise
    use psalm_text, only: text_t
    implicit none (type, external)
    type(checks_t) :: t
@@ -299,6 +301,8 @@ contains
       type(problem_t) :: problem
       type(data_set_t) :: set
       type(devices_t) :: devices
+      type(synthesis_t) :: search
+      type(dimensions_t) :: dimensions
       type(stop_t) :: stop
       type(diagnostics_t) :: findings
       type(line_t), allocatable :: lines(:)
@@ -308,7 +312,9 @@ contains
 
       call load_case('chain_short', problem, set)
       allocate (none(2, 0))
-      call run_case(set, none, 1, stop, devices)
+      dimensions = problem%given
+      call synthesise(set, none, problem, 1, stop, dimensions, search, devices%one, devices%two)
+      call report_search(set, search, devices)
       text = devices%seven%content()
       allocate (lines(0))
       do while (len(text) > 0)

@@ -6,7 +6,7 @@ program test_tolerance
    use psalm_error, only: problem_t, motion_t
    use psalm_kinds, only: wp, i8
    use psalm_random, only: random_t
-   use psalm_tolerance, only: tolerance_t, sample_t, find_tolerances, draw_sample
+   use psalm_tolerance, only: deviating_t, tolerance_t, sample_t, find_tolerances, draw_sample
    use psalm_topology, only: dimensions_t
    implicit none (type, external)
    type(checks_t) :: t
@@ -50,6 +50,7 @@ contains
       real(wp), intent(in) :: of_lengths, of_angles
       type(problem_t) :: problem
       type(data_set_t) :: set
+      type(deviating_t) :: deviating
       type(tolerance_t) :: linear
       type(sample_t) :: sample, shared
       logical :: closes
@@ -57,20 +58,20 @@ contains
 
       call load_case(name, problem, set)
       call set_tolerances(set, of_lengths, of_angles)
-      call find_tolerances(set, problem%given, linear, closes)
+      call find_tolerances(set, problem%given, deviating, linear, closes)
       if (name == 'suspension') then
          call t%is_true(.not. closes, 'a linkage that does not close has no tolerances')
          return
       end if
       call t%is_true(closes, name//': closes')
-      call draw_sample(linear, trials, 19, 1, sample)
+      call draw_sample(deviating, linear, trials, 19, 1, sample)
       call t%equal_integer(sample%open, 0, name//': every linkage of the sample closes')
       call t%is_true(all(abs(sample%deviation*sqrt(3.0_wp) - linear%square) <= 0.03_wp*linear%square + 1.0e-12_wp), &
                      name//': spread of the sample is that of the linear band')
       call t%is_true(all(sample%high <= 1.02_wp*linear%worst + 1.0e-12_wp .and. &
                          sample%low >= -1.02_wp*linear%worst - 1.0e-12_wp), name//': the sample lies in the worst case')
       call t%is_true(all(linear%square <= linear%worst*(1.0_wp + 1.0e-12_wp)), name//': root sum square is below the worst case')
-      call draw_sample(linear, trials, 19, 3, shared)
+      call draw_sample(deviating, linear, trials, 19, 3, shared)
       call t%is_true(all(abs(sample%mean - shared%mean) + abs(sample%deviation - shared%deviation) + &
                          abs(sample%low - shared%low) <= 0.0_wp), name//': the same bits for any number of threads')
    end subroutine bands
@@ -79,6 +80,7 @@ contains
    subroutine one_dimension()
       type(problem_t) :: problem
       type(data_set_t) :: set
+      type(deviating_t) :: deviating
       type(tolerance_t) :: linear
       type(motion_t) :: plus, minus
       type(dimensions_t) :: dimensions
@@ -88,7 +90,7 @@ contains
       call load_case('dyad4_slider_crank', problem, set)
       set%tolerances = .true.
       set%tolarc(2, 1) = tolerance
-      call find_tolerances(set, problem%given, linear, closes)
+      call find_tolerances(set, problem%given, deviating, linear, closes)
       call t%equal_integer(size(linear%tolerance), 1, 'one tolerance, one variable')
       dimensions = problem%given
       dimensions%arcl(2) = problem%given%arcl(2) + tolerance
@@ -103,15 +105,16 @@ contains
    subroutine open_linkages()
       type(problem_t) :: problem
       type(data_set_t) :: set
+      type(deviating_t) :: deviating
       type(tolerance_t) :: linear
       type(sample_t) :: sample
       logical :: closes
 
       call load_case('hard/toggle', problem, set, 3)
       call set_tolerances(set, 1.0e-3_wp, 0.0_wp)
-      call find_tolerances(set, problem%given, linear, closes)
+      call find_tolerances(set, problem%given, deviating, linear, closes)
       call t%is_true(closes, 'near toggle: the nominal linkage closes')
-      call draw_sample(linear, 2000, 19, 2, sample)
+      call draw_sample(deviating, linear, 2000, 19, 2, sample)
       call t%is_true(sample%open > 0 .and. sample%open < 2000, 'near toggle: some linkages of the sample do not close')
       call t%is_true(sample%named(1) > 0 .and. sample%loop(1) == 1, 'near toggle: they are named')
    end subroutine open_linkages

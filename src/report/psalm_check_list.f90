@@ -2,7 +2,7 @@
 !>
 !> Layout of Oldham (1977), figures 7.3 and C1.
 module psalm_check_list
-   use psalm_angles, only: degrees_of, within_turn
+   use psalm_analysis, only: arc_table_t, doubts_t
    use psalm_data_set, only: data_set_t
    use psalm_error, only: problem_t, motion_t
    use psalm_finale, only: angle_text, list_dimensions, list_reference, list_output_arc
@@ -12,9 +12,10 @@ module psalm_check_list
    use psalm_text, only: text_t, fixed, general, to_text
    implicit none (type, external)
    private
-   public :: list_input, list_setup, list_arcs
+   public :: list_input, list_setup, list_arcs, list_reference_joints
 
    integer, parameter :: column = 10      !! width of a dimension
+   integer, parameter :: wide_column = 14 !! width of a co-ordinate
    integer, parameter :: per_row = 5      !! values in a row of positions
    real(wp), parameter :: link_mark = 1.0_wp    !! SLIDE and CONFIG: a link
    real(wp), parameter :: slide_mark = 1.57_wp  !! SLIDE and CONFIG: a slide (a right angle, radians)
@@ -205,55 +206,68 @@ contains
       call text%add(' LOOPS NOT SOLVED (KTHETA=1 SOLVES ALL):'//dropped)
    end subroutine list_pruned
 
-   !> Length and angle of every arc at every position. `problem` is bound to the linkage; `motion` is its motion.
-   subroutine list_arcs(problem, motion, condition, text)
-      type(problem_t), intent(inout) :: problem
+   !> Length and angle of every arc at every position.
+   subroutine list_arcs(topology, motion, arcs, condition, text)
+      type(topology_t), intent(in) :: topology
       type(motion_t), intent(in) :: motion
+      type(arc_table_t), intent(in) :: arcs
       real(wp), intent(in) :: condition(:)    !! shape (positions)
       type(text_t), intent(inout) :: text
-      integer :: block, offset, n, i, loop
-      logical :: open
+      integer :: k, loop
       character(:), allocatable :: lengths, angles
 
       call text%add()
       call text%add(' LENGTHS AND ANGLES OF ALL ARCS')
-      do block = 1, problem%blocks()
-         call problem%solve_block(block, offset, n)
-         do i = 1, n
-            call text%add()
-            call text%add(' INPUT'//general(motion%input(offset + i))//'  CONDITION NUMBER'//general(condition(offset + i)))
-            open = .false.
-            do loop = 1, problem%topology%nloop
-               open = .not. problem%linkage%closes(i, loop)
-               if (open) then
-                  call text%add(' LOOP '//to_text(loop)//' DOES NOT CLOSE')
-                  exit
-               end if
-               call arc_lines(problem, i, loop, lengths, angles)
-               call text%add(lengths)
-               call text%add(angles)
-            end do
-            if (open .and. loop < problem%topology%nloop) call text%add(' THE LOOPS AFTER IT ARE NOT DETERMINED')
+      do k = 1, size(motion%input)
+         call text%add()
+         call text%add(' INPUT'//general(motion%input(k))//'  CONDITION NUMBER'//general(condition(k)))
+         do loop = 1, topology%nloop
+            if (loop == arcs%open(k)) then
+               call text%add(' LOOP '//to_text(loop)//' DOES NOT CLOSE')
+               if (loop < topology%nloop) call text%add(' THE LOOPS AFTER IT ARE NOT DETERMINED')
+               exit
+            end if
+            call arc_lines(topology, arcs, k, loop, lengths, angles)
+            call text%add(lengths)
+            call text%add(angles)
          end do
       end do
    end subroutine list_arcs
 
-   subroutine arc_lines(problem, i, loop, lengths, angles)
-      type(problem_t), intent(in) :: problem
-      integer, intent(in) :: i, loop
+   subroutine arc_lines(topology, arcs, k, loop, lengths, angles)
+      type(topology_t), intent(in) :: topology
+      type(arc_table_t), intent(in) :: arcs
+      integer, intent(in) :: k, loop
       character(:), allocatable, intent(out) :: lengths, angles
-      real(wp) :: x, y, length
       integer :: a, n
 
       lengths = ''
       angles = ''
-      do a = 1, problem%topology%loopl(loop)
-         n = problem%topology%seq(loop, a)
-         call problem%linkage%arc_at(problem%plan, n, i, x, y, length)
-         lengths = lengths//general(length)
-         angles = angles//angle_text(within_turn(degrees_of(x, y)))
+      do a = 1, topology%loopl(loop)
+         n = topology%seq(loop, a)
+         lengths = lengths//general(arcs%length(n, k))
+         angles = angles//angle_text(arcs%angle(n, k))
       end do
    end subroutine arc_lines
+
+   !> Append where the joint of the two undetermined arcs of every loop is at the reference position.
+   subroutine list_reference_joints(topology, doubts, text)
+      type(topology_t), intent(in) :: topology
+      type(doubts_t), intent(in) :: doubts
+      type(text_t), intent(inout) :: text
+      integer :: loop
+
+      call text%add(' JOINT OF THE UNDETERMINED ARCS OF EACH LOOP AT THE REFERENCE INPUT (X,Y)')
+      do loop = 1, topology%nloop
+         if (.not. doubts%closes(loop)) then
+            call text%add(' LOOP '//to_text(loop)//' DOES NOT CLOSE AT THE REFERENCE INPUT')
+            return
+         end if
+         call text%add(' LOOP '//to_text(loop)//', ARCS '//to_text(topology%larcx(1, loop))//' AND '// &
+                       to_text(topology%larcx(2, loop))//'  '//fixed(doubts%joint(1, loop), wide_column, 4)// &
+                       fixed(doubts%joint(2, loop), wide_column, 4))
+      end do
+   end subroutine list_reference_joints
 
    ! ---- rows --------------------------------------------------------------------------------------------------------
 

@@ -13,11 +13,12 @@ module psalm_plot_data
 
 contains
 
-   !> Append a block. With `desired_columns` they are there in every block; positions without a desired value hold `NaN`.
-   subroutine write_block(title, name, desired_columns, problem, motion, text, condition)
+   !> Append a block. With `desired_columns` they are there in every block; motions without desired values hold `NaN`.
+   subroutine write_block(title, name, desired_columns, with_desired, problem, motion, text, condition)
       character(*), intent(in) :: title     !! of the case
       character(*), intent(in) :: name      !! of the block
       logical, intent(in) :: desired_columns !! the case has desired values
+      logical, intent(in) :: with_desired    !! the motion is that at the positions with desired values
       type(problem_t), intent(in) :: problem
       type(motion_t), intent(in) :: motion
       type(text_t), intent(inout) :: text
@@ -58,7 +59,7 @@ contains
          end do
          if (desired_columns) then
             do c = 1, kind%components
-               if (problem%desired) then
+               if (with_desired) then
                   call add_number(problem%wanted(i, c))
                else
                   call text%add_text(' NaN')

@@ -6,9 +6,7 @@
 !> Source: Oldham (1977), section 8.2.5 and chapter 1.
 module psalm_tolerance
    use psalm_data_set, only: data_set_t
-   use psalm_elementary, only: hypotenuse
    use psalm_error, only: problem_t, motion_t, make_problem
-   use psalm_finale, only: angle_text
    use psalm_stop, only: stop_t
    use psalm_kinds, only: wp, i8
    use psalm_linkage, only: padded
@@ -18,12 +16,11 @@ module psalm_tolerance
    use psalm_sensitivity, only: sensitivity_t, prepare_sensitivity, find_jacobian
    use psalm_setup, only: set_up
    use psalm_status, only: diagnostics_t
-   use psalm_text, only: text_t, full_precision, general, to_text
-   use psalm_topology, only: topology_t, dimensions_t, variable_t, name_of, variable_length, variable_gama, variable_outlk, &
+   use psalm_topology, only: topology_t, dimensions_t, variable_t, variable_length, variable_gama, variable_outlk, &
                              variable_outang, variable_origlk, variable_origng
    implicit none (type, external)
    private
-   public :: tolerance_t, sample_t, find_tolerances, draw_sample, list_tolerances, plot_tolerances
+   public :: tolerances_t, tolerance_t, sample_t, deviating_t, study_tolerances, find_tolerances, draw_sample
 
    integer, parameter :: least_chunk = 1000     !! linkages of a chunk; sums are formed by chunk and added in order
    integer, parameter :: most_chunks = 1000     !! larger samples have larger chunks
@@ -31,12 +28,19 @@ module psalm_tolerance
    integer, parameter :: solved_unasked = 20000 !! positions between two looks whether the sample must end
    integer, parameter :: most_named = 10        !! linkages of the sample that are named because they do not close
 
+   !> The linkage with every dimension that has a tolerance as a variable.
+   type :: deviating_t
+      private
+      type(problem_t) :: problem                   !! for derivatives
+      type(problem_t) :: lean                      !! the same, for positions alone
+   end type deviating_t
+
    !> The linear picture.
    type :: tolerance_t
-      type(problem_t) :: problem                   !! every dimension with a tolerance is a variable
-      type(problem_t) :: lean                      !! the same, for positions alone
       type(dimensions_t) :: dimensions             !! the nominal linkage
       type(motion_t) :: nominal                    !! its motion
+      type(output_kind_t) :: kind                  !! of the output
+      type(variable_t), allocatable :: variables(:) !! shape (marble): the dimensions with a tolerance
       real(wp), allocatable :: tolerance(:)        !! shape (marble)
       real(wp), allocatable :: effect(:, :, :)     !! shape (positions, marble, components): change of the output with each
       real(wp), allocatable :: worst(:, :)         !! shape (positions, components): worst case
@@ -54,12 +58,53 @@ module psalm_tolerance
       real(wp), allocatable :: low(:, :), high(:, :), mean(:, :), deviation(:, :) !! shape (positions, components)
    end type sample_t
 
+   !> Results.
+   type :: tolerances_t
+      logical :: closes = .false.                  !! the nominal linkage closes everywhere; else there is nothing more
+      type(tolerance_t) :: linear
+      type(sample_t) :: sample
+      integer :: trials = 0                        !! linkages of the sample that were asked for
+      logical :: out_of_time = .false.             !! MAXTIME passed
+   contains
+      procedure :: is_violating
+   end type tolerances_t
+
 contains
 
+   !> Bands of the output within the tolerances of the dimensions, and the sample if one is asked for (NTRIAL).
+   subroutine study_tolerances(set, dimensions, threads, stop, result)
+      type(data_set_t), intent(in) :: set
+      type(dimensions_t), intent(in) :: dimensions !! the nominal linkage
+      integer, intent(in) :: threads
+      type(stop_t), intent(in) :: stop             !! asked now and then by the sample
+      type(tolerances_t), intent(out) :: result
+      type(deviating_t), allocatable :: deviating
+      type(stop_t) :: limited
+
+      limited = stop
+      call limited%limit_time(set%search%maxtime)
+      result%trials = set%ntrial
+      allocate (deviating)
+      call find_tolerances(set, dimensions, deviating, result%linear, result%closes)
+      if (.not. result%closes .or. set%ntrial == 0) return
+      call draw_sample(deviating, result%linear, set%ntrial, set%istart, threads, result%sample, limited)
+      result%out_of_time = limited%late()
+   end subroutine study_tolerances
+
+   !> True if the bands are infinite somewhere, or the sample ended early or has linkages that do not close.
+   pure logical function is_violating(self)
+      class(tolerances_t), intent(in) :: self
+
+      is_violating = .false.
+      if (.not. self%closes) return
+      is_violating = any(self%linear%dead) .or. self%sample%trials < self%trials .or. self%sample%open > 0
+   end function is_violating
+
    !> Jacobian and linear bands of a linkage. `dimensions` must close at every position.
-   subroutine find_tolerances(set, dimensions, result, closes)
+   subroutine find_tolerances(set, dimensions, deviating, result, closes)
       type(data_set_t), intent(in) :: set
       type(dimensions_t), intent(in) :: dimensions
+      type(deviating_t), intent(out) :: deviating
       type(tolerance_t), intent(out) :: result
       logical, intent(out) :: closes
       type(data_set_t) :: varied
@@ -95,22 +140,24 @@ contains
       varied%anmult = varied%xmult
       call set_up(varied, topology, given, unheard)
       result%dimensions = dimensions
-      call make_problem(varied, topology, dimensions, result%problem)
-      result%lean = result%problem
-      call result%problem%want_derivatives(.false.)
-      result%problem%desired = .false.
-      call result%problem%analyse(dimensions, result%nominal)
+      call make_problem(varied, topology, dimensions, deviating%problem)
+      deviating%lean = deviating%problem
+      call deviating%problem%want_derivatives(.false.)
+      deviating%problem%desired = .false.
+      call deviating%problem%analyse(dimensions, result%nominal)
       closes = all(result%nominal%closed)
       if (.not. closes) return
+      result%variables = topology%variables
+      result%kind = deviating%problem%output%kind
       marble = size(topology%variables)
-      n = result%problem%positions
-      allocate (result%tolerance(marble), result%effect(n, marble, result%problem%output%kind%components))
+      n = deviating%problem%positions
+      allocate (result%tolerance(marble), result%effect(n, marble, deviating%problem%output%kind%components))
       do v = 1, marble
          result%tolerance(v) = tolerance_of(set, topology%variables(v))
       end do
-      call prepare_sensitivity(result%problem, work)
-      call find_jacobian(result%problem, dimensions, work, result%effect)
-      call find_dead(result%problem, dimensions, work, result%dead)
+      call prepare_sensitivity(deviating%problem, work)
+      call find_jacobian(deviating%problem, dimensions, work, result%effect)
+      call find_dead(deviating%problem, dimensions, work, result%dead)
       do v = 1, marble
          result%effect(:, v, :) = result%effect(:, v, :)*result%tolerance(v)
       end do
@@ -166,7 +213,8 @@ contains
    !>
    !> Linkage t takes its deviates from place (t-1) marble + 1 of the sequence that begins with ISTART. A sample that must end early
    !> has the linkages analysed so far.
-   subroutine draw_sample(linear, trials, istart, threads, sample, interrupt)
+   subroutine draw_sample(deviating, linear, trials, istart, threads, sample, interrupt)
+      type(deviating_t), intent(in) :: deviating
       type(tolerance_t), intent(in) :: linear
       integer, intent(in) :: trials, istart, threads
       type(sample_t), intent(out) :: sample
@@ -178,14 +226,14 @@ contains
       integer :: chunk, chunks, before, at_once, k, t, n, i, closed, components
 
       if (present(interrupt)) ending = interrupt
-      n = linear%problem%positions
-      components = linear%problem%output%kind%components
+      n = deviating%problem%positions
+      components = deviating%problem%output%kind%components
       chunk = max(least_chunk, (trials - 1)/most_chunks + 1)
       chunks = (trials - 1)/chunk + 1
       allocate (workers(max(1, threads)))
       do t = 1, size(workers)
-         workers(t) = linear%lean
-         call workers(t)%set_inputs(linear%problem%delt)
+         workers(t) = deviating%lean
+         call workers(t)%set_inputs(deviating%problem%delt)
          call workers(t)%set_desired(linear%nominal%actual, spread(spread(1.0_wp, 1, n), 2, components))
       end do
       at_once = min(chunks, chunks_at_once*size(workers))
@@ -284,112 +332,4 @@ contains
          end do
       end do
    end subroutine run_chunk
-
-   ! ---- listing -----------------------------------------------------------------------------------------------------
-
-   !> Append the table of dimensions and the bands over the motion.
-   subroutine list_tolerances(linear, sample, text)
-      type(tolerance_t), intent(in) :: linear
-      type(sample_t), intent(in) :: sample
-      type(text_t), intent(inout) :: text
-      character(:), allocatable :: line
-      real(wp), allocatable :: size_of(:)
-      type(output_kind_t) :: kind
-      integer :: v, i, k, worst
-
-      kind = linear%problem%output%kind
-      call text%add()
-      call text%add(' EFFECT OF TOLERANCES ON THE OUTPUT')
-      call text%add(' DIMENSION                          TOLERANCE  LARGEST EFFECT  AT POSITION')
-      do v = 1, size(linear%tolerance)
-         size_of = abs(linear%effect(:, v, 1))
-         if (kind%components > 1) size_of = hypotenuse(linear%effect(:, v, 1), linear%effect(:, v, 2))
-         worst = maxloc(size_of, dim=1)
-         line = ' '//name_of(linear%problem%topology%variables(v))
-         line = line//repeat(' ', max(1, 30 - len(line)))//general(linear%tolerance(v))
-         if (kind%components > 1) then
-            line = line//' '//general(size_of(worst))
-         else
-            line = line//' '//general(linear%effect(worst, v, 1))
-         end if
-         call text%add(line//'    '//to_text(worst))
-      end do
-      call text%add()
-      if (kind%components == 2) then
-         call text%add(' BANDS OF X, THEN OF Y (+-), AND WHAT THE SAMPLE DEVIATED')
-      else if (kind%components == 3) then
-         call text%add(' BANDS OF X, Y AND ANGLE (+-), AND WHAT THE SAMPLE DEVIATED')
-      else
-         call text%add(' BANDS OF THE OUTPUT (+-), AND WHAT THE SAMPLE DEVIATED')
-      end if
-      line = '          INPUT     WORST CASE ROOT SUM SQUARE'
-      if (sample%any_closed) line = line//'         LOWEST        HIGHEST           MEAN   STD.DEVIATION'
-      call text%add(line)
-      do i = 1, size(linear%worst, 1)
-         line = angle_text(linear%nominal%input(i))
-         if (linear%dead(i)) then
-            call text%add(line//'   DEAD POINT: THE EFFECTS ARE INFINITE')
-            cycle
-         end if
-         do k = 1, kind%components
-            if (k > 1) line = repeat(' ', 15)
-            line = line//general(linear%worst(i, k))//' '//general(linear%square(i, k))
-            if (sample%any_closed) line = line//general(sample%low(i, k))//general(sample%high(i, k))// &
-                                          general(sample%mean(i, k))//' '//general(sample%deviation(i, k))
-            call text%add(line)
-         end do
-      end do
-      if (sample%trials == 0) return
-      call text%add(' LINKAGES OF THE SAMPLE '//to_text(sample%trials)//', OF WHICH DO NOT CLOSE '//to_text(sample%open))
-      do i = 1, min(sample%open, most_named)
-         call text%add('   LINKAGE '//to_text(sample%named(i))//', LOOP '//to_text(sample%loop(i)))
-      end do
-      if (sample%open > most_named) call text%add('   AND '//to_text(sample%open - most_named)//' MORE')
-   end subroutine list_tolerances
-
-   !> A block of device 9: bands and sample at every position.
-   subroutine plot_tolerances(title, linear, sample, text)
-      character(*), intent(in) :: title
-      type(tolerance_t), intent(in) :: linear
-      type(sample_t), intent(in) :: sample
-      type(text_t), intent(inout) :: text
-      character(:), allocatable :: line
-      integer :: i, k
-
-      if (text%length > 0) then
-         call text%add()
-         call text%add()
-      end if
-      line = '# input closed'
-      do k = 1, linear%problem%output%kind%components
-         line = line//' actual'//axis(k)//' worst_case'//axis(k)//' root_sum_square'//axis(k)
-         if (sample%any_closed) line = line//' lowest'//axis(k)//' highest'//axis(k)//' mean'//axis(k)//' std_deviation'//axis(k)
-      end do
-      call text%add(line)
-      call text%add('# '//title)
-      call text%add('# tolerances: linear bands (+-), and deviations of a sample of '//to_text(sample%trials)//' linkages')
-      do i = 1, size(linear%worst, 1)
-         line = full_precision(linear%nominal%input(i))//' 1'
-         do k = 1, linear%problem%output%kind%components
-            line = line//' '//full_precision(linear%nominal%actual(i, k))
-            if (linear%dead(i)) then
-               line = line//' NaN NaN'
-            else
-               line = line//' '//full_precision(linear%worst(i, k))//' '//full_precision(linear%square(i, k))
-            end if
-            if (sample%any_closed) line = line//' '//full_precision(sample%low(i, k))//' '//full_precision(sample%high(i, k))// &
-                                          ' '//full_precision(sample%mean(i, k))//' '//full_precision(sample%deviation(i, k))
-         end do
-         call text%add(line)
-      end do
-
-   contains
-
-      pure function axis(k) result(suffix)
-         integer, intent(in) :: k
-         character(:), allocatable :: suffix
-
-         suffix = trim(linear%problem%output%kind%suffix(k))
-      end function axis
-   end subroutine plot_tolerances
 end module psalm_tolerance

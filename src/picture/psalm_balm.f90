@@ -8,9 +8,8 @@ module psalm_balm
    use psalm_dxf, only: write_dxf
    use psalm_error, only: problem_t, motion_t, make_problem
    use psalm_finale, only: describe_violation
-   use psalm_kinds, only: wp
    use psalm_page, only: write_page
-   use psalm_run, only: demand_t, check_case
+   use psalm_preparation, only: demand_t, prepared_t, prepare
    use psalm_scene, only: scene_t, make_scene, message_scene
    use psalm_setup, only: set_up
    use psalm_source, only: line_t
@@ -52,7 +51,7 @@ contains
       type(diagnostics_t) :: judged
       type(data_set_t) :: each
       type(line_t) :: none(0)
-      real(wp), allocatable :: vertices(:, :)
+      type(prepared_t) :: prepared
       integer :: k, i
 
       allocate (balm%scenes(size(sets)))
@@ -67,7 +66,7 @@ contains
          end if
          each = sets(k)
          each%nguess = 0
-         call check_case(each, none, vertices, judged, demand)
+         call prepare(each, none, prepared, judged, demand)
          if (.not. judged%failed() .and. each%ikin == 0 .and. each%ndes > most_drawn) call thin_out(each, judged)
          own = [own, finding_list(judged)]
          do i = 1, judged%count

@@ -1,0 +1,69 @@
+!> What the devices of the programs receive, in memory.
+module psalm_devices
+   use psalm_data_set, only: data_set_t
+   use psalm_mark, only: mark_width
+   use psalm_status, only: exit_done, exit_violation
+   use psalm_text, only: text_t, to_text
+   use psalm_version, only: version
+   implicit none (type, external)
+   private
+   public :: devices_t, header_of, most_told
+
+   integer, parameter :: most_told = 5 !! messages of one kind on standard error; the listing has all
+
+   !> Texts of the devices. Cases of one file follow each other.
+   type :: devices_t
+      type(text_t) :: one     !! progress, random integers, violations
+      type(text_t) :: two     !! limits of the initial simplex, generated coordinates
+      type(text_t) :: six     !! results
+      type(text_t) :: seven   !! vertices and data set
+      type(text_t) :: eight   !! annotated input, intermediate arrays, all arcs
+      type(text_t) :: nine    !! plotting data
+      type(text_t) :: notes   !! remarks for standard error
+      type(text_t) :: summary !! what the linkage does, for standard error
+      integer :: summarised = 0          !! cases met by the summary
+      integer :: code = exit_done        !! exit status so far
+      character(mark_width) :: mark = '' !! of the run; blank: none
+   contains
+      procedure :: remark
+      procedure :: detail
+      procedure :: note_violation
+   end type devices_t
+
+contains
+
+   !> First line of device 8.
+   pure function header_of(program, mark) result(line)
+      character(*), intent(in) :: program      !! its name in capitals
+      character(*), intent(in) :: mark         !! of the run; blank: none
+      character(:), allocatable :: line
+
+      line = ' *** '//program//', VERSION '//version//' ***'
+      if (len_trim(mark) > 0) line = line//' RUN '//mark
+   end function header_of
+
+   !> A remark on a case, with its file and title.
+   subroutine remark(self, set, text)
+      class(devices_t), intent(inout) :: self
+      type(data_set_t), intent(in) :: set
+      character(*), intent(in) :: text
+
+      call self%notes%add(set%file//': '//trim(set%title)//': '//text)
+   end subroutine remark
+
+   !> A further line to a remark, with the name of the file.
+   subroutine detail(self, set, text)
+      class(devices_t), intent(inout) :: self
+      type(data_set_t), intent(in) :: set
+      character(*), intent(in) :: text
+
+      call self%notes%add(set%file//':   '//text)
+   end subroutine detail
+
+   !> Done, but a constraint is violated or a search stopped early.
+   pure subroutine note_violation(self)
+      class(devices_t), intent(inout) :: self
+
+      self%code = max(self%code, exit_violation)
+   end subroutine note_violation
+end module psalm_devices

@@ -1,0 +1,231 @@
+!> Rates in the listing, on device 8 and on device 9.
+module psalm_rate_list
+   use psalm_data_set, only: data_set_t
+   use psalm_elementary, only: hypotenuse
+   use psalm_error, only: problem_t
+   use psalm_finale, only: angle_text
+   use psalm_kinds, only: wp
+   use psalm_output_kind, only: motion_point, motion_pose
+   use psalm_rate_study, only: rate_study_t, arc_rates_t, output_at_origin, highest_order
+   use psalm_text, only: text_t, full_precision, general, to_text
+   use psalm_topology, only: topology_t
+   implicit none (type, external)
+   private
+   public :: list_rates, list_all_rates, write_table, dead_words
+
+contains
+
+   !> KTHETA: every arc and every joint at every position.
+   subroutine list_all_rates(problem, rates, text)
+      type(problem_t), intent(in) :: problem
+      type(rate_study_t), intent(in) :: rates
+      type(text_t), intent(inout) :: text
+      integer :: k
+
+      call text%add()
+      call text%add(' ALL ARCS: LENGTH AND ANGLE, THEIR FIRST AND SECOND DERIVATIVES BY TIME (RADIANS)')
+      do k = 1, size(rates%dead)
+         call text%add()
+         call text%add(' INPUT'//general(rates%motion%input(k)))
+         if (.not. rates%motion%closed(k) .or. rates%dead(k) /= 0) then
+            call text%add(trim(merge(' DOES NOT CLOSE', ' DEAD POINT    ', .not. rates%motion%closed(k))))
+         else
+            call list_position(problem%topology, rates%arcs, k, text)
+         end if
+      end do
+   end subroutine list_all_rates
+
+   subroutine list_position(topology, arcs, k, text)
+      type(topology_t), intent(in) :: topology
+      type(arc_rates_t), intent(in) :: arcs
+      integer, intent(in) :: k
+      type(text_t), intent(inout) :: text
+      character(:), allocatable :: name
+      integer :: loop, a, n, joint
+
+      call text%add('  LOOP  ARC         LENGTH       VELOCITY   ACCELERATION          ANGLE       VELOCITY   ACCELERATION')
+      do loop = 1, topology%nloop
+         do a = 1, topology%loopl(loop)
+            n = topology%seq(loop, a)
+            name = repeat(' ', 6 - len(to_text(loop)))//to_text(loop)//repeat(' ', 5 - len(to_text(a)))//to_text(a)
+            call text%add(name//three(arcs%length(:, n, k))//three(arcs%angle(:, n, k)))
+         end do
+      end do
+      call text%add('  JOINT AT THE END OF ARC     X              Y            VX             VY             AX             AY')
+      do joint = 1, size(arcs%joint_arc)
+         loop = (arcs%joint_arc(joint) - 1)/topology%maxarc + 1
+         name = ' LOOP '//to_text(loop)//' ARC '//to_text(arcs%joint_arc(joint) - (loop - 1)*topology%maxarc)
+         name = name//repeat(' ', max(1, 20 - len(name)))
+         do a = 0, 2
+            name = name//general(arcs%x(a, joint, k))//general(arcs%y(a, joint, k))
+         end do
+         call text%add(name)
+      end do
+   end subroutine list_position
+
+   pure function three(values) result(columns)
+      real(wp), intent(in) :: values(3)
+      character(:), allocatable :: columns
+
+      columns = general(values(1))//general(values(2))//general(values(3))
+   end function three
+
+   !> The listing: displacement, velocity, acceleration by time, velocity ratio and mechanical advantage.
+   subroutine list_rates(set, problem, rates, text)
+      type(data_set_t), intent(in) :: set
+      type(problem_t), intent(in) :: problem
+      type(rate_study_t), intent(in) :: rates
+      type(text_t), intent(inout) :: text
+      character(:), allocatable :: line, name
+      integer :: k, c, order
+
+      call text%add(' '//set%title)
+      call text%add()
+      line = trim(merge('LENGTH/S', 'RAD/S   ', problem%topology%sliding_input))
+      name = ''
+      if (.not. set%rates_given) then
+         name = ' (NOT GIVEN: 1, CONSTANT)'
+      else if (abs(set%accel) <= 0.0_wp) then
+         name = ' (CONSTANT)'
+      end if
+      call text%add(' SPEED OF THE INPUT'//general(set%speed)//' '//line//name)
+      if (abs(set%accel) > 0.0_wp) call text%add(' ACCELERATION OF THE INPUT'//general(set%accel)//' '//line//'**2')
+      if (abs(set%accel) > 0.0_wp) call text%add(' THE SPEED IS THE SAME AT EVERY POSITION, THE ACCELERATION TOO')
+      if (problem%output%kind%angle > 0) call text%add(' ANGLES IN DEGREES, THEIR RATES IN RADIANS')
+      call text%add()
+      line = merge('   INPUT LENGTH', '    CRANK ANGLE', problem%topology%sliding_input)
+      if (problem%motion == motion_point) then
+         line = line//'              X              Y             VX             VY             AX             AY          SPEED'
+      else if (problem%motion == motion_pose) then
+         line = line//'              X              Y          ANGLE             VX             VY        ANG.VEL.'// &
+                '             AX             AY        ANG.ACC.          SPEED'
+      else
+         line = line//'         OUTPUT       VELOCITY   ACCELERATION           JERK VELOCITY RATIO MECH.ADVANTAGE'
+      end if
+      call text%add(line)
+      do k = 1, size(rates%motion%input)
+         line = merge(general(rates%motion%input(k)), angle_text(rates%motion%input(k)), problem%topology%sliding_input)
+         if (.not. rates%motion%closed(k)) then
+            line = line//'   DOES NOT CLOSE'
+         else if (rates%dead(k) /= 0) then
+            do c = 1, size(rates%motion%actual, 2)
+               line = line//general(rates%motion%actual(k, c))
+            end do
+            line = line//'   '//dead_words(rates%dead(k))
+         else if (size(rates%motion%actual, 2) > 1) then
+            do c = 1, size(rates%motion%actual, 2)
+               line = line//general(rates%motion%actual(k, c))
+            end do
+            do order = 1, 2
+               do c = 1, size(rates%motion%actual, 2)
+                  line = line//general(rates%by_time(order, c, k))
+               end do
+            end do
+            line = line//general(hypotenuse(rates%by_time(1, 1, k), rates%by_time(1, 2, k)))
+         else
+            line = line//general(rates%motion%actual(k, 1))//general(rates%by_time(1, 1, k))//general(rates%by_time(2, 1, k))// &
+                   general(rates%by_time(3, 1, k))//general(rates%by_input(1, 1, k))
+            if (abs(rates%by_input(1, 1, k)) > tiny(1.0_wp)**0.5_wp) then
+               line = line//general(1.0_wp/rates%by_input(1, 1, k))
+            else
+               line = line//'       INFINITE'
+            end if
+         end if
+         call text%add(line)
+      end do
+   end subroutine list_rates
+
+   !> Device 9: the derivatives by the input and by time, 17 digits.
+   subroutine write_table(set, problem, rates, text)
+      type(data_set_t), intent(in) :: set
+      type(problem_t), intent(in) :: problem
+      type(rate_study_t), intent(in) :: rates
+      type(text_t), intent(inout) :: text
+      character(:), allocatable :: line, per
+      integer :: k, c, order
+
+      if (text%length > 0) then
+         call text%add()
+         call text%add()
+      end if
+      per = trim(merge('length', 'rad   ', problem%topology%sliding_input))
+      line = '# input closed'
+      do c = 1, size(rates%motion%actual, 2)
+         line = line//' actual'//trim(problem%output%kind%suffix(c))
+      end do
+      do order = 1, highest_order
+         call name_columns(per, order)
+      end do
+      do order = 1, highest_order
+         call name_columns('s', order)
+      end do
+      call text%add(line)
+      call text%add('# '//set%title)
+      call text%add('# derivatives per '//per//' of input and per second at input speed '//full_precision(set%speed)// &
+                    ', acceleration '//full_precision(set%accel)//'; angles in degrees, their derivatives in radians')
+      do k = 1, size(rates%motion%input)
+         line = full_precision(rates%motion%input(k))//merge(' 1', ' 0', rates%motion%closed(k))
+         if (rates%motion%closed(k)) then
+            do c = 1, size(rates%motion%actual, 2)
+               line = line//' '//full_precision(rates%motion%actual(k, c))
+            end do
+         else
+            line = line//repeat(' NaN', size(rates%motion%actual, 2))
+         end if
+         call add_values(rates%by_input(:, :, k))
+         call add_values(rates%by_time(:, :, k))
+         call text%add(line)
+      end do
+
+   contains
+
+      subroutine name_columns(per, order)
+         character(*), intent(in) :: per
+         integer, intent(in) :: order
+         character(:), allocatable :: power
+
+         power = per
+         if (order > 1) power = per//to_text(order)
+         do c = 1, size(rates%motion%actual, 2)
+            if (size(rates%motion%actual, 2) > 1) then
+               line = line//' '//trim(problem%output%kind%suffix(c)(2:))//'_per_'//power
+            else
+               line = line//' actual_per_'//power
+            end if
+         end do
+      end subroutine name_columns
+
+      subroutine add_values(values)
+         real(wp), intent(in) :: values(:, :)   !! shape (3, components)
+         integer :: order
+         logical :: known
+
+         known = rates%motion%closed(k) .and. rates%dead(k) == 0
+         do order = 1, highest_order
+            do c = 1, size(values, 2)
+               line = line//' '//value_or_nan(values(order, c), known)
+            end do
+         end do
+      end subroutine add_values
+   end subroutine write_table
+
+   pure function dead_words(dead) result(words)
+      integer, intent(in) :: dead
+      character(:), allocatable :: words
+
+      if (dead == output_at_origin) then
+         words = 'OUTPUT AT THE ORIGIN: RATES ARE NOT DEFINED'
+      else
+         words = 'DEAD POINT OF LOOP '//to_text(dead)//': RATES ARE INFINITE'
+      end if
+   end function dead_words
+
+   pure function value_or_nan(value, known) result(text)
+      real(wp), intent(in) :: value
+      logical, intent(in) :: known
+      character(:), allocatable :: text
+
+      text = 'NaN'
+      if (known) text = full_precision(value)
+   end function value_or_nan
+end module psalm_rate_list

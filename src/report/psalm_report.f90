@@ -1,0 +1,365 @@
+!> Results of studies become texts of the devices, remarks for standard error and the exit status. Nothing is computed here.
+module psalm_report
+   use psalm_analysis, only: analysis_t
+   use psalm_check_list, only: list_arcs, list_reference_joints, list_setup
+   use psalm_data_set, only: data_set_t, title_columns, default_niter
+   use psalm_data_set_text, only: write_vertices, write_data_set
+   use psalm_devices, only: devices_t, most_told
+   use psalm_doubts, only: describe_short_links, words_at_rest
+   use psalm_error, only: problem_t, motion_t
+   use psalm_finale, only: list_results, describe_violation, describe_crossing
+   use psalm_kinds, only: wp
+   use psalm_margin_list, only: list_margins, describe_margin
+   use psalm_margins, only: is_violated
+   use psalm_plot_data, only: write_block
+   use psalm_rate_list, only: list_rates, list_all_rates, write_table, dead_words
+   use psalm_rate_study, only: rate_study_t
+   use psalm_search, only: result_t
+   use psalm_status, only: diagnostics_t
+   use psalm_summary, only: summary_t
+   use psalm_summary_text, only: write_summary
+   use psalm_synthesis, only: synthesis_t, ranked_t, ended_infeasible, ended_small_objective, ended_iterations, ended_time, &
+                              ended_on_request
+   use psalm_text, only: text_t, general, lower_case, to_text
+   use psalm_tolerance, only: tolerances_t
+   use psalm_tolerance_list, only: list_tolerances, plot_tolerances
+   use psalm_topology, only: topology_t, dimensions_t
+   implicit none (type, external)
+   private
+   public :: begin_search_report, report_search, report_analysis, report_found, report_tolerances, report_violations, &
+             report_rates, report_summary
+   public :: most_summarised
+
+   integer, parameter :: most_summarised = 10 !! cases of a file whose summary is written
+
+contains
+
+   ! ---- synthesis ---------------------------------------------------------------------------------------------------
+
+   !> Head the log of a search.
+   subroutine begin_search_report(set, devices)
+      type(data_set_t), intent(in) :: set
+      type(devices_t), intent(inout) :: devices
+
+      call devices%one%add(' '//set%title)
+      if (set%search%solver == 'SIMPLEX') call devices%two%add(' '//set%title)
+   end subroutine begin_search_report
+
+   !> How the search went: devices 1 and 7, remarks.
+   subroutine report_search(set, search, devices)
+      type(data_set_t), intent(in) :: set
+      type(synthesis_t), intent(in) :: search
+      type(devices_t), intent(inout) :: devices
+
+      if (search%is_short()) call devices%note_violation()
+      if (search%many) then
+         call report_starts(set, search, devices)
+      else if (search%ending == ended_infeasible) then
+         call devices%remark(set, 'the given linkage violates closure or transmission limits and cannot be repaired; no search '// &
+                             'was made')
+      else
+         call write_vertices('I', search%first%v, search%first%f, devices%seven)
+         call write_vertices('F', search%last%v, search%last%f, devices%seven)
+         call report_simplex(set, search, devices)
+      end if
+   end subroutine report_search
+
+   subroutine report_simplex(set, search, devices)
+      type(data_set_t), intent(in) :: set
+      type(synthesis_t), intent(in) :: search
+      type(devices_t), intent(inout) :: devices
+      character(:), allocatable :: line, reason, resume
+
+      resume = ' (to go on, give this device 7 as device 4 with NGUESS='//to_text(size(search%last%f))//')'
+      select case (search%ending)
+      case (ended_iterations)
+         reason = 'stopped at NITER before converging'
+      case (ended_time)
+         reason = 'MAXTIME passed'//resume
+      case (ended_on_request)
+         reason = 'interrupted'//resume
+      case (ended_small_objective)
+         reason = 'the objective is below FMIN'
+      case default
+         reason = 'the simplex has converged'
+      end select
+      line = to_text(search%state%iteration)//' iterations, '//to_text(search%state%evaluations)//' evaluations, '// &
+             to_text(search%last%repairs%calls)//' violations met, '//to_text(search%last%repairs%repairs)//' repairs, '// &
+             to_text(search%last%repairs%moves)//' moves; best objective '//trim(adjustl(general(search%state%best)))
+      call devices%one%add(' '//line//'; '//reason)
+      call devices%remark(set, reason//' after '//line)
+      if (search%ending == ended_iterations .and. set%niter == default_niter) call devices%remark(set, &
+         'NITER='//to_text(set%niter)//' is for looking at the start; set NITER in &METHOD to some thousands')
+   end subroutine report_simplex
+
+   subroutine report_starts(set, search, devices)
+      type(data_set_t), intent(in) :: set
+      type(synthesis_t), intent(in) :: search
+      type(devices_t), intent(inout) :: devices
+      character(:), allocatable :: line, resume
+      real(wp), allocatable :: vertices(:, :)
+      integer :: i
+
+      associate (found => search%found)
+         line = to_text(found%starts)//' starts, '//to_text(found%feasible)//' led to a linkage, '//to_text(found%evaluations)// &
+                ' evaluations, '//to_text(found%jacobians)//' Jacobians'
+         if (size(found%best) == 0) then
+            line = 'no linkage that obeys the constraints was found: '//line
+         else
+            line = line//'; best objective '//trim(adjustl(general(found%best(1)%objective)))
+         end if
+         if (found%out_of_time) line = 'MAXTIME passed before the search was done: '//line
+         if (found%refused) line = 'NLopt refuses '//set%search%solver//' for this problem: '//line
+         if (found%interrupted) line = 'interrupted: '//line
+         if (found%next > 0) then
+            resume = 'to go on, give this device 7 as device 4 with NGUESS='//to_text(size(found%best))//', FIRST='// &
+                     to_text(found%next)//', NSTART='//to_text(max(1, set%search%first + set%search%nstart - found%next))
+            call devices%remark(set, resume)
+            call devices%seven%add('! '//resume)
+         end if
+         if (size(found%best) > 0) then
+            allocate (vertices(size(found%best(1)%values), size(found%best)))
+            do i = 1, size(found%best)
+               vertices(:, i) = found%best(i)%values
+            end do
+            call write_vertices('F', vertices, found%best%objective, devices%seven)
+         end if
+         call devices%one%add(' '//line)
+         call devices%remark(set, line)
+      end associate
+   end subroutine report_starts
+
+   !> The linkages found: their ranking in the listing, their data sets on device 7. Without a search from many starts that of
+   !> the linkage.
+   subroutine report_found(set, topology, dimensions, search, devices)
+      type(data_set_t), intent(in) :: set
+      type(topology_t), intent(in) :: topology
+      type(dimensions_t), intent(in) :: dimensions
+      type(synthesis_t), intent(in) :: search
+      type(devices_t), intent(inout) :: devices
+
+      if (size(search%ranked) > 0) call list_found(search%found, search%ranked, devices%six)
+      call write_found(set, topology, dimensions, search%found, devices%seven)
+   end subroutine report_found
+
+   subroutine list_found(found, ranked, text)
+      type(result_t), intent(in) :: found
+      type(ranked_t), intent(in) :: ranked(:)
+      type(text_t), intent(inout) :: text
+      character(:), allocatable :: rank, start
+      integer :: i
+
+      call text%add()
+      call text%add(' LINKAGES FOUND (DEVICE 7 HAS THEM ALL)')
+      call text%add('  RANK      OBJECTIVE  ANGLE MARGIN LENGTH MARGIN    LONGEST ARC LARGEST CHANGE   START')
+      do i = 1, size(ranked)
+         rank = to_text(i)
+         start = to_text(found%best(i)%start)
+         if (found%best(i)%start < 0) start = 'SUPPLIED '//to_text(-found%best(i)%start)
+         call text%add(repeat(' ', 6 - min(5, len(rank)))//rank//general(found%best(i)%objective)// &
+                       general(ranked(i)%angle_margin)//general(ranked(i)%length_margin)//general(ranked(i)%longest_arc)// &
+                       general(found%best(i)%distance)//'   '//start)
+      end do
+   end subroutine list_found
+
+   subroutine write_found(set, topology, dimensions, found, text)
+      type(data_set_t), intent(in) :: set
+      type(topology_t), intent(in) :: topology
+      type(dimensions_t), intent(in) :: dimensions
+      type(result_t), intent(in) :: found
+      type(text_t), intent(inout) :: text
+      type(data_set_t), allocatable :: one
+      type(dimensions_t) :: each
+      character(:), allocatable :: rank
+      integer :: i
+
+      allocate (one, source=set)
+      if (size(found%best) <= 1) then
+         if (size(found%best) == 1) one%delt = found%best(1)%delt
+         call write_data_set(one, topology, dimensions, text)
+         return
+      end if
+      each = dimensions
+      do i = 1, size(found%best)
+         call topology%apply(found%best(i)%values, each)
+         one%delt = found%best(i)%delt
+         one%last = merge(set%last, 0, i == size(found%best))
+         rank = ', RANK '//to_text(i)
+         one%title = trim(set%title(:min(len(set%title), title_columns - len(rank))))//rank
+         call text%add('! rank '//to_text(i)//', objective '//trim(adjustl(general(found%best(i)%objective, 'E'))))
+         call write_data_set(one, topology, each, text)
+      end do
+   end subroutine write_found
+
+   ! ---- analysis ----------------------------------------------------------------------------------------------------
+
+   !> The listing of the linkage and its motion, the check list after the input, tables for plotting; remarks on margins.
+   subroutine report_analysis(set, problem, analysis, warnings, devices)
+      type(data_set_t), intent(in) :: set
+      type(problem_t), intent(in) :: problem             !! bound to the linkage
+      type(analysis_t), intent(in) :: analysis
+      type(diagnostics_t), intent(in) :: warnings        !! of SETUP
+      type(devices_t), intent(inout) :: devices
+      integer :: i
+
+      call list_results(set, problem, analysis%dimensions, analysis%motion, devices%six)
+      call list_setup(set, problem, devices%eight)
+      if (len(set%skipped) > 0) call devices%eight%add(' GROUPS THAT PSALM DOES NOT READ: '//set%skipped)
+      call list_reference_joints(problem%topology, analysis%doubts, devices%eight)
+      do i = 1, warnings%count
+         call devices%eight%add(' '//warnings%list(i)%render())
+      end do
+      if (allocated(analysis%arcs)) call list_arcs(problem%topology, analysis%motion, analysis%arcs, analysis%condition, &
+                                                   devices%eight)
+      if (allocated(analysis%margins)) call report_margins(set, problem%topology, analysis, devices)
+      call write_blocks(set, problem, analysis, devices%nine)
+   end subroutine report_analysis
+
+   subroutine report_margins(set, topology, analysis, devices)
+      type(data_set_t), intent(in) :: set
+      type(topology_t), intent(in) :: topology
+      type(analysis_t), intent(in) :: analysis
+      type(devices_t), intent(inout) :: devices
+      integer :: i
+
+      call list_margins(set, topology, analysis%dimensions, analysis%margins, devices%six)
+      do i = 1, size(analysis%margins)
+         if (.not. is_violated(analysis%margins(i))) cycle
+         call devices%note_violation()
+         call devices%remark(set, 'violated: '//describe_margin(set, topology, analysis%dimensions, analysis%margins(i)))
+      end do
+   end subroutine report_margins
+
+   !> Device 9: the prescribed positions, and with IPLOT every degree in the direction of the first two.
+   subroutine write_blocks(set, problem, analysis, text)
+      type(data_set_t), intent(in) :: set
+      type(problem_t), intent(in) :: problem
+      type(analysis_t), intent(in) :: analysis
+      type(text_t), intent(inout) :: text
+      character(:), allocatable :: name
+
+      name = trim(merge('every degree ', 'evenly spaced', .not. problem%topology%sliding_input))
+      associate (desired => problem%desired)
+         if (set%icond == 0) then
+            call write_block(set%title, 'prescribed positions', desired, desired, problem, analysis%motion, text)
+            if (allocated(analysis%sweep)) &
+               call write_block(set%title, name, desired, .false., problem, analysis%sweep, text)
+         else
+            call write_block(set%title, 'prescribed positions', desired, desired, problem, analysis%motion, text, &
+                             analysis%condition)
+            if (allocated(analysis%sweep)) &
+               call write_block(set%title, name, desired, .false., problem, analysis%sweep, text, analysis%sweep_condition)
+         end if
+      end associate
+   end subroutine write_blocks
+
+   !> Remarks and exit status where limits are violated, and on what makes the result doubtful.
+   subroutine report_violations(set, problem, analysis, devices)
+      type(data_set_t), intent(in) :: set
+      type(problem_t), intent(in) :: problem
+      type(analysis_t), intent(in) :: analysis
+      type(devices_t), intent(inout) :: devices
+
+      associate (motion => analysis%motion)
+         call report_crossings(set, motion, devices)
+         if (size(motion%violations) > 0) then
+            call devices%note_violation()
+            call report_open(set, problem, motion, devices)
+            if (size(motion%violations) > most_told) call devices%detail(set, 'and '// &
+               to_text(size(motion%violations) - most_told)//' more in the listing')
+         end if
+      end associate
+      if (.not. allocated(analysis%doubts)) return
+      if (size(analysis%doubts%short) > 0) call devices%remark(set, describe_short_links(problem%topology, analysis%dimensions, &
+                                                                                         analysis%doubts))
+      if (analysis%doubts%at_rest) call devices%remark(set, words_at_rest)
+   end subroutine report_violations
+
+   subroutine report_crossings(set, motion, devices)
+      type(data_set_t), intent(in) :: set
+      type(motion_t), intent(in) :: motion
+      type(devices_t), intent(inout) :: devices
+      integer :: i
+
+      do i = 1, min(size(motion%crossings), most_told)
+         call devices%remark(set, 'warning: '//describe_crossing(motion, motion%crossings(i)))
+      end do
+   end subroutine report_crossings
+
+   !> How often the linkage does not close, and the first violations.
+   subroutine report_open(set, problem, motion, devices)
+      type(data_set_t), intent(in) :: set
+      type(problem_t), intent(in) :: problem
+      type(motion_t), intent(in) :: motion
+      type(devices_t), intent(inout) :: devices
+      integer :: i
+
+      if (.not. all(motion%closed)) call devices%remark(set, 'the linkage does not close at '// &
+         to_text(count(.not. motion%closed))//' of '//to_text(size(motion%closed))//' positions')
+      do i = 1, min(size(motion%violations), most_told)
+         call devices%detail(set, describe_violation(problem, motion, motion%violations(i)))
+      end do
+   end subroutine report_open
+
+   !> What the linkage does over the range of its input, in words, for the first cases of a file.
+   subroutine report_summary(set, summary, devices)
+      type(data_set_t), intent(in) :: set
+      type(summary_t), intent(in) :: summary
+      type(devices_t), intent(inout) :: devices
+
+      devices%summarised = devices%summarised + 1
+      call write_summary(set%title, summary, devices%summary)
+      if (devices%summarised == most_summarised .and. set%last == 0) &
+         call devices%summary%add('Further cases of the file are not summarised')
+   end subroutine report_summary
+
+   ! ---- tolerances --------------------------------------------------------------------------------------------------
+
+   !> Bands of the output within the tolerances of the dimensions.
+   subroutine report_tolerances(set, result, devices)
+      type(data_set_t), intent(in) :: set
+      type(tolerances_t), intent(in) :: result
+      type(devices_t), intent(inout) :: devices
+
+      if (.not. result%closes) then
+         call devices%remark(set, 'no tolerances, because the linkage does not close everywhere')
+         return
+      end if
+      if (result%is_violating()) call devices%note_violation()
+      call list_tolerances(result%linear, result%sample, devices%six)
+      call plot_tolerances(set%title, result%linear, result%sample, devices%nine)
+      if (any(result%linear%dead)) call devices%remark(set, 'dead point at position '// &
+         to_text(findloc(result%linear%dead, .true., dim=1))//': effects of tolerances are infinite there')
+      if (result%sample%trials < result%trials) call devices%remark(set, &
+         trim(merge('MAXTIME passed', 'interrupted   ', result%out_of_time))//': the sample has '// &
+         to_text(result%sample%trials)//' of '//to_text(result%trials)//' linkages')
+      if (result%sample%open > 0) call devices%remark(set, to_text(result%sample%open)//' of '// &
+         to_text(result%sample%trials)//' linkages within the tolerances do not close')
+   end subroutine report_tolerances
+
+   ! ---- rates -------------------------------------------------------------------------------------------------------
+
+   !> The listing of kalm, all arcs with KTHETA, the table; remarks on open positions and dead points.
+   subroutine report_rates(set, problem, rates, devices)
+      type(data_set_t), intent(in) :: set
+      type(problem_t), intent(in) :: problem
+      type(rate_study_t), intent(in) :: rates
+      type(devices_t), intent(inout) :: devices
+      integer :: k, told
+
+      if (allocated(rates%arcs)) call list_all_rates(problem, rates, devices%eight)
+      call list_rates(set, problem, rates, devices%six)
+      call write_table(set, problem, rates, devices%nine)
+      if (rates%is_violating()) call devices%note_violation()
+      call report_crossings(set, rates%motion, devices)
+      if (.not. all(rates%motion%closed)) call report_open(set, problem, rates%motion, devices)
+      told = 0
+      do k = 1, size(rates%dead)
+         if (rates%dead(k) == 0 .or. .not. rates%motion%closed(k)) cycle
+         told = told + 1
+         if (told <= most_told) call devices%remark(set, lower_case(dead_words(rates%dead(k)))//' at position '//to_text(k)// &
+                                                    ', input '//trim(adjustl(general(rates%motion%input(k)))))
+      end do
+      if (told > most_told) call devices%detail(set, 'and '//to_text(told - most_told)//' more dead points')
+   end subroutine report_rates
+end module psalm_report

@@ -1,0 +1,121 @@
+!> Tolerances in the listing and on device 9: effects of the dimensions, bands over the motion, the sample.
+module psalm_tolerance_list
+   use psalm_elementary, only: hypotenuse
+   use psalm_finale, only: angle_text
+   use psalm_kinds, only: wp
+   use psalm_output_kind, only: output_kind_t
+   use psalm_text, only: text_t, full_precision, general, to_text
+   use psalm_tolerance, only: tolerance_t, sample_t
+   use psalm_topology, only: name_of
+   implicit none (type, external)
+   private
+   public :: list_tolerances, plot_tolerances
+
+contains
+
+   !> Append the table of dimensions and the bands over the motion.
+   subroutine list_tolerances(linear, sample, text)
+      type(tolerance_t), intent(in) :: linear
+      type(sample_t), intent(in) :: sample
+      type(text_t), intent(inout) :: text
+      character(:), allocatable :: line
+      real(wp), allocatable :: size_of(:)
+      type(output_kind_t) :: kind
+      integer :: v, i, k, worst
+
+      kind = linear%kind
+      call text%add()
+      call text%add(' EFFECT OF TOLERANCES ON THE OUTPUT')
+      call text%add(' DIMENSION                          TOLERANCE  LARGEST EFFECT  AT POSITION')
+      do v = 1, size(linear%tolerance)
+         size_of = abs(linear%effect(:, v, 1))
+         if (kind%components > 1) size_of = hypotenuse(linear%effect(:, v, 1), linear%effect(:, v, 2))
+         worst = maxloc(size_of, dim=1)
+         line = ' '//name_of(linear%variables(v))
+         line = line//repeat(' ', max(1, 30 - len(line)))//general(linear%tolerance(v))
+         if (kind%components > 1) then
+            line = line//' '//general(size_of(worst))
+         else
+            line = line//' '//general(linear%effect(worst, v, 1))
+         end if
+         call text%add(line//'    '//to_text(worst))
+      end do
+      call text%add()
+      if (kind%components == 2) then
+         call text%add(' BANDS OF X, THEN OF Y (+-), AND WHAT THE SAMPLE DEVIATED')
+      else if (kind%components == 3) then
+         call text%add(' BANDS OF X, Y AND ANGLE (+-), AND WHAT THE SAMPLE DEVIATED')
+      else
+         call text%add(' BANDS OF THE OUTPUT (+-), AND WHAT THE SAMPLE DEVIATED')
+      end if
+      line = '          INPUT     WORST CASE ROOT SUM SQUARE'
+      if (sample%any_closed) line = line//'         LOWEST        HIGHEST           MEAN   STD.DEVIATION'
+      call text%add(line)
+      do i = 1, size(linear%worst, 1)
+         line = angle_text(linear%nominal%input(i))
+         if (linear%dead(i)) then
+            call text%add(line//'   DEAD POINT: THE EFFECTS ARE INFINITE')
+            cycle
+         end if
+         do k = 1, kind%components
+            if (k > 1) line = repeat(' ', 15)
+            line = line//general(linear%worst(i, k))//' '//general(linear%square(i, k))
+            if (sample%any_closed) line = line//general(sample%low(i, k))//general(sample%high(i, k))// &
+                                          general(sample%mean(i, k))//' '//general(sample%deviation(i, k))
+            call text%add(line)
+         end do
+      end do
+      if (sample%trials == 0) return
+      call text%add(' LINKAGES OF THE SAMPLE '//to_text(sample%trials)//', OF WHICH DO NOT CLOSE '//to_text(sample%open))
+      do i = 1, min(sample%open, size(sample%named))
+         call text%add('   LINKAGE '//to_text(sample%named(i))//', LOOP '//to_text(sample%loop(i)))
+      end do
+      if (sample%open > size(sample%named)) call text%add('   AND '//to_text(sample%open - size(sample%named))//' MORE')
+   end subroutine list_tolerances
+
+   !> A block of device 9: bands and sample at every position.
+   subroutine plot_tolerances(title, linear, sample, text)
+      character(*), intent(in) :: title
+      type(tolerance_t), intent(in) :: linear
+      type(sample_t), intent(in) :: sample
+      type(text_t), intent(inout) :: text
+      character(:), allocatable :: line
+      integer :: i, k
+
+      if (text%length > 0) then
+         call text%add()
+         call text%add()
+      end if
+      line = '# input closed'
+      do k = 1, linear%kind%components
+         line = line//' actual'//axis(k)//' worst_case'//axis(k)//' root_sum_square'//axis(k)
+         if (sample%any_closed) line = line//' lowest'//axis(k)//' highest'//axis(k)//' mean'//axis(k)//' std_deviation'//axis(k)
+      end do
+      call text%add(line)
+      call text%add('# '//title)
+      call text%add('# tolerances: linear bands (+-), and deviations of a sample of '//to_text(sample%trials)//' linkages')
+      do i = 1, size(linear%worst, 1)
+         line = full_precision(linear%nominal%input(i))//' 1'
+         do k = 1, linear%kind%components
+            line = line//' '//full_precision(linear%nominal%actual(i, k))
+            if (linear%dead(i)) then
+               line = line//' NaN NaN'
+            else
+               line = line//' '//full_precision(linear%worst(i, k))//' '//full_precision(linear%square(i, k))
+            end if
+            if (sample%any_closed) line = line//' '//full_precision(sample%low(i, k))//' '//full_precision(sample%high(i, k))// &
+                                          ' '//full_precision(sample%mean(i, k))//' '//full_precision(sample%deviation(i, k))
+         end do
+         call text%add(line)
+      end do
+
+   contains
+
+      pure function axis(k) result(suffix)
+         integer, intent(in) :: k
+         character(:), allocatable :: suffix
+
+         suffix = trim(linear%kind%suffix(k))
+      end function axis
+   end subroutine plot_tolerances
+end module psalm_tolerance_list

@@ -1,0 +1,99 @@
+!> A case made ready for a study: its topology and dimensions, understood once, with every mistake found before any work is done.
+module psalm_preparation
+   use, intrinsic :: iso_fortran_env, only: int64
+   use psalm_data_set, only: data_set_t
+   use psalm_kinds, only: wp
+   use psalm_regions, only: check_regions
+   use psalm_setup, only: set_up
+   use psalm_source, only: line_t
+   use psalm_start, only: read_vertices
+   use psalm_status, only: diagnostics_t
+   use psalm_system, only: memory_to_be_had, threads_to_be_had
+   use psalm_text, only: to_text
+   use psalm_topology, only: topology_t, dimensions_t
+   implicit none (type, external)
+   private
+   public :: demand_t, prepared_t, prepare, threads_for, threads_wanted
+
+   integer(int64), parameter :: megabyte = 1000000_int64
+
+   !> Bytes that a program needs for each position: measured for psalm, estimated for kalm's
+   !> arcs and for balm; texts take most of them.
+   type :: demand_t
+      integer :: position = 400        !! always
+      integer :: arc = 120             !! more for each arc
+      logical :: ktheta_only = .true.  !! arcs count with KTHETA=1 only
+   end type demand_t
+
+   !> What SETUP made of a data set.
+   type :: prepared_t
+      type(topology_t) :: topology
+      type(dimensions_t) :: given            !! the user's linkage
+      real(wp), allocatable :: vertices(:, :) !! shape (marble, nguess): supplied for a search
+      type(diagnostics_t) :: warnings        !! of SETUP, without the name of the file
+      logical :: ready = .false.             !! no error was found
+   end type prepared_t
+
+contains
+
+   !> Make a case ready. Errors, all found before returning: those of the topology, memory that is not to be had, regions of joints
+   !> that are not there, supplied vertices that cannot be read. Without an error `prepared%ready` is true.
+   subroutine prepare(set, supplied, prepared, findings, demand)
+      type(data_set_t), intent(in) :: set
+      type(line_t), intent(in) :: supplied(:)            !! device 4, empty if none
+      type(prepared_t), intent(out) :: prepared
+      type(diagnostics_t), intent(inout) :: findings
+      type(demand_t), intent(in), optional :: demand     !! for memory; that of psalm if absent
+      type(diagnostics_t) :: own
+      type(demand_t) :: each
+      integer(int64) :: bytes
+      integer :: i
+
+      allocate (prepared%vertices(0, 0))
+      call set_up(set, prepared%topology, prepared%given, prepared%warnings)
+      do i = 1, prepared%warnings%count
+         call findings%add(prepared%warnings%list(i))
+      end do
+      if (prepared%warnings%failed() .or. set%nloop == 0) return
+      if (present(demand)) each = demand
+      bytes = each%position
+      if (set%ktheta /= 0 .or. .not. each%ktheta_only) bytes = bytes + int(each%arc, int64)*sum(prepared%topology%loopl)
+      bytes = bytes*set%ndes
+      if (.not. memory_to_be_had(bytes)) then
+         call findings%trouble('the memory for NDES='//to_text(set%ndes)//' positions, about '// &
+                               to_text(int(bytes/megabyte) + 1)//' MB, is not to be had')
+         return
+      end if
+      own%file = set%file
+      call check_regions(set%constr, prepared%topology, own)
+      associate (marble => size(prepared%topology%variables))
+         if (prepared%topology%has_search() .and. set%nguess > 0) then
+            deallocate (prepared%vertices)
+            call read_vertices(supplied, marble, set%nguess, prepared%vertices, own)
+         else
+            deallocate (prepared%vertices)
+            allocate (prepared%vertices(marble, 0))
+         end if
+      end associate
+      do i = 1, own%count
+         call findings%add(own%list(i))
+      end do
+      prepared%ready = .not. own%failed()
+   end subroutine prepare
+
+   !> Threads that work on a case: as many as are asked for, fewer if the system does not give them.
+   integer function threads_for(set, asked)
+      type(data_set_t), intent(in) :: set
+      integer, intent(in) :: asked       !! 0: as THREADS says
+
+      threads_for = threads_to_be_had(threads_wanted(set, asked))
+   end function threads_for
+
+   !> Threads that are asked for.
+   pure integer function threads_wanted(set, asked)
+      type(data_set_t), intent(in) :: set
+      integer, intent(in) :: asked       !! 0: as THREADS says
+
+      threads_wanted = merge(asked, max(1, set%search%threads), asked > 0)
+   end function threads_wanted
+end module psalm_preparation

@@ -1,0 +1,185 @@
+!> Synthesis: the search for better dimensions, by the simplex of the thesis or from many starts, and what came of it.
+!>
+!> Data in, results out: nothing is printed or worded here but the log of the search, which START, SIMPLX and the searches write.
+module psalm_synthesis
+   use psalm_constr, only: constraints_t, make_constraints
+   use psalm_data_set, only: data_set_t
+   use psalm_error, only: problem_t
+   use psalm_kinds, only: wp, right_angle
+   use psalm_margins, only: margin_t, inspector_t, prepare_inspector, inspect, margin_slides, margin_guide, margin_bound
+   use psalm_search, only: found_t, result_t, search_many
+   use psalm_simplx, only: search_monitor_t, search_state_t, search_simplex, stop_iterations, stop_small_objective, &
+                           stop_interrupted
+   use psalm_start, only: simplex_t, start_simplex
+   use psalm_stop, only: stop_t
+   use psalm_text, only: text_t
+   use psalm_topology, only: dimensions_t
+   implicit none (type, external)
+   private
+   public :: synthesis_t, ranked_t, synthesise
+   public :: ended_unmade, ended_infeasible, ended_converged, ended_small_objective, ended_iterations, ended_starts, ended_time, &
+             ended_on_request, ended_refused
+
+   ! how a search ended
+   integer, parameter :: ended_unmade = 0          !! nothing varies: there was no search
+   integer, parameter :: ended_infeasible = 1      !! simplex: the given linkage violates the constraints and cannot be repaired;
+                                                   !! many starts: none led to a linkage that obeys them
+   integer, parameter :: ended_converged = 2       !! the simplex has shrunk to a point
+   integer, parameter :: ended_small_objective = 3 !! the objective is below FMIN
+   integer, parameter :: ended_iterations = 4      !! NITER iterations were made
+   integer, parameter :: ended_starts = 5          !! all starts were made
+   integer, parameter :: ended_time = 6            !! MAXTIME passed
+   integer, parameter :: ended_on_request = 7      !! the host asked for the end
+   integer, parameter :: ended_refused = 8         !! NLopt refuses the algorithm for this problem
+
+   !> What a linkage found is like.
+   type :: ranked_t
+      real(wp) :: angle_margin = right_angle     !! least margin of an angle, degrees
+      real(wp) :: length_margin = 0.0_wp         !! least margin of a length; the longest arc if there is none
+      real(wp) :: longest_arc = 0.0_wp
+   end type ranked_t
+
+   !> Results of a search.
+   type :: synthesis_t
+      integer :: ending = ended_unmade           !! one of `ended_...`
+      logical :: many = .false.                  !! from many starts; else by the simplex
+      ! the simplex
+      type(simplex_t) :: first, last             !! the initial simplex, the final one
+      type(search_state_t) :: state              !! iterations, evaluations, best objective
+      ! many starts
+      type(result_t) :: found                    !! linkages, best first; counts
+      type(ranked_t), allocatable :: ranked(:)   !! by linkage found
+   contains
+      procedure :: is_short
+   end type synthesis_t
+
+contains
+
+   !> Search from the given linkage and, if the solver is another than the simplex, from many more.
+   !>
+   !> `dimensions` becomes the best linkage found and stays what it was if none was; with free timing the inputs of `problem`
+   !> become those of the best.
+   subroutine synthesise(set, vertices, problem, threads, stop, dimensions, result, device1, device2, monitor)
+      type(data_set_t), intent(in) :: set
+      real(wp), intent(in) :: vertices(:, :)       !! shape (marble, any): supplied
+      type(problem_t), intent(inout) :: problem
+      integer, intent(in) :: threads
+      type(stop_t), intent(in) :: stop             !! asked now and then
+      type(dimensions_t), intent(inout) :: dimensions
+      type(synthesis_t), intent(out) :: result
+      type(text_t), intent(inout) :: device1, device2 !! log of the search
+      class(search_monitor_t), intent(inout), optional :: monitor
+
+      allocate (result%found%best(0))
+      allocate (result%ranked(0))
+      if (.not. problem%topology%has_search()) return
+      if (set%search%solver == 'SIMPLEX') then
+         call search_with_simplex(set, vertices, problem, stop, dimensions, result, device1, device2, monitor)
+      else
+         call search_from_starts(set, vertices, problem, threads, stop, dimensions, result, device1, monitor)
+      end if
+   end subroutine synthesise
+
+   subroutine search_with_simplex(set, vertices, problem, stop, dimensions, result, device1, device2, monitor)
+      type(data_set_t), intent(in) :: set
+      real(wp), intent(in) :: vertices(:, :)
+      type(problem_t), intent(inout) :: problem
+      type(stop_t), intent(in) :: stop
+      type(dimensions_t), intent(inout) :: dimensions
+      type(synthesis_t), intent(inout) :: result
+      type(text_t), intent(inout) :: device1, device2
+      class(search_monitor_t), intent(inout), optional :: monitor
+      type(constraints_t) :: constraints
+      type(stop_t) :: limited
+      logical :: feasible
+
+      call make_constraints(set, problem, constraints)
+      call start_simplex(set, problem, constraints, vertices, result%first, feasible, device1, device2)
+      if (.not. feasible) then
+         result%ending = ended_infeasible
+         return
+      end if
+      result%last = result%first
+      limited = stop
+      call limited%limit_time(set%search%maxtime)
+      call search_simplex(set, problem, constraints, result%last, limited, result%state, device1, monitor)
+      call problem%topology%apply(result%last%v(:, result%last%best), dimensions)
+      select case (result%state%reason)
+      case (stop_iterations)
+         result%ending = ended_iterations
+      case (stop_small_objective)
+         result%ending = ended_small_objective
+      case (stop_interrupted)
+         result%ending = merge(ended_time, ended_on_request, limited%late())
+      case default
+         result%ending = ended_converged
+      end select
+   end subroutine search_with_simplex
+
+   subroutine search_from_starts(set, vertices, problem, threads, stop, dimensions, result, device1, monitor)
+      type(data_set_t), intent(in) :: set
+      real(wp), intent(in) :: vertices(:, :)
+      type(problem_t), intent(inout) :: problem
+      integer, intent(in) :: threads
+      type(stop_t), intent(in) :: stop
+      type(dimensions_t), intent(inout) :: dimensions
+      type(synthesis_t), intent(inout) :: result
+      type(text_t), intent(inout) :: device1
+      class(search_monitor_t), intent(inout), optional :: monitor
+
+      result%many = .true.
+      call search_many(set, problem, problem%topology%first_values(dimensions), vertices, threads, stop, result%found, device1, &
+                       monitor)
+      associate (found => result%found)
+         if (size(found%best) > 0) then
+            call problem%topology%apply(found%best(1)%values, dimensions)
+            if (set%ifree /= 0) call problem%move_inputs(found%best(1)%delt)
+         end if
+         result%ending = ended_starts
+         if (size(found%best) == 0) result%ending = ended_infeasible
+         if (found%out_of_time) result%ending = ended_time
+         if (found%refused) result%ending = ended_refused
+         if (found%interrupted) result%ending = ended_on_request
+      end associate
+      call look_at_found(set, problem, result)
+   end subroutine search_from_starts
+
+   !> True if the search found nothing, or ended before it was done.
+   pure logical function is_short(self)
+      class(synthesis_t), intent(in) :: self
+
+      is_short = self%ending /= ended_unmade .and. self%ending /= ended_converged .and. self%ending /= ended_small_objective &
+                 .and. self%ending /= ended_starts
+      if (self%many) is_short = is_short .or. size(self%found%best) == 0 .or. self%found%next > 0
+   end function is_short
+
+   !> Margins and longest arc of every linkage found.
+   subroutine look_at_found(set, problem, result)
+      type(data_set_t), intent(in) :: set
+      type(problem_t), intent(in) :: problem
+      type(synthesis_t), intent(inout) :: result
+      type(dimensions_t) :: dimensions
+      type(inspector_t), allocatable :: inspector
+      type(margin_t), allocatable :: margins(:)
+      integer :: i
+
+      if (size(result%found%best) < 2) return
+      deallocate (result%ranked)
+      allocate (result%ranked(size(result%found%best)))
+      dimensions = problem%given
+      allocate (inspector)
+      call prepare_inspector(set, problem, .true., inspector)
+      do i = 1, size(result%ranked)
+         call problem%topology%apply(result%found%best(i)%values, dimensions)
+         call inspect(inspector, dimensions, result%found%best(i)%delt, margins)
+         associate (ranked => result%ranked(i))
+            ranked%longest_arc = maxval(dimensions%arcl)
+            ranked%length_margin = ranked%longest_arc
+            if (any(margins%kind <= margin_slides)) &
+               ranked%angle_margin = minval(margins%margin, mask=margins%kind <= margin_slides)
+            if (any(margins%kind >= margin_guide .and. margins%kind < margin_bound)) ranked%length_margin = &
+               minval(margins%margin, mask=margins%kind >= margin_guide .and. margins%kind < margin_bound)
+         end associate
+      end do
+   end subroutine look_at_found
+end module psalm_synthesis
