@@ -13,13 +13,13 @@ module psalm_data_set
    use psalm_namelist, only: case_text_t, read_case
    use psalm_origin, only: origins_t, name_length
    use psalm_search_group, only: search_group_t, read_search_group
-   use psalm_source, only: line_t, read_lines
+   use psalm_source, only: line_t, read_lines, split_lines
    use psalm_status, only: diagnostics_t
    use psalm_system, only: memory_to_be_had
    use psalm_text, only: text_t, to_text
    implicit none (type, external)
    private
-   public :: data_set_t, read_data_sets
+   public :: data_set_t, read_data_sets, read_data_set_text
    public :: title_columns, default_niter
 
    integer, parameter :: original_arcs = 100      !! entries of the thesis's arc arrays: fillers up to here are usual
@@ -119,10 +119,8 @@ contains
       character(*), intent(in), optional :: program          !! who reads; default psalm
       type(mark_t), intent(inout), optional :: mark          !! takes in the text
       type(line_t), allocatable :: lines(:)
-      type(case_text_t) :: case
-      type(data_set_t), allocatable :: room(:)
       character(:), allocatable :: reader
-      integer :: next, count
+      integer :: next
 
       reader = 'psalm'
       if (present(program)) reader = program
@@ -136,6 +134,34 @@ contains
             call mark%add(lines(next)%text)
          end do
       end if
+      call read_all(lines, reader, sets, findings)
+   end subroutine read_data_sets
+
+   !> Read every case of a text in memory, in the manner of `read_data_sets`.
+   subroutine read_data_set_text(text, name, sets, findings, program)
+      character(*), intent(in) :: text                       !! lines, each ended by a line feed
+      character(*), intent(in) :: name                       !! in the findings in place of a file
+      type(data_set_t), allocatable, intent(out) :: sets(:)  !! the cases
+      type(diagnostics_t), intent(inout) :: findings
+      character(*), intent(in) :: program                    !! who reads
+      type(line_t), allocatable :: lines(:)
+
+      allocate (sets(0))
+      findings%file = name
+      call split_lines(text, lines)
+      call read_all(lines, program, sets, findings)
+   end subroutine read_data_set_text
+
+   !> Read every case of some lines, up to the one with LAST=1.
+   subroutine read_all(lines, reader, sets, findings)
+      type(line_t), intent(in) :: lines(:)
+      character(*), intent(in) :: reader                     !! program
+      type(data_set_t), allocatable, intent(inout) :: sets(:) !! empty
+      type(diagnostics_t), intent(inout) :: findings
+      type(case_text_t) :: case
+      type(data_set_t), allocatable :: room(:)
+      integer :: next, count
+
       next = 1
       count = 0
       do
@@ -158,7 +184,7 @@ contains
          if (sets(count)%last /= 0) exit
       end do
       if (count < size(sets)) sets = sets(:count)
-   end subroutine read_data_sets
+   end subroutine read_all
 
    subroutine read_set(case, program, set, findings)
       type(case_text_t), intent(inout) :: case

@@ -4,7 +4,7 @@ module psalm_group_table
    use psalm_text, only: nearest_name
    implicit none (type, external)
    private
-   public :: known_group_t, known_groups, program_reads, program_of, is_users, nearest_group
+   public :: known_group_t, known_groups, everything, program_reads, program_of, is_users, nearest_group
 
    !> A group and who reads it.
    type :: known_group_t
@@ -21,15 +21,17 @@ module psalm_group_table
       known_group_t('TOLER', 'psalm kalm balm'), &
       known_group_t('RATES', 'kalm')]
 
+   character(*), parameter :: everything = '*' !! in place of a program: who reads all groups that a program of the suite reads
    character(*), parameter :: users = 'USER' !! groups whose names begin so are the user's own
 
 contains
 
    !> True if the program reads the group.
    pure logical function program_reads(program, group)
-      character(*), intent(in) :: program, group
+      character(*), intent(in) :: program, group  !! `program` may be `everything`
 
       program_reads = index(' '//trim(program_of(group))//' ', ' '//trim(program)//' ') > 0
+      if (program == everything) program_reads = len_trim(program_of(group)) > 0
    end function program_reads
 
    !> The programs that read the group; blank if none does.

@@ -8,7 +8,7 @@ module psalm_source
    use psalm_text, only: text_t
    implicit none (type, external)
    private
-   public :: line_t, read_lines
+   public :: line_t, read_lines, split_lines
 
    !> One line, without its end.
    type :: line_t
@@ -16,6 +16,7 @@ module psalm_source
    end type line_t
 
    integer, parameter :: chunk = 4096 !! characters read at a time
+   character, parameter :: line_feed = achar(10)
 
 contains
 
@@ -51,6 +52,32 @@ contains
       if (status /= 0) call findings%trouble("cannot read '"//file//"': "//plain(message))
       if (file /= '-') close (unit)
    end subroutine read_lines
+
+   !> The lines of a text in memory. Carriage returns before line ends are dropped.
+   pure subroutine split_lines(text, lines)
+      character(*), intent(in) :: text
+      type(line_t), allocatable, intent(out) :: lines(:)
+      integer :: count, i, first, last
+
+      count = 0
+      do i = 1, len(text)
+         if (text(i:i) == line_feed) count = count + 1
+      end do
+      if (len(text) > 0) then
+         if (text(len(text):) /= line_feed) count = count + 1
+      end if
+      allocate (lines(count))
+      first = 1
+      do i = 1, count
+         last = index(text(first:), line_feed) + first - 2
+         if (last < first - 1) last = len(text)
+         lines(i)%text = text(first:last)
+         if (last >= first) then
+            if (text(last:last) == achar(13)) lines(i)%text = text(first:last - 1)
+         end if
+         first = last + 2
+      end do
+   end subroutine split_lines
 
    subroutine read_unit(unit, lines, status, message)
       integer, intent(in) :: unit

@@ -1,0 +1,773 @@
+!> PSALM as a library: the one module that another program uses.
+!>
+!> A `case_t` is a linkage and what is asked of it. It is read from a file (`read_file`), from text in memory (`read_text`), or made
+!> by `new_case` and its verbs; what is not given has the default of the manual. The verbs `analyse`, `synthesise`, `find_rates` and
+!> `find_tolerances` study it: data in, results out. Nothing is printed, no file is written, no signal is touched. Whatever is wrong
+!> with a case comes back as findings, each with its line and a text; results are then empty.
+!>
+!> Lengths are in the user's one unit, angles in degrees, rates of angles in radians.
+module psalm
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use psalm_analysis, only: analysis_t, wanted_t, study_analysis => analyse
+   use psalm_data_set, only: data_set_t, read_data_sets, read_data_set_text
+   use psalm_error, only: problem_t, motion_t, violation_t, make_problem
+   use psalm_finale, only: list_results, describe_violation
+   use psalm_group_table, only: everything
+   use psalm_kinds, only: wp
+   use psalm_margin_list, only: describe_margin
+   use psalm_margins, only: margin_t, is_violated
+   use psalm_output_kind, only: output_point => motion_point, output_angle => motion_angle, output_distance => motion_distance, &
+                                output_slide => motion_slide, output_pose => motion_pose
+   use psalm_preparation, only: prepared_t, prepare, threads_for
+   use psalm_rate_list, only: list_rates
+   use psalm_rate_study, only: rate_study_t, study_rates => find_rates
+   use psalm_search, only: found_t
+   use psalm_simplx, only: search_monitor_t, search_state_t
+   use psalm_source, only: line_t
+   use psalm_status, only: findings_t => diagnostics_t, finding_t, level_error, level_warning
+   use psalm_stop, only: stop_t, stop_request_t
+   use psalm_synthesis, only: synthesis_t, study_synthesis => synthesise, ended_unmade, ended_infeasible, ended_converged, &
+                              ended_small_objective, ended_iterations, ended_starts, ended_time, ended_on_request, ended_refused
+   use psalm_text, only: text_t, full_precision, lower_case, upper_case, to_text
+   use psalm_tolerance, only: tolerances_t, study_tolerances
+   use psalm_topology, only: dimensions_t, topology_t
+   use psalm_version, only: version
+   implicit none (type, external)
+   private
+   public :: wp, version
+   public :: case_t, new_case, read_file, read_text
+   public :: output_point, output_angle, output_distance, output_slide, output_pose
+   public :: findings_t, finding_t, level_error, level_warning
+   public :: analyse, analysis_t, wanted_t, motion_t, violation_t, margin_t
+   public :: synthesise, synthesis_t, found_t, found_case
+   public :: ended_unmade, ended_infeasible, ended_converged, ended_small_objective, ended_iterations, ended_starts, ended_time, &
+             ended_on_request, ended_refused
+   public :: find_rates, rate_study_t
+   public :: find_tolerances, tolerances_t
+   public :: stop_t, stop_request_t, search_monitor_t, search_state_t
+
+   integer, parameter :: name_length = 31 !! longest name of a group or an item
+   integer, parameter :: line_room = 100  !! columns of a line of values
+   character(*), parameter :: memory_name = 'case in memory' !! in findings in place of a file
+
+   !> One loop as given to `add_loop`.
+   type :: loop_t
+      integer, allocatable :: ilink(:), iloop(:), iva(:), ivg(:)
+      real(wp), allocatable :: length(:), angle(:)
+   end type loop_t
+
+   !> An item of the notation, with its values as text.
+   type :: item_t
+      character(name_length) :: group = '', name = ''
+      character(:), allocatable :: values
+   end type item_t
+
+   !> A linkage and what is asked of it.
+   type :: case_t
+      private
+      character(:), allocatable :: heading           !! title of a case made in memory
+      type(loop_t), allocatable :: parts(:)          !! its loops
+      type(item_t), allocatable :: items(:)          !! its other items
+      type(data_set_t), allocatable :: set           !! a case that was read
+      type(findings_t) :: faults                     !! of the verbs that made it; told by every study
+   contains
+      procedure :: add_loop
+      procedure :: set_output
+      procedure :: set_turn
+      procedure :: set_positions
+      procedure :: set_desired
+      procedure :: vary
+      procedure, private :: set_integers, set_reals, set_integer, set_real, set_word
+      generic :: set_item => set_integers, set_reals, set_integer, set_real, set_word
+      procedure :: set_length
+      procedure :: set_angle
+      procedure :: length => length_of_arc
+      procedure :: angle => angle_of_arc
+      procedure :: loops
+      procedure :: arcs
+      procedure :: title
+      procedure :: text => text_of_case
+   end type case_t
+
+contains
+
+   ! ---- cases -------------------------------------------------------------------------------------------------------
+
+   !> Read all cases of a file. With an error in `findings` no case of it can be studied.
+   subroutine read_file(file, cases, findings)
+      character(*), intent(in) :: file                       !! its name; `-`: standard input
+      type(case_t), allocatable, intent(out) :: cases(:)
+      type(findings_t), intent(inout) :: findings
+      type(data_set_t), allocatable :: sets(:)
+      type(findings_t) :: own
+
+      call read_data_sets(file, sets, own, program=everything)
+      call take_sets(sets, own, cases, findings)
+   end subroutine read_file
+
+   !> Read all cases of a text in the notation of the manual. With an error in `findings` no case of it can be studied.
+   subroutine read_text(text, cases, findings, name)
+      character(*), intent(in) :: text                       !! lines, each ended by a line feed
+      type(case_t), allocatable, intent(out) :: cases(:)
+      type(findings_t), intent(inout) :: findings
+      character(*), intent(in), optional :: name             !! in findings in place of a file
+      type(data_set_t), allocatable :: sets(:)
+      type(findings_t) :: own
+      character(:), allocatable :: file
+
+      file = memory_name
+      if (present(name)) file = name
+      call read_data_set_text(text, file, sets, own, everything)
+      call take_sets(sets, own, cases, findings)
+   end subroutine read_text
+
+   subroutine take_sets(sets, own, cases, findings)
+      type(data_set_t), intent(in) :: sets(:)
+      type(findings_t), intent(in) :: own                    !! of reading them
+      type(case_t), allocatable, intent(out) :: cases(:)
+      type(findings_t), intent(inout) :: findings
+      integer :: k
+
+      allocate (cases(size(sets)))
+      do k = 1, size(sets)
+         allocate (cases(k)%set, source=sets(k))
+         cases(k)%set%nguess = 0
+         cases(k)%faults%file = sets(k)%file
+         if (own%failed()) call cases(k)%faults%error('the text of this case has errors', line=sets(k)%title_line)
+      end do
+      call tell(own, findings)
+   end subroutine take_sets
+
+   !> A case to be made in memory: add loops, then say what the output is and at which inputs it is wanted.
+   function new_case(title) result(case)
+      character(*), intent(in), optional :: title
+      type(case_t) :: case
+
+      case%heading = 'CASE'
+      if (present(title)) case%heading = trim(title)
+      case%faults%file = memory_name
+      allocate (case%parts(0), case%items(0))
+   end function new_case
+
+   !> Add a loop, arc by arc from the input pivot back to it along the frame, as ILINK and ILOOP of the manual have it.
+   subroutine add_loop(self, ilink, iloop, length, angle)
+      class(case_t), intent(inout) :: self
+      integer, intent(in) :: ilink(:), iloop(:)           !! shape (arcs): arc numbers; loop or guide numbers
+      real(wp), intent(in), optional :: length(:)         !! shape (arcs): lengths; 0 if absent
+      real(wp), intent(in), optional :: angle(:)          !! shape (arcs): angles; 0 if absent
+      type(loop_t), allocatable :: more(:)
+      type(loop_t) :: new
+      logical :: fits
+
+      if (.not. is_open(self)) return
+      fits = size(ilink) == size(iloop)
+      if (present(length)) fits = fits .and. size(length) == size(ilink)
+      if (present(angle)) fits = fits .and. size(angle) == size(ilink)
+      if (.not. fits) then
+         call self%faults%error('loop '//to_text(size(self%parts) + 1)//': ilink, iloop, length and angle must have as many values')
+         return
+      end if
+      new%ilink = ilink
+      new%iloop = iloop
+      allocate (new%iva(size(ilink)), new%ivg(size(ilink)), source=0)
+      allocate (new%length(size(ilink)), new%angle(size(ilink)), source=0.0_wp)
+      if (present(length)) new%length = length
+      if (present(angle)) new%angle = angle
+      if (.not. all(ieee_is_finite(new%length) .and. ieee_is_finite(new%angle))) then
+         call self%faults%error('loop '//to_text(size(self%parts) + 1)//': every length and angle must be a finite number')
+         return
+      end if
+      allocate (more(size(self%parts) + 1))
+      more(:size(self%parts)) = self%parts
+      more(size(more)) = new
+      call move_alloc(more, self%parts)
+   end subroutine add_loop
+
+   !> Say what the output is, and on which arc it hangs.
+   subroutine set_output(self, kind, arc, loop, length, angle)
+      class(case_t), intent(inout) :: self
+      integer, intent(in) :: kind                         !! one of `output_...`
+      integer, intent(in) :: arc, loop                    !! negative arc: measured from its start
+      real(wp), intent(in), optional :: length, angle     !! of the output arc, in the axes of the arc; 0 if absent
+
+      call self%set_item('METHOD', 'MOTION', kind)
+      call self%set_item('LINKS', 'NOUTLK', arc)
+      call self%set_item('LINKS', 'NOUTLP', loop)
+      if (present(length)) call self%set_item('LINKS', 'OUTLK', length)
+      if (present(angle)) call self%set_item('LINKS', 'OUTANG', angle)
+   end subroutine set_output
+
+   !> Ask for a full turn of the crank in steps of whole degrees.
+   subroutine set_turn(self, step)
+      class(case_t), intent(inout) :: self
+      integer, intent(in) :: step                         !! degrees; negative: clockwise
+
+      call self%set_item('METHOD', 'IKIN', step)
+   end subroutine set_turn
+
+   !> Ask for input positions.
+   subroutine set_positions(self, increments, reference)
+      class(case_t), intent(inout) :: self
+      real(wp), intent(in) :: increments(:)               !! from the reference position: degrees, or length of a sliding input
+      real(wp), intent(in), optional :: reference         !! reference input; 0 if absent
+
+      call self%set_item('METHOD', 'NDES', size(increments))
+      call self%set_item('METHOD', 'DELT', increments)
+      if (present(reference)) call self%set_item('METHOD', 'CRNKI', reference)
+   end subroutine set_positions
+
+   !> Say what is desired at the input positions: x and y of a point, or the angle, distance or length; of a pose all three.
+   subroutine set_desired(self, x, y, value)
+      class(case_t), intent(inout) :: self
+      real(wp), intent(in), optional :: x(:), y(:)        !! shape (positions)
+      real(wp), intent(in), optional :: value(:)          !! shape (positions): angle, distance or length
+
+      if (present(x)) call self%set_item('METHOD', 'DESX', x)
+      if (present(y)) call self%set_item('METHOD', 'DESY', y)
+      if (present(value)) call self%set_item('METHOD', 'DESANG', value)
+   end subroutine set_desired
+
+   !> Let lengths or angles of a loop vary in a search.
+   subroutine vary(self, loop, lengths, angles)
+      class(case_t), intent(inout) :: self
+      integer, intent(in) :: loop
+      integer, intent(in), optional :: lengths(:), angles(:) !! numbers of arcs
+
+      if (.not. is_open(self)) return
+      if (loop < 1 .or. loop > size(self%parts)) then
+         call self%faults%error('vary: there is no loop '//to_text(loop))
+         return
+      end if
+      associate (part => self%parts(loop))
+         if (present(lengths)) call mark(lengths, part%iva)
+         if (present(angles)) call mark(angles, part%ivg)
+      end associate
+
+   contains
+
+      subroutine mark(arcs, flags)
+         integer, intent(in) :: arcs(:)
+         integer, intent(inout) :: flags(:)
+         integer :: i
+
+         do i = 1, size(arcs)
+            if (arcs(i) < 1 .or. arcs(i) > size(flags)) then
+               call self%faults%error('vary: loop '//to_text(loop)//' has no arc '//to_text(arcs(i)))
+            else
+               flags(arcs(i)) = 1
+            end if
+         end do
+      end subroutine mark
+   end subroutine vary
+
+   !> Give any item of the notation its values: `call case%set_item('LIMITS', 'TANGLE', 60.0_wp)`.
+   subroutine set_integers(self, group, item, values)
+      class(case_t), intent(inout) :: self
+      character(*), intent(in) :: group, item
+      integer, intent(in) :: values(:)
+      type(text_t) :: text
+      integer :: i
+
+      do i = 1, size(values)
+         call put(to_text(values(i)), text)
+      end do
+      call take_item(self, group, item, text%content())
+   end subroutine set_integers
+
+   !> Reals, in the manner of `set_integers`.
+   subroutine set_reals(self, group, item, values)
+      class(case_t), intent(inout) :: self
+      character(*), intent(in) :: group, item
+      real(wp), intent(in) :: values(:)
+      type(text_t) :: text
+      integer :: i
+
+      if (.not. all(ieee_is_finite(values))) then
+         call self%faults%error('every value must be a finite number', group=upper_case(group), item=upper_case(item))
+         return
+      end if
+      do i = 1, size(values)
+         call put(full_precision(values(i)), text)
+      end do
+      call take_item(self, group, item, text%content())
+   end subroutine set_reals
+
+   subroutine set_integer(self, group, item, value)
+      class(case_t), intent(inout) :: self
+      character(*), intent(in) :: group, item
+      integer, intent(in) :: value
+
+      call set_integers(self, group, item, [value])
+   end subroutine set_integer
+
+   subroutine set_real(self, group, item, value)
+      class(case_t), intent(inout) :: self
+      character(*), intent(in) :: group, item
+      real(wp), intent(in) :: value
+
+      call set_reals(self, group, item, [value])
+   end subroutine set_real
+
+   subroutine set_word(self, group, item, value)
+      class(case_t), intent(inout) :: self
+      character(*), intent(in) :: group, item
+      character(*), intent(in) :: value
+
+      call take_item(self, group, item, "  '"//value//"',"//new_line('a'))
+   end subroutine set_word
+
+   !> A value on the last line of a text, or on a new one.
+   subroutine put(value, text)
+      character(*), intent(in) :: value
+      type(text_t), intent(inout) :: text
+
+      call text%add('  '//value//',')
+   end subroutine put
+
+   subroutine take_item(self, group, item, values)
+      class(case_t), intent(inout) :: self
+      character(*), intent(in) :: group, item, values
+      type(item_t), allocatable :: more(:)
+      integer :: i
+
+      if (.not. is_open(self)) return
+      do i = 1, size(self%items)
+         if (self%items(i)%group /= upper_case(group) .or. self%items(i)%name /= upper_case(item)) cycle
+         self%items(i)%values = values
+         return
+      end do
+      allocate (more(size(self%items) + 1))
+      more(:size(self%items)) = self%items
+      more(size(more))%group = upper_case(group)
+      more(size(more))%name = upper_case(item)
+      more(size(more))%values = values
+      call move_alloc(more, self%items)
+   end subroutine take_item
+
+   !> True if the case is being made in memory; else that is a fault of whoever wants to add to it.
+   logical function is_open(self)
+      class(case_t), intent(inout) :: self
+
+      is_open = allocated(self%parts)
+      if (is_open) return
+      if (allocated(self%set)) then
+         call self%faults%error('loops and items are added to a case of new_case only; this one was read')
+      else
+         call self%faults%error('the case is empty; begin with new_case')
+      end if
+   end function is_open
+
+   ! ---- looking at a case and changing its dimensions ---------------------------------------------------------------
+
+   !> Number of loops.
+   pure integer function loops(self)
+      class(case_t), intent(in) :: self
+
+      loops = 0
+      if (allocated(self%parts)) loops = size(self%parts)
+      if (allocated(self%set)) loops = self%set%nloop
+   end function loops
+
+   !> Number of arcs of a loop, padding of ILINK included; 0 if there is no such loop.
+   pure integer function arcs(self, loop)
+      class(case_t), intent(in) :: self
+      integer, intent(in) :: loop
+
+      arcs = 0
+      if (loop < 1 .or. loop > self%loops()) return
+      if (allocated(self%set)) then
+         arcs = self%set%maxarc
+      else
+         arcs = size(self%parts(loop)%ilink)
+      end if
+   end function arcs
+
+   !> Title.
+   pure function title(self)
+      class(case_t), intent(in) :: self
+      character(:), allocatable :: title
+
+      title = ''
+      if (allocated(self%heading)) title = self%heading
+      if (allocated(self%set)) title = self%set%title
+   end function title
+
+   !> Length of an arc; 0 if there is no such arc.
+   pure real(wp) function length_of_arc(self, loop, arc) result(length)
+      class(case_t), intent(in) :: self
+      integer, intent(in) :: loop, arc
+
+      length = 0.0_wp
+      if (arc < 1 .or. arc > self%arcs(loop)) return
+      if (allocated(self%set)) then
+         length = self%set%arcl(arc, loop)
+      else
+         length = self%parts(loop)%length(arc)
+      end if
+   end function length_of_arc
+
+   !> Angle of an arc, degrees; 0 if there is no such arc.
+   pure real(wp) function angle_of_arc(self, loop, arc) result(angle)
+      class(case_t), intent(in) :: self
+      integer, intent(in) :: loop, arc
+
+      angle = 0.0_wp
+      if (arc < 1 .or. arc > self%arcs(loop)) return
+      if (allocated(self%set)) then
+         angle = self%set%gama(arc, loop)
+      else
+         angle = self%parts(loop)%angle(arc)
+      end if
+   end function angle_of_arc
+
+   !> Change the length of an arc.
+   subroutine set_length(self, loop, arc, value)
+      class(case_t), intent(inout) :: self
+      integer, intent(in) :: loop, arc
+      real(wp), intent(in) :: value
+
+      if (.not. may_change(self, loop, arc, value)) return
+      if (value < 0.0_wp) then
+         call self%faults%error('arc '//to_text(arc)//' of loop '//to_text(loop)//': a length is not negative')
+      else if (allocated(self%set)) then
+         self%set%arcl(arc, loop) = value
+      else
+         self%parts(loop)%length(arc) = value
+      end if
+   end subroutine set_length
+
+   !> Change the angle of an arc, degrees.
+   subroutine set_angle(self, loop, arc, value)
+      class(case_t), intent(inout) :: self
+      integer, intent(in) :: loop, arc
+      real(wp), intent(in) :: value
+
+      if (.not. may_change(self, loop, arc, value)) return
+      if (allocated(self%set)) then
+         self%set%gama(arc, loop) = value
+      else
+         self%parts(loop)%angle(arc) = value
+      end if
+   end subroutine set_angle
+
+   logical function may_change(self, loop, arc, value)
+      class(case_t), intent(inout) :: self
+      integer, intent(in) :: loop, arc
+      real(wp), intent(in) :: value
+
+      may_change = arc >= 1 .and. arc <= self%arcs(loop)
+      if (.not. may_change) then
+         call self%faults%error('there is no arc '//to_text(arc)//' of loop '//to_text(loop))
+      else if (.not. ieee_is_finite(value)) then
+         call self%faults%error('arc '//to_text(arc)//' of loop '//to_text(loop)//': a dimension must be a finite number')
+         may_change = .false.
+      end if
+   end function may_change
+
+   !> A case made in memory, in the notation of the manual; findings name lines of this text. Empty for a case that was read.
+   function text_of_case(self) result(content)
+      class(case_t), intent(in) :: self
+      character(:), allocatable :: content
+      type(text_t) :: text
+      character(name_length), allocatable :: groups(:)
+      integer :: maxarc, i, k
+
+      content = ''
+      if (.not. allocated(self%parts)) return
+      maxarc = 0
+      do i = 1, size(self%parts)
+         maxarc = max(maxarc, size(self%parts(i)%ilink))
+      end do
+      groups = [character(name_length) :: 'LINKS', 'METHOD']
+      do i = 1, size(self%items)
+         if (all(groups /= self%items(i)%group)) groups = [character(name_length) :: groups, self%items(i)%group]
+      end do
+      call text%add(self%heading)
+      do k = 1, size(groups)
+         call text%add(' &'//trim(groups(k)))
+         if (groups(k) == 'LINKS') then
+            call text%add('  NLOOP='//to_text(size(self%parts))//', MAXARC='//to_text(maxarc)//',')
+            call add_rows('ILINK')
+            call add_rows('ILOOP')
+            call add_rows('ARCL')
+            call add_rows('GAMA')
+         else if (groups(k) == 'METHOD') then
+            call add_rows('IVA')
+            call add_rows('IVG')
+         end if
+         do i = 1, size(self%items)
+            if (self%items(i)%group /= groups(k)) cycle
+            call text%add('  '//trim(self%items(i)%name)//'=')
+            call text%add_text(self%items(i)%values)
+         end do
+         call text%add(' &END')
+      end do
+      content = text%content()
+
+   contains
+
+      !> An array over loops and arcs.
+      subroutine add_rows(name)
+         character(*), intent(in) :: name
+         character(:), allocatable :: line
+         integer :: loop, a
+
+         do loop = 1, size(self%parts)
+            line = '  '
+            if (loop == 1) line = '  '//name//'='
+            associate (part => self%parts(loop))
+               do a = 1, maxarc
+                  if (len(line) > line_room) then
+                     call text%add(line)
+                     line = '  '
+                  end if
+                  if (a > size(part%ilink)) then
+                     line = line//'0,'
+                     cycle
+                  end if
+                  select case (name)
+                  case ('ILINK')
+                     line = line//to_text(part%ilink(a))//','
+                  case ('ILOOP')
+                     line = line//to_text(part%iloop(a))//','
+                  case ('IVA')
+                     line = line//to_text(part%iva(a))//','
+                  case ('IVG')
+                     line = line//to_text(part%ivg(a))//','
+                  case ('ARCL')
+                     line = line//full_precision(part%length(a))//','
+                  case default
+                     line = line//full_precision(part%angle(a))//','
+                  end select
+               end do
+            end associate
+            call text%add(line)
+         end do
+      end subroutine add_rows
+   end function text_of_case
+
+   ! ---- studies -----------------------------------------------------------------------------------------------------
+
+   !> Analyse a case as given: what it does at its input positions.
+   !>
+   !> Findings: errors of the case, and a warning for every violation of closure or a limit.
+   subroutine analyse(case, analysis, findings, wanted, listing)
+      type(case_t), intent(in) :: case
+      type(analysis_t), intent(out) :: analysis           !! empty if the case has errors
+      type(findings_t), intent(inout) :: findings
+      type(wanted_t), intent(in), optional :: wanted      !! what is wanted besides the motion
+      character(:), allocatable, intent(out), optional :: listing !! the listing of psalm
+      type(wanted_t) :: all_wanted
+      type(data_set_t), allocatable :: set
+      type(problem_t), allocatable :: problem
+      type(text_t) :: text
+      logical :: ready
+      integer :: i
+
+      if (present(wanted)) all_wanted = wanted
+      call make_ready(case, set, problem, ready, findings, every_loop=all_wanted%arcs)
+      call empty_motion(analysis%motion)
+      if (.not. ready) return
+      call study_analysis(set, problem, problem%given, all_wanted, analysis)
+      call warn(problem, analysis%motion, findings)
+      if (allocated(analysis%margins)) then
+         do i = 1, size(analysis%margins)
+            if (is_violated(analysis%margins(i))) call findings%warning('violated: '// &
+               lower_case(describe_margin(set, problem%topology, analysis%dimensions, analysis%margins(i))))
+         end do
+      end if
+      if (.not. present(listing)) return
+      call list_results(set, problem, analysis%dimensions, analysis%motion, text)
+      listing = text%content()
+   end subroutine analyse
+
+   !> Search for better dimensions. `found_case` makes a case of what was found.
+   subroutine synthesise(case, synthesis, findings, threads, stop, monitor)
+      type(case_t), intent(in) :: case
+      type(synthesis_t), intent(out) :: synthesis
+      type(findings_t), intent(inout) :: findings
+      integer, intent(in), optional :: threads            !! that share the work; default THREADS of the case, or 1
+      type(stop_t), intent(in), optional :: stop          !! by which the host can end the search
+      class(search_monitor_t), intent(inout), optional :: monitor !! told of progress
+      type(data_set_t), allocatable :: set
+      type(problem_t), allocatable :: problem
+      type(dimensions_t) :: dimensions
+      type(stop_t) :: ending
+      type(text_t) :: log, first_simplex
+      real(wp), allocatable :: none(:, :)
+      logical :: ready
+      integer :: team
+
+      allocate (synthesis%found%best(0), synthesis%ranked(0))
+      call make_ready(case, set, problem, ready, findings)
+      if (.not. ready) return
+      if (present(stop)) ending = stop
+      team = threads_for(set, threads_of(threads))
+      call problem%set_threads(team)
+      dimensions = problem%given
+      allocate (none(size(problem%topology%variables), 0))
+      call study_synthesis(set, none, problem, team, ending, dimensions, synthesis, log, first_simplex, monitor)
+   end subroutine synthesise
+
+   !> The linkage of a rank as a case without variables; the user's own if the search found none of that rank.
+   function found_case(case, synthesis, rank) result(found)
+      type(case_t), intent(in) :: case                    !! the one that was searched
+      type(synthesis_t), intent(in) :: synthesis
+      integer, intent(in), optional :: rank               !! 1, the best, if absent
+      type(case_t) :: found
+      type(data_set_t), allocatable :: set
+      type(problem_t), allocatable :: problem
+      type(dimensions_t) :: dimensions
+      integer :: which
+      logical :: ready
+
+      which = 1
+      if (present(rank)) which = rank
+      call make_ready(case, set, problem, ready, found%faults)
+      call move_alloc(set, found%set)
+      if (.not. ready) return
+      dimensions = problem%given
+      if (synthesis%many) then
+         if (which >= 1 .and. which <= size(synthesis%found%best)) then
+            call problem%topology%apply(synthesis%found%best(which)%values, dimensions)
+            found%set%delt = synthesis%found%best(which)%delt
+         end if
+      else if (allocated(synthesis%last%v) .and. which == 1) then
+         call problem%topology%apply(synthesis%last%v(:, synthesis%last%best), dimensions)
+      end if
+      associate (to => found%set)
+         to%arcl = reshape(dimensions%arcl, shape(to%arcl))
+         to%gama = reshape(dimensions%gama, shape(to%gama))
+         to%outlk = dimensions%outlk
+         to%outang = dimensions%outang
+         to%origlk = dimensions%origlk
+         to%origng = dimensions%origng
+         to%crnki = dimensions%crnki
+         to%iva = 0
+         to%ivg = 0
+         to%ilkout = 0
+         to%ingout = 0
+         to%icrk = 0
+         to%iorig = 0
+         to%ifree = 0
+      end associate
+   end function found_case
+
+   !> Velocities, accelerations and jerks of a case as given.
+   subroutine find_rates(case, rates, findings, listing)
+      type(case_t), intent(in) :: case
+      type(rate_study_t), intent(out) :: rates            !! empty if the case has errors
+      type(findings_t), intent(inout) :: findings
+      character(:), allocatable, intent(out), optional :: listing !! the listing of kalm
+      type(data_set_t), allocatable :: set
+      type(problem_t), allocatable :: problem
+      type(text_t) :: text
+      logical :: ready
+
+      call empty_motion(rates%motion)
+      allocate (rates%by_input(0, 0, 0), rates%by_time(0, 0, 0), rates%dead(0))
+      call make_ready(case, set, problem, ready, findings)
+      if (.not. ready) return
+      call study_rates(set, problem, problem%given, rates)
+      call warn(problem, rates%motion, findings)
+      if (.not. present(listing)) return
+      call list_rates(set, problem, rates, text)
+      listing = text%content()
+   end subroutine find_rates
+
+   !> What the tolerances of the group TOLER do to the output of a case as given.
+   subroutine find_tolerances(case, tolerances, findings, threads, stop)
+      type(case_t), intent(in) :: case
+      type(tolerances_t), intent(out) :: tolerances       !! empty if the case has errors or does not close
+      type(findings_t), intent(inout) :: findings
+      integer, intent(in), optional :: threads            !! that share the work; default THREADS of the case, or 1
+      type(stop_t), intent(in), optional :: stop          !! by which the host can end the sample
+      type(data_set_t), allocatable :: set
+      type(problem_t), allocatable :: problem
+      type(stop_t) :: ending
+      logical :: ready
+
+      call make_ready(case, set, problem, ready, findings)
+      if (.not. ready) return
+      if (present(stop)) ending = stop
+      call study_tolerances(set, problem%given, threads_for(set, threads_of(threads)), ending, tolerances)
+      if (.not. tolerances%closes) call findings%warning('no tolerances, because the linkage does not close everywhere')
+   end subroutine find_tolerances
+
+   ! ---- what the studies share --------------------------------------------------------------------------------------
+
+   !> Data set and problem of a case; whatever is wrong is told.
+   subroutine make_ready(case, set, problem, ready, findings, every_loop)
+      type(case_t), intent(in) :: case
+      type(data_set_t), allocatable, intent(out) :: set
+      type(problem_t), allocatable, intent(out) :: problem
+      logical, intent(out) :: ready
+      type(findings_t), intent(inout) :: findings
+      logical, intent(in), optional :: every_loop         !! solve loops that the output does not depend on too
+      type(data_set_t), allocatable :: sets(:)
+      type(prepared_t) :: prepared
+      type(findings_t) :: own
+      type(line_t) :: no_vertices(0)
+
+      ready = .false.
+      own%file = memory_name
+      if (allocated(case%set)) then
+         allocate (set, source=case%set)
+         own%file = set%file
+      else if (allocated(case%parts)) then
+         call read_data_set_text(case%text(), memory_name, sets, own, everything)
+         if (size(sets) > 0) allocate (set, source=sets(1))
+      else
+         call own%error('the case is empty; begin with new_case, read_file or read_text')
+      end if
+      call tell(case%faults, own)
+      if (.not. own%failed() .and. allocated(set)) then
+         set%nguess = 0
+         if (present(every_loop)) set%ktheta = merge(1, set%ktheta, every_loop)
+         call prepare(set, no_vertices, prepared, own)
+         ready = prepared%ready
+      end if
+      call tell(own, findings)
+      if (.not. ready) return
+      allocate (problem)
+      call make_problem(set, prepared%topology, prepared%given, problem)
+   end subroutine make_ready
+
+   !> Add what was found elsewhere, with the name of its file.
+   subroutine tell(own, findings)
+      type(findings_t), intent(in) :: own
+      type(findings_t), intent(inout) :: findings
+      integer :: i
+
+      if (allocated(own%file)) findings%file = own%file
+      do i = 1, own%count
+         call findings%add(own%list(i))
+      end do
+   end subroutine tell
+
+   !> A warning for every violation.
+   subroutine warn(problem, motion, findings)
+      type(problem_t), intent(in) :: problem
+      type(motion_t), intent(in) :: motion
+      type(findings_t), intent(inout) :: findings
+      integer :: i
+
+      do i = 1, size(motion%violations)
+         call findings%warning(lower_case(describe_violation(problem, motion, motion%violations(i))))
+      end do
+   end subroutine warn
+
+   pure integer function threads_of(threads)
+      integer, intent(in), optional :: threads
+
+      threads_of = 0
+      if (present(threads)) threads_of = max(0, threads)
+   end function threads_of
+
+   pure subroutine empty_motion(motion)
+      type(motion_t), intent(out) :: motion
+
+      allocate (motion%closed(0), motion%input(0), motion%actual(0, 0), motion%error(0, 0))
+      allocate (motion%violations(0), motion%crossings(0))
+   end subroutine empty_motion
+end module psalm

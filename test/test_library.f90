@@ -1,0 +1,341 @@
+!> The library as another program uses it: one module, no file, findings in place of failures.
+program test_library
+   use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan, ieee_positive_inf
+   use check, only: checks_t
+   use psalm, only: wp, case_t, analysis_t, wanted_t, synthesis_t, rate_study_t, tolerances_t, findings_t, stop_t, new_case, &
+                    read_file, read_text, analyse, synthesise, found_case, find_rates, find_tolerances, output_slide, &
+                    output_point, ended_on_request, ended_starts, ended_unmade
+   use stopping_host, only: host_t
+   implicit none (type, external)
+   character, parameter :: nl = new_line('a')
+   character(*), parameter :: links = ' &LINKS NLOOP=1, MAXARC=4, ILINK=1,-2,3,4,'//nl//'  ILOOP=1,0,-4,1,'//nl// &
+                              '  ARCL=40.0,140.0,0.0,10.0, GAMA=3*0.0,270.0,'//nl//'  NOUTLK=3,'//nl//'  NOUTLP=1 &END'//nl
+   character(*), parameter :: method = ' &METHOD MOTION=3, IKIN=15 &END'//nl
+   real(wp), parameter :: crank = 40.0_wp, rod = 140.0_wp, offset = 10.0_wp
+   type(checks_t) :: t
+
+   call in_memory()
+   call from_text()
+   call places()
+   call incomplete()
+   call changed()
+   call rates()
+   call searched()
+   call ended()
+   call tolerances()
+   call t%report()
+
+contains
+
+   !> The slider-crank of the README.
+   function slider_crank() result(case)
+      type(case_t) :: case
+
+      case = new_case('OFFSET SLIDER-CRANK')
+      call case%add_loop([1, -2, 3, 4], [1, 0, -4, 1], [crank, rod, 0.0_wp, offset], [0.0_wp, 0.0_wp, 0.0_wp, 270.0_wp])
+      call case%set_output(output_slide, arc=3, loop=1)
+      call case%set_turn(15)
+   end function slider_crank
+
+   !> Its slide by the theorem of Pythagoras.
+   elemental real(wp) function slide(degrees, radius)
+      real(wp), intent(in) :: degrees, radius
+      real(wp) :: angle
+
+      angle = degrees*acos(-1.0_wp)/180.0_wp
+      slide = radius*cos(angle) + sqrt(rod**2 - (radius*sin(angle) - offset)**2)
+   end function slide
+
+   subroutine in_memory()
+      type(analysis_t) :: analysis
+      type(findings_t) :: findings
+      character(:), allocatable :: listing
+
+      call analyse(slider_crank(), analysis, findings, listing=listing)
+      call t%equal_integer(findings%count, 0, 'a case made in memory: no findings')
+      call t%equal_integer(size(analysis%motion%input), 24, 'a turn in steps of 15 degrees')
+      call t%close_to(maxval(abs(analysis%motion%actual(:, 1) - slide(analysis%motion%input, crank))), 0.0_wp, 1.0e-12_wp, &
+                      'a case made in memory: the slide is that of a right triangle')
+      call t%is_true(.not. analysis%is_violating() .and. all(analysis%motion%closed), 'it closes everywhere')
+      call t%is_true(index(listing, '179.6424') > 0, 'its listing')
+   end subroutine in_memory
+
+   !> From text, from a file, in memory: the same bits.
+   subroutine from_text()
+      type(case_t) :: made
+      type(case_t), allocatable :: of_text(:), of_file(:), again(:)
+      type(analysis_t) :: one, two, three, four
+      type(findings_t) :: findings
+
+      call read_text('OFFSET SLIDER-CRANK'//nl//links//method, of_text, findings)
+      call read_file('data/dyad4_slider_crank.nml', of_file, findings)
+      call t%is_true(size(of_text) == 1 .and. size(of_file) == 1, 'one case each')
+      call t%equal_text(of_text(1)%title(), 'OFFSET SLIDER-CRANK', 'the title')
+      call t%is_true(of_text(1)%loops() == 1 .and. of_text(1)%arcs(1) == 4, 'a loop of four arcs')
+      call analyse(of_text(1), one, findings)
+      call analyse(of_file(1), two, findings)
+      made = slider_crank()
+      call analyse(made, three, findings)
+      call read_text(made%text(), again, findings)
+      call analyse(again(1), four, findings)
+      call t%equal_integer(findings%count, 0, 'no findings')
+      call t%is_true(all(abs(one%motion%actual - two%motion%actual) <= 0.0_wp), 'text and file: the same bits')
+      call t%is_true(all(abs(one%motion%actual - three%motion%actual) <= 0.0_wp), 'text and memory: the same bits')
+      call t%is_true(all(abs(one%motion%actual - four%motion%actual) <= 0.0_wp), 'memory written and read: the same bits')
+   end subroutine from_text
+
+   !> Findings name the line of the text.
+   subroutine places()
+      type(case_t), allocatable :: cases(:)
+      type(analysis_t) :: analysis
+      type(findings_t) :: findings
+      integer :: at
+
+      at = index(links, 'NOUTLK=3')
+      call read_text('A TITLE'//nl//links(:at + 6)//'9'//links(at + 8:)//method, cases, findings, name='engine')
+      call t%equal_integer(findings%count, 0, 'an arc that is not there is found by a study')
+      call analyse(cases(1), analysis, findings)
+      call t%is_true(findings%failed() .and. findings%count == 1, 'one error')
+      if (findings%count /= 1) return
+      call t%equal_integer(findings%list(1)%line, 5, 'its line')
+      call t%equal_text(findings%list(1)%item, 'NOUTLK', 'its item')
+      call t%is_true(index(findings%list(1)%render(), 'engine:5: error: &LINKS NOUTLK: ') == 1, 'the finding in words', &
+                     findings%list(1)%render())
+   end subroutine places
+
+   !> Whatever is missing or wrong comes back as a finding; results are empty.
+   subroutine incomplete()
+      type(case_t) :: empty, some
+      type(case_t), allocatable :: cases(:)
+      type(findings_t) :: findings
+      real(wp) :: none(0)
+
+      call refused(empty, 'the case is empty', 'an empty case')
+      call empty%set_item('LIMITS', 'TANGLE', 50.0_wp)
+      call refused(empty, 'begin with new_case', 'an item of an empty case')
+      call refused(new_case(), 'NLOOP', 'a case without loops')
+      some = new_case('NO OUTPUT')
+      call some%add_loop([1, -2, 3, 4], [1, 0, -4, 1])
+      call refused(some, 'NOUTLK', 'a case without output')
+      some = new_case('NO LENGTHS')
+      call some%add_loop([1, -2, 3, 4], [1, 0, -4, 1])
+      call some%set_output(output_slide, 3, 1)
+      call some%set_turn(15)
+      call refused(some, 'ARCL', 'a case without lengths')
+      some = slider_crank()
+      call some%add_loop([1, -2, 3], [1, 0, -4, 1])
+      call refused(some, 'as many values', 'arrays of different size')
+      some = slider_crank()
+      call some%add_loop([1, -2, 3], [1, 0, 1], [ieee_value(1.0_wp, ieee_quiet_nan), 1.0_wp, 1.0_wp])
+      call refused(some, 'loop 2: every length and angle must be a finite number', 'a length that is no number')
+      some = slider_crank()
+      call some%set_output(output_slide, 7, 3)
+      call refused(some, 'NOUTL', 'an output that is not there')
+      some = slider_crank()
+      call some%set_turn(0)
+      call refused(some, 'NDES', 'no input positions')
+      call some%set_positions(none)
+      call refused(some, 'NDES', 'input positions, but none')
+      some = slider_crank()
+      call some%set_item('LIMITS', 'TANGEL', 50.0_wp)
+      call refused(some, "did you mean TANGLE?", 'an item that is not there')
+      some = slider_crank()
+      call some%set_item('LIMITZ', 'TANGLE', 50.0_wp)
+      call refused(some, 'LIMITS', 'a group that is not there')
+      some = slider_crank()
+      call some%set_item('METHOD', 'CRNKI', ieee_value(1.0_wp, ieee_quiet_nan))
+      call refused(some, 'CRNKI', 'a value that is no number')
+      some = slider_crank()
+      call some%set_length(1, 2, ieee_value(1.0_wp, ieee_positive_inf))
+      call refused(some, 'finite', 'an infinite length')
+      some = slider_crank()
+      call some%set_length(1, 2, -1.0_wp)
+      call refused(some, 'not negative', 'a negative length')
+      some = slider_crank()
+      call some%set_angle(2, 1, 1.0_wp)
+      call refused(some, 'no arc 1 of loop 2', 'the angle of an arc that is not there')
+      some = slider_crank()
+      call some%vary(1, lengths=[5])
+      call refused(some, 'no arc 5', 'a variable that is not there')
+      some = slider_crank()
+      call some%vary(2, angles=[1])
+      call refused(some, 'no loop 2', 'a variable of a loop that is not there')
+      call read_text('', cases, findings)
+      call t%is_true(findings%failed() .and. size(cases) == 0, 'an empty text has no case')
+      findings = findings_t()
+      call read_text('A'//nl//links(:40), cases, findings)
+      call t%is_true(findings%failed(), 'half a text')
+      if (size(cases) > 0) call refused(cases(1), 'has errors', 'half a text')
+      findings = findings_t()
+      call read_file('data/no_such_file.nml', cases, findings)
+      call t%finds(findings, 'cannot open', 'a file that is not there')
+      call t%equal_integer(size(cases), 0, 'a file that is not there has no case')
+      call read_file('data/needle.nml', cases, findings)
+      call cases(1)%set_item('LIMITS', 'TANGLE', 50.0_wp)
+      call refused(cases(1), 'this one was read', 'an item of a case that was read')
+   end subroutine incomplete
+
+   !> Every verb refuses the case and leaves results that can be looked at.
+   subroutine refused(case, words, law)
+      type(case_t), intent(in) :: case
+      character(*), intent(in) :: words, law
+      type(analysis_t) :: analysis
+      type(rate_study_t) :: rates
+      type(synthesis_t) :: search
+      type(tolerances_t) :: tolerances
+      type(findings_t) :: findings, of_rates, of_search, of_tolerances
+
+      call analyse(case, analysis, findings)
+      call t%finds(findings, words, law)
+      call t%is_true(size(analysis%motion%input) == 0 .and. .not. analysis%is_violating(), law//': nothing was analysed')
+      call find_rates(case, rates, of_rates)
+      call synthesise(case, search, of_search)
+      call find_tolerances(case, tolerances, of_tolerances)
+      call t%is_true(findings%failed() .and. of_rates%failed() .and. of_search%failed() .and. of_tolerances%failed(), &
+                     law//': every study tells')
+      call t%is_true(size(rates%dead) == 0 .and. search%ending == ended_unmade .and. .not. tolerances%closes, &
+                     law//': every result is empty')
+   end subroutine refused
+
+   !> Dimensions may be changed, of cases made and of cases read.
+   subroutine changed()
+      type(case_t) :: made
+      type(case_t), allocatable :: cases(:)
+      type(analysis_t) :: one, two
+      type(findings_t) :: findings
+
+      made = slider_crank()
+      call read_text('A'//nl//links//method, cases, findings)
+      call made%set_length(1, 1, 35.0_wp)
+      call cases(1)%set_length(1, 1, 35.0_wp)
+      call t%is_true(abs(made%length(1, 1) - 35.0_wp) + abs(cases(1)%length(1, 1) - 35.0_wp) <= 0.0_wp, 'the new length')
+      call t%is_true(abs(made%angle(1, 4) - 270.0_wp) + abs(cases(1)%angle(1, 4) - 270.0_wp) <= 0.0_wp, 'the old angle')
+      call t%is_true(abs(made%length(2, 1)) + abs(cases(1)%angle(1, 5)) <= 0.0_wp, 'an arc that is not there')
+      call analyse(made, one, findings)
+      call analyse(cases(1), two, findings)
+      call t%close_to(maxval(abs(one%motion%actual(:, 1) - slide(one%motion%input, 35.0_wp))), 0.0_wp, 1.0e-12_wp, &
+                      'a shorter crank')
+      call t%is_true(all(abs(one%motion%actual - two%motion%actual) <= 0.0_wp), 'read or made: the same bits')
+      ! a rod too short to reach: told, not refused
+      call made%set_length(1, 2, 40.0_wp)
+      call analyse(made, one, findings)
+      call t%is_true(.not. findings%failed() .and. one%is_violating() .and. .not. all(one%motion%closed), &
+                     'a linkage that does not close is a result')
+      call t%finds(findings, 'warning: loop 1, dyad of type 4', 'and a warning that names the loop')
+      call made%set_angle(1, 4, 90.0_wp)
+      call t%is_true(abs(made%angle(1, 4) - 90.0_wp) <= 0.0_wp, 'another angle')
+   end subroutine changed
+
+   !> Speed of the slide by a difference of positions.
+   subroutine rates()
+      type(case_t) :: case
+      type(rate_study_t) :: rate_of
+      type(findings_t) :: findings
+      character(:), allocatable :: listing
+      real(wp), parameter :: speed = 3.0_wp, h = 1.0e-4_wp, per_degree = 57.295779513082320876798_wp
+      integer :: k
+      real(wp) :: difference
+
+      case = slider_crank()
+      call case%set_item('RATES', 'SPEED', speed)
+      call case%set_item('RATES', 'UNITS', 'RAD/S')
+      call find_rates(case, rate_of, findings, listing)
+      call t%equal_integer(findings%count, 0, 'rates: no findings')
+      do k = 1, size(rate_of%dead)
+         difference = (slide(rate_of%motion%input(k) + h, crank) - slide(rate_of%motion%input(k) - h, crank))/(2.0_wp*h)*per_degree
+         call t%close_to(rate_of%by_time(1, 1, k), speed*difference, 1.0e-7_wp, 'velocity of the slide against a difference')
+      end do
+      call t%is_true(index(listing, 'SPEED OF THE INPUT') > 0, 'the listing of rates')
+   end subroutine rates
+
+   !> A search in memory, and what it found as a case.
+   subroutine searched()
+      type(case_t) :: path, best
+      type(synthesis_t) :: search, shared
+      type(analysis_t) :: analysis
+      type(findings_t) :: findings
+      type(wanted_t) :: wanted
+      integer :: k
+
+      path = path_of_five_points()
+      call synthesise(path, search, findings)
+      call t%equal_integer(findings%count, 0, 'a search: no findings')
+      call t%equal_integer(search%ending, ended_starts, 'all starts were made')
+      call t%is_true(search%many .and. size(search%found%best) > 1 .and. .not. search%is_short(), 'several linkages')
+      if (size(search%found%best) < 2) return
+      do k = 1, 2
+         best = found_case(path, search, k)
+         call analyse(best, analysis, findings)
+         call t%close_to(analysis%motion%total/search%found%best(k)%objective, 1.0_wp, 1.0e-6_wp, &
+                         'the linkage found has the objective of its rank')
+      end do
+      best = found_case(path, search, 99)
+      call t%is_true(abs(best%length(1, 1) - path%length(1, 1)) <= 0.0_wp, 'no such rank: the linkage as given')
+      wanted%margins = .true.
+      wanted%sweep = .true.
+      wanted%summary = .true.
+      wanted%conditions = .true.
+      wanted%arcs = .true.
+      call analyse(found_case(path, search), analysis, findings, wanted)
+      call t%is_true(allocated(analysis%margins) .and. allocated(analysis%sweep) .and. allocated(analysis%summary) .and. &
+                     allocated(analysis%condition) .and. allocated(analysis%arcs), 'all that is wanted')
+      call t%is_true(size(analysis%sweep%input) == 360 .and. minval(analysis%condition) >= 1.0_wp, 'every degree; conditions')
+      call t%close_to(analysis%arcs%length(1, 1), analysis%dimensions%arcl(1), 0.0_wp, 'arcs: the crank keeps its length')
+      call synthesise(path, shared, findings, threads=3)
+      call t%is_true(size(shared%found%best) == size(search%found%best), 'as many linkages for three threads')
+      call t%is_true(all(abs(shared%found%best(1)%values - search%found%best(1)%values) <= 0.0_wp), 'and the same bits')
+      call synthesise(slider_crank(), search, findings)
+      call t%equal_integer(search%ending, ended_unmade, 'nothing varies: no search')
+   end subroutine searched
+
+   function path_of_five_points() result(case)
+      type(case_t) :: case
+
+      case = new_case('FIVE POINTS')
+      call case%add_loop([1, -2, -3, 4], [1, 0, 0, 1], [2.0_wp, 4.0_wp, 4.0_wp, 4.0_wp], [0.0_wp, 0.0_wp, 0.0_wp, 180.0_wp])
+      call case%set_output(output_point, arc=-2, loop=1, length=3.0_wp, angle=50.0_wp)
+      call case%set_positions([30.0_wp, 45.0_wp, 60.0_wp, 75.0_wp, 90.0_wp])
+      call case%set_desired(x=[3.0_wp, 2.759_wp, 2.372_wp, 1.890_wp, 1.355_wp], &
+                            y=[3.0_wp, 3.363_wp, 3.663_wp, 3.862_wp, 3.943_wp])
+      call case%vary(1, lengths=[1, 2, 3, 4])
+      call case%set_item('METHOD', 'ILKOUT', 1)
+      call case%set_item('METHOD', 'INGOUT', 1)
+      call case%set_item('SEARCH', 'SOLVER', 'LSQ')
+      call case%set_item('SEARCH', 'NSTART', 40)
+      call case%set_item('SEARCH', 'NBEST', 3)
+   end function path_of_five_points
+
+   !> A host can end a search.
+   subroutine ended()
+      type(host_t), target :: host
+      type(stop_t) :: stop
+      type(synthesis_t) :: search
+      type(findings_t) :: findings
+
+      host%wants_end = .true.
+      call stop%listen_to(host)
+      call synthesise(path_of_five_points(), search, findings, stop=stop)
+      call t%equal_integer(search%ending, ended_on_request, 'ended by the host')
+      call t%is_true(search%is_short() .and. search%found%starts == 0, 'before the first start was done')
+   end subroutine ended
+
+   !> A tolerance of the crank alone: its effect is the derivative of the slide.
+   subroutine tolerances()
+      type(case_t) :: case
+      type(tolerances_t) :: bands
+      type(findings_t) :: findings
+      real(wp), parameter :: tolerance = 1.0e-3_wp
+
+      case = slider_crank()
+      call case%set_item('TOLER', 'TOLARC', [tolerance, 0.0_wp, 0.0_wp, 0.0_wp])
+      call case%set_item('TOLER', 'NTRIAL', 500)
+      call find_tolerances(case, bands, findings, threads=1)
+      call t%equal_integer(findings%count, 0, 'tolerances: no findings')
+      call t%is_true(bands%closes .and. size(bands%linear%tolerance) == 1 .and. bands%sample%trials == 500, 'one tolerance')
+      if (.not. bands%closes) return
+      call t%close_to(maxval(abs(bands%linear%effect(:, 1, 1) - 0.5_wp*(slide(bands%linear%nominal%input, crank + tolerance) - &
+                                                                       slide(bands%linear%nominal%input, crank - tolerance)))), &
+                      0.0_wp, 1.0e-9_wp, 'the effect of the crank against a difference')
+      call t%is_true(.not. bands%is_violating(), 'and every linkage of the sample closes')
+   end subroutine tolerances
+end program test_library
