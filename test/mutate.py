@@ -4,7 +4,7 @@
 usage: mutate.py [--count N] [--seed S] [--room ROOM] [--report | --again] [--quick]
 
 Each change is drawn at random over src/ and app/ (a change of a number a quarter as often as another), built, and put
-through the tests until one fails, cheapest first. Tests that never run the line (build/coverage/lines.json, made by
+through the tests until one fails, first those that noticed most in the least time. Tests that never run the line (build/coverage/lines.json, made by
 coverage.py) are left out. A change that does not compile, or leaves the optimised code as it was, is drawn again. The same
 seed gives the same changes; --again puts those that were missed through the tests of today. Results go to
 build/mutate/seed-S.jsonl as they come, and a run that was stopped goes on there, on the same sources. The sources themselves are
@@ -16,6 +16,7 @@ import json
 import os
 import random
 import re
+import shutil
 import sys
 import time
 
@@ -24,7 +25,7 @@ import workshop
 PLACE = os.path.join(workshop.TOP, "build", "mutate")
 LEAST = 90.0          # per cent to be noticed
 NUMBERS = 0.25        # weight of a changed number, of which there are many
-SLACK, PATIENCE = 20.0, 8.0  # a stage may take PATIENCE times as long as it does on the sound sources, and SLACK seconds
+SLACK, PATIENCE = 15.0, 6.0  # a stage may take PATIENCE times as long as it does on the sound sources, and SLACK seconds
 
 TOKEN = re.compile(r"""(?P<text>'[^']*'|"[^"]*")|(?P<note>!.*)|(?P<dot>\.\w+\.)
                        |(?P<number>(?<![\w.])\d+(?:\.\d*)?(?:[ed][-+]?\d+)?(?:_\w+)?)
@@ -70,6 +71,11 @@ def machine_code(build, source):
     return open(build.object_of(source), "rb").read()
 
 
+def first_failure(output):
+    lines = output.strip().split("\n")
+    return next((line for line in lines if line.startswith("FAILED")), lines[-1])[:200]
+
+
 class Trial:
     """The copied tree with its builds, and what each stage takes on sound sources."""
 
@@ -88,15 +94,41 @@ class Trial:
         for build in self.builds:
             build.all()
         print("-- built", file=sys.stderr, flush=True)
+        self.keep_sound()
         self.seconds = {}
         for stage in self.stages:
             began = time.monotonic()
             if not stage.run(self.tree, 3600):
                 raise SystemExit("the tests fail before anything is changed: %s\n%s" % (stage.name, stage.output[-2000:]))
             self.seconds[stage.name] = time.monotonic() - began
-        self.stages.sort(key=lambda stage: self.seconds[stage.name])
+        self.tried = {stage.name: [1, 3] for stage in self.stages}    # how often it noticed, how often it was asked
         print("-- sound sources: %.0f seconds" % sum(self.seconds.values()), file=sys.stderr, flush=True)
         self.runs = self.read_coverage()
+        self.measured = set().union(*self.runs.values()) if self.runs else set()
+        self.why = ""
+
+    def power(self, name):
+        """Changes noticed for a second of it, as far as one knows."""
+        noticed, asked = self.tried[name]
+        return noticed/asked/(self.seconds[name] + 0.05)
+
+    def learn(self, name, noticed):
+        self.tried[name][0] += noticed
+        self.tried[name][1] += 1
+
+    def keep_sound(self):
+        for build in self.builds:
+            shutil.copytree(build.place, build.place + ".sound", dirs_exist_ok=True)
+
+    @staticmethod
+    def make_sound(build):
+        """Put back what a change has built: faster than to build it again."""
+        for folder, _, names in os.walk(build.place + ".sound"):
+            for name in names:
+                kept = os.path.join(folder, name)
+                used = build.place + kept[len(build.place + ".sound"):]
+                if not os.path.exists(used) or os.stat(used).st_mtime_ns != os.stat(kept).st_mtime_ns:
+                    shutil.copy2(kept, used)
 
     @staticmethod
     def read_coverage():
@@ -113,7 +145,7 @@ class Trial:
         lines[number - 1] = lines[number - 1][:column] + new + lines[number - 1][column + len(old):]
         path = os.path.join(self.tree, source)
         before = machine_code(self.release, source), self.release.interface(source)
-        changed = []
+        changed, self.why = [], ""
         try:
             with open(path, "w", encoding="utf-8") as out:
                 out.write("\n".join(lines))
@@ -128,20 +160,23 @@ class Trial:
             except workshop.BuildFailed:
                 return None
             ran = self.runs.get((source, number))
-            for stage in self.stages:
-                if ran is not None and stage.name not in ran:
+            for stage in sorted(self.stages, key=lambda s: -self.power(s.name)):
+                if ran is not None and stage.name in self.measured and stage.name not in ran:
                     continue
                 if "quad" in stage.needs and self.quad not in changed:
                     changed.append(self.quad)
                     self.quad.update(source)
-                if not stage.run(self.tree, SLACK + PATIENCE*self.seconds[stage.name]):
+                sound = stage.run(self.tree, SLACK + PATIENCE*self.seconds[stage.name])
+                self.learn(stage.name, not sound)
+                if not sound:
+                    self.why = first_failure(stage.output)
                     return stage.name
             return ""
         finally:
             with open(path, "w", encoding="utf-8") as out:
                 out.write(text)
             for build in changed:
-                build.update(source)
+                self.make_sound(build)
 
 
 def main():
@@ -194,7 +229,7 @@ def again(options, results, done):
         column = entry["column"] + len(lines[number - 1]) - len(lines[number - 1].lstrip())
         began = time.monotonic()
         entry["noticed"] = trial.try_out(entry["file"], text, (number, column, entry["old"], entry["new"], 1.0))
-        entry["seconds"] = round(time.monotonic() - began, 1)
+        entry["seconds"], entry["why"] = round(time.monotonic() - began, 1), trial.why
         tell(entry)
         with open(results, "w", encoding="utf-8") as out:
             out.writelines(json.dumps(e) + "\n" for e in done)
@@ -218,7 +253,7 @@ def run(options, results, done):
         noticed = trial.try_out(source, texts[source], change)
         line = texts[source].split("\n")[change[0] - 1]
         entry = {"file": source, "line": change[0], "column": change[1] - (len(line) - len(line.lstrip())), "old": change[2],
-                 "new": change[3], "noticed": noticed, "text": line.strip(), "seconds": round(time.monotonic() - began, 1)}
+                 "new": change[3], "noticed": noticed, "text": line.strip(), "seconds": round(time.monotonic() - began, 1), "why": trial.why}
         done.append(entry)
         with open(results, "a", encoding="utf-8") as out:
             out.write(json.dumps(entry) + "\n")

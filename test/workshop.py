@@ -162,7 +162,9 @@ def copy_tree(target):
             shutil.copy2(os.path.join(TOP, name), os.path.join(target, name))
 
 
-SLOW = ("programs: datasets", "programs: device7", "programs: solvers", "hard cases", "pictures: pages") # seconds each, not one
+# seconds each, not one
+SLOW = ("programs: datasets", "programs: device7", "programs: solvers", "hard cases", "pictures: pages", "summary: against_device_9",
+        "fuzz", "processor", "slide pairs")
 
 
 class Stage:
@@ -188,14 +190,21 @@ class Stage:
 
 
 def stages(top, debug, release, quad):
-    """All tests of scripts/test but those of two modules in quadruple precision, cheapest first."""
+    """All tests of scripts/test but those of two modules in quadruple precision, and sizes.py, which measures times."""
     test = os.path.join(top, "test")
     python = os.path.join(TOP, ".venv", "bin", "python")
     result = [Stage(name, [os.path.join(debug.tests, name)], ("debug",)) for name in debug.test_programs()]
     script = open(os.path.join(test, "programs.sh"), encoding="utf-8").read()
     result += [Stage("programs: " + part, [os.path.join(test, "programs.sh"), release.bin, part])
                for part in re.findall(r"^if part (\w+); then", script, re.M)]
-    result += [Stage("laws", [python, os.path.join(test, "laws.py"), release.bin])]
+    for name in ("laws", "manual", "narrow_places", "slide_pairs"):
+        result += [Stage(name.replace("_", " "), [python, os.path.join(test, name + ".py"), release.bin])]
+    for name, pattern in (("files", r"\b(?:for test in \()([\w, ]+)\)"), ("summary", r"\b(?:for part in \()([\w, ]+)\)")):
+        script = open(os.path.join(test, name + ".py"), encoding="utf-8").read()
+        result += [Stage(name + ": " + part, [python, os.path.join(test, name + ".py"), release.bin, part])
+                   for part in re.search(pattern, script).group(1).split(", ")]
+    result += [Stage("fuzz", [python, os.path.join(test, "fuzz.py"), release.bin, "--count", "600"])]
+    result += [Stage("processor", [os.path.join(test, "processor.sh"), release.bin])]
     result += [Stage("hard cases", [os.path.join(test, "hard_cases.sh"), release.bin, quad.bin], ("release", "quad"))]
     script = open(os.path.join(test, "pictures.py"), encoding="utf-8").read()
     result += [Stage("pictures: " + part, [python, os.path.join(test, "pictures.py"), release.bin, "--only", part])
