@@ -255,8 +255,6 @@ def tune(psalm, linkage, draw, folder):
     return True
 
 
-
-
 def main():
     if len(sys.argv) < 2:
         sys.exit(__doc__)
@@ -288,4 +286,5 @@ def main():
     sys.exit(0 if good else 1)
 
 
-main()
+if __name__ == '__main__':
+    main()

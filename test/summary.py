@@ -1,4 +1,5 @@
-"""The summary on standard error against device 9 and against an independent scan of random four-bars.
+"""The summary on standard error against device 9 and against independent scans of random four-bars and of
+linkages whose first loop has no angle of transmission.
 
 usage: test/summary.py PROGRAM_DIRECTORY [PART]. Last line: N passed, N failed. With STOP_AT_FIRST=1 the first failure ends it.
 """
@@ -11,6 +12,8 @@ import re
 import subprocess
 import sys
 import tempfile
+
+import slide_pairs
 
 bin_dir = pathlib.Path(sys.argv[1]).resolve()
 top = pathlib.Path(__file__).resolve().parent.parent
@@ -155,8 +158,44 @@ def against_scan(work):
     check("the scan met every kind", len(seen) >= 5, seen)
 
 
+def second_loop(work):
+    """An oscillating cylinder, which has no angle of transmission, and two links on it: where they open the angle is nothing."""
+    draw = random.Random(5)
+    opened = 0
+    for n in range(16):
+        cylinder = slide_pairs.Loop(1, None, draw.choice((2, 3)), draw)
+        links = slide_pairs.Loop(2, cylinder, 1, draw)
+        cylinder.p = cylinder.q = draw.uniform(1, 5)    # the pivots are farther apart: it closes everywhere
+        linkage = slide_pairs.Linkage.__new__(slide_pairs.Linkage)
+        linkage.loops, linkage.needed = [cylinder, links], {cylinder, links}
+        linkage.turn, linkage.start, linkage.range = True, 0.0, 360.0
+        (work / "two.nml").write_text(linkage.text())
+        block = lines_of(run("psalm", "two.nml", work).stderr)
+        name = f"linkage {n} of two loops"
+        angles, closed = [], 0
+        for at in range(1440):
+            if linkage.solve(at / 4) is None:
+                continue
+            closed += 1
+            begin = cylinder.start + links.length * cylinder.along * cmath.rect(1.0, math.radians(links.angle))
+            finish = cmath.rect(-links.frame, math.radians(cylinder.frame_angle + links.frame_angle))
+            cosine = (links.p**2 + links.q**2 - abs(finish - begin)**2) / (2 * links.p * links.q)
+            angles.append(90 - abs(90 - math.degrees(math.acos(max(-1.0, min(1.0, cosine))))))
+        if not closed:
+            check(f"{name}: closes nowhere", block and block[0]["Closes"] == "nowhere", block)
+            continue
+        told = numbers(block[0]["Transmission angle"])
+        if closed < 1440:
+            opened += 1
+            check(f"{name}: nothing where it opens", told[0] < 0.01 and told[1] == 2, block)
+            check(f"{name}: it opens there", any(close(told[2], end, 0.01) for end in numbers(block[0]["Closes"])), block)
+        else:
+            check(f"{name}: least angle", min(angles) - 0.5 <= told[0] <= min(angles) + 1e-3, (min(angles), block))
+    check("some of two loops open", opened > 3, opened)
+
+
 with tempfile.TemporaryDirectory() as name:
-    for part in (against_scan, against_device_9):
+    for part in (against_scan, second_loop, against_device_9):
         if sys.argv[2:] in ([], [part.__name__]):
             part(pathlib.Path(name))
 print(f"{passed} passed, {failed} failed")
