@@ -8,7 +8,7 @@ through the tests until one fails, first those that noticed most in the least ti
 coverage.py) are left out. A change that does not compile, or leaves the optimised code as it was, is drawn again. The same
 seed gives the same changes; --again puts those that were missed through the tests of today. Results go to
 build/mutate/seed-S.jsonl as they come, and a run that was stopped goes on there, on the same sources. The sources themselves are
-not touched. --quick builds once, optimised and without the checks of the run-time library, and leaves out the parts of the tests
+not touched. --quick builds once, less optimised and without the checks of the run-time library, and leaves out the parts of the tests
 that take longest: what it misses goes through --again. The last line is N noticed, N missed; the exit status is 1 if fewer than 90 per cent are noticed.
 """
 import argparse
@@ -83,7 +83,8 @@ class Trial:
         self.tree = os.path.join(PLACE, "tree")
         workshop.copy_tree(self.tree)
         build = os.path.join(self.tree, "build")
-        self.release = workshop.Build(self.tree, os.path.join(build, "release"), workshop.release_flags(), tests=quick)
+        self.release = workshop.Build(self.tree, os.path.join(build, "release"), workshop.quick_flags() if quick else workshop.release_flags(),
+                                      tests=quick)
         self.debug = self.quad = self.release
         if not quick:
             self.debug = workshop.Build(self.tree, os.path.join(build, "debug"), workshop.check_flags())

@@ -28,6 +28,10 @@ def release_flags():
     return ["-O3", "-funroll-loops"] + setup_value("release_flags")
 
 
+def quick_flags():
+    return ["-O1"] + setup_value("release_flags")
+
+
 def quad_flags():
     return ["-O1", "-DREAL128"] + setup_value("release_flags")
 
