@@ -27,6 +27,9 @@ LEAST = 90.0          # per cent to be noticed
 NUMBERS = 0.25        # weight of a changed number, of which there are many
 SLACK, PATIENCE = 15.0, 6.0  # a stage may take PATIENCE times as long as it does on the sound sources, and SLACK seconds
 
+MOST_PICTURES = "pictures: most"
+NEAR_PICTURES = ("src/picture/", "src/report/", "src/study/", "app/")   # for these --quick looks at the pictures
+
 TOKEN = re.compile(r"""(?P<text>'[^']*'|"[^"]*")|(?P<note>!.*)|(?P<dot>\.\w+\.)
                        |(?P<number>(?<![\w.])\d+(?:\.\d*)?(?:[ed][-+]?\d+)?(?:_\w+)?)
                        |(?P<word>[a-z]\w*)|(?P<sign>\*\*|//|==|/=|<=|>=|=>|::|\(/|/\)|[-+*/<>=%(),:])""", re.I | re.X)
@@ -89,13 +92,14 @@ class Trial:
         if not quick:
             self.debug = workshop.Build(self.tree, os.path.join(build, "debug"), workshop.check_flags())
             self.quad = workshop.Build(self.tree, os.path.join(build, "quad"), workshop.quad_flags(), tests=False)
-        self.stages = [stage for stage in workshop.stages(self.tree, self.debug, self.release, self.quad)
-                       if not quick or stage.name not in workshop.SLOW]
+        self.stages = workshop.stages(self.tree, self.debug, self.release, self.quad)
+        self.quick = quick
+        if quick:
+            self.stages = self.fewer_stages()
         self.builds = list(dict.fromkeys((self.release, self.debug, self.quad)))
         for build in self.builds:
-            build.all()
+            self.build_sound(build)
         print("-- built", file=sys.stderr, flush=True)
-        self.keep_sound()
         self.seconds = {}
         for stage in self.stages:
             began = time.monotonic()
@@ -105,8 +109,21 @@ class Trial:
         self.tried = {stage.name: [1, 3] for stage in self.stages}    # how often it noticed, how often it was asked
         print("-- sound sources: %.0f seconds" % sum(self.seconds.values()), file=sys.stderr, flush=True)
         self.runs = self.read_coverage()
+        for stage in self.stages:
+            if stage.name == MOST_PICTURES:
+                for stages in self.runs.values():
+                    if any(name.startswith("pictures: ") for name in stages):
+                        stages.add(MOST_PICTURES)
         self.measured = set().union(*self.runs.values()) if self.runs else set()
         self.why = ""
+
+    def fewer_stages(self):
+        """Without the slow ones; the pictures in one go, because each start of the browser takes seconds."""
+        fast = [stage for stage in self.stages if stage.name not in workshop.SLOW]
+        pictures = [stage for stage in fast if stage.name.startswith("pictures: ")]
+        parts = ",".join(stage.command[-1] for stage in pictures)
+        return [stage for stage in fast if stage not in pictures] + \
+            [workshop.Stage(MOST_PICTURES, pictures[0].command[:-1] + [parts])]
 
     def power(self, name):
         """Changes noticed for a second of it, as far as one knows."""
@@ -117,9 +134,18 @@ class Trial:
         self.tried[name][0] += noticed
         self.tried[name][1] += 1
 
-    def keep_sound(self):
-        for build in self.builds:
-            shutil.copytree(build.place, build.place + ".sound", dirs_exist_ok=True)
+    def build_sound(self, build):
+        """Build, or take what an earlier run has built of the same sources."""
+        kept = build.place + ".sound"
+        name, stamp = os.path.join(kept, "stamp"), build.stamp()
+        if os.path.exists(name) and open(name, encoding="utf-8").read() == stamp:
+            self.make_sound(build)
+            return
+        shutil.rmtree(kept, ignore_errors=True)
+        build.all()
+        shutil.copytree(build.place, kept)
+        with open(name, "w", encoding="utf-8") as out:
+            out.write(stamp)
 
     @staticmethod
     def make_sound(build):
@@ -163,6 +189,8 @@ class Trial:
             ran = self.runs.get((source, number))
             for stage in sorted(self.stages, key=lambda s: -self.power(s.name)):
                 if ran is not None and stage.name in self.measured and stage.name not in ran:
+                    continue
+                if stage.name == MOST_PICTURES and not source.startswith(NEAR_PICTURES):
                     continue
                 if "quad" in stage.needs and self.quad not in changed:
                     changed.append(self.quad)

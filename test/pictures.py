@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """The pictures of balm from outside: SVG, DXF and page against device 9 of psalm, the page in a browser without a screen.
 
-usage: test/pictures.py PROGRAM_DIRECTORY [SCREENSHOT_DIRECTORY | --only PART]. Last line: N passed, N failed.
+usage: test/pictures.py PROGRAM_DIRECTORY [SCREENSHOT_DIRECTORY | --only PART[,PART ...]]. Last line: N passed, N failed.
 Readers are independent of balm: XML and JSON of Python, ezdxf, chromium.
 """
 import json
@@ -686,7 +686,8 @@ def main(arguments):
     picture_tools.programs = os.path.abspath(arguments.pop(0))
     only, shots = None, None
     if arguments[:1] == ["--only"]:
-        only = arguments[1]
+        only = arguments[1].split(",")
+        only += [needed for name in only for needed in NEEDED.get(name, [])]
     elif arguments:
         shots = os.path.abspath(arguments[0])
         os.makedirs(shots, exist_ok=True)
@@ -694,7 +695,7 @@ def main(arguments):
         os.chdir(work)
         codes = prepare()
         for name, part in PARTS.items():
-            if only in (None, name) or name in NEEDED.get(only, []):
+            if only is None or name in only:
                 part(*{"geometry": [codes], "pages": [shots]}.get(name, []))
         os.chdir("/")
     print("%d passed, %d failed" % (picture_tools.passed, picture_tools.failed))

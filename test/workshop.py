@@ -5,6 +5,7 @@ test ran which line: both need single objects at hand. Object files have the nam
 """
 import glob
 import gzip
+import hashlib
 import os
 import re
 import shutil
@@ -147,6 +148,13 @@ class Build:
                 ([self.object_of(s) for s in helpers] if test else []) +
                 [library, "-Wl,-rpath," + self.place] + LIBRARIES)
 
+    def stamp(self):
+        """Changes with the flags and with every source."""
+        made_of = hashlib.sha256(repr([self.compiler] + self.flags).encode())
+        for source in self.order:
+            made_of.update(source.encode() + open(os.path.join(self.top, source), "rb").read())
+        return made_of.hexdigest()
+
     def all(self):
         for source in self.order:
             self.compile(source)
@@ -159,7 +167,10 @@ class Build:
 def copy_tree(target):
     """The files of the work tree that git knows or would take, without what was built."""
     names = subprocess.run(["git", "ls-files", "-co", "--exclude-standard"], cwd=TOP, capture_output=True, check=True)
-    shutil.rmtree(target, ignore_errors=True)
+    for name in os.listdir(target) if os.path.isdir(target) else []:
+        if name != "build":
+            path = os.path.join(target, name)
+            shutil.rmtree(path) if os.path.isdir(path) else os.remove(path)
     for name in names.stdout.decode().splitlines():
         if os.path.isfile(os.path.join(TOP, name)):
             os.makedirs(os.path.dirname(os.path.join(target, name)), exist_ok=True)
