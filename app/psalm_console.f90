@@ -207,7 +207,7 @@ contains
             call value_of(program, word, i, number, arguments%code)
             call parse_integer(number, arguments%threads, valid, reason)
             if (len(number) > 0 .and. (.not. valid .or. arguments%threads < 1 .or. arguments%threads > most_threads)) then
-               call say(program, "--threads wants a number from 1 to "//to_text(most_threads)//"; found '"//number//"'")
+               call say(program, "--threads expects an integer from 1 to "//to_text(most_threads)//"; found '"//number//"'")
                arguments%code = exit_bad_input
             end if
          case ('--device4')
@@ -275,7 +275,7 @@ contains
          value = argument(i)
          if (len(value) > 0) return
       end if
-      call say(program, option//' wants a value; see --help')
+      call say(program, option//' expects a value; see --help')
       code = exit_bad_input
    end subroutine value_of
 

@@ -152,7 +152,7 @@ def targets():
     fresh()
     run("psalm", "-q", "textile.nml")
     os.chmod("textile.dev9", 0o444)
-    refused("a read-only device", 3, "'textile.dev9': it is read-only or another user's; allow it", "psalm", "textile.nml")
+    refused("a read-only device", 3, "'textile.dev9': it is read-only or belongs to another user; allow it", "psalm", "textile.nml")
     os.chmod("textile.dev9", 0o640)
     os.utime("textile.dev9", (1, 1))
     check("the mode of a file is kept", run("psalm", "-q", "textile.nml").returncode == 0
@@ -170,7 +170,7 @@ def targets():
     refused("a symbolic link to nothing", 3, "it is a symbolic link", "psalm", "textile.nml")
     os.unlink("textile.dev9")
     os.mkfifo("textile.dev9")
-    refused("a pipe", 3, "'textile.dev9': it is no regular file", "psalm", "textile.nml")
+    refused("a pipe", 3, "'textile.dev9': it is not a regular file", "psalm", "textile.nml")
     os.unlink("textile.dev9")
     os.mkdir("textile.dev9")
     refused("a directory", 3, "'textile.dev9': it is a directory", "psalm", "textile.nml")

@@ -248,7 +248,7 @@ changed region.nml 's/RLINK=2,0/RLINK=5,0/' >bad.nml
 status 2 'a region of a joint that is not there' "$psalm" bad.nml
 { cat actuator_rapson_slide.nml; echo ' &CONSTR IRANGE=2 &END'; } >bad.nml
 status 2 'a sliding input makes no turn' "$psalm" bad.nml
-said 'a sliding input makes no turn' 'IRANGE=1 is its range'
+said 'a sliding input makes no turn' 'use IRANGE=1'
 
 changed region.nml 's/RKIND=1,-3, RLINK=2,0, RLOOP=1,0/RKIND=1,-3, RLINK=2,2, RLOOP=1,0/' >bad.nml
 status 2 'an arc without its loop' "$psalm" bad.nml
@@ -570,7 +570,7 @@ status 0 'very large integers' "$psalm" wide.nml
 "$psalm" --quiet --output-dir one needle_search.nml >one.lst
 same '--threads changes nothing' out one.lst
 status 2 '--threads wants a number' "$psalm" --threads many needle.nml
-said '--threads wants a number' '--threads wants a number from 1'
+said '--threads wants a number' '--threads expects an integer from 1'
 changed textile.nml 's/NLOOP/NLOPP/' >wrong.nml
 status 2 'one of several files is wrong: the others run' "$psalm" wrong.nml textile.nml
 check 'the sound one is listed' grep -q 'TEXTILE' out

@@ -149,14 +149,14 @@ contains
       call wrong('T'//nl//' &LINK NLOOP=1 &END'//nl//method, 'did you mean &LINKS?')
       call wrong('T'//nl//links(:len(links) - 6)//nl//method, 'is not closed')
       call wrong(whole//links, 'the group is given twice')
-      call wrong(whole//' &LIMITS LAST=0 &END'//nl, 'LAST=0 announces another case')
+      call wrong(whole//' &LIMITS LAST=0 &END'//nl, 'LAST=0 declares another case')
    end subroutine wrong_text
 
    subroutine wrong_items()
       call wrong(altered('MAXARC=4', 'MAXRAC=4'), 'did you mean MAXARC?')
-      call wrong(altered('NLOOP=1,', ''), '&LINKS NLOOP: is required')
-      call wrong(altered('NLOOP=1', 'NLOOP=0'), 'must lie in 1 to')
-      call wrong(altered('NLOOP=1', 'NLOOP=2000000000'), 'must lie in 1 to')
+      call wrong(altered('NLOOP=1,', ''), '&LINKS NLOOP: missing; this item is required')
+      call wrong(altered('NLOOP=1', 'NLOOP=0'), 'must be from 1 to')
+      call wrong(altered('NLOOP=1', 'NLOOP=2000000000'), 'must be from 1 to')
       call wrong(altered('MAXARC=4', 'MAXARC=4.0'), 'an integer is expected, not a real')
       call wrong(altered('MAXARC=4', 'MAXARC=four'), 'an integer is expected')
       call wrong(altered('NOUTLK=3', 'NOUTLK=-2147483648'), 'the integer is too large')
@@ -169,15 +169,15 @@ contains
       call wrong(altered('120.,80.', '120.,1e400'), 'the number is too large')
       call wrong(altered('80.,130.', '80.,130.,5.'), 'too many values')
       call wrong(altered('80.,130.', '-80.,130.'), 'is negative')
-      call wrong(altered('NOUTLK=3,', ''), '&LINKS NOUTLK: is required')
+      call wrong(altered('NOUTLK=3,', ''), '&LINKS NOUTLK: missing; this item is required')
       call wrong(altered('NOUTLK=3', 'NOUTLK=7'), 'must name an arc from 1 to 4')
       call wrong(altered('NOUTLP=1', 'NOUTLP=2'), 'must name a loop from 1 to 1')
       call wrong(altered('NDES=3, ', ''), 'the number of prescribed positions is required')
       call wrong(altered('NDES=3', 'NDES=5'), 'only 3 values given')
-      call wrong(altered('NDES=3', 'NDES=-1'), 'must lie in 1 to')
-      call wrong(altered('MOTION=1', 'MOTION=5'), 'must lie in 0 to 4')
+      call wrong(altered('NDES=3', 'NDES=-1'), 'must be from 1 to')
+      call wrong(altered('MOTION=1', 'MOTION=5'), 'must be from 0 to 4')
       call wrong(altered('MOTION=1', 'MOTION=3'), 'does not slide')
-      call wrong(altered('NDES=3', 'ISTART=0, NDES=3'), 'must lie in 1 to')
+      call wrong(altered('NDES=3', 'ISTART=0, NDES=3'), 'must be from 1 to')
       call wrong(altered('NDES=3', 'REDUCE=1.5, NDES=3'), 'must lie between 0 and 1')
       call wrong(altered('NDES=3', 'BOUNCE=1., NDES=3'), 'must be above 1')
       call wrong(altered('NDES=3', 'IVA=0,2, NDES=3'), 'entries are 0 (fixed) or 1 (may vary)')
@@ -247,14 +247,14 @@ contains
    !> More or fewer values than announced.
    subroutine counts()
       call wrong(altered('DELT=0.,30.,60.', 'DELT=0.,30.,60.,90.'), &
-                 'NDES=3 positions are announced, but 4 values given; set NDES=4')
+                 'NDES=3 positions are declared, but 4 values given; set NDES=4')
       call wrong(altered('DELT=0.,30.,60.', 'DELT=0.,30.,60.,0.'), '4 values given')
-      call wrong(altered('NDES=3', 'DESANG=5*1., NDES=3'), '&METHOD DESANG: NDES=3 positions are announced, but 5 values given')
-      call wrong(altered('NDES=3', 'ANMULT=1.,1.,1.,1., NDES=3'), '&METHOD ANMULT: NDES=3 positions are announced, but 4')
-      call wrong(altered('NLOOP=1', 'NLOOP=2'), 'NLOOP=2 loops are announced, but ILINK has values for 1 only')
+      call wrong(altered('NDES=3', 'DESANG=5*1., NDES=3'), '&METHOD DESANG: NDES=3 positions are declared, but 5 values given')
+      call wrong(altered('NDES=3', 'ANMULT=1.,1.,1.,1., NDES=3'), '&METHOD ANMULT: NDES=3 positions are declared, but 4')
+      call wrong(altered('NLOOP=1', 'NLOOP=2'), 'NLOOP=2 loops are declared, but ILINK has values for 1 only')
       call t%equal_integer(findings%count, 1, 'a loop too many is told once')
       call wrong('T'//nl//' &LINKS NLOOP=1, MAXARC=4, ILINK=1,2,3,4,1,2,3,4, ILOOP=1,0,0,1,1,0,0,1, ARCL=8*10., GAMA=8*5., '// &
-                 'NOUTLK=3, NOUTLP=1 &END'//nl//method, 'NLOOP=1 rows of MAXARC=4 are announced, found 2 rows (8 values)')
+                 'NOUTLK=3, NOUTLP=1 &END'//nl//method, 'NLOOP=1 rows of MAXARC=4 are declared, found 2 rows (8 values)')
       call t%equal_integer(findings%count, 1, 'a loop too few is told once')
       call wrong(altered('ARCL=40.,120.,80.,130.', 'ARCL=40,5, 120,5, 80,0, 130,0'), 'the decimal sign is a point, not a comma')
       call read_text(altered('NDES=3', 'DESANG=3*1.,161*0.0, ANMULT=181*1.0, NDES=3'))
@@ -299,7 +299,7 @@ contains
       call wrong(altered('ILINK=1,2,3,4, ILOOP=1,0,0,1', 'ILINK=1,2,3,4, ILOOP=1,1,0,0'), 'the frame arc must come last')
       call t%equal_integer(findings%count, 1, 'the frame arc second: one message')
       call wrong('T'//nl//' &LINKS NLOOP=1, MAXARC=3, ILINK=1,2,3, ILOOP=1,0,0, ARCL=3*10., NOUTLK=3, NOUTLP=1 &END'//nl//method, &
-                 'the frame arc is missing')
+                 'the frame arc seems to be missing')
       call read_text(altered('DELT=0.,30.,60.', 'DELT=0.,30.,'//nl//'0.'))
       call t%finds(findings, 'positions 1 and 3 have the same input', 'a position given twice')
       call t%equal_integer(findings%list(1)%line, 5, 'a position given twice: its line')
@@ -307,11 +307,11 @@ contains
 
    !> Of one kind a few findings are told, the others counted.
    subroutine many()
-      call wrong(altered('NOUTLK=3', repeat('Q=1 ', 100)//'NOUTLK=3'), 'and 95 more items that it does not have')
+      call wrong(altered('NOUTLK=3', repeat('Q=1 ', 100)//'NOUTLK=3'), 'and 95 more unknown items')
       call t%equal_integer(findings%count, 6, 'of 100 unknown items five are told')
       call wrong(altered('NOUTLK=3', repeat('ARCL(7)=1. ', 100)//'NOUTLK=3'), 'and 95 more')
       call t%equal_integer(findings%count, 6, 'of 100 errors of one item five are told')
-      call wrong(altered('NLOOP=1', 'NLOOP=100000'), 'NLOOP=100000 loops are announced')
+      call wrong(altered('NLOOP=1', 'NLOOP=100000'), 'NLOOP=100000 loops are declared')
       call t%equal_integer(findings%count, 1, 'one error for 100000 loops')
    end subroutine many
 
@@ -370,7 +370,7 @@ contains
                  method, 'common with arc 1 of the same loop')
       call wrong(altered('120.,80.', '0.,80.'), 'needs a positive length')
       call wrong('T'//nl//' &LINKS NLOOP=1, MAXARC=4, ILINK=-1,2,3,4, ILOOP=-4,0,-2,1, ARCL=3*0.,9., GAMA=3*0.,90., NOUTLK=3,'// &
-                 ' NOUTLP=1 &END'//nl//' &METHOD MOTION=1, IKIN=30 &END'//nl, 'the input slides')
+                 ' NOUTLP=1 &END'//nl//' &METHOD MOTION=1, IKIN=30 &END'//nl, 'with a sliding input give NDES and DELT')
    end subroutine wrong_topology
 
    !> References between arcs and limits of variables that cannot be meant.

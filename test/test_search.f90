@@ -327,7 +327,7 @@ contains
       call t%close_to(v(1, 1), 331.67_wp, 1.0e-3_wp, 'final vertices come first')
       call t%close_to(v(1, 4), 325.7_wp, 1.0e-6_wp, 'then the initial ones')
       call read_vertices(lines, 2, 7, v, findings)
-      call t%finds(findings, '7 vertices are announced, but device 4 holds 6', 'too few vertices')
+      call t%finds(findings, '7 vertices are declared, but device 4 holds 6', 'too few vertices')
       call read_vertices([line_t('     1.0            2.0'), line_t('     3.0            x4.0')], 2, 2, v, findings)
       call t%finds(findings, 'device 4, line 2: coordinate 2', 'a vertex that is not a number')
    end subroutine supplied_vertices

@@ -55,14 +55,14 @@ contains
          message = "cannot write '"//path//"': it is a symbolic link, which is neither replaced nor followed; remove it or "// &
                    "choose another place with --output-dir DIR"
       case (kind_other)
-         message = "cannot write '"//path//"': it is no regular file; move it away or choose another place with --output-dir DIR"
+         message = "cannot write '"//path//"': it is not a regular file; move it away or choose another place with --output-dir DIR"
       case (kind_file)
          if (any(same_file(identity, inputs))) then
             code = exit_bad_input
             message = "'"//path//"' is in use by this run and would be overwritten: choose another place with "// &
                       "--output-dir DIR, or copy the input under another name"
          else if (.not. writable) then
-            message = "cannot write '"//path//"': it is read-only or another user's; allow it (chmod u+w), "// &
+            message = "cannot write '"//path//"': it is read-only or belongs to another user; make it writable (chmod u+w), "// &
                       "move it away or choose another place with --output-dir DIR"
          end if
       end select
@@ -149,7 +149,7 @@ contains
          call remove_file(self%files(i)%beside)
       end do
       if (self%code /= exit_done .and. placed == 0) then
-         self%message = self%message//'; no file of this run was written, those that were there stay'
+         self%message = self%message//'; no file of this run was written, existing files are unchanged'
       else if (self%code /= exit_done) then
          self%message = self%message//'; other files of this run were written'
       end if

@@ -170,7 +170,7 @@ contains
             if (count == 0) then
                call findings%error('the file is empty; a case is a title line followed by &LINKS, &METHOD and &LIMITS')
             else
-               call findings%error('LAST=0 announces another case, but the file ends here', line=size(lines))
+               call findings%error('LAST=0 declares another case, but the file ends here', line=size(lines))
             end if
             exit
          end if
@@ -383,7 +383,7 @@ contains
          call too_many_rows('ILINK', needed, beyond)
          rows_known = .false.
       else if (shape_known .and. highest > 0 .and. needed <= n - set%maxarc) then
-         call out_of(group, 'NLOOP', 'NLOOP='//to_text(set%nloop)//' loops are announced, but ILINK has values for '// &
+         call out_of(group, 'NLOOP', 'NLOOP='//to_text(set%nloop)//' loops are declared, but ILINK has values for '// &
                      to_text((needed - 1)/set%maxarc + 1)//' only (rows of MAXARC='//to_text(set%maxarc)//')', findings)
          rows_known = .false.
       end if
@@ -424,7 +424,7 @@ contains
          integer, intent(in) :: found, line
 
          call findings%error('too many values: NLOOP='//to_text(set%nloop)//' rows of MAXARC='//to_text(set%maxarc)// &
-                             ' are announced, found '//to_text((found - 1)/set%maxarc + 1)//' rows ('//to_text(found)// &
+                             ' are declared, found '//to_text((found - 1)/set%maxarc + 1)//' rows ('//to_text(found)// &
                              ' values); set NLOOP or MAXARC', line=line, group='LINKS', item=item)
       end subroutine too_many_rows
 
@@ -432,8 +432,8 @@ contains
          character(*), intent(in) :: item
          integer, intent(in) :: found, line
 
-         call findings%error('too many values: there is room for '//to_text(n)//', found '//to_text(found)// &
-                             ' (only zeros may fill up); the decimal sign is a point, not a comma', line=line, group='LINKS', &
+         call findings%error('too many values: at most '//to_text(n)//' are expected, found '//to_text(found)// &
+                             ' (only zeros may follow); the decimal sign is a point, not a comma', line=line, group='LINKS', &
                              item=item)
       end subroutine too_many_numbers
    end subroutine read_links
@@ -483,7 +483,7 @@ contains
       call group%get_real('ORIGNG', set%origng, findings)
       call read_positions(group, set, findings)
       call group%get_real('VAR', set%var, findings)
-      if (set%var < 0.0_wp .or. set%var > 1.0_wp) call out_of(group, 'VAR', 'must lie in 0.0 to 1.0', findings)
+      if (set%var < 0.0_wp .or. set%var > 1.0_wp) call out_of(group, 'VAR', 'must be from 0.0 to 1.0', findings)
       call group%get_integer('ISTART', set%istart, findings)
       call check_range(group, 'ISTART', set%istart, 1, largest_istart, findings)
       if (set%istart > 0 .and. mod(set%istart, 2) == 0) then
@@ -557,7 +557,7 @@ contains
          if (present(got)) got = last
          if (n == 0 .or. set%ikin /= 0) return
          if (beyond > 0) then
-            call findings%error('NDES='//to_text(n)//' positions are announced, but '//to_text(needed)// &
+            call findings%error('NDES='//to_text(n)//' positions are declared, but '//to_text(needed)// &
                                 ' values given; set NDES='//to_text(needed)//' or leave the others out', line=beyond, &
                                 group='METHOD', item=name)
          else if (last > 0 .and. last < n .and. index(name, 'MULT') == 0) then
@@ -569,7 +569,7 @@ contains
          character(*), intent(in) :: name
          integer, intent(in) :: got
 
-         call findings%error('NDES='//to_text(n)//' positions are announced, but only '//to_text(got)//' values given', &
+         call findings%error('NDES='//to_text(n)//' positions are declared, but only '//to_text(got)//' values given', &
                              line=max(group%item_line(name), group%item_line('NDES')), group='METHOD', item=name)
       end subroutine short
 
@@ -646,10 +646,11 @@ contains
                      findings)
       end select
       if (sliding .neqv. units == 'LENGTH/S') then
-         call out_of(group, 'UNITS', "a sliding input has 'LENGTH/S', a turning one an angle a time; found '"//units//"'", findings)
+         call out_of(group, 'UNITS', "a sliding input needs 'LENGTH/S', a turning input an angular unit; found '"// &
+                     units//"'", findings)
       end if
-      if (abs(set%speed) > fastest) call out_of(group, 'SPEED', 'is out of all reason', findings)
-      if (abs(set%accel) > fastest) call out_of(group, 'ACCEL', 'is out of all reason', findings)
+      if (abs(set%speed) > fastest) call out_of(group, 'SPEED', 'is implausibly large (limit 1e30)', findings)
+      if (abs(set%accel) > fastest) call out_of(group, 'ACCEL', 'is implausibly large (limit 1e30)', findings)
       set%speed = set%speed*unit
       set%accel = set%accel*unit
    end subroutine read_rates

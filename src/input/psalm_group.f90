@@ -429,8 +429,8 @@ contains
             end if
          end associate
       end do
-      if (unknown > most_unknown) call findings%error('and '//to_text(unknown - most_unknown)//' more items that it does '// &
-                                                      'not have', line=self%line, group=trim(self%name))
+      if (unknown > most_unknown) call findings%error('and '//to_text(unknown - most_unknown)//' more unknown items', &
+                                                      line=self%line, group=trim(self%name))
       do i = 1, size(self%missing)
          if (.not. meant(i)) call findings%error(self%missing(i)%text, line=self%line, group=trim(self%name), &
                                                  item=trim(self%missing(i)%name))
@@ -554,10 +554,11 @@ contains
       character(:), allocatable :: text
 
       if (n == 1) then
-         text = "too many values: one is expected, '"//shortened(group%text_of(value))//"' is one too many"
+         text = "too many values: one is expected, found more, beginning with '"//shortened(group%text_of(value))//"'"
       else
-         text = 'too many values: there is room for '//to_text(n)//", and '"//shortened(group%text_of(value))//"' goes beyond"
-         if (fills) text = text//' (only zeros may fill up)'
+         text = 'too many values: at most '//to_text(n)//" are expected; the first one beyond is '"// &
+                shortened(group%text_of(value))//"'"
+         if (fills) text = text//' (only zeros may follow)'
       end if
       call findings%error(text//'; the decimal sign is a point, not a comma', line=value%line, group=trim(group%name), &
                           item=trim(item%name))
@@ -639,7 +640,7 @@ contains
       end if
       if (value >= lowest .and. value <= highest) return
       text = 'must be at least '//to_text(lowest)
-      if (highest < huge(1)) text = 'must lie in '//to_text(lowest)//' to '//to_text(highest)
+      if (highest < huge(1)) text = 'must be from '//to_text(lowest)//' to '//to_text(highest)
       call findings%error(text//'; found '//to_text(value), line=group%origins%line(trim(group%name), name, 1), &
                           group=trim(group%name), item=name)
    end subroutine check_range
@@ -665,7 +666,7 @@ contains
       type(missing_t) :: one
 
       one%name = name
-      one%text = 'is required'
+      one%text = 'missing; this item is required'
       if (present(text)) one%text = text
       group%missing = [group%missing, one]
    end subroutine required

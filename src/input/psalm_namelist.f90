@@ -296,11 +296,11 @@ contains
          item%subscripts = item%subscripts + 1
          call parse_integer(part, item%subscript(item%subscripts), valid, reason)
          if (.not. valid) then
-            call wrong("is no subscript: "//reason//"; found '"//shortened(part)//"'")
+            call wrong("is not a subscript: "//reason//"; found '"//shortened(part)//"'")
             return
          end if
          if (item%subscript(item%subscripts) < 1) then
-            call wrong('is no subscript: loops, arcs and elements are counted from 1')
+            call wrong('is not a subscript: loops, arcs and elements are counted from 1')
             return
          end if
          from = from + comma
@@ -365,7 +365,7 @@ contains
          column = column + 1
          stop_at = index(text(column:), text(column - 1:column - 1))
          if (stop_at == 0) then
-            call findings%error('the quotation is not closed on its line', line=line, group=trim(group%name))
+            call findings%error('the quoted text is not closed on its line', line=line, group=trim(group%name))
             stop_at = len(text) + 1
          else
             stop_at = column + stop_at - 1

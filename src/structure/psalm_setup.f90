@@ -259,7 +259,7 @@ contains
 
       n = topology%loopl(loop)
       missing = ''
-      if (set%iloop(n, loop) <= 0) missing = '; it seems that the frame arc is missing'
+      if (set%iloop(n, loop) <= 0) missing = '; the frame arc seems to be missing'
       associate (arc => topology%arcs(topology%seq(loop, n)))
          ! the frame's own arc hangs on the x axis, not on another arc of the frame
          if (arc%frame .and. (loop > 1 .or. abs(set%ilink(n, 1)) == n)) return
@@ -509,13 +509,13 @@ contains
       if (set%motion == motion_slide) then
          associate (arc => topology%arcs(topology%arcs(topology%output_arc)%representative))
             if (arc%kind /= arc_slide .and. arc%kind /= arc_actuator) then
-               call findings%error('MOTION=3 wants the length of a sliding arc, but arc '//place(topology, topology%output_arc)// &
+               call findings%error('MOTION=3 needs a sliding arc, but arc '//place(topology, topology%output_arc)// &
                                    ' does not slide', line=set%origins%line('LINKS', 'NOUTLK', 1), group='LINKS', item='NOUTLK')
             end if
          end associate
       end if
       if (set%ikin /= 0 .and. topology%sliding_input) then
-         call findings%error('asks for a turn of the input, but the input slides; give NDES and DELT', &
+         call findings%error('IKIN sweeps a full turn; with a sliding input give NDES and DELT', &
                              line=set%origins%line('METHOD', 'IKIN', 1), group='METHOD', item='IKIN')
       end if
    end subroutine find_output

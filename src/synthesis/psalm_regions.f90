@@ -115,7 +115,7 @@ contains
       integer :: r
 
       if (constr%irange == range_turn .and. topology%sliding_input) then
-         call findings%error('a sliding input makes no turn; IRANGE=1 is its range', group='CONSTR', item='IRANGE')
+         call findings%error('IRANGE=2 needs a turning input; use IRANGE=1', group='CONSTR', item='IRANGE')
       end if
       do r = 1, size(constr%regions)
          associate (region => constr%regions(r))

@@ -136,7 +136,7 @@ contains
       allocate (vertices(marble, wanted), source=0.0_wp)
       records = first_records(lines, marble)
       if (size(records) < wanted) then
-         call findings%error(to_text(wanted)//' vertices are announced, but device 4 holds '//to_text(size(records))// &
+         call findings%error(to_text(wanted)//' vertices are declared, but device 4 holds '//to_text(size(records))// &
                              ' (give its file with --device4)', group='METHOD', item='NGUESS')
          return
       end if
