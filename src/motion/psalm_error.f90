@@ -369,16 +369,17 @@ contains
 
    !> Sum of weight * error**2 in a fixed order: eight partial sums, so that it runs in vector lanes.
    pure real(wp) function sum_of_squares(n, error, weight)
-      integer, intent(in) :: n          !! a multiple of 8
+      integer, intent(in) :: n          !! a multiple of 4
       real(wp), intent(in) :: error(n), weight(n)
-      integer, parameter :: lanes = 8
+      integer, parameter :: lanes = 8, half = lanes/2
       real(wp) :: part(lanes)
       integer :: i
 
       part = 0.0_wp
-      do i = 1, n, lanes
+      do i = 1, n - lanes + 1, lanes
          part = part + weight(i:i + lanes - 1)*error(i:i + lanes - 1)**2
       end do
+      if (modulo(n, lanes) > 0) part(:half) = part(:half) + weight(n - half + 1:n)*error(n - half + 1:n)**2
       sum_of_squares = ((part(1) + part(2)) + (part(3) + part(4))) + ((part(5) + part(6)) + (part(7) + part(8)))
    end function sum_of_squares
 

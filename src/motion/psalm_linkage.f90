@@ -7,7 +7,7 @@ module psalm_linkage
    use psalm_angles, only: unit_vector
    use psalm_assur, only: mark_unknowns, bind_dyad, solve_dyad, is_signed
    use psalm_dyad, only: dyad_t
-   use psalm_kinds, only: wp, right_angle
+   use psalm_kinds, only: wp, i8, right_angle
    use psalm_plan, only: plan_t, step_point, step_dyad, root_crank
    use psalm_rows, only: rows_t, make_rows
    use psalm_topology, only: topology_t, dimensions_t
@@ -16,9 +16,10 @@ module psalm_linkage
    public :: linkage_t, bound_step_t, block_length, padded
 
    integer, parameter :: block_length = 128 !! positions solved together: all arrays stay in first-level cache
-   integer, parameter :: lane = 8           !! positions are padded to a multiple of this: no remainder loops
+   integer, parameter :: lane = 4           !! positions are padded to a multiple of this: no remainder loops
 
    integer, parameter :: plain_exponent = maxexponent(1.0_wp)/8 !! lengths beyond 2**this are scaled before they are squared
+   real(wp), parameter :: longest = 2.0_wp**(plain_exponent - 1) !! arcs below it, not all below its inverse, stay as they are
    integer, parameter :: mixed = 2          !! both signs
    ! what an open dyad may leave: components of a direction, and length of a slide, whose fourth power is finite
    real(wp), parameter :: largest_direction = 2.0_wp**(maxexponent(1.0_wp)/16)
@@ -242,9 +243,11 @@ contains
       type(dimensions_t), intent(in) :: dimensions
       integer :: e
 
+      self%scale = 1.0_wp
+      if (all(dimensions%arcl < longest) .and. any(dimensions%arcl > 1.0_wp/longest) &
+          .and. .not. (self%sliding_input .and. max(abs(dimensions%crnki), self%largest_input) >= longest)) return
       e = exponent(maxval(dimensions%arcl))
       if (self%sliding_input) e = max(e, exponent(dimensions%crnki), exponent(self%largest_input))
-      self%scale = 1.0_wp
       if (abs(e) > plain_exponent) self%scale = scale(1.0_wp, -e)
    end subroutine choose_scale
 
@@ -506,32 +509,32 @@ contains
       if (present(other)) stays_on_side = stays_on_side .and. self%side(loop) == other%side(loop)
    end function stays_on_side
 
-   !> True if low <= measure <= high throughout. What is outside is counted in lanes, as reals: it runs in vector registers.
+   !> True if low <= measure <= high throughout. Counted in integers as wide as reals: it runs in vector registers.
    pure logical function within(n, measure, low, high)
-      integer, intent(in) :: n          !! a multiple of `lane`
+      integer, intent(in) :: n
       real(wp), intent(in) :: measure(n), low, high
-      real(wp) :: outside(lane)
+      integer(i8) :: outside
       integer :: i
 
-      outside = 0.0_wp
-      do i = 1, n, lane
-         outside = outside + merge(1.0_wp, 0.0_wp, measure(i:i + lane - 1) < low .or. measure(i:i + lane - 1) > high)
+      outside = 0
+      do i = 1, n
+         outside = outside + merge(1_i8, 0_i8, measure(i) < low) + merge(1_i8, 0_i8, measure(i) > high)
       end do
-      within = all(outside <= 0.0_wp)
+      within = outside == 0
    end function within
 
    !> True if the amount of the measure is not below `low` anywhere.
    pure logical function beyond(n, measure, low)
-      integer, intent(in) :: n          !! a multiple of `lane`
+      integer, intent(in) :: n
       real(wp), intent(in) :: measure(n), low
-      real(wp) :: inside(lane)
+      integer(i8) :: inside
       integer :: i
 
-      inside = 0.0_wp
-      do i = 1, n, lane
-         inside = inside + merge(1.0_wp, 0.0_wp, abs(measure(i:i + lane - 1)) < low)
+      inside = 0
+      do i = 1, n
+         inside = inside + merge(1_i8, 0_i8, abs(measure(i)) < low)
       end do
-      beyond = all(inside <= 0.0_wp)
+      beyond = inside == 0
    end function beyond
 
    !> Direction and length (user's unit) of an arc at position `i` of the block.
