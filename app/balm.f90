@@ -1,10 +1,13 @@
 !> balm: pictures of planar linkages from a namelist file.
 program balm
-   use psalm_balm, only: balm_t, picture_t, make_scenes, draw_file, draw_curves
    use psalm_console, only: arguments_t, begin, begin_mark, prepare_outputs, say, show_findings, stem_of
    use psalm_data_set, only: data_set_t, read_data_sets
+   use psalm_devices, only: devices_t
+   use psalm_drawing, only: picture_t, draw_file, draw_curves
    use psalm_files, only: exchange_t, directory_of
    use psalm_mark, only: mark_t
+   use psalm_picture_report, only: report_picture
+   use psalm_picture_study, only: pictured_t, make_scenes
    use psalm_source, only: line_t, read_lines
    use psalm_status, only: diagnostics_t, exit_done, exit_file_trouble
    use psalm_system, only: held_signals_t, error_text, finish_program, make_private_directory, remove_file, stage, &
@@ -44,7 +47,8 @@ contains
       character(*), intent(in) :: file
       type(diagnostics_t) :: findings
       type(data_set_t), allocatable :: sets(:)
-      type(balm_t) :: scenes
+      type(pictured_t), allocatable :: cases(:)
+      type(devices_t) :: devices
       type(picture_t), allocatable :: pictures(:), scripts(:)
       type(exchange_t) :: files
       type(held_signals_t) :: held
@@ -56,15 +60,18 @@ contains
       mark = begin_mark(arguments%program)
       if (arguments%assemblies) call mark%add('--assemblies')
       call read_data_sets(file, sets, findings, program='balm', mark=mark)
-      call make_scenes(sets, findings, scenes)
+      call make_scenes(sets, findings, cases)
+      do k = 1, size(cases)
+         call report_picture(sets(k), cases(k), devices)
+      end do
       if (findings%failed() .or. .not. arguments%quiet) call show_findings(findings)
-      if (.not. arguments%quiet) call write_standard_error(scenes%notes%content())
-      code = max(code, findings%exit_code(), scenes%code)
+      if (.not. arguments%quiet) call write_standard_error(devices%notes%content())
+      code = max(code, findings%exit_code(), devices%code)
       if (findings%exit_code() == exit_file_trouble) return
       stem = stem_of(file, arguments%output_dir)
       allocate (scripts(0))
-      if (arguments%curves) call draw_scripts(scenes, stem, mark, scripts)
-      call draw_file(scenes, arguments%assemblies, mark%name(), pictures)
+      if (arguments%curves) call draw_scripts(cases, stem, mark, scripts)
+      call draw_file(cases, arguments%assemblies, mark%name(), pictures)
       if (size(pictures) == 0) return
       call prepare_outputs(arguments, stem, pictures%ending, ready, code)
       if (.not. ready) return
@@ -93,8 +100,8 @@ contains
    end subroutine run_file
 
    !> Scripts for gnuplot; device 1 of the case, if it is there, has the convergence.
-   subroutine draw_scripts(scenes, stem, mark, scripts)
-      type(balm_t), intent(in) :: scenes
+   subroutine draw_scripts(cases, stem, mark, scripts)
+      type(pictured_t), intent(in) :: cases(:)
       character(*), intent(in) :: stem
       type(mark_t), intent(inout) :: mark         !! takes device 1 in
       type(picture_t), allocatable, intent(out) :: scripts(:)
@@ -109,7 +116,7 @@ contains
       do k = 1, size(progress)
          call mark%add(progress(k)%text)
       end do
-      call draw_curves(scenes, name_of(stem), progress, mark%name(), scripts)
+      call draw_curves(cases, name_of(stem), progress, mark%name(), scripts)
    end subroutine draw_scripts
 
    !> Let gnuplot make the pictures in a directory of our own.

@@ -16,6 +16,7 @@ program analyse_slider_crank
    do i = 1, findings%count
       print '(a)', findings%list(i)%render()
    end do
+   if (findings%failed()) error stop 1
    do i = 1, size(analysis%motion%input)
       print '(f8.1, f12.4)', analysis%motion%input(i), analysis%motion%actual(i, 1)
    end do

@@ -15,8 +15,7 @@ module psalm_scene
    use psalm_output_kind, only: motion_point, motion_angle, motion_distance, motion_slide, motion_pose
    use psalm_parts, only: joint_t, bar_t, body_t, slide_t, pair_t, find_slides, convex_hull
    use psalm_plan, only: root_frame
-   use psalm_setup, only: set_up
-   use psalm_status, only: diagnostics_t, finding_t, level_error
+   use psalm_status, only: finding_t, level_error
    use psalm_sweep, only: sweep_inputs, sweep_sense
    use psalm_topology, only: topology_t, dimensions_t
    use psalm_trace, only: row_t, trace_row
@@ -88,22 +87,19 @@ contains
       end function words
    end subroutine message_scene
 
-   !> The scene of a case. Errors of SETUP make it a scene of messages (`scene%sound` is false).
-   subroutine make_scene(set, findings, scene)
+   !> The scene of a case. Errors among its findings make it a scene of messages (`scene%sound` is false).
+   subroutine make_scene(set, topology, dimensions, findings, scene)
       type(data_set_t), intent(in) :: set
+      type(topology_t), intent(in) :: topology
+      type(dimensions_t), intent(in) :: dimensions
       type(finding_t), intent(in) :: findings(:)   !! of this case, SETUP's included
       type(scene_t), intent(out) :: scene
-      type(diagnostics_t) :: again
-      type(topology_t) :: topology
-      type(dimensions_t) :: dimensions
       type(problem_t) :: own, whole
       type(chain_t) :: chain
       integer, allocatable :: place(:)
 
       call message_scene(set, findings, scene)
       if (size(scene%errors) > 0) return
-      call set_up(set, topology, dimensions, again)
-      if (again%failed()) return
       scene%sound = .true.
       deallocate (scene%joints, scene%bars, scene%bodies, scene%pairs)
       ! a pose is drawn as its point

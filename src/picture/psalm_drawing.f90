@@ -1,0 +1,115 @@
+!> Scenes become files: SVG and DXF of each case, one page of all, scripts for curves.
+module psalm_drawing
+   use psalm_curves, only: write_curves
+   use psalm_dxf, only: write_dxf
+   use psalm_page, only: write_page
+   use psalm_picture_study, only: pictured_t
+   use psalm_source, only: line_t
+   use psalm_svg, only: write_svg
+   use psalm_text, only: text_t, to_text
+   implicit none (type, external)
+   private
+   public :: picture_t, draw_file, draw_curves
+
+   integer, parameter :: ending_width = 24 !! room for a number and a suffix
+
+   !> A file to write.
+   type :: picture_t
+      character(ending_width) :: ending = '' !! of the name, after that of the case
+      character(:), allocatable :: content
+      logical :: made = .false.             !! of a script: gnuplot has made its pictures
+   end type picture_t
+
+contains
+
+   !> Pictures of a file: SVG and DXF of each case, one page of all.
+   subroutine draw_file(cases, assemblies, mark, pictures)
+      type(pictured_t), intent(in) :: cases(:)
+      logical, intent(in) :: assemblies        !! the SVG shows the other assembly of each pair
+      character(*), intent(in) :: mark         !! of the run
+      type(picture_t), allocatable, intent(out) :: pictures(:)
+      type(text_t) :: text
+      integer :: k
+
+      allocate (pictures(0))
+      if (size(cases) == 0) return
+      do k = 1, size(cases)
+         call write_svg(cases(k)%scene, assemblies, text)
+         call add_comment()
+         call put(ending(k, '.svg'))
+         if (.not. cases(k)%scene%sound) cycle
+         call text%add('999') ! a comment of DXF
+         call text%add('run '//mark)
+         call write_dxf(cases(k)%scene, text)
+         call put(ending(k, '.dxf'))
+      end do
+      call write_page(cases%scene, text)
+      call add_comment()
+      call put('.html')
+
+   contains
+
+      subroutine add_comment()
+
+         call text%add('<!-- run '//mark//' -->')
+      end subroutine add_comment
+
+      subroutine put(name)
+         character(*), intent(in) :: name
+
+         call add_picture(pictures, name, text%content())
+         text = text_t()
+      end subroutine put
+   end subroutine draw_file
+
+   !> Scripts for the curves of each sound case; each ending is followed by that of the picture.
+   subroutine draw_curves(cases, name, progress, mark, scripts)
+      type(pictured_t), intent(in) :: cases(:)
+      character(*), intent(in) :: name          !! of the case, without directory
+      type(line_t), intent(in) :: progress(:)   !! device 1, empty if there is none; of the first case
+      character(*), intent(in) :: mark          !! of the run
+      type(picture_t), allocatable, intent(out) :: scripts(:)
+      type(line_t) :: none(0)
+      type(text_t) :: text
+      integer :: k
+
+      allocate (scripts(0))
+      do k = 1, size(cases)
+         if (.not. cases(k)%scene%sound) cycle
+         text = text_t()
+         call text%add('# run '//mark)
+         if (k == 1) then
+            call write_curves(cases(k)%scene, name//trim(ending(k, '')), progress, text)
+         else
+            call write_curves(cases(k)%scene, name//trim(ending(k, '')), none, text)
+         end if
+         call add_picture(scripts, ending(k, ''), text%content())
+      end do
+   end subroutine draw_curves
+
+   pure subroutine add_picture(pictures, ending, content)
+      type(picture_t), allocatable, intent(inout) :: pictures(:)
+      character(*), intent(in) :: ending, content
+      type(picture_t), allocatable :: more(:)
+      integer :: i
+
+      allocate (more(size(pictures) + 1))
+      do i = 1, size(pictures)
+         more(i)%ending = pictures(i)%ending
+         call move_alloc(pictures(i)%content, more(i)%content)
+      end do
+      more(size(more))%ending = ending
+      more(size(more))%content = content
+      call move_alloc(more, pictures)
+   end subroutine add_picture
+
+   !> The first case has the name of the file, the others a number too.
+   pure function ending(k, suffix) result(name)
+      integer, intent(in) :: k
+      character(*), intent(in) :: suffix
+      character(:), allocatable :: name
+
+      name = suffix
+      if (k > 1) name = '.'//to_text(k)//suffix
+   end function ending
+end module psalm_drawing

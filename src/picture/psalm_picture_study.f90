@@ -1,0 +1,129 @@
+!> The cases of a file become scenes: what pictures show. Source: Oldham (1977), section 15.1.
+module psalm_picture_study
+   use psalm_data_set, only: data_set_t
+   use psalm_devices, only: most_told
+   use psalm_error, only: problem_t, motion_t, make_problem
+   use psalm_finale, only: describe_violation
+   use psalm_markup, only: strings_t, add_string
+   use psalm_preparation, only: demand_t, prepared_t, prepare
+   use psalm_scene, only: scene_t, make_scene, message_scene
+   use psalm_source, only: line_t
+   use psalm_status, only: diagnostics_t, finding_t, level_error
+   use psalm_text, only: to_text
+   implicit none (type, external)
+   private
+   public :: pictured_t, make_scenes
+
+   integer, parameter :: most_drawn = 2000 !! positions of a picture; more of them make one black band
+   type(demand_t), parameter :: demand = demand_t(position=1000, arc=500, ktheta_only=.false.)
+
+   !> One case as it is to be drawn.
+   type :: pictured_t
+      type(scene_t) :: scene
+      type(strings_t), allocatable :: undrawn(:)  !! first violations at all positions, where not all are drawn
+   end type pictured_t
+
+contains
+
+   !> Scenes of all cases of a file, in their order; those with faults become scenes of messages.
+   subroutine make_scenes(sets, findings, cases)
+      type(data_set_t), intent(in) :: sets(:)
+      type(diagnostics_t), intent(inout) :: findings  !! of reading the file; SETUP's are added
+      type(pictured_t), allocatable, intent(out) :: cases(:)
+      type(finding_t), allocatable :: read(:), own(:)
+      type(diagnostics_t) :: judged
+      type(data_set_t) :: each
+      type(line_t) :: none(0)
+      type(prepared_t) :: prepared
+      integer :: k, i
+
+      allocate (cases(size(sets)))
+      read = finding_list(findings)
+      do k = 1, size(sets)
+         allocate (cases(k)%undrawn(0))
+         own = of_case(read, k)
+         judged = diagnostics_t()
+         judged%file = sets(k)%file
+         if (any(own%level == level_error)) then
+            call message_scene(sets(k), own, cases(k)%scene)
+            cycle
+         end if
+         each = sets(k)
+         each%nguess = 0
+         call prepare(each, none, prepared, judged, demand)
+         if (prepared%ready .and. each%ikin == 0 .and. each%ndes > most_drawn) call thin_out(each, judged)
+         own = [own, finding_list(judged)]
+         do i = 1, judged%count
+            call findings%add(judged%list(i))
+         end do
+         each%nguess = sets(k)%nguess
+         if (prepared%ready) then
+            call make_scene(each, prepared%topology, prepared%given, own, cases(k)%scene)
+            if (each%ndes < sets(k)%ndes) call look_at_all_positions(sets(k), prepared, cases(k)%undrawn)
+         else
+            call message_scene(each, own, cases(k)%scene)
+         end if
+      end do
+
+   contains
+
+      !> Findings between the title of this case and that of the next; what has no line belongs to the first case.
+      pure function of_case(list, k) result(some)
+         type(finding_t), intent(in) :: list(:)
+         integer, intent(in) :: k
+         type(finding_t), allocatable :: some(:)
+         integer :: first, last
+
+         first = sets(k)%title_line
+         if (k == 1) first = 0
+         last = huge(1)
+         if (k < size(sets)) last = sets(k + 1)%title_line - 1
+         some = pack(list, list%line >= first .and. list%line <= last)
+      end function of_case
+
+      pure function finding_list(findings) result(list)
+         type(diagnostics_t), intent(in) :: findings
+         type(finding_t), allocatable :: list(:)
+
+         allocate (list(0))
+         if (findings%count > 0) list = findings%list(:findings%count)
+      end function finding_list
+   end subroutine make_scenes
+
+   !> Keep evenly chosen positions, as many as a picture can show.
+   subroutine thin_out(set, findings)
+      type(data_set_t), intent(inout) :: set
+      type(diagnostics_t), intent(inout) :: findings
+      integer :: step
+
+      step = (set%ndes - 1)/most_drawn + 1
+      set%delt = set%delt(1::step)
+      set%desx = set%desx(1::step)
+      set%desy = set%desy(1::step)
+      set%desang = set%desang(1::step)
+      set%xmult = set%xmult(1::step)
+      set%ymult = set%ymult(1::step)
+      set%anmult = set%anmult(1::step)
+      call findings%warning('of '//to_text(set%ndes)//' positions '//to_text(size(set%delt))//' are drawn, one in '// &
+                            to_text(step)//', and numbered so on the pictures', line=set%origins%line('METHOD', 'NDES', 1), &
+                            group='METHOD', item='NDES')
+      set%ndes = size(set%delt)
+   end subroutine thin_out
+
+   !> Violations at positions of which not all are drawn.
+   subroutine look_at_all_positions(set, prepared, words)
+      type(data_set_t), intent(in) :: set
+      type(prepared_t), intent(in) :: prepared
+      type(strings_t), allocatable, intent(inout) :: words(:)
+      type(problem_t), allocatable :: problem    ! large: it would fill a small stack
+      type(motion_t) :: motion
+      integer :: i
+
+      allocate (problem)
+      call make_problem(set, prepared%topology, prepared%given, problem)
+      call problem%analyse(prepared%given, motion)
+      do i = 1, min(size(motion%violations), most_told)
+         call add_string(words, describe_violation(problem, motion, motion%violations(i)))
+      end do
+   end subroutine look_at_all_positions
+end module psalm_picture_study

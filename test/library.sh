@@ -1,0 +1,66 @@
+#!/usr/bin/env bash
+# The library from outside: the programs of example/, and the program of README.md in a package of its own that depends on this
+# checkout. What they print is compared with what the programs of the suite list.
+#
+# usage: test/library.sh PROGRAM_DIRECTORY    the last line is N passed, N failed
+set -u
+bin=$(cd "$1" && pwd)
+. "$(dirname "${BASH_SOURCE[0]}")/../scripts/setup"
+set +e
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+passed=0 failed=0
+
+check() { # check LAW COMMAND ...
+    local law=$1
+    shift
+    if "$@"; then passed=$((passed + 1)); else failed=$((failed + 1)); echo "FAILED: $law"; fi
+}
+
+# Columns of numbers of two tables agree to 1e-6 of their size (of zero: to 1e-6), and there are as many rows as there should be.
+same_columns() { # same_columns ROWS ONE OTHER
+    awk -v rows="$1" 'FNR == NR { n = NR; line[NR] = $0; next }
+        { k = split($0, a); m = split(line[FNR], b); if (k != m || k == 0) bad = 1
+          for (i = 1; i <= k; i++) { d = a[i] - b[i]; s = a[i] < 0 ? -a[i] : a[i]; if (s == 0) s = 1; if (d < 0) d = -d
+              if (a[i] !~ /^[-+0-9.Ee]+$/ || d > 1e-6*s) bad = 1 } }
+        END { exit bad || n != rows || FNR != rows }' "$2" "$3"
+}
+
+rows_of() { awk 'NF > 1 && !/[A-DF-Za-z]/'; }  # rows of numbers
+
+run_example() { # run_example NAME: its output in $work/NAME
+    (cd "$top" && "$fpm" run --example "$1" --profile release --flag "$release_flags" 2>"$work/$1.log") |
+        grep -vE '^\[ *[0-9]+%\]|^Project|^ \+' >"$work/$1"
+    return "${PIPESTATUS[0]}"
+}
+
+cp "$top/data/dyad4_slider_crank.nml" "$top/data/path5.nml" "$work"
+(cd "$work" && "$bin/psalm" --quiet dyad4_slider_crank.nml && "$bin/psalm" --quiet path5.nml >path5.lst) >"$work/listing"
+awk '/CRANK ANGLE +ACTUAL/ { on = 1; next } on && NF == 2' "$work/listing" >"$work/motion"
+
+check "example analyse runs" run_example analyse
+check "example analyse: the slide that psalm lists" same_columns 24 <(rows_of <"$work/analyse") "$work/motion"
+
+check "example synthesise runs" run_example synthesise
+check "example synthesise: the objective that psalm finds" same_columns 1 \
+    <(awk '$1 == "objective" { print $2 }' "$work/synthesise") <(awk '/TOTAL ERROR/ { getline; sub("D", "E"); print $1 }' "$work/path5.lst")
+
+check "example rates runs" run_example rates
+awk '/^OFFSET/ { print; next } /MOTION=3/ { sub("IKIN=15", "IKIN=45"); n++ } { if (!/^!/) print }
+    END { print " &RATES SPEED=3000.0, UNITS=\047REV/MIN\047 &END"; exit n != 1 }' "$work/dyad4_slider_crank.nml" >"$work/rates.nml"
+check "the rates of the same case by kalm" "$bin/kalm" --quiet "$work/rates.nml" >"$work/rates.lst"
+awk '/CRANK ANGLE +OUTPUT/ { on = 1; next } on && NF == 7 { print $1, $2, $3, $4 }' "$work/rates.lst" >"$work/rates.kalm"
+check "example rates: velocities and accelerations that kalm lists" same_columns 8 <(rows_of <"$work/rates") "$work/rates.kalm"
+
+# the program of README.md: a package outside, with the checkout as its only dependency
+mkdir -p "$work/outside/app"
+awk '/^```fortran/ { on = 1; next } /^```/ { on = 0 } on' "$top/README.md" >"$work/outside/app/main.f90"
+printf 'name = "outside"\n[dependencies]\npsalm.path = "%s"\n' "$(realpath --relative-to="$work/outside" "$top")" >"$work/outside/fpm.toml"
+check "README.md: a program of a dozen lines" test "$(wc -l <"$work/outside/app/main.f90")" -le 13
+(cd "$work/outside" && "$fpm" run --profile debug --flag "-std=f2018 -O0" 2>"$work/outside.log") >"$work/outside.out"
+check "README.md: a package outside builds and runs" test $? -eq 0
+check "README.md: the slide that psalm lists" same_columns 24 <(grep -vE '^\[|^Project|^ \+' "$work/outside.out") "$work/motion"
+[ $failed -eq 0 ] || cat "$work"/*.log | grep -iE 'error' | head -20
+
+echo "$passed passed, $failed failed"
+[ $failed -eq 0 ]
