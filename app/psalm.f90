@@ -11,6 +11,7 @@ program psalm
    use psalm_preparation, only: prepared_t, prepare, threads_for, threads_wanted
    use psalm_report, only: most_summarised, begin_search_report, report_search, report_analysis, report_found, &
                            report_tolerances, report_violations, report_summary
+   use psalm_search_log, only: search_log_t, begin_log
    use psalm_signals, only: signals_t, shield_threads
    use psalm_source, only: line_t, read_lines
    use psalm_status, only: diagnostics_t
@@ -110,7 +111,7 @@ contains
       type(signals_t), intent(inout) :: signals
       type(stop_t), intent(in) :: stop
       type(devices_t), intent(inout) :: devices
-      type(progress_t), intent(inout) :: monitor
+      type(progress_t), intent(inout), target :: monitor
       ! allocated: together they would fill a small stack
       type(problem_t), allocatable :: problem
       type(synthesis_t), allocatable :: search
@@ -119,6 +120,7 @@ contains
       type(data_set_t), allocatable :: final
       type(dimensions_t) :: dimensions
       type(wanted_t) :: wanted
+      type(search_log_t) :: log
       integer :: threads
 
       allocate (problem, search, analysis)
@@ -128,8 +130,9 @@ contains
       call list_input(header_of('PSALM', devices%mark), set, prepared%topology, prepared%given, devices%eight)
       dimensions = prepared%given
       if (prepared%topology%has_search()) call begin_search_report(set, devices)
-      call synthesise(set, prepared%vertices, problem, threads, stop, dimensions, search, devices%one, devices%two, monitor)
-      if (prepared%topology%has_search()) call report_search(set, search, devices)
+      call begin_log(set, monitor, log)
+      call synthesise(set, prepared%vertices, problem, threads, stop, dimensions, search, log)
+      if (prepared%topology%has_search()) call report_search(set, search, log, devices)
       wanted = wanted_by(set)
       wanted%summary = .not. arguments%quiet .and. devices%summarised < most_summarised
       call analyse(set, problem, dimensions, wanted, analysis)

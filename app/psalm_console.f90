@@ -6,7 +6,7 @@ module psalm_console
    use psalm_kinds, only: dp, wp
    use psalm_mark, only: mark_t
    use psalm_number, only: parse_integer
-   use psalm_simplx, only: search_monitor_t, search_state_t
+   use psalm_solver, only: observer_t, search_state_t
    use psalm_status, only: diagnostics_t, exit_bad_input, exit_done, exit_file_trouble
    use psalm_system, only: identity_t, begin_program, error_is_terminal, error_text, identity_of, identity_of_open, &
                            make_directories, same_file, standard_error, standard_input, standard_output, write_standard_error, &
@@ -35,7 +35,7 @@ module psalm_console
    end type arguments_t
 
    !> Progress line on a terminal, at most ten times a second.
-   type, extends(search_monitor_t) :: progress_t
+   type, extends(observer_t) :: progress_t
       integer(int64) :: started = 0_int64, shown = 0_int64
       logical :: active = .false.
    contains
@@ -356,13 +356,16 @@ contains
       if (len(output_dir) > 0) stem = output_dir//'/'//stem(slash + 1:)
    end function stem_of
 
-   subroutine show_progress(self, state)
+   subroutine show_progress(self, state, points, objectives)
       class(progress_t), intent(inout) :: self
       type(search_state_t), intent(in) :: state
+      real(wp), intent(in), optional :: points(:, :), objectives(:) ! not shown
       integer(int64) :: now, rate
       real(dp) :: seconds
       character(110) :: line         ! a longer one is cut
 
+      associate (unused => present(points) .or. present(objectives))
+      end associate
       if (.not. self%active) then
          if (.not. error_is_terminal()) return
          call system_clock(self%started)

@@ -22,7 +22,7 @@ module psalm
    use psalm_rate_list, only: list_rates
    use psalm_rate_study, only: rate_study_t, study_rates => find_rates
    use psalm_search, only: found_t
-   use psalm_simplx, only: search_monitor_t, search_state_t
+   use psalm_solver, only: observer_t, search_state_t
    use psalm_source, only: line_t
    use psalm_status, only: findings_t => diagnostics_t, finding_t, level_error, level_warning
    use psalm_stop, only: stop_t, stop_request_t
@@ -44,7 +44,7 @@ module psalm
              ended_on_request, ended_refused
    public :: find_rates, rate_study_t
    public :: find_tolerances, tolerances_t
-   public :: stop_t, stop_request_t, search_monitor_t, search_state_t
+   public :: stop_t, stop_request_t, observer_t, search_state_t
 
    integer, parameter :: name_length = 31 !! longest name of a group or an item
    integer, parameter :: line_room = 100  !! columns of a line of values
@@ -588,12 +588,11 @@ contains
       type(findings_t), intent(inout) :: findings
       integer, intent(in), optional :: threads            !! that share the work; default THREADS of the case, or 1
       type(stop_t), intent(in), optional :: stop          !! by which the host can end the search
-      class(search_monitor_t), intent(inout), optional :: monitor !! told of progress
+      class(observer_t), intent(inout), optional :: monitor !! told of progress
       type(data_set_t), allocatable :: set
       type(problem_t), allocatable :: problem
       type(dimensions_t) :: dimensions
       type(stop_t) :: ending
-      type(text_t) :: log, first_simplex
       real(wp), allocatable :: none(:, :)
       logical :: ready
       integer :: team
@@ -606,7 +605,7 @@ contains
       call problem%set_threads(team)
       dimensions = problem%given
       allocate (none(size(problem%topology%variables), 0))
-      call study_synthesis(set, none, problem, team, ending, dimensions, synthesis, log, first_simplex, monitor)
+      call study_synthesis(set, none, problem, team, ending, dimensions, synthesis, monitor)
    end subroutine synthesise
 
    !> The linkage of a rank as a case without variables; the user's own if the search found none of that rank.

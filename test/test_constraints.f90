@@ -8,17 +8,16 @@ program test_constraints
    use psalm_data_set, only: data_set_t
    use psalm_error, only: problem_t
    use psalm_kinds, only: wp, degrees_per_radian
-   use psalm_lsq, only: put_in_order
    use psalm_margins, only: inspector_t, margin_t, prepare_inspector, inspect, is_violated, margin_angle, margin_slides, &
                             margin_region
-   use psalm_merit, only: merit_t, prepare_merit, measure, form_equations, violations, count_violations, &
-                          obeys
-   use psalm_nlopt, only: algorithm_of, plain_name, is_global, needs_gradient, takes_constraints
+   use psalm_merit, only: merit_t, prepare_merit, put_in_order
+   use psalm_nlp, only: normal_equations_t
+   use psalm_solver_kind, only: find_solver
    use psalm_regions, only: trespass
    use psalm_search, only: result_t, search_many
    use psalm_station, only: station_t, prepare_station, look, look_closely
    use psalm_stop, only: stop_t
-   use psalm_text, only: text_t, to_text
+   use psalm_text, only: to_text
    use psalm_timing, only: timing_t, prepare_timing, find_timing
    use psalm_topology, only: dimensions_t
    use stopping_host, only: host_t
@@ -125,7 +124,7 @@ contains
       type(data_set_t) :: set
       type(merit_t) :: merit
       real(wp), allocatable :: values(:)
-      real(wp) :: total, before, objective, step
+      real(wp) :: total, before, objective, violation, step
       integer :: i
       logical :: opened
 
@@ -137,7 +136,8 @@ contains
       before = 0.0_wp
       do i = 0, 2000
          values(1) = 95.0_wp - 0.04_wp*real(i, wp)
-         call measure(merit, values, merit%delt, 1.0_wp, total, objective)
+         call merit%measure(values, objective, violation)
+         total = objective + violation
          if (i > 0) step = max(step, abs(total - before)/max(1.0_wp, total))
          before = total
          opened = opened .or. .not. all(merit%main%closed)
@@ -195,7 +195,8 @@ contains
       type(problem_t) :: problem
       type(data_set_t) :: set
       type(merit_t) :: merit
-      real(wp), allocatable :: values(:), delt(:), ahead(:), behind(:), slopes(:, :)
+      type(normal_equations_t) :: equations
+      real(wp), allocatable :: values(:), x(:), gradient(:), ahead(:), behind(:), slopes(:, :)
       real(wp) :: up, down, worst
       integer :: v, variant, n
       real(wp), parameter :: h = 1.0e-5_wp, weight = 3.0_wp
@@ -218,23 +219,18 @@ contains
          set%constr%irange = merge(range_positions, merge(range_turn, range_inputs, variant <= 2), mod(variant, 2) == 1)
          values = problem%topology%first_values(problem%given)
          call prepare_merit(set, problem, values, merit)
-         delt = merit%delt
-         call form_equations(merit, values, delt, weight)
-         n = count_violations(merit)
-         allocate (ahead(n), behind(n), slopes(size(values) + merge(size(delt), 0, merit%free), n))
-         call violations(merit, ahead, slopes)
+         x = merit%point(values, merit%delt)
+         call merit%linearise(x, weight, equations)
+         gradient = [equations%gradient, equations%edge_gradient]
+         n = merit%count_constraints()
+         allocate (ahead(n), behind(n), slopes(size(x), n))
+         call merit%constrain(x, ahead, slopes)
          call t%is_true(any(ahead > 0.0_wp), 'constraints are violated here')
          worst = 0.0_wp
          do v = 1, size(slopes, 1)
-            call change(merit, values, delt, v, h, weight, up, ahead)
-            call change(merit, values, delt, v, -h, weight, down, behind)
-            if (v <= size(values)) then
-               worst = max(worst, abs((up - down)/(2.0_wp*h) - 2.0_wp*merit%gradient(v))/max(1.0_wp, abs(merit%gradient(v))))
-            else
-               associate (edge => merit%edge_gradient(v - size(values)))
-                  worst = max(worst, abs((up - down)/(2.0_wp*h) - 2.0_wp*edge)/max(1.0_wp, abs(edge)))
-               end associate
-            end if
+            call change(merit, x, v, h, weight, up, ahead)
+            call change(merit, x, v, -h, weight, down, behind)
+            worst = max(worst, abs((up - down)/(2.0_wp*h) - 2.0_wp*gradient(v))/max(1.0_wp, abs(gradient(v))))
             worst = max(worst, maxval(abs((ahead - behind)/(2.0_wp*h) - slopes(v, :))))
          end do
          call t%close_to(worst, 0.0_wp, 1.0e-5_wp, 'gradient of merit and constraints, variant '//to_text(variant))
@@ -244,22 +240,18 @@ contains
    end subroutine gradients
 
    !> Merit and constraints with one unknown changed: a dimension or an input.
-   subroutine change(merit, values, delt, v, by, weight, total, each)
+   subroutine change(merit, x, v, by, weight, total, each)
       type(merit_t), intent(inout) :: merit
-      real(wp), intent(in) :: values(:), delt(:), by, weight
+      real(wp), intent(in) :: x(:), by, weight
       integer, intent(in) :: v
       real(wp), intent(out) :: total, each(:)
-      real(wp) :: changed(size(values)), moved(size(delt)), objective
+      real(wp) :: changed(size(x)), objective, violation
 
-      moved = delt
-      changed = values
-      if (v <= size(values)) then
-         changed(v) = values(v) + by
-      else
-         moved(v - size(values)) = delt(v - size(values)) + by
-      end if
-      call measure(merit, changed, moved, weight, total, objective)
-      call violations(merit, each)
+      changed = x
+      changed(v) = x(v) + by
+      call merit%measure(changed, objective, violation)
+      total = objective + weight*violation
+      call merit%constrain(changed, each)
    end subroutine change
 
    !> The least margin of a crank-rocker is where crank and frame are in line: cos mu = (p^2 + q^2 - (d -+ a)^2)/(2 p q).
@@ -381,11 +373,11 @@ contains
       set%constr%irange = range_turn
       values = problem%topology%first_values(problem%given)
       call prepare_merit(set, problem, values, merit)
-      call obeys(merit, values, merit%delt, objective, sound)
+      call merit%accept(values, objective, sound)
       call t%is_true(.not. sound, 'a search sees parallel slides between the prescribed positions')
       set%constr%irange = range_inputs
       call prepare_merit(set, problem, values, merit)
-      call obeys(merit, values, merit%delt, objective, sound)
+      call merit%accept(values, objective, sound)
       call t%is_true(sound, 'and accepts a range without')
       ! free timing keeps to one side
       set%constr%irange = range_positions
@@ -523,30 +515,22 @@ contains
       call problem%set_desired(station%out)
    end subroutine points_of_itself
 
-   !> NLopt: names, kinds, the same answer for any number of threads.
+   !> NLopt: the same answer for any number of threads.
    subroutine solvers()
       type(problem_t) :: problem
       type(data_set_t) :: set
       type(result_t) :: one, two
-      type(text_t) :: log
-      type(stop_t) :: interrupt
+      type(stop_t) :: never
       real(wp), allocatable :: first(:), none(:, :)
 
-      call t%is_true(algorithm_of('nlopt_ld_slsqp') == algorithm_of('LD_SLSQP') .and. algorithm_of('LD_SLSQP') >= 0, &
-                     'names of NLopt')
-      call t%is_true(algorithm_of('LD_SLSPQ') < 0, 'a name NLopt does not know')
-      call t%equal_text(plain_name('nlopt_gn_crs2_lm'), 'GN_CRS2_LM', 'its plain name')
-      call t%is_true(is_global('GN_CRS2_LM') .and. .not. is_global('LN_COBYLA'), 'global or local')
-      call t%is_true(needs_gradient('LD_MMA') .and. .not. needs_gradient('LN_COBYLA'), 'with gradient or without')
-      call t%is_true(takes_constraints('LN_COBYLA') .and. .not. takes_constraints('LN_SBPLX'), 'takes constraints or not')
       call load_case('path5', problem, set)
       first = problem%topology%first_values(problem%given)
       allocate (none(size(first), 0))
-      set%search%solver = 'LD_SLSQP'
+      set%search%solver = find_solver('LD_SLSQP')
       set%search%nstart = 9
       set%search%nbest = 3
-      call search_many(set, problem, first, none, 1, interrupt, one, log)
-      call search_many(set, problem, first, none, 3, interrupt, two, log)
+      call search_many(set, problem, first, none, 1, never, one)
+      call search_many(set, problem, first, none, 3, never, two)
       call t%is_true(size(one%best) == size(two%best) .and. size(one%best) > 0, 'SLSQP: as many linkages for any number of threads')
       if (size(one%best) /= size(two%best)) return
       do k = 1, size(one%best)

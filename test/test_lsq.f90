@@ -6,11 +6,12 @@ program test_lsq
    use psalm_error, only: problem_t, motion_t
    use psalm_kinds, only: wp
    use psalm_linear, only: solve_positive
-   use psalm_stop, only: stop_t
    use psalm_margins, only: inspector_t, margin_t, prepare_inspector, inspect, is_violated
    use psalm_search, only: result_t, search_many
+   use psalm_solver_kind, only: find_solver
+   use psalm_stop, only: stop_t
    use psalm_sensitivity, only: sensitivity_t, prepare_sensitivity, find_jacobian, find_constraints
-   use psalm_text, only: text_t, to_text
+   use psalm_text, only: to_text
    use psalm_topology, only: dimensions_t
    implicit none (type, external)
    type(checks_t) :: t
@@ -38,11 +39,10 @@ contains
       type(problem_t), intent(in) :: problem
       integer, intent(in) :: threads
       type(result_t), intent(out) :: found
-      type(stop_t) :: interrupt
-      type(text_t) :: log
+      type(stop_t) :: never
       real(wp) :: none(size(problem%topology%variables), 0)
 
-      call search_many(set, problem, problem%topology%first_values(problem%given), none, threads, interrupt, found, log)
+      call search_many(set, problem, problem%topology%first_values(problem%given), none, threads, never, found)
    end subroutine search
 
    subroutine equations()
@@ -113,7 +113,7 @@ contains
 
       label = name//', '//to_text(starts)//' starts: '
       call load_case(name, problem, set)
-      set%search%solver = 'LSQ'
+      set%search%solver = find_solver('LSQ')
       set%search%nstart = starts
       call search(set, problem, 1, found)
       call t%is_true(size(found%best) == 1, label//'a linkage is found')
@@ -136,7 +136,7 @@ contains
       type(result_t) :: found
 
       call load_case('chain_short', problem, set)
-      set%search%solver = 'LSQ'
+      set%search%solver = find_solver('LSQ')
       set%limval = 1
       set%oplow(:2) = [320.0_wp, 70.0_wp]
       set%ophigh(:2) = [330.0_wp, 72.0_wp]
@@ -153,7 +153,7 @@ contains
       integer :: i
 
       call load_case('needle', problem, set)
-      set%search%solver = 'LSQ'
+      set%search%solver = find_solver('LSQ')
       set%search%nstart = 21
       set%search%nbest = 5
       call search(set, problem, 1, one)

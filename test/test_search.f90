@@ -4,20 +4,22 @@ program test_search
    use check, only: checks_t
    use psalm_angles, only: unit_vector
    use psalm_rrr, only: repair_link_pair
-   use psalm_constr, only: constraints_t, repair_count_t, make_constraints, constrain
+   use psalm_constr, only: constraints_t, vertex_problem_t, make_constraints, make_vertex_problem, constrain
    use psalm_data_set, only: data_set_t
    use psalm_error, only: problem_t, motion_t
-   use psalm_stop, only: stop_t
    use psalm_kinds, only: wp, radians_per_degree
    use psalm_devices, only: devices_t
+   use psalm_nlp, only: repair_count_t
    use psalm_report, only: report_search
+   use psalm_search_log, only: search_log_t
    use psalm_topology, only: dimensions_t
-   use psalm_simplx, only: search_state_t, search_simplex, stop_converged, stop_iterations, stop_small_objective
+   use psalm_simplx, only: simplex_t, search_simplex
+   use psalm_solver, only: search_state_t, stop_converged, stop_iterations, stop_small_objective
    use psalm_source, only: line_t
-   use psalm_start, only: simplex_t, start_simplex, read_vertices
+   use psalm_start, only: beginning_t, rules_of, start_simplex, read_vertices
    use psalm_status, only: diagnostics_t
+   use psalm_stop, only: stop_t
    use psalm_synthesis, only: synthesis_t, synthesise
-   use psalm_text, only: text_t
    implicit none (type, external)
    type(checks_t) :: t
 
@@ -220,22 +222,22 @@ contains
    end subroutine run_search
 
    subroutine search_from(problem, set, simplex, state, motion)
-      type(problem_t), intent(inout) :: problem
+      type(problem_t), intent(inout), target :: problem
       type(data_set_t), intent(in) :: set
       type(simplex_t), intent(out) :: simplex
       type(search_state_t), intent(out) :: state
       type(motion_t), intent(out) :: motion
-      type(constraints_t) :: constraints
+      type(vertex_problem_t) :: vertices
       type(dimensions_t) :: dimensions
-      type(text_t) :: device1, device2
-      type(stop_t) :: interrupt
+      type(beginning_t) :: beginning
+      type(stop_t) :: never
       real(wp) :: none(size(problem%topology%variables), 0)
       logical :: feasible
 
-      call make_constraints(set, problem, constraints)
-      call start_simplex(set, problem, constraints, none, simplex, feasible, device1, device2)
+      call make_vertex_problem(set, problem, vertices)
+      call start_simplex(set, vertices, none, simplex, feasible, beginning)
       call t%is_true(feasible, 'the published start is feasible')
-      call search_simplex(set, problem, constraints, simplex, interrupt, state, device1)
+      call search_simplex(rules_of(set), vertices, simplex, never, state)
       dimensions = problem%given
       call problem%topology%apply(simplex%v(:, simplex%best), dimensions)
       call problem%analyse(dimensions, motion)
@@ -304,6 +306,7 @@ contains
       type(synthesis_t) :: search
       type(dimensions_t) :: dimensions
       type(stop_t) :: stop
+      type(search_log_t) :: log
       type(diagnostics_t) :: findings
       type(line_t), allocatable :: lines(:)
       real(wp), allocatable :: v(:, :), none(:, :)
@@ -313,8 +316,8 @@ contains
       call load_case('chain_short', problem, set)
       allocate (none(2, 0))
       dimensions = problem%given
-      call synthesise(set, none, problem, 1, stop, dimensions, search, devices%one, devices%two)
-      call report_search(set, search, devices)
+      call synthesise(set, none, problem, 1, stop, dimensions, search)
+      call report_search(set, search, log, devices)
       text = devices%seven%content()
       allocate (lines(0))
       do while (len(text) > 0)

@@ -5,20 +5,21 @@
 !>        account first DIRECTORY          needle linkage from the published start: least gain of a step | objective | ms
 program account
    use, intrinsic :: iso_fortran_env, only: int64
-   use psalm_constr, only: constraints_t, make_constraints
+   use psalm_constr, only: vertex_problem_t, make_vertex_problem
    use psalm_data_set, only: data_set_t, read_data_sets
    use psalm_error, only: problem_t, make_problem
-   use psalm_interrupt, only: interrupt_t
    use psalm_kinds, only: wp, dp
-   use psalm_lsq, only: improve
+   use psalm_least_squares, only: least_squares_t
    use psalm_merit, only: merit_t, prepare_merit
    use psalm_search, only: result_t, search_many
    use psalm_setup, only: set_up
-   use psalm_simplx, only: search_simplex, search_state_t
-   use psalm_start, only: simplex_t, start_simplex
+   use psalm_simplx, only: simplex_t, search_simplex
+   use psalm_solver, only: ending_t, search_state_t
+   use psalm_solver_kind, only: solver_kind_t, find_solver
+   use psalm_start, only: beginning_t, rules_of, start_simplex
    use psalm_station, only: look_closely
    use psalm_status, only: diagnostics_t
-   use psalm_text, only: text_t
+   use psalm_stop, only: stop_t
    use psalm_topology, only: topology_t, dimensions_t, variable_length, variable_outlk, variable_origlk
    implicit none (type, external)
 
@@ -91,6 +92,7 @@ contains
    subroutine all_runs()
       type(data_set_t) :: set
       type(problem_t) :: problem
+      type(solver_kind_t) :: kind
       integer :: s, k, seed, evaluations
       real(dp) :: begun
       real(wp) :: objective
@@ -99,14 +101,15 @@ contains
          do k = 1, size(solvers)
             call load(sets(s), set, problem)
             ! the simplex of the thesis knows no free timing
-            if (set%ifree /= 0 .and. solvers(k) == 'SIMPLEX') cycle
+            kind = find_solver(solvers(k))
+            if (set%ifree /= 0 .and. .not. kind%many_starts) cycle
             do seed = 1, seeds
                set%istart = 19 + 2*seed
                begun = seconds()
-               if (solvers(k) == 'SIMPLEX') then
+               if (.not. kind%many_starts) then
                   call run_simplex(set, problem, objective, evaluations)
                else
-                  set%search%solver = trim(solvers(k))
+                  set%search%solver = kind
                   call run_other(set, problem, objective, evaluations)
                end if
                print '(a,"|",a,"|",i0,"|",es14.7,"|",i0,"|",es10.3)', trim(sets(s)), trim(solvers(k)), seed, objective, &
@@ -122,12 +125,12 @@ contains
       real(wp), intent(out) :: objective
       integer, intent(out) :: evaluations
       type(data_set_t) :: set
-      type(problem_t) :: problem
-      type(constraints_t) :: constraints
+      type(problem_t), target :: problem
+      type(vertex_problem_t) :: vertices
       type(simplex_t) :: simplex
       type(search_state_t) :: state
-      type(text_t) :: device1, device2
-      type(interrupt_t) :: interrupt
+      type(beginning_t) :: beginning
+      type(stop_t) :: never
       real(wp) :: none(size(given_problem%topology%variables), 0)
       logical :: feasible
 
@@ -135,14 +138,14 @@ contains
       set%niter = most_iterations
       set%fmin = 0.0_wp
       problem = given_problem
-      call make_constraints(set, problem, constraints)
-      call start_simplex(set, problem, constraints, none, simplex, feasible, device1, device2)
+      call make_vertex_problem(set, problem, vertices)
+      call start_simplex(set, vertices, none, simplex, feasible, beginning)
       objective = -1.0_wp
-      evaluations = simplex%evaluations
+      evaluations = vertices%evaluations
       if (.not. feasible) return
-      call search_simplex(set, problem, constraints, simplex, interrupt, state, device1)
+      call search_simplex(rules_of(set), vertices, simplex, never, state)
       objective = state%best
-      evaluations = simplex%evaluations
+      evaluations = vertices%evaluations
    end subroutine run_simplex
 
    subroutine run_other(given, problem, objective, evaluations)
@@ -152,8 +155,7 @@ contains
       integer, intent(out) :: evaluations
       type(data_set_t) :: set
       type(result_t) :: result
-      type(text_t) :: device1
-      type(interrupt_t) :: interrupt
+      type(stop_t) :: never
       real(wp) :: none(size(problem%topology%variables), 0)
 
       set = given
@@ -162,7 +164,7 @@ contains
       set%search%nbest = 1
       set%search%maxeval = most_evaluations
       set%search%maxtime = most_seconds
-      call search_many(set, problem, problem%topology%first_values(problem%given), none, 1, interrupt, result, device1)
+      call search_many(set, problem, problem%topology%first_values(problem%given), none, 1, never, result)
       objective = -1.0_wp
       if (size(result%best) > 0) objective = result%best(1)%objective
       evaluations = result%evaluations + result%jacobians
@@ -174,10 +176,11 @@ contains
       type(problem_t) :: problem
       type(merit_t) :: merit
       real(wp), allocatable :: first(:), values(:)
-      real(wp) :: objective
+      type(least_squares_t) :: solver
+      type(ending_t) :: ending
+      type(stop_t) :: never
       real(dp) :: begun, jacobian, iteration
       integer :: n, power, i, k, calls
-      logical :: feasible
 
       do power = 0, 3
          call load('needle_search', set, problem)
@@ -201,7 +204,7 @@ contains
             jacobian = min(jacobian, (seconds() - begun)/real(calls, dp))
             values = first
             begun = seconds()
-            call improve(merit, values, 1.0e-9_wp, huge(1), objective, feasible)
+            call solver%minimise(merit, values, never, ending)
             iteration = min(iteration, (seconds() - begun)/real(merit%jacobians, dp))
          end do
          print '(i0,"|",f0.2,"|",f0.2)', n, 1.0e6_dp*jacobian, 1.0e6_dp*iteration
@@ -214,10 +217,11 @@ contains
       type(problem_t) :: problem
       type(merit_t) :: merit
       real(wp), allocatable :: first(:), values(:)
-      real(wp) :: objective
+      type(least_squares_t) :: solver
+      type(ending_t) :: ending
+      type(stop_t) :: never
       real(dp) :: begun, least
       integer :: digits, k
-      logical :: feasible
 
       do digits = 2, 8, 2
          call load('needle_search', set, problem)
@@ -227,11 +231,12 @@ contains
             begun = seconds()
             call prepare_merit(set, problem, first, merit)
             values = first
-            call improve(merit, values, 10.0_wp**(-digits), huge(1), objective, feasible)
+            solver%least_gain = 10.0_wp**(-digits)
+            call solver%minimise(merit, values, never, ending)
             least = min(least, seconds() - begun)
          end do
-         if (.not. feasible) objective = -1.0_wp
-         print '(es7.1,"|",f0.6,"|",f0.2)', 10.0_wp**(-digits), objective, 1.0e3_dp*least
+         if (.not. ending%feasible) ending%objective = -1.0_wp
+         print '(es7.1,"|",f0.6,"|",f0.2)', 10.0_wp**(-digits), ending%objective, 1.0e3_dp*least
       end do
    end subroutine first_start
 end program account

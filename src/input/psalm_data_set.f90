@@ -228,7 +228,7 @@ contains
       end if
       call read_limits(groups(limits), set, findings)
       call read_search_group(groups(search), set%search, findings)
-      if (set%ifree /= 0 .and. set%search%solver == 'SIMPLEX') then
+      if (set%ifree /= 0 .and. .not. set%search%solver%many_starts) then
          call out_of(groups(method), 'IFREE', "IFREE=1 (free timing) needs the group &SEARCH with another SOLVER, as 'LSQ'", &
                      findings)
       end if

@@ -2,7 +2,8 @@
 module psalm_search_group
    use psalm_group, only: group_t, check_range, out_of, read_flag
    use psalm_kinds, only: wp
-   use psalm_nlopt, only: algorithm_names, algorithm_of, plain_name
+   use psalm_solver_kind, only: solver_kind_t, find_solver, solver_names, default_solver, plain_name, &
+                                family_simplex, family_unknown
    use psalm_status, only: diagnostics_t
    use psalm_text, only: nearest_name
    implicit none (type, external)
@@ -15,7 +16,7 @@ module psalm_search_group
    !> How to search.
    type :: search_group_t
       logical :: given = .false.           !! the group was given
-      character(:), allocatable :: solver  !! SIMPLEX, LSQ, or an NLopt algorithm without NLOPT_
+      type(solver_kind_t) :: solver = solver_kind_t(name=default_solver, family=family_simplex, many_starts=.false.)
       integer :: nstart = 1                !! starts
       integer :: first = 1                 !! number of the first one; a restart continues with it
       integer :: nbest = 1                 !! linkages kept
@@ -32,10 +33,11 @@ contains
       type(group_t), intent(inout) :: group
       type(search_group_t), intent(inout) :: search
       type(diagnostics_t), intent(inout) :: findings
+      character(:), allocatable :: name
 
       search%given = group%line > 0
-      search%solver = 'SIMPLEX'
-      call group%get_word('SOLVER', search%solver, findings)
+      name = default_solver
+      call group%get_word('SOLVER', name, findings)
       call group%get_integer('NSTART', search%nstart, findings)
       call group%get_integer('FIRST', search%first, findings)
       call group%get_integer('NBEST', search%nbest, findings)
@@ -49,30 +51,31 @@ contains
       call check_range(group, 'MAXEVAL', search%maxeval, 0, huge(1), findings)
       call check_range(group, 'THREADS', search%threads, 0, most_search_threads, findings)
       if (search%maxtime < 0.0_wp) call out_of(group, 'MAXTIME', 'must not be negative', findings)
-      search%solver = plain_name(search%solver)
-      if (search%solver == 'SIMPLEX') then
+      search%solver = find_solver(name)
+      if (search%solver%family == family_unknown) then
+         call unknown_solver()
+      else if (.not. search%solver%many_starts) then
          if (search%nstart > 1) call other_solver('NSTART')
          if (search%nbest > 1) call other_solver('NBEST')
          if (search%first > 1) call other_solver('FIRST')
          if (search%maxeval > 0) call other_solver('MAXEVAL')
-      else if (search%solver /= 'LSQ') then
-         if (algorithm_of(search%solver) < 0) call unknown_solver()
       end if
 
    contains
 
       subroutine unknown_solver()
-         character(:), allocatable :: near, all_names, names(:)
+         character(:), allocatable :: near, all_names
          integer :: i
 
-         names = [character(len(algorithm_names())) :: 'SIMPLEX', 'LSQ', algorithm_names()]
-         all_names = trim(names(1))
-         do i = 2, size(names)
-            all_names = all_names//', '//trim(names(i))
-         end do
-         near = nearest_name(search%solver, names)
+         associate (names => solver_names())
+            all_names = trim(names(1))
+            do i = 2, size(names)
+               all_names = all_names//', '//trim(names(i))
+            end do
+            near = nearest_name(plain_name(name), names)
+         end associate
          if (len(near) > 0) near = "did you mean '"//near//"'? "
-         call out_of(group, 'SOLVER', "no solver is called '"//search%solver//"'; "//near//'There are '//all_names, findings)
+         call out_of(group, 'SOLVER', "no solver is called '"//plain_name(name)//"'; "//near//'There are '//all_names, findings)
       end subroutine unknown_solver
 
       subroutine other_solver(item)

@@ -242,7 +242,7 @@ contains
       type(margin_t), allocatable :: margins(:)
       integer :: i
 
-      call prepare_inspector(set, own, set%search%solver /= 'SIMPLEX', inspector)
+      call prepare_inspector(set, own, set%search%solver%many_starts, inspector)
       call inspect(inspector, dimensions, own%delt, margins)
       do i = 1, size(margins)
          if (is_violated(margins(i))) &

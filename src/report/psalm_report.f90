@@ -15,6 +15,7 @@ module psalm_report
    use psalm_rate_list, only: list_rates, list_all_rates, write_table, dead_words
    use psalm_rate_study, only: rate_study_t
    use psalm_search, only: result_t
+   use psalm_search_log, only: search_log_t, log_beginning, log_starts
    use psalm_status, only: diagnostics_t
    use psalm_summary, only: summary_t
    use psalm_summary_text, only: write_summary
@@ -42,22 +43,28 @@ contains
       type(devices_t), intent(inout) :: devices
 
       call devices%one%add(' '//set%title)
-      if (set%search%solver == 'SIMPLEX') call devices%two%add(' '//set%title)
+      if (.not. set%search%solver%many_starts) call devices%two%add(' '//set%title)
    end subroutine begin_search_report
 
-   !> How the search went: devices 1 and 7, remarks.
-   subroutine report_search(set, search, devices)
+   !> How the search went: devices 1, 2 and 7, remarks.
+   subroutine report_search(set, search, log, devices)
       type(data_set_t), intent(in) :: set
       type(synthesis_t), intent(in) :: search
+      type(search_log_t), intent(in) :: log              !! of the simplex, which it watched
       type(devices_t), intent(inout) :: devices
 
       if (search%is_short()) call devices%note_violation()
       if (search%many) then
+         call log_starts(search%found%log, devices%one)
          call report_starts(set, search, devices)
-      else if (search%ending == ended_infeasible) then
+         return
+      end if
+      call log_beginning(search%beginning, devices%one, devices%two)
+      if (search%ending == ended_infeasible) then
          call devices%remark(set, 'the given linkage violates closure or transmission limits and cannot be repaired; no search '// &
                              'was made')
       else
+         if (log%device1%length > 0) call devices%one%add_text(log%device1%content())
          call write_vertices('I', search%first%v, search%first%f, devices%seven)
          call write_vertices('F', search%last%v, search%last%f, devices%seven)
          call report_simplex(set, search, devices)
@@ -84,8 +91,8 @@ contains
          reason = 'the simplex has converged'
       end select
       line = to_text(search%state%iteration)//' iterations, '//to_text(search%state%evaluations)//' evaluations, '// &
-             to_text(search%last%repairs%calls)//' violations met, '//to_text(search%last%repairs%repairs)//' repairs, '// &
-             to_text(search%last%repairs%moves)//' moves; best objective '//trim(adjustl(general(search%state%best)))
+             to_text(search%state%counts%calls)//' violations met, '//to_text(search%state%counts%repairs)//' repairs, '// &
+             to_text(search%state%counts%moves)//' moves; best objective '//trim(adjustl(general(search%state%best)))
       call devices%one%add(' '//line//'; '//reason)
       call devices%remark(set, reason//' after '//line)
       if (search%ending == ended_iterations .and. set%niter == default_niter) call devices%remark(set, &
@@ -109,7 +116,7 @@ contains
             line = line//'; best objective '//trim(adjustl(general(found%best(1)%objective)))
          end if
          if (found%out_of_time) line = 'MAXTIME passed before the search was done: '//line
-         if (found%refused) line = 'NLopt refuses '//set%search%solver//' for this problem: '//line
+         if (found%refused) line = 'NLopt refuses '//trim(set%search%solver%name)//' for this problem: '//line
          if (found%interrupted) line = 'interrupted: '//line
          if (found%next > 0) then
             resume = 'to go on, give this device 7 as device 4 with NGUESS='//to_text(size(found%best))//', FIRST='// &

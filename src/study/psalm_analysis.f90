@@ -92,7 +92,7 @@ contains
       end if
       if (wanted%margins) then
          allocate (inspector)
-         call prepare_inspector(set, problem, set%search%solver /= 'SIMPLEX', inspector)
+         call prepare_inspector(set, problem, set%search%solver%many_starts, inspector)
          call inspect(inspector, dimensions, problem%delt, analysis%margins)
       end if
       if (wanted%sweep) then

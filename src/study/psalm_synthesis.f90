@@ -1,18 +1,17 @@
 !> Synthesis: the search for better dimensions, by the simplex of the thesis or from many starts, and what came of it.
 !>
-!> Data in, results out: nothing is printed or worded here but the log of the search, which START, SIMPLX and the searches write.
+!> Data in, results out: nothing is printed or worded here. An observer may watch the search.
 module psalm_synthesis
-   use psalm_constr, only: constraints_t, make_constraints
+   use psalm_constr, only: vertex_problem_t, make_vertex_problem
    use psalm_data_set, only: data_set_t
    use psalm_error, only: problem_t
    use psalm_kinds, only: wp, right_angle
    use psalm_margins, only: margin_t, inspector_t, prepare_inspector, inspect, margin_slides, margin_guide, margin_bound
    use psalm_search, only: found_t, result_t, search_many
-   use psalm_simplx, only: search_monitor_t, search_state_t, search_simplex, stop_iterations, stop_small_objective, &
-                           stop_interrupted
-   use psalm_start, only: simplex_t, start_simplex
+   use psalm_simplx, only: simplex_t, search_simplex
+   use psalm_solver, only: observer_t, search_state_t, stop_iterations, stop_small_objective, stop_interrupted
+   use psalm_start, only: beginning_t, rules_of, start_simplex
    use psalm_stop, only: stop_t
-   use psalm_text, only: text_t
    use psalm_topology, only: dimensions_t
    implicit none (type, external)
    private
@@ -45,6 +44,7 @@ module psalm_synthesis
       logical :: many = .false.                  !! from many starts; else by the simplex
       ! the simplex
       type(simplex_t) :: first, last             !! the initial simplex, the final one
+      type(beginning_t) :: beginning             !! how it was begun
       type(search_state_t) :: state              !! iterations, evaluations, best objective
       ! many starts
       type(result_t) :: found                    !! linkages, best first; counts
@@ -59,42 +59,40 @@ contains
    !>
    !> `dimensions` becomes the best linkage found and stays what it was if none was; with free timing the inputs of `problem`
    !> become those of the best.
-   subroutine synthesise(set, vertices, problem, threads, stop, dimensions, result, device1, device2, monitor)
+   subroutine synthesise(set, vertices, problem, threads, stop, dimensions, result, observer)
       type(data_set_t), intent(in) :: set
       real(wp), intent(in) :: vertices(:, :)       !! shape (marble, any): supplied
-      type(problem_t), intent(inout) :: problem
+      type(problem_t), intent(inout), target :: problem
       integer, intent(in) :: threads
       type(stop_t), intent(in) :: stop             !! asked now and then
       type(dimensions_t), intent(inout) :: dimensions
       type(synthesis_t), intent(out) :: result
-      type(text_t), intent(inout) :: device1, device2 !! log of the search
-      class(search_monitor_t), intent(inout), optional :: monitor
+      class(observer_t), intent(inout), optional :: observer
 
       allocate (result%found%best(0))
       allocate (result%ranked(0))
       if (.not. problem%topology%has_search()) return
-      if (set%search%solver == 'SIMPLEX') then
-         call search_with_simplex(set, vertices, problem, stop, dimensions, result, device1, device2, monitor)
+      if (.not. set%search%solver%many_starts) then
+         call search_with_simplex(set, vertices, problem, stop, dimensions, result, observer)
       else
-         call search_from_starts(set, vertices, problem, threads, stop, dimensions, result, device1, monitor)
+         call search_from_starts(set, vertices, problem, threads, stop, dimensions, result, observer)
       end if
    end subroutine synthesise
 
-   subroutine search_with_simplex(set, vertices, problem, stop, dimensions, result, device1, device2, monitor)
+   subroutine search_with_simplex(set, vertices, problem, stop, dimensions, result, observer)
       type(data_set_t), intent(in) :: set
       real(wp), intent(in) :: vertices(:, :)
-      type(problem_t), intent(inout) :: problem
+      type(problem_t), intent(inout), target :: problem
       type(stop_t), intent(in) :: stop
       type(dimensions_t), intent(inout) :: dimensions
       type(synthesis_t), intent(inout) :: result
-      type(text_t), intent(inout) :: device1, device2
-      class(search_monitor_t), intent(inout), optional :: monitor
-      type(constraints_t) :: constraints
+      class(observer_t), intent(inout), optional :: observer
+      type(vertex_problem_t) :: search
       type(stop_t) :: limited
       logical :: feasible
 
-      call make_constraints(set, problem, constraints)
-      call start_simplex(set, problem, constraints, vertices, result%first, feasible, device1, device2)
+      call make_vertex_problem(set, problem, search)
+      call start_simplex(set, search, vertices, result%first, feasible, result%beginning)
       if (.not. feasible) then
          result%ending = ended_infeasible
          return
@@ -102,7 +100,7 @@ contains
       result%last = result%first
       limited = stop
       call limited%limit_time(set%search%maxtime)
-      call search_simplex(set, problem, constraints, result%last, limited, result%state, device1, monitor)
+      call search_simplex(rules_of(set), search, result%last, limited, result%state, observer)
       call problem%topology%apply(result%last%v(:, result%last%best), dimensions)
       select case (result%state%reason)
       case (stop_iterations)
@@ -116,20 +114,18 @@ contains
       end select
    end subroutine search_with_simplex
 
-   subroutine search_from_starts(set, vertices, problem, threads, stop, dimensions, result, device1, monitor)
+   subroutine search_from_starts(set, vertices, problem, threads, stop, dimensions, result, observer)
       type(data_set_t), intent(in) :: set
       real(wp), intent(in) :: vertices(:, :)
-      type(problem_t), intent(inout) :: problem
+      type(problem_t), intent(inout), target :: problem
       integer, intent(in) :: threads
       type(stop_t), intent(in) :: stop
       type(dimensions_t), intent(inout) :: dimensions
       type(synthesis_t), intent(inout) :: result
-      type(text_t), intent(inout) :: device1
-      class(search_monitor_t), intent(inout), optional :: monitor
+      class(observer_t), intent(inout), optional :: observer
 
       result%many = .true.
-      call search_many(set, problem, problem%topology%first_values(dimensions), vertices, threads, stop, result%found, device1, &
-                       monitor)
+      call search_many(set, problem, problem%topology%first_values(dimensions), vertices, threads, stop, result%found, observer)
       associate (found => result%found)
          if (size(found%best) > 0) then
             call problem%topology%apply(found%best(1)%values, dimensions)

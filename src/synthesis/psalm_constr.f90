@@ -9,14 +9,13 @@ module psalm_constr
    use psalm_data_set, only: data_set_t
    use psalm_error, only: problem_t
    use psalm_kinds, only: wp
+   use psalm_nlp, only: nlp_t, repair_count_t, quarter, most_moves
    use psalm_topology, only: dimensions_t, variable_length, variable_outlk
    implicit none (type, external)
    private
-   public :: constraints_t, repair_count_t, make_constraints, constrain
+   public :: constraints_t, vertex_problem_t, make_constraints, make_vertex_problem, constrain
 
-   real(wp), parameter :: quarter = 0.25_wp                     !! of the way towards a feasible linkage
-   integer, parameter :: most_moves = 60                        !! 0.75**60 = 3e-8: the vertex has arrived
-   integer, parameter :: repairs_per_loop = 4                   !! repairs before a pair of loops that undo each other gives up
+   integer, parameter :: repairs_per_loop = 4    !! repairs before a pair of loops that undo each other gives up
 
    !> Limits on the variables, and room to work in.
    type :: constraints_t
@@ -28,14 +27,15 @@ module psalm_constr
       real(wp), allocatable :: reach(:)           !! shape (positions)
    end type constraints_t
 
-   !> What was done to vertices.
-   type :: repair_count_t
-      integer :: calls = 0     !! violations met
-      integer :: repairs = 0   !! dyads repaired
-      integer :: moves = 0     !! quarter moves
-      integer :: clips = 0     !! values put inside their bounds
-      integer :: loop = 0      !! loop of the last violation
-   end type repair_count_t
+   !> The search by the thesis's simplex as an optimisation problem: an objective, and vertices that are repaired.
+   type, extends(nlp_t) :: vertex_problem_t
+      type(problem_t), pointer :: problem => null() !! the caller's
+      type(constraints_t) :: constraints
+   contains
+      procedure :: measure
+      procedure :: accept
+      procedure :: settle
+   end type vertex_problem_t
 
 contains
 
@@ -58,6 +58,59 @@ contains
       constraints%dimensions = problem%given
       allocate (constraints%reach(problem%positions), source=0.0_wp)
    end subroutine make_constraints
+
+   !> The search by the simplex of a problem, which must outlive it.
+   subroutine make_vertex_problem(set, problem, search)
+      type(data_set_t), intent(in) :: set
+      type(problem_t), intent(in), target :: problem
+      type(vertex_problem_t), intent(out) :: search
+
+      search%problem => problem
+      call make_constraints(set, problem, search%constraints)
+      search%core = size(problem%topology%variables)
+      search%low = spread(-huge(1.0_wp), 1, search%core)
+      search%high = -search%low
+      if (search%constraints%bounded) then
+         search%low = search%constraints%low
+         search%high = search%constraints%high
+      end if
+   end subroutine make_vertex_problem
+
+   !> Objective, and 1 where the linkage does not obey: how much it violates is not measured.
+   subroutine measure(self, x, objective, violation)
+      class(vertex_problem_t), intent(inout) :: self
+      real(wp), intent(in) :: x(:)
+      real(wp), intent(out) :: objective, violation
+      logical :: feasible
+
+      call self%accept(x, objective, feasible)
+      violation = merge(0.0_wp, 1.0_wp, feasible)
+   end subroutine measure
+
+   !> Does a vertex, as it is, close within its limits and bounds?
+   subroutine accept(self, x, objective, feasible)
+      class(vertex_problem_t), intent(inout) :: self
+      real(wp), intent(in) :: x(:)
+      real(wp), intent(out) :: objective
+      logical, intent(out) :: feasible
+      integer :: loop
+
+      call self%problem%topology%apply(x, self%constraints%dimensions)
+      call self%problem%evaluate(self%constraints%dimensions, objective, loop)
+      self%evaluations = self%evaluations + 1
+      feasible = loop == 0 .and. .not. any(x < self%low .or. x > self%high)
+   end subroutine accept
+
+   !> Make a vertex obey.
+   subroutine settle(self, x, objective, feasible, towards)
+      class(vertex_problem_t), intent(inout) :: self
+      real(wp), intent(inout) :: x(:)
+      real(wp), intent(out) :: objective
+      logical, intent(out) :: feasible
+      real(wp), intent(in), optional :: towards(:)
+
+      call constrain(self%problem, self%constraints, x, objective, feasible, self%evaluations, self%counts, towards)
+   end subroutine settle
 
    !> Objective of a vertex, altered where the constraints demand it.
    !>

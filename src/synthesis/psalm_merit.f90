@@ -1,25 +1,25 @@
-!> What a search minimises: errors and violated constraints of a linkage, past closing too, with their derivatives.
+!> Linkage synthesis as an optimisation problem: errors and violated constraints of a linkage, past closing too, with their
+!> derivatives.
 !>
 !> The merit is the objective plus a weight times the squared violations of closure, transmission angles, TOGGLE and forbidden
 !> regions, at the prescribed positions and, if asked for, over the whole range of the input. With free timing (IFREE) every
-!> input position is an unknown too; it meets only its own position's errors.
+!> input position is a local unknown; it meets only its own position's errors.
 module psalm_merit
    use psalm_angles, only: unit_vector
    use psalm_constraint_group, only: region_t, range_positions, range_turn
    use psalm_data_set, only: data_set_t
    use psalm_dyad_kind, only: assur_prp, assur_rrr, form_of, form_t
    use psalm_error, only: problem_t
-   use psalm_stop, only: stop_t
    use psalm_kinds, only: wp, degrees_per_radian, full_turn, right_angle
+   use psalm_nlp, only: nlp_t, normal_equations_t
    use psalm_output_kind, only: motion_point, motion_angle
    use psalm_regions, only: trespass, region_joints, joint_of_region
+   use psalm_start, only: random_limits
    use psalm_station, only: station_t, prepare_station, look, look_closely
    use psalm_topology, only: dimensions_t, variable_length, variable_outlk
    implicit none (type, external)
    private
-   public :: merit_t, prepare_merit, measure, form_equations, obeys, watch_inputs, set_extra, violations, count_violations, &
-             squared_violations, &
-             range_steps, extra_positions
+   public :: merit_t, prepare_merit, put_in_order, watch_inputs, set_extra, range_steps, extra_positions
 
    integer, parameter :: range_steps = 120           !! steps the range of the input is looked at in
    integer, parameter :: extra_positions = 8         !! further inputs where a violation was found between the steps
@@ -28,35 +28,35 @@ module psalm_merit
    real(wp), parameter :: least_length = 1.0e-6_wp   !! of the first value: what positive means
 
    !> A problem made ready, with room to work in. One object serves one thread.
-   type :: merit_t
+   type, extends(nlp_t) :: merit_t
       ! in memory of their own, for objects this large fill a small stack
       type(station_t), allocatable :: main           !! the prescribed positions
       type(station_t), allocatable :: patrol         !! where else constraints hold
       logical :: patrols = .false.                   !! there is a patrol
       type(problem_t), allocatable :: judge          !! with the user's limits: what counts in the end
       type(dimensions_t) :: dimensions
-      real(wp), allocatable :: low(:), high(:)       !! shape (marble): bounds
       real(wp), allocatable :: limit(:)              !! by loop: of abs(k)
       type(region_t), allocatable :: regions(:)
       integer, allocatable :: joint(:)               !! by region: its joint of the patrol, 0: output point
       real(wp) :: size = 1.0_wp                      !! of the linkage: makes depths in regions comparable
-      real(wp) :: floor = 0.0_wp                     !! an objective of rounding only
-      real(wp) :: small = 0.0_wp                     !! objectives below it weigh violations as much as it does
       integer :: irange = range_positions
       logical :: free = .false.                      !! free timing
       logical :: ordered = .false.                   !! free timing: inputs go one way
       real(wp) :: sense = 1.0_wp                     !! which
       real(wp) :: span = full_turn                   !! and no further than this
-      logical :: order_weighs = .false.              !! disorder of the inputs counts as a violation
-      real(wp) :: reach = full_turn                  !! how far a global algorithm moves an input
+      real(wp), allocatable :: box_low(:), box_high(:) !! shape (marble): a global algorithm searches here, within the bounds
+      real(wp) :: reach = full_turn                  !! how far it moves an input
       real(wp), allocatable :: late(:)               !! shape (positions): how far each input is past the next, radians or sizes
       real(wp), allocatable :: delt(:)               !! shape (positions): input increments
-      ! the equations
-      real(wp), allocatable :: matrix(:, :), gradient(:) !! halves of the second and first derivatives by the dimensions
-      real(wp), allocatable :: border(:, :)          !! shape (marble, positions): timing against dimensions
-      real(wp), allocatable :: edge(:), edge_gradient(:) !! shape (positions): timing against itself, and its gradient
-      integer :: evaluations = 0, jacobians = 0
-      type(stop_t) :: interrupt                 !! when to end
+   contains
+      procedure :: point
+      procedure :: measure
+      procedure :: linearise
+      procedure :: count_constraints
+      procedure :: constrain
+      procedure :: accept
+      procedure :: project
+      procedure :: search_box
    end type merit_t
 
 contains
@@ -79,6 +79,10 @@ contains
       call merit%judge%set_inputs(problem%delt)
       call copy_desired(problem, merit%judge)
       merit%free = set%ifree /= 0
+      merit%core = marble
+      merit%local = merge(n, 0, merit%free)
+      merit%has_gradient = .true.
+      merit%is_sum_of_squares = .true.
       merit%ordered = merit%free .and. set%search%order /= 0
       if (n > 1) merit%sense = sign(1.0_wp, problem%delt(2) - problem%delt(1))
       if (problem%topology%sliding_input) then
@@ -122,6 +126,7 @@ contains
          merit%low = max(merit%low, least_length*abs(first))
          merit%high = min(merit%high, max(longest, maxval(abs(first))/merit%size)*merit%size)
       end where
+      call random_limits(set, first, merit%box_low, merit%box_high)
       call unit_vector(right_angle - set%tangle, cosine, unused)
       call unit_vector(right_angle - problem%slide_angle, unused, sine)
       allocate (merit%limit(problem%topology%nloop))
@@ -130,8 +135,6 @@ contains
          if (problem%topology%joint(loop) == assur_rrr) merit%limit(loop) = cosine - slack
          if (problem%topology%joint(loop) == assur_prp) merit%limit(loop) = 1.0_wp - sine - slack
       end do
-      allocate (merit%matrix(marble, marble), merit%gradient(marble), source=0.0_wp)
-      if (merit%free) allocate (merit%border(marble, n), merit%edge(n), merit%edge_gradient(n), source=0.0_wp)
    end subroutine prepare_merit
 
    subroutine copy_desired(from, to)
@@ -166,7 +169,7 @@ contains
 
    !> Move the patrol: its even steps to the range of the inputs, its further positions to where violations were found.
    subroutine set_extra(merit, extra)
-      type(merit_t), intent(inout) :: merit
+      class(merit_t), intent(inout) :: merit
       real(wp), intent(in) :: extra(:)               !! shape (at most extra_positions): inputs
       real(wp), allocatable :: inputs(:)
       integer :: n
@@ -177,46 +180,70 @@ contains
       call merit%patrol%problem%move_inputs(inputs)
    end subroutine set_extra
 
-   !> Put values and, with free timing, input increments in.
-   subroutine put_in(merit, values, delt)
-      type(merit_t), intent(inout) :: merit
-      real(wp), intent(in) :: values(:), delt(:)
+   !> The unknowns of a linkage: values of the variables and, with free timing, input increments.
+   pure function point(self, values, delt) result(x)
+      class(merit_t), intent(in) :: self
+      real(wp), intent(in) :: values(:)              !! shape (marble)
+      real(wp), intent(in) :: delt(:)                !! shape (positions)
+      real(wp) :: x(self%core + self%local)
 
-      if (merit%free) call merit%main%problem%move_inputs(delt)
-      if (merit%patrols .and. merit%patrol%timed) call merit%patrol%problem%move_inputs(delt)
-      if (merit%order_weighs) merit%late = (merit%sense*(delt - cshift(delt, 1)) &
-                                            - [spread(0.0_wp, 1, size(delt) - 1), merit%span])/unit_of_input(merit)
-      ! the judge's variables are the user's; those of a station may have one more for the input
-      call merit%judge%topology%apply(values, merit%dimensions)
+      x(:self%core) = values
+      x(self%core + 1:) = delt(:self%local)
+   end function point
+
+   !> Put a point in: the linkage and, with free timing, its input increments.
+   subroutine put_in(merit, x)
+      class(merit_t), intent(inout) :: merit
+      real(wp), intent(in) :: x(:)
+
+      associate (values => x(:merit%core), delt => x(merit%core + 1:))
+         if (merit%free) call merit%main%problem%move_inputs(delt)
+         if (merit%patrols .and. merit%patrol%timed) call merit%patrol%problem%move_inputs(delt)
+         if (order_weighs(merit)) merit%late = (merit%sense*(delt - cshift(delt, 1)) &
+                                                - [spread(0.0_wp, 1, size(delt) - 1), merit%span])/unit_of_input(merit)
+         ! the judge's variables are the user's; those of a station may have one more for the input
+         call merit%judge%topology%apply(values, merit%dimensions)
+      end associate
    end subroutine put_in
+
+   !> Disorder of the inputs counts as a violation.
+   pure logical function order_weighs(merit)
+      class(merit_t), intent(in) :: merit
+
+      order_weighs = merit%ordered .and. .not. merit%projects
+   end function order_weighs
 
    !> What counts as much as a radian of the crank.
    pure real(wp) function unit_of_input(merit)
-      type(merit_t), intent(in) :: merit
+      class(merit_t), intent(in) :: merit
 
       unit_of_input = merge(merit%size, degrees_per_radian, merit%judge%topology%sliding_input)
    end function unit_of_input
 
-   !> Objective, and merit: objective + weight * squared violations.
-   subroutine measure(merit, values, delt, weight, total, objective)
-      type(merit_t), intent(inout) :: merit
-      real(wp), intent(in) :: values(:)              !! shape (marble)
-      real(wp), intent(in) :: delt(:)                !! shape (positions)
-      real(wp), intent(in) :: weight
-      real(wp), intent(out) :: total, objective
+   !> Objective, and sum of the squared violations.
+   subroutine measure(self, x, objective, violation)
+      class(merit_t), intent(inout) :: self
+      real(wp), intent(in) :: x(:)                   !! shape (marble, or marble + positions)
+      real(wp), intent(out) :: objective, violation
 
-      call put_in(merit, values, delt)
+      call see(self, x)
+      self%evaluations = self%evaluations + 1
+      objective = sum_of_errors(self)
+      violation = squared_violations(self)
+   end subroutine measure
+
+   subroutine see(merit, x)
+      class(merit_t), intent(inout) :: merit
+      real(wp), intent(in) :: x(:)
+
+      call put_in(merit, x)
       call look(merit%main, merit%dimensions)
       if (merit%patrols) call look_on_patrol(merit)
-      merit%evaluations = merit%evaluations + 1
-      objective = sum_of_errors(merit)
-      total = objective
-      if (weight > 0.0_wp) total = total + weight*squared_violations(merit)
-   end subroutine measure
+   end subroutine see
 
    !> Look at the patrol, with two slides on the side of each other that the prescribed positions say.
    subroutine look_on_patrol(merit)
-      type(merit_t), intent(inout) :: merit
+      class(merit_t), intent(inout) :: merit
 
       merit%patrol%problem%side = merit%main%problem%side
       call look(merit%patrol, merit%dimensions)
@@ -224,7 +251,7 @@ contains
 
    !> The objective of the linkage last looked at.
    pure real(wp) function sum_of_errors(merit)
-      type(merit_t), intent(in) :: merit
+      class(merit_t), intent(in) :: merit
       integer :: c
 
       associate (problem => merit%main%problem, n => merit%main%problem%positions)
@@ -237,12 +264,12 @@ contains
 
    !> Sum of the squared violations of the linkage last looked at.
    pure real(wp) function squared_violations(merit) result(total)
-      type(merit_t), intent(in) :: merit
+      class(merit_t), intent(in) :: merit
       real(wp) :: depth, gx, gy
       integer :: i, r
 
       total = squared_angles(merit%main, merit%limit)
-      if (merit%order_weighs) total = total + sum(max(merit%late, 0.0_wp)**2)
+      if (order_weighs(merit)) total = total + sum(max(merit%late, 0.0_wp)**2)
       if (.not. merit%patrols) return
       total = total + squared_angles(merit%patrol, merit%limit)
       do r = 1, size(merit%regions)
@@ -266,7 +293,7 @@ contains
 
    !> Depth in region r at position i of the patrol, in sizes of the linkage, and its gradient by the point.
    pure subroutine depth_at(merit, r, i, depth, gx, gy)
-      type(merit_t), intent(in) :: merit
+      class(merit_t), intent(in) :: merit
       integer, intent(in) :: r, i
       real(wp), intent(out) :: depth, gx, gy
 
@@ -281,56 +308,55 @@ contains
       gy = gy/merit%size
    end subroutine depth_at
 
-   !> Gradient and matrix of the normal equations: J^T W r and J^T W J of errors and violations.
-   subroutine form_equations(merit, values, delt, weight)
-      type(merit_t), intent(inout) :: merit
-      real(wp), intent(in) :: values(:), delt(:), weight
+   !> Gradient and matrices of the normal equations: J^T W r and J^T W J of errors and violations.
+   subroutine linearise(self, x, weight, equations)
+      class(merit_t), intent(inout) :: self
+      real(wp), intent(in) :: x(:), weight
+      type(normal_equations_t), intent(inout) :: equations
       integer :: i, r, a, b
       real(wp) :: depth, gx, gy
-      real(wp) :: row(size(values))
+      real(wp) :: row(self%core)
 
-      call put_in(merit, values, delt)
-      call look_closely(merit%main, merit%dimensions)
-      merit%jacobians = merit%jacobians + 1
-      merit%matrix = 0.0_wp
-      merit%gradient = 0.0_wp
-      if (merit%free) call clear_timing(merit)
-      associate (marble => size(values), main => merit%main, n => merit%main%problem%positions)
+      call put_in(self, x)
+      call look_closely(self%main, self%dimensions)
+      self%jacobians = self%jacobians + 1
+      call equations%clear(self%core, self%local)
+      associate (marble => self%core, main => self%main, n => self%main%problem%positions)
          do r = 1, size(main%out, 2)
-            call add_errors(marble, main%problem%weight(:n, r), main%out(:, r), main%dout(:, :, r), merit)
+            call add_errors(marble, main%problem%weight(:n, r), main%out(:, r), main%dout(:, :, r), equations)
          end do
-         call add_angles(main, marble, weight, merit)
-         if (merit%order_weighs) then
-            associate (pull => (weight*merit%sense/unit_of_input(merit))*max(merit%late, 0.0_wp))
-               merit%edge_gradient = merit%edge_gradient + pull - cshift(pull, -1)
+         call add_angles(main, self%limit, marble, weight, equations)
+         if (order_weighs(self)) then
+            associate (pull => (weight*self%sense/unit_of_input(self))*max(self%late, 0.0_wp))
+               equations%edge_gradient = equations%edge_gradient + pull - cshift(pull, -1)
             end associate
          end if
-         if (merit%patrols) then
-            merit%patrol%problem%side = merit%main%problem%side
-            call look_closely(merit%patrol, merit%dimensions)
-            call add_angles(merit%patrol, marble, weight, merit)
-            do r = 1, size(merit%regions)
-               do i = 1, merit%patrol%problem%positions
-                  call depth_at(merit, r, i, depth, gx, gy)
+         if (self%patrols) then
+            self%patrol%problem%side = self%main%problem%side
+            call look_closely(self%patrol, self%dimensions)
+            call add_angles(self%patrol, self%limit, marble, weight, equations)
+            do r = 1, size(self%regions)
+               do i = 1, self%patrol%problem%positions
+                  call depth_at(self, r, i, depth, gx, gy)
                   if (depth <= 0.0_wp) cycle
-                  row = slope(merit, r, i, gx, gy, 1, marble)
-                  call add_row(merit, weight, depth, row)
-                  if (merit%patrol%timed) call add_timing(merit, i, weight, depth, row, &
-                                                          sum(slope(merit, r, i, gx, gy, marble + 1, marble + 1)))
+                  row = slope(self, r, i, gx, gy, 1, marble)
+                  call add_row(equations, weight, depth, row)
+                  if (self%patrol%timed) call add_timing(equations, i, weight, depth, row, &
+                                                         sum(slope(self, r, i, gx, gy, marble + 1, marble + 1)))
                end do
             end do
          end if
          do a = 1, marble
             do b = 1, a - 1
-               merit%matrix(a, b) = merit%matrix(b, a)
+               equations%matrix(a, b) = equations%matrix(b, a)
             end do
          end do
       end associate
-   end subroutine form_equations
+   end subroutine linearise
 
    !> Derivatives of a region's depth by the variables `from` to `to`.
    pure function slope(merit, r, i, gx, gy, from, to) result(row)
-      type(merit_t), intent(in) :: merit
+      class(merit_t), intent(in) :: merit
       integer, intent(in) :: r, i, from, to
       real(wp), intent(in) :: gx, gy
       real(wp) :: row(to - from + 1)
@@ -342,31 +368,23 @@ contains
       end if
    end function slope
 
-   pure subroutine clear_timing(merit)
-      type(merit_t), intent(inout) :: merit
-
-      merit%border = 0.0_wp
-      merit%edge = 0.0_wp
-      merit%edge_gradient = 0.0_wp
-   end subroutine clear_timing
-
    !> Errors of one co-ordinate at all positions. Only the upper triangle of the matrix is added to.
-   subroutine add_errors(marble, weight, error, d, merit)
+   subroutine add_errors(marble, weight, error, d, equations)
       integer, intent(in) :: marble
       real(wp), intent(in), contiguous :: weight(:), error(:) !! shape (positions)
       real(wp), intent(in), contiguous :: d(:, :)    !! shape (positions, columns)
-      type(merit_t), intent(inout) :: merit
+      type(normal_equations_t), intent(inout) :: equations
       integer :: a, b, i
 
       do a = 1, marble
-         merit%gradient(a) = merit%gradient(a) + product_of(size(error), weight, error, d(:, a))
+         equations%gradient(a) = equations%gradient(a) + product_of(size(error), weight, error, d(:, a))
          do b = 1, a
-            merit%matrix(b, a) = merit%matrix(b, a) + product_of(size(error), weight, d(:, a), d(:, b))
+            equations%matrix(b, a) = equations%matrix(b, a) + product_of(size(error), weight, d(:, a), d(:, b))
          end do
       end do
-      if (.not. merit%free) return
+      if (size(equations%edge) == 0) return
       do i = 1, size(error)
-         call add_timing(merit, i, weight(i), error(i), d(i, :marble), d(i, marble + 1))
+         call add_timing(equations, i, weight(i), error(i), d(i, :marble), d(i, marble + 1))
       end do
    end subroutine add_errors
 
@@ -389,76 +407,77 @@ contains
    end function product_of
 
    !> Violations of closure, transmission angles, angles between slides and TOGGLE at the positions of a station.
-   subroutine add_angles(station, marble, weight, merit)
+   subroutine add_angles(station, limit, marble, weight, equations)
       type(station_t), intent(in) :: station
+      real(wp), intent(in) :: limit(:)               !! shape (loops)
       integer, intent(in) :: marble
       real(wp), intent(in) :: weight
-      type(merit_t), intent(inout) :: merit
+      type(normal_equations_t), intent(inout) :: equations
       real(wp) :: over
       integer :: loop, i
 
-      do loop = 1, size(merit%limit)
+      do loop = 1, size(limit)
          do i = 1, size(station%k, 1)
-            over = abs(station%k(i, loop)) - merit%limit(loop)
+            over = abs(station%k(i, loop)) - limit(loop)
             if (over <= 0.0_wp) cycle
             over = sign(over, station%k(i, loop))
-            call add_row(merit, weight, over, station%dk(i, loop, :marble))
-            if (station%timed) call add_timing(merit, i, weight, over, station%dk(i, loop, :marble), &
+            call add_row(equations, weight, over, station%dk(i, loop, :marble))
+            if (station%timed) call add_timing(equations, i, weight, over, station%dk(i, loop, :marble), &
                                                station%dk(i, loop, marble + 1))
          end do
       end do
    end subroutine add_angles
 
    !> One residual of the dimensions.
-   pure subroutine add_row(merit, weight, residual, d)
-      type(merit_t), intent(inout) :: merit
+   pure subroutine add_row(equations, weight, residual, d)
+      type(normal_equations_t), intent(inout) :: equations
       real(wp), intent(in) :: weight, residual, d(:)
       integer :: a
 
       do a = 1, size(d)
-         merit%gradient(a) = merit%gradient(a) + weight*residual*d(a)
-         merit%matrix(:a, a) = merit%matrix(:a, a) + weight*d(a)*d(:a)
+         equations%gradient(a) = equations%gradient(a) + weight*residual*d(a)
+         equations%matrix(:a, a) = equations%matrix(:a, a) + weight*d(a)*d(:a)
       end do
    end subroutine add_row
 
    !> The part of a residual that hangs on the input of position i.
-   pure subroutine add_timing(merit, i, weight, residual, d, turn)
-      type(merit_t), intent(inout) :: merit
+   pure subroutine add_timing(equations, i, weight, residual, d, turn)
+      type(normal_equations_t), intent(inout) :: equations
       integer, intent(in) :: i
       real(wp), intent(in) :: weight, residual, d(:), turn   !! turn: derivative by the input
 
-      merit%edge(i) = merit%edge(i) + weight*turn**2
-      merit%edge_gradient(i) = merit%edge_gradient(i) + weight*turn*residual
-      merit%border(:, i) = merit%border(:, i) + weight*turn*d
+      equations%edge(i) = equations%edge(i) + weight*turn**2
+      equations%edge_gradient(i) = equations%edge_gradient(i) + weight*turn*residual
+      equations%border(:, i) = equations%border(:, i) + weight*turn*d
    end subroutine add_timing
 
    !> True if a linkage obeys every constraint at the positions looked at; `objective` is the user's.
-   subroutine obeys(merit, values, delt, objective, sound)
-      type(merit_t), intent(inout) :: merit
-      real(wp), intent(in) :: values(:), delt(:)
+   subroutine accept(self, x, objective, feasible)
+      class(merit_t), intent(inout) :: self
+      real(wp), intent(in) :: x(:)
       real(wp), intent(out) :: objective
-      logical, intent(out) :: sound
+      logical, intent(out) :: feasible
       integer :: loop, i, r
       real(wp) :: depth, gx, gy
 
-      call put_in(merit, values, delt)
-      if (merit%free) call merit%judge%move_inputs(delt)
-      call merit%judge%evaluate(merit%dimensions, objective, loop)
-      merit%evaluations = merit%evaluations + 1
-      sound = loop == 0
-      if (.not. sound) return
-      call look(merit%main, merit%dimensions)
-      sound = keeps_limits(merit%main, merit%limit)
-      if (.not. (sound .and. merit%patrols)) return
-      call look_on_patrol(merit)
-      sound = all(merit%patrol%closed) .and. keeps_limits(merit%patrol, merit%limit)
-      do r = 1, size(merit%regions)
-         do i = 1, merit%patrol%problem%positions
-            call depth_at(merit, r, i, depth, gx, gy)
-            if (depth > slack) sound = .false.
+      call put_in(self, x)
+      if (self%free) call self%judge%move_inputs(x(self%core + 1:))
+      call self%judge%evaluate(self%dimensions, objective, loop)
+      self%evaluations = self%evaluations + 1
+      feasible = loop == 0
+      if (.not. feasible) return
+      call look(self%main, self%dimensions)
+      feasible = keeps_limits(self%main, self%limit)
+      if (.not. (feasible .and. self%patrols)) return
+      call look_on_patrol(self)
+      feasible = all(self%patrol%closed) .and. keeps_limits(self%patrol, self%limit)
+      do r = 1, size(self%regions)
+         do i = 1, self%patrol%problem%positions
+            call depth_at(self, r, i, depth, gx, gy)
+            if (depth > slack) feasible = .false.
          end do
       end do
-   end subroutine obeys
+   end subroutine accept
 
    pure logical function keeps_limits(station, limit)
       type(station_t), intent(in) :: station
@@ -471,16 +490,16 @@ contains
       end do
    end function keeps_limits
 
-   ! ---- constraints one by one, for optimisers that take them ---------------------------------------------------------
+   ! ---- constraints one by one, for solvers that take them ---------------------------------------------------------
 
-   !> How many constraints `violations` gives.
-   pure integer function count_violations(merit)
-      type(merit_t), intent(in) :: merit
+   !> How many constraints `constrain` gives.
+   integer function count_constraints(self)
+      class(merit_t), intent(in) :: self
 
-      count_violations = of_station(merit%main)
-      if (merit%order_weighs) count_violations = count_violations + size(merit%late)
-      if (merit%patrols) count_violations = count_violations + of_station(merit%patrol) &
-                                            + size(merit%regions)*merit%patrol%problem%positions
+      count_constraints = of_station(self%main)
+      if (order_weighs(self)) count_constraints = count_constraints + size(self%late)
+      if (self%patrols) count_constraints = count_constraints + of_station(self%patrol) &
+                                            + size(self%regions)*self%patrol%problem%positions
 
    contains
 
@@ -488,9 +507,9 @@ contains
          type(station_t), intent(in) :: station
          integer :: loop
 
-         of_station = station%problem%positions*sum([(ways(station, loop), loop=1, size(merit%limit))])
+         of_station = station%problem%positions*sum([(ways(station, loop), loop=1, size(self%limit))])
       end function of_station
-   end function count_violations
+   end function count_constraints
 
    !> In how many ways a dyad that is solved may fail to close: none of type 6 or 7 does, two slides are parallel one way.
    pure integer function ways(station, loop)
@@ -502,37 +521,49 @@ contains
       ways = merge(form%ways, 0, station%problem%linkage%step_of_loop(loop) > 0)
    end function ways
 
-   !> Every constraint (<= 0) of the linkage last looked at and, with `slopes`, its derivatives by dimensions and input positions.
-   subroutine violations(merit, values, slopes)
-      type(merit_t), intent(in) :: merit
-      real(wp), intent(out) :: values(:)             !! shape (count_violations)
-      real(wp), intent(out), optional :: slopes(:, :) !! shape (marble, or marble + positions; count_violations)
+   !> Every constraint, aimed at <= 0, and with `slopes` its derivatives by dimensions and input positions.
+   subroutine constrain(self, x, values, slopes)
+      class(merit_t), intent(inout) :: self
+      real(wp), intent(in) :: x(:)                   !! shape (marble, or marble + positions)
+      real(wp), intent(out) :: values(:)             !! shape (count_constraints)
+      real(wp), intent(out), optional :: slopes(:, :) !! shape (marble, or marble + positions; count_constraints)
       real(wp) :: depth, gx, gy
       integer :: next, r, i, marble
 
-      marble = size(merit%low)
+      if (present(slopes)) then
+         call put_in(self, x)
+         call look_closely(self%main, self%dimensions)
+         if (self%patrols) then
+            self%patrol%problem%side = self%main%problem%side
+            call look_closely(self%patrol, self%dimensions)
+         end if
+         self%jacobians = self%jacobians + 1
+         slopes = 0.0_wp
+      else
+         call see(self, x)
+      end if
+      marble = self%core
       next = 0
-      if (present(slopes)) slopes = 0.0_wp
-      call of_station(merit%main)
-      if (merit%order_weighs) then
-         do i = 1, size(merit%late)
+      call of_station(self%main)
+      if (order_weighs(self)) then
+         do i = 1, size(self%late)
             next = next + 1
-            values(next) = merit%late(i)
+            values(next) = self%late(i)
             if (.not. present(slopes)) cycle
-            slopes(marble + i, next) = merit%sense/unit_of_input(merit)
-            slopes(marble + 1 + modulo(i, size(merit%late)), next) = -merit%sense/unit_of_input(merit)
+            slopes(marble + i, next) = self%sense/unit_of_input(self)
+            slopes(marble + 1 + modulo(i, size(self%late)), next) = -self%sense/unit_of_input(self)
          end do
       end if
-      if (.not. merit%patrols) return
-      call of_station(merit%patrol)
-      do r = 1, size(merit%regions)
-         do i = 1, merit%patrol%problem%positions
-            call depth_at(merit, r, i, depth, gx, gy)
+      if (.not. self%patrols) return
+      call of_station(self%patrol)
+      do r = 1, size(self%regions)
+         do i = 1, self%patrol%problem%positions
+            call depth_at(self, r, i, depth, gx, gy)
             next = next + 1
             values(next) = depth
             if (.not. present(slopes)) cycle
-            slopes(:marble, next) = slope(merit, r, i, gx, gy, 1, marble)
-            if (merit%patrol%timed) slopes(marble + i, next) = sum(slope(merit, r, i, gx, gy, marble + 1, marble + 1))
+            slopes(:marble, next) = slope(self, r, i, gx, gy, 1, marble)
+            if (self%patrol%timed) slopes(marble + i, next) = sum(slope(self, r, i, gx, gy, marble + 1, marble + 1))
          end do
       end do
 
@@ -543,12 +574,12 @@ contains
          integer :: loop, k, way
          real(wp) :: side
 
-         do loop = 1, size(merit%limit)
+         do loop = 1, size(self%limit)
             do k = 1, size(station%k, 1)
                do way = 1, ways(station, loop)
                   side = merge(1.0_wp, -1.0_wp, way == 1)
                   next = next + 1
-                  values(next) = side*station%k(k, loop) - merit%limit(loop)
+                  values(next) = side*station%k(k, loop) - self%limit(loop)
                   if (.not. present(slopes)) cycle
                   slopes(:marble, next) = side*station%dk(k, loop, :marble)
                   if (station%timed) slopes(marble + k, next) = side*station%dk(k, loop, marble + 1)
@@ -556,5 +587,56 @@ contains
             end do
          end do
       end subroutine of_station
-   end subroutine violations
+   end subroutine constrain
+   ! ---- free timing -----------------------------------------------------------------------------------------------------
+
+   !> Inputs that must follow each other are put in order.
+   subroutine project(self, x)
+      class(merit_t), intent(in) :: self
+      real(wp), intent(inout) :: x(:)                !! shape (marble, or marble + positions)
+
+      if (self%ordered) call put_in_order(x(self%core + 1:), self%sense, self%span)
+   end subroutine project
+
+   !> Where a global search looks: the box that random linkages are drawn from, and inputs within `reach`.
+   subroutine search_box(self, x, low, high)
+      class(merit_t), intent(in) :: self
+      real(wp), intent(in) :: x(:)
+      real(wp), intent(out) :: low(:), high(:)
+
+      low = x - self%reach
+      high = x + self%reach
+      low(:self%core) = self%box_low
+      high(:self%core) = self%box_high
+   end subroutine search_box
+
+   !> The nearest inputs (least squares) that never go back, within one turn: neighbours that do are given their mean.
+   pure subroutine put_in_order(delt, sense, span)
+      real(wp), intent(inout) :: delt(:)            !! shape (positions): input increments, degrees or length
+      real(wp), intent(in) :: sense                 !! +1: they grow, -1: they fall
+      real(wp), intent(in) :: span                  !! most between the first and the last
+      real(wp) :: level(size(delt))
+      integer :: members(size(delt))
+      integer :: i, groups, at
+
+      groups = 0
+      do i = 1, size(delt)
+         groups = groups + 1
+         level(groups) = sense*delt(i)
+         members(groups) = 1
+         do while (groups > 1)
+            if (level(groups - 1) <= level(groups)) exit
+            level(groups - 1) = (members(groups - 1)*level(groups - 1) + members(groups)*level(groups)) &
+                                /real(members(groups - 1) + members(groups), wp)
+            members(groups - 1) = members(groups - 1) + members(groups)
+            groups = groups - 1
+         end do
+      end do
+      at = 0
+      do i = 1, groups
+         delt(at + 1:at + members(i)) = sense*level(i)
+         at = at + members(i)
+      end do
+      delt = sense*min(sense*delt, sense*delt(1) + span)
+   end subroutine put_in_order
 end module psalm_merit

@@ -3,27 +3,25 @@
 !> Start i takes its random numbers from a place of the sequence that depends on i alone, and the linkages found are ranked
 !> afterwards: the same input gives the same answer for any number of threads (unless time runs out).
 module psalm_search
-   use psalm_constr, only: constraints_t, repair_count_t, make_constraints, constrain
+   use psalm_constr, only: constraints_t, make_constraints, constrain
    use psalm_constraint_group, only: range_positions
    use psalm_data_set, only: data_set_t
    use psalm_elementary, only: fractional_power
    use psalm_error, only: problem_t
-   use psalm_stop, only: stop_t
    use psalm_kinds, only: wp, i8, full_turn, right_angle
-   use psalm_lsq, only: improve
    use psalm_margins, only: inspector_t, margin_t, prepare_inspector, inspect, is_violated
    use psalm_merit, only: merit_t, prepare_merit, set_extra, extra_positions
-   use psalm_optimise, only: optimise
+   use psalm_nlp, only: repair_count_t
    use psalm_random, only: random_t
-   use psalm_simplx, only: search_monitor_t, search_state_t
-   use psalm_start, only: random_limits
-   use psalm_text, only: text_t, general, to_text
+   use psalm_solver, only: solver_t, ending_t, observer_t, search_state_t, stop_refused
+   use psalm_solvers, only: new_solver
+   use psalm_stop, only: stop_t
    use psalm_timing, only: timing_t, prepare_timing, find_timing
    use psalm_topology, only: variable_length, variable_outlk, variable_origlk, variable_crnki, &
                              variable_gama, variable_outang, variable_origng
    implicit none (type, external)
    private
-   public :: found_t, result_t, search_many
+   public :: found_t, result_t, start_record_t, search_many
 
    real(wp), parameter :: same_linkage = 1.0e-3_wp !! relative difference below which two results are one
    real(wp), parameter :: alike = 0.1_wp           !! the same for linkages to draw near: they are to differ
@@ -48,6 +46,14 @@ module psalm_search
       real(wp) :: distance = 0.0_wp        !! from the first linkage: largest relative change of a value
    end type found_t
 
+   !> What became of a start, for the log.
+   type :: start_record_t
+      integer :: number = 0                !! of the start; -j: the j-th supplied vertex
+      logical :: feasible = .false.        !! it led to a linkage that obeys every constraint
+      real(wp) :: objective = 0.0_wp       !! of which
+      integer :: evaluations = 0, jacobians = 0
+   end type start_record_t
+
    !> What a search from many starts found.
    type :: result_t
       type(found_t), allocatable :: best(:) !! shape (at most NBEST): distinct, the best first
@@ -56,8 +62,9 @@ module psalm_search
       integer :: evaluations = 0, jacobians = 0
       logical :: out_of_time = .false.     !! MAXTIME passed before all starts were made
       logical :: interrupted = .false.     !! a signal came before
-      logical :: refused = .false.         !! NLopt refuses the algorithm for this problem
+      logical :: refused = .false.         !! the solver refuses this problem
       integer :: next = 0                  !! first start not made; 0: all were
+      type(start_record_t), allocatable :: log(:) !! of the starts made
    end type result_t
 
    !> What one start led to.
@@ -66,7 +73,7 @@ module psalm_search
       real(wp) :: objective = 0.0_wp
       integer :: evaluations = 0, jacobians = 0
       logical :: done = .false., feasible = .false.
-      logical :: refused = .false.         !! NLopt refuses the algorithm for this problem
+      logical :: refused = .false.         !! the solver refuses this problem
    end type outcome_t
 
    !> What one thread works with.
@@ -77,21 +84,22 @@ module psalm_search
       type(merit_t), allocatable :: merit
       type(timing_t), allocatable :: timing
       type(inspector_t), allocatable :: inspector
+      class(solver_t), allocatable :: solver
+      type(stop_t) :: stop
    end type worker_t
 
 contains
 
    !> Search from the supplied vertices and NSTART starts. `first` is the user's linkage.
-   subroutine search_many(set, problem, first, supplied, threads, interrupt, result, device1, monitor)
+   subroutine search_many(set, problem, first, supplied, threads, stop, result, observer)
       type(data_set_t), intent(in) :: set
       type(problem_t), intent(in) :: problem
       real(wp), intent(in) :: first(:)          !! shape (marble)
       real(wp), intent(in) :: supplied(:, :)    !! shape (marble, supplied)
       integer, intent(in) :: threads
-      type(stop_t), intent(in) :: interrupt !! asked now and then
+      type(stop_t), intent(in) :: stop         !! asked now and then
       type(result_t), intent(out) :: result
-      type(text_t), intent(inout) :: device1
-      class(search_monitor_t), intent(inout), optional :: monitor
+      class(observer_t), intent(inout), optional :: observer
       type(worker_t), allocatable, target :: workers(:)
       type(outcome_t), allocatable :: outcomes(:)
       type(search_state_t) :: state
@@ -99,7 +107,7 @@ contains
       real(wp), allocatable :: elite(:, :)
       integer :: t, i, extra, total, round, rounds, begin, until
 
-      ending = interrupt
+      ending = stop
       call ending%limit_time(set%search%maxtime)
       allocate (result%best(0))
       begin = 0
@@ -111,7 +119,8 @@ contains
          allocate (workers(t)%constraints, workers(t)%merit, workers(t)%timing, workers(t)%inspector)
          call make_constraints(set, problem, workers(t)%constraints)
          call prepare_merit(set, problem, first, workers(t)%merit)
-         workers(t)%merit%interrupt = ending
+         workers(t)%stop = ending
+         call new_solver(set%search%solver, workers(t)%solver)
          if (workers(t)%merit%free) call prepare_timing(problem, workers(t)%merit, workers(t)%timing)
          if (workers(t)%merit%irange /= range_positions) call prepare_inspector(set, problem, .true., workers(t)%inspector)
       end do
@@ -127,7 +136,7 @@ contains
          !$omp parallel do num_threads(size(workers)) schedule(static)
          do t = 1, size(workers)
             if (t == 1) then
-               call make_starts(set, workers(t), begin + t, until, size(workers), first, supplied, elite, outcomes, state, monitor)
+               call make_starts(set, workers(t), begin + t, until, size(workers), first, supplied, elite, outcomes, state, observer)
             else
                call make_starts(set, workers(t), begin + t, until, size(workers), first, supplied, elite, outcomes)
             end if
@@ -142,7 +151,7 @@ contains
       result%refused = any(outcomes%refused)
       i = findloc(outcomes(extra + 1:)%done, .false., dim=1)
       if (i > 0) result%next = set%search%first + i - 1
-      if (set%search%solver == 'LSQ' .and. .not. ending%waiting()) then
+      if (set%search%solver%refines .and. .not. ending%waiting()) then
          !$omp parallel do num_threads(size(workers)) schedule(static) private(i)
          do t = 1, size(workers)
             do i = t, size(result%best), size(workers)
@@ -155,23 +164,23 @@ contains
       result%out_of_time = ending%late() .and. .not. result%interrupted
       result%evaluations = sum(outcomes%evaluations)
       result%jacobians = sum(outcomes%jacobians)
-      call tell_starts(set, extra, outcomes, device1)
+      call record_starts(set, extra, outcomes, result%log)
       call rank(set, is_length(problem), first, extra, set%search%nbest, same_linkage, outcomes, result%best)
    end subroutine search_many
 
    !> The starts of one thread: from, from + step ... until.
-   subroutine make_starts(set, worker, from, until, step, first, supplied, elite, outcomes, state, monitor)
+   subroutine make_starts(set, worker, from, until, step, first, supplied, elite, outcomes, state, observer)
       type(data_set_t), intent(in) :: set
       type(worker_t), intent(inout), target :: worker
       integer, intent(in) :: from, until, step
       real(wp), intent(in) :: first(:), supplied(:, :), elite(:, :)
       type(outcome_t), intent(inout) :: outcomes(:)
       type(search_state_t), intent(inout), optional :: state
-      class(search_monitor_t), intent(inout), optional :: monitor
+      class(observer_t), intent(inout), optional :: observer
       integer :: i, number
 
       do i = from, until, step
-         if (worker%merit%interrupt%waiting()) return
+         if (worker%stop%waiting()) return
          number = start_number(set, size(supplied, 2), i)
          if (number < 0) then
             call one_start(set, worker, first, supplied(:, i), number, elite, outcomes(i))
@@ -179,38 +188,34 @@ contains
             call one_start(set, worker, first, first, number, elite, outcomes(i))
          end if
          ! what a start that was cut short has is kept, but the start is not done with
-         outcomes(i)%done = .not. worker%merit%interrupt%waiting()
+         outcomes(i)%done = .not. worker%stop%waiting()
          if (outcomes(i)%refused) return
-         if (.not. present(monitor)) cycle
+         if (.not. present(observer)) cycle
          state%iteration = i
          state%evaluations = state%evaluations + outcomes(i)%evaluations*step
          if (outcomes(i)%feasible) state%best = min(state%best, outcomes(i)%objective)
          state%worst = state%best
-         call monitor%report(state)
+         call observer%report(state)
       end do
    end subroutine make_starts
 
-   !> A line for each start.
-   subroutine tell_starts(set, extra, outcomes, device1)
+   !> What became of the starts that were made.
+   pure subroutine record_starts(set, extra, outcomes, log)
       type(data_set_t), intent(in) :: set
       integer, intent(in) :: extra
       type(outcome_t), intent(in) :: outcomes(:)
-      type(text_t), intent(inout) :: device1
-      character(:), allocatable :: name
-      integer :: i
+      type(start_record_t), allocatable, intent(out) :: log(:)
+      integer :: i, n
 
+      allocate (log(count(outcomes%done .or. outcomes%feasible)))
+      n = 0
       do i = 1, size(outcomes)
          if (.not. (outcomes(i)%done .or. outcomes(i)%feasible)) cycle
-         name = ' START '//to_text(start_number(set, extra, i))
-         if (i <= extra) name = ' SUPPLIED VERTEX '//to_text(i)
-         if (outcomes(i)%feasible) then
-            call device1%add(name//'  OBJECTIVE'//general(outcomes(i)%objective)//'  EVALUATIONS '// &
-                             to_text(outcomes(i)%evaluations)//'  JACOBIANS '//to_text(outcomes(i)%jacobians))
-         else
-            call device1%add(name//'  NO LINKAGE THAT OBEYS THE CONSTRAINTS')
-         end if
+         n = n + 1
+         log(n) = start_record_t(start_number(set, extra, i), outcomes(i)%feasible, outcomes(i)%objective, &
+                                 outcomes(i)%evaluations, outcomes(i)%jacobians)
       end do
-   end subroutine tell_starts
+   end subroutine record_starts
 
    !> Number of the i-th start; supplied vertices have negative ones.
    pure integer function start_number(set, extra, i)
@@ -234,7 +239,8 @@ contains
       logical :: closes
       integer :: before
 
-      call random_limits(set, first, low, high)
+      low = worker%merit%box_low
+      high = worker%merit%box_high
       before = 0
       if (number > 1) then
          outcome%values = drawn(set, low, high, low > 0.0_wp .and. high > wide*low .and. is_length(worker%problem), number)
@@ -257,7 +263,7 @@ contains
       worker%merit%delt = worker%problem%delt
       if (worker%merit%patrols) call set_extra(worker%merit, [real(wp) ::])
       if (worker%merit%free .and. number /= 1) call retime(worker, outcome%values)
-      call work_on(set, worker, low, high, merge(rough_free, rough, worker%merit%free), number, outcome)
+      call work_on(set, worker, merge(rough_free, rough, worker%merit%free), number, outcome)
       call unwind(set, worker%problem, first, outcome%values)
       outcome%delt = worker%merit%delt
       outcome%evaluations = before + worker%merit%evaluations
@@ -311,15 +317,13 @@ contains
       real(wp), intent(in) :: first(:)
       type(outcome_t), intent(inout) :: outcome
       type(outcome_t) :: finer
-      real(wp), allocatable :: low(:), high(:)
 
-      call random_limits(set, first, low, high)
       finer%values = outcome%values
       worker%merit%delt = outcome%delt
       worker%merit%evaluations = outcome%evaluations
       worker%merit%jacobians = outcome%jacobians
       if (worker%merit%patrols) call set_extra(worker%merit, [real(wp) ::])
-      call work_on(set, worker, low, high, fine, 1, finer)
+      call work_on(set, worker, fine, 1, finer)
       outcome%evaluations = worker%merit%evaluations
       outcome%jacobians = worker%merit%jacobians
       if (.not. finer%feasible .or. finer%objective > outcome%objective) return
@@ -350,10 +354,9 @@ contains
    end function drawn
 
    !> Improve, look for a better timing, inspect the range of the input; go back to work on what is found.
-   subroutine work_on(set, worker, low, high, least_gain, number, outcome)
+   subroutine work_on(set, worker, least_gain, number, outcome)
       type(data_set_t), intent(in) :: set
       type(worker_t), intent(inout), target :: worker
-      real(wp), intent(in) :: low(:), high(:)
       real(wp), intent(in) :: least_gain               !! of a step of least squares
       integer, intent(in) :: number
       type(outcome_t), intent(inout) :: outcome
@@ -365,7 +368,7 @@ contains
 
       allocate (extra(0))
       call run_solver(outcome%values, outcome%objective, outcome%feasible)
-      if (worker%merit%free .and. set%search%solver == 'LSQ') then
+      if (worker%merit%free .and. set%search%solver%refines) then
          do round = 1, most_returns
             values = outcome%values
             delt = worker%merit%delt
@@ -401,17 +404,19 @@ contains
          real(wp), intent(inout) :: x(:)
          real(wp), intent(out) :: f
          logical, intent(out) :: sound
-         logical :: accepted
-         integer :: left
+         type(ending_t) :: ending
+         real(wp), allocatable :: point(:)
 
-         left = max(1, set%search%maxeval - worker%merit%evaluations)
-         if (set%search%solver == 'LSQ') then
-            call improve(worker%merit, x, least_gain, merge(left, huge(1), set%search%maxeval > 0), f, sound)
-         else
-            call optimise(set%search%solver, worker%merit, x, low, high, set%istart + number, &
-                          merge(left, 0, set%search%maxeval > 0), f, sound, accepted)
-            outcome%refused = .not. accepted
-         end if
+         if (set%search%maxeval > 0) worker%solver%most_evaluations = max(1, set%search%maxeval - worker%merit%evaluations)
+         worker%solver%least_gain = least_gain
+         worker%solver%seed = set%istart + number
+         point = worker%merit%point(x, worker%merit%delt)
+         call worker%solver%minimise(worker%merit, point, worker%stop, ending)
+         x = point(:size(x))
+         if (worker%merit%free) worker%merit%delt = point(size(x) + 1:)
+         f = ending%objective
+         sound = ending%feasible
+         if (ending%reason == stop_refused) outcome%refused = .true.
       end subroutine run_solver
    end subroutine work_on
 

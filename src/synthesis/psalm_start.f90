@@ -3,75 +3,76 @@
 !> The first vertex is the user's linkage. Others are read from device 4 or drawn at random within limits.
 !> Source: Oldham (1977), section 6.4.2 and appendix B3.
 module psalm_start
-   use psalm_constr, only: constraints_t, repair_count_t, constrain
+   use psalm_constr, only: vertex_problem_t
    use psalm_data_set, only: data_set_t
-   use psalm_error, only: problem_t
    use psalm_kinds, only: wp, i8
    use psalm_number, only: parse_real
    use psalm_random, only: random_t
+   use psalm_simplx, only: simplex_t, simplex_rules_t
    use psalm_source, only: line_t
    use psalm_status, only: diagnostics_t
-   use psalm_text, only: text_t, general, to_text
+   use psalm_text, only: to_text
    implicit none (type, external)
    private
-   public :: simplex_t, start_simplex, random_limits, read_vertices, values_per_record
+   public :: beginning_t, rules_of, start_simplex, random_limits, read_vertices, label_width, value_width, values_per_record
 
    integer, parameter :: values_per_record = 5  !! of device 4 and 7: (5X,5G15.7)
    integer, parameter :: label_width = 5, value_width = 15
 
-   !> The simplex and its objectives.
-   type :: simplex_t
-      real(wp), allocatable :: v(:, :)       !! shape (marble, marble+1): vertices
-      real(wp), allocatable :: f(:)          !! shape (marble+1): objectives
-      integer :: best = 1                    !! the best vertex
-      integer :: evaluations = 0
-      type(repair_count_t) :: repairs
-   end type simplex_t
+   !> How the simplex was begun.
+   type :: beginning_t
+      real(wp), allocatable :: low(:), high(:) !! shape (marble): limits of random vertices
+      integer(i8), allocatable :: integer(:)   !! shape (marble+1): the random integer a vertex was begun with; 0: it was given
+      real(wp), allocatable :: drawn(:, :)     !! shape (marble, marble+1): vertices as they were drawn
+   end type beginning_t
 
 contains
+
+   !> Coefficients and criteria of the simplex, as the data set gives them.
+   pure type(simplex_rules_t) function rules_of(set) result(rules)
+      type(data_set_t), intent(in) :: set
+
+      rules = simplex_rules_t(bounce=set%bounce, expand=set%expand, snake=set%snake, reduce=set%reduce, shrink=set%shrink, &
+                              niter=set%niter, ncheck=set%ncheck, fmin=set%fmin, small=set%small)
+   end function rules_of
 
    !> Build the simplex and evaluate every vertex.
    !>
    !> `feasible` is false if the user's linkage violates the constraints and cannot be repaired; no other vertex is made then.
-   subroutine start_simplex(set, problem, constraints, supplied, simplex, feasible, device1, device2)
+   subroutine start_simplex(set, search, supplied, simplex, feasible, beginning)
       type(data_set_t), intent(in) :: set
-      type(problem_t), intent(inout) :: problem
-      type(constraints_t), intent(inout) :: constraints
+      type(vertex_problem_t), intent(inout) :: search
       real(wp), intent(in) :: supplied(:, :)     !! shape (marble, nguess): vertices from device 4
       type(simplex_t), intent(out) :: simplex
       logical, intent(out) :: feasible
-      type(text_t), intent(inout) :: device1, device2
-      real(wp), allocatable :: low(:), high(:)
+      type(beginning_t), intent(out) :: beginning
       type(random_t) :: random
-      integer(i8) :: started
       integer :: i, k, marble
       real(wp) :: deviate
       logical :: reached
 
-      marble = size(problem%topology%variables)
+      marble = search%core
       allocate (simplex%v(marble, marble + 1), simplex%f(marble + 1), source=0.0_wp)
-      simplex%v(:, 1) = problem%topology%first_values(problem%given)
+      allocate (beginning%integer(marble + 1), source=0_i8)
+      simplex%v(:, 1) = search%problem%topology%first_values(search%problem%given)
       if (size(supplied, 2) > 0) simplex%v(:, 1) = supplied(:, 1)
-      call random_limits(set, simplex%v(:, 1), low, high)
-      call show_limits(low, high, device2)
-      call constrain(problem, constraints, simplex%v(:, 1), simplex%f(1), feasible, simplex%evaluations, simplex%repairs)
+      call random_limits(set, simplex%v(:, 1), beginning%low, beginning%high)
+      beginning%drawn = simplex%v
+      call search%settle(simplex%v(:, 1), simplex%f(1), feasible)
       if (.not. feasible) return
       random%state = int(set%istart, i8)
       do i = 2, marble + 1
          if (i <= size(supplied, 2)) then
             simplex%v(:, i) = supplied(:, i)
          else
-            started = random%state
+            beginning%integer(i) = random%state
             do k = 1, marble
                call random%next(deviate)
-               simplex%v(k, i) = low(k) + deviate*(high(k) - low(k))
+               simplex%v(k, i) = beginning%low(k) + deviate*(beginning%high(k) - beginning%low(k))
             end do
-            call device1%add(' VERTEX '//to_text(i)//'  STARTED BY RANDOM INTEGER '//to_text(int(started)))
-            call device2%add(' GENERATED VERTEX '//to_text(i))
-            call show_row(simplex%v(:, i), device2)
+            beginning%drawn(:, i) = simplex%v(:, i)
          end if
-         call constrain(problem, constraints, simplex%v(:, i), simplex%f(i), reached, simplex%evaluations, simplex%repairs, &
-                        towards=simplex%v(:, 1))
+         call search%settle(simplex%v(:, i), simplex%f(i), reached, towards=simplex%v(:, 1))
       end do
       simplex%best = minloc(simplex%f, dim=1)
    end subroutine start_simplex
@@ -92,31 +93,6 @@ contains
          high = set%ophigh(:n)
       end if
    end subroutine random_limits
-
-   subroutine show_limits(low, high, device2)
-      real(wp), intent(in) :: low(:), high(:)
-      type(text_t), intent(inout) :: device2
-
-      call device2%add(' LOWER LIMITS OF THE INITIAL SIMPLEX')
-      call show_row(low, device2)
-      call device2%add(' UPPER LIMITS OF THE INITIAL SIMPLEX')
-      call show_row(high, device2)
-   end subroutine show_limits
-
-   subroutine show_row(values, device)
-      real(wp), intent(in) :: values(:)
-      type(text_t), intent(inout) :: device
-      character(label_width + values_per_record*value_width) :: line
-      integer :: i, k
-
-      do i = 1, size(values), values_per_record
-         line = ''
-         do k = i, min(i + values_per_record - 1, size(values))
-            line(label_width + (k - i)*value_width + 1:label_width + (k - i + 1)*value_width) = general(values(k))
-         end do
-         call device%add(line)
-      end do
-   end subroutine show_row
 
    !> Read vertices in the format (5X,5G15.7), each beginning a new record.
    !>

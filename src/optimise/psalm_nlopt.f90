@@ -5,19 +5,15 @@
 module psalm_nlopt
    use, intrinsic :: iso_c_binding, only: c_char, c_double, c_f_pointer, c_funloc, c_funptr, c_int, c_long, c_null_char, &
                                           c_null_ptr, c_associated, c_ptr
-   use psalm_text, only: upper_case
+   use psalm_solver_kind, only: solver_kind_t
    implicit none (type, external)
    private
-   public :: nlopt_t, objective_function, constraint_function, algorithm_of, algorithm_names, plain_name, is_global, &
-             needs_gradient, takes_constraints, refused
+   public :: nlopt_t, objective_function, constraint_function, algorithm_of, algorithm_names, refused
 
    integer, parameter :: invalid_arguments = -2, out_of_memory = -3 !! results of NLopt
    integer, parameter :: no_algorithm = -1
-   integer, parameter :: name_room = 24        !! characters of the longest name, and some
+   integer, parameter :: name_room = 32        !! characters of the longest name, and some
    integer, parameter :: most_algorithms = 200 !! a bound for the search of their names
-
-   character(*), parameter :: with_constraints(*) = [character(14) :: 'LD_SLSQP', 'LD_MMA', 'LD_CCSAQ', 'LN_COBYLA', &
-      'GN_ISRES', 'LN_AUGLAG', 'LD_AUGLAG', 'LN_AUGLAG_EQ', 'LD_AUGLAG_EQ', 'AUGLAG', 'AUGLAG_EQ'] !! nonlinear ones
 
    !> An optimisation. `close` must be called when it is done with.
    type :: nlopt_t
@@ -161,24 +157,15 @@ module psalm_nlopt
 
 contains
 
-   !> The name as NLopt spells it: capitals, without NLOPT_.
-   pure function plain_name(name) result(plain)
-      character(*), intent(in) :: name
-      character(:), allocatable :: plain
-
-      plain = upper_case(trim(name))
-      if (index(plain, 'NLOPT_') == 1) plain = plain(7:)
-   end function plain_name
-
    !> NLopt's number of an algorithm, -1 if it knows no such name.
    integer function algorithm_of(name)
-      character(*), intent(in) :: name    !! with or without NLOPT_
+      character(*), intent(in) :: name    !! as `psalm_solver_kind` spells it
 
-      algorithm_of = int(nlopt_algorithm_from_string(plain_name(name)//c_null_char))
+      algorithm_of = int(nlopt_algorithm_from_string(trim(name)//c_null_char))
       if (algorithm_of < 0) algorithm_of = no_algorithm
    end function algorithm_of
 
-   !> The names of all algorithms.
+   !> The names of all algorithms that the library has.
    function algorithm_names() result(names)
       character(name_room), allocatable :: names(:)
       character(kind=c_char), pointer :: letters(:)
@@ -198,27 +185,6 @@ contains
       end do
    end function algorithm_names
 
-   !> A global algorithm, by its name: it searches a box, every unknown needs finite bounds.
-   pure logical function is_global(name)
-      character(*), intent(in) :: name
-
-      is_global = index(plain_name(name), 'G') == 1
-   end function is_global
-
-   !> An algorithm that asks for gradients.
-   pure logical function needs_gradient(name)
-      character(*), intent(in) :: name
-
-      needs_gradient = index(plain_name(name), 'LD_') == 1 .or. index(plain_name(name), 'GD_') == 1
-   end function needs_gradient
-
-   !> An algorithm that takes nonlinear inequality constraints.
-   pure logical function takes_constraints(name)
-      character(*), intent(in) :: name
-
-      takes_constraints = any(with_constraints == plain_name(name))
-   end function takes_constraints
-
    !> A result that says that nothing was optimised.
    pure logical function refused(status)
       integer, intent(in) :: status
@@ -230,24 +196,21 @@ contains
    !>
    !> Random numbers (NLopt keeps them for each thread) start from `seed`. Algorithms that call another one get a local one: by
    !> gradients L-BFGS, otherwise Subplex.
-   subroutine open_optimiser(self, name, unknowns, seed, sound)
+   subroutine open_optimiser(self, kind, unknowns, seed, sound)
       class(nlopt_t), intent(inout) :: self
-      character(*), intent(in) :: name
+      type(solver_kind_t), intent(in) :: kind
       integer, intent(in) :: unknowns, seed
       logical, intent(out) :: sound
       type(c_ptr) :: local
       integer(c_int) :: status
-      character(:), allocatable :: inner
 
       self%unknowns = unknowns
-      self%handle = nlopt_create(int(algorithm_of(name), c_int), int(unknowns, c_int))
+      self%handle = nlopt_create(int(algorithm_of(kind%name), c_int), int(unknowns, c_int))
       sound = c_associated(self%handle)
       if (.not. sound) return
       call nlopt_srand(int(seed, c_long))
-      if (index(name, 'AUGLAG') == 0 .and. index(name, 'MLSL') == 0) return
-      inner = 'LN_SBPLX'
-      if (needs_gradient(plain_name(name))) inner = 'LD_LBFGS'
-      local = nlopt_create(int(algorithm_of(inner), c_int), int(unknowns, c_int))
+      if (.not. kind%calls_another) return
+      local = nlopt_create(int(algorithm_of(merge('LD_LBFGS', 'LN_SBPLX', kind%uses_gradient)), c_int), int(unknowns, c_int))
       status = nlopt_set_ftol_rel(local, 1.0e-8_c_double)
       status = nlopt_set_xtol_rel(local, 1.0e-8_c_double)
       status = nlopt_set_maxeval(local, int(500*(unknowns + 1), c_int))

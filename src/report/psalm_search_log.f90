@@ -1,0 +1,135 @@
+!> Devices 1 and 2: how a simplex was begun, how it went on, what became of each start of a search from many.
+module psalm_search_log
+   use psalm_data_set, only: data_set_t
+   use psalm_kinds, only: wp
+   use psalm_search, only: start_record_t
+   use psalm_solver, only: observer_t, search_state_t
+   use psalm_start, only: beginning_t, label_width, value_width, values_per_record
+   use psalm_text, only: text_t, general, to_text
+   implicit none (type, external)
+   private
+   public :: search_log_t, begin_log, log_beginning, log_starts
+
+   integer, parameter :: values_per_line = 5      !! co-ordinates of a vertex
+
+   !> Writes the progress of the simplex, and passes on to another observer what it sees.
+   type, extends(observer_t) :: search_log_t
+      integer :: every = 20              !! NPRT: iterations between two lines of objectives
+      integer :: every_vertex = 100      !! NPRINT: the same for co-ordinates
+      integer :: violations = 30         !! NVIOL: more violations in an iteration are told
+      type(text_t) :: device1
+      class(observer_t), pointer :: next => null()
+      integer, private :: calls_before = 0
+   contains
+      procedure :: report
+   end type search_log_t
+
+contains
+
+   !> A log as the data set wants it; what it sees is passed on to `next`.
+   subroutine begin_log(set, next, log)
+      type(data_set_t), intent(in) :: set
+      class(observer_t), intent(inout), target :: next
+      type(search_log_t), intent(out) :: log
+
+      log%every = set%nprt
+      log%every_vertex = set%nprint
+      log%violations = set%nviol
+      log%next => next
+   end subroutine begin_log
+
+   !> How the simplex was begun: limits and random integers.
+   subroutine log_beginning(beginning, device1, device2)
+      type(beginning_t), intent(in) :: beginning
+      type(text_t), intent(inout) :: device1, device2
+      integer :: i
+
+      call device2%add(' LOWER LIMITS OF THE INITIAL SIMPLEX')
+      call show_row(beginning%low, device2)
+      call device2%add(' UPPER LIMITS OF THE INITIAL SIMPLEX')
+      call show_row(beginning%high, device2)
+      do i = 1, size(beginning%integer)
+         if (beginning%integer(i) == 0) cycle
+         call device1%add(' VERTEX '//to_text(i)//'  STARTED BY RANDOM INTEGER '//to_text(int(beginning%integer(i))))
+         call device2%add(' GENERATED VERTEX '//to_text(i))
+         call show_row(beginning%drawn(:, i), device2)
+      end do
+   end subroutine log_beginning
+
+   !> Co-ordinates as device 4 has them.
+   subroutine show_row(values, device)
+      real(wp), intent(in) :: values(:)
+      type(text_t), intent(inout) :: device
+      character(label_width + values_per_record*value_width) :: line
+      integer :: i, k
+
+      do i = 1, size(values), values_per_record
+         line = ''
+         do k = i, min(i + values_per_record - 1, size(values))
+            line(label_width + (k - i)*value_width + 1:label_width + (k - i + 1)*value_width) = general(values(k))
+         end do
+         call device%add(line)
+      end do
+   end subroutine show_row
+
+   !> After an iteration of the simplex, which shows its points: violations above NVIOL, objectives every NPRT iterations, co-ordinates every NPRINT.
+   subroutine report(self, state, points, objectives)
+      class(search_log_t), intent(inout) :: self
+      type(search_state_t), intent(in) :: state
+      real(wp), intent(in), optional :: points(:, :)
+      real(wp), intent(in), optional :: objectives(:)
+
+      if (associated(self%next)) call self%next%report(state, points, objectives)
+      if (.not. (present(points) .and. present(objectives))) return
+      if (state%iteration > 0 .and. state%counts%calls - self%calls_before > self%violations) then
+         call self%device1%add(' ITERATION '//to_text(state%iteration)//'  VIOLATIONS '// &
+                               to_text(state%counts%calls - self%calls_before)//'  LAST IN LOOP '//to_text(state%counts%loop))
+      end if
+      self%calls_before = state%counts%calls
+      if (mod(state%iteration, self%every) == 0) then
+         call self%device1%add(' ITERATION '//to_text(state%iteration)//'  BEST'//general(state%best)//'  WORST'// &
+                               general(state%worst)//'  EVALUATIONS '//to_text(state%evaluations)//'  REPAIRS '// &
+                               to_text(state%counts%repairs)//'  MOVES '//to_text(state%counts%moves))
+      end if
+      if (state%iteration > 0 .and. mod(state%iteration, self%every_vertex) == 0) then
+         call self%device1%add(' CO-ORDINATES OF THE BEST VERTEX')
+         call show_vertex(points(:, minloc(objectives, dim=1)), self%device1)
+         call self%device1%add(' CO-ORDINATES OF THE WORST VERTEX')
+         call show_vertex(points(:, maxloc(objectives, dim=1)), self%device1)
+      end if
+   end subroutine report
+
+   subroutine show_vertex(values, device)
+      real(wp), intent(in) :: values(:)
+      type(text_t), intent(inout) :: device
+      character(:), allocatable :: line
+      integer :: i, k
+
+      do i = 1, size(values), values_per_line
+         line = '     '
+         do k = i, min(i + values_per_line - 1, size(values))
+            line = line//general(values(k))
+         end do
+         call device%add(line)
+      end do
+   end subroutine show_vertex
+
+   !> A line for each start.
+   subroutine log_starts(starts, device1)
+      type(start_record_t), intent(in) :: starts(:)
+      type(text_t), intent(inout) :: device1
+      character(:), allocatable :: name
+      integer :: i
+
+      do i = 1, size(starts)
+         name = ' START '//to_text(starts(i)%number)
+         if (starts(i)%number < 0) name = ' SUPPLIED VERTEX '//to_text(-starts(i)%number)
+         if (starts(i)%feasible) then
+            call device1%add(name//'  OBJECTIVE'//general(starts(i)%objective)//'  EVALUATIONS '// &
+                             to_text(starts(i)%evaluations)//'  JACOBIANS '//to_text(starts(i)%jacobians))
+         else
+            call device1%add(name//'  NO LINKAGE THAT OBEYS THE CONSTRAINTS')
+         end if
+      end do
+   end subroutine log_starts
+end module psalm_search_log

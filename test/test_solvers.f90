@@ -1,0 +1,212 @@
+!> Solvers and many starts on problems of the literature, without any linkage.
+program test_solvers
+   use, intrinsic :: ieee_exceptions, only: ieee_all, ieee_set_flag, ieee_set_halting_mode
+   use check, only: checks_t
+   use psalm_kinds, only: wp
+   use psalm_nlopt, only: algorithm_of, algorithm_names
+   use psalm_nlp, only: nlp_t
+   use psalm_solver, only: solver_t, ending_t, stop_refused, stop_interrupted, stop_converged
+   use psalm_solver_kind, only: solver_kind_t, find_solver, solver_names, plain_name, family_unknown, family_simplex, &
+                                family_least_squares, family_nlopt
+   use psalm_solvers, only: new_solver
+   use psalm_stop, only: stop_t
+   use textbook, only: rosenbrock_t, rosen_suzuki_t, hock_schittkowski_100_t, circle_t, timed_circle_t, rosenbrock, &
+                       rosen_suzuki, hock_schittkowski_100, circle, timed_circle
+   implicit none (type, external)
+   type(checks_t) :: t
+   character(:), allocatable :: name
+   integer :: k, made
+   !> Algorithms whose random or coarse search comes near a minimum only.
+   character(*), parameter :: coarse(*) = [character(16) :: 'GN_ESCH', 'GN_ISRES']
+   !> Not in every build of NLopt.
+   character(*), parameter :: left_out(*) = [character(16) :: 'GD_STOGO', 'GD_STOGO_RAND', 'LD_LBFGS_NOCEDAL', 'GN_AGS']
+
+   ! some of NLopt's algorithms divide by zero on their way
+   call ieee_set_halting_mode(ieee_all, .false.)
+   call names()
+   made = 0
+   associate (all_names => solver_names())
+      do k = 1, size(all_names)
+         name = trim(all_names(k))
+         call unconstrained(name, made)
+         call constrained(name)
+      end do
+      call t%is_true(made >= size(all_names) - size(left_out), 'every solver was tried')
+   end associate
+   call no_sum_of_squares()
+   call local_unknowns()
+   call stops()
+   call ieee_set_flag(ieee_all, .false.)
+   call t%report()
+
+contains
+
+   !> Names, and what each says.
+   subroutine names()
+      type(solver_kind_t) :: kind
+      integer :: i
+
+      call t%is_true(family_of('LD_SLSPQ') == family_unknown, 'a name that no solver has')
+      call t%is_true(family_of('simplex') == family_simplex .and. family_of('LSQ') == family_least_squares, &
+                     'SIMPLEX and LSQ')
+      call t%equal_text(plain_name('nlopt_gn_crs2_lm'), 'GN_CRS2_LM', 'a plain name')
+      call t%is_true(family_of('nlopt_ld_mma') == family_nlopt, 'NLOPT_ may stand before a name')
+      kind = find_solver('GN_CRS2_LM')
+      call t%is_true(kind%global .and. .not. kind%uses_gradient .and. .not. kind%takes_constraints, 'what GN_CRS2_LM can do')
+      kind = find_solver('LD_SLSQP')
+      call t%is_true(kind%uses_gradient .and. kind%takes_constraints .and. .not. kind%global, 'what LD_SLSQP can do')
+      kind = find_solver('GD_MLSL')
+      call t%is_true(kind%global .and. kind%uses_gradient .and. kind%calls_another, 'what GD_MLSL can do')
+      ! NLopt's own list
+      associate (known => algorithm_names())
+         call t%is_true(size(known) > 30, 'NLopt has algorithms')
+         do i = 1, size(known)
+            call t%is_true(family_of(known(i)) == family_nlopt, 'NLopt''s '//trim(known(i))//' is known')
+         end do
+      end associate
+   end subroutine names
+
+   integer function family_of(name)
+      character(*), intent(in) :: name
+      type(solver_kind_t) :: kind
+
+      kind = find_solver(name)
+      family_of = kind%family
+   end function family_of
+
+   subroutine run(name, problem, x, ending, stop)
+      character(*), intent(in) :: name
+      class(nlp_t), intent(inout) :: problem
+      real(wp), intent(inout) :: x(:)
+      type(ending_t), intent(out) :: ending
+      type(stop_t), intent(in), optional :: stop
+      class(solver_t), allocatable :: solver
+      type(stop_t) :: never
+
+      call new_solver(find_solver(name), solver)
+      solver%seed = 7
+      if (present(stop)) then
+         call solver%minimise(problem, x, stop, ending)
+      else
+         call solver%minimise(problem, x, never, ending)
+      end if
+   end subroutine run
+
+   !> Rosenbrock's valley.
+   subroutine unconstrained(name, made)
+      character(*), intent(in) :: name
+      integer, intent(inout) :: made
+      type(rosenbrock_t) :: problem
+      type(ending_t) :: ending
+      real(wp) :: x(2)
+
+      problem = rosenbrock()
+      x = [-1.2_wp, 1.0_wp]
+      call run(name, problem, x, ending)
+      if (ending%reason == stop_refused) then
+         call t%is_true(any(left_out == name), name//' is made')
+         return
+      end if
+      made = made + 1
+      call t%is_true(ending%feasible, name//', Rosenbrock: within bounds')
+      if (any(coarse == name)) then
+         call t%is_true(ending%objective < 0.2_wp, name//', Rosenbrock: near the minimum')
+      else
+         call t%close_to(ending%objective, 0.0_wp, 1.0e-5_wp, name//', Rosenbrock: the minimum')
+         call t%close_to(maxval(abs(x - 1.0_wp)), 0.0_wp, 1.0e-2_wp, name//', Rosenbrock: its place')
+      end if
+   end subroutine unconstrained
+
+   !> The problem of Rosen and Suzuki, by the solvers that take constraints.
+   subroutine constrained(name)
+      character(*), intent(in) :: name
+      type(rosen_suzuki_t) :: problem
+      type(ending_t) :: ending
+      type(solver_kind_t) :: kind
+      real(wp) :: x(4), c(3)
+      real(wp), parameter :: added = 79.875_wp
+
+      kind = find_solver(name)
+      if (kind%family == family_nlopt .and. .not. kind%takes_constraints) return
+      ! their local solver takes equalities out only
+      if (index(name, 'AUGLAG_EQ') > 0) return
+      problem = rosen_suzuki()
+      x = 0.0_wp
+      call run(name, problem, x, ending)
+      call problem%constraints_at(x, c)
+      call t%is_true(ending%feasible .and. all(c <= 0.0_wp), name//', Rosen-Suzuki: every constraint is kept')
+      if (any(coarse == name) .or. kind%family == family_simplex) then
+         call t%is_true(ending%objective - added < -30.0_wp .and. ending%objective - added >= -44.0_wp, &
+                        name//', Rosen-Suzuki: near the minimum')
+      else
+         call t%close_to(ending%objective - added, -44.0_wp, 1.0e-6_wp, name//', Rosen-Suzuki: the minimum')
+         call t%close_to(maxval(abs(x - [0.0_wp, 1.0_wp, 2.0_wp, -1.0_wp])), 0.0_wp, 1.0e-3_wp, name//', Rosen-Suzuki: its place')
+      end if
+   end subroutine constrained
+
+   !> Problem 100 of Hock and Schittkowski; least squares refuses it.
+   subroutine no_sum_of_squares()
+      type(hock_schittkowski_100_t) :: problem
+      type(ending_t) :: ending
+      real(wp) :: x(7)
+      real(wp), parameter :: first(7) = [1.0_wp, 2.0_wp, 0.0_wp, 4.0_wp, 0.0_wp, 1.0_wp, 1.0_wp]
+      character(*), parameter :: able(*) = [character(9) :: 'LD_SLSQP', 'LD_MMA', 'LN_COBYLA']
+      integer :: i
+
+      problem = hock_schittkowski_100()
+      x = first
+      call run('LSQ', problem, x, ending)
+      call t%is_true(ending%reason == stop_refused .and. all(abs(x - first) <= 0.0_wp), 'least squares needs a sum of squares')
+      do i = 1, size(able)
+         problem = hock_schittkowski_100()
+         x = first
+         call run(trim(able(i)), problem, x, ending)
+         call t%is_true(ending%feasible .and. ending%reason == stop_converged, trim(able(i))//', problem 100: converged')
+         call t%close_to(ending%objective, 680.6300573_wp, 1.0e-7_wp, trim(able(i))//', problem 100: the minimum')
+      end do
+   end subroutine no_sum_of_squares
+
+   !> A circle through scattered points: with the place of each as a local unknown, and without.
+   subroutine local_unknowns()
+      real(wp), parameter :: px(*) = [1.0_wp, 2.0_wp, 5.0_wp, 7.0_wp, 9.0_wp, 3.0_wp], &
+                             py(*) = [7.0_wp, 6.0_wp, 8.0_wp, 7.0_wp, 5.0_wp, 7.0_wp]
+      ! Gander, Golub and Strebel (1994), Least-squares fitting of circles and ellipses: their geometric fit
+      real(wp), parameter :: published(3) = [4.7398_wp, 2.9835_wp, 4.7142_wp]
+      type(circle_t) :: plain
+      type(timed_circle_t) :: timed
+      type(ending_t) :: one, two
+      real(wp) :: x(3), y(3 + size(px))
+
+      plain = circle(px, py)
+      x = [5.0_wp, 3.0_wp, 4.0_wp]
+      call run('LSQ', plain, x, one)
+      call t%close_to(maxval(abs(x - published)), 0.0_wp, 6.0e-5_wp, 'the circle nearest to six points')
+      timed = timed_circle(px, py)
+      y(:3) = [5.0_wp, 3.0_wp, 4.0_wp]
+      y(4:) = atan2(py - 3.0_wp, px - 5.0_wp)
+      call run('LSQ', timed, y, two)
+      call t%close_to(two%objective, one%objective, 1.0e-8_wp, 'local unknowns: the same minimum')
+      call t%close_to(maxval(abs(y(:3) - x)), 0.0_wp, 1.0e-3_wp, 'local unknowns: the same circle')
+      call run('LD_LBFGS', timed, y, two)
+      call t%close_to(two%objective, one%objective, 1.0e-8_wp, 'local unknowns: by their gradient too')
+   end subroutine local_unknowns
+
+   !> A search ends when it must.
+   subroutine stops()
+      type(rosenbrock_t) :: problem
+      type(ending_t) :: ending
+      type(stop_t) :: late
+      real(wp) :: x(2)
+      integer :: i
+      character(*), parameter :: some(*) = [character(9) :: 'SIMPLEX', 'LSQ', 'LD_SLSQP', 'GN_ISRES']
+
+      do i = 1, size(some)
+         problem = rosenbrock()
+         x = [-1.2_wp, 1.0_wp]
+         call late%limit_time(1.0e-9_wp)
+         call run(trim(some(i)), problem, x, ending, late)
+         call t%equal_integer(ending%reason, stop_interrupted, trim(some(i))//': ends when time is up')
+         call t%is_true(problem%evaluations < 20, trim(some(i))//': soon')
+      end do
+   end subroutine stops
+end program test_solvers
