@@ -21,6 +21,7 @@ module psalm_assur
    private
    public :: mark_unknowns, bind_dyad, solve_dyad, form_dyad, differentiate_dyad, is_dead_dyad
    public :: closure_of, change_of_closure, bounds_of_dyad, breach_of, coincidence_of, repair_dyad, is_orthogonal, is_signed
+   public :: makes_tip
 
    real(wp), parameter :: dead_by_root = 64.0_wp*epsilon(1.0_wp) !! square of the sine below which a triangle is flat
    real(wp), parameter :: dead_by_angle = dead_by_root**2        !! the same where the sine itself is computed
@@ -263,6 +264,13 @@ contains
 
       is_signed = kind == assur_prp
    end function is_signed
+
+   !> True if `solve_dyad` makes the point `tip` too.
+   pure logical function makes_tip(dyad)
+      type(dyad_t), intent(in) :: dyad
+
+      makes_tip = dyad%kind == assur_rrr .and. .not. (dyad%wants_p .and. dyad%wants_q)
+   end function makes_tip
 
    !> What is wrong at a position whose closure measure is not accepted; lengths scaled as those of the dyad.
    pure type(breach_t) function breach_of(dyad, measure, closes) result(breach)

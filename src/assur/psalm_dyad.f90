@@ -8,7 +8,7 @@ module psalm_dyad
    use psalm_kinds, only: wp
    implicit none (type, external)
    private
-   public :: dyad_t, breach_t
+   public :: dyad_t, tip_t, breach_t
    public :: violation_none, violation_too_short, violation_too_long, violation_parallel, violation_angle_small, &
              violation_angle_large, violation_undetermined, violation_slides
    public :: least_square, no_distance, rounding
@@ -26,6 +26,13 @@ module psalm_dyad
    real(wp), parameter :: no_distance = 1.0e3_wp*epsilon(1.0_wp) !! of the links: outer joints so near each other coincide
    real(wp), parameter :: rounding = 64.0_wp*epsilon(1.0_wp)     !! relative width of a limit of closure
 
+   !> A point at the end of an arc that hangs on the direction a dyad finds: made in the same pass, while the dyad divides.
+   type :: tip_t
+      integer :: from_x = 0, from_y = 0             !! rows of the point to start from
+      integer :: to_x = 0, to_y = 0                 !! rows of the point made; 0: none
+      real(wp) :: x = 0.0_wp, y = 0.0_wp            !! the arc in the axes of the direction found, sense included
+   end type tip_t
+
    !> One dyad with its numbers. Components that begin with a row say where its quantities stand in the store.
    type :: dyad_t
       integer :: kind = assur_none
@@ -36,6 +43,7 @@ module psalm_dyad
       integer :: unknown(2) = 0                     !! rows of what it finds; an angle stands at the row of its cosine
       integer :: arc_p = 0, arc_q = 0               !! sequential numbers of its arcs
       logical :: wants_p = .true., wants_q = .true. !! something hangs on the direction found
+      type(tip_t) :: tip                            !! point to be made with the one direction found
       real(wp) :: p = 0.0_wp, q = 0.0_wp            !! lengths
       real(wp) :: sign = 1.0_wp                     !! assembly mode
       real(wp) :: px = 1.0_wp, py = 0.0_wp          !! cosine, sine of the fixed angle from the unit vector to p

@@ -48,14 +48,31 @@ contains
             call solve_two_links(n, v(1, sx), v(1, sy), v(1, ex), v(1, ey), dyad%p, dyad%q, dyad%sign, v(1, dyad%p_x), &
                                  v(1, dyad%p_y), v(1, dyad%q_x), v(1, dyad%q_y), v(1, measure))
          else if (dyad%wants_q) then
-            call solve_one_link(n, v(1, sx), v(1, sy), v(1, ex), v(1, ey), dyad%q, dyad%p, -dyad%sign, v(1, dyad%q_x), &
-                                v(1, dyad%q_y), v(1, measure))
+            call solve_link(n, dyad%q, dyad%p, -dyad%sign, dyad%q_x, dyad%q_y, dyad, store)
          else
-            call solve_one_link(n, v(1, sx), v(1, sy), v(1, ex), v(1, ey), dyad%p, dyad%q, dyad%sign, v(1, dyad%p_x), &
-                                v(1, dyad%p_y), v(1, measure))
+            call solve_link(n, dyad%p, dyad%q, dyad%sign, dyad%p_x, dyad%p_y, dyad, store)
          end if
       end associate
    end subroutine solve_rrr
+
+   !> Direction of one link, with the point that hangs on it if there is one.
+   pure subroutine solve_link(n, a, b, t, x, y, dyad, store)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: a, b, t              !! as `solve_one_link` has them
+      integer, intent(in) :: x, y                  !! rows of the direction
+      type(dyad_t), intent(in) :: dyad
+      type(rows_t), intent(inout) :: store
+
+      associate (v => store%v, sx => dyad%s_x, sy => dyad%s_y, ex => dyad%e_x, ey => dyad%e_y, measure => dyad%measure, &
+                 tip => dyad%tip)
+         if (tip%to_x > 0) then
+            call solve_link_and_tip(n, v(1, sx), v(1, sy), v(1, ex), v(1, ey), a, b, t, v(1, tip%from_x), v(1, tip%from_y), &
+                                    tip%x, tip%y, v(1, x), v(1, y), v(1, measure), v(1, tip%to_x), v(1, tip%to_y))
+         else
+            call solve_one_link(n, v(1, sx), v(1, sy), v(1, ex), v(1, ey), a, b, t, v(1, x), v(1, y), v(1, measure))
+         end if
+      end associate
+   end subroutine solve_link
 
    !> Inverse matrix; the arcs' vectors are formed.
    subroutine form_rrr(n, limit, at, frames)
@@ -237,6 +254,37 @@ contains
          ay(i) = (along*hy - root*hx)*d
       end do
    end subroutine solve_one_link
+
+   !> The same with a point at the other end of an arc that hangs on the link.
+   pure subroutine solve_link_and_tip(n, sx, sy, ex, ey, a, b, t, fx, fy, cx, cy, ax, ay, reach, tx, ty)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: sx(n), sy(n), ex(n), ey(n)
+      real(wp), intent(in) :: a, b, t
+      real(wp), intent(in) :: fx(n), fy(n), cx, cy      !! point to start from; the arc in the axes of a
+      real(wp), intent(out) :: ax(n), ay(n), reach(n), tx(n), ty(n)
+      real(wp) :: hx, hy, d, root, along, sum2, diff2, product, half, x, y
+      integer :: i
+
+      sum2 = (a + b)**2
+      diff2 = (a - b)**2
+      product = (a - b)*(a + b)
+      half = half_of(a)
+      do i = 1, n
+         hx = ex(i) - sx(i)
+         hy = ey(i) - sy(i)
+         d = hx*hx + hy*hy
+         reach(i) = d
+         root = t*sqrt(max((sum2 - d)*(d - diff2), 0.0_wp))
+         along = d + product
+         d = (1.0_wp/max(d, least_square))*half
+         x = (along*hx + root*hy)*d
+         y = (along*hy - root*hx)*d
+         ax(i) = x
+         ay(i) = y
+         tx(i) = fx(i) + (cx*x - cy*y)
+         ty(i) = fy(i) + (cx*y + cy*x)
+      end do
+   end subroutine solve_link_and_tip
 
    !> 0.5/length; what a length too short to have a direction gives stays finite when it is divided by `least_square`.
    elemental real(wp) function half_of(length)

@@ -5,8 +5,8 @@
 !> Nothing is allocated after `prepare`. Knows nothing of desired values or of searches.
 module psalm_linkage
    use psalm_angles, only: unit_vector
-   use psalm_assur, only: mark_unknowns, bind_dyad, solve_dyad, is_signed
-   use psalm_dyad, only: dyad_t
+   use psalm_assur, only: mark_unknowns, bind_dyad, solve_dyad, is_signed, makes_tip
+   use psalm_dyad, only: dyad_t, tip_t
    use psalm_kinds, only: wp, i8, right_angle
    use psalm_plan, only: plan_t, step_point, step_dyad, root_crank
    use psalm_rows, only: rows_t, make_rows
@@ -34,6 +34,7 @@ module psalm_linkage
       integer :: root_x = 0, root_y = 0          !! point: rows of the arc's root
       integer :: slide_row = 0                   !! point: row of its varying length, 0: fixed length
       logical :: fixed = .false.                 !! point: it belongs to the frame
+      integer :: maker = 0                       !! point: step of the dyad that makes it with the direction it finds, 0: none
       real(wp) :: sign = 1.0_wp                  !! point: +1 along the arc, -1 against it
       real(wp) :: x = 0.0_wp, y = 0.0_wp         !! point: the arc in the axes of its root, sense included
       type(dyad_t) :: dyad
@@ -128,6 +129,8 @@ contains
          end associate
       end do
 
+      call assign_tips(self)
+
    contains
 
       subroutine prepare_dyad(dyad)
@@ -161,6 +164,43 @@ contains
          if (slot > 0) row_of_slide = self%slide(slot)
       end function row_of_slide
    end subroutine prepare
+
+   !> Let each dyad of links that finds one direction make the first point that hangs on it and starts from a point made before.
+   pure subroutine assign_tips(self)
+      type(linkage_t), intent(inout) :: self
+      integer :: k, j, root
+
+      do k = 1, size(self%steps)
+         if (self%steps(k)%kind /= step_dyad) cycle
+         associate (dyad => self%steps(k)%dyad)
+            if (.not. makes_tip(dyad)) cycle
+            root = merge(dyad%q_x, dyad%p_x, dyad%wants_q)
+            do j = k + 1, size(self%steps)
+               associate (step => self%steps(j))
+                  if (step%kind /= step_point) cycle
+                  if (step%fixed .or. step%root_x /= root .or. step%slide_row > 0 .or. made_after(step%from_x, k)) cycle
+                  step%maker = k
+                  dyad%tip = tip_t(step%from_x, step%from_y, step%to_x, step%to_y)
+                  exit
+               end associate
+            end do
+         end associate
+      end do
+
+   contains
+
+      !> True if the point of a row is made by a step after `k`, and moves.
+      pure logical function made_after(row, k)
+         integer, intent(in) :: row, k
+         integer :: i
+
+         made_after = .false.
+         do i = k + 1, size(self%steps)
+            if (self%steps(i)%kind == step_point .and. .not. self%steps(i)%fixed .and. self%steps(i)%to_x == row) &
+               made_after = .true.
+         end do
+      end function made_after
+   end subroutine assign_tips
 
    !> Positions rounded up to a multiple of the lane.
    pure integer function padded(positions)
@@ -294,11 +334,15 @@ contains
       if (step%slide_row > 0) return
       step%x = step%x*self%length(step%arc)
       step%y = step%y*self%length(step%arc)
+      if (step%maker > 0) then
+         self%steps(step%maker)%dyad%tip%x = step%x
+         self%steps(step%maker)%dyad%tip%y = step%y
+      end if
       if (.not. step%fixed) return
       x = self%store%v(1, step%from_x) + step%x
       y = self%store%v(1, step%from_y) + step%y
-      self%store%v(:, step%to_x) = x
-      self%store%v(:, step%to_y) = y
+      self%store%v(1:self%room, step%to_x) = x
+      self%store%v(1:self%room, step%to_y) = y
    end subroutine bind_point
 
    !> Lengths and fixed directions of a dyad, and the limits of its closure measure.
@@ -350,7 +394,7 @@ contains
                else if (.not. all_between(self, n, step%loop, step%dyad%closes_low, step%dyad%closes_high)) then
                   call limit_dyad(n, step%dyad, self%store)
                end if
-            else if (.not. step%fixed) then
+            else if (.not. (step%fixed .or. step%maker > 0)) then
                if (step%slide_row == 0) then
                   call add_arc(n, v(1, step%from_x), v(1, step%from_y), v(1, step%root_x), v(1, step%root_y), step%x, step%y, &
                                v(1, step%to_x), v(1, step%to_y))
@@ -381,14 +425,20 @@ contains
       integer, intent(in) :: n
       type(dyad_t), intent(in) :: dyad
       type(rows_t), intent(inout) :: store
+      integer :: root_x, root_y
 
-      associate (v => store%v)
+      associate (v => store%v, tip => dyad%tip)
          call limit(n, largest_direction, v(1, dyad%p_x))
          call limit(n, largest_direction, v(1, dyad%p_y))
          call limit(n, largest_direction, v(1, dyad%q_x))
          call limit(n, largest_direction, v(1, dyad%q_y))
          if (dyad%slide_p > 0) call limit(n, largest_slide, v(1, dyad%slide_p))
          if (dyad%slide_q > 0) call limit(n, largest_slide, v(1, dyad%slide_q))
+         if (tip%to_x == 0) return
+         root_x = merge(dyad%q_x, dyad%p_x, dyad%wants_q)
+         root_y = merge(dyad%q_y, dyad%p_y, dyad%wants_q)
+         call add_arc(n, v(1, tip%from_x), v(1, tip%from_y), v(1, root_x), v(1, root_y), tip%x, tip%y, v(1, tip%to_x), &
+                      v(1, tip%to_y))
       end associate
    end subroutine limit_dyad
 
