@@ -87,8 +87,8 @@ contains
       type(summary_t) :: summary
 
       allocate (problem, rates)
-      call list_input(header_of('KALM', devices%mark), set, prepared%topology, prepared%given, devices%eight)
-      call make_problem(set, prepared%topology, prepared%given, problem)
+      call make_problem(set, prepared%mechanism, prepared%given, prepared%parameters, problem)
+      call list_input(header_of('KALM', devices%mark), set, problem, devices%eight)
       call find_rates(set, problem, prepared%given, rates)
       call report_rates(set, problem, rates, devices)
       if (arguments%quiet .or. devices%summarised == most_summarised) return

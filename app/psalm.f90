@@ -20,7 +20,7 @@ program psalm
    use psalm_system, only: finish_program, write_standard_error
    use psalm_text, only: to_text
    use psalm_tolerance, only: tolerances_t, study_tolerances
-   use psalm_topology, only: dimensions_t
+   use psalm_dimensions, only: dimensions_t
    implicit none (type, external)
 
    character(*), parameter :: nl = new_line('a')
@@ -125,19 +125,19 @@ contains
 
       allocate (problem, search, analysis)
       call take_threads(set, signals, threads, devices)
-      call make_problem(set, prepared%topology, prepared%given, problem)
+      call make_problem(set, prepared%mechanism, prepared%given, prepared%parameters, problem)
       call problem%set_threads(threads)
-      call list_input(header_of('PSALM', devices%mark), set, prepared%topology, prepared%given, devices%eight)
+      call list_input(header_of('PSALM', devices%mark), set, problem, devices%eight)
       dimensions = prepared%given
-      if (prepared%topology%has_search()) call begin_search_report(set, devices)
+      if (prepared%parameters%has_search()) call begin_search_report(set, devices)
       call begin_log(set, monitor, log)
       call synthesise(set, prepared%vertices, problem, threads, stop, dimensions, search, log)
-      if (prepared%topology%has_search()) call report_search(set, search, log, devices)
+      if (prepared%parameters%has_search()) call report_search(set, search, log, devices)
       wanted = wanted_by(set)
       wanted%summary = .not. arguments%quiet .and. devices%summarised < most_summarised
       call analyse(set, problem, dimensions, wanted, analysis)
       call report_analysis(set, problem, analysis, prepared%warnings, devices)
-      call report_found(set, prepared%topology, dimensions, search, devices)
+      call report_found(set, problem, dimensions, search, devices)
       if (set%tolerances) then
          allocate (tolerances)
          allocate (final, source=set)

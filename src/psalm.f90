@@ -11,7 +11,7 @@ module psalm
    use psalm_analysis, only: analysis_t, wanted_t, study_analysis => analyse
    use psalm_data_set, only: data_set_t, read_data_sets, read_data_set_text
    use psalm_error, only: problem_t, motion_t, violation_t, make_problem
-   use psalm_finale, only: list_results, describe_violation
+   use psalm_finale, only: in_columns, list_results, describe_violation
    use psalm_group_table, only: everything
    use psalm_kinds, only: wp
    use psalm_margin_list, only: describe_margin
@@ -30,7 +30,8 @@ module psalm
                               ended_small_objective, ended_iterations, ended_starts, ended_time, ended_on_request, ended_refused
    use psalm_text, only: text_t, full_precision, lower_case, upper_case, to_text
    use psalm_tolerance, only: tolerances_t, study_tolerances
-   use psalm_topology, only: dimensions_t, topology_t
+   use psalm_dimensions, only: dimensions_t
+   use psalm_mechanism, only: mechanism_t
    use psalm_version, only: version
    implicit none (type, external)
    private
@@ -573,7 +574,7 @@ contains
       if (allocated(analysis%margins)) then
          do i = 1, size(analysis%margins)
             if (is_violated(analysis%margins(i))) call findings%warning('violated: '// &
-               lower_case(describe_margin(set, problem%topology, analysis%dimensions, analysis%margins(i))))
+               lower_case(describe_margin(set, problem, analysis%dimensions, analysis%margins(i))))
          end do
       end if
       if (.not. present(listing)) return
@@ -604,7 +605,7 @@ contains
       team = threads_for(set, threads_of(threads))
       call problem%set_threads(team)
       dimensions = problem%given
-      allocate (none(size(problem%topology%variables), 0))
+      allocate (none(size(problem%parameters%variables), 0))
       call study_synthesis(set, none, problem, team, ending, dimensions, synthesis, monitor)
    end subroutine synthesise
 
@@ -628,15 +629,15 @@ contains
       dimensions = problem%given
       if (synthesis%many) then
          if (which >= 1 .and. which <= size(synthesis%found%best)) then
-            call problem%topology%apply(synthesis%found%best(which)%values, dimensions)
+            call problem%parameters%apply(synthesis%found%best(which)%values, dimensions)
             found%set%delt = synthesis%found%best(which)%delt
          end if
       else if (allocated(synthesis%last%v) .and. which == 1) then
-         call problem%topology%apply(synthesis%last%v(:, synthesis%last%best), dimensions)
+         call problem%parameters%apply(synthesis%last%v(:, synthesis%last%best), dimensions)
       end if
       associate (to => found%set)
-         to%arcl = reshape(dimensions%arcl, shape(to%arcl))
-         to%gama = reshape(dimensions%gama, shape(to%gama))
+         to%arcl = in_columns(problem%mechanism, dimensions%arcl, to%arcl)
+         to%gama = in_columns(problem%mechanism, dimensions%gama, to%gama)
          to%outlk = dimensions%outlk
          to%outang = dimensions%outang
          to%origlk = dimensions%origlk
@@ -729,7 +730,7 @@ contains
       call tell(own, findings)
       if (.not. ready) return
       allocate (problem)
-      call make_problem(set, prepared%topology, prepared%given, problem)
+      call make_problem(set, prepared%mechanism, prepared%given, prepared%parameters, problem)
    end subroutine make_ready
 
    !> Add what was found elsewhere, with the name of its file.

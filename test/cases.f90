@@ -4,7 +4,9 @@ module cases
    use psalm_error, only: problem_t, make_problem
    use psalm_kinds, only: wp
    use psalm_setup, only: set_up
-   use psalm_topology, only: topology_t, dimensions_t
+   use psalm_dimensions, only: dimensions_t
+   use psalm_mechanism, only: mechanism_t
+   use psalm_parameters, only: parameters_t
    use psalm_status, only: diagnostics_t
    implicit none (type, external)
    private
@@ -27,7 +29,8 @@ contains
       integer, intent(in), optional :: motion     !! in place of MOTION
       type(data_set_t), allocatable :: sets(:)
       type(diagnostics_t) :: findings
-      type(topology_t) :: topology
+      type(mechanism_t) :: mechanism
+      type(parameters_t) :: parameters
       type(dimensions_t) :: dimensions
       integer :: which
 
@@ -39,10 +42,10 @@ contains
          if (present(everything)) set%ktheta = merge(1, set%ktheta, everything)
          if (present(motion)) set%motion = motion
          if (present(vary)) call let_vary(set)
-         call set_up(set, topology, dimensions, findings)
+         call set_up(set, mechanism, dimensions, parameters, findings)
       end if
       if (findings%failed()) error stop 'a data set of the tests cannot be read'
-      call make_problem(set, topology, dimensions, problem)
+      call make_problem(set, mechanism, dimensions, parameters, problem)
    end subroutine load_case
 
    !> Every length and angle a variable, some desired value at every position.

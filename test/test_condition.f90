@@ -39,7 +39,7 @@ contains
 
       call load_case(name, problem, set, vary=.true.)
       call problem%want_derivatives(.false.)
-      values = problem%topology%first_values(problem%given)
+      values = problem%parameters%first_values(problem%given)
       allocate (dout(problem%positions, size(values), problem%output%kind%components))
       call prepare_sensitivity(problem, work)
       call problem%analyse(problem%given, motion)

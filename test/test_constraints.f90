@@ -19,7 +19,7 @@ program test_constraints
    use psalm_stop, only: stop_t
    use psalm_text, only: to_text
    use psalm_timing, only: timing_t, prepare_timing, find_timing
-   use psalm_topology, only: dimensions_t
+   use psalm_dimensions, only: dimensions_t
    use stopping_host, only: host_t
    implicit none (type, external)
 
@@ -61,13 +61,13 @@ contains
 
       call load_case(name, problem, set, vary=.true.)
       problem%toggle = 0.5_wp
-      joint = reshape([1, 1, 1, problem%topology%larcx(1, 1)], [2, 2])
+      joint = reshape([1, 1, 1, problem%mechanism%place(1, 1)], [2, 2])
       call prepare_station(problem, problem%delt, .false., joint, .true., station)
-      values = problem%topology%first_values(problem%given)
+      values = problem%parameters%first_values(problem%given)
       dimensions = problem%given
       ! the first variable length is made a third longer: some positions of some linkages open
       values(1) = values(1)*4.0_wp/3.0_wp
-      call problem%topology%apply(values, dimensions)
+      call problem%parameters%apply(values, dimensions)
       call look_closely(station, dimensions)
       opened = count(.not. station%closed)
       near = abs(abs(station%k) - 1.0_wp)
@@ -112,7 +112,7 @@ contains
       type(station_t) :: other
 
       other = station
-      call problem%topology%apply(values, dimensions)
+      call problem%parameters%apply(values, dimensions)
       call look(other, dimensions)
       k = other%k
       joints = other%joints
@@ -129,7 +129,7 @@ contains
       logical :: opened
 
       call load_case('needle', problem, set)
-      values = problem%topology%first_values(problem%given)
+      values = problem%parameters%first_values(problem%given)
       call prepare_merit(set, problem, values, merit)
       opened = .false.
       step = 0.0_wp
@@ -217,7 +217,7 @@ contains
          end if
          set%ifree = merge(1, 0, mod(variant, 2) == 1)
          set%constr%irange = merge(range_positions, merge(range_turn, range_inputs, variant <= 2), mod(variant, 2) == 1)
-         values = problem%topology%first_values(problem%given)
+         values = problem%parameters%first_values(problem%given)
          call prepare_merit(set, problem, values, merit)
          x = merit%point(values, merit%delt)
          call merit%linearise(x, weight, equations)
@@ -371,7 +371,7 @@ contains
       ! the range passes parallel slides though no position is on the other side
       call load_case('dyad8_tangent_mechanism', problem, set, vary=.true.)
       set%constr%irange = range_turn
-      values = problem%topology%first_values(problem%given)
+      values = problem%parameters%first_values(problem%given)
       call prepare_merit(set, problem, values, merit)
       call merit%accept(values, objective, sound)
       call t%is_true(.not. sound, 'a search sees parallel slides between the prescribed positions')
@@ -458,10 +458,10 @@ contains
          call load_case('line6', problem, set)
          set%search%order = ordered
          call problem%set_inputs(places)
-         call problem%linkage%prepare(problem%topology, problem%plan, problem%tangle, problem%slide_angle, problem%delt)
+         call problem%linkage%prepare(problem%mechanism, problem%plan, problem%tangle, problem%slide_angle, problem%delt)
          call points_of_itself(problem)
          call problem%move_inputs([(10.0_wp*real(i, wp), i=1, size(places))])
-         call prepare_merit(set, problem, problem%topology%first_values(problem%given), merit)
+         call prepare_merit(set, problem, problem%parameters%first_values(problem%given), merit)
          call prepare_timing(problem, merit, whole)
          allocate (delt(size(places)))
          call find_timing(whole, merit, delt)
@@ -490,7 +490,7 @@ contains
       do turns = 0, 1
          wanted = station%out(:, 1) + 360.0_wp*[(real(turns*(mod(i, 5) - 2), wp), i=1, problem%positions)]
          call problem%set_desired(reshape(wanted, [size(wanted), 1]))
-         call prepare_merit(set, problem, problem%topology%first_values(problem%given), merit)
+         call prepare_merit(set, problem, problem%parameters%first_values(problem%given), merit)
          call prepare_timing(problem, merit, whole)
          allocate (delt(problem%positions))
          call find_timing(whole, merit, delt)
@@ -524,7 +524,7 @@ contains
       real(wp), allocatable :: first(:), none(:, :)
 
       call load_case('path5', problem, set)
-      first = problem%topology%first_values(problem%given)
+      first = problem%parameters%first_values(problem%given)
       allocate (none(size(first), 0))
       set%search%solver = find_solver('LD_SLSQP')
       set%search%nstart = 9

@@ -34,7 +34,7 @@ program test_cost
    use psalm_error, only: problem_t
    use psalm_kinds, only: wp
    use psalm_plan, only: step_dyad
-   use psalm_topology, only: dimensions_t
+   use psalm_dimensions, only: dimensions_t
    implicit none (type, external)
    type(checks_t) :: t
 

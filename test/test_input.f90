@@ -6,7 +6,9 @@ program test_input
    use psalm_kinds, only: wp
    use psalm_number, only: parse_real
    use psalm_setup, only: set_up
-   use psalm_topology, only: topology_t, dimensions_t
+   use psalm_dimensions, only: dimensions_t
+   use psalm_mechanism, only: mechanism_t
+   use psalm_parameters, only: parameters_t
    use psalm_status, only: diagnostics_t
    use psalm_text, only: to_text
    implicit none (type, external)
@@ -40,7 +42,8 @@ contains
    !> Read a text as a file would be, and SETUP every case.
    subroutine read_text(text)
       character(*), intent(in) :: text
-      type(topology_t) :: topology
+      type(mechanism_t) :: mechanism
+      type(parameters_t) :: parameters
       type(dimensions_t) :: dimensions
       type(diagnostics_t) :: fresh
       integer :: unit, i
@@ -53,7 +56,7 @@ contains
       call read_data_sets(file, sets, findings)
       if (findings%failed()) return
       do i = 1, size(sets)
-         call set_up(sets(i), topology, dimensions, findings)
+         call set_up(sets(i), mechanism, dimensions, parameters, findings)
       end do
    end subroutine read_text
 

@@ -12,7 +12,7 @@ program test_lsq
    use psalm_stop, only: stop_t
    use psalm_sensitivity, only: sensitivity_t, prepare_sensitivity, find_jacobian, find_constraints
    use psalm_text, only: to_text
-   use psalm_topology, only: dimensions_t
+   use psalm_dimensions, only: dimensions_t
    implicit none (type, external)
    type(checks_t) :: t
    integer :: k
@@ -40,9 +40,9 @@ contains
       integer, intent(in) :: threads
       type(result_t), intent(out) :: found
       type(stop_t) :: never
-      real(wp) :: none(size(problem%topology%variables), 0)
+      real(wp) :: none(size(problem%parameters%variables), 0)
 
-      call search_many(set, problem, problem%topology%first_values(problem%given), none, threads, never, found)
+      call search_many(set, problem, problem%parameters%first_values(problem%given), none, threads, never, found)
    end subroutine search
 
    subroutine equations()
@@ -70,14 +70,14 @@ contains
 
       call load_case(name, problem, set, vary=.true.)
       call problem%want_derivatives(.false.)
-      marble = size(problem%topology%variables)
-      associate (n => problem%positions, loops => problem%topology%nloop)
+      marble = size(problem%parameters%variables)
+      associate (n => problem%positions, loops => problem%mechanism%nloop)
          allocate (dout(n, marble, problem%output%kind%components), k(n, loops), dk(n, loops, marble))
          allocate (ahead(n, loops), behind(n, loops))
       end associate
       call prepare_sensitivity(problem, work)
       call find_jacobian(problem, problem%given, work, dout, k, dk)
-      values = problem%topology%first_values(problem%given)
+      values = problem%parameters%first_values(problem%given)
       worst = 0.0_wp
       size_of = max(maxval(abs(dk)), 1.0e-3_wp)
       do v = 1, marble
@@ -85,11 +85,11 @@ contains
          changed = values
          changed(v) = values(v) + step
          dimensions = problem%given
-         call problem%topology%apply(changed, dimensions)
+         call problem%parameters%apply(changed, dimensions)
          call problem%bind(dimensions)
          call find_constraints(problem, ahead)
          changed(v) = values(v) - step
-         call problem%topology%apply(changed, dimensions)
+         call problem%parameters%apply(changed, dimensions)
          call problem%bind(dimensions)
          call find_constraints(problem, behind)
          worst = max(worst, maxval(abs((ahead - behind)/(2.0_wp*step) - dk(:, :, v))))
@@ -120,7 +120,7 @@ contains
       if (size(found%best) < 1) return
       call t%is_true(found%best(1)%objective <= value, label//'as good as '//to_text(nint(1.0e6_wp*value))//'e-6')
       dimensions = problem%given
-      call problem%topology%apply(found%best(1)%values, dimensions)
+      call problem%parameters%apply(found%best(1)%values, dimensions)
       call problem%analyse(dimensions, motion)
       call t%equal_integer(size(motion%violations), 0, label//'no constraint is violated')
       call t%close_to(motion%total, found%best(1)%objective, 1.0e-10_wp, label//'analysis and search agree')

@@ -8,7 +8,7 @@ program test_positions
    use psalm_linkage, only: block_length
    use psalm_output_kind, only: motion_point, motion_angle
    use psalm_plan, only: step_point
-   use psalm_topology, only: dimensions_t
+   use psalm_dimensions, only: dimensions_t
    implicit none (type, external)
    type(checks_t) :: t
    integer :: k
@@ -45,11 +45,11 @@ contains
       do block = 1, problem%blocks()
          call problem%solve_block(block, offset, n)
          do i = 1, n
-            do loop = 1, problem%topology%nloop
+            do loop = 1, problem%mechanism%nloop
                x = 0.0_wp
                y = 0.0_wp
-               do a = 1, problem%topology%loopl(loop)
-                  call problem%linkage%arc_at(problem%plan, problem%topology%seq(loop, a), i, c, s, length)
+               do a = 1, problem%mechanism%loops(loop)%arcs
+                  call problem%linkage%arc_at(problem%plan, problem%mechanism%seq(loop, a), i, c, s, length)
                   x = x + length*c
                   y = y + length*s
                end do
@@ -103,12 +103,12 @@ contains
       call load_case(name, problem, set)
       call problem%analyse(problem%given, before)
       do i = 1, size(factors)
-         if (problem%topology%sliding_input .and. i > 1) cycle
+         if (problem%mechanism%sliding_input .and. i > 1) cycle
          scaled = problem%given
          scaled%arcl = scaled%arcl*factors(i)
          scaled%outlk = scaled%outlk*factors(i)
          scaled%origlk = scaled%origlk*factors(i)
-         if (problem%topology%sliding_input) then
+         if (problem%mechanism%sliding_input) then
             scaled%crnki = scaled%crnki*factors(i)
             call problem%set_inputs(set%delt*factors(i))
          else
@@ -139,9 +139,9 @@ contains
       call load_case(name, problem, set)
       problem%desired = .false.
       turned = problem%given
-      if (.not. problem%topology%sliding_input) turned%crnki = turned%crnki + turn
+      if (.not. problem%mechanism%sliding_input) turned%crnki = turned%crnki + turn
       turned%origng = turned%origng + turn
-      associate (frame => problem%topology%loopl(1))
+      associate (frame => problem%mechanism%loops(1)%arcs)
          turned%gama(frame) = turned%gama(frame) + turn
       end associate
       call problem%analyse(problem%given, before)
@@ -295,7 +295,7 @@ contains
 
       call load_case('hard/copied_slide', problem, set)
       call problem%analyse(problem%given, none)
-      problem%given%arcl(problem%topology%seq(2, 2)) = 1.0e-9_wp
+      problem%given%arcl(problem%mechanism%seq(2, 2)) = 1.0e-9_wp
       call problem%analyse(problem%given, little)
       call t%close_to(maxval(abs(none%actual - little%actual)), 0.0_wp, 1.0e-8_wp, 'an arc of no length on the copy of a slide')
       call t%close_to(none%actual(1, 1), 250.26778_wp, 1.0e-7_wp, 'its first position')
@@ -319,7 +319,7 @@ contains
          read (unit, *, iostat=status) want
          if (status /= 0) worst = 1.0_wp
          do k = 1, 4
-            call problem%linkage%arc_at(problem%plan, problem%topology%seq(loops(k), arcs(k)), i, x, y, length)
+            call problem%linkage%arc_at(problem%plan, problem%mechanism%seq(loops(k), arcs(k)), i, x, y, length)
             worst = max(worst, abs(length/want(3 + k) - 1.0_wp))
          end do
       end do

@@ -41,8 +41,8 @@ contains
       call problem%want_derivatives(.false.)
       n = min(problem%positions, problem%linkage%room)
       allocate (values(0:highest_order - 1, 2*n, -3:3), x(highest_order, n), y(highest_order, n))
-      unit = merge(1.0_wp, radians_per_degree, problem%topology%sliding_input)
-      step = merge(1.0e-4_wp, 1.0e-2_wp, quad)*merge(maxval(abs(problem%delt)), 1.0_wp, problem%topology%sliding_input)
+      unit = merge(1.0_wp, radians_per_degree, problem%mechanism%sliding_input)
+      step = merge(1.0e-4_wp, 1.0e-2_wp, quad)*merge(maxval(abs(problem%delt)), 1.0_wp, problem%mechanism%sliding_input)
       do k = -3, 3
          shifted = problem
          call shifted%set_inputs(problem%delt + real(k, wp)*step/unit)
@@ -141,12 +141,12 @@ contains
       call differentiate(problem, rates, n, 2)
       worst = 0.0_wp
       do i = 1, n
-         do loop = 1, problem%topology%nloop
+         do loop = 1, problem%mechanism%nloop
             sum1 = 0.0_wp
             sum2 = 0.0_wp
             size_of = 0.0_wp
-            do a = 1, problem%topology%loopl(loop)
-               arc = problem%topology%seq(loop, a)
+            do a = 1, problem%mechanism%loops(loop)%arcs
+               arc = problem%mechanism%seq(loop, a)
                call problem%linkage%arc_at(problem%plan, arc, i, x, y, length)
                root = problem%linkage%root_x(problem%plan%root(arc))
                w1 = rates%d(1)%v(i, root)

@@ -12,7 +12,7 @@ program test_search
    use psalm_nlp, only: repair_count_t
    use psalm_report, only: report_search
    use psalm_search_log, only: search_log_t
-   use psalm_topology, only: dimensions_t
+   use psalm_dimensions, only: dimensions_t
    use psalm_simplx, only: simplex_t, search_simplex
    use psalm_solver, only: search_state_t, stop_converged, stop_iterations, stop_small_objective
    use psalm_source, only: line_t
@@ -169,12 +169,13 @@ contains
       ! make the arc the one variable and give desired values, as a user would
       searched = problem
       call searched%set_desired(spread(spread(1.0_wp, 1, problem%positions), 2, problem%output%kind%components))
-      searched%topology%length_variable(arc) = 1
-      deallocate (searched%topology%variables)
-      allocate (searched%topology%variables(1))
-      searched%topology%variables(1)%kind = 1
-      searched%topology%variables(1)%loop = 1
-      searched%topology%variables(1)%arc = arc
+      searched%parameters%length_variable(arc) = 1
+      deallocate (searched%parameters%variables)
+      allocate (searched%parameters%variables(1))
+      searched%parameters%variables(1)%kind = 1
+      searched%parameters%variables(1)%loop = 1
+      searched%parameters%variables(1)%arc = arc
+      searched%parameters%variables(1)%n = arc
       dimensions = problem%given
       call make_constraints(set, searched, constraints)
       v = length
@@ -231,7 +232,7 @@ contains
       type(dimensions_t) :: dimensions
       type(beginning_t) :: beginning
       type(stop_t) :: never
-      real(wp) :: none(size(problem%topology%variables), 0)
+      real(wp) :: none(size(problem%parameters%variables), 0)
       logical :: feasible
 
       call make_vertex_problem(set, problem, vertices)
@@ -239,7 +240,7 @@ contains
       call t%is_true(feasible, 'the published start is feasible')
       call search_simplex(rules_of(set), vertices, simplex, never, state)
       dimensions = problem%given
-      call problem%topology%apply(simplex%v(:, simplex%best), dimensions)
+      call problem%parameters%apply(simplex%v(:, simplex%best), dimensions)
       call problem%analyse(dimensions, motion)
    end subroutine search_from
 
@@ -272,7 +273,7 @@ contains
       call run_search('suspension', problem, set, simplex, state, motion)
       call t%is_true(all(abs(motion%error(:, 1)) <= 0.3_wp), 'suspension: within 0.3 mm of 600')
       dimensions = problem%given
-      call problem%topology%apply(simplex%v(:, simplex%best), dimensions)
+      call problem%parameters%apply(simplex%v(:, simplex%best), dimensions)
       problem%desired = .false.
       problem%motion = 0
       call problem%want_derivatives(.false.)

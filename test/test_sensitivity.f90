@@ -8,7 +8,7 @@ program test_sensitivity
    use psalm_output_kind, only: motion_pose
    use psalm_sensitivity, only: sensitivity_t, prepare_sensitivity, find_jacobian, find_gradient
    use psalm_text, only: to_text
-   use psalm_topology, only: dimensions_t
+   use psalm_dimensions, only: dimensions_t
    implicit none (type, external)
    logical, parameter :: quad = precision(1.0_wp) > precision(1.0_dp)
    type(checks_t) :: t
@@ -45,11 +45,11 @@ contains
          call load_case(name, problem, set)
       end if
       call problem%want_derivatives(.false.)
-      marble = size(problem%topology%variables)
-      met(problem%topology%variables%kind) = .true.
+      marble = size(problem%parameters%variables)
+      met(problem%parameters%variables%kind) = .true.
       allocate (dout(problem%positions, marble, problem%output%kind%components), gradient(marble))
       call prepare_sensitivity(problem, work)
-      values = problem%topology%first_values(problem%given)
+      values = problem%parameters%first_values(problem%given)
       call problem%analyse(problem%given, motion)
       if (.not. all(motion%closed)) then
          call t%is_true(name == 'suspension', trim(name)//': closes')
@@ -62,7 +62,7 @@ contains
       do v = 1, marble
          call difference(problem, values, v, dout(:, v, :), worst)
          call t%close_to(worst, 0.0_wp, tolerance, trim(name)//': Jacobian of variable '//to_text(v)//', kind '// &
-                         to_text(problem%topology%variables(v)%kind))
+                         to_text(problem%parameters%variables(v)%kind))
          associate (n => problem%positions)
             expected = -2.0_wp*sum(problem%weight(:n, :)*motion%error*dout(:, v, :))
             size_of = 2.0_wp*sum(abs(problem%weight(:n, :)*motion%error*dout(:, v, :)))
@@ -90,7 +90,7 @@ contains
          changed = values
          changed(v) = values(v) + real(k, wp)*step
          dimensions = problem%given
-         call problem%topology%apply(changed, dimensions)
+         call problem%parameters%apply(changed, dimensions)
          call problem%analyse(dimensions, motion(k))
       end do
       worst = 0.0_wp

@@ -7,7 +7,7 @@ program test_tolerance
    use psalm_kinds, only: wp, i8
    use psalm_random, only: random_t
    use psalm_tolerance, only: deviating_t, tolerance_t, sample_t, find_tolerances, draw_sample
-   use psalm_topology, only: dimensions_t
+   use psalm_dimensions, only: dimensions_t
    implicit none (type, external)
    type(checks_t) :: t
 

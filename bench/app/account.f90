@@ -20,7 +20,9 @@ program account
    use psalm_station, only: look_closely
    use psalm_status, only: diagnostics_t
    use psalm_stop, only: stop_t
-   use psalm_topology, only: topology_t, dimensions_t, variable_length, variable_outlk, variable_origlk
+   use psalm_dimensions, only: dimensions_t
+   use psalm_mechanism, only: mechanism_t
+   use psalm_parameters, only: variable_length, variable_outlk, variable_origlk
    implicit none (type, external)
 
    character(*), parameter :: sets(*) = [character(20) :: 'needle_search', 'needle_unweighted', 'suspension', 'chain_short', &
@@ -59,24 +61,25 @@ contains
       type(problem_t), intent(out) :: problem
       type(data_set_t), allocatable :: all_sets(:)
       type(diagnostics_t) :: findings
-      type(topology_t) :: topology
+      type(mechanism_t) :: mechanism
+      type(parameters_t) :: parameters
       type(dimensions_t) :: dimensions
       integer :: v
 
       call read_data_sets(trim(directory)//'/'//trim(name)//'.nml', all_sets, findings)
       if (.not. findings%failed()) then
          set = all_sets(1)
-         call set_up(set, topology, dimensions, findings)
+         call set_up(set, mechanism, dimensions, parameters, findings)
       end if
       if (findings%failed()) error stop 'a data set cannot be read'
-      call make_problem(set, topology, dimensions, problem)
+      call make_problem(set, mechanism, dimensions, parameters, problem)
       if (set%limval /= 0) return
       ! some searches run away to links of infinite length, which are slides
       set%limval = 1
-      do v = 1, size(topology%variables)
+      do v = 1, size(parameters%variables)
          set%oplow(v) = -widest
          set%ophigh(v) = widest
-         if (all(topology%variables(v)%kind /= [variable_length, variable_outlk, variable_origlk])) cycle
+         if (all(parameters%variables(v)%kind /= [variable_length, variable_outlk, variable_origlk])) cycle
          set%oplow(v) = 0.0_wp
          set%ophigh(v) = longest*maxval(dimensions%arcl)
       end do
@@ -131,7 +134,7 @@ contains
       type(search_state_t) :: state
       type(beginning_t) :: beginning
       type(stop_t) :: never
-      real(wp) :: none(size(given_problem%topology%variables), 0)
+      real(wp) :: none(size(given_problem%parameters%variables), 0)
       logical :: feasible
 
       set = given
@@ -156,7 +159,7 @@ contains
       type(data_set_t) :: set
       type(result_t) :: result
       type(stop_t) :: never
-      real(wp) :: none(size(problem%topology%variables), 0)
+      real(wp) :: none(size(problem%parameters%variables), 0)
 
       set = given
       set%search%nstart = 1
@@ -164,7 +167,7 @@ contains
       set%search%nbest = 1
       set%search%maxeval = most_evaluations
       set%search%maxtime = most_seconds
-      call search_many(set, problem, problem%topology%first_values(problem%given), none, 1, never, result)
+      call search_many(set, problem, problem%parameters%first_values(problem%given), none, 1, never, result)
       objective = -1.0_wp
       if (size(result%best) > 0) objective = result%best(1)%objective
       evaluations = result%evaluations + result%jacobians
@@ -191,7 +194,7 @@ contains
             call problem%set_inputs(delt)
             call problem%set_desired(reshape(wanted, [n, 1]), reshape(weight, [n, 1]))
          end associate
-         first = problem%topology%first_values(problem%given)
+         first = problem%parameters%first_values(problem%given)
          jacobian = huge(jacobian)
          iteration = huge(iteration)
          do k = 1, repeats
@@ -225,7 +228,7 @@ contains
 
       do digits = 2, 8, 2
          call load('needle_search', set, problem)
-         first = problem%topology%first_values(problem%given)
+         first = problem%parameters%first_values(problem%given)
          least = huge(least)
          do k = 1, repeats
             begun = seconds()

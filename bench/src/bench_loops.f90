@@ -32,13 +32,13 @@ contains
       integer :: loop, n, count, root, slot, k
       integer, allocatable :: of_root(:), of_slot(:)
 
-      associate (topology => problem%topology, plan => problem%plan, link => problem%linkage)
-         loops%nloop = topology%nloop
-         loops%loopl = topology%loopl
-         loops%joint = topology%joint
-         loops%first = [(topology%seq(loop, 1), loop=1, loops%nloop)]
-         loops%p = [(topology%seq(loop, topology%larcx(1, loop)), loop=1, loops%nloop)]
-         loops%q = [(topology%seq(loop, topology%larcx(2, loop)), loop=1, loops%nloop)]
+      associate (mechanism => problem%mechanism, plan => problem%plan, link => problem%linkage)
+         loops%nloop = mechanism%nloop
+         loops%loopl = mechanism%loops%arcs
+         loops%joint = mechanism%groups%kind
+         loops%first = [(mechanism%seq(loop, 1), loop=1, loops%nloop)]
+         loops%p = [(mechanism%groups(loop)%members(1), loop=1, loops%nloop)]
+         loops%q = [(mechanism%groups(loop)%members(2), loop=1, loops%nloop)]
          loops%angle = link%angle*radians_per_degree
          loops%length = link%length/link%scale
          allocate (of_root(plan%nroots), of_slot(max(1, plan%nlengths)), source=0)
@@ -65,10 +65,10 @@ contains
             if (plan%length_slot(n) > 0) loops%length_unknown(n) = of_slot(plan%length_slot(n))
          end do
          loops%sign = [(link%steps(link%step_of_loop(loop))%dyad%sign, loop=1, loops%nloop)]
-         loops%out_arc = topology%output_arc
-         loops%out_loop = (topology%output_arc - 1)/topology%maxarc + 1
-         loops%out_last = topology%output_arc - (loops%out_loop - 1)*topology%maxarc
-         if (topology%output_from_start) loops%out_last = loops%out_last - 1
+         loops%out_arc = mechanism%outputs(1)%arc
+         loops%out_loop = mechanism%loop_of(mechanism%outputs(1)%arc)
+         loops%out_last = mechanism%arcs(mechanism%outputs(1)%arc)%place
+         if (mechanism%outputs(1)%from_start) loops%out_last = loops%out_last - 1
          loops%out_angle = problem%output%angle*radians_per_degree
          loops%out_length = problem%output%length
          loops%crank = problem%given%crnki*radians_per_degree

@@ -11,7 +11,9 @@ module bench_measure
    use psalm_sensitivity, only: sensitivity_t, prepare_sensitivity, find_jacobian, find_gradient
    use psalm_setup, only: set_up
    use psalm_status, only: diagnostics_t
-   use psalm_topology, only: topology_t, dimensions_t
+   use psalm_dimensions, only: dimensions_t
+   use psalm_mechanism, only: mechanism_t
+   use psalm_parameters, only: parameters_t
    implicit none (type, external)
    private
    public :: write_reference, measure_all, measure_objective, measure_pruning, evaluate_needle, measure_derivatives
@@ -36,7 +38,8 @@ contains
       logical, intent(in), optional :: as_written
       type(data_set_t), allocatable :: sets(:)
       type(diagnostics_t) :: findings
-      type(topology_t) :: topology
+      type(mechanism_t) :: mechanism
+      type(parameters_t) :: parameters
       type(dimensions_t) :: dimensions
       integer :: i
 
@@ -57,9 +60,9 @@ contains
          sets(1)%iva = sets(1)%iva(:, :2)
          sets(1)%ivg = sets(1)%ivg(:, :2)
       end if
-      call set_up(sets(1), topology, dimensions, findings)
+      call set_up(sets(1), mechanism, dimensions, parameters, findings)
       if (findings%failed()) error stop 'a data set is wrong'
-      call make_problem(sets(1), topology, dimensions, problem)
+      call make_problem(sets(1), mechanism, dimensions, parameters, problem)
       call problem%set_inputs([(360.0_wp*real(i, wp)/real(n, wp), i=0, n - 1)])
    end subroutine load
 
@@ -275,16 +278,17 @@ contains
       type(problem_t) :: chain, pair
       type(data_set_t), allocatable :: sets(:)
       type(diagnostics_t) :: findings
-      type(topology_t) :: topology
+      type(mechanism_t) :: mechanism
+      type(parameters_t) :: parameters
       type(dimensions_t) :: dimensions
       real(dp) :: of_chain, of_pair
       integer :: i
       integer, parameter :: n = 10000
 
       call read_data_sets('../data/hard/pruned64.nml', sets, findings)
-      call set_up(sets(1), topology, dimensions, findings)
+      call set_up(sets(1), mechanism, dimensions, parameters, findings)
       sets(1)%motion = motion_point
-      call make_problem(sets(1), topology, dimensions, chain)
+      call make_problem(sets(1), mechanism, dimensions, parameters, chain)
       call chain%set_inputs([(360.0_wp*real(i, wp)/real(n, wp), i=0, n - 1)])
       call load(2, n, .false., pair)
       call time_positions(chain, 2, of_chain)
@@ -314,7 +318,8 @@ contains
       type(rates_t) :: rates
       type(data_set_t), allocatable :: sets(:)
       type(diagnostics_t) :: findings
-      type(topology_t) :: topology
+      type(mechanism_t) :: mechanism
+      type(parameters_t) :: parameters
       type(dimensions_t) :: dimensions
       type(sensitivity_t) :: work
       real(wp), allocatable :: dout(:, :, :), gradient(:)
@@ -347,12 +352,12 @@ contains
             with_rates*1.0e9_dp/real(positions_of_rates, dp)/real(count(problem%plan%solved), dp)
       end do
       call read_data_sets('../data/needle.nml', sets, findings)
-      call set_up(sets(1), topology, dimensions, findings)
-      call make_problem(sets(1), topology, dimensions, problem)
+      call set_up(sets(1), mechanism, dimensions, parameters, findings)
+      call make_problem(sets(1), mechanism, dimensions, parameters, problem)
       call problem%want_derivatives(.false.)
       call prepare_sensitivity(problem, work)
-      allocate (dout(problem%positions, size(topology%variables), problem%output%kind%components))
-      allocate (gradient(size(topology%variables)))
+      allocate (dout(problem%positions, size(parameters%variables), problem%output%kind%components))
+      allocate (gradient(size(parameters%variables)))
       one = huge(one)
       jacobian = huge(one)
       adjoint = huge(one)

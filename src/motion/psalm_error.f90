@@ -13,7 +13,9 @@ module psalm_error
    use psalm_observable, only: observable_t
    use psalm_output_kind, only: output_kind_t, output_kind, motion_point, motion_angle
    use psalm_plan, only: plan_t, make_plan
-   use psalm_topology, only: topology_t, dimensions_t
+   use psalm_dimensions, only: dimensions_t
+   use psalm_mechanism, only: mechanism_t
+   use psalm_parameters, only: parameters_t
    implicit none (type, external)
    private
    public :: problem_t, motion_t, violation_t, crossing_t, make_problem
@@ -45,7 +47,8 @@ module psalm_error
    end type motion_t
 
    type :: problem_t
-      type(topology_t) :: topology
+      type(mechanism_t) :: mechanism
+      type(parameters_t) :: parameters             !! dimensions that vary
       type(plan_t) :: plan
       type(dimensions_t) :: given                  !! the user's linkage
       type(linkage_t) :: linkage                   !! bound to the last dimensions evaluated
@@ -83,23 +86,25 @@ module psalm_error
 
 contains
 
-   !> Set a problem up from a data set and its topology.
-   subroutine make_problem(set, topology, dimensions, problem)
+   !> Set a problem up from a data set and its mechanism.
+   subroutine make_problem(set, mechanism, dimensions, parameters, problem)
       type(data_set_t), intent(in) :: set
-      type(topology_t), intent(in) :: topology
+      type(mechanism_t), intent(in) :: mechanism
       type(dimensions_t), intent(in) :: dimensions
+      type(parameters_t), intent(in) :: parameters
       type(problem_t), intent(out) :: problem
       real(wp), allocatable :: turn(:), wanted(:, :), weight(:, :)
       integer :: i
 
-      problem%topology = topology
+      problem%mechanism = mechanism
       problem%given = dimensions
+      problem%parameters = parameters
       problem%motion = set%motion
       problem%tangle = set%tangle
       problem%toggle = set%toggle
       if (set%tangle_given) problem%slide_angle = set%tangle
-      allocate (problem%side(topology%nloop), source=1.0_wp)
-      problem%plan = make_plan(topology, set%motion, everything=set%ktheta /= 0, all_roots=.false.)
+      allocate (problem%side(mechanism%nloop), source=1.0_wp)
+      problem%plan = make_plan(mechanism, set%motion, everything=set%ktheta /= 0, all_roots=.false.)
       if (set%ikin /= 0) then
          turn = [(real(i*set%ikin, wp), i=0, (359/abs(set%ikin)))]
          call problem%set_inputs(turn)
@@ -136,9 +141,9 @@ contains
       logical, intent(in) :: everything     !! solve every loop, wanted or not
       integer, intent(in), optional :: joints(:, :) !! joints to be made, as `make_plan` has them
 
-      self%plan = make_plan(self%topology, self%motion, everything, .true., joints)
-      call self%linkage%prepare(self%topology, self%plan, self%tangle, self%slide_angle, self%delt)
-      call self%output%locate(self%motion, self%topology, self%plan, self%linkage)
+      self%plan = make_plan(self%mechanism, self%motion, everything, .true., joints)
+      call self%linkage%prepare(self%mechanism, self%plan, self%tangle, self%slide_angle, self%delt)
+      call self%output%locate(self%motion, self%mechanism, self%plan, self%linkage)
       if (allocated(self%crew)) call self%set_threads(size(self%crew))
    end subroutine want_derivatives
 
@@ -151,12 +156,12 @@ contains
       self%positions = size(delt)
       self%delt = delt
       self%desired = .false.
-      call self%linkage%prepare(self%topology, self%plan, self%tangle, self%slide_angle, delt)
-      call self%output%locate(self%motion, self%topology, self%plan, self%linkage)
+      call self%linkage%prepare(self%mechanism, self%plan, self%tangle, self%slide_angle, delt)
+      call self%output%locate(self%motion, self%mechanism, self%plan, self%linkage)
       if (allocated(self%crew)) deallocate (self%crew)
       self%first = whole_blocks(self, delt, delt(size(delt)))
       self%second = self%first
-      if (.not. self%topology%sliding_input) then
+      if (.not. self%mechanism%sliding_input) then
          do i = 1, size(self%first)
             call unit_vector(self%second(i), self%first(i), self%second(i))
          end do
@@ -175,7 +180,7 @@ contains
       self%delt = delt
       do i = 1, size(self%first)
          associate (value => delt(min(i, size(delt))))
-            if (self%topology%sliding_input) then
+            if (self%mechanism%sliding_input) then
                self%first(i) = value
                self%second(i) = value
             else
@@ -229,7 +234,7 @@ contains
       if (threads < 2 .or. self%blocks() < 2*threads) return
       allocate (self%crew(threads))
       do t = 1, threads
-         call self%crew(t)%prepare(self%topology, self%plan, self%tangle, self%slide_angle, self%delt)
+         call self%crew(t)%prepare(self%mechanism, self%plan, self%tangle, self%slide_angle, self%delt)
       end do
    end subroutine set_threads
 
@@ -238,7 +243,7 @@ contains
       class(problem_t), intent(inout) :: self
       type(dimensions_t), intent(in) :: dimensions
 
-      call self%linkage%bind(self%topology, self%plan, dimensions)
+      call self%linkage%bind(self%mechanism, self%plan, dimensions)
       call self%output%bind(dimensions, self%linkage)
    end subroutine bind_problem
 
@@ -280,7 +285,7 @@ contains
       if (allocated(self%crew)) then
          !$omp parallel do num_threads(size(self%crew)) schedule(static) private(block)
          do t = 1, size(self%crew)
-            call self%crew(t)%bind(self%topology, self%plan, dimensions)
+            call self%crew(t)%bind(self%mechanism, self%plan, dimensions)
             do block = t, self%blocks(), size(self%crew)
                call evaluate_block(self, self%crew(t), block, self%partial(block), self%offending(block))
             end do
@@ -298,7 +303,7 @@ contains
          if (self%offending(block) > 0 .and. (loop == 0 .or. self%offending(block) < loop)) loop = self%offending(block)
       end do
       if (loop > 0 .or. .not. any(self%linkage%two_slides)) return
-      do loop = 1, self%topology%nloop
+      do loop = 1, self%mechanism%nloop
          if (allocated(self%crew)) then
             do t = 1, size(self%crew)
                if (.not. self%crew(t)%stays_on_side(loop, self%crew(1))) return
@@ -400,7 +405,7 @@ contains
       real(wp) :: back
       integer :: block, offset, n
 
-      form = form_of(self%topology%joint(loop))
+      form = form_of(self%mechanism%groups(loop)%kind)
       back = (1.0_wp/self%linkage%scale)**form%power
       do block = 1, self%blocks()
          call self%solve_block(block, offset, n, self%linkage%step_of_loop(loop))
@@ -425,16 +430,16 @@ contains
       allocate (motion%input(n), source=0.0_wp)
       allocate (motion%actual(n, components), motion%error(n, components), source=0.0_wp)
       allocate (motion%violations(0), motion%crossings(0))
-      allocate (sine(self%topology%nloop), source=0.0_wp)
+      allocate (sine(self%mechanism%nloop), source=0.0_wp)
       closed_before = .false.
-      allocate (open_violation(self%topology%nloop), source=0)
+      allocate (open_violation(self%mechanism%nloop), source=0)
       motion%input = dimensions%crnki + self%delt
-      if (.not. self%topology%sliding_input) motion%input = within_turn(motion%input)
+      if (.not. self%mechanism%sliding_input) motion%input = within_turn(motion%input)
       call self%bind(dimensions)
       do block = 1, self%blocks()
          call self%solve_block(block, offset, n)
          m = padded(n)
-         do l = 1, self%topology%nloop
+         do l = 1, self%mechanism%nloop
             if (self%linkage%step_of_loop(l) == 0) cycle
             if (self%linkage%all_accepted(m, l) .and. coincidence(self, l) < 0.0_wp) cycle
             do i = 1, n
@@ -444,7 +449,7 @@ contains
             end do
          end do
          do i = 1, n
-            do l = 1, self%topology%nloop
+            do l = 1, self%mechanism%nloop
                if (.not. self%linkage%two_slides(l) .or. self%linkage%step_of_loop(l) == 0) cycle
                associate (now => self%linkage%store%v(i, self%linkage%measure(l)))
                   if (now*sine(l) < 0.0_wp .and. closed_before .and. motion%closed(offset + i)) &

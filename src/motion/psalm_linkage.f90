@@ -10,7 +10,8 @@ module psalm_linkage
    use psalm_kinds, only: wp, i8, right_angle
    use psalm_plan, only: plan_t, step_point, step_dyad, root_crank
    use psalm_rows, only: rows_t, make_rows
-   use psalm_topology, only: topology_t, dimensions_t
+   use psalm_dimensions, only: dimensions_t
+   use psalm_mechanism, only: mechanism_t
    implicit none (type, external)
    private
    public :: linkage_t, bound_step_t, block_length, padded
@@ -82,9 +83,9 @@ module psalm_linkage
 contains
 
    !> Allocate storage and resolve every index of the plan.
-   subroutine prepare(self, topology, plan, tangle, slide_angle, delt)
+   subroutine prepare(self, mechanism, plan, tangle, slide_angle, delt)
       class(linkage_t), intent(out) :: self
-      type(topology_t), intent(in) :: topology
+      type(mechanism_t), intent(in) :: mechanism
       type(plan_t), intent(in) :: plan
       real(wp), intent(in) :: tangle    !! allowed deviation of a transmission angle from 90 degrees; 90: closure only
       real(wp), intent(in) :: slide_angle   !! the same for the angle between two slides
@@ -93,20 +94,20 @@ contains
       integer :: k, n, loop
 
       self%room = min(block_length, padded(size(delt)))
-      n = size(topology%arcs)
+      n = size(mechanism%arcs)
       allocate (self%steps(size(plan%steps)))
-      allocate (self%step_of_loop(topology%nloop), source=0)
+      allocate (self%step_of_loop(mechanism%nloop), source=0)
       allocate (self%angle(n), self%y(n), source=0.0_wp)
       allocate (self%x(n), source=1.0_wp)
       allocate (self%length(n), source=0.0_wp)
-      allocate (self%side(topology%nloop), source=0)
-      self%two_slides = [(is_signed(topology%joint(k)), k=1, topology%nloop)]
-      call lay_out(self, plan%nroots, plan%npoints, plan%nlengths, topology%nloop)
-      self%sliding_input = topology%sliding_input
+      allocate (self%side(mechanism%nloop), source=0)
+      self%two_slides = [(is_signed(mechanism%groups(k)%kind), k=1, mechanism%nloop)]
+      call lay_out(self, plan%nroots, plan%npoints, plan%nlengths, mechanism%nloop)
+      self%sliding_input = mechanism%sliding_input
       if (self%sliding_input) self%largest_input = maxval(abs(delt))
       call unit_vector(right_angle - tangle, self%cosine_lowest, unused)
       call unit_vector(right_angle - slide_angle, unused, self%sine_lowest)
-      if (topology%sliding_input) self%input_slot = plan%length_slot(1)
+      if (mechanism%sliding_input) self%input_slot = plan%length_slot(1)
       do k = 1, size(plan%steps)
          associate (step => plan%steps(k), bound => self%steps(k))
             bound%kind = step%kind
@@ -137,9 +138,9 @@ contains
          type(dyad_t), intent(inout) :: dyad
 
          loop = plan%steps(k)%loop
-         dyad%kind = topology%joint(loop)
-         dyad%arc_p = topology%seq(loop, topology%larcx(1, loop))
-         dyad%arc_q = topology%seq(loop, topology%larcx(2, loop))
+         dyad%kind = mechanism%groups(loop)%kind
+         dyad%arc_p = mechanism%groups(loop)%members(1)
+         dyad%arc_q = mechanism%groups(loop)%members(2)
          dyad%s_x = self%point_x(plan%steps(k)%from)
          dyad%s_y = self%point_y(plan%steps(k)%from)
          dyad%e_x = self%point_x(plan%steps(k)%to)
@@ -153,7 +154,7 @@ contains
          dyad%slide_p = row_of_slide(plan%length_slot(dyad%arc_p))
          dyad%slide_q = row_of_slide(plan%length_slot(dyad%arc_q))
          dyad%measure = self%measure(loop)
-         dyad%sign = real(plan%dyad_sign(loop), wp)
+         dyad%sign = real(mechanism%groups(loop)%sign, wp)
          call mark_unknowns(dyad)
       end subroutine prepare_dyad
 
@@ -251,9 +252,9 @@ contains
    end subroutine lay_out
 
    !> Put a set of dimensions in. Only angles that differ from the last ones cost a sine and a cosine.
-   pure subroutine bind(self, topology, plan, dimensions)
+   pure subroutine bind(self, mechanism, plan, dimensions)
       class(linkage_t), intent(inout) :: self
-      type(topology_t), intent(in) :: topology
+      type(mechanism_t), intent(in) :: mechanism
       type(plan_t), intent(in) :: plan
       type(dimensions_t), intent(in) :: dimensions
       integer :: k
@@ -262,7 +263,7 @@ contains
       call choose_scale(self, dimensions)
       call bind_angles(self, plan, dimensions)
       self%length = dimensions%arcl*self%scale
-      if (topology%sliding_input) then
+      if (mechanism%sliding_input) then
          self%reference_length = dimensions%crnki
       else
          if (dimensions%crnki /= self%crank_angle) call unit_vector(dimensions%crnki, self%crank_x, self%crank_y)

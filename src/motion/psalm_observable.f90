@@ -11,7 +11,9 @@ module psalm_observable
                                 motion_pose, most_components
    use psalm_plan, only: plan_t
    use psalm_rows, only: rows_t
-   use psalm_topology, only: topology_t, dimensions_t, variable_outlk, variable_outang, variable_origlk, variable_origng
+   use psalm_dimensions, only: dimensions_t
+   use psalm_mechanism, only: mechanism_t
+   use psalm_parameters, only: variable_outlk, variable_outang, variable_origlk, variable_origng
    implicit none (type, external)
    private
    public :: observable_t, seed_t, at_origin
@@ -50,16 +52,16 @@ module psalm_observable
 contains
 
    !> Find the rows in a linkage prepared for a plan.
-   subroutine locate(self, motion, topology, plan, link)
+   subroutine locate(self, motion, mechanism, plan, link)
       class(observable_t), intent(inout) :: self
       integer, intent(in) :: motion
-      type(topology_t), intent(in) :: topology
+      type(mechanism_t), intent(in) :: mechanism
       type(plan_t), intent(in) :: plan
       type(linkage_t), intent(in) :: link
 
       self%motion = motion
       self%kind = output_kind(motion)
-      self%arc = topology%output_arc
+      self%arc = mechanism%outputs(1)%arc
       self%root_x = link%root_x(plan%root(self%arc))
       self%root_y = link%root_y(plan%root(self%arc))
       self%base_x = link%point_x(plan%output_point)

@@ -169,7 +169,7 @@ contains
       integer, intent(in) :: loop, i
 
       associate (k => problem%linkage%step_of_loop(loop))
-         is_dead = is_dead_dyad(problem%topology%joint(loop), rates%frames, rates%place(k), i)
+         is_dead = is_dead_dyad(problem%mechanism%groups(loop)%kind, rates%frames, rates%place(k), i)
       end associate
    end function is_dead
 

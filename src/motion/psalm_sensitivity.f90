@@ -15,8 +15,9 @@ module psalm_sensitivity
    use psalm_plan, only: step_point, root_crank
    use psalm_rates, only: rates_t, prepare_rates, form_frames
    use psalm_rows, only: rows_t
-   use psalm_topology, only: dimensions_t, variable_length, variable_gama, variable_outlk, variable_outang, variable_origlk, &
-                             variable_origng, variable_crnki
+   use psalm_dimensions, only: dimensions_t
+   use psalm_parameters, only: variable_length, variable_gama, variable_outlk, variable_outang, variable_origlk, &
+                               variable_origng, variable_crnki
    implicit none (type, external)
    private
    public :: sensitivity_t, prepare_sensitivity, find_jacobian, find_constraints, block_constraints, find_gradient
@@ -40,8 +41,8 @@ contains
       type(sensitivity_t), intent(out) :: work
       integer :: arcs, marble, v, k, n, b
 
-      arcs = size(problem%topology%arcs)
-      marble = size(problem%topology%variables)
+      arcs = size(problem%mechanism%arcs)
+      marble = size(problem%parameters%variables)
       call prepare_rates(problem, work%rates)
       allocate (work%turn(arcs, marble), work%stretch(arcs, marble), source=0.0_wp)
       allocate (work%angle_bar(arcs), work%length_bar(arcs), source=0.0_wp)
@@ -50,12 +51,13 @@ contains
          allocate (work%across(room), work%along(room), work%gx(room), work%gy(room), work%tx(room), work%ty(room), source=0.0_wp)
       end associate
       do v = 1, marble
-         where (problem%topology%length_variable == v) work%stretch(:, v) = 1.0_wp
+         where (problem%parameters%length_variable == v) work%stretch(:, v) = 1.0_wp
          do k = 1, size(problem%plan%order)
             n = problem%plan%order(k)
             b = problem%plan%base(n)
             if (b > 0) work%turn(n, v) = work%turn(b, v)
-            if (problem%plan%takes_gama(n) .and. problem%topology%angle_variable(n) == v) work%turn(n, v) = work%turn(n, v) + 1.0_wp
+            if (problem%plan%takes_gama(n) .and. problem%parameters%angle_variable(n) == v) &
+               work%turn(n, v) = work%turn(n, v) + 1.0_wp
          end do
          call mark_steps(problem, v, work)
       end do
@@ -73,7 +75,7 @@ contains
 
       allocate (row(0:size(problem%linkage%store%v, 2)), source=.false.)
       associate (link => problem%linkage)
-         if (problem%topology%variables(v)%kind == variable_crnki) then
+         if (problem%parameters%variables(v)%kind == variable_crnki) then
             if (.not. link%sliding_input) then
                row(link%root_x(root_crank)) = .true.
             else if (link%input_slot > 0) then
@@ -130,10 +132,10 @@ contains
          call form_frames(problem, work%rates, m, fixed_too=.true.)
          work%rates%d(1)%v = 0.0_wp
          if (present(k)) call block_constraints(problem, n, k(offset + 1:offset + n, :))
-         do v = 1, size(problem%topology%variables)
+         do v = 1, size(problem%parameters%variables)
             call change_of(problem, v, m, work)
-            call problem%output%change(problem%linkage, work%rates%d(1), n, problem%topology%variables(v)%kind, &
-                                       work%turn(problem%topology%output_arc, v), unit_of(problem, v), &
+            call problem%output%change(problem%linkage, work%rates%d(1), n, problem%parameters%variables(v)%kind, &
+                                       work%turn(problem%mechanism%outputs(1)%arc, v), unit_of(problem, v), &
                                        dout(offset + 1:offset + n, v, :))
             if (present(dk)) call change_of_constraints(problem, v, n, work, dk(offset + 1:offset + n, :, v))
             if (present(dp)) call change_of_joints(problem, v, n, work, dp(offset + 1:offset + n, :, :, v))
@@ -161,7 +163,7 @@ contains
       real(wp), intent(out) :: k(:, :)
       integer :: loop
 
-      do loop = 1, problem%topology%nloop
+      do loop = 1, problem%mechanism%nloop
          k(:, loop) = 0.0_wp
          associate (step => problem%linkage%step_of_loop(loop), link => problem%linkage)
             if (step > 0) call closure_of(n, link%steps(step)%dyad, link%store, problem%toggle*link%scale, &
@@ -178,7 +180,7 @@ contains
       real(wp), intent(out) :: dk(:, :)             !! shape (n, nloop)
       integer :: loop
 
-      do loop = 1, problem%topology%nloop
+      do loop = 1, problem%mechanism%nloop
          dk(:, loop) = 0.0_wp
          associate (step => problem%linkage%step_of_loop(loop), link => problem%linkage)
             if (step == 0) cycle
@@ -203,7 +205,7 @@ contains
       integer :: j
 
       back = unit_of(problem, v)/problem%linkage%scale
-      call problem%output%change_of_origin(problem%topology%variables(v)%kind, ox, oy)
+      call problem%output%change_of_origin(problem%parameters%variables(v)%kind, ox, oy)
       do j = 1, size(problem%plan%joint_points)
          associate (px => problem%linkage%point_x(problem%plan%joint_points(j)), &
                     py => problem%linkage%point_y(problem%plan%joint_points(j)), d => work%rates%d(1)%v)
@@ -219,7 +221,7 @@ contains
       integer, intent(in) :: v
 
       unit = 1.0_wp
-      select case (problem%topology%variables(v)%kind)
+      select case (problem%parameters%variables(v)%kind)
       case (variable_gama, variable_outang, variable_origng)
          unit = radians_per_degree
       case (variable_crnki)
@@ -235,7 +237,7 @@ contains
       integer :: k
 
       associate (link => problem%linkage, d => work%rates%d(1)%v)
-         if (problem%topology%variables(v)%kind == variable_crnki) then
+         if (problem%parameters%variables(v)%kind == variable_crnki) then
             if (.not. link%sliding_input) then
                d(1:n, link%root_x(root_crank)) = 1.0_wp
             else if (link%input_slot > 0) then
@@ -313,7 +315,7 @@ contains
       integer :: k
 
       associate (link => problem%linkage)
-         if (problem%topology%variables(v)%kind == variable_crnki) then
+         if (problem%parameters%variables(v)%kind == variable_crnki) then
             if (.not. link%sliding_input) then
                call zero(link%root_x(root_crank))
             else if (link%input_slot > 0) then
@@ -367,7 +369,7 @@ contains
          associate (first => offset + 1, last => offset + m)
             call problem%output%seed(problem%linkage, n, m, problem%wanted(first:last, :), problem%weight(first:last, :), &
                                      problem%toward_x(first:last), problem%toward_y(first:last), work%rates%d(1), objective, bar, &
-                                     work%angle_bar(problem%topology%output_arc), work%along)
+                                     work%angle_bar(problem%mechanism%outputs(1)%arc), work%along)
          end associate
          do k = size(problem%linkage%steps), 1, -1
             if (problem%plan%steps(k)%kind == step_point) then
@@ -386,12 +388,12 @@ contains
       end do
       call back_through_angles(problem, work)
       do v = 1, size(gradient)
-         associate (variable => problem%topology%variables(v))
+         associate (variable => problem%parameters%variables(v))
             select case (variable%kind)
             case (variable_length)
-               gradient(v) = sum(work%length_bar, mask=problem%topology%length_variable == v)*problem%linkage%scale
+               gradient(v) = sum(work%length_bar, mask=problem%parameters%length_variable == v)*problem%linkage%scale
             case (variable_gama)
-               gradient(v) = sum(work%angle_bar, mask=problem%topology%angle_variable == v .and. problem%plan%takes_gama) &
+               gradient(v) = sum(work%angle_bar, mask=problem%parameters%angle_variable == v .and. problem%plan%takes_gama) &
                              *radians_per_degree
             case (variable_outlk)
                gradient(v) = bar%outlk

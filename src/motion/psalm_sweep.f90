@@ -16,7 +16,7 @@ contains
       real(wp), allocatable :: delt(:)   !! shape (360), degrees; sliding input: shape (361), length
       integer :: i
 
-      if (problem%topology%sliding_input) then
+      if (problem%mechanism%sliding_input) then
          delt = evenly(problem%delt)
       else
          delt = [(problem%delt(1) + sweep_sense(problem)*real(i, wp), i=0, nint(full_turn) - 1)]

@@ -1,9 +1,8 @@
 !> The parts of a linkage as drawn: joints, bars, rigid bodies, slides, pairs of undetermined arcs.
 module psalm_parts
-   use psalm_chain, only: chain_t
    use psalm_kinds, only: wp
+   use psalm_mechanism, only: mechanism_t, at_finish, at_start
    use psalm_plan, only: plan_t, root_frame
-   use psalm_topology, only: topology_t
    implicit none (type, external)
    private
    public :: joint_t, bar_t, body_t, slide_t, pair_t, find_slides, convex_hull
@@ -22,7 +21,6 @@ module psalm_parts
       integer :: start = 0, finish = 0        !! joints
       integer :: loop = 0, arc = 0            !! the first arc along it; 0: the output arc
       character(:), allocatable :: others     !! the other arcs along it, in words
-      integer :: root = 0                     !! root of its direction
       integer :: slide = 0                    !! number of the slide, 0: fixed length
       integer :: body = 0                     !! rigid body it belongs to, 0: none
       real(wp) :: length = 0.0_wp             !! fixed length
@@ -51,29 +49,25 @@ module psalm_parts
 
 contains
 
-   !> Every bar of varying length, with joint numbers of the chain.
-   pure subroutine find_slides(topology, plan, chain, slides)
-      type(topology_t), intent(in) :: topology
+   !> Every bar of varying length, with the points of the chain for joints.
+   pure subroutine find_slides(mechanism, plan, slides)
+      type(mechanism_t), intent(in) :: mechanism
       type(plan_t), intent(in) :: plan
-      type(chain_t), intent(in) :: chain
       type(slide_t), allocatable, intent(out) :: slides(:)
       type(slide_t) :: slide
-      integer :: b, n, guide
-      logical :: before
+      integer :: b, n
 
       allocate (slides(0))
-      do b = 1, chain%bars
-         n = chain%bar_arc(b)
-         if (plan%length_slot(n) == 0) cycle
-         n = topology%arcs(n)%representative
-         guide = topology%arcs(n)%reference
-         ! the loop is a ring: for a slide that leaves the input pivot a frame arc comes before it
-         before = guide < n .or. (n == 1 .and. guide > 2)
-         slide%bar = b
-         slide%guide = merge(chain%start(b), chain%finish(b), before)
-         slide%block = merge(chain%finish(b), chain%start(b), before)
-         slide%sense = merge(1.0_wp, -1.0_wp, before)
-         slide%still = plan%root(chain%bar_arc(b)) == root_frame
+      do b = 1, size(mechanism%bars)
+         n = mechanism%bars(b)%arc
+         if (.not. mechanism%slides(n)) cycle
+         associate (ends => mechanism%bars(b)%ends, foot => mechanism%arcs(n)%foot)
+            slide%bar = b
+            slide%guide = ends(foot)
+            slide%block = ends(at_start + at_finish - foot)
+            slide%sense = merge(1.0_wp, -1.0_wp, foot == at_start)
+            slide%still = plan%root(n) == root_frame
+         end associate
          slides = [slides, slide]
       end do
    end subroutine find_slides

@@ -58,7 +58,7 @@ contains
          end do
          each%nguess = sets(k)%nguess
          if (prepared%ready) then
-            call make_scene(each, prepared%topology, prepared%given, own, cases(k)%scene)
+            call make_scene(each, prepared%mechanism, prepared%given, prepared%parameters, own, cases(k)%scene)
             if (each%ndes < sets(k)%ndes) call look_at_all_positions(sets(k), prepared, cases(k)%undrawn)
          else
             call message_scene(each, own, cases(k)%scene)
@@ -120,7 +120,7 @@ contains
       integer :: i
 
       allocate (problem)
-      call make_problem(set, prepared%topology, prepared%given, problem)
+      call make_problem(set, prepared%mechanism, prepared%given, prepared%parameters, problem)
       call problem%analyse(prepared%given, motion)
       do i = 1, min(size(motion%violations), most_told)
          call add_string(words, describe_violation(problem, motion, motion%violations(i)))

@@ -3,7 +3,6 @@
 !> Two rows of positions (`psalm_trace`): the prescribed ones and a sweep between and beyond them.
 module psalm_scene
    use psalm_angles, only: unit_vector
-   use psalm_chain, only: chain_t, make_chain
    use psalm_constraint_group, only: region_t
    use psalm_data_set, only: data_set_t
    use psalm_dyad_kind, only: direction_known, form_of, form_t
@@ -14,10 +13,11 @@ module psalm_scene
    use psalm_markup, only: strings_t, add_string, sentence_case
    use psalm_output_kind, only: motion_point, motion_angle, motion_distance, motion_slide, motion_pose
    use psalm_parts, only: joint_t, bar_t, body_t, slide_t, pair_t, find_slides, convex_hull
-   use psalm_plan, only: root_frame
    use psalm_status, only: finding_t, level_error
    use psalm_sweep, only: sweep_inputs, sweep_sense
-   use psalm_topology, only: topology_t, dimensions_t
+   use psalm_dimensions, only: dimensions_t
+   use psalm_mechanism, only: mechanism_t, at_finish, at_start, body_frame, joint_revolute
+   use psalm_parameters, only: parameters_t
    use psalm_trace, only: row_t, trace_row
    implicit none (type, external)
    private
@@ -88,14 +88,14 @@ contains
    end subroutine message_scene
 
    !> The scene of a case. Errors among its findings make it a scene of messages (`scene%sound` is false).
-   subroutine make_scene(set, topology, dimensions, findings, scene)
+   subroutine make_scene(set, mechanism, dimensions, parameters, findings, scene)
       type(data_set_t), intent(in) :: set
-      type(topology_t), intent(in) :: topology
+      type(mechanism_t), intent(in) :: mechanism
       type(dimensions_t), intent(in) :: dimensions
+      type(parameters_t), intent(in) :: parameters
       type(finding_t), intent(in) :: findings(:)   !! of this case, SETUP's included
       type(scene_t), intent(out) :: scene
       type(problem_t) :: own, whole
-      type(chain_t) :: chain
       integer, allocatable :: place(:)
 
       call message_scene(set, findings, scene)
@@ -104,31 +104,30 @@ contains
       deallocate (scene%joints, scene%bars, scene%bodies, scene%pairs)
       ! a pose is drawn as its point
       scene%motion = merge(motion_point, set%motion, set%motion == motion_pose)
-      scene%sliding = topology%sliding_input
+      scene%sliding = mechanism%sliding_input
       scene%everywhere = set%ktheta /= 0
       scene%tangle = set%tangle
       if (allocated(set%constr%regions)) scene%regions = set%constr%regions
-      scene%loops = topology%nloop
-      call make_problem(set, topology, dimensions, own)
+      scene%loops = mechanism%nloop
+      call make_problem(set, mechanism, dimensions, parameters, own)
       scene%desired = own%desired
       scene%sense = sweep_sense(own)
       whole = own
       whole%motion = motion_point
       whole%desired = .false.
       call whole%want_derivatives(.true.)
-      chain = make_chain(topology)
-      call find_slides(topology, whole%plan, chain, scene%slides)
-      if (scene%motion == motion_slide) call find_output_slide(topology, chain, scene)
-      call trace_row(own, whole, chain, dimensions, scene%slides, scene%output_slide, .true., scene%prescribed)
+      call find_slides(mechanism, whole%plan, scene%slides)
+      if (scene%motion == motion_slide) call find_output_slide(mechanism, scene)
+      call trace_row(own, whole, dimensions, scene%slides, scene%output_slide, .true., scene%prescribed)
       if (set%constr%given) call judge(set, own, dimensions, scene)
       call own%set_inputs(sweep_inputs(own))
       call whole%set_inputs(own%delt)
-      call trace_row(own, whole, chain, dimensions, scene%slides, scene%output_slide, .false., scene%sweep)
-      call merge_joints(scene, chain%joints + 1, place)
-      call make_bars(topology, whole%plan%root, dimensions, chain, place, scene)
-      call name_joints(scene)
+      call trace_row(own, whole, dimensions, scene%slides, scene%output_slide, .false., scene%sweep)
+      call merge_joints(scene, size(mechanism%points) + 1, place)
+      call make_bars(mechanism, dimensions, place, scene)
+      call name_joints(mechanism, place, scene)
       scene%reference = minloc(abs(scene%prescribed%delt), dim=1)
-      call make_bodies(scene)
+      call make_bodies(mechanism, scene)
       call choose_view(scene, maxval(dimensions%arcl))
       call find_rails(scene)
       call find_others(scene, scene%prescribed)
@@ -246,18 +245,17 @@ contains
       call inspect(inspector, dimensions, own%delt, margins)
       do i = 1, size(margins)
          if (is_violated(margins(i))) &
-            call add_string(scene%breaches, sentence_case('violated: '//describe_margin(set, own%topology, dimensions, margins(i))))
+            call add_string(scene%breaches, sentence_case('violated: '//describe_margin(set, own, dimensions, margins(i))))
       end do
    end subroutine judge
 
-   subroutine find_output_slide(topology, chain, scene)
-      type(topology_t), intent(in) :: topology
-      type(chain_t), intent(in) :: chain
+   subroutine find_output_slide(mechanism, scene)
+      type(mechanism_t), intent(in) :: mechanism
       type(scene_t), intent(inout) :: scene
       integer :: k
 
       do k = 1, size(scene%slides)
-         if (scene%slides(k)%bar == chain%bar_of(topology%output_arc)) scene%output_slide = k
+         if (scene%slides(k)%bar == mechanism%arcs(mechanism%outputs(1)%arc)%bar) scene%output_slide = k
       end do
    end subroutine find_output_slide
 
@@ -326,34 +324,31 @@ contains
    end subroutine merge_joints
 
    !> The bars with their names, the output arc last.
-   subroutine make_bars(topology, root, dimensions, chain, place, scene)
-      type(topology_t), intent(in) :: topology
-      integer, intent(in) :: root(:)         !! by sequential number: root of the arc's direction
+   subroutine make_bars(mechanism, dimensions, place, scene)
+      type(mechanism_t), intent(in) :: mechanism
       type(dimensions_t), intent(in) :: dimensions
-      type(chain_t), intent(in) :: chain
       integer, intent(in) :: place(:)
       type(scene_t), intent(inout) :: scene
-      integer :: b, n, loop, a, k, start, finish, bars
+      integer :: b, n, loop, a, k, bars
       character(24) :: name
 
-      bars = chain%bars + merge(0, 1, scene%motion == motion_slide)
+      bars = size(mechanism%bars) + merge(0, 1, scene%motion == motion_slide)
       allocate (scene%bars(bars))
-      do b = 1, chain%bars
+      do b = 1, size(mechanism%bars)
          associate (bar => scene%bars(b))
-            bar%start = place(chain%start(b))
-            bar%finish = place(chain%finish(b))
-            bar%root = root(chain%bar_arc(b))
-            bar%length = dimensions%arcl(chain%bar_arc(b))
+            bar%start = place(mechanism%bars(b)%ends(at_start))
+            bar%finish = place(mechanism%bars(b)%ends(at_finish))
+            bar%length = dimensions%arcl(mechanism%bars(b)%arc)
             bar%others = ''
          end associate
       end do
       do k = 1, size(scene%slides)
          scene%bars(scene%slides(k)%bar)%slide = k
       end do
-      do loop = 1, topology%nloop
-         do a = 1, topology%loopl(loop)
-            n = topology%seq(loop, a)
-            associate (bar => scene%bars(chain%bar_of(n)))
+      do loop = 1, mechanism%nloop
+         do a = 1, mechanism%loops(loop)%arcs
+            n = mechanism%seq(loop, a)
+            associate (bar => scene%bars(mechanism%arcs(n)%bar))
                if (bar%loop == 0) then
                   bar%loop = loop
                   bar%arc = a
@@ -365,56 +360,42 @@ contains
             end associate
          end do
       end do
-      allocate (scene%pairs(topology%nloop))
-      do loop = 1, topology%nloop
+      allocate (scene%pairs(mechanism%nloop))
+      do loop = 1, mechanism%nloop
          associate (pair => scene%pairs(loop))
-            pair%joint_type = topology%joint(loop)
-            pair%start = place(chain%outer(1, loop))
-            pair%finish = place(chain%outer(2, loop))
-            pair%shared = place(chain%shared(loop))
-            pair%bars = chain%bar_of([topology%seq(loop, topology%larcx(1, loop)), topology%seq(loop, topology%larcx(2, loop))])
+            pair%joint_type = mechanism%groups(loop)%kind
+            associate (p => mechanism%arcs(mechanism%groups(loop)%members(1)), &
+                       q => mechanism%arcs(mechanism%groups(loop)%members(2)))
+               pair%start = place(p%ends(at_start))
+               pair%finish = place(q%ends(at_finish))
+               pair%shared = place(p%ends(at_finish))
+               pair%bars = [p%bar, q%bar]
+            end associate
          end associate
       end do
       scene%output_base = scene%output
       if (scene%motion == motion_slide) return
-      call chain%ends_of(topology, topology%output_arc, start, finish)
-      scene%output_base = place(merge(start, finish, topology%output_from_start))
+      associate (output => mechanism%outputs(1))
+         scene%output_base = place(mechanism%arcs(output%arc)%ends(merge(at_start, at_finish, output%from_start)))
+      end associate
       associate (bar => scene%bars(bars))
          bar%start = scene%output_base
          bar%finish = scene%output
-         bar%root = root(topology%output_arc)
          bar%length = dimensions%outlk
          bar%others = ''
       end associate
    end subroutine make_bars
 
    !> What kind each joint is, and its letter.
-   subroutine name_joints(scene)
+   subroutine name_joints(mechanism, place, scene)
+      type(mechanism_t), intent(in) :: mechanism
+      integer, intent(in) :: place(:)        !! by point of the mechanism: the joint drawn there
       type(scene_t), intent(inout) :: scene
-      integer :: first(size(scene%joints))
-      logical :: turning(size(scene%joints))
-      logical :: more
-      integer :: b, j, k, count
+      integer :: j, k, count
 
-      first = 0
-      turning = .false.
-      scene%joints(1)%fixed = .true.
-      do
-         more = .false.
-         do b = 1, size(scene%bars)
-            associate (bar => scene%bars(b))
-               if (bar%root /= root_frame .or. bar%slide > 0) cycle
-               if (scene%joints(bar%start)%fixed .eqv. scene%joints(bar%finish)%fixed) cycle
-               scene%joints(bar%start)%fixed = .true.
-               scene%joints(bar%finish)%fixed = .true.
-               more = .true.
-            end associate
-         end do
-         if (.not. more) exit
-      end do
-      do b = 1, size(scene%bars)
-         call touch(scene%bars(b)%start, scene%bars(b)%root)
-         call touch(scene%bars(b)%finish, scene%bars(b)%root)
+      scene%joints(place(mechanism%bodies(body_frame)%points))%fixed = .true.
+      do k = 1, size(mechanism%joints)
+         if (mechanism%joints(k)%kind == joint_revolute) scene%joints(place(mechanism%joints(k)%point))%turning = .true.
       end do
       do k = 1, size(scene%slides)
          scene%joints(scene%slides(k)%block)%slides = .true.
@@ -422,7 +403,6 @@ contains
       count = 0
       do j = 1, size(scene%joints)
          associate (joint => scene%joints(j))
-            joint%turning = turning(j)
             joint%name = ''
             if (.not. (joint%turning .or. joint%slides)) cycle
             joint%name = letters(count)
@@ -431,13 +411,6 @@ contains
       end do
 
    contains
-
-      subroutine touch(j, root)
-         integer, intent(in) :: j, root
-
-         if (first(j) == 0) first(j) = root
-         if (first(j) /= root) turning(j) = .true.
-      end subroutine touch
 
       !> A to Z, then AA, AB ...
       pure recursive function letters(number) result(name)
@@ -449,48 +422,51 @@ contains
       end function letters
    end subroutine name_joints
 
-   !> Bars of fixed length with the same root that hang together are one rigid body; one with an area is a plate.
-   subroutine make_bodies(scene)
+   !> The mechanism's bodies as far as they have bars of fixed length; one with an area is a plate. Bars of one body that hang
+   !> together nowhere, as where one is only parallel to the others, are drawn apart. A slide belongs with the body that guides it.
+   subroutine make_bodies(mechanism, scene)
+      type(mechanism_t), intent(in) :: mechanism
       type(scene_t), intent(inout) :: scene
-      integer :: body(size(scene%bars)), b, c, count, old
-      logical, allocatable :: member(:)
-      integer :: j
+      integer :: body(size(scene%bars))   !! the mechanism's
+      integer :: piece(size(scene%bars)), first(size(mechanism%bodies)), b, c, pieces, old
 
-      body = 0
-      count = 0
-      do b = 1, size(scene%bars)
+      body(:size(mechanism%bars)) = mechanism%arcs(mechanism%bars%arc)%body
+      associate (output => mechanism%outputs(1), bars => size(mechanism%bars))
+         if (size(body) > bars) &
+            body(bars + 1) = mechanism%body_at(output%arc, merge(at_start, at_finish, output%from_start))
+      end associate
+      piece = 0
+      pieces = 0
+      do b = 1, size(body)
          if (scene%bars(b)%slide > 0) cycle
          do c = 1, b - 1
-            if (body(c) == 0 .or. scene%bars(c)%root /= scene%bars(b)%root) cycle
-            if (.not. any([scene%bars(c)%start, scene%bars(c)%finish] == scene%bars(b)%start .or. &
-                          [scene%bars(c)%start, scene%bars(c)%finish] == scene%bars(b)%finish)) cycle
-            if (body(b) == 0) then
-               body(b) = body(c)
-            else if (body(c) /= body(b)) then
-               ! the bar joins two bodies
-               old = max(body(b), body(c))
-               where (body == old) body = min(body(b), body(c))
+            if (piece(c) == 0 .or. body(c) /= body(b) .or. .not. touch(b, c)) cycle
+            if (piece(b) == 0) then
+               piece(b) = piece(c)
+            else if (piece(c) /= piece(b)) then
+               ! the bar joins two pieces
+               old = max(piece(b), piece(c))
+               where (piece == old) piece = min(piece(b), piece(c))
             end if
          end do
-         if (body(b) > 0) cycle
-         count = count + 1
-         body(b) = count
+         if (piece(b) > 0) cycle
+         pieces = pieces + 1
+         piece(b) = pieces
       end do
-      allocate (member(size(scene%joints)), scene%bodies(0))
-      do c = 1, count
-         member = .false.
-         do b = 1, size(scene%bars)
-            if (body(b) == c) member([scene%bars(b)%start, scene%bars(b)%finish]) = .true.
-         end do
-         if (.not. any(member)) cycle
-         call add_body(pack([(j, j=1, size(member))], member), scene%bars(findloc(body, c, dim=1))%root)
-         where (body == c) scene%bars%body = size(scene%bodies)
+      allocate (scene%bodies(0))
+      first = 0
+      do c = 1, pieces
+         b = findloc(piece, c, dim=1)
+         if (b == 0) cycle
+         call add_body(c, body(b))
+         if (first(body(b)) == 0) first(body(b)) = size(scene%bodies)
       end do
-      ! a slide belongs with the body that guides it, as far as that is a bar
-      do b = 1, size(scene%bars)
+      do b = 1, size(mechanism%bars)
          if (scene%bars(b)%slide == 0) cycle
-         do c = 1, size(scene%bars)
-            if (scene%bars(c)%slide > 0 .or. scene%bars(c)%root /= scene%bars(b)%root) cycle
+         old = mechanism%guide_of(mechanism%bars(b)%arc)
+         scene%bars(b)%body = first(old)
+         do c = 1, size(body)
+            if (scene%bars(c)%slide > 0 .or. body(c) /= old) cycle
             if (any([scene%bars(c)%start, scene%bars(c)%finish] == scene%slides(scene%bars(b)%slide)%guide)) &
                scene%bars(b)%body = scene%bars(c)%body
          end do
@@ -498,17 +474,34 @@ contains
 
    contains
 
-      subroutine add_body(joints, root)
-         integer, intent(in) :: joints(:), root
-         type(body_t) :: new
-         integer :: k
+      !> True if two bars have a joint in common.
+      pure logical function touch(b, c)
+         integer, intent(in) :: b, c
 
-         new%joints = joints
-         new%frame = root == root_frame .and. all(scene%joints(joints)%fixed)
+         associate (ends => [scene%bars(c)%start, scene%bars(c)%finish])
+            touch = any(ends == scene%bars(b)%start .or. ends == scene%bars(b)%finish)
+         end associate
+      end function touch
+
+      subroutine add_body(number, whole)
+         integer, intent(in) :: number    !! of the piece
+         integer, intent(in) :: whole     !! of the mechanism's body
+         type(body_t) :: new
+         logical :: member(size(scene%joints))
+         integer :: j, k
+
+         member = .false.
+         do k = 1, size(piece)
+            if (piece(k) /= number) cycle
+            member([scene%bars(k)%start, scene%bars(k)%finish]) = .true.
+            scene%bars(k)%body = size(scene%bodies) + 1
+         end do
+         new%joints = pack([(j, j=1, size(member))], member)
+         new%frame = whole == body_frame
          allocate (new%hull(0))
          do k = 1, scene%prescribed%n
-            if (.not. all(scene%prescribed%known(joints, k))) cycle
-            new%hull = convex_hull(joints, scene%prescribed%x(joints, k), scene%prescribed%y(joints, k))
+            if (.not. all(scene%prescribed%known(new%joints, k))) cycle
+            new%hull = convex_hull(new%joints, scene%prescribed%x(new%joints, k), scene%prescribed%y(new%joints, k))
             exit
          end do
          scene%bodies = [scene%bodies, new]

@@ -4,7 +4,6 @@
 !> problem that `psalm` solves, so that pictures and device 9 agree to the last digit.
 module psalm_trace
    use psalm_angles, only: degrees_of
-   use psalm_chain, only: chain_t
    use psalm_dyad_kind, only: assur_rrr, direction_known, form_of, form_t
    use psalm_elementary, only: hypotenuse
    use psalm_error, only: problem_t, motion_t, violation_t
@@ -12,7 +11,8 @@ module psalm_trace
    use psalm_kinds, only: wp
    use psalm_markup, only: strings_t, add_string, sentence_case
    use psalm_parts, only: slide_t
-   use psalm_topology, only: dimensions_t, arc_slide
+   use psalm_dimensions, only: dimensions_t
+   use psalm_mechanism, only: arc_slide, at_finish, at_start
    implicit none (type, external)
    private
    public :: row_t, trace_row
@@ -44,12 +44,11 @@ module psalm_trace
 contains
 
    !> Joints, slides and outputs at the positions of the two problems.
-   subroutine trace_row(own, whole, chain, dimensions, slides, output_slide, prescribed, row)
+   subroutine trace_row(own, whole, dimensions, slides, output_slide, prescribed, row)
       type(problem_t), intent(inout) :: own     !! as `psalm` solves it
       type(problem_t), intent(inout) :: whole   !! every loop; its output is the output point
-      type(chain_t), intent(in) :: chain
       type(dimensions_t), intent(in) :: dimensions
-      type(slide_t), intent(in) :: slides(:)    !! joints by numbers of the chain
+      type(slide_t), intent(in) :: slides(:)    !! joints by numbers of the mechanism's points
       integer, intent(in) :: output_slide       !! MOTION 3: the slide whose length is the output, else 0
       logical, intent(in) :: prescribed         !! the positions are the user's own, with numbers he knows
       type(row_t), intent(out) :: row
@@ -82,8 +81,8 @@ contains
       do i = 1, size(row%violations)
          call add_string(row%words, sentence_case(describe_violation(whole, points, row%violations(i), prescribed)))
       end do
-      joints = chain%joints + 1
-      loops = own%topology%nloop
+      joints = size(own%mechanism%points) + 1
+      loops = own%mechanism%nloop
       allocate (row%x(joints, row%n), row%y(joints, row%n), source=0.0_wp)
       allocate (row%known(joints, row%n), row%sound(loops, row%n), row%broken(loops, row%n), source=.false.)
       allocate (row%ux(size(slides), row%n), row%uy(size(slides), row%n), source=0.0_wp)
@@ -91,53 +90,58 @@ contains
       do block = 1, whole%blocks()
          call whole%solve_block(block, offset, n)
          do i = 1, n
-            call place_joints(whole, chain, slides, i, offset + i, row)
+            call place_joints(whole, slides, i, offset + i, row)
          end do
       end do
       do k = 1, row%n
-         call place_output(own, chain, slides, output_slide, points, k, row)
+         call place_output(own, slides, output_slide, points, k, row)
       end do
    end subroutine trace_row
 
-   !> Joints in the order of the chain: each from one before it.
-   subroutine place_joints(problem, chain, slides, i, k, row)
+   !> Joints in the order of the mechanism's points: each from one before it.
+   subroutine place_joints(problem, slides, i, k, row)
       type(problem_t), intent(in) :: problem
-      type(chain_t), intent(in) :: chain
       type(slide_t), intent(in) :: slides(:)
       integer, intent(in) :: i, k       !! position of the block, of the row
       type(row_t), intent(inout) :: row
-      integer :: j, loop, p, q, s
+      integer :: j, loop, p, q, s, start, finish
       real(wp) :: x, y, length
 
       row%x(1, k) = problem%output%origin_x
       row%y(1, k) = problem%output%origin_y
       row%known(1, k) = .true.
-      do j = 2, chain%joints
-         loop = chain%pair_loop(j)
-         if (loop > 0) then
-            p = problem%topology%seq(loop, problem%topology%larcx(1, loop))
-            q = problem%topology%seq(loop, problem%topology%larcx(2, loop))
-            row%broken(loop, k) = row%known(chain%outer(1, loop), k) .and. row%known(chain%outer(2, loop), k) .and. &
-                                  is_known(problem, p, loop, row%sound(:, k)) .and. is_known(problem, q, loop, row%sound(:, k))
-            if (row%broken(loop, k)) then
-               row%sound(loop, k) = problem%linkage%closes(i, loop)
-               row%broken(loop, k) = .not. row%sound(loop, k)
+      do j = 2, size(problem%mechanism%points)
+         associate (point => problem%mechanism%points(j))
+            loop = point%group
+            if (loop > 0) then
+               p = problem%mechanism%groups(loop)%members(1)
+               q = problem%mechanism%groups(loop)%members(2)
+               start = problem%mechanism%arcs(p)%ends(at_start)
+               finish = problem%mechanism%arcs(q)%ends(at_finish)
+               row%broken(loop, k) = row%known(start, k) .and. row%known(finish, k) .and. &
+                                     is_known(problem, p, loop, row%sound(:, k)) .and. is_known(problem, q, loop, row%sound(:, k))
+               if (row%broken(loop, k)) then
+                  row%sound(loop, k) = problem%linkage%closes(i, loop)
+                  row%broken(loop, k) = .not. row%sound(loop, k)
+               end if
+               row%known(j, k) = row%sound(loop, k)
+               if (row%broken(loop, k)) call leave_open(problem, loop, p, q, start, finish, i, k, row)
+               if (row%sound(loop, k) .and. problem%mechanism%groups(loop)%kind == assur_rrr) &
+                  row%angle(loop, k) = transmission_angle(problem, p, q, i)
+            else
+               row%known(j, k) = row%known(point%from, k) .and. is_known(problem, point%arc, 0, row%sound(:, k))
             end if
-            row%known(j, k) = row%sound(loop, k)
-            if (row%broken(loop, k)) call leave_open(problem, chain, loop, p, q, i, k, row)
-            if (row%sound(loop, k) .and. problem%topology%joint(loop) == assur_rrr) &
-               row%angle(loop, k) = transmission_angle(problem, p, q, i)
-         else
-            row%known(j, k) = row%known(chain%from(j), k) .and. is_known(problem, chain%arc(j), 0, row%sound(:, k))
-         end if
-         if (.not. row%known(j, k)) cycle
-         call problem%linkage%arc_at(problem%plan, chain%arc(j), i, x, y, length)
-         row%x(j, k) = row%x(chain%from(j), k) + real(chain%way(j), wp)*length*x
-         row%y(j, k) = row%y(chain%from(j), k) + real(chain%way(j), wp)*length*y
+            if (.not. row%known(j, k)) cycle
+            call problem%linkage%arc_at(problem%plan, point%arc, i, x, y, length)
+            row%x(j, k) = row%x(point%from, k) + real(point%sense, wp)*length*x
+            row%y(j, k) = row%y(point%from, k) + real(point%sense, wp)*length*y
+         end associate
       end do
       do s = 1, size(slides)
-         if (.not. is_known(problem, chain%bar_arc(slides(s)%bar), 0, row%sound(:, k))) cycle
-         call problem%linkage%arc_at(problem%plan, chain%bar_arc(slides(s)%bar), i, row%ux(s, k), row%uy(s, k), length)
+         associate (arc => problem%mechanism%bars(slides(s)%bar)%arc)
+            if (.not. is_known(problem, arc, 0, row%sound(:, k))) cycle
+            call problem%linkage%arc_at(problem%plan, arc, i, row%ux(s, k), row%uy(s, k), length)
+         end associate
       end do
    end subroutine place_joints
 
@@ -151,29 +155,28 @@ contains
       is_known = .true.
       loop = problem%plan%root_loop(problem%plan%root(n))
       if (loop > 0 .and. loop /= within) is_known = sound(loop)
-      arc = problem%topology%arcs(n)%representative
-      if (problem%topology%arcs(arc)%kind /= arc_slide) return
-      loop = (arc - 1)/problem%topology%maxarc + 1
+      arc = problem%mechanism%arcs(n)%representative
+      if (problem%mechanism%arcs(arc)%kind /= arc_slide) return
+      loop = problem%mechanism%loop_of(arc)
       if (loop /= within) is_known = is_known .and. sound(loop)
    end function is_known
 
    !> A pair that does not meet: each arc is drawn from its own outer joint in the direction that comes nearest.
-   pure subroutine leave_open(problem, chain, loop, p, q, i, k, row)
+   pure subroutine leave_open(problem, loop, p, q, start, finish, i, k, row)
       type(problem_t), intent(in) :: problem
-      type(chain_t), intent(in) :: chain
-      integer, intent(in) :: loop, p, q, i, k
+      integer, intent(in) :: loop, p, q, start, finish, i, k !! its arcs, its outer joints; position of the block, of the row
       type(row_t), intent(inout) :: row
       type(form_t) :: form
       real(wp) :: x, y, length, along
 
       call reach_out(p, x, y)
-      row%tip(1, loop, k) = row%x(chain%outer(1, loop), k) + x
-      row%tip(2, loop, k) = row%y(chain%outer(1, loop), k) + y
+      row%tip(1, loop, k) = row%x(start, k) + x
+      row%tip(2, loop, k) = row%y(start, k) + y
       call reach_out(q, x, y)
-      row%tip(3, loop, k) = row%x(chain%outer(2, loop), k) - x
-      row%tip(4, loop, k) = row%y(chain%outer(2, loop), k) - y
+      row%tip(3, loop, k) = row%x(finish, k) - x
+      row%tip(4, loop, k) = row%y(finish, k) - y
       ! a slide is as long as it must be to come nearest to the link
-      form = form_of(problem%topology%joint(loop))
+      form = form_of(problem%mechanism%groups(loop)%kind)
       if (count(form%slides) /= 1 .or. all(form%direction /= direction_known)) return
       if (form%slides(2)) then
          call problem%linkage%arc_at(problem%plan, q, i, x, y, length)
@@ -217,17 +220,16 @@ contains
    end function transmission_angle
 
    !> The output point is the last joint of the row; with MOTION 3 it is the block on the sliding arc.
-   subroutine place_output(own, chain, slides, output_slide, points, k, row)
+   subroutine place_output(own, slides, output_slide, points, k, row)
       type(problem_t), intent(in) :: own
-      type(chain_t), intent(in) :: chain
       type(slide_t), intent(in) :: slides(:)
       integer, intent(in) :: output_slide
       type(motion_t), intent(in) :: points    !! of the problem whose output is the output point
       integer, intent(in) :: k
       type(row_t), intent(inout) :: row
-      integer :: j, start, finish, base
+      integer :: j, base
 
-      j = chain%joints + 1
+      j = size(own%mechanism%points) + 1
       if (output_slide > 0) then
          base = slides(output_slide)%block
          row%known(j, k) = row%known(base, k)
@@ -235,9 +237,10 @@ contains
          row%y(j, k) = row%y(base, k)
          return
       end if
-      call chain%ends_of(own%topology, own%topology%output_arc, start, finish)
-      base = merge(start, finish, own%topology%output_from_start)
-      row%known(j, k) = row%known(base, k) .and. is_known(own, own%topology%output_arc, 0, row%sound(:, k))
+      associate (output => own%mechanism%outputs(1))
+         base = own%mechanism%arcs(output%arc)%ends(merge(at_start, at_finish, output%from_start))
+         row%known(j, k) = row%known(base, k) .and. is_known(own, output%arc, 0, row%sound(:, k))
+      end associate
       if (.not. row%known(j, k)) return
       row%x(j, k) = points%actual(k, 1)
       row%y(j, k) = points%actual(k, 2)

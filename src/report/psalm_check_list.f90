@@ -5,10 +5,10 @@ module psalm_check_list
    use psalm_analysis, only: arc_table_t, doubts_t
    use psalm_data_set, only: data_set_t
    use psalm_error, only: problem_t, motion_t
-   use psalm_finale, only: angle_text, list_dimensions, list_reference, list_output_arc
+   use psalm_finale, only: angle_text, arc_table, list_reference, list_output_arc
    use psalm_kinds, only: wp
    use psalm_output_kind, only: output_kind_t, output_kind
-   use psalm_topology, only: topology_t, dimensions_t, arc_slide
+   use psalm_mechanism, only: mechanism_t, arc_crank, arc_determined, arc_slide
    use psalm_text, only: text_t, fixed, general, to_text
    implicit none (type, external)
    private
@@ -23,13 +23,11 @@ module psalm_check_list
 contains
 
    !> Append the annotated input.
-   subroutine list_input(heading, set, topology, dimensions, text)
+   subroutine list_input(heading, set, problem, text)
       character(*), intent(in) :: heading    !! program and version
       type(data_set_t), intent(in) :: set
-      type(topology_t), intent(in) :: topology
-      type(dimensions_t), intent(in) :: dimensions
+      type(problem_t), intent(in) :: problem
       type(text_t), intent(inout) :: text
-      type(dimensions_t) :: as_written
 
       call text%add(heading)
       call text%add()
@@ -37,11 +35,11 @@ contains
       call text%add(' MOTION  NLOOP MAXARC ILKOUT INGOUT   ICRK   IORIG KTHETA  IPLOT')
       call text%add(integers([set%motion, set%nloop, set%maxarc, set%ilkout, set%ingout, set%icrk, set%iorig, set%ktheta, &
                               set%iplot], 7))
-      as_written = dimensions
-      as_written%arcl = reshape(set%arcl, [size(set%arcl)])
-      as_written%gama = reshape(set%gama, [size(set%gama)])
-      call list_dimensions(topology, as_written, .false., text)
-      call list_reference(topology, set%crnki, text)
+      call text%add(' ARRAY OF ARC LENGTHS, ARCL')
+      call arc_table(set%arcl, .false., text)
+      call text%add(' ARRAY OF ARC ANGLES, GAMA')
+      call arc_table(set%gama, .false., text)
+      call list_reference(problem%mechanism, set%crnki, text)
       call text%add(' POLAR CO-ORDINATES (LENGTH, ANGLE) OF')
       call text%add(' INPUT PIVOT '//fixed(set%origlk, column, 3)//fixed(set%origng, column, 4))
       call text%add(' OUTPUT ARC  '//fixed(set%outlk, column, 3)//fixed(set%outang, column, 4))
@@ -49,13 +47,13 @@ contains
       if (set%ikin /= 0) then
          call text%add(' ANALYSIS EVERY '//to_text(set%ikin)//' DEGREES')
       else
-         call list_positions(set, topology, text)
+         call list_positions(set, problem%mechanism, text)
       end if
       call text%add(' TOPOLOGICAL ARRAY, ILINK')
       call loop_rows(set%ilink, text)
       call text%add(' TOPOLOGICAL ARRAY, ILOOP')
       call loop_rows(set%iloop, text)
-      if (.not. topology%has_search()) return
+      if (.not. problem%parameters%has_search()) return
       call text%add(' ARRAY OF VARIABLE ARC LENGTHS, IVA')
       call loop_rows(set%iva, text)
       call text%add(' ARRAY OF VARIABLE ARC ANGLES, IVG')
@@ -63,9 +61,9 @@ contains
    end subroutine list_input
 
    !> Desired values, weights and inputs, five in a row.
-   subroutine list_positions(set, topology, text)
+   subroutine list_positions(set, mechanism, text)
       type(data_set_t), intent(in) :: set
-      type(topology_t), intent(in) :: topology
+      type(mechanism_t), intent(in) :: mechanism
       type(text_t), intent(inout) :: text
       type(output_kind_t) :: kind
 
@@ -97,7 +95,7 @@ contains
             call rows(set%anmult)
          end if
       end if
-      if (topology%sliding_input) then
+      if (mechanism%sliding_input) then
          call text%add(' THE DESIRED INPUT LENGTH')
       else
          call text%add(' THE DESIRED CRANK INPUT ANGLE')
@@ -126,46 +124,89 @@ contains
       type(data_set_t), intent(in) :: set
       type(problem_t), intent(in) :: problem
       type(text_t), intent(inout) :: text
+      integer :: loop
 
-      associate (topology => problem%topology)
+      associate (mechanism => problem%mechanism, parameters => problem%parameters)
          call text%add()
          call text%add(' NUMBER OF ARCS IN EACH LOOP, LOOPL')
-         call text%add(integers(topology%loopl, 5))
+         call text%add(integers([mechanism%loops%arcs], 5))
          call text%add(' UNDETERMINED ARCS IN EACH LOOP, LARCX')
-         call loop_rows(topology%larcx, text)
-         call text%add(' INDICES OF ARCS THAT PROVIDE DATA FOR OTHER ARCS, LARCD')
-         call by_loop(topology, topology%larcd, text)
-         call text%add(' INDICES OF FRAME ARCS CORRESPONDING TO LARCD, LARCF')
-         call by_loop(topology, topology%larcf, text)
-         call text%add(' ARRAY OF IDENTICAL ARCS, IDENTA')
-         call by_loop(topology, topology%identa, text)
-         if (topology%has_search()) then
+         call loop_rows(reshape([(mechanism%place(1, loop), mechanism%place(2, loop), loop=1, set%nloop)], [2, set%nloop]), text)
+         call list_references(set, mechanism, text)
+         if (parameters%has_search()) then
             call text%add(' ARRAY OF VARIABLES CORRESPONDING TO ARCS')
-            call by_loop(topology, topology%length_variable, text)
+            call by_loop(set, mechanism, parameters%length_variable, text)
             call text%add(' ARRAY OF VARIABLES CORRESPONDING TO ANGLES')
-            call by_loop(topology, topology%angle_variable, text)
+            call by_loop(set, mechanism, parameters%angle_variable, text)
          end if
-         call text%add(' NUMBER OF OPTIMIZATION VARIABLES, MARBLE '//to_text(size(topology%variables)))
-         call list_dyads(topology, text)
+         call text%add(' NUMBER OF OPTIMIZATION VARIABLES, MARBLE '//to_text(size(parameters%variables)))
+         call list_dyads(set, mechanism, text)
       end associate
       call list_controls(set, text)
       call list_pruned(problem, text)
    end subroutine list_setup
 
-   subroutine list_dyads(topology, text)
-      type(topology_t), intent(in) :: topology
+   !> Which arcs hang on which and which are identical, by sequential numbers (loop-1)*MAXARC + arc.
+   subroutine list_references(set, mechanism, text)
+      type(data_set_t), intent(in) :: set
+      type(mechanism_t), intent(in) :: mechanism
+      type(text_t), intent(inout) :: text
+      integer, dimension(size(mechanism%arcs)) :: larcd, larcf, identa, alike
+      integer :: n, m
+
+      alike = 0
+      do n = 1, size(mechanism%arcs)
+         associate (first => mechanism%arcs(n)%representative)
+            alike(first) = alike(first) + 1
+         end associate
+      end do
+      larcd = 0
+      larcf = 0
+      identa = 0
+      do n = 1, size(mechanism%arcs)
+         associate (arc => mechanism%arcs(n))
+            m = arc%reference
+            if (m == 0 .and. (arc%kind == arc_crank .or. arc%kind == arc_determined)) m = n
+            if (m > 0) then
+               larcd(n) = sequential(m)
+               larcf(n) = sequential(mechanism%seq(mechanism%arcs(m)%loop, mechanism%loops(mechanism%arcs(m)%loop)%arcs))
+            end if
+            if (alike(arc%representative) > 1) identa(n) = sequential(arc%representative)
+         end associate
+      end do
+      call text%add(' INDICES OF ARCS THAT PROVIDE DATA FOR OTHER ARCS, LARCD')
+      call by_loop(set, mechanism, larcd, text)
+      call text%add(' INDICES OF FRAME ARCS CORRESPONDING TO LARCD, LARCF')
+      call by_loop(set, mechanism, larcf, text)
+      call text%add(' ARRAY OF IDENTICAL ARCS, IDENTA')
+      call by_loop(set, mechanism, identa, text)
+
+   contains
+
+      pure integer function sequential(arc)
+         integer, intent(in) :: arc
+
+         sequential = (mechanism%arcs(arc)%loop - 1)*set%maxarc + mechanism%arcs(arc)%place
+      end function sequential
+   end subroutine list_references
+
+   !> The groups; SLIDE and CONFIG show the sign each undetermined arc has in ILINK.
+   subroutine list_dyads(set, mechanism, text)
+      type(data_set_t), intent(in) :: set
+      type(mechanism_t), intent(in) :: mechanism
       type(text_t), intent(inout) :: text
       character(:), allocatable :: line
       integer :: loop, which, n
 
       call text%add(' ARRAYS "JOINT", "SLIDE", "CONFIG"')
-      call text%add(integers(topology%joint, 8))
+      call text%add(integers([mechanism%groups%kind], 8))
       do which = 1, 2
          line = ''
-         do loop = 1, topology%nloop
-            n = topology%seq(loop, topology%larcx(which, loop))
-            associate (arc => topology%arcs(n))
-               line = line//fixed(-real(arc%sign, wp)*merge(slide_mark, link_mark, arc%kind == arc_slide), column, 2)
+         do loop = 1, mechanism%nloop
+            n = mechanism%groups(loop)%members(which)
+            associate (arc => mechanism%arcs(n))
+               line = line//fixed(-real(sign(1, set%ilink(arc%place, loop)), wp)* &
+                                  merge(slide_mark, link_mark, arc%kind == arc_slide), column, 2)
             end associate
          end do
          call text%add(line)
@@ -194,7 +235,7 @@ contains
       if (all(problem%plan%solved)) return
       kept = ''
       dropped = ''
-      do loop = 1, problem%topology%nloop
+      do loop = 1, problem%mechanism%nloop
          if (problem%plan%solved(loop)) then
             kept = kept//' '//to_text(loop)
          else
@@ -207,8 +248,8 @@ contains
    end subroutine list_pruned
 
    !> Length and angle of every arc at every position.
-   subroutine list_arcs(topology, motion, arcs, condition, text)
-      type(topology_t), intent(in) :: topology
+   subroutine list_arcs(mechanism, motion, arcs, condition, text)
+      type(mechanism_t), intent(in) :: mechanism
       type(motion_t), intent(in) :: motion
       type(arc_table_t), intent(in) :: arcs
       real(wp), intent(in) :: condition(:)    !! shape (positions)
@@ -221,21 +262,21 @@ contains
       do k = 1, size(motion%input)
          call text%add()
          call text%add(' INPUT'//general(motion%input(k))//'  CONDITION NUMBER'//general(condition(k)))
-         do loop = 1, topology%nloop
+         do loop = 1, mechanism%nloop
             if (loop == arcs%open(k)) then
                call text%add(' LOOP '//to_text(loop)//' DOES NOT CLOSE')
-               if (loop < topology%nloop) call text%add(' THE LOOPS AFTER IT ARE NOT DETERMINED')
+               if (loop < mechanism%nloop) call text%add(' THE LOOPS AFTER IT ARE NOT DETERMINED')
                exit
             end if
-            call arc_lines(topology, arcs, k, loop, lengths, angles)
+            call arc_lines(mechanism, arcs, k, loop, lengths, angles)
             call text%add(lengths)
             call text%add(angles)
          end do
       end do
    end subroutine list_arcs
 
-   subroutine arc_lines(topology, arcs, k, loop, lengths, angles)
-      type(topology_t), intent(in) :: topology
+   subroutine arc_lines(mechanism, arcs, k, loop, lengths, angles)
+      type(mechanism_t), intent(in) :: mechanism
       type(arc_table_t), intent(in) :: arcs
       integer, intent(in) :: k, loop
       character(:), allocatable, intent(out) :: lengths, angles
@@ -243,28 +284,28 @@ contains
 
       lengths = ''
       angles = ''
-      do a = 1, topology%loopl(loop)
-         n = topology%seq(loop, a)
+      do a = 1, mechanism%loops(loop)%arcs
+         n = mechanism%seq(loop, a)
          lengths = lengths//general(arcs%length(n, k))
          angles = angles//angle_text(arcs%angle(n, k))
       end do
    end subroutine arc_lines
 
    !> Append where the joint of the two undetermined arcs of every loop is at the reference position.
-   subroutine list_reference_joints(topology, doubts, text)
-      type(topology_t), intent(in) :: topology
+   subroutine list_reference_joints(mechanism, doubts, text)
+      type(mechanism_t), intent(in) :: mechanism
       type(doubts_t), intent(in) :: doubts
       type(text_t), intent(inout) :: text
       integer :: loop
 
       call text%add(' JOINT OF THE UNDETERMINED ARCS OF EACH LOOP AT THE REFERENCE INPUT (X,Y)')
-      do loop = 1, topology%nloop
+      do loop = 1, mechanism%nloop
          if (.not. doubts%closes(loop)) then
             call text%add(' LOOP '//to_text(loop)//' DOES NOT CLOSE AT THE REFERENCE INPUT')
             return
          end if
-         call text%add(' LOOP '//to_text(loop)//', ARCS '//to_text(topology%larcx(1, loop))//' AND '// &
-                       to_text(topology%larcx(2, loop))//'  '//fixed(doubts%joint(1, loop), wide_column, 4)// &
+         call text%add(' LOOP '//to_text(loop)//', ARCS '//to_text(mechanism%place(1, loop))//' AND '// &
+                       to_text(mechanism%place(2, loop))//'  '//fixed(doubts%joint(1, loop), wide_column, 4)// &
                        fixed(doubts%joint(2, loop), wide_column, 4))
       end do
    end subroutine list_reference_joints
@@ -307,12 +348,18 @@ contains
       end do
    end subroutine loop_rows
 
-   subroutine by_loop(topology, values, text)
-      type(topology_t), intent(in) :: topology
-      integer, intent(in) :: values(:)     !! by sequential number
+   subroutine by_loop(set, mechanism, values, text)
+      type(data_set_t), intent(in) :: set
+      type(mechanism_t), intent(in) :: mechanism
+      integer, intent(in) :: values(:)     !! by arc
       type(text_t), intent(inout) :: text
+      integer :: table(set%maxarc, set%nloop), n
 
-      call loop_rows(reshape(values, [topology%maxarc, topology%nloop]), text)
+      table = 0
+      do n = 1, size(values)
+         table(mechanism%arcs(n)%place, mechanism%arcs(n)%loop) = values(n)
+      end do
+      call loop_rows(table, text)
    end subroutine by_loop
 
    pure integer function widest(values)

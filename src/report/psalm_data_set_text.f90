@@ -6,7 +6,10 @@ module psalm_data_set_text
    use psalm_data_set, only: data_set_t
    use psalm_kinds, only: wp
    use psalm_output_kind, only: output_kind_t, output_kind
-   use psalm_topology, only: topology_t, dimensions_t
+   use psalm_dimensions, only: dimensions_t
+   use psalm_dyad_kind, only: assur_prp
+   use psalm_error, only: problem_t
+   use psalm_finale, only: in_columns
    use psalm_start, only: values_per_record
    use psalm_text, only: text_t, general, full_precision, to_text
    implicit none (type, external)
@@ -43,9 +46,9 @@ contains
    end subroutine write_vertices
 
    !> Append the complete data set of a linkage, as an analysis: what was variable is told in comments.
-   subroutine write_data_set(set, topology, dimensions, text)
+   subroutine write_data_set(set, problem, dimensions, text)
       type(data_set_t), intent(in) :: set
-      type(topology_t), intent(in) :: topology
+      type(problem_t), intent(in) :: problem
       type(dimensions_t), intent(in) :: dimensions
       type(text_t), intent(inout) :: text
       integer :: loop
@@ -54,8 +57,8 @@ contains
       call text%add(' &LINKS NLOOP='//to_text(set%nloop)//', MAXARC='//to_text(set%maxarc)//',')
       call integer_rows('ILINK', set%ilink)
       call integer_rows('ILOOP', set%iloop)
-      call real_rows('ARCL', dimensions%arcl)
-      call real_rows('GAMA', dimensions%gama)
+      call real_rows('ARCL', in_columns(problem%mechanism, dimensions%arcl, set%arcl))
+      call real_rows('GAMA', in_columns(problem%mechanism, dimensions%gama, set%gama))
       call text%add('  NOUTLK='//to_text(set%noutlk)//', NOUTLP='//to_text(set%noutlp)//', OUTLK='// &
                     full_precision(dimensions%outlk)//', OUTANG='//full_precision(dimensions%outang)//' &END')
       call text%add(' &METHOD MOTION='//to_text(set%motion)//', CRNKI='//full_precision(dimensions%crnki)//',')
@@ -65,10 +68,10 @@ contains
       else
          call write_positions()
       end if
-      if (topology%has_search()) call write_variables()
+      if (problem%parameters%has_search()) call write_variables()
       call text%add(' &END')
       ! what was not given does not hold for two slides
-      if (set%tangle_given .or. all(topology%joint /= 8)) then
+      if (set%tangle_given .or. all(problem%mechanism%groups%kind /= assur_prp)) then
          call text%add(' &LIMITS TANGLE='//full_precision(set%tangle)//', TOGGLE='//full_precision(set%toggle)//',')
       else
          call text%add(' &LIMITS TOGGLE='//full_precision(set%toggle)//',')
@@ -101,11 +104,10 @@ contains
 
       subroutine real_rows(name, values)
          character(*), intent(in) :: name
-         real(wp), intent(in) :: values(:)
+         real(wp), intent(in) :: values(:, :)
 
-         do loop = 1, topology%nloop
-            call real_row(merge(name//'=', repeat(' ', len(name) + 1), loop == 1), &
-                          values(topology%seq(loop, 1):topology%seq(loop, topology%maxarc)))
+         do loop = 1, size(values, 2)
+            call real_row(merge(name//'=', repeat(' ', len(name) + 1), loop == 1), values(:, loop))
          end do
       end subroutine real_rows
 

@@ -2,7 +2,9 @@
 module psalm_doubts
    use psalm_analysis, only: doubts_t
    use psalm_text, only: general, lower_case, to_text
-   use psalm_topology, only: topology_t, dimensions_t, variable_t, name_of, variable_length
+   use psalm_dimensions, only: dimensions_t
+   use psalm_mechanism, only: mechanism_t
+   use psalm_parameters, only: variable_t, name_of, variable_length
    implicit none (type, external)
    private
    public :: describe_short_links, words_at_rest
@@ -13,21 +15,20 @@ module psalm_doubts
 contains
 
    !> Links of practically no length, in words. There must be one.
-   function describe_short_links(topology, dimensions, doubts) result(words)
-      type(topology_t), intent(in) :: topology
+   function describe_short_links(mechanism, dimensions, doubts) result(words)
+      type(mechanism_t), intent(in) :: mechanism
       type(dimensions_t), intent(in) :: dimensions
       type(doubts_t), intent(in) :: doubts
       character(:), allocatable :: words
-      integer :: i, n, loop
+      integer :: i, n
 
       words = 'a link of practically no length (the longest arc is '// &
               trim(adjustl(general(maxval(dimensions%arcl), 'E')))//'): '
       do i = 1, min(size(doubts%short), most_named)
          n = doubts%short(i)
-         loop = (n - 1)/topology%maxarc + 1
          if (i > 1) words = words//', '
-         words = words//lower_case(name_of(variable_t(variable_length, loop, n - (loop - 1)*topology%maxarc)))//' is '// &
-                 trim(adjustl(general(dimensions%arcl(n), 'E')))
+         words = words//lower_case(name_of(variable_t(variable_length, mechanism%arcs(n)%loop, mechanism%arcs(n)%place, n)))// &
+                 ' is '//trim(adjustl(general(dimensions%arcl(n), 'E')))
       end do
       if (size(doubts%short) > most_named) words = words//' and '//to_text(size(doubts%short) - most_named)//' more'
       words = words//'; limit the lengths (LIMVAL, OPLOW, OPHIGH) if this is not meant'

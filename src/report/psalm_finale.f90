@@ -11,11 +11,12 @@ module psalm_finale
    use psalm_kinds, only: wp, full_turn
    use psalm_output_kind, only: motion_point, motion_angle, motion_distance, motion_pose
    use psalm_plan, only: root_frame
-   use psalm_topology, only: dimensions_t, topology_t
+   use psalm_dimensions, only: dimensions_t
+   use psalm_mechanism, only: mechanism_t
    use psalm_text, only: text_t, fixed, general, to_text
    implicit none (type, external)
    private
-   public :: list_results, list_dimensions, list_reference, list_output_arc, angle_text, describe_violation, describe_crossing
+   public :: list_results, arc_table, in_columns, list_reference, list_output_arc, angle_text, describe_violation, describe_crossing
 
    integer, parameter :: column = 10   !! width of a dimension
    real(wp), parameter :: nearly_full = 0.99_wp*full_turn !! below this no angle prints as 360.0000
@@ -32,30 +33,44 @@ contains
 
       call text%add(' '//set%title)
       call text%add()
-      call list_dimensions(problem%topology, dimensions, .true., text)
-      call list_reference(problem%topology, dimensions%crnki, text)
+      call list_dimensions(set, problem%mechanism, dimensions, text)
+      call list_reference(problem%mechanism, dimensions%crnki, text)
       call text%add(' POLAR CO-ORDINATES (LENGTH, ANGLE) OF')
       call text%add(' INPUT PIVOT '//fixed(dimensions%origlk, column, 3)//fixed(dimensions%origng, column, 4, tie_away=.true.))
       call text%add(' OUTPUT LINK '//fixed(dimensions%outlk, column, 3)//fixed(dimensions%outang, column, 4, tie_away=.true.))
       call list_output_arc(set, text)
-      call list_cartesian(problem, dimensions, text)
+      call list_cartesian(set, problem, dimensions, text)
       call list_motion(problem, motion, text)
    end subroutine list_results
 
-   !> Lengths and angles of every arc. In the results (`through_radians`) the columns are headed and ties of angles round up.
-   subroutine list_dimensions(topology, dimensions, through_radians, text)
-      type(topology_t), intent(in) :: topology
+   !> Lengths and angles of every arc of the results.
+   subroutine list_dimensions(set, mechanism, dimensions, text)
+      type(data_set_t), intent(in) :: set
+      type(mechanism_t), intent(in) :: mechanism
       type(dimensions_t), intent(in) :: dimensions
-      logical, intent(in) :: through_radians
       type(text_t), intent(inout) :: text
 
       call text%add(' ARRAY OF ARC LENGTHS, ARCL')
-      if (through_radians) call column_heads('L', topology%maxarc, text)
-      call arc_table(topology, dimensions%arcl, .false., text)
+      call column_heads('L', set%maxarc, text)
+      call arc_table(in_columns(mechanism, dimensions%arcl, set%arcl), .false., text)
       call text%add(' ARRAY OF ARC ANGLES, GAMA')
-      if (through_radians) call column_heads('G', topology%maxarc, text)
-      call arc_table(topology, dimensions%gama, through_radians, text)
+      call column_heads('G', set%maxarc, text)
+      call arc_table(in_columns(mechanism, dimensions%gama, set%gama), .true., text)
    end subroutine list_dimensions
+
+   !> Values of arcs in the columns of the user's arrays; what belongs to no arc is as written. Shape: that of `written`.
+   pure function in_columns(mechanism, values, written) result(table)
+      type(mechanism_t), intent(in) :: mechanism
+      real(wp), intent(in) :: values(:)       !! by arc
+      real(wp), intent(in) :: written(:, :)   !! shape (columns, loops)
+      real(wp), allocatable :: table(:, :)
+      integer :: n
+
+      table = written
+      do n = 1, size(values)
+         table(mechanism%arcs(n)%place, mechanism%arcs(n)%loop) = values(n)
+      end do
+   end function in_columns
 
    subroutine column_heads(letter, count, text)
       character(*), intent(in) :: letter
@@ -74,29 +89,28 @@ contains
    end subroutine column_heads
 
    !> One row for each loop, three decimals.
-   subroutine arc_table(topology, values, tie_away, text)
-      type(topology_t), intent(in) :: topology
-      real(wp), intent(in) :: values(:)   !! by sequential number
-      logical, intent(in) :: tie_away     !! ties away from zero
+   subroutine arc_table(values, tie_away, text)
+      real(wp), intent(in) :: values(:, :) !! shape (columns, loops)
+      logical, intent(in) :: tie_away      !! ties away from zero
       type(text_t), intent(inout) :: text
       character(:), allocatable :: line
       integer :: loop, a
 
-      do loop = 1, topology%nloop
+      do loop = 1, size(values, 2)
          line = ''
-         do a = 1, topology%maxarc
-            line = line//fixed(values(topology%seq(loop, a)), column, 3, tie_away)
+         do a = 1, size(values, 1)
+            line = line//fixed(values(a, loop), column, 3, tie_away)
          end do
          call text%add(line)
       end do
    end subroutine arc_table
 
-   subroutine list_reference(topology, value, text)
-      type(topology_t), intent(in) :: topology
+   subroutine list_reference(mechanism, value, text)
+      type(mechanism_t), intent(in) :: mechanism
       real(wp), intent(in) :: value
       type(text_t), intent(inout) :: text
 
-      if (topology%sliding_input) then
+      if (mechanism%sliding_input) then
          call text%add(' THE REFERENCE INPUT LENGTH')
       else
          call text%add(' THE REFERENCE CRANK ANGLE')
@@ -114,41 +128,42 @@ contains
 
    !> Cartesian dimensions: frame arcs in machine axes, the last arc of each loop turned round so that it leads from the input
    !> pivot to the frame joint; other arcs in the axes of the arc they hang on.
-   subroutine list_cartesian(problem, dimensions, text)
+   subroutine list_cartesian(set, problem, dimensions, text)
+      type(data_set_t), intent(in) :: set
       type(problem_t), intent(in) :: problem
       type(dimensions_t), intent(in) :: dimensions
       type(text_t), intent(inout) :: text
-      real(wp), allocatable :: x(:), y(:)
+      real(wp), allocatable :: x(:, :), y(:, :)   ! shape (columns, loops)
       real(wp) :: c, s
       integer :: loop, a, n
 
       call text%add(' INPUT PIVOT (X,Y)')
       call unit_vector(dimensions%origng, c, s)
       call text%add(fixed(dimensions%origlk*c, column, 3)//fixed(dimensions%origlk*s, column, 3))
-      allocate (x(size(dimensions%arcl)), y(size(dimensions%arcl)), source=0.0_wp)
-      do loop = 1, problem%topology%nloop
-         do a = 1, problem%topology%loopl(loop)
-            n = problem%topology%seq(loop, a)
-            if (problem%plan%root(n) == root_frame .and. problem%topology%arcs(n)%dyad == 0) then
+      allocate (x(set%maxarc, set%nloop), y(set%maxarc, set%nloop), source=0.0_wp)
+      do loop = 1, problem%mechanism%nloop
+         do a = 1, problem%mechanism%loops(loop)%arcs
+            n = problem%mechanism%seq(loop, a)
+            if (problem%plan%root(n) == root_frame .and. problem%mechanism%arcs(n)%dyad == 0) then
                c = problem%linkage%x(n)
                s = problem%linkage%y(n)
-               if (a == problem%topology%loopl(loop)) then
+               if (a == problem%mechanism%loops(loop)%arcs) then
                   c = -c
                   s = -s
                end if
             else
                call unit_vector(dimensions%gama(n), c, s)
             end if
-            x(n) = dimensions%arcl(n)*c
-            y(n) = dimensions%arcl(n)*s
+            x(a, loop) = dimensions%arcl(n)*c
+            y(a, loop) = dimensions%arcl(n)*s
          end do
       end do
       call text%add(' ARRAY OF LINK X DIMENSIONS, XLINK')
-      call column_heads('L', problem%topology%maxarc, text)
-      call arc_table(problem%topology, x, .false., text)
+      call column_heads('L', set%maxarc, text)
+      call arc_table(x, .false., text)
       call text%add(' ARRAY OF LINK Y DIMENSIONS, YLINK')
-      call column_heads('L', problem%topology%maxarc, text)
-      call arc_table(problem%topology, y, .false., text)
+      call column_heads('L', set%maxarc, text)
+      call arc_table(y, .false., text)
       call text%add(' OUTPUT LINK (X,Y)')
       call unit_vector(dimensions%outang, c, s)
       call text%add(fixed(dimensions%outlk*c, column, 3)//fixed(dimensions%outlk*s, column, 3))
@@ -159,7 +174,7 @@ contains
       type(problem_t), intent(in) :: problem
       character(:), allocatable :: line
 
-      line = merge('   INPUT LENGTH', '    CRANK ANGLE', problem%topology%sliding_input)
+      line = merge('   INPUT LENGTH', '    CRANK ANGLE', problem%mechanism%sliding_input)
       select case (problem%motion)
       case (motion_point)
          if (problem%desired) line = line//'      DESIRED X      DESIRED Y'
@@ -196,7 +211,7 @@ contains
       call text%add()
       call text%add(motion_headings(problem))
       do i = 1, size(motion%input)
-         if (problem%topology%sliding_input) then
+         if (problem%mechanism%sliding_input) then
             line = general(motion%input(i))
          else
             line = angle_text(motion%input(i))
@@ -277,11 +292,11 @@ contains
 
       with_numbers = .true.
       if (present(numbered)) with_numbers = numbered
-      form = form_of(problem%topology%joint(violation%loop))
-      p = to_text(problem%topology%larcx(1, violation%loop))
-      q = to_text(problem%topology%larcx(2, violation%loop))
+      form = form_of(problem%mechanism%groups(violation%loop)%kind)
+      p = to_text(problem%mechanism%place(1, violation%loop))
+      q = to_text(problem%mechanism%place(2, violation%loop))
       pair = 'ARCS '//p//' AND '//q
-      text = 'LOOP '//to_text(violation%loop)//', DYAD OF TYPE '//to_text(problem%topology%joint(violation%loop))// &
+      text = 'LOOP '//to_text(violation%loop)//', DYAD OF TYPE '//to_text(problem%mechanism%groups(violation%loop)%kind)// &
              ' ('//pair//')'
       if (with_numbers) text = text//', POSITION'//positions()
       text = text//': '

@@ -2,12 +2,14 @@
 module psalm_margin_list
    use psalm_constraint_group, only: range_positions, range_inputs, region_t
    use psalm_data_set, only: data_set_t
+   use psalm_error, only: problem_t
    use psalm_kinds, only: wp
    use psalm_angles, only: within_turn
    use psalm_margins, only: margin_t, is_violated, margin_angle, margin_slides, margin_guide, margin_offset, &
                              margin_region, margin_bound
    use psalm_text, only: text_t, general, to_text
-   use psalm_topology, only: topology_t, dimensions_t, name_of
+   use psalm_dimensions, only: dimensions_t
+   use psalm_parameters, only: name_of
    implicit none (type, external)
    private
    public :: list_margins, describe_margin
@@ -17,9 +19,9 @@ module psalm_margin_list
 contains
 
    !> Append the table of margins.
-   subroutine list_margins(set, topology, dimensions, margins, text)
+   subroutine list_margins(set, problem, dimensions, margins, text)
       type(data_set_t), intent(in) :: set
-      type(topology_t), intent(in) :: topology
+      type(problem_t), intent(in) :: problem
       type(dimensions_t), intent(in) :: dimensions
       type(margin_t), intent(in) :: margins(:)
       type(text_t), intent(inout) :: text
@@ -38,38 +40,38 @@ contains
       end select
       call text%add(' CONSTRAINT                                           MARGIN       AT INPUT')
       do i = 1, size(margins)
-         name = name_of_margin(set, topology, margins(i))
+         name = name_of_margin(set, problem, margins(i))
          line = ' '//name//general(margins(i)%margin)
-         if (margins(i)%kind < margin_bound) line = line//general(input_of(topology, dimensions, margins(i)))
+         if (margins(i)%kind < margin_bound) line = line//general(input_of(problem, dimensions, margins(i)))
          if (is_violated(margins(i))) line = line//'  VIOLATED'
          call text%add(line)
       end do
    end subroutine list_margins
 
    !> A violated constraint in words.
-   function describe_margin(set, topology, dimensions, margin) result(text)
+   function describe_margin(set, problem, dimensions, margin) result(text)
       type(data_set_t), intent(in) :: set
-      type(topology_t), intent(in) :: topology
+      type(problem_t), intent(in) :: problem
       type(dimensions_t), intent(in) :: dimensions
       type(margin_t), intent(in) :: margin
       character(:), allocatable :: text
 
-      text = name_of_margin(set, topology, margin)//' by '//trim(adjustl(general(-margin%margin)))
-      if (margin%kind < margin_bound) text = text//' at input '//trim(adjustl(general(input_of(topology, dimensions, margin))))
+      text = name_of_margin(set, problem, margin)//' by '//trim(adjustl(general(-margin%margin)))
+      if (margin%kind < margin_bound) text = text//' at input '//trim(adjustl(general(input_of(problem, dimensions, margin))))
    end function describe_margin
 
-   pure real(wp) function input_of(topology, dimensions, margin)
-      type(topology_t), intent(in) :: topology
+   pure real(wp) function input_of(problem, dimensions, margin)
+      type(problem_t), intent(in) :: problem
       type(dimensions_t), intent(in) :: dimensions
       type(margin_t), intent(in) :: margin
 
       input_of = dimensions%crnki + margin%delt
-      if (.not. topology%sliding_input) input_of = within_turn(input_of)
+      if (.not. problem%mechanism%sliding_input) input_of = within_turn(input_of)
    end function input_of
 
-   pure function name_of_margin(set, topology, margin) result(name)
+   pure function name_of_margin(set, problem, margin) result(name)
       type(data_set_t), intent(in) :: set
-      type(topology_t), intent(in) :: topology
+      type(problem_t), intent(in) :: problem
       type(margin_t), intent(in) :: margin
       character(:), allocatable :: name
 
@@ -85,9 +87,9 @@ contains
       case (margin_region)
          name = 'REGION '//to_text(margin%which)//', '//joint_name(set%constr%regions(margin%which))
       case (margin_bound)
-         name = 'BOUND, '//name_of(topology%variables(margin%which))
+         name = 'BOUND, '//name_of(problem%parameters%variables(margin%which))
       case default
-         name = 'LENGTH, '//name_of(topology%variables(margin%which))
+         name = 'LENGTH, '//name_of(problem%parameters%variables(margin%which))
       end select
    end function name_of_margin
 

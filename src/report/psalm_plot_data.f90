@@ -45,7 +45,7 @@ contains
       if (present(condition)) line = line//' condition'
       call text%add(line)
       call text%add('# '//title)
-      call text%add('# '//name//'; input in '//trim(merge('length ', 'degrees', problem%topology%sliding_input))// &
+      call text%add('# '//name//'; input in '//trim(merge('length ', 'degrees', problem%mechanism%sliding_input))// &
                     ', output in '//unit_of_output())
       do i = 1, size(motion%input)
          call text%add_text(full_precision(motion%input(i)))

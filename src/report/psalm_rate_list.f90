@@ -8,7 +8,7 @@ module psalm_rate_list
    use psalm_output_kind, only: motion_point, motion_pose
    use psalm_rate_study, only: rate_study_t, arc_rates_t, output_at_origin, highest_order
    use psalm_text, only: text_t, full_precision, general, to_text
-   use psalm_topology, only: topology_t
+   use psalm_mechanism, only: mechanism_t
    implicit none (type, external)
    private
    public :: list_rates, list_all_rates, write_table, dead_words
@@ -30,13 +30,13 @@ contains
          if (.not. rates%motion%closed(k) .or. rates%dead(k) /= 0) then
             call text%add(trim(merge(' DOES NOT CLOSE', ' DEAD POINT    ', .not. rates%motion%closed(k))))
          else
-            call list_position(problem%topology, rates%arcs, k, text)
+            call list_position(problem%mechanism, rates%arcs, k, text)
          end if
       end do
    end subroutine list_all_rates
 
-   subroutine list_position(topology, arcs, k, text)
-      type(topology_t), intent(in) :: topology
+   subroutine list_position(mechanism, arcs, k, text)
+      type(mechanism_t), intent(in) :: mechanism
       type(arc_rates_t), intent(in) :: arcs
       integer, intent(in) :: k
       type(text_t), intent(inout) :: text
@@ -44,17 +44,18 @@ contains
       integer :: loop, a, n, joint
 
       call text%add('  LOOP  ARC         LENGTH       VELOCITY   ACCELERATION          ANGLE       VELOCITY   ACCELERATION')
-      do loop = 1, topology%nloop
-         do a = 1, topology%loopl(loop)
-            n = topology%seq(loop, a)
+      do loop = 1, mechanism%nloop
+         do a = 1, mechanism%loops(loop)%arcs
+            n = mechanism%seq(loop, a)
             name = repeat(' ', 6 - len(to_text(loop)))//to_text(loop)//repeat(' ', 5 - len(to_text(a)))//to_text(a)
             call text%add(name//three(arcs%length(:, n, k))//three(arcs%angle(:, n, k)))
          end do
       end do
       call text%add('  JOINT AT THE END OF ARC     X              Y            VX             VY             AX             AY')
       do joint = 1, size(arcs%joint_arc)
-         loop = (arcs%joint_arc(joint) - 1)/topology%maxarc + 1
-         name = ' LOOP '//to_text(loop)//' ARC '//to_text(arcs%joint_arc(joint) - (loop - 1)*topology%maxarc)
+         associate (arc => mechanism%arcs(arcs%joint_arc(joint)))
+            name = ' LOOP '//to_text(arc%loop)//' ARC '//to_text(arc%place)
+         end associate
          name = name//repeat(' ', max(1, 20 - len(name)))
          do a = 0, 2
             name = name//general(arcs%x(a, joint, k))//general(arcs%y(a, joint, k))
@@ -81,7 +82,7 @@ contains
 
       call text%add(' '//set%title)
       call text%add()
-      line = trim(merge('LENGTH/S', 'RAD/S   ', problem%topology%sliding_input))
+      line = trim(merge('LENGTH/S', 'RAD/S   ', problem%mechanism%sliding_input))
       name = ''
       if (.not. set%rates_given) then
          name = ' (NOT GIVEN: 1, CONSTANT)'
@@ -93,7 +94,7 @@ contains
       if (abs(set%accel) > 0.0_wp) call text%add(' THE SPEED IS THE SAME AT EVERY POSITION, THE ACCELERATION TOO')
       if (problem%output%kind%angle > 0) call text%add(' ANGLES IN DEGREES, THEIR RATES IN RADIANS')
       call text%add()
-      line = merge('   INPUT LENGTH', '    CRANK ANGLE', problem%topology%sliding_input)
+      line = merge('   INPUT LENGTH', '    CRANK ANGLE', problem%mechanism%sliding_input)
       if (problem%motion == motion_point) then
          line = line//'              X              Y             VX             VY             AX             AY          SPEED'
       else if (problem%motion == motion_pose) then
@@ -104,7 +105,7 @@ contains
       end if
       call text%add(line)
       do k = 1, size(rates%motion%input)
-         line = merge(general(rates%motion%input(k)), angle_text(rates%motion%input(k)), problem%topology%sliding_input)
+         line = merge(general(rates%motion%input(k)), angle_text(rates%motion%input(k)), problem%mechanism%sliding_input)
          if (.not. rates%motion%closed(k)) then
             line = line//'   DOES NOT CLOSE'
          else if (rates%dead(k) /= 0) then
@@ -148,7 +149,7 @@ contains
          call text%add()
          call text%add()
       end if
-      per = trim(merge('length', 'rad   ', problem%topology%sliding_input))
+      per = trim(merge('length', 'rad   ', problem%mechanism%sliding_input))
       line = '# input closed'
       do c = 1, size(rates%motion%actual, 2)
          line = line//' actual'//trim(problem%output%kind%suffix(c))

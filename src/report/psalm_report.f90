@@ -24,7 +24,8 @@ module psalm_report
    use psalm_text, only: text_t, general, lower_case, to_text
    use psalm_tolerance, only: tolerances_t
    use psalm_tolerance_list, only: list_tolerances, plot_tolerances
-   use psalm_topology, only: topology_t, dimensions_t
+   use psalm_dimensions, only: dimensions_t
+   use psalm_mechanism, only: mechanism_t
    implicit none (type, external)
    private
    public :: begin_search_report, report_search, report_analysis, report_found, report_tolerances, report_violations, &
@@ -138,15 +139,15 @@ contains
 
    !> The linkages found: their ranking in the listing, their data sets on device 7. Without a search from many starts that of
    !> the linkage.
-   subroutine report_found(set, topology, dimensions, search, devices)
+   subroutine report_found(set, problem, dimensions, search, devices)
       type(data_set_t), intent(in) :: set
-      type(topology_t), intent(in) :: topology
+      type(problem_t), intent(in) :: problem
       type(dimensions_t), intent(in) :: dimensions
       type(synthesis_t), intent(in) :: search
       type(devices_t), intent(inout) :: devices
 
       if (size(search%ranked) > 0) call list_found(search%found, search%ranked, devices%six)
-      call write_found(set, topology, dimensions, search%found, devices%seven)
+      call write_found(set, problem, dimensions, search%found, devices%seven)
    end subroutine report_found
 
    subroutine list_found(found, ranked, text)
@@ -169,9 +170,9 @@ contains
       end do
    end subroutine list_found
 
-   subroutine write_found(set, topology, dimensions, found, text)
+   subroutine write_found(set, problem, dimensions, found, text)
       type(data_set_t), intent(in) :: set
-      type(topology_t), intent(in) :: topology
+      type(problem_t), intent(in) :: problem
       type(dimensions_t), intent(in) :: dimensions
       type(result_t), intent(in) :: found
       type(text_t), intent(inout) :: text
@@ -183,18 +184,18 @@ contains
       allocate (one, source=set)
       if (size(found%best) <= 1) then
          if (size(found%best) == 1) one%delt = found%best(1)%delt
-         call write_data_set(one, topology, dimensions, text)
+         call write_data_set(one, problem, dimensions, text)
          return
       end if
       each = dimensions
       do i = 1, size(found%best)
-         call topology%apply(found%best(i)%values, each)
+         call problem%parameters%apply(found%best(i)%values, each)
          one%delt = found%best(i)%delt
          one%last = merge(set%last, 0, i == size(found%best))
          rank = ', RANK '//to_text(i)
          one%title = trim(set%title(:min(len(set%title), title_columns - len(rank))))//rank
          call text%add('! rank '//to_text(i)//', objective '//trim(adjustl(general(found%best(i)%objective, 'E'))))
-         call write_data_set(one, topology, each, text)
+         call write_data_set(one, problem, each, text)
       end do
    end subroutine write_found
 
@@ -212,28 +213,28 @@ contains
       call list_results(set, problem, analysis%dimensions, analysis%motion, devices%six)
       call list_setup(set, problem, devices%eight)
       if (len(set%skipped) > 0) call devices%eight%add(' GROUPS THAT PSALM DOES NOT READ: '//set%skipped)
-      call list_reference_joints(problem%topology, analysis%doubts, devices%eight)
+      call list_reference_joints(problem%mechanism, analysis%doubts, devices%eight)
       do i = 1, warnings%count
          call devices%eight%add(' '//warnings%list(i)%render())
       end do
-      if (allocated(analysis%arcs)) call list_arcs(problem%topology, analysis%motion, analysis%arcs, analysis%condition, &
+      if (allocated(analysis%arcs)) call list_arcs(problem%mechanism, analysis%motion, analysis%arcs, analysis%condition, &
                                                    devices%eight)
-      if (allocated(analysis%margins)) call report_margins(set, problem%topology, analysis, devices)
+      if (allocated(analysis%margins)) call report_margins(set, problem, analysis, devices)
       call write_blocks(set, problem, analysis, devices%nine)
    end subroutine report_analysis
 
-   subroutine report_margins(set, topology, analysis, devices)
+   subroutine report_margins(set, problem, analysis, devices)
       type(data_set_t), intent(in) :: set
-      type(topology_t), intent(in) :: topology
+      type(problem_t), intent(in) :: problem
       type(analysis_t), intent(in) :: analysis
       type(devices_t), intent(inout) :: devices
       integer :: i
 
-      call list_margins(set, topology, analysis%dimensions, analysis%margins, devices%six)
+      call list_margins(set, problem, analysis%dimensions, analysis%margins, devices%six)
       do i = 1, size(analysis%margins)
          if (.not. is_violated(analysis%margins(i))) cycle
          call devices%note_violation()
-         call devices%remark(set, 'violated: '//describe_margin(set, topology, analysis%dimensions, analysis%margins(i)))
+         call devices%remark(set, 'violated: '//describe_margin(set, problem, analysis%dimensions, analysis%margins(i)))
       end do
    end subroutine report_margins
 
@@ -245,7 +246,7 @@ contains
       type(text_t), intent(inout) :: text
       character(:), allocatable :: name
 
-      name = trim(merge('every degree ', 'evenly spaced', .not. problem%topology%sliding_input))
+      name = trim(merge('every degree ', 'evenly spaced', .not. problem%mechanism%sliding_input))
       associate (desired => problem%desired)
          if (set%icond == 0) then
             call write_block(set%title, 'prescribed positions', desired, desired, problem, analysis%motion, text)
@@ -277,7 +278,7 @@ contains
          end if
       end associate
       if (.not. allocated(analysis%doubts)) return
-      if (size(analysis%doubts%short) > 0) call devices%remark(set, describe_short_links(problem%topology, analysis%dimensions, &
+      if (size(analysis%doubts%short) > 0) call devices%remark(set, describe_short_links(problem%mechanism, analysis%dimensions, &
                                                                                          analysis%doubts))
       if (analysis%doubts%at_rest) call devices%remark(set, words_at_rest)
    end subroutine report_violations

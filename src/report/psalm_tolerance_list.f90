@@ -6,7 +6,7 @@ module psalm_tolerance_list
    use psalm_output_kind, only: output_kind_t
    use psalm_text, only: text_t, full_precision, general, to_text
    use psalm_tolerance, only: tolerance_t, sample_t
-   use psalm_topology, only: name_of
+   use psalm_parameters, only: name_of
    implicit none (type, external)
    private
    public :: list_tolerances, plot_tolerances

@@ -1,127 +1,113 @@
-!> The kinematic chain of a linkage: joints and the bars between them.
+!> The kinematic chain of a mechanism: its points and the bars between them.
 !>
-!> Many loops run through the same joints; here every joint and every arc that is really there stands once, whatever loops
+!> Many loops run through the same points; here every point and every arc that is really there stands once, whatever loops
 !> trace it. Nothing but topology: co-ordinates come later.
 module psalm_chain
-   use psalm_topology, only: topology_t
+   use psalm_mechanism, only: mechanism_t, bar_t, point_t, pivot
    implicit none (type, external)
    private
-   public :: chain_t, make_chain
+   public :: find_points
 
-   !> Joints by number, the input pivot being joint 1; bars by number.
+   !> Points and bars while they are made; only the first `points` and `bars` are valid.
    type :: chain_t
-      integer :: joints = 0, bars = 0
-      ! how a joint is reached: from a joint before it, along (+1) or against (-1) an arc
-      integer, allocatable :: from(:), arc(:), way(:)
-      integer, allocatable :: pair_loop(:)           !! by joint: it is the joint shared by the pair of this loop; 0: it is not
-      integer, allocatable :: start(:), finish(:)    !! by bar: its joints, in the sense of its arc
-      integer, allocatable :: bar_arc(:)             !! by bar: sequential number of the arc (the representative)
-      integer, allocatable :: bar_of(:)              !! by sequential number: the bar the arc runs along, 0: no such arc
-      integer, allocatable :: outer(:, :)            !! shape (2, nloop): start S of p and finish E of q
-      integer, allocatable :: shared(:)              !! by loop: the joint shared by p and q
-   contains
-      procedure :: ends_of
+      type(point_t), allocatable :: point(:)
+      type(bar_t), allocatable :: bar(:)
+      integer :: points = 0, bars = 0
+      integer, allocatable :: last(:)     !! by point: the last bar that ends there, as 2*bar - 1 (start) or 2*bar (finish)
+      integer, allocatable :: before(:)   !! by end of a bar: the end noted before it at the same point, 0: none
    end type chain_t
 
 contains
 
-   !> Trace all loops.
-   pure function make_chain(topology) result(chain)
-      type(topology_t), intent(in) :: topology
+   !> Trace all loops: points, bars, and the ends of every arc.
+   pure subroutine find_points(mechanism)
+      type(mechanism_t), intent(inout) :: mechanism
       type(chain_t) :: chain
-      integer :: room, loop, a, start, finish, p, q
+      integer :: room, loop, n, start, finish, p, q
 
-      room = size(topology%arcs) + 1
-      allocate (chain%from(room), chain%arc(room), chain%way(room), chain%pair_loop(room), chain%start(room), chain%finish(room), &
-                chain%bar_arc(room), chain%bar_of(size(topology%arcs)), source=0)
-      allocate (chain%outer(2, topology%nloop), chain%shared(topology%nloop), source=0)
-      chain%joints = 1
-      do loop = 1, topology%nloop
-         p = topology%seq(loop, topology%larcx(1, loop))
-         q = topology%seq(loop, topology%larcx(2, loop))
-         start = 1
-         do a = 1, topology%larcx(1, loop) - 1
-            call walk(topology, topology%seq(loop, a), 1, chain, start)
+      ! every arc but one of each loop makes at most one point
+      room = size(mechanism%arcs) + 1
+      allocate (chain%point(room), chain%bar(room))
+      allocate (chain%last(room), chain%before(2*room), source=0)
+      chain%points = pivot
+      do loop = 1, mechanism%nloop
+         p = mechanism%groups(loop)%members(1)
+         q = mechanism%groups(loop)%members(2)
+         start = pivot
+         do n = mechanism%seq(loop, 1), p - 1
+            call walk(mechanism, n, 1, chain, start)
          end do
-         finish = 1
-         do a = topology%loopl(loop), topology%larcx(2, loop) + 1, -1
-            call walk(topology, topology%seq(loop, a), -1, chain, finish)
+         finish = pivot
+         do n = mechanism%seq(loop, mechanism%loops(loop)%arcs), q + 1, -1
+            call walk(mechanism, n, -1, chain, finish)
          end do
-         chain%outer(:, loop) = [start, finish]
-         call add_joint(chain, start, p, 1)
-         chain%pair_loop(chain%joints) = loop
-         chain%shared(loop) = chain%joints
-         call add_bar(chain, start, chain%joints, p)
-         chain%bar_of(p) = chain%bars
-         call add_bar(chain, chain%joints, finish, q)
-         chain%bar_of(q) = chain%bars
+         call add_point(chain, point_t(start, p, 1, loop))
+         call add_bar(chain, bar_t(p, [start, chain%points]))
+         call run_along(mechanism, p, chain%bars, .false., chain)
+         call add_bar(chain, bar_t(q, [chain%points, finish]))
+         call run_along(mechanism, q, chain%bars, .false., chain)
       end do
-   end function make_chain
+      mechanism%points = chain%point(:chain%points)
+      mechanism%bars = chain%bar(:chain%bars)
+   end subroutine find_points
 
-   !> From a joint along an arc (sense +1) or against it (-1) to the next joint.
-   pure subroutine walk(topology, n, sense, chain, joint)
-      type(topology_t), intent(in) :: topology
+   !> From a point along an arc (sense +1) or against it (-1) to the next point.
+   pure subroutine walk(mechanism, n, sense, chain, point)
+      type(mechanism_t), intent(inout) :: mechanism
       integer, intent(in) :: n, sense
       type(chain_t), intent(inout) :: chain
-      integer, intent(inout) :: joint
-      integer :: arc, way, bar
+      integer, intent(inout) :: point
+      integer :: arc, way, bar, this_end, near
 
-      arc = topology%arcs(n)%representative
-      way = merge(-sense, sense, topology%arcs(n)%reversed)
-      do bar = 1, chain%bars
-         if (chain%bar_arc(bar) /= arc) cycle
-         if (way == 1 .and. chain%start(bar) == joint) then
-            chain%bar_of(n) = bar
-            joint = chain%finish(bar)
-            return
-         else if (way == -1 .and. chain%finish(bar) == joint) then
-            chain%bar_of(n) = bar
-            joint = chain%start(bar)
-            return
-         end if
+      arc = mechanism%arcs(n)%representative
+      way = merge(-sense, sense, mechanism%arcs(n)%reversed)
+      near = merge(1, 2, way == 1)        ! the end of the bar the walk begins at
+      this_end = chain%last(point)
+      do while (this_end > 0)
+         bar = (this_end + 1)/2
+         if (chain%bar(bar)%arc == arc .and. this_end == 2*bar - 2 + near) exit
+         this_end = chain%before(this_end)
       end do
-      call add_joint(chain, joint, arc, way)
-      if (way == 1) then
-         call add_bar(chain, joint, chain%joints, arc)
-      else
-         call add_bar(chain, chain%joints, joint, arc)
+      if (this_end == 0) then
+         call add_point(chain, point_t(point, arc, way))
+         call add_bar(chain, bar_t(arc, merge([point, chain%points], [chain%points, point], way == 1)))
+         bar = chain%bars
       end if
-      chain%bar_of(n) = chain%bars
-      joint = chain%joints
+      call run_along(mechanism, n, bar, mechanism%arcs(n)%reversed, chain)
+      point = chain%bar(bar)%ends(3 - near)
    end subroutine walk
 
-   pure subroutine add_joint(chain, from, arc, way)
-      type(chain_t), intent(inout) :: chain
-      integer, intent(in) :: from, arc, way
+   !> Note which bar an arc runs along.
+   pure subroutine run_along(mechanism, n, bar, reversed, chain)
+      type(mechanism_t), intent(inout) :: mechanism
+      integer, intent(in) :: n, bar
+      logical, intent(in) :: reversed
+      type(chain_t), intent(in) :: chain
 
-      chain%joints = chain%joints + 1
-      chain%from(chain%joints) = from
-      chain%arc(chain%joints) = arc
-      chain%way(chain%joints) = way
-   end subroutine add_joint
+      mechanism%arcs(n)%bar = bar
+      mechanism%arcs(n)%ends = chain%bar(bar)%ends
+      if (reversed) mechanism%arcs(n)%ends = mechanism%arcs(n)%ends([2, 1])
+   end subroutine run_along
 
-   pure subroutine add_bar(chain, start, finish, arc)
+   pure subroutine add_point(chain, point)
       type(chain_t), intent(inout) :: chain
-      integer, intent(in) :: start, finish, arc
+      type(point_t), intent(in) :: point
+
+      chain%points = chain%points + 1
+      chain%point(chain%points) = point
+   end subroutine add_point
+
+   pure subroutine add_bar(chain, bar)
+      type(chain_t), intent(inout) :: chain
+      type(bar_t), intent(in) :: bar
+      integer :: which, this_end
 
       chain%bars = chain%bars + 1
-      chain%start(chain%bars) = start
-      chain%finish(chain%bars) = finish
-      chain%bar_arc(chain%bars) = arc
+      chain%bar(chain%bars) = bar
+      do which = 1, 2
+         this_end = 2*chain%bars - 2 + which
+         chain%before(this_end) = chain%last(bar%ends(which))
+         chain%last(bar%ends(which)) = this_end
+      end do
    end subroutine add_bar
-
-   !> Start and finish of an arc as its own loop traces it.
-   pure subroutine ends_of(self, topology, n, start, finish)
-      class(chain_t), intent(in) :: self
-      type(topology_t), intent(in) :: topology
-      integer, intent(in) :: n               !! sequential number
-      integer, intent(out) :: start, finish  !! joints
-
-      start = self%start(self%bar_of(n))
-      finish = self%finish(self%bar_of(n))
-      if (topology%arcs(n)%reversed) then
-         start = self%finish(self%bar_of(n))
-         finish = self%start(self%bar_of(n))
-      end if
-   end subroutine ends_of
 end module psalm_chain

@@ -7,18 +7,18 @@ module psalm_joints
    use psalm_angles, only: unit_vector
    use psalm_elementary, only: hypotenuse
    use psalm_kinds, only: wp
-   use psalm_topology, only: topology_t, dimensions_t, arc_actuator, arc_crank, arc_determined, arc_link, arc_slide
+   use psalm_dimensions, only: dimensions_t
+   use psalm_mechanism, only: mechanism_t, arc_actuator, arc_crank, arc_determined, arc_link, arc_slide, body_frame
    implicit none (type, external)
    private
    public :: joints_t, find_joints
 
    real(wp), parameter :: same_place = 1.0e-3_wp !! joints nearer than so much of the longest arc are one: data are rounded
-   integer, parameter :: frame = 0               !! the body that is the frame; others: the arc that begins it
 
    !> A joint on one link.
    type :: seat_t
       integer :: node = 0          !! number of the joint
-      integer :: body = frame
+      integer :: body = body_frame
       real(wp) :: x = 0.0_wp, y = 0.0_wp !! in the axes of the body
    end type seat_t
 
@@ -43,12 +43,11 @@ contains
    end function alike
 
    !> Follow all loops.
-   subroutine find_joints(topology, dimensions, joints)
-      type(topology_t), intent(in) :: topology
+   subroutine find_joints(mechanism, dimensions, joints)
+      type(mechanism_t), intent(in) :: mechanism
       type(dimensions_t), intent(in) :: dimensions
       type(joints_t), intent(out) :: joints
       type(seat_t), allocatable :: seats(:)
-      integer, allocatable :: body(:)       !! by sequential number
       integer, allocatable :: next(:)       !! by seat: the seat of the same body before it, 0: none
       integer, allocatable :: last(:)       !! by body: its last seat
       logical, allocatable :: loose(:)      !! by body: a joint of it is not known
@@ -57,66 +56,59 @@ contains
       integer :: n, loop, a, nodes, filled, here, there, p, q
       real(wp) :: near
 
-      n = size(topology%arcs)
+      n = size(mechanism%arcs)
       allocate (joints%astray(n), source=.false.)
-      allocate (joints%start(n), joints%finish(n), body(n), source=0)
+      allocate (joints%start(n), joints%finish(n), source=0)
       allocate (angle(n), source=0.0_wp)
       length = dimensions%arcl
-      allocate (last(0:n), source=0)
-      allocate (loose(0:n), source=.false.)
+      allocate (last(size(mechanism%bodies)), source=0)
+      allocate (loose(size(mechanism%bodies)), source=.false.)
       allocate (seats(64), next(64))
       near = same_place*maxval(dimensions%arcl)
       filled = 0
       nodes = 1
-      call seat(1, frame, 0.0_wp, 0.0_wp)   ! the input pivot
-      do loop = 1, topology%nloop
-         do a = 1, topology%loopl(loop)
-            call find_body(topology%seq(loop, a))
+      call seat(1, body_frame, 0.0_wp, 0.0_wp)   ! the input pivot
+      do loop = 1, mechanism%nloop
+         do a = 1, mechanism%loops(loop)%arcs
+            call find_place(mechanism%seq(loop, a))
          end do
          ! what slides on a link may carry an arc of the same direction, and belongs to it as little
-         do a = 1, topology%loopl(loop)
-            n = topology%seq(loop, a)
-            if (slides(n) .and. topology%arcs(n)%reference > 0) loose(body(topology%arcs(n)%reference)) = .true.
+         do a = 1, mechanism%loops(loop)%arcs
+            n = mechanism%seq(loop, a)
+            if (slides(n) .and. mechanism%arcs(n)%reference > 0) loose(mechanism%arcs(mechanism%arcs(n)%reference)%body) = .true.
          end do
-         p = topology%larcx(1, loop)
-         q = topology%larcx(2, loop)
+         p = mechanism%place(1, loop)
+         q = mechanism%place(2, loop)
          here = 1
          do a = 1, p
-            here = follow(topology%seq(loop, a), here, 1.0_wp)
+            here = follow(mechanism%seq(loop, a), here, 1.0_wp)
          end do
          there = 1
-         do a = topology%loopl(loop), q + 1, -1
-            there = follow(topology%seq(loop, a), there, -1.0_wp)
+         do a = mechanism%loops(loop)%arcs, q + 1, -1
+            there = follow(mechanism%seq(loop, a), there, -1.0_wp)
          end do
-         n = topology%seq(loop, q)
+         n = mechanism%seq(loop, q)
          joints%start(n) = here
          joints%finish(n) = there
-         if (topology%arcs(n)%kind == arc_link .and. here > 0 .and. there > 0) then
-            call seat(here, body(n), 0.0_wp, 0.0_wp)
-            call seat(there, body(n), length(n), 0.0_wp)
+         if (mechanism%arcs(n)%kind == arc_link .and. here > 0 .and. there > 0) then
+            call seat(here, mechanism%arcs(n)%body, 0.0_wp, 0.0_wp)
+            call seat(there, mechanism%arcs(n)%body, length(n), 0.0_wp)
          else
-            loose(body(n)) = .true.
+            loose(mechanism%arcs(n)%body) = .true.
          end if
       end do
 
    contains
 
-      !> The body of an arc and its direction there.
-      subroutine find_body(n)
+      !> Direction of an arc in the axes of its body, and its length.
+      subroutine find_place(n)
          integer, intent(in) :: n
 
-         associate (arc => topology%arcs(n))
-            body(n) = n
-            if (arc%frame) body(n) = frame
-            if (arc%kind /= arc_determined) return
-            angle(n) = dimensions%gama(n)
-            if (arc%same) angle(n) = 0.0_wp
-            if (arc%reference == 0) return
-            body(n) = body(arc%reference)
-            angle(n) = angle(n) + angle(arc%reference)
-            if (arc%same) length(n) = length(arc%reference)
+         angle(n) = mechanism%angle_on_body(n, dimensions)
+         associate (arc => mechanism%arcs(n))
+            if (arc%kind == arc_determined .and. arc%same .and. arc%reference > 0) length(n) = length(arc%reference)
          end associate
-      end subroutine find_body
+      end subroutine find_place
 
       !> The joint at the other end of an arc; 0 if it has no fixed place.
       integer function follow(n, from, sense)
@@ -126,8 +118,8 @@ contains
          real(wp) :: c, d, x, y
 
          follow = 0
-         root = body(n)
-         associate (arc => topology%arcs(n))
+         root = mechanism%arcs(n)%body
+         associate (arc => mechanism%arcs(n))
             if (slides(n)) then
                loose(root) = .true.
             else if (from == 0) then
@@ -167,9 +159,8 @@ contains
       logical function slides(n)
          integer, intent(in) :: n
 
-         slides = topology%arcs(n)%kind == arc_slide .or. topology%arcs(n)%kind == arc_actuator
-         if (body(n) > 0 .and. .not. slides) slides = topology%arcs(body(n))%kind == arc_slide .or. &
-                                                      topology%arcs(body(n))%kind == arc_actuator
+         slides = mechanism%arcs(n)%body /= body_frame
+         if (slides) slides = any(mechanism%arcs(mechanism%bodies(mechanism%arcs(n)%body)%axis)%kind == [arc_slide, arc_actuator])
       end function slides
 
       subroutine seat(node, root, x, y)

@@ -5,10 +5,10 @@
 !> points are made once, though many loops run through them. Loops the output does not depend on are not in the plan
 !> (unless everything is asked for).
 module psalm_plan
-   use psalm_dyad_kind, only: direction_found, direction_known, direction_of_partner, form_of, form_t, sign_of_dyad
+   use psalm_dyad_kind, only: direction_found, direction_known, direction_of_partner, form_of, form_t
    use psalm_kinds, only: wp
    use psalm_output_kind, only: output_kind_t, output_kind
-   use psalm_topology, only: topology_t, arc_determined, arc_slide, arc_crank, arc_actuator
+   use psalm_mechanism, only: mechanism_t, arc_determined, arc_slide, arc_crank, arc_actuator
    implicit none (type, external)
    private
    public :: plan_t, step_t, make_plan
@@ -46,7 +46,6 @@ module psalm_plan
       logical, allocatable :: solved(:)        !! by loop: it is in the plan
       type(step_t), allocatable :: steps(:)
       integer, allocatable :: dyad_root(:, :)  !! shape (2, nloop): roots found by the dyad, 0: none
-      integer, allocatable :: dyad_sign(:)     !! by loop: assembly mode, +1 or -1
       integer :: output_point = origin         !! point the output arc starts from
       logical, allocatable :: used(:)          !! by root: something after its dyad needs it
       integer, allocatable :: joint_points(:)  !! points of the joints that were asked for
@@ -55,8 +54,8 @@ module psalm_plan
 contains
 
    !> Compile the plan for one kind of output.
-   function make_plan(topology, motion, everything, all_roots, joints) result(plan)
-      type(topology_t), intent(in) :: topology
+   function make_plan(mechanism, motion, everything, all_roots, joints) result(plan)
+      type(mechanism_t), intent(in) :: mechanism
       integer, intent(in) :: motion        !! MOTION
       logical, intent(in) :: everything    !! solve every loop, wanted or not
       logical, intent(in) :: all_roots     !! find both directions of every link pair (derivatives need them)
@@ -66,47 +65,47 @@ contains
       type(output_kind_t) :: kind
       integer :: loop, a, point
 
-      call assign_roots(topology, plan)
-      allocate (plan%solved(topology%nloop), source=everything)
-      call mark_output(topology, motion, plan)
-      do loop = topology%nloop, 1, -1
+      call assign_roots(mechanism, plan)
+      allocate (plan%solved(mechanism%nloop), source=everything)
+      call mark_output(mechanism, motion, plan)
+      do loop = mechanism%nloop, 1, -1
          if (.not. plan%solved(loop)) cycle
-         do a = 1, topology%loopl(loop)
-            call mark_arc(topology, topology%seq(loop, a), loop, plan)
+         do a = 1, mechanism%loops(loop)%arcs
+            call mark_arc(mechanism, mechanism%seq(loop, a), loop, plan)
          end do
       end do
       allocate (plan%steps(0))
-      do loop = 1, topology%nloop
-         if (plan%solved(loop)) call add_loop(topology, loop, plan)
+      do loop = 1, mechanism%nloop
+         if (plan%solved(loop)) call add_loop(mechanism, loop, plan)
       end do
       kind = output_kind(motion)
-      if (kind%has_point) call add_output(topology, plan)
+      if (kind%has_point) call add_output(mechanism, plan)
       allocate (plan%joint_points(0))
       if (present(joints)) then
          do a = 1, size(joints, 2)
-            call add_joint(topology, joints(1, a), joints(2, a), joints(2, a) <= topology%larcx(1, joints(1, a)), plan, point)
+            call add_joint(mechanism, joints(1, a), joints(2, a), joints(2, a) <= mechanism%place(1, joints(1, a)), plan, point)
             plan%joint_points = [plan%joint_points, point]
          end do
       end if
-      call mark_roots(topology, everything .or. all_roots, plan)
+      call mark_roots(mechanism, everything .or. all_roots, plan)
    end function make_plan
 
    !> A dyad need not find directions that nothing hangs on.
-   pure subroutine mark_roots(topology, all_roots, plan)
-      type(topology_t), intent(in) :: topology
+   pure subroutine mark_roots(mechanism, all_roots, plan)
+      type(mechanism_t), intent(in) :: mechanism
       logical, intent(in) :: all_roots
       type(plan_t), intent(inout) :: plan
       integer :: k, n, which
 
       allocate (plan%used(plan%nroots), source=all_roots)
-      plan%used(plan%root(topology%output_arc)) = .true.
+      plan%used(plan%root(mechanism%outputs(1)%arc)) = .true.
       do k = 1, size(plan%steps)
          associate (step => plan%steps(k))
             if (step%kind == step_point) then
                plan%used(plan%root(step%arc)) = .true.
             else
                do which = 1, 2
-                  n = topology%seq(step%loop, topology%larcx(which, step%loop))
+                  n = mechanism%groups(step%loop)%members(which)
                   ! the direction of a slide is wanted by its own dyad, that of a link only by what hangs on it
                   if (plan%root_loop(plan%root(n)) /= step%loop) plan%used(plan%root(n)) = .true.
                end do
@@ -118,43 +117,40 @@ contains
    ! ---- directions --------------------------------------------------------------------------------------------------
 
    !> Root and angle rule of every arc.
-   subroutine assign_roots(topology, plan)
-      type(topology_t), intent(in) :: topology
+   subroutine assign_roots(mechanism, plan)
+      type(mechanism_t), intent(in) :: mechanism
       type(plan_t), intent(inout) :: plan
       type(form_t) :: form
       integer :: loop, a, n, count, p, q
 
-      n = size(topology%arcs)
+      n = size(mechanism%arcs)
       allocate (plan%root(n), plan%base(n), plan%quarter(n), plan%length_slot(n), source=0)
       allocate (plan%takes_gama(n), source=.false.)
       allocate (plan%order(n), source=0)
-      allocate (plan%root_loop(2 + 2*topology%nloop), source=0)
-      allocate (plan%dyad_root(2, topology%nloop), source=0)
-      allocate (plan%dyad_sign(topology%nloop), source=1)
+      allocate (plan%root_loop(2 + 2*mechanism%nloop), source=0)
+      allocate (plan%dyad_root(2, mechanism%nloop), source=0)
       count = 0
-      do loop = 1, topology%nloop
-         do a = 1, topology%loopl(loop)
-            n = topology%seq(loop, a)
-            if (topology%arcs(n)%dyad == 0) call place_arc(n)
+      do loop = 1, mechanism%nloop
+         do a = 1, mechanism%loops(loop)%arcs
+            n = mechanism%seq(loop, a)
+            if (mechanism%arcs(n)%dyad == 0) call place_arc(n)
          end do
-         p = topology%seq(loop, topology%larcx(1, loop))
-         q = topology%seq(loop, topology%larcx(2, loop))
-         form = form_of(topology%joint(loop))
+         p = mechanism%groups(loop)%members(1)
+         q = mechanism%groups(loop)%members(2)
+         form = form_of(mechanism%groups(loop)%kind)
          call direct(1)
          call direct(2)
-         if (form%direction(1) == direction_of_partner) call turned(p, q, topology%arcs(p)%turn)
-         if (form%direction(2) == direction_of_partner) call turned(q, p, merge(topology%arcs(q)%turn, -topology%arcs(p)%turn, &
+         if (form%direction(1) == direction_of_partner) call turned(p, q, mechanism%arcs(p)%turn)
+         if (form%direction(2) == direction_of_partner) call turned(q, p, merge(mechanism%arcs(q)%turn, -mechanism%arcs(p)%turn, &
                                                                                 form%slides(2)))
-         plan%dyad_sign(loop) = sign_of_dyad(topology%joint(loop), topology%arcs(p)%sign, topology%arcs(q)%sign, &
-                                                topology%arcs(p)%turn, topology%arcs(q)%turn)
-         do a = 1, topology%loopl(loop)
-            n = topology%seq(loop, a)
-            select case (topology%arcs(n)%kind)
+         do a = 1, mechanism%loops(loop)%arcs
+            n = mechanism%seq(loop, a)
+            select case (mechanism%arcs(n)%kind)
             case (arc_slide, arc_actuator)
                plan%nlengths = plan%nlengths + 1
                plan%length_slot(n) = plan%nlengths
             case (arc_determined)
-               plan%length_slot(n) = plan%length_slot(topology%arcs(n)%representative)
+               plan%length_slot(n) = plan%length_slot(mechanism%arcs(n)%representative)
             end select
          end do
       end do
@@ -171,7 +167,7 @@ contains
             case (direction_found)
                call found_by_dyad(which, arc)
             case (direction_known)
-               call turned(arc, topology%arcs(arc)%reference, topology%arcs(arc)%turn)
+               call turned(arc, mechanism%arcs(arc)%reference, mechanism%arcs(arc)%turn)
             end select
          end associate
       end subroutine direct
@@ -181,7 +177,7 @@ contains
          integer, intent(in) :: n
 
          if (plan%root(n) > 0) return
-         associate (arc => topology%arcs(n))
+         associate (arc => mechanism%arcs(n))
             if (arc%reference > 0) call place_arc(arc%reference)
             select case (arc%kind)
             case (arc_crank)
@@ -228,8 +224,8 @@ contains
    ! ---- what is wanted ----------------------------------------------------------------------------------------------
 
    !> Mark the loops that find an arc's direction and length, apart from the loop `within` itself.
-   pure subroutine mark_arc(topology, n, within, plan)
-      type(topology_t), intent(in) :: topology
+   pure subroutine mark_arc(mechanism, n, within, plan)
+      type(mechanism_t), intent(in) :: mechanism
       integer, intent(in) :: n, within
       type(plan_t), intent(inout) :: plan
       integer :: loop
@@ -237,62 +233,62 @@ contains
       loop = plan%root_loop(plan%root(n))
       if (loop > 0 .and. loop /= within) plan%solved(loop) = .true.
       if (plan%length_slot(n) > 0) then
-         loop = (topology%arcs(n)%representative - 1)/topology%maxarc + 1
-         if (loop /= within .and. topology%arcs(topology%arcs(n)%representative)%kind == arc_slide) plan%solved(loop) = .true.
+         loop = mechanism%loop_of(mechanism%arcs(n)%representative)
+         if (loop /= within .and. mechanism%arcs(mechanism%arcs(n)%representative)%kind == arc_slide) plan%solved(loop) = .true.
       end if
    end subroutine mark_arc
 
-   pure subroutine mark_output(topology, motion, plan)
-      type(topology_t), intent(in) :: topology
+   pure subroutine mark_output(mechanism, motion, plan)
+      type(mechanism_t), intent(in) :: mechanism
       integer, intent(in) :: motion
       type(plan_t), intent(inout) :: plan
       type(output_kind_t) :: kind
       integer :: loop, last, a
       logical :: forwards
 
-      call mark_arc(topology, topology%output_arc, 0, plan)
+      call mark_arc(mechanism, mechanism%outputs(1)%arc, 0, plan)
       kind = output_kind(motion)
       if (.not. kind%has_point) return
-      call output_chain(topology, loop, last, forwards)
+      call output_chain(mechanism, loop, last, forwards)
       if (forwards) then
          do a = 1, last
-            call mark_arc(topology, topology%seq(loop, a), 0, plan)
+            call mark_arc(mechanism, mechanism%seq(loop, a), 0, plan)
          end do
       else
-         do a = topology%loopl(loop), last + 1, -1
-            call mark_arc(topology, topology%seq(loop, a), 0, plan)
+         do a = mechanism%loops(loop)%arcs, last + 1, -1
+            call mark_arc(mechanism, mechanism%seq(loop, a), 0, plan)
          end do
       end if
    end subroutine mark_output
 
    !> The joint the output arc starts from is the finish of arc `last`: reached forwards from the pivot up to p, else backwards.
-   pure subroutine output_chain(topology, loop, last, forwards)
-      type(topology_t), intent(in) :: topology
+   pure subroutine output_chain(mechanism, loop, last, forwards)
+      type(mechanism_t), intent(in) :: mechanism
       integer, intent(out) :: loop, last
       logical, intent(out) :: forwards
 
-      loop = (topology%output_arc - 1)/topology%maxarc + 1
-      last = topology%output_arc - (loop - 1)*topology%maxarc
-      if (topology%output_from_start) last = last - 1
-      forwards = last <= topology%larcx(1, loop)
+      loop = mechanism%loop_of(mechanism%outputs(1)%arc)
+      last = mechanism%arcs(mechanism%outputs(1)%arc)%place
+      if (mechanism%outputs(1)%from_start) last = last - 1
+      forwards = last <= mechanism%place(1, loop)
    end subroutine output_chain
 
    ! ---- steps -------------------------------------------------------------------------------------------------------
 
-   pure subroutine add_loop(topology, loop, plan)
-      type(topology_t), intent(in) :: topology
+   pure subroutine add_loop(mechanism, loop, plan)
+      type(mechanism_t), intent(in) :: mechanism
       integer, intent(in) :: loop
       type(plan_t), intent(inout) :: plan
       integer :: a, start, finish
       type(step_t) :: step
 
       start = origin
-      do a = 1, topology%larcx(1, loop) - 1
-         call add_point(topology, start, topology%seq(loop, a), 1, plan, start)
+      do a = 1, mechanism%place(1, loop) - 1
+         call add_point(mechanism, start, mechanism%seq(loop, a), 1, plan, start)
       end do
       finish = origin
-      do a = topology%loopl(loop), topology%larcx(2, loop) + 1, -1
-         call add_point(topology, finish, topology%seq(loop, a), -1, plan, finish)
+      do a = mechanism%loops(loop)%arcs, mechanism%place(2, loop) + 1, -1
+         call add_point(mechanism, finish, mechanism%seq(loop, a), -1, plan, finish)
       end do
       step%kind = step_dyad
       step%loop = loop
@@ -301,19 +297,19 @@ contains
       plan%steps = [plan%steps, step]
    end subroutine add_loop
 
-   pure subroutine add_output(topology, plan)
-      type(topology_t), intent(in) :: topology
+   pure subroutine add_output(mechanism, plan)
+      type(mechanism_t), intent(in) :: mechanism
       type(plan_t), intent(inout) :: plan
       integer :: loop, last
       logical :: forwards
 
-      call output_chain(topology, loop, last, forwards)
-      call add_joint(topology, loop, last, forwards, plan, plan%output_point)
+      call output_chain(mechanism, loop, last, forwards)
+      call add_joint(mechanism, loop, last, forwards, plan, plan%output_point)
    end subroutine add_output
 
    !> The joint at the finish of arc `last` of a loop, reached forwards from the pivot or backwards.
-   pure subroutine add_joint(topology, loop, last, forwards, plan, point)
-      type(topology_t), intent(in) :: topology
+   pure subroutine add_joint(mechanism, loop, last, forwards, plan, point)
+      type(mechanism_t), intent(in) :: mechanism
       integer, intent(in) :: loop, last
       logical, intent(in) :: forwards
       type(plan_t), intent(inout) :: plan
@@ -323,19 +319,19 @@ contains
       next = origin
       if (forwards) then
          do a = 1, last
-            call add_point(topology, next, topology%seq(loop, a), 1, plan, next)
+            call add_point(mechanism, next, mechanism%seq(loop, a), 1, plan, next)
          end do
       else
-         do a = topology%loopl(loop), last + 1, -1
-            call add_point(topology, next, topology%seq(loop, a), -1, plan, next)
+         do a = mechanism%loops(loop)%arcs, last + 1, -1
+            call add_point(mechanism, next, mechanism%seq(loop, a), -1, plan, next)
          end do
       end if
       point = next
    end subroutine add_joint
 
    !> The point at the other end of an arc; an equal point that is already made serves again.
-   pure subroutine add_point(topology, from, n, sense, plan, to)
-      type(topology_t), intent(in) :: topology
+   pure subroutine add_point(mechanism, from, n, sense, plan, to)
+      type(mechanism_t), intent(in) :: mechanism
       integer, value :: from               !! point to start from
       integer, intent(in) :: n, sense      !! arc, +1 along it, -1 against it
       type(plan_t), intent(inout) :: plan
@@ -343,8 +339,8 @@ contains
       integer :: i, arc, way
       type(step_t) :: step
 
-      arc = topology%arcs(n)%representative
-      way = merge(-sense, sense, topology%arcs(n)%reversed)
+      arc = mechanism%arcs(n)%representative
+      way = merge(-sense, sense, mechanism%arcs(n)%reversed)
       do i = 1, size(plan%steps)
          associate (old => plan%steps(i))
             if (old%kind == step_point) then
@@ -359,7 +355,7 @@ contains
             end if
          end associate
       end do
-      call other_side(topology, from, arc, way, plan, to)
+      call other_side(mechanism, from, arc, way, plan, to)
       if (to >= 0) return
       plan%npoints = plan%npoints + 1
       step%kind = step_point
@@ -373,18 +369,18 @@ contains
    end subroutine add_point
 
    !> The joint of a solved dyad is reached from S along p or from E against q: the same point; -1 if not made yet.
-   pure subroutine other_side(topology, from, arc, way, plan, to)
-      type(topology_t), intent(in) :: topology
+   pure subroutine other_side(mechanism, from, arc, way, plan, to)
+      type(mechanism_t), intent(in) :: mechanism
       integer, intent(in) :: from, arc, way
       type(plan_t), intent(in) :: plan
       integer, intent(out) :: to
       integer :: i, j, loop, p, q, partner
 
       to = -1
-      if (topology%arcs(arc)%dyad == 0) return
-      loop = (arc - 1)/topology%maxarc + 1
-      p = topology%seq(loop, topology%larcx(1, loop))
-      q = topology%seq(loop, topology%larcx(2, loop))
+      if (mechanism%arcs(arc)%dyad == 0) return
+      loop = mechanism%loop_of(arc)
+      p = mechanism%groups(loop)%members(1)
+      q = mechanism%groups(loop)%members(2)
       do i = 1, size(plan%steps)
          if (plan%steps(i)%kind /= step_dyad .or. plan%steps(i)%loop /= loop) cycle
          associate (dyad => plan%steps(i))

@@ -11,7 +11,8 @@ module psalm_analysis
    use psalm_margins, only: margin_t, inspector_t, prepare_inspector, inspect, is_violated
    use psalm_summary, only: summary_t, summarise
    use psalm_sweep, only: sweep_inputs
-   use psalm_topology, only: topology_t, dimensions_t, arc_crank, arc_link
+   use psalm_dimensions, only: dimensions_t
+   use psalm_mechanism, only: mechanism_t, arc_crank, arc_link
    implicit none (type, external)
    private
    public :: analysis_t, wanted_t, arc_table_t, doubts_t, analyse, wanted_by
@@ -104,7 +105,7 @@ contains
       end if
       if (wanted%doubts) then
          allocate (analysis%doubts)
-         analysis%doubts%short = short_links(problem%topology, dimensions)
+         analysis%doubts%short = short_links(problem%mechanism, dimensions)
          analysis%doubts%at_rest = stays_at_rest(problem, dimensions, analysis%motion)
          call find_reference_joints(problem, dimensions, analysis%doubts)
       end if
@@ -147,7 +148,7 @@ contains
       real(wp) :: x, y
       integer :: block, offset, m, i, k, loop, a, n
 
-      associate (arcs => size(problem%topology%arcs), positions => problem%positions)
+      associate (arcs => size(problem%mechanism%arcs), positions => problem%positions)
          allocate (table%length(arcs, positions), table%angle(arcs, positions), source=0.0_wp)
          allocate (table%open(positions), source=0)
       end associate
@@ -155,13 +156,13 @@ contains
          call problem%solve_block(block, offset, m)
          do i = 1, m
             k = offset + i
-            do loop = 1, problem%topology%nloop
+            do loop = 1, problem%mechanism%nloop
                if (.not. problem%linkage%closes(i, loop)) then
                   table%open(k) = loop
                   exit
                end if
-               do a = 1, problem%topology%loopl(loop)
-                  n = problem%topology%seq(loop, a)
+               do a = 1, problem%mechanism%loops(loop)%arcs
+                  n = problem%mechanism%seq(loop, a)
                   call problem%linkage%arc_at(problem%plan, n, i, x, y, table%length(n, k))
                   table%angle(n, k) = within_turn(degrees_of(x, y))
                end do
@@ -171,8 +172,8 @@ contains
    end subroutine follow_arcs
 
    !> Moving links of practically no length. A guide may have none.
-   pure function short_links(topology, dimensions) result(short)
-      type(topology_t), intent(in) :: topology
+   pure function short_links(mechanism, dimensions) result(short)
+      type(mechanism_t), intent(in) :: mechanism
       type(dimensions_t), intent(in) :: dimensions
       integer, allocatable :: short(:)         !! sequential numbers
       real(wp) :: longest
@@ -180,16 +181,16 @@ contains
 
       longest = maxval(dimensions%arcl)
       allocate (short(0))
-      do loop = 1, topology%nloop
+      do loop = 1, mechanism%nloop
          guide = 0
-         if (topology%joint(loop) == assur_rpr) guide = topology%larcx(2, loop)
-         if (topology%joint(loop) == assur_rpr_guide_first) guide = topology%larcx(1, loop)
-         do a = 1, topology%loopl(loop)
-            n = topology%seq(loop, a)
-            if (topology%arcs(n)%kind /= arc_link .and. topology%arcs(n)%kind /= arc_crank) cycle
+         if (mechanism%groups(loop)%kind == assur_rpr) guide = mechanism%place(2, loop)
+         if (mechanism%groups(loop)%kind == assur_rpr_guide_first) guide = mechanism%place(1, loop)
+         do a = 1, mechanism%loops(loop)%arcs
+            n = mechanism%seq(loop, a)
+            if (mechanism%arcs(n)%kind /= arc_link .and. mechanism%arcs(n)%kind /= arc_crank) cycle
             if (a == guide .or. dimensions%arcl(n) >= least_ratio*longest) cycle
             ! a crank without length may carry a guide
-            if (dimensions%arcl(n) <= 0.0_wp .and. topology%arcs(n)%kind == arc_crank) cycle
+            if (dimensions%arcl(n) <= 0.0_wp .and. mechanism%arcs(n)%kind == arc_crank) cycle
             short = [short, n]
          end do
       end do
@@ -231,14 +232,14 @@ contains
       integer :: loop, block, n
 
       allocate (at_reference)
-      associate (topology => problem%topology)
-         allocate (joints(2, topology%nloop))
-         allocate (doubts%joint(2, topology%nloop), source=0.0_wp)
-         allocate (doubts%closes(topology%nloop), source=.false.)
-         do loop = 1, topology%nloop
-            joints(:, loop) = [loop, topology%larcx(1, loop)]
+      associate (mechanism => problem%mechanism)
+         allocate (joints(2, mechanism%nloop))
+         allocate (doubts%joint(2, mechanism%nloop), source=0.0_wp)
+         allocate (doubts%closes(mechanism%nloop), source=.false.)
+         do loop = 1, mechanism%nloop
+            joints(:, loop) = [loop, mechanism%place(1, loop)]
          end do
-         at_reference%topology = topology
+         at_reference%mechanism = mechanism
          at_reference%given = dimensions
          at_reference%motion = problem%motion
          at_reference%tangle = problem%tangle
@@ -247,7 +248,7 @@ contains
          call at_reference%set_inputs([0.0_wp])
          call at_reference%bind(dimensions)
          call at_reference%solve_block(1, block, n)
-         do loop = 1, topology%nloop
+         do loop = 1, mechanism%nloop
             doubts%closes(loop) = at_reference%linkage%closes(1, loop)
             if (.not. doubts%closes(loop)) return
             associate (link => at_reference%linkage, point => at_reference%plan%joint_points(loop))

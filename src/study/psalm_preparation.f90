@@ -10,7 +10,9 @@ module psalm_preparation
    use psalm_status, only: diagnostics_t
    use psalm_system, only: memory_to_be_had, threads_to_be_had
    use psalm_text, only: to_text
-   use psalm_topology, only: topology_t, dimensions_t
+   use psalm_dimensions, only: dimensions_t
+   use psalm_mechanism, only: mechanism_t
+   use psalm_parameters, only: parameters_t
    implicit none (type, external)
    private
    public :: demand_t, prepared_t, prepare, threads_for, threads_wanted
@@ -27,8 +29,9 @@ module psalm_preparation
 
    !> What SETUP made of a data set.
    type :: prepared_t
-      type(topology_t) :: topology
+      type(mechanism_t) :: mechanism
       type(dimensions_t) :: given            !! the user's linkage
+      type(parameters_t) :: parameters       !! dimensions that vary
       real(wp), allocatable :: vertices(:, :) !! shape (marble, nguess): supplied for a search
       type(diagnostics_t) :: warnings        !! of SETUP, without the name of the file
       logical :: ready = .false.             !! no error was found
@@ -50,14 +53,14 @@ contains
       integer :: i
 
       allocate (prepared%vertices(0, 0))
-      call set_up(set, prepared%topology, prepared%given, prepared%warnings)
+      call set_up(set, prepared%mechanism, prepared%given, prepared%parameters, prepared%warnings)
       do i = 1, prepared%warnings%count
          call findings%add(prepared%warnings%list(i))
       end do
       if (prepared%warnings%failed() .or. set%nloop == 0) return
       if (present(demand)) each = demand
       bytes = each%position
-      if (set%ktheta /= 0 .or. .not. each%ktheta_only) bytes = bytes + int(each%arc, int64)*sum(prepared%topology%loopl)
+      if (set%ktheta /= 0 .or. .not. each%ktheta_only) bytes = bytes + int(each%arc, int64)*size(prepared%mechanism%arcs)
       bytes = bytes*set%ndes
       if (.not. memory_to_be_had(bytes)) then
          call findings%trouble('the memory for NDES='//to_text(set%ndes)//' positions, about '// &
@@ -65,9 +68,9 @@ contains
          return
       end if
       own%file = set%file
-      call check_regions(set%constr, prepared%topology, own)
-      associate (marble => size(prepared%topology%variables))
-         if (prepared%topology%has_search() .and. set%nguess > 0) then
+      call check_regions(set%constr, prepared%mechanism, own)
+      associate (marble => size(prepared%parameters%variables))
+         if (prepared%parameters%has_search() .and. set%nguess > 0) then
             deallocate (prepared%vertices)
             call read_vertices(supplied, marble, set%nguess, prepared%vertices, own)
          else

@@ -12,7 +12,7 @@ module psalm_rate_study
    use psalm_output_kind, only: motion_distance
    use psalm_plan, only: step_point
    use psalm_rates, only: rates_t, prepare_rates, differentiate, output_rates, derivatives_of, is_dead, highest_order
-   use psalm_topology, only: dimensions_t
+   use psalm_dimensions, only: dimensions_t
    implicit none (type, external)
    private
    public :: rate_study_t, arc_rates_t, find_rates, in_time, output_at_origin, highest_order
@@ -73,7 +73,7 @@ contains
             do c = 1, problem%output%kind%components
                rates%by_time(:, c, k) = in_time(rates%by_input(:, c, k), set%speed, set%accel)
             end do
-            do loop = problem%topology%nloop, 1, -1
+            do loop = problem%mechanism%nloop, 1, -1
                if (problem%linkage%step_of_loop(loop) == 0) cycle
                if (is_dead(problem, of_block, loop, i)) rates%dead(k) = loop
             end do
@@ -108,7 +108,7 @@ contains
       type(problem_t), intent(in) :: problem
       type(arc_rates_t), intent(out) :: arcs
 
-      associate (n => size(problem%topology%arcs), positions => problem%positions, steps => problem%plan%steps)
+      associate (n => size(problem%mechanism%arcs), positions => problem%positions, steps => problem%plan%steps)
          arcs%joint_arc = pack(steps%arc, steps%kind == step_point)
          allocate (arcs%length(0:2, n, positions), arcs%angle(0:2, n, positions), source=0.0_wp)
          allocate (arcs%x(0:2, size(arcs%joint_arc), positions), arcs%y(0:2, size(arcs%joint_arc), positions), source=0.0_wp)
@@ -126,9 +126,9 @@ contains
       integer :: loop, a, n, step, joint
 
       associate (link => problem%linkage, plan => problem%plan)
-         do loop = 1, problem%topology%nloop
-            do a = 1, problem%topology%loopl(loop)
-               n = problem%topology%seq(loop, a)
+         do loop = 1, problem%mechanism%nloop
+            do a = 1, problem%mechanism%loops(loop)%arcs
+               n = problem%mechanism%seq(loop, a)
                call link%arc_at(plan, n, i, x, y, arcs%length(0, n, k))
                if (plan%length_slot(n) > 0) then
                   of_order = in_time(derivatives_of(rates, link%slide(plan%length_slot(n)), i)/link%scale, set%speed, set%accel)

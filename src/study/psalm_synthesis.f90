@@ -12,7 +12,7 @@ module psalm_synthesis
    use psalm_solver, only: observer_t, search_state_t, stop_iterations, stop_small_objective, stop_interrupted
    use psalm_start, only: beginning_t, rules_of, start_simplex
    use psalm_stop, only: stop_t
-   use psalm_topology, only: dimensions_t
+   use psalm_dimensions, only: dimensions_t
    implicit none (type, external)
    private
    public :: synthesis_t, ranked_t, synthesise
@@ -71,7 +71,7 @@ contains
 
       allocate (result%found%best(0))
       allocate (result%ranked(0))
-      if (.not. problem%topology%has_search()) return
+      if (.not. problem%parameters%has_search()) return
       if (.not. set%search%solver%many_starts) then
          call search_with_simplex(set, vertices, problem, stop, dimensions, result, observer)
       else
@@ -101,7 +101,7 @@ contains
       limited = stop
       call limited%limit_time(set%search%maxtime)
       call search_simplex(rules_of(set), search, result%last, limited, result%state, observer)
-      call problem%topology%apply(result%last%v(:, result%last%best), dimensions)
+      call problem%parameters%apply(result%last%v(:, result%last%best), dimensions)
       select case (result%state%reason)
       case (stop_iterations)
          result%ending = ended_iterations
@@ -125,10 +125,10 @@ contains
       class(observer_t), intent(inout), optional :: observer
 
       result%many = .true.
-      call search_many(set, problem, problem%topology%first_values(dimensions), vertices, threads, stop, result%found, observer)
+      call search_many(set, problem, problem%parameters%first_values(dimensions), vertices, threads, stop, result%found, observer)
       associate (found => result%found)
          if (size(found%best) > 0) then
-            call problem%topology%apply(found%best(1)%values, dimensions)
+            call problem%parameters%apply(found%best(1)%values, dimensions)
             if (set%ifree /= 0) call problem%move_inputs(found%best(1)%delt)
          end if
          result%ending = ended_starts
@@ -166,7 +166,7 @@ contains
       allocate (inspector)
       call prepare_inspector(set, problem, .true., inspector)
       do i = 1, size(result%ranked)
-         call problem%topology%apply(result%found%best(i)%values, dimensions)
+         call problem%parameters%apply(result%found%best(i)%values, dimensions)
          call inspect(inspector, dimensions, result%found%best(i)%delt, margins)
          associate (ranked => result%ranked(i))
             ranked%longest_arc = maxval(dimensions%arcl)

@@ -16,8 +16,10 @@ module psalm_tolerance
    use psalm_sensitivity, only: sensitivity_t, prepare_sensitivity, find_jacobian
    use psalm_setup, only: set_up
    use psalm_status, only: diagnostics_t
-   use psalm_topology, only: topology_t, dimensions_t, variable_t, variable_length, variable_gama, variable_outlk, &
-                             variable_outang, variable_origlk, variable_origng
+   use psalm_dimensions, only: dimensions_t
+   use psalm_mechanism, only: mechanism_t
+   use psalm_parameters, only: parameters_t, variable_t, variable_length, variable_gama, variable_outlk, variable_outang, &
+                               variable_origlk, variable_origng
    implicit none (type, external)
    private
    public :: tolerances_t, tolerance_t, sample_t, deviating_t, study_tolerances, find_tolerances, draw_sample
@@ -109,7 +111,8 @@ contains
       logical, intent(out) :: closes
       type(data_set_t) :: varied
       type(diagnostics_t) :: unheard
-      type(topology_t) :: topology
+      type(mechanism_t) :: mechanism
+      type(parameters_t) :: parameters
       type(dimensions_t) :: given
       type(sensitivity_t) :: work
       integer :: v, marble, n
@@ -138,22 +141,22 @@ contains
       varied%xmult = varied%desx + 1.0_wp
       varied%ymult = varied%xmult
       varied%anmult = varied%xmult
-      call set_up(varied, topology, given, unheard)
+      call set_up(varied, mechanism, given, parameters, unheard)
       result%dimensions = dimensions
-      call make_problem(varied, topology, dimensions, deviating%problem)
+      call make_problem(varied, mechanism, dimensions, parameters, deviating%problem)
       deviating%lean = deviating%problem
       call deviating%problem%want_derivatives(.false.)
       deviating%problem%desired = .false.
       call deviating%problem%analyse(dimensions, result%nominal)
       closes = all(result%nominal%closed)
       if (.not. closes) return
-      result%variables = topology%variables
+      result%variables = parameters%variables
       result%kind = deviating%problem%output%kind
-      marble = size(topology%variables)
+      marble = size(parameters%variables)
       n = deviating%problem%positions
       allocate (result%tolerance(marble), result%effect(n, marble, deviating%problem%output%kind%components))
       do v = 1, marble
-         result%tolerance(v) = tolerance_of(set, topology%variables(v))
+         result%tolerance(v) = tolerance_of(set, parameters%variables(v))
       end do
       call prepare_sensitivity(deviating%problem, work)
       call find_jacobian(deviating%problem, dimensions, work, result%effect)
@@ -178,7 +181,7 @@ contains
       do block = 1, problem%blocks()
          call problem%solve_block(block, offset, n)
          call form_frames(problem, work%rates, padded(n), fixed_too=.false.)
-         do loop = 1, problem%topology%nloop
+         do loop = 1, problem%mechanism%nloop
             if (problem%linkage%step_of_loop(loop) == 0) cycle
             do i = 1, n
                if (is_dead(problem, work%rates, loop, i)) dead(offset + i) = .true.
@@ -296,7 +299,7 @@ contains
       named = 0
       loop = 0
       dimensions = linear%dimensions
-      nominal = problem%topology%first_values(linear%dimensions)
+      nominal = problem%parameters%first_values(linear%dimensions)
       values = nominal
       allocate (miss(problem%positions, size(low, 2)), source=0.0_wp)
       random%state = int(istart, i8)
@@ -312,7 +315,7 @@ contains
             call random%next(deviate)
             values(v) = nominal(v) + linear%tolerance(v)*(2.0_wp*deviate - 1.0_wp)
          end do
-         call problem%topology%apply(values, dimensions)
+         call problem%parameters%apply(values, dimensions)
          call problem%deviations(dimensions, miss, failed)
          if (failed > 0) then
             open = open + 1

@@ -10,7 +10,8 @@ module psalm_constr
    use psalm_error, only: problem_t
    use psalm_kinds, only: wp
    use psalm_nlp, only: nlp_t, repair_count_t, quarter, most_moves
-   use psalm_topology, only: dimensions_t, variable_length, variable_outlk
+   use psalm_dimensions, only: dimensions_t
+   use psalm_parameters, only: variable_length, variable_outlk
    implicit none (type, external)
    private
    public :: constraints_t, vertex_problem_t, make_constraints, make_vertex_problem, constrain
@@ -46,14 +47,14 @@ contains
       type(constraints_t), intent(out) :: constraints
       integer :: marble
 
-      marble = size(problem%topology%variables)
+      marble = size(problem%parameters%variables)
       constraints%bounded = set%limval == 1
       if (constraints%bounded) then
          constraints%low = set%oplow(:marble)
          constraints%high = set%ophigh(:marble)
       end if
-      constraints%positive = problem%topology%variables%kind == variable_length .or. &
-                             problem%topology%variables%kind == variable_outlk
+      constraints%positive = problem%parameters%variables%kind == variable_length .or. &
+                             problem%parameters%variables%kind == variable_outlk
       constraints%step_in = set%stepin
       constraints%dimensions = problem%given
       allocate (constraints%reach(problem%positions), source=0.0_wp)
@@ -67,7 +68,7 @@ contains
 
       search%problem => problem
       call make_constraints(set, problem, search%constraints)
-      search%core = size(problem%topology%variables)
+      search%core = size(problem%parameters%variables)
       search%low = spread(-huge(1.0_wp), 1, search%core)
       search%high = -search%low
       if (search%constraints%bounded) then
@@ -95,7 +96,7 @@ contains
       logical, intent(out) :: feasible
       integer :: loop
 
-      call self%problem%topology%apply(x, self%constraints%dimensions)
+      call self%problem%parameters%apply(x, self%constraints%dimensions)
       call self%problem%evaluate(self%constraints%dimensions, objective, loop)
       self%evaluations = self%evaluations + 1
       feasible = loop == 0 .and. .not. any(x < self%low .or. x > self%high)
@@ -132,7 +133,7 @@ contains
          repairs = 0
          call clip(constraints, values, counts%clips)
          do
-            call problem%topology%apply(values, constraints%dimensions)
+            call problem%parameters%apply(values, constraints%dimensions)
             call problem%evaluate(constraints%dimensions, objective, loop)
             evaluations = evaluations + 1
             feasible = loop == 0
@@ -140,7 +141,7 @@ contains
             counts%calls = counts%calls + 1
             counts%loop = loop
             repairs = repairs + 1
-            if (repairs > repairs_per_loop*problem%topology%nloop) exit
+            if (repairs > repairs_per_loop*problem%mechanism%nloop) exit
             call repair(problem, constraints, loop, values, repaired)
             if (.not. repaired) exit
             counts%repairs = counts%repairs + 1
@@ -188,16 +189,17 @@ contains
       integer :: vp, vq
       real(wp) :: lengths(2)
 
-      associate (topology => problem%topology, reach => constraints%reach, arcl => constraints%dimensions%arcl)
-         associate (arc_p => topology%seq(loop, topology%larcx(1, loop)), arc_q => topology%seq(loop, topology%larcx(2, loop)))
-            vp = topology%length_variable(arc_p)
-            vq = topology%length_variable(arc_q)
+      associate (mechanism => problem%mechanism, parameters => problem%parameters, reach => constraints%reach, &
+                 arcl => constraints%dimensions%arcl)
+         associate (arc_p => mechanism%groups(loop)%members(1), arc_q => mechanism%groups(loop)%members(2))
+            vp = parameters%length_variable(arc_p)
+            vq = parameters%length_variable(arc_q)
             lengths = arcl([arc_p, arc_q])
          end associate
          repaired = .false.
          if (vp == 0 .and. vq == 0) return
          call problem%measure_of(loop, reach)
-         call repair_dyad(topology%joint(loop), reach, problem%tangle, problem%toggle, [vp, vq] > 0, lengths, repaired)
+         call repair_dyad(mechanism%groups(loop)%kind, reach, problem%tangle, problem%toggle, [vp, vq] > 0, lengths, repaired)
       end associate
       if (.not. repaired) return
       if (vp > 0) call change(vp, lengths(1))

@@ -16,7 +16,8 @@ module psalm_margins
    use psalm_rpr, only: guide_of
    use psalm_rrp, only: link_of
    use psalm_station, only: station_t, prepare_station, look
-   use psalm_topology, only: dimensions_t, variable_length, variable_outlk
+   use psalm_dimensions, only: dimensions_t
+   use psalm_parameters, only: variable_length, variable_outlk
    implicit none (type, external)
    private
    public :: margin_t, inspector_t, prepare_inspector, inspect, is_violated
@@ -83,10 +84,10 @@ contains
       real(wp), allocatable :: inputs(:)
       integer :: r, marble
 
-      marble = size(problem%topology%variables)
+      marble = size(problem%parameters%variables)
       inspector%irange = set%constr%irange
       inspector%prescribed = problem%positions
-      inspector%turns = .not. problem%topology%sliding_input
+      inspector%turns = .not. problem%mechanism%sliding_input
       inspector%everywhere = inspector%turns .and. inspector%irange == range_turn
       inspector%tangle = set%tangle
       inspector%slide_angle = problem%slide_angle
@@ -108,12 +109,12 @@ contains
          inputs = [inputs, watch_inputs(inspector%irange, problem, problem%delt, steps_of_range, 0)]
          call prepare_station(plain, inputs(:steps_of_lens + 1), .false., joints, .false., inspector%lens)
          call prepare_station(plain, inputs(:2*steps_of_zoom + 1), .false., joints, .false., inspector%zoom)
-         allocate (inspector%lens%measure(steps_of_lens + 1, plain%topology%nloop), source=0.0_wp)
-         allocate (inspector%zoom%measure(2*steps_of_zoom + 1, plain%topology%nloop), source=0.0_wp)
+         allocate (inspector%lens%measure(steps_of_lens + 1, plain%mechanism%nloop), source=0.0_wp)
+         allocate (inspector%zoom%measure(2*steps_of_zoom + 1, plain%mechanism%nloop), source=0.0_wp)
       end if
       call prepare_station(plain, inputs, .false., joints, .false., inspector%fine)
       inspector%fine%leading = problem%positions
-      allocate (inspector%fine%measure(size(inputs), plain%topology%nloop), source=0.0_wp)
+      allocate (inspector%fine%measure(size(inputs), plain%mechanism%nloop), source=0.0_wp)
       inspector%bounded = set%limval == 1 .and. marble > 0
       if (inspector%bounded) then
          inspector%low = set%oplow(:marble)
@@ -142,9 +143,9 @@ contains
             call fine%problem%move_inputs([delt, watch_inputs(inspector%irange, fine%problem, delt, steps_of_range, 0)])
          end if
          call look(fine, dimensions)
-         do loop = 1, fine%problem%topology%nloop
+         do loop = 1, fine%problem%mechanism%nloop
             if (fine%problem%linkage%step_of_loop(loop) == 0) cycle
-            select case (fine%problem%topology%joint(loop))
+            select case (fine%problem%mechanism%groups(loop)%kind)
             case (assur_rrr)
                call add(margin_angle, loop, 0)
             case (assur_rpr, assur_rpr_guide_first)
@@ -215,9 +216,9 @@ contains
       real(wp), allocatable :: values(:), room(:)
       logical, allocatable :: is_length(:)
 
-      associate (topology => inspector%fine%problem%topology)
-         values = topology%first_values(dimensions)
-         is_length = topology%variables%kind == variable_length .or. topology%variables%kind == variable_outlk
+      associate (parameters => inspector%fine%problem%parameters)
+         values = parameters%first_values(dimensions)
+         is_length = parameters%variables%kind == variable_length .or. parameters%variables%kind == variable_outlk
       end associate
       if (size(values) == 0) return
       margin%unit = min(inspector%size, maxval(dimensions%arcl))
@@ -371,7 +372,7 @@ contains
       real(wp), intent(in) :: half
       real(wp), intent(inout) :: at
       real(wp), intent(out) :: least
-      real(wp) :: near(steps_of_lens + 1, inspector%lens%problem%topology%nloop), reach
+      real(wp) :: near(steps_of_lens + 1, inspector%lens%problem%mechanism%nloop), reach
       integer :: round, i
 
       reach = half

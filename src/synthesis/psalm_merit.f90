@@ -16,7 +16,8 @@ module psalm_merit
    use psalm_regions, only: trespass, region_joints, joint_of_region
    use psalm_start, only: random_limits
    use psalm_station, only: station_t, prepare_station, look, look_closely
-   use psalm_topology, only: dimensions_t, variable_length, variable_outlk
+   use psalm_dimensions, only: dimensions_t
+   use psalm_parameters, only: variable_length, variable_outlk
    implicit none (type, external)
    private
    public :: merit_t, prepare_merit, put_in_order, watch_inputs, set_extra, range_steps, extra_positions
@@ -72,7 +73,7 @@ contains
       real(wp) :: cosine, sine, unused
       integer :: marble, n, loop, r
 
-      marble = size(problem%topology%variables)
+      marble = size(problem%parameters%variables)
       n = problem%positions
       allocate (merit%main, merit%patrol)
       allocate (merit%judge, source=problem)
@@ -85,7 +86,7 @@ contains
       merit%is_sum_of_squares = .true.
       merit%ordered = merit%free .and. set%search%order /= 0
       if (n > 1) merit%sense = sign(1.0_wp, problem%delt(2) - problem%delt(1))
-      if (problem%topology%sliding_input) then
+      if (problem%mechanism%sliding_input) then
          merit%span = huge(1.0_wp)
          merit%reach = maxval(problem%delt) - minval(problem%delt)
       end if
@@ -122,18 +123,18 @@ contains
          merit%low = set%oplow(:marble) + min(set%stepin, 0.25_wp*(set%ophigh(:marble) - set%oplow(:marble)))
          merit%high = set%ophigh(:marble) - min(set%stepin, 0.25_wp*(set%ophigh(:marble) - set%oplow(:marble)))
       end if
-      where (problem%topology%variables%kind == variable_length .or. problem%topology%variables%kind == variable_outlk)
+      where (problem%parameters%variables%kind == variable_length .or. problem%parameters%variables%kind == variable_outlk)
          merit%low = max(merit%low, least_length*abs(first))
          merit%high = min(merit%high, max(longest, maxval(abs(first))/merit%size)*merit%size)
       end where
       call random_limits(set, first, merit%box_low, merit%box_high)
       call unit_vector(right_angle - set%tangle, cosine, unused)
       call unit_vector(right_angle - problem%slide_angle, unused, sine)
-      allocate (merit%limit(problem%topology%nloop))
-      do loop = 1, problem%topology%nloop
+      allocate (merit%limit(problem%mechanism%nloop))
+      do loop = 1, problem%mechanism%nloop
          merit%limit(loop) = 1.0_wp - slack
-         if (problem%topology%joint(loop) == assur_rrr) merit%limit(loop) = cosine - slack
-         if (problem%topology%joint(loop) == assur_prp) merit%limit(loop) = 1.0_wp - sine - slack
+         if (problem%mechanism%groups(loop)%kind == assur_rrr) merit%limit(loop) = cosine - slack
+         if (problem%mechanism%groups(loop)%kind == assur_prp) merit%limit(loop) = 1.0_wp - sine - slack
       end do
    end subroutine prepare_merit
 
@@ -163,7 +164,7 @@ contains
       end if
       from = minval(delt)
       to = maxval(delt)
-      if (irange == range_turn .and. .not. problem%topology%sliding_input) to = from + full_turn
+      if (irange == range_turn .and. .not. problem%mechanism%sliding_input) to = from + full_turn
       inputs = [(from + (to - from)*(real(i, wp)/real(steps, wp)), i=0, steps), spread(from, 1, extra)]
    end function watch_inputs
 
@@ -202,7 +203,7 @@ contains
          if (order_weighs(merit)) merit%late = (merit%sense*(delt - cshift(delt, 1)) &
                                                 - [spread(0.0_wp, 1, size(delt) - 1), merit%span])/unit_of_input(merit)
          ! the judge's variables are the user's; those of a station may have one more for the input
-         call merit%judge%topology%apply(values, merit%dimensions)
+         call merit%judge%parameters%apply(values, merit%dimensions)
       end associate
    end subroutine put_in
 
@@ -217,7 +218,7 @@ contains
    pure real(wp) function unit_of_input(merit)
       class(merit_t), intent(in) :: merit
 
-      unit_of_input = merge(merit%size, degrees_per_radian, merit%judge%topology%sliding_input)
+      unit_of_input = merge(merit%size, degrees_per_radian, merit%judge%mechanism%sliding_input)
    end function unit_of_input
 
    !> Objective, and sum of the squared violations.
@@ -517,7 +518,7 @@ contains
       integer, intent(in) :: loop
       type(form_t) :: form
 
-      form = form_of(station%problem%topology%joint(loop))
+      form = form_of(station%problem%mechanism%groups(loop)%kind)
       ways = merge(form%ways, 0, station%problem%linkage%step_of_loop(loop) > 0)
    end function ways
 

@@ -6,7 +6,7 @@ module psalm_regions
    use psalm_kinds, only: wp
    use psalm_status, only: diagnostics_t
    use psalm_text, only: to_text
-   use psalm_topology, only: topology_t
+   use psalm_mechanism, only: mechanism_t
    implicit none (type, external)
    private
    public :: trespass, beyond_edge, box_edges, region_joints, joint_of_region, check_regions
@@ -108,21 +108,21 @@ contains
    end function joint_of_region
 
    !> Errors of the group that only the topology shows: joints that are not there, a full turn of an input that slides.
-   subroutine check_regions(constr, topology, findings)
+   subroutine check_regions(constr, mechanism, findings)
       type(constraint_group_t), intent(in) :: constr
-      type(topology_t), intent(in) :: topology
+      type(mechanism_t), intent(in) :: mechanism
       type(diagnostics_t), intent(inout) :: findings
       integer :: r
 
-      if (constr%irange == range_turn .and. topology%sliding_input) then
+      if (constr%irange == range_turn .and. mechanism%sliding_input) then
          call findings%error('IRANGE=2 needs a turning input; use IRANGE=1', group='CONSTR', item='IRANGE')
       end if
       do r = 1, size(constr%regions)
          associate (region => constr%regions(r))
             if (region%loop < 1) cycle
-            if (region%arc > topology%loopl(region%loop)) then
+            if (region%arc > mechanism%loops(region%loop)%arcs) then
                call findings%error('region '//to_text(r)//': loop '//to_text(region%loop)//' has '// &
-                                   to_text(topology%loopl(region%loop))//' arcs only', group='CONSTR', item='RLINK')
+                                   to_text(mechanism%loops(region%loop)%arcs)//' arcs only', group='CONSTR', item='RLINK')
             end if
          end associate
       end do

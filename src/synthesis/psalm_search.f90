@@ -17,8 +17,8 @@ module psalm_search
    use psalm_solvers, only: new_solver
    use psalm_stop, only: stop_t
    use psalm_timing, only: timing_t, prepare_timing, find_timing
-   use psalm_topology, only: variable_length, variable_outlk, variable_origlk, variable_crnki, &
-                             variable_gama, variable_outang, variable_origng
+   use psalm_parameters, only: variable_length, variable_outlk, variable_origlk, variable_crnki, variable_gama, &
+                               variable_outang, variable_origng
    implicit none (type, external)
    private
    public :: found_t, result_t, start_record_t, search_many
@@ -283,13 +283,13 @@ contains
       do v = 1, size(values)
          deviate = 0.0_wp
          if (abs(high(v) - low(v)) > 0.0_wp) deviate = 2.0_wp*(values(v) - low(v))/(high(v) - low(v)) - 1.0_wp
-         select case (problem%topology%variables(v)%kind)
+         select case (problem%parameters%variables(v)%kind)
          case (variable_length, variable_outlk, variable_origlk)
             reach = abs(best(v))
          case default
             reach = right_angle
          end select
-         if (problem%topology%sliding_input .and. problem%topology%variables(v)%kind == variable_crnki) reach = abs(best(v))
+         if (problem%mechanism%sliding_input .and. problem%parameters%variables(v)%kind == variable_crnki) reach = abs(best(v))
          values(v) = best(v) + reach*deviate*0.5_wp**fineness
       end do
    end subroutine draw_near
@@ -303,9 +303,9 @@ contains
       logical :: turns(size(values))
 
       if (set%limval /= 0) return
-      associate (kind => problem%topology%variables%kind)
+      associate (kind => problem%parameters%variables%kind)
          turns = kind == variable_gama .or. kind == variable_outang .or. kind == variable_origng .or. &
-                 (kind == variable_crnki .and. .not. problem%topology%sliding_input)
+                 (kind == variable_crnki .and. .not. problem%mechanism%sliding_input)
       end associate
       where (turns) values = values - full_turn*anint((values - first)/full_turn)
    end subroutine unwind
@@ -386,7 +386,7 @@ contains
       end if
       if (worker%merit%irange == range_positions .or. .not. outcome%feasible) return
       do round = 1, most_returns
-         call worker%problem%topology%apply(outcome%values, worker%merit%dimensions)
+         call worker%problem%parameters%apply(outcome%values, worker%merit%dimensions)
          call inspect(worker%inspector, worker%merit%dimensions, worker%merit%delt, margins, hasty=.true.)
          outcome%feasible = .not. any(is_violated(margins))
          if (outcome%feasible) return
@@ -425,7 +425,7 @@ contains
       type(worker_t), intent(inout) :: worker
       real(wp), intent(in) :: values(:)
 
-      call worker%problem%topology%apply(values, worker%merit%dimensions)
+      call worker%problem%parameters%apply(values, worker%merit%dimensions)
       call find_timing(worker%timing, worker%merit, worker%merit%delt)
    end subroutine retime
 
@@ -469,7 +469,7 @@ contains
       type(problem_t), intent(in) :: problem
       logical, allocatable :: lengths(:)
 
-      lengths = problem%topology%variables%kind == variable_length .or. problem%topology%variables%kind == variable_outlk
+      lengths = problem%parameters%variables%kind == variable_length .or. problem%parameters%variables%kind == variable_outlk
       if (.not. any(lengths)) lengths = .true.
    end function is_length
 end module psalm_search

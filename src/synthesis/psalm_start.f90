@@ -54,7 +54,7 @@ contains
       marble = search%core
       allocate (simplex%v(marble, marble + 1), simplex%f(marble + 1), source=0.0_wp)
       allocate (beginning%integer(marble + 1), source=0_i8)
-      simplex%v(:, 1) = search%problem%topology%first_values(search%problem%given)
+      simplex%v(:, 1) = search%problem%parameters%first_values(search%problem%given)
       if (size(supplied, 2) > 0) simplex%v(:, 1) = supplied(:, 1)
       call random_limits(set, simplex%v(:, 1), beginning%low, beginning%high)
       beginning%drawn = simplex%v

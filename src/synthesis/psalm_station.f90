@@ -10,7 +10,8 @@ module psalm_station
    use psalm_kinds, only: wp, degrees_per_radian
    use psalm_linkage, only: padded
    use psalm_sensitivity, only: sensitivity_t, prepare_sensitivity, find_jacobian, block_constraints
-   use psalm_topology, only: dimensions_t, variable_t, variable_length, variable_outlk, variable_origlk, variable_crnki
+   use psalm_dimensions, only: dimensions_t
+   use psalm_parameters, only: variable_t, variable_length, variable_outlk, variable_origlk, variable_crnki
    implicit none (type, external)
    private
    public :: station_t, prepare_station, look, look_closely
@@ -57,13 +58,13 @@ contains
       station%timed = timed
       if (timed) then
          input%kind = variable_crnki
-         station%problem%topology%variables = [problem%topology%variables, input]
+         station%problem%parameters%variables = [problem%parameters%variables, input]
       end if
-      station%columns = size(station%problem%topology%variables)
+      station%columns = size(station%problem%parameters%variables)
       call station%problem%set_inputs(delt)
       call station%problem%want_derivatives(size(joints, 2) > 0, joints)
       allocate (station%closed(n), station%closed0(n), source=.true.)
-      associate (loops => problem%topology%nloop, c => merge(station%columns, 0, derivatives), j => size(joints, 2), &
+      associate (loops => problem%mechanism%nloop, c => merge(station%columns, 0, derivatives), j => size(joints, 2), &
                  components => station%problem%output%kind%components)
          allocate (station%out(n, components), station%k(n, loops), station%joints(n, 2, j), source=0.0_wp)
          station%out0 = station%out
@@ -126,12 +127,12 @@ contains
                end do
                call block_constraints(problem, n, station%k(offset + 1:offset + n, :))
                if (allocated(station%measure)) then
-                  do loop = 1, problem%topology%nloop
+                  do loop = 1, problem%mechanism%nloop
                      station%measure(offset + 1:offset + n, loop) = link%store%v(1:n, link%measure(loop))
                   end do
                end if
                station%closed(offset + 1:offset + n) = .true.
-               do loop = 1, problem%topology%nloop
+               do loop = 1, problem%mechanism%nloop
                   if (link%step_of_loop(loop) == 0) cycle
                   if (link%all_accepted(m, loop)) cycle
                   do i = 1, n
@@ -175,13 +176,13 @@ contains
       reach = maxval(dimensions%arcl)
       changed = dimensions
       do v = 1, station%columns
-         values = station%problem%topology%first_values(dimensions)
-         associate (kind => station%problem%topology%variables(v)%kind)
+         values = station%problem%parameters%first_values(dimensions)
+         associate (kind => station%problem%parameters%variables(v)%kind)
             step = small_change*degrees_per_radian
             if (kind == variable_length .or. kind == variable_outlk .or. kind == variable_origlk) step = small_change*reach
-            if (kind == variable_crnki .and. station%problem%topology%sliding_input) step = small_change*reach
+            if (kind == variable_crnki .and. station%problem%mechanism%sliding_input) step = small_change*reach
             values(v) = values(v) + step
-            call station%problem%topology%apply(values, changed)
+            call station%problem%parameters%apply(values, changed)
             if (kind == variable_crnki) changed%crnki = dimensions%crnki + step
          end associate
          call observe(station, changed)
@@ -191,7 +192,7 @@ contains
             station%dk(i, :, v) = (station%k(i, :) - station%k0(i, :))/step
             station%djoints(i, :, :, v) = (station%joints(i, :, :) - station%joints0(i, :, :))/step
          end do
-         call station%problem%topology%apply(station%problem%topology%first_values(dimensions), changed)
+         call station%problem%parameters%apply(station%problem%parameters%first_values(dimensions), changed)
       end do
       station%out = station%out0
       station%k = station%k0

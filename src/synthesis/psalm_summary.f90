@@ -13,7 +13,8 @@ module psalm_summary
    use psalm_plan, only: root_crank, root_frame
    use psalm_station, only: station_t, prepare_station, look
    use psalm_sweep, only: sweep_sense
-   use psalm_topology, only: topology_t, dimensions_t
+   use psalm_dimensions, only: dimensions_t
+   use psalm_mechanism, only: mechanism_t
    implicit none (type, external)
    private
    public :: summary_t, loop_kind_t, span_t, summarise, kind_of_four_bar
@@ -86,7 +87,7 @@ contains
       real(wp), allocatable :: inputs(:), gaps(:)
       integer :: none(2, 0), i
 
-      summary%sliding_input = problem%topology%sliding_input
+      summary%sliding_input = problem%mechanism%sliding_input
       ! of a pose the point is told
       summary%motion = merge(motion_point, problem%motion, problem%motion == motion_pose)
       call errors(problem, motion, summary)
@@ -179,16 +180,16 @@ contains
       allocate (gaps(0))
       n = size(fine%closed)
       worst = -1.0_wp
-      associate (topology => fine%problem%topology)
-         do loop = 1, topology%nloop
+      associate (mechanism => fine%problem%mechanism)
+         do loop = 1, mechanism%nloop
             if (fine%problem%linkage%step_of_loop(loop) == 0) cycle
-            form = form_of(topology%joint(loop))
+            form = form_of(mechanism%groups(loop)%kind)
             select case (form%ways)
             case (2)
                sine = abs(fine%k(:, loop))
                do i = 1, n
                   if (.not. fine%closed(i)) cycle
-                  if (has_angle(topology, loop)) call enter(loop, min(sine(i), 1.0_wp), fine%problem%delt(i))
+                  if (has_angle(mechanism, loop)) call enter(loop, min(sine(i), 1.0_wp), fine%problem%delt(i))
                   ! a peak may be higher between the steps
                   if (sine(i) < max(worst, near_toggle) - 2.0_wp*abs(sine(max(i - 1, 1)) - sine(min(i + 1, n)))) cycle
                   if (sine(i) < sine(max(i - 1, 1)) .or. sine(i) < sine(min(i + 1, n))) cycle
@@ -236,7 +237,7 @@ contains
             end do
             reach = 2.0_wp*reach/real(steps_of_lens, wp)
          end do
-         if (has_angle(fine%problem%topology, which)) call enter(which, min(best, 1.0_wp), at)
+         if (has_angle(fine%problem%mechanism, which)) call enter(which, min(best, 1.0_wp), at)
       end subroutine climb
 
       !> Two slides are parallel where the sine of their angle changes its sign.
@@ -268,11 +269,11 @@ contains
    end subroutine least_angle
 
    !> Link pairs and links on slides have a transmission angle.
-   pure logical function has_angle(topology, loop)
-      type(topology_t), intent(in) :: topology
+   pure logical function has_angle(mechanism, loop)
+      type(mechanism_t), intent(in) :: mechanism
       integer, intent(in) :: loop
 
-      has_angle = any(topology%joint(loop) == [assur_rrr, assur_rrp, assur_prr])
+      has_angle = any(mechanism%groups(loop)%kind == [assur_rrr, assur_rrp, assur_prr])
    end function has_angle
 
    !> Transmission angle of a sine of its deviation from 90 degrees; stretched or folded links are so but for rounding.
@@ -295,7 +296,7 @@ contains
       low = from
       high = to
       if (abs(fine%problem%delt(size(fine%closed)) - fine%problem%delt(1)) < full_turn .or. &
-          fine%problem%topology%sliding_input) then
+          fine%problem%mechanism%sliding_input) then
          low = min(max(from, minval(fine%problem%delt)), maxval(fine%problem%delt))
          high = min(max(to, minval(fine%problem%delt)), maxval(fine%problem%delt))
       end if
@@ -426,8 +427,8 @@ contains
             beyond = lens%problem%delt(j + 1)
          end do
          call enter(value + step_between(value, lens%out(j, 1)), second(lens, j))
-         do round = 1, lens%problem%topology%nloop
-            if (lens%problem%linkage%step_of_loop(round) == 0 .or. .not. has_angle(lens%problem%topology, round)) cycle
+         do round = 1, lens%problem%mechanism%nloop
+            if (lens%problem%linkage%step_of_loop(round) == 0 .or. .not. has_angle(lens%problem%mechanism, round)) cycle
             if (angle_of(abs(lens%k(j, round))) >= summary%angle) cycle
             summary%angle = angle_of(abs(lens%k(j, round)))
             summary%angle_loop = round
@@ -511,7 +512,7 @@ contains
       real(wp), intent(in) :: delt
 
       input_of = dimensions%crnki + delt
-      if (problem%topology%sliding_input) return
+      if (problem%mechanism%sliding_input) return
       if (abs(input_of - anint(input_of)) < rounding_of_input) input_of = anint(input_of)
       input_of = within_turn(input_of)
    end function input_of
@@ -525,24 +526,24 @@ contains
       integer :: loop, p, q, a
 
       allocate (kinds(0))
-      if (problem%topology%sliding_input) return
-      associate (topology => problem%topology, plan => problem%plan)
-         do loop = 1, topology%nloop
+      if (problem%mechanism%sliding_input) return
+      associate (mechanism => problem%mechanism, plan => problem%plan)
+         do loop = 1, mechanism%nloop
             if (problem%linkage%step_of_loop(loop) == 0) cycle
-            p = topology%larcx(1, loop)
-            q = topology%larcx(2, loop)
+            p = mechanism%place(1, loop)
+            q = mechanism%place(2, loop)
             if (p < 2) cycle
-            if (any(plan%root([(topology%seq(loop, a), a=1, p - 1)]) /= root_crank)) cycle
-            if (any(plan%root([(topology%seq(loop, a), a=q + 1, topology%loopl(loop))]) /= root_frame)) cycle
+            if (any(plan%root([(mechanism%seq(loop, a), a=1, p - 1)]) /= root_crank)) cycle
+            if (any(plan%root([(mechanism%seq(loop, a), a=q + 1, mechanism%loops(loop)%arcs)]) /= root_frame)) cycle
             call sum_of_arcs(loop, 1, p - 1, crank, x, y)
-            call sum_of_arcs(loop, q + 1, topology%loopl(loop), frame, x, y)
-            link = dimensions%arcl(topology%seq(loop, p))
-            select case (topology%joint(loop))
+            call sum_of_arcs(loop, q + 1, mechanism%loops(loop)%arcs, frame, x, y)
+            link = dimensions%arcl(mechanism%seq(loop, p))
+            select case (mechanism%groups(loop)%kind)
             case (assur_rrr)
-               kinds = [kinds, loop_kind_t(loop, kind_of_four_bar(crank, link, dimensions%arcl(topology%seq(loop, q)), frame))]
+               kinds = [kinds, loop_kind_t(loop, kind_of_four_bar(crank, link, dimensions%arcl(mechanism%seq(loop, q)), frame))]
             case (assur_rrp)
-               c = problem%linkage%x(topology%seq(loop, q))
-               s = problem%linkage%y(topology%seq(loop, q))
+               c = problem%linkage%x(mechanism%seq(loop, q))
+               s = problem%linkage%y(mechanism%seq(loop, q))
                across = abs(c*y - s*x)
                kinds = [kinds, loop_kind_t(loop, merge(kind_slider_turning, kind_slider_swinging, &
                                                        crank + across <= link*(1.0_wp + rounding)))]
@@ -561,12 +562,12 @@ contains
          sx = 0.0_wp
          sy = 0.0_wp
          do a = from, to
-            n = problem%topology%seq(which, a)
+            n = problem%mechanism%seq(which, a)
             sx = sx + problem%linkage%x(n)*dimensions%arcl(n)
             sy = sy + problem%linkage%y(n)*dimensions%arcl(n)
          end do
          length = hypotenuse(sx, sy)
-         if (from == to) length = dimensions%arcl(problem%topology%seq(which, from))
+         if (from == to) length = dimensions%arcl(problem%mechanism%seq(which, from))
       end subroutine sum_of_arcs
    end function kinds_of
 

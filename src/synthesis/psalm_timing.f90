@@ -35,8 +35,8 @@ contains
 
       from = merit%sense*minval(merit%sense*problem%delt)
       to = from + merit%sense*full_turn
-      if (problem%topology%sliding_input) to = merit%sense*maxval(merit%sense*problem%delt)
-      timing%inputs = [(from + (to - from)*(real(i, wp)/real(merge(steps - 1, steps, problem%topology%sliding_input), wp)), &
+      if (problem%mechanism%sliding_input) to = merit%sense*maxval(merit%sense*problem%delt)
+      timing%inputs = [(from + (to - from)*(real(i, wp)/real(merge(steps - 1, steps, problem%mechanism%sliding_input), wp)), &
                         i=0, steps - 1)]
       call prepare_station(problem, timing%inputs, .false., reshape([integer ::], [2, 0]), .false., timing%path)
       allocate (timing%cost(steps, problem%positions), timing%least(steps, problem%positions), source=0.0_wp)
@@ -112,7 +112,7 @@ contains
          end if
          best = huge(best)
          best_from = 1
-         do from = 1, merge(1, steps, problem%topology%sliding_input), steps/starts
+         do from = 1, merge(1, steps, problem%mechanism%sliding_input), steps/starts
             call visit(timing, from, total)
             if (total < best) then
                best = total

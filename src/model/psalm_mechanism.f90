@@ -1,0 +1,235 @@
+!> What a mechanism is, whoever described it: bodies, joints, actuators and outputs, and the vector loops that close it.
+!>
+!> A mechanism is topology alone; its numbers are a `dimensions_t`, and which of them vary is a `parameters_t`.
+!>
+!> **Arcs** are vectors from point to point. Each is fixed in a body: the sliding arc of a prismatic joint in the body that
+!> slides, with its foot on the body that guides it. An arc's direction is that of the arc it hangs on, turned by GAMA; or
+!> the actuator or an Assur group finds it. **Loops** are closed rings of arcs from the input pivot back to it; each group's
+!> unknown arcs stand side by side in its loop. **Groups** are in the order in which they are solved.
+!>
+!> **Points** are the vertices of the chain, each made once though many loops run through it: two arcs meet in one point
+!> because the loops say so, never because their co-ordinates agree. Source of the bodies: Oldham (1977), sections 4.2 and 15.1.
+module psalm_mechanism
+   use psalm_dimensions, only: dimensions_t
+   use psalm_dyad_kind, only: assur_none
+   use psalm_kinds, only: wp
+   use psalm_output_kind, only: motion_point
+   implicit none (type, external)
+   private
+   public :: mechanism_t, arc_t, loop_t, point_t, bar_t, body_t, joint_t, actuator_t, group_t, output_t
+   public :: arc_absent, arc_determined, arc_link, arc_slide, arc_crank, arc_actuator
+   public :: joint_revolute, joint_prismatic, at_start, at_finish, body_frame, pivot
+
+   integer, parameter :: arc_absent = 0      !! not known yet
+   integer, parameter :: arc_determined = 1  !! direction fixed to that of another arc, or to the frame
+   integer, parameter :: arc_link = 2        !! undetermined, of fixed length
+   integer, parameter :: arc_slide = 3       !! undetermined, sliding on its guide
+   integer, parameter :: arc_crank = 4       !! the input link, turning
+   integer, parameter :: arc_actuator = 5    !! the input link, sliding
+
+   integer, parameter :: joint_revolute = 1
+   integer, parameter :: joint_prismatic = 2
+
+   integer, parameter :: at_start = 1        !! an end of an arc
+   integer, parameter :: at_finish = 2
+
+   integer, parameter :: body_frame = 1      !! the body that is the frame
+   integer, parameter :: pivot = 1           !! the point that is the input pivot, on the frame
+
+   !> A vector from point to point, fixed in a body.
+   type :: arc_t
+      integer :: kind = arc_absent
+      integer :: loop = 0, place = 0    !! its loop and its number there
+      integer :: reference = 0          !! arc it hangs on, or its guide; 0: none
+      logical :: same = .false.         !! same length and direction as its reference
+      logical :: frame = .false.        !! belongs to the frame
+      integer :: turn = 0               !! slides: +1 if 90 degrees anticlockwise from the guide's direction, else -1
+      integer :: representative = 0     !! first arc identical with it (itself if none)
+      logical :: reversed = .false.     !! traced against its representative
+      integer :: dyad = 0               !! unknowns: 1 for p, 2 for q; determined arcs: 0
+      integer :: body = 0               !! body whose axes it is fixed in
+      integer :: ends(2) = 0            !! points at its start and its finish
+      integer :: foot = 0               !! where its guide meets a slide, or an arc that repeats one: `at_...`
+      integer :: bar = 0                !! the bar it runs along
+      logical :: attached = .false.     !! its ends are points of its body; if not it is only parallel to it
+   end type arc_t
+
+   !> A closed ring of arcs.
+   type :: loop_t
+      integer :: first = 0              !! number of its first arc; the others follow
+      integer :: arcs = 0               !! how many there are
+   end type loop_t
+
+   !> A vertex of the chain, and how it is reached.
+   type :: point_t
+      integer :: from = 0               !! from this point; 0: it is the input pivot
+      integer :: arc = 0                !! by this arc,
+      integer :: sense = 0              !! along it (+1) or against it (-1)
+      integer :: group = 0              !! the group whose common joint it is; 0: none
+   end type point_t
+
+   !> An arc, or several identical arcs, between two points.
+   type :: bar_t
+      integer :: arc = 0                !! the representative
+      integer :: ends(2) = 0            !! its points, in the sense of that arc
+   end type bar_t
+
+   !> A rigid body. Its axes are those of its arc `axis`; those of the frame are the machine's.
+   type :: body_t
+      character(:), allocatable :: name
+      integer :: axis = 0               !! 0: the frame
+      integer, allocatable :: arcs(:)   !! arcs fixed in it, `axis` included; `angle_on_body` is their direction in its axes
+      integer, allocatable :: points(:) !! points fixed in it
+   end type body_t
+
+   !> What joins two bodies. The reaction of the first body on the second is the one listings print.
+   type :: joint_t
+      character(:), allocatable :: name !! IN, then S, M and E with the number of the loop
+      integer :: kind = joint_revolute
+      integer :: bodies(2) = 0
+      integer :: arc = 0                !! an arc that ends here,
+      integer :: end = at_start         !! by this end
+      integer :: point = 0              !! the point there: centre of a revolute joint, foot of a prismatic one
+      integer :: slide = 0              !! prismatic: the arc whose direction it slides along
+      integer :: group = 0              !! the group it belongs to; 0: the input
+      logical :: attached = .false.     !! the point is a point of both bodies (of a prismatic joint: of its guide)
+   end type joint_t
+
+   !> What drives the mechanism.
+   type :: actuator_t
+      integer :: joint = 0
+      integer :: arc = 0                !! the arc it moves
+      logical :: slides = .false.       !! prismatic: its input is a length
+   end type actuator_t
+
+   !> An Assur group.
+   type :: group_t
+      integer :: kind = assur_none      !! one of `assur_...`
+      integer :: loop = 0               !! the loop that closes it
+      integer, allocatable :: members(:)!! its unknown arcs; of a dyad p and q
+      integer :: sign = 1               !! assembly mode, +1 or -1
+      integer :: joints(3) = 0          !! S, M, E
+   end type group_t
+
+   !> What the mechanism is for.
+   type :: output_t
+      integer :: motion = motion_point  !! one of `motion_...`
+      integer :: arc = 0                !! the arc it is measured from
+      logical :: from_start = .false.   !! from the start of that arc, else from its finish
+   end type output_t
+
+   !> A mechanism of one degree of freedom for each actuator.
+   type :: mechanism_t
+      integer :: nloop = 0
+      type(arc_t), allocatable :: arcs(:)
+      type(loop_t), allocatable :: loops(:)
+      type(group_t), allocatable :: groups(:)       !! group k is closed by loop k
+      type(point_t), allocatable :: points(:)       !! the input pivot first
+      type(bar_t), allocatable :: bars(:)
+      type(body_t), allocatable :: bodies(:)        !! the frame first, then that of the actuator, then those of each group
+      type(joint_t), allocatable :: joints(:)       !! that of the actuator first
+      type(actuator_t), allocatable :: actuators(:)
+      type(output_t), allocatable :: outputs(:)
+      logical :: sliding_input = .false.            !! the first actuator is prismatic
+   contains
+      procedure :: seq
+      procedure :: loop_of
+      procedure :: place
+      procedure :: angle_owner
+      procedure :: angle_on_body
+      procedure :: slides
+      procedure :: guide_of
+      procedure :: body_at
+      procedure :: has_point
+   end type mechanism_t
+
+contains
+
+   !> Number of an arc from its loop and its number there.
+   pure integer function seq(self, loop, arc)
+      class(mechanism_t), intent(in) :: self
+      integer, intent(in) :: loop, arc
+
+      seq = self%loops(loop)%first + arc - 1
+   end function seq
+
+   !> Loop of an arc.
+   pure integer function loop_of(self, n)
+      class(mechanism_t), intent(in) :: self
+      integer, intent(in) :: n
+
+      loop_of = self%arcs(n)%loop
+   end function loop_of
+
+   !> Number in its loop of an unknown arc of the loop's group.
+   pure integer function place(self, which, loop)
+      class(mechanism_t), intent(in) :: self
+      integer, intent(in) :: which      !! 1: p, 2: q
+      integer, intent(in) :: loop
+
+      place = self%arcs(self%groups(loop)%members(which))%place
+   end function place
+
+   !> The arc whose GAMA gives the direction of an arc that repeats others.
+   pure integer function angle_owner(self, n)
+      class(mechanism_t), intent(in) :: self
+      integer, intent(in) :: n
+
+      angle_owner = n
+      do while (self%arcs(angle_owner)%same .and. self%arcs(angle_owner)%reference > 0)
+         angle_owner = self%arcs(angle_owner)%reference
+      end do
+   end function angle_owner
+
+   !> Direction of an arc in the axes of its body, degrees.
+   pure real(wp) function angle_on_body(self, n, dimensions) result(angle)
+      class(mechanism_t), intent(in) :: self
+      integer, intent(in) :: n
+      type(dimensions_t), intent(in) :: dimensions
+      integer :: arc
+
+      angle = 0.0_wp
+      arc = n
+      do while (arc > 0)
+         if (self%arcs(arc)%kind /= arc_determined) return
+         if (.not. self%arcs(arc)%same) angle = angle + dimensions%gama(arc)
+         arc = self%arcs(arc)%reference
+      end do
+   end function angle_on_body
+
+   !> True if the length of an arc varies with the input.
+   pure logical function slides(self, n)
+      class(mechanism_t), intent(in) :: self
+      integer, intent(in) :: n
+
+      associate (kind => self%arcs(self%arcs(n)%representative)%kind)
+         slides = kind == arc_slide .or. kind == arc_actuator
+      end associate
+   end function slides
+
+   !> The body that guides a slide.
+   pure integer function guide_of(self, n)
+      class(mechanism_t), intent(in) :: self
+      integer, intent(in) :: n          !! an arc that slides
+
+      guide_of = self%arcs(self%arcs(self%arcs(n)%representative)%reference)%body
+   end function guide_of
+
+   !> The body that carries an end of an arc: of the foot of a slide its guide's.
+   pure integer function body_at(self, n, end)
+      class(mechanism_t), intent(in) :: self
+      integer, intent(in) :: n
+      integer, intent(in) :: end        !! `at_start` or `at_finish`
+
+      body_at = self%arcs(n)%body
+      if (self%arcs(n)%foot == end) body_at = self%guide_of(n)
+   end function body_at
+
+   !> True if a point is fixed in a body.
+   pure logical function has_point(self, body, point)
+      class(mechanism_t), intent(in) :: self
+      integer, intent(in) :: body, point
+
+      has_point = any(self%bodies(body)%points == point)
+   end function has_point
+end module psalm_mechanism

@@ -1,0 +1,277 @@
+!> Rigid bodies and joints of a mechanism, from its topology alone.
+!>
+!> The frame, the input link and the two links of each dyad are bodies. A determined arc belongs to the body of the arc it
+!> hangs on, so that a link that appears as several arcs in several loops is one body. A sliding arc belongs to the body that
+!> slides; its foot, the end at which its guide meets it, is a point of the guide's body. Two bodies on a prismatic joint
+!> have the same direction and are two bodies all the same. Source: Oldham (1977), section 15.1.
+module psalm_bodies
+   use psalm_dyad_kind, only: direction_known, form_of, form_t
+   use psalm_mechanism, only: mechanism_t, body_t, joint_t, arc_determined, arc_slide, arc_crank, at_start, at_finish, &
+                              body_frame, joint_prismatic, joint_revolute, pivot
+   use psalm_text, only: to_text
+   implicit none (type, external)
+   private
+   public :: assign_bodies, find_joints_of_bodies
+
+   integer, parameter :: body_input = 2    !! the body the first actuator moves
+
+   !> Points of bodies while they are found: a list for each point.
+   type :: seats_t
+      integer, allocatable :: body(:)      !! by seat
+      integer, allocatable :: before(:)    !! by seat: the seat noted before it at the same point, 0: none
+      integer, allocatable :: last(:)      !! by point: its last seat
+      integer :: count = 0
+   end type seats_t
+
+contains
+
+   !> The bodies, and which of them every arc belongs to.
+   pure subroutine assign_bodies(mechanism)
+      type(mechanism_t), intent(inout) :: mechanism
+      integer :: n, loop, which, body
+
+      allocate (mechanism%bodies(body_input + 2*mechanism%nloop))
+      mechanism%bodies(body_frame)%name = 'frame'
+      mechanism%bodies(body_input)%name = trim(merge('crank', 'input', mechanism%arcs(1)%kind == arc_crank))
+      mechanism%bodies(body_input)%axis = 1
+      do loop = 1, mechanism%nloop
+         do which = 1, 2
+            body = body_input + 2*(loop - 1) + which
+            n = mechanism%groups(loop)%members(which)
+            mechanism%bodies(body)%axis = n
+            mechanism%bodies(body)%name = 'arc '//to_text(mechanism%arcs(n)%place)//' of loop '//to_text(loop)
+         end do
+      end do
+      do body = body_input, size(mechanism%bodies)
+         mechanism%arcs(mechanism%bodies(body)%axis)%body = body
+      end do
+      do n = 1, size(mechanism%arcs)
+         if (mechanism%arcs(n)%kind /= arc_determined) cycle
+         mechanism%arcs(n)%body = body_frame
+         if (.not. mechanism%arcs(n)%frame) mechanism%arcs(n)%body = mechanism%arcs(mechanism%arcs(n)%reference)%body
+      end do
+      call list_arcs(mechanism)
+   end subroutine assign_bodies
+
+   !> The arcs of every body.
+   pure subroutine list_arcs(mechanism)
+      type(mechanism_t), intent(inout) :: mechanism
+      integer :: members(size(mechanism%bodies)), n, body
+
+      members = 0
+      do n = 1, size(mechanism%arcs)
+         body = mechanism%arcs(n)%body
+         members(body) = members(body) + 1
+      end do
+      do body = 1, size(mechanism%bodies)
+         allocate (mechanism%bodies(body)%arcs(members(body)))
+      end do
+      members = 0
+      do n = 1, size(mechanism%arcs)
+         body = mechanism%arcs(n)%body
+         members(body) = members(body) + 1
+         mechanism%bodies(body)%arcs(members(body)) = n
+      end do
+   end subroutine list_arcs
+
+   !> Feet of slides, points of bodies, and the joints between them. The chain must be there.
+   pure subroutine find_joints_of_bodies(mechanism)
+      type(mechanism_t), intent(inout) :: mechanism
+      integer :: loop
+
+      call find_feet(mechanism)
+      call find_points_of_bodies(mechanism)
+      allocate (mechanism%joints(1 + 3*mechanism%nloop))
+      call add_input_joint(mechanism)
+      do loop = 1, mechanism%nloop
+         call add_group_joints(mechanism, loop)
+      end do
+   end subroutine find_joints_of_bodies
+
+   !> The end at which its guide meets a slide: that of the prismatic joint. One guided by its partner slides in the common joint
+   !> of the two, one of known direction in the outer joint, the actuator in the input pivot.
+   pure subroutine find_feet(mechanism)
+      type(mechanism_t), intent(inout) :: mechanism
+      type(form_t) :: form
+      integer :: n, slide
+
+      do n = 1, size(mechanism%arcs)
+         if (.not. mechanism%slides(n)) cycle
+         slide = mechanism%arcs(n)%representative
+         mechanism%arcs(n)%foot = at_start
+         if (mechanism%arcs(slide)%kind == arc_slide) then
+            associate (which => mechanism%arcs(slide)%dyad)
+               form = form_of(mechanism%groups(mechanism%arcs(slide)%loop)%kind)
+               if ((form%direction(which) == direction_known) .neqv. which == 1) mechanism%arcs(n)%foot = at_finish
+            end associate
+         end if
+         if (mechanism%arcs(n)%reversed) mechanism%arcs(n)%foot = at_start + at_finish - mechanism%arcs(n)%foot
+      end do
+   end subroutine find_feet
+
+   ! ---- points ------------------------------------------------------------------------------------------------------
+
+   !> The points of every body. A determined arc adds its ends where one of them is known to be a point of its body; one of which
+   !> neither is ever known is only parallel to its body.
+   pure subroutine find_points_of_bodies(mechanism)
+      type(mechanism_t), intent(inout) :: mechanism
+      type(seats_t) :: seats
+      integer :: n
+      logical :: more
+
+      allocate (seats%body(2*size(mechanism%arcs) + 1), seats%before(2*size(mechanism%arcs) + 1), source=0)
+      allocate (seats%last(size(mechanism%points)), source=0)
+      call seat(seats, body_frame, pivot)
+      do n = 1, size(mechanism%arcs)
+         associate (arc => mechanism%arcs(n))
+            if (arc%foot > 0) then
+               call seat(seats, mechanism%guide_of(n), arc%ends(arc%foot))
+               call seat(seats, arc%body, arc%ends(at_start + at_finish - arc%foot))
+            else if (arc%kind /= arc_determined) then
+               call seat(seats, arc%body, arc%ends(at_start))
+               call seat(seats, arc%body, arc%ends(at_finish))
+            end if
+         end associate
+         mechanism%arcs(n)%attached = mechanism%arcs(n)%foot > 0 .or. mechanism%arcs(n)%kind /= arc_determined
+      end do
+      more = .true.
+      do while (more)
+         more = .false.
+         do n = 1, size(mechanism%arcs)
+            associate (arc => mechanism%arcs(n))
+               if (arc%attached) cycle
+               if (.not. (is_seated(seats, arc%body, arc%ends(1)) .or. is_seated(seats, arc%body, arc%ends(2)))) cycle
+               call seat(seats, arc%body, arc%ends(at_start))
+               call seat(seats, arc%body, arc%ends(at_finish))
+            end associate
+            mechanism%arcs(n)%attached = .true.
+            more = .true.
+         end do
+      end do
+      call list_points(seats, mechanism%bodies)
+   end subroutine find_points_of_bodies
+
+   pure subroutine seat(seats, body, point)
+      type(seats_t), intent(inout) :: seats
+      integer, intent(in) :: body, point
+
+      if (is_seated(seats, body, point)) return
+      seats%count = seats%count + 1
+      seats%body(seats%count) = body
+      seats%before(seats%count) = seats%last(point)
+      seats%last(point) = seats%count
+   end subroutine seat
+
+   pure logical function is_seated(seats, body, point)
+      type(seats_t), intent(in) :: seats
+      integer, intent(in) :: body, point
+      integer :: s
+
+      is_seated = .true.
+      s = seats%last(point)
+      do while (s > 0)
+         if (seats%body(s) == body) return
+         s = seats%before(s)
+      end do
+      is_seated = .false.
+   end function is_seated
+
+   !> Points body by body, in rising order.
+   pure subroutine list_points(seats, bodies)
+      type(seats_t), intent(in) :: seats
+      type(body_t), intent(inout) :: bodies(:)
+      integer :: filled(size(bodies)), point, s, body
+
+      filled = 0
+      do s = 1, seats%count
+         filled(seats%body(s)) = filled(seats%body(s)) + 1
+      end do
+      do body = 1, size(bodies)
+         allocate (bodies(body)%points(filled(body)))
+      end do
+      filled = 0
+      do point = 1, size(seats%last)
+         s = seats%last(point)
+         do while (s > 0)
+            body = seats%body(s)
+            filled(body) = filled(body) + 1
+            bodies(body)%points(filled(body)) = point
+            s = seats%before(s)
+         end do
+      end do
+   end subroutine list_points
+
+   ! ---- joints ------------------------------------------------------------------------------------------------------
+
+   !> The joint of the first actuator, between frame and input link.
+   pure subroutine add_input_joint(mechanism)
+      type(mechanism_t), intent(inout) :: mechanism
+
+      associate (joint => mechanism%joints(1))
+         joint%name = 'IN'
+         joint%bodies = [body_frame, body_input]
+         joint%arc = 1
+         joint%end = at_start
+         joint%point = pivot
+         if (mechanism%sliding_input) then
+            joint%kind = joint_prismatic
+            joint%slide = 1
+         end if
+         joint%attached = .true.
+      end associate
+   end subroutine add_input_joint
+
+   !> The three joints of a dyad: S at the start of p, M between p and q, E at the finish of q.
+   pure subroutine add_group_joints(mechanism, loop)
+      type(mechanism_t), intent(inout) :: mechanism
+      integer, intent(in) :: loop
+      type(form_t) :: form
+      integer :: p, q, first, before, after, guide
+
+      p = mechanism%groups(loop)%members(1)
+      q = mechanism%groups(loop)%members(2)
+      form = form_of(mechanism%groups(loop)%kind)
+      first = 3*loop - 1
+      mechanism%groups(loop)%joints = [first, first + 1, first + 2]
+      before = body_frame
+      if (mechanism%arcs(p)%place > 1) before = mechanism%body_at(p - 1, at_finish)
+      after = mechanism%body_at(q + 1, at_start)
+      guide = merge(p, 0, form%slides(1) .and. form%direction(1) == direction_known)
+      if (guide > 0) before = mechanism%guide_of(p)
+      call set_joint(mechanism, first, 'S', loop, [before, mechanism%arcs(p)%body], p, at_start, guide)
+      guide = merge(q, 0, form%slides(2) .and. form%direction(2) == direction_known)
+      if (guide > 0) after = mechanism%guide_of(q)
+      call set_joint(mechanism, first + 2, 'E', loop, [after, mechanism%arcs(q)%body], q, at_finish, guide)
+      guide = 0
+      if (form%slides(1) .and. form%direction(1) /= direction_known) guide = p
+      if (form%slides(2) .and. form%direction(2) /= direction_known) guide = q
+      call set_joint(mechanism, first + 1, 'M', loop, [mechanism%arcs(p)%body, mechanism%arcs(q)%body], p, at_finish, guide)
+   end subroutine add_group_joints
+
+   pure subroutine set_joint(mechanism, number, letter, loop, bodies, arc, end, slide)
+      type(mechanism_t), intent(inout) :: mechanism
+      integer, intent(in) :: number
+      character, intent(in) :: letter
+      integer, intent(in) :: loop, bodies(2), arc, end
+      integer, intent(in) :: slide      !! the arc it slides along, 0: it turns
+      integer :: carrier
+
+      associate (joint => mechanism%joints(number))
+         joint%name = letter//to_text(loop)
+         joint%kind = merge(joint_prismatic, joint_revolute, slide > 0)
+         joint%bodies = bodies
+         joint%arc = arc
+         joint%end = end
+         joint%point = mechanism%arcs(arc)%ends(end)
+         joint%slide = slide
+         joint%group = loop
+      end associate
+      if (slide > 0) then
+         carrier = mechanism%guide_of(slide)
+         mechanism%joints(number)%attached = mechanism%has_point(carrier, mechanism%joints(number)%point)
+      else
+         mechanism%joints(number)%attached = mechanism%has_point(bodies(1), mechanism%joints(number)%point) .and. &
+                                             mechanism%has_point(bodies(2), mechanism%joints(number)%point)
+      end if
+   end subroutine set_joint
+end module psalm_bodies

@@ -1,0 +1,207 @@
+!> What a case asks of its mechanism: outputs, variables, input positions; and whether that can be had.
+module psalm_plan_inputs
+   use psalm_data_set, only: data_set_t
+   use psalm_dimensions, only: dimensions_t
+   use psalm_kinds, only: wp
+   use psalm_loop_groups, only: guide_of_dyad
+   use psalm_loop_messages, only: arc_warning, complain, place_of
+   use psalm_mechanism, only: mechanism_t, output_t, arc_actuator, arc_link, arc_slide
+   use psalm_output_kind, only: motion_slide
+   use psalm_parameters, only: parameters_t, name_of, variable_length
+   use psalm_status, only: diagnostics_t
+   use psalm_text, only: general, lower_case, to_text
+   implicit none (type, external)
+   private
+   public :: find_output, check_dimensions, find_repeated
+
+   integer, parameter :: most_named = 40 !! variables named in one message
+
+contains
+
+   !> The one output of a case of loop arrays.
+   subroutine find_output(set, mechanism, findings)
+      type(data_set_t), intent(in) :: set
+      type(mechanism_t), intent(inout) :: mechanism
+      type(diagnostics_t), intent(inout) :: findings
+      integer :: arc
+
+      if (set%noutlp < 1 .or. set%noutlp > set%nloop) then
+         call findings%error('must name a loop from 1 to '//to_text(set%nloop)//'; found '//to_text(set%noutlp), &
+                             line=set%origins%line('LINKS', 'NOUTLP', 1), group='LINKS', item='NOUTLP')
+         return
+      end if
+      if (set%noutlk == 0 .or. abs(set%noutlk) > mechanism%loops(set%noutlp)%arcs) then
+         call findings%error('must name an arc from 1 to '//to_text(mechanism%loops(set%noutlp)%arcs)//' of loop '// &
+                             to_text(set%noutlp)//'; found '//to_text(set%noutlk), &
+                             line=set%origins%line('LINKS', 'NOUTLK', 1), group='LINKS', item='NOUTLK')
+         return
+      end if
+      arc = mechanism%seq(set%noutlp, abs(set%noutlk))
+      mechanism%outputs = [output_t(set%motion, arc, set%noutlk < 0)]
+      if (set%motion == motion_slide .and. .not. mechanism%slides(arc)) then
+         call findings%error('MOTION=3 needs a sliding arc, but arc '//place_of(mechanism, arc)// &
+                             ' does not slide', line=set%origins%line('LINKS', 'NOUTLK', 1), group='LINKS', item='NOUTLK')
+      end if
+      if (set%ikin /= 0 .and. mechanism%sliding_input) then
+         call findings%error('IKIN sweeps a full turn; with a sliding input give NDES and DELT', &
+                             line=set%origins%line('METHOD', 'IKIN', 1), group='METHOD', item='IKIN')
+      end if
+   end subroutine find_output
+
+   !> Lengths that must be there, bounds that must be given.
+   subroutine check_dimensions(set, mechanism, dimensions, parameters, findings)
+      type(data_set_t), intent(in) :: set
+      type(mechanism_t), intent(in) :: mechanism
+      type(dimensions_t), intent(in) :: dimensions
+      type(parameters_t), intent(in) :: parameters
+      type(diagnostics_t), intent(inout) :: findings
+      integer :: loop, a, n, guide, marble
+
+      do loop = 1, set%nloop
+         do a = 1, mechanism%loops(loop)%arcs
+            n = mechanism%seq(loop, a)
+            guide = guide_of_dyad(mechanism, loop)
+            select case (mechanism%arcs(n)%kind)
+            case (arc_link)
+               if (dimensions%arcl(n) == 0.0_wp .and. a /= guide) then
+                  call complain(set, 'ARCL', loop, a, 'is an undetermined link and needs a positive length', findings)
+               end if
+            case (arc_slide, arc_actuator)
+               if (dimensions%arcl(n) /= 0.0_wp) then
+                  call arc_warning(set, 'ARCL', loop, a, 'slides: the length given is not used', findings)
+               end if
+            end select
+         end do
+      end do
+      marble = size(parameters%variables)
+      if (marble == 0) return
+      if (.not. set%desired) then
+         call findings%error('a search needs desired values (DESX and DESY, or DESANG)', line=set%origins%line('METHOD', ''), &
+                             group='METHOD')
+      end if
+      if (set%limval == 1 .or. set%var == 0.0_wp) then
+         if (min(set%low_given, set%high_given) < marble) then
+            if (set%low_given < marble) call short('OPLOW', set%low_given)
+            if (set%high_given < marble) call short('OPHIGH', set%high_given)
+            return
+         end if
+         if (set%low_given > marble) call long('OPLOW', set%low_given)
+         if (set%high_given > marble) call long('OPHIGH', set%high_given)
+         do n = 1, marble
+            associate (variable => parameters%variables(n))
+               if (set%oplow(n) > set%ophigh(n)) then
+                  call of_variable('OPLOW', n, 'the lower limit '//limit(set%oplow(n))//' of the '// &
+                                   lower_case(name_of(variable))//' is above its upper limit '//limit(set%ophigh(n)))
+               else if (variable%kind == variable_length .and. set%ophigh(n) <= 0.0_wp) then
+                  call of_variable('OPHIGH', n, 'a length needs an upper limit above zero; found '//limit(set%ophigh(n))// &
+                                   ' for the '//lower_case(name_of(variable)))
+               end if
+            end associate
+         end do
+      end if
+      if (set%nguess > marble + 1) then
+         call findings%error('a simplex of '//to_text(marble)//' variables has '//to_text(marble + 1)//' vertices; found '// &
+                             to_text(set%nguess), line=set%origins%line('METHOD', 'NGUESS', 1), group='METHOD', item='NGUESS')
+      end if
+
+   contains
+
+      subroutine of_variable(item, which, text)
+         character(*), intent(in) :: item, text
+         integer, intent(in) :: which
+
+         call findings%error(text, line=set%origins%line('LIMITS', item, which), group='LIMITS', item=item)
+      end subroutine of_variable
+
+      pure function limit(value) result(text)
+         real(wp), intent(in) :: value
+         character(:), allocatable :: text
+
+         text = trim(adjustl(general(value, 'E')))
+      end function limit
+
+      subroutine short(item, got)
+         character(*), intent(in) :: item
+         integer, intent(in) :: got
+         character(:), allocatable :: names
+         integer :: i
+
+         names = lower_case(name_of(parameters%variables(1)))
+         do i = 2, min(marble, most_named)
+            names = names//', '//lower_case(name_of(parameters%variables(i)))
+         end do
+         if (marble > most_named) names = names//' and so on'
+         call of_variable(item, 1, 'OPLOW and OPHIGH must give a value for each of the '//to_text(marble)//' variables; found '// &
+                          to_text(got)//'. The variables are '//names)
+      end subroutine short
+
+      subroutine long(item, got)
+         character(*), intent(in) :: item
+         integer, intent(in) :: got
+
+         call findings%warning(to_text(got)//' limits are given, but there are only '//to_text(marble)// &
+                               ' variables; the others are not used', line=set%origins%line('LIMITS', item, marble + 1), &
+                               group='LIMITS', item=item)
+      end subroutine long
+   end subroutine check_dimensions
+
+   !> A position given twice counts twice, and has two desired values.
+   subroutine find_repeated(set, findings)
+      type(data_set_t), intent(in) :: set
+      type(diagnostics_t), intent(inout) :: findings
+      real(wp), allocatable :: sorted(:)
+      integer :: i, first, second
+
+      if (set%ikin /= 0 .or. set%ifree /= 0 .or. set%ndes < 2) return
+      if (all(set%delt(2:) > set%delt(:set%ndes - 1)) .or. all(set%delt(2:) < set%delt(:set%ndes - 1))) return
+      sorted = set%delt
+      call sort(sorted)
+      do i = 2, set%ndes
+         if (sorted(i) == sorted(i - 1)) exit
+      end do
+      if (i > set%ndes) return
+      first = findloc(set%delt, sorted(i), dim=1)
+      second = first + findloc(set%delt(first + 1:), sorted(i), dim=1)
+      call findings%warning('positions '//to_text(first)//' and '//to_text(second)//' have the same input '// &
+                            trim(adjustl(general(sorted(i), 'E'))), line=set%origins%line('METHOD', 'DELT', second), &
+                            group='METHOD', item='DELT')
+   end subroutine find_repeated
+
+   !> Put numbers in rising order (heap sort).
+   subroutine sort(values)
+      real(wp), intent(inout) :: values(:)
+      integer :: first, last
+      real(wp) :: largest
+
+      do first = size(values)/2, 1, -1
+         call sift(first, size(values))
+      end do
+      do last = size(values), 2, -1
+         largest = values(1)
+         values(1) = values(last)
+         values(last) = largest
+         call sift(1, last - 1)
+      end do
+
+   contains
+
+      subroutine sift(from, to)
+         integer, intent(in) :: from, to
+         integer :: node, child
+         real(wp) :: value
+
+         node = from
+         value = values(node)
+         do while (2*node <= to)
+            child = 2*node
+            if (child < to) then
+               if (values(child + 1) > values(child)) child = child + 1
+            end if
+            if (values(child) <= value) exit
+            values(node) = values(child)
+            node = child
+         end do
+         values(node) = value
+      end subroutine sift
+   end subroutine sort
+end module psalm_plan_inputs

@@ -1,0 +1,91 @@
+!> The optimization variables of a case of loop arrays, from IVA, IVG, ILKOUT, INGOUT, IORIG and ICRK.
+module psalm_variables
+   use psalm_data_set, only: data_set_t
+   use psalm_loop_messages, only: arc_warning, place_of
+   use psalm_mechanism, only: mechanism_t, arc_determined
+   use psalm_parameters, only: parameters_t, no_parameters, variable_crnki, variable_origlk, variable_origng, &
+                               variable_outang, variable_outlk
+   use psalm_status, only: diagnostics_t
+   implicit none (type, external)
+   private
+   public :: find_variables
+
+contains
+
+   !> Number the variables: IVA row by row, ILKOUT, IORIG distance, IVG, INGOUT, IORIG angle, ICRK.
+   subroutine find_variables(set, mechanism, parameters, findings)
+      type(data_set_t), intent(in) :: set
+      type(mechanism_t), intent(in) :: mechanism
+      type(parameters_t), intent(out) :: parameters
+      type(diagnostics_t), intent(inout) :: findings
+      integer :: loop, a
+
+      parameters = no_parameters(mechanism)
+      if (set%ikin /= 0 .or. size(set%iva) == 0) return
+      do loop = 1, set%nloop
+         do a = 1, set%maxarc
+            if (set%iva(a, loop) /= 0) call let_length_vary(set, mechanism, loop, a, parameters, findings)
+         end do
+      end do
+      if (set%ilkout /= 0) call parameters%vary(variable_outlk)
+      if (set%iorig /= 0) call parameters%vary(variable_origlk)
+      do loop = 1, set%nloop
+         do a = 1, set%maxarc
+            if (set%ivg(a, loop) /= 0) call let_angle_vary(set, mechanism, loop, a, parameters, findings)
+         end do
+      end do
+      if (set%ingout /= 0) call parameters%vary(variable_outang)
+      if (set%iorig /= 0) call parameters%vary(variable_origng)
+      if (set%icrk /= 0) call parameters%vary(variable_crnki)
+   end subroutine find_variables
+
+   subroutine let_length_vary(set, mechanism, loop, a, parameters, findings)
+      type(data_set_t), intent(in) :: set
+      type(mechanism_t), intent(in) :: mechanism
+      integer, intent(in) :: loop, a
+      type(parameters_t), intent(inout) :: parameters
+      type(diagnostics_t), intent(inout) :: findings
+      integer :: n, first
+
+      if (a > mechanism%loops(loop)%arcs) then
+         call arc_warning(set, 'IVA', loop, a, 'does not exist and cannot vary', findings)
+         return
+      end if
+      n = mechanism%seq(loop, a)
+      if (mechanism%slides(n)) then
+         call arc_warning(set, 'IVA', loop, a, 'slides: its length is a result and cannot vary', findings)
+         return
+      end if
+      first = mechanism%arcs(n)%representative
+      if (parameters%length_variable(first) > 0 .or. first /= n) then
+         call arc_warning(set, 'IVA', loop, a, 'is identical with arc '//place_of(mechanism, first)// &
+                          '; the two lengths cannot vary independently', findings)
+      end if
+      call parameters%vary_length(mechanism, n)
+   end subroutine let_length_vary
+
+   subroutine let_angle_vary(set, mechanism, loop, a, parameters, findings)
+      type(data_set_t), intent(in) :: set
+      type(mechanism_t), intent(in) :: mechanism
+      integer, intent(in) :: loop, a
+      type(parameters_t), intent(inout) :: parameters
+      type(diagnostics_t), intent(inout) :: findings
+      integer :: n, owner
+
+      if (a > mechanism%loops(loop)%arcs) then
+         call arc_warning(set, 'IVG', loop, a, 'does not exist and cannot vary', findings)
+         return
+      end if
+      n = mechanism%seq(loop, a)
+      owner = mechanism%angle_owner(n)
+      if (mechanism%arcs(owner)%kind /= arc_determined) then
+         call arc_warning(set, 'IVG', loop, a, 'has no fixed angle: its direction is a result and cannot vary', findings)
+         return
+      end if
+      if (owner /= n) then
+         call arc_warning(set, 'IVG', loop, a, 'is identical with arc '//place_of(mechanism, owner)// &
+                          '; the two angles cannot vary independently', findings)
+      end if
+      call parameters%vary_angle(mechanism, n)
+   end subroutine let_angle_vary
+end module psalm_variables
