@@ -22,13 +22,16 @@ module psalm
    use psalm_rate_list, only: list_rates
    use psalm_rate_study, only: rate_study_t, study_rates => find_rates
    use psalm_search, only: found_t
-   use psalm_solver, only: observer_t, search_state_t
+   use psalm_nlp, only: nlp_t, plain_nlp_t
+   use psalm_solver, only: observer_t, search_state_t, solver_t, ending_t, stop_refused
+   use psalm_solver_kind, only: solver_kind_t, find_solver, solver_names, family_unknown
+   use psalm_solvers, only: new_solver
    use psalm_source, only: line_t
    use psalm_status, only: findings_t => diagnostics_t, finding_t, level_error, level_warning
    use psalm_stop, only: stop_t, stop_request_t
    use psalm_synthesis, only: synthesis_t, study_synthesis => synthesise, ended_unmade, ended_infeasible, ended_converged, &
                               ended_small_objective, ended_iterations, ended_starts, ended_time, ended_on_request, ended_refused
-   use psalm_text, only: text_t, full_precision, lower_case, upper_case, to_text
+   use psalm_text, only: text_t, full_precision, lower_case, nearest_name, upper_case, to_text
    use psalm_tolerance, only: tolerances_t, study_tolerances
    use psalm_dimensions, only: dimensions_t
    use psalm_mechanism, only: mechanism_t
@@ -45,6 +48,7 @@ module psalm
              ended_on_request, ended_refused
    public :: find_rates, rate_study_t
    public :: find_tolerances, tolerances_t
+   public :: minimise, nlp_t, plain_nlp_t, ending_t
    public :: stop_t, stop_request_t, observer_t, search_state_t
 
    integer, parameter :: name_length = 31 !! longest name of a group or an item
@@ -693,6 +697,48 @@ contains
       call study_tolerances(set, problem%given, threads_for(set, threads_of(threads)), ending, tolerances)
       if (.not. tolerances%closes) call findings%warning('no tolerances, because the linkage does not close everywhere')
    end subroutine find_tolerances
+
+   ! ---- problems of one's own ---------------------------------------------------------------------------------------
+
+   !> Minimise a problem of the caller's own from x: an extension of `plain_nlp_t`, say, with `core`, `low` and `high` set.
+   !>
+   !> Findings: sizes that do not fit, a solver that is not there; a warning if the solver cannot work on this problem, or if the
+   !> search ended at a point that does not obey every constraint.
+   subroutine minimise(problem, solver, x, ending, findings, stop, observer)
+      class(nlp_t), intent(inout) :: problem
+      character(*), intent(in) :: solver                  !! its name, as SOLVER of the manual
+      real(wp), intent(inout) :: x(:)                     !! shape (unknowns)
+      type(ending_t), intent(out) :: ending
+      type(findings_t), intent(inout) :: findings
+      type(stop_t), intent(in), optional :: stop          !! by which the host can end the search
+      class(observer_t), intent(inout), optional :: observer !! told of progress
+      class(solver_t), allocatable :: by
+      type(solver_kind_t) :: kind
+      type(stop_t) :: limited
+      character(:), allocatable :: near
+      logical :: fits
+
+      fits = allocated(problem%low) .and. allocated(problem%high) .and. problem%unknowns() > 0 .and. size(x) == problem%unknowns()
+      if (fits) fits = size(problem%low) == problem%core .and. size(problem%high) == problem%core
+      if (.not. fits) call findings%error('minimise: x needs a value for each of '//to_text(problem%unknowns())// &
+                                          ' unknowns, and low and high a bound for each core unknown')
+      kind = find_solver(solver)
+      if (kind%family == family_unknown) then
+         near = nearest_name(upper_case(solver), solver_names())
+         if (len(near) > 0) near = "; did you mean '"//near//"'?"
+         call findings%error("minimise: no solver is called '"//solver//"'"//near)
+         fits = .false.
+      end if
+      if (.not. fits) return
+      if (present(stop)) limited = stop
+      call new_solver(kind, by)
+      call by%minimise(problem, x, limited, ending, observer)
+      if (ending%reason == stop_refused) then
+         call findings%warning('minimise: '//trim(kind%name)//' cannot work on this problem')
+      else if (.not. ending%feasible) then
+         call findings%warning('minimise: the search ended at a point that violates a constraint')
+      end if
+   end subroutine minimise
 
    ! ---- what the studies share --------------------------------------------------------------------------------------
 

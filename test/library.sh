@@ -52,6 +52,18 @@ check "the rates of the same case by kalm" "$bin/kalm" --quiet "$work/rates.nml"
 awk '/CRANK ANGLE +OUTPUT/ { on = 1; next } on && NF == 7 { print $1, $2, $3, $4 }' "$work/rates.lst" >"$work/rates.kalm"
 check "example rates: velocities and accelerations that kalm lists" same_columns 8 <(rows_of <"$work/rates") "$work/rates.kalm"
 
+check "example own_objective runs" run_example own_objective
+# stroke and time ratio of a slider-crank in closed form: its crank and rod in one line
+check "example own_objective: stroke and ratio wanted, by the closed form too" awk '
+    function acos(c) { return atan2(sqrt(1 - c*c), c) }
+    { v[$1] = $2 }
+    END { r = v["crank"]; e = v["offset"]; l = 140; pi = atan2(0, -1)
+          s = sqrt((l + r)^2 - e^2) - sqrt((l - r)^2 - e^2)
+          a = acos(e/(l + r)) - acos(e/(l - r)); if (a < 0) a = -a
+          q = (pi + a)/(pi - a)
+          exit !((s - 80)^2 < 1e-6 && (q - 1.2)^2 < 1e-8 && (s - v["stroke"])^2 < 1e-6 && (q - v["ratio"])^2 < 1e-8) }' \
+    "$work/own_objective"
+
 # the program of README.md: a package outside, with the checkout as its only dependency
 mkdir -p "$work/outside/app"
 awk '/^```fortran/ { on = 1; next } /^```/ { on = 0 } on' "$top/README.md" >"$work/outside/app/main.f90"

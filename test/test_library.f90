@@ -2,10 +2,12 @@
 program test_library
    use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan, ieee_positive_inf
    use check, only: checks_t
-   use psalm, only: wp, case_t, analysis_t, wanted_t, synthesis_t, rate_study_t, tolerances_t, findings_t, stop_t, new_case, &
-                    read_file, read_text, analyse, synthesise, found_case, find_rates, find_tolerances, output_slide, &
-                    output_point, ended_on_request, ended_starts, ended_unmade
+   use psalm, only: wp, case_t, analysis_t, wanted_t, synthesis_t, rate_study_t, tolerances_t, findings_t, ending_t, stop_t, &
+                    new_case, read_file, read_text, analyse, synthesise, found_case, find_rates, find_tolerances, minimise, &
+                    output_slide, output_point, ended_converged, ended_iterations, ended_on_request, ended_starts, &
+                    ended_unmade
    use stopping_host, only: host_t
+   use textbook, only: rosenbrock_t, rosen_suzuki_t, rosenbrock, rosen_suzuki
    implicit none (type, external)
    character, parameter :: nl = new_line('a')
    character(*), parameter :: links = ' &LINKS NLOOP=1, MAXARC=4, ILINK=1,-2,3,4,'//nl//'  ILOOP=1,0,-4,1,'//nl// &
@@ -21,7 +23,9 @@ program test_library
    call changed()
    call rates()
    call searched()
+   call simplex()
    call ended()
+   call own_problem()
    call tolerances()
    call t%report()
 
@@ -287,6 +291,65 @@ contains
       call synthesise(slider_crank(), search, findings)
       call t%equal_integer(search%ending, ended_unmade, 'nothing varies: no search')
    end subroutine searched
+
+   !> A search by the simplex, and its best vertex as a case.
+   subroutine simplex()
+      type(case_t), allocatable :: cases(:)
+      type(synthesis_t) :: search
+      type(analysis_t) :: analysis
+      type(findings_t) :: findings
+
+      call read_file('data/needle.nml', cases, findings)
+      call synthesise(cases(1), search, findings)
+      call t%equal_integer(search%ending, ended_iterations, 'the simplex stops at NITER')
+      call t%is_true(.not. search%many .and. search%is_short() .and. search%state%iteration == 2, 'after two iterations')
+      call read_file('data/chain_short.nml', cases, findings)
+      call synthesise(cases(1), search, findings)
+      call t%equal_integer(search%ending, ended_converged, 'the simplex converges')
+      call analyse(found_case(cases(1), search), analysis, findings)
+      call t%close_to(analysis%motion%total, search%last%f(search%last%best), 1.0e-9_wp, 'the best vertex as a case')
+      call analyse(cases(1), analysis, findings)
+      call t%is_true(analysis%motion%total > search%last%f(search%last%best), 'is better than the linkage as given')
+      call t%is_true(.not. findings%failed(), 'and nothing is wrong')
+   end subroutine simplex
+
+   !> A problem without a linkage; mistakes in asking for a solver are findings.
+   subroutine own_problem()
+      type(rosenbrock_t) :: valley
+      type(rosen_suzuki_t) :: bowl
+      type(ending_t) :: ending
+      type(findings_t) :: findings
+      type(host_t), target :: host
+      type(stop_t) :: stop
+      real(wp) :: x(2), y(4)
+
+      valley = rosenbrock()
+      x = [-1.2_wp, 1.0_wp]
+      call minimise(valley, 'lsq', x, ending, findings)
+      call t%close_to(maxval(abs(x - 1.0_wp)), 0.0_wp, 1.0e-6_wp, 'the valley by least squares')
+      call t%is_true(ending%feasible .and. findings%count == 0, 'without findings')
+      bowl = rosen_suzuki()
+      y = 0.0_wp
+      call minimise(bowl, 'LD_SLSQP', y, ending, findings)
+      call t%close_to(maxval(abs(y - [0.0_wp, 1.0_wp, 2.0_wp, -1.0_wp])), 0.0_wp, 1.0e-4_wp, 'the bowl by SLSQP')
+      call t%equal_integer(findings%count, 0, 'no findings')
+      call minimise(valley, 'LSX', x, ending, findings)
+      call t%finds(findings, "no solver is called 'LSX'; did you mean 'LSQ'?", 'a solver that is not there')
+      findings = findings_t()
+      call minimise(valley, 'LSQ', y, ending, findings)
+      call t%finds(findings, 'x needs a value for each of 2 unknowns', 'too many values')
+      findings = findings_t()
+      deallocate (valley%low)
+      call minimise(valley, 'LSQ', x, ending, findings)
+      call t%finds(findings, 'a bound for each core unknown', 'no bounds')
+      findings = findings_t()
+      host%wants_end = .true.
+      call stop%listen_to(host)
+      valley = rosenbrock()
+      x = [-1.2_wp, 1.0_wp]
+      call minimise(valley, 'SIMPLEX', x, ending, findings, stop)
+      call t%is_true(maxval(abs(x - 1.0_wp)) > 0.1_wp, 'a host can end it')
+   end subroutine own_problem
 
    function path_of_five_points() result(case)
       type(case_t) :: case
