@@ -266,6 +266,9 @@ contains
       call t%equal_integer(findings%exit_code(), 0, 'zeros may fill the arrays of arcs')
       call wrong(altered('NDES=3', 'IVA=0,1,1, DESANG=3*9., NDES=3')//' &LIMITS LIMVAL=1, OPLOW=1., OPHIGH=2*9. &END'//nl, &
                  'each of the 2 variables; found 1. The variables are length of arc 2 in loop 1, length of arc 3 in loop 1')
+      call wrong(altered('NDES=3', 'IVA=0,1,1, DESANG=3*9., NDES=3')//' &LIMITS LIMVAL=1, OPLOW=3*1., OPHIGH=9. &END'//nl, &
+                 'OPHIGH: OPLOW and OPHIGH must give a value for each of the 2 variables; found 1.')
+      call t%equal_integer(findings%count, 1, 'lower limits enough, upper limits too few: one message')
       call wrong(altered('NDES=3', 'IVA=0,1,1, INGOUT=1, DESANG=3*9., NDES=3')// &
                  ' &LIMITS LIMVAL=1, OPLOW=1., OPHIGH=9. &END'//nl, 'length of arc 3 in loop 1, output angle')
       call wrong(altered('NDES=3', 'IVA=0,1,1, DESANG=3*9., NDES=3')//' &LIMITS LIMVAL=1, OPLOW=1.,7., OPHIGH=9.,5. &END'//nl, &
