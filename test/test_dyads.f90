@@ -1,10 +1,14 @@
 !> Every dyad: the two arcs close the gap, keep their lengths, and lie on the side that the sign says.
 program test_dyads
    use check, only: checks_t
+   use psalm_assur, only: solve_dyad
+   use psalm_dyad, only: dyad_t
+   use psalm_dyad_kind, only: assur_rrr, assur_rpr, assur_rpr_guide_first, assur_rrp, assur_prr, assur_rpp, assur_ppr, assur_prp
    use psalm_kinds, only: wp
    use psalm_prp, only: solve_two_slides
    use psalm_random, only: random_t
    use psalm_rpp, only: project_on_slides
+   use psalm_rows, only: rows_t, make_rows
    use psalm_rpr, only: solve_slide_on_q, solve_slide_on_p
    use psalm_rrp, only: solve_link_slide
    use psalm_rrr, only: solve_two_links, solve_one_link
@@ -27,6 +31,9 @@ program test_dyads
    call slides()
    call open_dyads()
    call nasty()
+   do sense = -1, 1, 2
+      call in_store(real(sense, wp))
+   end do
    call t%report()
 
 contains
@@ -184,6 +191,96 @@ contains
       call solve_two_slides(n, sx, sy, ex, ey, root_x, root_y, 1.0_wp, 0.0_wp, hx, hy, 1.0_wp, 0.0_wp, lp, lq, reach)
       call finite(lp, lq, reach, reach, 'type 8')
    end subroutine nasty
+
+   !> Rows of a store, both outer joints moving: whatever the kind, both arcs together lead from one to the other.
+   subroutine in_store(sign)
+      real(wp), intent(in) :: sign
+      integer, parameter :: kinds(8) = [assur_rrr, assur_rpr, assur_rpr_guide_first, assur_rrp, assur_prr, assur_rpp, assur_ppr, &
+                                        assur_prp]
+      type(dyad_t) :: dyad
+      type(rows_t) :: store
+      integer :: k, i
+
+      call points()
+      do k = 1, size(kinds)
+         call make_rows(n, 11, store)
+         store%v(1:n, 1) = sx
+         store%v(1:n, 2) = sy
+         store%v(1:n, 3) = ex
+         store%v(1:n, 4) = ey
+         do i = 5, 7, 2      ! known directions: those of p and of q differ
+            store%v(1:n, i) = merge(root_x, root_y, i == 5)
+            store%v(1:n, i + 1) = merge(root_y, -root_x, i == 5)
+         end do
+         dyad = dyad_t(kind=kinds(k), s_x=1, s_y=2, e_x=3, e_y=4, p_x=5, p_y=6, q_x=7, q_y=8, measure=9, p=2.0_wp, q=1.9_wp, &
+                       sign=sign)
+         select case (kinds(k))
+         case (assur_rpr)
+            dyad%slide_p = 10
+            dyad%q = 0.3_wp
+            call at_right_angles(dyad)
+         case (assur_rpr_guide_first)
+            dyad%slide_q = 10
+            dyad%p = 0.3_wp
+            call at_right_angles(dyad)
+         case (assur_rrp)
+            dyad%slide_q = 10
+            dyad%qx = c
+            dyad%qy = s
+         case (assur_prr)
+            dyad%slide_p = 10
+            dyad%px = c
+            dyad%py = s
+         case (assur_rpp, assur_ppr)
+            dyad%slide_p = 10
+            dyad%slide_q = 11
+            call at_right_angles(dyad)
+         case (assur_prp)
+            dyad%slide_p = 10
+            dyad%slide_q = 11
+            dyad%px = c
+            dyad%py = s
+         end select
+         call solve_dyad(n, dyad, store)
+         px = dyad%px*store%v(1:n, dyad%p_x) - dyad%py*store%v(1:n, dyad%p_y)
+         py = dyad%px*store%v(1:n, dyad%p_y) + dyad%py*store%v(1:n, dyad%p_x)
+         qx = dyad%qx*store%v(1:n, dyad%q_x) - dyad%qy*store%v(1:n, dyad%q_y)
+         qy = dyad%qx*store%v(1:n, dyad%q_y) + dyad%qy*store%v(1:n, dyad%q_x)
+         lp = dyad%p
+         if (dyad%slide_p > 0) lp = store%v(1:n, dyad%slide_p)
+         lq = dyad%q
+         if (dyad%slide_q > 0) lq = store%v(1:n, dyad%slide_q)
+         call closes(px, py, lp, qx, qy, lq, 'kind '//achar(iachar('0') + kinds(k))//' in a store')
+         if (dyad%kind == assur_rrr) call one_wanted(dyad, store)
+      end do
+   end subroutine in_store
+
+   !> q is fixed to p, turned by the sign's right angle.
+   subroutine at_right_angles(dyad)
+      type(dyad_t), intent(inout) :: dyad
+
+      dyad%q_x = dyad%p_x
+      dyad%q_y = dyad%p_y
+      dyad%qx = 0.0_wp
+      dyad%qy = dyad%sign
+   end subroutine at_right_angles
+
+   !> Two links of which the direction of only one is wanted: the same as with both.
+   subroutine one_wanted(dyad, store)
+      type(dyad_t), intent(inout) :: dyad
+      type(rows_t), intent(inout) :: store
+      real(wp) :: both(n, 4)
+
+      both = store%v(1:n, 5:8)
+      store%v(1:n, 5:8) = 0.0_wp
+      dyad%wants_q = .false.
+      call solve_dyad(n, dyad, store)
+      call t%close_to(maxval(abs(both(:, 1:2) - store%v(1:n, 5:6))), 0.0_wp, tolerance, 'type 1: p alone')
+      dyad%wants_q = .true.
+      dyad%wants_p = .false.
+      call solve_dyad(n, dyad, store)
+      call t%close_to(maxval(abs(both(:, 3:4) - store%v(1:n, 7:8))), 0.0_wp, tolerance, 'type 1: q alone')
+   end subroutine one_wanted
 
    !> A number from 1 to `many`, drawn.
    integer function one_of(many)
