@@ -166,6 +166,7 @@ contains
       call wrong(altered('NDES=3', 'IVA=0,1, DESANG=3*9., NDES=3')//' &LIMITS LIMVAL=1, OPLOW=-9., OPHIGH=-1. &END'//nl, &
                  'a length needs an upper limit above zero')
       call wrong(altered('NLOOP=1', 'NLOOP=1,2'), 'too many values')
+      call wrong(altered('NLOOP=1', 'NLOOP=1,0'), 'too many values')
       call wrong(altered('120.,80.', '120.,abc'), 'a number is expected')
       call wrong(altered('120.,80.', '120.,NaN'), 'a finite number is expected')
       call wrong(altered('120.,80.', '120.,Infinity'), 'a finite number is expected')
