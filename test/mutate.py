@@ -28,7 +28,13 @@ NUMBERS = 0.25        # weight of a changed number, of which there are many
 SLACK, PATIENCE = 15.0, 6.0  # a stage may take PATIENCE times as long as it does on the sound sources, and SLACK seconds
 
 MOST_PICTURES = "pictures: most"
-NEAR_PICTURES = ("src/picture/", "src/report/", "src/study/", "app/")   # for these --quick looks at the pictures
+NEAR = {    # stages that --quick asks about changes of these sources only: they run many other lines and seldom notice
+    MOST_PICTURES: ("src/picture/", "src/report/", "src/study/", "app/"),
+    "files: ": ("src/base/", "src/report/", "src/study/", "app/"),
+    "programs: interruption": ("src/base/", "src/synthesis/psalm_search", "src/study/", "app/"),
+    "summary: ": ("src/synthesis/psalm_summary", "src/report/psalm_summary", "src/study/"),
+    "narrow places": ("src/assur/", "src/synthesis/"),
+}
 
 TOKEN = re.compile(r"""(?P<text>'[^']*'|"[^"]*")|(?P<note>!.*)|(?P<dot>\.\w+\.)
                        |(?P<number>(?<![\w.])\d+(?:\.\d*)?(?:[ed][-+]?\d+)?(?:_\w+)?)
@@ -74,6 +80,10 @@ def machine_code(build, source):
     return open(build.object_of(source), "rb").read()
 
 
+def is_far(stage, source):
+    return any(stage.startswith(name) and not source.startswith(near) for name, near in NEAR.items())
+
+
 def first_failure(output):
     lines = output.strip().split("\n")
     return next((line for line in lines if line.startswith("FAILED")), lines[-1])[:200]
@@ -100,12 +110,17 @@ class Trial:
         for build in self.builds:
             self.build_sound(build)
         print("-- built", file=sys.stderr, flush=True)
-        self.seconds = {}
+        memory = os.path.join(self.release.place + ".sound", "seconds.json")
+        self.seconds = json.load(open(memory, encoding="utf-8")) if os.path.exists(memory) else {}
         for stage in self.stages:
+            if stage.name in self.seconds:
+                continue
             began = time.monotonic()
             if not stage.run(self.tree, 3600):
                 raise SystemExit("the tests fail before anything is changed: %s\n%s" % (stage.name, stage.output[-2000:]))
             self.seconds[stage.name] = time.monotonic() - began
+        with open(memory, "w", encoding="utf-8") as out:
+            json.dump(self.seconds, out)
         self.tried = {stage.name: [1, 3] for stage in self.stages}    # how often it noticed, how often it was asked
         print("-- sound sources: %.0f seconds" % sum(self.seconds.values()), file=sys.stderr, flush=True)
         self.runs = self.read_coverage()
@@ -190,7 +205,7 @@ class Trial:
             for stage in sorted(self.stages, key=lambda s: -self.power(s.name)):
                 if ran is not None and stage.name in self.measured and stage.name not in ran:
                     continue
-                if stage.name == MOST_PICTURES and not source.startswith(NEAR_PICTURES):
+                if self.quick and is_far(stage.name, source):
                     continue
                 if "quad" in stage.needs and self.quad not in changed:
                     changed.append(self.quad)
