@@ -400,6 +400,37 @@ def test_extreme_lengths():
     check("an ordinary linkage is drawn in its own unit", "data-unit" not in read("needle.svg"))
 
 
+def drawn_places(name):
+    """Unit of the drawing, and every place and length in it that has all digits, in order."""
+    group = Picture(name).root.find('.//%sg[@id="linkage"]' % SVG)
+    words = " ".join(e.get(key, "") for e in group.iter() for key in ("d", "transform", "cx", "cy", "r") if e is not group)
+    return float(group.get("data-unit", "1")), [float(n) for n in re.findall(r"[-+]?\d\.\d{16}E[-+]\d+", words)]
+
+
+def test_other_unit():
+    """A linkage ever so much larger is the same drawing in another unit: regions, the other assembly, slides, poses, output."""
+    for name, regions in (("dyad1_crank_rocker", " &CONSTR NREGN=3, RKIND=1,2,-3, RPLACE=10.0,20.0,60.0,50.0, 0.0,-40.0,10.0,0.0,"
+                                                 " 0.0,0.0,300.0,0.0, RLINK=2,2,0, RLOOP=1,1,0 &END\n"),
+                          ("dyad4_slider_crank", ""), ("dyad2_oscillating_cylinder", ""), ("needle", "")):
+        text = read(os.path.join(DATA, name + ".nml")).rstrip() + "\n" + regions
+        drawings = []
+        for factor in ("", "E160"):
+            def scaled(found):
+                return found[1] + re.sub(r"(\d+\.\d*)", r"\1" + factor, found[2])
+            large = re.sub(r"((?:ARCL|OUTLK|DESX|DESY|CLEAR)=)([-+0-9.*,\s]+)", scaled, text)
+            # of a half-plane the third number is a direction
+            large = re.sub(r"(RPLACE=)([-+0-9.,\s]+)", scaled, large).replace("10.0E160,0.0", "10.0,0.0")
+            write("unit.nml", large)
+            balm("--quiet", "--assemblies", "unit.nml")
+            drawings.append(drawn_places("unit.svg"))
+        (unit, small), (other, large) = drawings
+        size = max(map(abs, small))
+        check(name + ": another unit", unit == 1 and other > 1e155 and len(small) == len(large) > 30, (other, len(small), len(large)))
+        check(name + ": the same drawing in another unit",
+              all(near(a, b * (other / 1e160), 1e-13, size) for a, b in zip(small, large)),
+              [(a, b) for a, b in zip(small, large) if not near(a, b * (other / 1e160), 1e-13, size)][:3])
+
+
 def test_regions():
     group = " &CONSTR NREGN=3, RKIND=1,2,-3, RLOOP=1,1,0, RLINK=2,2,0, RPLACE=10.0,20.0,60.0,50.0, 0.0,-40.0,10.0,0.0, 0.0,0.0,300.0,0.0 &END\n"
     write("regions.nml", read("dyad1_crank_rocker.nml").rstrip() + "\n" + group)
@@ -668,6 +699,7 @@ PARTS = {
     "desired_marks": test_desired_marks,
     "symbols": test_symbols,
     "extreme_lengths": test_extreme_lengths,
+    "other_unit": test_other_unit,
     "assemblies": test_assemblies,
     "regions": test_regions,
     "messages": test_messages,
