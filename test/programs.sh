@@ -527,6 +527,9 @@ said 'an output at rest' 'the output does not move'
 changed rhombus.nml 's/50.0,30.0,30.0,50.0/50.0,80.0,0.01,100.0/' 's/DELT=.*&END/DELT=0.0,0.001,0.002 \&END/' >tiny.nml
 "$psalm" tiny.nml >out 2>err
 said 'a link of no length' 'a link of practically no length (the longest arc is 100.0000): length of arc 3 in loop 1 is 0.1000000E-01'
+changed tiny.nml 's/,0.01,/,0.1,/' >thousandth.nml
+"$psalm" thousandth.nml >out 2>err
+check 'a thousandth of the longest is a length' sh -c '! grep -q "practically no length" err'
 { printf 'MANY POSITIONS\n &LINKS NLOOP=1, MAXARC=4, ILINK=1,2,3,4, ILOOP=1,0,0,1, ARCL=50.0,80.0,70.0,90.0, GAMA=3*0.0,180.0, NOUTLK=3, NOUTLP=1 &END\n &METHOD MOTION=1, NDES=5001, DELT='
   awk 'BEGIN { for (i = 0; i <= 5000; i++) printf "%.2f,\n", i*0.01 }'; printf ' &END\n &LIMITS TANGLE=89.0 &END\n'; } >dense.nml
 status 0 'balm: many positions' "$bin/balm" --quiet dense.nml
