@@ -333,7 +333,7 @@ contains
       class(case_t), intent(inout) :: self
       character(*), intent(in) :: group, item, values
       type(item_t), allocatable :: more(:)
-      integer :: i
+      integer :: i, n
 
       if (.not. is_open(self)) return
       do i = 1, size(self%items)
@@ -341,11 +341,12 @@ contains
          self%items(i)%values = values
          return
       end do
-      allocate (more(size(self%items) + 1))
-      more(:size(self%items)) = self%items
-      more(size(more))%group = upper_case(group)
-      more(size(more))%name = upper_case(item)
-      more(size(more))%values = values
+      n = size(self%items) + 1
+      allocate (more(n))
+      more(:n - 1) = self%items
+      more(n)%group = upper_case(group)
+      more(n)%name = upper_case(item)
+      more(n)%values = values
       call move_alloc(more, self%items)
    end subroutine take_item
 

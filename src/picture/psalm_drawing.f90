@@ -91,15 +91,16 @@ contains
       type(picture_t), allocatable, intent(inout) :: pictures(:)
       character(*), intent(in) :: ending, content
       type(picture_t), allocatable :: more(:)
-      integer :: i
+      integer :: i, n
 
-      allocate (more(size(pictures) + 1))
+      n = size(pictures) + 1   ! a subscript of its own, for gfortran 11
+      allocate (more(n))
       do i = 1, size(pictures)
          more(i)%ending = pictures(i)%ending
          call move_alloc(pictures(i)%content, more(i)%content)
       end do
-      more(size(more))%ending = ending
-      more(size(more))%content = content
+      more(n)%ending = ending
+      more(n)%content = content
       call move_alloc(more, pictures)
    end subroutine add_picture
 

@@ -227,10 +227,12 @@ contains
       type(strings_t), allocatable, intent(inout) :: lines(:)
       character(*), intent(in) :: text
       type(strings_t), allocatable :: more(:)
+      integer :: n
 
-      allocate (more(size(lines) + 1))
-      more(:size(lines)) = lines
-      more(size(more))%text = text
+      n = size(lines) + 1   ! a subscript of its own: gfortran 11 loses its way in more(size(more))%text
+      allocate (more(n))
+      more(:n - 1) = lines
+      more(n)%text = text
       call move_alloc(more, lines)
    end subroutine add_string
 end module psalm_markup
