@@ -431,6 +431,28 @@ def test_other_unit():
               [(a, b) for a, b in zip(small, large) if not near(a, b * (other / 1e160), 1e-13, size)][:3])
 
 
+def test_rails():
+    """A slide's rail lies along the guide and reaches to its block; a closed linkage shows its output."""
+    for name in PLAIN:
+        balm("--quiet", "--output-dir", ".", os.path.join(DATA, name + ".nml"))
+        picture = Picture(name + ".svg")
+        case = page_data(name + ".html")[0]
+        row, reference = case["prescribed"], case["reference"]
+        check(name + ": the star of the output", len([e for e in picture.of_class("output", "actual") if e.get("id") == "star"]) ==
+              int(row["closed"][reference]), row["closed"][reference])
+        rails = picture.of_class("rail")
+        bars = {(bar["loop"], bar["arc"]): bar for bar in case["bars"]}
+        for rail in rails:
+            ax, ay, bx, by = map(float, numbers(rail))
+            bar = bars[tuple(map(int, rail.get("data-arc").split()))]
+            long = math.hypot(bx - ax, by - ay)
+            for joint in (bar["from"], bar["to"]):
+                x, y = (row[k][joint][reference] - a for k, a in (("x", ax), ("y", ay)))
+                along, aside = (x * (bx - ax) + y * (by - ay)) / long, (x * (by - ay) - y * (bx - ax)) / long
+                check(name + ": a rail under its slide", abs(aside) < 1e-9 * long and -1e-9 * long <= along <= (1 + 1e-9) * long,
+                      (along / long, aside / long))
+
+
 def test_regions():
     group = " &CONSTR NREGN=3, RKIND=1,2,-3, RLOOP=1,1,0, RLINK=2,2,0, RPLACE=10.0,20.0,60.0,50.0, 0.0,-40.0,10.0,0.0, 0.0,0.0,300.0,0.0 &END\n"
     write("regions.nml", read("dyad1_crank_rocker.nml").rstrip() + "\n" + group)
@@ -701,6 +723,7 @@ PARTS = {
     "extreme_lengths": test_extreme_lengths,
     "other_unit": test_other_unit,
     "assemblies": test_assemblies,
+    "rails": test_rails,
     "regions": test_regions,
     "messages": test_messages,
     "findings": test_findings,

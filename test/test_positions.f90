@@ -20,6 +20,9 @@ program test_positions
       call blocks(names(k))
       call fixed_points(names(k))
    end do
+   do k = 1, 6
+      call loops_close('hard/carried_slides', k)
+   end do
    call known_motions()
    call steering()
    call open_loop()
@@ -31,14 +34,15 @@ program test_positions
 contains
 
    !> The arcs of every loop add up to zero.
-   subroutine loops_close(name)
+   subroutine loops_close(name, which)
       character(*), intent(in) :: name
+      integer, intent(in), optional :: which    !! case of the file
       type(problem_t) :: problem
       type(data_set_t) :: set
       integer :: block, offset, n, i, loop, a
       real(wp) :: x, y, worst, size_of, c, s, length
 
-      call load_case(name, problem, set, everything=.true.)
+      call load_case(name, problem, set, n=which, everything=.true.)
       call problem%bind(problem%given)
       worst = 0.0_wp
       size_of = maxval(problem%given%arcl)

@@ -19,6 +19,9 @@ program test_rates
       call loop_equations(names(k))
    end do
    call against_differences('hard/chain64')
+   do k = 1, 6
+      call against_differences('hard/carried_slides', k)
+   end do
    call pose_rates('needle')
    call pose_rates('dyad4_slider_crank')
    call known_rates()
@@ -28,8 +31,9 @@ program test_rates
 contains
 
    !> Central differences of sixth order of the output and its lower derivatives.
-   subroutine against_differences(name)
+   subroutine against_differences(name, which)
       character(*), intent(in) :: name
+      integer, intent(in), optional :: which    !! case of the file
       type(problem_t) :: problem, shifted
       type(data_set_t) :: set
       real(wp), allocatable :: values(:, :, :), x(:, :), y(:, :)
@@ -37,7 +41,7 @@ contains
       integer :: i, k, n, order
       real(wp), parameter :: weight(3) = [0.75_wp, -0.15_wp, 1.0_wp/60.0_wp]
 
-      call load_case(name, problem, set)
+      call load_case(name, problem, set, n=which)
       call problem%want_derivatives(.false.)
       n = min(problem%positions, problem%linkage%room)
       allocate (values(0:highest_order - 1, 2*n, -3:3), x(highest_order, n), y(highest_order, n))

@@ -22,15 +22,19 @@ program test_sensitivity
    call one_case('suspension', .true.)
    call one_case('needle', .true., motion_pose)
    call one_case('dyad4_slider_crank', .true., motion_pose)
+   do k = 1, 6
+      call one_case('hard/carried_slides', .true., n=k)
+   end do
    call t%is_true(all(met), 'every kind of variable was tried')
    call t%report()
 
 contains
 
-   subroutine one_case(name, vary, motion_wanted)
+   subroutine one_case(name, vary, motion_wanted, n)
       character(*), intent(in) :: name
       logical, intent(in) :: vary
       integer, intent(in), optional :: motion_wanted   !! in place of MOTION
+      integer, intent(in), optional :: n               !! case of the file
       type(problem_t) :: problem
       type(data_set_t) :: set
       type(sensitivity_t) :: work
@@ -40,7 +44,7 @@ contains
       integer :: v, marble
 
       if (vary) then
-         call load_case(name, problem, set, vary=.true., motion=motion_wanted)
+         call load_case(name, problem, set, n=n, vary=.true., motion=motion_wanted)
       else
          call load_case(name, problem, set)
       end if
@@ -63,9 +67,9 @@ contains
          call difference(problem, values, v, dout(:, v, :), worst)
          call t%close_to(worst, 0.0_wp, tolerance, trim(name)//': Jacobian of variable '//to_text(v)//', kind '// &
                          to_text(problem%parameters%variables(v)%kind))
-         associate (n => problem%positions)
-            expected = -2.0_wp*sum(problem%weight(:n, :)*motion%error*dout(:, v, :))
-            size_of = 2.0_wp*sum(abs(problem%weight(:n, :)*motion%error*dout(:, v, :)))
+         associate (last => problem%positions)
+            expected = -2.0_wp*sum(problem%weight(:last, :)*motion%error*dout(:, v, :))
+            size_of = 2.0_wp*sum(abs(problem%weight(:last, :)*motion%error*dout(:, v, :)))
          end associate
          call t%close_to((gradient(v) - expected)/max(size_of, 1.0e-3_wp), 0.0_wp, 1.0e-11_wp, &
                          trim(name)//': gradient and Jacobian agree, variable '//to_text(v))
