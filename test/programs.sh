@@ -460,6 +460,12 @@ CRANK AS LONG AS THE FRAME, SHORT COUPLER
  &LINKS NLOOP=1, MAXARC=4, ILINK=1,-2,-3,4, ILOOP=1,0,0,1, ARCL=60.0,1E-3,200.0,60.0, GAMA=3*0.0,180.0, NOUTLK=-2, NOUTLP=1 &END
  &METHOD NDES=1, DELT=10.0 &END
 EOF
+changed meet.nml 's/60.0,1E-3,200.0,60.0/60.0E200,1E197,200.0E200,60.0E200/' >large.nml
+status 1 'lengths of 1E202' "$psalm" --quiet large.nml
+check 'lengths of 1E202: the length missing' grep -q 'TOO GREAT BY 0\.1895403+203; INPUT 10' out
+changed meet.nml 's/60.0,1E-3,200.0,60.0/60.0E-200,1E-203,200.0E-200,60.0E-200/' >small.nml
+status 1 'lengths of 1E-198' "$psalm" --quiet small.nml
+check 'lengths of 1E-198: the length missing' grep -q 'TOO GREAT BY 0\.1895403-197; INPUT 10' out
 changed meet.nml 's/60.0,1E-3,200.0,60.0/257.0,1E-150,200.0,257.0/' >short.nml
 for f in meet short; do
     status 1 "balm: $f" "$bin/balm" $f.nml
@@ -527,6 +533,9 @@ said 'an output at rest' 'the output does not move'
 changed rhombus.nml 's/50.0,30.0,30.0,50.0/50.0,80.0,0.01,100.0/' 's/DELT=.*&END/DELT=0.0,0.001,0.002 \&END/' >tiny.nml
 "$psalm" tiny.nml >out 2>err
 said 'a link of no length' 'a link of practically no length (the longest arc is 100.0000): length of arc 3 in loop 1 is 0.1000000E-01'
+changed tiny.nml 's/=50.0,80.0,0.01,/=0.05,100.0,80.0,/' >crank.nml
+"$psalm" crank.nml >out 2>err
+said 'a crank of no length' 'practically no length (the longest arc is 100.0000): length of arc 1 in loop 1'
 changed tiny.nml 's/,0.01,/,0.1,/' >thousandth.nml
 "$psalm" thousandth.nml >out 2>err
 check 'a thousandth of the longest is a length' sh -c '! grep -q "practically no length" err'

@@ -71,6 +71,9 @@ contains
       call t%is_true(all(sample%high <= 1.02_wp*linear%worst + 1.0e-12_wp .and. &
                          sample%low >= -1.02_wp*linear%worst - 1.0e-12_wp), name//': the sample lies in the worst case')
       call t%is_true(all(linear%square <= linear%worst*(1.0_wp + 1.0e-12_wp)), name//': root sum square is below the worst case')
+      call draw_sample(deviating, linear, 1, 19, 1, shared)
+      call t%is_true(all(abs(shared%mean - shared%low) <= 0.0_wp) .and. all(abs(shared%mean - shared%high) <= 0.0_wp) .and. &
+                     any(abs(shared%mean) > 0.0_wp), name//': the mean of one linkage is that linkage')
       call draw_sample(deviating, linear, trials, 19, 3, shared)
       call t%is_true(all(abs(sample%mean - shared%mean) + abs(sample%deviation - shared%deviation) + &
                          abs(sample%low - shared%low) <= 0.0_wp), name//': the same bits for any number of threads')
