@@ -5,14 +5,17 @@
 module psalm_data_set
    use, intrinsic :: iso_fortran_env, only: int64
    use psalm_kinds, only: wp, full_turn, half_turn, radians_per_degree
+   use psalm_chain_group, only: read_chain_group, read_drives_group, read_outputs_group
    use psalm_constraint_group, only: constraint_group_t, read_constraint_group
    use psalm_group_table, only: program_of, program_reads, is_users, nearest_group
    use psalm_group, only: group_t, read_flag, check_flags, check_range, out_of, required
    use psalm_mark, only: mark_t
-   use psalm_output_kind, only: output_kind_t, output_kind, motion_point, motion_pose
+   use psalm_output_kind, only: output_kind_t, output_kind, motion_angle, motion_distance, motion_point, motion_pose, &
+                                motion_slide
    use psalm_namelist, only: case_text_t, read_case
    use psalm_origin, only: origins_t, name_length
    use psalm_search_group, only: search_group_t, read_search_group
+   use psalm_sketch, only: sketch_t, drive_turns, output_angle, output_distance, output_pose, output_slide
    use psalm_source, only: line_t, read_lines, split_lines
    use psalm_status, only: diagnostics_t
    use psalm_system, only: memory_to_be_had
@@ -88,10 +91,14 @@ module psalm_data_set
       real(wp) :: tolorl = 0.0_wp, tolora = 0.0_wp !! of ORIGLK, ORIGNG
       real(wp) :: tolcrk = 0.0_wp                  !! of CRNKI
       integer :: ntrial = 0                        !! linkages of the Monte-Carlo sample
+      real(wp) :: tollen = 0.0_wp, tolang = 0.0_wp !! of all lengths, of all angles
       ! RATES (read for kalm only)
       real(wp) :: speed = 1.0_wp           !! of the input: rad/s, or length/s
       real(wp) :: accel = 0.0_wp           !! of the input: rad/s**2, or length/s**2
       logical :: rates_given = .false.
+      type(sketch_t) :: sketch             !! CHAIN, DRIVES, OUTPUTS
+      real(wp) :: crnki_of_drawing = 0.0_wp !! CRNKI of the loops where the sketch's is 0
+      character(:), allocatable :: chosen  !! the loops chosen for it, in words; not allocated: none
       character(:), allocatable :: others  !! the groups that device 7 keeps as they are
       character(:), allocatable :: skipped !! the groups that this program does not read, with those that do; empty: none
       type(origins_t) :: origins           !! where every value was written
@@ -191,12 +198,13 @@ contains
       character(*), intent(in) :: program
       type(data_set_t), intent(out) :: set
       type(diagnostics_t), intent(inout) :: findings
-      integer, parameter :: links = 1, method = 2, limits = 3, search = 4, constr = 5, toler = 6, rates = 7
+      integer, parameter :: links = 1, method = 2, limits = 3, search = 4, constr = 5, toler = 6, rates = 7, chain = 8, &
+                            drives = 9, outputs = 10
       character(*), parameter :: names(*) = [character(name_length) :: 'LINKS', 'METHOD', 'LIMITS', 'SEARCH', 'CONSTR', &
-                                             'TOLER', 'RATES']
+                                             'TOLER', 'RATES', 'CHAIN', 'DRIVES', 'OUTPUTS']
       type(group_t) :: groups(size(names))
       type(diagnostics_t) :: unused
-      logical :: shape_known
+      logical :: shape_known, sketch_sound
       integer :: i
 
       set%file = findings%file
@@ -216,6 +224,7 @@ contains
          end if
       end do
       ! a group that is not there is read too: it is asked for its items, and `finish` knows all names
+      call read_sketch(groups(chain), groups(outputs), set, sketch_sound, findings)
       if (groups(links)%line > 0) then
          call read_links(groups(links), set, shape_known, findings)
       else
@@ -226,6 +235,8 @@ contains
       else
          call read_method(groups(method), set, shape_known, unused)
       end if
+      call read_drives(groups(drives), sketch_sound, set, findings)
+      if (set%sketch%given) call refuse_arcs(groups(method), groups(toler), groups(limits), findings)
       call read_limits(groups(limits), set, findings)
       call read_search_group(groups(search), set%search, findings)
       if (set%ifree /= 0 .and. .not. set%search%solver%many_starts) then
@@ -244,6 +255,99 @@ contains
       end do
    end subroutine read_set
 
+   !> The drawing and what is wanted of it, which says what desired values are of.
+   subroutine read_sketch(chain, outputs, set, sound, findings)
+      type(group_t), intent(inout) :: chain, outputs
+      type(data_set_t), intent(inout) :: set
+      logical, intent(out) :: sound
+      type(diagnostics_t), intent(inout) :: findings
+      type(diagnostics_t) :: own, unused
+      integer :: i
+
+      own%file = findings%file
+      call read_chain_group(chain, set%sketch, own)
+      sound = chain%line > 0 .and. .not. own%failed()
+      if (chain%line > 0) then
+         do i = 1, own%count
+            call findings%add(own%list(i))
+         end do
+      end if
+      if (sound) then
+         call read_outputs_group(outputs, set%sketch, findings)
+      else
+         ! names that are not there would be told for every output again
+         call read_outputs_group(outputs, set%sketch, unused)
+         outputs%missing = outputs%missing(:0)
+      end if
+      if (chain%line == 0 .and. outputs%line > 0) call belongs_to_chain(outputs, findings)
+      if (.not. sound) return
+      if (size(set%sketch%outputs) == 0) return
+      select case (set%sketch%outputs(1)%kind)
+      case (output_angle)
+         set%motion = motion_angle
+      case (output_distance)
+         set%motion = motion_distance
+      case (output_slide)
+         set%motion = motion_slide
+      case (output_pose)
+         set%motion = motion_pose
+      end select
+   end subroutine read_sketch
+
+   !> What moves the sketch.
+   subroutine read_drives(drives, sound, set, findings)
+      type(group_t), intent(inout) :: drives
+      logical, intent(in) :: sound
+      type(data_set_t), intent(inout) :: set
+      type(diagnostics_t), intent(inout) :: findings
+      type(diagnostics_t) :: unused
+
+      if (sound .and. drives%line > 0) then
+         call read_drives_group(drives, set%ndes, set%sketch, findings)
+         return
+      end if
+      call read_drives_group(drives, set%ndes, set%sketch, unused)
+      drives%missing = drives%missing(:0)
+      if (sound) then
+         call findings%error("the sketch needs the group &DRIVES, which says what moves it: &DRIVES DRIVE='A' &END", &
+                             line=set%origins%line('CHAIN', ''), group='CHAIN')
+      else if (drives%line > 0 .and. .not. set%sketch%given) then
+         call belongs_to_chain(drives, findings)
+      end if
+   end subroutine read_drives
+
+   subroutine belongs_to_chain(group, findings)
+      type(group_t), intent(in) :: group
+      type(diagnostics_t), intent(inout) :: findings
+
+      call findings%error('belongs to the sketch of a group &CHAIN, which is missing', line=group%line, group=trim(group%name))
+   end subroutine belongs_to_chain
+
+   !> Items that count arcs and loops have no meaning for a sketch.
+   subroutine refuse_arcs(method, toler, limits, findings)
+      type(group_t), intent(in) :: method, toler, limits
+      type(diagnostics_t), intent(inout) :: findings
+      character(*), parameter :: of_method(*) = [character(name_length) :: 'IVA', 'IVG', 'ILKOUT', 'INGOUT', 'ICRK', 'IORIG']
+      integer :: i
+
+      do i = 1, size(of_method)
+         if (method%given(trim(of_method(i)))) call out_of(method, trim(of_method(i)), &
+            'counts arcs of &LINKS; what of a sketch may '// &
+                                                           "vary is named in &CHAIN, VARY='A B'", findings)
+      end do
+      if (method%given('ORIGLK') .or. method%given('ORIGNG')) call out_of(method, merge('ORIGLK', 'ORIGNG', &
+         method%given('ORIGLK')), &
+         'places the first joint of &LINKS; a sketch has its own coordinates', findings)
+      if (method%given('MOTION')) call out_of(method, 'MOTION', &
+         'belongs to &LINKS; what is wanted of a sketch is said in &OUTPUTS', &
+                                              findings)
+      if (toler%given('TOLARC') .or. toler%given('TOLGAM')) call out_of(toler, merge('TOLARC', 'TOLGAM', toler%given('TOLARC')), &
+         'counts arcs of &LINKS; for a sketch there are TOLLEN and TOLANG', findings)
+      if (limits%given('OPLOW') .or. limits%given('OPHIGH')) call out_of(limits, merge('OPLOW ', 'OPHIGH', &
+         limits%given('OPLOW')), &
+         'counts variables of &LINKS; the bounds of a sketch stand beside its variables, VLOW and VHIGH of &CHAIN', findings)
+   end subroutine refuse_arcs
+
    !> Keep what `psalm` does not write to device 7 itself, and name what this program does not read.
    subroutine keep_others(case, program, set)
       type(case_text_t), intent(in) :: case
@@ -256,7 +360,7 @@ contains
       do i = 1, case%count
          associate (group => case%groups(i))
             select case (group%name)
-            case ('LINKS', 'METHOD', 'LIMITS', 'SEARCH')
+            case ('LINKS', 'METHOD', 'LIMITS', 'SEARCH', 'CHAIN', 'DRIVES', 'OUTPUTS')
                cycle
             end select
             call group%render(others)
@@ -277,13 +381,18 @@ contains
       integer :: i
       logical :: meant_links, meant_method
 
-      meant_links = any(case%groups(:case%count)%name == 'LINKS')
+      meant_links = any(case%groups(:case%count)%name == 'LINKS') .or. any(case%groups(:case%count)%name == 'CHAIN')
+      do i = 1, case%count
+         if (case%groups(i)%name == 'CHAIN' .and. any(case%groups(:case%count)%name == 'LINKS')) &
+            call findings%error('describes the linkage, and so does &LINKS; leave one of both out', line=case%groups(i)%line, &
+                                group='CHAIN')
+      end do
       meant_method = any(case%groups(:case%count)%name == 'METHOD')
       do i = 1, case%count
          name = trim(case%groups(i)%name)
          if (is_users(name) .or. len_trim(program_of(name)) > 0) cycle
          near = nearest_group(name)
-         meant_links = meant_links .or. near == 'LINKS'
+         meant_links = meant_links .or. near == 'LINKS' .or. near == 'CHAIN'
          meant_method = meant_method .or. near == 'METHOD'
          if (len(near) > 0) then
             near = 'did you mean &'//near//'?'
@@ -335,6 +444,8 @@ contains
       call group%get_real('TOLORL', set%tolorl, findings)
       call group%get_real('TOLORA', set%tolora, findings)
       call group%get_real('TOLCRK', set%tolcrk, findings)
+      set%tollen = of_lengths
+      set%tolang = of_angles
       call group%get_integer('NTRIAL', set%ntrial, findings)
       call check_range(group, 'NTRIAL', set%ntrial, 0, most_trials, findings)
       if (any(set%tolarc >= set%arcl .and. set%arcl > 0.0_wp)) then
@@ -627,6 +738,7 @@ contains
       set%rates_given = group%line > 0
       sliding = .false.
       if (size(set%iloop) > 0) sliding = set%iloop(1, 1) < 0
+      if (set%sketch%given .and. size(set%sketch%drives) > 0) sliding = set%sketch%drives(1)%kind /= drive_turns
       units = trim(merge('LENGTH/S', 'RAD/S   ', sliding))
       call group%get_real('SPEED', set%speed, findings)
       call group%get_real('ACCEL', set%accel, findings)

@@ -16,6 +16,7 @@ module psalm_group
 
    integer, parameter :: most_values = 20000000    !! values one item may have, repeat counts included
    integer, parameter :: not_a_position = -1
+   integer, parameter :: most_texts = 100000       !! elements of an array of texts
    integer, parameter :: most_unknown = 5          !! unknown items of a group that are named
    integer, parameter :: values_a_line = 10        !! when a group is written again
 
@@ -67,6 +68,7 @@ module psalm_group
       procedure :: get_integer
       procedure :: get_real
       procedure :: get_word
+      procedure :: get_texts
       procedure :: get_integers
       procedure :: get_reals
       procedure :: finish
@@ -274,6 +276,57 @@ contains
          end associate
       end do
    end subroutine get_word
+
+   !> An array of texts as they were written, quoted or not; as many as are given, those between that are not given empty.
+   subroutine get_texts(self, name, texts, findings)
+      class(group_t), intent(inout) :: self
+      character(*), intent(in) :: name
+      character(:), allocatable, intent(out) :: texts(:)
+      type(diagnostics_t), intent(inout) :: findings
+      integer :: k, j, from, to, first, highest, longest
+
+      self%known = [character(name_length) :: self%known, padded(name)]
+      call find(self, name, from, to)
+      highest = 0
+      longest = 1
+      do k = from, to
+         associate (item => self%items(self%order(k)))
+            if (item%misplaced) cycle
+            call start_of(self, item, most_texts, findings, first)
+            if (first == not_a_position) cycle
+            do j = item%first, item%first + item%count - 1
+               if (self%values(j)%repeats > most_texts - first) then
+                  call too_many(self, item, self%values(j), most_texts, .false., findings)
+                  exit
+               end if
+               first = first + self%values(j)%repeats
+               longest = max(longest, self%values(j)%length)
+            end do
+            highest = max(highest, first - 1)
+         end associate
+      end do
+      allocate (character(longest) :: texts(highest))
+      texts = ''
+      do k = from, to
+         associate (item => self%items(self%order(k)))
+            call self%origins%mention(trim(self%name), name, item%line)
+            if (item%misplaced) cycle
+            first = 1
+            if (item%subscripts == 1) first = item%subscript(1)
+            if (item%subscripts > 1 .or. first > highest) cycle
+            do j = item%first, item%first + item%count - 1
+               associate (value => self%values(j))
+                  if (first + value%repeats - 1 > highest) exit
+                  if (value%length > 0) then
+                     texts(first:first + value%repeats - 1) = self%text_of(value)
+                     call self%origins%place(first, first + value%repeats - 1, value%line)
+                  end if
+                  first = first + value%repeats
+               end associate
+            end do
+         end associate
+      end do
+   end subroutine get_texts
 
    !> Integers, from the first element on; elements without a value are left as they are.
    !>

@@ -14,6 +14,9 @@ module psalm_group_table
 
    type(known_group_t), parameter :: known_groups(*) = [ &
       known_group_t('LINKS', 'psalm kalm balm'), &
+      known_group_t('CHAIN', 'psalm kalm balm'), &
+      known_group_t('DRIVES', 'psalm kalm balm'), &
+      known_group_t('OUTPUTS', 'psalm kalm balm'), &
       known_group_t('METHOD', 'psalm kalm balm'), &
       known_group_t('LIMITS', 'psalm kalm balm'), &
       known_group_t('SEARCH', 'psalm kalm balm'), &

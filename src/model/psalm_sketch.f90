@@ -1,0 +1,167 @@
+!> A mechanism as it is drawn: joints with coordinates, the links that join them, slides, drives, gears, what is wanted of it.
+!>
+!> The drawing is the reference: it gives lengths, angles and the assembly. The first link is the frame. A joint may belong to
+!> any number of links; one that belongs to one link only is a point of it. Source: Oldham (1977), 4.2 and 15.1.
+module psalm_sketch
+   use psalm_kinds, only: wp
+   implicit none (type, external)
+   private
+   public :: sketch_t, link_t, slide_t, drive_t, gear_t, output_t, variation_t
+   public :: sketch_name, frame_link, position_of
+   public :: drive_turns, drive_slides, drive_stretches
+   public :: output_point, output_angle, output_distance, output_slide, output_between, output_pose, output_ratio
+   public :: vary_length, vary_angle, vary_place, vary_input
+
+   integer, parameter :: sketch_name = 31   !! characters of a name
+   integer, parameter :: frame_link = 1     !! the link that is the frame
+
+   integer, parameter :: drive_turns = 1     !! turns a link against another at a joint of both
+   integer, parameter :: drive_slides = 2    !! moves a link along a slide on another
+   integer, parameter :: drive_stretches = 3 !! changes the length of a link of two joints: a cylinder
+
+   integer, parameter :: output_point = 1    !! place of a joint: x and y
+   integer, parameter :: output_angle = 2    !! direction of the line between two joints
+   integer, parameter :: output_distance = 3 !! distance of two joints; of one joint from the machine origin
+   integer, parameter :: output_slide = 4    !! travel along a slide
+   integer, parameter :: output_between = 5  !! angle from one line to another
+   integer, parameter :: output_pose = 6     !! place of a joint and direction of a line
+   integer, parameter :: output_ratio = 7    !! ratio of the rates of two other outputs
+
+   integer, parameter :: vary_length = 1     !! the distance of two joints of a link
+   integer, parameter :: vary_angle = 2      !! the angle from one line of a link to another
+   integer, parameter :: vary_place = 3      !! the place of a joint of the frame: x and y
+   integer, parameter :: vary_input = 4      !! the reference input
+
+   !> A rigid body and its joints.
+   type :: link_t
+      character(sketch_name) :: name = ''
+      integer, allocatable :: joints(:)
+   end type link_t
+
+   !> A prismatic pair: one link moves along a line of another.
+   type :: slide_t
+      character(sketch_name) :: name = ''
+      integer :: links(2) = 0               !! the two links; the line is drawn with either
+      real(wp) :: x = 0.0_wp, y = 0.0_wp    !! a point of the line in the drawing
+      real(wp) :: angle = 0.0_wp            !! direction in the drawing, degrees
+   end type slide_t
+
+   !> An actuator. Its value is counted from the drawing: degrees of the link against the base, or length.
+   type :: drive_t
+      character(sketch_name) :: name = ''
+      integer :: kind = 0                   !! one of `drive_...`
+      integer :: joint = 0                  !! drive_turns
+      integer :: slide = 0                  !! drive_slides
+      integer :: base = 0, link = 0         !! the links between which it acts; drive_stretches: the link, base 0
+      logical :: geared = .false.           !! value = ratio * value of the first drive + phase
+      real(wp) :: ratio = 1.0_wp, phase = 0.0_wp
+      real(wp), allocatable :: delt(:)      !! value at every position; not allocated: the first drive's is in &METHOD
+   end type drive_t
+
+   !> Two wheels whose centres a carrier holds: turns of `wheels(1)` against the carrier times `ratio` are those of `wheels(2)`.
+   type :: gear_t
+      integer :: wheels(2) = 0
+      integer :: carrier = 0
+      real(wp) :: ratio = 0.0_wp            !! negative for an external pair
+   end type gear_t
+
+   !> What is wanted.
+   type :: output_t
+      character(sketch_name) :: name = ''
+      integer :: kind = 0                   !! one of `output_...`
+      integer :: joints(4) = 0              !! point, pose: 1; distance: 1 or 2; angle: line 1-2; between: lines 1-2 and 3-4
+      integer :: link = 0                   !! pose, angle: the link, if one was named
+      integer :: slide = 0
+      integer :: outputs(2) = 0             !! ratio: the rate of the first by that of the second
+   end type output_t
+
+   !> A dimension that a search may change.
+   type :: variation_t
+      integer :: kind = 0                   !! one of `vary_...`
+      integer :: joints(4) = 0              !! length: 2; angle: lines 1-2 and 3-4; place: 1
+      real(wp) :: low(2) = 0.0_wp, high(2) = 0.0_wp
+      logical :: bounded = .false.
+   end type variation_t
+
+   !> The whole drawing.
+   type :: sketch_t
+      logical :: given = .false.
+      character(sketch_name), allocatable :: joint_name(:)
+      real(wp), allocatable :: x(:), y(:)   !! shape (joints)
+      type(link_t), allocatable :: links(:)
+      type(slide_t), allocatable :: slides(:)
+      type(drive_t), allocatable :: drives(:)
+      type(gear_t), allocatable :: gears(:)
+      type(output_t), allocatable :: outputs(:)
+      type(variation_t), allocatable :: variations(:)
+      integer, allocatable :: length_of(:, :) !! shape (2, lengths): joints whose distance is given exactly
+      real(wp), allocatable :: length(:)
+      logical :: over_braced = .false.      !! KOVER: equations that special dimensions make superfluous are allowed
+   contains
+      procedure :: has_joint
+      procedure :: links_of
+      procedure :: joint_called
+      procedure :: link_called
+      procedure :: slide_called
+   end type sketch_t
+
+contains
+
+   !> True if the joint belongs to the link.
+   pure logical function has_joint(self, link, joint)
+      class(sketch_t), intent(in) :: self
+      integer, intent(in) :: link, joint
+
+      has_joint = any(self%links(link)%joints == joint)
+   end function has_joint
+
+   !> The links that a joint belongs to, in their order.
+   pure function links_of(self, joint) result(links)
+      class(sketch_t), intent(in) :: self
+      integer, intent(in) :: joint
+      integer, allocatable :: links(:)
+      integer :: i
+
+      links = pack([(i, i=1, size(self%links))], [(self%has_joint(i, joint), i=1, size(self%links))])
+   end function links_of
+
+   !> Place of a name in a list; 0: it is not there.
+   pure integer function position_of(name, names)
+      character(*), intent(in) :: name, names(:)
+
+      do position_of = 1, size(names)
+         if (names(position_of) == name) return
+      end do
+      position_of = 0
+   end function position_of
+
+   !> Number of the joint of that name; 0: there is none.
+   pure integer function joint_called(self, name)
+      class(sketch_t), intent(in) :: self
+      character(*), intent(in) :: name
+
+      joint_called = position_of(name, self%joint_name)
+   end function joint_called
+
+   !> Number of the link of that name; 0: there is none.
+   pure integer function link_called(self, name)
+      class(sketch_t), intent(in) :: self
+      character(*), intent(in) :: name
+
+      do link_called = 1, size(self%links)
+         if (self%links(link_called)%name == name) return
+      end do
+      link_called = 0
+   end function link_called
+
+   !> Number of the slide of that name; 0: there is none.
+   pure integer function slide_called(self, name)
+      class(sketch_t), intent(in) :: self
+      character(*), intent(in) :: name
+
+      do slide_called = 1, size(self%slides)
+         if (self%slides(slide_called)%name == name) return
+      end do
+      slide_called = 0
+   end function slide_called
+end module psalm_sketch
