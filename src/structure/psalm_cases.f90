@@ -1,0 +1,47 @@
+!> The cases of a file, whichever way their linkages are described: what follows works on loops.
+module psalm_cases
+   use psalm_data_set, only: data_set_t, read_data_sets, read_data_set_text
+   use psalm_mark, only: mark_t
+   use psalm_sketch_case, only: resolve_sketch
+   use psalm_status, only: diagnostics_t
+   implicit none (type, external)
+   private
+   public :: read_cases, read_case_text
+
+contains
+
+   !> Read every case of a file and choose the loops of those that are sketches. Errors: those of both, in `findings`.
+   subroutine read_cases(file, sets, findings, program, mark)
+      character(*), intent(in) :: file                       !! name, `-` for standard input
+      type(data_set_t), allocatable, intent(out) :: sets(:)  !! the cases
+      type(diagnostics_t), intent(inout) :: findings
+      character(*), intent(in), optional :: program          !! who reads; default psalm
+      type(mark_t), intent(inout), optional :: mark          !! takes in the text
+
+      call read_data_sets(file, sets, findings, program, mark)
+      call resolve_all(sets, findings)
+   end subroutine read_cases
+
+   !> The same from a text.
+   subroutine read_case_text(text, name, sets, findings, program)
+      character(*), intent(in) :: text                       !! lines, each ended by a line feed
+      character(*), intent(in) :: name                       !! in the findings in place of a file
+      type(data_set_t), allocatable, intent(out) :: sets(:)  !! the cases
+      type(diagnostics_t), intent(inout) :: findings
+      character(*), intent(in) :: program                    !! who reads
+
+      call read_data_set_text(text, name, sets, findings, program)
+      call resolve_all(sets, findings)
+   end subroutine read_case_text
+
+   subroutine resolve_all(sets, findings)
+      type(data_set_t), intent(inout) :: sets(:)
+      type(diagnostics_t), intent(inout) :: findings
+      integer :: i
+
+      if (findings%failed()) return
+      do i = 1, size(sets)
+         call resolve_sketch(sets(i), findings)
+      end do
+   end subroutine resolve_all
+end module psalm_cases

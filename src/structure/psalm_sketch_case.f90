@@ -1,0 +1,581 @@
+!> From a sketch to the arrays of &LINKS, where they exist: what every program then works on.
+!>
+!> The drawing is assembled first (exact lengths may have moved it), then `psalm_sketch_loops` chooses loops and signs, and
+!> outputs, variables, bounds and tolerances by name become those of arcs.
+module psalm_sketch_case
+   use psalm_angles, only: degrees_of, within_turn
+   use psalm_assur_order, only: assur_order_t
+   use psalm_closure, only: closure_t, state_t, make_closure, start_state, solve_group, place_points, rank_lost
+   use psalm_data_set, only: data_set_t
+   use psalm_dense, only: factors_t
+   use psalm_kinds, only: wp, full_turn
+   use psalm_output_kind, only: motion_point, motion_angle, motion_distance, motion_slide, motion_pose
+   use psalm_sketch, only: sketch_t, output_t, variation_t, frame_link, output_point, output_angle, output_distance, &
+                           output_slide, output_pose, vary_length, vary_angle, vary_place, vary_input
+   use psalm_sketch_check, only: check_sketch
+   use psalm_sketch_loops, only: loops_t, make_loops, arc_with, traced_determined, traced_link, traced_slide, &
+                                 traced_crank, traced_actuator, traced_frame
+   use psalm_status, only: diagnostics_t
+   use psalm_text, only: text_t, to_text
+   implicit none (type, external)
+   private
+   public :: resolve_sketch, assemble_sketch
+
+contains
+
+   !> Give a case whose linkage is a sketch its loops. Cases without one are left as they are.
+   subroutine resolve_sketch(set, findings)
+      type(data_set_t), intent(inout) :: set
+      type(diagnostics_t), intent(inout) :: findings
+      type(closure_t) :: closure
+      type(state_t) :: state
+      type(loops_t) :: loops
+      logical :: sound
+
+      if (.not. set%sketch%given) return
+      call assemble_sketch(set, closure, state, sound, findings)
+      if (.not. sound) return
+      call make_loops(closure, state, loops)
+      if (.not. loops%found) then
+         call findings%error('the sketch has '//loops%why//'; the programs take one drive on the frame and dyads', &
+                             line=set%origins%line('CHAIN', ''), group='CHAIN')
+         return
+      end if
+      ! exact lengths may have moved the joints
+      set%sketch%x = state%joint(:, 0)%re
+      set%sketch%y = state%joint(:, 0)%im
+      set%chosen = words_of(loops, closure%sketch)
+      call fill_arrays(loops, set)
+      call fill_output(loops, state, closure%sketch, set, findings)
+      call fill_variables(loops, closure%sketch, set, findings)
+   end subroutine resolve_sketch
+
+   !> Check a sketch and put it together at the drawing.
+   subroutine assemble_sketch(set, closure, state, sound, findings)
+      type(data_set_t), intent(in) :: set
+      type(closure_t), intent(out) :: closure
+      type(state_t), intent(out) :: state        !! at the drawing
+      logical, intent(out) :: sound
+      type(diagnostics_t), intent(inout) :: findings
+      type(assur_order_t) :: order
+      type(factors_t) :: factors
+      type(diagnostics_t) :: own
+      logical :: closed
+      integer :: g, i
+
+      sound = .false.
+      own%file = findings%file
+      call check_sketch(set, order, own)
+      do i = 1, own%count
+         call findings%add(own%list(i))
+      end do
+      if (own%failed()) return
+      call make_closure(set%sketch, order, closure)
+      call start_state(closure, state)
+      do g = 1, size(closure%groups)
+         if (size(closure%groups(g)%links) == 0) cycle
+         call solve_group(closure, g, state, closed, factors)
+         if (.not. closed .or. factors%reciprocal_condition < rank_lost) then
+            call findings%error(trouble(g, closed), line=set%origins%line('CHAIN', 'LNK', closure%groups(g)%links(1)), &
+                                group='CHAIN', item='LNK')
+            return
+         end if
+      end do
+      call place_points(closure, state, 0)
+      sound = .true.
+
+   contains
+
+      function trouble(group, closed) result(text)
+         integer, intent(in) :: group
+         logical, intent(in) :: closed
+         character(:), allocatable :: text
+         integer :: k
+
+         text = 'link'
+         associate (links => closure%groups(group)%links)
+            if (size(links) > 1) text = text//'s'
+            do k = 1, size(links)
+               text = text//' '//trim(set%sketch%links(links(k))%name)
+               if (k < size(links)) text = text//','
+            end do
+         end associate
+         if (.not. closed .and. size(set%sketch%length) > 0) then
+            text = text//' do not meet: with the lengths of LENP they cannot be put together near the drawing'
+         else
+            text = text//' stand at a dead point in the drawing, where two assemblies meet; draw the linkage in another position'
+         end if
+      end function trouble
+   end subroutine assemble_sketch
+
+   !> The loops in words, arc by arc, for device 8.
+   function words_of(loops, sketch) result(words)
+      type(loops_t), intent(in) :: loops
+      type(sketch_t), intent(in) :: sketch
+      character(:), allocatable :: words
+      type(text_t) :: text
+      character(:), allocatable :: line
+      integer :: k
+
+      call text%add(' LOOPS CHOSEN FOR THE SKETCH, ARC BY ARC (A FOOT IS WHERE A GUIDE MEETS THE LINE OF A SLIDE)')
+      line = ''
+      do k = 1, size(loops%arcs)
+         associate (arc => loops%arcs(k))
+            if (arc%place == 1) line = '  LOOP '//to_text(arc%loop)//':'
+            line = line//' '//name_of(arc%ends(1))//' TO '//name_of(arc%ends(2))//' ('//trim(sketch%links(arc%link)%name)
+            if (arc%kind == traced_slide .or. arc%kind == traced_actuator) line = line//', SLIDES'
+            if (arc%kind == traced_link .or. arc%kind == traced_slide) line = line//merge(', +', ', -', arc%sign > 0)
+            line = line//')'
+            if (k < size(loops%arcs)) then
+               if (loops%arcs(k + 1)%loop == arc%loop) line = line//','
+            end if
+            if (len(line) > 100 .or. k == size(loops%arcs)) then
+               call text%add(line)
+               line = '        '
+            else if (loops%arcs(k + 1)%loop /= arc%loop) then
+               call text%add(line)
+            end if
+         end associate
+      end do
+      words = text%content()
+
+   contains
+
+      function name_of(point) result(name)
+         integer, intent(in) :: point
+         character(:), allocatable :: name
+
+         if (point <= size(sketch%joint_name)) then
+            name = trim(sketch%joint_name(point))
+         else
+            name = 'FOOT '//to_text(point - size(sketch%joint_name))
+         end if
+      end function name_of
+   end function words_of
+
+   ! ---- arrays ------------------------------------------------------------------------------------------------------
+
+   !> ILINK, ILOOP, ARCL, GAMA and where the input pivot is.
+   subroutine fill_arrays(loops, set)
+      type(loops_t), intent(in) :: loops
+      type(data_set_t), intent(inout) :: set
+      complex(wp) :: pivot
+      integer :: k
+
+      set%nloop = loops%loops
+      set%maxarc = loops%longest
+      if (allocated(set%ilink)) deallocate (set%ilink, set%iloop, set%arcl, set%gama)
+      allocate (set%ilink(set%maxarc, set%nloop), set%iloop(set%maxarc, set%nloop), source=0)
+      allocate (set%arcl(set%maxarc, set%nloop), set%gama(set%maxarc, set%nloop), source=0.0_wp)
+      do k = 1, size(loops%arcs)
+         associate (arc => loops%arcs(k), link => set%ilink(loops%arcs(k)%place, loops%arcs(k)%loop), &
+                    loop => set%iloop(loops%arcs(k)%place, loops%arcs(k)%loop), &
+                    length => set%arcl(loops%arcs(k)%place, loops%arcs(k)%loop), &
+                    angle => set%gama(loops%arcs(k)%place, loops%arcs(k)%loop))
+            length = arc%length
+            select case (arc%kind)
+            case (traced_crank)
+               link = 1
+               loop = 1
+            case (traced_frame)
+               link = arc%place
+               loop = 1
+               angle = clean(arc%direction)
+            case (traced_link)
+               link = arc%sign*arc%place
+            case (traced_slide, traced_actuator)
+               link = arc%sign*arc%place
+               loop = -arc%guide
+               length = 0.0_wp
+            case default
+               link = loops%arcs(arc%reference)%place
+               loop = loops%arcs(arc%reference)%loop
+               if (.not. arc%same) then
+                  link = -link
+                  angle = clean(arc%direction - loops%arcs(arc%reference)%direction)
+               end if
+               if (loops%arcs(arc%reference)%kind == traced_slide .and. arc%same) length = 0.0_wp
+            end select
+         end associate
+      end do
+      pivot = loops%point(loops%start)
+      set%origlk = abs(pivot)
+      if (set%origlk > 0.0_wp) set%origng = degrees_of(pivot%re, pivot%im)
+      set%crnki = set%crnki + loops%input
+      set%crnki_of_drawing = loops%input
+      if (allocated(set%tolarc)) deallocate (set%tolarc, set%tolgam)
+      allocate (set%tolarc(set%maxarc, set%nloop), source=set%tollen)
+      allocate (set%tolgam(set%maxarc, set%nloop), source=set%tolang)
+      if (set%origlk > 0.0_wp) then
+         set%tolorl = set%tollen
+         set%tolora = set%tolang
+      end if
+   end subroutine fill_arrays
+
+   !> The angle in 0 to 360 degrees; what differs from a multiple of 90 by a rounding is that.
+   pure real(wp) function clean(angle)
+      real(wp), intent(in) :: angle
+      real(wp), parameter :: quarter = 90.0_wp, rounding = 64.0_wp*epsilon(1.0_wp)
+
+      clean = within_turn(angle)
+      if (abs(clean - quarter*anint(clean/quarter)) < rounding*full_turn) clean = quarter*anint(clean/quarter)
+      if (clean >= full_turn) clean = 0.0_wp
+   end function clean
+
+   ! ---- output ------------------------------------------------------------------------------------------------------
+
+   !> The first output that the arrays can tell; without one the first point of a single link, else the last moving joint.
+   subroutine fill_output(loops, state, sketch, set, findings)
+      type(loops_t), intent(in) :: loops
+      type(state_t), intent(in) :: state
+      type(sketch_t), intent(in) :: sketch
+      type(data_set_t), intent(inout) :: set
+      type(diagnostics_t), intent(inout) :: findings
+      logical :: done
+
+      done = .false.
+      if (size(sketch%outputs) > 0) then
+         call put_output(loops, state, sketch, sketch%outputs(1), set, done)
+         if (done) return
+         if (set%desired) then
+            call findings%error('the desired values of &METHOD are those of the first output, and '// &
+                                trim(sketch%outputs(1)%name)//' is none that has them; put a point, angle, distance from the '// &
+                                'origin, slide or pose first', line=set%origins%line('OUTPUTS', 'OUTPUT', 1), group='OUTPUTS', &
+                                item='OUTPUT')
+            return
+         end if
+         call findings%warning('the listing shows no output of the kind of '//trim(sketch%outputs(1)%name)//'; joint '// &
+                               trim(sketch%joint_name(default_joint(sketch)))//' stands in its place', &
+                               line=set%origins%line('OUTPUTS', 'OUTPUT', 1), group='OUTPUTS', item='OUTPUT')
+      end if
+      call put_output(loops, state, sketch, output_t(kind=output_point, joints=[default_joint(sketch), 0, 0, 0]), set, done)
+   end subroutine fill_output
+
+   !> The joint that is shown of a sketch without outputs.
+   pure integer function default_joint(sketch) result(joint)
+      type(sketch_t), intent(in) :: sketch
+      integer :: j
+
+      joint = 1
+      do j = 1, size(sketch%joint_name)
+         if (.not. sketch%has_joint(frame_link, j)) joint = j
+      end do
+      do j = size(sketch%joint_name), 1, -1
+         if (.not. sketch%has_joint(frame_link, j) .and. size(sketch%links_of(j)) == 1) joint = j
+      end do
+   end function default_joint
+
+   !> Describe an output by an arc. `done` is false for one that the arrays cannot tell.
+   subroutine put_output(loops, state, sketch, output, set, done)
+      type(loops_t), intent(in) :: loops
+      type(state_t), intent(in) :: state
+      type(sketch_t), intent(in) :: sketch
+      type(output_t), intent(in) :: output
+      type(data_set_t), intent(inout) :: set
+      logical, intent(out) :: done
+      integer :: arc, k
+      integer, allocatable :: links(:)
+      complex(wp) :: h
+
+      done = .false.
+      set%motion = motion_point
+      set%outlk = 0.0_wp
+      set%outang = 0.0_wp
+      select case (output%kind)
+      case (output_point, output_distance)
+         if (output%kind == output_distance) then
+            set%motion = motion_distance
+            if (output%joints(2) > 0) return
+         end if
+         links = sketch%links_of(output%joints(1))
+         do k = size(links), 1, -1
+            if (links(k) == frame_link .and. k > 1) cycle
+            call from_arc_of(links(k))
+            if (done) exit
+         end do
+      case (output_angle, output_pose)
+         set%motion = merge(motion_angle, motion_pose, output%kind == output_angle)
+         k = merge(1, 2, output%kind == output_angle)
+         do arc = 1, size(sketch%links)
+            if (.not. sketch%has_joint(arc, output%joints(k)) .or. .not. sketch%has_joint(arc, output%joints(k + 1))) cycle
+            if (output%kind == output_pose) then
+               if (.not. sketch%has_joint(arc, output%joints(1))) return
+               call from_arc_of(arc)
+            else
+               set%noutlk = 0
+               done = loops%axis(arc) > 0
+               if (done) call name_arc(loops%axis(arc), .false.)
+            end if
+            if (.not. done) return
+            h = state%joint(output%joints(k + 1), 0) - state%joint(output%joints(k), 0)
+            if (output%kind == output_angle) set%outang = clean(degrees_of(h%re, h%im) - direction())
+            exit
+         end do
+         ! the direction of a pose is that of its output arc: only from the joint along the line
+         if (output%kind == output_pose .and. done) done = abs(modulo(set%outang + direction() - degrees_of(h%re, h%im) &
+                                                                      + 180.0_wp, full_turn) - 180.0_wp) < 1.0e-9_wp
+      case (output_slide)
+         set%motion = motion_slide
+         do k = 1, size(loops%arcs)
+            if (loops%arcs(k)%slide /= output%slide) cycle
+            call name_arc(k, .false.)
+            done = .true.
+            return
+         end do
+      end select
+      if (done .and. set%outlk > 0.0_wp) then
+         set%tolout = set%tollen
+         set%toloua = set%tolang
+      end if
+
+   contains
+
+      real(wp) function direction()
+         integer :: a
+
+         direction = 0.0_wp
+         do a = 1, size(loops%arcs)
+            if (loops%arcs(a)%loop == set%noutlp .and. loops%arcs(a)%place == abs(set%noutlk)) direction = loops%arcs(a)%direction
+         end do
+      end function direction
+
+      subroutine name_arc(which, from_start)
+         integer, intent(in) :: which
+         logical, intent(in) :: from_start
+
+         set%noutlp = loops%arcs(which)%loop
+         set%noutlk = loops%arcs(which)%place
+         if (from_start) set%noutlk = -set%noutlk
+      end subroutine name_arc
+
+      !> From an end of an arc of the link: the joint itself if it is one.
+      subroutine from_arc_of(link)
+         integer, intent(in) :: link
+         integer :: point, found, chosen
+         logical :: from_start, start_of_it
+         complex(wp) :: v
+
+         call arc_with(loops, link, output%joints(1), chosen, from_start)
+         if (chosen == 0) then
+            do point = 1, size(loops%point)
+               call arc_with(loops, link, point, found, start_of_it)
+               if (found == 0) cycle
+               chosen = found
+               from_start = start_of_it
+               exit
+            end do
+         end if
+         if (chosen == 0) return
+         done = .true.
+         call name_arc(chosen, from_start)
+         point = loops%arcs(chosen)%ends(merge(1, 2, from_start))
+         v = state%joint(output%joints(1), 0) - loops%point(point)
+         set%outlk = abs(v)
+         if (point == output%joints(1)) set%outlk = 0.0_wp
+         if (set%outlk > 0.0_wp) set%outang = clean(degrees_of(v%re, v%im) - loops%arcs(chosen)%direction)
+         if (output%kind == output_pose) then
+            v = state%joint(output%joints(3), 0) - state%joint(output%joints(2), 0)
+            if (set%outlk == 0.0_wp) set%outang = clean(degrees_of(v%re, v%im) - loops%arcs(chosen)%direction)
+         end if
+      end subroutine from_arc_of
+   end subroutine put_output
+
+   ! ---- variables ---------------------------------------------------------------------------------------------------
+
+   !> IVA, IVG and so on from the names, and the bounds in the order of the listing.
+   subroutine fill_variables(loops, sketch, set, findings)
+      type(loops_t), intent(in) :: loops
+      type(sketch_t), intent(in) :: sketch
+      type(data_set_t), intent(inout) :: set
+      type(diagnostics_t), intent(inout) :: findings
+      integer, parameter :: of_outlk = 1, of_origlk = 2, of_outang = 3, of_origng = 4, of_input = 5
+      real(wp), allocatable :: low_length(:), high_length(:), low_angle(:), high_angle(:) !! by arc
+      real(wp) :: low(of_input), high(of_input)
+      integer :: k, n
+
+      if (allocated(set%iva)) deallocate (set%iva, set%ivg)
+      allocate (set%iva(set%maxarc, set%nloop), set%ivg(set%maxarc, set%nloop), source=0)
+      if (size(sketch%variations) == 0) return
+      allocate (low_length(size(loops%arcs)), high_length(size(loops%arcs)), low_angle(size(loops%arcs)), &
+                high_angle(size(loops%arcs)), source=0.0_wp)
+      low = 0.0_wp
+      high = 0.0_wp
+      do k = 1, size(sketch%variations)
+         call place_variation(sketch%variations(k), k)
+      end do
+      if (.not. any(sketch%variations%bounded)) return
+      set%limval = 1
+      if (allocated(set%oplow)) deallocate (set%oplow, set%ophigh)
+      allocate (set%oplow(0), set%ophigh(0))
+      do n = 1, size(loops%arcs)
+         if (set%iva(loops%arcs(n)%place, loops%arcs(n)%loop) /= 0) call bound(low_length(n), high_length(n))
+      end do
+      if (set%ilkout /= 0) call bound(low(of_outlk), high(of_outlk))
+      if (set%iorig /= 0) call bound(low(of_origlk), high(of_origlk))
+      do n = 1, size(loops%arcs)
+         if (set%ivg(loops%arcs(n)%place, loops%arcs(n)%loop) /= 0) call bound(low_angle(n), high_angle(n))
+      end do
+      if (set%ingout /= 0) call bound(low(of_outang), high(of_outang))
+      if (set%iorig /= 0) call bound(low(of_origng), high(of_origng))
+      if (set%icrk /= 0) call bound(low(of_input), high(of_input))
+      set%low_given = size(set%oplow)
+      set%high_given = size(set%ophigh)
+
+   contains
+
+      subroutine bound(lowest, highest)
+         real(wp), intent(in) :: lowest, highest
+
+         set%oplow = [set%oplow, lowest]
+         set%ophigh = [set%ophigh, highest]
+      end subroutine bound
+
+      !> The arc between two joints of a link as it was first traced, and whether it leads from the first to the second.
+      subroutine find_arc(a, b, arc, forward)
+         integer, intent(in) :: a, b
+         integer, intent(out) :: arc
+         logical, intent(out) :: forward
+         integer :: i
+
+         arc = 0
+         forward = .true.
+         do i = 1, size(loops%arcs)
+            if (loops%arcs(i)%same .or. loops%arcs(i)%against) cycle
+            if (any(loops%arcs(i)%kind == [traced_slide, traced_actuator])) cycle
+            if (all(loops%arcs(i)%ends == [a, b])) then
+               arc = i
+               return
+            else if (all(loops%arcs(i)%ends == [b, a])) then
+               arc = i
+               forward = .false.
+               return
+            end if
+         end do
+      end subroutine find_arc
+
+      logical function is_output(a, b)
+         integer, intent(in) :: a, b
+         integer :: i, from
+
+         is_output = .false.
+         if (set%outlk == 0.0_wp .or. all(set%motion /= [motion_point, motion_distance, motion_pose])) return
+         if (size(sketch%outputs) == 0) return
+         do i = 1, size(loops%arcs)
+            if (loops%arcs(i)%loop /= set%noutlp .or. loops%arcs(i)%place /= abs(set%noutlk)) cycle
+            from = loops%arcs(i)%ends(merge(1, 2, set%noutlk < 0))
+            is_output = from == a .and. sketch%outputs(1)%joints(1) == b
+         end do
+      end function is_output
+
+      subroutine place_variation(one, which)
+         type(variation_t), intent(in) :: one
+         integer, intent(in) :: which
+         integer :: arc, other
+         logical :: forward, other_forward
+
+         select case (one%kind)
+         case (vary_input)
+            set%icrk = 1
+            low(of_input) = loops%input + one%low(1)
+            high(of_input) = loops%input + one%high(1)
+         case (vary_place)
+            if (one%joints(1) == loops%start) then
+               set%iorig = 1
+               low([of_origlk, of_origng]) = one%low
+               high([of_origlk, of_origng]) = one%high
+               return
+            end if
+            call find_arc(one%joints(1), loops%start, arc, forward)
+            if (arc == 0) then
+               call missing(which, 'the place of joint '//trim(sketch%joint_name(one%joints(1))))
+               return
+            end if
+            set%iva(loops%arcs(arc)%place, loops%arcs(arc)%loop) = 1
+            set%ivg(loops%arcs(arc)%place, loops%arcs(arc)%loop) = 1
+            low_length(arc) = one%low(1)
+            high_length(arc) = one%high(1)
+            call angle_bounds(arc, one%low(2), one%high(2), merge(0.0_wp, 180.0_wp, .not. forward))
+         case (vary_length)
+            if (is_output(one%joints(1), one%joints(2)) .or. is_output(one%joints(2), one%joints(1))) then
+               set%ilkout = 1
+               low(of_outlk) = one%low(1)
+               high(of_outlk) = one%high(1)
+               return
+            end if
+            call find_arc(one%joints(1), one%joints(2), arc, forward)
+            if (arc == 0) then
+               call missing(which, 'the length '//line(one%joints(1:2)))
+               return
+            end if
+            set%iva(loops%arcs(arc)%place, loops%arcs(arc)%loop) = 1
+            low_length(arc) = one%low(1)
+            high_length(arc) = one%high(1)
+         case (vary_angle)
+            if (is_output(one%joints(3), one%joints(4))) then
+               call find_arc(one%joints(1), one%joints(2), arc, forward)
+               if (arc > 0) then
+                  if (loops%arcs(arc)%loop == set%noutlp .and. loops%arcs(arc)%place == abs(set%noutlk)) then
+                     set%ingout = 1
+                     low(of_outang) = one%low(1) + merge(0.0_wp, 180.0_wp, forward)
+                     high(of_outang) = one%high(1) + merge(0.0_wp, 180.0_wp, forward)
+                     return
+                  end if
+               end if
+            end if
+            call find_arc(one%joints(1), one%joints(2), arc, forward)
+            call find_arc(one%joints(3), one%joints(4), other, other_forward)
+            if (arc == 0 .or. other == 0) then
+               call missing(which, 'the angle from '//line(one%joints(1:2))//' to '//line(one%joints(3:4)))
+            else if (loops%arcs(other)%kind /= traced_determined .or. loops%arcs(other)%reference /= arc) then
+               call missing(which, 'the angle from '//line(one%joints(1:2))//' to '//line(one%joints(3:4)))
+            else
+               set%ivg(loops%arcs(other)%place, loops%arcs(other)%loop) = 1
+               low_angle(other) = one%low(1) + merge(0.0_wp, 180.0_wp, forward .eqv. other_forward)
+               high_angle(other) = one%high(1) + merge(0.0_wp, 180.0_wp, forward .eqv. other_forward)
+            end if
+         end select
+      end subroutine place_variation
+
+      !> Bounds of a direction from the pivot, for a frame arc that is traced against it when `turn` is 180.
+      subroutine angle_bounds(arc, lowest, highest, turn)
+         integer, intent(in) :: arc
+         real(wp), intent(in) :: lowest, highest, turn
+         real(wp) :: zero
+
+         zero = turn
+         if (loops%arcs(arc)%kind /= traced_frame) zero = turn - loops%arcs(loops%arcs(arc)%reference)%direction
+         low_angle(arc) = lowest + zero
+         high_angle(arc) = highest + zero
+      end subroutine angle_bounds
+
+      pure function line(joints) result(text)
+         integer, intent(in) :: joints(2)
+         character(:), allocatable :: text
+
+         text = trim(sketch%joint_name(joints(1)))//' '//trim(sketch%joint_name(joints(2)))
+      end function line
+
+      !> A dimension that the loops do not have, and those that they have.
+      subroutine missing(which, what)
+         integer, intent(in) :: which
+         character(*), intent(in) :: what
+         character(:), allocatable :: have
+         integer :: i, told
+
+         have = ''
+         told = 0
+         do i = 1, size(loops%arcs)
+            associate (arc => loops%arcs(i))
+               if (arc%same .or. arc%against .or. any(arc%ends > size(sketch%joint_name)) .or. arc%length == 0.0_wp) cycle
+               if (any(arc%kind == [traced_slide, traced_actuator])) cycle
+               told = told + 1
+               if (told > 12) cycle
+               have = have//', '//line(arc%ends)
+            end associate
+         end do
+         if (len(have) > 0) have = '; there are the lengths '//have(3:)//' and the angles between them'
+         call findings%error(what//' is no dimension of the loops'//have, line=set%origins%line('CHAIN', 'VARY', which), &
+                             group='CHAIN', item='VARY')
+      end subroutine missing
+   end subroutine fill_variables
+end module psalm_sketch_case
