@@ -1,7 +1,8 @@
 !> balm: pictures of planar linkages from a namelist file.
 program balm
    use psalm_console, only: arguments_t, begin, begin_mark, prepare_outputs, say, show_findings, stem_of
-   use psalm_data_set, only: data_set_t, read_data_sets
+   use psalm_cases, only: read_cases
+   use psalm_data_set, only: data_set_t
    use psalm_devices, only: devices_t
    use psalm_drawing, only: picture_t, draw_file, draw_curves
    use psalm_files, only: exchange_t, directory_of
@@ -59,7 +60,7 @@ contains
 
       mark = begin_mark(arguments%program)
       if (arguments%assemblies) call mark%add('--assemblies')
-      call read_data_sets(file, sets, findings, program='balm', mark=mark)
+      call read_cases(file, sets, findings, program='balm', mark=mark)
       call make_scenes(sets, findings, cases)
       do k = 1, size(cases)
          call report_picture(sets(k), cases(k), devices)

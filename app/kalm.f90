@@ -2,7 +2,8 @@
 program kalm
    use psalm_console, only: arguments_t, begin, begin_mark, prepare_outputs, show_findings, stem_of, write_devices
    use psalm_check_list, only: list_input
-   use psalm_data_set, only: data_set_t, read_data_sets
+   use psalm_cases, only: read_cases
+   use psalm_data_set, only: data_set_t
    use psalm_devices, only: devices_t, header_of
    use psalm_error, only: problem_t, make_problem
    use psalm_mark, only: mark_t
@@ -57,7 +58,7 @@ contains
       integer :: k
 
       mark = begin_mark(arguments%program)
-      call read_data_sets(file, sets, findings, program='kalm', mark=mark)
+      call read_cases(file, sets, findings, program='kalm', mark=mark)
       allocate (prepared(size(sets)))
       do k = 1, size(sets)
          sets(k)%nguess = 0

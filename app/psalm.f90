@@ -4,7 +4,8 @@ program psalm
                             write_devices
    use psalm_analysis, only: analysis_t, wanted_t, analyse, wanted_by
    use psalm_check_list, only: list_input
-   use psalm_data_set, only: data_set_t, read_data_sets
+   use psalm_cases, only: read_cases
+   use psalm_data_set, only: data_set_t
    use psalm_devices, only: devices_t, header_of
    use psalm_error, only: problem_t, make_problem
    use psalm_mark, only: mark_t
@@ -71,7 +72,7 @@ contains
       integer :: k, l
 
       mark = begin_mark(arguments%program)
-      call read_data_sets(file, sets, findings, mark=mark)
+      call read_cases(file, sets, findings, mark=mark)
       allocate (prepared(size(sets)), device4(0))
       do k = 1, size(sets)
          if (sets(k)%nguess > 0) then

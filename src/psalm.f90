@@ -9,7 +9,8 @@
 module psalm
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use psalm_analysis, only: analysis_t, wanted_t, study_analysis => analyse
-   use psalm_data_set, only: data_set_t, read_data_sets, read_data_set_text
+   use psalm_cases, only: read_cases, read_case_text
+   use psalm_data_set, only: data_set_t
    use psalm_error, only: problem_t, motion_t, violation_t, make_problem
    use psalm_finale, only: in_columns, list_results, describe_violation
    use psalm_group_table, only: everything
@@ -106,7 +107,7 @@ contains
       type(data_set_t), allocatable :: sets(:)
       type(findings_t) :: own
 
-      call read_data_sets(file, sets, own, program=everything)
+      call read_cases(file, sets, own, program=everything)
       call take_sets(sets, own, cases, findings)
    end subroutine read_file
 
@@ -122,7 +123,7 @@ contains
 
       file = memory_name
       if (present(name)) file = name
-      call read_data_set_text(text, file, sets, own, everything)
+      call read_case_text(text, file, sets, own, everything)
       call take_sets(sets, own, cases, findings)
    end subroutine read_text
 
@@ -762,7 +763,7 @@ contains
          allocate (set, source=case%set)
          own%file = set%file
       else if (allocated(case%parts)) then
-         call read_data_set_text(case%text(), memory_name, sets, own, everything)
+         call read_case_text(case%text(), memory_name, sets, own, everything)
          if (size(sets) > 0) allocate (set, source=sets(1))
       else
          call own%error('the case is empty; begin with new_case, read_file or read_text')

@@ -1,6 +1,7 @@
 !> Data sets of `data/` as problems, for the tests.
 module cases
-   use psalm_data_set, only: data_set_t, read_data_sets
+   use psalm_cases, only: read_cases
+   use psalm_data_set, only: data_set_t
    use psalm_error, only: problem_t, make_problem
    use psalm_kinds, only: wp
    use psalm_setup, only: set_up
@@ -36,7 +37,7 @@ contains
 
       which = 1
       if (present(n)) which = n
-      call read_data_sets('data/'//trim(name)//'.nml', sets, findings)
+      call read_cases('data/'//trim(name)//'.nml', sets, findings)
       if (.not. findings%failed()) then
          set = sets(which)
          if (present(everything)) set%ktheta = merge(1, set%ktheta, everything)

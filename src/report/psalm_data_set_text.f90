@@ -10,6 +10,7 @@ module psalm_data_set_text
    use psalm_dyad_kind, only: assur_prp
    use psalm_error, only: problem_t
    use psalm_finale, only: in_columns
+   use psalm_sketch_text, only: write_sketch
    use psalm_start, only: values_per_record
    use psalm_text, only: text_t, general, full_precision, to_text
    implicit none (type, external)
@@ -53,6 +54,10 @@ contains
       type(text_t), intent(inout) :: text
       integer :: loop
 
+      if (set%sketch%given .and. .not. problem%parameters%has_search()) then
+         call write_sketch(set, text)
+         return
+      end if
       call text%add(set%title)
       call text%add(' &LINKS NLOOP='//to_text(set%nloop)//', MAXARC='//to_text(set%maxarc)//',')
       call integer_rows('ILINK', set%ilink)

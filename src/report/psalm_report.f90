@@ -213,6 +213,7 @@ contains
       call list_results(set, problem, analysis%dimensions, analysis%motion, devices%six)
       call list_setup(set, problem, devices%eight)
       if (len(set%skipped) > 0) call devices%eight%add(' GROUPS THAT PSALM DOES NOT READ: '//set%skipped)
+      if (allocated(set%chosen)) call devices%eight%add_text(set%chosen)
       call list_reference_joints(problem%mechanism, analysis%doubts, devices%eight)
       do i = 1, warnings%count
          call devices%eight%add(' '//warnings%list(i)%render())

@@ -7,7 +7,7 @@ module psalm_preparation
    use psalm_setup, only: set_up
    use psalm_source, only: line_t
    use psalm_start, only: read_vertices
-   use psalm_status, only: diagnostics_t
+   use psalm_status, only: diagnostics_t, level_warning
    use psalm_system, only: memory_to_be_had, threads_to_be_had
    use psalm_text, only: to_text
    use psalm_dimensions, only: dimensions_t
@@ -47,13 +47,18 @@ contains
       type(prepared_t), intent(out) :: prepared
       type(diagnostics_t), intent(inout) :: findings
       type(demand_t), intent(in), optional :: demand     !! for memory; that of psalm if absent
-      type(diagnostics_t) :: own
+      type(diagnostics_t) :: own, all
       type(demand_t) :: each
       integer(int64) :: bytes
       integer :: i
 
       allocate (prepared%vertices(0, 0))
-      call set_up(set, prepared%mechanism, prepared%given, prepared%parameters, prepared%warnings)
+      call set_up(set, prepared%mechanism, prepared%given, prepared%parameters, all)
+      do i = 1, all%count
+         ! the loops of a sketch are not the user's to mend
+         if (set%sketch%given .and. all%list(i)%level == level_warning .and. all%list(i)%group == 'LINKS') cycle
+         call prepared%warnings%add(all%list(i))
+      end do
       do i = 1, prepared%warnings%count
          call findings%add(prepared%warnings%list(i))
       end do

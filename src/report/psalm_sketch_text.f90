@@ -1,0 +1,245 @@
+!> A sketch as text that can be read again.
+module psalm_sketch_text
+   use psalm_data_set, only: data_set_t
+   use psalm_kinds, only: wp
+   use psalm_output_kind, only: output_kind_t, output_kind
+   use psalm_sketch, only: sketch_t, drive_stretches, output_angle, output_between, output_distance, output_point, &
+                           output_pose, output_ratio, output_slide
+   use psalm_text, only: text_t, full_precision, to_text
+   implicit none (type, external)
+   private
+   public :: write_sketch
+
+   integer, parameter :: line_room = 100  !! columns of a line of values
+
+contains
+
+   !> Append the data set of a sketch, as an analysis, with the coordinates that `set` holds.
+   subroutine write_sketch(set, text)
+      type(data_set_t), intent(in) :: set
+      type(text_t), intent(inout) :: text
+      character(:), allocatable :: line
+      integer :: i, k, own_links
+
+      associate (sketch => set%sketch)
+         own_links = size(sketch%links) - count(sketch%drives%kind == drive_stretches)
+         call text%add(set%title)
+         line = ' &CHAIN JNT='
+         do i = 1, size(sketch%joint_name)
+            call word("'"//trim(sketch%joint_name(i))//"'")
+         end do
+         call text%add(line)
+         call numbers('JX=', sketch%x)
+         call numbers('JY=', sketch%y)
+         line = '  LNAME='
+         do i = 1, own_links
+            call word("'"//trim(sketch%links(i)%name)//"'")
+         end do
+         call text%add(line)
+         line = '  LNK='
+         do i = 1, own_links
+            call word("'"//joints_of(sketch, sketch%links(i)%joints)//"'")
+         end do
+         call text%add(line)
+         if (size(sketch%slides) > 0) call write_slides()
+         if (size(sketch%gears) > 0) call write_gears()
+         if (size(sketch%length) > 0) then
+            line = '  LENP='
+            do i = 1, size(sketch%length)
+               call word("'"//joints_of(sketch, sketch%length_of(:, i))//"'")
+            end do
+            call text%add(line)
+            call numbers('LENV=', sketch%length)
+         end if
+         if (sketch%over_braced) call text%add('  KOVER=1,')
+         call text%add(' &END')
+         call write_drives()
+         if (size(sketch%outputs) > 0) then
+            line = ' &OUTPUTS OUTPUT='
+            do i = 1, size(sketch%outputs)
+               call word("'"//output_words(sketch, i)//"'")
+            end do
+            call text%add(line)
+            line = '  ONAME='
+            do i = 1, size(sketch%outputs)
+               call word("'"//trim(sketch%outputs(i)%name)//"'")
+            end do
+            call text%add(line//' &END')
+         end if
+      end associate
+      line = ' &METHOD'
+      if (set%crnki /= set%crnki_of_drawing) line = line//' CRNKI='//full_precision(set%crnki - set%crnki_of_drawing)//','
+      if (set%ikin /= 0) then
+         call text%add(line//' IKIN='//to_text(set%ikin)//',')
+      else
+         call text%add(line//' NDES='//to_text(set%ndes)//',')
+         call numbers('DELT=', set%delt)
+         if (set%desired) call write_desired(output_kind(set%motion))
+      end if
+      call text%add(' &END')
+      line = ' &LIMITS'
+      if (set%tangle_given) line = line//' TANGLE='//full_precision(set%tangle)//','
+      line = line//' TOGGLE='//full_precision(set%toggle)//','
+      if (set%icond /= 0) line = line//' ICOND=1,'
+      call text%add(line)
+      call text%add('  KTHETA='//to_text(set%ktheta)//', IPLOT='//to_text(set%iplot)//', LAST='//to_text(set%last)//' &END')
+      call text%add_text(set%others)
+
+   contains
+
+      !> One more value of the line in hand.
+      subroutine word(value)
+         character(*), intent(in) :: value
+
+         if (len(line) + len(value) > line_room) then
+            call text%add(line)
+            line = '   '
+         end if
+         line = line//value//','
+      end subroutine word
+
+      subroutine numbers(name, values)
+         character(*), intent(in) :: name
+         real(wp), intent(in) :: values(:)
+         integer :: n
+
+         line = '  '//name
+         do n = 1, size(values)
+            if (values(n) == 0.0_wp) then
+               call word('0.0')
+            else
+               call word(full_precision(values(n)))
+            end if
+         end do
+         call text%add(line)
+      end subroutine numbers
+
+      subroutine write_slides()
+         associate (slides => set%sketch%slides)
+            line = '  NSLIDE='//to_text(size(slides))//', SNAME='
+            do i = 1, size(slides)
+               call word("'"//trim(slides(i)%name)//"'")
+            end do
+            call text%add(line)
+            do k = 1, 2
+               line = merge('  SLNK= ', '  SLNK2=', k == 1)
+               do i = 1, size(slides)
+                  call word("'"//trim(set%sketch%links(slides(i)%links(k))%name)//"'")
+               end do
+               call text%add(line)
+            end do
+            call numbers('SLX=', [(slides(i)%x, i=1, size(slides))])
+            call numbers('SLY=', [(slides(i)%y, i=1, size(slides))])
+            call numbers('SLANG=', [(slides(i)%angle, i=1, size(slides))])
+         end associate
+      end subroutine write_slides
+
+      subroutine write_gears()
+         integer :: members(3)
+
+         associate (gears => set%sketch%gears)
+            do k = 1, 3
+               line = '  GEARA='
+               if (k == 2) line = '  GEARB='
+               if (k == 3) line = '  GCARR='
+               do i = 1, size(gears)
+                  members = [gears(i)%wheels, gears(i)%carrier]
+                  call word("'"//trim(set%sketch%links(members(k))%name)//"'")
+               end do
+               call text%add(line)
+            end do
+            call numbers('GTA=', -gears%ratio)
+            call numbers('GTB=', [(1.0_wp, i=1, size(gears))])
+         end associate
+      end subroutine write_gears
+
+      subroutine write_drives()
+         associate (drives => set%sketch%drives)
+            line = ' &DRIVES DRIVE='
+            do i = 1, size(drives)
+               call word("'"//trim(drives(i)%name)//"'")
+            end do
+            call text%add(line)
+            line = '  DBASE='
+            do i = 1, size(drives)
+               if (drives(i)%base > 0) call word("'"//trim(set%sketch%links(drives(i)%base)%name)//"'")
+               if (drives(i)%base == 0) call word('')
+            end do
+            call text%add(line)
+            line = '  DLINK='
+            do i = 1, size(drives)
+               if (drives(i)%base > 0) call word("'"//trim(set%sketch%links(drives(i)%link)%name)//"'")
+               if (drives(i)%base == 0) call word('')
+            end do
+            call text%add(line)
+            if (any(drives%geared)) then
+               call numbers('RATIO=', merge(drives%ratio, 0.0_wp, drives%geared))
+               call numbers('PHASE=', drives%phase)
+            end if
+            do i = 2, size(drives)
+               if (allocated(drives(i)%delt)) call numbers('DELT'//to_text(i)//'=', drives(i)%delt)
+            end do
+            call text%add(' &END')
+         end associate
+      end subroutine write_drives
+
+      subroutine write_desired(kind)
+         type(output_kind_t), intent(in) :: kind
+
+         if (kind%components > 1) then
+            call text%add('  XADD='//full_precision(set%xadd)//', YADD='//full_precision(set%yadd)//',')
+            call numbers('DESX=', set%desx)
+            call numbers('DESY=', set%desy)
+            call numbers('XMULT=', set%xmult)
+            call numbers('YMULT=', set%ymult)
+         end if
+         if (kind%components /= 2) then
+            call numbers('DESANG=', set%desang)
+            call numbers('ANMULT=', set%anmult)
+         end if
+      end subroutine write_desired
+   end subroutine write_sketch
+
+   !> Joints by name, with blanks between them.
+   pure function joints_of(sketch, joints) result(words)
+      type(sketch_t), intent(in) :: sketch
+      integer, intent(in) :: joints(:)
+      character(:), allocatable :: words
+      integer :: i
+
+      words = ''
+      do i = 1, size(joints)
+         if (i > 1) words = words//' '
+         words = words//trim(sketch%joint_name(joints(i)))
+      end do
+   end function joints_of
+
+   !> An output in the words of &OUTPUTS.
+   pure function output_words(sketch, which) result(words)
+      type(sketch_t), intent(in) :: sketch
+      integer, intent(in) :: which
+      character(:), allocatable :: words
+
+      associate (output => sketch%outputs(which))
+         select case (output%kind)
+         case (output_point)
+            words = 'point '//joints_of(sketch, output%joints(:1))
+         case (output_angle)
+            words = 'angle '//joints_of(sketch, output%joints(:2))
+         case (output_distance)
+            words = 'distance '//joints_of(sketch, pack(output%joints, output%joints > 0))
+         case (output_slide)
+            words = 'slide '//trim(sketch%slides(output%slide)%name)
+         case (output_between)
+            words = 'between '//joints_of(sketch, output%joints)
+         case (output_pose)
+            words = 'pose '//joints_of(sketch, output%joints(:3))
+         case (output_ratio)
+            words = 'ratio '//trim(sketch%outputs(output%outputs(1))%name)//' '// &
+                    trim(sketch%outputs(output%outputs(2))%name)
+         case default
+            words = ''
+         end select
+      end associate
+   end function output_words
+end module psalm_sketch_text
