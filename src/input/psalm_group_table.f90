@@ -14,15 +14,15 @@ module psalm_group_table
 
    type(known_group_t), parameter :: known_groups(*) = [ &
       known_group_t('LINKS', 'psalm kalm balm'), &
-      known_group_t('CHAIN', 'psalm kalm balm'), &
-      known_group_t('DRIVES', 'psalm kalm balm'), &
-      known_group_t('OUTPUTS', 'psalm kalm balm'), &
       known_group_t('METHOD', 'psalm kalm balm'), &
       known_group_t('LIMITS', 'psalm kalm balm'), &
       known_group_t('SEARCH', 'psalm kalm balm'), &
       known_group_t('CONSTR', 'psalm kalm balm'), &
       known_group_t('TOLER', 'psalm kalm balm'), &
-      known_group_t('RATES', 'kalm')]
+      known_group_t('RATES', 'kalm'), &
+      known_group_t('CHAIN', 'psalm kalm balm'), &
+      known_group_t('DRIVES', 'psalm kalm balm'), &
+      known_group_t('OUTPUTS', 'psalm kalm balm')]
 
    character(*), parameter :: everything = '*' !! in place of a program: who reads all groups that a program of the suite reads
    character(*), parameter :: users = 'USER' !! groups whose names begin so are the user's own
