@@ -171,7 +171,7 @@ contains
       type(dyad_t), intent(in) :: dyad
       type(rows_t), intent(in) :: store
       real(wp), intent(in) :: clearance            !! TOGGLE, scaled as lengths are
-      real(wp), intent(in) :: side                 !! PRP: +1 or -1, sign of the sine between the slides that is wanted
+      real(wp), intent(in) :: side                 !! of PRP, +1 or -1, sign of the sine between the slides that is wanted
       real(wp), intent(out) :: k(:)                !! shape (n)
 
       select case (dyad%kind)
@@ -297,7 +297,7 @@ contains
       real(wp), intent(in) :: tangle, toggle       !! TANGLE, TOGGLE
       logical, intent(in) :: vary(2)               !! p, q: the length may change
       real(wp), intent(inout) :: length(2)         !! p, q
-      logical, intent(out) :: repaired             !! false: nothing helps
+      logical, intent(out) :: repaired             !! false if nothing helps
 
       select case (kind)
       case (assur_rrr)

@@ -369,7 +369,7 @@ contains
       end do
    end subroutine link_pair_change
 
-   !> Repair: one or both lengths change until the transmission angle is within limits at every position.
+   !> Change one or both lengths until the transmission angle is within limits at every position.
    !>
    !> Formulas of section 6.3 of the thesis, each from the cosine rule h**2 = p**2 + q**2 - 2 p q cos(mu); the forms for one
    !> variable length are solved from the same rule.
@@ -378,7 +378,7 @@ contains
       real(wp), intent(in) :: tangle             !! allowed deviation from 90 degrees
       logical, intent(in) :: vary_p, vary_q      !! the length may change
       real(wp), intent(inout) :: p, q            !! lengths
-      logical, intent(out) :: repaired           !! false: the demands of the positions conflict
+      logical, intent(out) :: repaired           !! false if the demands of the positions conflict
       real(wp) :: c_low, s_low, half_sine, c_high, unused, k, d
       logical :: frozen
       integer :: i
@@ -424,7 +424,7 @@ contains
       real(wp), intent(in) :: cosine, sine, half_sine !! of the smallest angle; sine of its half
       logical, intent(in) :: vary_short, vary_long
       real(wp), intent(inout) :: short, long
-      logical, intent(inout) :: frozen                !! set: the links may not be lengthened again
+      logical, intent(inout) :: frozen                !! if set, the links may not be lengthened again
       real(wp) :: root
 
       if (vary_short) then

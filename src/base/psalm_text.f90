@@ -1,4 +1,4 @@
-!> Text: a growing buffer of lines, number formatting in the manner of the thesis's listings, letter case.
+!> A growing buffer of lines, number formatting in the manner of the thesis's listings, letter case.
 !>
 !> All numbers that reach a listing or a device go through this module, so that columns stay the same in every kind.
 module psalm_text
@@ -32,7 +32,7 @@ contains
    !> Append a line (trailing blanks are dropped).
    pure subroutine add_line(self, line)
       class(text_t), intent(inout) :: self
-      character(*), intent(in), optional :: line !! absent: an empty line
+      character(*), intent(in), optional :: line !! if absent, an empty line
 
       if (present(line)) call put(self, line(:len_trim(line)))
       call put(self, new_line('a'))

@@ -81,7 +81,7 @@ contains
    pure subroutine begin(self, name, line)
       class(group_t), intent(inout) :: self
       character(*), intent(in) :: name
-      integer, intent(in) :: line  !! 0: not given
+      integer, intent(in) :: line  !! 0 if not given
 
       self%name = name
       self%line = line

@@ -1,4 +1,4 @@
-!> ERROR: positions of the linkage at the prescribed inputs, the output there, and the objective.
+!> ERROR finds the positions of the linkage at the prescribed inputs, the output there, and the objective.
 !>
 !> A `problem_t` is everything an analysis or a search works on: topology, plan, inputs, desired values and weights, and a
 !> linkage to move. Source of motions and objective: Oldham (1977), chapter 5 and appendix B.

@@ -1,4 +1,4 @@
-!> SIMPLX: the constrained simplex search of the thesis.
+!> SIMPLX is the constrained simplex search of the thesis.
 !>
 !> Nelder and Mead's simplex with the unlimited expansion and translation of Parkinson and Hutchinson; every vertex is made to
 !> obey by the problem (`settle`; of a linkage, CONSTR). Source: Oldham (1977), section 6.4.3, equations 6.17 to 6.24.

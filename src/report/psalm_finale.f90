@@ -1,4 +1,4 @@
-!> FINALE: the listing of the final linkage and its motion, device 6.
+!> FINALE writes the listing of the final linkage and its motion, device 6.
 !>
 !> Layout and numbers follow the published listing (Oldham 1977, figure 7.2), so that listings can be compared.
 module psalm_finale
@@ -284,7 +284,7 @@ contains
       type(problem_t), intent(in) :: problem
       type(motion_t), intent(in) :: motion
       type(violation_t), intent(in) :: violation
-      logical, intent(in), optional :: numbered !! false: the positions have no numbers that a user knows; default true
+      logical, intent(in), optional :: numbered !! if false the positions have no numbers that a user knows; default true
       character(:), allocatable :: text
       character(:), allocatable :: pair, p, q
       type(form_t) :: form

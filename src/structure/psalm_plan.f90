@@ -17,14 +17,14 @@ module psalm_plan
    integer, parameter :: step_point = 1  !! point = point +- arc
    integer, parameter :: step_dyad = 2   !! solve a loop
 
-   integer, parameter :: root_frame = 1  !! root: the machine's x axis
-   integer, parameter :: root_crank = 2  !! root: the input link
-   integer, parameter :: origin = 0      !! point: the input pivot
+   integer, parameter :: root_frame = 1  !! the root that is the machine's x axis
+   integer, parameter :: root_crank = 2  !! the root that is the input link
+   integer, parameter :: origin = 0      !! the point that is the input pivot
 
    !> One step of the plan.
    type :: step_t
       integer :: kind = 0
-      integer :: loop = 0       !! dyad: the loop
+      integer :: loop = 0       !! of a dyad, its loop
       integer :: from = 0       !! point step: point to start from; dyad: point S
       integer :: to = 0         !! point step: point made; dyad: point E
       integer :: arc = 0        !! point step: sequential number of the arc

@@ -1,4 +1,4 @@
-!> SETUP: the loop arrays become a mechanism with dimensions and variables, and every mistake in them is found.
+!> SETUP makes of the loop arrays a mechanism with dimensions and variables, and finds every mistake in them.
 !>
 !> The steps in order; each has a module of its own. Nothing after SETUP knows ILINK or ILOOP. Source: Oldham (1977),
 !> chapter 4 and appendices B2 and C.

@@ -1,4 +1,4 @@
-!> Analysis: what a linkage does at the prescribed positions, between them, and how far it is inside its constraints.
+!> What a linkage does at the prescribed positions, between them, and how far it is inside its constraints.
 !>
 !> Data in, results out: nothing is printed or worded here, no file is touched.
 module psalm_analysis

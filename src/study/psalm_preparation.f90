@@ -92,7 +92,7 @@ contains
    !> Threads that work on a case: as many as are asked for, fewer if the system does not give them.
    integer function threads_for(set, asked)
       type(data_set_t), intent(in) :: set
-      integer, intent(in) :: asked       !! 0: as THREADS says
+      integer, intent(in) :: asked       !! 0 stands for what THREADS says
 
       threads_for = threads_to_be_had(threads_wanted(set, asked))
    end function threads_for
@@ -100,7 +100,7 @@ contains
    !> Threads that are asked for.
    pure integer function threads_wanted(set, asked)
       type(data_set_t), intent(in) :: set
-      integer, intent(in) :: asked       !! 0: as THREADS says
+      integer, intent(in) :: asked       !! 0 stands for what THREADS says
 
       threads_wanted = merge(asked, max(1, set%search%threads), asked > 0)
    end function threads_wanted

@@ -1,4 +1,4 @@
-!> Rates: velocities, accelerations and jerks of the output, and on request of every joint and arc.
+!> Velocities, accelerations and jerks of the output, and on request of every joint and arc.
 !>
 !> Derivatives are taken with respect to the input (per radian, or per unit of length of a sliding input) and with respect to
 !> time, for the speed and acceleration of the group RATES. Data in, results out. Source: Haines (about 1982), section 15.1;

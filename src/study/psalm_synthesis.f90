@@ -1,4 +1,4 @@
-!> Synthesis: the search for better dimensions, by the simplex of the thesis or from many starts, and what came of it.
+!> The search for better dimensions, by the simplex of the thesis or from many starts, and what came of it.
 !>
 !> Data in, results out: nothing is printed or worded here. An observer may watch the search.
 module psalm_synthesis
@@ -21,7 +21,7 @@ module psalm_synthesis
 
    ! how a search ended
    integer, parameter :: ended_unmade = 0          !! nothing varies: there was no search
-   integer, parameter :: ended_infeasible = 1      !! simplex: the given linkage violates the constraints and cannot be repaired;
+   integer, parameter :: ended_infeasible = 1      !! simplex; the given linkage violates the constraints and cannot be repaired;
                                                    !! many starts: none led to a linkage that obeys them
    integer, parameter :: ended_converged = 2       !! the simplex has shrunk to a point
    integer, parameter :: ended_small_objective = 3 !! the objective is below FMIN

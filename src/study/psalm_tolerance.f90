@@ -1,4 +1,4 @@
-!> Tolerances: what small deviations of the dimensions do to the output.
+!> What small deviations of the dimensions do to the output.
 !>
 !> Linear: the Jacobian times the tolerances, dimension by dimension; worst case (all add up) and root-sum-square over the
 !> motion. Real: a Monte-Carlo sample of linkages whose dimensions deviate uniformly within their tolerances, with the thesis's

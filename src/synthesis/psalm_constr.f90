@@ -1,4 +1,4 @@
-!> CONSTR: make a vertex of the simplex obey the constraints.
+!> CONSTR makes a vertex of the simplex obey the constraints.
 !>
 !> Bounds are clipped. A dyad that does not close, or whose transmission angle is out of limits, is repaired by changing
 !> its own variable lengths; where that is impossible the vertex moves a quarter of the way towards a linkage known to be

@@ -445,7 +445,7 @@ contains
    pure subroutine add_timing(equations, i, weight, residual, d, turn)
       type(normal_equations_t), intent(inout) :: equations
       integer, intent(in) :: i
-      real(wp), intent(in) :: weight, residual, d(:), turn   !! turn: derivative by the input
+      real(wp), intent(in) :: weight, residual, d(:), turn   !! `turn` is the derivative by the input
 
       equations%edge(i) = equations%edge(i) + weight*turn**2
       equations%edge_gradient(i) = equations%edge_gradient(i) + weight*turn*residual

@@ -1,4 +1,4 @@
-!> START: the initial simplex.
+!> START makes the initial simplex.
 !>
 !> The first vertex is the user's linkage. Others are read from device 4 or drawn at random within limits.
 !> Source: Oldham (1977), section 6.4.2 and appendix B3.
