@@ -161,8 +161,8 @@ contains
 
       wanted = threads_wanted(set, arguments%threads)
       threads = threads_for(set, arguments%threads)
-      if (threads < wanted) call devices%remark(set, to_text(wanted)//' threads are not to be had; '//to_text(threads)// &
-                                                ' do the work (the results are the same)')
+      if (threads < wanted) call devices%remark(set, 'cannot start '//to_text(wanted)//' threads, using '//to_text(threads)// &
+                                                ' (the results are the same)')
       if (threads > 1) call shield_threads(threads)
       if (set%wants_search() .or. set%ntrial > 0) call signals%hold(threads)
    end subroutine take_threads

@@ -578,7 +578,7 @@ contains
          call check_range(group, 'NDES', set%ndes, 1, most_positions, findings)
          if (set%ndes < 1 .or. set%ndes > most_positions) set%ndes = 0
          if (.not. memory_to_be_had(bytes_of_position*int(set%ndes, int64))) then
-            call findings%trouble('the memory for NDES='//to_text(set%ndes)//' positions is not to be had')
+            call findings%trouble('not enough memory for NDES='//to_text(set%ndes)//' positions')
             set%ndes = 0
          end if
       else if (set%ikin == 0) then

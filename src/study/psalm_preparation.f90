@@ -68,8 +68,8 @@ contains
       if (set%ktheta /= 0 .or. .not. each%ktheta_only) bytes = bytes + int(each%arc, int64)*size(prepared%mechanism%arcs)
       bytes = bytes*set%ndes
       if (.not. memory_to_be_had(bytes)) then
-         call findings%trouble('the memory for NDES='//to_text(set%ndes)//' positions, about '// &
-                               to_text(int(bytes/megabyte) + 1)//' MB, is not to be had')
+         call findings%trouble('not enough memory for NDES='//to_text(set%ndes)//' positions: about '// &
+                               to_text(int(bytes/megabyte) + 1)//' MB are needed')
          return
       end if
       own%file = set%file
