@@ -33,8 +33,8 @@ module psalm_capi
       'a file could not be read, or there was not enough memory'//nul//'the call is wrong'//nul//'unknown status'//nul
 
    ! never changed; variables only so that they have an address
-   character(len(version) + 1, c_char), target, save :: version_text = version//nul
-   character(len(words), c_char), target, save :: status_words = words
+   character(len(version) + 1, c_char), target :: version_text = version//nul
+   character(len(words), c_char), target :: status_words = words
 
    !> A text that ends as C wants it.
    type :: c_text_t

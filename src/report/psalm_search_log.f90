@@ -72,7 +72,8 @@ contains
       end do
    end subroutine show_row
 
-   !> After an iteration of the simplex, which shows its points: violations above NVIOL, objectives every NPRT iterations, co-ordinates every NPRINT.
+   !> After an iteration of the simplex, which shows its points: violations above NVIOL, objectives every NPRT iterations,
+   !> co-ordinates every NPRINT.
    subroutine report(self, state, points, objectives)
       class(search_log_t), intent(inout) :: self
       type(search_state_t), intent(in) :: state
