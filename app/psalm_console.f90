@@ -2,7 +2,7 @@
 module psalm_console
    use, intrinsic :: iso_fortran_env, only: int64
    use psalm_devices, only: devices_t
-   use psalm_files, only: exchange_t, judge_target, directory_of
+   use psalm_files, only: exchange_t, check_target, directory_of
    use psalm_kinds, only: dp, wp
    use psalm_mark, only: mark_t
    use psalm_number, only: parse_integer
@@ -102,7 +102,7 @@ contains
 
       do i = 1, size(arguments%files)
          do k = 1, size(endings)
-            call judge_target(stem_of(trim(arguments%files(i)), arguments%output_dir)//trim(endings(k)), arguments%inputs, &
+            call check_target(stem_of(trim(arguments%files(i)), arguments%output_dir)//trim(endings(k)), arguments%inputs, &
                               message, code)
             if (code /= exit_bad_input) cycle
             call say(arguments%program, message)
@@ -151,7 +151,7 @@ contains
          end if
       end if
       do k = 1, size(endings)
-         call judge_target(stem//trim(endings(k)), arguments%inputs, message, reason)
+         call check_target(stem//trim(endings(k)), arguments%inputs, message, reason)
          if (reason == exit_done) cycle
          call say(arguments%program, message)
          ready = .false.

@@ -13,9 +13,9 @@ program test_constraints
    use psalm_merit, only: merit_t, prepare_merit, put_in_order
    use psalm_nlp, only: normal_equations_t
    use psalm_solver_kind, only: find_solver
-   use psalm_regions, only: trespass
+   use psalm_regions, only: find_region_depth
    use psalm_search, only: result_t, search_many
-   use psalm_station, only: station_t, prepare_station, look, look_closely
+   use psalm_station, only: station_t, prepare_station, evaluate_station, linearise_station
    use psalm_stop, only: stop_t
    use psalm_text, only: to_text
    use psalm_timing, only: timing_t, prepare_timing, find_timing
@@ -68,7 +68,7 @@ contains
       ! the first variable length is made a third longer: some positions of some linkages open
       values(1) = values(1)*4.0_wp/3.0_wp
       call problem%parameters%apply(values, dimensions)
-      call look_closely(station, dimensions)
+      call linearise_station(station, dimensions)
       opened = count(.not. station%closed)
       near = abs(abs(station%k) - 1.0_wp)
       worst = 0.0_wp
@@ -113,7 +113,7 @@ contains
 
       other = station
       call problem%parameters%apply(values, dimensions)
-      call look(other, dimensions)
+      call evaluate_station(other, dimensions)
       k = other%k
       joints = other%joints
    end subroutine observe
@@ -155,20 +155,20 @@ contains
 
       region%kind = region_box
       region%at = [1.0_wp, 2.0_wp, 5.0_wp, 4.0_wp]
-      call trespass(region, 2.0_wp, 2.5_wp, depth, gx, gy)
+      call find_region_depth(region, 2.0_wp, 2.5_wp, depth, gx, gy)
       call t%close_to(depth, 0.5_wp, 1.0e-14_wp, 'box: half a unit inside')
-      call trespass(region, 7.0_wp, 3.0_wp, depth, gx, gy)
+      call find_region_depth(region, 7.0_wp, 3.0_wp, depth, gx, gy)
       call t%close_to(depth, -2.0_wp, 1.0e-14_wp, 'box: two units outside')
       region%kind = region_half_plane
       region%at = [0.0_wp, 1.0_wp, 90.0_wp, 0.0_wp]
-      call trespass(region, -3.0_wp, 9.0_wp, depth, gx, gy)
+      call find_region_depth(region, -3.0_wp, 9.0_wp, depth, gx, gy)
       call t%close_to(depth, 3.0_wp, 1.0e-14_wp, 'half-plane: its left is forbidden')
       region%kind = region_circle
       region%at = [1.0_wp, 1.0_wp, 2.0_wp, 0.0_wp]
-      call trespass(region, 4.0_wp, 5.0_wp, depth, gx, gy)
+      call find_region_depth(region, 4.0_wp, 5.0_wp, depth, gx, gy)
       call t%close_to(depth, -3.0_wp, 1.0e-14_wp, 'circle: three units outside')
       region%stay_inside = .true.
-      call trespass(region, 4.0_wp, 5.0_wp, depth, gx, gy)
+      call find_region_depth(region, 4.0_wp, 5.0_wp, depth, gx, gy)
       call t%close_to(depth, 3.0_wp, 1.0e-14_wp, 'circle: outside forbidden')
       region%at = [1.0_wp, 2.0_wp, 3.0_wp, 4.5_wp]
       do kind = region_box, region_circle
@@ -178,12 +178,12 @@ contains
             do i = 1, 5
                x = -1.3_wp + 1.1_wp*real(i, wp)
                y = 6.1_wp - 1.7_wp*real(i, wp)
-               call trespass(region, x, y, depth, gx, gy)
-               call trespass(region, x + h, y, ahead, unused(1), unused(2))
-               call trespass(region, x - h, y, behind, unused(1), unused(2))
+               call find_region_depth(region, x, y, depth, gx, gy)
+               call find_region_depth(region, x + h, y, ahead, unused(1), unused(2))
+               call find_region_depth(region, x - h, y, behind, unused(1), unused(2))
                call t%close_to(gx, (ahead - behind)/(2.0_wp*h), 1.0e-8_wp, 'region '//to_text(kind)//': gradient, x')
-               call trespass(region, x, y + h, ahead, unused(1), unused(2))
-               call trespass(region, x, y - h, behind, unused(1), unused(2))
+               call find_region_depth(region, x, y + h, ahead, unused(1), unused(2))
+               call find_region_depth(region, x, y - h, behind, unused(1), unused(2))
                call t%close_to(gy, (ahead - behind)/(2.0_wp*h), 1.0e-8_wp, 'region '//to_text(kind)//': gradient, y')
             end do
          end do
@@ -486,7 +486,7 @@ contains
       call load_case('dyad1_crank_rocker', problem, set, vary=.true.)
       allocate (found(problem%positions, 0:1))
       call prepare_station(problem, problem%delt, .false., reshape([integer ::], [2, 0]), .false., station)
-      call look(station, problem%given)
+      call evaluate_station(station, problem%given)
       do turns = 0, 1
          wanted = station%out(:, 1) + 360.0_wp*[(real(turns*(mod(i, 5) - 2), wp), i=1, problem%positions)]
          call problem%set_desired(reshape(wanted, [size(wanted), 1]))
@@ -500,7 +500,7 @@ contains
       call t%is_true(all(abs(found(:, 1) - found(:, 0)) <= 0.0_wp), 'whole turns of a wanted angle do not change the timing')
       wanted = station%out(:, 1)
       call prepare_station(problem, found(:, 1), .false., reshape([integer ::], [2, 0]), .false., station)
-      call look(station, problem%given)
+      call evaluate_station(station, problem%given)
       call t%is_true(all(abs(station%out(:, 1) - wanted) <= 2.0_wp), 'each angle is met within a step')
       call t%is_true(maxval(wanted) - minval(wanted) > 30.0_wp, 'angles that differ')
    end subroutine timing_of_angles
@@ -511,7 +511,7 @@ contains
       type(station_t) :: station
 
       call prepare_station(problem, problem%delt, .false., reshape([integer ::], [2, 0]), .false., station)
-      call look(station, problem%given)
+      call evaluate_station(station, problem%given)
       call problem%set_desired(station%out)
    end subroutine points_of_itself
 

@@ -9,7 +9,7 @@ module psalm_files
                            remove_file, synchronize, error_text, kind_file, kind_directory, kind_link, kind_other
    implicit none (type, external)
    private
-   public :: exchange_t, judge_target, directory_of
+   public :: exchange_t, check_target, directory_of
 
    !> A file that waits beside its place.
    type :: staged_t
@@ -36,7 +36,7 @@ module psalm_files
 contains
 
    !> Whether a run may write a file: `message` says why not, and what to do.
-   subroutine judge_target(path, inputs, message, code)
+   subroutine check_target(path, inputs, message, code)
       character(*), intent(in) :: path
       type(identity_t), intent(in) :: inputs(:)        !! of the files that the run reads
       character(:), allocatable, intent(out) :: message !! empty: it may
@@ -67,7 +67,7 @@ contains
          end if
       end select
       if (len(message) == 0) code = exit_done
-   end subroutine judge_target
+   end subroutine check_target
 
    !> Begin: from here on signals wait, and other runs that want to write there.
    subroutine begin(self, directory, inputs)
@@ -93,7 +93,7 @@ contains
       integer :: error
 
       if (self%code /= exit_done) return
-      call judge_target(path, self%inputs, self%message, self%code)
+      call check_target(path, self%inputs, self%message, self%code)
       if (self%code /= exit_done) return
       call stage(path, text, beside, error)
       if (error == 0) then
@@ -109,7 +109,7 @@ contains
       character(*), intent(in) :: path, beside
 
       if (self%code /= exit_done) return
-      call judge_target(path, self%inputs, self%message, self%code)
+      call check_target(path, self%inputs, self%message, self%code)
       if (self%code /= exit_done) return
       call remember(self, path, beside)
    end subroutine adopt

@@ -11,17 +11,17 @@ contains
 
    !> Solve a symmetric positive definite system by Cholesky's factors, in real64; the upper triangle is used.
    !>
-   !> Errors: `sound` is false if the matrix is not positive definite.
-   pure subroutine solve_positive(matrix, right, solution, sound)
+   !> Errors: `positive_definite` is false if the matrix is not positive definite.
+   pure subroutine solve_positive(matrix, right, solution, positive_definite)
       real(wp), intent(in) :: matrix(:, :)   !! shape (n, n)
       real(wp), intent(in) :: right(:)       !! shape (n)
       real(wp), intent(out) :: solution(:)   !! shape (n)
-      logical, intent(out) :: sound
+      logical, intent(out) :: positive_definite
       real(dp) :: a(size(right), size(right)), b(size(right)) ! rows of the factor are columns of `a`
       integer :: i, j, n
 
       n = size(right)
-      sound = .false.
+      positive_definite = .false.
       solution = 0.0_wp
       do j = 1, n
          a(j:, j) = real(matrix(j, j:), dp)
@@ -43,7 +43,7 @@ contains
          end do
          b(j) = b(j)/a(j, j)
       end do
-      sound = .true.
+      positive_definite = .true.
       solution = real(b, wp)
    end subroutine solve_positive
 

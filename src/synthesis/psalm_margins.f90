@@ -10,12 +10,12 @@ module psalm_margins
    use psalm_dyad_kind, only: assur_prp, assur_prr, assur_rpr, assur_rpr_guide_first, assur_rrp, assur_rrr
    use psalm_error, only: problem_t
    use psalm_kinds, only: wp, degrees_per_radian, right_angle
-   use psalm_merit, only: watch_inputs
+   use psalm_merit, only: constraint_inputs
    use psalm_output_kind, only: motion_point
-   use psalm_regions, only: trespass, beyond_edge, box_edges, region_joints, joint_of_region
+   use psalm_regions, only: find_region_depth, edge_distance, box_edges, region_joints, joint_of_region
    use psalm_rpr, only: guide_of
    use psalm_rrp, only: link_of
-   use psalm_station, only: station_t, prepare_station, look
+   use psalm_station, only: station_t, prepare_station, evaluate_station
    use psalm_dimensions, only: dimensions_t
    use psalm_parameters, only: variable_length, variable_outlk
    implicit none (type, external)
@@ -106,7 +106,7 @@ contains
       if (size(inspector%regions) > 0) plain%motion = motion_point
       inputs = problem%delt
       if (inspector%irange /= range_positions) then
-         inputs = [inputs, watch_inputs(inspector%irange, problem, problem%delt, steps_of_range, 0)]
+         inputs = [inputs, constraint_inputs(inspector%irange, problem, problem%delt, steps_of_range, 0)]
          call prepare_station(plain, inputs(:steps_of_lens + 1), .false., joints, .false., inspector%lens)
          call prepare_station(plain, inputs(:2*steps_of_zoom + 1), .false., joints, .false., inspector%zoom)
          allocate (inspector%lens%measure(steps_of_lens + 1, plain%mechanism%nloop), source=0.0_wp)
@@ -140,9 +140,9 @@ contains
          if (inspector%irange == range_positions) then
             call fine%problem%move_inputs(delt)
          else
-            call fine%problem%move_inputs([delt, watch_inputs(inspector%irange, fine%problem, delt, steps_of_range, 0)])
+            call fine%problem%move_inputs([delt, constraint_inputs(inspector%irange, fine%problem, delt, steps_of_range, 0)])
          end if
-         call look(fine, dimensions)
+         call evaluate_station(fine, dimensions)
          do loop = 1, fine%problem%mechanism%nloop
             if (fine%problem%linkage%step_of_loop(loop) == 0) cycle
             select case (fine%problem%mechanism%groups(loop)%kind)
@@ -405,7 +405,7 @@ contains
       inputs(steps_of_zoom + 1) = at
       call clip(inspector, inputs)
       call inspector%zoom%problem%move_inputs(inputs)
-      call look(inspector%zoom, dimensions)
+      call evaluate_station(inspector%zoom, dimensions)
       do m = 1, size(margins)
          do i = 1, n
             values(i) = margin_at(inspector, inspector%zoom, i, margins(m))
@@ -448,7 +448,7 @@ contains
       call clip(inspector, ends)
       call inspector%lens%problem%move_inputs([(ends(1) + (ends(2) - ends(1))*(real(i, wp)/real(steps_of_lens, wp)), &
                                                 i=0, steps_of_lens)])
-      call look(inspector%lens, dimensions)
+      call evaluate_station(inspector%lens, dimensions)
    end subroutine move_lens
 
    !> Margin of a constraint at position i of a station.
@@ -470,9 +470,9 @@ contains
                y = station%joints(i, 2, j)
             end if
             if (margin%edge > 0) then
-               value = beyond_edge(inspector%regions(r), margin%edge, x, y)
+               value = edge_distance(inspector%regions(r), margin%edge, x, y)
             else
-               call trespass(inspector%regions(r), x, y, value, gx, gy)
+               call find_region_depth(inspector%regions(r), x, y, value, gx, gy)
             end if
          end associate
          value = -value

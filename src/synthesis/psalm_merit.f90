@@ -13,14 +13,14 @@ module psalm_merit
    use psalm_kinds, only: wp, degrees_per_radian, full_turn, right_angle
    use psalm_nlp, only: nlp_t, normal_equations_t
    use psalm_output_kind, only: motion_point, motion_angle
-   use psalm_regions, only: trespass, region_joints, joint_of_region
+   use psalm_regions, only: find_region_depth, region_joints, joint_of_region
    use psalm_start, only: random_limits
-   use psalm_station, only: station_t, prepare_station, look, look_closely
+   use psalm_station, only: station_t, prepare_station, evaluate_station, linearise_station
    use psalm_dimensions, only: dimensions_t
    use psalm_parameters, only: variable_length, variable_outlk
    implicit none (type, external)
    private
-   public :: merit_t, prepare_merit, put_in_order, watch_inputs, set_extra, range_steps, extra_positions
+   public :: merit_t, prepare_merit, put_in_order, constraint_inputs, set_extra, range_steps, extra_positions
 
    integer, parameter :: range_steps = 120           !! steps the range of the input is looked at in
    integer, parameter :: extra_positions = 8         !! further inputs where a violation was found between the steps
@@ -113,7 +113,7 @@ contains
       end do
       if (merit%patrols) then
          plain%motion = motion_point
-         call prepare_station(plain, watch_inputs(merit%irange, problem, problem%delt, range_steps, extra_positions), &
+         call prepare_station(plain, constraint_inputs(merit%irange, problem, problem%delt, range_steps, extra_positions), &
                               merit%free .and. merit%irange == range_positions, joints, .true., merit%patrol)
       end if
       merit%low = spread(-huge(1.0_wp), 1, marble)
@@ -149,7 +149,7 @@ contains
 
    !> Inputs at which constraints hold beside the prescribed ones: the prescribed ones themselves, or even steps over the range and
    !> `extra` more that can be moved.
-   pure function watch_inputs(irange, problem, delt, steps, extra) result(inputs)
+   pure function constraint_inputs(irange, problem, delt, steps, extra) result(inputs)
       integer, intent(in) :: irange                  !! IRANGE
       type(problem_t), intent(in) :: problem
       real(wp), intent(in) :: delt(:)                !! shape (positions): prescribed increments
@@ -166,7 +166,7 @@ contains
       to = maxval(delt)
       if (irange == range_turn .and. .not. problem%mechanism%sliding_input) to = from + full_turn
       inputs = [(from + (to - from)*(real(i, wp)/real(steps, wp)), i=0, steps), spread(from, 1, extra)]
-   end function watch_inputs
+   end function constraint_inputs
 
    !> Move the patrol: its even steps to the range of the inputs, its further positions to where violations were found.
    subroutine set_extra(merit, extra)
@@ -175,7 +175,7 @@ contains
       real(wp), allocatable :: inputs(:)
       integer :: n
 
-      inputs = watch_inputs(merit%irange, merit%judge, merit%delt, range_steps, extra_positions)
+      inputs = constraint_inputs(merit%irange, merit%judge, merit%delt, range_steps, extra_positions)
       n = min(size(extra), extra_positions)
       if (merit%irange /= range_positions) inputs(range_steps + 2:range_steps + 1 + n) = extra(:n)
       call merit%patrol%problem%move_inputs(inputs)
@@ -238,7 +238,7 @@ contains
       real(wp), intent(in) :: x(:)
 
       call put_in(merit, x)
-      call look(merit%main, merit%dimensions)
+      call evaluate_station(merit%main, merit%dimensions)
       if (merit%patrols) call look_on_patrol(merit)
    end subroutine see
 
@@ -247,7 +247,7 @@ contains
       class(merit_t), intent(inout) :: merit
 
       merit%patrol%problem%side = merit%main%problem%side
-      call look(merit%patrol, merit%dimensions)
+      call evaluate_station(merit%patrol, merit%dimensions)
    end subroutine look_on_patrol
 
    !> The objective of the linkage last looked at.
@@ -299,10 +299,11 @@ contains
       real(wp), intent(out) :: depth, gx, gy
 
       if (merit%joint(r) == 0) then
-         call trespass(merit%regions(r), merit%patrol%out(i, 1), merit%patrol%out(i, 2), depth, gx, gy)
+         call find_region_depth(merit%regions(r), merit%patrol%out(i, 1), merit%patrol%out(i, 2), depth, gx, gy)
       else
-         call trespass(merit%regions(r), merit%patrol%joints(i, 1, merit%joint(r)), merit%patrol%joints(i, 2, merit%joint(r)), &
-                       depth, gx, gy)
+         associate (joint => merit%patrol%joints(i, :, merit%joint(r)))
+            call find_region_depth(merit%regions(r), joint(1), joint(2), depth, gx, gy)
+         end associate
       end if
       depth = depth/merit%size + slack
       gx = gx/merit%size
@@ -319,7 +320,7 @@ contains
       real(wp) :: row(self%core)
 
       call put_in(self, x)
-      call look_closely(self%main, self%dimensions)
+      call linearise_station(self%main, self%dimensions)
       self%jacobians = self%jacobians + 1
       call equations%clear(self%core, self%local)
       associate (marble => self%core, main => self%main, n => self%main%problem%positions)
@@ -334,7 +335,7 @@ contains
          end if
          if (self%patrols) then
             self%patrol%problem%side = self%main%problem%side
-            call look_closely(self%patrol, self%dimensions)
+            call linearise_station(self%patrol, self%dimensions)
             call add_angles(self%patrol, self%limit, marble, weight, equations)
             do r = 1, size(self%regions)
                do i = 1, self%patrol%problem%positions
@@ -467,7 +468,7 @@ contains
       self%evaluations = self%evaluations + 1
       feasible = loop == 0
       if (.not. feasible) return
-      call look(self%main, self%dimensions)
+      call evaluate_station(self%main, self%dimensions)
       feasible = keeps_limits(self%main, self%limit)
       if (.not. (feasible .and. self%patrols)) return
       call look_on_patrol(self)
@@ -533,10 +534,10 @@ contains
 
       if (present(slopes)) then
          call put_in(self, x)
-         call look_closely(self%main, self%dimensions)
+         call linearise_station(self%main, self%dimensions)
          if (self%patrols) then
             self%patrol%problem%side = self%main%problem%side
-            call look_closely(self%patrol, self%dimensions)
+            call linearise_station(self%patrol, self%dimensions)
          end if
          self%jacobians = self%jacobians + 1
          slopes = 0.0_wp

@@ -9,34 +9,34 @@ module psalm_regions
    use psalm_mechanism, only: mechanism_t
    implicit none (type, external)
    private
-   public :: trespass, beyond_edge, box_edges, region_joints, joint_of_region, check_regions
+   public :: find_region_depth, edge_distance, box_edges, region_joints, joint_of_region, check_regions
 
    integer, parameter :: box_edges = 4     !! left, lower, right, upper
 
 contains
 
    !> How far a point is beyond one edge of a box, [length].
-   pure real(wp) function beyond_edge(region, edge, x, y)
+   pure real(wp) function edge_distance(region, edge, x, y)
       type(region_t), intent(in) :: region
       integer, intent(in) :: edge             !! 1 to 4
       real(wp), intent(in) :: x, y            !! point, machine axes
 
       select case (edge)
       case (1)
-         beyond_edge = region%at(1) - x
+         edge_distance = region%at(1) - x
       case (2)
-         beyond_edge = region%at(2) - y
+         edge_distance = region%at(2) - y
       case (3)
-         beyond_edge = x - region%at(3)
+         edge_distance = x - region%at(3)
       case default
-         beyond_edge = y - region%at(4)
+         edge_distance = y - region%at(4)
       end select
-   end function beyond_edge
+   end function edge_distance
 
    !> How deep a point is where it must not be (negative: how far it is from there), [length], and its gradient.
    !>
    !> Box: distance to the nearest edge line; half-plane: what lies left of its edge; circle: radial distance.
-   pure subroutine trespass(region, x, y, depth, gx, gy)
+   pure subroutine find_region_depth(region, x, y, depth, gx, gy)
       type(region_t), intent(in) :: region
       real(wp), intent(in) :: x, y            !! point, machine axes
       real(wp), intent(out) :: depth, gx, gy
@@ -47,7 +47,7 @@ contains
       gy = 0.0_wp
       select case (region%kind)
       case (region_box)
-         outside = [(beyond_edge(region, i, x, y), i=1, box_edges)]
+         outside = [(edge_distance(region, i, x, y), i=1, box_edges)]
          depth = -maxval(outside)
          select case (maxloc(outside, dim=1))
          case (1)
@@ -80,7 +80,7 @@ contains
       depth = -depth
       gx = -gx
       gy = -gy
-   end subroutine trespass
+   end subroutine find_region_depth
 
    !> Joints the regions speak of, each once. Shape of the result: (2, joints), loop and arc.
    pure function region_joints(regions) result(joints)

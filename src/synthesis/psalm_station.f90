@@ -14,7 +14,7 @@ module psalm_station
    use psalm_parameters, only: variable_t, variable_length, variable_outlk, variable_origlk, variable_crnki
    implicit none (type, external)
    private
-   public :: station_t, prepare_station, look, look_closely
+   public :: station_t, prepare_station, evaluate_station, linearise_station
 
    real(wp), parameter :: small_change = sqrt(epsilon(1.0_wp)) !! relative change of a variable for differences
 
@@ -76,13 +76,13 @@ contains
    end subroutine prepare_station
 
    !> See what a linkage does at every position. No allocation.
-   subroutine look(station, dimensions)
+   subroutine evaluate_station(station, dimensions)
       type(station_t), intent(inout) :: station
       type(dimensions_t), intent(in) :: dimensions
 
       call observe(station, dimensions)
       if (station%leading > 0) call choose_sides(station)
-   end subroutine look
+   end subroutine evaluate_station
 
    !> Two slides are to be on the side of each other on which they mostly are at the leading positions.
    pure subroutine choose_sides(station)
@@ -151,14 +151,14 @@ contains
    end subroutine observe
 
    !> See it with all derivatives.
-   subroutine look_closely(station, dimensions)
+   subroutine linearise_station(station, dimensions)
       type(station_t), intent(inout) :: station
       type(dimensions_t), intent(in) :: dimensions
 
-      call look(station, dimensions)
+      call evaluate_station(station, dimensions)
       call find_jacobian(station%problem, dimensions, station%work, station%dout, dk=station%dk, dp=station%djoints)
       if (.not. all(station%closed)) call difference_open(station, dimensions)
-   end subroutine look_closely
+   end subroutine linearise_station
 
    !> Derivatives at the positions that do not close, by differences.
    subroutine difference_open(station, dimensions)

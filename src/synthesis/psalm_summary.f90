@@ -11,7 +11,7 @@ module psalm_summary
    use psalm_kinds, only: wp, full_turn, right_angle
    use psalm_output_kind, only: motion_point, motion_angle, motion_pose
    use psalm_plan, only: root_crank, root_frame
-   use psalm_station, only: station_t, prepare_station, look
+   use psalm_station, only: station_t, prepare_station, evaluate_station
    use psalm_sweep, only: sweep_sense
    use psalm_dimensions, only: dimensions_t
    use psalm_mechanism, only: mechanism_t
@@ -131,13 +131,13 @@ contains
          allocate (found%reverses(0), found%closing(0))
          call prepare_station(plain, row, .false., none, .false., fine)
          call prepare_station(plain, row(:steps_of_lens + 1), .false., none, .false., lens)
-         call look(fine, dimensions)
+         call evaluate_station(fine, dimensions)
          call least_angle(fine, lens, dimensions, found, gaps)
          if (size(gaps) > 0) then
             all_inputs = row
             call insert(gaps, all_inputs)
             call prepare_station(plain, all_inputs, .false., none, .false., fine)
-            call look(fine, dimensions)
+            call evaluate_station(fine, dimensions)
             do i = 1, size(gaps)
                where (abs(all_inputs - gaps(i)) <= 0.0_wp) fine%closed = .false.
             end do
@@ -301,7 +301,7 @@ contains
          high = min(max(to, minval(fine%problem%delt)), maxval(fine%problem%delt))
       end if
       call lens%problem%move_inputs([(low + (high - low)*(real(i, wp)/real(steps_of_lens, wp)), i=0, steps_of_lens)])
-      call look(lens, dimensions)
+      call evaluate_station(lens, dimensions)
    end subroutine aim
 
    !> Put further inputs among those of a sweep.

@@ -6,7 +6,7 @@ module psalm_timing
    use psalm_error, only: problem_t
    use psalm_kinds, only: wp, full_turn
    use psalm_merit, only: merit_t
-   use psalm_station, only: station_t, prepare_station, look
+   use psalm_station, only: station_t, prepare_station, evaluate_station
    implicit none (type, external)
    private
    public :: timing_t, prepare_timing, find_timing
@@ -53,7 +53,7 @@ contains
       real(wp) :: trial(size(delt)), total, best
       integer :: i
 
-      call look(timing%path, merit%dimensions)
+      call evaluate_station(timing%path, merit%dimensions)
       call find_paths(timing)
       best = huge(best)
       do i = 1, steps
