@@ -112,6 +112,59 @@ def test_backwards():
                               abs(float(a["actual"]) - float(b["actual"])) <= 1e-11 for a, b in zip(forth, reversed(back))))
 
 
+def test_time():
+    """Derivatives by time are those by the input with its speed and acceleration: the chain rule, kalm."""
+    speed, accel = 2.5, -0.75
+    for name in ("needle", "textile", "dyad4_slider_crank"):
+        write("time.nml", case(name).rstrip() + "\n &RATES SPEED=%r, ACCEL=%r, UNITS='RAD/S' &END\n" % (speed, accel))
+        kalm("--quiet", "time.nml")
+        device, largest = rows("time.kalm.dev9"), 0.0
+        for by_input in [key for key in device[0] if key.endswith("_per_rad")]:
+            head = by_input[:-len("_per_rad")]
+            worst, size = [0.0]*3, [0.0]*3
+            for row in device:
+                d1, d2, d3 = (float(row[by_input + power]) for power in ("", "2", "3"))
+                wanted = (d1*speed, d2*speed**2 + d1*accel, d3*speed**3 + 3*d2*speed*accel)
+                for k, value in enumerate(wanted):
+                    got = float(row[head + "_per_s" + ("", "2", "3")[k]])
+                    worst[k], size[k] = max(worst[k], abs(got - value)), max(size[k], abs(value))
+            check("%s: %s by time" % (name, head), all(w <= 1e-13*s for w, s in zip(worst, size)), (worst, size))
+            largest = max(largest, min(size))
+        check(name + ": there are derivatives", largest > 0)
+
+
+def margins_of(text):
+    """Constraint and numbers of every line of the list of margins."""
+    write("margins.nml", text)
+    out = psalm("--quiet", "margins.nml")[1]
+    part = out[out.index(" MARGINS OF THE CONSTRAINTS"):].splitlines()[2:]
+    return [(line[:46].strip(), line[46:].split()) for line in part if line.strip()]
+
+
+def test_margins():
+    """Margins and the places of the output grow with the lengths, and a box is the same whichever corners it is given by."""
+    places = "10.0{0},20.0{0},60.0{0},50.0{0}, 0.0,-40.0{0},10.0,0.0, 0.0,0.0,300.0{0},0.0"
+    group = " &CONSTR NREGN=3, RKIND=1,2,-3, RLINK=2,2,0, RLOOP=1,1,0, RPLACE=%s &END\n"
+    text = case("dyad1_crank_rocker").rstrip() + "\n"
+    plain = margins_of(text + group % places.format(""))
+    check("margins: an angle and three regions", [line[:8] for line, _ in plain[:4]] == ["TRANSMIS", "REGION 1", "REGION 2", "REGION 3"], plain)
+    for corners in ("60.0,50.0,10.0,20.0", "10.0,50.0,60.0,20.0", "60.0,20.0,10.0,50.0"):
+        other = margins_of(text + group % places.format("").replace("10.0,20.0,60.0,50.0", corners))
+        check("a box by its corners " + corners, other == plain, other)
+    lengths = "40.0{0},120.0{0},80.0{0},130.0{0}"
+    for power, factor in (("E160", 1e160), ("E-160", 1e-160)):
+        large = margins_of(changed(text, lengths.format(""), lengths.format(power)) + group % places.format(power))
+        check("margins of lengths times 1" + power, len(large) == len(plain) and all(
+            a[0] == b[0] and a[1][1:] == b[1][1:] and
+            abs(number(b[1][0]) - number(a[1][0])*(factor if a[0].startswith("REGION") else 1.0)) <= 1e-6*abs(number(b[1][0]))
+            for a, b in zip(plain, large)), large)
+
+
+def number(word):
+    """A number as Fortran writes it, with three digits of exponent and no letter."""
+    return float(re.sub(r"(?<=\d)([-+]\d{3})$", r"E\1", word))
+
+
 def test_open_rates():
     """kalm where a linkage does not close: told, counted, no number there, and the same numbers elsewhere."""
     write("sound.nml", case("dyad4_slider_crank"))
@@ -137,6 +190,8 @@ def main(programs):
         test_desired()
         test_repair()
         test_backwards()
+        test_time()
+        test_margins()
         test_open_rates()
         os.chdir("/")
     print("%d passed, %d failed" % (picture_tools.passed, picture_tools.failed))

@@ -176,6 +176,13 @@ check 'kalm: a dead point prints no number' grep -q 'DEAD POINT OF LOOP 1: RATES
 changed yoke.nml "s/UNITS='REV\/MIN'/UNITS='KNOTS'/" >knots.nml
 status 2 'kalm: unknown unit' "$bin/kalm" knots.nml
 said 'kalm: unknown unit' "found 'KNOTS'"
+changed dyad1_crank_rocker.nml 's/MOTION=1,/MOTION=1, ISTART=20,/' >odd.nml
+status 0 'kalm: a warning' "$bin/kalm" odd.nml
+said 'kalm: a warning' 'must be odd'
+status 0 'kalm: a warning, --quiet' "$bin/kalm" --quiet odd.nml
+check 'kalm: no warning with --quiet' test ! -s err
+status 2 'kalm: unknown unit, --quiet' "$bin/kalm" --quiet knots.nml
+said 'kalm: unknown unit, --quiet' "found 'KNOTS'"
 status 0 'kalm --help' "$bin/kalm" --help
 status 0 'kalm --version' "$bin/kalm" --version
 fi

@@ -271,6 +271,9 @@ contains
       call t%equal_integer(findings%exit_code(), 0, 'zeros may fill the arrays of arcs')
       call wrong(altered('NDES=3', 'IVA=0,1,1, DESANG=3*9., NDES=3')//' &LIMITS LIMVAL=1, OPLOW=1., OPHIGH=2*9. &END'//nl, &
                  'each of the 2 variables; found 1. The variables are length of arc 2 in loop 1, length of arc 3 in loop 1')
+      call read_text(altered('NDES=3', 'IVA=0,1,1, DESANG=3*9., NDES=3')// &
+                     ' &LIMITS LIMVAL=1, OPLOW=120.,1., OPHIGH=120.,90. &END'//nl)
+      call t%equal_integer(findings%exit_code(), 0, 'limits that are equal')
       call wrong(altered('NDES=3', 'IVA=0,1,1, DESANG=3*9., NDES=3')//' &LIMITS LIMVAL=1, OPLOW=3*1., OPHIGH=9. &END'//nl, &
                  'OPHIGH: OPLOW and OPHIGH must give a value for each of the 2 variables; found 1.')
       call t%equal_integer(findings%count, 1, 'lower limits enough, upper limits too few: one message')
@@ -365,7 +368,7 @@ contains
                  method, 'they must be adjacent')
       call wrong(altered(ilink, 'ILINK=1,2,7,4'), 'its own number')
       call wrong(altered(ilink, 'ILINK=2,2,3,4'), 'must be 1 (the input link)')
-      call wrong(altered(iloop, 'ILOOP=0,0,0,1'), 'must be 1 for a turning input link')
+      call wrong(altered(iloop, 'ILOOP=0,0,0,1'), 'ILOOP: arc 1 of loop 1 must be 1 for a turning input link')
       call wrong(altered(iloop, 'ILOOP=1,-9,0,1'), 'names guide 9')
       call wrong(altered(iloop, 'ILOOP=1,-2,0,1'), 'names the slide itself')
       call wrong(altered(iloop, 'ILOOP=1,-3,-2,1'), 'two slides that guide each other')
