@@ -20,7 +20,7 @@ program test_positions
       call blocks(names(k))
       call fixed_points(names(k))
    end do
-   do k = 1, 6
+   do k = 1, 7
       call loops_close('hard/carried_slides', k)
    end do
    call known_motions()

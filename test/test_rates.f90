@@ -19,7 +19,7 @@ program test_rates
       call loop_equations(names(k))
    end do
    call against_differences('hard/chain64')
-   do k = 1, 6
+   do k = 1, 7
       call against_differences('hard/carried_slides', k)
    end do
    call pose_rates('needle')

@@ -22,7 +22,7 @@ program test_sensitivity
    call one_case('suspension', .true.)
    call one_case('needle', .true., motion_pose)
    call one_case('dyad4_slider_crank', .true., motion_pose)
-   do k = 1, 6
+   do k = 1, 7
       call one_case('hard/carried_slides', .true., n=k)
    end do
    call t%is_true(all(met), 'every kind of variable was tried')

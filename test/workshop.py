@@ -11,6 +11,7 @@ import re
 import shutil
 import signal
 import subprocess
+import time
 
 TOP = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 LIBRARIES = ["-lnlopt"]
@@ -182,6 +183,16 @@ SLOW = ("programs: datasets", "programs: device7", "programs: solvers", "hard ca
         "fuzz", "processor", "slide pairs")
 
 
+def end_all(mark):
+    """Kill whatever has the mark in its environment: some tests start programs in sessions of their own."""
+    for name in glob.glob("/proc/[0-9]*/environ"):
+        try:
+            if b"TRIAL=" + mark.encode() in open(name, "rb").read().split(b"\0"):
+                os.kill(int(name.split("/")[2]), signal.SIGKILL)
+        except OSError:
+            pass    # it has ended, or is not ours
+
+
 class Stage:
     """A part of the tests: a command that fails when it notices something."""
 
@@ -190,14 +201,15 @@ class Stage:
 
     def run(self, top, limit, **environment):
         """True if all is well. A run past `limit` seconds is stopped with all that it started, and is not well."""
-        process = subprocess.Popen(self.command, cwd=top, env=dict(os.environ, STOP_AT_FIRST="1", **environment),
+        mark = "%d-%f" % (os.getpid(), time.monotonic())
+        process = subprocess.Popen(self.command, cwd=top, env=dict(os.environ, STOP_AT_FIRST="1", TRIAL=mark, **environment),
                                    stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
                                    start_new_session=True)
         try:
             output, _ = process.communicate(timeout=limit)
             self.output = output.decode("utf-8", "replace")
         except subprocess.TimeoutExpired:
-            os.killpg(process.pid, signal.SIGKILL)
+            end_all(mark)
             process.communicate()
             self.output = "FAILED: no end within %.0f seconds" % limit
             return False
