@@ -148,6 +148,11 @@ def test_margins():
     text = case("dyad1_crank_rocker").rstrip() + "\n"
     plain = margins_of(text + group % places.format(""))
     check("margins: an angle and three regions", [line[:8] for line, _ in plain[:4]] == ["TRANSMIS", "REGION 1", "REGION 2", "REGION 3"], plain)
+    search = "DESANG=3*90.0, NDES=3, DELT=0.0,10.0,20.0, IVA=1, ISTART=19, NITER=9"
+    bounds = margins_of(changed(changed(text, "IKIN=15", search), "TANGLE=70.0,", "TANGLE=70.0, LIMVAL=1, OPLOW=39.0, OPHIGH=43.0,") +
+                        " &CONSTR IRANGE=0 &END\n")
+    check("margins: an input where there is one", [(name.split(",")[0], len(values)) for name, values in bounds] ==
+          [("TRANSMISSION ANGLE", 2), ("BOUND", 1), ("LENGTH", 1)], bounds)
     for corners in ("60.0,50.0,10.0,20.0", "10.0,50.0,60.0,20.0", "60.0,20.0,10.0,50.0"):
         other = margins_of(text + group % places.format("").replace("10.0,20.0,60.0,50.0", corners))
         check("a box by its corners " + corners, other == plain, other)

@@ -105,6 +105,10 @@ if part restart; then
 # restart from the vertices of device 7
 changed needle_search.nml 's/NITER=2000/NITER=40/' >stage1.nml
 status 1 'a search that is cut short' "$psalm" stage1.nml
+changed stage1.nml 's/&LIMITS/\&LIMITS NVIOL=0,/' >repairs.nml
+"$psalm" --quiet repairs.nml >out
+check 'NVIOL=0: repairs of each iteration, not of all so far' awk '/ VIOLATIONS / { n++; if ($4 > 9) bad = 1 } END { exit !(n > 5 && !bad) }' repairs.dev1
+"$psalm" stage1.nml >out 2>err
 said 'cut short' 'stopped at NITER before converging after 40 iterations'
 changed needle_search.nml 's/NITER=2000/NITER=2000, NGUESS=17/' >stage2.nml
 status 3 'NGUESS without device 4' "$psalm" stage2.nml

@@ -335,7 +335,7 @@ contains
          '1e22', '1D-22', '123456789012345e-22', '4.35', '0.000001', '9007199254740993', '1.7976931348623157e300', &
          '5E-324', '1+2']
       character(*), parameter :: no_numbers(*) = [character(8) :: '', '.', '+', 'e5', '1e', '1e+', '1.2.3', '1-', '--1', '1x', &
-         '0x10']
+         '0x10', '1e:', '1eA', '1e1A']
       character(:), allocatable :: reason
       character(24) :: number
       real(wp) :: short, long
