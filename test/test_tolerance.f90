@@ -4,14 +4,12 @@ program test_tolerance
    use check, only: checks_t
    use psalm_data_set, only: data_set_t
    use psalm_error, only: problem_t, motion_t
-   use psalm_kinds, only: wp, i8
-   use psalm_random, only: random_t
+   use psalm_kinds, only: wp
    use psalm_tolerance, only: deviating_t, tolerance_t, sample_t, find_tolerances, draw_sample
    use psalm_dimensions, only: dimensions_t
    implicit none (type, external)
    type(checks_t) :: t
 
-   call skipping()
    call bands('needle', 0.01_wp, 0.005_wp)
    call bands('suspension', 0.0_wp, 0.0_wp)
    call bands('dyad4_slider_crank', 0.01_wp, 0.0_wp)
@@ -21,18 +19,6 @@ program test_tolerance
    call t%report()
 
 contains
-
-   subroutine skipping()
-      type(random_t) :: step, jump
-      real(wp) :: x
-      integer :: i
-
-      do i = 1, 1234
-         call step%next(x)
-      end do
-      call jump%skip(1234_i8)
-      call t%is_true(step%state == jump%state, 'skipping ahead is stepping ahead')
-   end subroutine skipping
 
    subroutine set_tolerances(set, of_lengths, of_angles)
       type(data_set_t), intent(inout) :: set

@@ -1,6 +1,7 @@
 !> The thesis's random numbers: the power residue method of the IBM 360 routine RANDU.
 !>
-!> Kept because runs must repeat, on any machine, from the start integer ISTART; not because it is a good generator.
+!> START draws its vertices with it. Kept because runs must repeat, on any machine, from the start integer ISTART; not because
+!> it is a good generator. What is random elsewhere comes from `psalm_xoshiro`.
 !> Source: Oldham (1977), sections 6.4.2 and 7.2.3.
 module psalm_random
    use psalm_kinds, only: wp, i8
@@ -16,7 +17,6 @@ module psalm_random
       integer(i8) :: state = 19_i8 !! odd, below 2**31; 19 is the default of ISTART
    contains
       procedure :: next
-      procedure :: skip
    end type random_t
 
 contains
@@ -29,19 +29,4 @@ contains
       self%state = mod(multiplier*self%state, modulus)
       deviate = real(self%state, wp)/real(modulus, wp)
    end subroutine next
-
-   !> Advance the state by many steps at once: the multiplier's power, by squaring. For samples that are shared out.
-   pure subroutine skip(self, steps)
-      class(random_t), intent(inout) :: self
-      integer(i8), intent(in) :: steps
-      integer(i8) :: power, left
-
-      power = multiplier
-      left = steps
-      do while (left > 0_i8)
-         if (mod(left, 2_i8) == 1_i8) self%state = mod(power*self%state, modulus)
-         power = mod(power*power, modulus)
-         left = left/2_i8
-      end do
-   end subroutine skip
 end module psalm_random

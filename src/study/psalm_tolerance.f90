@@ -1,17 +1,16 @@
 !> What small deviations of the dimensions do to the output.
 !>
 !> Linear: the Jacobian times the tolerances, dimension by dimension; worst case (all add up) and root-sum-square over the
-!> motion. Real: a Monte-Carlo sample of linkages whose dimensions deviate uniformly within their tolerances, with the thesis's
-!> generator, shared out to threads in chunks that start where the sequence says: the same bits for any number of threads.
+!> motion. Real: a Monte-Carlo sample of linkages whose dimensions deviate uniformly within their tolerances, shared
+!> out to threads in chunks, whose random numbers are streams of their own: the same bits for any number of threads.
 !> Source: Oldham (1977), section 8.2.5 and chapter 1.
 module psalm_tolerance
    use psalm_data_set, only: data_set_t
    use psalm_error, only: problem_t, motion_t, make_problem
    use psalm_stop, only: stop_t
-   use psalm_kinds, only: wp, i8
+   use psalm_kinds, only: wp
    use psalm_linkage, only: padded
    use psalm_output_kind, only: output_kind_t
-   use psalm_random, only: random_t
    use psalm_rates, only: form_frames, is_dead
    use psalm_sensitivity, only: sensitivity_t, prepare_sensitivity, find_jacobian
    use psalm_setup, only: set_up
@@ -20,10 +19,12 @@ module psalm_tolerance
    use psalm_mechanism, only: mechanism_t
    use psalm_parameters, only: parameters_t, variable_t, variable_length, variable_gama, variable_outlk, variable_outang, &
                                variable_origlk, variable_origng
+   use psalm_xoshiro, only: xoshiro_t, purpose_sample
    implicit none (type, external)
    private
    public :: tolerances_t, tolerance_t, sample_t, deviating_t, study_tolerances, find_tolerances, draw_sample
 
+   integer, parameter :: linkages_of_stream = 1000 !! of the random numbers
    integer, parameter :: least_chunk = 1000     !! linkages of a chunk; sums are formed by chunk and added in order
    integer, parameter :: most_chunks = 1000     !! larger samples have larger chunks
    integer, parameter :: chunks_at_once = 4     !! of each thread: between these rounds sums are added
@@ -214,8 +215,8 @@ contains
 
    !> Analyse a sample of linkages.
    !>
-   !> Linkage t takes its deviates from place (t-1) marble + 1 of the sequence that begins with ISTART. A sample that must end early
-   !> has the linkages analysed so far.
+   !> Every `linkages_of_stream` linkages take their deviates from a stream of their own, so that a sample is the beginning of each
+   !> larger one. A sample that must end early has the linkages analysed so far.
    subroutine draw_sample(deviating, linear, trials, istart, threads, sample, interrupt)
       type(deviating_t), intent(in) :: deviating
       type(tolerance_t), intent(in) :: linear
@@ -224,6 +225,7 @@ contains
       type(stop_t), intent(in), optional :: interrupt !! asked now and then
       type(stop_t) :: ending
       type(problem_t), allocatable :: workers(:)
+      type(xoshiro_t), allocatable :: random(:)
       real(wp), allocatable :: low(:, :, :), high(:, :, :), total(:, :, :), squares(:, :, :) !! by chunk of a round
       integer, allocatable :: made(:), open(:), named(:, :), loop(:, :)
       integer :: chunk, chunks, before, at_once, k, t, n, i, closed, components
@@ -231,11 +233,13 @@ contains
       if (present(interrupt)) ending = interrupt
       n = deviating%problem%positions
       components = deviating%problem%output%kind%components
-      chunk = max(least_chunk, (trials - 1)/most_chunks + 1)
+      ! whole streams
+      chunk = linkages_of_stream*(1 + (max(least_chunk, (trials - 1)/most_chunks + 1) - 1)/linkages_of_stream)
       chunks = (trials - 1)/chunk + 1
-      allocate (workers(max(1, threads)))
+      allocate (workers(max(1, threads)), random(max(1, threads)))
       do t = 1, size(workers)
          workers(t) = deviating%lean
+         call random(t)%seed(istart, purpose_sample)
          call workers(t)%set_inputs(deviating%problem%delt)
          call workers(t)%set_desired(linear%nominal%actual, spread(spread(1.0_wp, 1, n), 2, components))
       end do
@@ -250,9 +254,9 @@ contains
          !$omp parallel do num_threads(size(workers)) schedule(static) private(k)
          do t = 1, size(workers)
             do k = t, min(at_once, chunks - before), size(workers)
-               call run_chunk(linear, workers(t), (before + k - 1)*chunk + 1, min(trials, (before + k)*chunk), istart, ending, &
-                              low(:, :, k), high(:, :, k), total(:, :, k), squares(:, :, k), made(k), open(k), named(:, k), &
-                              loop(:, k))
+               call run_chunk(linear, workers(t), random(t), (before + k - 1)*chunk + 1, min(trials, (before + k)*chunk), &
+                              ending, low(:, :, k), high(:, :, k), total(:, :, k), squares(:, :, k), made(k), open(k), &
+                              named(:, k), loop(:, k))
             end do
          end do
          !$omp end parallel do
@@ -278,15 +282,15 @@ contains
    end subroutine draw_sample
 
    !> The linkages from one number to another.
-   subroutine run_chunk(linear, problem, from, to, istart, ending, low, high, total, squares, made, open, named, loop)
+   subroutine run_chunk(linear, problem, random, from, to, ending, low, high, total, squares, made, open, named, loop)
       type(tolerance_t), intent(in) :: linear
       type(problem_t), intent(inout) :: problem
-      integer, intent(in) :: from, to, istart
+      type(xoshiro_t), intent(inout) :: random
+      integer, intent(in) :: from, to             !! `from` begins a stream
       type(stop_t), intent(in) :: ending
       real(wp), intent(out) :: low(:, :), high(:, :), total(:, :), squares(:, :) !! shape (positions, components)
       integer, intent(out) :: made, open, named(:), loop(:)
       type(dimensions_t) :: dimensions
-      type(random_t) :: random
       real(wp), allocatable :: nominal(:), values(:), miss(:, :)
       real(wp) :: deviate
       integer :: t, v, failed, i, k, unasked
@@ -302,8 +306,6 @@ contains
       nominal = problem%parameters%first_values(linear%dimensions)
       values = nominal
       allocate (miss(problem%positions, size(low, 2)), source=0.0_wp)
-      random%state = int(istart, i8)
-      call random%skip(int(from - 1, i8)*int(size(values), i8))
       unasked = max(1, solved_unasked/max(1, problem%positions))
       made = 0
       do t = from, to
@@ -311,6 +313,7 @@ contains
             if (ending%waiting()) return
          end if
          made = made + 1
+         if (mod(t - 1, linkages_of_stream) == 0) call random%use_stream((t - 1)/linkages_of_stream)
          do v = 1, size(values)
             call random%next(deviate)
             values(v) = nominal(v) + linear%tolerance(v)*(2.0_wp*deviate - 1.0_wp)

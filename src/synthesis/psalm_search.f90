@@ -1,6 +1,6 @@
 !> Searches from many starts: the user's linkage, supplied ones and others drawn round it, each improved, the best kept.
 !>
-!> Start i takes its random numbers from a place of the sequence that depends on i alone, and the linkages found are ranked
+!> Start i takes its random numbers from a stream of its own, and the linkages found are ranked
 !> afterwards: the same input gives the same answer for any number of threads (unless time runs out).
 module psalm_search
    use psalm_constr, only: constraints_t, make_constraints, constrain
@@ -8,17 +8,17 @@ module psalm_search
    use psalm_data_set, only: data_set_t
    use psalm_elementary, only: fractional_power
    use psalm_error, only: problem_t
-   use psalm_kinds, only: wp, i8, full_turn, right_angle
+   use psalm_kinds, only: wp, full_turn, right_angle
    use psalm_margins, only: inspector_t, margin_t, prepare_inspector, inspect, is_violated
    use psalm_merit, only: merit_t, prepare_merit, set_extra, extra_positions
    use psalm_nlp, only: repair_count_t
-   use psalm_random, only: random_t
    use psalm_solver, only: solver_t, ending_t, observer_t, search_state_t, stop_refused
    use psalm_solvers, only: new_solver
    use psalm_stop, only: stop_t
    use psalm_timing, only: timing_t, prepare_timing, find_timing
    use psalm_parameters, only: variable_length, variable_outlk, variable_origlk, variable_crnki, variable_gama, &
                                variable_outang, variable_origng
+   use psalm_xoshiro, only: xoshiro_t, purpose_starts
    implicit none (type, external)
    private
    public :: found_t, result_t, start_record_t, search_many
@@ -86,6 +86,7 @@ module psalm_search
       type(inspector_t), allocatable :: inspector
       class(solver_t), allocatable :: solver
       type(stop_t) :: stop
+      type(xoshiro_t) :: random
    end type worker_t
 
 contains
@@ -120,6 +121,7 @@ contains
          call make_constraints(set, problem, workers(t)%constraints)
          call prepare_merit(set, problem, first, workers(t)%merit)
          workers(t)%stop = ending
+         call workers(t)%random%seed(set%istart, purpose_starts)
          call new_solver(set%search%solver, workers(t)%solver)
          if (workers(t)%merit%free) call prepare_timing(problem, workers(t)%merit, workers(t)%timing)
          if (workers(t)%merit%irange /= range_positions) call prepare_inspector(set, problem, .true., workers(t)%inspector)
@@ -243,7 +245,8 @@ contains
       high = worker%merit%box_high
       before = 0
       if (number > 1) then
-         outcome%values = drawn(set, low, high, low > 0.0_wp .and. high > wide*low .and. is_length(worker%problem), number)
+         call draw(worker%random, low, high, low > 0.0_wp .and. high > wide*low .and. is_length(worker%problem), number, &
+                   outcome%values)
          if (size(elite, 2) > 0 .and. mod(number, 2) == 1) then
             call draw_near(worker%problem, elite(:, 1 + mod(number/2, size(elite, 2))), low, high, 1 + mod(number/4, fineness), &
                            outcome%values)
@@ -333,25 +336,24 @@ contains
       outcome%objective = finer%objective
    end subroutine refine
 
-   !> The random linkage of a start.
-   function drawn(set, low, high, by_ratio, number) result(values)
-      type(data_set_t), intent(in) :: set
+   !> The random linkage of a start, from the stream of its number.
+   pure subroutine draw(random, low, high, by_ratio, number, values)
+      type(xoshiro_t), intent(inout) :: random
       real(wp), intent(in) :: low(:), high(:)
       logical, intent(in) :: by_ratio(:)          !! shape (marble): in every other start all ratios are alike, not all lengths
       integer, intent(in) :: number
-      real(wp) :: values(size(low))
-      type(random_t) :: random
+      real(wp), allocatable, intent(out) :: values(:)
       real(wp) :: deviate
       integer :: v
 
-      random%state = int(set%istart, i8)
-      call random%skip(int(number - 2, i8)*int(size(low), i8))
+      allocate (values(size(low)))
+      call random%use_stream(number)
       do v = 1, size(low)
          call random%next(deviate)
          values(v) = low(v) + deviate*(high(v) - low(v))
          if (by_ratio(v) .and. mod(number, 2) == 1) values(v) = low(v)*fractional_power(high(v)/low(v), deviate)
       end do
-   end function drawn
+   end subroutine draw
 
    !> Improve, look for a better timing, inspect the range of the input; go back to work on what is found.
    subroutine work_on(set, worker, least_gain, number, outcome)
