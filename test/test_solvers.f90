@@ -2,7 +2,9 @@
 program test_solvers
    use, intrinsic :: ieee_exceptions, only: ieee_all, ieee_set_flag, ieee_set_halting_mode
    use check, only: checks_t
+   use climber, only: climber_t
    use psalm_kinds, only: wp
+   use psalm_multistart, only: candidate_t, multistart_t
    use psalm_nlopt, only: algorithm_of, algorithm_names
    use psalm_nlp, only: nlp_t
    use psalm_solver, only: solver_t, ending_t, stop_refused, stop_interrupted, stop_converged
@@ -10,7 +12,8 @@ program test_solvers
                                 family_least_squares, family_nlopt
    use psalm_solvers, only: new_solver
    use psalm_stop, only: stop_t
-   use textbook, only: rosenbrock_t, rosen_suzuki_t, hock_schittkowski_100_t, circle_t, timed_circle_t, rosenbrock, &
+   use psalm_xoshiro, only: purpose_starts
+   use textbook, only: rosenbrock_t, rosen_suzuki_t, hock_schittkowski_100_t, circle_t, timed_circle_t, rosenbrock, himmelblau, &
                        rosen_suzuki, hock_schittkowski_100, circle, timed_circle
    implicit none (type, external)
    type(checks_t) :: t
@@ -36,6 +39,7 @@ program test_solvers
    call no_sum_of_squares()
    call local_unknowns()
    call stops()
+   call many_starts()
    call ieee_set_flag(ieee_all, .false.)
    call t%report()
 
@@ -209,4 +213,49 @@ contains
          call t%is_true(problem%evaluations < 20, trim(some(i))//': soon')
       end do
    end subroutine stops
+   !> Himmelblau's four minima from forty starts, by one thread and by three.
+   subroutine many_starts()
+      type(climber_t), allocatable :: team(:)
+      type(candidate_t), allocatable :: one(:), three(:)
+      type(multistart_t) :: rules
+      type(stop_t) :: never, late
+      integer, allocatable :: best(:), best3(:)
+      integer :: threads, i, k
+
+      rules%starts = 40
+      rules%first = 5
+      rules%kept = 10
+      rules%refines = .true.
+      rules%compared = [.true., .true.]
+      rules%small = 1.0e-3_wp
+      do threads = 1, 3, 2
+         allocate (team(threads))
+         do i = 1, threads
+            team(i)%problem = himmelblau()
+            call team(i)%random%seed(19, purpose_starts)
+         end do
+         if (threads == 1) call rules%search(team, never, one, best)
+         if (threads == 3) call rules%search(team, never, three, best3)
+         deallocate (team)
+      end do
+      call t%equal_integer(size(best), 4, 'four minima are told apart')
+      call t%is_true(size(best3) == size(best), 'as many for any number of threads')
+      if (size(best3) /= size(best)) return
+      call t%is_true(all(best3 == best), 'the same starts for any number of threads')
+      do i = 1, size(one)
+         call t%is_true(all(abs(one(i)%x - three(i)%x) <= 0.0_wp), 'the same bits for any number of threads')
+      end do
+      do i = 1, size(best)
+         call t%close_to(one(best(i))%objective, 0.0_wp, 1.0e-12_wp, 'each is a minimum')
+         do k = 1, i - 1
+            call t%is_true(any(abs(one(best(i))%x - one(best(k))%x) > 1.0_wp), 'and another one')
+         end do
+      end do
+      call t%equal_integer(rules%number_of(1), 5, 'starts are numbered from FIRST on')
+      call late%limit_time(1.0e-9_wp)
+      allocate (team(1))
+      team(1)%problem = himmelblau()
+      call rules%search(team, late, one, best)
+      call t%is_true(.not. any(one%done) .and. size(best) == 0, 'no start is made when time is up')
+   end subroutine many_starts
 end program test_solvers

@@ -8,6 +8,7 @@ module psalm_simplx
    use psalm_solver, only: solver_t, ending_t, observer_t, search_state_t, stop_converged, stop_evaluations, stop_interrupted, &
                            stop_iterations, stop_refused, stop_small_objective
    use psalm_stop, only: stop_t
+   use psalm_xoshiro, only: xoshiro_t, purpose_starts
    implicit none (type, external)
    private
    public :: simplex_t, simplex_rules_t, simplex_solver_t, search_simplex
@@ -34,8 +35,7 @@ module psalm_simplx
       real(wp) :: small = 1.0e-8_wp          !! relative size of a simplex that has converged
    end type simplex_rules_t
 
-   !> The search as a solver: begins with a simplex round x, and again round the best vertex until that gains nothing. The edges
-   !> of each simplex point the other way than those of the one before.
+   !> The search as a solver: begins with a random simplex round x, and again round the best vertex until that gains nothing.
    type, extends(solver_t) :: simplex_solver_t
       type(simplex_rules_t) :: rules
    contains
@@ -56,7 +56,9 @@ contains
       type(simplex_rules_t) :: rules
       type(search_state_t) :: state
       real(wp) :: before
-      integer :: round, i, n, last, idle
+      real(wp) :: deviate
+      type(xoshiro_t) :: random
+      integer :: round, i, k, n, last, idle
       logical :: reached
 
       problem%projects = .false.
@@ -69,6 +71,7 @@ contains
       call problem%settle(x, ending%objective, ending%feasible)
       ending%reason = stop_refused
       if (.not. ending%feasible) return
+      call random%seed(self%seed, purpose_starts)
       idle = 0
       do round = 1, most_simplexes
          before = ending%objective
@@ -76,7 +79,10 @@ contains
          simplex%f(1) = ending%objective
          associate (scales => problem%scales(x))
             do i = 1, n
-               simplex%v(i, i + 1) = x(i) + merge(-1.0_wp, 1.0_wp, mod(round, 2) == 0)*scales(i)
+               do k = 1, n
+                  call random%next(deviate)
+                  simplex%v(k, i + 1) = x(k) + scales(k)*(2.0_wp*deviate - 1.0_wp)
+               end do
                call problem%settle(simplex%v(:, i + 1), simplex%f(i + 1), reached, towards=x)
             end do
          end associate

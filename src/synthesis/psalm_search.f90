@@ -1,7 +1,8 @@
-!> Searches from many starts: the user's linkage, supplied ones and others drawn round it, each improved, the best kept.
+!> Linkages from many starts: the user's linkage, supplied ones and others drawn round it, each improved, the best kept.
 !>
-!> Start i takes its random numbers from a stream of its own, and the linkages found are ranked
-!> afterwards: the same input gives the same answer for any number of threads (unless time runs out).
+!> `psalm_multistart` makes the starts and ranks what they lead to; here is what a start of a linkage is: draw it, make it close
+!> where that is easy, improve it, look for a better timing, inspect the range of its input. Start i takes its random numbers
+!> from a stream of its own.
 module psalm_search
    use psalm_constr, only: constraints_t, make_constraints, constrain
    use psalm_constraint_group, only: range_positions
@@ -11,8 +12,9 @@ module psalm_search
    use psalm_kinds, only: wp, full_turn, right_angle
    use psalm_margins, only: inspector_t, margin_t, prepare_inspector, inspect, is_violated
    use psalm_merit, only: merit_t, prepare_merit, set_extra, extra_positions
+   use psalm_multistart, only: candidate_t, multistart_t, starter_t
    use psalm_nlp, only: repair_count_t
-   use psalm_solver, only: solver_t, ending_t, observer_t, search_state_t, stop_refused
+   use psalm_solver, only: solver_t, ending_t, observer_t, stop_refused
    use psalm_solvers, only: new_solver
    use psalm_stop, only: stop_t
    use psalm_timing, only: timing_t, prepare_timing, find_timing
@@ -23,17 +25,13 @@ module psalm_search
    private
    public :: found_t, result_t, start_record_t, search_many
 
-   real(wp), parameter :: same_linkage = 1.0e-3_wp !! relative difference below which two results are one
-   real(wp), parameter :: alike = 0.1_wp           !! the same for linkages to draw near: they are to differ
+   real(wp), parameter :: least_value = 1.0e-3_wp  !! of the first linkage: smaller ones do not tell relative changes
    integer, parameter :: most_returns = 4          !! times a search goes back to work on what an inspection found
    real(wp), parameter :: rough = 1.0e-3_wp        !! relative gain of a step that ends the search of a start ...
    real(wp), parameter :: rough_free = 1.0e-5_wp   !! ... with free timing, whose valleys are long ...
    real(wp), parameter :: fine = 1.0e-9_wp         !! ... and that of the best, which are searched on
-   integer, parameter :: most_rounds = 8           !! a later round draws every other start near the best so far
    real(wp), parameter :: wide = 10.0_wp           !! ratio of the bounds of a length above which ratios are drawn
    integer, parameter :: fineness = 5              !! near: by a half, a quarter ... a 32nd
-   integer, parameter :: least_of_round = 16       !! starts
-   integer, parameter :: least_refined = 8         !! starts searched on, at least
    real(wp), parameter :: worth_it = 1.0e-6_wp     !! relative gain for which another timing is tried
 
    !> A linkage found.
@@ -42,7 +40,6 @@ module psalm_search
       real(wp), allocatable :: delt(:)     !! shape (positions): input increments (those given, but for free timing)
       real(wp) :: objective = 0.0_wp
       integer :: start = 0                 !! the start that led to it; -j: the j-th supplied vertex
-      integer :: place = 0                 !! of its outcome
       real(wp) :: distance = 0.0_wp        !! from the first linkage: largest relative change of a value
    end type found_t
 
@@ -67,17 +64,11 @@ module psalm_search
       type(start_record_t), allocatable :: log(:) !! of the starts made
    end type result_t
 
-   !> What one start led to.
-   type :: outcome_t
-      real(wp), allocatable :: values(:), delt(:)
-      real(wp) :: objective = 0.0_wp
-      integer :: evaluations = 0, jacobians = 0
-      logical :: done = .false., feasible = .false.
-      logical :: refused = .false.         !! the solver refuses this problem
-   end type outcome_t
-
    !> What one thread works with.
-   type :: worker_t
+   type, extends(starter_t) :: worker_t
+      type(data_set_t), pointer :: set => null()  !! the caller's
+      real(wp), allocatable :: first(:)           !! shape (marble): the user's linkage
+      real(wp), allocatable :: supplied(:, :)     !! shape (marble, supplied)
       ! allocated: together they would fill a small stack
       type(problem_t), allocatable :: problem
       type(constraints_t), allocatable :: constraints
@@ -87,190 +78,148 @@ module psalm_search
       class(solver_t), allocatable :: solver
       type(stop_t) :: stop
       type(xoshiro_t) :: random
+   contains
+      procedure :: start => one_start
+      procedure :: refine
    end type worker_t
 
 contains
 
    !> Search from the supplied vertices and NSTART starts. `first` is the user's linkage.
    subroutine search_many(set, problem, first, supplied, threads, stop, result, observer)
-      type(data_set_t), intent(in) :: set
+      type(data_set_t), intent(in), target :: set
       type(problem_t), intent(in) :: problem
       real(wp), intent(in) :: first(:)          !! shape (marble)
       real(wp), intent(in) :: supplied(:, :)    !! shape (marble, supplied)
       integer, intent(in) :: threads
-      type(stop_t), intent(in) :: stop         !! asked now and then
+      type(stop_t), intent(in) :: stop          !! asked now and then
       type(result_t), intent(out) :: result
       class(observer_t), intent(inout), optional :: observer
-      type(worker_t), allocatable, target :: workers(:)
-      type(outcome_t), allocatable :: outcomes(:)
-      type(search_state_t) :: state
+      type(worker_t), allocatable :: team(:)
+      type(candidate_t), allocatable :: candidates(:)
+      integer, allocatable :: best(:)
+      type(multistart_t) :: rules
       type(stop_t) :: ending
-      real(wp), allocatable :: elite(:, :)
-      integer :: t, i, extra, total, round, rounds, begin, until
+      integer :: t, i
 
       ending = stop
       call ending%limit_time(set%search%maxtime)
-      allocate (result%best(0))
-      begin = 0
-      extra = size(supplied, 2)
-      total = extra + set%search%nstart
-      allocate (outcomes(total), workers(min(max(1, threads), total)))
-      do t = 1, size(workers)
-         allocate (workers(t)%problem, source=problem)
-         allocate (workers(t)%constraints, workers(t)%merit, workers(t)%timing, workers(t)%inspector)
-         call make_constraints(set, problem, workers(t)%constraints)
-         call prepare_merit(set, problem, first, workers(t)%merit)
-         workers(t)%stop = ending
-         call workers(t)%random%seed(set%istart, purpose_starts)
-         call new_solver(set%search%solver, workers(t)%solver)
-         if (workers(t)%merit%free) call prepare_timing(problem, workers(t)%merit, workers(t)%timing)
-         if (workers(t)%merit%irange /= range_positions) call prepare_inspector(set, problem, .true., workers(t)%inspector)
+      rules%supplied = size(supplied, 2)
+      rules%starts = set%search%nstart
+      rules%first = set%search%first
+      rules%kept = set%search%nbest
+      rules%refines = set%search%solver%refines
+      rules%small = set%fmin
+      allocate (team(min(max(1, threads), rules%supplied + rules%starts)))
+      do t = 1, size(team)
+         call prepare_worker(set, problem, first, supplied, ending, team(t))
       end do
-      state%limit = total
-      state%best = huge(1.0_wp)
-      rounds = min(most_rounds, max(1, set%search%nstart/least_of_round))
-      do round = 1, rounds
-         until = extra + (set%search%nstart*round)/rounds
-         allocate (elite(size(first), size(result%best)))
-         do i = 1, size(result%best)
-            elite(:, i) = result%best(i)%values
-         end do
-         !$omp parallel do num_threads(size(workers)) schedule(static)
-         do t = 1, size(workers)
-            if (t == 1) then
-               call make_starts(set, workers(t), begin + t, until, size(workers), first, supplied, elite, outcomes, state, observer)
-            else
-               call make_starts(set, workers(t), begin + t, until, size(workers), first, supplied, elite, outcomes)
-            end if
-         end do
-         !$omp end parallel do
-         begin = until
-         deallocate (elite)
-         call rank(set, is_length(problem), first, extra, max(least_refined, set%search%nbest), alike, outcomes, result%best)
-      end do
-      result%starts = count(outcomes%done)
-      result%feasible = count(outcomes%feasible)
-      result%refused = any(outcomes%refused)
-      i = findloc(outcomes(extra + 1:)%done, .false., dim=1)
+      rules%compared = [is_length(problem), spread(.false., 1, team(1)%merit%local)]
+      call rules%search(team, ending, candidates, best, observer)
+      result%starts = count(candidates%done)
+      result%feasible = count(candidates%feasible)
+      result%refused = any(candidates%refused)
+      i = findloc(candidates(rules%supplied + 1:)%done, .false., dim=1)
       if (i > 0) result%next = set%search%first + i - 1
-      if (set%search%solver%refines .and. .not. ending%waiting()) then
-         !$omp parallel do num_threads(size(workers)) schedule(static) private(i)
-         do t = 1, size(workers)
-            do i = t, size(result%best), size(workers)
-               call refine(set, workers(t), first, outcomes(result%best(i)%place))
-            end do
-         end do
-         !$omp end parallel do
-      end if
       result%interrupted = ending%requested()
       result%out_of_time = ending%late() .and. .not. result%interrupted
-      result%evaluations = sum(outcomes%evaluations)
-      result%jacobians = sum(outcomes%jacobians)
-      call record_starts(set, extra, outcomes, result%log)
-      call rank(set, is_length(problem), first, extra, set%search%nbest, same_linkage, outcomes, result%best)
+      result%evaluations = sum(candidates%evaluations)
+      result%jacobians = sum(candidates%jacobians)
+      call record_starts(rules, candidates, result%log)
+      allocate (result%best(size(best)))
+      do i = 1, size(best)
+         associate (found => result%best(i), candidate => candidates(best(i)))
+            found%values = candidate%x(:size(first))
+            found%delt = problem%delt
+            if (team(1)%merit%free) found%delt = candidate%x(size(first) + 1:)
+            found%objective = candidate%objective
+            found%start = rules%number_of(best(i))
+            found%distance = maxval(abs(found%values - first)/max(abs(first), least_value))
+         end associate
+      end do
    end subroutine search_many
 
-   !> The starts of one thread: from, from + step ... until.
-   subroutine make_starts(set, worker, from, until, step, first, supplied, elite, outcomes, state, observer)
-      type(data_set_t), intent(in) :: set
-      type(worker_t), intent(inout), target :: worker
-      integer, intent(in) :: from, until, step
-      real(wp), intent(in) :: first(:), supplied(:, :), elite(:, :)
-      type(outcome_t), intent(inout) :: outcomes(:)
-      type(search_state_t), intent(inout), optional :: state
-      class(observer_t), intent(inout), optional :: observer
-      integer :: i, number
+   subroutine prepare_worker(set, problem, first, supplied, ending, worker)
+      type(data_set_t), intent(in), target :: set
+      type(problem_t), intent(in) :: problem
+      real(wp), intent(in) :: first(:), supplied(:, :)
+      type(stop_t), intent(in) :: ending
+      type(worker_t), intent(inout) :: worker
 
-      do i = from, until, step
-         if (worker%stop%waiting()) return
-         number = start_number(set, size(supplied, 2), i)
-         if (number < 0) then
-            call one_start(set, worker, first, supplied(:, i), number, elite, outcomes(i))
-         else
-            call one_start(set, worker, first, first, number, elite, outcomes(i))
-         end if
-         ! what a start that was cut short has is kept, but the start is not done with
-         outcomes(i)%done = .not. worker%stop%waiting()
-         if (outcomes(i)%refused) return
-         if (.not. present(observer)) cycle
-         state%iteration = i
-         state%evaluations = state%evaluations + outcomes(i)%evaluations*step
-         if (outcomes(i)%feasible) state%best = min(state%best, outcomes(i)%objective)
-         state%worst = state%best
-         call observer%report(state)
-      end do
-   end subroutine make_starts
+      worker%set => set
+      worker%first = first
+      worker%supplied = supplied
+      worker%stop = ending
+      allocate (worker%problem, source=problem)
+      allocate (worker%constraints, worker%merit, worker%timing, worker%inspector)
+      call make_constraints(set, problem, worker%constraints)
+      call prepare_merit(set, problem, first, worker%merit)
+      call new_solver(set%search%solver, worker%solver)
+      call worker%random%seed(set%istart, purpose_starts)
+      if (worker%merit%free) call prepare_timing(problem, worker%merit, worker%timing)
+      if (worker%merit%irange /= range_positions) call prepare_inspector(set, problem, .true., worker%inspector)
+   end subroutine prepare_worker
 
    !> What became of the starts that were made.
-   pure subroutine record_starts(set, extra, outcomes, log)
-      type(data_set_t), intent(in) :: set
-      integer, intent(in) :: extra
-      type(outcome_t), intent(in) :: outcomes(:)
+   pure subroutine record_starts(rules, candidates, log)
+      type(multistart_t), intent(in) :: rules
+      type(candidate_t), intent(in) :: candidates(:)
       type(start_record_t), allocatable, intent(out) :: log(:)
       integer :: i, n
 
-      allocate (log(count(outcomes%done .or. outcomes%feasible)))
+      allocate (log(count(candidates%done .or. candidates%feasible)))
       n = 0
-      do i = 1, size(outcomes)
-         if (.not. (outcomes(i)%done .or. outcomes(i)%feasible)) cycle
+      do i = 1, size(candidates)
+         if (.not. (candidates(i)%done .or. candidates(i)%feasible)) cycle
          n = n + 1
-         log(n) = start_record_t(start_number(set, extra, i), outcomes(i)%feasible, outcomes(i)%objective, &
-                                 outcomes(i)%evaluations, outcomes(i)%jacobians)
+         log(n) = start_record_t(rules%number_of(i), candidates(i)%feasible, candidates(i)%objective, &
+                                 candidates(i)%evaluations, candidates(i)%jacobians)
       end do
    end subroutine record_starts
 
-   !> Number of the i-th start; supplied vertices have negative ones.
-   pure integer function start_number(set, extra, i)
-      type(data_set_t), intent(in) :: set
-      integer, intent(in) :: extra, i
-
-      start_number = merge(-i, set%search%first + i - extra - 1, i <= extra)
-   end function start_number
-
    !> One start: draw it, make it close where that is easy, improve it, inspect it.
-   subroutine one_start(set, worker, first, given, number, elite, outcome)
-      type(data_set_t), intent(in) :: set
-      type(worker_t), intent(inout), target :: worker
-      real(wp), intent(in) :: first(:), given(:)       !! shape (marble): the user's linkage; the one to start from
-      integer, intent(in) :: number                    !! 1: start from the user's; above: from one drawn; below: from `given`
-      real(wp), intent(in) :: elite(:, :)              !! shape (marble, any): the best linkages of the rounds before
-      type(outcome_t), intent(inout) :: outcome
+   subroutine one_start(self, number, elite, candidate)
+      class(worker_t), intent(inout) :: self
+      integer, intent(in) :: number                    !! 1: start from the user's; above: from one drawn; below: from a supplied
+      real(wp), intent(in) :: elite(:, :)              !! shape (unknowns, any): the best linkages of the rounds before
+      type(candidate_t), intent(inout) :: candidate
       type(repair_count_t) :: counts
-      real(wp), allocatable :: low(:), high(:), home(:)
+      real(wp), allocatable :: values(:), home(:)
       real(wp) :: objective
       logical :: closes
       integer :: before
 
-      low = worker%merit%box_low
-      high = worker%merit%box_high
       before = 0
-      if (number > 1) then
-         call draw(worker%random, low, high, low > 0.0_wp .and. high > wide*low .and. is_length(worker%problem), number, &
-                   outcome%values)
-         if (size(elite, 2) > 0 .and. mod(number, 2) == 1) then
-            call draw_near(worker%problem, elite(:, 1 + mod(number/2, size(elite, 2))), low, high, 1 + mod(number/4, fineness), &
-                           outcome%values)
+      associate (low => self%merit%box_low, high => self%merit%box_high, marble => size(self%first))
+         if (number > 1) then
+            call draw(self%random, low, high, low > 0.0_wp .and. high > wide*low .and. is_length(self%problem), number, values)
+            if (size(elite, 2) > 0 .and. mod(number, 2) == 1) then
+               call draw_near(self%problem, elite(:marble, 1 + mod(number/2, size(elite, 2))), low, high, &
+                              1 + mod(number/4, fineness), values)
+            end if
+            home = self%first
+            call constrain(self%problem, self%constraints, home, objective, closes, before, counts)
+            ! every other start keeps its own shape, closed or not; the others draw near the user's until they close
+            if (mod(number, 2) == 0 .and. closes) call constrain(self%problem, self%constraints, values, objective, closes, &
+                                                                 before, counts, towards=home)
+         else
+            home = self%first
+            if (number < 0) home = self%supplied(:, -number)
+            values = home
+            call constrain(self%problem, self%constraints, values, objective, closes, before, counts)
+            if (.not. closes) values = home
          end if
-         home = first
-         call constrain(worker%problem, worker%constraints, home, objective, closes, before, counts)
-         ! every other start keeps its own shape, closed or not; the others draw near the user's until they close
-         if (mod(number, 2) == 0 .and. closes) call constrain(worker%problem, worker%constraints, outcome%values, objective, &
-                                                              closes, before, counts, towards=home)
-      else
-         outcome%values = given
-         call constrain(worker%problem, worker%constraints, outcome%values, objective, closes, before, counts)
-         if (.not. closes) outcome%values = given
-      end if
-      worker%merit%evaluations = 0
-      worker%merit%jacobians = 0
-      worker%merit%delt = worker%problem%delt
-      if (worker%merit%patrols) call set_extra(worker%merit, [real(wp) ::])
-      if (worker%merit%free .and. number /= 1) call retime(worker, outcome%values)
-      call work_on(set, worker, merge(rough_free, rough, worker%merit%free), number, outcome)
-      call unwind(set, worker%problem, first, outcome%values)
-      outcome%delt = worker%merit%delt
-      outcome%evaluations = before + worker%merit%evaluations
-      outcome%jacobians = worker%merit%jacobians
+      end associate
+      self%merit%evaluations = 0
+      self%merit%jacobians = 0
+      self%merit%delt = self%problem%delt
+      if (self%merit%patrols) call set_extra(self%merit, [real(wp) ::])
+      if (self%merit%free .and. number /= 1) call retime(self, values)
+      call work_on(self, merge(rough_free, rough, self%merit%free), number, values, candidate)
+      call unwind(self%set, self%problem, self%first, values)
+      candidate%x = self%merit%point(values, self%merit%delt)
+      candidate%evaluations = before + self%merit%evaluations
+      candidate%jacobians = self%merit%jacobians
    end subroutine one_start
 
    !> Turn a random linkage within the box into one near a given one: every value within 1/2**fineness of itself, or of a right
@@ -314,26 +263,24 @@ contains
    end subroutine unwind
 
    !> Search on from what a start led to.
-   subroutine refine(set, worker, first, outcome)
-      type(data_set_t), intent(in) :: set
-      type(worker_t), intent(inout), target :: worker
-      real(wp), intent(in) :: first(:)
-      type(outcome_t), intent(inout) :: outcome
-      type(outcome_t) :: finer
+   subroutine refine(self, candidate)
+      class(worker_t), intent(inout) :: self
+      type(candidate_t), intent(inout) :: candidate
+      type(candidate_t) :: finer
+      real(wp), allocatable :: values(:)
 
-      finer%values = outcome%values
-      worker%merit%delt = outcome%delt
-      worker%merit%evaluations = outcome%evaluations
-      worker%merit%jacobians = outcome%jacobians
-      if (worker%merit%patrols) call set_extra(worker%merit, [real(wp) ::])
-      call work_on(set, worker, fine, 1, finer)
-      outcome%evaluations = worker%merit%evaluations
-      outcome%jacobians = worker%merit%jacobians
-      if (.not. finer%feasible .or. finer%objective > outcome%objective) return
-      outcome%values = finer%values
-      call unwind(set, worker%problem, first, outcome%values)
-      outcome%delt = worker%merit%delt
-      outcome%objective = finer%objective
+      values = candidate%x(:self%merit%core)
+      if (self%merit%free) self%merit%delt = candidate%x(self%merit%core + 1:)
+      self%merit%evaluations = candidate%evaluations
+      self%merit%jacobians = candidate%jacobians
+      if (self%merit%patrols) call set_extra(self%merit, [real(wp) ::])
+      call work_on(self, fine, 1, values, finer)
+      candidate%evaluations = self%merit%evaluations
+      candidate%jacobians = self%merit%jacobians
+      if (.not. finer%feasible .or. finer%objective > candidate%objective) return
+      call unwind(self%set, self%problem, self%first, values)
+      candidate%x = self%merit%point(values, self%merit%delt)
+      candidate%objective = finer%objective
    end subroutine refine
 
    !> The random linkage of a start, from the stream of its number.
@@ -356,12 +303,12 @@ contains
    end subroutine draw
 
    !> Improve, look for a better timing, inspect the range of the input; go back to work on what is found.
-   subroutine work_on(set, worker, least_gain, number, outcome)
-      type(data_set_t), intent(in) :: set
-      type(worker_t), intent(inout), target :: worker
+   subroutine work_on(worker, least_gain, number, found, candidate)
+      class(worker_t), intent(inout) :: worker
       real(wp), intent(in) :: least_gain               !! of a step of least squares
       integer, intent(in) :: number
-      type(outcome_t), intent(inout) :: outcome
+      real(wp), intent(inout) :: found(:)              !! shape (marble): the linkage; its input increments are the merit's
+      type(candidate_t), intent(inout) :: candidate
       type(margin_t), allocatable :: margins(:)
       real(wp), allocatable :: extra(:), values(:), delt(:)
       real(wp) :: objective
@@ -369,36 +316,36 @@ contains
       logical :: feasible
 
       allocate (extra(0))
-      call run_solver(outcome%values, outcome%objective, outcome%feasible)
-      if (worker%merit%free .and. set%search%solver%refines) then
+      call run_solver(found, candidate%objective, candidate%feasible)
+      if (worker%merit%free .and. worker%set%search%solver%refines) then
          do round = 1, most_returns
-            values = outcome%values
+            values = found
             delt = worker%merit%delt
             call retime(worker, values)
             call run_solver(values, objective, feasible)
-            if (feasible .and. (.not. outcome%feasible .or. objective < outcome%objective*(1.0_wp - worth_it))) then
-               outcome%values = values
-               outcome%objective = objective
-               outcome%feasible = .true.
+            if (feasible .and. (.not. candidate%feasible .or. objective < candidate%objective*(1.0_wp - worth_it))) then
+               found = values
+               candidate%objective = objective
+               candidate%feasible = .true.
             else
                worker%merit%delt = delt
                exit
             end if
          end do
       end if
-      if (worker%merit%irange == range_positions .or. .not. outcome%feasible) return
+      if (worker%merit%irange == range_positions .or. .not. candidate%feasible) return
       do round = 1, most_returns
-         call worker%problem%parameters%apply(outcome%values, worker%merit%dimensions)
+         call worker%problem%parameters%apply(found, worker%merit%dimensions)
          call inspect(worker%inspector, worker%merit%dimensions, worker%merit%delt, margins, hasty=.true.)
-         outcome%feasible = .not. any(is_violated(margins))
-         if (outcome%feasible) return
+         candidate%feasible = .not. any(is_violated(margins))
+         if (candidate%feasible) return
          if (size(extra) >= extra_positions) return
          extra = [extra, pack(margins%delt, is_violated(margins))]
          call set_extra(worker%merit, extra)
-         call run_solver(outcome%values, outcome%objective, outcome%feasible)
-         if (.not. outcome%feasible) return
+         call run_solver(found, candidate%objective, candidate%feasible)
+         if (.not. candidate%feasible) return
       end do
-      outcome%feasible = .false.
+      candidate%feasible = .false.
 
    contains
 
@@ -409,62 +356,29 @@ contains
          type(ending_t) :: ending
          real(wp), allocatable :: point(:)
 
-         if (set%search%maxeval > 0) worker%solver%most_evaluations = max(1, set%search%maxeval - worker%merit%evaluations)
+         associate (most => worker%set%search%maxeval)
+            if (most > 0) worker%solver%most_evaluations = max(1, most - worker%merit%evaluations)
+         end associate
          worker%solver%least_gain = least_gain
-         worker%solver%seed = set%istart + number
+         worker%solver%seed = worker%set%istart + number
          point = worker%merit%point(x, worker%merit%delt)
          call worker%solver%minimise(worker%merit, point, worker%stop, ending)
          x = point(:size(x))
          if (worker%merit%free) worker%merit%delt = point(size(x) + 1:)
          f = ending%objective
          sound = ending%feasible
-         if (ending%reason == stop_refused) outcome%refused = .true.
+         if (ending%reason == stop_refused) candidate%refused = .true.
       end subroutine run_solver
    end subroutine work_on
 
    !> Give the merit the timing that fits the linkage best, seen over the whole range of the input.
    subroutine retime(worker, values)
-      type(worker_t), intent(inout) :: worker
+      class(worker_t), intent(inout) :: worker
       real(wp), intent(in) :: values(:)
 
       call worker%problem%parameters%apply(values, worker%merit%dimensions)
       call find_timing(worker%timing, worker%merit, worker%merit%delt)
    end subroutine retime
-
-   !> Sort what was found and keep the best distinct linkages.
-   !>
-   !> Two results are one linkage if their lengths and objectives agree: it may stand turned in the machine.
-   subroutine rank(set, lengths, first, extra, most, same, outcomes, best)
-      type(data_set_t), intent(in) :: set
-      logical, intent(in) :: lengths(:)           !! shape (marble): values to compare
-      real(wp), intent(in) :: first(:)
-      integer, intent(in) :: extra, most          !! supplied vertices; linkages to keep
-      real(wp), intent(in) :: same                !! relative difference below which two are one
-      type(outcome_t), intent(in) :: outcomes(:)
-      type(found_t), allocatable, intent(out) :: best(:)
-      logical :: left(size(outcomes))
-      type(found_t) :: next
-      integer :: i, k
-
-      allocate (best(0))
-      left = outcomes%feasible
-      do while (any(left) .and. size(best) < most)
-         i = minloc(outcomes%objective, dim=1, mask=left)
-         next%values = outcomes(i)%values
-         next%delt = outcomes(i)%delt
-         next%objective = outcomes(i)%objective
-         next%place = i
-         next%start = start_number(set, extra, i)
-         next%distance = maxval(abs(next%values - first)/max(abs(first), same_linkage))
-         best = [best, next]
-         do k = 1, size(left)
-            if (.not. left(k)) cycle
-            left(k) = any(lengths .and. abs(outcomes(k)%values - next%values) > same*abs(next%values)) .or. &
-                      outcomes(k)%objective - next%objective > same*max(next%objective, set%fmin)
-         end do
-         left(i) = .false.
-      end do
-   end subroutine rank
 
    !> Which variables are lengths; all, if none is.
    pure function is_length(problem) result(lengths)

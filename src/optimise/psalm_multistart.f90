@@ -1,0 +1,180 @@
+!> Searches from many starts by a team of threads: each start improved by itself, the best and distinct results kept.
+!>
+!> What a start leads to depends on its number and on the best results of the rounds before alone, and results are ranked
+!> afterwards: the same input gives the same answer for any number of threads (unless time runs out).
+module psalm_multistart
+   use psalm_kinds, only: wp
+   use psalm_solver, only: observer_t, search_state_t
+   use psalm_stop, only: stop_t
+   implicit none (type, external)
+   private
+   public :: starter_t, candidate_t, multistart_t
+
+   real(wp), parameter :: same = 1.0e-3_wp         !! relative difference below which two results are one
+   real(wp), parameter :: alike = 0.1_wp           !! the same for results to draw near: they are to differ
+   integer, parameter :: most_rounds = 8           !! results of the rounds before are shown to the starts of the next
+   integer, parameter :: least_of_round = 16       !! starts
+   integer, parameter :: least_refined = 8         !! results searched on, at least
+
+   !> What one start led to.
+   type :: candidate_t
+      real(wp), allocatable :: x(:)        !! unknowns
+      real(wp) :: objective = 0.0_wp
+      integer :: evaluations = 0, jacobians = 0
+      logical :: done = .false.            !! the start was not cut short
+      logical :: feasible = .false.        !! x obeys every constraint
+      logical :: refused = .false.         !! the solver refuses the problem
+   end type candidate_t
+
+   !> A member of the team: works by itself, on memory of its own.
+   type, abstract :: starter_t
+   contains
+      procedure(start_i), deferred :: start
+      procedure(refine_i), deferred :: refine
+   end type starter_t
+
+   abstract interface
+      !> Make a start and improve it. Nothing but the number and `elite` may influence the result.
+      subroutine start_i(self, number, elite, candidate)
+         import :: starter_t, candidate_t, wp
+         implicit none (type, external)
+         class(starter_t), intent(inout) :: self
+         integer, intent(in) :: number                  !! of the start; -j: the j-th supplied one
+         real(wp), intent(in) :: elite(:, :)            !! shape (unknowns, any): the best results of the rounds before
+         type(candidate_t), intent(inout) :: candidate
+      end subroutine start_i
+
+      !> Search on from a result, more finely.
+      subroutine refine_i(self, candidate)
+         import :: starter_t, candidate_t
+         implicit none (type, external)
+         class(starter_t), intent(inout) :: self
+         type(candidate_t), intent(inout) :: candidate
+      end subroutine refine_i
+   end interface
+
+   !> What is asked of a search.
+   type :: multistart_t
+      integer :: supplied = 0              !! starts that are given, before the others
+      integer :: starts = 1                !! others
+      integer :: first = 1                 !! number of the first of these
+      integer :: kept = 1                  !! results kept
+      logical :: refines = .false.         !! the best are searched on
+      logical, allocatable :: compared(:)  !! shape (unknowns): those that tell two results apart
+      real(wp) :: small = 0.0_wp           !! objectives below it are alike
+   contains
+      procedure :: search
+      procedure :: number_of
+   end type multistart_t
+
+contains
+
+   !> Number of the i-th start.
+   pure integer function number_of(self, i)
+      class(multistart_t), intent(in) :: self
+      integer, intent(in) :: i
+
+      number_of = merge(-i, self%first + i - self%supplied - 1, i <= self%supplied)
+   end function number_of
+
+   !> Make all starts. `best` are the places of the results kept, the best first.
+   subroutine search(self, team, stop, candidates, best, observer)
+      class(multistart_t), intent(in) :: self
+      class(starter_t), intent(inout) :: team(:)        !! one for each thread
+      type(stop_t), intent(in) :: stop                  !! asked before every start
+      type(candidate_t), allocatable, intent(out) :: candidates(:) !! shape (supplied + starts)
+      integer, allocatable, intent(out) :: best(:)
+      class(observer_t), intent(inout), optional :: observer !! told by the first of the team
+      type(search_state_t) :: state
+      real(wp), allocatable :: elite(:, :)
+      integer :: t, i, round, rounds, before, until
+
+      allocate (candidates(self%supplied + self%starts), best(0))
+      state%limit = size(candidates)
+      state%best = huge(1.0_wp)
+      rounds = min(most_rounds, max(1, self%starts/least_of_round))
+      before = 0
+      do round = 1, rounds
+         until = self%supplied + (self%starts*round)/rounds
+         allocate (elite(size(self%compared), size(best)))
+         do i = 1, size(best)
+            elite(:, i) = candidates(best(i))%x
+         end do
+         !$omp parallel do num_threads(size(team)) schedule(static)
+         do t = 1, size(team)
+            if (t == 1) then
+               call make_starts(self, team(t), before + t, until, size(team), stop, elite, candidates, state, observer)
+            else
+               call make_starts(self, team(t), before + t, until, size(team), stop, elite, candidates)
+            end if
+         end do
+         !$omp end parallel do
+         before = until
+         deallocate (elite)
+         call rank(self, max(least_refined, self%kept), alike, candidates, best)
+      end do
+      if (self%refines .and. .not. stop%waiting()) then
+         !$omp parallel do num_threads(size(team)) schedule(static) private(i)
+         do t = 1, size(team)
+            do i = t, size(best), size(team)
+               call team(t)%refine(candidates(best(i)))
+            end do
+         end do
+         !$omp end parallel do
+      end if
+      call rank(self, self%kept, same, candidates, best)
+   end subroutine search
+
+   !> The starts of one member: from, from + step ... until.
+   subroutine make_starts(rules, member, from, until, step, stop, elite, candidates, state, observer)
+      type(multistart_t), intent(in) :: rules
+      class(starter_t), intent(inout) :: member
+      integer, intent(in) :: from, until, step
+      type(stop_t), intent(in) :: stop
+      real(wp), intent(in) :: elite(:, :)
+      type(candidate_t), intent(inout) :: candidates(:)
+      type(search_state_t), intent(inout), optional :: state
+      class(observer_t), intent(inout), optional :: observer
+      integer :: i
+
+      do i = from, until, step
+         if (stop%waiting()) return
+         call member%start(rules%number_of(i), elite, candidates(i))
+         ! what a start that was cut short has is kept, but the start is not done with
+         candidates(i)%done = .not. stop%waiting()
+         if (candidates(i)%refused) return
+         if (.not. (present(observer) .and. present(state))) cycle
+         state%iteration = i
+         state%evaluations = state%evaluations + candidates(i)%evaluations*step
+         if (candidates(i)%feasible) state%best = min(state%best, candidates(i)%objective)
+         state%worst = state%best
+         call observer%report(state)
+      end do
+   end subroutine make_starts
+
+   !> Places of the best distinct results. Two are one if the unknowns that are compared and the objectives agree.
+   pure subroutine rank(rules, most, nearness, candidates, best)
+      type(multistart_t), intent(in) :: rules
+      integer, intent(in) :: most
+      real(wp), intent(in) :: nearness                  !! relative difference below which two are one
+      type(candidate_t), intent(in) :: candidates(:)
+      integer, allocatable, intent(out) :: best(:)
+      logical :: left(size(candidates))
+      integer :: i, k
+
+      allocate (best(0))
+      left = candidates%feasible
+      do while (any(left) .and. size(best) < most)
+         i = minloc(candidates%objective, dim=1, mask=left)
+         best = [best, i]
+         associate (next => candidates(i))
+            do k = 1, size(left)
+               if (.not. left(k)) cycle
+               left(k) = any(rules%compared .and. abs(candidates(k)%x - next%x) > nearness*abs(next%x)) .or. &
+                         candidates(k)%objective - next%objective > nearness*max(next%objective, rules%small)
+            end do
+         end associate
+         left(i) = .false.
+      end do
+   end subroutine rank
+end module psalm_multistart
