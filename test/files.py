@@ -152,7 +152,7 @@ def targets():
     fresh()
     run("psalm", "-q", "textile.nml")
     os.chmod("textile.dev9", 0o444)
-    refused("a read-only device", 3, "'textile.dev9': it is read-only or belongs to another user; allow it", "psalm", "textile.nml")
+    refused("a read-only device", 3, "'textile.dev9': it is read-only or belongs to another user; make it writable", "psalm", "textile.nml")
     os.chmod("textile.dev9", 0o640)
     os.utime("textile.dev9", (1, 1))
     check("the mode of a file is kept", run("psalm", "-q", "textile.nml").returncode == 0
