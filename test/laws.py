@@ -156,13 +156,19 @@ def test_margins():
     for corners in ("60.0,50.0,10.0,20.0", "10.0,50.0,60.0,20.0", "60.0,20.0,10.0,50.0"):
         other = margins_of(text + group % places.format("").replace("10.0,20.0,60.0,50.0", corners))
         check("a box by its corners " + corners, other == plain, other)
-    lengths = "40.0{0},120.0{0},80.0{0},130.0{0}"
-    for power, factor in (("E160", 1e160), ("E-160", 1e-160)):
-        large = margins_of(changed(text, lengths.format(""), lengths.format(power)) + group % places.format(power))
-        check("margins of lengths times 1" + power, len(large) == len(plain) and all(
-            a[0] == b[0] and a[1][1:] == b[1][1:] and
-            abs(number(b[1][0]) - number(a[1][0])*(factor if a[0].startswith("REGION") else 1.0)) <= 1e-6*abs(number(b[1][0]))
-            for a, b in zip(plain, large)), large)
+    samples = [("dyad1_crank_rocker", "40.0{0},120.0{0},80.0{0},130.0{0}", group % places, 4),
+               ("dyad4_slider_crank", "40.0{0},140.0{0},0.0,10.0{0}", " &CONSTR IRANGE=0 &END\n", 1),
+               ("dyad2_oscillating_cylinder", "30.0{0},0.0,15.0{0},120.0{0}", " &CONSTR IRANGE=0 &END\n", 1)]
+    for name, lengths, constraints, count in samples:
+        text = case(name).rstrip() + "\n"
+        plain = margins_of(text + constraints.format(""))
+        check(name + ": margins", len(plain) >= count, plain)
+        for power, factor in (("E160", 1e160), ("E-160", 1e-160)):
+            large = margins_of(changed(text, lengths.format(""), lengths.format(power)) + constraints.format(power))
+            check("%s: margins of lengths times 1%s" % (name, power), len(large) == len(plain) and all(
+                a[0] == b[0] and a[1][1:] == b[1][1:] and
+                abs(number(b[1][0]) - number(a[1][0])*(factor if a[0].startswith(("REGION", "GUIDE", "OFFSET")) else 1.0)) <=
+                1e-6*abs(number(b[1][0])) for a, b in zip(plain, large)), large)
 
 
 def number(word):
