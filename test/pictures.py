@@ -453,6 +453,31 @@ def test_rails():
                       (along / long, aside / long))
 
 
+def test_bodies():
+    """Bars at one joint that never turn against each other are one body, others are not."""
+    rigid = 0
+    for name in PLAIN:
+        balm("--quiet", "--output-dir", ".", os.path.join(DATA, name + ".nml"))
+        case = page_data(name + ".html")[0]
+        row = case["prescribed"]
+        bars = [bar for bar in case["bars"] if bar["slide"] == -1 and bar["length"] > 0]
+
+        def direction(bar, away_from, i):
+            other = bar["to"] if bar["from"] == away_from else bar["from"]
+            return math.atan2(row["y"][other][i] - row["y"][away_from][i], row["x"][other][i] - row["x"][away_from][i])
+
+        places = [i for i, closed in enumerate(row["closed"]) if closed]
+        for number, one in enumerate(bars):
+            for two in bars[:number]:
+                for joint in {one["from"], one["to"]} & {two["from"], two["to"]}:
+                    turns = [direction(one, joint, i) - direction(two, joint, i) for i in places]
+                    stays = max(abs(math.sin((turn - turns[0]) / 2)) for turn in turns) < 1e-9
+                    rigid += stays
+                    check("%s: arcs %d and %d of loops %d and %d: one body" % (name, one["arc"], two["arc"], one["loop"], two["loop"]),
+                          (one["body"] == two["body"]) == stays, (stays, one, two))
+    check("some links have more than two joints", rigid > 5, rigid)
+
+
 def test_regions():
     group = " &CONSTR NREGN=3, RKIND=1,2,-3, RLOOP=1,1,0, RLINK=2,2,0, RPLACE=10.0,20.0,60.0,50.0, 0.0,-40.0,10.0,0.0, 0.0,0.0,300.0,0.0 &END\n"
     write("regions.nml", read("dyad1_crank_rocker.nml").rstrip() + "\n" + group)
@@ -724,6 +749,7 @@ PARTS = {
     "other_unit": test_other_unit,
     "assemblies": test_assemblies,
     "rails": test_rails,
+    "bodies": test_bodies,
     "regions": test_regions,
     "messages": test_messages,
     "findings": test_findings,
