@@ -21,6 +21,7 @@ program test_rates
    call against_differences('hard/chain64')
    do k = 1, 7
       call against_differences('hard/carried_slides', k)
+      call loop_equations('hard/carried_slides', k)
    end do
    call pose_rates('needle')
    call pose_rates('dyad4_slider_crank')
@@ -129,15 +130,16 @@ contains
    end subroutine take_rates
 
    !> The first and second derivative of the sum of a loop's arcs is zero.
-   subroutine loop_equations(name)
+   subroutine loop_equations(name, which)
       character(*), intent(in) :: name
+      integer, intent(in), optional :: which    !! case of the file
       type(problem_t) :: problem
       type(data_set_t) :: set
       type(rates_t) :: rates
       real(wp) :: sum1(2), sum2(2), x, y, length, w1, w2, l1, l2, worst, size_of
       integer :: offset, n, i, loop, a, arc, root, slide
 
-      call load_case(name, problem, set, everything=.true.)
+      call load_case(name, problem, set, n=which, everything=.true.)
       call problem%want_derivatives(.true.)
       call prepare_rates(problem, rates)
       call problem%bind(problem%given)
