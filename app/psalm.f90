@@ -143,7 +143,7 @@ contains
          allocate (tolerances)
          allocate (final, source=set)
          if (set%ifree /= 0 .and. size(search%found%best) > 0) final%delt = search%found%best(1)%delt
-         call study_tolerances(final, dimensions, threads, stop, tolerances)
+         call study_tolerances(final, problem%mechanism, dimensions, threads, stop, tolerances)
          call report_tolerances(set, tolerances, devices)
       end if
       call report_violations(set, problem, analysis, devices)

@@ -696,7 +696,7 @@ contains
       call make_ready(case, set, problem, ready, findings)
       if (.not. ready) return
       if (present(stop)) ending = stop
-      call study_tolerances(set, problem%given, threads_for(set, threads_of(threads)), ending, tolerances)
+      call study_tolerances(set, problem%mechanism, problem%given, threads_for(set, threads_of(threads)), ending, tolerances)
       if (.not. tolerances%closes) call findings%warning('no tolerances, because the linkage does not close everywhere')
    end subroutine find_tolerances
 

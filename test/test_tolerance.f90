@@ -44,7 +44,7 @@ contains
 
       call load_case(name, problem, set)
       call set_tolerances(set, of_lengths, of_angles)
-      call find_tolerances(set, problem%given, deviating, linear, closes)
+      call find_tolerances(set, problem%mechanism, problem%given, deviating, linear, closes)
       if (name == 'suspension') then
          call t%is_true(.not. closes, 'a linkage that does not close has no tolerances')
          return
@@ -79,7 +79,7 @@ contains
       call load_case('dyad4_slider_crank', problem, set)
       set%tolerances = .true.
       set%tolarc(2, 1) = tolerance
-      call find_tolerances(set, problem%given, deviating, linear, closes)
+      call find_tolerances(set, problem%mechanism, problem%given, deviating, linear, closes)
       call t%equal_integer(size(linear%tolerance), 1, 'one tolerance, one variable')
       dimensions = problem%given
       dimensions%arcl(2) = problem%given%arcl(2) + tolerance
@@ -101,7 +101,7 @@ contains
 
       call load_case('hard/toggle', problem, set, 3)
       call set_tolerances(set, 1.0e-3_wp, 0.0_wp)
-      call find_tolerances(set, problem%given, deviating, linear, closes)
+      call find_tolerances(set, problem%mechanism, problem%given, deviating, linear, closes)
       call t%is_true(closes, 'near toggle: the nominal linkage closes')
       call draw_sample(deviating, linear, 2000, 19, 2, sample)
       call t%is_true(sample%open > 0 .and. sample%open < 2000, 'near toggle: some linkages of the sample do not close')

@@ -68,7 +68,8 @@ contains
       where (mechanism%arcs%representative == first) self%length_variable = size(self%variables)
    end subroutine vary_length
 
-   !> The angle of a determined arc varies, and with it that of all arcs that take their direction from it.
+   !> The angle of a determined arc varies, and with it that of all arcs that take their direction from it. An arc that is
+   !> identical with another has none of its own.
    pure subroutine vary_angle(self, mechanism, n)
       class(parameters_t), intent(inout) :: self
       type(mechanism_t), intent(in) :: mechanism
@@ -77,6 +78,7 @@ contains
 
       owner = mechanism%angle_owner(n)
       if (mechanism%arcs(owner)%kind /= arc_determined .or. self%angle_variable(owner) > 0) return
+      if (mechanism%arcs(owner)%representative /= owner) return
       self%variables = [self%variables, variable_t(variable_gama, mechanism%arcs(owner)%loop, mechanism%arcs(owner)%place, owner)]
       do i = 1, size(mechanism%arcs)
          if (mechanism%arcs(i)%kind /= arc_determined) cycle

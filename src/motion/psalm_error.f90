@@ -18,7 +18,7 @@ module psalm_error
    use psalm_parameters, only: parameters_t
    implicit none (type, external)
    private
-   public :: problem_t, motion_t, violation_t, crossing_t, make_problem
+   public :: problem_t, motion_t, violation_t, crossing_t, make_problem, new_problem, inputs_of
 
    !> Consecutive positions at which one dyad violates one limit.
    type :: violation_t
@@ -93,28 +93,59 @@ contains
       type(dimensions_t), intent(in) :: dimensions
       type(parameters_t), intent(in) :: parameters
       type(problem_t), intent(out) :: problem
-      real(wp), allocatable :: turn(:), wanted(:, :), weight(:, :)
-      integer :: i
+      real(wp), allocatable :: wanted(:, :), weight(:, :)
+
+      problem%tangle = set%tangle
+      if (set%tangle_given) problem%slide_angle = set%tangle
+      call fill_problem(mechanism, dimensions, parameters, inputs_of(set), set%ktheta /= 0, problem)
+      problem%toggle = set%toggle
+      if (set%ikin /= 0 .or. .not. set%desired) return
+      call desired_of(set, wanted, weight)
+      call problem%set_desired(wanted, weight)
+   end subroutine make_problem
+
+   !> A problem of a mechanism at given inputs, without desired values and without limits but that of closure.
+   subroutine new_problem(mechanism, dimensions, parameters, inputs, every_loop, problem)
+      type(mechanism_t), intent(in) :: mechanism
+      type(dimensions_t), intent(in) :: dimensions
+      type(parameters_t), intent(in) :: parameters
+      real(wp), intent(in) :: inputs(:)     !! increments from the reference position: degrees, or length with a sliding input
+      logical, intent(in) :: every_loop     !! solve loops that the output does not depend on too
+      type(problem_t), intent(out) :: problem
+
+      call fill_problem(mechanism, dimensions, parameters, inputs, every_loop, problem)
+   end subroutine new_problem
+
+   !> What `make_problem` and `new_problem` share; limits are set before.
+   subroutine fill_problem(mechanism, dimensions, parameters, inputs, every_loop, problem)
+      type(mechanism_t), intent(in) :: mechanism
+      type(dimensions_t), intent(in) :: dimensions
+      type(parameters_t), intent(in) :: parameters
+      real(wp), intent(in) :: inputs(:)
+      logical, intent(in) :: every_loop
+      type(problem_t), intent(inout) :: problem
 
       problem%mechanism = mechanism
       problem%given = dimensions
       problem%parameters = parameters
-      problem%motion = set%motion
-      problem%tangle = set%tangle
-      problem%toggle = set%toggle
-      if (set%tangle_given) problem%slide_angle = set%tangle
+      problem%motion = mechanism%outputs(1)%motion
       allocate (problem%side(mechanism%nloop), source=1.0_wp)
-      problem%plan = make_plan(mechanism, set%motion, everything=set%ktheta /= 0, all_roots=.false.)
+      problem%plan = make_plan(mechanism, problem%motion, everything=every_loop, all_roots=.false.)
+      call problem%set_inputs(inputs)
+   end subroutine fill_problem
+
+   !> Input increments of a data set: those it gives, or with IKIN a whole turn.
+   pure function inputs_of(set) result(inputs)
+      type(data_set_t), intent(in) :: set
+      real(wp), allocatable :: inputs(:)
+      integer :: i
+
       if (set%ikin /= 0) then
-         turn = [(real(i*set%ikin, wp), i=0, (359/abs(set%ikin)))]
-         call problem%set_inputs(turn)
-         return
+         inputs = [(real(i*set%ikin, wp), i=0, (359/abs(set%ikin)))]
+      else
+         inputs = set%delt
       end if
-      call problem%set_inputs(set%delt)
-      if (.not. set%desired) return
-      call desired_of(set, wanted, weight)
-      call problem%set_desired(wanted, weight)
-   end subroutine make_problem
+   end function inputs_of
 
    !> Desired values and weights of a data set, component by component.
    pure subroutine desired_of(set, wanted, weight)

@@ -6,19 +6,17 @@
 !> Source: Oldham (1977), section 8.2.5 and chapter 1.
 module psalm_tolerance
    use psalm_data_set, only: data_set_t
-   use psalm_error, only: problem_t, motion_t, make_problem
+   use psalm_error, only: problem_t, motion_t, inputs_of, new_problem
    use psalm_stop, only: stop_t
    use psalm_kinds, only: wp
    use psalm_linkage, only: padded
    use psalm_output_kind, only: output_kind_t
    use psalm_rates, only: form_frames, is_dead
    use psalm_sensitivity, only: sensitivity_t, prepare_sensitivity, find_jacobian
-   use psalm_setup, only: set_up
-   use psalm_status, only: diagnostics_t
    use psalm_dimensions, only: dimensions_t
    use psalm_mechanism, only: mechanism_t
-   use psalm_parameters, only: parameters_t, variable_t, variable_length, variable_gama, variable_outlk, variable_outang, &
-                               variable_origlk, variable_origng
+   use psalm_parameters, only: parameters_t, variable_t, no_parameters, variable_crnki, variable_length, variable_gama, &
+                               variable_outlk, variable_outang, variable_origlk, variable_origng
    use psalm_xoshiro, only: xoshiro_t, purpose_sample
    implicit none (type, external)
    private
@@ -75,8 +73,9 @@ module psalm_tolerance
 contains
 
    !> Bands of the output within the tolerances of the dimensions, and the sample if one is asked for (NTRIAL).
-   subroutine study_tolerances(set, dimensions, threads, stop, result)
+   subroutine study_tolerances(set, mechanism, dimensions, threads, stop, result)
       type(data_set_t), intent(in) :: set
+      type(mechanism_t), intent(in) :: mechanism
       type(dimensions_t), intent(in) :: dimensions !! the nominal linkage
       integer, intent(in) :: threads
       type(stop_t), intent(in) :: stop             !! asked now and then by the sample
@@ -88,7 +87,7 @@ contains
       call limited%limit_time(set%search%maxtime)
       result%trials = set%ntrial
       allocate (deviating)
-      call find_tolerances(set, dimensions, deviating, result%linear, result%closes)
+      call find_tolerances(set, mechanism, dimensions, deviating, result%linear, result%closes)
       if (.not. result%closes .or. set%ntrial == 0) return
       call draw_sample(deviating, result%linear, set%ntrial, set%istart, threads, result%sample, limited)
       result%out_of_time = limited%late()
@@ -104,50 +103,22 @@ contains
    end function is_violating
 
    !> Jacobian and linear bands of a linkage. `dimensions` must close at every position.
-   subroutine find_tolerances(set, dimensions, deviating, result, closes)
-      type(data_set_t), intent(in) :: set
+   subroutine find_tolerances(set, mechanism, dimensions, deviating, result, closes)
+      type(data_set_t), intent(in) :: set          !! its tolerances and input positions
+      type(mechanism_t), intent(in) :: mechanism
       type(dimensions_t), intent(in) :: dimensions
       type(deviating_t), intent(out) :: deviating
       type(tolerance_t), intent(out) :: result
       logical, intent(out) :: closes
-      type(data_set_t) :: varied
-      type(diagnostics_t) :: unheard
-      type(mechanism_t) :: mechanism
       type(parameters_t) :: parameters
-      type(dimensions_t) :: given
       type(sensitivity_t) :: work
       integer :: v, marble, n
 
-      varied = set
-      varied%iva = merge(1, 0, set%tolarc > 0.0_wp)
-      varied%ivg = merge(1, 0, set%tolgam > 0.0_wp)
-      varied%ilkout = merge(1, 0, set%tolout > 0.0_wp)
-      varied%ingout = merge(1, 0, set%toloua > 0.0_wp)
-      varied%iorig = merge(1, 0, set%tolorl > 0.0_wp .or. set%tolora > 0.0_wp)
-      varied%icrk = merge(1, 0, set%tolcrk > 0.0_wp)
-      ! closure only; desired values play no part, but SETUP asks for them where there are variables
-      varied%tangle = 90.0_wp
-      varied%desired = .true.
-      varied%limval = 0
-      varied%var = 0.1_wp
-      varied%nguess = 0
-      if (set%ikin /= 0) then
-         varied%ikin = 0
-         varied%delt = [(real(v*set%ikin, wp), v=0, (359/abs(set%ikin)))]
-         varied%ndes = size(varied%delt)
-      end if
-      varied%desx = spread(0.0_wp, 1, varied%ndes)
-      varied%desy = varied%desx
-      varied%desang = varied%desx
-      varied%xmult = varied%desx + 1.0_wp
-      varied%ymult = varied%xmult
-      varied%anmult = varied%xmult
-      call set_up(varied, mechanism, given, parameters, unheard)
       result%dimensions = dimensions
-      call make_problem(varied, mechanism, dimensions, parameters, deviating%problem)
+      parameters = deviating_dimensions(set, mechanism)
+      call new_problem(mechanism, dimensions, parameters, inputs_of(set), set%ktheta /= 0, deviating%problem)
       deviating%lean = deviating%problem
       call deviating%problem%want_derivatives(.false.)
-      deviating%problem%desired = .false.
       call deviating%problem%analyse(dimensions, result%nominal)
       closes = all(result%nominal%closed)
       if (.not. closes) return
@@ -168,6 +139,31 @@ contains
       result%worst = sum(abs(result%effect), dim=2)
       result%square = sqrt(sum(result%effect**2, dim=2))
    end subroutine find_tolerances
+
+   !> Every dimension with a tolerance as a variable.
+   pure function deviating_dimensions(set, mechanism) result(parameters)
+      type(data_set_t), intent(in) :: set
+      type(mechanism_t), intent(in) :: mechanism
+      type(parameters_t) :: parameters
+      integer :: n
+
+      parameters = no_parameters(mechanism)
+      do n = 1, size(mechanism%arcs)
+         associate (arc => mechanism%arcs(n))
+            if (set%tolarc(arc%place, arc%loop) > 0.0_wp) call parameters%vary_length(mechanism, n)
+         end associate
+      end do
+      if (set%tolout > 0.0_wp) call parameters%vary(variable_outlk)
+      if (set%tolorl > 0.0_wp .or. set%tolora > 0.0_wp) call parameters%vary(variable_origlk)
+      do n = 1, size(mechanism%arcs)
+         associate (arc => mechanism%arcs(n))
+            if (set%tolgam(arc%place, arc%loop) > 0.0_wp) call parameters%vary_angle(mechanism, n)
+         end associate
+      end do
+      if (set%toloua > 0.0_wp) call parameters%vary(variable_outang)
+      if (set%tolorl > 0.0_wp .or. set%tolora > 0.0_wp) call parameters%vary(variable_origng)
+      if (set%tolcrk > 0.0_wp) call parameters%vary(variable_crnki)
+   end function deviating_dimensions
 
    !> Positions at which some dyad is at a dead point.
    subroutine find_dead(problem, dimensions, work, dead)
