@@ -1,27 +1,33 @@
 !> Assur groups: the one place that knows which kind of dyad is which.
 !>
-!> Each verb - bind, solve, form, differentiate, closure, its change, error bounds, breach, repair - goes to the file of the
+!> Each verb - bind, solve, form, differentiate, react, closure, its change, error bounds, breach, repair - goes to the file of the
 !> dyad's kind. A new kind is a new file and a line in each verb here.
 module psalm_assur
+   use psalm_arc_kernels, only: arc_vector
    use psalm_dyad, only: dyad_t, breach_t
    use psalm_dyad_kind, only: assur_none, assur_ppr, assur_prp, assur_prr, assur_rpp, assur_rpr, assur_rpr_guide_first, &
-                              assur_rrp, assur_rrr, form_of, form_t
+                              assur_rrp, assur_rrr, direction_known, form_of, form_t
    use psalm_elementary, only: hypotenuse
    use psalm_frames, only: frames_t, form_arc, dyad_rate, rows_of_arc, sine_row
    use psalm_kinds, only: wp
-   use psalm_prp, only: bind_prp, solve_prp, form_prp, measure_prp, change_of_measure_prp, bounds_prp, breach_prp
+   use psalm_prp, only: bind_prp, solve_prp, form_prp, measure_prp, change_of_measure_prp, bounds_prp, breach_prp, react_prp
    use psalm_rows, only: rows_t
-   use psalm_rpp, only: bind_rpp, solve_rpp, form_rpp, rates_twice_rpp, bounds_rpp
+   use psalm_rpp, only: bind_rpp, solve_rpp, form_rpp, rates_twice_rpp, bounds_rpp, react_rpp
    use psalm_rpr, only: bind_rpr, solve_rpr, form_rpr, measure_rpr, change_of_measure_rpr, bounds_rpr, breach_rpr, repair_rpr, &
-                        coincidence_rpr
-   use psalm_rrp, only: bind_rrp, solve_rrp, form_rrp, measure_rrp, change_of_measure_rrp, bounds_rrp, breach_rrp, repair_rrp
+                        coincidence_rpr, react_rpr
+   use psalm_rrp, only: bind_rrp, solve_rrp, form_rrp, measure_rrp, change_of_measure_rrp, bounds_rrp, breach_rrp, repair_rrp, &
+                        react_rrp
    use psalm_rrr, only: bind_rrr, solve_rrr, form_rrr, rates_rrr, measure_rrr, change_of_measure_rrr, bounds_rrr, breach_rrr, &
-                        repair_rrr, coincidence_rrr
+                        repair_rrr, coincidence_rrr, react_rrr
+   use psalm_wrench_kernels, only: moment_about, force_along, pass_force, pass_across, opposite_force, opposite_across
    implicit none (type, external)
    private
-   public :: mark_unknowns, bind_dyad, solve_dyad, form_dyad, differentiate_dyad, is_dead_dyad
+   public :: rows_to_react
+   public :: mark_unknowns, bind_dyad, solve_dyad, form_dyad, differentiate_dyad, react_dyad, is_dead_dyad
    public :: closure_of, change_of_closure, bounds_of_dyad, breach_of, coincidence_of, repair_dyad, is_orthogonal, is_signed
    public :: makes_tip
+
+   integer, parameter :: rows_to_react = 2*rows_of_arc + 2 !! scratch of `react_dyad`: both arcs, two free components
 
    real(wp), parameter :: dead_by_root = 64.0_wp*epsilon(1.0_wp) !! square of the sine below which a triangle is flat
    real(wp), parameter :: dead_by_angle = dead_by_root**2        !! the same where the sine itself is computed
@@ -138,6 +144,138 @@ contains
          end do
       end if
    end subroutine differentiate_dyad
+
+   !> Forces in the joints of a dyad from the wrenches on its bodies, which become the wrenches that it passes on.
+   !>
+   !> `w` holds of every body the rows force x, force y, moment about the origin; of every joint two rows: force x and y of a
+   !> revolute joint; of a prismatic one the force across the slide (along i u, with u the direction of the slide's arc) at its
+   !> foot, and the couple about the foot. They are those of what comes before on what comes after: on p, of p on q, on q.
+   !> At a dead point they are finite and mean nothing. Source of the closed forms: Oldham (1977), 15.1, worked out in
+   !> `doc/theory.md`, Forces.
+   subroutine react_dyad(n, dyad, store, on_p, on_q, at_s, at_m, at_e, scratch, w)
+      integer, intent(in) :: n                     !! positions, padded
+      type(dyad_t), intent(in) :: dyad
+      type(rows_t), intent(in) :: store
+      integer, intent(in) :: on_p, on_q            !! first rows of the wrenches on p and q
+      integer, intent(in) :: at_s, at_m, at_e      !! first rows of the joints S, M, E
+      integer, intent(in) :: scratch               !! first of `rows_to_react` rows
+      type(rows_t), intent(inout) :: w
+      type(form_t) :: form
+      integer :: p, q, alpha, beta
+      logical :: slides_at_s, slides_at_e
+
+      form = form_of(dyad%kind)
+      slides_at_s = form%slides(1) .and. form%direction(1) == direction_known
+      slides_at_e = form%slides(2) .and. form%direction(2) == direction_known
+      p = scratch               ! direction and vector of p, its length
+      q = scratch + rows_of_arc
+      alpha = q + rows_of_arc   ! free components at S and E
+      beta = alpha + 1
+      call vector_of(dyad%p_x, dyad%p_y, dyad%px, dyad%py, dyad%p, dyad%slide_p, p)
+      call vector_of(dyad%q_x, dyad%q_y, dyad%qx, dyad%qy, dyad%q, dyad%slide_q, q)
+      call free_component(slides_at_s, dyad%s_x, dyad%s_y, p, on_p, alpha)
+      call free_component(slides_at_e, dyad%e_x, dyad%e_y, q, on_q, beta)
+      associate (f => w%v)
+         select case (dyad%kind)
+         case (assur_rrr)
+            call react_rrr(n, f(1, p + 2), f(1, p + 3), f(1, q + 2), f(1, q + 3), f(1, alpha), f(1, beta), f(1, at_m), &
+                           f(1, at_m + 1))
+            call pass()
+         case (assur_rpr)
+            call react_rpr(n, .true., f(1, p + 4), f(1, alpha), f(1, beta), f(1, at_m), f(1, at_m + 1))
+            call pass_on_slide(p)
+         case (assur_rpr_guide_first)
+            call react_rpr(n, .false., f(1, q + 4), f(1, alpha), f(1, beta), f(1, at_m), f(1, at_m + 1))
+            call pass_on_slide(q)
+         case (assur_rrp)
+            call react_rrp(n, 1.0_wp, f(1, p + 2), f(1, p + 3), f(1, q), f(1, q + 1), f(1, alpha), f(1, beta), f(1, at_m), &
+                           f(1, at_m + 1))
+            call pass()
+         case (assur_prr)
+            call react_rrp(n, -1.0_wp, f(1, q + 2), f(1, q + 3), f(1, p), f(1, p + 1), f(1, beta), f(1, alpha), f(1, at_m), &
+                           f(1, at_m + 1))
+            call pass()
+         case (assur_rpp)
+            call react_rpp(n, 1.0_wp, f(1, p), f(1, p + 1), f(1, q), f(1, q + 1), f(1, p + 4), f(1, alpha), f(1, beta), &
+                           f(1, at_m), f(1, at_m + 1))
+            call pass_on_slide(p)
+         case (assur_ppr)
+            call react_rpp(n, -1.0_wp, f(1, q), f(1, q + 1), f(1, p), f(1, p + 1), f(1, q + 4), f(1, beta), f(1, alpha), &
+                           f(1, at_m), f(1, at_m + 1))
+            call pass_on_slide(q)
+         case default
+            call react_prp(n, f(1, p), f(1, p + 1), f(1, q), f(1, q + 1), f(1, alpha), f(1, beta), f(1, at_m), f(1, at_m + 1))
+            call pass()
+         end select
+      end associate
+      call hold(slides_at_s, dyad%s_x, dyad%s_y, p, on_p, at_s)
+      call hold(slides_at_e, dyad%e_x, dyad%e_y, q, on_q, at_e)
+
+   contains
+
+      !> Direction, vector and length of an arc, into five rows from `at` on.
+      subroutine vector_of(root_x, root_y, c, s, length, slide, at)
+         integer, intent(in) :: root_x, root_y, slide, at
+         real(wp), intent(in) :: c, s, length
+
+         associate (f => w%v, v => store%v)
+            if (slide > 0) then
+               f(1:n, at + 4) = v(1:n, slide)
+            else
+               f(1:n, at + 4) = length
+            end if
+            call arc_vector(n, v(1, root_x), v(1, root_y), c, s, f(1, at + 4), f(1, at), f(1, at + 1), f(1, at + 2), f(1, at + 3))
+         end associate
+      end subroutine vector_of
+
+      !> Free component of the wrench at an outer joint.
+      subroutine free_component(slides, x, y, arc, wrench, to)
+         logical, intent(in) :: slides
+         integer, intent(in) :: x, y, arc, wrench, to
+
+         associate (f => w%v, v => store%v)
+            if (slides) then
+               call force_along(n, f(1, arc), f(1, arc + 1), f(1, wrench), f(1, wrench + 1), f(1, to))
+            else
+               call moment_about(n, v(1, x), v(1, y), f(1, wrench), f(1, wrench + 1), f(1, wrench + 2), f(1, to))
+            end if
+         end associate
+      end subroutine free_component
+
+      !> Force of an outer joint, against the wrench that is passed on.
+      subroutine hold(slides, x, y, arc, wrench, to)
+         logical, intent(in) :: slides
+         integer, intent(in) :: x, y, arc, wrench, to
+
+         associate (f => w%v, v => store%v)
+            if (slides) then
+               call opposite_across(n, v(1, x), v(1, y), f(1, arc), f(1, arc + 1), f(1, wrench), f(1, wrench + 1), &
+                                    f(1, wrench + 2), f(1, to), f(1, to + 1))
+            else
+               call opposite_force(n, f(1, wrench), f(1, wrench + 1), f(1, to), f(1, to + 1))
+            end if
+         end associate
+      end subroutine hold
+
+      !> A force in the common pin.
+      subroutine pass()
+         associate (f => w%v, v => store%v)
+            call pass_force(n, v(1, dyad%s_x), v(1, dyad%s_y), f(1, p + 2), f(1, p + 3), f(1, at_m), f(1, at_m + 1), &
+                            f(1, on_p), f(1, on_p + 1), f(1, on_p + 2), f(1, on_q), f(1, on_q + 1), f(1, on_q + 2))
+         end associate
+      end subroutine pass
+
+      !> A force across the common slide, along the arc at `slide`, and a couple.
+      subroutine pass_on_slide(slide)
+         integer, intent(in) :: slide
+
+         associate (f => w%v, v => store%v)
+            call pass_across(n, v(1, dyad%s_x), v(1, dyad%s_y), f(1, p + 2), f(1, p + 3), f(1, slide), f(1, slide + 1), &
+                             f(1, at_m), f(1, at_m + 1), f(1, on_p), f(1, on_p + 1), f(1, on_p + 2), f(1, on_q), &
+                             f(1, on_q + 1), f(1, on_q + 2))
+         end associate
+      end subroutine pass_on_slide
+   end subroutine react_dyad
 
    !> True for two slides that are always at right angles: their matrix always has an inverse, and need not be formed.
    pure logical function is_orthogonal(kind)

@@ -10,6 +10,7 @@ module psalm_prp
    use psalm_rows, only: rows_t
    implicit none (type, external)
    private
+   public :: react_prp
    public :: bind_prp, solve_prp, form_prp, measure_prp, change_of_measure_prp, bounds_prp, breach_prp
    public :: solve_two_slides
 
@@ -94,6 +95,23 @@ contains
          end do
       end associate
    end subroutine change_of_measure_prp
+
+   !> Force of p on q in the common pin, from its components along both slides. Singular where they are parallel.
+   pure subroutine react_prp(n, px, py, qx, qy, alpha, beta, rx, ry)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: px(n), py(n), qx(n), qy(n) !! directions of p and q
+      real(wp), intent(in) :: alpha(n), beta(n)          !! forces on p along p, on q along q
+      real(wp), intent(out) :: rx(n), ry(n)
+      real(wp) :: determinant
+      integer :: i
+
+      do i = 1, n
+         determinant = px(i)*qy(i) - py(i)*qx(i)
+         determinant = 1.0_wp/sign(max(abs(determinant), epsilon(1.0_wp)**2), determinant)
+         rx(i) = (alpha(i)*qy(i) + beta(i)*py(i))*determinant
+         ry(i) = -(alpha(i)*qx(i) + beta(i)*px(i))*determinant
+      end do
+   end subroutine react_prp
 
    !> What is wrong at a position whose measure is not accepted.
    pure type(breach_t) function breach_prp(measure, closes) result(breach)

@@ -6,6 +6,7 @@ module psalm_rpp
    use psalm_rows, only: rows_t
    implicit none (type, external)
    private
+   public :: react_rpp
    public :: bind_rpp, solve_rpp, form_rpp, rates_twice_rpp, bounds_rpp
    public :: project_on_slides
 
@@ -55,6 +56,23 @@ contains
                                 d1(1, dyad%slide_q), d2(1, dyad%slide_p), d2(1, dyad%slide_q))
       end associate
    end subroutine rates_twice_rpp
+
+   !> Force across the inner slide and couple, of p on q. Along the outer slide the force alone holds the body between the two.
+   pure subroutine react_rpp(n, sense, ix, iy, ox, oy, slide, moment, along, across, couple)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: sense                      !! +1: the pin is S (p slides on q), -1: it is E
+      real(wp), intent(in) :: ix(n), iy(n), ox(n), oy(n) !! directions of the inner slide and of the outer one
+      real(wp), intent(in) :: slide(n)                   !! length of the inner one
+      real(wp), intent(in) :: moment(n), along(n)        !! free components of the wrenches at the pin and along the outer slide
+      real(wp), intent(out) :: across(n), couple(n)
+      integer :: i
+
+      do i = 1, n
+         ! the slides are at right angles: the product is +1 or -1
+         across(i) = -sense*along(i)/(ix(i)*oy(i) - iy(i)*ox(i))
+         couple(i) = sense*(moment(i) - across(i)*slide(i))
+      end do
+   end subroutine react_rpp
 
    !> First-order bound of the errors of both lengths.
    pure subroutine bounds_rpp(h, gap, direction, bound)

@@ -3,6 +3,7 @@
 !> Slide p with guide q, or guide p with slide q. Closure measure: the squared distance h**2 of the outer joints; the dyad
 !> closes while h is not shorter than the guide. Notes of `psalm_rrr` on kernels hold here too.
 module psalm_rpr
+   use psalm_arc_kernels, only: least
    use psalm_dyad, only: dyad_t, breach_t, violation_too_long, least_square, no_distance, rounding
    use psalm_dyad_kind, only: assur_rpr
    use psalm_frames, only: frames_t, turned_column, invert, rows_of_arc
@@ -10,6 +11,7 @@ module psalm_rpr
    use psalm_rows, only: rows_t
    implicit none (type, external)
    private
+   public :: react_rpr
    public :: bind_rpr, solve_rpr, form_rpr, measure_rpr, change_of_measure_rpr, bounds_rpr, breach_rpr, repair_rpr, &
              coincidence_rpr, guide_of
    public :: solve_slide_on_q, solve_slide_on_p
@@ -94,6 +96,21 @@ contains
       end associate
       dk = dk*unit
    end subroutine change_of_measure_rpr
+
+   !> Force across the slide and couple, of p on q. The moments about S and E balance; the lever is the slide's length.
+   pure subroutine react_rpr(n, slide_first, slide, alpha, beta, across, couple)
+      integer, intent(in) :: n
+      logical, intent(in) :: slide_first                 !! p is the slide
+      real(wp), intent(in) :: slide(n)                   !! its length
+      real(wp), intent(in) :: alpha(n), beta(n)          !! moments of the wrenches on p about S, on q about E
+      real(wp), intent(out) :: across(n), couple(n)
+      integer :: i
+
+      do i = 1, n
+         across(i) = (alpha(i) + beta(i))/sign(max(abs(slide(i)), least), slide(i))
+         couple(i) = merge(-beta(i), alpha(i), slide_first)
+      end do
+   end subroutine react_rpr
 
    !> First-order bounds of the errors of direction and slide: slide = sqrt(h**2 - guide**2); the angle between h and the
    !> slide has the sine guide/h.

@@ -3,6 +3,7 @@
 !> Link p with slide q, or slide p with link q. Closure measure: the offset cross(u, h), user's sense; the dyad closes while
 !> it is not longer than the link. Notes of `psalm_rrr` on kernels hold here too.
 module psalm_rrp
+   use psalm_arc_kernels, only: least
    use psalm_dyad, only: dyad_t, breach_t, violation_too_short, rounding
    use psalm_dyad_kind, only: assur_rrp
    use psalm_frames, only: frames_t, turned_column, invert, rows_of_arc
@@ -10,6 +11,7 @@ module psalm_rrp
    use psalm_rows, only: rows_t
    implicit none (type, external)
    private
+   public :: react_rrp
    public :: bind_rrp, solve_rrp, form_rrp, measure_rrp, change_of_measure_rrp, bounds_rrp, breach_rrp, repair_rrp, link_of
    public :: solve_link_slide
 
@@ -121,6 +123,27 @@ contains
       end associate
       dk = dk*unit
    end subroutine change_of_measure_rrp
+
+   !> Force in the common pin, on the link: along the slide it balances `along`, and about the link's other end `moment`.
+   !>
+   !> Singular where the link is square to the slide.
+   pure subroutine react_rrp(n, sense, ax, ay, ux, uy, moment, along, rx, ry)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: sense                      !! +1: p is the link, -1: q is; the force is that of p on q
+      real(wp), intent(in) :: ax(n), ay(n), ux(n), uy(n) !! vector of the link, direction of the slide
+      real(wp), intent(in) :: moment(n), along(n)        !! free components of the wrenches on the link and on the slide
+      real(wp), intent(out) :: rx(n), ry(n)
+      real(wp) :: lever, across
+      integer :: i
+
+      do i = 1, n
+         ! from the link's outer joint to the pin: along p, against q
+         lever = sense*(ax(i)*ux(i) + ay(i)*uy(i))
+         across = (moment(i) + sense*along(i)*(ax(i)*uy(i) - ay(i)*ux(i)))/sign(max(abs(lever), least), lever)
+         rx(i) = sense*(-along(i)*ux(i) - across*uy(i))
+         ry(i) = sense*(-along(i)*uy(i) + across*ux(i))
+      end do
+   end subroutine react_rrp
 
    !> First-order bounds of the errors of the link's direction and of the slide, in the order of p and q: offset c = cross(u, h),
    !> root = sqrt(link**2 - c**2).

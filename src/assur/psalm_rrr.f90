@@ -13,6 +13,7 @@ module psalm_rrr
    use psalm_rows, only: rows_t
    implicit none (type, external)
    private
+   public :: react_rrr
    public :: bind_rrr, solve_rrr, form_rrr, rates_rrr, measure_rrr, change_of_measure_rrr, bounds_rrr, breach_rrr, repair_rrr, &
              coincidence_rrr
    public :: solve_two_links, solve_one_link, repair_link_pair
@@ -133,6 +134,23 @@ contains
                                unit*h*(dp/dyad%p + dq/dyad%q), 2.0_wp*unit*h, dk)
       end associate
    end subroutine change_of_measure_rrr
+
+   !> Force of p on q in the common pin: alpha = a x r, -beta = b x r, with b = -q. Singular where both links are in one line.
+   pure subroutine react_rrr(n, ax, ay, qx, qy, alpha, beta, rx, ry)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: ax(n), ay(n), qx(n), qy(n) !! vectors of p and q
+      real(wp), intent(in) :: alpha(n), beta(n)          !! moments of the wrenches on p about S, on q about E
+      real(wp), intent(out) :: rx(n), ry(n)
+      real(wp) :: determinant
+      integer :: i
+
+      do i = 1, n
+         determinant = ay(i)*qx(i) - ax(i)*qy(i)
+         determinant = 1.0_wp/sign(max(abs(determinant), least), determinant)
+         rx(i) = (beta(i)*ax(i) - alpha(i)*qx(i))*determinant
+         ry(i) = (beta(i)*ay(i) - alpha(i)*qy(i))*determinant
+      end do
+   end subroutine react_rrr
 
    !> First-order bounds of the errors of both directions, in epsilons. Derivation: `doc/theory.md`, Condition.
    pure subroutine bounds_rrr(dyad, measure, s, e, worst, bound)

@@ -7,9 +7,13 @@ module psalm_data_set
    use psalm_kinds, only: wp, full_turn, half_turn, radians_per_degree
    use psalm_chain_group, only: read_chain_group, read_drives_group, read_outputs_group
    use psalm_constraint_group, only: constraint_group_t, read_constraint_group
+   use psalm_friction_group, only: friction_group_t, read_friction_group
    use psalm_group_table, only: program_of, program_reads, is_users, nearest_group
    use psalm_group, only: group_t, read_flag, check_flags, check_range, out_of, required
+   use psalm_load_group, only: load_group_t, read_load_group
    use psalm_mark, only: mark_t
+   use psalm_mass_group, only: mass_group_t, read_mass_group
+   use psalm_motor_group, only: motor_group_t, read_motor_group
    use psalm_output_kind, only: output_kind_t, output_kind, motion_angle, motion_distance, motion_point, motion_pose, &
                                 motion_slide
    use psalm_namelist, only: case_text_t, read_case
@@ -17,6 +21,7 @@ module psalm_data_set
    use psalm_search_group, only: search_group_t, read_search_group
    use psalm_sketch, only: sketch_t, drive_turns, output_angle, output_distance, output_pose, output_slide
    use psalm_source, only: line_t, read_lines, split_lines
+   use psalm_spring_group, only: spring_group_t, read_spring_group
    use psalm_status, only: diagnostics_t
    use psalm_system, only: memory_to_be_had
    use psalm_text, only: text_t, to_text
@@ -99,6 +104,11 @@ module psalm_data_set
       type(sketch_t) :: sketch             !! CHAIN, DRIVES, OUTPUTS
       real(wp) :: crnki_of_drawing = 0.0_wp !! CRNKI of the loops where the sketch's is 0
       character(:), allocatable :: chosen  !! the loops chosen for it, in words; not allocated: none
+      type(mass_group_t) :: masses         !! MASSES (this and the next four are read for kalm and balm only)
+      type(load_group_t) :: loads          !! LOADS
+      type(spring_group_t) :: springs      !! SPRING
+      type(friction_group_t) :: friction   !! FRICTN
+      type(motor_group_t) :: motor         !! MOTOR
       character(:), allocatable :: others  !! the groups that device 7 keeps as they are
       character(:), allocatable :: skipped !! the groups that this program does not read, with those that do; empty: none
       type(origins_t) :: origins           !! where every value was written
@@ -199,9 +209,10 @@ contains
       type(data_set_t), intent(out) :: set
       type(diagnostics_t), intent(inout) :: findings
       integer, parameter :: links = 1, method = 2, limits = 3, search = 4, constr = 5, toler = 6, rates = 7, chain = 8, &
-                            drives = 9, outputs = 10
+                            drives = 9, outputs = 10, masses = 11, loads = 12, spring = 13, frictn = 14, motor = 15
       character(*), parameter :: names(*) = [character(name_length) :: 'LINKS', 'METHOD', 'LIMITS', 'SEARCH', 'CONSTR', &
-                                             'TOLER', 'RATES', 'CHAIN', 'DRIVES', 'OUTPUTS']
+                                             'TOLER', 'RATES', 'CHAIN', 'DRIVES', 'OUTPUTS', 'MASSES', 'LOADS', 'SPRING', &
+                                             'FRICTN', 'MOTOR']
       type(group_t) :: groups(size(names))
       type(diagnostics_t) :: unused
       logical :: shape_known, sketch_sound
@@ -249,6 +260,16 @@ contains
       call read_constraint_group(groups(constr), set%nloop, set%maxarc, set%constr, findings)
       call read_tolerances(groups(toler), set, findings)
       call read_rates(groups(rates), set, findings)
+      call read_mass_group(groups(masses), set%ilink, set%masses, findings)
+      call read_load_group(groups(loads), set%ilink, set%loads, findings)
+      call read_spring_group(groups(spring), set%ilink, set%springs, findings)
+      call read_friction_group(groups(frictn), set%ilink, set%friction, findings)
+      call read_motor_group(groups(motor), set%motor, findings)
+      if (size(set%masses%mass) > 0 .and. .not. set%rates_given) then
+         call findings%warning('there is no group &RATES: the input is taken to move at '// &
+                               trim(merge('1 unit of length a second', '1 radian a second        ', sliding_input(set))), &
+                               line=groups(masses)%line, group='MASSES', item='NMASS')
+      end if
       do i = 1, size(groups)
          if (groups(i)%line > 0) call groups(i)%finish(groups, findings)
          call set%origins%append(groups(i)%origins)
@@ -347,6 +368,14 @@ contains
          limits%given('OPLOW')), &
          'counts variables of &LINKS; the bounds of a sketch stand beside its variables, VLOW and VHIGH of &CHAIN', findings)
    end subroutine refuse_arcs
+   !> True if the input slides, as ILOOP or the drive of a sketch says.
+   pure logical function sliding_input(set)
+      type(data_set_t), intent(in) :: set
+
+      sliding_input = .false.
+      if (size(set%iloop) > 0) sliding_input = set%iloop(1, 1) < 0
+      if (set%sketch%given .and. size(set%sketch%drives) > 0) sliding_input = set%sketch%drives(1)%kind /= drive_turns
+   end function sliding_input
 
    !> Keep what `psalm` does not write to device 7 itself, and name what this program does not read.
    subroutine keep_others(case, program, set)
@@ -736,9 +765,7 @@ contains
       logical :: sliding
 
       set%rates_given = group%line > 0
-      sliding = .false.
-      if (size(set%iloop) > 0) sliding = set%iloop(1, 1) < 0
-      if (set%sketch%given .and. size(set%sketch%drives) > 0) sliding = set%sketch%drives(1)%kind /= drive_turns
+      sliding = sliding_input(set)
       units = trim(merge('LENGTH/S', 'RAD/S   ', sliding))
       call group%get_real('SPEED', set%speed, findings)
       call group%get_real('ACCEL', set%accel, findings)

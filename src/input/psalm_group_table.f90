@@ -19,10 +19,15 @@ module psalm_group_table
       known_group_t('SEARCH', 'psalm kalm balm'), &
       known_group_t('CONSTR', 'psalm kalm balm'), &
       known_group_t('TOLER', 'psalm kalm balm'), &
-      known_group_t('RATES', 'kalm'), &
+      known_group_t('RATES', 'kalm balm'), &
       known_group_t('CHAIN', 'psalm kalm balm'), &
       known_group_t('DRIVES', 'psalm kalm balm'), &
-      known_group_t('OUTPUTS', 'psalm kalm balm')]
+      known_group_t('OUTPUTS', 'psalm kalm balm'), &
+      known_group_t('MASSES', 'kalm balm'), &
+      known_group_t('LOADS', 'kalm balm'), &
+      known_group_t('SPRING', 'kalm balm'), &
+      known_group_t('FRICTN', 'kalm balm'), &
+      known_group_t('MOTOR', 'kalm balm')]
 
    character(*), parameter :: everything = '*' !! in place of a program: who reads all groups that a program of the suite reads
    character(*), parameter :: users = 'USER' !! groups whose names begin so are the user's own

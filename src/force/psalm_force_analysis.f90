@@ -1,0 +1,210 @@
+!> The forces of a mechanism at a row of input positions: all of them, or the share of every source, or by unit masses.
+module psalm_force_analysis
+   use psalm_error, only: problem_t
+   use psalm_force_model, only: force_model_t, mass_parameters
+   use psalm_kinds, only: wp
+   use psalm_kinetostatics, only: forces_t, prepare_forces, move_bodies, clear_wrenches, add_source, sweep, rub, external_power, &
+                                  joint_rows, sources_of, source_inertia
+   use psalm_mechanism, only: body_frame
+   use psalm_rates, only: rates_t, prepare_rates, differentiate, is_dead
+   implicit none (type, external)
+   private
+   public :: force_table_t, analyse_forces, share_of_sources, loads_of_unit_masses, column_of_joint
+   public :: column_drive, column_fx, column_fy, column_moment, fixed_columns
+
+   integer, parameter :: column_drive = 1                    !! torque N m, or force N of a sliding input
+   integer, parameter :: column_fx = 2, column_fy = 3        !! force of the mechanism on the frame, N
+   integer, parameter :: column_moment = 4                   !! and its moment about the machine origin, N m
+   integer, parameter :: fixed_columns = 4                   !! two columns for every joint follow
+
+   !> Forces at every position.
+   type :: force_table_t
+      real(wp), allocatable :: value(:, :)     !! shape (positions, columns); finite everywhere, of no meaning where not `known`
+      logical, allocatable :: closed(:)        !! shape (positions): every loop closes
+      integer, allocatable :: dead(:)          !! shape (positions): the loop that is at a dead point, 0: none
+      integer, allocatable :: sweeps(:)        !! shape (positions): sweeps that friction took; 0: the mechanism locks itself
+      logical, allocatable :: at_rest(:)       !! shape (positions): a joint with friction does not move: no friction there
+      real(wp), allocatable :: kinetic(:)      !! shape (positions): kinetic energy, J
+      real(wp), allocatable :: growth(:)       !! shape (positions): its growth, W
+      real(wp), allocatable :: power(:)        !! shape (positions): power of weight, loads and springs, W
+      real(wp), allocatable :: loss(:)         !! shape (positions): power lost in friction, W
+   contains
+      procedure :: known
+   end type force_table_t
+
+contains
+
+   !> True if the forces at a position are known.
+   pure logical function known(self, k)
+      class(force_table_t), intent(in) :: self
+      integer, intent(in) :: k
+
+      known = self%closed(k) .and. self%dead(k) == 0 .and. self%sweeps(k) > 0
+   end function known
+
+   !> First of the two columns of a joint.
+   pure integer function column_of_joint(joint)
+      integer, intent(in) :: joint
+
+      column_of_joint = fixed_columns + 2*joint - 1
+   end function column_of_joint
+
+   !> All forces. The problem is bound and its plan has every loop, every root and all vertices (`vertices_of`).
+   subroutine analyse_forces(problem, model, speed, accel, closed, input, table)
+      type(problem_t), intent(inout) :: problem
+      type(force_model_t), intent(in) :: model
+      real(wp), intent(in) :: speed, accel     !! of the input: rad/s or length/s, and per second
+      logical, intent(in) :: closed(:)         !! shape (positions)
+      real(wp), intent(in) :: input(:)         !! shape (positions): degrees or length
+      type(force_table_t), intent(out) :: table
+      type(rates_t) :: rates
+      type(forces_t) :: forces
+      integer :: block, offset, n, source
+
+      call make_table(problem, table)
+      table%closed = closed
+      call prepare_rates(problem, rates)
+      call prepare_forces(problem, model, forces)
+      do block = 1, problem%blocks()
+         call problem%solve_block(block, offset, n)
+         call differentiate(problem, rates, n, 2)
+         call note_dead(problem, rates, offset, n, table)
+         call move_bodies(problem, rates, n, speed, accel, forces)
+         call clear_wrenches(n, forces)
+         do source = source_inertia + 1, sources_of(model)
+            call add_source(problem, model, source, input(offset + 1:offset + n), n, forces)
+         end do
+         call external_power(problem, n, forces)
+         call add_source(problem, model, source_inertia, input(offset + 1:offset + n), n, forces)
+         if (size(model%friction) > 0) then
+            call rub(problem, model, rates, n, forces)
+            table%sweeps(offset + 1:offset + n) = forces%sweeps(1:n)
+            table%at_rest(offset + 1:offset + n) = forces%at_rest(1:n)
+         else
+            call sweep(problem, n, forces)
+         end if
+         call take_columns(problem, forces, n, table%value(offset + 1:offset + n, :))
+         table%kinetic(offset + 1:offset + n) = forces%w%v(1:n, forces%kinetic)
+         table%growth(offset + 1:offset + n) = forces%w%v(1:n, forces%growth)
+         table%power(offset + 1:offset + n) = forces%w%v(1:n, forces%power)
+         table%loss(offset + 1:offset + n) = forces%w%v(1:n, forces%loss)
+      end do
+   end subroutine analyse_forces
+
+   !> What each source alone does, without friction: they add up. Shape of the result: (positions, columns, sources).
+   subroutine share_of_sources(problem, model, speed, accel, input, shares)
+      type(problem_t), intent(inout) :: problem
+      type(force_model_t), intent(in) :: model
+      real(wp), intent(in) :: speed, accel
+      real(wp), intent(in) :: input(:)
+      real(wp), allocatable, intent(out) :: shares(:, :, :)
+      type(rates_t) :: rates
+      type(forces_t) :: forces
+      integer :: block, offset, n, source
+
+      allocate (shares(problem%positions, columns_of(problem), sources_of(model)), source=0.0_wp)
+      call prepare_rates(problem, rates)
+      call prepare_forces(problem, model, forces)
+      do block = 1, problem%blocks()
+         call problem%solve_block(block, offset, n)
+         call differentiate(problem, rates, n, 2)
+         call move_bodies(problem, rates, n, speed, accel, forces)
+         do source = 1, sources_of(model)
+            call clear_wrenches(n, forces)
+            call add_source(problem, model, source, input(offset + 1:offset + n), n, forces)
+            call sweep(problem, n, forces)
+            call take_columns(problem, forces, n, shares(offset + 1:offset + n, :, source))
+         end do
+      end do
+   end subroutine share_of_sources
+
+   !> Inertia forces of unit masses: every force of the mechanism is the sum over the bodies of these columns times the body's
+   !> mass [kg], first moments [kg m] in the axes of its own arc, and moment of inertia [kg m2] about its reference.
+   !>
+   !> Shape of the result: (positions, columns, 4, bodies); that of the frame is zero. Source: Haines (about 1982), chapter 9.
+   subroutine loads_of_unit_masses(problem, model, speed, accel, columns)
+      type(problem_t), intent(inout) :: problem
+      type(force_model_t), intent(in) :: model   !! its masses do not matter
+      real(wp), intent(in) :: speed, accel
+      real(wp), allocatable, intent(out) :: columns(:, :, :, :)
+      type(force_model_t) :: unit
+      type(rates_t) :: rates
+      type(forces_t) :: forces
+      real(wp) :: no_input(0)
+      integer :: block, offset, n, body, parameter
+
+      unit = model
+      allocate (columns(problem%positions, columns_of(problem), mass_parameters, size(model%reference)), source=0.0_wp)
+      call prepare_rates(problem, rates)
+      call prepare_forces(problem, model, forces)
+      do block = 1, problem%blocks()
+         call problem%solve_block(block, offset, n)
+         call differentiate(problem, rates, n, 2)
+         call move_bodies(problem, rates, n, speed, accel, forces)
+         do body = body_frame + 1, size(model%reference)
+            do parameter = 1, mass_parameters
+               unit%inertia = 0.0_wp
+               unit%inertia(parameter, body) = 1.0_wp
+               call clear_wrenches(n, forces)
+               call add_source(problem, unit, source_inertia, no_input, n, forces)
+               call sweep(problem, n, forces)
+               call take_columns(problem, forces, n, columns(offset + 1:offset + n, :, parameter, body))
+            end do
+         end do
+      end do
+   end subroutine loads_of_unit_masses
+
+   pure integer function columns_of(problem)
+      type(problem_t), intent(in) :: problem
+
+      columns_of = fixed_columns + 2*size(problem%mechanism%joints)
+   end function columns_of
+
+   subroutine make_table(problem, table)
+      type(problem_t), intent(in) :: problem
+      type(force_table_t), intent(out) :: table
+
+      associate (n => problem%positions)
+         allocate (table%value(n, columns_of(problem)), source=0.0_wp)
+         allocate (table%dead(n), source=0)
+         allocate (table%sweeps(n), source=1)
+         allocate (table%at_rest(n), source=.false.)
+         allocate (table%kinetic(n), table%growth(n), table%power(n), table%loss(n), source=0.0_wp)
+      end associate
+   end subroutine make_table
+
+   !> The lowest loop that is at a dead point.
+   subroutine note_dead(problem, rates, offset, n, table)
+      type(problem_t), intent(in) :: problem
+      type(rates_t), intent(in) :: rates
+      integer, intent(in) :: offset, n
+      type(force_table_t), intent(inout) :: table
+      integer :: i, loop
+
+      do loop = problem%mechanism%nloop, 1, -1
+         do i = 1, n
+            if (is_dead(problem, rates, loop, i)) table%dead(offset + i) = loop
+         end do
+      end do
+   end subroutine note_dead
+
+   !> The columns at the first `n` positions of a block, moments about the machine origin.
+   subroutine take_columns(problem, forces, n, value)
+      type(problem_t), intent(in) :: problem
+      type(forces_t), intent(in) :: forces
+      integer, intent(in) :: n
+      real(wp), intent(out) :: value(:, :)       !! shape (n, columns)
+      integer :: j
+
+      associate (w => forces%w%v, frame => forces%bodies(body_frame)%wrench, to_metres => forces%metre*forces%unit)
+         value(:, column_drive) = w(1:n, forces%drive)
+         value(:, column_fx) = w(1:n, frame)
+         value(:, column_fy) = w(1:n, frame + 1)
+         value(:, column_moment) = forces%metre*w(1:n, frame + 2) + to_metres*(problem%output%origin_x*w(1:n, frame + 1) - &
+                                                                               problem%output%origin_y*w(1:n, frame))
+      end associate
+      do j = 1, size(forces%joints)
+         value(:, column_of_joint(j):column_of_joint(j) + 1) = joint_rows(problem, forces, j, n)
+      end do
+   end subroutine take_columns
+end module psalm_force_analysis

@@ -1,0 +1,355 @@
+!> Masses, loads, springs and friction of a mechanism: the groups of the data set put on its bodies.
+!>
+!> A place of the data set (an end of an arc, distance, angle) becomes a vector fixed in a body, from the body's *reference*: the
+!> end of its own arc that is its own (the start; the finish where the start is the foot of a slide). All masses of a body
+!> together are its mass, its first moment and its moment of inertia about the reference, in the axes of its own arc: the
+!> four numbers in which every force of the mechanism is linear. Source: Oldham (1977), 15.1; Haines (about 1982), chapter 9.
+module psalm_force_model
+   use psalm_angles, only: unit_vector
+   use psalm_data_set, only: data_set_t
+   use psalm_dimensions, only: dimensions_t
+   use psalm_kinds, only: wp, radians_per_degree
+   use psalm_link_place, only: place_t
+   use psalm_mechanism, only: mechanism_t, at_start, at_finish, body_frame, joint_prismatic, pivot
+   use psalm_status, only: diagnostics_t
+   use psalm_text, only: to_text
+   implicit none (type, external)
+   private
+   public :: force_model_t, spot_t, load_t, spring_t, friction_t, make_force_model, forces_wanted, vertices_of
+   public :: mass_parameters, parameter_mass, parameter_mx, parameter_my, parameter_inertia
+
+   integer, parameter :: mass_parameters = 4  !! of a body
+   integer, parameter :: parameter_mass = 1, parameter_mx = 2, parameter_my = 3, parameter_inertia = 4
+   real(wp), parameter :: rounding = 64.0_wp*epsilon(1.0_wp) !! of sums of masses that cancel
+
+   !> A place fixed in a body.
+   type :: spot_t
+      integer :: body = body_frame
+      real(wp) :: at(2) = 0.0_wp            !! from the body's reference, in the axes of the body's own arc, user's length
+      real(wp) :: along(2) = [1.0_wp, 0.0_wp] !! unit vector of the arc it was named by, in these axes
+   end type spot_t
+
+   type :: load_t
+      type(spot_t) :: spot
+      real(wp) :: force(2) = 0.0_wp         !! N; machine axes, or the axes of the body's own arc if it turns
+      real(wp) :: moment = 0.0_wp           !! N m
+      logical :: turns = .false.
+      integer :: table = 0                  !! column of the tables that multiplies it; 0: none
+   end type load_t
+
+   type :: spring_t
+      type(spot_t) :: ends(2)
+      logical :: torsional = .false.
+      real(wp) :: stiffness = 0.0_wp        !! N/m, N m/rad
+      real(wp) :: free = 0.0_wp             !! free length, user's length; angle, degrees
+      real(wp) :: preload = 0.0_wp          !! N, N m
+      real(wp) :: damping = 0.0_wp          !! N s/m, N m s/rad
+   end type spring_t
+
+   type :: friction_t
+      integer :: joint = 0
+      real(wp) :: coefficient = 0.0_wp
+      real(wp) :: radius = 0.0_wp           !! of the pin, half the length of the shoe; user's length
+   end type friction_t
+
+   type :: force_model_t
+      real(wp) :: metre = 1.0_wp            !! metres in a unit of length
+      real(wp) :: gravity(2) = 0.0_wp       !! m/s2
+      ! by body, the frame included
+      integer, allocatable :: reference(:)  !! vertex of the mechanism
+      real(wp), allocatable :: inertia(:, :) !! shape (4, bodies): mass [kg], first moments [kg m], moment of inertia [kg m2]
+                                            !! about the reference
+      type(load_t), allocatable :: loads(:)
+      type(spring_t), allocatable :: springs(:)
+      type(friction_t), allocatable :: friction(:)
+      real(wp), allocatable :: table_input(:)     !! shape (rows): degrees or user's length, ascending
+      real(wp), allocatable :: table_factor(:, :) !! shape (rows, tables)
+      type(spot_t), allocatable :: centres(:)     !! shape (entries of MASSES)
+   end type force_model_t
+
+contains
+
+   !> True if a data set asks for forces.
+   pure logical function forces_wanted(set)
+      type(data_set_t), intent(in) :: set
+
+      forces_wanted = set%masses%given .or. set%loads%given .or. set%springs%given .or. set%friction%given .or. set%motor%given
+   end function forces_wanted
+
+   !> Every vertex of a mechanism as the finish of an arc, for the plan. Shape of the result: (2, points), loop and arc.
+   pure function vertices_of(mechanism) result(vertices)
+      type(mechanism_t), intent(in) :: mechanism
+      integer, allocatable :: vertices(:, :)
+      integer :: n
+
+      allocate (vertices(2, size(mechanism%points)), source=0)
+      do n = size(mechanism%arcs), 1, -1
+         associate (arc => mechanism%arcs(n))
+            vertices(:, arc%ends(at_start)) = [arc%loop, arc%place - 1]
+            vertices(:, arc%ends(at_finish)) = [arc%loop, arc%place]
+         end associate
+      end do
+      vertices(:, pivot) = [1, 0]
+   end function vertices_of
+
+   !> Put the groups of a data set on the bodies of its mechanism.
+   !>
+   !> Errors: a place at the foot of a slide or on an arc that is only parallel to its link; a joint whose vertex is no point of
+   !> both its links; a link whose mass or inertia is negative; friction where there is no joint. Warning: a mass on the frame.
+   subroutine make_force_model(set, mechanism, dimensions, model, findings)
+      type(data_set_t), intent(in) :: set
+      type(mechanism_t), intent(in) :: mechanism
+      type(dimensions_t), intent(in) :: dimensions
+      type(force_model_t), intent(out) :: model
+      type(diagnostics_t), intent(inout) :: findings
+      integer :: k, body
+      logical :: placed
+
+      model%metre = set%masses%metre
+      model%gravity = set%masses%gravity
+      allocate (model%reference(size(mechanism%bodies)), source=pivot)
+      allocate (model%inertia(mass_parameters, size(mechanism%bodies)), source=0.0_wp)
+      do body = body_frame + 1, size(mechanism%bodies)
+         associate (arc => mechanism%arcs(mechanism%bodies(body)%axis))
+            model%reference(body) = arc%ends(merge(at_finish, at_start, arc%foot == at_start))
+         end associate
+      end do
+      call check_joints(set, mechanism, findings)
+      if (set%motor%given .and. mechanism%sliding_input) then
+         call findings%error('motion from torque needs a crank that turns; the input of this linkage slides', &
+                             line=set%origins%line('MOTOR', ''), group='MOTOR')
+      end if
+      allocate (model%loads(size(set%loads%places)), model%springs(size(set%springs%first)), &
+                model%friction(size(set%friction%joints)), model%centres(size(set%masses%places)))
+      do k = 1, size(model%centres)
+         call place('MASSES', 'MLINK', k, set%masses%places(k), model%centres(k), placed)
+         if (.not. placed) cycle
+         if (model%centres(k)%body == body_frame) then
+            call findings%warning('entry '//to_text(k)//' is a mass on the frame: it has no effect', &
+                                  line=set%origins%line('MASSES', 'MLINK', k), group='MASSES', item='MLINK')
+            cycle
+         end if
+         call add_mass(model, model%centres(k), set%masses%mass(k), set%masses%inertia(k))
+      end do
+      call check_masses(set, mechanism, model, findings)
+      do k = 1, size(model%loads)
+         associate (load => model%loads(k))
+            call place('LOADS', 'LLINK', k, set%loads%places(k), load%spot, placed)
+            load%force = set%loads%force(:, k)
+            load%moment = set%loads%moment(k)
+            load%turns = set%loads%turns(k)
+            load%table = set%loads%table(k)
+            if (load%turns) load%force = turned(load%force, load%spot%along)
+         end associate
+      end do
+      model%table_input = set%loads%input
+      model%table_factor = set%loads%factor
+      do k = 1, size(model%springs)
+         associate (spring => model%springs(k))
+            call place('SPRING', 'ALINK', k, set%springs%first(k), spring%ends(1), placed)
+            call place('SPRING', 'BLINK', k, set%springs%second(k), spring%ends(2), placed)
+            if (spring%ends(1)%body == spring%ends(2)%body .and. placed) then
+               call findings%warning('entry '//to_text(k)//' has both its ends on the same link: it has no effect', &
+                                     line=set%origins%line('SPRING', 'BLINK', k), group='SPRING', item='BLINK')
+            end if
+            spring%torsional = set%springs%torsional(k)
+            spring%stiffness = set%springs%stiffness(k)
+            spring%free = set%springs%free(k)
+            spring%preload = set%springs%preload(k)
+            spring%damping = set%springs%damping(k)
+         end associate
+      end do
+      do k = 1, size(model%friction)
+         model%friction(k)%joint = joint_at(mechanism, set%friction%joints(k))
+         model%friction(k)%coefficient = set%friction%coefficient(k)
+         model%friction(k)%radius = set%friction%radius(k)
+         if (model%friction(k)%joint == 0) then
+            call findings%error('entry '//to_text(k)//': there is no joint at this end of the arc', &
+                                line=set%origins%line('FRICTN', 'FLINK', k), group='FRICTN', item='FLINK')
+         end if
+      end do
+
+   contains
+
+      !> A place of the data set on its body.
+      subroutine place(group, item, entry, given, spot, placed)
+         character(*), intent(in) :: group, item
+         integer, intent(in) :: entry
+         type(place_t), intent(in) :: given
+         type(spot_t), intent(out) :: spot
+         logical, intent(out) :: placed
+         real(wp) :: from(2), cosine, sine
+         integer :: n, end
+
+         n = mechanism%seq(given%loop, given%arc)
+         end = merge(at_start, at_finish, given%from_start)
+         placed = .false.
+         associate (arc => mechanism%arcs(n))
+            spot%body = arc%body
+            if (arc%foot == end) then
+               call refuse(group, item, entry, 'is counted from the foot of a slide, which is no point of the '// &
+                           'sliding link; count it from the other end')
+               return
+            else if (.not. arc%attached) then
+               call refuse(group, item, entry, 'is on an arc that is only parallel to its link: neither end of it is '// &
+                           'a joint of the link')
+               return
+            end if
+            call unit_vector(mechanism%angle_on_body(n, dimensions), spot%along(1), spot%along(2))
+            call locate(mechanism, dimensions, model%reference(arc%body), arc%body, arc%ends(end), from)
+            call unit_vector(given%angle, cosine, sine)
+            spot%at = from + given%distance*turned([cosine, sine], spot%along)
+         end associate
+         placed = .true.
+      end subroutine place
+
+      subroutine refuse(group, item, entry, words)
+         character(*), intent(in) :: group, item, words
+         integer, intent(in) :: entry
+
+         call findings%error('entry '//to_text(entry)//' '//words, line=set%origins%line(group, item, entry), group=group, &
+                             item=item)
+      end subroutine refuse
+   end subroutine make_force_model
+
+   !> A vector turned by the angle of a unit vector.
+   pure function turned(vector, by)
+      real(wp), intent(in) :: vector(2), by(2)
+      real(wp) :: turned(2)
+
+      turned = [vector(1)*by(1) - vector(2)*by(2), vector(1)*by(2) + vector(2)*by(1)]
+   end function turned
+
+   !> Place of a point of a body from its reference, in the axes of the body's own arc: along the arcs of the body.
+   pure subroutine locate(mechanism, dimensions, reference, body, point, at)
+      type(mechanism_t), intent(in) :: mechanism
+      type(dimensions_t), intent(in) :: dimensions
+      integer, intent(in) :: reference, body, point
+      real(wp), intent(out) :: at(2)        !! user's length
+      real(wp) :: places(2, size(mechanism%points)), vector(2)
+      logical :: known(size(mechanism%points)), more
+      integer :: k, n
+
+      known = .false.
+      known(reference) = .true.
+      places = 0.0_wp
+      more = .true.
+      do while (more .and. .not. known(point))
+         more = .false.
+         do k = 1, size(mechanism%bodies(body)%arcs)
+            n = mechanism%bodies(body)%arcs(k)
+            if (mechanism%slides(n)) cycle
+            associate (start => mechanism%arcs(n)%ends(at_start), finish => mechanism%arcs(n)%ends(at_finish))
+               if (known(start) .eqv. known(finish)) cycle
+               call unit_vector(mechanism%angle_on_body(n, dimensions), vector(1), vector(2))
+               vector = length_of(n)*vector
+               if (known(start)) places(:, finish) = places(:, start) + vector
+               if (known(finish)) places(:, start) = places(:, finish) - vector
+               known(start) = .true.
+               known(finish) = .true.
+               more = .true.
+            end associate
+         end do
+      end do
+      at = places(:, point)
+
+   contains
+
+      !> Length of an arc that repeats others.
+      pure real(wp) function length_of(arc)
+         integer, intent(in) :: arc
+
+         length_of = dimensions%arcl(mechanism%angle_owner(arc))
+      end function length_of
+   end subroutine locate
+
+   !> Add one entry to its body.
+   pure subroutine add_mass(model, spot, mass, inertia)
+      type(force_model_t), intent(inout) :: model
+      type(spot_t), intent(in) :: spot
+      real(wp), intent(in) :: mass, inertia
+      real(wp) :: r(2)
+
+      r = spot%at*model%metre
+      associate (body => model%inertia(:, spot%body))
+         body(parameter_mass) = body(parameter_mass) + mass
+         body(parameter_mx) = body(parameter_mx) + mass*r(1)
+         body(parameter_my) = body(parameter_my) + mass*r(2)
+         body(parameter_inertia) = body(parameter_inertia) + inertia + mass*(r(1)**2 + r(2)**2)
+      end associate
+   end subroutine add_mass
+
+   !> Refuse links whose mass, or inertia about the centre of mass, is negative.
+   subroutine check_masses(set, mechanism, model, findings)
+      type(data_set_t), intent(in) :: set
+      type(mechanism_t), intent(in) :: mechanism
+      type(force_model_t), intent(in) :: model
+      type(diagnostics_t), intent(inout) :: findings
+      real(wp) :: centre_inertia, size_of
+      integer :: body, entry
+
+      do body = body_frame + 1, size(mechanism%bodies)
+         associate (m => model%inertia(parameter_mass, body), mx => model%inertia(parameter_mx, body), &
+                    my => model%inertia(parameter_my, body), io => model%inertia(parameter_inertia, body))
+            entry = findloc(model%centres%body, body, dim=1, back=.true.)
+            if (entry == 0) cycle
+            size_of = sum(abs(set%masses%mass), mask=model%centres%body == body)
+            if (m < -rounding*size_of) then
+               call refuse('mass')
+               cycle
+            end if
+            centre_inertia = io
+            if (m > rounding*size_of) centre_inertia = io - (mx**2 + my**2)/m
+            if (centre_inertia < -rounding*(abs(io) + sum(abs(set%masses%inertia), mask=model%centres%body == body))) &
+               call refuse('moment of inertia')
+         end associate
+      end do
+
+   contains
+
+      subroutine refuse(what)
+         character(*), intent(in) :: what
+
+         call findings%error('the entries of '//mechanism%bodies(body)%name//' add up to a negative '//what, &
+                             line=set%origins%line('MASSES', 'MASS', entry), group='MASSES', item='MASS')
+      end subroutine refuse
+   end subroutine check_masses
+
+   !> Refuse joints that could not pass a force on: their vertex is no point of both links.
+   subroutine check_joints(set, mechanism, findings)
+      type(data_set_t), intent(in) :: set
+      type(mechanism_t), intent(in) :: mechanism
+      type(diagnostics_t), intent(inout) :: findings
+      integer :: k, element
+
+      do k = 1, size(mechanism%joints)
+         associate (joint => mechanism%joints(k), arc => mechanism%arcs(mechanism%joints(k)%arc))
+            if (joint%attached) cycle
+            element = (arc%loop - 1)*set%maxarc + arc%place
+            call findings%error('joint '//joint%name//' of loop '//to_text(arc%loop)//' is no point of both links that '// &
+                                'it joins: an arc there is only parallel to its link, which is enough for motion but not for '// &
+                                'forces', &
+                                line=set%origins%line('LINKS', 'ILINK', element), group='LINKS', item='ILINK')
+         end associate
+      end do
+   end subroutine check_joints
+
+   !> The joint at an end of an arc; 0: there is none. Where several meet, one of that arc itself comes first.
+   pure integer function joint_at(mechanism, place) result(found)
+      type(mechanism_t), intent(in) :: mechanism
+      type(place_t), intent(in) :: place
+      integer :: k, n, end
+
+      n = mechanism%seq(place%loop, place%arc)
+      end = merge(at_start, at_finish, place%from_start)
+      found = 0
+      do k = size(mechanism%joints), 1, -1
+         associate (joint => mechanism%joints(k))
+            if (joint%point /= mechanism%arcs(n)%ends(end)) cycle
+            if (.not. any(joint%bodies == mechanism%arcs(n)%body)) cycle
+            found = k
+            if (joint%arc == n .and. joint%end == end) return
+         end associate
+      end do
+   end function joint_at
+end module psalm_force_model

@@ -1,0 +1,573 @@
+!> Forces in a moving mechanism: drive, joints and frame, from the motion and what acts on its bodies.
+!>
+!> After `solve_block` and `differentiate` of a block of positions, sources - inertia, weight, loads, springs, friction - add their
+!> wrenches to the bodies; `sweep` then goes through the groups against the order in which motion was found. Each dyad
+!> passes the wrenches of its two bodies on to the bodies that carry it; what is left on the input link is held by the drive and
+!> the input's joint. One 2 by 2 system a dyad, the same as for the rates. With friction, which depends on the forces,
+!> the sweep is repeated until they do not change. Source: Oldham (1977), 15.1; derivation in `doc/theory.md`, Forces.
+module psalm_kinetostatics
+   use psalm_angles, only: angles_between, nearest_difference
+   use psalm_assur, only: react_dyad, rows_to_react
+   use psalm_elementary, only: hypotenuse
+   use psalm_error, only: problem_t
+   use psalm_force_kernels, only: move_axes, add_inertia, add_weight, add_force_at, add_couple, place_in_body, &
+                                  velocity_in_body, power_of, add_wrench, drive_of_crank, drive_of_slide
+   use psalm_force_model, only: force_model_t, spot_t, parameter_mass, parameter_mx, parameter_my, parameter_inertia
+   use psalm_kinds, only: wp, radians_per_degree, full_turn
+   use psalm_linkage, only: padded
+   use psalm_mechanism, only: at_start, body_frame, joint_prismatic
+   use psalm_rates, only: rates_t
+   use psalm_rows, only: rows_t, make_rows
+   use psalm_wrench_kernels, only: opposite_force, opposite_across
+   implicit none (type, external)
+   private
+   public :: forces_t, prepare_forces, move_bodies, clear_wrenches, add_source, sweep, rub, external_power, find_spot
+   public :: joint_rows, sources_of, source_inertia, source_weight, first_load, first_spring
+
+   integer, parameter :: source_inertia = 1, source_weight = 2 !! sources; loads and springs follow
+   integer, parameter :: most_sweeps = 100           !! without convergence of friction by then it locks
+   real(wp), parameter :: settled = 1.0e-13_wp       !! change of forces, of the largest, at which friction has converged
+   real(wp), parameter :: rounding = 64.0_wp*epsilon(1.0_wp) !! part of the input's speed: a slower joint is at rest
+   integer, parameter :: rows_of_wrench = 3          !! force x and y, moment
+   integer, parameter :: rows_of_joint = 2           !! force x and y, or force across and couple
+   integer, parameter :: body_input = 2
+
+   !> Rows of a body in `forces_t`.
+   type :: body_rows_t
+      integer :: px = 0, py = 0, root_x = 0, root_y = 0 !! in the store: reference and root
+      real(wp) :: c = 1.0_wp, s = 0.0_wp             !! from the root to the body's own arc
+      integer :: wrench = 0                          !! first of its rows below
+      integer :: ex = 0, ey = 0, vx = 0, vy = 0, ax = 0, ay = 0, w = 0, al = 0
+   end type body_rows_t
+
+   !> Room for one block of positions.
+   type :: forces_t
+      real(wp) :: metre = 1.0_wp                     !! metres in a store unit
+      real(wp) :: unit = 1.0_wp                      !! store units in the user's unit of length
+      real(wp) :: speed = 1.0_wp                     !! of the input: rad/s, or user's length/s
+      type(body_rows_t), allocatable :: bodies(:)    !! the frame first
+      integer, allocatable :: joints(:)              !! by joint: first of its rows
+      type(rows_t) :: w                              !! (position, row)
+      integer :: drive = 0                           !! row: torque N m, or force N
+      integer :: kinetic = 0, growth = 0             !! rows: kinetic energy J, power it takes up W
+      integer :: power = 0                           !! row: power of weight, loads and springs, W
+      integer :: scratch = 0                         !! first row of those that `react_dyad` needs
+      integer :: loss = 0                            !! row: power lost in friction, W
+      type(rows_t) :: given                          !! wrenches without friction
+      integer, allocatable :: sweeps(:)              !! by position: sweeps that friction took; 0: it has not converged
+      logical, allocatable :: at_rest(:)             !! by position: a joint with friction does not move
+   end type forces_t
+
+contains
+
+   !> Allocate for a problem whose plan has all vertices (`vertices_of`), bound to its dimensions.
+   subroutine prepare_forces(problem, model, forces)
+      type(problem_t), intent(in) :: problem
+      type(force_model_t), intent(in) :: model
+      type(forces_t), intent(out) :: forces
+      integer :: b, next, n, j
+
+      associate (link => problem%linkage, mechanism => problem%mechanism)
+         forces%unit = link%scale
+         forces%metre = model%metre/link%scale
+         allocate (forces%bodies(size(mechanism%bodies)), forces%joints(size(mechanism%joints)))
+         next = 1
+         do b = 1, size(forces%bodies)
+            associate (body => forces%bodies(b))
+               body%px = link%point_x(problem%plan%joint_points(model%reference(b)))
+               body%py = link%point_y(problem%plan%joint_points(model%reference(b)))
+               body%wrench = next
+               body%ex = next + rows_of_wrench
+               body%ey = body%ex + 1
+               body%vx = body%ey + 1
+               body%vy = body%vx + 1
+               body%ax = body%vy + 1
+               body%ay = body%ax + 1
+               body%w = body%ay + 1
+               body%al = body%w + 1
+               next = body%al + 1
+               n = mechanism%bodies(b)%axis
+               if (n == 0) cycle
+               body%root_x = link%root_x(problem%plan%root(n))
+               body%root_y = link%root_y(problem%plan%root(n))
+               body%c = link%x(n)
+               body%s = link%y(n)
+            end associate
+         end do
+         do j = 1, size(forces%joints)
+            forces%joints(j) = next
+            next = next + rows_of_joint
+         end do
+         forces%drive = next
+         forces%kinetic = next + 1
+         forces%growth = next + 2
+         forces%power = next + 3
+         forces%loss = next + 4
+         forces%scratch = next + 5
+         call make_rows(link%room, forces%scratch + rows_to_react - 1, forces%w)
+         call make_rows(link%room, rows_of_wrench*size(forces%bodies), forces%given)
+         allocate (forces%sweeps(link%room), source=1)
+         allocate (forces%at_rest(link%room), source=.false.)
+         forces%w%v(:, forces%bodies(body_frame)%ex) = 1.0_wp
+      end associate
+   end subroutine prepare_forces
+
+   !> Pose, speed and acceleration of every body at the first `n` positions of the block just solved and differentiated twice.
+   subroutine move_bodies(problem, rates, n, speed, accel, forces)
+      type(problem_t), intent(in) :: problem
+      type(rates_t), intent(in) :: rates
+      integer, intent(in) :: n
+      real(wp), intent(in) :: speed, accel           !! of the input
+      type(forces_t), intent(inout) :: forces
+      integer :: b, m
+
+      m = padded(n)
+      forces%speed = speed
+      do b = body_frame + 1, size(forces%bodies)
+         associate (body => forces%bodies(b), w => forces%w%v, v => problem%linkage%store%v, d1 => rates%d(1)%v, &
+                    d2 => rates%d(2)%v)
+            call move_axes(m, v(1, body%root_x), v(1, body%root_y), body%c, body%s, d1(1, body%root_x), d2(1, body%root_x), &
+                           d1(1, body%px), d1(1, body%py), d2(1, body%px), d2(1, body%py), speed, accel, w(1, body%ex), &
+                           w(1, body%ey), w(1, body%vx), w(1, body%vy), w(1, body%ax), w(1, body%ay), w(1, body%w), w(1, body%al))
+         end associate
+      end do
+   end subroutine move_bodies
+
+   !> No wrench on any body.
+   pure subroutine clear_wrenches(n, forces)
+      integer, intent(in) :: n
+      type(forces_t), intent(inout) :: forces
+      integer :: b, m
+
+      m = padded(n)
+      do b = 1, size(forces%bodies)
+         associate (first => forces%bodies(b)%wrench)
+            forces%w%v(1:m, first:first + rows_of_wrench - 1) = 0.0_wp
+         end associate
+      end do
+      forces%w%v(1:m, forces%kinetic) = 0.0_wp
+      forces%w%v(1:m, forces%growth) = 0.0_wp
+      forces%w%v(1:m, forces%power) = 0.0_wp
+      forces%w%v(1:m, forces%loss) = 0.0_wp
+   end subroutine clear_wrenches
+
+   ! ---- sources -----------------------------------------------------------------------------------------------------
+
+   !> Number of sources: inertia, weight, then loads, then springs.
+   pure integer function sources_of(model)
+      type(force_model_t), intent(in) :: model
+
+      sources_of = source_weight + size(model%loads) + size(model%springs)
+   end function sources_of
+
+   !> The source that is the first load.
+   pure integer function first_load()
+      first_load = source_weight + 1
+   end function first_load
+
+   !> The source that is the first spring.
+   pure integer function first_spring(model)
+      type(force_model_t), intent(in) :: model
+
+      first_spring = source_weight + size(model%loads) + 1
+   end function first_spring
+
+   !> Add the wrenches of one source.
+   subroutine add_source(problem, model, source, input, n, forces)
+      type(problem_t), intent(in) :: problem
+      type(force_model_t), intent(in) :: model
+      integer, intent(in) :: source                  !! 1 to `sources_of`
+      real(wp), intent(in) :: input(:)               !! shape (n): degrees or user's length
+      integer, intent(in) :: n
+      type(forces_t), intent(inout) :: forces
+      integer :: m
+
+      m = padded(n)
+      if (source == source_inertia) then
+         call add_all_inertia(problem, model, m, forces)
+      else if (source == source_weight) then
+         call add_all_weights(problem, model, m, forces)
+      else if (source < first_spring(model)) then
+         call add_load(problem, model, source - source_weight, input, n, forces)
+      else
+         call add_spring(problem, model, source - first_spring(model) + 1, m, forces)
+      end if
+   end subroutine add_source
+
+   subroutine add_all_inertia(problem, model, m, forces)
+      type(problem_t), intent(in) :: problem
+      type(force_model_t), intent(in) :: model
+      integer, intent(in) :: m
+      type(forces_t), intent(inout) :: forces
+      integer :: b
+
+      do b = body_frame + 1, size(forces%bodies)
+         associate (body => forces%bodies(b), w => forces%w%v, v => problem%linkage%store%v, of => model%inertia(:, b))
+            if (all(abs(of) <= 0.0_wp)) cycle
+            call add_inertia(m, forces%metre, of(parameter_mass), of(parameter_mx), of(parameter_my), of(parameter_inertia), &
+                             v(1, body%px), v(1, body%py), w(1, body%vx), w(1, body%vy), w(1, body%ax), w(1, body%ay), &
+                             w(1, body%ex), w(1, body%ey), w(1, body%w), w(1, body%al), w(1, body%wrench), w(1, body%wrench + 1), &
+                             w(1, body%wrench + 2), w(1, forces%kinetic), w(1, forces%growth))
+         end associate
+      end do
+   end subroutine add_all_inertia
+
+   subroutine add_all_weights(problem, model, m, forces)
+      type(problem_t), intent(in) :: problem
+      type(force_model_t), intent(in) :: model
+      integer, intent(in) :: m
+      type(forces_t), intent(inout) :: forces
+      integer :: b
+
+      if (all(abs(model%gravity) <= 0.0_wp)) return
+      do b = body_frame + 1, size(forces%bodies)
+         associate (body => forces%bodies(b), w => forces%w%v, v => problem%linkage%store%v, of => model%inertia(:, b))
+            call add_weight(m, forces%metre, of(parameter_mass), of(parameter_mx), of(parameter_my), model%gravity(1), &
+                            model%gravity(2), v(1, body%px), v(1, body%py), w(1, body%ex), w(1, body%ey), w(1, body%wrench), &
+                            w(1, body%wrench + 1), w(1, body%wrench + 2))
+         end associate
+      end do
+   end subroutine add_all_weights
+
+   !> Position of a place on a body.
+   subroutine find_spot(problem, forces, spot, m, zx, zy)
+      type(problem_t), intent(in) :: problem
+      type(forces_t), intent(in) :: forces
+      type(spot_t), intent(in) :: spot
+      integer, intent(in) :: m
+      real(wp), intent(out) :: zx(m), zy(m)
+
+      associate (body => forces%bodies(spot%body), w => forces%w%v, v => problem%linkage%store%v)
+         call place_in_body(m, spot%at*forces%unit, v(1, body%px), v(1, body%py), w(1, body%ex), w(1, body%ey), zx, zy)
+      end associate
+   end subroutine find_spot
+
+   subroutine add_load(problem, model, which, input, n, forces)
+      type(problem_t), intent(in) :: problem
+      type(force_model_t), intent(in) :: model
+      integer, intent(in) :: which, n
+      real(wp), intent(in) :: input(:)
+      type(forces_t), intent(inout) :: forces
+      real(wp), dimension(padded(n)) :: zx, zy, rx, ry, factor
+      integer :: m
+
+      m = padded(n)
+      associate (load => model%loads(which), body => forces%bodies(model%loads(which)%spot%body), w => forces%w%v)
+         factor = 1.0_wp
+         if (load%table > 0) then
+            factor(:n) = interpolated(model%table_input, model%table_factor(:, load%table), input, &
+                                      .not. problem%mechanism%sliding_input)
+            factor(n + 1:) = factor(n)
+         end if
+         call find_spot(problem, forces, load%spot, m, zx, zy)
+         if (load%turns) then
+            rx = factor*(load%force(1)*w(1:m, body%ex) - load%force(2)*w(1:m, body%ey))
+            ry = factor*(load%force(1)*w(1:m, body%ey) + load%force(2)*w(1:m, body%ex))
+         else
+            rx = factor*load%force(1)
+            ry = factor*load%force(2)
+         end if
+         call add_force_at(m, 1.0_wp, zx, zy, rx, ry, w(1, body%wrench), w(1, body%wrench + 1), w(1, body%wrench + 2))
+         call add_couple(m, load%moment/forces%metre, factor, w(1, body%wrench + 2))
+      end associate
+   end subroutine add_load
+
+   !> Values of a table, straight between its rows and constant beyond them; a table over a crank angle goes on round the turn.
+   pure function interpolated(inputs, factors, at, turning) result(values)
+      real(wp), intent(in) :: inputs(:), factors(:)  !! shape (rows), inputs ascending
+      real(wp), intent(in) :: at(:)
+      logical, intent(in) :: turning                 !! inputs are degrees of a turn
+      real(wp) :: values(size(at)), x, low, width, from, to
+      integer :: i, k, rows
+
+      rows = size(inputs)
+      do i = 1, size(at)
+         x = at(i)
+         if (turning) x = inputs(1) + modulo(at(i) - inputs(1), full_turn)
+         k = count(inputs <= x)
+         if (k == 0) then
+            values(i) = factors(1)
+         else if (k < rows) then
+            low = inputs(k)
+            width = inputs(k + 1) - low
+            from = factors(k)
+            to = factors(k + 1)
+            values(i) = from + (to - from)*((x - low)/width)
+         else
+            values(i) = factors(rows)
+            width = inputs(1) + full_turn - inputs(rows)
+            if (turning .and. width > 0.0_wp) values(i) = factors(rows) + (factors(1) - factors(rows))*((x - inputs(rows))/width)
+         end if
+      end do
+   end function interpolated
+
+   subroutine add_spring(problem, model, which, m, forces)
+      type(problem_t), intent(in) :: problem
+      type(force_model_t), intent(in) :: model
+      integer, intent(in) :: which, m
+      type(forces_t), intent(inout) :: forces
+      real(wp), dimension(m) :: ax, ay, bx, by, cx, cy, dx, dy, pull
+      real(wp) :: length, gap(2), speed
+      integer :: i
+
+      associate (spring => model%springs(which), w => forces%w%v, v => problem%linkage%store%v, &
+                 a => forces%bodies(model%springs(which)%ends(1)%body), b => forces%bodies(model%springs(which)%ends(2)%body))
+         if (spring%torsional) then
+            call turn(a, spring%ends(1)%along, ax, ay)
+            call turn(b, spring%ends(2)%along, bx, by)
+            call angles_between(m, ax, ay, 1.0_wp, 0.0_wp, bx, by, pull)
+            pull = (spring%preload + spring%stiffness*radians_per_degree*nearest_difference(pull, spring%free) + &
+                    spring%damping*(w(1:m, b%w) - w(1:m, a%w)))/forces%metre
+            call add_couple(m, 1.0_wp, pull, w(1, a%wrench + 2))
+            call add_couple(m, -1.0_wp, pull, w(1, b%wrench + 2))
+            return
+         end if
+         call find_spot(problem, forces, spring%ends(1), m, ax, ay)
+         call find_spot(problem, forces, spring%ends(2), m, bx, by)
+         call velocity_in_body(m, ax, ay, v(1, a%px), v(1, a%py), w(1, a%vx), w(1, a%vy), w(1, a%w), cx, cy)
+         call velocity_in_body(m, bx, by, v(1, b%px), v(1, b%py), w(1, b%vx), w(1, b%vy), w(1, b%w), dx, dy)
+         do i = 1, m
+            gap = [bx(i) - ax(i), by(i) - ay(i)]
+            length = hypotenuse(gap(1), gap(2))
+            ! a spring of no length has no direction; one of no free length has no force there
+            gap = gap/max(length, tiny(1.0_wp))
+            speed = forces%metre*(gap(1)*(dx(i) - cx(i)) + gap(2)*(dy(i) - cy(i)))
+            pull(i) = spring%preload + spring%stiffness*(length*forces%metre - spring%free*model%metre) + spring%damping*speed
+            cx(i) = pull(i)*gap(1)
+            cy(i) = pull(i)*gap(2)
+         end do
+         call add_force_at(m, 1.0_wp, ax, ay, cx, cy, w(1, a%wrench), w(1, a%wrench + 1), w(1, a%wrench + 2))
+         call add_force_at(m, -1.0_wp, bx, by, cx, cy, w(1, b%wrench), w(1, b%wrench + 1), w(1, b%wrench + 2))
+      end associate
+
+   contains
+
+      !> Direction of the arc by which a place was named.
+      subroutine turn(body, along, x, y)
+         type(body_rows_t), intent(in) :: body
+         real(wp), intent(in) :: along(2)
+         real(wp), intent(out) :: x(m), y(m)
+
+         x = along(1)*forces%w%v(1:m, body%ex) - along(2)*forces%w%v(1:m, body%ey)
+         y = along(1)*forces%w%v(1:m, body%ey) + along(2)*forces%w%v(1:m, body%ex)
+      end subroutine turn
+   end subroutine add_spring
+
+   !> Power of the wrenches that are on the bodies now, into the row `power`.
+   subroutine external_power(problem, n, forces)
+      type(problem_t), intent(in) :: problem
+      integer, intent(in) :: n
+      type(forces_t), intent(inout) :: forces
+      integer :: b
+
+      do b = body_frame + 1, size(forces%bodies)
+         associate (body => forces%bodies(b), w => forces%w%v, v => problem%linkage%store%v)
+            call power_of(padded(n), forces%metre, v(1, body%px), v(1, body%py), w(1, body%vx), w(1, body%vy), w(1, body%w), &
+                          w(1, body%wrench), w(1, body%wrench + 1), w(1, body%wrench + 2), w(1, forces%power))
+         end associate
+      end do
+   end subroutine external_power
+
+   ! ---- solution ----------------------------------------------------------------------------------------------------
+
+   !> Forces of all joints, of the drive, and on the frame, from the wrenches on the bodies, which are used up: that of the frame
+   !> becomes all that the mechanism does to the frame, the drive's reaction included.
+   subroutine sweep(problem, n, forces)
+      type(problem_t), intent(in) :: problem
+      integer, intent(in) :: n
+      type(forces_t), intent(inout) :: forces
+      integer :: loop, m, p, q
+
+      m = padded(n)
+      associate (mechanism => problem%mechanism, link => problem%linkage, w => forces%w%v, f => forces%bodies)
+         do loop = mechanism%nloop, 1, -1
+            p = f(mechanism%arcs(mechanism%groups(loop)%members(1))%body)%wrench
+            q = f(mechanism%arcs(mechanism%groups(loop)%members(2))%body)%wrench
+            associate (joints => mechanism%groups(loop)%joints)
+               call react_dyad(m, link%steps(link%step_of_loop(loop))%dyad, link%store, p, q, forces%joints(joints(1)), &
+                               forces%joints(joints(2)), forces%joints(joints(3)), forces%scratch, forces%w)
+               call pass_on(p, mechanism%joints(joints(1))%bodies(1))
+               call pass_on(q, mechanism%joints(joints(3))%bodies(1))
+            end associate
+         end do
+         associate (input => f(body_input), row => forces%joints(1))
+            if (mechanism%joints(1)%kind == joint_prismatic) then
+               call drive_of_slide(m, w(1, input%ex), w(1, input%ey), w(1, input%wrench), w(1, input%wrench + 1), &
+                                   w(1, forces%drive))
+               call opposite_across(m, link%store%v(1, link%point_x(0)), link%store%v(1, link%point_y(0)), w(1, input%ex), &
+                                    w(1, input%ey), w(1, input%wrench), w(1, input%wrench + 1), w(1, input%wrench + 2), &
+                                    w(1, row), w(1, row + 1))
+            else
+               call drive_of_crank(m, forces%metre, w(1, input%wrench + 2), w(1, forces%drive))
+               call opposite_force(m, w(1, input%wrench), w(1, input%wrench + 1), w(1, row), w(1, row + 1))
+            end if
+            call pass_on(input%wrench, body_frame)
+         end associate
+      end associate
+
+   contains
+
+      subroutine pass_on(from, body)
+         integer, intent(in) :: from, body
+
+         associate (w => forces%w%v, to => forces%bodies(body)%wrench)
+            call add_wrench(m, w(1, from), w(1, from + 1), w(1, from + 2), w(1, to), w(1, to + 1), w(1, to + 2))
+         end associate
+      end subroutine pass_on
+   end subroutine sweep
+
+   !> Forces of a joint in the units of listings: N, and N m for the couple of a prismatic joint. Shape of the result: (n, 2).
+   pure function joint_rows(problem, forces, joint, n) result(values)
+      type(problem_t), intent(in) :: problem
+      type(forces_t), intent(in) :: forces
+      integer, intent(in) :: joint, n
+      real(wp) :: values(n, rows_of_joint)
+
+      values = forces%w%v(1:n, forces%joints(joint):forces%joints(joint) + 1)
+      if (problem%mechanism%joints(joint)%kind == joint_prismatic) values(:, 2) = values(:, 2)*forces%metre
+   end function joint_rows
+
+   !> Sweep with friction: forces of the joints make friction, which is a load in the next sweep.
+   !>
+   !> The wrenches are those of all other sources. A position that has settled is not touched again, so that its digits do not
+   !> depend on those beside it. `sweeps` is 0 where friction does not settle: the mechanism locks itself.
+   subroutine rub(problem, model, rates, n, forces)
+      type(problem_t), intent(in) :: problem
+      type(force_model_t), intent(in) :: model
+      type(rates_t), intent(in) :: rates
+      integer, intent(in) :: n
+      type(forces_t), intent(inout) :: forces
+      real(wp), allocatable :: grip(:, :)     !! (position, entry): friction force N or couple N m that acts now
+      real(wp), allocatable :: fresh(:, :)    !! (position, entry)
+      real(wp), allocatable :: slip(:, :)     !! (position, entry): speed of the second body in the first, m/s or rad/s
+      real(wp), allocatable :: largest(:), change(:)
+      logical, allocatable :: moves(:)
+      real(wp) :: still_there
+      integer :: m, k, i, round, b
+
+      m = padded(n)
+      allocate (grip(m, size(model%friction)), source=0.0_wp)
+      allocate (fresh(m, size(model%friction)), slip(m, size(model%friction)))
+      allocate (largest(m), change(m), moves(m))
+      do k = 1, size(model%friction)
+         call find_slip(model%friction(k)%joint, slip(:, k))
+      end do
+      ! what does not move is at rest but for rounding
+      do k = 1, size(model%friction)
+         if (problem%mechanism%joints(model%friction(k)%joint)%kind == joint_prismatic) then
+            still_there = rounding*forces%metre*abs(forces%speed)* &
+                          merge(forces%unit, maxval(problem%linkage%length), problem%mechanism%sliding_input)
+         else
+            still_there = rounding*abs(forces%speed)/ &
+                          merge(maxval(problem%linkage%length)/forces%unit, 1.0_wp, problem%mechanism%sliding_input)
+         end if
+         where (abs(slip(:, k)) <= still_there) slip(:, k) = 0.0_wp
+      end do
+      forces%at_rest(1:m) = any(abs(slip) <= 0.0_wp, dim=2)
+      forces%sweeps(1:m) = 0
+      do b = 1, size(forces%bodies)
+         associate (from => forces%bodies(b)%wrench, to => rows_of_wrench*(b - 1) + 1)
+            forces%given%v(1:m, to:to + 2) = forces%w%v(1:m, from:from + 2)
+         end associate
+      end do
+      do round = 1, most_sweeps
+         do b = 1, size(forces%bodies)
+            associate (to => forces%bodies(b)%wrench, from => rows_of_wrench*(b - 1) + 1)
+               forces%w%v(1:m, to:to + 2) = forces%given%v(1:m, from:from + 2)
+            end associate
+         end do
+         do k = 1, size(model%friction)
+            call apply(model%friction(k)%joint, grip(:, k))
+         end do
+         call sweep(problem, n, forces)
+         do k = 1, size(model%friction)
+            call friction_of(k, fresh(:, k))
+         end do
+         change = maxval(abs(fresh - grip), dim=2)
+         largest = maxval(abs(fresh), dim=2)
+         moves = forces%sweeps(1:m) == 0
+         where (moves .and. change <= settled*largest) forces%sweeps(1:m) = round
+         if (all(forces%sweeps(1:n) > 0)) exit
+         do k = 1, size(model%friction)
+            where (forces%sweeps(1:m) == 0) grip(:, k) = fresh(:, k)
+         end do
+      end do
+      forces%w%v(1:m, forces%loss) = 0.0_wp
+      do k = 1, size(model%friction)
+         do i = 1, m
+            forces%w%v(i, forces%loss) = forces%w%v(i, forces%loss) + abs(grip(i, k)*slip(i, k))
+         end do
+      end do
+
+   contains
+
+      !> Speed of the second body of a joint in the first: of a pin the turn, of a prismatic joint along its arc.
+      subroutine find_slip(joint, speed)
+         integer, intent(in) :: joint
+         real(wp), intent(out) :: speed(m)
+         integer :: slot
+
+         associate (of => problem%mechanism%joints(joint), w => forces%w%v)
+            if (of%kind == joint_prismatic) then
+               slot = problem%plan%length_slot(of%slide)
+               speed = rates%d(1)%v(1:m, problem%linkage%slide(slot))*forces%speed*forces%metre
+               if (problem%mechanism%arcs(of%slide)%foot /= at_start) speed = -speed
+               if (of%bodies(2) /= problem%mechanism%arcs(of%slide)%body) speed = -speed
+            else
+               speed = w(1:m, forces%bodies(of%bodies(2))%w) - w(1:m, forces%bodies(of%bodies(1))%w)
+            end if
+         end associate
+      end subroutine find_slip
+
+      !> Friction on the second body, from the forces of the joint: newtons along the slide, or newton metres.
+      subroutine friction_of(entry, value)
+         integer, intent(in) :: entry
+         real(wp), intent(out) :: value(m)
+         real(wp) :: load, couple, radius
+
+         associate (of => model%friction(entry), w => forces%w%v, row => forces%joints(model%friction(entry)%joint))
+            radius = of%radius*model%metre
+            do i = 1, m
+               if (problem%mechanism%joints(of%joint)%kind == joint_prismatic) then
+                  load = abs(w(i, row))
+                  if (radius > 0.0_wp) then
+                     couple = w(i, row + 1)*forces%metre/(2.0_wp*radius)
+                     load = abs(0.5_wp*w(i, row) + couple) + abs(0.5_wp*w(i, row) - couple)
+                  end if
+               else
+                  load = radius*hypotenuse(w(i, row), w(i, row + 1))
+               end if
+               value(i) = 0.0_wp
+               if (abs(slip(i, entry)) > 0.0_wp) value(i) = -sign(of%coefficient*load, slip(i, entry))
+            end do
+         end associate
+      end subroutine friction_of
+
+      !> Put friction on both bodies of a joint.
+      subroutine apply(joint, value)
+         integer, intent(in) :: joint
+         real(wp), intent(in) :: value(m)
+         real(wp), dimension(m) :: rx, ry
+         integer :: slide, root
+
+         associate (of => problem%mechanism%joints(joint), w => forces%w%v, store => problem%linkage%store%v, &
+                    link => problem%linkage)
+            associate (a => forces%bodies(of%bodies(1))%wrench, b => forces%bodies(of%bodies(2))%wrench, &
+                       foot_x => link%point_x(problem%plan%joint_points(of%point)), &
+                       foot_y => link%point_y(problem%plan%joint_points(of%point)))
+               if (of%kind /= joint_prismatic) then
+                  call add_couple(m, 1.0_wp/forces%metre, value, w(1, b + 2))
+                  call add_couple(m, -1.0_wp/forces%metre, value, w(1, a + 2))
+                  return
+               end if
+               slide = of%slide
+               root = problem%plan%root(slide)
+               rx = value*(link%x(slide)*store(1:m, link%root_x(root)) - link%y(slide)*store(1:m, link%root_y(root)))
+               ry = value*(link%x(slide)*store(1:m, link%root_y(root)) + link%y(slide)*store(1:m, link%root_x(root)))
+               call add_force_at(m, 1.0_wp, store(1, foot_x), store(1, foot_y), rx, ry, w(1, b), w(1, b + 1), w(1, b + 2))
+               call add_force_at(m, -1.0_wp, store(1, foot_x), store(1, foot_y), rx, ry, w(1, a), w(1, a + 1), w(1, a + 2))
+            end associate
+         end associate
+      end subroutine apply
+   end subroutine rub
+end module psalm_kinetostatics
