@@ -6,6 +6,9 @@ program kalm
    use psalm_data_set, only: data_set_t
    use psalm_devices, only: devices_t, header_of
    use psalm_error, only: problem_t, make_problem
+   use psalm_force_model, only: forces_wanted
+   use psalm_force_study, only: force_study_t, find_forces
+   use psalm_machine_study, only: machine_study_t, find_machine
    use psalm_mark, only: mark_t
    use psalm_preparation, only: demand_t, prepared_t, prepare
    use psalm_rate_study, only: rate_study_t, find_rates
@@ -85,13 +88,23 @@ contains
       type(devices_t), intent(inout) :: devices
       type(problem_t), allocatable :: problem    ! large: it would fill a small stack
       type(rate_study_t), allocatable :: rates
+      type(force_study_t), allocatable :: forces     ! absent arguments unless the case asks for them
+      type(machine_study_t), allocatable :: machine
       type(summary_t) :: summary
 
       allocate (problem, rates)
       call make_problem(set, prepared%mechanism, prepared%given, prepared%parameters, problem)
       call list_input(header_of('KALM', devices%mark), set, problem, devices%eight)
       call find_rates(set, problem, prepared%given, rates)
-      call report_rates(set, problem, rates, devices)
+      if (forces_wanted(set)) then
+         allocate (forces)
+         call find_forces(set, problem, prepared%given, forces)
+         if (set%motor%given) then
+            allocate (machine)
+            call find_machine(set, problem, forces%model, machine)
+         end if
+      end if
+      call report_rates(set, problem, rates, devices, forces, machine)
       if (arguments%quiet .or. devices%summarised == most_summarised) return
       call summarise(problem, prepared%given, rates%motion, summary)
       call report_summary(set, summary, devices)

@@ -4,6 +4,8 @@ module psalm_rate_list
    use psalm_elementary, only: hypotenuse
    use psalm_error, only: problem_t
    use psalm_finale, only: angle_text
+   use psalm_force_list, only: force_columns, force_values
+   use psalm_force_study, only: force_study_t
    use psalm_kinds, only: wp
    use psalm_output_kind, only: motion_point, motion_pose
    use psalm_rate_study, only: rate_study_t, arc_rates_t, output_at_origin, highest_order
@@ -137,11 +139,12 @@ contains
    end subroutine list_rates
 
    !> Device 9: the derivatives by the input and by time, 17 digits.
-   subroutine write_table(set, problem, rates, text)
+   subroutine write_table(set, problem, rates, text, forces)
       type(data_set_t), intent(in) :: set
       type(problem_t), intent(in) :: problem
       type(rate_study_t), intent(in) :: rates
       type(text_t), intent(inout) :: text
+      type(force_study_t), intent(in), optional :: forces  !! their columns follow
       character(:), allocatable :: line, per
       integer :: k, c, order
 
@@ -160,10 +163,13 @@ contains
       do order = 1, highest_order
          call name_columns('s', order)
       end do
+      if (present(forces)) line = line//force_columns(forces)
       call text%add(line)
       call text%add('# '//set%title)
       call text%add('# derivatives per '//per//' of input and per second at input speed '//full_precision(set%speed)// &
                     ', acceleration '//full_precision(set%accel)//'; angles in degrees, their derivatives in radians')
+      if (present(forces)) call text%add('# drive, forces and couples of joints in newtons and newton metres; frame moment '// &
+                                         'about the machine origin')
       do k = 1, size(rates%motion%input)
          line = full_precision(rates%motion%input(k))//merge(' 1', ' 0', rates%motion%closed(k))
          if (rates%motion%closed(k)) then
@@ -175,6 +181,7 @@ contains
          end if
          call add_values(rates%by_input(:, :, k))
          call add_values(rates%by_time(:, :, k))
+         if (present(forces)) line = line//force_values(forces, k)
          call text%add(line)
       end do
 

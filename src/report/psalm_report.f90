@@ -8,7 +8,11 @@ module psalm_report
    use psalm_doubts, only: describe_short_links, words_at_rest
    use psalm_error, only: problem_t, motion_t
    use psalm_finale, only: list_results, describe_violation, describe_crossing
+   use psalm_force_list, only: list_forces, list_joint_forces, list_shares, trouble_at
+   use psalm_force_study, only: force_study_t
    use psalm_kinds, only: wp
+   use psalm_machine_list, only: list_machine, cycle_words
+   use psalm_machine_study, only: machine_study_t
    use psalm_margin_list, only: list_margins, describe_margin
    use psalm_margins, only: is_violated
    use psalm_plot_data, only: write_block
@@ -349,16 +353,20 @@ contains
    ! ---- rates -------------------------------------------------------------------------------------------------------
 
    !> The listing of kalm, all arcs with KTHETA, the table; remarks on open positions and dead points.
-   subroutine report_rates(set, problem, rates, devices)
+   subroutine report_rates(set, problem, rates, devices, forces, machine)
       type(data_set_t), intent(in) :: set
       type(problem_t), intent(in) :: problem
       type(rate_study_t), intent(in) :: rates
       type(devices_t), intent(inout) :: devices
+      type(force_study_t), intent(in), optional :: forces       !! if the case has masses, loads or springs
+      type(machine_study_t), intent(in), optional :: machine    !! if it has a motor
       integer :: k, told
 
       if (allocated(rates%arcs)) call list_all_rates(problem, rates, devices%eight)
       call list_rates(set, problem, rates, devices%six)
-      call write_table(set, problem, rates, devices%nine)
+      call write_table(set, problem, rates, devices%nine, forces)
+      if (present(forces)) call report_forces(set, forces, devices)
+      if (present(machine)) call report_machine(set, machine, devices)
       if (rates%is_violating()) call devices%note_violation()
       call report_crossings(set, rates%motion, devices)
       if (.not. all(rates%motion%closed)) call report_open(set, problem, rates%motion, devices)
@@ -371,4 +379,43 @@ contains
       end do
       if (told > most_told) call devices%detail(set, 'and '//to_text(told - most_told)//' more dead points')
    end subroutine report_rates
+
+   !> Forces: listing, device 8, remarks.
+   subroutine report_forces(set, forces, devices)
+      type(data_set_t), intent(in) :: set
+      type(force_study_t), intent(in) :: forces
+      type(devices_t), intent(inout) :: devices
+      integer, allocatable :: resting(:)
+      integer :: k, told
+
+      call list_forces(set, forces, devices%six)
+      if (set%ktheta /= 0) call list_joint_forces(forces, devices%eight)
+      if (set%masses%shares /= 0) call list_shares(forces, devices%eight)
+      if (.not. forces%all_known()) call devices%note_violation()
+      resting = pack([(k, k=1, size(forces%input))], [(forces%table%at_rest(k) .and. forces%table%known(k), &
+                                                       k=1, size(forces%input))])
+      if (size(resting) > 0) call devices%remark(set, 'at '//to_text(size(resting))//' positions, first at input '// &
+                                                 trim(adjustl(general(forces%input(resting(1)))))// &
+                                                 ', a joint with friction does not move and has none')
+      told = 0
+      do k = 1, size(forces%input)
+         if (forces%table%known(k) .or. .not. forces%table%closed(k)) cycle   ! what is open is told with the rates
+         told = told + 1
+         if (told <= most_told) call devices%remark(set, lower_case(trouble_at(forces, k))//' at position '//to_text(k)// &
+                                                    ', input '//trim(adjustl(general(forces%input(k)))))
+      end do
+      if (told > most_told) call devices%detail(set, 'and '//to_text(told - most_told)//' more positions without forces')
+   end subroutine report_forces
+
+   !> Motion from torque.
+   subroutine report_machine(set, machine, devices)
+      type(data_set_t), intent(in) :: set
+      type(machine_study_t), intent(in) :: machine
+      type(devices_t), intent(inout) :: devices
+
+      call list_machine(set, machine, devices%six)
+      if (machine%is_complete(set)) return
+      call devices%note_violation()
+      call devices%remark(set, 'motion from torque: '//lower_case(cycle_words(machine)))
+   end subroutine report_machine
 end module psalm_report

@@ -2,6 +2,7 @@
 module psalm_preparation
    use, intrinsic :: iso_fortran_env, only: int64
    use psalm_data_set, only: data_set_t
+   use psalm_force_model, only: force_model_t, forces_wanted, make_force_model
    use psalm_kinds, only: wp
    use psalm_regions, only: check_regions
    use psalm_setup, only: set_up
@@ -40,7 +41,7 @@ module psalm_preparation
 contains
 
    !> Make a case ready. Errors, all found before returning: those of the topology, memory that is not to be had, regions of joints
-   !> that are not there, supplied vertices that cannot be read. Without an error `prepared%ready` is true.
+   !> that are not there, supplied vertices that cannot be read, masses and loads that are on no link. Without an error `prepared%ready` is true.
    subroutine prepare(set, supplied, prepared, findings, demand)
       type(data_set_t), intent(in) :: set
       type(line_t), intent(in) :: supplied(:)            !! device 4, empty if none
@@ -48,6 +49,7 @@ contains
       type(diagnostics_t), intent(inout) :: findings
       type(demand_t), intent(in), optional :: demand     !! for memory; that of psalm if absent
       type(diagnostics_t) :: own, all
+      type(force_model_t) :: model
       type(demand_t) :: each
       integer(int64) :: bytes
       integer :: i
@@ -74,6 +76,7 @@ contains
       end if
       own%file = set%file
       call check_regions(set%constr, prepared%mechanism, own)
+      if (forces_wanted(set)) call make_force_model(set, prepared%mechanism, prepared%given, model, own)
       associate (marble => size(prepared%parameters%variables))
          if (prepared%parameters%has_search() .and. set%nguess > 0) then
             deallocate (prepared%vertices)

@@ -1,0 +1,219 @@
+!> Forces in the listing, on device 8 and on device 9.
+module psalm_force_list
+   use psalm_data_set, only: data_set_t
+   use psalm_finale, only: angle_text
+   use psalm_force_analysis, only: column_of_joint, column_drive, column_fx, column_fy, column_moment
+   use psalm_force_study, only: force_study_t, sizing_t
+   use psalm_kinds, only: wp
+   use psalm_mechanism, only: joint_prismatic
+   use psalm_text, only: text_t, full_precision, general, lower_case, to_text
+   implicit none (type, external)
+   private
+   public :: list_forces, list_joint_forces, list_shares, force_columns, force_values, trouble_at
+
+   integer, parameter :: name_columns = 18     !! of a name at the beginning of a line
+
+contains
+
+   !> The listing: drive and frame at every position, then the table for sizing and the harmonics.
+   subroutine list_forces(set, study, text)
+      type(data_set_t), intent(in) :: set
+      type(force_study_t), intent(in) :: study
+      type(text_t), intent(inout) :: text
+      character(:), allocatable :: line
+      integer :: k
+
+      associate (sliding => study%mechanism%sliding_input)
+         call text%add()
+         call text%add(' FORCES: NEWTONS, NEWTON METRES, WATTS, JOULES; ONE UNIT OF LENGTH IS'//general(set%masses%metre)// &
+                       ' METRES')
+         call text%add(' FORCE AND MOMENT OF THE LINKAGE ON ITS FRAME, MOMENT ABOUT THE MACHINE ORIGIN'// &
+                       trim(merge(', DRIVE INCLUDED    ', ', WITHOUT THE DRIVE ', set%masses%motor_on_frame .or. sliding)))
+         call text%add()
+         line = merge('   INPUT LENGTH', '    CRANK ANGLE', sliding)
+         line = line//merge('    DRIVE FORCE', '   DRIVE TORQUE', sliding)// &
+                '       FRAME FX       FRAME FY   FRAME MOMENT    DRIVE POWER KINETIC ENERGY'
+         if (set%masses%about_given) line = line//'  MOMENT ABOUT P'
+         if (set%friction%given) line = line//'  FRICTION LOSS'
+         call text%add(line)
+         do k = 1, size(study%input)
+            line = merge(general(study%input(k)), angle_text(study%input(k)), sliding)
+            if (.not. study%table%known(k)) then
+               call text%add(line//'   '//trouble_at(study, k))
+               cycle
+            end if
+            associate (v => study%table%value)
+               line = line//general(v(k, column_drive))//general(v(k, column_fx))//general(v(k, column_fy))// &
+                      general(v(k, column_moment))//general(study%drive_power(k))//general(study%table%kinetic(k))
+            end associate
+            if (set%masses%about_given) line = line//' '//general(study%about(k))
+            if (set%friction%given) line = line//general(study%table%loss(k))
+            call text%add(line)
+         end do
+         if (set%masses%about_given) call text%add(' P IS'//general(set%masses%about(1))//general(set%masses%about(2)))
+         if (any([(study%table%known(k), k=1, size(study%input))])) call list_sizing(study, text)
+         if (size(study%harmonics) > 0) call list_harmonics(study, text)
+      end associate
+   end subroutine list_forces
+
+   !> What stands in place of forces where they are not known.
+   pure function trouble_at(study, k) result(words)
+      type(force_study_t), intent(in) :: study
+      integer, intent(in) :: k
+      character(:), allocatable :: words
+
+      if (.not. study%table%closed(k)) then
+         words = 'DOES NOT CLOSE'
+      else if (study%table%dead(k) /= 0) then
+         words = 'DEAD POINT OF LOOP '//to_text(study%table%dead(k))//': FORCES ARE INFINITE'
+      else
+         words = 'FRICTION LOCKS THE LINKAGE: NO DRIVE CAN MOVE IT'
+      end if
+   end function trouble_at
+
+   subroutine list_sizing(study, text)
+      type(force_study_t), intent(in) :: study
+      type(text_t), intent(inout) :: text
+      integer :: k
+
+      call text%add()
+      call text%add(' FOR SIZING                   PEAK    AT THE INPUT            RMS           MEAN')
+      do k = 1, size(study%sizing)
+         associate (of => study%sizing(k))
+            call text%add(' '//named(of%name)//general(of%peak)//' '//general(of%at)//general(of%rms)//general(of%mean))
+         end associate
+      end do
+   end subroutine list_sizing
+
+   subroutine list_harmonics(study, text)
+      type(force_study_t), intent(in) :: study
+      type(text_t), intent(inout) :: text
+      integer :: k, order
+
+      call text%add()
+      call text%add(' HARMONICS: AMPLITUDE*COS(ORDER*INPUT - PHASE), PHASE IN DEGREES')
+      do k = 1, size(study%harmonics)
+         associate (of => study%harmonics(k))
+            do order = 0, ubound(of%amplitude, 1)
+               call text%add(' '//named(of%name)//'ORDER'//repeat(' ', 5 - len(to_text(order)))//to_text(order)// &
+                             general(of%amplitude(order))//general(of%phase(order)))
+            end do
+         end associate
+      end do
+   end subroutine list_harmonics
+
+   pure function named(name) result(text)
+      character(*), intent(in) :: name
+      character(name_columns) :: text
+
+      text = name
+   end function named
+
+   !> KTHETA: every joint at every position.
+   subroutine list_joint_forces(study, text)
+      type(force_study_t), intent(in) :: study
+      type(text_t), intent(inout) :: text
+      integer :: k, j
+
+      call text%add()
+      call text%add(' FORCES IN THE JOINTS, NEWTONS AND NEWTON METRES: OF THE EARLIER LINK ON THE LATER ONE; FX AND FY IN MACHINE')
+      call text%add(' AXES, OF A SLIDE N ACROSS ITS ARC, AT ITS FOOT, AND COUPLE M ABOUT THE FOOT')
+      do k = 1, size(study%input)
+         call text%add()
+         call text%add(' INPUT'//general(study%input(k)))
+         if (.not. study%table%known(k)) then
+            call text%add(' '//trouble_at(study, k))
+            cycle
+         end if
+         do j = 1, size(study%mechanism%joints)
+            associate (joint => study%mechanism%joints(j), c => column_of_joint(j))
+               call text%add('  '//named(joint%name)//trim(merge('N, M   ', 'FX, FY ', joint%kind == joint_prismatic))// &
+                             repeat(' ', merge(2, 0, joint%kind == joint_prismatic))//general(study%table%value(k, c))// &
+                             general(study%table%value(k, c + 1)))
+            end associate
+         end do
+      end do
+   end subroutine list_joint_forces
+
+   !> ISHARE: what each source does to drive and frame.
+   subroutine list_shares(study, text)
+      type(force_study_t), intent(in) :: study
+      type(text_t), intent(inout) :: text
+      real(wp) :: rest(4)
+      integer :: k, source
+
+      call text%add()
+      call text%add(' SHARES OF THE SOURCES              DRIVE       FRAME FX       FRAME FY   FRAME MOMENT')
+      do k = 1, size(study%input)
+         call text%add(' INPUT'//general(study%input(k)))
+         if (.not. study%table%known(k)) then
+            call text%add('  '//trouble_at(study, k))
+            cycle
+         end if
+         do source = 1, size(study%sources)
+            call text%add('  '//named(study%sources(source))//four(study%shares(k, :, source)))
+         end do
+         if (size(study%model%friction) == 0) cycle
+         rest = study%table%value(k, :4) - sum(study%shares(k, :4, :), dim=2)
+         call text%add('  '//named('FRICTION')//four(rest))
+      end do
+
+   contains
+
+      function four(values) result(line)
+         real(wp), intent(in) :: values(:)
+         character(:), allocatable :: line
+
+         line = general(values(column_drive))//general(values(column_fx))//general(values(column_fy))// &
+                general(values(column_moment))
+      end function four
+   end subroutine list_shares
+
+   !> Names of the columns on device 9, each with a blank before it.
+   pure function force_columns(study) result(names)
+      type(force_study_t), intent(in) :: study
+      character(:), allocatable :: names
+      integer :: j
+
+      names = ' drive frame_fx frame_fy frame_m kinetic kinetic_per_s'
+      do j = 1, size(study%mechanism%joints)
+         associate (joint => study%mechanism%joints(j))
+            if (joint%kind == joint_prismatic) then
+               names = names//' '//joint%name//'_n '//joint%name//'_m'
+            else
+               names = names//' '//joint%name//'_fx '//joint%name//'_fy'
+            end if
+         end associate
+      end do
+   end function force_columns
+
+   !> The values of these columns at a position, 17 digits; NaN where they are not known.
+   pure function force_values(study, k) result(line)
+      type(force_study_t), intent(in) :: study
+      integer, intent(in) :: k
+      character(:), allocatable :: line
+      integer :: c
+
+      line = ''
+      do c = 1, column_moment
+         call add(study%table%value(k, c))
+      end do
+      call add(study%table%kinetic(k))
+      call add(study%table%growth(k))
+      do c = column_moment + 1, size(study%table%value, 2)
+         call add(study%table%value(k, c))
+      end do
+
+   contains
+
+      pure subroutine add(value)
+         real(wp), intent(in) :: value
+
+         if (study%table%known(k)) then
+            line = line//' '//full_precision(value)
+         else
+            line = line//' NaN'
+         end if
+      end subroutine add
+   end function force_values
+end module psalm_force_list

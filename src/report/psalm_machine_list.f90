@@ -1,0 +1,85 @@
+!> Motion from torque in the listing.
+module psalm_machine_list
+   use psalm_data_set, only: data_set_t
+   use psalm_kinds, only: wp, full_turn
+   use psalm_machine, only: cycle_found, cycle_grows, cycle_falls, cycle_any_speed
+   use psalm_machine_study, only: machine_study_t
+   use psalm_text, only: text_t, general, to_text
+   implicit none (type, external)
+   private
+   public :: list_machine, cycle_words
+
+   integer, parameter :: listed = 24         !! speeds of the cycle that are listed
+
+contains
+
+   !> Inertia, steady cycle, run-up and flywheel.
+   subroutine list_machine(set, study, text)
+      type(data_set_t), intent(in) :: set
+      type(machine_study_t), intent(in) :: study
+      type(text_t), intent(inout) :: text
+      integer :: k, step
+
+      call text%add()
+      call text%add(' MOTION FROM TORQUE: KG M2, N M, RAD/S, SECONDS; ANGLES IN DEGREES FROM THE REFERENCE INPUT')
+      if (.not. study%turns) then
+         call text%add(' '//cycle_words(study))
+         return
+      end if
+      call text%add(' INERTIA AT THE CRANK'//general(study%inertia_least)//' TO'//general(study%inertia_greatest))
+      call text%add(' STEADY CYCLE: '//cycle_words(study))
+      if (study%cycle%state == cycle_found .or. study%cycle%state == cycle_any_speed) then
+         associate (of => study%cycle)
+            call text%add(' LEAST SPEED'//general(of%least)//' AT'//general(of%least_at)//', GREATEST'// &
+                          general(of%greatest)//' AT'//general(of%greatest_at))
+            call text%add(' MEAN SPEED'//general(of%mean)//', TIME OF A TURN'//general(of%period)//', FLUCTUATION'// &
+                          general(2.0_wp*(of%greatest - of%least)/(of%greatest + of%least)))
+            call text%add('          ANGLE          SPEED')
+            step = ubound(of%speed, 1)/listed
+            do k = 0, listed
+               call text%add(general(full_turn*real(k, wp)/real(listed, wp))//general(of%speed(step*k)))
+            end do
+         end associate
+      end if
+      if (set%motor%fluctuation > 0.0_wp) then
+         if (study%flywheel < 0.0_wp) then
+            call text%add(' NO FLYWHEEL GIVES THE FLUCTUATION'//general(set%motor%fluctuation))
+         else
+            call text%add(' FLYWHEEL FOR THE FLUCTUATION'//general(set%motor%fluctuation)//':'//general(study%flywheel)//' KG M2')
+         end if
+      end if
+      if (set%motor%turns == 0) return
+      call text%add(' RUN-UP FROM THE SPEED'//general(set%motor%start))
+      call text%add('           TURN      TIME AFTER    SPEED AFTER  LEAST SPEED IN  GREATEST IN IT')
+      do k = 1, size(study%run%time)
+         call text%add(repeat(' ', 15 - len(to_text(k)))//to_text(k)//' '//general(study%run%time(k))// &
+                       general(study%run%speed(k))//' '//general(study%run%least(k))//' '//general(study%run%greatest(k)))
+      end do
+      if (study%run%stopped_at >= 0.0_wp) call text%add(' IT STOPS AT'//general(study%run%stopped_at))
+   end subroutine list_machine
+
+   !> How the steady cycle was found, or why not.
+   function cycle_words(study) result(words)
+      type(machine_study_t), intent(in) :: study
+      character(:), allocatable :: words
+
+      if (.not. study%turns) then
+         words = 'THE CRANK DOES NOT TURN FULLY, OR PASSES A DEAD POINT, AT '//to_text(study%trouble_at)// &
+                 ' DEGREES FROM THE REFERENCE INPUT'
+         if (study%massless) words = 'NOTHING HAS INERTIA AT '//to_text(study%trouble_at)//' DEGREES FROM THE REFERENCE INPUT'
+         return
+      end if
+      select case (study%cycle%state)
+      case (cycle_found)
+         words = 'TORQUE AND SPEED ARE IN BALANCE'
+      case (cycle_any_speed)
+         words = 'NO WORK OVER A TURN AT ANY SPEED; AT THE REFERENCE INPUT THE SPEED OF THE INPUT IS TAKEN'
+      case (cycle_grows)
+         words = 'THERE IS NONE, THE SPEED GROWS WITH EVERY TURN'
+      case (cycle_falls)
+         words = 'THERE IS NONE, THE TORQUE DOES NOT OVERCOME THE LOADS'
+      case default
+         words = 'THERE IS NONE, THE MACHINE STOPS AT'//general(study%cycle%stopped_at)//' DEGREES'
+      end select
+   end function cycle_words
+end module psalm_machine_list

@@ -1,0 +1,217 @@
+!> Forces: drive, frame and joints over the positions of a case, and what a designer sizes bearings and drive by.
+!>
+!> Data in, results out. Source: Oldham (1977), 15.1; Haines (about 1982), chapter 9.
+module psalm_force_study
+   use psalm_angles, only: degrees_of, nearest_difference, unit_vector
+   use psalm_data_set, only: data_set_t
+   use psalm_dimensions, only: dimensions_t
+   use psalm_elementary, only: hypotenuse
+   use psalm_error, only: problem_t, motion_t
+   use psalm_force_analysis, only: force_table_t, analyse_forces, share_of_sources, column_of_joint, column_drive, column_fx, &
+                                   column_fy, column_moment
+   use psalm_force_model, only: force_model_t, make_force_model, vertices_of
+   use psalm_kinds, only: wp, full_turn
+   use psalm_kinetostatics, only: source_inertia, source_weight, first_spring
+   use psalm_mechanism, only: mechanism_t, joint_prismatic
+   use psalm_status, only: diagnostics_t
+   use psalm_text, only: to_text
+   implicit none (type, external)
+   private
+   public :: force_study_t, sizing_t, harmonic_t, find_forces, judge_forces, harmonics_of
+
+   integer, parameter :: name_width = 24
+   real(wp), parameter :: nothing = 64.0_wp*epsilon(1.0_wp) !! part of the largest value: a mean or harmonic below it is rounding
+   real(wp), parameter :: even = 1.0e-9_wp     !! degrees: positions so near an even step divide the turn evenly
+
+   !> What a quantity does over all positions at which it is known.
+   type :: sizing_t
+      character(name_width) :: name = ''
+      real(wp) :: peak = 0.0_wp                !! the value of the largest amount, with its sign
+      real(wp) :: at = 0.0_wp                  !! input there
+      real(wp) :: rms = 0.0_wp, mean = 0.0_wp
+   end type sizing_t
+
+   !> Harmonics of a quantity over a turn: sum of amplitude(k) cos(k input - phase(k)).
+   type :: harmonic_t
+      character(name_width) :: name = ''
+      real(wp), allocatable :: amplitude(:), phase(:) !! shape (0:harmonics); degrees
+   end type harmonic_t
+
+   type :: force_study_t
+      type(force_model_t) :: model
+      type(mechanism_t) :: mechanism
+      type(force_table_t) :: table
+      real(wp), allocatable :: input(:)        !! shape (positions): degrees in a turn, or length
+      real(wp), allocatable :: about(:)        !! shape (positions): frame moment about MOMX, MOMY
+      real(wp), allocatable :: drive_power(:)  !! shape (positions): W
+      type(sizing_t), allocatable :: sizing(:)
+      type(harmonic_t), allocatable :: harmonics(:)   !! empty where the positions do not divide a turn evenly
+      real(wp), allocatable :: shares(:, :, :) !! shape (positions, columns, sources): ISHARE
+      character(name_width), allocatable :: sources(:) !! their names
+   contains
+      procedure :: all_known
+   end type force_study_t
+
+contains
+
+   !> True if the forces are known at every position.
+   pure logical function all_known(self)
+      class(force_study_t), intent(in) :: self
+      integer :: k
+
+      all_known = all([(self%table%known(k), k=1, size(self%input))])
+   end function all_known
+
+   !> Find what is wrong with the groups of forces before any work is done: see `make_force_model`.
+   subroutine judge_forces(set, mechanism, dimensions, findings)
+      type(data_set_t), intent(in) :: set
+      type(mechanism_t), intent(in) :: mechanism
+      type(dimensions_t), intent(in) :: dimensions
+      type(diagnostics_t), intent(inout) :: findings
+      type(force_model_t) :: model
+
+      call make_force_model(set, mechanism, dimensions, model, findings)
+   end subroutine judge_forces
+
+   !> Forces of a case that `judge_forces` found no fault with. All loops are solved, whatever the given problem solves.
+   subroutine find_forces(set, given, dimensions, study)
+      type(data_set_t), intent(in) :: set
+      type(problem_t), intent(in) :: given
+      type(dimensions_t), intent(in) :: dimensions
+      type(force_study_t), intent(out) :: study
+      type(problem_t), allocatable :: problem      ! large: it would fill a small stack
+      type(motion_t) :: motion
+      type(diagnostics_t) :: unused
+      integer :: k
+
+      allocate (problem, source=given)
+      study%mechanism = given%mechanism
+      call make_force_model(set, study%mechanism, dimensions, study%model, unused)
+      call problem%want_derivatives(.true., vertices_of(study%mechanism))
+      call problem%analyse(dimensions, motion)
+      study%input = motion%input
+      call analyse_forces(problem, study%model, set%speed, set%accel, motion%closed, motion%input, study%table)
+      if (.not. set%masses%motor_on_frame .and. .not. study%mechanism%sliding_input) then
+         study%table%value(:, column_moment) = study%table%value(:, column_moment) + study%table%value(:, column_drive)
+      end if
+      study%drive_power = study%table%value(:, column_drive)*set%speed
+      if (study%mechanism%sliding_input) study%drive_power = study%drive_power*set%masses%metre
+      associate (x => set%masses%about(1)*set%masses%metre, y => set%masses%about(2)*set%masses%metre, v => study%table%value)
+         study%about = v(:, column_moment) - (x*v(:, column_fy) - y*v(:, column_fx))
+      end associate
+      if (set%masses%shares /= 0) then
+         call share_of_sources(problem, study%model, set%speed, set%accel, motion%input, study%shares)
+         allocate (study%sources(size(study%shares, 3)))
+         study%sources(source_inertia) = 'INERTIA'
+         study%sources(source_weight) = 'WEIGHT'
+         do k = source_weight + 1, size(study%sources)
+            study%sources(k) = 'LOAD '//to_text(k - source_weight)
+            if (k >= first_spring(study%model)) study%sources(k) = 'SPRING '//to_text(k - first_spring(study%model) + 1)
+         end do
+      end if
+      call size_up(study)
+      call find_harmonics(set, problem, study)
+   end subroutine find_forces
+
+   !> Peak, RMS and mean of everything that sizes a part.
+   subroutine size_up(study)
+      type(force_study_t), intent(inout) :: study
+      logical :: known(size(study%input))
+      integer :: k, j, c
+
+      known = [(study%table%known(k), k=1, size(known))]
+      allocate (study%sizing(0))
+      associate (v => study%table%value, joints => study%mechanism%joints)
+         call add('DRIVE', v(:, column_drive))
+         call add('DRIVE POWER', study%drive_power)
+         call add('FRAME FORCE', hypotenuse(v(:, column_fx), v(:, column_fy)))
+         call add('FRAME FX', v(:, column_fx))
+         call add('FRAME FY', v(:, column_fy))
+         call add('FRAME MOMENT', v(:, column_moment))
+         do j = 1, size(joints)
+            c = column_of_joint(j)
+            if (joints(j)%kind == joint_prismatic) then
+               call add(joints(j)%name//' N', v(:, c))
+               call add(joints(j)%name//' M', v(:, c + 1))
+            else
+               call add(joints(j)%name, hypotenuse(v(:, c), v(:, c + 1)))
+            end if
+         end do
+      end associate
+
+   contains
+
+      subroutine add(name, values)
+         character(*), intent(in) :: name
+         real(wp), intent(in) :: values(:)
+         type(sizing_t) :: one
+         integer :: at
+
+         one%name = name
+         if (any(known)) then
+            at = maxloc(abs(values), dim=1, mask=known)
+            one%peak = values(at)
+            one%at = study%input(at)
+            one%rms = sqrt(sum(values**2, mask=known)/real(count(known), wp))
+            one%mean = sum(values, mask=known)/real(count(known), wp)
+            if (abs(one%mean) <= nothing*abs(one%peak)) one%mean = 0.0_wp
+         end if
+         study%sizing = [study%sizing, one]
+      end subroutine add
+   end subroutine size_up
+
+   !> Harmonics of the drive and of the force and moment on the frame, if the positions divide a turn of the crank evenly.
+   subroutine find_harmonics(set, problem, study)
+      type(data_set_t), intent(in) :: set
+      type(problem_t), intent(in) :: problem
+      type(force_study_t), intent(inout) :: study
+      real(wp) :: step
+      integer :: n, k
+
+      n = problem%positions
+      allocate (study%harmonics(0))
+      if (problem%mechanism%sliding_input .or. set%masses%harmonics == 0 .or. n < 3) return
+      if (.not. study%all_known()) return
+      step = problem%delt(2) - problem%delt(1)
+      if (any(abs(nearest_difference(problem%delt, [(problem%delt(1) + real(k, wp)*step, k=0, n - 1)])) > even)) return
+      if (abs(abs(step)*real(n, wp) - full_turn) > even*real(n, wp)) return
+      associate (v => study%table%value, highest => set%masses%harmonics)
+         study%harmonics = [harmonics_of('DRIVE', v(:, column_drive), study%input, highest), &
+                            harmonics_of('FRAME FX', v(:, column_fx), study%input, highest), &
+                            harmonics_of('FRAME FY', v(:, column_fy), study%input, highest), &
+                            harmonics_of('FRAME MOMENT', v(:, column_moment), study%input, highest)]
+      end associate
+   end subroutine find_harmonics
+
+   !> Harmonics of values at inputs that divide a turn evenly, from order 0, the mean. Orders from half the number of values on
+   !> cannot be told from lower ones and are not given.
+   pure type(harmonic_t) function harmonics_of(name, values, input, highest) result(one)
+      character(*), intent(in) :: name
+      real(wp), intent(in) :: values(:), input(:)   !! shape (n); degrees
+      integer, intent(in) :: highest
+      real(wp) :: cosine, sine, real_part, imaginary_part
+      integer :: k, i
+
+      one%name = name
+      associate (n => size(values), last => min(highest, (size(values) - 1)/2))
+         allocate (one%amplitude(0:last), one%phase(0:last), source=0.0_wp)
+         do k = 0, last
+            real_part = 0.0_wp
+            imaginary_part = 0.0_wp
+            do i = 1, n
+               call unit_vector(real(k, wp)*input(i), cosine, sine)
+               real_part = real_part + values(i)*cosine
+               imaginary_part = imaginary_part + values(i)*sine
+            end do
+            real_part = real_part*merge(1.0_wp, 2.0_wp, k == 0)/real(n, wp)
+            imaginary_part = imaginary_part*2.0_wp/real(n, wp)
+            if (abs(real_part) <= nothing*maxval(abs(values))) real_part = 0.0_wp
+            if (abs(imaginary_part) <= nothing*maxval(abs(values))) imaginary_part = 0.0_wp
+            one%amplitude(k) = real_part
+            if (k == 0) cycle
+            one%amplitude(k) = hypotenuse(real_part, imaginary_part)
+            one%phase(k) = degrees_of(real_part, imaginary_part)
+         end do
+      end associate
+   end function harmonics_of
+end module psalm_force_study

@@ -1,0 +1,68 @@
+!> Motion from torque: what the group MOTOR asks for. Data in, results out.
+module psalm_machine_study
+   use psalm_data_set, only: data_set_t
+   use psalm_error, only: problem_t
+   use psalm_force_model, only: force_model_t
+   use psalm_kinds, only: wp, full_turn
+   use psalm_machine, only: machine_t, cycle_t, run_t, make_machine, steady_cycle, run_up, flywheel_for, cycle_found, &
+                            cycle_any_speed
+   implicit none (type, external)
+   private
+   public :: machine_study_t, find_machine
+
+   type :: machine_study_t
+      logical :: turns = .false.             !! the crank turns fully, without a dead point, and J > 0: the rest is valid
+      integer :: trouble_at = 0              !! degrees from CRNKI, rounded: where it does not turn, or has no inertia
+      logical :: massless = .false.          !! it has no inertia there
+      real(wp) :: inertia_least = 0.0_wp, inertia_greatest = 0.0_wp !! kg m2, flywheel included
+      type(cycle_t) :: cycle
+      type(run_t) :: run
+      real(wp) :: flywheel = 0.0_wp          !! kg m2, for FLUCT; negative: there is none
+   contains
+      procedure :: is_complete
+   end type machine_study_t
+
+contains
+
+   !> True if everything that was asked for was found.
+   pure logical function is_complete(self, set)
+      class(machine_study_t), intent(in) :: self
+      type(data_set_t), intent(in) :: set
+
+      is_complete = self%turns .and. (self%cycle%state == cycle_found .or. self%cycle%state == cycle_any_speed)
+      if (is_complete .and. set%motor%turns > 0) is_complete = self%run%stopped_at < 0.0_wp
+      if (is_complete .and. set%motor%fluctuation > 0.0_wp) is_complete = self%flywheel >= 0.0_wp
+   end function is_complete
+
+   !> Steady cycle, run-up and flywheel of a machine with a turning crank.
+   subroutine find_machine(set, given, model, study)
+      type(data_set_t), intent(in) :: set
+      type(problem_t), intent(in) :: given
+      type(force_model_t), intent(in) :: model
+      type(machine_study_t), intent(out) :: study
+      type(problem_t), allocatable :: problem      ! large: it would fill a small stack
+      type(machine_t), allocatable :: machine
+      real(wp) :: degrees_of_node
+      integer :: node
+
+      allocate (problem, source=given)
+      allocate (machine)
+      call make_machine(problem, model, set%motor, machine)
+      degrees_of_node = full_turn/real(size(machine%turn%inertia) - 1, wp)
+      node = machine%turn%trouble
+      if (node == 0) then
+         node = findloc(machine%turn%inertia + machine%flywheel > 0.0_wp, .false., dim=1)
+         study%massless = node > 0
+      end if
+      study%turns = node == 0
+      if (.not. study%turns) then
+         study%trouble_at = nint(degrees_of_node*real(node - 1, wp))
+         return
+      end if
+      study%inertia_least = minval(machine%turn%inertia) + machine%flywheel
+      study%inertia_greatest = maxval(machine%turn%inertia) + machine%flywheel
+      call steady_cycle(machine, set%speed, study%cycle)
+      if (set%motor%turns > 0) call run_up(problem, model, machine, study%run)
+      if (set%motor%fluctuation > 0.0_wp) call flywheel_for(machine, set%motor%fluctuation, set%speed, study%flywheel)
+   end subroutine find_machine
+end module psalm_machine_study
