@@ -162,8 +162,12 @@ balm.controls = (() => {
       setPlaying(false);
       go(beforeTurn(Number($('time').value)));
     });
-    for (const name of ['whole', 'other', 'traces', 'letters']) $(name).addEventListener('change', () => {
+    for (const name of ['whole', 'other', 'traces', 'letters', 'forces']) $(name).addEventListener('change', () => {
       state[name] = $(name).checked;
+      refresh();
+    });
+    $('bearing').addEventListener('change', () => {
+      state.bearing = Number($('bearing').value);
       refresh();
     });
     picture.addEventListener('pointerdown', grab);

@@ -36,6 +36,7 @@ balm.curves = (() => {
     if (!(high >= low)) return [0, 1];
     if (high - low >= FLAT * size) return [low, high];
     const middle = Math.abs(low) < FLAT * size ? 0 : (low + high) / 2;
+    if (!(size > 0)) return [low - 1, high + 1];
     return [middle - AROUND * size, middle + AROUND * size];
   }
 
@@ -79,6 +80,13 @@ balm.curves = (() => {
       values: a.values });
     if (s.angle.length) panels.push({ name: 'transmission angle, degrees', fixed: [0, 180], limits: c.limits,
       lines: s.angle.map(angle), points: [] });
+    if (c.forces) {
+      const f = c.forces, curve = (label, colour, values) => ({ label, colour, values });
+      const shown = (name, lines) => panels.push({ name, size: 0, zero: true, lines, points: [] });
+      shown(f.sliding ? 'force of the drive, N' : 'torque of the drive, N m', [curve('', pens.actual, f.drive)]);
+      shown('force on the frame, N', [curve('x', pens.link0, f.fx), curve('y', pens.link1, f.fy)]);
+      shown('moment on the frame, N m', [curve('', pens.link3, f.moment)]);
+    }
     return panels;
   }
 

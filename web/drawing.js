@@ -6,6 +6,7 @@ balm.drawing = (() => {
   const COLOURS = ['paper', 'ink', 'soft', 'line', 'accent', 'actual', 'desired', 'bad', 'warn', 'badband', 'warnband',
     'frame', 'ghost', 'link0', 'link1', 'link2', 'link3', 'link4', 'link5', 'link6', 'link7'];
   const MANY = 60;               // joints above which symbols are smaller and letters left out
+  const LONGEST = 90;            // pixels of the arrow of the largest load
   const ROUND = 2 * Math.PI;
   const pens = {};               // colours of the scheme
   let canvas, pen, still;        // `still` holds what does not move
@@ -265,6 +266,82 @@ balm.drawing = (() => {
     if (main) drawBroken(c, at[0]);
     drawJoints(c, at, main);
     drawOutput(c, at);
+    if (c.forces && main && balm.state.forces) drawForces(c.forces, at);
+  }
+
+  /** Centres of mass, loads as arrows, and the polar diagram of one bearing in the upper right corner. */
+  function drawForces(f, at) {
+    const g = pen, u = view.u, r = 5.5 * u;
+    for (const one of f.centres) {
+      const x = X(mixed(one.x, at)), y = Y(mixed(one.y, at));
+      if (!isFinite(x)) continue;
+      g.fillStyle = pens.paper;
+      g.strokeStyle = pens.ink;
+      g.lineWidth = 1.2 * u;
+      g.beginPath();
+      g.arc(x, y, r, 0, ROUND);
+      g.fill();
+      g.stroke();
+      g.fillStyle = pens.ink;
+      for (const from of [0, Math.PI]) {
+        g.beginPath();
+        g.moveTo(x, y);
+        g.arc(x, y, r, from, from + Math.PI / 2);
+        g.fill();
+      }
+    }
+    g.strokeStyle = g.fillStyle = pens.link2;
+    g.font = 11 * u + 'px system-ui, sans-serif';
+    for (const one of f.loads) arrow(g, one, at, f.largest);
+    if (f.largest > 0) g.fillText('loads: ' + LONGEST + ' pixels are ' + short(Number(f.largest.toPrecision(4))) + ' N', 12, 16 * u);
+    const bearing = f.joints[balm.state.bearing];
+    if (bearing) drawPolar(g, bearing, at);
+  }
+
+  function arrow(g, one, at, largest) {
+    const u = view.u, x = X(mixed(one.x, at)), y = Y(mixed(one.y, at)), scale = LONGEST * u / (largest || 1);
+    const dx = scale * mixed(one.fx, at), dy = -scale * mixed(one.fy, at), length = Math.hypot(dx, dy);
+    if (!(length > 1)) return;
+    const head = Math.min(9 * u, 0.6 * length) / length;
+    g.lineWidth = 2.2 * u;
+    line(g, x, y, x + dx, y + dy);
+    g.beginPath();
+    g.moveTo(x + dx - head * (dx - 0.4 * dy), y + dy - head * (dy + 0.4 * dx));
+    g.lineTo(x + dx, y + dy);
+    g.lineTo(x + dx - head * (dx + 0.4 * dy), y + dy - head * (dy - 0.4 * dx));
+    g.stroke();
+  }
+
+  /** Force on the later link of a joint over the sweep, machine axes, with a dot where it is now. */
+  function drawPolar(g, bearing, at) {
+    const u = view.u, r = 58 * u, x = view.w - r - 14 * u, y = r + 14 * u, scale = r / (bearing.peak || 1);
+    g.strokeStyle = pens.line;
+    g.lineWidth = u;
+    line(g, x - r, y, x + r, y);
+    line(g, x, y - r, x, y + r);
+    g.strokeStyle = pens.accent;
+    g.lineWidth = 1.4 * u;
+    g.beginPath();
+    let down = false;
+    bearing.fx.forEach((v, i) => {
+      if (!isFinite(v)) { down = false; return; }
+      const px = x + scale * v, py = y - scale * bearing.fy[i];
+      if (down) g.lineTo(px, py); else g.moveTo(px, py);
+      down = true;
+    });
+    g.stroke();
+    const fx = mixed(bearing.fx, at), fy = mixed(bearing.fy, at);
+    g.fillStyle = pens.actual;
+    if (isFinite(fx)) {
+      g.beginPath();
+      g.arc(x + scale * fx, y - scale * fy, 3.4 * u, 0, ROUND);
+      g.fill();
+    }
+    g.fillStyle = pens.ink;
+    g.textAlign = 'center';
+    g.fillText(bearing.name + ': ' + short(Number(Math.hypot(fx, fy).toPrecision(4))) + ' N, peak ' +
+      short(Number(bearing.peak.toPrecision(4))) + ' N', x, y + r + 14 * u);
+    g.textAlign = 'left';
   }
 
   function drawRails(c, at) {

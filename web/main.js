@@ -15,6 +15,8 @@
     other: false,           // other assemblies
     traces: true,
     letters: true,
+    forces: true,           // centres of mass, loads
+    bearing: -1,            // joint of the polar diagram
     overlays: new Set(),    // cases laid over the one shown
     hover: null,            // bar under the pointer
   };
@@ -49,6 +51,7 @@
       return;
     }
     if (fresh) [state.whole, state.t, state.forth] = [!c.limited, c.at[c.reference], 1];
+    offerForces(c, fresh);
     $('whole').checked = state.whole;
     $('wholebox').hidden = !c.limited;
     refresh();
@@ -69,6 +72,14 @@
     $('time').min = curves.from;
     $('time').max = curves.to;
     controls.go(state.t);
+  }
+
+  /** Choices that only a case with forces has. */
+  function offerForces(c, fresh) {
+    $('forcebox').hidden = $('bearingbox').hidden = !c.forces;
+    if (!c.forces || !fresh) return;
+    state.bearing = 0;
+    $('bearing').replaceChildren(...c.forces.joints.map((joint, i) => new Option(joint.name, i)));
   }
 
   /** Titles in the list as long as the window has room for. */

@@ -35,6 +35,7 @@ balm.scene = (() => {
       for (const a of row.angle) a.values = filled(a.values);
     }
     for (const other of s.others) [other.x, other.y] = [filled(other.x), filled(other.y)];
+    if (c.forces) prepareForces(c.forces);
     c.at = p.at;
     c.broken = new Map();
     for (const [i, loop, ...tip] of s.broken) {
@@ -58,6 +59,16 @@ balm.scene = (() => {
     c.py = new Float64Array(c.joints.length);
     if (c.motion === 'angle') goOn(c);
     return c;
+  }
+
+  /** Typed arrays of the forces, and the largest load and bearing load, which the drawing is scaled by. */
+  function prepareForces(f) {
+    for (const key of ['drive', 'fx', 'fy', 'moment']) f[key] = filled(f[key]);
+    for (const one of [...f.centres, ...f.loads, ...f.joints])
+      for (const key of ['x', 'y', 'fx', 'fy']) if (one[key]) one[key] = filled(one[key]);
+    const peak = (one) => one.fx.reduce((most, v, i) => Math.max(most, Math.hypot(v, one.fy[i]) || 0), 0);
+    for (const one of [...f.loads, ...f.joints]) one.peak = peak(one);
+    f.largest = Math.max(0, ...f.loads.map((one) => one.peak));
   }
 
   /** An angle goes on from the one before it; the curve then lies nearest to the desired values. */

@@ -1,6 +1,7 @@
 !> Curves of a scene as a gnuplot script that carries its data: output, error, transmission angles, convergence.
 module psalm_curves
    use psalm_dyad_kind, only: assur_rrr
+   use psalm_force_curves, only: write_force_table, plot_force_panels, force_panels
    use psalm_kinds, only: wp, full_turn
    use psalm_markup, only: clean_text, short_number
    use psalm_number, only: parse_real
@@ -28,17 +29,19 @@ contains
       character(*), intent(in) :: name         !! of the case, without directory
       type(line_t), intent(in) :: progress(:)  !! device 1, empty if there is none
       type(text_t), intent(inout) :: text
-      integer :: panels, steps, pass
+      integer :: panels, steps, pass, i
       logical :: errors, angles, starts
       real(wp) :: low, high
 
       call text%add('# '//clean_text(trim(scene%title)))
       call write_table('$prescribed', scene, scene%prescribed, text)
       call write_table('$sweep', scene, scene%sweep, text)
+      if (allocated(scene%forces)) call write_force_table(scene%forces, [(along(scene, scene%sweep, i), i=1, scene%sweep%n)], text)
       call write_progress(progress, steps, starts, text)
       errors = scene%desired
       angles = any(scene%pairs%joint_type == assur_rrr)
       panels = 1 + count([scene%motion == motion_point, errors, angles, steps > 0])
+      if (allocated(scene%forces)) panels = panels + force_panels
       call text%add('set grid; set key outside right top; set lmargin 11; set rmargin 17')
       call find_axis(scene, low, high)
       call input_axis(scene, low, high, text)
@@ -289,6 +292,7 @@ contains
                        short_number(90.0_wp + scene%tangle)//" dt 2 lc 'red' notitle; set yrange [*:*]")
       end if
       call text%add('set yrange [*:*]; unset label 1')
+      if (allocated(scene%forces)) call plot_force_panels(scene%forces, text)
       if (steps == 0) return
       call text%add('unset object; set xtics auto; set xrange [*:*]; set logscale y; set format y "%g"; set ylabel "objective"')
       if (starts) then

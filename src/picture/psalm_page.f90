@@ -2,6 +2,7 @@
 module psalm_page
    use psalm_constraint_group, only: region_box, region_half_plane
    use psalm_dyad_kind, only: assur_rrr
+   use psalm_force_page, only: write_force_data
    use psalm_kinds, only: wp, full_turn
    use psalm_output_kind, only: motion_point, motion_angle, motion_distance
    use psalm_labels, only: place_labels
@@ -72,6 +73,10 @@ contains
          call write_row(scene, scene%sweep, .false., text)
          call write_others(scene, scene%sweep, text)
          call text%add_text('}')
+         if (allocated(scene%forces)) then
+            call text%add_text(',"forces":')
+            call write_force_data(scene%forces, text)
+         end if
       end if
       call text%add('}')
 

@@ -402,6 +402,9 @@ module psalm_page_text
    '    <label><input id="other" type="checkbox"> other assemblies</label>'//nl// &
    '    <label><input id="traces" type="checkbox" checked> traces</label>'//nl// &
    '    <label><input id="letters" type="checkbox" checked> letters</label>'//nl// &
+   '    <label id="forcebox" hidden><input id="forces" type="checkbox" checked> forces</label>'//nl// &
+   '    <label id="bearingbox" hidden>polar diagram'//nl// &
+   '      <select id="bearing" aria-label="joint of the polar diagram"></select></label>'//nl// &
    '    <fieldset id="overlays" hidden><legend>overlay</legend></fieldset>'//nl// &
    '  </div>'//nl// &
    '</main>'//nl// &
@@ -411,13 +414,13 @@ module psalm_page_text
    'speed, Home and End go to the ends, [ and ] to the prescribed positions.</p>'//nl// &
    '<noscript>The page needs scripts; the picture beside it (.svg) shows the linkage without.</noscript>'//nl// &
    '<!--DATA-->'//nl// &
-   '<script>'//nl// &
+   '<script>'//nl
+
+   character(*), parameter :: part_5 = &
    '// The data of a page: typed arrays, interpolation, what is wrong where. Nothing here knows the document.'//nl// &
    '//'//nl// &
    '// The scripts are classic ones, each in a function of its own, because browsers refuse modules from file://. They shar'// &
-   'e'//nl
-
-   character(*), parameter :: part_5 = &
+   'e'//nl// &
    '// the object `balm`.'//nl// &
    "'use strict';"//nl// &
    'globalThis.balm = globalThis.balm || {};'//nl// &
@@ -452,6 +455,7 @@ module psalm_page_text
    '      for (const a of row.angle) a.values = filled(a.values);'//nl// &
    '    }'//nl// &
    '    for (const other of s.others) [other.x, other.y] = [filled(other.x), filled(other.y)];'//nl// &
+   '    if (c.forces) prepareForces(c.forces);'//nl// &
    '    c.at = p.at;'//nl// &
    '    c.broken = new Map();'//nl// &
    '    for (const [i, loop, ...tip] of s.broken) {'//nl// &
@@ -475,6 +479,16 @@ module psalm_page_text
    '    c.py = new Float64Array(c.joints.length);'//nl// &
    "    if (c.motion === 'angle') goOn(c);"//nl// &
    '    return c;'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  /** Typed arrays of the forces, and the largest load and bearing load, which the drawing is scaled by. */'//nl// &
+   '  function prepareForces(f) {'//nl// &
+   "    for (const key of ['drive', 'fx', 'fy', 'moment']) f[key] = filled(f[key]);"//nl// &
+   '    for (const one of [...f.centres, ...f.loads, ...f.joints])'//nl// &
+   "      for (const key of ['x', 'y', 'fx', 'fy']) if (one[key]) one[key] = filled(one[key]);"//nl// &
+   '    const peak = (one) => one.fx.reduce((most, v, i) => Math.max(most, Math.hypot(v, one.fy[i]) || 0), 0);'//nl// &
+   '    for (const one of [...f.loads, ...f.joints]) one.peak = peak(one);'//nl// &
+   '    f.largest = Math.max(0, ...f.loads.map((one) => one.peak));'//nl// &
    '  }'//nl// &
    ''//nl// &
    '  /** An angle goes on from the one before it; the curve then lies nearest to the desired values. */'//nl// &
@@ -503,7 +517,9 @@ module psalm_page_text
    '  /** Place t brought into the limits [from, to]; a whole turn begins anew. */'//nl// &
    '  function within(c, t, [from, to]) {'//nl// &
    '    return c.ring && to - from >= 360 ? modulo(t, 360) : Math.min(to, Math.max(from, t));'//nl// &
-   '  }'//nl// &
+   '  }'//nl
+
+   character(*), parameter :: part_6 = &
    ''//nl// &
    '  /** Place t between two positions of the sweep: lower, upper, part. Beside an open position: the nearer one. */'//nl// &
    '  function between(c, t) {'//nl// &
@@ -517,9 +533,7 @@ module psalm_page_text
    ''//nl// &
    '  /** A value there; what does not move is one number. */'//nl// &
    "  const mixed = (v, [i, k, f]) => typeof v === 'number' ? v : f === 0 ? v[i] : v[i] + f * (v[k] - v[i]);"//nl// &
-   ''//nl
-
-   character(*), parameter :: part_6 = &
+   ''//nl// &
    '  /** Index of the prescribed position at t, or -1. */'//nl// &
    '  function prescribedAt(c, t) {'//nl// &
    '    let best = -1, least = HERE;'//nl// &
@@ -585,6 +599,7 @@ module psalm_page_text
    "  const COLOURS = ['paper', 'ink', 'soft', 'line', 'accent', 'actual', 'desired', 'bad', 'warn', 'badband', 'warnband',"//nl// &
    "    'frame', 'ghost', 'link0', 'link1', 'link2', 'link3', 'link4', 'link5', 'link6', 'link7'];"//nl// &
    '  const MANY = 60;               // joints above which symbols are smaller and letters left out'//nl// &
+   '  const LONGEST = 90;            // pixels of the arrow of the largest load'//nl// &
    '  const ROUND = 2 * Math.PI;'//nl// &
    '  const pens = {};               // colours of the scheme'//nl// &
    '  let canvas, pen, still;        // `still` holds what does not move'//nl// &
@@ -604,7 +619,9 @@ module psalm_page_text
    '  /** Gives a canvas and copies of it the pixels of its place on the screen. */'//nl// &
    '  function fit(shown, ...copies) {'//nl// &
    '    const dpr = window.devicePixelRatio || 1, w = shown.clientWidth, h = shown.clientHeight;'//nl// &
-   '    for (const one of [shown, ...copies]) {'//nl// &
+   '    for (const one of [shown, ...copies]) {'//nl
+
+   character(*), parameter :: part_7 = &
    '      one.width = Math.max(1, Math.round(w * dpr));'//nl// &
    '      one.height = Math.max(1, Math.round(h * dpr));'//nl// &
    "      one.getContext('2d').setTransform(dpr, 0, 0, dpr, 0, 0);"//nl// &
@@ -619,9 +636,7 @@ module psalm_page_text
    ''//nl// &
    '  /** Colour of the link of a body. */'//nl// &
    "  const linkColour = (i) => pens['link' + i % 8];"//nl// &
-   '  function colourOf(c, body) {'//nl
-
-   character(*), parameter :: part_7 = &
+   '  function colourOf(c, body) {'//nl// &
    '    if (c.ink) return c.ink;'//nl// &
    '    return body < 0 ? pens.link0 : c.bodies[body].frame ? pens.frame : linkColour(body);'//nl// &
    '  }'//nl// &
@@ -707,7 +722,9 @@ module psalm_page_text
    ''//nl// &
    '  function drawPlaces(g, c) {'//nl// &
    '    const p = c.prescribed, size = 2.4 * view.u;'//nl// &
-   '    g.fillStyle = pens.soft;'//nl// &
+   '    g.fillStyle = pens.soft;'//nl
+
+   character(*), parameter :: part_8 = &
    '    c.joints.forEach((joint, j) => {'//nl// &
    '      if (joint.fixed || !joint.name) return;'//nl// &
    '      for (let i = 0; i < p.n; i++) {'//nl// &
@@ -722,9 +739,7 @@ module psalm_page_text
    '    g.strokeStyle = c.ink || pens.actual;'//nl// &
    '    g.lineWidth = 1.2 * view.u;'//nl// &
    '    g.beginPath();'//nl// &
-   '    let down = false;'//nl
-
-   character(*), parameter :: part_8 = &
+   '    let down = false;'//nl// &
    '    for (let i = 0; i <= (c.ring ? s.n : s.n - 1); i++) {'//nl// &
    '      const at = [i % s.n, i % s.n, 0], x = mixed(s.x[c.output], at), y = mixed(s.y[c.output], at);'//nl// &
    '      if (!isFinite(x)) { down = false; continue; }'//nl// &
@@ -809,7 +824,9 @@ module psalm_page_text
    '    const end = 12 + view.k * length;'//nl// &
    '    g.strokeStyle = g.fillStyle = pens.soft;'//nl// &
    '    g.lineWidth = 1.5 * view.u;'//nl// &
-   "    g.font = 12 * view.u + 'px system-ui, sans-serif';"//nl// &
+   "    g.font = 12 * view.u + 'px system-ui, sans-serif';"//nl
+
+   character(*), parameter :: part_9 = &
    '    g.beginPath();'//nl// &
    '    g.moveTo(12, y - 6);'//nl// &
    '    g.lineTo(12, y);'//nl// &
@@ -825,9 +842,7 @@ module psalm_page_text
    '  /** The linkage at the place t of its sweep, under it the cases laid over it. */'//nl// &
    '  function frame(c, t) {'//nl// &
    '    pen.clearRect(0, 0, view.w, view.h);'//nl// &
-   '    pen.drawImage(still, 0, 0, view.w, view.h);'//nl
-
-   character(*), parameter :: part_9 = &
+   '    pen.drawImage(still, 0, 0, view.w, view.h);'//nl// &
    '    const part = (t - c.ends[0]) / Math.max(1e-9, c.ends[1] - c.ends[0]);'//nl// &
    '    for (const o of shownOverlays()) {'//nl// &
    '      pen.globalAlpha = 0.6;'//nl// &
@@ -852,6 +867,85 @@ module psalm_page_text
    '    if (main) drawBroken(c, at[0]);'//nl// &
    '    drawJoints(c, at, main);'//nl// &
    '    drawOutput(c, at);'//nl// &
+   '    if (c.forces && main && balm.state.forces) drawForces(c.forces, at);'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  /** Centres of mass, loads as arrows, and the polar diagram of one bearing in the upper right corner. */'//nl// &
+   '  function drawForces(f, at) {'//nl// &
+   '    const g = pen, u = view.u, r = 5.5 * u;'//nl// &
+   '    for (const one of f.centres) {'//nl// &
+   '      const x = X(mixed(one.x, at)), y = Y(mixed(one.y, at));'//nl// &
+   '      if (!isFinite(x)) continue;'//nl// &
+   '      g.fillStyle = pens.paper;'//nl// &
+   '      g.strokeStyle = pens.ink;'//nl// &
+   '      g.lineWidth = 1.2 * u;'//nl// &
+   '      g.beginPath();'//nl// &
+   '      g.arc(x, y, r, 0, ROUND);'//nl// &
+   '      g.fill();'//nl// &
+   '      g.stroke();'//nl// &
+   '      g.fillStyle = pens.ink;'//nl// &
+   '      for (const from of [0, Math.PI]) {'//nl// &
+   '        g.beginPath();'//nl// &
+   '        g.moveTo(x, y);'//nl// &
+   '        g.arc(x, y, r, from, from + Math.PI / 2);'//nl// &
+   '        g.fill();'//nl// &
+   '      }'//nl// &
+   '    }'//nl// &
+   '    g.strokeStyle = g.fillStyle = pens.link2;'//nl// &
+   "    g.font = 11 * u + 'px system-ui, sans-serif';"//nl// &
+   '    for (const one of f.loads) arrow(g, one, at, f.largest);'//nl// &
+   "    if (f.largest > 0) g.fillText('loads: ' + LONGEST + ' pixels are ' + short(Number(f.largest.toPrecision(4))) + ' N'"// &
+   ", 12, 16 * u);"//nl// &
+   '    const bearing = f.joints[balm.state.bearing];'//nl// &
+   '    if (bearing) drawPolar(g, bearing, at);'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  function arrow(g, one, at, largest) {'//nl// &
+   '    const u = view.u, x = X(mixed(one.x, at)), y = Y(mixed(one.y, at)), scale = LONGEST * u / (largest || 1);'//nl// &
+   '    const dx = scale * mixed(one.fx, at), dy = -scale * mixed(one.fy, at), length = Math.hypot(dx, dy);'//nl// &
+   '    if (!(length > 1)) return;'//nl// &
+   '    const head = Math.min(9 * u, 0.6 * length) / length;'//nl// &
+   '    g.lineWidth = 2.2 * u;'//nl// &
+   '    line(g, x, y, x + dx, y + dy);'//nl// &
+   '    g.beginPath();'//nl// &
+   '    g.moveTo(x + dx - head * (dx - 0.4 * dy), y + dy - head * (dy + 0.4 * dx));'//nl// &
+   '    g.lineTo(x + dx, y + dy);'//nl// &
+   '    g.lineTo(x + dx - head * (dx + 0.4 * dy), y + dy - head * (dy - 0.4 * dx));'//nl// &
+   '    g.stroke();'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  /** Force on the later link of a joint over the sweep, machine axes, with a dot where it is now. */'//nl// &
+   '  function drawPolar(g, bearing, at) {'//nl// &
+   '    const u = view.u, r = 58 * u, x = view.w - r - 14 * u, y = r + 14 * u, scale = r / (bearing.peak || 1);'//nl// &
+   '    g.strokeStyle = pens.line;'//nl// &
+   '    g.lineWidth = u;'//nl// &
+   '    line(g, x - r, y, x + r, y);'//nl// &
+   '    line(g, x, y - r, x, y + r);'//nl// &
+   '    g.strokeStyle = pens.accent;'//nl// &
+   '    g.lineWidth = 1.4 * u;'//nl// &
+   '    g.beginPath();'//nl// &
+   '    let down = false;'//nl// &
+   '    bearing.fx.forEach((v, i) => {'//nl// &
+   '      if (!isFinite(v)) { down = false; return; }'//nl// &
+   '      const px = x + scale * v, py = y - scale * bearing.fy[i];'//nl// &
+   '      if (down) g.lineTo(px, py); else g.moveTo(px, py);'//nl
+
+   character(*), parameter :: part_10 = &
+   '      down = true;'//nl// &
+   '    });'//nl// &
+   '    g.stroke();'//nl// &
+   '    const fx = mixed(bearing.fx, at), fy = mixed(bearing.fy, at);'//nl// &
+   '    g.fillStyle = pens.actual;'//nl// &
+   '    if (isFinite(fx)) {'//nl// &
+   '      g.beginPath();'//nl// &
+   '      g.arc(x + scale * fx, y - scale * fy, 3.4 * u, 0, ROUND);'//nl// &
+   '      g.fill();'//nl// &
+   '    }'//nl// &
+   '    g.fillStyle = pens.ink;'//nl// &
+   "    g.textAlign = 'center';"//nl// &
+   "    g.fillText(bearing.name + ': ' + short(Number(Math.hypot(fx, fy).toPrecision(4))) + ' N, peak ' +"//nl// &
+   "      short(Number(bearing.peak.toPrecision(4))) + ' N', x, y + r + 14 * u);"//nl// &
+   "    g.textAlign = 'left';"//nl// &
    '  }'//nl// &
    ''//nl// &
    '  function drawRails(c, at) {'//nl// &
@@ -927,9 +1021,7 @@ module psalm_page_text
    '      g.setLineDash([3, 4]);'//nl// &
    '      segment(g, ...tip);'//nl// &
    '      g.setLineDash([]);'//nl// &
-   '    }'//nl
-
-   character(*), parameter :: part_10 = &
+   '    }'//nl// &
    '  }'//nl// &
    ''//nl// &
    '  /** The star, and with an output angle without an output arc a line in its direction. */'//nl// &
@@ -938,7 +1030,9 @@ module psalm_page_text
    "    if (c.motion === 'angle' && c.output === c.base && c.sweep.closed[at[0]] === '1') {"//nl// &
    '      const ax = X(mixed(c.sweep.aim_x, at)), ay = Y(mixed(c.sweep.aim_y, at));'//nl// &
    '      pen.strokeStyle = pens.actual;'//nl// &
-   '      pen.lineWidth = 2.2 * view.u;'//nl// &
+   '      pen.lineWidth = 2.2 * view.u;'//nl
+
+   character(*), parameter :: part_11 = &
    '      line(pen, x, y, ax, ay);'//nl// &
    '      [x, y] = [ax, ay];'//nl// &
    '    }'//nl// &
@@ -1031,9 +1125,7 @@ module psalm_page_text
    "  const OUTPUT = { angle: 'angle, degrees', distance: 'distance', slide: 'length of the slide' };"//nl// &
    '  const ROUND = 2 * Math.PI;'//nl// &
    '  let canvas, chart, still, strip;'//nl// &
-   '  let plot = null;          // place of the panels'//nl
-
-   character(*), parameter :: part_11 = &
+   '  let plot = null;          // place of the panels'//nl// &
    ''//nl// &
    '  function begin() {'//nl// &
    "    canvas = document.getElementById('curves');"//nl// &
@@ -1043,7 +1135,9 @@ module psalm_page_text
    '  }'//nl// &
    ''//nl// &
    '  // ---- axes --------------------------------------------------------------------------------------------------------'// &
-   '-'//nl// &
+   '-'//nl
+
+   character(*), parameter :: part_12 = &
    ''//nl// &
    '  /** Round numbers from a to b, about `count`; with `angles` steps that divide a turn. */'//nl// &
    '  function ticks(a, b, count, angles = false) {'//nl// &
@@ -1062,6 +1156,7 @@ module psalm_page_text
    '    if (!(high >= low)) return [0, 1];'//nl// &
    '    if (high - low >= FLAT * size) return [low, high];'//nl// &
    '    const middle = Math.abs(low) < FLAT * size ? 0 : (low + high) / 2;'//nl// &
+   '    if (!(size > 0)) return [low - 1, high + 1];'//nl// &
    '    return [middle - AROUND * size, middle + AROUND * size];'//nl// &
    '  }'//nl// &
    ''//nl// &
@@ -1106,6 +1201,13 @@ module psalm_page_text
    '      values: a.values });'//nl// &
    "    if (s.angle.length) panels.push({ name: 'transmission angle, degrees', fixed: [0, 180], limits: c.limits,"//nl// &
    '      lines: s.angle.map(angle), points: [] });'//nl// &
+   '    if (c.forces) {'//nl// &
+   '      const f = c.forces, curve = (label, colour, values) => ({ label, colour, values });'//nl// &
+   '      const shown = (name, lines) => panels.push({ name, size: 0, zero: true, lines, points: [] });'//nl// &
+   "      shown(f.sliding ? 'force of the drive, N' : 'torque of the drive, N m', [curve('', pens.actual, f.drive)]);"//nl// &
+   "      shown('force on the frame, N', [curve('x', pens.link0, f.fx), curve('y', pens.link1, f.fy)]);"//nl// &
+   "      shown('moment on the frame, N m', [curve('', pens.link3, f.moment)]);"//nl// &
+   '    }'//nl// &
    '    return panels;'//nl// &
    '  }'//nl// &
    ''//nl// &
@@ -1135,10 +1237,10 @@ module psalm_page_text
    '      g.fillText(short(c.ring ? modulo(v, 360) : v), plot.x((v - first) / each), h - 20 * u);'//nl// &
    "    g.fillText(c.sliding ? 'input length' : 'crank angle, degrees', (left + right) / 2, h - 5 * u);"//nl// &
    "    g.textAlign = 'left';"//nl// &
-   '  }'//nl
+   '  }'//nl// &
+   ''//nl
 
-   character(*), parameter :: part_12 = &
-   ''//nl// &
+   character(*), parameter :: part_13 = &
    '  function drawPanel(g, c, panel) {'//nl// &
    '    const { pens } = balm.drawing, { left, right, u } = plot, { top, bottom } = panel;'//nl// &
    '    const [low, high] = panel.fixed || axisRange(...extent(panel, plot.from, plot.to), panel.size);'//nl// &
@@ -1237,10 +1339,10 @@ module psalm_page_text
    '      i = k;'//nl// &
    '    }'//nl// &
    '  }'//nl// &
-   ''//nl
+   ''//nl// &
+   '  function layOutStrip(c) {'//nl
 
-   character(*), parameter :: part_13 = &
-   '  function layOutStrip(c) {'//nl// &
+   character(*), parameter :: part_14 = &
    "    const { fit, pens } = balm.drawing, [w, h] = fit(strip), g = strip.getContext('2d');"//nl// &
    '    const x = (t) => 8 + (t - plot.from) / (plot.to - plot.from) * (w - 16);'//nl// &
    '    g.clearRect(0, 0, w, h);'//nl// &
@@ -1339,10 +1441,10 @@ module psalm_page_text
    "      button.type = 'button';"//nl// &
    '      button.textContent = violation.text;'//nl// &
    "      button.addEventListener('click', () => balm.controls.go(c.at[violation.first]));"//nl// &
-   '      return button;'//nl
+   '      return button;'//nl// &
+   '    };'//nl
 
-   character(*), parameter :: part_14 = &
-   '    };'//nl// &
+   character(*), parameter :: part_15 = &
    "    part(c.sound ? 'Errors' : 'The input is wrong; there is no linkage to draw', c.errors, 'error', plain);"//nl// &
    "    if (c.sound) part('Closure and limits at the prescribed positions', c.prescribed.violations, 'error', link);"//nl// &
    "    part('Constraints', c.breaches, 'error', plain);"//nl// &
@@ -1441,10 +1543,10 @@ module psalm_page_text
    ''//nl// &
    '  function speed(way) {'//nl// &
    "    const box = $('speed');"//nl// &
-   '    box.selectedIndex = Math.min(box.options.length - 1, Math.max(0, box.selectedIndex + way));'//nl
+   '    box.selectedIndex = Math.min(box.options.length - 1, Math.max(0, box.selectedIndex + way));'//nl// &
+   '    balm.state.speed = Number(box.value);'//nl
 
-   character(*), parameter :: part_15 = &
-   '    balm.state.speed = Number(box.value);'//nl// &
+   character(*), parameter :: part_16 = &
    '  }'//nl// &
    ''//nl// &
    '  // ---- the picture -------------------------------------------------------------------------------------------------'// &
@@ -1546,12 +1648,16 @@ module psalm_page_text
    "    $('after').addEventListener('click', () => prescribed(1));"//nl// &
    "    $('time').addEventListener('input', () => {"//nl// &
    '      setPlaying(false);'//nl// &
-   "      go(beforeTurn(Number($('time').value)));"//nl
+   "      go(beforeTurn(Number($('time').value)));"//nl// &
+   '    });'//nl
 
-   character(*), parameter :: part_16 = &
-   '    });'//nl// &
-   "    for (const name of ['whole', 'other', 'traces', 'letters']) $(name).addEventListener('change', () => {"//nl// &
+   character(*), parameter :: part_17 = &
+   "    for (const name of ['whole', 'other', 'traces', 'letters', 'forces']) $(name).addEventListener('change', () => {"//nl// &
    '      state[name] = $(name).checked;'//nl// &
+   '      refresh();'//nl// &
+   '    });'//nl// &
+   "    $('bearing').addEventListener('change', () => {"//nl// &
+   "      state.bearing = Number($('bearing').value);"//nl// &
    '      refresh();'//nl// &
    '    });'//nl// &
    "    picture.addEventListener('pointerdown', grab);"//nl// &
@@ -1590,6 +1696,8 @@ module psalm_page_text
    '    other: false,           // other assemblies'//nl// &
    '    traces: true,'//nl// &
    '    letters: true,'//nl// &
+   '    forces: true,           // centres of mass, loads'//nl// &
+   '    bearing: -1,            // joint of the polar diagram'//nl// &
    '    overlays: new Set(),    // cases laid over the one shown'//nl// &
    '    hover: null,            // bar under the pointer'//nl// &
    '  };'//nl// &
@@ -1624,6 +1732,7 @@ module psalm_page_text
    '      return;'//nl// &
    '    }'//nl// &
    '    if (fresh) [state.whole, state.t, state.forth] = [!c.limited, c.at[c.reference], 1];'//nl// &
+   '    offerForces(c, fresh);'//nl// &
    "    $('whole').checked = state.whole;"//nl// &
    "    $('wholebox').hidden = !c.limited;"//nl// &
    '    refresh();'//nl// &
@@ -1642,15 +1751,23 @@ module psalm_page_text
    '    }'//nl// &
    '    laidOut = true;'//nl// &
    "    $('time').min = curves.from;"//nl// &
-   "    $('time').max = curves.to;"//nl// &
+   "    $('time').max = curves.to;"//nl
+
+   character(*), parameter :: part_18 = &
    '    controls.go(state.t);'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  /** Choices that only a case with forces has. */'//nl// &
+   '  function offerForces(c, fresh) {'//nl// &
+   "    $('forcebox').hidden = $('bearingbox').hidden = !c.forces;"//nl// &
+   '    if (!c.forces || !fresh) return;'//nl// &
+   '    state.bearing = 0;'//nl// &
+   "    $('bearing').replaceChildren(...c.forces.joints.map((joint, i) => new Option(joint.name, i)));"//nl// &
    '  }'//nl// &
    ''//nl// &
    '  /** Titles in the list as long as the window has room for. */'//nl// &
    '  function nameCases() {'//nl// &
-   '    const room = Math.max(12, Math.floor((document.documentElement.clientWidth - 130) / 10));'//nl
-
-   character(*), parameter :: part_17 = &
+   '    const room = Math.max(12, Math.floor((document.documentElement.clientWidth - 130) / 10));'//nl// &
    "    [...$('case').options].forEach((option, i) => {"//nl// &
    "      option.textContent = (i + 1) + ': ' + scene.shortTitle(titleOf(cases[i]), room);"//nl// &
    '      option.title = titleOf(cases[i]);'//nl// &
@@ -1742,6 +1859,6 @@ contains
 
       text = part_1//part_2//part_3//part_4//part_5//part_6//part_7//part_8// &
              part_9//part_10//part_11//part_12//part_13//part_14//part_15//part_16// &
-             part_17
+             part_17//part_18
    end function page_text
 end module psalm_page_text

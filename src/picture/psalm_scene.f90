@@ -7,6 +7,8 @@ module psalm_scene
    use psalm_data_set, only: data_set_t
    use psalm_dyad_kind, only: direction_known, form_of, form_t
    use psalm_error, only: problem_t, make_problem
+   use psalm_force_model, only: forces_wanted
+   use psalm_force_scene, only: force_scene_t, make_force_scene
    use psalm_kinds, only: wp
    use psalm_margin_list, only: describe_margin
    use psalm_margins, only: margin_t, inspector_t, prepare_inspector, inspect, is_violated
@@ -49,6 +51,7 @@ module psalm_scene
       real(wp) :: pointer = 0.0_wp                        !! drawn length of the output arc with MOTION 1
       integer :: reference = 1                            !! prescribed position nearest to the reference position
       real(wp) :: low(2) = 0.0_wp, high(2) = 1.0_wp       !! corners of the view
+      type(force_scene_t), allocatable :: forces          !! if the case has masses, loads or springs
    end type scene_t
 
 contains
@@ -120,6 +123,10 @@ contains
       if (scene%motion == motion_slide) call find_output_slide(mechanism, scene)
       call trace_row(own, whole, dimensions, scene%slides, scene%output_slide, .true., scene%prescribed)
       if (set%constr%given) call judge(set, own, dimensions, scene)
+      if (forces_wanted(set)) then
+         allocate (scene%forces)
+         call make_force_scene(set, own, dimensions, sweep_inputs(own), scene%forces)
+      end if
       call own%set_inputs(sweep_inputs(own))
       call whole%set_inputs(own%delt)
       call trace_row(own, whole, dimensions, scene%slides, scene%output_slide, .false., scene%sweep)

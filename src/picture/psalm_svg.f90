@@ -7,6 +7,7 @@ module psalm_svg
    use psalm_angles, only: degrees_of, unit_vector
    use psalm_constraint_group, only: region_box, region_half_plane
    use psalm_elementary, only: hypotenuse
+   use psalm_force_drawing, only: draw_centres_and_loads, draw_polar_diagrams, height_of_polar_diagrams
    use psalm_kinds, only: wp
    use psalm_labels, only: place_labels
    use psalm_markup, only: xml_text, short_number, wrapped, strings_t, add_string
@@ -42,7 +43,7 @@ contains
       type(text_t), intent(inout) :: text
       type(scene_t) :: scene
       type(strings_t), allocatable :: lines(:)
-      real(wp) :: k, ox, oy, height, foot, unit
+      real(wp) :: k, ox, oy, height, foot, unit, below
 
       scene = given
       unit = 1.0_wp
@@ -62,12 +63,14 @@ contains
             foot = oy + margin
          end associate
       end if
-      height = foot + merge(46.0_wp, 8.0_wp, scene%sound) + line_height*real(size(lines), wp) + 14.0_wp
+      below = merge(46.0_wp, 8.0_wp, scene%sound)
+      if (allocated(scene%forces)) below = below + height_of_polar_diagrams(scene%forces)
+      height = foot + below + line_height*real(size(lines), wp) + 14.0_wp
       call text%add('<?xml version="1.0" encoding="UTF-8"?>')
       call text%add('<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 '//px(width)//' '//px(height)//'" width="'//px(width)// &
                     '" height="'//px(height)//'" role="img" aria-labelledby="title">')
       call text%add('<title id="title">'//xml_text(scene%title)//'</title>')
-      call write_style(text)
+      call write_style(allocated(scene%forces), text)
       call text%add('<rect class="paper" width="'//px(width)//'" height="'//px(height)//'"/>')
       call text%add('<text class="head" x="28" y="36">'//xml_text(trim(scene%title))//'</text>')
       if (scene%sound) then
@@ -82,8 +85,9 @@ contains
          call draw_letters(scene, k, ox, oy, text)
          call draw_scale(k, foot, unit, text)
          call draw_legend(scene, foot, text)
+         if (allocated(scene%forces)) call draw_polar_diagrams(scene%forces, scene%reference, foot + 46.0_wp, text)
       end if
-      call draw_messages(lines, foot + merge(46.0_wp, 8.0_wp, scene%sound), text)
+      call draw_messages(lines, foot + below, text)
       call text%add('</svg>')
    end subroutine write_svg
 
@@ -95,7 +99,8 @@ contains
       if (unit /= 1.0_wp) attribute = ' data-unit="'//number(unit)//'"'
    end function data_unit
 
-   subroutine write_style(text)
+   subroutine write_style(forces, text)
+      logical, intent(in) :: forces            !! there are forces to draw
       type(text_t), intent(inout) :: text
       character(*), parameter :: light(*) = [character(7) :: &
          '#1f6fb5', '#b5541c', '#2e8540', '#7b3fa0', '#a8740a', '#b0305f', '#16808a', '#5a6b1c']
@@ -117,6 +122,9 @@ contains
                     '.region{fill:#d3302f;fill-opacity:.09;stroke:#d3302f}.inside{fill:none}'// &
                     '.ghost{stroke:#9aa4ad}.broken{stroke:#d3302f}.actual{fill:#c62828;stroke:#c62828}.path{stroke:#c62828}'// &
                     '.desired{fill:none;stroke:#0b57d0}.axis{stroke:#14202b;fill:none}.direction{fill:none}')
+      if (forces) call text%add('.mass circle{fill:#fff;stroke:#14202b}.mass path{fill:#14202b}'// &
+                                '.load{fill:none;stroke:#0b7d4f;stroke-linecap:round}'// &
+                                '.polar{fill:none;stroke:#0b57d0;stroke-width:1.3}.now{fill:#c62828}')
       do i = 1, colours
          call text%add('.c'//to_text(i)//'{stroke:'//light(i)//'}.plate.c'//to_text(i)//'{fill:'//light(i)//'}')
       end do
@@ -194,6 +202,7 @@ contains
       call draw_output(scene, k, text)
       call draw_symbols(scene, k, text)
       call draw_star(scene, k, text)
+      if (allocated(scene%forces)) call draw_centres_and_loads(scene%forces, scene%reference, k, text)
    end subroutine draw_linkage
 
    !> Where joints must not go: shaded; where they must stay: a dashed outline. Of a half-plane a strip along its edge.

@@ -1,6 +1,7 @@
 !> How a scene is put into a picture: its unit of length, and how much of the plane is seen.
 module psalm_view
    use psalm_constraint_group, only: region_half_plane
+   use psalm_force_scene, only: change_unit_of_forces
    use psalm_kinds, only: wp
    use psalm_scene, only: scene_t
    use psalm_trace, only: row_t
@@ -36,6 +37,7 @@ contains
       call change_regions()
       call change(scene%prescribed)
       call change(scene%sweep)
+      if (allocated(scene%forces)) call change_unit_of_forces(scene%forces, unit)
 
    contains
 

@@ -1,0 +1,58 @@
+!> Forces in the gnuplot script of the curves: drive, force and moment on the frame over the sweep.
+module psalm_force_curves
+   use psalm_force_analysis, only: column_drive, column_fx, column_fy, column_moment
+   use psalm_force_scene, only: force_scene_t
+   use psalm_kinds, only: wp
+   use psalm_text, only: text_t, full_precision
+   implicit none (type, external)
+   private
+   public :: write_force_table, plot_force_panels, force_panels
+
+   integer, parameter :: force_panels = 3
+
+contains
+
+   !> The table $forces: input, drive, force and moment on the frame.
+   subroutine write_force_table(forces, inputs, text)
+      type(force_scene_t), intent(in) :: forces
+      real(wp), intent(in) :: inputs(:)       !! shape (sweep): on the axis of the curves
+      type(text_t), intent(inout) :: text
+      character(:), allocatable :: line
+      integer :: i, c
+
+      call text%add('$forces << END')
+      call text%add('# input drive frame_fx frame_fy frame_m')
+      do i = 1, size(inputs)
+         line = full_precision(inputs(i))
+         do c = column_drive, column_moment
+            if (forces%sweep%table%known(i)) then
+               line = line//' '//full_precision(forces%sweep%table%value(i, c))
+            else
+               line = line//' NaN'
+            end if
+         end do
+         call text%add(line)
+      end do
+      call text%add('END')
+   end subroutine write_force_table
+
+   subroutine plot_force_panels(forces, text)
+      type(force_scene_t), intent(in) :: forces
+      type(text_t), intent(inout) :: text
+      integer :: k
+
+      if (.not. any([(forces%sweep%table%known(k), k=1, size(forces%sweep%table%closed))])) return
+      if (forces%sliding) then
+         call text%add("set ylabel 'force of the drive, N'")
+      else
+         call text%add("set ylabel 'torque of the drive, N m'")
+      end if
+      call text%add("plot $forces using 1:2 with lines lw 2 lc rgb '#c62828' title 'drive'")
+      call text%add("set ylabel 'force on the frame, N'")
+      call text%add("plot $forces using 1:3 with lines lw 2 lc rgb '#0b57d0' title 'x', $forces using 1:4 with lines lw 2 "// &
+                    "lc rgb '#2e8540' title 'y', $forces using 1:(sqrt($3*$3+$4*$4)) with lines lw 1 lc rgb '#566370' "// &
+                    "title 'amount'")
+      call text%add("set ylabel 'moment on the frame, N m'")
+      call text%add("plot $forces using 1:5 with lines lw 2 lc rgb '#7b3fa0' title 'moment'")
+   end subroutine plot_force_panels
+end module psalm_force_curves

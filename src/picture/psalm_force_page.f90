@@ -1,0 +1,79 @@
+!> Forces as data of the moving page, over its sweep.
+module psalm_force_page
+   use psalm_force_scene, only: force_scene_t
+   use psalm_force_analysis, only: column_drive, column_fx, column_fy, column_moment
+   use psalm_kinds, only: wp
+   use psalm_markup, only: json_text, short_number
+   use psalm_text, only: text_t, to_text
+   implicit none (type, external)
+   private
+   public :: write_force_data
+
+contains
+
+   !> Append a JSON object; what is not known is null.
+   subroutine write_force_data(forces, text)
+      type(force_scene_t), intent(in) :: forces
+      type(text_t), intent(inout) :: text
+      integer :: j
+
+      associate (sweep => forces%sweep)
+         call text%add_text('{"sliding":'//trim(merge('true ', 'false', forces%sliding)))
+         call add_row('drive', sweep%table%value(:, column_drive))
+         call add_row('fx', sweep%table%value(:, column_fx))
+         call add_row('fy', sweep%table%value(:, column_fy))
+         call add_row('moment', sweep%table%value(:, column_moment))
+         call text%add_text(',"centres":[')
+         do j = 1, size(sweep%centre, 3)
+            call text%add_text(separator(j)//'{"link":'//json_text(trim(forces%links(j))))
+            call add_row('x', sweep%centre(1, :, j))
+            call add_row('y', sweep%centre(2, :, j))
+            call text%add('}')
+         end do
+         call text%add_text('],"loads":[')
+         do j = 1, size(sweep%load, 3)
+            call text%add_text(separator(j)//'{"number":'//to_text(j))
+            call add_row('x', sweep%load_at(1, :, j))
+            call add_row('y', sweep%load_at(2, :, j))
+            call add_row('fx', sweep%load(1, :, j))
+            call add_row('fy', sweep%load(2, :, j))
+            call text%add('}')
+         end do
+         call text%add_text('],"joints":[')
+         do j = 1, size(forces%joints)
+            call text%add_text(separator(j)//'{"name":'//json_text(trim(forces%joints(j))))
+            call add_row('fx', sweep%joint(1, :, j))
+            call add_row('fy', sweep%joint(2, :, j))
+            call text%add('}')
+         end do
+         call text%add_text(']}')
+      end associate
+
+   contains
+
+      subroutine add_row(name, values)
+         character(*), intent(in) :: name
+         real(wp), intent(in) :: values(:)
+         integer :: i
+
+         call text%add_text(',"'//name//'":[')
+         do i = 1, size(values)
+            if (i > 1) call text%add_text(',')
+            if (forces%sweep%table%known(i)) then
+               call text%add_text(short_number(values(i)))
+            else
+               call text%add_text('null')
+            end if
+         end do
+         call text%add(']')
+      end subroutine add_row
+
+      pure function separator(i) result(mark)
+         integer, intent(in) :: i
+         character(:), allocatable :: mark
+
+         mark = ','
+         if (i == 1) mark = ''
+      end function separator
+   end subroutine write_force_data
+end module psalm_force_page
