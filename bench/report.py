@@ -84,7 +84,15 @@ lines.append("| Monte-Carlo sample of the needle linkage, 20 positions, 19 dimen
 lines += ["| 64 loops, output at the second / its two loops alone | %.2f |" % (chain / pair),
           "| instructions of one objective evaluation (x86-64-v3), 20 positions | %d |" % (int(read("instructions.20")) // 10),
           "| the same, 10240 positions, per dyad and position | %.1f |" % (int(read("instructions.10240")) / 10 / 4 / 10240), ""]
-lines += ["## Time, ns per dyad and position", ""]
+lines += ["## Forces, ns per dyad and position", "",
+          "Positions, velocities and accelerations, and after them drive, frame and all joints, with masses and weight "
+          "(`bench forces`).", "",
+          "| linkage | dyads | positions | motion | forces | forces / motion |", "| --- | --- | --- | --- | --- | --- |"]
+for row in read("forces").splitlines():
+    title, count, n, motion, forces = row.split("|")
+    lines.append("| %s | %s | %s | %.2f | %.2f | %.2f |" % (title, count, n, float(motion), float(forces),
+                                                         float(forces) / float(motion)))
+lines += ["", "## Time, ns per dyad and position", ""]
 for k in linkages:
     lines += ["### %s (%d dyad%s)" % (k, dyads[k], "s" if dyads[k] > 1 else ""), "",
               "| method | " + " | ".join("N = %d" % n for n in positions) + " | largest relative error, N = 180 |",

@@ -7,9 +7,11 @@
 !>        bench pruning                ns per position: chain of 64 loops, output at the second | two loops alone
 !>        bench derivatives            linkage | with velocities and accelerations / positions alone | ns per dyad, position;
 !>                                     needle | us of an objective | us of a Jacobian | gradient / objective
+!>        bench forces                 linkage | dyads | positions | ns per dyad and position: motion | forces after it
 !>        bench evaluate20, evaluate10240   ten evaluations of the needle linkage, for counting instructions
 !>        bench objective              positions | microseconds per evaluation | ns per dyad and position
 program bench
+   use bench_forces, only: measure_forces
    use bench_measure, only: write_reference, measure_all, measure_objective, measure_pruning, evaluate_needle, measure_derivatives
    implicit none (type, external)
    character(200) :: task, file, label, out
@@ -29,6 +31,8 @@ program bench
       call measure_pruning()
    case ('derivatives')
       call measure_derivatives()
+   case ('forces')
+      call measure_forces()
    case ('evaluate20')
       call evaluate_needle(20)
    case ('evaluate10240')

@@ -16,6 +16,7 @@ module bench_measure
    use psalm_parameters, only: parameters_t
    implicit none (type, external)
    private
+   public :: load, names, titles
    public :: write_reference, measure_all, measure_objective, measure_pruning, evaluate_needle, measure_derivatives
 
    character(*), parameter :: names(*) = [character(24) :: 'dyad1_crank_rocker', 'hard/pruned64', 'needle', 'textile', &
@@ -31,11 +32,12 @@ module bench_measure
 contains
 
    !> The k-th linkage at n positions through one turn, output a point, closure only.
-   subroutine load(k, n, everything, problem, as_written)
+   subroutine load(k, n, everything, problem, as_written, set)
       integer, intent(in) :: k, n
       logical, intent(in) :: everything
       type(problem_t), intent(out) :: problem
       logical, intent(in), optional :: as_written
+      type(data_set_t), intent(out), optional :: set
       type(data_set_t), allocatable :: sets(:)
       type(diagnostics_t) :: findings
       type(mechanism_t) :: mechanism
@@ -64,6 +66,7 @@ contains
       if (findings%failed()) error stop 'a data set is wrong'
       call make_problem(sets(1), mechanism, dimensions, parameters, problem)
       call problem%set_inputs([(360.0_wp*real(i, wp)/real(n, wp), i=0, n - 1)])
+      if (present(set)) set = sets(1)
    end subroutine load
 
    subroutine points_of(problem, x, y)
