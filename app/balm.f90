@@ -61,6 +61,11 @@ contains
       mark = begin_mark(arguments%program)
       if (arguments%assemblies) call mark%add('--assemblies')
       call read_cases(file, sets, findings, program='balm', mark=mark)
+      do k = 1, size(sets)
+         if (.not. allocated(sets(k)%no_loops)) cycle
+         call findings%error('balm draws dyads with one drive on the frame, but this sketch has '//sets(k)%no_loops, &
+                             line=sets(k)%title_line)
+      end do
       call make_scenes(sets, findings, cases)
       do k = 1, size(cases)
          call report_picture(sets(k), cases(k), devices)

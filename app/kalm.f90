@@ -2,6 +2,8 @@
 program kalm
    use psalm_console, only: arguments_t, begin, begin_mark, prepare_outputs, show_findings, stem_of, write_devices
    use psalm_check_list, only: list_input
+   use psalm_chain_report, only: report_chain, report_chain_csv
+   use psalm_chain_study, only: chain_study_t, study_chain
    use psalm_cases, only: read_cases
    use psalm_data_set, only: data_set_t
    use psalm_devices, only: devices_t, header_of
@@ -72,6 +74,9 @@ contains
       if (findings%failed()) return
       stem = stem_of(file, arguments%output_dir)//'.kalm'
       call prepare_outputs(arguments, stem, endings, ready, code)
+      if (ready .and. any([(sets(k)%sketch%given, k=1, size(sets))])) then
+         call prepare_outputs(arguments, stem, ['.csv'], ready, code)
+      end if
       if (.not. ready) return
       devices%mark = mark%name()
       do k = 1, size(sets)
@@ -92,6 +97,8 @@ contains
       type(machine_study_t), allocatable :: machine
       type(summary_t) :: summary
 
+      if (set%sketch%given) call run_sketch(set, devices)
+      if (allocated(set%no_loops)) return
       allocate (problem, rates)
       call make_problem(set, prepared%mechanism, prepared%given, prepared%parameters, problem)
       call list_input(header_of('KALM', devices%mark), set, problem, devices%eight)
@@ -109,4 +116,17 @@ contains
       call summarise(problem, prepared%given, rates%motion, summary)
       call report_summary(set, summary, devices)
    end subroutine run_case
+
+   !> All outputs and joints of a sketch with their rates; one without loops has nothing else.
+   subroutine run_sketch(set, devices)
+      type(data_set_t), intent(in) :: set
+      type(devices_t), intent(inout) :: devices
+      type(chain_study_t), allocatable :: study
+      integer, parameter :: accelerations = 2
+
+      allocate (study)
+      call study_chain(set, set%speed, set%accel, study)
+      call report_chain_csv(set, study, accelerations, devices)
+      if (allocated(set%no_loops)) call report_chain('KALM', set, study, accelerations, devices)
+   end subroutine run_sketch
 end program kalm

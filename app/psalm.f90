@@ -3,11 +3,14 @@ program psalm
    use psalm_console, only: arguments_t, progress_t, begin, begin_mark, device4_of, prepare_outputs, show_findings, stem_of, &
                             write_devices
    use psalm_analysis, only: analysis_t, wanted_t, analyse, wanted_by
+   use psalm_chain_report, only: report_chain, report_chain_csv
+   use psalm_chain_study, only: chain_study_t, study_chain
    use psalm_check_list, only: list_input
    use psalm_cases, only: read_cases
    use psalm_data_set, only: data_set_t
    use psalm_devices, only: devices_t, header_of
    use psalm_error, only: problem_t, make_problem
+   use psalm_kinds, only: wp
    use psalm_mark, only: mark_t
    use psalm_preparation, only: prepared_t, prepare, threads_for, threads_wanted
    use psalm_report, only: most_summarised, begin_search_report, report_search, report_analysis, report_found, &
@@ -90,6 +93,9 @@ contains
       k = of_analysis
       if (any([(sets(l)%wants_search(), l=1, size(sets))])) k = size(endings)
       call prepare_outputs(arguments, stem, endings(:k), ready, code)
+      if (ready .and. any([(sets(l)%sketch%given, l=1, size(sets))])) then
+         call prepare_outputs(arguments, stem, ['.csv'], ready, code)
+      end if
       if (.not. ready) return
       devices%mark = mark%name()
       call stop%listen_to(signals)
@@ -124,6 +130,8 @@ contains
       type(search_log_t) :: log
       integer :: threads
 
+      if (set%sketch%given .and. .not. set%wants_search()) call run_sketch(set, devices)
+      if (allocated(set%no_loops)) return
       allocate (problem, search, analysis)
       call take_threads(set, signals, threads, devices)
       call make_problem(set, prepared%mechanism, prepared%given, prepared%parameters, problem)
@@ -149,6 +157,18 @@ contains
       call report_violations(set, problem, analysis, devices)
       if (allocated(analysis%summary)) call report_summary(set, analysis%summary, devices)
    end subroutine run_case
+
+   !> All outputs and joints of a sketch; one without loops has nothing else.
+   subroutine run_sketch(set, devices)
+      type(data_set_t), intent(in) :: set
+      type(devices_t), intent(inout) :: devices
+      type(chain_study_t), allocatable :: study
+
+      allocate (study)
+      call study_chain(set, 1.0_wp, 0.0_wp, study)
+      call report_chain_csv(set, study, 0, devices)
+      if (allocated(set%no_loops)) call report_chain('PSALM', set, study, 0, devices)
+   end subroutine run_sketch
 
    !> Threads for a case, which take no signals. With a search or a sample there is something to lose: then signals wait until it
    !> is written.

@@ -319,6 +319,10 @@ contains
          first_line = index(nine, nl)
          call add('9', 'table for plotting', nine(:first_line)//'# run '//devices%mark//nl//nine(first_line + 1:))
       end if
+      if (devices%csv%length > 0) then
+         call files%add(stem//'.csv', devices%csv%content())
+         written = written//', .csv (table for other programs)'
+      end if
       call files%finish()
       if (files%code /= exit_done) then
          call say(arguments%program, files%message)

@@ -4,13 +4,13 @@
 usage: test/sketches.py PROGRAM_DIRECTORY [--count N]. Last line: N passed, N failed.
 
 Random chains of dyads of every kind are written as sketches; psalm chooses loops and signs, and its output is compared with what
-Newton finds for the sketch itself. The data set of &LINKS that psalm writes on request must give the same output again."""
+Newton finds for the sketch itself, and so are all joints in CASE.csv."""
 import argparse
 import cmath
+import csv
 import math
 import os
 import random
-import re
 import subprocess
 import sys
 import tempfile
@@ -191,6 +191,11 @@ def main():
             for pose, row in zip(poses, rows):
                 at = sketch.place(pose, output)
                 wrong = max(wrong, abs(complex(row[2], row[3]) - at) / 100)
+            with open(os.path.join(folder, "c%d.csv" % number), encoding="ascii") as file:
+                for pose, row in zip(poses, csv.DictReader(file)):
+                    for name in sketch.joints:
+                        at = complex(float(row[name + ".x"]), float(row[name + ".y"]))
+                        wrong = max(wrong, abs(sketch.place(pose, name) - at) / 100)
             worst = max(worst, wrong)
             if wrong < 1e-12:
                 passed += 1

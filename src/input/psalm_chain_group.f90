@@ -7,7 +7,8 @@ module psalm_chain_group
    use psalm_kinds, only: wp
    use psalm_sketch, only: sketch_t, link_t, output_t, variation_t, position_of, sketch_name, frame_link, &
                            drive_turns, drive_slides, drive_stretches, output_point, output_angle, output_distance, &
-                           output_slide, output_between, output_pose, output_ratio, vary_length, vary_angle, vary_place, &
+                           output_slide, output_between, output_pose, output_ratio, output_x, output_y, vary_length, vary_angle, &
+                              vary_place, &
                            vary_input
    use psalm_status, only: diagnostics_t
    use psalm_text, only: lower_case, nearest_name, shortened, to_text
@@ -648,7 +649,7 @@ contains
       allocate (sketch%drives(n))
       do i = 1, n
          associate (drive => sketch%drives(i))
-            words = words_of(names(i))
+            words = apart(words_of(names(i)))
             drive%name = trim(adjustl(names(i)))
             select case (size(words))
             case (1)
@@ -712,6 +713,19 @@ contains
       end do
 
    contains
+
+      !> Two one-letter joints that run together are two words.
+      function apart(words) result(parts)
+         character(word_room), intent(in) :: words(:)
+         character(word_room), allocatable :: parts(:)
+
+         parts = words
+         if (size(words) /= 1) return
+         if (len_trim(words(1)) /= 2) return
+         if (max(sketch%joint_called(trim(words(1))), sketch%slide_called(trim(words(1)))) > 0) return
+         if (sketch%joint_called(words(1)(1:1)) == 0 .or. sketch%joint_called(words(1)(2:2)) == 0) return
+         parts = [character(word_room) :: words(1)(1:1), words(1)(2:2)]
+      end function apart
 
       !> The two links between which a drive acts.
       subroutine find_links(valid)
@@ -804,7 +818,7 @@ contains
 
    ! ---- outputs -----------------------------------------------------------------------------------------------------
 
-   !> Read &OUTPUTS: 'point P', 'angle rocker', 'angle A B', 'distance E F', 'slide S1', 'between A B C D', 'pose P rocker',
+   !> Read &OUTPUTS: 'point P', 'x P', 'angle rocker', 'angle A B', 'distance E F', 'slide S1', 'between A B C D', 'pose P rocker',
    !> 'ratio shock wheel' (of the rates of two outputs by their names).
    subroutine read_outputs_group(group, sketch, findings)
       type(group_t), intent(inout) :: group
@@ -860,6 +874,12 @@ contains
          case ('point')
             output%kind = output_point
             call joints_of(output, 2, size(words), 1, 0)
+         case ('x')
+            output%kind = output_x
+            call joints_of(output, 2, size(words), 1, 0)
+         case ('y')
+            output%kind = output_y
+            call joints_of(output, 2, size(words), 1, 0)
          case ('angle')
             output%kind = output_angle
             call line_of(output, 2, size(words), 0)
@@ -911,7 +931,8 @@ contains
                end if
             end do
          case default
-            call wrong("'"//trim(words(1))//"' is no output; there are point, angle, distance, slide, between, pose, ratio"// &
+            call wrong("'"//trim(words(1))//"' is no output; there are point, x, y, angle, distance, "// &
+                       'slide, between, pose, ratio'// &
                        suggestion())
          end select
       end subroutine understand

@@ -103,6 +103,7 @@ module psalm_data_set
       logical :: rates_given = .false.
       type(sketch_t) :: sketch             !! CHAIN, DRIVES, OUTPUTS
       real(wp) :: crnki_of_drawing = 0.0_wp !! CRNKI of the loops where the sketch's is 0
+      character(:), allocatable :: no_loops !! why it has no loops and is solved in the poses of its links; not allocated: it has
       character(:), allocatable :: chosen  !! the loops chosen for it, in words; not allocated: none
       type(mass_group_t) :: masses         !! MASSES (this and the next four are read for kalm and balm only)
       type(load_group_t) :: loads          !! LOADS

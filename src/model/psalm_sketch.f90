@@ -10,6 +10,7 @@ module psalm_sketch
    public :: sketch_name, frame_link, position_of
    public :: drive_turns, drive_slides, drive_stretches
    public :: output_point, output_angle, output_distance, output_slide, output_between, output_pose, output_ratio
+   public :: output_x, output_y
    public :: vary_length, vary_angle, vary_place, vary_input
 
    integer, parameter :: sketch_name = 31   !! characters of a name
@@ -26,6 +27,8 @@ module psalm_sketch
    integer, parameter :: output_between = 5  !! angle from one line to another
    integer, parameter :: output_pose = 6     !! place of a joint and direction of a line
    integer, parameter :: output_ratio = 7    !! ratio of the rates of two other outputs
+   integer, parameter :: output_x = 8        !! x of a joint
+   integer, parameter :: output_y = 9        !! y of a joint
 
    integer, parameter :: vary_length = 1     !! the distance of two joints of a link
    integer, parameter :: vary_angle = 2      !! the angle from one line of a link to another

@@ -19,6 +19,7 @@ module psalm_devices
       type(text_t) :: seven   !! vertices and data set
       type(text_t) :: eight   !! annotated input, intermediate arrays, all arcs
       type(text_t) :: nine    !! plotting data
+      type(text_t) :: csv     !! table of all outputs and joints of sketches, for other programs
       type(text_t) :: notes   !! remarks for standard error
       type(text_t) :: summary !! what the linkage does, for standard error
       integer :: summarised = 0          !! cases met by the summary

@@ -4,7 +4,7 @@ module psalm_sketch_text
    use psalm_kinds, only: wp
    use psalm_output_kind, only: output_kind_t, output_kind
    use psalm_sketch, only: sketch_t, drive_stretches, output_angle, output_between, output_distance, output_point, &
-                           output_pose, output_ratio, output_slide
+                           output_pose, output_ratio, output_slide, output_x, output_y
    use psalm_text, only: text_t, full_precision, to_text
    implicit none (type, external)
    private
@@ -148,7 +148,7 @@ contains
                end do
                call text%add(line)
             end do
-            call numbers('GTA=', -gears%ratio)
+            call numbers('GTA=', [(-gears(i)%ratio, i=1, size(gears))])
             call numbers('GTB=', [(1.0_wp, i=1, size(gears))])
          end associate
       end subroutine write_gears
@@ -173,8 +173,8 @@ contains
             end do
             call text%add(line)
             if (any(drives%geared)) then
-               call numbers('RATIO=', merge(drives%ratio, 0.0_wp, drives%geared))
-               call numbers('PHASE=', drives%phase)
+               call numbers('RATIO=', [(merge(drives(i)%ratio, 0.0_wp, drives(i)%geared), i=1, size(drives))])
+               call numbers('PHASE=', [(drives(i)%phase, i=1, size(drives))])
             end if
             do i = 2, size(drives)
                if (allocated(drives(i)%delt)) call numbers('DELT'//to_text(i)//'=', drives(i)%delt)
@@ -224,6 +224,10 @@ contains
          select case (output%kind)
          case (output_point)
             words = 'point '//joints_of(sketch, output%joints(:1))
+         case (output_x)
+            words = 'x '//joints_of(sketch, output%joints(:1))
+         case (output_y)
+            words = 'y '//joints_of(sketch, output%joints(:1))
          case (output_angle)
             words = 'angle '//joints_of(sketch, output%joints(:2))
          case (output_distance)

@@ -37,18 +37,41 @@ contains
       if (.not. sound) return
       call make_loops(closure, state, loops)
       if (.not. loops%found) then
-         call findings%error('the sketch has '//loops%why//'; the programs take one drive on the frame and dyads', &
-                             line=set%origins%line('CHAIN', ''), group='CHAIN')
-         return
+         set%no_loops = loops%why
+         call refuse_without_loops(set, findings)
       end if
       ! exact lengths may have moved the joints
       set%sketch%x = state%joint(:, 0)%re
       set%sketch%y = state%joint(:, 0)%im
+      if (.not. loops%found) return
       set%chosen = words_of(loops, closure%sketch)
       call fill_arrays(loops, set)
       call fill_output(loops, state, closure%sketch, set, findings)
       call fill_variables(loops, closure%sketch, set, findings)
    end subroutine resolve_sketch
+
+   !> What needs loops of dyads and one drive on the frame.
+   subroutine refuse_without_loops(set, findings)
+      type(data_set_t), intent(in) :: set
+      type(diagnostics_t), intent(inout) :: findings
+
+      if (size(set%sketch%variations) > 0) call refuse('CHAIN', 'VARY', 'a search')
+      if (set%desired) call refuse('METHOD', 'NDES', 'a comparison with desired values')
+      if (set%tolerances) call refuse('TOLER', '', 'a study of tolerances')
+      if (set%constr%given) call refuse('CONSTR', '', 'a study of constraints')
+      if (set%ktheta /= 0) call refuse('LIMITS', 'KTHETA', 'the list of all arcs')
+      if (set%icond /= 0) call refuse('LIMITS', 'ICOND', 'the condition number')
+      if (set%iplot /= 0) call refuse('LIMITS', 'IPLOT', 'the sweep of every degree')
+
+   contains
+
+      subroutine refuse(group, item, what)
+         character(*), intent(in) :: group, item, what
+
+         call findings%error(what//' takes dyads and one drive on the frame, but this sketch has '//set%no_loops// &
+                             '; leave it out', line=set%origins%line(group, item), group=group, item=item)
+      end subroutine refuse
+   end subroutine refuse_without_loops
 
    !> Check a sketch and put it together at the drawing.
    subroutine assemble_sketch(set, closure, state, sound, findings)

@@ -1,0 +1,213 @@
+!> Motion of a sketch of any Assur groups and drives: positions by continuation from the drawing, and rates.
+!>
+!> A position is reached from the nearest one that is known, along a straight line of the inputs: a step is predicted by
+!> velocity and acceleration and corrected by Newton's method. It is halved unless the first correction is small against the
+!> prediction and no group's determinant has changed its sign: without both, Newton's method jumps to another assembly. Where
+!> steps become too small the linkage stands at a dead point, the end of its range.
+!> Source: Allgower and Georg (1990), chapter 6, for the control of steps.
+module psalm_chain_motion
+   use psalm_closure, only: closure_t, state_t, matrix_of, most_orders, place_points, residuals, solve_group, rank_lost
+   use psalm_dense, only: factors_t, factorise, solve
+   use psalm_kinds, only: wp
+   implicit none (type, external)
+   private
+   public :: chain_motion_t, follow, differentiate, advance
+
+   real(wp), parameter :: trusted = 0.15_wp        !! first correction against the prediction
+   real(wp), parameter :: easy = 0.01_wp           !! below this the next step is doubled
+   real(wp), parameter :: least_step = 1.0e-9_wp   !! of the way
+   real(wp), parameter :: first_step = 0.25_wp
+
+   !> Where everything is at a row of positions.
+   type :: chain_motion_t
+      logical, allocatable :: closed(:)            !! shape (positions)
+      type(state_t), allocatable :: states(:)      !! shape (positions); of one that does not close, where it stopped
+      integer, allocatable :: group(:)             !! shape (positions): the group that stopped it; 0: none
+      logical, allocatable :: dead(:)              !! shape (positions): rates are infinite
+   end type chain_motion_t
+
+contains
+
+   !> Positions at all inputs, each with its rates.
+   !>
+   !> `rate(d, o)` is the derivative of order o of input d by the parameter that all rates are by.
+   subroutine follow(closure, start, inputs, rate, motion)
+      type(closure_t), intent(in) :: closure
+      type(state_t), intent(in) :: start           !! at the drawing
+      real(wp), intent(in) :: inputs(:, :)         !! shape (drives, positions): from the drawing, radians or length
+      real(wp), intent(in) :: rate(:, :, :)        !! shape (drives, most_orders, positions)
+      type(chain_motion_t), intent(out) :: motion
+      integer :: k, i, best
+      real(wp) :: distance, nearest
+
+      associate (n => size(inputs, 2))
+         allocate (motion%closed(n), motion%dead(n), source=.false.)
+         allocate (motion%group(n), source=0)
+         allocate (motion%states(n))
+      end associate
+      do k = 1, size(inputs, 2)
+         best = 0
+         nearest = sum(inputs(:, k)**2)
+         do i = k - 1, 1, -1
+            if (.not. motion%closed(i)) cycle
+            distance = sum((inputs(:, k) - inputs(:, i))**2)
+            if (distance >= nearest) cycle
+            best = i
+            nearest = distance
+         end do
+         if (best == 0) then
+            motion%states(k) = start
+         else
+            motion%states(k) = motion%states(best)
+         end if
+         call advance(closure, inputs(:, k), motion%states(k), motion%closed(k), motion%group(k))
+         if (motion%closed(k)) then
+            motion%states(k)%input(:, 1:) = rate(:, :, k)
+            call differentiate(closure, most_orders, motion%states(k), motion%dead(k))
+         end if
+      end do
+   end subroutine follow
+
+   !> From a position to another; `group` tells which one stopped it.
+   subroutine advance(closure, target, state, reached, group)
+      type(closure_t), intent(in) :: closure
+      real(wp), intent(in) :: target(:)            !! shape (drives)
+      type(state_t), intent(inout) :: state
+      logical, intent(out) :: reached
+      integer, intent(out) :: group
+      type(state_t) :: next
+      real(wp) :: from(size(target)), way, step, worst
+      real(wp) :: sense(size(closure%groups)), sense_next(size(closure%groups))
+      logical :: dead, sound
+
+      group = 0
+      reached = .false.
+      from = state%input(:, 0)
+      way = 0.0_wp
+      step = first_step
+      call senses(closure, state, sense)
+      do while (way < 1.0_wp)
+         state%input(:, 1) = target - from
+         state%input(:, 2:) = 0.0_wp
+         call differentiate(closure, 2, state, dead)
+         if (dead) then
+            group = maxval(closure%order%of_link)
+            return
+         end if
+         step = min(step, 1.0_wp - way)
+         do
+            next = state
+            call try_step(closure, from, target, way, step, next, sense, sense_next, worst, sound, group)
+            if (sound) exit
+            step = 0.5_wp*step
+            if (step < least_step) return
+         end do
+         group = 0
+         state = next
+         sense = sense_next
+         way = way + step
+         if (way > 1.0_wp - 0.5_wp*least_step) way = 1.0_wp
+         if (worst < easy) step = 2.0_wp*step
+      end do
+      state%input(:, 0) = target
+      call place_points(closure, state, 0)
+      reached = .true.
+   end subroutine advance
+
+   !> One step, group after group.
+   subroutine try_step(closure, from, target, way, step, next, sense, sense_next, worst, sound, group)
+      type(closure_t), intent(in) :: closure
+      real(wp), intent(in) :: from(:), target(:), way, step
+      type(state_t), intent(inout) :: next
+      real(wp), intent(in) :: sense(:)
+      real(wp), intent(out) :: sense_next(:)
+      real(wp), intent(out) :: worst               !! largest ratio of the first correction to the prediction
+      logical, intent(out) :: sound
+      integer, intent(out) :: group
+      type(factors_t) :: factors
+      real(wp) :: predicted, first
+      integer :: k
+
+      worst = 0.0_wp
+      sense_next = sense
+      sound = .true.
+      if (way + step >= 1.0_wp) then
+         next%input(:, 0) = target
+      else
+         next%input(:, 0) = from + (way + step)*(target - from)
+      end if
+      do group = 1, size(closure%groups)
+         associate (links => closure%groups(group)%links)
+            if (size(links) == 0) cycle
+            predicted = 0.0_wp
+            do k = 1, size(links)
+               associate (t => next%t(links(k), :), phi => next%phi(links(k), :))
+                  predicted = max(predicted, abs(t(2))*step + 0.5_wp*abs(t(3))*step**2, &
+                                  closure%size*(abs(phi(2))*step + 0.5_wp*abs(phi(3))*step**2))
+                  next%t(links(k), 0) = t(1) + step*t(2) + 0.5_wp*step**2*t(3)
+                  next%phi(links(k), 0) = phi(1) + step*phi(2) + 0.5_wp*step**2*phi(3)
+               end associate
+            end do
+            call solve_group(closure, group, next, sound, factors, first)
+            if (.not. sound) return
+            sense_next(group) = factors%sense
+            sound = factors%reciprocal_condition > rank_lost
+            if (size(factors%q, 1) == size(factors%q, 2)) sound = sound .and. factors%sense == sense(group)
+            first = first/max(predicted, 1.0e-7_wp*closure%size)
+            worst = max(worst, first)
+            sound = sound .and. first < trusted
+            if (.not. sound) return
+         end associate
+      end do
+      group = 0
+   end subroutine try_step
+
+   !> Sign of every group's determinant.
+   subroutine senses(closure, state, sense)
+      type(closure_t), intent(in) :: closure
+      type(state_t), intent(in) :: state
+      real(wp), intent(out) :: sense(:)
+      type(factors_t) :: factors
+      integer :: g
+
+      sense = 1.0_wp
+      do g = 1, size(closure%groups)
+         if (size(closure%groups(g)%links) == 0) cycle
+         call factorise(matrix_of(closure, state, g), factors)
+         sense(g) = factors%sense
+      end do
+   end subroutine senses
+
+   !> Derivatives of all poses and joints up to an order, from those of the inputs. `dead` where a group has none.
+   subroutine differentiate(closure, orders, state, dead)
+      type(closure_t), intent(in) :: closure
+      integer, intent(in) :: orders
+      type(state_t), intent(inout) :: state
+      logical, intent(out) :: dead
+      type(factors_t) :: factors
+      real(wp), allocatable :: rates(:)
+      integer :: g, order, k
+
+      dead = .false.
+      state%t(:, 1:) = (0.0_wp, 0.0_wp)
+      state%phi(:, 1:) = 0.0_wp
+      do g = 1, size(closure%groups)
+         associate (links => closure%groups(g)%links)
+            if (size(links) == 0) cycle
+            call factorise(matrix_of(closure, state, g), factors)
+            dead = factors%reciprocal_condition < rank_lost
+            if (dead) return
+            do order = 1, orders
+               rates = solve(factors, -residuals(closure, state, g, order))
+               do k = 1, size(links)
+                  state%t(links(k), order) = cmplx(rates(3*k - 2), rates(3*k - 1), wp)
+                  state%phi(links(k), order) = rates(3*k)/closure%size
+               end do
+            end do
+         end associate
+      end do
+      do order = 1, orders
+         call place_points(closure, state, order)
+      end do
+   end subroutine differentiate
+end module psalm_chain_motion

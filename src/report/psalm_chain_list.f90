@@ -1,0 +1,226 @@
+!> What a sketch does, as texts: the listing, the table of device 9, the table for other programs (CASE.csv).
+module psalm_chain_list
+   use psalm_assur_order, only: assur_order_t
+   use psalm_data_set, only: data_set_t
+   use psalm_kinds, only: wp
+   use psalm_sketch, only: sketch_t, drive_turns
+   use psalm_text, only: text_t, full_precision, general, to_text, upper_case
+   implicit none (type, external)
+   private
+   public :: list_chain, list_groups, write_chain_table, write_chain_csv
+
+   integer, parameter :: column = 15   !! characters of a column of the listing
+
+contains
+
+   !> The listing: inputs and outputs at every position.
+   subroutine list_chain(set, inputs, closed, names, values, text)
+      type(data_set_t), intent(in) :: set
+      real(wp), intent(in) :: inputs(:, :)     !! shape (drives, positions)
+      logical, intent(in) :: closed(:)         !! shape (positions)
+      character(*), intent(in) :: names(:)     !! of the numbers
+      real(wp), intent(in) :: values(:, :)     !! shape (numbers, positions)
+      type(text_t), intent(inout) :: text
+      character(:), allocatable :: line
+      integer :: k, d
+
+      call text%add(' '//set%title)
+      call text%add()
+      line = ' POSITION'
+      do d = 1, size(inputs, 1)
+         line = line//heading('INPUT '//set%sketch%drives(d)%name)
+      end do
+      do d = 1, size(names)
+         line = line//heading(names(d))
+      end do
+      call text%add(line)
+      do k = 1, size(closed)
+         line = repeat(' ', 9 - len(to_text(k)))//to_text(k)
+         do d = 1, size(inputs, 1)
+            line = line//general(inputs(d, k), 'E')
+         end do
+         if (closed(k)) then
+            do d = 1, size(names)
+               line = line//general(values(d, k), 'E')
+            end do
+         else
+            line = line//'   DOES NOT CLOSE'
+         end if
+         call text%add(line)
+      end do
+   end subroutine list_chain
+
+   !> A name in capitals at the right of its column.
+   pure function heading(name) result(head)
+      character(*), intent(in) :: name
+      character(column) :: head
+
+      head = upper_case(name(:min(len_trim(name), column - 1)))
+      head = adjustr(head)
+   end function heading
+
+   !> The Assur groups in the order of their solution.
+   subroutine list_groups(sketch, order, text)
+      type(sketch_t), intent(in) :: sketch
+      type(assur_order_t), intent(in) :: order
+      type(text_t), intent(inout) :: text
+      character(:), allocatable :: line
+      integer :: g, k
+
+      call text%add(' ASSUR GROUPS IN THE ORDER OF THEIR SOLUTION')
+      do g = 1, size(order%groups)
+         associate (links => order%groups(g)%links)
+            if (size(links) == 0) cycle
+            select case (order%groups(g)%order)
+            case (0)
+               line = '  DRIVEN:'
+            case (2)
+               line = '  DYAD:'
+            case (4)
+               line = '  TRIAD OR OTHER GROUP OF FOUR:'
+            case default
+               line = '  GROUP OF '//to_text(order%groups(g)%order)//':'
+            end select
+            do k = 1, size(links)
+               line = line//' '//trim(sketch%links(links(k))%name)
+            end do
+            call text%add(line)
+         end associate
+      end do
+   end subroutine list_groups
+
+   !> Device 9: inputs, closed, outputs.
+   subroutine write_chain_table(set, inputs, closed, names, values, text)
+      type(data_set_t), intent(in) :: set
+      real(wp), intent(in) :: inputs(:, :), values(:, :)
+      logical, intent(in) :: closed(:)
+      character(*), intent(in) :: names(:)
+      type(text_t), intent(inout) :: text
+      character(:), allocatable :: line
+      integer :: k, d
+
+      line = '#'
+      do d = 1, size(inputs, 1)
+         line = line//' '//input_name(set%sketch, d)
+      end do
+      line = line//' closed'
+      do d = 1, size(names)
+         line = line//' '//trim(names(d))
+      end do
+      call text%add(line)
+      call text%add('# '//set%title)
+      line = '# prescribed positions; inputs in'
+      do d = 1, size(inputs, 1)
+         line = line//trim(merge(' degrees', ' length ', set%sketch%drives(d)%kind == drive_turns))
+         if (d < size(inputs, 1)) line = line//','
+      end do
+      call text%add(line//' from the drawing')
+      do k = 1, size(closed)
+         line = ''
+         do d = 1, size(inputs, 1)
+            line = line//full_precision(inputs(d, k))//' '
+         end do
+         line = line//merge('1', '0', closed(k))
+         do d = 1, size(names)
+            if (closed(k)) line = line//' '//full_precision(values(d, k))
+            if (.not. closed(k)) line = line//' NaN'
+         end do
+         call text%add(line)
+      end do
+   end subroutine write_chain_table
+
+   !> Column of a drive: `input`, of several drives `input.NAME`.
+   pure function input_name(sketch, drive) result(name)
+      type(sketch_t), intent(in) :: sketch
+      integer, intent(in) :: drive
+      character(:), allocatable :: name
+      integer :: i
+
+      name = 'input'
+      if (size(sketch%drives) == 1) return
+      name = 'input.'//trim(sketch%drives(drive)%name)
+      do i = 1, len(name)
+         if (name(i:i) == ' ') name(i:i) = '-'
+      end do
+   end function input_name
+
+   !> CASE.csv: a row of names, then a row for each position: inputs, closed, outputs, joints. With `orders` above 0 outputs have
+   !> `.v` and `.a`, joints `.vx .vy .ax .ay`. What does not close has empty fields.
+   subroutine write_chain_csv(sketch, inputs, closed, dead, names, values, joints, orders, text)
+      type(sketch_t), intent(in) :: sketch
+      real(wp), intent(in) :: inputs(:, :)           !! shape (drives, positions)
+      logical, intent(in) :: closed(:), dead(:)      !! shape (positions); dead: rates are infinite
+      character(*), intent(in) :: names(:)
+      real(wp), intent(in) :: values(:, 0:, :)       !! shape (numbers, 0:, positions)
+      complex(wp), intent(in) :: joints(:, 0:, :)    !! shape (joints, 0:, positions)
+      integer, intent(in) :: orders                  !! 0 or 2
+      type(text_t), intent(inout) :: text
+      character(*), parameter :: of_joint(0:2) = [character(1) :: '', 'v', 'a']
+      character(*), parameter :: of_output(0:2) = [character(2) :: '', '.v', '.a']
+      character(:), allocatable :: line
+      integer :: k, d, o
+
+      line = ''
+      do d = 1, size(inputs, 1)
+         line = line//quoted(input_name(sketch, d))//','
+      end do
+      line = line//'closed'
+      do d = 1, size(names)
+         do o = 0, orders
+            line = line//','//quoted(trim(names(d))//trim(of_output(o)))
+         end do
+      end do
+      do d = 1, size(joints, 1)
+         do o = 0, orders
+            line = line//','//quoted(trim(sketch%joint_name(d))//'.'//trim(of_joint(o))//'x')//','// &
+                   quoted(trim(sketch%joint_name(d))//'.'//trim(of_joint(o))//'y')
+         end do
+      end do
+      call text%add(line)
+      do k = 1, size(closed)
+         line = ''
+         do d = 1, size(inputs, 1)
+            line = line//full_precision(inputs(d, k))//','
+         end do
+         line = line//merge('1', '0', closed(k))
+         do d = 1, size(names)
+            do o = 0, orders
+               call field(values(d, o, k), o)
+            end do
+         end do
+         do d = 1, size(joints, 1)
+            do o = 0, orders
+               call field(joints(d, o, k)%re, o)
+               call field(joints(d, o, k)%im, o)
+            end do
+         end do
+         call text%add(line)
+      end do
+
+   contains
+
+      subroutine field(value, order)
+         real(wp), intent(in) :: value
+         integer, intent(in) :: order
+
+         line = line//','
+         if (closed(k) .and. .not. (order > 0 .and. dead(k)) .and. abs(value) < huge(1.0_wp)) line = line//full_precision(value)
+      end subroutine field
+   end subroutine write_chain_csv
+
+   !> A name as CSV has it.
+   pure function quoted(name) result(text)
+      character(*), intent(in) :: name
+      character(:), allocatable :: text
+      integer :: i
+
+      text = name
+      if (scan(name, ',"') == 0) return
+      text = '"'
+      do i = 1, len(name)
+         if (name(i:i) == '"') text = text//'"'
+         text = text//name(i:i)
+      end do
+      text = text//'"'
+   end function quoted
+end module psalm_chain_list

@@ -1,0 +1,127 @@
+!> What the study of a sketch has to report, on all devices.
+module psalm_chain_report
+   use psalm_chain_list, only: list_chain, list_groups, write_chain_table, write_chain_csv
+   use psalm_chain_study, only: chain_study_t, name_room
+   use psalm_closure, only: most_orders
+   use psalm_data_set, only: data_set_t
+   use psalm_devices, only: devices_t, header_of, most_told
+   use psalm_kinds, only: wp
+   use psalm_sketch_text, only: write_sketch
+   use psalm_text, only: general, to_text
+   implicit none (type, external)
+   private
+   public :: report_chain, report_chain_csv
+
+contains
+
+   !> The table for other programs; `orders` is 2 with rates, else 0.
+   subroutine report_chain_csv(set, study, orders, devices)
+      type(data_set_t), intent(in) :: set
+      type(chain_study_t), intent(in) :: study
+      integer, intent(in) :: orders
+      type(devices_t), intent(inout) :: devices
+      complex(wp), allocatable :: joints(:, :, :)
+      integer :: k
+
+      allocate (joints(size(set%sketch%joint_name), 0:most_orders, size(study%motion%closed)))
+      do k = 1, size(joints, 3)
+         joints(:, :, k) = study%motion%states(k)%joint
+      end do
+      if (devices%csv%length > 0) call devices%csv%add()
+      call write_chain_csv(set%sketch, study%inputs, study%motion%closed, study%motion%dead, study%names, study%values, joints, &
+                           orders, devices%csv)
+   end subroutine report_chain_csv
+
+   !> A sketch that has no loops of dyads: listing, groups, data set, table, remarks, summary.
+   subroutine report_chain(program, set, study, orders, devices)
+      character(*), intent(in) :: program     !! its name in capitals
+      type(data_set_t), intent(in) :: set
+      type(chain_study_t), intent(in) :: study
+      integer, intent(in) :: orders
+      type(devices_t), intent(inout) :: devices
+      character(name_room), allocatable :: names(:)
+      real(wp), allocatable :: values(:, :)
+      integer :: n, o, m
+
+      allocate (names(size(study%names)*(orders + 1)))
+      allocate (values(size(names), size(study%inputs, 2)))
+      m = 0
+      do n = 1, size(study%names)
+         do o = 0, orders
+            m = m + 1
+            names(m) = study%names(n)
+            if (o == 1) names(m) = trim(names(m))//'.v'
+            if (o == 2) names(m) = trim(names(m))//'.a'
+            values(m, :) = study%values(n, o, :)
+         end do
+      end do
+      call list_chain(set, study%inputs, study%motion%closed, names, values, devices%six)
+      call write_chain_table(set, study%inputs, study%motion%closed, names, values, devices%nine)
+      call devices%eight%add(header_of(program, devices%mark))
+      call devices%eight%add(' '//set%title)
+      call devices%eight%add(' SOLVED IN THE POSES OF THE LINKS, FOLLOWED FROM THE DRAWING, FOR IT HAS '//set%no_loops)
+      call list_groups(set%sketch, study%closure%order, devices%eight)
+      if (program == 'PSALM') call write_sketch(set, devices%seven)
+      call tell_open(set, study, devices)
+      call devices%summary%add(set%title)
+      call devices%summary%add('  Closes              at '//to_text(count(study%motion%closed))//' of '// &
+                               to_text(size(study%motion%closed))//' positions')
+      do n = 1, size(study%names)
+         if (.not. any(study%motion%closed)) exit
+         call devices%summary%add('  Output              '//trim(study%names(n))//' '// &
+                                  number(minval(study%values(n, 0, :), mask=study%motion%closed))//' to '// &
+                                  number(maxval(study%values(n, 0, :), mask=study%motion%closed)))
+      end do
+   end subroutine report_chain
+
+   pure function number(value) result(text)
+      real(wp), intent(in) :: value
+      character(:), allocatable :: text
+
+      text = trim(adjustl(general(value, 'E')))
+   end function number
+
+   !> Where the linkage does not close, and the links that stand at a dead point on the way there.
+   subroutine tell_open(set, study, devices)
+      type(data_set_t), intent(in) :: set
+      type(chain_study_t), intent(in) :: study
+      type(devices_t), intent(inout) :: devices
+      integer :: k, d, told
+      character(:), allocatable :: line
+
+      if (all(study%motion%closed)) return
+      call devices%note_violation()
+      call devices%remark(set, 'the linkage does not close at '//to_text(count(.not. study%motion%closed))//' of '// &
+                          to_text(size(study%motion%closed))//' positions')
+      told = 0
+      do k = 1, size(study%motion%closed)
+         if (study%motion%closed(k)) cycle
+         told = told + 1
+         if (told > most_told) exit
+         line = 'position '//to_text(k)//': '//links_of(study%motion%group(k))//' at a dead point on the way'
+         do d = 1, size(study%inputs, 1)
+            line = line//', input '//trim(set%sketch%drives(d)%name)//' '//number(study%inputs(d, k))
+         end do
+         call devices%detail(set, line)
+      end do
+      if (told > most_told) call devices%detail(set, 'and more in the listing')
+
+   contains
+
+      function links_of(group) result(text)
+         integer, intent(in) :: group
+         character(:), allocatable :: text
+         integer :: l
+
+         text = 'the linkage stands'
+         if (group == 0) return
+         if (size(study%closure%groups(group)%links) == 0) return
+         text = ''
+         do l = 1, size(study%closure%groups(group)%links)
+            text = text//trim(set%sketch%links(study%closure%groups(group)%links(l))%name)
+            if (l < size(study%closure%groups(group)%links)) text = text//', '
+         end do
+         text = text//trim(merge(' stand ', ' stands', size(study%closure%groups(group)%links) > 1))
+      end function links_of
+   end subroutine tell_open
+end module psalm_chain_report

@@ -1,0 +1,101 @@
+!> One run over a sketch in the poses of its links: any Assur groups, any number of drives, all outputs and joints.
+module psalm_chain_study
+   use psalm_chain_motion, only: chain_motion_t, follow
+   use psalm_chain_outputs, only: columns_of, column_name, output_at, unwrap
+   use psalm_closure, only: closure_t, state_t, most_orders
+   use psalm_data_set, only: data_set_t
+   use psalm_kinds, only: wp, radians_per_degree
+   use psalm_sketch, only: drive_turns, output_angle, output_pose
+   use psalm_sketch_case, only: assemble_sketch
+   use psalm_status, only: diagnostics_t
+   implicit none (type, external)
+   private
+   public :: chain_study_t, study_chain, name_room
+
+   integer, parameter :: name_room = 48   !! characters of a column's name
+
+   !> What the sketch does.
+   type :: chain_study_t
+      logical :: sound = .false.
+      type(closure_t) :: closure
+      type(state_t) :: start                        !! at the drawing
+      type(chain_motion_t) :: motion
+      real(wp), allocatable :: inputs(:, :)         !! shape (drives, positions): degrees or length, from the drawing
+      character(name_room), allocatable :: names(:) !! of the numbers of all outputs
+      logical, allocatable :: angles(:)             !! they are angles
+      real(wp), allocatable :: values(:, :, :)      !! shape (numbers, 0:most_orders, positions); angles in degrees, rates radians
+   end type chain_study_t
+
+contains
+
+   !> Positions, rates by time and outputs. `speed` and `accel` are those of the first drive; the others follow by their ratio or
+   !> stand still.
+   subroutine study_chain(set, speed, accel, study)
+      type(data_set_t), intent(in) :: set
+      real(wp), intent(in) :: speed, accel          !! radians or length a second
+      type(chain_study_t), intent(out) :: study
+      type(diagnostics_t) :: findings
+      real(wp), allocatable :: inputs(:, :), rate(:, :, :)
+      real(wp) :: unit
+      integer :: k, d, n, numbers, positions
+
+      call assemble_sketch(set, study%closure, study%start, study%sound, findings)
+      if (.not. study%sound) return
+      associate (drives => set%sketch%drives, outputs => set%sketch%outputs)
+         positions = set%ndes
+         if (set%ikin /= 0) positions = 359/abs(set%ikin) + 1
+         allocate (study%inputs(size(drives), positions), source=0.0_wp)
+         study%inputs(1, :) = set%crnki - set%crnki_of_drawing
+         if (set%ikin /= 0) then
+            study%inputs(1, :) = study%inputs(1, :) + [(real((k - 1)*set%ikin, wp), k=1, positions)]
+         else
+            study%inputs(1, :) = study%inputs(1, :) + set%delt
+         end if
+         allocate (rate(size(drives), most_orders, positions), source=0.0_wp)
+         do d = 1, size(drives)
+            if (drives(d)%geared) then
+               study%inputs(d, :) = drives(d)%ratio*study%inputs(1, :) + drives(d)%phase
+            else if (allocated(drives(d)%delt)) then
+               study%inputs(d, :) = drives(d)%delt
+            end if
+         end do
+         inputs = study%inputs
+         do d = 1, size(drives)
+            if (drives(d)%kind == drive_turns) inputs(d, :) = inputs(d, :)*radians_per_degree
+            unit = 0.0_wp
+            if (drives(d)%geared) unit = drives(d)%ratio*unit_of(drives(d)%kind)/unit_of(drives(1)%kind)
+            if (d == 1) unit = 1.0_wp
+            rate(d, 1, :) = unit*speed
+            rate(d, 2, :) = unit*accel
+         end do
+         call follow(study%closure, study%start, inputs, rate, study%motion)
+         numbers = 0
+         do k = 1, size(outputs)
+            numbers = numbers + columns_of(outputs(k))
+         end do
+         allocate (study%names(numbers), study%angles(numbers))
+         allocate (study%values(numbers, 0:most_orders, positions), source=0.0_wp)
+         n = 0
+         do k = 1, size(outputs)
+            do d = 1, columns_of(outputs(k))
+               n = n + 1
+               study%names(n) = column_name(outputs(k), d)
+               study%angles(n) = outputs(k)%kind == output_angle .or. (outputs(k)%kind == output_pose .and. d == 3)
+            end do
+         end do
+         do k = 1, positions
+            if (study%motion%closed(k)) call output_at(study%closure, study%motion%states(k), outputs, study%values(:, :, k))
+         end do
+         do n = 1, numbers
+            if (study%angles(n) .and. all(study%motion%closed)) call unwrap(study%values(n, 0, :))
+         end do
+      end associate
+   end subroutine study_chain
+
+   !> Radians a degree for a drive that turns, else 1.
+   pure real(wp) function unit_of(kind)
+      integer, intent(in) :: kind
+
+      unit_of = merge(radians_per_degree, 1.0_wp, kind == drive_turns)
+   end function unit_of
+end module psalm_chain_study
