@@ -19,7 +19,7 @@ module psalm_data_set
    use psalm_namelist, only: case_text_t, read_case
    use psalm_origin, only: origins_t, name_length
    use psalm_search_group, only: search_group_t, read_search_group
-   use psalm_sketch, only: sketch_t, drive_turns, output_angle, output_distance, output_pose, output_slide
+   use psalm_sketch, only: sketch_t, sketch_name, drive_turns, output_angle, output_distance, output_pose, output_slide
    use psalm_source, only: line_t, read_lines, split_lines
    use psalm_spring_group, only: spring_group_t, read_spring_group
    use psalm_status, only: diagnostics_t
@@ -104,6 +104,7 @@ module psalm_data_set
       type(sketch_t) :: sketch             !! CHAIN, DRIVES, OUTPUTS
       real(wp) :: crnki_of_drawing = 0.0_wp !! CRNKI of the loops where the sketch's is 0
       character(:), allocatable :: no_loops !! why it has no loops and is solved in the poses of its links; not allocated: it has
+      character(sketch_name), allocatable :: end_names(:, :, :) !! shape (2, maxarc, nloop): joints at the ends of its arcs
       character(:), allocatable :: chosen  !! the loops chosen for it, in words; not allocated: none
       type(mass_group_t) :: masses         !! MASSES (this and the next four are read for kalm and balm only)
       type(load_group_t) :: loads          !! LOADS

@@ -132,7 +132,7 @@ contains
       call trace_row(own, whole, dimensions, scene%slides, scene%output_slide, .false., scene%sweep)
       call merge_joints(scene, size(mechanism%points) + 1, place)
       call make_bars(mechanism, dimensions, place, scene)
-      call name_joints(mechanism, place, scene)
+      call name_joints(set, mechanism, place, scene)
       scene%reference = minloc(abs(scene%prescribed%delt), dim=1)
       call make_bodies(mechanism, scene)
       call choose_view(scene, maxval(dimensions%arcl))
@@ -394,7 +394,8 @@ contains
    end subroutine make_bars
 
    !> What kind each joint is, and its letter.
-   subroutine name_joints(mechanism, place, scene)
+   subroutine name_joints(set, mechanism, place, scene)
+      type(data_set_t), intent(in) :: set
       type(mechanism_t), intent(in) :: mechanism
       integer, intent(in) :: place(:)        !! by point of the mechanism: the joint drawn there
       type(scene_t), intent(inout) :: scene
@@ -414,6 +415,19 @@ contains
             if (.not. (joint%turning .or. joint%slides)) cycle
             joint%name = letters(count)
             count = count + 1
+         end associate
+      end do
+      if (.not. allocated(set%end_names)) return
+      ! a sketch has names of its own; feet of slides keep none
+      do j = 1, size(scene%joints)
+         scene%joints(j)%name = ''
+      end do
+      do j = 1, size(mechanism%arcs)
+         associate (arc => mechanism%arcs(j))
+            do k = at_start, at_finish
+               if (len_trim(set%end_names(k, arc%place, arc%loop)) == 0) cycle
+               scene%joints(place(arc%ends(k)))%name = trim(set%end_names(k, arc%place, arc%loop))
+            end do
          end associate
       end do
 

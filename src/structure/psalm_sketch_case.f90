@@ -183,7 +183,7 @@ contains
       type(loops_t), intent(in) :: loops
       type(data_set_t), intent(inout) :: set
       complex(wp) :: pivot
-      integer :: k
+      integer :: k, e
 
       set%nloop = loops%loops
       set%maxarc = loops%longest
@@ -219,6 +219,16 @@ contains
                end if
                if (loops%arcs(arc%reference)%kind == traced_slide .and. arc%same) length = 0.0_wp
             end select
+         end associate
+      end do
+      allocate (set%end_names(2, set%maxarc, set%nloop))
+      set%end_names = ''
+      do k = 1, size(loops%arcs)
+         associate (arc => loops%arcs(k))
+            do e = 1, 2
+               if (arc%ends(e) <= size(set%sketch%joint_name)) &
+                  set%end_names(e, arc%place, arc%loop) = set%sketch%joint_name(arc%ends(e))
+            end do
          end associate
       end do
       pivot = loops%point(loops%start)
