@@ -88,9 +88,10 @@ module psalm_elementary
    real(dp), parameter :: rate(0:turn + quarter - 1) = rate_product + rate_rest
    real(dp), parameter :: rate_head(0:turn + quarter - 1) = splitter*rate - (splitter*rate - rate)
    real(dp), parameter :: rate_tail(0:turn + quarter - 1) = (rate_product - rate_head) + rate_rest
-   !> By whole degree: sine, two parts; its product with pi/180, two parts. One entry fills half a cache line.
-   real(dp), parameter :: table(4, 0:turn + quarter - 1) = transpose(reshape([turn_head, turn_tail, rate_head, rate_tail], &
-                                                                             [turn + quarter, 4]))
+   !> By whole degree: sine and cosine, their rests; what they grow by in a degree, its rests. One degree fills a cache line.
+   real(dp), parameter :: table(2, 4, 0:turn - 1) = reshape(transpose(reshape( &
+      [turn_head(:turn - 1), turn_head(quarter:), turn_tail(:turn - 1), turn_tail(quarter:), &
+       rate_head(quarter:), -rate_head(:turn - 1), rate_tail(quarter:), -rate_tail(:turn - 1)], [turn, 8])), [2, 4, turn])
 
 contains
 
@@ -101,8 +102,8 @@ contains
    pure subroutine sine_cosine(degrees, s, c)
       real(dp), intent(in) :: degrees
       real(dp), intent(out) :: s, c
-      real(dp) :: angle, away, s_low, c_low
-      logical :: s_doubtful, c_doubtful
+      real(dp) :: angle, away, high(2), low(2)
+      logical :: doubtful(2)
       integer :: k
 
       angle = degrees
@@ -112,15 +113,16 @@ contains
       away = angle - real(k, dp)
       k = modulo(k, turn)
       if (abs(away) < least_angle) then
-         s = table(1, k) + table(2, k)
-         c = table(1, k + quarter) + table(2, k + quarter)
+         s = table(1, 1, k) + table(1, 2, k)
+         c = table(2, 1, k) + table(2, 2, k)
          if (k == 0) s = sign(away*degree, angle)
          return
       end if
-      call near_degree(k, away, s, s_low, c, c_low)
-      call add(s, s_low, s_doubtful)
-      call add(c, c_low, c_doubtful)
-      if (s_doubtful .or. c_doubtful) call sine_cosine_again(k, away, s, c)
+      call near_degree(k, away, high, low)
+      call add(high, low, doubtful)
+      s = high(1)
+      c = high(2)
+      if (any(doubtful)) call sine_cosine_again(k, away, s, c)
    end subroutine sine_cosine
 
    !> The same by the series, slower, with twice the digits.
@@ -128,13 +130,13 @@ contains
       integer, intent(in) :: k             !! whole degrees, 0 to 359
       real(dp), intent(in) :: away         !! degrees from there
       real(dp), intent(out) :: s, c
-      real(dp) :: s_low, c_low, x, y
+      real(dp) :: high(2), low(2), x, y
       integer :: quarters
 
       quarters = (k + quarter/2)/quarter
-      call by_series(real(k - quarter*quarters, dp) + away, y, s_low, x, c_low)
-      y = y + s_low
-      x = x + c_low
+      call by_series(real(k - quarter*quarters, dp) + away, high, low)
+      y = high(1) + low(1)
+      x = high(2) + low(2)
       select case (modulo(quarters, 4))
       case (0)
          s = y
@@ -158,7 +160,7 @@ contains
       real(dp), intent(in) :: x, y          !! vector, turned back; the larger leg is x, between 0.5 and 1
       real(dp), intent(in) :: whole         !! right angles it was turned back by, degrees
       real(dp), intent(in) :: rest          !! guess of the remaining angle, -46 to 46 degrees
-      real(dp) :: s, s_low, c, c_low, low
+      real(dp) :: high(2), low(2), degrees_low
       logical :: doubtful
       integer :: k
 
@@ -167,25 +169,28 @@ contains
          return
       end if
       k = nint(rest)
-      call near_degree(modulo(k, turn), rest - real(k, dp), s, s_low, c, c_low)
-      call newton_step(x, y, whole, rest, s, s_low, c, c_low, degrees, low)
-      call add(degrees, low, doubtful)
-      if (.not. doubtful) return
-      call by_series(rest, s, s_low, c, c_low)
-      call newton_step(x, y, whole, rest, s, s_low, c, c_low, degrees, low)
-      degrees = degrees + low
+      call near_degree(modulo(k, turn), rest - real(k, dp), high, low)
+      call newton_step(x, y, whole, rest, high, low, degrees, degrees_low)
+      call add(degrees, degrees_low, doubtful)
+      if (doubtful) then
+         call by_series(rest, high, low)
+         call newton_step(x, y, whole, rest, high, low, degrees, degrees_low)
+         degrees = degrees + degrees_low
+      end if
    end function refined_direction
 
    !> Correct a guess of a direction; the sum of `high` and `low` is the better one.
-   pure subroutine newton_step(x, y, whole, rest, s, s_low, c, c_low, high, low)
+   pure subroutine newton_step(x, y, whole, rest, unit, unit_low, high, low)
       real(dp), intent(in) :: x, y, whole, rest
-      real(dp), intent(in) :: s, s_low, c, c_low  !! sine and cosine of the guess
+      real(dp), intent(in) :: unit(2), unit_low(2)  !! sine and cosine of the guess
       real(dp), intent(out) :: high, low
       real(dp) :: ys, ys_low, xs, xs_low, off, guess
 
-      call multiply(y, c, ys, ys_low)
-      call multiply(x, s, xs, xs_low)
-      off = ((ys - xs) + ((ys_low - xs_low) + (y*c_low - x*s_low)))/(x*c + y*s)
+      associate (s => unit(1), s_low => unit_low(1), c => unit(2), c_low => unit_low(2))
+         call multiply(y, c, ys, ys_low)
+         call multiply(x, s, xs, xs_low)
+         off = ((ys - xs) + ((ys_low - xs_low) + (y*c_low - x*s_low)))/(x*c + y*s)
+      end associate
       off = (off - off*off*off/3.0_dp)*degrees_per_radian
       guess = whole + rest
       off = off + (rest - (guess - whole))
@@ -194,7 +199,7 @@ contains
    end subroutine newton_step
 
    !> Add the lesser part of a value to the greater; doubtful where the value itself may round otherwise (Ziv 1991).
-   pure subroutine add(high, low, doubtful)
+   elemental subroutine add(high, low, doubtful)
       real(dp), intent(inout) :: high      !! the sum afterwards
       real(dp), intent(in) :: low
       logical, intent(out) :: doubtful
@@ -207,32 +212,30 @@ contains
    end subroutine add
 
    !> Sine and cosine from those of the nearest whole degree, each as two numbers; relative error of their sum below `doubt`.
-   pure subroutine near_degree(k, away, s, s_low, c, c_low)
+   !>
+   !> The same operations for both, side by side.
+   pure subroutine near_degree(k, away, high, low)
       integer, intent(in) :: k             !! whole degrees, 0 to 359
       real(dp), intent(in) :: away         !! degrees from there, -0.5 to 0.5, not 0
-      real(dp), intent(out) :: s, s_low, c, c_low
-      real(dp) :: head, tail, square, more_s, more_c, product
+      real(dp), intent(out) :: high(2), low(2)
+      real(dp) :: head, tail, square, turned, shrunk, product(2)
 
       call split(away, head, tail)
       square = away*away
-      more_s = away*(square*(sine_series(1) + square*(sine_series(2) + square*sine_series(3))))
-      more_c = square*(cosine_series(1) + square*(cosine_series(2) + square*cosine_series(3)))
-      associate (sine => table(:, k), cosine => table(:, k + quarter))
-         product = cosine(3)*head
-         s = sine(1) + product
-         s_low = ((sine(1) - s) + product) + (sine(2) + ((cosine(3)*tail + cosine(4)*away) &
-                                                         + ((cosine(3) + cosine(4))*more_s + (sine(1) + sine(2))*more_c)))
-         product = sine(3)*head
-         c = cosine(1) - product
-         c_low = ((cosine(1) - c) - product) + (cosine(2) - ((sine(3)*tail + sine(4)*away) &
-                                                             + ((sine(3) + sine(4))*more_s - (cosine(1) + cosine(2))*more_c)))
+      turned = away*(square*(sine_series(1) + square*(sine_series(2) + square*sine_series(3))))
+      shrunk = square*(cosine_series(1) + square*(cosine_series(2) + square*cosine_series(3)))
+      associate (value => table(:, 1, k), value_low => table(:, 2, k), rate => table(:, 3, k), rate_low => table(:, 4, k))
+         product = rate*head
+         high = value + product
+         low = ((value - high) + product) + (value_low + ((rate*tail + rate_low*away) &
+                                                          + ((rate + rate_low)*turned + (value + value_low)*shrunk)))
       end associate
    end subroutine near_degree
 
    !> Sine and cosine by their series with twice the digits.
-   pure subroutine by_series(degrees, s, s_low, c, c_low)
+   pure subroutine by_series(degrees, high, low)
       real(dp), intent(in) :: degrees
-      real(dp), intent(out) :: s, s_low, c, c_low
+      real(dp), intent(out) :: high(2), low(2)
       real(dp) :: u(2), square(2), sine(2), cosine(2)
       real(dp), parameter :: one(2) = [1.0_dp, 0.0_dp]
       integer :: n
@@ -247,10 +250,8 @@ contains
          sine = double_sum(one, double_product(sine, double_quotient(square, real((2*n)*(2*n + 1), dp))))
       end do
       sine = double_product(sine, u)
-      s = sine(1)
-      s_low = sine(2)
-      c = cosine(1)
-      c_low = cosine(2)
+      high = [sine(1), cosine(1)]
+      low = [sine(2), cosine(2)]
    end subroutine by_series
 
    !> Halves of a number: 26 bits each.
