@@ -70,6 +70,8 @@ for row in read("objective").split():
     n, us, ns = row.split("|")
     lines.append("| objective of the needle linkage, %s positions: angles, errors, limits, all dimensions changed | %.3f us; "
                  "%.2f ns per dyad and position |" % (n, float(us), float(ns)))
+    if n == "20":
+        lines.append("| the same / yardstick at 180 positions, per dyad and position | %.2f |" % (float(ns) / limit[180]))
 chain, pair = (float(x) for x in read("pruning").split("|"))
 for row in read("derivatives").splitlines():
     cells = row.split("|")

@@ -4,7 +4,7 @@ module psalm_rows
    use psalm_kinds, only: wp
    implicit none (type, external)
    private
-   public :: rows_t, make_rows
+   public :: rows_t, make_rows, clear_rows
 
    integer, parameter :: line_bytes = 64    !! of a cache line
    integer, parameter :: line_elements = line_bytes/(storage_size(1.0_wp)/8) !! reals of a cache line
@@ -37,6 +37,20 @@ contains
          if (low <= 1 - line_elements) low = low + line_elements
       end do
    end subroutine make_rows
+
+   !> Put zero into all rows, in one piece.
+   pure subroutine clear_rows(rows)
+      type(rows_t), intent(inout) :: rows
+
+      call clear(size(rows%v), rows%v)
+   end subroutine clear_rows
+
+   pure subroutine clear(n, values)
+      integer, intent(in) :: n
+      real(wp), intent(out) :: values(n)
+
+      values = 0.0_wp
+   end subroutine clear
 
    !> Elements from the beginning of an array to the next beginning of a cache line.
    integer function elements_to_line(array)

@@ -14,7 +14,7 @@ module psalm_sensitivity
    use psalm_observable, only: seed_t
    use psalm_plan, only: step_point, root_crank
    use psalm_rates, only: rates_t, prepare_rates, form_frames
-   use psalm_rows, only: rows_t
+   use psalm_rows, only: rows_t, clear_rows
    use psalm_dimensions, only: dimensions_t
    use psalm_parameters, only: variable_length, variable_gama, variable_outlk, variable_outang, variable_origlk, &
                                variable_origng, variable_crnki
@@ -130,7 +130,7 @@ contains
          call problem%output_of(n)
          m = padded(n)
          call form_frames(problem, work%rates, m, fixed_too=.true.)
-         work%rates%d(1)%v = 0.0_wp
+         call clear_rows(work%rates%d(1))
          if (present(k)) call block_constraints(problem, n, k(offset + 1:offset + n, :))
          do v = 1, size(problem%parameters%variables)
             call change_of(problem, v, m, work)
@@ -365,7 +365,7 @@ contains
          call problem%solve_block(block, offset, n)
          m = padded(n)
          call form_frames(problem, work%rates, m, fixed_too=.true.)
-         work%rates%d(1)%v = 0.0_wp
+         call clear_rows(work%rates%d(1))
          associate (first => offset + 1, last => offset + m)
             call problem%output%seed(problem%linkage, n, m, problem%wanted(first:last, :), problem%weight(first:last, :), &
                                      problem%toward_x(first:last), problem%toward_y(first:last), work%rates%d(1), objective, bar, &
@@ -387,14 +387,26 @@ contains
          end associate
       end do
       call back_through_angles(problem, work)
+      gradient = 0.0_wp
+      associate (variables => problem%parameters%variables)
+         do k = 1, size(work%length_bar)
+            v = problem%parameters%length_variable(k)
+            if (v > 0) then
+               if (variables(v)%kind == variable_length) gradient(v) = gradient(v) + work%length_bar(k)
+            end if
+            v = problem%parameters%angle_variable(k)
+            if (v > 0 .and. problem%plan%takes_gama(k)) then
+               if (variables(v)%kind == variable_gama) gradient(v) = gradient(v) + work%angle_bar(k)
+            end if
+         end do
+      end associate
       do v = 1, size(gradient)
          associate (variable => problem%parameters%variables(v))
             select case (variable%kind)
             case (variable_length)
-               gradient(v) = sum(work%length_bar, mask=problem%parameters%length_variable == v)*problem%linkage%scale
+               gradient(v) = gradient(v)*problem%linkage%scale
             case (variable_gama)
-               gradient(v) = sum(work%angle_bar, mask=problem%parameters%angle_variable == v .and. problem%plan%takes_gama) &
-                             *radians_per_degree
+               gradient(v) = gradient(v)*radians_per_degree
             case (variable_outlk)
                gradient(v) = bar%outlk
             case (variable_outang)
