@@ -23,6 +23,8 @@ program test_positions
    do k = 1, 7
       call loops_close('hard/carried_slides', k)
    end do
+   call points_of_links('needle')
+   call points_of_links('hard/chain64')
    call known_motions()
    call steering()
    call open_loop()
@@ -92,6 +94,32 @@ contains
       call t%is_true(n > 1, trim(name)//': several positions in a block')
       call t%equal_integer(wrong, 0, trim(name)//': a point is fixed or moves')
    end subroutine fixed_points
+
+   !> Points made in the pass that finds their link are those made afterwards, to the last bit, whether the linkage closes or not.
+   subroutine points_of_links(name)
+      character(*), intent(in) :: name
+      real(wp), parameter :: cranks(3) = [1.0_wp, 1.5_wp, 20.0_wp] !! times the crank's length: with the longer ones it opens
+      type(problem_t) :: problem, all_directions
+      type(data_set_t) :: set
+      type(motion_t) :: motion, other
+      type(dimensions_t) :: dimensions
+      integer :: i
+
+      call load_case(name, problem, set, motion=motion_point)
+      call load_case(name, all_directions, set, motion=motion_point)
+      call all_directions%want_derivatives(.false.)
+      call t%is_true(any(problem%linkage%steps%maker > 0), trim(name)//': points made with a link')
+      call t%is_true(all(all_directions%linkage%steps%maker == 0), trim(name)//': none where both directions are found')
+      dimensions = problem%given
+      do i = 1, size(cranks)
+         dimensions%arcl(1) = problem%given%arcl(1)*cranks(i)
+         call problem%analyse(dimensions, motion)
+         call all_directions%analyse(dimensions, other)
+         call t%is_true(all(motion%closed .eqv. other%closed) .and. .not. any(abs(motion%actual - other%actual) > 0.0_wp), &
+                        trim(name)//': the same points either way')
+      end do
+      call t%is_true(.not. all(motion%closed), trim(name)//': with a long crank it opens')
+   end subroutine points_of_links
 
    !> Lengths times a factor: angles stay, lengths follow.
    subroutine scaling(name)
