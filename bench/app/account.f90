@@ -22,7 +22,7 @@ program account
    use psalm_stop, only: stop_t
    use psalm_dimensions, only: dimensions_t
    use psalm_mechanism, only: mechanism_t
-   use psalm_parameters, only: variable_length, variable_outlk, variable_origlk
+   use psalm_parameters, only: parameters_t, variable_length, variable_outlk, variable_origlk
    implicit none (type, external)
 
    character(*), parameter :: sets(*) = [character(20) :: 'needle_search', 'needle_unweighted', 'suspension', 'chain_short', &
