@@ -1,11 +1,12 @@
 !> From a sketch: what is refused and how, freedom, Assur groups, closure.
 program test_sketch
    use check, only: checks_t
-   use psalm_assur_order, only: assur_order_t
+   use psalm_assur_order, only: assur_order_t, find_assur_groups
    use psalm_closure, only: closure_t, state_t, make_closure, start_state, solve_group, place_points
    use psalm_data_set, only: data_set_t, read_data_sets
    use psalm_dense, only: factors_t
    use psalm_kinds, only: wp
+   use psalm_sketch, only: sketch_t, drive_turns
    use psalm_sketch_check, only: check_sketch
    use psalm_status, only: diagnostics_t
    implicit none (type, external)
@@ -24,6 +25,7 @@ program test_sketch
 
    call plain()
    call wrong_sketches()
+   call six_bars()
    call t%report()
 
 contains
@@ -133,4 +135,127 @@ contains
       call wrong("NDRIVE=1, DRIVE='A', DBASE='frame', DLINK='crank'", "DRIVE='A','D', DELT2=2*0.0", 'only 2 values given')
       call wrong("NDES=3", "NDES=3, IVA=1,0", 'VARY')
    end subroutine wrong_sketches
+   !> The published counts of six-bars: pairs of frame and driven pair that differ, and what Assur groups they have.
+   !> Source: Oldham (1977), 3.2, table 3.2.
+   subroutine six_bars()
+      ! joints of the six links of the two chains
+      integer, parameter :: watt(3, 6) = reshape([1, 2, 3, 1, 4, 5, 2, 6, 0, 6, 4, 0, 3, 7, 0, 7, 5, 0], [3, 6])
+      integer, parameter :: stephenson(3, 6) = reshape([1, 2, 3, 4, 5, 6, 1, 4, 0, 2, 5, 0, 3, 7, 0, 7, 6, 0], [3, 6])
+      integer :: dyads, larger, dyads_on_frame, larger_on_frame, pairs
+
+      dyads = 0
+      larger = 0
+      dyads_on_frame = 0
+      larger_on_frame = 0
+      call count_classes(watt, pairs, dyads, larger, dyads_on_frame, larger_on_frame)
+      call t%equal_integer(pairs, 11, 'frames and driven pairs of Watt''s chain')
+      call count_classes(stephenson, pairs, dyads, larger, dyads_on_frame, larger_on_frame)
+      call t%equal_integer(pairs, 14, 'frames and driven pairs of Stephenson''s chain')
+      call t%equal_integer(dyads, 12, 'six-bars of dyads, any pair driven')
+      call t%equal_integer(larger, 13, 'six-bars with a group of four, any pair driven')
+      call t%equal_integer(dyads_on_frame, 6, 'six-bars of dyads, driven at the frame')
+      call t%equal_integer(larger_on_frame, 3, 'six-bars with a group of four, driven at the frame')
+   end subroutine six_bars
+
+   !> Pairs of frame and driven pair of a chain that no renumbering of its links makes equal, by their groups.
+   subroutine count_classes(chain, classes, dyads, larger, dyads_on_frame, larger_on_frame)
+      integer, intent(in) :: chain(3, 6)
+      integer, intent(out) :: classes
+      integer, intent(inout) :: dyads, larger, dyads_on_frame, larger_on_frame
+      type(assur_order_t) :: found
+      integer :: orders(6, 720), seen(3, 1000), kinds, f, a, b, k, m, largest
+      logical :: new
+
+      call automorphisms(chain, orders, kinds)
+      classes = 0
+      do f = 1, 6
+         do a = 1, 5
+            do b = a + 1, 6
+               if (common(chain, a, b) == 0) cycle
+               new = .true.
+               do k = 1, classes
+                  do m = 1, kinds
+                     if (orders(f, m) == seen(1, k) .and. min(orders(a, m), orders(b, m)) == seen(2, k) .and. &
+                         max(orders(a, m), orders(b, m)) == seen(3, k)) new = .false.
+                  end do
+               end do
+               if (.not. new) cycle
+               classes = classes + 1
+               seen(:, classes) = [f, a, b]
+               found = find_assur_groups(drawn(chain, f, a, b))
+               call t%is_true(found%sound, 'a six-bar with one drive is determined')
+               largest = maxval(found%groups%order)
+               if (largest == 2) dyads = dyads + 1
+               if (largest == 4) larger = larger + 1
+               if (f /= a .and. f /= b) cycle
+               if (largest == 2) dyads_on_frame = dyads_on_frame + 1
+               if (largest == 4) larger_on_frame = larger_on_frame + 1
+            end do
+         end do
+      end do
+   end subroutine count_classes
+
+   !> The joint of two links; 0: none.
+   pure integer function common(chain, a, b)
+      integer, intent(in) :: chain(3, 6), a, b
+      integer :: k
+
+      common = 0
+      do k = 1, 3
+         if (chain(k, a) > 0 .and. any(chain(:, b) == chain(k, a))) common = chain(k, a)
+      end do
+   end function common
+
+   !> Renumberings of the links that keep what is joined to what.
+   subroutine automorphisms(chain, orders, kinds)
+      integer, intent(in) :: chain(3, 6)
+      integer, intent(out) :: orders(6, 720), kinds
+      integer :: order(6)
+
+      kinds = 0
+      order = 0
+      call extend(chain, 1, order, orders, kinds)
+   end subroutine automorphisms
+
+   recursive subroutine extend(chain, n, order, orders, kinds)
+      integer, intent(in) :: chain(3, 6), n
+      integer, intent(inout) :: order(6), orders(6, 720), kinds
+      integer :: image, k
+      logical :: keeps
+
+      if (n > 6) then
+         kinds = kinds + 1
+         orders(:, kinds) = order
+         return
+      end if
+      do image = 1, 6
+         if (any(order(:n - 1) == image)) cycle
+         keeps = .true.
+         do k = 1, n - 1
+            keeps = keeps .and. ((common(chain, n, k) > 0) .eqv. (common(chain, image, order(k)) > 0))
+         end do
+         if (.not. keeps) cycle
+         order(n) = image
+         call extend(chain, n + 1, order, orders, kinds)
+      end do
+      order(n) = 0
+   end subroutine extend
+
+   !> The chain with link `f` as its frame, driven where links `a` and `b` meet.
+   function drawn(chain, f, a, b) result(sketch)
+      integer, intent(in) :: chain(3, 6), f, a, b
+      type(sketch_t) :: sketch
+      integer :: order(6), k
+
+      order = [f, pack([(k, k=1, 6)], [(k /= f, k=1, 6)])]
+      allocate (sketch%joint_name(7), sketch%links(6), sketch%slides(0), sketch%gears(0), sketch%drives(1))
+      sketch%joint_name = [(achar(iachar('A') + k), k=0, 6)]
+      do k = 1, 6
+         sketch%links(k)%joints = pack(chain(:, order(k)), chain(:, order(k)) > 0)
+      end do
+      sketch%drives(1)%kind = drive_turns
+      sketch%drives(1)%joint = common(chain, a, b)
+      sketch%drives(1)%base = findloc(order, a, dim=1)
+      sketch%drives(1)%link = findloc(order, b, dim=1)
+   end function drawn
 end program test_sketch
