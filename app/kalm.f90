@@ -31,6 +31,8 @@ program kalm
       'usage: kalm [options] [CASE.nml ...]'//nl// &
       nl//'Displacement, velocity, acceleration and jerk of the output of each case, at its positions. The group'//nl// &
       '&RATES gives the SPEED, ACCEL and UNITS of the input; without it the input moves at 1 rad/s or 1 length/s.'//nl// &
+      nl//'With a group &MASSES, &LOADS or &SPRING: torque or force of the drive, force in every joint, force and'//nl// &
+      'moment on the frame; with &MOTOR: steady cycle, run-up, flywheel.'//nl// &
       nl//'The listing goes to standard output; CASE.kalm.dev8 (input; with KTHETA=1 all arcs and joints) and'//nl// &
       'CASE.kalm.dev9 beside the case.'//nl// &
       nl//'  --output-dir DIR  put the device files into DIR'//nl// &

@@ -88,7 +88,7 @@ lines += ["| 64 loops, output at the second / its two loops alone | %.2f |" % (c
           "| the same, 10240 positions, per dyad and position | %.1f |" % (int(read("instructions.10240")) / 10 / 4 / 10240), ""]
 lines += ["## Forces, ns per dyad and position", "",
           "Positions, velocities and accelerations, and after them drive, frame and all joints, with masses and weight "
-          "(`bench forces`).", "",
+          "(`bench forces`, time of the processor).", "",
           "| linkage | dyads | positions | motion | forces | forces / motion |", "| --- | --- | --- | --- | --- | --- |"]
 for row in read("forces").splitlines():
     title, count, n, motion, forces = row.split("|")

@@ -1,9 +1,9 @@
 !> PSALM as a library: the one module that another program uses.
 !>
 !> A `case_t` is a linkage and what is asked of it. It is read from a file (`read_file`), from text in memory (`read_text`), or made
-!> by `new_case` and its verbs; what is not given has the default of the manual. The verbs `analyse`, `synthesise`, `find_rates` and
-!> `find_tolerances` study it: data in, results out. Nothing is printed, no file is written, no signal is touched. Whatever is wrong
-!> with a case comes back as findings, each with its line and a text; results are then empty.
+!> by `new_case` and its verbs; what is not given has the default of the manual. The verbs `analyse`, `synthesise`, `find_rates`,
+!> `find_forces` and `find_tolerances` study it: data in, results out. Nothing is printed, no file is written, no signal is touched.
+!> Whatever is wrong with a case comes back as findings, each with its line and a text; results are then empty.
 !>
 !> Lengths are in the user's one unit, angles in degrees, rates of angles in radians.
 module psalm
@@ -21,6 +21,8 @@ module psalm
                                 output_slide => motion_slide, output_pose => motion_pose
    use psalm_preparation, only: prepared_t, prepare, threads_for
    use psalm_rate_list, only: list_rates
+   use psalm_force_list, only: list_forces
+   use psalm_force_study, only: force_study_t, study_forces => find_forces
    use psalm_rate_study, only: rate_study_t, study_rates => find_rates
    use psalm_search, only: found_t
    use psalm_nlp, only: nlp_t, plain_nlp_t
@@ -48,6 +50,7 @@ module psalm
    public :: ended_unmade, ended_infeasible, ended_converged, ended_small_objective, ended_iterations, ended_starts, ended_time, &
              ended_on_request, ended_refused
    public :: find_rates, rate_study_t
+   public :: find_forces, force_study_t
    public :: find_tolerances, tolerances_t
    public :: minimise, nlp_t, plain_nlp_t, ending_t
    public :: stop_t, stop_request_t, observer_t, search_state_t
@@ -680,6 +683,33 @@ contains
       call list_rates(set, problem, rates, text)
       listing = text%content()
    end subroutine find_rates
+
+   !> Forces of a case with masses, loads or springs: drive, frame, every joint, at the positions of the case.
+   !>
+   !> With `by_unit_mass` also the inertia forces of unit masses, in which every force is linear: shape (positions, columns, 4,
+   !> bodies), see `loads_of_unit_masses`. Columns: drive, force x and y and moment on the frame, two for each joint.
+   subroutine find_forces(case, forces, findings, listing, by_unit_mass)
+      type(case_t), intent(in) :: case
+      type(force_study_t), intent(out) :: forces          !! empty if the case has errors
+      type(findings_t), intent(inout) :: findings
+      character(:), allocatable, intent(out), optional :: listing !! the part of kalm's listing
+      real(wp), allocatable, intent(out), optional :: by_unit_mass(:, :, :, :)
+      type(data_set_t), allocatable :: set
+      type(problem_t), allocatable :: problem
+      type(text_t) :: text
+      logical :: ready
+
+      allocate (forces%input(0), forces%table%value(0, 0))
+      if (present(by_unit_mass)) allocate (by_unit_mass(0, 0, 0, 0))
+      call make_ready(case, set, problem, ready, findings)
+      if (.not. ready) return
+      call study_forces(set, problem, problem%given, forces, by_unit_mass)
+      if (.not. forces%all_known()) call findings%warning('forces are not known at every position: the linkage does not '// &
+                                                          'close, is at a dead point, or friction locks it')
+      if (.not. present(listing)) return
+      call list_forces(set, forces, text)
+      listing = text%content()
+   end subroutine find_forces
 
    !> What the tolerances of the group TOLER do to the output of a case as given.
    subroutine find_tolerances(case, tolerances, findings, threads, stop)

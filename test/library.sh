@@ -52,6 +52,14 @@ check "the rates of the same case by kalm" "$bin/kalm" --quiet "$work/rates.nml"
 awk '/CRANK ANGLE +OUTPUT/ { on = 1; next } on && NF == 7 { print $1, $2, $3, $4 }' "$work/rates.lst" >"$work/rates.kalm"
 check "example rates: velocities and accelerations that kalm lists" same_columns 8 <(rows_of <"$work/rates") "$work/rates.kalm"
 
+check "example forces runs" run_example forces
+{ cat "$work/rates.nml"
+    echo ' &MASSES NMASS=2, MLINK=-2,-3, MLOOP=1,1, MASS=0.5,0.8, MDIST=45.0,0.0, MINERT=0.0015,0.0, UNITL=0.001 &END'; } >"$work/forces.nml"
+check "the forces of the same case by kalm" "$bin/kalm" --quiet "$work/forces.nml" >"$work/forces.lst"
+awk '/DRIVE TORQUE +FRAME/ { on = 1; next } on && NF == 7 { gsub("D", "E"); print $1, $2 }' "$work/forces.lst" >"$work/forces.kalm"
+check "example forces: the torque that kalm lists" same_columns 8 <(awk 'NF == 3 && !/[a-df-z]/ { print $1, $2 }' "$work/forces") \
+    "$work/forces.kalm"
+
 check "example own_objective runs" run_example own_objective
 # stroke and time ratio of a slider-crank in closed form: its crank and rod in one line
 check "example own_objective: stroke and ratio wanted, by the closed form too" awk '

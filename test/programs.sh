@@ -169,7 +169,7 @@ check 'kalm: 600 rev/min is 20 pi rad/s; velocity of the yoke at 90 degrees is -
 check 'kalm: mechanical advantage is infinite where the output rests' grep -q 'INFINITE' out
 check 'kalm: arcs and joints on device 8' grep -q 'JOINT AT THE END OF ARC' yoke.kalm.dev8
 status 0 'psalm skips RATES' "$psalm" yoke.nml
-check 'psalm skips RATES: device 8 says so' grep -qx ' GROUPS THAT PSALM DOES NOT READ: &RATES (kalm)' yoke.dev8
+check 'psalm skips RATES: device 8 says so' grep -qx ' GROUPS THAT PSALM DOES NOT READ: &RATES (kalm balm)' yoke.dev8
 cp yoke.dev7 yoke_again.nml
 "$bin/kalm" --quiet yoke.nml >first.lst
 status 0 'device 7 keeps the groups of other programs' "$bin/kalm" --quiet yoke_again.nml
@@ -177,6 +177,24 @@ if cmp -s first.lst out; then ok; else bad 'kalm on device 7 gives the same list
 status 1 'kalm at a dead point' "$bin/kalm" "$data/hard/parallelogram.nml" --output-dir hard
 said 'kalm at a dead point' 'dead point of loop 1: rates are infinite at position 4, input 0.0'
 check 'kalm: a dead point prints no number' grep -q 'DEAD POINT OF LOOP 1: RATES ARE INFINITE' out
+status 0 'kalm with masses' "$bin/kalm" --output-dir . "$data/engine.nml"
+check 'kalm: forces after the rates on device 9' grep -qE '^# input .* actual_per_s3 drive frame_fx frame_fy frame_m kinetic kinetic_per_s IN_fx IN_fy S1_fx S1_fy M1_fx M1_fy E1_n E1_m$' engine.kalm.dev9
+check 'kalm: a table for sizing' grep -q 'FOR SIZING' out
+check 'kalm: a flywheel for the fluctuation' grep -qE 'FLYWHEEL FOR THE FLUCTUATION +0.2000000D-01: +0\.4' out
+check 'kalm: joints on device 8' grep -qE '^  E1 +N, M ' engine.kalm.dev8
+check 'kalm: shares on device 8' grep -q 'SHARES OF THE SOURCES' engine.kalm.dev8
+{ sed 's/ARCL=40.0,140.0,0.0,10.0/ARCL=60.0,30.0,0.0,0.0/; s/IKIN=10/NDES=2, DELT=20.0,30.0/; /&MOTOR/d' "$data/engine.nml"; } >square.nml
+status 1 'kalm: forces at a dead point' "$bin/kalm" square.nml
+said 'kalm: forces at a dead point' 'dead point of loop 1: forces are infinite at position 2'
+check 'kalm: a dead point has no forces in the listing' grep -q 'DEAD POINT OF LOOP 1: FORCES ARE INFINITE' out
+if grep -q NaN out; then bad 'kalm: no NaN in the listing'; else ok; fi
+sed 's/MLINK=-1,-1,-2,-3/MLINK=-1,-1,-2,3/' "$data/engine.nml" >foot.nml
+status 2 'kalm: a mass at the foot of a slide' "$bin/kalm" foot.nml
+said 'kalm: a mass at the foot of a slide' 'counted from the foot of a slide'
+status 0 'balm with masses' "$bin/balm" --quiet --output-dir . "$data/engine.nml"
+check 'balm: centres of mass' grep -q '<g class="mass" data-link="crank"' engine.svg
+check 'balm: arrow of the gas force' grep -q '<path class="load" data-newtons="1425' engine.svg
+check 'balm: polar diagram of a joint' grep -q '<path class="polar" data-joint="S1"' engine.svg
 changed yoke.nml "s/UNITS='REV\/MIN'/UNITS='KNOTS'/" >knots.nml
 status 2 'kalm: unknown unit' "$bin/kalm" knots.nml
 said 'kalm: unknown unit' "found 'KNOTS'"

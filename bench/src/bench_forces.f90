@@ -7,8 +7,7 @@ module bench_forces
    use psalm_error, only: problem_t, make_problem
    use psalm_force_model, only: force_model_t, make_force_model, vertices_of
    use psalm_kinds, only: wp, dp
-   use psalm_kinetostatics, only: forces_t, prepare_forces, move_bodies, clear_wrenches, add_source, sweep, source_inertia, &
-                                  source_weight
+   use psalm_kinetostatics, only: forces_t, prepare_forces, load_bodies, sweep
    use psalm_mechanism, only: mechanism_t
    use psalm_parameters, only: parameters_t
    use psalm_rates, only: rates_t, prepare_rates, differentiate
@@ -105,11 +104,10 @@ contains
       logical, intent(in) :: with_forces
       type(rates_t) :: rates
       type(forces_t) :: forces
-      real(wp) :: input(problem%linkage%room), total
+      real(wp) :: total
       real(dp) :: from, to
       integer :: sample, repeat, i, block, offset, n
 
-      input = 0.0_wp
       total = 0.0_wp
       call prepare_rates(problem, rates)
       call prepare_forces(problem, model, forces)
@@ -122,10 +120,7 @@ contains
                call problem%solve_block(block, offset, n)
                call differentiate(problem, rates, n, 2)
                if (.not. with_forces) cycle
-               call move_bodies(problem, rates, n, 10.0_wp, 1.0_wp, forces)
-               call clear_wrenches(n, forces)
-               call add_source(problem, model, source_inertia, input, n, forces)
-               call add_source(problem, model, source_weight, input, n, forces)
+               call load_bodies(problem, model, rates, n, 10.0_wp, 1.0_wp, forces)
                call sweep(problem, n, forces)
                total = total + forces%w%v(1, forces%drive)
             end do

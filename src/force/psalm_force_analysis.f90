@@ -3,8 +3,8 @@ module psalm_force_analysis
    use psalm_error, only: problem_t
    use psalm_force_model, only: force_model_t, mass_parameters
    use psalm_kinds, only: wp
-   use psalm_kinetostatics, only: forces_t, prepare_forces, move_bodies, clear_wrenches, add_source, sweep, rub, external_power, &
-                                  joint_rows, sources_of, source_inertia
+   use psalm_kinetostatics, only: forces_t, prepare_forces, load_bodies, move_bodies, clear_wrenches, add_source, sweep, rub, &
+                                  external_power, joint_rows, sources_of, source_inertia
    use psalm_mechanism, only: body_frame
    use psalm_rates, only: rates_t, prepare_rates, differentiate, is_dead
    implicit none (type, external)
@@ -60,7 +60,9 @@ contains
       type(rates_t) :: rates
       type(forces_t) :: forces
       integer :: block, offset, n, source
+      logical :: plain                         !! masses and weight only
 
+      plain = size(model%loads) == 0 .and. size(model%springs) == 0 .and. size(model%friction) == 0
       call make_table(problem, table)
       table%closed = closed
       call prepare_rates(problem, rates)
@@ -69,13 +71,17 @@ contains
          call problem%solve_block(block, offset, n)
          call differentiate(problem, rates, n, 2)
          call note_dead(problem, rates, offset, n, table)
-         call move_bodies(problem, rates, n, speed, accel, forces)
-         call clear_wrenches(n, forces)
-         do source = source_inertia + 1, sources_of(model)
-            call add_source(problem, model, source, input(offset + 1:offset + n), n, forces)
-         end do
-         call external_power(problem, n, forces)
-         call add_source(problem, model, source_inertia, input(offset + 1:offset + n), n, forces)
+         if (plain) then
+            call load_bodies(problem, model, rates, n, speed, accel, forces)
+         else
+            call move_bodies(problem, rates, n, speed, accel, forces)
+            call clear_wrenches(n, forces)
+            do source = source_inertia + 1, sources_of(model)
+               call add_source(problem, model, source, input(offset + 1:offset + n), n, forces)
+            end do
+            call external_power(problem, n, forces)
+            call add_source(problem, model, source_inertia, input(offset + 1:offset + n), n, forces)
+         end if
          if (size(model%friction) > 0) then
             call rub(problem, model, rates, n, forces)
             table%sweeps(offset + 1:offset + n) = forces%sweeps(1:n)

@@ -7,7 +7,8 @@ module psalm_force_kernels
    use psalm_kinds, only: wp
    implicit none (type, external)
    private
-   public :: move_axes, add_inertia, add_weight, add_force_at, add_couple, place_in_body, velocity_in_body, power_of, add_wrench
+   public :: load_body, move_axes, add_inertia, add_weight, add_force_at, add_couple, add_wrench
+   public :: place_in_body, velocity_in_body, power_of
    public :: drive_of_crank, drive_of_slide
 
 contains
@@ -34,6 +35,51 @@ contains
          ay(i) = y2(i)*square + y1(i)*accel
       end do
    end subroutine move_axes
+
+   !> Inertia and weight of a body in one pass: `move_axes`, `add_inertia`, `add_weight` and the power of the weight, without rows
+   !> for what lies between. The wrench is set, energy and powers are added to.
+   pure subroutine load_body(n, metre, mass, mx, my, inertia, gx, gy, rx, ry, c, s, r1, r2, px, py, x1, y1, x2, y2, speed, accel, &
+                             fx, fy, m, kinetic, growth, power)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: metre                       !! metres in a store unit
+      real(wp), intent(in) :: mass, mx, my, inertia       !! kg, kg m, kg m2: about the reference, in the axes of the body
+      real(wp), intent(in) :: gx, gy                      !! gravity
+      real(wp), intent(in) :: rx(n), ry(n), c, s          !! root; cosine, sine of the fixed angle to the body's axis
+      real(wp), intent(in) :: r1(n), r2(n), px(n), py(n), x1(n), y1(n), x2(n), y2(n) !! angle, reference: by the input
+      real(wp), intent(in) :: speed, accel                !! of the input
+      real(wp), intent(out) :: fx(n), fy(n), m(n)
+      real(wp), intent(inout) :: kinetic(n), growth(n), power(n) !! J; W; W
+      real(wp) :: mxr, myr, square, unit_mass, w, al, vx, vy, ax, ay, sx, sy, qx, qy, couple, weight
+      integer :: i
+
+      ! first moment in the axes of the root
+      mxr = mx*c - my*s
+      myr = mx*s + my*c
+      square = speed*speed
+      unit_mass = mass*metre
+      do i = 1, n
+         sx = mxr*rx(i) - myr*ry(i)
+         sy = mxr*ry(i) + myr*rx(i)
+         w = r1(i)*speed
+         al = r2(i)*square + r1(i)*accel
+         vx = x1(i)*speed
+         vy = y1(i)*speed
+         ax = x2(i)*square + x1(i)*accel
+         ay = y2(i)*square + y1(i)*accel
+         qx = al*sy + w*w*sx - unit_mass*ax
+         qy = w*w*sy - al*sx - unit_mass*ay
+         couple = (sy*ax - sx*ay) - inertia/metre*al
+         weight = (sx*gy - sy*gx)/metre
+         kinetic(i) = kinetic(i) + 0.5_wp*(unit_mass*metre*(vx*vx + vy*vy) + inertia*w*w) + metre*w*(vy*sx - vx*sy)
+         growth(i) = growth(i) - metre*(qx*vx + qy*vy + couple*w)
+         power(i) = power(i) + metre*(mass*(gx*vx + gy*vy) + weight*w)
+         qx = qx + mass*gx
+         qy = qy + mass*gy
+         fx(i) = qx
+         fy(i) = qy
+         m(i) = px(i)*qy - py(i)*qx + (couple + weight)
+      end do
+   end subroutine load_body
 
    !> D'Alembert's wrench of a body, its kinetic energy and the power it takes up.
    pure subroutine add_inertia(n, metre, mass, mx, my, inertia, px, py, vx, vy, ax, ay, ex, ey, w, al, fx, fy, m, kinetic, growth)

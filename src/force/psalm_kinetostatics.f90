@@ -10,7 +10,7 @@ module psalm_kinetostatics
    use psalm_assur, only: react_dyad, rows_to_react
    use psalm_elementary, only: hypotenuse
    use psalm_error, only: problem_t
-   use psalm_force_kernels, only: move_axes, add_inertia, add_weight, add_force_at, add_couple, place_in_body, &
+   use psalm_force_kernels, only: load_body, move_axes, add_inertia, add_weight, add_force_at, add_couple, place_in_body, &
                                   velocity_in_body, power_of, add_wrench, drive_of_crank, drive_of_slide
    use psalm_force_model, only: force_model_t, spot_t, parameter_mass, parameter_mx, parameter_my, parameter_inertia
    use psalm_kinds, only: wp, radians_per_degree, full_turn
@@ -21,7 +21,7 @@ module psalm_kinetostatics
    use psalm_wrench_kernels, only: opposite_force, opposite_across
    implicit none (type, external)
    private
-   public :: forces_t, prepare_forces, move_bodies, clear_wrenches, add_source, sweep, rub, external_power, find_spot
+   public :: forces_t, prepare_forces, load_bodies, move_bodies, clear_wrenches, add_source, sweep, rub, external_power, find_spot
    public :: joint_rows, sources_of, source_inertia, source_weight, first_load, first_spring
 
    integer, parameter :: source_inertia = 1, source_weight = 2 !! sources; loads and springs follow
@@ -132,6 +132,43 @@ contains
          end associate
       end do
    end subroutine move_bodies
+
+   !> Wrenches of inertia and weight alone, energy and powers: all in one pass over the bodies, for mechanisms without loads,
+   !> springs and friction. Of the poses of the bodies only the direction of a sliding input is kept, which the drive acts along.
+   subroutine load_bodies(problem, model, rates, n, speed, accel, forces)
+      type(problem_t), intent(in) :: problem
+      type(force_model_t), intent(in) :: model
+      type(rates_t), intent(in) :: rates
+      integer, intent(in) :: n
+      real(wp), intent(in) :: speed, accel           !! of the input
+      type(forces_t), intent(inout) :: forces
+      integer :: b, m
+
+      m = padded(n)
+      forces%speed = speed
+      associate (frame => forces%bodies(body_frame)%wrench)
+         forces%w%v(1:m, frame:frame + rows_of_wrench - 1) = 0.0_wp
+      end associate
+      forces%w%v(1:m, forces%kinetic) = 0.0_wp
+      forces%w%v(1:m, forces%growth) = 0.0_wp
+      forces%w%v(1:m, forces%power) = 0.0_wp
+      forces%w%v(1:m, forces%loss) = 0.0_wp
+      do b = body_frame + 1, size(forces%bodies)
+         associate (body => forces%bodies(b), w => forces%w%v, v => problem%linkage%store%v, d1 => rates%d(1)%v, &
+                    d2 => rates%d(2)%v, of => model%inertia(:, b))
+            call load_body(m, forces%metre, of(parameter_mass), of(parameter_mx), of(parameter_my), of(parameter_inertia), &
+                           model%gravity(1), model%gravity(2), v(1, body%root_x), v(1, body%root_y), body%c, body%s, &
+                           d1(1, body%root_x), d2(1, body%root_x), v(1, body%px), v(1, body%py), d1(1, body%px), d1(1, body%py), &
+                           d2(1, body%px), d2(1, body%py), speed, accel, w(1, body%wrench), w(1, body%wrench + 1), &
+                           w(1, body%wrench + 2), w(1, forces%kinetic), w(1, forces%growth), w(1, forces%power))
+         end associate
+      end do
+      if (.not. problem%mechanism%sliding_input) return
+      associate (input => forces%bodies(body_input), w => forces%w%v, v => problem%linkage%store%v)
+         w(1:m, input%ex) = input%c*v(1:m, input%root_x) - input%s*v(1:m, input%root_y)
+         w(1:m, input%ey) = input%c*v(1:m, input%root_y) + input%s*v(1:m, input%root_x)
+      end associate
+   end subroutine load_bodies
 
    !> No wrench on any body.
    pure subroutine clear_wrenches(n, forces)

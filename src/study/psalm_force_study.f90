@@ -7,8 +7,8 @@ module psalm_force_study
    use psalm_dimensions, only: dimensions_t
    use psalm_elementary, only: hypotenuse
    use psalm_error, only: problem_t, motion_t
-   use psalm_force_analysis, only: force_table_t, analyse_forces, share_of_sources, column_of_joint, column_drive, column_fx, &
-                                   column_fy, column_moment
+   use psalm_force_analysis, only: force_table_t, analyse_forces, share_of_sources, loads_of_unit_masses, column_of_joint, &
+                                   column_drive, column_fx, column_fy, column_moment
    use psalm_force_model, only: force_model_t, make_force_model, vertices_of
    use psalm_kinds, only: wp, full_turn
    use psalm_kinetostatics, only: source_inertia, source_weight, first_spring
@@ -74,11 +74,12 @@ contains
    end subroutine judge_forces
 
    !> Forces of a case that `judge_forces` found no fault with. All loops are solved, whatever the given problem solves.
-   subroutine find_forces(set, given, dimensions, study)
+   subroutine find_forces(set, given, dimensions, study, by_unit_mass)
       type(data_set_t), intent(in) :: set
       type(problem_t), intent(in) :: given
       type(dimensions_t), intent(in) :: dimensions
       type(force_study_t), intent(out) :: study
+      real(wp), allocatable, intent(inout), optional :: by_unit_mass(:, :, :, :) !! see `loads_of_unit_masses`
       type(problem_t), allocatable :: problem      ! large: it would fill a small stack
       type(motion_t) :: motion
       type(diagnostics_t) :: unused
@@ -108,6 +109,9 @@ contains
             study%sources(k) = 'LOAD '//to_text(k - source_weight)
             if (k >= first_spring(study%model)) study%sources(k) = 'SPRING '//to_text(k - first_spring(study%model) + 1)
          end do
+      end if
+      if (present(by_unit_mass)) then
+         call loads_of_unit_masses(problem, study%model, set%speed, set%accel, by_unit_mass)
       end if
       call size_up(study)
       call find_harmonics(set, problem, study)
