@@ -4,7 +4,8 @@
 usage: test/sketches.py PROGRAM_DIRECTORY [--count N]. Last line: N passed, N failed.
 
 Random chains of dyads of every kind are written as sketches; psalm chooses loops and signs, and its output is compared with what
-Newton finds for the sketch itself, and so are all joints in CASE.csv."""
+Newton finds for the sketch itself, and so are all joints in CASE.csv.
+What a search finds is drawn anew on device 7: read again it must be the same linkage."""
 import argparse
 import cmath
 import csv
@@ -18,6 +19,43 @@ import tempfile
 import numpy as np
 
 KINDS = ["RRR", "RRP", "RPR", "PRP", "RPP"]
+
+SEARCHES = {
+    "four_bar": """SEARCH FROM A SKETCH
+ &CHAIN JNT='A','B','C','D','P', JX=0.0,-4.0,33.0,90.0,20.0, JY=0.0,31.0,82.0,5.0,95.0,
+  LNAME='frame','crank','coupler','rocker', LNK='A D','A B','B C P','C D',
+  VARY='A B','B C','C D','B P','angle B C B P','place D','input',
+   &END
+ &DRIVES DRIVE='A' &END
+ &OUTPUTS OUTPUT='point P' &END
+ &METHOD NDES=5, DELT=0.0,20.0,40.0,60.0,80.0, DESX=20.,12.,5.,0.,-6., DESY=95.,96.,95.,92.,87. &END
+ &SEARCH SOLVER='LSQ', NSTART=20 &END
+ &LIMITS TANGLE=70.0 &END
+""",
+    "slides": """SEARCH SLIDER-CRANK AND RPR
+ &CHAIN JNT='A','B','C','D','F','P', JX=0.0,20.0,130.0,60.0,40.,70., JY=0.0,30.0,10.0,60.0,-50.,70.,
+  LNAME='frame','crank','rod','piston','barrel','plunger', LNK='A F','A B','B C D','C','F P','D',
+  NSLIDE=2, SLNK='frame','barrel', SLNK2='piston','plunger', SLX=0.0,60., SLY=10.0,60., SLANG=0.0,70.,
+  VARY='A B','B C','B D','angle B C B D','place F','input',
+  VLOW=20.0,60.0,20.0,0.0,40.0,-90.0,-60.0, VHIGH=60.0,160.0,80.0,90.0,90.0,-20.0,60.0 &END
+ &DRIVES DRIVE='A' &END
+ &OUTPUTS OUTPUT='point P' &END
+ &METHOD NDES=4, DELT=0.0,20.0,40.0,60.0, DESX=70.,66.,60.,55., DESY=70.,72.,74.,75. &END
+ &SEARCH SOLVER='LSQ', NSTART=5 &END
+ &LIMITS TANGLE=85.0 &END
+""",
+    "yoke": """SEARCH SCOTCH YOKE AND SLOT
+ &CHAIN JNT='A','B','Q','R', JX=0.0,20.0,60.0,90., JY=0.0,30.0,10.0,40.,
+  LNAME='frame','crank','block','yoke','arm','slider', LNK='A','A B','B','Q','Q R','R',
+  NSLIDE=3, SLNK='yoke','frame','frame', SLNK2='block','yoke','slider', SLX=20.0,60.0,90., SLY=30.0,10.0,40., SLANG=80.0,5.0,60.,
+  VARY='A B','Q R','input' &END
+ &DRIVES DRIVE='A' &END
+ &OUTPUTS OUTPUT='point R' &END
+ &METHOD NDES=4, DELT=0.0,10.0,20.0,30.0, DESX=90.,88.,86.,83., DESY=40.,36.,32.,27. &END
+ &SEARCH SOLVER='LSQ', NSTART=5 &END
+ &LIMITS TANGLE=85.0 &END
+""",
+}
 
 
 class Sketch:
@@ -202,6 +240,18 @@ def main():
             else:
                 failed += 1
                 told.append("%s: differs by %.2e" % (sketch.title, wrong))
+    with tempfile.TemporaryDirectory() as folder:
+        for name, text in SEARCHES.items():
+            done, rows = run_psalm(arguments.programs, folder, name, text)
+            with open(os.path.join(folder, name + ".dev7"), encoding="ascii") as file:
+                found = file.read()
+            again, same = run_psalm(arguments.programs, folder, name + "_again", found)
+            differ = max((abs(a - b) for r, s in zip(rows, same) for a, b in zip(r[1:], s[1:])), default=1.0)
+            if "&CHAIN" in found and done.returncode == again.returncode == 0 and len(rows) == len(same) and differ < 1e-9:
+                passed += 1
+            else:
+                failed += 1
+                told.append("search of %s: its device 7 is another linkage, by %.1e; %s" % (name, differ, again.stderr))
     for line in told:
         print("FAILED:", line)
     print("largest difference, of the size of the drawing: %.1e" % worst)

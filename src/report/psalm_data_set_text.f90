@@ -10,6 +10,7 @@ module psalm_data_set_text
    use psalm_dyad_kind, only: assur_prp
    use psalm_error, only: problem_t
    use psalm_finale, only: in_columns
+   use psalm_sketch_redraw, only: redraw_sketch
    use psalm_sketch_text, only: write_sketch
    use psalm_start, only: values_per_record
    use psalm_text, only: text_t, general, full_precision, to_text
@@ -52,11 +53,18 @@ contains
       type(problem_t), intent(in) :: problem
       type(dimensions_t), intent(in) :: dimensions
       type(text_t), intent(inout) :: text
+      type(data_set_t), allocatable :: drawn
       integer :: loop
+      logical :: sound
 
-      if (set%sketch%given .and. .not. problem%parameters%has_search()) then
-         call write_sketch(set, text)
-         return
+      if (set%sketch%given) then
+         allocate (drawn, source=set)
+         sound = .true.
+         if (problem%parameters%has_search()) call redraw_sketch(drawn, problem%mechanism, dimensions, sound)
+         if (sound) then
+            call write_sketch(drawn, text)
+            return
+         end if
       end if
       call text%add(set%title)
       call text%add(' &LINKS NLOOP='//to_text(set%nloop)//', MAXARC='//to_text(set%maxarc)//',')
