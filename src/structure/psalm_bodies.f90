@@ -111,12 +111,13 @@ contains
 
    ! ---- points ------------------------------------------------------------------------------------------------------
 
-   !> The points of every body. A determined arc adds its ends where one of them is known to be a point of its body; one of which
-   !> neither is ever known is only parallel to its body.
+   !> The points of every body. A determined arc, and one that repeats a slide, adds its ends where one of them is known to be a
+   !> point of its body; one of which neither is ever known is only parallel to its body. (A slide may be repeated anywhere: its
+   !> copy on a frame pivot, say, has its moving end where its original has its foot.)
    pure subroutine find_points_of_bodies(mechanism)
       type(mechanism_t), intent(inout) :: mechanism
       type(seats_t) :: seats
-      integer :: n
+      integer :: n, ends(2), bodies(2)
       logical :: more
 
       allocate (seats%body(2*size(mechanism%arcs) + 1), seats%before(2*size(mechanism%arcs) + 1), source=0)
@@ -124,31 +125,39 @@ contains
       call seat(seats, body_frame, pivot)
       do n = 1, size(mechanism%arcs)
          associate (arc => mechanism%arcs(n))
-            if (arc%foot > 0) then
-               call seat(seats, mechanism%guide_of(n), arc%ends(arc%foot))
-               call seat(seats, arc%body, arc%ends(at_start + at_finish - arc%foot))
-            else if (arc%kind /= arc_determined) then
-               call seat(seats, arc%body, arc%ends(at_start))
-               call seat(seats, arc%body, arc%ends(at_finish))
-            end if
+            if (arc%kind == arc_determined .or. arc%representative /= n) cycle
+            call ends_and_bodies(n, ends, bodies)
+            call seat(seats, bodies(1), ends(1))
+            call seat(seats, bodies(2), ends(2))
          end associate
-         mechanism%arcs(n)%attached = mechanism%arcs(n)%foot > 0 .or. mechanism%arcs(n)%kind /= arc_determined
+         mechanism%arcs(n)%attached = .true.
       end do
       more = .true.
       do while (more)
          more = .false.
          do n = 1, size(mechanism%arcs)
-            associate (arc => mechanism%arcs(n))
-               if (arc%attached) cycle
-               if (.not. (is_seated(seats, arc%body, arc%ends(1)) .or. is_seated(seats, arc%body, arc%ends(2)))) cycle
-               call seat(seats, arc%body, arc%ends(at_start))
-               call seat(seats, arc%body, arc%ends(at_finish))
-            end associate
+            if (mechanism%arcs(n)%attached) cycle
+            call ends_and_bodies(n, ends, bodies)
+            if (.not. (is_seated(seats, bodies(1), ends(1)) .or. is_seated(seats, bodies(2), ends(2)))) cycle
+            call seat(seats, bodies(1), ends(1))
+            call seat(seats, bodies(2), ends(2))
             mechanism%arcs(n)%attached = .true.
             more = .true.
          end do
       end do
       call list_points(seats, mechanism%bodies)
+
+   contains
+
+      !> The points at the ends of an arc, and the bodies they are points of: the foot of a slide is one of its guide's.
+      pure subroutine ends_and_bodies(n, ends, bodies)
+         integer, intent(in) :: n
+         integer, intent(out) :: ends(2), bodies(2)
+
+         ends = mechanism%arcs(n)%ends
+         bodies = mechanism%arcs(n)%body
+         if (mechanism%arcs(n)%foot > 0) bodies(mechanism%arcs(n)%foot) = mechanism%guide_of(n)
+      end subroutine ends_and_bodies
    end subroutine find_points_of_bodies
 
    pure subroutine seat(seats, body, point)
