@@ -739,6 +739,7 @@ contains
             else
                at = sketch%links_of(drive%joint)
             end if
+            if (size(at) == 0) return   ! told of JNT
             if (size(at) < 2) then
                call out_of(group, 'DRIVE', &
                   'joint '//trim(drive%name)//' belongs to one link only, '//trim(sketch%links(at(1))%name)// &
