@@ -193,7 +193,7 @@ status 2 'kalm: a mass at the foot of a slide' "$bin/kalm" foot.nml
 said 'kalm: a mass at the foot of a slide' 'counted from the foot of a slide'
 status 0 'balm with masses' "$bin/balm" --quiet --output-dir . "$data/engine.nml"
 check 'balm: centres of mass' grep -q '<g class="mass" data-link="crank"' engine.svg
-check 'balm: arrow of the gas force' grep -q '<path class="load" data-newtons="-1425' engine.svg
+check 'balm: arrow of the gas force' grep -q '<path class="load" data-newtons="-1.4250' engine.svg
 check 'balm: polar diagram of a joint' grep -q '<path class="polar" data-joint="S1"' engine.svg
 changed yoke.nml "s/UNITS='REV\/MIN'/UNITS='KNOTS'/" >knots.nml
 status 2 'kalm: unknown unit' "$bin/kalm" knots.nml
