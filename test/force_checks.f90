@@ -73,20 +73,20 @@ contains
    end subroutine forces_at
 
    subroutine reference_table()
-      call one('dyad1_crank_rocker', 60, [.848637945_wp, 49.8138567_wp, 27.4658626_wp, -2.49489456_wp, 1.03159372_wp])
-      call one('dyad2_oscillating_cylinder', 60, [.0520217721_wp, 18.6332518_wp, 23.0139602_wp, -.0353928779_wp, .565706977_wp])
-      call one('dyad3_quick_return', 60, [.266786916_wp, 38.9681087_wp, 68.4630574_wp, -1.20488476_wp, 4.01143609_wp])
-      call one('dyad4_slider_crank', 60, [.901570747_wp, 38.0378549_wp, 27.2661063_wp, .200199766_wp, 1.66656782_wp])
-      call one('dyad5_turning_block', 60, [-.984333524_wp, -53.9916571_wp, 15.3559693_wp, 1.79442992_wp, 2.50253176_wp])
-      call one('dyad6_scotch_yoke', 60, [.820543501_wp, 40.828659_wp, 31.0612078_wp, -.1285698_wp, 1.5593975_wp])
-      call one('dyad7_oldham_coupling', 60, [-.0967751118_wp, -7.88467247_wp, -40.019256_wp, -.171875691_wp, 1.83902627_wp])
+      call one('dyad1_crank_rocker', 60, [0.848637945_wp, 49.8138567_wp, 27.4658626_wp, -2.49489456_wp, 1.03159372_wp])
+      call one('dyad2_oscillating_cylinder', 60, [0.0520217721_wp, 18.6332518_wp, 23.0139602_wp, -0.0353928779_wp, 0.565706977_wp])
+      call one('dyad3_quick_return', 60, [0.266786916_wp, 38.9681087_wp, 68.4630574_wp, -1.20488476_wp, 4.01143609_wp])
+      call one('dyad4_slider_crank', 60, [0.901570747_wp, 38.0378549_wp, 27.2661063_wp, 0.200199766_wp, 1.66656782_wp])
+      call one('dyad5_turning_block', 60, [-0.984333524_wp, -53.9916571_wp, 15.3559693_wp, 1.79442992_wp, 2.50253176_wp])
+      call one('dyad6_scotch_yoke', 60, [0.820543501_wp, 40.828659_wp, 31.0612078_wp, -0.1285698_wp, 1.5593975_wp])
+      call one('dyad7_oldham_coupling', 60, [-0.0967751118_wp, -7.88467247_wp, -40.019256_wp, -0.171875691_wp, 1.83902627_wp])
       call one('dyad8_tangent_mechanism', 30, [40.4705191_wp, 12.6881188_wp, -294.832334_wp, -34.0647662_wp, 19.6691919_wp])
       call one('needle', 60, [-10.8235921_wp, -100.559514_wp, 167.806634_wp, 29.2962373_wp, 4.72413161_wp])
-      call one('textile', 60, [.968291647_wp, 78.0782652_wp, -.45077263_wp, -.486391388_wp, 2.16564244_wp])
-      call one('dwell', 60, [-.0681702661_wp, -10.4210334_wp, 8.05975366_wp, .00531702615_wp, .573741819_wp])
+      call one('textile', 60, [0.968291647_wp, 78.0782652_wp, -0.45077263_wp, -0.486391388_wp, 2.16564244_wp])
+      call one('dwell', 60, [-0.0681702661_wp, -10.4210334_wp, 8.05975366_wp, 0.00531702615_wp, 0.573741819_wp])
       call one('brake_reaction', 5, [-144.127591_wp, 2634.29374_wp, 306.675852_wp, 88.6406309_wp, 585.481889_wp])
-      call one('actuator_rapson_slide', 100, [.000130990287_wp, -.000174628014_wp, -.000321809685_wp, -1.86882975e-5_wp, &
-                                              .00150409519_wp])
+      call one('actuator_rapson_slide', 100, [0.000130990287_wp, -0.000174628014_wp, -0.000321809685_wp, -1.86882975e-5_wp, &
+                                              0.00150409519_wp])
    end subroutine reference_table
 
    subroutine one(name, delta, want)
@@ -116,12 +116,12 @@ contains
       call joint('dyad4_slider_crank', 60, 'M1', [-19.8988751_wp, 5.09007527_wp])
       call joint('dyad4_slider_crank', 60, 'E1', [5.09007527_wp, -1.10177051_wp])
       call joint('dyad2_oscillating_cylinder', 60, 'S1', [-13.0675996_wp, -19.1656283_wp])
-      call joint('dyad2_oscillating_cylinder', 60, 'M1', [-3.63315404_wp, .476472173_wp])
-      call joint('dyad2_oscillating_cylinder', 60, 'E1', [-4.2154108_wp, -.138574118_wp])
-      call joint('dyad6_scotch_yoke', 60, 'M1', [23.6870506_wp, .336667942_wp])
-      call joint('dyad6_scotch_yoke', 60, 'E1', [0.0_wp, -.691973701_wp])
-      call joint('dyad7_oldham_coupling', 60, 'S1', [-11.7175124_wp, -.0967751118_wp])
-      call joint('dyad7_oldham_coupling', 60, 'M1', [-3.89845107_wp, .0155938043_wp])
+      call joint('dyad2_oscillating_cylinder', 60, 'M1', [-3.63315404_wp, 0.476472173_wp])
+      call joint('dyad2_oscillating_cylinder', 60, 'E1', [-4.2154108_wp, -0.138574118_wp])
+      call joint('dyad6_scotch_yoke', 60, 'M1', [23.6870506_wp, 0.336667942_wp])
+      call joint('dyad6_scotch_yoke', 60, 'E1', [0.0_wp, -0.691973701_wp])
+      call joint('dyad7_oldham_coupling', 60, 'S1', [-11.7175124_wp, -0.0967751118_wp])
+      call joint('dyad7_oldham_coupling', 60, 'M1', [-3.89845107_wp, 0.0155938043_wp])
       call joint('dyad7_oldham_coupling', 60, 'E1', [3.37615766_wp, 33.5813503_wp])
       call joint('dyad8_tangent_mechanism', 30, 'S1', [336.950983_wp, 40.4705191_wp])
       call joint('dyad8_tangent_mechanism', 30, 'M1', [-158.324997_wp, 182.343_wp])
@@ -510,16 +510,16 @@ contains
    !> held by a flywheel elsewhere, the crank is massless.
    subroutine counterweights()
       real(wp), parameter :: discs(4, 3, 2) = reshape([ &
-         -.0064679_wp, -.0014698_wp, .1_wp, .05_wp, -.0062665_wp, -.0525577_wp, .05293_wp, .02_wp, &
-         -.0337734_wp, .0347102_wp, .0484297_wp, .05_wp, &
-         -.0064660_wp, -.0014741_wp, .1_wp, .05_wp, -.0067098_wp, -.052621_wp, .052928_wp, .02_wp, &
-         -.034016_wp, .034550_wp, .048442_wp, .05_wp], [4, 3, 2])
+         -0.0064679_wp, -0.0014698_wp, 0.1_wp, 0.05_wp, -0.0062665_wp, -0.0525577_wp, 0.05293_wp, 0.02_wp, &
+         -0.0337734_wp, 0.0347102_wp, 0.0484297_wp, 0.05_wp, &
+         -0.0064660_wp, -0.0014741_wp, 0.1_wp, 0.05_wp, -0.0067098_wp, -0.052621_wp, 0.052928_wp, 0.02_wp, &
+         -0.034016_wp, 0.034550_wp, 0.048442_wp, 0.05_wp], [4, 3, 2])
 
-      call row('bare', discs(:, :0, 1), [16.494_wp, 1.2499_wp, .49955_wp, 8.7821_wp, 21.069_wp, 8.7821_wp, 21.069_wp, 2.2400_wp, &
+      call row('bare', discs(:, :0, 1), [16.494_wp, 1.2499_wp, 0.49955_wp, 8.7821_wp, 21.069_wp, 8.7821_wp, 21.069_wp, 2.2400_wp, &
                                         11.197_wp, 7.8765_wp, 4.9995_wp])
-      call row('interim', discs(:, :, 1), [.14484_wp, 1.5111_wp, .49657_wp, 24.456_wp, 6.0748_wp, 67.344_wp, 58.829_wp, &
+      call row('interim', discs(:, :, 1), [0.14484_wp, 1.5111_wp, 0.49657_wp, 24.456_wp, 6.0748_wp, 67.344_wp, 58.829_wp, &
                                            11.416_wp, 12.009_wp, 24.417_wp, 6.0446_wp])
-      call row('final', discs(:, :, 2), [0.0_wp, 1.5393_wp, .49247_wp, 24.483_wp, 6.1571_wp, 67.509_wp, 58.854_wp, 11.471_wp, &
+      call row('final', discs(:, :, 2), [0.0_wp, 1.5393_wp, 0.49247_wp, 24.483_wp, 6.1571_wp, 67.509_wp, 58.854_wp, 11.471_wp, &
                                         12.051_wp, 24.483_wp, 6.1572_wp])
    end subroutine counterweights
 
@@ -575,10 +575,10 @@ contains
          set%masses%places%loop = 1
          set%masses%places%arc = [2, 3, (k, k=1, size(discs, 2))]
          set%masses%places%from_start = [.true., .false., (k < 3, k=1, size(discs, 2))]
-         set%masses%places%distance = [.1_wp, .1375_wp, (norm2(discs(1:2, k)), k=1, size(discs, 2))]
+         set%masses%places%distance = [0.1_wp, 0.1375_wp, (norm2(discs(1:2, k)), k=1, size(discs, 2))]
          set%masses%places%angle = [0.0_wp, 180.0_wp, (0.0_wp, k=1, size(discs, 2))]
-         set%masses%mass = [.33235_wp, .47445_wp, (density*pi*discs(3, k)**2*discs(4, k), k=1, size(discs, 2))]
-         set%masses%inertia = [.001278_wp, .00405_wp, (0.0_wp, k=1, size(discs, 2))]
+         set%masses%mass = [0.33235_wp, 0.47445_wp, (density*pi*discs(3, k)**2*discs(4, k), k=1, size(discs, 2))]
+         set%masses%inertia = [0.001278_wp, 0.00405_wp, (0.0_wp, k=1, size(discs, 2))]
          do k = 1, size(discs, 2)
             x = discs(1, k)
             y = discs(2, k)
@@ -608,20 +608,20 @@ contains
       call rule_masses(problem, set)
       call make_force_model(set, problem%mechanism, problem%given, model, findings)
       call reduce_machine(problem, model, [0.0_wp, 60.0_wp], reduced)
-      call t%close_to(reduced%inertia(1)/.000371760464_wp, 1.0_wp, 1.0e-7_wp, 'inertia at the crank')
-      call t%close_to(reduced%inertia(2)/.000844293120_wp, 1.0_wp, 1.0e-7_wp, 'inertia at the crank')
-      call t%close_to(reduced%slope(2)/.000456741076_wp, 1.0_wp, 1.0e-7_wp, 'its derivative')
+      call t%close_to(reduced%inertia(1)/0.000371760464_wp, 1.0_wp, 1.0e-7_wp, 'inertia at the crank')
+      call t%close_to(reduced%inertia(2)/0.000844293120_wp, 1.0_wp, 1.0e-7_wp, 'inertia at the crank')
+      call t%close_to(reduced%slope(2)/0.000456741076_wp, 1.0_wp, 1.0e-7_wp, 'its derivative')
       call make_machine(problem, model, set%motor, machine)
       call steady_cycle(machine, 100.0_wp, cycle)
       call t%equal_integer(cycle%state, cycle_any_speed, 'a free run has any speed')
       call t%close_to(cycle%greatest/cycle%least, 1.641207883_wp, 1.0e-7_wp, 'speed ratio of a free run')
-      call t%close_to(free_flywheel(machine, 0.02_wp)/.014844012_wp, 1.0_wp, 1.0e-7_wp, 'flywheel of a free run')
+      call t%close_to(free_flywheel(machine, 0.02_wp)/0.014844012_wp, 1.0_wp, 1.0e-7_wp, 'flywheel of a free run')
       call flywheel_for(machine, 0.02_wp, 100.0_wp, wheel)
-      call t%close_to(wheel/.014844012_wp, 1.0_wp, 1.0e-7_wp, 'flywheel of a free run by its cycle')
+      call t%close_to(wheel/0.014844012_wp, 1.0_wp, 1.0e-7_wp, 'flywheel of a free run by its cycle')
       machine%motor%torque = 1.0_wp
       machine%motor%turns = 1
       call run_up(problem, model, machine, run)
-      call t%close_to(run%time(1)/.0852432063_wp, 1.0_wp, 1.0e-7_wp, 'time of the first turn from rest')
+      call t%close_to(run%time(1)/0.0852432063_wp, 1.0_wp, 1.0e-7_wp, 'time of the first turn from rest')
       call t%close_to(run%speed(1)/183.854105_wp, 1.0_wp, 1.0e-7_wp, 'speed after it')
       call steady_cycle(machine, 100.0_wp, cycle)
       call t%equal_integer(cycle%state, cycle_grows, 'a constant torque without resistance has no steady cycle')
@@ -640,13 +640,13 @@ contains
       call t%close_to(cycle%speed(0)/81.33487238_wp, 1.0_wp, 1.0e-7_wp, 'speed at the reference position')
       call t%close_to(cycle%least/67.849771_wp, 1.0_wp, 1.0e-7_wp, 'least speed')
       call t%close_to(cycle%greatest/85.741334_wp, 1.0_wp, 1.0e-7_wp, 'greatest speed')
-      call t%close_to(cycle%period/.084192208_wp, 1.0_wp, 1.0e-7_wp, 'time of a turn')
+      call t%close_to(cycle%period/0.084192208_wp, 1.0_wp, 1.0e-7_wp, 'time of a turn')
       call t%close_to(cycle%mean/74.629059387_wp, 1.0_wp, 1.0e-7_wp, 'mean speed')
    end subroutine motion_from_torque
 
    !> A load on the slide of a slider-crank whose rod comes square to the slide at a crank angle of 30 degrees: the force in the
-   !> rod is load/cos(beta), sin(beta) = (crank/rod) sin(angle), in quadruple precision. A relative change of a dimension changes it by
-   !> tan(beta)**2 of that, three dimensions take part. At 30 degrees the loop is named.
+   !> rod is load/cos(beta), sin(beta) = (crank/rod) sin(angle), in quadruple precision. A relative change of a dimension changes
+   !> it by tan(beta)**2 of that, three dimensions take part. At 30 degrees the loop is named.
    subroutine near_a_dead_point()
       type(problem_t) :: problem
       type(data_set_t) :: set

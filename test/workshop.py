@@ -14,7 +14,7 @@ import subprocess
 import time
 
 TOP = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
-LIBRARIES = ["-lnlopt"]
+LIBRARIES = ["-lnlopt", "-llapack"]
 
 
 def setup_value(name):
@@ -224,7 +224,7 @@ def stages(top, debug, release, quad):
     script = open(os.path.join(test, "programs.sh"), encoding="utf-8").read()
     result += [Stage("programs: " + part, [os.path.join(test, "programs.sh"), release.bin, part])
                for part in re.findall(r"^if part (\w+); then", script, re.M)]
-    for name in ("laws", "manual", "narrow_places", "slide_pairs"):
+    for name in ("laws", "manual", "narrow_places", "slide_pairs", "sketches", "ssics"):
         result += [Stage(name.replace("_", " "), [python, os.path.join(test, name + ".py"), release.bin])]
     for name, pattern in (("files", r"\b(?:for test in \()([\w, ]+)\)"), ("summary", r"\b(?:for part in \()([\w, ]+)\)")):
         script = open(os.path.join(test, name + ".py"), encoding="utf-8").read()

@@ -41,7 +41,8 @@ module psalm_preparation
 contains
 
    !> Make a case ready. Errors, all found before returning: those of the topology, memory that is not to be had, regions of joints
-   !> that are not there, supplied vertices that cannot be read, masses and loads that are on no link. Without an error `prepared%ready` is true.
+   !> that are not there, supplied vertices that cannot be read, masses and loads that are on no link. Without an error
+   !> `prepared%ready` is true.
    subroutine prepare(set, supplied, prepared, findings, demand)
       type(data_set_t), intent(in) :: set
       type(line_t), intent(in) :: supplied(:)            !! device 4, empty if none
