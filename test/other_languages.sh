@@ -21,7 +21,7 @@ fortran=(gfortran -std=f2018 -I "$lib/include")
 libraries=(-L "$lib" -lpsalm "-Wl,-rpath,$lib")
 check 'example analyse.f90 compiles' "${fortran[@]}" "$top/example/analyse.f90" -o analyse "${libraries[@]}"
 check 'Fortran: the slider-crank' slides ./analyse
-check 'statically linked' "${fortran[@]}" "$top/example/analyse.f90" -o static "$lib/libpsalm.a" -lnlopt -fopenmp
+check 'statically linked' "${fortran[@]}" "$top/example/analyse.f90" -o static "$lib/libpsalm.a" -lnlopt -llapack -fopenmp
 check 'statically linked: the slider-crank' slides ./static
 c=(cc -std=c11 -Wall -Wextra -Wpedantic -Werror -I "$lib/include")
 check 'slider_crank.c compiles' "${c[@]}" "$top/c/slider_crank.c" -o slider "${libraries[@]}"
