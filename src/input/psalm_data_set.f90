@@ -8,6 +8,7 @@ module psalm_data_set
    use psalm_chain_group, only: read_chain_group, read_drives_group, read_outputs_group
    use psalm_constraint_group, only: constraint_group_t, read_constraint_group
    use psalm_friction_group, only: friction_group_t, read_friction_group
+   use psalm_drive_group, only: drive_group_t, hill_group_t, read_drive_group, read_hill_group
    use psalm_group_table, only: program_of, program_reads, is_users, nearest_group
    use psalm_group, only: group_t, read_flag, check_flags, check_range, out_of, required
    use psalm_load_group, only: load_group_t, read_load_group
@@ -25,6 +26,7 @@ module psalm_data_set
    use psalm_status, only: diagnostics_t
    use psalm_system, only: memory_to_be_had
    use psalm_text, only: text_t, to_text
+   use psalm_vibration_group, only: vibration_group_t, estimate_group_t, read_vibration_group, read_estimate_group
    implicit none (type, external)
    private
    public :: data_set_t, read_data_sets, read_data_set_text
@@ -111,6 +113,10 @@ module psalm_data_set
       type(spring_group_t) :: springs      !! SPRING
       type(friction_group_t) :: friction   !! FRICTN
       type(motor_group_t) :: motor         !! MOTOR
+      type(vibration_group_t) :: vibration !! VIBR (this and the next three are read for ssics only)
+      type(estimate_group_t) :: estimates  !! ESTIM
+      type(drive_group_t) :: drive         !! DRIVEL
+      type(hill_group_t) :: hill           !! HILL
       character(:), allocatable :: others  !! the groups that device 7 keeps as they are
       character(:), allocatable :: skipped !! the groups that this program does not read, with those that do; empty: none
       type(origins_t) :: origins           !! where every value was written
@@ -211,10 +217,11 @@ contains
       type(data_set_t), intent(out) :: set
       type(diagnostics_t), intent(inout) :: findings
       integer, parameter :: links = 1, method = 2, limits = 3, search = 4, constr = 5, toler = 6, rates = 7, chain = 8, &
-                            drives = 9, outputs = 10, masses = 11, loads = 12, spring = 13, frictn = 14, motor = 15
+                            drives = 9, outputs = 10, masses = 11, loads = 12, spring = 13, frictn = 14, motor = 15, &
+                            vibr = 16, estim = 17, drivel = 18, hill = 19
       character(*), parameter :: names(*) = [character(name_length) :: 'LINKS', 'METHOD', 'LIMITS', 'SEARCH', 'CONSTR', &
                                              'TOLER', 'RATES', 'CHAIN', 'DRIVES', 'OUTPUTS', 'MASSES', 'LOADS', 'SPRING', &
-                                             'FRICTN', 'MOTOR']
+                                             'FRICTN', 'MOTOR', 'VIBR', 'ESTIM', 'DRIVEL', 'HILL']
       type(group_t) :: groups(size(names))
       type(diagnostics_t) :: unused
       logical :: shape_known, sketch_sound
@@ -228,7 +235,7 @@ contains
          call findings%warning('the title is cut to its first '//to_text(title_columns)//' columns', line=case%line)
       end if
       call keep_others(case, program, set)
-      call refuse_unknown(case, findings)
+      call refuse_unknown(case, program, findings)
       do i = 1, size(names)
          if (program_reads(program, names(i))) then
             call case%take(trim(names(i)), groups(i))
@@ -267,6 +274,10 @@ contains
       call read_spring_group(groups(spring), set%ilink, set%springs, findings)
       call read_friction_group(groups(frictn), set%ilink, set%friction, findings)
       call read_motor_group(groups(motor), set%motor, findings)
+      call read_vibration_group(groups(vibr), set%ilink, set%vibration, findings)
+      call read_estimate_group(groups(estim), set%ilink, set%estimates, findings)
+      call read_drive_group(groups(drivel), set%drive, findings)
+      call read_hill_group(groups(hill), set%hill, findings)
       if (size(set%masses%mass) > 0 .and. .not. set%rates_given) then
          call findings%warning('there is no group &RATES: the input is taken to move at '// &
                                trim(merge('1 unit of length a second', '1 radian a second        ', sliding_input(set))), &
@@ -405,8 +416,9 @@ contains
    end subroutine keep_others
 
    !> Groups that no program knows, and groups that are missing.
-   subroutine refuse_unknown(case, findings)
+   subroutine refuse_unknown(case, program, findings)
       type(case_text_t), intent(in) :: case
+      character(*), intent(in) :: program
       type(diagnostics_t), intent(inout) :: findings
       character(:), allocatable :: name, near
       integer :: i
@@ -432,6 +444,9 @@ contains
          end if
          call findings%error('unknown group &'//name//'; '//near, line=case%groups(i)%line)
       end do
+      ! Hill's equation from tables needs no linkage
+      if (program_reads(program, 'HILL') .and. any(case%groups(:case%count)%name == 'HILL') .and. &
+          .not. (meant_links .or. meant_method)) return
       if (.not. meant_links) call missing('LINKS')
       if (.not. meant_method) call missing('METHOD')
 

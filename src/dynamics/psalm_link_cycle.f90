@@ -1,0 +1,316 @@
+!> What a linkage does to one of its links in a turn of the crank at constant speed: the motion of its start, its turning, and
+!> the pull at its finish - of its own inertia, of the inertia of all other links, and of weight, loads and springs.
+module psalm_link_cycle
+   use psalm_data_set, only: data_set_t
+   use psalm_dimensions, only: dimensions_t
+   use psalm_error, only: problem_t, motion_t
+   use psalm_force_model, only: force_model_t, vertices_of, parameter_mass, parameter_mx, parameter_my, parameter_inertia
+   use psalm_kinds, only: wp, full_turn
+   use psalm_kinetostatics, only: forces_t, prepare_forces, move_bodies, clear_wrenches, add_source, sweep, joint_rows, &
+                                  source_inertia, sources_of
+   use psalm_link_vibration, only: moving_link_t
+   use psalm_mechanism, only: mechanism_t, at_start, at_finish, body_frame, joint_prismatic
+   use psalm_periodic, only: periodic_from_samples
+   use psalm_rates, only: rates_t, prepare_rates, differentiate, is_dead
+   use psalm_status, only: diagnostics_t
+   use psalm_text, only: to_text
+   use psalm_vibration_group, only: beam_t
+   implicit none (type, external)
+   private
+   public :: link_cycle_t, find_link_cycle, check_link, moving_link, inertia_at_crank
+
+   !> All arrays have the shape (positions): at equal steps of the crank from its reference position, at 1 rad/s.
+   type :: link_cycle_t
+      real(wp) :: length = 0.0_wp                !! m
+      real(wp) :: mass = 0.0_wp                  !! of the uniform link, kg
+      real(wp), allocatable :: along(:), across(:) !! acceleration of the start, m
+      real(wp), allocatable :: turning(:)        !! angular acceleration
+      real(wp), allocatable :: speed(:)          !! angular speed
+      real(wp), allocatable :: own(:)            !! pull at the finish along the link, of its own inertia, N
+      real(wp), allocatable :: others(:)         !! of the inertia of all other links
+      real(wp), allocatable :: fixed(:)          !! of weight, loads and springs: it does not depend on the speed
+      integer :: trouble = 0                     !! position at which it does not close or passes a dead point; 0: none
+      integer :: loop = 0                        !! and the loop
+      logical :: closes = .true.                 !! it is a dead point
+   end type link_cycle_t
+
+contains
+
+   !> What is wrong with a link that is to vibrate. Errors: it is the frame, or its arc is not between two pins of it; a further
+   !> joint on it; masses on it besides its own; a sliding input; friction.
+   subroutine check_link(set, mechanism, model, beam, group, item, entry, findings)
+      type(data_set_t), intent(in) :: set
+      type(mechanism_t), intent(in) :: mechanism
+      type(force_model_t), intent(in) :: model
+      type(beam_t), intent(in) :: beam
+      character(*), intent(in) :: group, item
+      integer, intent(in) :: entry
+      type(diagnostics_t), intent(inout) :: findings
+      integer :: j, n, body, pins(2)
+
+      if (mechanism%sliding_input) then
+         call refuse('vibration needs a crank that turns; the input of this linkage slides')
+         return
+      end if
+      n = mechanism%seq(beam%link%loop, beam%link%arc)
+      body = mechanism%arcs(n)%body
+      if (body == body_frame) then
+         call refuse('is on the frame, which does not move')
+         return
+      end if
+      if (mechanism%slides(n) .or. .not. mechanism%arcs(n)%attached) then
+         call refuse('is no arc between two points of a link')
+         return
+      end if
+      pins = 0
+      do j = 1, size(mechanism%joints)
+         associate (joint => mechanism%joints(j))
+            if (.not. any(joint%bodies == body)) cycle
+            if (joint%kind == joint_prismatic) then
+               call refuse('the link slides at joint '//joint%name//': only links between two pins are treated')
+               return
+            end if
+            if (joint%point == mechanism%arcs(n)%ends(at_start)) then
+               pins(at_start) = pins(at_start) + 1
+            else if (joint%point == mechanism%arcs(n)%ends(at_finish)) then
+               pins(at_finish) = pins(at_finish) + 1
+            else
+               call refuse('the link has joint '//joint%name//' besides the ends of this arc')
+               return
+            end if
+         end associate
+      end do
+      if (any(pins == 0)) call refuse('there is no pin at an end of this arc')
+      if (any(abs(model%inertia(:, body)) > 0.0_wp)) then
+         call refuse('&MASSES has a mass on this link; its own mass follows from density and area, and another is not treated')
+      end if
+      if (size(model%friction) > 0) call refuse('vibration does not go with friction in the joints')
+
+   contains
+
+      subroutine refuse(text)
+         character(*), intent(in) :: text
+
+         call findings%error('entry '//to_text(entry)//': '//text, line=set%origins%line(group, item, entry), group=group, &
+                             item=item)
+      end subroutine refuse
+   end subroutine check_link
+
+   !> Follow the link. It was checked by `check_link`.
+   subroutine find_link_cycle(given, dimensions, model, beam, points, cycle_of)
+      type(problem_t), intent(in) :: given
+      type(dimensions_t), intent(in) :: dimensions
+      type(force_model_t), intent(in) :: model
+      type(beam_t), intent(in) :: beam
+      integer, intent(in) :: points             !! positions in a turn
+      type(link_cycle_t), intent(out) :: cycle_of
+      type(problem_t), allocatable :: problem   ! large: it would fill a small stack
+      type(force_model_t) :: own, bare
+      type(rates_t) :: rates
+      type(forces_t) :: forces
+      real(wp) :: input(points)
+      integer :: block, offset, n, arc, body, start, finish, source, i
+
+      call prepare_turn(given, dimensions, points, problem, input, cycle_of)
+      if (cycle_of%trouble > 0) return
+      arc = problem%mechanism%seq(beam%link%loop, beam%link%arc)
+      body = problem%mechanism%arcs(arc)%body
+      start = problem%mechanism%arcs(arc)%ends(at_start)
+      finish = problem%mechanism%arcs(arc)%ends(at_finish)
+      allocate (cycle_of%along(points), cycle_of%across(points), cycle_of%turning(points), cycle_of%speed(points), &
+                cycle_of%own(points), cycle_of%others(points), cycle_of%fixed(points))
+      call prepare_rates(problem, rates)
+      call prepare_forces(problem, model, forces)
+      bare = model
+      bare%gravity = 0.0_wp
+      own = bare
+      own%inertia = 0.0_wp
+      do block = 1, problem%blocks()
+         call problem%solve_block(block, offset, n)
+         call differentiate(problem, rates, n, 2)
+         call note_dead(problem, rates, offset, n, cycle_of)
+         if (cycle_of%trouble > 0) return
+         call move_bodies(problem, rates, n, 1.0_wp, 0.0_wp, forces)
+         call follow_motion()
+         if (block == 1) call make_own()
+         call clear_wrenches(n, forces)
+         call add_source(problem, own, source_inertia, input(offset + 1:offset + n), n, forces)
+         call sweep(problem, n, forces)
+         call take_pull(cycle_of%own)
+         call clear_wrenches(n, forces)
+         call add_source(problem, bare, source_inertia, input(offset + 1:offset + n), n, forces)
+         call sweep(problem, n, forces)
+         call take_pull(cycle_of%others)
+         call clear_wrenches(n, forces)
+         do source = source_inertia + 1, sources_of(model)
+            call add_source(problem, model, source, input(offset + 1:offset + n), n, forces)
+         end do
+         call sweep(problem, n, forces)
+         call take_pull(cycle_of%fixed)
+      end do
+
+   contains
+
+      !> Acceleration of the start in the axes of the link, and its turning.
+      subroutine follow_motion()
+         real(wp) :: x, y, dx, dy, ux, uy, ax, ay, metre
+
+         metre = model%metre/forces%unit
+         associate (link => problem%linkage, w => forces%w%v, rows => forces%bodies(body), points_of => problem%plan%joint_points)
+            do i = 1, n
+               x = link%store%v(i, link%point_x(points_of(start)))
+               y = link%store%v(i, link%point_y(points_of(start)))
+               dx = link%store%v(i, link%point_x(points_of(finish))) - x
+               dy = link%store%v(i, link%point_y(points_of(finish))) - y
+               cycle_of%length = sqrt(dx*dx + dy*dy)
+               ux = dx/cycle_of%length
+               uy = dy/cycle_of%length
+               x = x - link%store%v(i, rows%px)
+               y = y - link%store%v(i, rows%py)
+               ax = w(i, rows%ax) - w(i, rows%al)*y - w(i, rows%w)**2*x
+               ay = w(i, rows%ay) + w(i, rows%al)*x - w(i, rows%w)**2*y
+               cycle_of%along(offset + i) = metre*(ax*ux + ay*uy)
+               cycle_of%across(offset + i) = metre*(ay*ux - ax*uy)
+               cycle_of%turning(offset + i) = w(i, rows%al)
+               cycle_of%speed(offset + i) = w(i, rows%w)
+            end do
+         end associate
+         cycle_of%length = cycle_of%length*metre
+      end subroutine follow_motion
+
+      !> The link's own mass, about the reference of its body and in the body's axes, from the first position.
+      subroutine make_own()
+         real(wp) :: x, y, cx, cy, metre
+
+         metre = model%metre/forces%unit
+         cycle_of%mass = beam%density*beam%area*cycle_of%length
+         associate (link => problem%linkage, w => forces%w%v, rows => forces%bodies(body), points_of => problem%plan%joint_points)
+            x = 0.5_wp*(link%store%v(1, link%point_x(points_of(start))) + link%store%v(1, link%point_x(points_of(finish)))) &
+                - link%store%v(1, rows%px)
+            y = 0.5_wp*(link%store%v(1, link%point_y(points_of(start))) + link%store%v(1, link%point_y(points_of(finish)))) &
+                - link%store%v(1, rows%py)
+            cx = metre*(x*w(1, rows%ex) + y*w(1, rows%ey))
+            cy = metre*(y*w(1, rows%ex) - x*w(1, rows%ey))
+         end associate
+         own%inertia(parameter_mass, body) = cycle_of%mass
+         own%inertia(parameter_mx, body) = cycle_of%mass*cx
+         own%inertia(parameter_my, body) = cycle_of%mass*cy
+         own%inertia(parameter_inertia, body) = cycle_of%mass*(cycle_of%length**2/12.0_wp + cx**2 + cy**2)
+      end subroutine make_own
+
+      !> Sum of the forces of all joints on the link at its finish, along it.
+      subroutine take_pull(pull)
+         real(wp), intent(inout) :: pull(:)
+         real(wp) :: fx(n), fy(n), dx, dy, length
+         integer :: j
+
+         fx = 0.0_wp
+         fy = 0.0_wp
+         do j = 1, size(problem%mechanism%joints)
+            associate (joint => problem%mechanism%joints(j), rows => joint_rows(problem, forces, j, n))
+               if (joint%point /= finish) cycle
+               if (joint%bodies(2) == body) then
+                  fx = fx + rows(:, 1)
+                  fy = fy + rows(:, 2)
+               else if (joint%bodies(1) == body) then
+                  fx = fx - rows(:, 1)
+                  fy = fy - rows(:, 2)
+               end if
+            end associate
+         end do
+         associate (link => problem%linkage, points_of => problem%plan%joint_points)
+            do i = 1, n
+               dx = link%store%v(i, link%point_x(points_of(finish))) - link%store%v(i, link%point_x(points_of(start)))
+               dy = link%store%v(i, link%point_y(points_of(finish))) - link%store%v(i, link%point_y(points_of(start)))
+               length = sqrt(dx*dx + dy*dy)
+               pull(offset + i) = (fx(i)*dx + fy(i)*dy)/length
+            end do
+         end associate
+      end subroutine take_pull
+   end subroutine find_link_cycle
+
+   !> The link's motion at a speed, with e times the inertia of the other links.
+   function moving_link(cycle_of, speed, e) result(link)
+      type(link_cycle_t), intent(in) :: cycle_of
+      real(wp), intent(in) :: speed              !! rad/s; what does not depend on it is left out at 0
+      real(wp), intent(in) :: e
+      type(moving_link_t) :: link
+      real(wp) :: pull(size(cycle_of%own))
+
+      pull = cycle_of%own + e*cycle_of%others
+      if (speed > 0.0_wp) pull = pull + cycle_of%fixed/speed**2
+      link%tension = periodic_from_samples(pull/(cycle_of%mass*cycle_of%length))
+      link%along = periodic_from_samples(cycle_of%along/cycle_of%length)
+      link%across = periodic_from_samples(cycle_of%across/cycle_of%length)
+      link%turning = periodic_from_samples(cycle_of%turning)
+      link%turning_squared = periodic_from_samples(cycle_of%speed**2)
+   end function moving_link
+
+   !> Inertia that the crank feels: twice the kinetic energy at 1 rad/s, kg m2. Shape of `inertia`: (points).
+   subroutine inertia_at_crank(given, dimensions, model, points, inertia, cycle_of)
+      type(problem_t), intent(in) :: given
+      type(dimensions_t), intent(in) :: dimensions
+      type(force_model_t), intent(in) :: model
+      integer, intent(in) :: points
+      real(wp), allocatable, intent(out) :: inertia(:)
+      type(link_cycle_t), intent(out) :: cycle_of !! where it does not turn
+      type(problem_t), allocatable :: problem
+      type(rates_t) :: rates
+      type(forces_t) :: forces
+      real(wp) :: input(points)
+      integer :: block, offset, n
+
+      allocate (inertia(points), source=0.0_wp)
+      call prepare_turn(given, dimensions, points, problem, input, cycle_of)
+      if (cycle_of%trouble > 0) return
+      call prepare_rates(problem, rates)
+      call prepare_forces(problem, model, forces)
+      do block = 1, problem%blocks()
+         call problem%solve_block(block, offset, n)
+         call differentiate(problem, rates, n, 2)
+         call note_dead(problem, rates, offset, n, cycle_of)
+         if (cycle_of%trouble > 0) return
+         call move_bodies(problem, rates, n, 1.0_wp, 0.0_wp, forces)
+         call clear_wrenches(n, forces)
+         call add_source(problem, model, source_inertia, input(offset + 1:offset + n), n, forces)
+         inertia(offset + 1:offset + n) = 2.0_wp*forces%w%v(1:n, forces%kinetic)
+      end do
+   end subroutine inertia_at_crank
+
+   !> A problem that solves everything at equal steps of a turn.
+   subroutine prepare_turn(given, dimensions, points, problem, input, cycle_of)
+      type(problem_t), intent(in) :: given
+      type(dimensions_t), intent(in) :: dimensions
+      integer, intent(in) :: points
+      type(problem_t), allocatable, intent(out) :: problem
+      real(wp), intent(out) :: input(:)          !! shape (points): degrees
+      type(link_cycle_t), intent(inout) :: cycle_of
+      type(motion_t) :: motion
+      integer :: i
+
+      allocate (problem, source=given)
+      call problem%set_inputs([(full_turn*real(i - 1, wp)/real(points, wp), i=1, points)])
+      call problem%want_derivatives(.true., vertices_of(problem%mechanism))
+      call problem%analyse(dimensions, motion)
+      input = motion%input
+      cycle_of%trouble = findloc(motion%closed, .false., dim=1)
+      if (cycle_of%trouble > 0) cycle_of%closes = .false.
+   end subroutine prepare_turn
+
+   subroutine note_dead(problem, rates, offset, n, cycle_of)
+      type(problem_t), intent(in) :: problem
+      type(rates_t), intent(in) :: rates
+      integer, intent(in) :: offset, n
+      type(link_cycle_t), intent(inout) :: cycle_of
+      integer :: i, loop
+
+      do i = 1, n
+         do loop = 1, problem%mechanism%nloop
+            if (.not. is_dead(problem, rates, loop, i)) cycle
+            cycle_of%trouble = offset + i
+            cycle_of%loop = loop
+            return
+         end do
+      end do
+   end subroutine note_dead
+end module psalm_link_cycle

@@ -1,0 +1,106 @@
+!> Results of ssics become texts of the devices, remarks for standard error and the exit status. Nothing is computed here.
+module psalm_steady_report
+   use psalm_data_set, only: data_set_t
+   use psalm_devices, only: devices_t
+   use psalm_estimate_study, only: verdict_redesign
+   use psalm_hill, only: hill_t
+   use psalm_kinds, only: wp, full_turn
+   use psalm_link_cycle, only: link_cycle_t
+   use psalm_steady_study, only: steady_study_t
+   use psalm_text, only: general, lower_case, to_text
+   use psalm_vibration_list, only: list_vibration, plot_vibration, list_estimates, list_drive, plot_drive, list_hill, plot_hill, &
+                                   stability_words
+   implicit none (type, external)
+   private
+   public :: report_steady
+
+   real(wp), parameter :: enough = 1.0e-8_wp !! resolution of samples that leave nothing open
+
+contains
+
+   !> All that a case asks for: listing, device 9, remarks, exit status.
+   subroutine report_steady(set, study, devices)
+      type(data_set_t), intent(in) :: set
+      type(steady_study_t), intent(in) :: study
+      type(devices_t), intent(inout) :: devices
+      integer :: k
+
+      call devices%six%add(' '//set%title)
+      if (allocated(study%estimates)) then
+         do k = 1, size(study%estimates)
+            if (stuck(set, study%estimates(k)%cycle, set%estimates%points, devices)) return
+            if (study%estimates(k)%verdict /= verdict_redesign) cycle
+            call devices%note_violation()
+            call devices%remark(set, 'the link of arc '//to_text(set%estimates%beams(k)%link%arc)//' in loop '// &
+                                to_text(set%estimates%beams(k)%link%loop)//' is to be designed again: see the listing')
+         end do
+         call list_estimates(set, study%estimates, devices%six)
+      end if
+      if (allocated(study%vibration)) then
+         if (stuck(set, study%vibration%cycle, set%vibration%points, devices)) return
+         call list_vibration(set, study%vibration, devices%six)
+         call plot_vibration(study%vibration, devices%nine)
+         do k = 1, size(study%vibration%modes)
+            call remark_stability(set, 'mode '//to_text(k), study%vibration%modes(k)%hill, devices)
+            if (study%vibration%modes(k)%least_stiffness >= 0.0_wp) cycle
+            call devices%note_violation()
+            call devices%remark(set, 'mode '//to_text(k)//': the link buckles for a part of the turn')
+         end do
+         if (study%vibration%resolution > enough) call coarse('NVPNT', set%vibration%points)
+      end if
+      if (allocated(study%drive)) then
+         if (stuck(set, study%drive%turn, set%drive%points, devices)) return
+         call list_drive(set, study%drive, devices%six)
+         call plot_drive(study%drive, devices%nine)
+         if (study%drive%found) then
+            call remark_stability(set, 'the drive', study%drive%hill, devices)
+         else
+            call devices%note_violation()
+         end if
+      end if
+      if (allocated(study%hill)) then
+         call list_hill(set, study%hill, devices%six)
+         call plot_hill(set, study%hill, devices%nine)
+         call remark_stability(set, 'Hill''s equation', study%hill%hill, devices)
+         if (study%hill%resolution > enough) call coarse('NHILL', size(set%hill%c0))
+      end if
+
+   contains
+
+      subroutine coarse(item, points)
+         character(*), intent(in) :: item
+         integer, intent(in) :: points
+
+         call devices%remark(set, to_text(points)//' positions do not show all of the coefficients; give '//item//' twice that')
+      end subroutine coarse
+   end subroutine report_steady
+
+   subroutine remark_stability(set, what, hill, devices)
+      type(data_set_t), intent(in) :: set
+      character(*), intent(in) :: what
+      type(hill_t), intent(in) :: hill
+      type(devices_t), intent(inout) :: devices
+
+      if (hill%stable .or. (hill%neutral .and. hill%unique)) return
+      call devices%note_violation()
+      call devices%remark(set, what//': '//lower_case(stability_words(hill)))
+   end subroutine remark_stability
+
+   !> True if the crank cannot turn, which is told.
+   logical function stuck(set, cycle_of, points, devices)
+      type(data_set_t), intent(in) :: set
+      type(link_cycle_t), intent(in) :: cycle_of
+      integer, intent(in) :: points
+      type(devices_t), intent(inout) :: devices
+      character(:), allocatable :: words
+
+      stuck = cycle_of%trouble > 0
+      if (.not. stuck) return
+      words = 'the crank cannot make a full turn: the linkage does not close'
+      if (cycle_of%closes) words = 'loop '//to_text(cycle_of%loop)//' passes a dead point'
+      words = words//' at'//general(full_turn*real(cycle_of%trouble - 1, wp)/real(points, wp))//' degrees after the reference'
+      call devices%six%add(' NO STEADY STATE: '//words)
+      call devices%remark(set, words)
+      call devices%note_violation()
+   end function stuck
+end module psalm_steady_report

@@ -1,0 +1,438 @@
+!> Vibration of links, flexible drives and Hill's equation in the listing and on device 9.
+module psalm_vibration_list
+   use psalm_data_set, only: data_set_t
+   use psalm_drive_study, only: drive_study_t, hill_study_t
+   use psalm_estimate_study, only: estimate_t, verdict_rigid, verdict_closer
+   use psalm_hill, only: hill_t
+   use psalm_kinds, only: wp, pi, full_turn
+   use psalm_stability, only: boundaries_t
+   use psalm_text, only: text_t, full_precision, general, to_text
+   use psalm_vibration_group, only: beam_t
+   use psalm_vibration_study, only: vibration_study_t, harmonics_listed
+   implicit none (type, external)
+   private
+   public :: list_vibration, plot_vibration, list_estimates, list_drive, plot_drive, list_hill, plot_hill, stability_words
+
+   real(wp), parameter :: rpm_per_speed = 30.0_wp/pi !! revolutions per minute of 1 rad/s
+
+contains
+
+   ! ---- vibration of a link -----------------------------------------------------------------------------------------
+
+   !> The group VIBR.
+   subroutine list_vibration(set, study, text)
+      type(data_set_t), intent(in) :: set
+      type(vibration_study_t), intent(in) :: study
+      type(text_t), intent(inout) :: text
+      integer :: j, p, k, n
+
+      call text%add()
+      call text%add(' VIBRATION OF THE LINK OF ARC '//to_text(set%vibration%beam%link%arc)//' IN LOOP '// &
+                    to_text(set%vibration%beam%link%loop)//': SI UNITS, SPEEDS IN RAD/S')
+      call text%add(' LENGTH'//general(study%cycle%length)//'  MASS'//general(study%cycle%mass))
+      call text%add(' FIRST FREQUENCY AT REST'//general(study%frequency)//', RATIO TO THE SPEED'//general(study%ratio))
+      do j = 1, size(study%modes)
+         associate (mode => study%modes(j))
+            call text%add()
+            call text%add(' MODE '//to_text(j)//': '//stability_words(mode%hill))
+            if (mode%least_stiffness < 0.0_wp) then
+               call text%add(' BUCKLED FOR A PART OF THE TURN: THE END LOAD EXCEEDS EULER''S LOAD, MOST AT INPUT'// &
+                             general(mode%least_at)//' AFTER THE REFERENCE')
+            end if
+            call text%add(' BOUNDARIES OF STABILITY, SQUARED RATIO OF THE FIRST FREQUENCY TO THE SPEED (ERROR'// &
+                          general(mode%exact%error)//')')
+            call text%add('     P          EXACT FROM             TO    BY (13.27) FROM             TO    BY (13.28) FROM'// &
+                          '             TO   UNSTABLE SPEEDS FROM         TO')
+            do p = 0, ubound(mode%exact%low, 1)
+               call text%add(repeat(' ', 6 - len(to_text(p)))//to_text(p)//'     '// &
+                             general(mode%exact%low(p))//general(mode%exact%high(p))//'     '// &
+                             general(mode%first(1, p))//general(mode%first(2, p))//'     '// &
+                             general(mode%second(1, p))//general(mode%second(2, p))//'      '//speeds_of(p))
+            end do
+            call text%add(' MULTIPLIERS'//multiplier(mode%hill%multipliers(1))//multiplier(mode%hill%multipliers(2)))
+            if (mode%hill%unique) then
+               call text%add(' HARMONICS OF THE DEFLECTION'//trim(merge('                       ', ' (NOT THE STEADY STATE)', &
+                                                                        mode%hill%stable .or. mode%hill%neutral)))
+               do n = 0, harmonics_listed
+                  call text%add(repeat(' ', 6 - len(to_text(n)))//to_text(n)//general(mode%amplitude(n)))
+               end do
+               call text%add(' GREATEST'//general(study%cycle%length*maxval(abs(mode%hill%y))))
+            end if
+         end associate
+      end do
+      if (size(study%modes) > 1) then
+         call text%add()
+         call text%add(' ALL MODES TOGETHER: '//trim(merge('STABLE    ', 'NOT STABLE', study%stable)))
+         do k = 1, size(study%multipliers)
+            call text%add('   MULTIPLIER'//multiplier(study%multipliers(k)))
+         end do
+         if (.not. study%multipliers_found) call text%add(' THE MULTIPLIERS ARE NOT ACCURATE: TOO MUCH GROWTH IN A TURN')
+      end if
+      if (size(study%speeds) > 0) then
+         call text%add()
+         call text%add(' MODE 1 OVER SPEEDS:      RAD/S            RPM     DEFLECTION')
+         do k = 1, size(study%speeds)
+            associate (row => study%speeds(k))
+               call text%add(repeat(' ', 18)//general(row%speed)//general(row%speed*rpm_per_speed)// &
+                             amplitude_text(row%known, row%stable, row%amplitude))
+            end associate
+         end do
+      end if
+      if (size(study%chart) > 0) then
+         call text%add()
+         call text%add(' CHART OF STABILITY: FREQUENCY/SPEED FROM WHICH MODE 1 IS STABLE, IN A GAP WIDER THAN 0.1, THAN 0.25')
+         call text%add(' (DEVICE 9 HAS ALL BOUNDARIES); BESIDE IT THE RULE OF THUMB (14.15), 1.4 + 0.85 E')
+         call text%add('              E            0.1           0.25        (14.15)')
+         do k = 1, size(study%chart)
+            associate (row => study%chart(k))
+               call text%add(general(row%e)//gap_text(row%exact, 0.1_wp)//gap_text(row%exact, 0.25_wp)// &
+                             general(1.4_wp + 0.85_wp*row%e))
+            end associate
+         end do
+      end if
+
+   contains
+
+      !> Speeds between two boundaries, of the link as it is. Below a boundary of p = 0 lie the speeds above it.
+      function speeds_of(p) result(line)
+         integer, intent(in) :: p
+         character(:), allocatable :: line
+         real(wp) :: low, high, base
+
+         base = set%speed**2*study%ratio**2 ! squared first frequency of the link at rest
+         low = study%modes(j)%exact%low(p)
+         high = study%modes(j)%exact%high(p)
+         if (high <= 0.0_wp) then
+            line = '           NONE'
+         else if (p == 0) then
+            line = general(sqrt(base/high))//'            ALL'
+         else if (low <= 0.0_wp) then
+            line = general(sqrt(base/high))//'            ALL'
+         else
+            line = general(sqrt(base/high))//general(sqrt(base/low))
+         end if
+      end function speeds_of
+   end subroutine list_vibration
+
+   !> Lower end of the first stable gap that is wider, in frequency/speed.
+   function gap_text(b, width) result(text)
+      type(boundaries_t), intent(in) :: b
+      real(wp), intent(in) :: width
+      character(:), allocatable :: text
+      integer :: p
+
+      text = '           NONE'
+      do p = 0, ubound(b%low, 1) - 1
+         if (b%low(p + 1) <= 0.0_wp) cycle
+         if (root_of(b%low(p + 1)) - max(root_of(b%high(p)), 0.0_wp) <= width) cycle
+         text = general(max(root_of(b%high(p)), 0.0_wp))
+         return
+      end do
+   end function gap_text
+
+   !> Root with the sign, as the thesis's chart has it.
+   pure real(wp) function root_of(square)
+      real(wp), intent(in) :: square
+
+      root_of = sign(sqrt(abs(square)), square)
+   end function root_of
+
+   !> Is the response what the machine does?
+   pure function stability_words(hill) result(words)
+      type(hill_t), intent(in) :: hill
+      character(:), allocatable :: words
+
+      if (hill%grows_too_much) then
+         words = 'UNSTABLE: IT GROWS TOO MUCH IN A TURN TO BE FOLLOWED'
+      else if (.not. hill%unique) then
+         words = 'NO UNIQUE PERIODIC SOLUTION: A MULTIPLIER IS 1'
+      else if (hill%stable) then
+         words = 'STABLE'
+      else if (hill%neutral) then
+         words = 'NEITHER GROWS NOR DIES: WITHOUT DAMPING NO STEADY STATE IS REACHED'
+      else
+         words = 'UNSTABLE: THE PERIODIC SOLUTION IS NOT THE RESPONSE'
+      end if
+      if (.not. hill%converged .and. .not. hill%grows_too_much) words = words//' (NOT CONVERGED)'
+   end function stability_words
+
+   pure function multiplier(value) result(text)
+      complex(wp), intent(in) :: value
+      character(:), allocatable :: text
+
+      text = general(real(value, wp))//general(aimag(value))
+   end function multiplier
+
+   pure function amplitude_text(known, stable, amplitude) result(text)
+      logical, intent(in) :: known, stable
+      real(wp), intent(in) :: amplitude
+      character(:), allocatable :: text
+
+      text = '           NONE'
+      if (known) text = general(amplitude)
+      if (.not. stable) text = text//'   NOT STABLE'
+   end function amplitude_text
+
+   !> Device 9: blocks boundaries, multipliers, harmonics, response, speeds, chart.
+   subroutine plot_vibration(study, text)
+      type(vibration_study_t), intent(in) :: study
+      type(text_t), intent(inout) :: text
+      integer :: j, p, k, n
+
+      call begin_block('boundaries', 'mode p omega2_low omega2_high', text)
+      do j = 1, size(study%modes)
+         do p = 0, ubound(study%modes(j)%exact%low, 1)
+            call text%add(to_text(j)//' '//to_text(p)//columns([study%modes(j)%exact%low(p), study%modes(j)%exact%high(p)]))
+         end do
+      end do
+      call begin_block('multipliers', 'mode re im   (mode 0: all together)', text)
+      do j = 1, size(study%modes)
+         do k = 1, 2
+            call text%add(to_text(j)//complex_columns(study%modes(j)%hill%multipliers(k)))
+         end do
+      end do
+      do k = 1, size(study%multipliers)
+         call text%add('0'//complex_columns(study%multipliers(k)))
+      end do
+      call begin_block('harmonics', 'mode n amplitude', text)
+      do j = 1, size(study%modes)
+         if (.not. study%modes(j)%hill%unique) cycle
+         do n = 0, harmonics_listed
+            call text%add(to_text(j)//' '//to_text(n)//columns([study%modes(j)%amplitude(n)]))
+         end do
+      end do
+      call plot_response('response', study%modes(1)%hill, study%cycle%length, text)
+      if (size(study%speeds) > 0) then
+         call begin_block('speeds', 'speed amplitude stable', text)
+         do k = 1, size(study%speeds)
+            associate (row => study%speeds(k))
+               call text%add(full_precision(row%speed)//' '//value_or_nan(row%amplitude, row%known)//merge(' 1', ' 0', row%stable))
+            end associate
+         end do
+      end if
+      if (size(study%chart) == 0) return
+      call begin_block('chart', 'e p omega_low omega_high', text)
+      do k = 1, size(study%chart)
+         associate (b => study%chart(k)%exact)
+            do p = 0, ubound(b%low, 1)
+               call text%add(full_precision(study%chart(k)%e)//' '//to_text(p)//columns([root_of(b%low(p)), root_of(b%high(p))]))
+            end do
+         end associate
+      end do
+   end subroutine plot_vibration
+
+   subroutine plot_response(name, hill, unit, text)
+      character(*), intent(in) :: name
+      type(hill_t), intent(in) :: hill
+      real(wp), intent(in) :: unit
+      type(text_t), intent(inout) :: text
+      integer :: i
+
+      call begin_block(name, 'input y y1 y2   (input in degrees from the reference; derivatives per radian)', text)
+      if (.not. hill%unique) return
+      do i = 1, size(hill%y)
+         call text%add(full_precision(full_turn*real(i - 1, wp)/real(size(hill%y), wp))// &
+                       columns(unit*[hill%y(i), hill%y1(i), hill%y2(i)]))
+      end do
+   end subroutine plot_response
+
+   subroutine begin_block(name, names, text)
+      character(*), intent(in) :: name, names
+      type(text_t), intent(inout) :: text
+
+      if (text%length > 0) then
+         call text%add()
+         call text%add()
+      end if
+      call text%add('# block '//name)
+      call text%add('# '//names)
+   end subroutine begin_block
+
+   pure function columns(values) result(line)
+      real(wp), intent(in) :: values(:)
+      character(:), allocatable :: line
+      integer :: i
+
+      line = ''
+      do i = 1, size(values)
+         line = line//' '//full_precision(values(i))
+      end do
+   end function columns
+
+   pure function complex_columns(value) result(line)
+      complex(wp), intent(in) :: value
+      character(:), allocatable :: line
+
+      line = columns([real(value, wp), aimag(value)])
+   end function complex_columns
+
+   pure function value_or_nan(value, known) result(text)
+      real(wp), intent(in) :: value
+      logical, intent(in) :: known
+      character(:), allocatable :: text
+
+      text = 'NaN'
+      if (known) text = full_precision(value)
+   end function value_or_nan
+
+   ! ---- estimates ---------------------------------------------------------------------------------------------------
+
+   !> The group ESTIM: a paragraph for each link, its verdict first.
+   subroutine list_estimates(set, estimates, text)
+      type(data_set_t), intent(in) :: set
+      type(estimate_t), intent(in) :: estimates(:)
+      type(text_t), intent(inout) :: text
+      integer :: k
+
+      call text%add()
+      call text%add(' ESTIMATES OF LINK VIBRATION: SI UNITS')
+      do k = 1, size(estimates)
+         associate (e => estimates(k), beam => set%estimates%beams(k))
+            call text%add()
+            call text%add(' LINK OF ARC '//to_text(beam%link%arc)//' IN LOOP '//to_text(beam%link%loop)//': '//verdict(e%verdict))
+            call text%add('   LENGTH, SLENDERNESS'//general(e%cycle%length)//general(e%slenderness))
+         call text%add('   FIRST FREQUENCY/SPEED'//general(e%ratio)//', FALL BY SHEAR AND ROTARY INERTIA'// &
+                          general(e%shear_fall)// &
+                          ', ON POSTS OF ITS OWN SECTION'//general(e%post_ratio))
+            call text%add('   GREATEST END LOAD, EULER''S LOAD'//general(e%push)//general(e%euler))
+            if (e%relief <= 0.0_wp) then
+               call text%add('   THE END LOAD EXCEEDS EULER''S LOAD: THE LINK BUCKLES')
+            else
+         call text%add('   QUASI-STATIC DEFLECTION'//general(e%deflection)//', OF HARMONIC '// &
+                             to_text(e%harmonic)//' NEAREST'// &
+                             ' RESONANCE'//general(e%resonant))
+            end if
+            call text%add('   ACCELERATION OF THE MIDDLE'//general(e%middle)//', IN THAT HARMONIC'//general(e%amplitude)// &
+                          ', ITS BOUND'//general(e%bound))
+            call text%add('   MAGNIFIER OF IMPULSES ONCE A TURN'//general(e%magnifier))
+            if (e%strength > 0.0_wp) call text%add('   LEAST FREQUENCY/SPEED THAT STRENGTH ALLOWS'//general(e%strength))
+         end associate
+      end do
+   end subroutine list_estimates
+
+   pure function verdict(number) result(words)
+      integer, intent(in) :: number
+      character(:), allocatable :: words
+
+      select case (number)
+      case (verdict_rigid)
+         words = 'RIGID ENOUGH'
+      case (verdict_closer)
+         words = 'LOOK CLOSER (&VIBR)'
+      case default
+         words = 'REDESIGN'
+      end select
+   end function verdict
+
+   ! ---- drives and tables -------------------------------------------------------------------------------------------
+
+   !> The group DRIVEL.
+   subroutine list_drive(set, study, text)
+      type(data_set_t), intent(in) :: set
+      type(drive_study_t), intent(in) :: study
+      type(text_t), intent(inout) :: text
+      integer :: n, k
+
+      call text%add()
+      call text%add(' FLEXIBLE DRIVE: SI UNITS, SPEEDS IN RAD/S')
+      if (.not. set%drive%offsets) call text%add(' OFFSETS OF THE CENTRES OF MASS DROPPED (DOFFS=0)')
+      if (study%massless) then
+         call text%add(' NO INERTIA AT THE CRANK SOMEWHERE: GIVE &MASSES OR DEXTRA')
+         return
+      else if (.not. study%found) then
+         call text%add(' NO STIFFNESS GIVES THE MEAN RATIO'//general(set%drive%ratio)//': D**2 + J''''/(2 J0) WOULD BE NEGATIVE')
+         return
+      end if
+      call text%add(' MEAN INERTIA AT THE CRANK'//general(study%mean_inertia)//', HALF ITS RANGE OVER THE MEAN'// &
+                    general(study%half_range)//', GREATEST SLOPE/(2 MEAN)'//general(study%steepest))
+      call text%add(' STIFFNESS'//general(study%stiffness)//'  D'//general(study%d)//'  C'//general(set%drive%damping))
+      if (study%ratio_real) then
+         call text%add(' MEAN RATIO OF THE FREQUENCY TO THE SPEED'//general(study%ratio)// &
+                       ' (RESONANCE AT WHOLE NUMBERS, BANDS OF'// &
+                       ' INSTABILITY AT WHOLE AND HALF ONES)')
+      else
+         call text%add(' THE RATIO OF THE FREQUENCY TO THE SPEED IS NOT REAL ALL OVER THE TURN: IT SAYS NOTHING')
+      end if
+      call text%add(' '//stability_words(study%hill))
+      call text%add(' MULTIPLIERS'//multiplier(study%hill%multipliers(1))//multiplier(study%hill%multipliers(2)))
+      if (study%hill%unique) then
+         call text%add('     N   SWING OF THE CRANK, RAD  ITS ACCELERATION/SPEED**2')
+         do n = 0, set%drive%harmonics
+            call text%add(repeat(' ', 6 - len(to_text(n)))//to_text(n)//'           '//general(study%swing(n))//'            '// &
+                          general(study%acceleration(n)))
+         end do
+         call text%add(' GREATEST SWING'//general(maxval(abs(study%hill%y))))
+      end if
+      if (size(study%speeds) == 0) return
+      call text%add(' OVER SPEEDS:             RAD/S            RPM          SWING')
+      do k = 1, size(study%speeds)
+         associate (row => study%speeds(k))
+            call text%add(repeat(' ', 18)//general(row%speed)//general(row%speed*rpm_per_speed)// &
+                          amplitude_text(row%known, row%stable, row%amplitude))
+         end associate
+      end do
+   end subroutine list_drive
+
+   !> Device 9: blocks drive_inertia, drive_response, drive_speeds.
+   subroutine plot_drive(study, text)
+      type(drive_study_t), intent(in) :: study
+      type(text_t), intent(inout) :: text
+      integer :: i
+
+      call begin_block('drive_inertia', 'input inertia', text)
+      do i = 1, size(study%inertia)
+         call text%add(full_precision(full_turn*real(i - 1, wp)/real(size(study%inertia), wp))//columns([study%inertia(i)]))
+      end do
+      if (.not. study%found) return
+      call plot_response('drive_response', study%hill, 1.0_wp, text)
+      if (size(study%speeds) == 0) return
+      call begin_block('drive_speeds', 'speed amplitude stable', text)
+      do i = 1, size(study%speeds)
+         associate (row => study%speeds(i))
+            call text%add(full_precision(row%speed)//' '//value_or_nan(row%amplitude, row%known)//merge(' 1', ' 0', row%stable))
+         end associate
+      end do
+   end subroutine plot_drive
+
+   !> The group HILL.
+   subroutine list_hill(set, study, text)
+      type(data_set_t), intent(in) :: set
+      type(hill_study_t), intent(in) :: study
+      type(text_t), intent(inout) :: text
+      integer :: n
+
+      call text%add()
+      call text%add(' HILL''S EQUATION Y'''' + C1 Y'' + C0 Y = P FROM TABLES OF '//to_text(size(set%hill%c0))//' VALUES')
+      call text%add(' '//stability_words(study%hill))
+      call text%add(' MULTIPLIERS'//multiplier(study%hill%multipliers(1))//multiplier(study%hill%multipliers(2)))
+      call text%add(' PERIOD: FREE      '//general(study%hill%transfer(1, 1))//general(study%hill%transfer(1, 2)))
+      call text%add('                   '//general(study%hill%transfer(2, 1))//general(study%hill%transfer(2, 2)))
+      call text%add('         FROM REST '//general(study%hill%forced(1))//general(study%hill%forced(2)))
+      call text%add(' ERROR OF ITS ELEMENTS'//general(study%hill%error)//', OF THE DETERMINANT'// &
+                    general(study%hill%determinant_error)//', '//to_text(study%hill%steps)//' STEPS')
+      if (.not. study%hill%unique) return
+      call text%add(' STEADY STATE AT 0'//general(study%hill%start(1))//general(study%hill%start(2))//', GREATEST'// &
+                    general(maxval(abs(study%hill%y))))
+      do n = 0, set%hill%harmonics
+         call text%add(repeat(' ', 6 - len(to_text(n)))//to_text(n)//general(study%amplitude(n)))
+      end do
+   end subroutine list_hill
+
+   !> Device 9: blocks hill_multipliers, hill_harmonics, hill_response.
+   subroutine plot_hill(set, study, text)
+      type(data_set_t), intent(in) :: set
+      type(hill_study_t), intent(in) :: study
+      type(text_t), intent(inout) :: text
+      integer :: k
+
+      call begin_block('hill_multipliers', 're im', text)
+      do k = 1, 2
+         call text%add(full_precision(real(study%hill%multipliers(k), wp))//columns([aimag(study%hill%multipliers(k))]))
+      end do
+      call begin_block('hill_harmonics', 'n amplitude', text)
+      do k = 0, set%hill%harmonics
+         call text%add(to_text(k)//columns([study%amplitude(k)]))
+      end do
+      call plot_response('hill_response', study%hill, 1.0_wp, text)
+   end subroutine plot_hill
+end module psalm_vibration_list
