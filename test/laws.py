@@ -156,6 +156,11 @@ def test_margins():
     for corners in ("60.0,50.0,10.0,20.0", "10.0,50.0,60.0,20.0", "60.0,20.0,10.0,50.0"):
         other = margins_of(text + group % places.format("").replace("10.0,20.0,60.0,50.0", corners))
         check("a box by its corners " + corners, other == plain, other)
+    edge = " &CONSTR NREGN=1, RKIND=%d, RLINK=2, RLOOP=1, RPLACE=%s &END\n"
+    for box, half_plane in (("-9E3,-9E3,9E3,-300.0", "0.0,-300.0,180.0,0.0"), ("-9E3,300.0,9E3,9E3", "0.0,300.0,0.0,0.0"),
+                            ("-9E3,-9E3,-300.0,9E3", "-300.0,0.0,90.0,0.0"), ("300.0,-9E3,9E3,9E3", "300.0,0.0,270.0,0.0")):
+        both = margins_of(text + edge % (1, box)), margins_of(text + edge % (2, half_plane))
+        check("an edge of a box is that of a half-plane " + half_plane, both[0] == both[1] and len(both[0]) > 1, both)
     samples = [("dyad1_crank_rocker", "40.0{0},120.0{0},80.0{0},130.0{0}", group % places, 4),
                ("dyad4_slider_crank", "40.0{0},140.0{0},0.0,10.0{0}", " &CONSTR IRANGE=0 &END\n", 1),
                ("dyad2_oscillating_cylinder", "30.0{0},0.0,15.0{0},120.0{0}", " &CONSTR IRANGE=0 &END\n", 1)]
