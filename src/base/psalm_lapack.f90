@@ -8,6 +8,7 @@ module psalm_lapack
    interface
       subroutine zheev(jobz, uplo, n, a, lda, w, work, lwork, rwork, info)
          import :: dp
+         implicit none (type, external)
          character, intent(in) :: jobz, uplo
          integer, intent(in) :: n, lda, lwork
          complex(dp), intent(inout) :: a(lda, *)
@@ -19,6 +20,7 @@ module psalm_lapack
 
       subroutine dgeev(jobvl, jobvr, n, a, lda, wr, wi, vl, ldvl, vr, ldvr, work, lwork, info)
          import :: dp
+         implicit none (type, external)
          character, intent(in) :: jobvl, jobvr
          integer, intent(in) :: n, lda, ldvl, ldvr, lwork
          real(dp), intent(inout) :: a(lda, *)
@@ -29,6 +31,7 @@ module psalm_lapack
 
       pure subroutine dgesv(n, nrhs, a, lda, ipiv, b, ldb, info)
          import :: dp
+         implicit none (type, external)
          integer, intent(in) :: n, nrhs, lda, ldb
          real(dp), intent(inout) :: a(lda, *), b(ldb, *)
          integer, intent(out) :: ipiv(*), info

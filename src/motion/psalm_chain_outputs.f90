@@ -12,7 +12,6 @@ module psalm_chain_outputs
    private
    public :: columns_of, column_name, output_at, unwrap
 
-
 contains
 
    !> How many numbers an output has.

@@ -291,16 +291,14 @@ contains
             call text%add()
             call text%add(' LINK OF ARC '//to_text(beam%link%arc)//' IN LOOP '//to_text(beam%link%loop)//': '//verdict(e%verdict))
             call text%add('   LENGTH, SLENDERNESS'//general(e%cycle%length)//general(e%slenderness))
-         call text%add('   FIRST FREQUENCY/SPEED'//general(e%ratio)//', FALL BY SHEAR AND ROTARY INERTIA'// &
-                          general(e%shear_fall)// &
-                          ', ON POSTS OF ITS OWN SECTION'//general(e%post_ratio))
+            call text%add('   FIRST FREQUENCY/SPEED'//general(e%ratio)//', FALL BY SHEAR AND ROTARY INERTIA'// &
+                          general(e%shear_fall)//', ON POSTS OF ITS OWN SECTION'//general(e%post_ratio))
             call text%add('   GREATEST END LOAD, EULER''S LOAD'//general(e%push)//general(e%euler))
             if (e%relief <= 0.0_wp) then
                call text%add('   THE END LOAD EXCEEDS EULER''S LOAD: THE LINK BUCKLES')
             else
-         call text%add('   QUASI-STATIC DEFLECTION'//general(e%deflection)//', OF HARMONIC '// &
-                             to_text(e%harmonic)//' NEAREST'// &
-                             ' RESONANCE'//general(e%resonant))
+               call text%add('   QUASI-STATIC DEFLECTION'//general(e%deflection)//', OF HARMONIC '// &
+                             to_text(e%harmonic)//' NEAREST RESONANCE'//general(e%resonant))
             end if
             call text%add('   ACCELERATION OF THE MIDDLE'//general(e%middle)//', IN THAT HARMONIC'//general(e%amplitude)// &
                           ', ITS BOUND'//general(e%bound))
