@@ -152,6 +152,9 @@ def bad_input(place):
         check(code == status and words in error, "told: %s" % words, "%d %s" % (code, error))
     code, _, error, _ = run("EMPTY\n &HILL NHILL=4, HC0=1.0 &END\n", place)
     check(code == 2 and "4 values are announced by NHILL, but only 1 given" in error, "a short table", error)
+    for text in ("TYPING ERROR\n &HILL NHIL=2, HC0=1.0,2.0 &END\n", data("rig_coupler.nml", ("NMASS=1", "NMAS=1"))):
+        code, _, error, _ = run(text, place)
+        check(code == 2 and error.count("error:") == 1 and "did you mean N" in error, "a misspelt count is told once", error)
     code, _, error, _ = run("TOO STEEP\n &HILL NHILL=1, HC0=-1E6 &END\n", place)
     check(code == 1 and "grows too much" in error, "growth that cannot be followed", error)
     code, _, error, _ = run("RESONANCE\n &HILL NHILL=1, HC0=4.0 &END\n", place)

@@ -84,6 +84,7 @@ contains
       hill%given = group%line > 0
       n = 0
       call group%get_integer('NHILL', n, findings)
+      group%count_missing = .not. group%given('NHILL')
       if (hill%given) call check_range(group, 'NHILL', n, 1, most_points, findings, must_be=.true.)
       n = min(max(n, 0), most_points)
       allocate (hill%c1(n), hill%c0(n), hill%p(n), source=0.0_wp)
@@ -105,7 +106,7 @@ contains
          character(*), intent(in) :: item
          integer, intent(in) :: last
 
-         if (group%given(item) .and. last < n) then
+         if (group%given(item) .and. last < n .and. .not. group%count_missing) then
             call out_of(group, item, to_text(n)//' values are announced by NHILL, but only '//to_text(last)//' given', findings)
          end if
       end subroutine check_table

@@ -58,6 +58,7 @@ module psalm_group
       integer, allocatable :: order(:)      !! the items by name, those of one name as they were written
       character(name_length), allocatable :: known(:) !! names asked for so far
       type(origins_t) :: origins            !! places of the values handed out
+      logical :: count_missing = .false.    !! the item that counts the others is not there: too many of them are not told
       type(missing_t), allocatable :: missing(:) !! told at the end, if no misspelt item is meant
    contains
       procedure :: begin
@@ -85,6 +86,7 @@ contains
 
       self%name = name
       self%line = line
+      self%count_missing = .false.
       self%count = 0
       self%filled = 0
       self%characters%length = 0
@@ -417,7 +419,7 @@ contains
                   if (final > n) then
                      if (present(beyond)) then
                         if (line_beyond == 0 .and. .not. zero) line_beyond = self%values(j)%line
-                     else if (.not. (fills .and. zero)) then
+                     else if (.not. (self%count_missing .or. (fills .and. zero))) then
                         call too_many(self, item, self%values(j), n, fills, findings)
                         exit each_value
                      end if

@@ -29,6 +29,7 @@ contains
 
       n = 0
       call group%get_integer(name, n, findings)
+      group%count_missing = .not. group%given(name)
       if (group%line > 0) call check_range(group, name, n, 0, most_entries, findings, must_be=.true.)
       n = min(max(n, 0), most_entries)
    end subroutine read_count
