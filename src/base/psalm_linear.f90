@@ -5,7 +5,7 @@ module psalm_linear
    use psalm_kinds, only: wp, dp
    implicit none (type, external)
    private
-   public :: solve_positive, along_columns
+   public :: solve_positive, along_columns, product_of
 
 contains
 
@@ -58,4 +58,19 @@ contains
          products(i) = dot_product(vector, matrix(:, i))
       end do
    end function along_columns
+
+   !> Product of two matrices.
+   pure function product_of(a, b) result(c)
+      real(wp), intent(in) :: a(:, :)   !! shape (n, m)
+      real(wp), intent(in) :: b(:, :)   !! shape (m, l)
+      real(wp) :: c(size(a, 1), size(b, 2))
+      integer :: j, k
+
+      c = 0.0_wp
+      do j = 1, size(b, 2)
+         do k = 1, size(b, 1)
+            c(:, j) = c(:, j) + a(:, k)*b(k, j)
+         end do
+      end do
+   end function product_of
 end module psalm_linear

@@ -5,6 +5,7 @@
 !> number of steps is doubled until the period's matrix does not change any more.
 module psalm_floquet
    use psalm_kinds, only: wp, pi
+   use psalm_linear, only: product_of
    use psalm_lapack, only: general_eigenvalues
    use psalm_periodic, only: periodic_t
    implicit none (type, external)
@@ -75,8 +76,8 @@ contains
       do step = 1, steps
          a1(n + 1:, :n) = -k(step, 1, :, :)
          a2(n + 1:, :n) = -k(step, 2, :, :)
-         exponent = 0.5_wp*h*(a1 + a2) + sqrt(3.0_wp)/12.0_wp*h*h*(matmul(a2, a1) - matmul(a1, a2))
-         matrix = matmul(exponential(exponent), matrix)
+         exponent = 0.5_wp*h*(a1 + a2) + sqrt(3.0_wp)/12.0_wp*h*h*(product_of(a2, a1) - product_of(a1, a2))
+         matrix = product_of(exponential(exponent), matrix)
       end do
    end function period
 
@@ -92,11 +93,11 @@ contains
       e = x
       term = x
       do i = 2, terms
-         term = matmul(term, x)/real(i, wp)
+         term = product_of(term, x)/real(i, wp)
          e = e + term
       end do
       do i = 1, squarings
-         e = 2.0_wp*e + matmul(e, e) ! of e - 1, which keeps the digits of small exponents
+         e = 2.0_wp*e + product_of(e, e) ! of e - 1, which keeps the digits of small exponents
       end do
       do i = 1, size(a, 1)
          e(i, i) = e(i, i) + 1.0_wp

@@ -8,6 +8,7 @@
 !> functions are simply written down.
 module psalm_nlp
    use psalm_kinds, only: wp
+   use psalm_linear, only: along_columns
    implicit none (type, external)
    private
    public :: nlp_t, plain_nlp_t, normal_equations_t, repair_count_t, quarter, most_moves
@@ -244,7 +245,7 @@ contains
 
       if (present(gradient)) then
          call self%residuals_at(x, r, jacobian)
-         gradient = 2.0_wp*matmul(r, jacobian)
+         gradient = 2.0_wp*along_columns(jacobian, r)
       else
          call self%residuals_at(x, r)
       end if
@@ -290,8 +291,10 @@ contains
       call equations%clear(self%core, self%local)
       if (self%residuals > 0) then
          call self%residuals_at(x, r, jacobian)
-         equations%gradient = matmul(r, jacobian)
-         equations%matrix = matmul(transpose(jacobian), jacobian)
+         equations%gradient = along_columns(jacobian, r)
+         do a = 1, size(x)
+            equations%matrix(:, a) = along_columns(jacobian, jacobian(:, a))
+         end do
       else
          call self%objective_at(x, objective, equations%gradient)
          equations%gradient = 0.5_wp*equations%gradient
