@@ -1,10 +1,10 @@
 !> kalm: velocities and accelerations of planar linkages from a namelist file.
 program kalm
-   use psalm_console, only: arguments_t, begin, begin_mark, prepare_outputs, show_findings, stem_of, write_devices
+   use psalm_batch, only: outputs_t, run_file
+   use psalm_console, only: arguments_t, begin
    use psalm_check_list, only: list_input
    use psalm_chain_report, only: report_chain, report_chain_csv
    use psalm_chain_study, only: chain_study_t, study_chain
-   use psalm_cases, only: read_cases
    use psalm_data_set, only: data_set_t
    use psalm_devices, only: devices_t, header_of
    use psalm_error, only: problem_t, make_problem
@@ -18,15 +18,16 @@ program kalm
    use psalm_source, only: line_t
    use psalm_status, only: diagnostics_t
    use psalm_summary, only: summary_t, summarise
-   use psalm_system, only: finish_program, write_standard_error
+   use psalm_system, only: finish_program
    implicit none (type, external)
    character(*), parameter :: nl = new_line('a')
-   character(*), parameter :: endings(*) = [character(5) :: '.dev8', '.dev9']
    type(demand_t), parameter :: demand = demand_t(position=1000, arc=400)
+   type(outputs_t) :: outputs
    type(arguments_t) :: arguments
    logical :: finished
    integer :: code, i
 
+   outputs = outputs_t(suffix='.kalm', endings=['.dev8', '.dev9'], of_search=[character(5) ::], tables=.true.)
    call begin('kalm', &
       'usage: kalm [options] [CASE.nml ...]'//nl// &
       nl//'Displacement, velocity, acceleration and jerk of the output of each case, at its positions. The group'//nl// &
@@ -41,64 +42,44 @@ program kalm
       '  --help            print this text'//nl// &
       nl//'Exit status: 0 done; 1 done, but the linkage does not close somewhere or passes a dead point;'//nl// &
       '2 the input is wrong; 3 a file could not be read or written.'//nl, &
-      '.kalm'//endings, arguments, finished)
+      outputs%suffix//outputs%endings, arguments, finished)
    code = arguments%code
    if (finished) call finish_program(code)
    do i = 1, size(arguments%files)
-      call run_file(trim(arguments%files(i)))
+      call run_file(arguments, trim(arguments%files(i)), outputs, prepare_rates, run_case, code)
       if (arguments%no_place) exit
    end do
    call finish_program(code)
 
 contains
 
-   subroutine run_file(file)
+   subroutine prepare_rates(file, set, prepared, findings, mark)
       character(*), intent(in) :: file
-      type(diagnostics_t) :: findings
-      type(data_set_t), allocatable :: sets(:)
+      type(data_set_t), intent(inout) :: set
+      type(prepared_t), intent(inout) :: prepared
+      type(diagnostics_t), intent(inout) :: findings
+      type(mark_t), intent(inout) :: mark
       type(line_t) :: none(0)
-      type(prepared_t), allocatable :: prepared(:)
-      type(devices_t) :: devices
-      type(mark_t) :: mark
-      character(:), allocatable :: stem
-      logical :: ready
-      integer :: k
 
-      mark = begin_mark(arguments%program)
-      call read_cases(file, sets, findings, program='kalm', mark=mark)
-      allocate (prepared(size(sets)))
-      do k = 1, size(sets)
-         sets(k)%nguess = 0
-         if (.not. findings%failed()) call prepare(sets(k), none, prepared(k), findings, demand)
-      end do
-      if (findings%failed() .or. .not. arguments%quiet) call show_findings(findings)
-      code = max(code, findings%exit_code())
-      if (findings%failed()) return
-      stem = stem_of(file, arguments%output_dir)//'.kalm'
-      call prepare_outputs(arguments, stem, endings, ready, code)
-      if (ready .and. any([(sets(k)%sketch%given, k=1, size(sets))])) then
-         call prepare_outputs(arguments, stem, ['.csv'], ready, code)
-      end if
-      if (.not. ready) return
-      devices%mark = mark%name()
-      do k = 1, size(sets)
-         call run_case(sets(k), prepared(k), devices)
-      end do
-      if (.not. arguments%quiet) call write_standard_error(devices%notes%content()//devices%summary%content())
-      code = max(code, devices%code)
-      call write_devices(arguments, stem, devices, code)
-   end subroutine run_file
+      associate (unused => file, also_unused => mark)
+      end associate
+      set%nguess = 0
+      if (.not. findings%failed()) call prepare(set, none, prepared, findings, demand)
+   end subroutine prepare_rates
 
-   subroutine run_case(set, prepared, devices)
+   subroutine run_case(set, prepared, devices, stopped)
       type(data_set_t), intent(in) :: set
       type(prepared_t), intent(in) :: prepared
       type(devices_t), intent(inout) :: devices
+      logical, intent(inout) :: stopped
       type(problem_t), allocatable :: problem    ! large: it would fill a small stack
       type(rate_study_t), allocatable :: rates
       type(force_study_t), allocatable :: forces     ! absent arguments unless the case asks for them
       type(machine_study_t), allocatable :: machine
       type(summary_t) :: summary
 
+      associate (unused => stopped)
+      end associate
       if (set%sketch%given) call run_sketch(set, devices)
       if (allocated(set%no_loops)) return
       allocate (problem, rates)

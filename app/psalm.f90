@@ -1,12 +1,11 @@
 !> psalm: displacement analysis and dimensional synthesis of planar linkages from a namelist file.
 program psalm
-   use psalm_console, only: arguments_t, progress_t, begin, begin_mark, device4_of, prepare_outputs, show_findings, stem_of, &
-                            write_devices
+   use psalm_batch, only: outputs_t, run_file
+   use psalm_console, only: arguments_t, progress_t, begin, device4_of
    use psalm_analysis, only: analysis_t, wanted_t, analyse, wanted_by
    use psalm_chain_report, only: report_chain, report_chain_csv
    use psalm_chain_study, only: chain_study_t, study_chain
    use psalm_check_list, only: list_input
-   use psalm_cases, only: read_cases
    use psalm_data_set, only: data_set_t
    use psalm_devices, only: devices_t, header_of
    use psalm_error, only: problem_t, make_problem
@@ -28,13 +27,14 @@ program psalm
    implicit none (type, external)
 
    character(*), parameter :: nl = new_line('a')
-   character(*), parameter :: endings(*) = [character(5) :: '.dev7', '.dev8', '.dev9', '.dev1', '.dev2']
-   integer, parameter :: of_analysis = 3 !! of these
+   type(outputs_t) :: outputs
    type(arguments_t) :: arguments
+   type(signals_t), target :: signals
+   type(stop_t) :: stop
    logical :: finished
    integer :: code, i
-   logical :: interrupted = .false. !! a signal came: what is left is not begun
 
+   outputs = outputs_t(suffix='', endings=['.dev7', '.dev8', '.dev9'], of_search=['.dev1', '.dev2'], tables=.true.)
    call begin('psalm', &
       'usage: psalm [options] [CASE.nml ...]'//nl// &
       nl//'Analyses the linkage of each case, or searches for better dimensions where the case has variables.'//nl// &
@@ -48,77 +48,45 @@ program psalm
       '  --help            print this text'//nl// &
       nl//'Exit status: 0 done; 1 done, but limits are violated or the search stopped before converging;'//nl// &
       '2 the input is wrong; 3 a file could not be read or written.'//nl, &
-      endings, arguments, finished)
+      [outputs%endings, outputs%of_search], arguments, finished)
    code = arguments%code
    if (finished) call finish_program(code)
+   call stop%listen_to(signals)
    do i = 1, size(arguments%files)
-      call run_file(trim(arguments%files(i)))
-      if (interrupted .or. arguments%no_place) exit
+      call run_file(arguments, trim(arguments%files(i)), outputs, prepare_search, run_case, code)
+      if (signals%asked() .or. arguments%no_place) exit ! a signal came: what is left is not begun
+      call signals%release()
    end do
    call finish_program(code)
 
 contains
 
-   subroutine run_file(file)
+   subroutine prepare_search(file, set, prepared, findings, mark)
       character(*), intent(in) :: file
-      type(diagnostics_t) :: findings
-      type(data_set_t), allocatable :: sets(:)
-      type(prepared_t), allocatable :: prepared(:)
+      type(data_set_t), intent(inout) :: set
+      type(prepared_t), intent(inout) :: prepared
+      type(diagnostics_t), intent(inout) :: findings
+      type(mark_t), intent(inout) :: mark
       type(line_t), allocatable :: device4(:)
-      type(devices_t) :: devices
-      type(signals_t), target :: signals
-      type(stop_t) :: stop
-      type(progress_t) :: monitor
-      type(mark_t) :: mark
-      character(:), allocatable :: stem
-      logical :: ready
-      integer :: k, l
+      integer :: l
 
-      mark = begin_mark(arguments%program)
-      call read_cases(file, sets, findings, mark=mark)
-      allocate (prepared(size(sets)), device4(0))
-      do k = 1, size(sets)
-         if (sets(k)%nguess > 0) then
-            call read_lines(device4_of(arguments, file), device4, findings)
-            do l = 1, size(device4)
-               call mark%add(device4(l)%text)
-            end do
-         end if
-         if (.not. findings%failed()) call prepare(sets(k), device4, prepared(k), findings)
-      end do
-      if (findings%failed() .or. .not. arguments%quiet) call show_findings(findings)
-      code = max(code, findings%exit_code())
-      if (findings%failed()) return
-      stem = stem_of(file, arguments%output_dir)
-      k = of_analysis
-      if (any([(sets(l)%wants_search(), l=1, size(sets))])) k = size(endings)
-      call prepare_outputs(arguments, stem, endings(:k), ready, code)
-      if (ready .and. any([(sets(l)%sketch%given, l=1, size(sets))])) then
-         call prepare_outputs(arguments, stem, ['.csv'], ready, code)
+      allocate (device4(0))
+      if (set%nguess > 0) then
+         call read_lines(device4_of(arguments, file), device4, findings)
+         do l = 1, size(device4)
+            call mark%add(device4(l)%text)
+         end do
       end if
-      if (.not. ready) return
-      devices%mark = mark%name()
-      call stop%listen_to(signals)
-      do k = 1, size(sets)
-         call run_case(sets(k), prepared(k), signals, stop, devices, monitor)
-         interrupted = signals%asked()
-         if (interrupted) exit
-      end do
-      if (monitor%active) call write_standard_error(nl)
-      if (.not. arguments%quiet) call write_standard_error(devices%notes%content()//devices%summary%content())
-      code = max(code, devices%code)
-      call write_devices(arguments, stem, devices, code)
-      call signals%release()
-   end subroutine run_file
+      if (.not. findings%failed()) call prepare(set, device4, prepared, findings)
+   end subroutine prepare_search
 
    !> The studies of a case, and what they have to report.
-   subroutine run_case(set, prepared, signals, stop, devices, monitor)
+   subroutine run_case(set, prepared, devices, stopped)
       type(data_set_t), intent(in) :: set
       type(prepared_t), intent(in) :: prepared
-      type(signals_t), intent(inout) :: signals
-      type(stop_t), intent(in) :: stop
       type(devices_t), intent(inout) :: devices
-      type(progress_t), intent(inout), target :: monitor
+      logical, intent(inout) :: stopped
+      type(progress_t), target :: monitor
       ! allocated: together they would fill a small stack
       type(problem_t), allocatable :: problem
       type(synthesis_t), allocatable :: search
@@ -133,7 +101,7 @@ contains
       if (set%sketch%given .and. .not. set%wants_search()) call run_sketch(set, devices)
       if (allocated(set%no_loops)) return
       allocate (problem, search, analysis)
-      call take_threads(set, signals, threads, devices)
+      call take_threads(set, threads, devices)
       call make_problem(set, prepared%mechanism, prepared%given, prepared%parameters, problem)
       call problem%set_threads(threads)
       call list_input(header_of('PSALM', devices%mark), set, problem, devices%eight)
@@ -156,6 +124,8 @@ contains
       end if
       call report_violations(set, problem, analysis, devices)
       if (allocated(analysis%summary)) call report_summary(set, analysis%summary, devices)
+      if (monitor%active) call write_standard_error(nl)
+      stopped = signals%asked()
    end subroutine run_case
 
    !> All outputs and joints of a sketch; one without loops has nothing else.
@@ -172,9 +142,8 @@ contains
 
    !> Threads for a case, which take no signals. With a search or a sample there is something to lose: then signals wait until it
    !> is written.
-   subroutine take_threads(set, signals, threads, devices)
+   subroutine take_threads(set, threads, devices)
       type(data_set_t), intent(in) :: set
-      type(signals_t), intent(inout) :: signals
       integer, intent(out) :: threads
       type(devices_t), intent(inout) :: devices
       integer :: wanted

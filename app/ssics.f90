@@ -1,8 +1,8 @@
 !> ssics: steady state and stability of the drives and links of planar linkages, from a namelist file.
 program ssics
-   use psalm_cases, only: read_cases
+   use psalm_batch, only: outputs_t, run_file
    use psalm_check_list, only: list_input
-   use psalm_console, only: arguments_t, begin, begin_mark, prepare_outputs, show_findings, stem_of, write_devices
+   use psalm_console, only: arguments_t, begin
    use psalm_data_set, only: data_set_t
    use psalm_devices, only: devices_t, header_of
    use psalm_error, only: problem_t, make_problem
@@ -12,15 +12,16 @@ program ssics
    use psalm_status, only: diagnostics_t
    use psalm_steady_report, only: report_steady
    use psalm_steady_study, only: steady_study_t, check_steady, find_steady
-   use psalm_system, only: finish_program, write_standard_error
+   use psalm_system, only: finish_program
    implicit none (type, external)
    character(*), parameter :: nl = new_line('a')
-   character(*), parameter :: endings(*) = [character(5) :: '.dev8', '.dev9']
    type(demand_t), parameter :: demand = demand_t(position=1000, arc=400)
+   type(outputs_t) :: outputs
    type(arguments_t) :: arguments
    logical :: finished
    integer :: code, i
 
+   outputs = outputs_t(suffix='.ssics', endings=['.dev8', '.dev9'], of_search=[character(5) ::])
    call begin('ssics', &
       'usage: ssics [options] [CASE.nml ...]'//nl// &
       nl//'Steady state and stability: bending of links (&ESTIM, &VIBR), flexible drives (&DRIVEL), and any forced'//nl// &
@@ -32,64 +33,47 @@ program ssics
       '  --help            print this text'//nl// &
       nl//'Exit status: 0 done; 1 done, but a motion is unstable, a link buckles, or the crank cannot turn;'//nl// &
       '2 the input is wrong; 3 a file could not be read or written.'//nl, &
-      '.ssics'//endings, arguments, finished)
+      outputs%suffix//outputs%endings, arguments, finished)
    code = arguments%code
    if (finished) call finish_program(code)
    do i = 1, size(arguments%files)
-      call run_file(trim(arguments%files(i)))
+      call run_file(arguments, trim(arguments%files(i)), outputs, prepare_steady, run_case, code)
       if (arguments%no_place) exit
    end do
    call finish_program(code)
 
 contains
 
-   subroutine run_file(file)
+   subroutine prepare_steady(file, set, prepared, findings, mark)
       character(*), intent(in) :: file
-      type(diagnostics_t) :: findings
-      type(data_set_t), allocatable :: sets(:)
+      type(data_set_t), intent(inout) :: set
+      type(prepared_t), intent(inout) :: prepared
+      type(diagnostics_t), intent(inout) :: findings
+      type(mark_t), intent(inout) :: mark
       type(line_t) :: none(0)
-      type(prepared_t), allocatable :: prepared(:)
-      type(devices_t) :: devices
-      type(mark_t) :: mark
-      character(:), allocatable :: stem
-      logical :: ready
-      integer :: k
 
-      mark = begin_mark(arguments%program)
-      call read_cases(file, sets, findings, program='ssics', mark=mark)
-      allocate (prepared(size(sets)))
-      do k = 1, size(sets)
-         sets(k)%nguess = 0
-         if (allocated(sets(k)%no_loops)) then
-            call findings%error('ssics studies dyads with one drive on the frame, but this sketch has '//sets(k)%no_loops, &
-                                line=sets(k)%title_line, group='CHAIN')
-         end if
-         if (sets(k)%nloop == 0) cycle ! Hill's equation alone
-         if (.not. findings%failed()) call prepare(sets(k), none, prepared(k), findings, demand)
-         if (.not. findings%failed()) call check_steady(sets(k), prepared(k), findings)
-      end do
-      if (findings%failed() .or. .not. arguments%quiet) call show_findings(findings)
-      code = max(code, findings%exit_code())
-      if (findings%failed()) return
-      stem = stem_of(file, arguments%output_dir)//'.ssics'
-      call prepare_outputs(arguments, stem, endings, ready, code)
-      if (.not. ready) return
-      devices%mark = mark%name()
-      do k = 1, size(sets)
-         call run_case(sets(k), prepared(k), devices)
-      end do
-      if (.not. arguments%quiet) call write_standard_error(devices%notes%content())
-      code = max(code, devices%code)
-      call write_devices(arguments, stem, devices, code)
-   end subroutine run_file
+      associate (unused => file, also_unused => mark)
+      end associate
+      set%nguess = 0
+      if (allocated(set%no_loops)) then
+         call findings%error('ssics studies dyads with one drive on the frame, but this sketch has '//set%no_loops, &
+                             line=set%title_line, group='CHAIN')
+      end if
+      if (set%nloop == 0) return ! Hill's equation alone
+      if (.not. findings%failed()) call prepare(set, none, prepared, findings, demand)
+      if (.not. findings%failed()) call check_steady(set, prepared, findings)
+   end subroutine prepare_steady
 
-   subroutine run_case(set, prepared, devices)
+   subroutine run_case(set, prepared, devices, stopped)
       type(data_set_t), intent(in) :: set
       type(prepared_t), intent(in) :: prepared
       type(devices_t), intent(inout) :: devices
+      logical, intent(inout) :: stopped
       type(problem_t), allocatable :: problem    ! large: it would fill a small stack
       type(steady_study_t) :: study
 
+      associate (unused => stopped)
+      end associate
       allocate (problem)
       if (set%nloop > 0) then
          call make_problem(set, prepared%mechanism, prepared%given, prepared%parameters, problem)

@@ -1,0 +1,91 @@
+!> What the programs with a listing do alike: read a file of cases, prepare and study each, write what they say.
+module psalm_batch
+   use psalm_cases, only: read_cases
+   use psalm_console, only: arguments_t, begin_mark, prepare_outputs, show_findings, stem_of, write_devices
+   use psalm_data_set, only: data_set_t
+   use psalm_devices, only: devices_t
+   use psalm_mark, only: mark_t
+   use psalm_preparation, only: prepared_t
+   use psalm_status, only: diagnostics_t
+   use psalm_system, only: write_standard_error
+   implicit none (type, external)
+   private
+   public :: outputs_t, prepare_case, study_case, run_file
+
+   !> Files that a program writes beside a case.
+   type :: outputs_t
+      character(:), allocatable :: suffix            !! between the name of the case and the endings
+      character(5), allocatable :: endings(:)        !! of every run
+      character(5), allocatable :: of_search(:)      !! of a run that searches, besides
+      logical :: tables = .false.                    !! a sketch gets a table for other programs
+   end type outputs_t
+
+   abstract interface
+      !> Prepare one case of a file; what else is read is added to the mark of the run.
+      subroutine prepare_case(file, set, prepared, findings, mark)
+         import :: data_set_t, diagnostics_t, mark_t, prepared_t
+         implicit none (type, external)
+         character(*), intent(in) :: file
+         type(data_set_t), intent(inout) :: set
+         type(prepared_t), intent(inout) :: prepared
+         type(diagnostics_t), intent(inout) :: findings
+         type(mark_t), intent(inout) :: mark
+      end subroutine prepare_case
+
+      !> Study one case and report; `stopped` if the next is not to be begun.
+      subroutine study_case(set, prepared, devices, stopped)
+         import :: data_set_t, devices_t, prepared_t
+         implicit none (type, external)
+         type(data_set_t), intent(in) :: set
+         type(prepared_t), intent(in) :: prepared
+         type(devices_t), intent(inout) :: devices
+         logical, intent(inout) :: stopped
+      end subroutine study_case
+   end interface
+
+contains
+
+   !> Run all cases of a file. Mistakes are told, and the exit status is raised.
+   subroutine run_file(arguments, file, outputs, prepare, study, code)
+      type(arguments_t), intent(inout) :: arguments
+      character(*), intent(in) :: file
+      type(outputs_t), intent(in) :: outputs
+      procedure(prepare_case) :: prepare
+      procedure(study_case) :: study
+      integer, intent(inout) :: code                 !! exit status
+      type(diagnostics_t) :: findings
+      type(data_set_t), allocatable :: sets(:)
+      type(prepared_t), allocatable :: prepared(:)
+      type(devices_t) :: devices
+      type(mark_t) :: mark
+      character(:), allocatable :: stem
+      character(5), allocatable :: endings(:)
+      logical :: ready, stopped
+      integer :: k
+
+      mark = begin_mark(arguments%program)
+      call read_cases(file, sets, findings, program=arguments%program, mark=mark)
+      allocate (prepared(size(sets)))
+      do k = 1, size(sets)
+         call prepare(file, sets(k), prepared(k), findings, mark)
+      end do
+      if (findings%failed() .or. .not. arguments%quiet) call show_findings(findings)
+      code = max(code, findings%exit_code())
+      if (findings%failed()) return
+      stem = stem_of(file, arguments%output_dir)//outputs%suffix
+      endings = outputs%endings
+      if (any([(sets(k)%wants_search(), k=1, size(sets))])) endings = [endings, outputs%of_search]
+      if (outputs%tables .and. any([(sets(k)%sketch%given, k=1, size(sets))])) endings = [character(5) :: endings, '.csv']
+      call prepare_outputs(arguments, stem, endings, ready, code)
+      if (.not. ready) return
+      devices%mark = mark%name()
+      stopped = .false.
+      do k = 1, size(sets)
+         call study(sets(k), prepared(k), devices, stopped)
+         if (stopped) exit
+      end do
+      if (.not. arguments%quiet) call write_standard_error(devices%notes%content()//devices%summary%content())
+      code = max(code, devices%code)
+      call write_devices(arguments, stem, devices, code)
+   end subroutine run_file
+end module psalm_batch
