@@ -253,7 +253,7 @@ contains
       real(wp), intent(in) :: a, b                      !! lengths, > 0
       real(wp), intent(in) :: t                         !! assembly, +1 or -1
       real(wp), intent(out) :: ax(n), ay(n), reach(n)   !! unit vector of a; h**2
-      real(wp) :: hx, hy, d, root, along, sum2, diff2, product, half
+      real(wp) :: sum2, diff2, product, half
       integer :: i
 
       sum2 = (a + b)**2
@@ -261,15 +261,7 @@ contains
       product = (a - b)*(a + b)
       half = half_of(a)
       do i = 1, n
-         hx = ex(i) - sx(i)
-         hy = ey(i) - sy(i)
-         d = hx*hx + hy*hy
-         reach(i) = d
-         root = t*sqrt(max((sum2 - d)*(d - diff2), 0.0_wp))
-         along = d + product
-         d = (1.0_wp/max(d, least_square))*half
-         ax(i) = (along*hx + root*hy)*d
-         ay(i) = (along*hy - root*hx)*d
+         call place_link(ex(i) - sx(i), ey(i) - sy(i), sum2, diff2, product, half, t, ax(i), ay(i), reach(i))
       end do
    end subroutine solve_one_link
 
@@ -280,7 +272,7 @@ contains
       real(wp), intent(in) :: a, b, t
       real(wp), intent(in) :: fx(n), fy(n), cx, cy      !! point to start from; the arc in the axes of a
       real(wp), intent(out) :: ax(n), ay(n), reach(n), tx(n), ty(n)
-      real(wp) :: hx, hy, d, root, along, sum2, diff2, product, half, x, y
+      real(wp) :: sum2, diff2, product, half, x, y
       integer :: i
 
       sum2 = (a + b)**2
@@ -288,21 +280,29 @@ contains
       product = (a - b)*(a + b)
       half = half_of(a)
       do i = 1, n
-         hx = ex(i) - sx(i)
-         hy = ey(i) - sy(i)
-         d = hx*hx + hy*hy
-         reach(i) = d
-         root = t*sqrt(max((sum2 - d)*(d - diff2), 0.0_wp))
-         along = d + product
-         d = (1.0_wp/max(d, least_square))*half
-         x = (along*hx + root*hy)*d
-         y = (along*hy - root*hx)*d
+         call place_link(ex(i) - sx(i), ey(i) - sy(i), sum2, diff2, product, half, t, x, y, reach(i))
          ax(i) = x
          ay(i) = y
          tx(i) = fx(i) + (cx*x - cy*y)
          ty(i) = fy(i) + (cx*y + cy*x)
       end do
    end subroutine solve_link_and_tip
+
+   !> Unit vector of a link of the triangle on h at one position; the compiler puts it into the loops over positions.
+   elemental subroutine place_link(hx, hy, sum2, diff2, product, half, t, x, y, reach)
+      real(wp), intent(in) :: hx, hy                    !! h, [length]
+      real(wp), intent(in) :: sum2, diff2, product      !! (a + b)**2, (a - b)**2 and a**2 - b**2
+      real(wp), intent(in) :: half, t                   !! 0.5/a; assembly, as `solve_one_link` has it
+      real(wp), intent(out) :: x, y, reach              !! the vector; h**2
+      real(wp) :: root, along, scale
+
+      reach = hx*hx + hy*hy
+      root = t*sqrt(max((sum2 - reach)*(reach - diff2), 0.0_wp))
+      along = reach + product
+      scale = (1.0_wp/max(reach, least_square))*half
+      x = (along*hx + root*hy)*scale
+      y = (along*hy - root*hx)*scale
+   end subroutine place_link
 
    !> 0.5/length; what a length too short to have a direction gives stays finite when it is divided by `least_square`.
    elemental real(wp) function half_of(length)
