@@ -46,6 +46,9 @@ contains
          call set_up(set, mechanism, dimensions, parameters, findings)
       end if
       if (findings%failed()) error stop 'a data set of the tests cannot be read'
+      if (present(vary)) then
+         if (size(parameters%variables) < 2) error stop 'a data set of the tests has no dimensions to vary'
+      end if
       call make_problem(set, mechanism, dimensions, parameters, problem)
    end subroutine load_case
 

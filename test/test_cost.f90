@@ -111,7 +111,7 @@ contains
          call problem%set_threads(i)
          call problem%evaluate(problem%given, many, loop)
          call t%is_true(abs(many - one) <= 0.0_wp, 'the same bits for any number of threads')
-         call t%is_true(allocated(problem%crew), 'threads are at work')
+         call t%is_true(allocated(problem%linkages), 'threads are at work')
       end do
    end subroutine threads
 end program test_cost

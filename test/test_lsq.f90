@@ -66,13 +66,13 @@ contains
       type(dimensions_t) :: dimensions
       real(wp), allocatable :: dout(:, :, :), k(:, :), dk(:, :, :), ahead(:, :), behind(:, :), values(:), changed(:)
       real(wp) :: step, worst, size_of
-      integer :: v, marble
+      integer :: v, nvar
 
       call load_case(name, problem, set, vary=.true.)
       call problem%want_derivatives(.false.)
-      marble = size(problem%parameters%variables)
+      nvar = size(problem%parameters%variables)
       associate (n => problem%positions, loops => problem%mechanism%nloop)
-         allocate (dout(n, marble, problem%output%kind%components), k(n, loops), dk(n, loops, marble))
+         allocate (dout(n, nvar, problem%output%kind%components), k(n, loops), dk(n, loops, nvar))
          allocate (ahead(n, loops), behind(n, loops))
       end associate
       call prepare_sensitivity(problem, work)
@@ -80,7 +80,7 @@ contains
       values = problem%parameters%first_values(problem%given)
       worst = 0.0_wp
       size_of = max(maxval(abs(dk)), 1.0e-3_wp)
-      do v = 1, marble
+      do v = 1, nvar
          step = 1.0e-5_wp*max(1.0_wp, 0.1_wp*abs(values(v)))
          changed = values
          changed(v) = values(v) + step

@@ -41,7 +41,7 @@ contains
       type(motion_t) :: motion
       real(wp), allocatable :: dout(:, :, :), gradient(:), values(:)
       real(wp) :: objective, expected, size_of, tolerance, worst
-      integer :: v, marble
+      integer :: v, nvar
 
       if (vary) then
          call load_case(name, problem, set, n=n, vary=.true., motion=motion_wanted)
@@ -49,9 +49,9 @@ contains
          call load_case(name, problem, set)
       end if
       call problem%want_derivatives(.false.)
-      marble = size(problem%parameters%variables)
+      nvar = size(problem%parameters%variables)
       met(problem%parameters%variables%kind) = .true.
-      allocate (dout(problem%positions, marble, problem%output%kind%components), gradient(marble))
+      allocate (dout(problem%positions, nvar, problem%output%kind%components), gradient(nvar))
       call prepare_sensitivity(problem, work)
       values = problem%parameters%first_values(problem%given)
       call problem%analyse(problem%given, motion)
@@ -63,7 +63,7 @@ contains
       call find_gradient(problem, problem%given, work, objective, gradient)
       call t%close_to(objective, motion%total, 1.0e-12_wp, trim(name)//': the gradient''s objective is that of the listing')
       tolerance = merge(1.0e-9_wp, 1.0e-6_wp, quad)
-      do v = 1, marble
+      do v = 1, nvar
          call difference(problem, values, v, dout(:, v, :), worst)
          call t%close_to(worst, 0.0_wp, tolerance, trim(name)//': Jacobian of variable '//to_text(v)//', kind '// &
                          to_text(problem%parameters%variables(v)%kind))

@@ -105,27 +105,17 @@ contains
       type(beam_t), intent(inout) :: beams(:)
       type(diagnostics_t), intent(inout) :: findings
       type(place_t) :: places(size(beams))
-      real(wp) :: depth(size(beams)), width(size(beams)), area(size(beams)), gyration(size(beams)), each(size(beams))
+      real(wp) :: depth(size(beams)), width(size(beams)), area(size(beams)), gyration(size(beams))
       integer :: k
       logical :: rectangle
 
       call read_places(group, letter, ilink, places, findings, ends_only=.true.)
       beams%link = places
-      each = beams%modulus
-      call group%get_reals(letter//'MOD', each, findings)
-      beams%modulus = each
-      each = beams%density
-      call group%get_reals(letter//'RHO', each, findings)
-      beams%density = each
-      each = beams%damping
-      call group%get_reals(letter//'ZETA', each, findings)
-      beams%damping = each
-      each = beams%shear_ratio
-      call group%get_reals(letter//'SHEAR', each, findings)
-      beams%shear_ratio = each
-      each = beams%strain
-      call group%get_reals(letter//'STRN', each, findings)
-      beams%strain = each
+      call group%get_reals(letter//'MOD', beams%modulus, findings)
+      call group%get_reals(letter//'RHO', beams%density, findings)
+      call group%get_reals(letter//'ZETA', beams%damping, findings)
+      call group%get_reals(letter//'SHEAR', beams%shear_ratio, findings)
+      call group%get_reals(letter//'STRN', beams%strain, findings)
       depth = 0.0_wp
       width = 0.0_wp
       area = 0.0_wp

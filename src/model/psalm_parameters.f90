@@ -23,7 +23,7 @@ module psalm_parameters
 
    !> The dimensions that vary. A length or an angle that several arcs share is one variable.
    type :: parameters_t
-      type(variable_t), allocatable :: variables(:) !! shape (marble)
+      type(variable_t), allocatable :: variables(:) !! shape (nvar)
       integer, allocatable :: length_variable(:), angle_variable(:) !! by arc: the variable it follows, 0: fixed
       logical, allocatable :: takes_angle(:)        !! by arc: it has a GAMA of its own, which `apply` sets
    contains
@@ -93,7 +93,7 @@ contains
       has_search = size(self%variables) > 0
    end function has_search
 
-   !> The variables' values in the given linkage. Shape of the result: (marble).
+   !> The variables' values in the given linkage. Shape of the result: (nvar).
    pure function first_values(self, dimensions) result(values)
       class(parameters_t), intent(in) :: self
       type(dimensions_t), intent(in) :: dimensions
@@ -126,7 +126,7 @@ contains
    !> Put variables into the linkage, identical arcs included.
    pure subroutine apply(self, values, dimensions)
       class(parameters_t), intent(in) :: self
-      real(wp), intent(in) :: values(:)              !! shape (marble)
+      real(wp), intent(in) :: values(:)              !! shape (nvar)
       type(dimensions_t), intent(inout) :: dimensions
       integer :: i, n
 

@@ -52,7 +52,7 @@ module psalm_error
       type(plan_t) :: plan
       type(dimensions_t) :: given                  !! the user's linkage
       type(linkage_t) :: linkage                   !! bound to the last dimensions evaluated
-      type(linkage_t), allocatable :: crew(:)      !! one more linkage for each further thread
+      type(linkage_t), allocatable :: linkages(:)      !! one more linkage for each further thread
       integer :: motion = motion_point
       real(wp) :: tangle = 90.0_wp, toggle = 0.0_wp
       real(wp) :: slide_angle = 90.0_wp            !! allowed deviation of the angle between two slides from 90 degrees
@@ -175,7 +175,7 @@ contains
       self%plan = make_plan(self%mechanism, self%motion, everything, .true., joints)
       call self%linkage%prepare(self%mechanism, self%plan, self%tangle, self%slide_angle, self%delt)
       call self%output%locate(self%motion, self%mechanism, self%plan, self%linkage)
-      if (allocated(self%crew)) call self%set_threads(size(self%crew))
+      if (allocated(self%linkages)) call self%set_threads(size(self%linkages))
    end subroutine want_derivatives
 
    !> Give the input positions (increments from the reference position); desired values are dropped.
@@ -189,7 +189,7 @@ contains
       self%desired = .false.
       call self%linkage%prepare(self%mechanism, self%plan, self%tangle, self%slide_angle, delt)
       call self%output%locate(self%motion, self%mechanism, self%plan, self%linkage)
-      if (allocated(self%crew)) deallocate (self%crew)
+      if (allocated(self%linkages)) deallocate (self%linkages)
       self%first = whole_blocks(self, delt, delt(size(delt)))
       self%second = self%first
       if (.not. self%mechanism%sliding_input) then
@@ -261,11 +261,11 @@ contains
       integer, intent(in) :: threads
       integer :: t
 
-      if (allocated(self%crew)) deallocate (self%crew)
+      if (allocated(self%linkages)) deallocate (self%linkages)
       if (threads < 2 .or. self%blocks() < 2*threads) return
-      allocate (self%crew(threads))
+      allocate (self%linkages(threads))
       do t = 1, threads
-         call self%crew(t)%prepare(self%mechanism, self%plan, self%tangle, self%slide_angle, self%delt)
+         call self%linkages(t)%prepare(self%mechanism, self%plan, self%tangle, self%slide_angle, self%delt)
       end do
    end subroutine set_threads
 
@@ -313,12 +313,12 @@ contains
       integer :: block, t
 
       call self%bind(dimensions)
-      if (allocated(self%crew)) then
-         !$omp parallel do num_threads(size(self%crew)) schedule(static) private(block)
-         do t = 1, size(self%crew)
-            call self%crew(t)%bind(self%mechanism, self%plan, dimensions)
-            do block = t, self%blocks(), size(self%crew)
-               call evaluate_block(self, self%crew(t), block, self%partial(block), self%offending(block))
+      if (allocated(self%linkages)) then
+         !$omp parallel do num_threads(size(self%linkages)) schedule(static) private(block)
+         do t = 1, size(self%linkages)
+            call self%linkages(t)%bind(self%mechanism, self%plan, dimensions)
+            do block = t, self%blocks(), size(self%linkages)
+               call evaluate_block(self, self%linkages(t), block, self%partial(block), self%offending(block))
             end do
          end do
          !$omp end parallel do
@@ -335,9 +335,9 @@ contains
       end do
       if (loop > 0 .or. .not. any(self%linkage%two_slides)) return
       do loop = 1, self%mechanism%nloop
-         if (allocated(self%crew)) then
-            do t = 1, size(self%crew)
-               if (.not. self%crew(t)%stays_on_side(loop, self%crew(1))) return
+         if (allocated(self%linkages)) then
+            do t = 1, size(self%linkages)
+               if (.not. self%linkages(t)%stays_on_side(loop, self%linkages(1))) return
             end do
          else
             if (.not. self%linkage%stays_on_side(loop)) return

@@ -25,10 +25,10 @@ module psalm_sensitivity
    !> Room to work in, and which arcs each variable changes.
    type :: sensitivity_t
       type(rates_t) :: rates
-      real(wp), allocatable :: turn(:, :)       !! shape (arcs, marble): 1 where the arc's fixed angle turns with the variable
-      real(wp), allocatable :: stretch(:, :)    !! shape (arcs, marble): 1 where its length grows with it
+      real(wp), allocatable :: turn(:, :)       !! shape (arcs, nvar): 1 where the arc's fixed angle turns with the variable
+      real(wp), allocatable :: stretch(:, :)    !! shape (arcs, nvar): 1 where its length grows with it
       logical, allocatable :: turns(:), stretches(:) !! by arc: some variable does so
-      logical, allocatable :: moves(:, :)       !! shape (steps, marble): the step's result changes with the variable
+      logical, allocatable :: moves(:, :)       !! shape (steps, nvar): the step's result changes with the variable
       real(wp), allocatable :: angle_bar(:), length_bar(:) !! by arc: derivatives of the objective
       real(wp), allocatable :: across(:), along(:), gx(:), gy(:), tx(:), ty(:) !! shape (room)
    end type sensitivity_t
@@ -39,18 +39,18 @@ contains
    subroutine prepare_sensitivity(problem, work)
       type(problem_t), intent(in) :: problem
       type(sensitivity_t), intent(out) :: work
-      integer :: arcs, marble, v, k, n, b
+      integer :: arcs, nvar, v, k, n, b
 
       arcs = size(problem%mechanism%arcs)
-      marble = size(problem%parameters%variables)
+      nvar = size(problem%parameters%variables)
       call prepare_rates(problem, work%rates)
-      allocate (work%turn(arcs, marble), work%stretch(arcs, marble), source=0.0_wp)
+      allocate (work%turn(arcs, nvar), work%stretch(arcs, nvar), source=0.0_wp)
       allocate (work%angle_bar(arcs), work%length_bar(arcs), source=0.0_wp)
-      allocate (work%moves(size(problem%plan%steps), marble), source=.false.)
+      allocate (work%moves(size(problem%plan%steps), nvar), source=.false.)
       associate (room => problem%linkage%room)
          allocate (work%across(room), work%along(room), work%gx(room), work%gy(room), work%tx(room), work%ty(room), source=0.0_wp)
       end associate
-      do v = 1, marble
+      do v = 1, nvar
          where (problem%parameters%length_variable == v) work%stretch(:, v) = 1.0_wp
          do k = 1, size(problem%plan%order)
             n = problem%plan%order(k)
@@ -118,10 +118,10 @@ contains
       type(problem_t), intent(inout) :: problem
       type(dimensions_t), intent(in) :: dimensions
       type(sensitivity_t), intent(inout) :: work
-      real(wp), intent(out) :: dout(:, :, :)        !! shape (positions, marble, components)
+      real(wp), intent(out) :: dout(:, :, :)        !! shape (positions, nvar, components)
       real(wp), intent(out), optional :: k(:, :)    !! shape (positions, nloop): as `find_constraints` has it
-      real(wp), intent(out), optional :: dk(:, :, :) !! shape (positions, nloop, marble): its derivatives
-      real(wp), intent(out), optional :: dp(:, :, :, :) !! shape (positions, 2, joints, marble): of the joints asked for
+      real(wp), intent(out), optional :: dk(:, :, :) !! shape (positions, nloop, nvar): its derivatives
+      real(wp), intent(out), optional :: dp(:, :, :, :) !! shape (positions, 2, joints, nvar): of the joints asked for
       integer :: block, offset, n, m, v
 
       call problem%bind(dimensions)
@@ -351,7 +351,7 @@ contains
       type(dimensions_t), intent(in) :: dimensions
       type(sensitivity_t), intent(inout) :: work
       real(wp), intent(out) :: objective
-      real(wp), intent(out) :: gradient(:)      !! shape (marble)
+      real(wp), intent(out) :: gradient(:)      !! shape (nvar)
       type(seed_t) :: bar
       real(wp) :: crank_bar
       integer :: block, offset, n, m, k, v

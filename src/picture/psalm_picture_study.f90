@@ -31,7 +31,7 @@ contains
       type(diagnostics_t), intent(inout) :: findings  !! of reading the file; SETUP's are added
       type(pictured_t), allocatable, intent(out) :: cases(:)
       type(finding_t), allocatable :: read(:), own(:)
-      type(diagnostics_t) :: judged
+      type(diagnostics_t) :: noted
       type(data_set_t) :: each
       type(line_t) :: none(0)
       type(prepared_t) :: prepared
@@ -42,19 +42,19 @@ contains
       do k = 1, size(sets)
          allocate (cases(k)%undrawn(0))
          own = of_case(read, k)
-         judged = diagnostics_t()
-         judged%file = sets(k)%file
+         noted = diagnostics_t()
+         noted%file = sets(k)%file
          if (any(own%level == level_error)) then
             call message_scene(sets(k), own, cases(k)%scene)
             cycle
          end if
          each = sets(k)
          each%nguess = 0
-         call prepare(each, none, prepared, judged, demand)
-         if (prepared%ready .and. each%ikin == 0 .and. each%ndes > most_drawn) call thin_out(each, judged)
-         own = [own, finding_list(judged)]
-         do i = 1, judged%count
-            call findings%add(judged%list(i))
+         call prepare(each, none, prepared, noted, demand)
+         if (prepared%ready .and. each%ikin == 0 .and. each%ndes > most_drawn) call thin_out(each, noted)
+         own = [own, finding_list(noted)]
+         do i = 1, noted%count
+            call findings%add(noted%list(i))
          end do
          each%nguess = sets(k)%nguess
          if (prepared%ready) then

@@ -122,7 +122,7 @@ contains
       call find_slides(mechanism, whole%plan, scene%slides)
       if (scene%motion == motion_slide) call find_output_slide(mechanism, scene)
       call trace_row(own, whole, dimensions, scene%slides, scene%output_slide, .true., scene%prescribed)
-      if (set%constr%given) call judge(set, own, dimensions, scene)
+      if (set%constr%given) call check_constraints(set, own, dimensions, scene)
       if (forces_wanted(set)) then
          allocate (scene%forces)
          call make_force_scene(set, own, dimensions, sweep_inputs(own), scene%forces)
@@ -239,7 +239,7 @@ contains
    end subroutine find_wishes
 
    !> Constraints of the group CONSTR, as `psalm` judges its results.
-   subroutine judge(set, own, dimensions, scene)
+   subroutine check_constraints(set, own, dimensions, scene)
       type(data_set_t), intent(in) :: set
       type(problem_t), intent(in) :: own
       type(dimensions_t), intent(in) :: dimensions
@@ -254,7 +254,7 @@ contains
          if (is_violated(margins(i))) &
             call add_string(scene%breaches, sentence_case('violated: '//describe_margin(set, own, dimensions, margins(i))))
       end do
-   end subroutine judge
+   end subroutine check_constraints
 
    subroutine find_output_slide(mechanism, scene)
       type(mechanism_t), intent(in) :: mechanism

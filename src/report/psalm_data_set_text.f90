@@ -25,8 +25,8 @@ contains
    !> Append vertices: label, number, coordinates in the format (5X,5G15.7), the objective after the last coordinate.
    subroutine write_vertices(label, vertices, objectives, text)
       character(1), intent(in) :: label           !! I for the initial simplex, F for the final one
-      real(wp), intent(in) :: vertices(:, :)      !! shape (marble, marble+1)
-      real(wp), intent(in) :: objectives(:)       !! shape (marble+1)
+      real(wp), intent(in) :: vertices(:, :)      !! shape (nvar, nvar+1)
+      real(wp), intent(in) :: objectives(:)       !! shape (nvar+1)
       type(text_t), intent(inout) :: text
       character(5) :: head
       character(:), allocatable :: line

@@ -55,7 +55,7 @@ contains
       type(dimensions_t), intent(in) :: dimensions
       type(parameters_t), intent(in) :: parameters
       type(diagnostics_t), intent(inout) :: findings
-      integer :: loop, a, n, guide, marble
+      integer :: loop, a, n, guide, nvar
 
       do loop = 1, set%nloop
          do a = 1, mechanism%loops(loop)%arcs
@@ -73,21 +73,21 @@ contains
             end select
          end do
       end do
-      marble = size(parameters%variables)
-      if (marble == 0) return
+      nvar = size(parameters%variables)
+      if (nvar == 0) return
       if (.not. set%desired) then
          call findings%error('a search needs desired values (DESX and DESY, or DESANG)', line=set%origins%line('METHOD', ''), &
                              group='METHOD')
       end if
       if (set%limval == 1 .or. set%var == 0.0_wp) then
-         if (min(set%low_given, set%high_given) < marble) then
-            if (set%low_given < marble) call short('OPLOW', set%low_given)
-            if (set%high_given < marble) call short('OPHIGH', set%high_given)
+         if (min(set%low_given, set%high_given) < nvar) then
+            if (set%low_given < nvar) call short('OPLOW', set%low_given)
+            if (set%high_given < nvar) call short('OPHIGH', set%high_given)
             return
          end if
-         if (set%low_given > marble) call long('OPLOW', set%low_given)
-         if (set%high_given > marble) call long('OPHIGH', set%high_given)
-         do n = 1, marble
+         if (set%low_given > nvar) call long('OPLOW', set%low_given)
+         if (set%high_given > nvar) call long('OPHIGH', set%high_given)
+         do n = 1, nvar
             associate (variable => parameters%variables(n))
                if (set%oplow(n) > set%ophigh(n)) then
                   call of_variable('OPLOW', n, 'the lower limit '//limit(set%oplow(n))//' of the '// &
@@ -99,8 +99,8 @@ contains
             end associate
          end do
       end if
-      if (set%nguess > marble + 1) then
-         call findings%error('a simplex of '//to_text(marble)//' variables has '//to_text(marble + 1)//' vertices; found '// &
+      if (set%nguess > nvar + 1) then
+         call findings%error('a simplex of '//to_text(nvar)//' variables has '//to_text(nvar + 1)//' vertices; found '// &
                              to_text(set%nguess), line=set%origins%line('METHOD', 'NGUESS', 1), group='METHOD', item='NGUESS')
       end if
 
@@ -127,11 +127,11 @@ contains
          integer :: i
 
          names = lower_case(name_of(parameters%variables(1)))
-         do i = 2, min(marble, most_named)
+         do i = 2, min(nvar, most_named)
             names = names//', '//lower_case(name_of(parameters%variables(i)))
          end do
-         if (marble > most_named) names = names//' and so on'
-         call of_variable(item, 1, 'OPLOW and OPHIGH must give a value for each of the '//to_text(marble)//' variables; found '// &
+         if (nvar > most_named) names = names//' and so on'
+         call of_variable(item, 1, 'OPLOW and OPHIGH must give a value for each of the '//to_text(nvar)//' variables; found '// &
                           to_text(got)//'. The variables are '//names)
       end subroutine short
 
@@ -139,8 +139,8 @@ contains
          character(*), intent(in) :: item
          integer, intent(in) :: got
 
-         call findings%warning(to_text(got)//' limits are given, but there are only '//to_text(marble)// &
-                               ' variables; the others are not used', line=set%origins%line('LIMITS', item, marble + 1), &
+         call findings%warning(to_text(got)//' limits are given, but there are only '//to_text(nvar)// &
+                               ' variables; the others are not used', line=set%origins%line('LIMITS', item, nvar + 1), &
                                group='LIMITS', item=item)
       end subroutine long
    end subroutine check_dimensions

@@ -17,7 +17,7 @@ module psalm_force_study
    use psalm_text, only: to_text
    implicit none (type, external)
    private
-   public :: force_study_t, sizing_t, harmonic_t, find_forces, judge_forces, harmonics_of
+   public :: force_study_t, sizing_t, harmonic_t, find_forces, harmonics_of
 
    integer, parameter :: name_width = 24
    real(wp), parameter :: nothing = 64.0_wp*epsilon(1.0_wp) !! part of the largest value: a mean or harmonic below it is rounding
@@ -62,18 +62,7 @@ contains
       all_known = all([(self%table%known(k), k=1, size(self%input))])
    end function all_known
 
-   !> Find what is wrong with the groups of forces before any work is done: see `make_force_model`.
-   subroutine judge_forces(set, mechanism, dimensions, findings)
-      type(data_set_t), intent(in) :: set
-      type(mechanism_t), intent(in) :: mechanism
-      type(dimensions_t), intent(in) :: dimensions
-      type(diagnostics_t), intent(inout) :: findings
-      type(force_model_t) :: model
-
-      call make_force_model(set, mechanism, dimensions, model, findings)
-   end subroutine judge_forces
-
-   !> Forces of a case that `judge_forces` found no fault with. All loops are solved, whatever the given problem solves.
+   !> Forces of a case that the preparation found no fault with. All loops are solved, whatever the given problem solves.
    subroutine find_forces(set, given, dimensions, study, by_unit_mass)
       type(data_set_t), intent(in) :: set
       type(problem_t), intent(in) :: given

@@ -33,7 +33,7 @@ module psalm_preparation
       type(mechanism_t) :: mechanism
       type(dimensions_t) :: given            !! the user's linkage
       type(parameters_t) :: parameters       !! dimensions that vary
-      real(wp), allocatable :: vertices(:, :) !! shape (marble, nguess): supplied for a search
+      real(wp), allocatable :: vertices(:, :) !! shape (nvar, nguess): supplied for a search
       type(diagnostics_t) :: warnings        !! of SETUP, without the name of the file
       logical :: ready = .false.             !! no error was found
    end type prepared_t
@@ -78,13 +78,13 @@ contains
       own%file = set%file
       call check_regions(set%constr, prepared%mechanism, own)
       if (forces_wanted(set)) call make_force_model(set, prepared%mechanism, prepared%given, model, own)
-      associate (marble => size(prepared%parameters%variables))
+      associate (nvar => size(prepared%parameters%variables))
          if (prepared%parameters%has_search() .and. set%nguess > 0) then
             deallocate (prepared%vertices)
-            call read_vertices(supplied, marble, set%nguess, prepared%vertices, own)
+            call read_vertices(supplied, nvar, set%nguess, prepared%vertices, own)
          else
             deallocate (prepared%vertices)
-            allocate (prepared%vertices(marble, 0))
+            allocate (prepared%vertices(nvar, 0))
          end if
       end associate
       do i = 1, own%count

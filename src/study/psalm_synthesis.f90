@@ -61,7 +61,7 @@ contains
    !> become those of the best.
    subroutine synthesise(set, vertices, problem, threads, stop, dimensions, result, observer)
       type(data_set_t), intent(in) :: set
-      real(wp), intent(in) :: vertices(:, :)       !! shape (marble, any): supplied
+      real(wp), intent(in) :: vertices(:, :)       !! shape (nvar, any): supplied
       type(problem_t), intent(inout), target :: problem
       integer, intent(in) :: threads
       type(stop_t), intent(in) :: stop             !! asked now and then

@@ -41,9 +41,9 @@ module psalm_tolerance
       type(dimensions_t) :: dimensions             !! the nominal linkage
       type(motion_t) :: nominal                    !! its motion
       type(output_kind_t) :: kind                  !! of the output
-      type(variable_t), allocatable :: variables(:) !! shape (marble): the dimensions with a tolerance
-      real(wp), allocatable :: tolerance(:)        !! shape (marble)
-      real(wp), allocatable :: effect(:, :, :)     !! shape (positions, marble, components): change of the output with each
+      type(variable_t), allocatable :: variables(:) !! shape (nvar): the dimensions with a tolerance
+      real(wp), allocatable :: tolerance(:)        !! shape (nvar)
+      real(wp), allocatable :: effect(:, :, :)     !! shape (positions, nvar, components): change of the output with each
       real(wp), allocatable :: worst(:, :)         !! shape (positions, components): worst case
       real(wp), allocatable :: square(:, :)        !! shape (positions, components): root-sum-square
       logical, allocatable :: dead(:)              !! shape (positions): a dead point, where the effects are infinite
@@ -112,7 +112,7 @@ contains
       logical, intent(out) :: closes
       type(parameters_t) :: parameters
       type(sensitivity_t) :: work
-      integer :: v, marble, n
+      integer :: v, nvar, n
 
       result%dimensions = dimensions
       parameters = deviating_dimensions(set, mechanism)
@@ -124,16 +124,16 @@ contains
       if (.not. closes) return
       result%variables = parameters%variables
       result%kind = deviating%problem%output%kind
-      marble = size(parameters%variables)
+      nvar = size(parameters%variables)
       n = deviating%problem%positions
-      allocate (result%tolerance(marble), result%effect(n, marble, deviating%problem%output%kind%components))
-      do v = 1, marble
+      allocate (result%tolerance(nvar), result%effect(n, nvar, deviating%problem%output%kind%components))
+      do v = 1, nvar
          result%tolerance(v) = tolerance_of(set, parameters%variables(v))
       end do
       call prepare_sensitivity(deviating%problem, work)
       call find_jacobian(deviating%problem, dimensions, work, result%effect)
       call find_dead(deviating%problem, dimensions, work, result%dead)
-      do v = 1, marble
+      do v = 1, nvar
          result%effect(:, v, :) = result%effect(:, v, :)*result%tolerance(v)
       end do
       result%worst = sum(abs(result%effect), dim=2)

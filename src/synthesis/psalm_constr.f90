@@ -21,8 +21,8 @@ module psalm_constr
    !> Limits on the variables, and room to work in.
    type :: constraints_t
       logical :: bounded = .false.                !! LIMVAL
-      real(wp), allocatable :: low(:), high(:)    !! shape (marble): OPLOW, OPHIGH
-      logical, allocatable :: positive(:)         !! shape (marble): a length
+      real(wp), allocatable :: low(:), high(:)    !! shape (nvar): OPLOW, OPHIGH
+      logical, allocatable :: positive(:)         !! shape (nvar): a length
       real(wp) :: step_in = 0.0_wp                !! STEPIN
       type(dimensions_t) :: dimensions            !! the vertex as a linkage
       real(wp), allocatable :: reach(:)           !! shape (positions)
@@ -45,13 +45,13 @@ contains
       type(data_set_t), intent(in) :: set
       type(problem_t), intent(in) :: problem
       type(constraints_t), intent(out) :: constraints
-      integer :: marble
+      integer :: nvar
 
-      marble = size(problem%parameters%variables)
+      nvar = size(problem%parameters%variables)
       constraints%bounded = set%limval == 1
       if (constraints%bounded) then
-         constraints%low = set%oplow(:marble)
-         constraints%high = set%ophigh(:marble)
+         constraints%low = set%oplow(:nvar)
+         constraints%high = set%ophigh(:nvar)
       end if
       constraints%positive = problem%parameters%variables%kind == variable_length .or. &
                              problem%parameters%variables%kind == variable_outlk
@@ -119,12 +119,12 @@ contains
    subroutine constrain(problem, constraints, values, objective, feasible, evaluations, counts, towards)
       type(problem_t), intent(inout) :: problem
       type(constraints_t), intent(inout) :: constraints
-      real(wp), intent(inout) :: values(:)             !! shape (marble)
+      real(wp), intent(inout) :: values(:)             !! shape (nvar)
       real(wp), intent(out) :: objective
       logical, intent(out) :: feasible
       integer, intent(inout) :: evaluations            !! counts up
       type(repair_count_t), intent(inout) :: counts    !! counts up
-      real(wp), intent(in), optional :: towards(:)     !! shape (marble): a feasible vertex
+      real(wp), intent(in), optional :: towards(:)     !! shape (nvar): a feasible vertex
       integer :: loop, repairs, moves
       logical :: repaired
 

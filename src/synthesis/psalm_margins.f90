@@ -82,9 +82,9 @@ contains
       type(problem_t), allocatable :: plain
       integer, allocatable :: joints(:, :)
       real(wp), allocatable :: inputs(:)
-      integer :: r, marble
+      integer :: r, nvar
 
-      marble = size(problem%parameters%variables)
+      nvar = size(problem%parameters%variables)
       inspector%irange = set%constr%irange
       inspector%prescribed = problem%positions
       inspector%turns = .not. problem%mechanism%sliding_input
@@ -115,10 +115,10 @@ contains
       call prepare_station(plain, inputs, .false., joints, .false., inspector%fine)
       inspector%fine%leading = problem%positions
       allocate (inspector%fine%measure(size(inputs), plain%mechanism%nloop), source=0.0_wp)
-      inspector%bounded = set%limval == 1 .and. marble > 0
+      inspector%bounded = set%limval == 1 .and. nvar > 0
       if (inspector%bounded) then
-         inspector%low = set%oplow(:marble)
-         inspector%high = set%ophigh(:marble)
+         inspector%low = set%oplow(:nvar)
+         inspector%high = set%ophigh(:nvar)
       end if
    end subroutine prepare_inspector
 

@@ -20,7 +20,7 @@ module psalm_merit
    use psalm_parameters, only: variable_length, variable_outlk
    implicit none (type, external)
    private
-   public :: merit_t, prepare_merit, put_in_order, constraint_inputs, set_extra, range_steps, extra_positions
+   public :: merit_t, prepare_merit, put_in_order, constraint_inputs, set_range, range_steps, extra_positions
 
    integer, parameter :: range_steps = 120           !! steps the range of the input is looked at in
    integer, parameter :: extra_positions = 8         !! further inputs where a violation was found between the steps
@@ -32,20 +32,20 @@ module psalm_merit
    type, extends(nlp_t) :: merit_t
       ! in memory of their own, for objects this large fill a small stack
       type(station_t), allocatable :: main           !! the prescribed positions
-      type(station_t), allocatable :: patrol         !! where else constraints hold
-      logical :: patrols = .false.                   !! there is a patrol
-      type(problem_t), allocatable :: judge          !! with the user's limits: what counts in the end
+      type(station_t), allocatable :: range          !! where else constraints hold: over the range of the inputs
+      logical :: has_range = .false.                 !! there are such places
+      type(problem_t), allocatable :: final          !! with the user's limits: what counts in the end
       type(dimensions_t) :: dimensions
       real(wp), allocatable :: limit(:)              !! by loop: of abs(k)
       type(region_t), allocatable :: regions(:)
-      integer, allocatable :: joint(:)               !! by region: its joint of the patrol, 0: output point
+      integer, allocatable :: joint(:)               !! by region: its joint of that station, 0: output point
       real(wp) :: size = 1.0_wp                      !! of the linkage: makes depths in regions comparable
       integer :: irange = range_positions
       logical :: free = .false.                      !! free timing
       logical :: ordered = .false.                   !! free timing: inputs go one way
       real(wp) :: sense = 1.0_wp                     !! which
       real(wp) :: span = full_turn                   !! and no further than this
-      real(wp), allocatable :: box_low(:), box_high(:) !! shape (marble): a global algorithm searches here, within the bounds
+      real(wp), allocatable :: box_low(:), box_high(:) !! shape (nvar): a global algorithm searches here, within the bounds
       real(wp) :: reach = full_turn                  !! how far it moves an input
       real(wp), allocatable :: late(:)               !! shape (positions): how far each input is past the next, radians or sizes
       real(wp), allocatable :: delt(:)               !! shape (positions): input increments
@@ -66,21 +66,21 @@ contains
    subroutine prepare_merit(set, problem, first, merit)
       type(data_set_t), intent(in) :: set
       type(problem_t), intent(in) :: problem        !! with desired values
-      real(wp), intent(in) :: first(:)              !! shape (marble)
+      real(wp), intent(in) :: first(:)              !! shape (nvar)
       type(merit_t), intent(out) :: merit
       type(problem_t), allocatable :: plain
       integer, allocatable :: joints(:, :)
       real(wp) :: cosine, sine, unused
-      integer :: marble, n, loop, r
+      integer :: nvar, n, loop, r
 
-      marble = size(problem%parameters%variables)
+      nvar = size(problem%parameters%variables)
       n = problem%positions
-      allocate (merit%main, merit%patrol)
-      allocate (merit%judge, source=problem)
-      call merit%judge%set_inputs(problem%delt)
-      call copy_desired(problem, merit%judge)
+      allocate (merit%main, merit%range)
+      allocate (merit%final, source=problem)
+      call merit%final%set_inputs(problem%delt)
+      call copy_desired(problem, merit%final)
       merit%free = set%ifree /= 0
-      merit%core = marble
+      merit%core = nvar
       merit%local = merge(n, 0, merit%free)
       merit%has_gradient = .true.
       merit%is_sum_of_squares = .true.
@@ -105,23 +105,23 @@ contains
       merit%floor = sum(merit%main%problem%weight(:n, 1))*(epsilon(1.0_wp)*merit%size)**2
       merit%small = max(1.0e-2_wp*sum(merit%main%problem%weight(:n, 1)) &
                         *merge(1.0_wp, merit%size, problem%motion == motion_angle)**2, sqrt(tiny(1.0_wp)))
-      merit%patrols = merit%irange /= range_positions .or. size(merit%regions) > 0
+      merit%has_range = merit%irange /= range_positions .or. size(merit%regions) > 0
       joints = region_joints(merit%regions)
       allocate (merit%joint(size(merit%regions)), source=0)
       do r = 1, size(merit%regions)
          merit%joint(r) = joint_of_region(merit%regions(r), joints)
       end do
-      if (merit%patrols) then
+      if (merit%has_range) then
          plain%motion = motion_point
          call prepare_station(plain, constraint_inputs(merit%irange, problem, problem%delt, range_steps, extra_positions), &
-                              merit%free .and. merit%irange == range_positions, joints, .true., merit%patrol)
+                              merit%free .and. merit%irange == range_positions, joints, .true., merit%range)
       end if
-      merit%low = spread(-huge(1.0_wp), 1, marble)
+      merit%low = spread(-huge(1.0_wp), 1, nvar)
       merit%high = -merit%low
       if (set%limval == 1) then
          ! a narrow box is not turned over
-         merit%low = set%oplow(:marble) + min(set%stepin, 0.25_wp*(set%ophigh(:marble) - set%oplow(:marble)))
-         merit%high = set%ophigh(:marble) - min(set%stepin, 0.25_wp*(set%ophigh(:marble) - set%oplow(:marble)))
+         merit%low = set%oplow(:nvar) + min(set%stepin, 0.25_wp*(set%ophigh(:nvar) - set%oplow(:nvar)))
+         merit%high = set%ophigh(:nvar) - min(set%stepin, 0.25_wp*(set%ophigh(:nvar) - set%oplow(:nvar)))
       end if
       where (problem%parameters%variables%kind == variable_length .or. problem%parameters%variables%kind == variable_outlk)
          merit%low = max(merit%low, least_length*abs(first))
@@ -168,23 +168,24 @@ contains
       inputs = [(from + (to - from)*(real(i, wp)/real(steps, wp)), i=0, steps), spread(from, 1, extra)]
    end function constraint_inputs
 
-   !> Move the patrol: its even steps to the range of the inputs, its further positions to where violations were found.
-   subroutine set_extra(merit, extra)
+   !> Move the station over the range: its even steps to the range of the inputs, its further positions to where violations
+   !> were found.
+   subroutine set_range(merit, extra)
       class(merit_t), intent(inout) :: merit
       real(wp), intent(in) :: extra(:)               !! shape (at most extra_positions): inputs
       real(wp), allocatable :: inputs(:)
       integer :: n
 
-      inputs = constraint_inputs(merit%irange, merit%judge, merit%delt, range_steps, extra_positions)
+      inputs = constraint_inputs(merit%irange, merit%final, merit%delt, range_steps, extra_positions)
       n = min(size(extra), extra_positions)
       if (merit%irange /= range_positions) inputs(range_steps + 2:range_steps + 1 + n) = extra(:n)
-      call merit%patrol%problem%move_inputs(inputs)
-   end subroutine set_extra
+      call merit%range%problem%move_inputs(inputs)
+   end subroutine set_range
 
    !> The unknowns of a linkage: values of the variables and, with free timing, input increments.
    pure function point(self, values, delt) result(x)
       class(merit_t), intent(in) :: self
-      real(wp), intent(in) :: values(:)              !! shape (marble)
+      real(wp), intent(in) :: values(:)              !! shape (nvar)
       real(wp), intent(in) :: delt(:)                !! shape (positions)
       real(wp) :: x(self%core + self%local)
 
@@ -199,11 +200,11 @@ contains
 
       associate (values => x(:merit%core), delt => x(merit%core + 1:))
          if (merit%free) call merit%main%problem%move_inputs(delt)
-         if (merit%patrols .and. merit%patrol%timed) call merit%patrol%problem%move_inputs(delt)
+         if (merit%has_range .and. merit%range%timed) call merit%range%problem%move_inputs(delt)
          if (order_weighs(merit)) merit%late = (merit%sense*(delt - cshift(delt, 1)) &
                                                 - [spread(0.0_wp, 1, size(delt) - 1), merit%span])/unit_of_input(merit)
-         ! the judge's variables are the user's; those of a station may have one more for the input
-         call merit%judge%parameters%apply(values, merit%dimensions)
+         ! the variables of `final` are the user's; those of a station may have one more for the input
+         call merit%final%parameters%apply(values, merit%dimensions)
       end associate
    end subroutine put_in
 
@@ -218,13 +219,13 @@ contains
    pure real(wp) function unit_of_input(merit)
       class(merit_t), intent(in) :: merit
 
-      unit_of_input = merge(merit%size, degrees_per_radian, merit%judge%mechanism%sliding_input)
+      unit_of_input = merge(merit%size, degrees_per_radian, merit%final%mechanism%sliding_input)
    end function unit_of_input
 
    !> Objective, and sum of the squared violations.
    subroutine measure(self, x, objective, violation)
       class(merit_t), intent(inout) :: self
-      real(wp), intent(in) :: x(:)                   !! shape (marble, or marble + positions)
+      real(wp), intent(in) :: x(:)                   !! shape (nvar, or nvar + positions)
       real(wp), intent(out) :: objective, violation
 
       call see(self, x)
@@ -239,16 +240,16 @@ contains
 
       call put_in(merit, x)
       call evaluate_station(merit%main, merit%dimensions)
-      if (merit%patrols) call look_on_patrol(merit)
+      if (merit%has_range) call look_over_range(merit)
    end subroutine see
 
-   !> Look at the patrol, with two slides on the side of each other that the prescribed positions say.
-   subroutine look_on_patrol(merit)
+   !> Look at the station over the range, with two slides on the side of each other that the prescribed positions say.
+   subroutine look_over_range(merit)
       class(merit_t), intent(inout) :: merit
 
-      merit%patrol%problem%side = merit%main%problem%side
-      call evaluate_station(merit%patrol, merit%dimensions)
-   end subroutine look_on_patrol
+      merit%range%problem%side = merit%main%problem%side
+      call evaluate_station(merit%range, merit%dimensions)
+   end subroutine look_over_range
 
    !> The objective of the linkage last looked at.
    pure real(wp) function sum_of_errors(merit)
@@ -271,10 +272,10 @@ contains
 
       total = squared_angles(merit%main, merit%limit)
       if (order_weighs(merit)) total = total + sum(max(merit%late, 0.0_wp)**2)
-      if (.not. merit%patrols) return
-      total = total + squared_angles(merit%patrol, merit%limit)
+      if (.not. merit%has_range) return
+      total = total + squared_angles(merit%range, merit%limit)
       do r = 1, size(merit%regions)
-         do i = 1, merit%patrol%problem%positions
+         do i = 1, merit%range%problem%positions
             call depth_at(merit, r, i, depth, gx, gy)
             total = total + max(depth, 0.0_wp)**2
          end do
@@ -292,16 +293,16 @@ contains
       end do
    end function squared_angles
 
-   !> Depth in region r at position i of the patrol, in sizes of the linkage, and its gradient by the point.
+   !> Depth in region r at position i of the station over the range, in sizes of the linkage, and its gradient by the point.
    pure subroutine depth_at(merit, r, i, depth, gx, gy)
       class(merit_t), intent(in) :: merit
       integer, intent(in) :: r, i
       real(wp), intent(out) :: depth, gx, gy
 
       if (merit%joint(r) == 0) then
-         call find_region_depth(merit%regions(r), merit%patrol%out(i, 1), merit%patrol%out(i, 2), depth, gx, gy)
+         call find_region_depth(merit%regions(r), merit%range%out(i, 1), merit%range%out(i, 2), depth, gx, gy)
       else
-         associate (joint => merit%patrol%joints(i, :, merit%joint(r)))
+         associate (joint => merit%range%joints(i, :, merit%joint(r)))
             call find_region_depth(merit%regions(r), joint(1), joint(2), depth, gx, gy)
          end associate
       end if
@@ -323,32 +324,32 @@ contains
       call linearise_station(self%main, self%dimensions)
       self%jacobians = self%jacobians + 1
       call equations%clear(self%core, self%local)
-      associate (marble => self%core, main => self%main, n => self%main%problem%positions)
+      associate (nvar => self%core, main => self%main, n => self%main%problem%positions)
          do r = 1, size(main%out, 2)
-            call add_errors(marble, main%problem%weight(:n, r), main%out(:, r), main%dout(:, :, r), equations)
+            call add_errors(nvar, main%problem%weight(:n, r), main%out(:, r), main%dout(:, :, r), equations)
          end do
-         call add_angles(main, self%limit, marble, weight, equations)
+         call add_angles(main, self%limit, nvar, weight, equations)
          if (order_weighs(self)) then
             associate (pull => (weight*self%sense/unit_of_input(self))*max(self%late, 0.0_wp))
                equations%edge_gradient = equations%edge_gradient + pull - cshift(pull, -1)
             end associate
          end if
-         if (self%patrols) then
-            self%patrol%problem%side = self%main%problem%side
-            call linearise_station(self%patrol, self%dimensions)
-            call add_angles(self%patrol, self%limit, marble, weight, equations)
+         if (self%has_range) then
+            self%range%problem%side = self%main%problem%side
+            call linearise_station(self%range, self%dimensions)
+            call add_angles(self%range, self%limit, nvar, weight, equations)
             do r = 1, size(self%regions)
-               do i = 1, self%patrol%problem%positions
+               do i = 1, self%range%problem%positions
                   call depth_at(self, r, i, depth, gx, gy)
                   if (depth <= 0.0_wp) cycle
-                  row = slope(self, r, i, gx, gy, 1, marble)
+                  row = slope(self, r, i, gx, gy, 1, nvar)
                   call add_row(equations, weight, depth, row)
-                  if (self%patrol%timed) call add_timing(equations, i, weight, depth, row, &
-                                                         sum(slope(self, r, i, gx, gy, marble + 1, marble + 1)))
+                  if (self%range%timed) call add_timing(equations, i, weight, depth, row, &
+                                                         sum(slope(self, r, i, gx, gy, nvar + 1, nvar + 1)))
                end do
             end do
          end if
-         do a = 1, marble
+         do a = 1, nvar
             do b = 1, a - 1
                equations%matrix(a, b) = equations%matrix(b, a)
             end do
@@ -364,21 +365,21 @@ contains
       real(wp) :: row(to - from + 1)
 
       if (merit%joint(r) == 0) then
-         row = gx*merit%patrol%dout(i, from:to, 1) + gy*merit%patrol%dout(i, from:to, 2)
+         row = gx*merit%range%dout(i, from:to, 1) + gy*merit%range%dout(i, from:to, 2)
       else
-         row = gx*merit%patrol%djoints(i, 1, merit%joint(r), from:to) + gy*merit%patrol%djoints(i, 2, merit%joint(r), from:to)
+         row = gx*merit%range%djoints(i, 1, merit%joint(r), from:to) + gy*merit%range%djoints(i, 2, merit%joint(r), from:to)
       end if
    end function slope
 
    !> Errors of one co-ordinate at all positions. Only the upper triangle of the matrix is added to.
-   subroutine add_errors(marble, weight, error, d, equations)
-      integer, intent(in) :: marble
+   subroutine add_errors(nvar, weight, error, d, equations)
+      integer, intent(in) :: nvar
       real(wp), intent(in), contiguous :: weight(:), error(:) !! shape (positions)
       real(wp), intent(in), contiguous :: d(:, :)    !! shape (positions, columns)
       type(normal_equations_t), intent(inout) :: equations
       integer :: a, b, i
 
-      do a = 1, marble
+      do a = 1, nvar
          equations%gradient(a) = equations%gradient(a) + product_of(size(error), weight, error, d(:, a))
          do b = 1, a
             equations%matrix(b, a) = equations%matrix(b, a) + product_of(size(error), weight, d(:, a), d(:, b))
@@ -386,7 +387,7 @@ contains
       end do
       if (size(equations%edge) == 0) return
       do i = 1, size(error)
-         call add_timing(equations, i, weight(i), error(i), d(i, :marble), d(i, marble + 1))
+         call add_timing(equations, i, weight(i), error(i), d(i, :nvar), d(i, nvar + 1))
       end do
    end subroutine add_errors
 
@@ -409,10 +410,10 @@ contains
    end function product_of
 
    !> Violations of closure, transmission angles, angles between slides and TOGGLE at the positions of a station.
-   subroutine add_angles(station, limit, marble, weight, equations)
+   subroutine add_angles(station, limit, nvar, weight, equations)
       type(station_t), intent(in) :: station
       real(wp), intent(in) :: limit(:)               !! shape (loops)
-      integer, intent(in) :: marble
+      integer, intent(in) :: nvar
       real(wp), intent(in) :: weight
       type(normal_equations_t), intent(inout) :: equations
       real(wp) :: over
@@ -423,9 +424,9 @@ contains
             over = abs(station%k(i, loop)) - limit(loop)
             if (over <= 0.0_wp) cycle
             over = sign(over, station%k(i, loop))
-            call add_row(equations, weight, over, station%dk(i, loop, :marble))
-            if (station%timed) call add_timing(equations, i, weight, over, station%dk(i, loop, :marble), &
-                                               station%dk(i, loop, marble + 1))
+            call add_row(equations, weight, over, station%dk(i, loop, :nvar))
+            if (station%timed) call add_timing(equations, i, weight, over, station%dk(i, loop, :nvar), &
+                                               station%dk(i, loop, nvar + 1))
          end do
       end do
    end subroutine add_angles
@@ -463,18 +464,18 @@ contains
       real(wp) :: depth, gx, gy
 
       call put_in(self, x)
-      if (self%free) call self%judge%move_inputs(x(self%core + 1:))
-      call self%judge%evaluate(self%dimensions, objective, loop)
+      if (self%free) call self%final%move_inputs(x(self%core + 1:))
+      call self%final%evaluate(self%dimensions, objective, loop)
       self%evaluations = self%evaluations + 1
       feasible = loop == 0
       if (.not. feasible) return
       call evaluate_station(self%main, self%dimensions)
       feasible = keeps_limits(self%main, self%limit)
-      if (.not. (feasible .and. self%patrols)) return
-      call look_on_patrol(self)
-      feasible = all(self%patrol%closed) .and. keeps_limits(self%patrol, self%limit)
+      if (.not. (feasible .and. self%has_range)) return
+      call look_over_range(self)
+      feasible = all(self%range%closed) .and. keeps_limits(self%range, self%limit)
       do r = 1, size(self%regions)
-         do i = 1, self%patrol%problem%positions
+         do i = 1, self%range%problem%positions
             call depth_at(self, r, i, depth, gx, gy)
             if (depth > slack) feasible = .false.
          end do
@@ -500,8 +501,8 @@ contains
 
       count_constraints = of_station(self%main)
       if (order_weighs(self)) count_constraints = count_constraints + size(self%late)
-      if (self%patrols) count_constraints = count_constraints + of_station(self%patrol) &
-                                            + size(self%regions)*self%patrol%problem%positions
+      if (self%has_range) count_constraints = count_constraints + of_station(self%range) &
+                                            + size(self%regions)*self%range%problem%positions
 
    contains
 
@@ -526,25 +527,25 @@ contains
    !> Every constraint, aimed at <= 0, and with `slopes` its derivatives by dimensions and input positions.
    subroutine constrain(self, x, values, slopes)
       class(merit_t), intent(inout) :: self
-      real(wp), intent(in) :: x(:)                   !! shape (marble, or marble + positions)
+      real(wp), intent(in) :: x(:)                   !! shape (nvar, or nvar + positions)
       real(wp), intent(out) :: values(:)             !! shape (count_constraints)
-      real(wp), intent(out), optional :: slopes(:, :) !! shape (marble, or marble + positions; count_constraints)
+      real(wp), intent(out), optional :: slopes(:, :) !! shape (nvar, or nvar + positions; count_constraints)
       real(wp) :: depth, gx, gy
-      integer :: next, r, i, marble
+      integer :: next, r, i, nvar
 
       if (present(slopes)) then
          call put_in(self, x)
          call linearise_station(self%main, self%dimensions)
-         if (self%patrols) then
-            self%patrol%problem%side = self%main%problem%side
-            call linearise_station(self%patrol, self%dimensions)
+         if (self%has_range) then
+            self%range%problem%side = self%main%problem%side
+            call linearise_station(self%range, self%dimensions)
          end if
          self%jacobians = self%jacobians + 1
          slopes = 0.0_wp
       else
          call see(self, x)
       end if
-      marble = self%core
+      nvar = self%core
       next = 0
       call of_station(self%main)
       if (order_weighs(self)) then
@@ -552,20 +553,20 @@ contains
             next = next + 1
             values(next) = self%late(i)
             if (.not. present(slopes)) cycle
-            slopes(marble + i, next) = self%sense/unit_of_input(self)
-            slopes(marble + 1 + modulo(i, size(self%late)), next) = -self%sense/unit_of_input(self)
+            slopes(nvar + i, next) = self%sense/unit_of_input(self)
+            slopes(nvar + 1 + modulo(i, size(self%late)), next) = -self%sense/unit_of_input(self)
          end do
       end if
-      if (.not. self%patrols) return
-      call of_station(self%patrol)
+      if (.not. self%has_range) return
+      call of_station(self%range)
       do r = 1, size(self%regions)
-         do i = 1, self%patrol%problem%positions
+         do i = 1, self%range%problem%positions
             call depth_at(self, r, i, depth, gx, gy)
             next = next + 1
             values(next) = depth
             if (.not. present(slopes)) cycle
-            slopes(:marble, next) = slope(self, r, i, gx, gy, 1, marble)
-            if (self%patrol%timed) slopes(marble + i, next) = sum(slope(self, r, i, gx, gy, marble + 1, marble + 1))
+            slopes(:nvar, next) = slope(self, r, i, gx, gy, 1, nvar)
+            if (self%range%timed) slopes(nvar + i, next) = sum(slope(self, r, i, gx, gy, nvar + 1, nvar + 1))
          end do
       end do
 
@@ -583,8 +584,8 @@ contains
                   next = next + 1
                   values(next) = side*station%k(k, loop) - self%limit(loop)
                   if (.not. present(slopes)) cycle
-                  slopes(:marble, next) = side*station%dk(k, loop, :marble)
-                  if (station%timed) slopes(marble + k, next) = side*station%dk(k, loop, marble + 1)
+                  slopes(:nvar, next) = side*station%dk(k, loop, :nvar)
+                  if (station%timed) slopes(nvar + k, next) = side*station%dk(k, loop, nvar + 1)
                end do
             end do
          end do
@@ -595,7 +596,7 @@ contains
    !> Inputs that must follow each other are put in order.
    subroutine project(self, x)
       class(merit_t), intent(in) :: self
-      real(wp), intent(inout) :: x(:)                !! shape (marble, or marble + positions)
+      real(wp), intent(inout) :: x(:)                !! shape (nvar, or nvar + positions)
 
       if (self%ordered) call put_in_order(x(self%core + 1:), self%sense, self%span)
    end subroutine project

@@ -11,7 +11,7 @@ module psalm_search
    use psalm_error, only: problem_t
    use psalm_kinds, only: wp, full_turn, right_angle
    use psalm_margins, only: inspector_t, margin_t, prepare_inspector, inspect, is_violated
-   use psalm_merit, only: merit_t, prepare_merit, set_extra, extra_positions
+   use psalm_merit, only: merit_t, prepare_merit, set_range, extra_positions
    use psalm_multistart, only: candidate_t, multistart_t, starter_t
    use psalm_nlp, only: repair_count_t
    use psalm_solver, only: solver_t, ending_t, observer_t, stop_refused
@@ -36,7 +36,7 @@ module psalm_search
 
    !> A linkage found.
    type :: found_t
-      real(wp), allocatable :: values(:)   !! shape (marble)
+      real(wp), allocatable :: values(:)   !! shape (nvar)
       real(wp), allocatable :: delt(:)     !! shape (positions): input increments (those given, but for free timing)
       real(wp) :: objective = 0.0_wp
       integer :: start = 0                 !! the start that led to it; -j: the j-th supplied vertex
@@ -67,8 +67,8 @@ module psalm_search
    !> What one thread works with.
    type, extends(starter_t) :: worker_t
       type(data_set_t), pointer :: set => null()  !! the caller's
-      real(wp), allocatable :: first(:)           !! shape (marble): the user's linkage
-      real(wp), allocatable :: supplied(:, :)     !! shape (marble, supplied)
+      real(wp), allocatable :: first(:)           !! shape (nvar): the user's linkage
+      real(wp), allocatable :: supplied(:, :)     !! shape (nvar, supplied)
       ! allocated: together they would fill a small stack
       type(problem_t), allocatable :: problem
       type(constraints_t), allocatable :: constraints
@@ -89,8 +89,8 @@ contains
    subroutine search_many(set, problem, first, supplied, threads, stop, result, observer)
       type(data_set_t), intent(in), target :: set
       type(problem_t), intent(in) :: problem
-      real(wp), intent(in) :: first(:)          !! shape (marble)
-      real(wp), intent(in) :: supplied(:, :)    !! shape (marble, supplied)
+      real(wp), intent(in) :: first(:)          !! shape (nvar)
+      real(wp), intent(in) :: supplied(:, :)    !! shape (nvar, supplied)
       integer, intent(in) :: threads
       type(stop_t), intent(in) :: stop          !! asked now and then
       type(result_t), intent(out) :: result
@@ -190,11 +190,11 @@ contains
       integer :: before
 
       before = 0
-      associate (low => self%merit%box_low, high => self%merit%box_high, marble => size(self%first))
+      associate (low => self%merit%box_low, high => self%merit%box_high, nvar => size(self%first))
          if (number > 1) then
             call draw(self%random, low, high, low > 0.0_wp .and. high > wide*low .and. is_length(self%problem), number, values)
             if (size(elite, 2) > 0 .and. mod(number, 2) == 1) then
-               call draw_near(self%problem, elite(:marble, 1 + mod(number/2, size(elite, 2))), low, high, &
+               call draw_near(self%problem, elite(:nvar, 1 + mod(number/2, size(elite, 2))), low, high, &
                               1 + mod(number/4, fineness), values)
             end if
             home = self%first
@@ -213,7 +213,7 @@ contains
       self%merit%evaluations = 0
       self%merit%jacobians = 0
       self%merit%delt = self%problem%delt
-      if (self%merit%patrols) call set_extra(self%merit, [real(wp) ::])
+      if (self%merit%has_range) call set_range(self%merit, [real(wp) ::])
       if (self%merit%free .and. number /= 1) call retime(self, values)
       call work_on(self, merge(rough_free, rough, self%merit%free), number, values, candidate)
       call unwind(self%set, self%problem, self%first, values)
@@ -273,7 +273,7 @@ contains
       if (self%merit%free) self%merit%delt = candidate%x(self%merit%core + 1:)
       self%merit%evaluations = candidate%evaluations
       self%merit%jacobians = candidate%jacobians
-      if (self%merit%patrols) call set_extra(self%merit, [real(wp) ::])
+      if (self%merit%has_range) call set_range(self%merit, [real(wp) ::])
       call work_on(self, fine, 1, values, finer)
       candidate%evaluations = self%merit%evaluations
       candidate%jacobians = self%merit%jacobians
@@ -287,7 +287,7 @@ contains
    pure subroutine draw(random, low, high, by_ratio, number, values)
       type(xoshiro_t), intent(inout) :: random
       real(wp), intent(in) :: low(:), high(:)
-      logical, intent(in) :: by_ratio(:)          !! shape (marble): in every other start all ratios are alike, not all lengths
+      logical, intent(in) :: by_ratio(:)          !! shape (nvar): in every other start all ratios are alike, not all lengths
       integer, intent(in) :: number
       real(wp), allocatable, intent(out) :: values(:)
       real(wp) :: deviate
@@ -307,7 +307,7 @@ contains
       class(worker_t), intent(inout) :: worker
       real(wp), intent(in) :: least_gain               !! of a step of least squares
       integer, intent(in) :: number
-      real(wp), intent(inout) :: found(:)              !! shape (marble): the linkage; its input increments are the merit's
+      real(wp), intent(inout) :: found(:)              !! shape (nvar): the linkage; its input increments are the merit's
       type(candidate_t), intent(inout) :: candidate
       type(margin_t), allocatable :: margins(:)
       real(wp), allocatable :: extra(:), values(:), delt(:)
@@ -341,7 +341,7 @@ contains
          if (candidate%feasible) return
          if (size(extra) >= extra_positions) return
          extra = [extra, pack(margins%delt, is_violated(margins))]
-         call set_extra(worker%merit, extra)
+         call set_range(worker%merit, extra)
          call run_solver(found, candidate%objective, candidate%feasible)
          if (.not. candidate%feasible) return
       end do

@@ -21,9 +21,9 @@ module psalm_start
 
    !> How the simplex was begun.
    type :: beginning_t
-      real(wp), allocatable :: low(:), high(:) !! shape (marble): limits of random vertices
-      integer(i8), allocatable :: integer(:)   !! shape (marble+1): the random integer a vertex was begun with; 0: it was given
-      real(wp), allocatable :: drawn(:, :)     !! shape (marble, marble+1): vertices as they were drawn
+      real(wp), allocatable :: low(:), high(:) !! shape (nvar): limits of random vertices
+      integer(i8), allocatable :: integer(:)   !! shape (nvar+1): the random integer a vertex was begun with; 0: it was given
+      real(wp), allocatable :: drawn(:, :)     !! shape (nvar, nvar+1): vertices as they were drawn
    end type beginning_t
 
 contains
@@ -42,18 +42,18 @@ contains
    subroutine start_simplex(set, search, supplied, simplex, feasible, beginning)
       type(data_set_t), intent(in) :: set
       type(vertex_problem_t), intent(inout) :: search
-      real(wp), intent(in) :: supplied(:, :)     !! shape (marble, nguess): vertices from device 4
+      real(wp), intent(in) :: supplied(:, :)     !! shape (nvar, nguess): vertices from device 4
       type(simplex_t), intent(out) :: simplex
       logical, intent(out) :: feasible
       type(beginning_t), intent(out) :: beginning
       type(random_t) :: random
-      integer :: i, k, marble
+      integer :: i, k, nvar
       real(wp) :: deviate
       logical :: reached
 
-      marble = search%core
-      allocate (simplex%v(marble, marble + 1), simplex%f(marble + 1), source=0.0_wp)
-      allocate (beginning%integer(marble + 1), source=0_i8)
+      nvar = search%core
+      allocate (simplex%v(nvar, nvar + 1), simplex%f(nvar + 1), source=0.0_wp)
+      allocate (beginning%integer(nvar + 1), source=0_i8)
       simplex%v(:, 1) = search%problem%parameters%first_values(search%problem%given)
       if (size(supplied, 2) > 0) simplex%v(:, 1) = supplied(:, 1)
       call random_limits(set, simplex%v(:, 1), beginning%low, beginning%high)
@@ -61,12 +61,12 @@ contains
       call search%settle(simplex%v(:, 1), simplex%f(1), feasible)
       if (.not. feasible) return
       random%state = int(set%istart, i8)
-      do i = 2, marble + 1
+      do i = 2, nvar + 1
          if (i <= size(supplied, 2)) then
             simplex%v(:, i) = supplied(:, i)
          else
             beginning%integer(i) = random%state
-            do k = 1, marble
+            do k = 1, nvar
                call random%next(deviate)
                simplex%v(k, i) = beginning%low(k) + deviate*(beginning%high(k) - beginning%low(k))
             end do
@@ -99,25 +99,25 @@ contains
    !> Without labels a vertex begins every so many records; with labels I and F, as on device 7, it begins at each of them,
    !> final vertices come before initial ones, and everything that is not part of a vertex is passed over.
    !> Errors: too few vertices, or a field that is not a number.
-   subroutine read_vertices(lines, marble, wanted, vertices, findings)
+   subroutine read_vertices(lines, nvar, wanted, vertices, findings)
       type(line_t), intent(in) :: lines(:)
-      integer, intent(in) :: marble, wanted          !! variables; vertices (NGUESS)
-      real(wp), allocatable, intent(out) :: vertices(:, :) !! shape (marble, wanted)
+      integer, intent(in) :: nvar, wanted          !! variables; vertices (NGUESS)
+      real(wp), allocatable, intent(out) :: vertices(:, :) !! shape (nvar, wanted)
       type(diagnostics_t), intent(inout) :: findings
       integer, allocatable :: records(:)
       integer :: k, r, vertex
       real(wp) :: value
       logical :: sound
 
-      allocate (vertices(marble, wanted), source=0.0_wp)
-      records = first_records(lines, marble)
+      allocate (vertices(nvar, wanted), source=0.0_wp)
+      records = first_records(lines, nvar)
       if (size(records) < wanted) then
          call findings%error(to_text(wanted)//' vertices are declared, but device 4 holds '//to_text(size(records))// &
                              ' (give its file with --device4)', group='METHOD', item='NGUESS')
          return
       end if
       do vertex = 1, wanted
-         do k = 1, marble
+         do k = 1, nvar
             r = records(vertex) + (k - 1)/values_per_record
             sound = .false.
             if (r <= size(lines)) call field(lines(r)%text, mod(k - 1, values_per_record), value, sound)
@@ -153,9 +153,9 @@ contains
    end subroutine read_vertices
 
    !> Lines at which vertices begin, the final ones first.
-   pure function first_records(lines, marble) result(records)
+   pure function first_records(lines, nvar) result(records)
       type(line_t), intent(in) :: lines(:)
-      integer, intent(in) :: marble
+      integer, intent(in) :: nvar
       integer, allocatable :: records(:)
       integer, allocatable :: initial(:), final(:), plain(:)
       integer :: i
@@ -173,6 +173,6 @@ contains
       end do
       records = [final, initial]
       if (size(records) > 0) return
-      records = [(plain(i), i=1, size(plain), (marble + values_per_record - 1)/values_per_record)]
+      records = [(plain(i), i=1, size(plain), (nvar + values_per_record - 1)/values_per_record)]
    end function first_records
 end module psalm_start

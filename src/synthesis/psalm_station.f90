@@ -54,7 +54,7 @@ contains
 
       n = size(delt)
       station%problem = problem
-      if (allocated(station%problem%crew)) deallocate (station%problem%crew)
+      if (allocated(station%problem%linkages)) deallocate (station%problem%linkages)
       station%timed = timed
       if (timed) then
          input%kind = variable_crnki
