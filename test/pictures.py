@@ -275,6 +275,12 @@ def test_drawing():
         check(law + "a joint is fixed where it does not move", all(
             (len(set(zip(row["x"][j], row["y"][j]))) == 1) or j not in fixed for j in range(len(at))))
         letters(law, picture, case, at)
+        # what is drawn ends below the head and just above the scale
+        x, y, width, height = (float(picture.root.find('.//%sclipPath[@id="area"]/%srect' % (SVG, SVG)).get(k)) for k in ("x", "y", "width", "height"))
+        head, scale = (float(picture.of_class("sub")[0].get("y")), float(numbers(picture.root.find('.//%sg[@id="scale"]/%spath' % (SVG, SVG)))[1]))
+        page = float(picture.root.get("width"))
+        check(law + "the drawing lies between head and scale", head < y < head + 20 and scale - 10 < y + height < scale and x == page - x - width > 0,
+              "%s %s %s %s" % (y, height, head, scale))
 
 
 def letters(law, picture, case, at):

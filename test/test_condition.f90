@@ -22,12 +22,14 @@ program test_condition
    do k = 1, size(names)
       call bound_of(names(k))
    end do
+   call bound_of('dyad1_crank_rocker', near_toggle=1.0e-6_wp)
    call t%report()
 
 contains
 
-   subroutine bound_of(name)
+   subroutine bound_of(name, near_toggle)
       character(*), intent(in) :: name
+      real(wp), intent(in), optional :: near_toggle !! what coupler and follower are longer than their outer joints are apart
       type(problem_t) :: problem
       type(data_set_t) :: set
       type(sensitivity_t) :: work
@@ -38,6 +40,11 @@ contains
       integer :: block, offset, n, i, loops
 
       call load_case(name, problem, set, vary=.true.)
+      if (present(near_toggle)) then
+         ! crank and frame in one line at the sixth position, 185 degrees on
+         problem%given%crnki = -5.0_wp
+         problem%given%arcl(4) = problem%given%arcl(2) + problem%given%arcl(3) - problem%given%arcl(1) - near_toggle
+      end if
       call problem%want_derivatives(.false.)
       values = problem%parameters%first_values(problem%given)
       allocate (dout(problem%positions, size(values), problem%output%kind%components))

@@ -35,6 +35,8 @@ program test_constraints
    call whole_turn()
    call box_of_slider()
    call parallel_slides()
+   call angle_between_positions()
+   call touched_region()
    do k = 1, size(names)
       call finite_store(names(k))
    end do
@@ -394,6 +396,59 @@ contains
       call t%equal_integer(loop, 0, 'a free timing stays on one side of parallel')
    end subroutine parallel_slides
 
+   !> An angle out of its limits between the prescribed positions: a search over the range does not accept it.
+   subroutine angle_between_positions()
+      type(problem_t) :: problem
+      type(data_set_t) :: set
+      type(merit_t) :: merit
+      real(wp), allocatable :: values(:)
+      real(wp) :: objective
+      logical :: sound
+
+      ! the transmission angle is 48.6 degrees at 0 degrees of the crank, above 55 from 33 degrees on
+      call load_case('dyad1_crank_rocker', problem, set, vary=.true.)
+      set%tangle = 35.0_wp
+      problem%tangle = 35.0_wp
+      call problem%set_inputs([60.0_wp, 120.0_wp, 180.0_wp, 240.0_wp, 300.0_wp])
+      call problem%set_desired(reshape(spread(100.0_wp, 1, 5), [5, 1]))
+      values = problem%parameters%first_values(problem%given)
+      set%constr%irange = range_turn
+      call prepare_merit(set, problem, values, merit)
+      call merit%accept(values, objective, sound)
+      call t%is_true(all(merit%patrol%closed) .and. .not. sound, 'an angle out of its limits between the positions')
+      set%constr%irange = range_positions
+      call prepare_merit(set, problem, values, merit)
+      call merit%accept(values, objective, sound)
+      call t%is_true(sound, 'which nobody asked about')
+   end subroutine angle_between_positions
+
+   !> A forbidden region that is touched within rounding of the longest link is none that is entered.
+   subroutine touched_region()
+      type(problem_t) :: problem
+      type(data_set_t) :: set
+      type(inspector_t) :: inspector
+      type(margin_t), allocatable :: margins(:)
+      real(wp), parameter :: depth(2) = [5.0e-8_wp, 5.0e-7_wp] !! the rod is 140 long, rounding 1e-9 of it
+      integer :: i
+
+      do i = 1, size(depth)
+         call load_case('dyad4_slider_crank', problem, set)
+         set%constr%irange = range_positions
+         deallocate (set%constr%regions)
+         allocate (set%constr%regions(1))
+         ! all that lies to the right of where the slider is farthest at the prescribed positions, at 0 degrees
+         associate (arcl => problem%given%arcl)
+            set%constr%regions(1) = region_t(region_half_plane, .false., &
+               [arcl(1) + sqrt(arcl(2)**2 - arcl(4)**2) - depth(i), 0.0_wp, -90.0_wp, 0.0_wp], 2, 1)
+         end associate
+         call prepare_inspector(set, problem, .true., inspector)
+         call inspect(inspector, problem%given, problem%delt, margins)
+         margins = pack(margins, margins%kind == margin_region)
+         call t%close_to(margins(1)%margin, -depth(i), 1.0e-12_wp, 'depth of a slider in a region')
+         call t%is_true(is_violated(margins(1)) .eqv. i == 2, 'a violation only beyond rounding')
+      end do
+   end subroutine touched_region
+
    !> Whatever the lengths are, what is found is finite, open dyads included.
    subroutine finite_store(name)
       character(*), intent(in) :: name
@@ -562,5 +617,8 @@ contains
       call t%is_true(.not. stop%late(), 'only that of the copy')
       call copy%limit_time(0.0_wp)
       call t%is_true(.not. copy%waiting(), 'no limit any more')
+      ! more seconds than the clock can count
+      call copy%limit_time(1.0e20_wp)
+      call t%is_true(.not. copy%waiting(), 'a limit beyond the end of the clock')
    end subroutine interruption
 end program test_constraints

@@ -8,10 +8,13 @@ program test_foundation
    use psalm_kinds, only: wp
    use psalm_mark, only: mark_t, mark_width
    use psalm_rows, only: rows_t, make_rows
+   use psalm_status, only: diagnostics_t, exit_bad_input, exit_file_trouble
+   use psalm_text, only: to_text
    implicit none (type, external)
    type(checks_t) :: t
 
    call marks()
+   call findings()
    call rows()
    call kinds_of_dyads()
    call arcs()
@@ -33,6 +36,32 @@ contains
       call t%is_true(one%name() /= split%name(), 'where a text ends counts')
       call t%equal_integer(len(one%name()), mark_width, 'width of a mark')
    end subroutine marks
+
+   !> Findings in words, with and without their place; more of them than are told.
+   subroutine findings()
+      type(diagnostics_t) :: some, many
+      integer :: i
+      integer, parameter :: told = 200, more = 57
+
+      call some%error('no place')
+      call t%equal_text(some%list(1)%render(), 'error: no place', 'a finding without a file')
+      some%file = 'a.nml'
+      call some%warning('a place', line=3, group='LINKS', item='ILINK')
+      call t%equal_text(some%list(2)%render(), 'a.nml:3: warning: &LINKS ILINK: a place', 'a finding with its place')
+      call some%warning('a group', group='LINKS')
+      call t%equal_text(some%list(3)%render(), 'a.nml: warning: &LINKS: a group', 'a finding of a group')
+      call t%equal_integer(some%exit_code(), exit_bad_input, 'an error, no trouble with files')
+      ! each of another kind, so that none stands for others
+      do i = 1, told + more
+         call many%warning('odd', item='I'//to_text(i))
+      end do
+      call t%equal_integer(many%count, told, 'findings that are told')
+      ! the last that is told gives its place up
+      call t%equal_text(many%list(told)%render(), 'warning: and '//to_text(more + 1)//' more', 'how many are not')
+      call t%is_true(.not. many%failed(), 'warnings only')
+      call many%trouble('no room')
+      call t%equal_integer(many%exit_code(), exit_file_trouble, 'an error among those that are not told counts')
+   end subroutine findings
 
    subroutine rows()
       type(rows_t), target :: store

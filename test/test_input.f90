@@ -34,6 +34,8 @@ program test_input
    call numbers()
    call wrong_topology()
    call wrong_references()
+   call wrong_regions()
+   call wrong_notation()
    call warnings()
    call t%report()
 
@@ -408,6 +410,58 @@ contains
       call read_text('T'//nl//second//'40.,120.,80.,130.,'//row//'1,2,3,4 &END'//nl//method)
       call t%equal_integer(findings%count, 0, 'the same length given again is no fault')
    end subroutine wrong_references
+
+   !> Regions that cannot be meant.
+   subroutine wrong_regions()
+      call with('RKIND=1, RPLACE=0.,0.,1.,1.', 'regions are given, but not their number NREGN')
+      call with('NREGN=2, RKIND=1,3, RPLACE=0.,0.,1.,1.', 'four numbers are expected for each of 2 regions; found 4')
+      call with('NREGN=1, RKIND=1, RPLACE=0.,1.,0.,2.', 'the box has no extent')
+      call with('NREGN=1, RKIND=1, RPLACE=0.,1.,2.,1.', 'the box has no extent')
+      call with('NREGN=1, RKIND=-3, RPLACE=0.,1.,0.,0.', 'the radius must be above 0')
+      call with('NREGN=1, RKIND=4, RPLACE=0.,1.,2.,0.', 'negative: outside forbidden; found 4')
+      call with('NREGN=1, RKIND=3, RPLACE=0.,1.,2.,0., RLINK=2', 'arc 2 is named, but not its loop')
+      call with('NREGN=1, RKIND=3, RPLACE=0.,1.,2.,0., RLINK=2, RLOOP=2', 'there is no loop 2')
+      call with('NREGN=1, RKIND=3, RPLACE=0.,1.,2.,0., RLINK=2, RLOOP=-1', 'there is no loop -1')
+      call with('NREGN=1, RKIND=3, RPLACE=0.,1.,2.,0., RLINK=5, RLOOP=1', 'negative for the joint at its start); found 5')
+      call with('NREGN=1, RKIND=3, RPLACE=0.,1.,2.,0., RLOOP=1', 'the number of an arc is expected')
+      call with('IRANGE=3', 'must be from 0 to 2')
+
+   contains
+
+      subroutine with(items, words)
+         character(*), intent(in) :: items, words
+
+         call wrong(whole//' &CONSTR '//items//' &END'//nl, words)
+         call t%equal_integer(findings%count, 1, 'one message: '//words)
+      end subroutine with
+   end subroutine wrong_regions
+
+   !> Groups, words and values where they cannot stand.
+   subroutine wrong_notation()
+      character(:), allocatable :: text
+      integer :: i
+
+      call wrong(altered('NDES=3', 'IFREE=1, DESANG=3*9., NDES=3')//" &SEARCH SOLVER='LSQ' &END"//nl, &
+                 'free timing is a part of a search, but no dimension may vary')
+      call wrong(whole//' &TOLER TOLGAM=4*200. &END'//nl, 'the tolerance of an angle is more than 180 degrees')
+      call wrong(whole//" &SEARCH SOLVER='LSQ','SIMPLEX' &END"//nl, 'expects one word')
+      call wrong(whole//" &SEARCH NSTART='7' &END"//nl, "an integer is expected; found '7'")
+      call wrong(altered('ARCL=40.,', "ARCL='40.',"), "a number is expected; found '40.'")
+      call wrong(altered('ARCL=40.,', 'ARCL=2000000000*40.,'), 'too many values')
+      call wrong(altered('NLOOP=1', '5, NLOOP=1'), "expected NAME = value, found '5'")
+      call t%equal_integer(findings%count, 1, 'a value before any name is told once')
+      call wrong(altered('NOUTLK=3', 'ARCL(1=5, NOUTLK=3'), 'ARCL(1')
+      call read_text(altered('&LINKS ', '&LINKS , '))
+      call t%equal_integer(findings%count, 0, 'a comma before any name is nothing')
+      call read_text(altered('NOUTLP=1 &END', 'NOUTLP=1 &END and so on'))
+      call t%finds(findings, "'and so on' after the end of the group is ignored", 'words after a group')
+      call t%equal_integer(findings%exit_code(), 0, 'words after a group: a warning')
+      text = whole
+      do i = 1, 1000
+         text = text//' &USER'//to_text(i)//' A=1 &END'//nl
+      end do
+      call wrong(text, 'more than 1000 groups in one case')
+   end subroutine wrong_notation
 
    subroutine warnings()
       call read_text(altered('NDES=3', 'IVA=4*1, IVG=0,1,0,0, DESANG=3*9., NDES=3'))

@@ -22,6 +22,7 @@ program test_library
    call incomplete()
    call changed()
    call rates()
+   call units_of_speed()
    call searched()
    call simplex()
    call ended()
@@ -251,6 +252,36 @@ contains
       end do
       call t%is_true(index(listing, 'SPEED OF THE INPUT') > 0, 'the listing of rates')
    end subroutine rates
+
+   !> The same speed in each unit; units that do not fit the input.
+   subroutine units_of_speed()
+      type(case_t) :: case
+      type(rate_study_t) :: rate_of
+      type(findings_t) :: findings
+      character(*), parameter :: units(*) = [character(7) :: 'RAD/S', 'DEG/S', 'REV/S', 'REV/MIN', 'RPM']
+      real(wp), parameter :: turn = 2.0_wp*acos(-1.0_wp)
+      real(wp), parameter :: speeds(*) = [turn, 360.0_wp, 1.0_wp, 60.0_wp, 60.0_wp]
+      real(wp), allocatable :: first(:, :, :)
+      integer :: i
+
+      do i = 1, size(units)
+         case = slider_crank()
+         call case%set_item('RATES', 'SPEED', speeds(i))
+         call case%set_item('RATES', 'UNITS', trim(units(i)))
+         call find_rates(case, rate_of, findings)
+         call t%equal_integer(findings%count, 0, 'a speed in '//trim(units(i)))
+         if (i == 1) first = rate_of%by_time
+         call t%close_to(maxval(abs(rate_of%by_time - first))/maxval(abs(first)), 0.0_wp, 1.0e-14_wp, &
+                         'one turn a second in '//trim(units(i)))
+      end do
+      call case%set_item('RATES', 'UNITS', 'LENGTH/S')
+      call find_rates(case, rate_of, findings)
+      call t%finds(findings, "a turning input an angular unit; found 'LENGTH/S'", 'a length for a turning input')
+      findings = findings_t()
+      call case%set_item('RATES', 'UNITS', 'MPH')
+      call find_rates(case, rate_of, findings)
+      call t%finds(findings, "is expected; found 'MPH'", 'a unit that is not there')
+   end subroutine units_of_speed
 
    !> A search in memory, and what it found as a case.
    subroutine searched()

@@ -26,6 +26,7 @@ program test_positions
    call points_of_links('needle')
    call points_of_links('hard/chain64')
    call known_motions()
+   call measures()
    call steering()
    call open_loop()
    call many_turns()
@@ -65,6 +66,30 @@ contains
       end do
       call t%close_to(worst, 0.0_wp, 1.0e-14_wp, trim(name)//': the arcs of every loop add up to zero')
    end subroutine loops_close
+
+   !> Square of the distance of the outer joints of a crank-rocker by the law of cosines, lengths of any size.
+   subroutine measures()
+      type(problem_t) :: problem
+      type(data_set_t) :: set
+      type(dimensions_t) :: dimensions
+      real(wp), parameter :: factors(3) = [1.0_wp, tiny(1.0_wp)**0.4_wp, huge(1.0_wp)**0.4_wp]
+      real(wp), allocatable :: measure(:)
+      integer :: i
+
+      call load_case('dyad1_crank_rocker', problem, set)
+      dimensions = problem%given
+      allocate (measure(problem%positions))
+      do i = 1, size(factors)
+         dimensions%arcl = problem%given%arcl*factors(i)
+         call problem%bind(dimensions)
+         call problem%measure_of(1, measure)
+         associate (a => problem%given%arcl(1), d => problem%given%arcl(4))
+            call t%close_to(maxval(abs(measure/factors(i)/factors(i) &
+                                       /(a**2 + d**2 - 2.0_wp*a*d*cos(problem%delt*radians_per_degree)) - 1.0_wp)), &
+                            0.0_wp, 1.0e-13_wp, 'closure measure of a crank-rocker by the law of cosines')
+         end associate
+      end do
+   end subroutine measures
 
    !> Points of the frame are found once for all positions, and no others: what is not fixed moves.
    subroutine fixed_points(name)

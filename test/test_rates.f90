@@ -7,7 +7,8 @@ program test_rates
    use psalm_data_set, only: data_set_t
    use psalm_error, only: problem_t, motion_t
    use psalm_kinds, only: wp, dp, radians_per_degree
-   use psalm_output_kind, only: motion_point, motion_angle, motion_pose
+   use psalm_observable, only: at_origin
+   use psalm_output_kind, only: motion_point, motion_angle, motion_pose, motion_distance
    use psalm_rates, only: rates_t, prepare_rates, differentiate, output_rates, is_dead, highest_order
    implicit none (type, external)
    logical, parameter :: quad = precision(1.0_wp) > precision(1.0_dp)
@@ -27,6 +28,7 @@ program test_rates
    call pose_rates('dyad4_slider_crank')
    call known_rates()
    call dead_points()
+   call corner_of_distance()
    call t%report()
 
 contains
@@ -272,4 +274,41 @@ contains
       end do
       call t%is_true(all([(all(abs(rates%d(i)%v) <= huge(1.0_wp)), i=1, highest_order)]), 'numbers stay finite at a dead point')
    end subroutine dead_points
+
+   !> A distance that is rounding of the long arm it is measured by has no rate; ten times as far off it has.
+   subroutine corner_of_distance()
+      type(problem_t) :: problem
+      type(data_set_t) :: set
+      type(motion_t) :: motion
+      real(wp), parameter :: arm = 1.0e6_wp, part(2) = [0.1_wp, 10.0_wp]
+      integer, parameter :: here = 3
+      real(wp), allocatable :: x(:, :), y(:, :)
+      real(wp) :: away, upwards
+      integer :: k
+
+      do k = 1, size(part)
+         ! the point at the end of the arm, straight above at one position
+         call load_case('dyad1_crank_rocker', problem, set, motion=motion_angle)
+         problem%given%outlk = arm
+         call problem%analyse(problem%given, motion)
+         upwards = problem%given%outang + 90.0_wp - motion%actual(here, 1)
+         call load_case('dyad1_crank_rocker', problem, set, motion=motion_point)
+         problem%given%outlk = arm
+         problem%given%outang = upwards
+         call problem%analyse(problem%given, motion)
+         away = part(k)*at_origin*2.0_wp*arm
+         call load_case('dyad1_crank_rocker', problem, set, motion=motion_distance)
+         problem%given%outlk = arm
+         problem%given%outang = upwards
+         associate (px => motion%actual(here, 1), py => motion%actual(here, 2) - away)
+            problem%given%origlk = hypot(px, py)
+            problem%given%origng = atan2(-py, -px)/radians_per_degree
+         end associate
+         call problem%want_derivatives(.false.)
+         allocate (x(highest_order, problem%positions), y(highest_order, problem%positions))
+         call take_rates(problem, problem%positions, x, y)
+         call t%is_true(all(abs(x(:, here)) <= 0.0_wp) .eqv. k == 1, 'rates of a distance that is rounding')
+         deallocate (x, y)
+      end do
+   end subroutine corner_of_distance
 end program test_rates

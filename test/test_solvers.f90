@@ -12,9 +12,12 @@ program test_solvers
                                 family_least_squares, family_nlopt
    use psalm_solvers, only: new_solver
    use psalm_stop, only: stop_t
+   use psalm_text, only: to_text
    use psalm_xoshiro, only: purpose_starts
+   use watcher, only: watcher_t, bare_t, bare
    use textbook, only: rosenbrock_t, rosen_suzuki_t, hock_schittkowski_100_t, circle_t, timed_circle_t, rosenbrock, himmelblau, &
-                       rosen_suzuki, hock_schittkowski_100, circle, timed_circle
+                       rosen_suzuki, hock_schittkowski_100, circle, timed_circle, whole_circle_t, whole_circle, contradiction_t, &
+                       contradiction
    implicit none (type, external)
    type(checks_t) :: t
    character(:), allocatable :: name
@@ -38,6 +41,12 @@ program test_solvers
    end associate
    call no_sum_of_squares()
    call local_unknowns()
+   call elimination()
+   call nothing_obeys()
+   call evaluations()
+   call reports()
+   call function_alone()
+   call gradient_of_squares()
    call stops()
    call many_starts()
    call ieee_set_flag(ieee_all, .false.)
@@ -194,6 +203,142 @@ contains
       call run('LD_LBFGS', timed, y, two)
       call t%close_to(two%objective, one%objective, 1.0e-8_wp, 'local unknowns: by their gradient too')
    end subroutine local_unknowns
+
+   !> Local unknowns taken out of the equations or left in them: the same steps, one by one and to the end.
+   subroutine elimination()
+      real(wp), parameter :: turn(*) = [0.3_wp, 1.1_wp, 1.9_wp, 3.0_wp, 4.4_wp, 5.6_wp]
+      type(timed_circle_t) :: timed
+      type(whole_circle_t) :: whole
+      class(solver_t), allocatable :: solver
+      type(ending_t) :: one, two
+      type(stop_t) :: never
+      real(wp) :: x(3 + size(turn)), y(3 + size(turn))
+      integer :: steps
+
+      call new_solver(find_solver('LSQ'), solver)
+      do steps = 1, 5
+         ! the points lie on a circle: no residual is left in the end
+         timed = timed_circle(4.0_wp + 2.5_wp*cos(turn), 1.0_wp + 2.5_wp*sin(turn))
+         whole = whole_circle(timed%px, timed%py)
+         timed%floor = 1.0e-20_wp
+         whole%floor = 1.0e-20_wp
+         x(:3) = [3.5_wp, 1.4_wp, 2.0_wp]
+         x(4:) = turn + 0.2_wp
+         y = x
+         ! two evaluations before the first step, one for each; in the end as many as it takes
+         solver%most_evaluations = merge(steps + 2, 0, steps < 5)
+         call solver%minimise(timed, x, never, one)
+         call solver%minimise(whole, y, never, two)
+         call t%close_to(maxval(abs(x - y)), 0.0_wp, 1.0e-9_wp, 'local unknowns eliminated or not: the same step')
+         call t%equal_integer(timed%evaluations, whole%evaluations, 'local unknowns eliminated or not: as many evaluations')
+         call t%equal_integer(one%reason, two%reason, 'local unknowns eliminated or not: the same end')
+      end do
+      call t%close_to(maxval(abs(x(:3) - [4.0_wp, 1.0_wp, 2.5_wp])), 0.0_wp, 1.0e-9_wp, 'the circle the points lie on')
+   end subroutine elimination
+
+   !> Constraints that nothing obeys: what comes back violates them next to least, and is told to violate them.
+   subroutine nothing_obeys()
+      type(contradiction_t) :: problem
+      type(ending_t) :: ending
+      real(wp) :: x(2), c(1)
+      integer :: i
+      character(*), parameter :: some(*) = [character(9) :: 'LN_COBYLA', 'LD_SLSQP', 'LN_SBPLX', 'LD_LBFGS', 'LSQ']
+
+      do i = 1, size(some)
+         problem = contradiction()
+         x = [8.0_wp, -6.0_wp]
+         call run(trim(some(i)), problem, x, ending)
+         call problem%constraints_at(x, c)
+         call t%is_true(.not. ending%feasible, trim(some(i))//': told where nothing obeys')
+         call t%close_to(c(1), 1.0_wp, 0.01_wp, trim(some(i))//': where nothing obeys, the least violation')
+      end do
+   end subroutine nothing_obeys
+
+   !> No more evaluations than a search is given: one more is the verdict on what it found.
+   subroutine evaluations()
+      type(rosenbrock_t) :: problem
+      type(ending_t) :: ending
+      type(stop_t) :: never
+      class(solver_t), allocatable :: solver
+      real(wp) :: x(2)
+      integer :: i
+      integer, parameter :: given = 30
+
+      associate (all_names => solver_names())
+         do i = 1, size(all_names)
+            if (family_of(all_names(i)) == family_simplex) cycle
+            problem = rosenbrock()
+            x = [-1.2_wp, 1.0_wp]
+            call new_solver(find_solver(trim(all_names(i))), solver)
+            solver%most_evaluations = given
+            call solver%minimise(problem, x, never, ending)
+            if (ending%reason == stop_refused) cycle
+            call t%is_true(problem%evaluations <= given + 1, trim(all_names(i))//': evaluations', &
+                           to_text(problem%evaluations))
+         end do
+      end associate
+   end subroutine evaluations
+
+   !> What an observer is told: counts that grow, and in the end the objective of what is found.
+   subroutine reports()
+      type(rosenbrock_t) :: problem
+      type(ending_t) :: ending
+      type(stop_t) :: never
+      type(watcher_t) :: watcher
+      class(solver_t), allocatable :: solver
+      real(wp) :: x(2)
+      integer :: i
+      character(*), parameter :: some(*) = [character(10) :: 'LSQ', 'SIMPLEX', 'LD_SLSQP', 'LN_SBPLX', 'GN_CRS2_LM']
+
+      do i = 1, size(some)
+         problem = rosenbrock()
+         x = [-1.2_wp, 1.0_wp]
+         watcher = watcher_t()
+         call new_solver(find_solver(trim(some(i))), solver)
+         call solver%minimise(problem, x, never, ending, watcher)
+         call t%is_true(watcher%reports > 0 .and. watcher%in_order, trim(some(i))//': reports in order')
+         call t%close_to(watcher%last%best, ending%objective, 1.0e-12_wp, trim(some(i))//': the best that is reported')
+         call t%is_true(watcher%last%evaluations <= problem%evaluations .and. watcher%last%iteration <= watcher%last%limit, &
+                        trim(some(i))//': counts that are reported')
+      end do
+   end subroutine reports
+
+   !> A function without gradient or squares: for some solvers enough, refused by the others.
+   subroutine function_alone()
+      type(bare_t) :: problem
+      type(ending_t) :: ending
+      real(wp) :: x(2)
+      integer :: i
+      character(*), parameter :: able(*) = [character(10) :: 'SIMPLEX', 'LN_SBPLX', 'LN_COBYLA', 'GN_CRS2_LM'], &
+                                 unable(*) = [character(8) :: 'LSQ', 'LD_SLSQP', 'LD_MMA']
+
+      do i = 1, size(able)
+         problem = bare()
+         x = [4.0_wp, -3.0_wp]
+         call run(trim(able(i)), problem, x, ending)
+         call t%is_true(ending%feasible, trim(able(i))//', a function alone: within bounds')
+         call t%close_to(maxval(abs(x - [1.0_wp, 2.0_wp])), 0.0_wp, 1.0e-3_wp, trim(able(i))//', a function alone: its minimum')
+      end do
+      do i = 1, size(unable)
+         problem = bare()
+         x = [1.5_wp, -3.0_wp]
+         call run(trim(unable(i)), problem, x, ending)
+         call t%is_true(ending%reason == stop_refused .and. problem%evaluations == 0, trim(unable(i))//': needs more than a function')
+      end do
+   end subroutine function_alone
+
+   !> Objective and gradient of a sum of squares, made from its residuals.
+   subroutine gradient_of_squares()
+      type(rosenbrock_t) :: problem
+      real(wp) :: f, gradient(2)
+      real(wp), parameter :: x(2) = [-1.2_wp, 1.0_wp]
+
+      problem = rosenbrock()
+      call problem%objective_at(x, f, gradient)
+      call t%close_to(f, 24.2_wp, 1.0e-12_wp, 'Rosenbrock at the usual start')
+      call t%close_to(gradient(1), -400.0_wp*x(1)*(x(2) - x(1)**2) - 2.0_wp*(1.0_wp - x(1)), 1.0e-12_wp, 'its gradient, x1')
+      call t%close_to(gradient(2), 200.0_wp*(x(2) - x(1)**2), 1.0e-12_wp, 'its gradient, x2')
+   end subroutine gradient_of_squares
 
    !> A search ends when it must.
    subroutine stops()

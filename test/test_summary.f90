@@ -18,6 +18,7 @@ program test_summary
    call crank_rocker()
    call double_rocker()
    call two_slides()
+   call part_of_turn()
    call numbers()
    call t%report()
 
@@ -142,6 +143,25 @@ contains
       call t%is_true(.not. summary%everywhere .and. summary%partial, 'parallel slides end the range')
       call t%close_to(summary%closing(1)%high, 180.0_wp, 1.0e-8_wp, 'parallel slides: where')
    end subroutine two_slides
+
+   !> A linkage that does not go round: prescribed inputs over less than 300 degrees are told of alone.
+   subroutine part_of_turn()
+      type(problem_t) :: problem
+      type(data_set_t) :: set
+      type(summary_t) :: summary
+      real(wp), parameter :: span(2) = [299.9_wp, 300.1_wp]
+      integer :: i
+
+      do i = 1, size(span)
+         call load_case('dyad4_slider_crank', problem, set)
+         ! open from 257 to 283 degrees
+         problem%given%arcl(2) = 49.0_wp
+         call problem%set_inputs([-65.0_wp, 0.0_wp, span(i) - 65.0_wp])
+         call sum_up(problem, summary)
+         call t%is_true(.not. summary%everywhere, 'prescribed inputs: the linkage does not go round')
+         call t%is_true(summary%partial .eqv. i == 1, 'prescribed inputs over more than 300 degrees mean a turn')
+      end do
+   end subroutine part_of_turn
 
    subroutine numbers()
       call t%equal_text(plain_number(0.0_wp), '0', 'zero')

@@ -7,6 +7,7 @@ program test_tolerance
    use psalm_kinds, only: wp
    use psalm_tolerance, only: deviating_t, tolerance_t, sample_t, find_tolerances, draw_sample
    use psalm_dimensions, only: dimensions_t
+   use psalm_xoshiro, only: xoshiro_t, purpose_sample
    implicit none (type, external)
    type(checks_t) :: t
 
@@ -15,6 +16,7 @@ program test_tolerance
    call bands('dyad4_slider_crank', 0.01_wp, 0.0_wp)
    call bands('textile', 0.001_wp, 0.001_wp)
    call one_dimension()
+   call streams()
    call open_linkages()
    call t%report()
 
@@ -89,6 +91,45 @@ contains
       call t%close_to(maxval(abs((plus%actual(:, 1) - minus%actual(:, 1))/2.0_wp - linear%effect(:, 1, 1))), 0.0_wp, 1.0e-10_wp, &
                       'the effect of one dimension')
    end subroutine one_dimension
+
+   !> Linkages 1 and 1001 of a sample are those of the first numbers of streams 0 and 1.
+   subroutine streams()
+      type(problem_t) :: problem
+      type(data_set_t) :: set
+      type(deviating_t) :: deviating
+      type(tolerance_t) :: linear
+      type(sample_t) :: before, sample
+      type(motion_t) :: motion
+      type(dimensions_t) :: dimensions
+      type(xoshiro_t) :: random
+      logical :: closes
+      real(wp) :: deviate
+      real(wp), allocatable :: deviation(:)
+      integer :: stream
+      integer, parameter :: of_stream = 1000, seed = 19
+      real(wp), parameter :: tolerance = 0.5_wp
+
+      call load_case('dyad4_slider_crank', problem, set)
+      set%tolerances = .true.
+      set%tolarc(2, 1) = tolerance
+      call find_tolerances(set, problem%mechanism, problem%given, deviating, linear, closes)
+      call random%seed(seed, purpose_sample)
+      do stream = 0, 1
+         call draw_sample(deviating, linear, stream*of_stream + 1, seed, 1, sample)
+         deviation = sample%mean(:, 1)*real(sample%trials, wp)
+         if (stream > 0) then
+            call draw_sample(deviating, linear, stream*of_stream, seed, 1, before)
+            deviation = deviation - before%mean(:, 1)*real(before%trials, wp)
+         end if
+         call random%use_stream(stream)
+         call random%next(deviate)
+         dimensions = problem%given
+         dimensions%arcl(2) = problem%given%arcl(2) + tolerance*(2.0_wp*deviate - 1.0_wp)
+         call problem%analyse(dimensions, motion)
+         call t%close_to(maxval(abs(deviation - (motion%actual(:, 1) - linear%nominal%actual(:, 1)))), 0.0_wp, 1.0e-10_wp, &
+                         'the first linkage of a stream')
+      end do
+   end subroutine streams
 
    !> Linkages of the sample that do not close are counted and named.
    subroutine open_linkages()

@@ -4,8 +4,9 @@ module textbook
    use psalm_nlp, only: nlp_t, plain_nlp_t, normal_equations_t
    implicit none (type, external)
    private
-   public :: rosenbrock_t, rosen_suzuki_t, hock_schittkowski_100_t, himmelblau_t, circle_t, timed_circle_t
-   public :: rosenbrock, rosen_suzuki, hock_schittkowski_100, himmelblau, circle, timed_circle
+   public :: rosenbrock_t, rosen_suzuki_t, hock_schittkowski_100_t, himmelblau_t, circle_t, timed_circle_t, whole_circle_t, &
+             contradiction_t
+   public :: rosenbrock, rosen_suzuki, hock_schittkowski_100, himmelblau, circle, timed_circle, whole_circle, contradiction
 
    !> Rosenbrock (1960): 100 (x2 - x1^2)^2 + (1 - x1)^2; least 0 at (1, 1).
    type, extends(plain_nlp_t) :: rosenbrock_t
@@ -49,6 +50,20 @@ module textbook
       procedure :: linearise => linearise_timed
       procedure :: accept => accept_timed
    end type timed_circle_t
+
+   !> The same once more, all unknowns core ones.
+   type, extends(plain_nlp_t) :: whole_circle_t
+      real(wp), allocatable :: px(:), py(:)
+   contains
+      procedure :: residuals_at => residuals_of_whole_circle
+   end type whole_circle_t
+
+   !> (x1 - 3)^2 + (x2 - 3)^2 with the constraint 1 + x1^2 + x2^2 <= 0, which nothing obeys; the origin violates it least.
+   type, extends(plain_nlp_t) :: contradiction_t
+   contains
+      procedure :: residuals_at => residuals_of_contradiction
+      procedure :: constraints_at => constraints_of_contradiction
+   end type contradiction_t
 
 contains
 
@@ -246,4 +261,58 @@ contains
       call self%measure(x, objective, violation)
       feasible = violation <= 0.0_wp
    end subroutine accept_timed
+
+   type(whole_circle_t) function whole_circle(px, py) result(problem)
+      real(wp), intent(in) :: px(:), py(:)
+
+      call set_sizes(problem, 3 + size(px), 2*size(px), 0, 100.0_wp)
+      problem%px = px
+      problem%py = py
+   end function whole_circle
+
+   subroutine residuals_of_whole_circle(self, x, r, jacobian)
+      class(whole_circle_t), intent(in) :: self
+      real(wp), intent(in) :: x(:)
+      real(wp), intent(out) :: r(:)
+      real(wp), intent(out), optional :: jacobian(:, :)
+      integer :: i, n
+
+      n = size(self%px)
+      r(:n) = x(1) + x(3)*cos(x(4:)) - self%px
+      r(n + 1:) = x(2) + x(3)*sin(x(4:)) - self%py
+      if (.not. present(jacobian)) return
+      jacobian = 0.0_wp
+      jacobian(:n, 1) = 1.0_wp
+      jacobian(n + 1:, 2) = 1.0_wp
+      jacobian(:n, 3) = cos(x(4:))
+      jacobian(n + 1:, 3) = sin(x(4:))
+      do i = 1, n
+         jacobian(i, 3 + i) = -x(3)*sin(x(3 + i))
+         jacobian(n + i, 3 + i) = x(3)*cos(x(3 + i))
+      end do
+   end subroutine residuals_of_whole_circle
+
+   type(contradiction_t) function contradiction() result(problem)
+      call set_sizes(problem, 2, 2, 1, 10.0_wp)
+   end function contradiction
+
+   subroutine residuals_of_contradiction(self, x, r, jacobian)
+      class(contradiction_t), intent(in) :: self
+      real(wp), intent(in) :: x(:)
+      real(wp), intent(out) :: r(:)
+      real(wp), intent(out), optional :: jacobian(:, :)
+
+      r = x(:self%core) - 3.0_wp
+      if (present(jacobian)) jacobian = reshape([1.0_wp, 0.0_wp, 0.0_wp, 1.0_wp], [2, 2])
+   end subroutine residuals_of_contradiction
+
+   subroutine constraints_of_contradiction(self, x, c, slopes)
+      class(contradiction_t), intent(in) :: self
+      real(wp), intent(in) :: x(:)
+      real(wp), intent(out) :: c(:)
+      real(wp), intent(out), optional :: slopes(:, :)
+
+      c(self%inequalities) = 1.0_wp + sum(x**2)
+      if (present(slopes)) slopes(:, 1) = 2.0_wp*x
+   end subroutine constraints_of_contradiction
 end module textbook

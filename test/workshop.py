@@ -55,14 +55,16 @@ def run(command, **more):
 
 
 class Build:
-    """Objects, a shared library, programs and test programs of the tree at `top`, in `place`."""
+    """Objects, a shared library, programs, examples and test programs of the tree at `top`, in `place`."""
 
     def __init__(self, top, place, flags, tests=True, compiler="gfortran"):
         self.top, self.place, self.flags, self.compiler = top, place, flags, compiler
         self.bin = os.path.join(place, "bin")
         self.tests = os.path.join(place, "tests")
+        self.examples = os.path.join(place, "examples")
+        self.library = os.path.join(place, "libpsalm_trial.so")
         self.units = {}       # source -> (module it defines or None, modules it uses, program or not)
-        patterns = ["src/**/*.[fF]90", "app/*.[fF]90", "src/**/*.c"] + (["test/*.[fF]90"] if tests else [])
+        patterns = ["src/**/*.[fF]90", "app/*.[fF]90", "src/**/*.c"] + (["test/*.[fF]90", "example/*.f90"] if tests else [])
         for pattern in patterns:
             for name in sorted(glob.glob(os.path.join(top, pattern), recursive=True)):
                 self.units[os.path.relpath(name, top)] = self.look(name)
@@ -70,7 +72,7 @@ class Build:
         self.order = []
         for source in self.units:
             self.visit(source)
-        for folder in (place, self.bin, self.tests, os.path.join(place, "mod")):
+        for folder in (place, self.bin, self.tests, self.examples, os.path.join(place, "mod")):
             os.makedirs(folder, exist_ok=True)
 
     @staticmethod
@@ -136,18 +138,19 @@ class Build:
         programs = [s for s in self.order if self.units[s][2]]
         helpers = [s for s in self.order if s.startswith("test/") and not self.units[s][2]]
         parts = [s for s in self.order if not self.units[s][2] and s not in helpers]
-        library = os.path.join(self.place, "libpsalm_trial.so")
         basic = [self.compiler, "-fopenmp"] + [f for f in self.flags if f.startswith(("--coverage", "-fsanitize", "-O"))]
         if changed & set(parts):
-            run(basic + ["-shared", "-o", library] + [self.object_of(s) for s in parts] + LIBRARIES)
+            run(basic + ["-shared", "-o", self.library] + [self.object_of(s) for s in parts] + LIBRARIES)
         for source in programs:
-            test = source.startswith("test/")
+            kind = source.split("/")[0]
+            test = kind == "test"
             if not everything and source not in changed and not (test and changed & set(helpers)):
                 continue
             name = os.path.splitext(os.path.basename(source))[0]
-            run(basic + ["-o", os.path.join(self.tests if test else self.bin, name), self.object_of(source)] +
+            folder = {"test": self.tests, "example": self.examples}.get(kind, self.bin)
+            run(basic + ["-o", os.path.join(folder, name), self.object_of(source)] +
                 ([self.object_of(s) for s in helpers] if test else []) +
-                [library, "-Wl,-rpath," + self.place] + LIBRARIES)
+                [self.library, "-Wl,-rpath," + self.place] + LIBRARIES)
 
     def stamp(self):
         """Changes with the flags and with every source."""
@@ -224,6 +227,12 @@ def stages(top, debug, release, quad):
     script = open(os.path.join(test, "programs.sh"), encoding="utf-8").read()
     result += [Stage("programs: " + part, [os.path.join(test, "programs.sh"), release.bin, part])
                for part in re.findall(r"^if part (\w+); then", script, re.M)]
+    # from C and Python, and the examples; that they build by themselves, and the package outside, is not asked here
+    result += [Stage("C", ["sh", "-c", 'cc -std=c11 -I include c/test_psalm.c "$1" "-Wl,-rpath,$2" -lm -o "$2/test_capi" && "$2/test_capi" data',
+                           "C", release.library, release.place])]
+    result += [Stage("Python", ["env", "PSALM_LIBRARY=" + release.library, "PYTHONPATH=python", python, "python/test_psalm.py", "data"])]
+    if any(source.startswith("example/") for source in release.order):
+        result += [Stage("examples", [os.path.join(test, "library.sh"), release.bin, release.examples])]
     for name in ("laws", "manual", "narrow_places", "slide_pairs", "sketches", "ssics"):
         result += [Stage(name.replace("_", " "), [python, os.path.join(test, name + ".py"), release.bin])]
     for name, pattern in (("files", r"\b(?:for test in \()([\w, ]+)\)"), ("summary", r"\b(?:for part in \()([\w, ]+)\)")):
