@@ -39,7 +39,7 @@ contains
 
    !> Findings in words, with and without their place; more of them than are told.
    subroutine findings()
-      type(diagnostics_t) :: some, many
+      type(diagnostics_t) :: some, many, fresh
       integer :: i
       integer, parameter :: told = 200, more = 57
 
@@ -61,6 +61,12 @@ contains
       call t%is_true(.not. many%failed(), 'warnings only')
       call many%trouble('no room')
       call t%equal_integer(many%exit_code(), exit_file_trouble, 'an error among those that are not told counts')
+      many = fresh
+      do i = 1, told + more
+         if (i == told) call many%error('wrong')
+         call many%warning('odd', item='I'//to_text(i))
+      end do
+      call t%is_true(many%failed(), 'an error that gives its place up counts')
    end subroutine findings
 
    subroutine rows()

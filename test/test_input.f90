@@ -413,28 +413,26 @@ contains
 
    !> Regions that cannot be meant.
    subroutine wrong_regions()
-      call with('RKIND=1, RPLACE=0.,0.,1.,1.', 'regions are given, but not their number NREGN')
-      call with('NREGN=2, RKIND=1,3, RPLACE=0.,0.,1.,1.', 'four numbers are expected for each of 2 regions; found 4')
-      call with('NREGN=1, RKIND=1, RPLACE=0.,1.,0.,2.', 'the box has no extent')
-      call with('NREGN=1, RKIND=1, RPLACE=0.,1.,2.,1.', 'the box has no extent')
-      call with('NREGN=1, RKIND=-3, RPLACE=0.,1.,0.,0.', 'the radius must be above 0')
-      call with('NREGN=1, RKIND=4, RPLACE=0.,1.,2.,0.', 'negative: outside forbidden; found 4')
-      call with('NREGN=1, RKIND=3, RPLACE=0.,1.,2.,0., RLINK=2', 'arc 2 is named, but not its loop')
-      call with('NREGN=1, RKIND=3, RPLACE=0.,1.,2.,0., RLINK=2, RLOOP=2', 'there is no loop 2')
-      call with('NREGN=1, RKIND=3, RPLACE=0.,1.,2.,0., RLINK=2, RLOOP=-1', 'there is no loop -1')
-      call with('NREGN=1, RKIND=3, RPLACE=0.,1.,2.,0., RLINK=5, RLOOP=1', 'negative for the joint at its start); found 5')
-      call with('NREGN=1, RKIND=3, RPLACE=0.,1.,2.,0., RLOOP=1', 'the number of an arc is expected')
-      call with('IRANGE=3', 'must be from 0 to 2')
-
-   contains
-
-      subroutine with(items, words)
-         character(*), intent(in) :: items, words
-
-         call wrong(whole//' &CONSTR '//items//' &END'//nl, words)
-         call t%equal_integer(findings%count, 1, 'one message: '//words)
-      end subroutine with
+      call wrong_constr('RKIND=1, RPLACE=0.,0.,1.,1.', 'regions are given, but not their number NREGN')
+      call wrong_constr('NREGN=2, RKIND=1,2, RPLACE=0.,0.,1.,1.', 'four numbers are expected for each of 2 regions; found 4')
+      call wrong_constr('NREGN=1, RKIND=1, RPLACE=0.,1.,0.,2.', 'the box has no extent')
+      call wrong_constr('NREGN=1, RKIND=1, RPLACE=0.,1.,2.,1.', 'the box has no extent')
+      call wrong_constr('NREGN=1, RKIND=-3, RPLACE=0.,1.,0.,0.', 'the radius must be above 0')
+      call wrong_constr('NREGN=1, RKIND=4, RPLACE=0.,1.,2.,0.', 'negative: outside forbidden; found 4')
+      call wrong_constr('NREGN=1, RKIND=3, RPLACE=0.,1.,2.,0., RLINK=2', 'arc 2 is named, but not its loop')
+      call wrong_constr('NREGN=1, RKIND=3, RPLACE=0.,1.,2.,0., RLINK=2, RLOOP=2', 'there is no loop 2')
+      call wrong_constr('NREGN=1, RKIND=3, RPLACE=0.,1.,2.,0., RLINK=2, RLOOP=-1', 'there is no loop -1')
+      call wrong_constr('NREGN=1, RKIND=3, RPLACE=0.,1.,2.,0., RLINK=5, RLOOP=1', 'negative for the joint at its start); found 5')
+      call wrong_constr('NREGN=1, RKIND=3, RPLACE=0.,1.,2.,0., RLOOP=1', 'the number of an arc is expected')
+      call wrong_constr('IRANGE=3', 'must be from 0 to 2')
    end subroutine wrong_regions
+
+   subroutine wrong_constr(items, words)
+      character(*), intent(in) :: items, words
+
+      call wrong(whole//' &CONSTR '//items//' &END'//nl, words)
+      call t%equal_integer(findings%count, 1, 'one message: '//words)
+   end subroutine wrong_constr
 
    !> Groups, words and values where they cannot stand.
    subroutine wrong_notation()

@@ -263,6 +263,9 @@ contains
       real(wp) :: x(2)
       integer :: i
       integer, parameter :: given = 30
+      !> Those of Luksan may make one more before they look whether they are to stop.
+      character(*), parameter :: tardy(*) = [character(26) :: 'LD_LBFGS', 'LD_VAR1', 'LD_VAR2', 'LD_TNEWTON', &
+                                             'LD_TNEWTON_RESTART', 'LD_TNEWTON_PRECOND_RESTART']
 
       associate (all_names => solver_names())
          do i = 1, size(all_names)
@@ -273,8 +276,8 @@ contains
             solver%most_evaluations = given
             call solver%minimise(problem, x, never, ending)
             if (ending%reason == stop_refused) cycle
-            call t%is_true(problem%evaluations <= given + 1, trim(all_names(i))//': evaluations', &
-                           to_text(problem%evaluations))
+            call t%is_true(problem%evaluations <= given + merge(2, 1, any(tardy == all_names(i))), &
+                           trim(all_names(i))//': evaluations', to_text(problem%evaluations))
          end do
       end associate
    end subroutine evaluations
@@ -323,7 +326,8 @@ contains
          problem = bare()
          x = [1.5_wp, -3.0_wp]
          call run(trim(unable(i)), problem, x, ending)
-         call t%is_true(ending%reason == stop_refused .and. problem%evaluations == 0, trim(unable(i))//': needs more than a function')
+         call t%is_true(ending%reason == stop_refused .and. problem%evaluations == 0, &
+                        trim(unable(i))//': needs more than a function')
       end do
    end subroutine function_alone
 

@@ -9,7 +9,7 @@ module watcher
 
    type, extends(observer_t) :: watcher_t
       integer :: reports = 0
-      logical :: in_order = .true.       !! iterations and evaluations only grew
+      logical :: in_order = .true.       !! evaluations only grew
       type(search_state_t) :: last
    contains
       procedure :: report
@@ -30,7 +30,7 @@ contains
       real(wp), intent(in), optional :: points(:, :), objectives(:)
 
       if (present(points) .neqv. present(objectives)) self%in_order = .false.
-      if (state%evaluations < self%last%evaluations .or. state%iteration < self%last%iteration) self%in_order = .false.
+      if (state%evaluations < self%last%evaluations) self%in_order = .false.
       self%reports = self%reports + 1
       self%last = state
    end subroutine report

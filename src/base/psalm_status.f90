@@ -180,7 +180,8 @@ contains
       end do
       if (self%count == most_findings) then
          associate (final => self%list(self%count))
-            if (final%more == 0 .or. len(final%group) > 0) final = finding_t(level, code, 'and ', new%file, '', '')
+            if (final%more == 0 .or. len(final%group) > 0) &
+               final = finding_t(final%level, final%code, 'and ', final%file, '', '', 0, max(1, final%more))
             final%level = max(final%level, level)
             final%code = max(final%code, code)
             final%more = final%more + 1
