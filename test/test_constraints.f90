@@ -415,7 +415,7 @@ contains
       set%constr%irange = range_turn
       call prepare_merit(set, problem, values, merit)
       call merit%accept(values, objective, sound)
-      call t%is_true(all(merit%patrol%closed) .and. .not. sound, 'an angle out of its limits between the positions')
+      call t%is_true(all(merit%range%closed) .and. .not. sound, 'an angle out of its limits between the positions')
       set%constr%irange = range_positions
       call prepare_merit(set, problem, values, merit)
       call merit%accept(values, objective, sound)
