@@ -3,6 +3,7 @@ program kalm
    use psalm_batch, only: outputs_t, run_file
    use psalm_console, only: arguments_t, begin
    use psalm_check_list, only: list_input
+   use psalm_chain_force_study, only: find_chain_forces
    use psalm_chain_report, only: report_chain, report_chain_csv
    use psalm_chain_study, only: chain_study_t, study_chain
    use psalm_data_set, only: data_set_t
@@ -80,8 +81,10 @@ contains
 
       associate (unused => stopped)
       end associate
-      if (set%sketch%given) call run_sketch(set, devices)
-      if (allocated(set%no_loops)) return
+      if (allocated(set%no_loops)) then
+         call run_sketch(set, devices)
+         return
+      end if
       allocate (problem, rates)
       call make_problem(set, prepared%mechanism, prepared%given, prepared%parameters, problem)
       call list_input(header_of('KALM', devices%mark), set, problem, devices%eight)
@@ -94,6 +97,7 @@ contains
             call find_machine(set, problem, forces%model, machine)
          end if
       end if
+      if (set%sketch%given) call run_sketch(set, devices)
       call report_rates(set, problem, rates, devices, forces, machine)
       if (arguments%quiet .or. devices%summarised == most_summarised) return
       call summarise(problem, prepared%given, rates%motion, summary)
@@ -105,11 +109,17 @@ contains
       type(data_set_t), intent(in) :: set
       type(devices_t), intent(inout) :: devices
       type(chain_study_t), allocatable :: study
+      type(force_study_t), allocatable :: forces     ! an absent argument unless the case asks for them
       integer, parameter :: accelerations = 2
 
       allocate (study)
       call study_chain(set, set%speed, set%accel, study)
       call report_chain_csv(set, study, accelerations, devices)
-      if (allocated(set%no_loops)) call report_chain('KALM', set, study, accelerations, devices)
+      if (.not. allocated(set%no_loops)) return
+      if (forces_wanted(set)) then
+         allocate (forces)
+         call find_chain_forces(set, study, forces)
+      end if
+      call report_chain('KALM', set, study, accelerations, devices, forces)
    end subroutine run_sketch
 end program kalm

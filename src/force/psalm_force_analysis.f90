@@ -212,5 +212,11 @@ contains
       do j = 1, size(forces%joints)
          value(:, column_of_joint(j):column_of_joint(j) + 1) = joint_rows(problem, forces, j, n)
       end do
+      ! what a link takes from a pin does not depend on which link of the pin others hang on
+      do j = 1, size(forces%shared, 2)
+         associate (on => column_of_joint(forces%shared(1, j)))
+            value(:, on:on + 1) = value(:, on:on + 1) - joint_rows(problem, forces, forces%shared(2, j), n)
+         end associate
+      end do
    end subroutine take_columns
 end module psalm_force_analysis

@@ -122,11 +122,11 @@ contains
       allocate (model%loads(size(set%loads%places)), model%springs(size(set%springs%first)), &
                 model%friction(size(set%friction%joints)), model%centres(size(set%masses%places)))
       do k = 1, size(model%centres)
-         call place('MASSES', 'MLINK', k, set%masses%places(k), model%centres(k), placed)
+         call place('MASSES', item_of(set, 'M'), k, set%masses%places(k), model%centres(k), placed)
          if (.not. placed) cycle
          if (model%centres(k)%body == body_frame) then
             call findings%warning('entry '//to_text(k)//' is a mass on the frame: it has no effect', &
-                                  line=set%origins%line('MASSES', 'MLINK', k), group='MASSES', item='MLINK')
+                                  line=set%origins%line('MASSES', item_of(set, 'M'), k), group='MASSES', item=item_of(set, 'M'))
             cycle
          end if
          call add_mass(model, model%centres(k), set%masses%mass(k), set%masses%inertia(k))
@@ -134,7 +134,7 @@ contains
       call check_masses(set, mechanism, model, findings)
       do k = 1, size(model%loads)
          associate (load => model%loads(k))
-            call place('LOADS', 'LLINK', k, set%loads%places(k), load%spot, placed)
+            call place('LOADS', item_of(set, 'L'), k, set%loads%places(k), load%spot, placed)
             load%force = set%loads%force(:, k)
             load%moment = set%loads%moment(k)
             load%turns = set%loads%turns(k)
@@ -146,11 +146,12 @@ contains
       model%table_factor = set%loads%factor
       do k = 1, size(model%springs)
          associate (spring => model%springs(k))
-            call place('SPRING', 'ALINK', k, set%springs%first(k), spring%ends(1), placed)
-            call place('SPRING', 'BLINK', k, set%springs%second(k), spring%ends(2), placed)
+            call place('SPRING', item_of(set, 'A'), k, set%springs%first(k), spring%ends(1), placed)
+            call place('SPRING', item_of(set, 'B'), k, set%springs%second(k), spring%ends(2), placed)
             if (spring%ends(1)%body == spring%ends(2)%body .and. placed) then
                call findings%warning('entry '//to_text(k)//' has both its ends on the same link: it has no effect', &
-                                     line=set%origins%line('SPRING', 'BLINK', k), group='SPRING', item='BLINK')
+                                     line=set%origins%line('SPRING', item_of(set, 'B'), k), group='SPRING', &
+                                     item=item_of(set, 'B'))
             end if
             spring%torsional = set%springs%torsional(k)
             spring%stiffness = set%springs%stiffness(k)
@@ -165,7 +166,8 @@ contains
          model%friction(k)%radius = set%friction%radius(k)
          if (model%friction(k)%joint == 0) then
             call findings%error('entry '//to_text(k)//': there is no joint at this end of the arc', &
-                                line=set%origins%line('FRICTN', 'FLINK', k), group='FRICTN', item='FLINK')
+                                line=set%origins%line('FRICTN', item_of(set, 'F'), k), group='FRICTN', &
+                                item=item_of(set, 'F'))
          end if
       end do
 
@@ -181,9 +183,13 @@ contains
          real(wp) :: from(2), cosine, sine
          integer :: n, end
 
+         placed = .false.
+         if (given%loop == 0) then
+            call refuse(group, item, entry, 'is on a link that no loop runs through')
+            return
+         end if
          n = mechanism%seq(given%loop, given%arc)
          end = merge(at_start, at_finish, given%from_start)
-         placed = .false.
          associate (arc => mechanism%arcs(n))
             spot%body = arc%body
             if (arc%foot == end) then
@@ -195,7 +201,7 @@ contains
                            'a joint of the link')
                return
             end if
-            call unit_vector(mechanism%angle_on_body(n, dimensions), spot%along(1), spot%along(2))
+            call unit_vector(mechanism%angle_on_body(n, dimensions) + given%turn, spot%along(1), spot%along(2))
             call locate(mechanism, dimensions, model%reference(arc%body), arc%body, arc%ends(end), from)
             call unit_vector(given%angle, cosine, sine)
             spot%at = from + given%distance*turned([cosine, sine], spot%along)
@@ -211,6 +217,15 @@ contains
                              item=item)
       end subroutine refuse
    end subroutine make_force_model
+
+   !> The item that names the links of a group: arcs of &LINKS, or names of a sketch.
+   pure function item_of(set, letter) result(item)
+      type(data_set_t), intent(in) :: set
+      character, intent(in) :: letter              !! of the group
+      character(5) :: item
+
+      item = letter//merge('NAME', 'LINK', set%sketch%given)
+   end function item_of
 
    !> A vector turned by the angle of a unit vector.
    pure function turned(vector, by)
@@ -340,15 +355,23 @@ contains
       type(place_t), intent(in) :: place
       integer :: k, n, end
 
+      found = 0
+      if (place%loop == 0) return
       n = mechanism%seq(place%loop, place%arc)
       end = merge(at_start, at_finish, place%from_start)
-      found = 0
       do k = size(mechanism%joints), 1, -1
          associate (joint => mechanism%joints(k))
+            if (place%slide > 0) then
+               if (joint%slide == n) found = k
+               cycle
+            end if
+            if (joint%kind == joint_prismatic .and. place%joint > 0) cycle
             if (joint%point /= mechanism%arcs(n)%ends(end)) cycle
             if (.not. any(joint%bodies == mechanism%arcs(n)%body)) cycle
             found = k
-            if (joint%arc == n .and. joint%end == end) return
+            if (joint%arc == n .and. joint%end == end .and. place%link == 0) return
+            ! a link that is named is the one that turns in the joint
+            if (place%link > 0 .and. joint%bodies(2) == mechanism%arcs(n)%body) return
          end associate
       end do
    end function joint_at

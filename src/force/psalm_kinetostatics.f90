@@ -15,14 +15,15 @@ module psalm_kinetostatics
    use psalm_force_model, only: force_model_t, spot_t, parameter_mass, parameter_mx, parameter_my, parameter_inertia
    use psalm_kinds, only: wp, radians_per_degree, full_turn
    use psalm_linkage, only: padded
-   use psalm_mechanism, only: at_start, body_frame, joint_prismatic
+   use psalm_mechanism, only: mechanism_t, at_start, body_frame, joint_prismatic
    use psalm_rates, only: rates_t
    use psalm_rows, only: rows_t, make_rows
    use psalm_wrench_kernels, only: opposite_force, opposite_across
    implicit none (type, external)
    private
    public :: forces_t, prepare_forces, load_bodies, move_bodies, clear_wrenches, add_source, sweep, rub, external_power, find_spot
-   public :: joint_rows, sources_of, source_inertia, source_weight, first_load, first_spring
+   public :: joint_rows, interpolated, sources_of, source_inertia, source_weight, first_load, first_spring
+   public :: most_sweeps, settled
 
    integer, parameter :: source_inertia = 1, source_weight = 2 !! sources; loads and springs follow
    integer, parameter :: most_sweeps = 100           !! without convergence of friction by then it locks
@@ -47,6 +48,8 @@ module psalm_kinetostatics
       real(wp) :: speed = 1.0_wp                     !! of the input: rad/s, or user's length/s
       type(body_rows_t), allocatable :: bodies(:)    !! the frame first
       integer, allocatable :: joints(:)              !! by joint: first of its rows
+      integer, allocatable :: shared(:, :)           !! shape (2, pairs): joints on one pin; the later link of the first is the
+                                                     !! earlier of the second
       type(rows_t) :: w                              !! (position, row)
       integer :: drive = 0                           !! row: torque N m, or force N
       integer :: kinetic = 0, growth = 0             !! rows: kinetic energy J, power it takes up W
@@ -110,7 +113,31 @@ contains
          allocate (forces%at_rest(link%room), source=.false.)
          forces%w%v(:, forces%bodies(body_frame)%ex) = 1.0_wp
       end associate
+      forces%shared = shared_pins(problem%mechanism)
    end subroutine prepare_forces
+
+   !> Pairs of revolute joints on one pin, the later link of the first of which is the earlier of the second. Shape (2, pairs).
+   pure function shared_pins(mechanism) result(pairs)
+      type(mechanism_t), intent(in) :: mechanism
+      integer, allocatable :: pairs(:, :)
+      integer :: list(2, size(mechanism%joints))   ! each joint has one earlier link
+      integer :: j, k, n
+
+      n = 0
+      associate (joints => mechanism%joints)
+         do k = 1, size(joints)
+            if (joints(k)%kind == joint_prismatic) cycle
+            do j = 1, size(joints)
+               if (j == k .or. joints(j)%kind == joint_prismatic .or. joints(j)%point /= joints(k)%point) cycle
+               if (joints(j)%bodies(2) /= joints(k)%bodies(1)) cycle
+               n = n + 1
+               list(:, n) = [j, k]
+               exit
+            end do
+         end do
+      end associate
+      pairs = list(:, :n)
+   end function shared_pins
 
    !> Pose, speed and acceleration of every body at the first `n` positions of the block just solved and differentiated twice.
    subroutine move_bodies(problem, rates, n, speed, accel, forces)

@@ -15,6 +15,7 @@ module psalm_chain_group
    implicit none (type, external)
    private
    public :: read_chain_group, read_drives_group, read_outputs_group
+   public :: find_joints, link_named, meant, slide_names, words_of
 
    integer, parameter :: word_room = 2*sketch_name !! of a word within a text; longer ones are no names
    real(wp), parameter :: one_place = 1.0e-9_wp !! joints of a link nearer than so much of the drawing's size coincide
@@ -692,6 +693,7 @@ contains
             end if
          end associate
       end do
+      call read_speeds()
       do i = 2, max(n, 2)
          item = 'DELT'//to_text(i)
          if (allocated(delt)) deallocate (delt)
@@ -713,6 +715,28 @@ contains
       end do
 
    contains
+
+      !> Speeds and accelerations of drives that neither are the first nor follow it.
+      subroutine read_speeds()
+         character(*), parameter :: items(2) = [character(6) :: 'DSPEED', 'DACCEL']
+         real(wp) :: values(max(1, n))
+         integer :: k, d, highest
+
+         do k = 1, size(items)
+            values = 0.0_wp
+            call group%get_reals(trim(items(k)), values, findings, last=highest)
+            do d = 1, min(n, highest)
+               if (d == 1 .and. abs(values(1)) > 0.0_wp) then
+                  call out_of(group, trim(items(k)), 'the first drive has the speed of &RATES; its entry here is 0', findings, 1)
+               else if (sketch%drives(d)%geared .and. abs(values(d)) > 0.0_wp) then
+                  call out_of(group, trim(items(k)), 'drive '//trim(sketch%drives(d)%name)// &
+                              ' follows the first by its RATIO; its entry here is 0', findings, d)
+               end if
+            end do
+            if (k == 1) sketch%drives%speed = values(:n)
+            if (k == 2) sketch%drives%accel = values(:n)
+         end do
+      end subroutine read_speeds
 
       !> Two one-letter joints that run together are two words.
       function apart(words) result(parts)

@@ -107,6 +107,8 @@ module psalm_data_set
       real(wp) :: crnki_of_drawing = 0.0_wp !! CRNKI of the loops where the sketch's is 0
       character(:), allocatable :: no_loops !! why it has no loops and is solved in the poses of its links; not allocated: it has
       character(sketch_name), allocatable :: end_names(:, :, :) !! shape (2, maxarc, nloop): joints at the ends of its arcs
+      integer, allocatable :: link_of_arc(:, :)  !! shape (maxarc, nloop): the link of the sketch
+      integer, allocatable :: slide_of_arc(:, :) !! shape (maxarc, nloop): the slide of the sketch that it runs along, 0: none
       character(:), allocatable :: chosen  !! the loops chosen for it, in words; not allocated: none
       type(mass_group_t) :: masses         !! MASSES (this and the next four are read for kalm and balm only)
       type(load_group_t) :: loads          !! LOADS
@@ -269,10 +271,10 @@ contains
       call read_constraint_group(groups(constr), set%nloop, set%maxarc, set%constr, findings)
       call read_tolerances(groups(toler), set, findings)
       call read_rates(groups(rates), set, findings)
-      call read_mass_group(groups(masses), set%ilink, set%masses, findings)
-      call read_load_group(groups(loads), set%ilink, set%loads, findings)
-      call read_spring_group(groups(spring), set%ilink, set%springs, findings)
-      call read_friction_group(groups(frictn), set%ilink, set%friction, findings)
+      call read_mass_group(groups(masses), set%ilink, set%sketch, set%masses, findings)
+      call read_load_group(groups(loads), set%ilink, set%sketch, set%loads, findings)
+      call read_spring_group(groups(spring), set%ilink, set%sketch, set%springs, findings)
+      call read_friction_group(groups(frictn), set%ilink, set%sketch, set%friction, findings)
       call read_motor_group(groups(motor), set%motor, findings)
       call read_vibration_group(groups(vibr), set%ilink, set%vibration, findings)
       call read_estimate_group(groups(estim), set%ilink, set%estimates, findings)
@@ -301,6 +303,7 @@ contains
       own%file = findings%file
       call read_chain_group(chain, set%sketch, own)
       sound = chain%line > 0 .and. .not. own%failed()
+      set%sketch%sound = sound
       if (chain%line > 0) then
          do i = 1, own%count
             call findings%add(own%list(i))

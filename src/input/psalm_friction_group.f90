@@ -3,6 +3,7 @@ module psalm_friction_group
    use psalm_group, only: group_t
    use psalm_kinds, only: wp
    use psalm_link_place, only: place_t, read_places, read_count, refuse_unless
+   use psalm_sketch, only: sketch_t
    use psalm_status, only: diagnostics_t
    implicit none (type, external)
    private
@@ -18,9 +19,10 @@ module psalm_friction_group
 contains
 
    !> Read the group. Errors: arcs that are not there, negative coefficients and radii.
-   subroutine read_friction_group(group, ilink, friction, findings)
+   subroutine read_friction_group(group, ilink, sketch, friction, findings)
       type(group_t), intent(inout) :: group
       integer, intent(in) :: ilink(:, :)          !! ILINK, shape (maxarc, nloop)
+      type(sketch_t), intent(in) :: sketch        !! its names stand in place of arcs and loops
       type(friction_group_t), intent(inout) :: friction
       type(diagnostics_t), intent(inout) :: findings
       integer :: n
@@ -29,7 +31,7 @@ contains
       call read_count(group, 'NFRIC', n, findings)
       allocate (friction%joints(n))
       allocate (friction%coefficient(n), friction%radius(n), source=0.0_wp)
-      call read_places(group, 'F', ilink, friction%joints, findings, ends_only=.true.)
+      call read_places(group, 'F', ilink, friction%joints, findings, ends_only=.true., sketch=sketch)
       call group%get_reals('FMU', friction%coefficient, findings)
       call group%get_reals('FRAD', friction%radius, findings)
       call refuse_unless(friction%coefficient >= 0.0_wp, group, 'FMU', 'a coefficient of friction is not negative', findings)

@@ -3,6 +3,7 @@ module psalm_load_group
    use psalm_group, only: group_t, check_range, out_of
    use psalm_kinds, only: wp
    use psalm_link_place, only: place_t, read_places, read_count, refuse_unless
+   use psalm_sketch, only: sketch_t
    use psalm_status, only: diagnostics_t
    use psalm_text, only: to_text
    implicit none (type, external)
@@ -25,9 +26,10 @@ module psalm_load_group
 contains
 
    !> Read the group. Errors: arcs and tables that are not there, inputs of the tables that do not ascend.
-   subroutine read_load_group(group, ilink, loads, findings)
+   subroutine read_load_group(group, ilink, sketch, loads, findings)
       type(group_t), intent(inout) :: group
       integer, intent(in) :: ilink(:, :)          !! ILINK, shape (maxarc, nloop)
+      type(sketch_t), intent(in) :: sketch        !! its names stand in place of arcs and loops
       type(load_group_t), intent(inout) :: loads
       type(diagnostics_t), intent(inout) :: findings
       integer, allocatable :: turning(:)
@@ -38,7 +40,7 @@ contains
       allocate (loads%places(n), loads%turns(n))
       allocate (loads%force(2, n), loads%moment(n), source=0.0_wp)
       allocate (loads%table(n), turning(n), source=0)
-      call read_places(group, 'L', ilink, loads%places, findings)
+      call read_places(group, 'L', ilink, loads%places, findings, sketch=sketch)
       call group%get_reals('LFX', loads%force(1, :), findings)
       call group%get_reals('LFY', loads%force(2, :), findings)
       call group%get_reals('LMOM', loads%moment, findings)

@@ -3,6 +3,7 @@ module psalm_mass_group
    use psalm_group, only: group_t, check_range, out_of, read_flag
    use psalm_kinds, only: wp
    use psalm_link_place, only: place_t, read_places, read_count
+   use psalm_sketch, only: sketch_t
    use psalm_status, only: diagnostics_t
    implicit none (type, external)
    private
@@ -28,9 +29,10 @@ module psalm_mass_group
 contains
 
    !> Read the group. Errors: arcs that are not there, numbers out of range.
-   subroutine read_mass_group(group, ilink, masses, findings)
+   subroutine read_mass_group(group, ilink, sketch, masses, findings)
       type(group_t), intent(inout) :: group
       integer, intent(in) :: ilink(:, :)          !! ILINK, shape (maxarc, nloop)
+      type(sketch_t), intent(in) :: sketch        !! its names stand in place of arcs and loops
       type(mass_group_t), intent(inout) :: masses
       type(diagnostics_t), intent(inout) :: findings
       integer :: n, motor
@@ -39,7 +41,7 @@ contains
       call read_count(group, 'NMASS', n, findings)
       allocate (masses%places(n))
       allocate (masses%mass(n), masses%inertia(n), source=0.0_wp)
-      call read_places(group, 'M', ilink, masses%places, findings)
+      call read_places(group, 'M', ilink, masses%places, findings, sketch=sketch)
       call group%get_reals('MASS', masses%mass, findings)
       call group%get_reals('MINERT', masses%inertia, findings)
       call group%get_real('UNITL', masses%metre, findings)

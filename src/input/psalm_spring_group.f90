@@ -3,6 +3,7 @@ module psalm_spring_group
    use psalm_group, only: group_t
    use psalm_kinds, only: wp
    use psalm_link_place, only: place_t, read_places, read_count, refuse_unless
+   use psalm_sketch, only: sketch_t
    use psalm_status, only: diagnostics_t
    implicit none (type, external)
    private
@@ -22,9 +23,10 @@ module psalm_spring_group
 contains
 
    !> Read the group. Errors: arcs that are not there, negative lengths and damping.
-   subroutine read_spring_group(group, ilink, springs, findings)
+   subroutine read_spring_group(group, ilink, sketch, springs, findings)
       type(group_t), intent(inout) :: group
       integer, intent(in) :: ilink(:, :)          !! ILINK, shape (maxarc, nloop)
+      type(sketch_t), intent(in) :: sketch        !! its names stand in place of arcs and loops
       type(spring_group_t), intent(inout) :: springs
       type(diagnostics_t), intent(inout) :: findings
       integer, allocatable :: kind(:)
@@ -35,8 +37,8 @@ contains
       allocate (springs%first(n), springs%second(n))
       allocate (kind(n), source=0)
       allocate (springs%stiffness(n), springs%free(n), springs%preload(n), springs%damping(n), source=0.0_wp)
-      call read_places(group, 'A', ilink, springs%first, findings)
-      call read_places(group, 'B', ilink, springs%second, findings)
+      call read_places(group, 'A', ilink, springs%first, findings, sketch=sketch)
+      call read_places(group, 'B', ilink, springs%second, findings, sketch=sketch)
       call group%get_integers('STORS', kind, findings)
       call group%get_reals('STIFF', springs%stiffness, findings)
       call group%get_reals('SFREE', springs%free, findings)

@@ -59,6 +59,7 @@ module psalm_sketch
       logical :: geared = .false.           !! value = ratio * value of the first drive + phase
       real(wp) :: ratio = 1.0_wp, phase = 0.0_wp
       real(wp), allocatable :: delt(:)      !! value at every position; not allocated: the first drive's is in &METHOD
+      real(wp) :: speed = 0.0_wp, accel = 0.0_wp !! by time, of a drive that is neither the first nor geared: radians or length
    end type drive_t
 
    !> Two wheels whose centres a carrier holds: turns of `wheels(1)` against the carrier times `ratio` are those of `wheels(2)`.
@@ -89,6 +90,7 @@ module psalm_sketch
    !> The whole drawing.
    type :: sketch_t
       logical :: given = .false.
+      logical :: sound = .false.            !! every name in it is understood
       character(sketch_name), allocatable :: joint_name(:)
       real(wp), allocatable :: x(:), y(:)   !! shape (joints)
       type(link_t), allocatable :: links(:)

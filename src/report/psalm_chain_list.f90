@@ -2,6 +2,8 @@
 module psalm_chain_list
    use psalm_assur_order, only: assur_order_t
    use psalm_data_set, only: data_set_t
+   use psalm_force_list, only: force_names_line, force_values_line
+   use psalm_force_study, only: force_study_t
    use psalm_kinds, only: wp
    use psalm_sketch, only: sketch_t, drive_turns
    use psalm_text, only: text_t, full_precision, general, to_text, upper_case
@@ -90,12 +92,13 @@ contains
    end subroutine list_groups
 
    !> Device 9: inputs, closed, outputs.
-   subroutine write_chain_table(set, inputs, closed, names, values, text)
+   subroutine write_chain_table(set, inputs, closed, names, values, text, forces)
       type(data_set_t), intent(in) :: set
       real(wp), intent(in) :: inputs(:, :), values(:, :)
       logical, intent(in) :: closed(:)
       character(*), intent(in) :: names(:)
       type(text_t), intent(inout) :: text
+      type(force_study_t), intent(in), optional :: forces !! their columns follow
       character(:), allocatable :: line
       integer :: k, d
 
@@ -107,6 +110,7 @@ contains
       do d = 1, size(names)
          line = line//' '//trim(names(d))
       end do
+      if (present(forces)) line = line//force_names_line(forces)
       call text%add(line)
       call text%add('# '//set%title)
       line = '# prescribed positions; inputs in'
@@ -115,6 +119,8 @@ contains
          if (d < size(inputs, 1)) line = line//','
       end do
       call text%add(line//' from the drawing')
+      if (present(forces)) call text%add('# drives, forces and couples in newtons and newton metres; frame moment about the '// &
+                                         'machine origin')
       do k = 1, size(closed)
          line = ''
          do d = 1, size(inputs, 1)
@@ -125,6 +131,7 @@ contains
             if (closed(k)) line = line//' '//full_precision(values(d, k))
             if (.not. closed(k)) line = line//' NaN'
          end do
+         if (present(forces)) line = line//force_values_line(forces, k)
          call text%add(line)
       end do
    end subroutine write_chain_table

@@ -5,6 +5,8 @@ module psalm_chain_report
    use psalm_closure, only: most_orders
    use psalm_data_set, only: data_set_t
    use psalm_devices, only: devices_t, header_of, most_told
+   use psalm_force_report, only: report_forces
+   use psalm_force_study, only: force_study_t
    use psalm_kinds, only: wp
    use psalm_sketch_text, only: write_sketch
    use psalm_text, only: general, to_text
@@ -33,12 +35,13 @@ contains
    end subroutine report_chain_csv
 
    !> A sketch that has no loops of dyads: listing, groups, data set, table, remarks, summary.
-   subroutine report_chain(program, set, study, orders, devices)
+   subroutine report_chain(program, set, study, orders, devices, forces)
       character(*), intent(in) :: program     !! its name in capitals
       type(data_set_t), intent(in) :: set
       type(chain_study_t), intent(in) :: study
       integer, intent(in) :: orders
       type(devices_t), intent(inout) :: devices
+      type(force_study_t), intent(in), optional :: forces !! if the case has masses, loads or springs
       character(name_room), allocatable :: names(:)
       real(wp), allocatable :: values(:, :)
       integer :: n, o, m
@@ -56,12 +59,13 @@ contains
          end do
       end do
       call list_chain(set, study%inputs, study%motion%closed, names, values, devices%six)
-      call write_chain_table(set, study%inputs, study%motion%closed, names, values, devices%nine)
+      call write_chain_table(set, study%inputs, study%motion%closed, names, values, devices%nine, forces)
       call devices%eight%add(header_of(program, devices%mark))
       call devices%eight%add(' '//set%title)
       call devices%eight%add(' SOLVED IN THE POSES OF THE LINKS, FOLLOWED FROM THE DRAWING, FOR IT HAS '//set%no_loops)
       call list_groups(set%sketch, study%closure%order, devices%eight)
       if (program == 'PSALM') call write_sketch(set, devices%seven)
+      if (present(forces)) call report_forces(set, forces, devices)
       call tell_open(set, study, devices)
       call devices%summary%add(set%title)
       call devices%summary%add('  Closes              at '//to_text(count(study%motion%closed))//' of '// &

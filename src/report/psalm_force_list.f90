@@ -5,13 +5,14 @@ module psalm_force_list
    use psalm_force_analysis, only: column_of_joint, column_drive, column_fx, column_fy, column_moment
    use psalm_force_study, only: force_study_t, sizing_t
    use psalm_kinds, only: wp
-   use psalm_mechanism, only: joint_prismatic
-   use psalm_text, only: text_t, full_precision, general, lower_case, to_text
+   use psalm_text, only: text_t, full_precision, general, to_text, upper_case
    implicit none (type, external)
    private
    public :: list_forces, list_joint_forces, list_shares, force_columns, force_values, trouble_at
+   public :: force_names_line, force_values_line, column_room
 
-   integer, parameter :: name_columns = 18     !! of a name at the beginning of a line
+   integer, parameter :: name_columns = 18     !! of a name at the beginning of a line, unless it is longer
+   integer, parameter :: column_room = 80      !! characters of a column's name
 
 contains
 
@@ -21,9 +22,9 @@ contains
       type(force_study_t), intent(in) :: study
       type(text_t), intent(inout) :: text
       character(:), allocatable :: line
-      integer :: k
+      integer :: k, d
 
-      associate (sliding => study%mechanism%sliding_input)
+      associate (sliding => study%drive_slides(1))
          call text%add()
          call text%add(' FORCES: NEWTONS, NEWTON METRES, WATTS, JOULES; ONE UNIT OF LENGTH IS'//general(set%masses%metre)// &
                        ' METRES')
@@ -35,11 +36,14 @@ contains
                 '       FRAME FX       FRAME FY   FRAME MOMENT    DRIVE POWER KINETIC ENERGY'
          if (set%masses%about_given) line = line//'  MOMENT ABOUT P'
          if (set%friction%given) line = line//'  FRICTION LOSS'
+         do d = 2, size(study%drives)
+            line = line//heading(merge('FORCE ', 'TORQUE', study%drive_slides(d))//' '//study%drives(d))
+         end do
          call text%add(line)
          do k = 1, size(study%input)
             line = merge(general(study%input(k)), angle_text(study%input(k)), sliding)
             if (.not. study%table%known(k)) then
-               call text%add(line//'   '//trouble_at(study, k))
+               call text%add(line//'   '//upper_case(trouble_at(study, k)))
                cycle
             end if
             associate (v => study%table%value)
@@ -48,6 +52,9 @@ contains
             end associate
             if (set%masses%about_given) line = line//' '//general(study%about(k))
             if (set%friction%given) line = line//general(study%table%loss(k))
+            do d = 2, size(study%drives)
+               line = line//general(study%table%value(k, column_of_drive(study, d)))
+            end do
             call text%add(line)
          end do
          if (set%masses%about_given) call text%add(' P IS'//general(set%masses%about(1))//general(set%masses%about(2)))
@@ -56,6 +63,24 @@ contains
       end associate
    end subroutine list_forces
 
+   !> Column of the table that has a drive after the first.
+   pure integer function column_of_drive(study, drive)
+      type(force_study_t), intent(in) :: study
+      integer, intent(in) :: drive
+
+      column_of_drive = size(study%table%value, 2) - size(study%drives) + drive
+   end function column_of_drive
+
+   !> A name in capitals at the right of its column.
+   pure function heading(name) result(head)
+      character(*), intent(in) :: name
+      integer, parameter :: column = 15        !! characters
+      character(column) :: head
+
+      head = upper_case(name(:min(len_trim(name), column - 1)))
+      head = adjustr(head)
+   end function heading
+
    !> What stands in place of forces where they are not known.
    pure function trouble_at(study, k) result(words)
       type(force_study_t), intent(in) :: study
@@ -63,11 +88,11 @@ contains
       character(:), allocatable :: words
 
       if (.not. study%table%closed(k)) then
-         words = 'DOES NOT CLOSE'
+         words = 'does not close'
       else if (study%table%dead(k) /= 0) then
-         words = 'DEAD POINT OF LOOP '//to_text(study%table%dead(k))//': FORCES ARE INFINITE'
+         words = 'dead point of '//trim(study%parts(study%table%dead(k)))//': forces are infinite'
       else
-         words = 'FRICTION LOCKS THE LINKAGE: NO DRIVE CAN MOVE IT'
+         words = 'friction locks the linkage: no drive can move it'
       end if
    end function trouble_at
 
@@ -104,7 +129,7 @@ contains
 
    pure function named(name) result(text)
       character(*), intent(in) :: name
-      character(name_columns) :: text
+      character(max(name_columns, len_trim(name) + 1)) :: text
 
       text = name
    end function named
@@ -122,13 +147,13 @@ contains
          call text%add()
          call text%add(' INPUT'//general(study%input(k)))
          if (.not. study%table%known(k)) then
-            call text%add(' '//trouble_at(study, k))
+            call text%add(' '//upper_case(trouble_at(study, k)))
             cycle
          end if
-         do j = 1, size(study%mechanism%joints)
-            associate (joint => study%mechanism%joints(j), c => column_of_joint(j))
-               call text%add('  '//named(joint%name)//trim(merge('N, M   ', 'FX, FY ', joint%kind == joint_prismatic))// &
-                             repeat(' ', merge(2, 0, joint%kind == joint_prismatic))//general(study%table%value(k, c))// &
+         do j = 1, size(study%joints)
+            associate (joint => study%joints(j), c => column_of_joint(j))
+               call text%add('  '//named(joint%name)//trim(merge('N, M   ', 'FX, FY ', joint%slides))// &
+                             repeat(' ', merge(2, 0, joint%slides))//general(study%table%value(k, c))// &
                              general(study%table%value(k, c + 1)))
             end associate
          end do
@@ -147,13 +172,13 @@ contains
       do k = 1, size(study%input)
          call text%add(' INPUT'//general(study%input(k)))
          if (.not. study%table%known(k)) then
-            call text%add('  '//trouble_at(study, k))
+            call text%add('  '//upper_case(trouble_at(study, k)))
             cycle
          end if
          do source = 1, size(study%sources)
             call text%add('  '//named(study%sources(source))//four(study%shares(k, :, source)))
          end do
-         if (size(study%model%friction) == 0) cycle
+         if (.not. study%rubs) cycle
          rest = study%table%value(k, :4) - sum(study%shares(k, :4, :), dim=2)
          call text%add('  '//named('FRICTION')//four(rest))
       end do
@@ -169,51 +194,68 @@ contains
       end function four
    end subroutine list_shares
 
-   !> Names of the columns on device 9, each with a blank before it.
+   !> Names of the columns for tables.
    pure function force_columns(study) result(names)
       type(force_study_t), intent(in) :: study
-      character(:), allocatable :: names
-      integer :: j
+      character(column_room), allocatable :: names(:)
+      integer :: j, n
 
-      names = ' drive frame_fx frame_fy frame_m kinetic kinetic_per_s'
-      do j = 1, size(study%mechanism%joints)
-         associate (joint => study%mechanism%joints(j))
-            if (joint%kind == joint_prismatic) then
-               names = names//' '//joint%name//'_n '//joint%name//'_m'
-            else
-               names = names//' '//joint%name//'_fx '//joint%name//'_fy'
-            end if
+      n = size(study%table%value, 2) + 2
+      allocate (names(n))
+      names(:6) = [character(13) :: 'drive', 'frame_fx', 'frame_fy', 'frame_m', 'kinetic', 'kinetic_per_s']
+      n = 6
+      do j = 1, size(study%joints)
+         associate (joint => study%joints(j))
+            names(n + 1) = joint%name//merge('_n ', '_fx', joint%slides)
+            names(n + 2) = joint%name//merge('_m ', '_fy', joint%slides)
          end associate
+         n = n + 2
+      end do
+      do j = 2, size(study%drives)
+         names(n + j - 1) = 'drive'//to_text(j)
       end do
    end function force_columns
 
-   !> The values of these columns at a position, 17 digits; NaN where they are not known.
-   pure function force_values(study, k) result(line)
+   !> The values of these columns at a position; of no meaning where forces are not known.
+   pure function force_values(study, k) result(values)
+      type(force_study_t), intent(in) :: study
+      integer, intent(in) :: k
+      real(wp), allocatable :: values(:)
+
+      values = [study%table%value(k, :column_moment), study%table%kinetic(k), study%table%growth(k), &
+                study%table%value(k, column_moment + 1:)]
+   end function force_values
+
+   !> The columns on device 9, each with a blank before it.
+   pure function force_names_line(study) result(line)
+      type(force_study_t), intent(in) :: study
+      character(:), allocatable :: line
+      character(column_room), allocatable :: names(:)
+      integer :: c
+
+      names = force_columns(study)
+      line = ''
+      do c = 1, size(names)
+         line = line//' '//trim(names(c))
+      end do
+   end function force_names_line
+
+   !> Their values at a position, 17 digits; NaN where they are not known.
+   pure function force_values_line(study, k) result(line)
       type(force_study_t), intent(in) :: study
       integer, intent(in) :: k
       character(:), allocatable :: line
+      real(wp), allocatable :: values(:)
       integer :: c
 
+      values = force_values(study, k)
       line = ''
-      do c = 1, column_moment
-         call add(study%table%value(k, c))
-      end do
-      call add(study%table%kinetic(k))
-      call add(study%table%growth(k))
-      do c = column_moment + 1, size(study%table%value, 2)
-         call add(study%table%value(k, c))
-      end do
-
-   contains
-
-      pure subroutine add(value)
-         real(wp), intent(in) :: value
-
+      do c = 1, size(values)
          if (study%table%known(k)) then
-            line = line//' '//full_precision(value)
+            line = line//' '//full_precision(values(c))
          else
             line = line//' NaN'
          end if
-      end subroutine add
-   end function force_values
+      end do
+   end function force_values_line
 end module psalm_force_list

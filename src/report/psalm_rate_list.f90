@@ -4,7 +4,7 @@ module psalm_rate_list
    use psalm_elementary, only: hypotenuse
    use psalm_error, only: problem_t
    use psalm_finale, only: angle_text
-   use psalm_force_list, only: force_columns, force_values
+   use psalm_force_list, only: force_names_line, force_values_line
    use psalm_force_study, only: force_study_t
    use psalm_kinds, only: wp
    use psalm_output_kind, only: motion_point, motion_pose
@@ -163,7 +163,7 @@ contains
       do order = 1, highest_order
          call name_columns('s', order)
       end do
-      if (present(forces)) line = line//force_columns(forces)
+      if (present(forces)) line = line//force_names_line(forces)
       call text%add(line)
       call text%add('# '//set%title)
       call text%add('# derivatives per '//per//' of input and per second at input speed '//full_precision(set%speed)// &
@@ -181,7 +181,7 @@ contains
          end if
          call add_values(rates%by_input(:, :, k))
          call add_values(rates%by_time(:, :, k))
-         if (present(forces)) line = line//force_values(forces, k)
+         if (present(forces)) line = line//force_values_line(forces, k)
          call text%add(line)
       end do
 

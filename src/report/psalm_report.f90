@@ -8,7 +8,7 @@ module psalm_report
    use psalm_doubts, only: describe_short_links, words_at_rest
    use psalm_error, only: problem_t, motion_t
    use psalm_finale, only: list_results, describe_violation, describe_crossing
-   use psalm_force_list, only: list_forces, list_joint_forces, list_shares, trouble_at
+   use psalm_force_report, only: report_forces
    use psalm_force_study, only: force_study_t
    use psalm_kinds, only: wp
    use psalm_machine_list, only: list_machine, cycle_words
@@ -379,33 +379,6 @@ contains
       end do
       if (told > most_told) call devices%detail(set, 'and '//to_text(told - most_told)//' more dead points')
    end subroutine report_rates
-
-   !> Forces: listing, device 8, remarks.
-   subroutine report_forces(set, forces, devices)
-      type(data_set_t), intent(in) :: set
-      type(force_study_t), intent(in) :: forces
-      type(devices_t), intent(inout) :: devices
-      integer, allocatable :: resting(:)
-      integer :: k, told
-
-      call list_forces(set, forces, devices%six)
-      if (set%ktheta /= 0) call list_joint_forces(forces, devices%eight)
-      if (set%masses%shares /= 0) call list_shares(forces, devices%eight)
-      if (.not. forces%all_known()) call devices%note_violation()
-      resting = pack([(k, k=1, size(forces%input))], [(forces%table%at_rest(k) .and. forces%table%known(k), &
-                                                       k=1, size(forces%input))])
-      if (size(resting) > 0) call devices%remark(set, 'at '//to_text(size(resting))//' positions, first at input '// &
-                                                 trim(adjustl(general(forces%input(resting(1)))))// &
-                                                 ', a joint with friction does not move and has none')
-      told = 0
-      do k = 1, size(forces%input)
-         if (forces%table%known(k) .or. .not. forces%table%closed(k)) cycle   ! what is open is told with the rates
-         told = told + 1
-         if (told <= most_told) call devices%remark(set, lower_case(trouble_at(forces, k))//' at position '//to_text(k)// &
-                                                    ', input '//trim(adjustl(general(forces%input(k)))))
-      end do
-      if (told > most_told) call devices%detail(set, 'and '//to_text(told - most_told)//' more positions without forces')
-   end subroutine report_forces
 
    !> Motion from torque.
    subroutine report_machine(set, machine, devices)

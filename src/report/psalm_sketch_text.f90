@@ -176,6 +176,8 @@ contains
                call numbers('RATIO=', [(merge(drives(i)%ratio, 0.0_wp, drives(i)%geared), i=1, size(drives))])
                call numbers('PHASE=', [(drives(i)%phase, i=1, size(drives))])
             end if
+            if (any(abs(drives%speed) > 0.0_wp)) call numbers('DSPEED=', drives%speed)
+            if (any(abs(drives%accel) > 0.0_wp)) call numbers('DACCEL=', drives%accel)
             do i = 2, size(drives)
                if (allocated(drives(i)%delt)) call numbers('DELT'//to_text(i)//'=', drives(i)%delt)
             end do

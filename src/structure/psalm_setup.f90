@@ -12,6 +12,7 @@ module psalm_setup
    use psalm_loop_groups, only: find_groups
    use psalm_mechanism, only: mechanism_t
    use psalm_parameters, only: parameters_t, no_parameters
+   use psalm_part_names, only: take_names
    use psalm_plan_inputs, only: find_output, check_dimensions, find_repeated
    use psalm_status, only: diagnostics_t
    use psalm_variables, only: find_variables
@@ -43,6 +44,7 @@ contains
       call find_identical(set, mechanism, dimensions, findings)
       call find_points(mechanism)
       call find_joints_of_bodies(mechanism)
+      call take_names(set, mechanism)
       call find_output(set, mechanism, findings)
       call find_variables(set, mechanism, parameters, findings)
       call check_dimensions(set, mechanism, dimensions, parameters, findings)

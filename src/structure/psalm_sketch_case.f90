@@ -3,12 +3,14 @@
 !> The drawing is assembled first (exact lengths may have moved it), then `psalm_sketch_loops` chooses loops and signs, and
 !> outputs, variables, bounds and tolerances by name become those of arcs.
 module psalm_sketch_case
-   use psalm_angles, only: degrees_of, within_turn
+   use psalm_angles, only: degrees_of, unit_vector, within_turn
    use psalm_assur_order, only: assur_order_t
    use psalm_closure, only: closure_t, state_t, make_closure, start_state, solve_group, place_points, rank_lost
    use psalm_data_set, only: data_set_t
    use psalm_dense, only: factors_t
-   use psalm_kinds, only: wp, full_turn
+   use psalm_kinds, only: wp, degrees_per_radian, full_turn
+   use psalm_link_place, only: place_t
+   use psalm_mechanism, only: at_start, at_finish
    use psalm_output_kind, only: motion_point, motion_angle, motion_distance, motion_slide, motion_pose
    use psalm_sketch, only: sketch_t, output_t, variation_t, frame_link, output_point, output_angle, output_distance, &
                            output_slide, output_pose, vary_length, vary_angle, vary_place, vary_input
@@ -46,6 +48,7 @@ contains
       if (.not. loops%found) return
       set%chosen = words_of(loops, closure%sketch)
       call fill_arrays(loops, set)
+      call fill_places(loops, state, set)
       call fill_output(loops, state, closure%sketch, set, findings)
       call fill_variables(loops, closure%sketch, set, findings)
    end subroutine resolve_sketch
@@ -59,9 +62,11 @@ contains
       if (set%desired) call refuse('METHOD', 'NDES', 'a comparison with desired values')
       if (set%tolerances) call refuse('TOLER', '', 'a study of tolerances')
       if (set%constr%given) call refuse('CONSTR', '', 'a study of constraints')
-      if (set%ktheta /= 0) call refuse('LIMITS', 'KTHETA', 'the list of all arcs')
+      if (set%ktheta /= 0 .and. .not. (set%masses%given .or. set%loads%given .or. set%springs%given)) &
+         call refuse('LIMITS', 'KTHETA', 'the list of all arcs')
       if (set%icond /= 0) call refuse('LIMITS', 'ICOND', 'the condition number')
       if (set%iplot /= 0) call refuse('LIMITS', 'IPLOT', 'the sweep of every degree')
+      if (set%motor%given) call refuse('MOTOR', '', 'motion from torque')
 
    contains
 
@@ -231,6 +236,13 @@ contains
             end do
          end associate
       end do
+      allocate (set%link_of_arc(set%maxarc, set%nloop), set%slide_of_arc(set%maxarc, set%nloop), source=0)
+      do k = 1, size(loops%arcs)
+         associate (arc => loops%arcs(k))
+            set%link_of_arc(arc%place, arc%loop) = arc%link
+            set%slide_of_arc(arc%place, arc%loop) = arc%slide
+         end associate
+      end do
       pivot = loops%point(loops%start)
       set%origlk = abs(pivot)
       if (set%origlk > 0.0_wp) set%origng = degrees_of(pivot%re, pivot%im)
@@ -244,6 +256,96 @@ contains
          set%tolora = set%tolang
       end if
    end subroutine fill_arrays
+
+   !> Arcs for the places of masses, loads, springs and friction, which are given by names.
+   subroutine fill_places(loops, state, set)
+      type(loops_t), intent(in) :: loops
+      type(state_t), intent(in) :: state
+      type(data_set_t), intent(inout) :: set
+      integer :: k
+
+      do k = 1, size(set%masses%places)
+         call put(set%masses%places(k))
+      end do
+      do k = 1, size(set%loads%places)
+         call put(set%loads%places(k))
+      end do
+      do k = 1, size(set%springs%first)
+         call put(set%springs%first(k))
+         call put(set%springs%second(k))
+      end do
+      do k = 1, size(set%friction%joints)
+         call put_joint(set%friction%joints(k))
+      end do
+
+   contains
+
+      !> An arc of the link, if there is one that begins or ends at the joint.
+      subroutine put(place)
+         type(place_t), intent(inout) :: place
+         integer :: arc, point, found
+         logical :: from_start, start_of_it
+         real(wp) :: direction, c, s
+         complex(wp) :: h, z
+
+         h = (1.0_wp, 0.0_wp)
+         if (place%line(1) > 0) h = state%joint(place%line(2), 0) - state%joint(place%line(1), 0)
+         direction = degrees_of(h%re, h%im)
+         if (place%line(1) == 0) direction = state%phi(place%link, 0)*degrees_per_radian
+         arc = 0
+         if (place%joint > 0) call arc_with(loops, place%link, place%joint, arc, from_start)
+         if (arc == 0) then
+            do point = 1, size(loops%point)
+               call arc_with(loops, place%link, point, found, start_of_it)
+               if (found == 0) cycle
+               arc = found
+               from_start = start_of_it
+               exit
+            end do
+         end if
+         if (arc == 0) return
+         associate (one => loops%arcs(arc))
+            point = one%ends(merge(at_start, at_finish, from_start))
+            if (point /= place%joint) then
+               call unit_vector(direction + place%angle, c, s)
+               z = state%t(place%link, 0)
+               if (place%joint > 0) z = state%joint(place%joint, 0)
+               z = z + place%distance*cmplx(c, s, wp) - loops%point(point)
+               place%distance = abs(z)
+               place%angle = 0.0_wp
+               if (place%distance > 0.0_wp) place%angle = clean(degrees_of(z%re, z%im) - direction)
+            end if
+            place%arc = one%place
+            place%loop = one%loop
+            place%from_start = from_start
+            place%turn = clean(direction - one%direction)
+         end associate
+      end subroutine put
+
+      !> The end of an arc, or a sliding arc.
+      subroutine put_joint(place)
+         type(place_t), intent(inout) :: place
+         integer, allocatable :: links(:)
+         integer :: k, arc
+
+         if (place%slide > 0) then
+            k = findloc(loops%arcs%slide, place%slide, dim=1)
+            if (k == 0) return
+            place%loop = loops%arcs(k)%loop
+            place%arc = loops%arcs(k)%place
+            return
+         end if
+         links = set%sketch%links_of(place%joint)
+         if (place%link > 0) links = [place%link]
+         do k = size(links), 1, -1
+            call arc_with(loops, links(k), place%joint, arc, place%from_start)
+            if (arc == 0) cycle
+            place%loop = loops%arcs(arc)%loop
+            place%arc = loops%arcs(arc)%place
+            return
+         end do
+      end subroutine put_joint
+   end subroutine fill_places
 
    !> The angle in 0 to 360 degrees; what differs from a multiple of 90 by a rounding is that.
    pure real(wp) function clean(angle)

@@ -29,7 +29,7 @@ module psalm_chain_study
 contains
 
    !> Positions, rates by time and outputs. `speed` and `accel` are those of the first drive; the others follow by their ratio or
-   !> stand still.
+   !> have their own.
    subroutine study_chain(set, speed, accel, study)
       type(data_set_t), intent(in) :: set
       real(wp), intent(in) :: speed, accel          !! radians or length a second
@@ -67,6 +67,9 @@ contains
             if (d == 1) unit = 1.0_wp
             rate(d, 1, :) = unit*speed
             rate(d, 2, :) = unit*accel
+            if (d == 1 .or. drives(d)%geared) cycle
+            rate(d, 1, :) = drives(d)%speed
+            rate(d, 2, :) = drives(d)%accel
          end do
          call follow(study%closure, study%start, inputs, rate, study%motion)
          numbers = 0

@@ -11,15 +11,16 @@ module psalm_force_study
                                    column_drive, column_fx, column_fy, column_moment
    use psalm_force_model, only: force_model_t, make_force_model, vertices_of
    use psalm_kinds, only: wp, full_turn
-   use psalm_kinetostatics, only: source_inertia, source_weight, first_spring
+   use psalm_kinetostatics, only: source_inertia, source_weight
    use psalm_mechanism, only: mechanism_t, joint_prismatic
    use psalm_status, only: diagnostics_t
    use psalm_text, only: to_text
    implicit none (type, external)
    private
-   public :: force_study_t, sizing_t, harmonic_t, find_forces, harmonics_of
+   public :: force_study_t, force_joint_t, sizing_t, harmonic_t, find_forces, harmonics_of, size_up, &
+             name_sources, find_harmonics_of
 
-   integer, parameter :: name_width = 24
+   integer, parameter :: name_width = 40, part_width = 100
    real(wp), parameter :: nothing = 64.0_wp*epsilon(1.0_wp) !! part of the largest value: a mean or harmonic below it is rounding
    real(wp), parameter :: even = 1.0e-9_wp     !! degrees: positions so near an even step divide the turn evenly
 
@@ -37,13 +38,25 @@ module psalm_force_study
       real(wp), allocatable :: amplitude(:), phase(:) !! shape (0:harmonics); degrees
    end type harmonic_t
 
+   !> A joint, or another pair of links, as listings call it.
+   type :: force_joint_t
+      character(:), allocatable :: name
+      logical :: slides = .false.              !! a force across and a couple; else a force, x and y
+   end type force_joint_t
+
+   !> The columns of the table are drive, force and moment on the frame, two for each joint, then drives after the first.
    type :: force_study_t
-      type(force_model_t) :: model
-      type(mechanism_t) :: mechanism
+      type(force_model_t) :: model             !! not of a sketch that has no loops
+      type(mechanism_t) :: mechanism           !! likewise
+      type(force_joint_t), allocatable :: joints(:)
+      character(name_width), allocatable :: drives(:) !! names, if there are several
+      logical, allocatable :: drive_slides(:)  !! shape (drives): the drive is a force
+      character(part_width), allocatable :: parts(:) !! by the number that `table%dead` has: what is at a dead point
       type(force_table_t) :: table
       real(wp), allocatable :: input(:)        !! shape (positions): degrees in a turn, or length
       real(wp), allocatable :: about(:)        !! shape (positions): frame moment about MOMX, MOMY
-      real(wp), allocatable :: drive_power(:)  !! shape (positions): W
+      real(wp), allocatable :: drive_power(:)  !! shape (positions): of all drives, W
+      logical :: rubs = .false.                !! there is friction
       type(sizing_t), allocatable :: sizing(:)
       type(harmonic_t), allocatable :: harmonics(:)   !! empty where the positions do not divide a turn evenly
       real(wp), allocatable :: shares(:, :, :) !! shape (positions, columns, sources): ISHARE
@@ -77,6 +90,17 @@ contains
       allocate (problem, source=given)
       study%mechanism = given%mechanism
       call make_force_model(set, study%mechanism, dimensions, study%model, unused)
+      study%rubs = size(study%model%friction) > 0
+      study%drive_slides = [study%mechanism%sliding_input]
+      allocate (study%joints(size(study%mechanism%joints)), study%parts(study%mechanism%nloop), study%drives(1))
+      study%drives = ''
+      do k = 1, size(study%joints)
+         study%joints(k)%name = study%mechanism%joints(k)%name
+         study%joints(k)%slides = study%mechanism%joints(k)%kind == joint_prismatic
+      end do
+      do k = 1, size(study%parts)
+         study%parts(k) = 'loop '//to_text(k)
+      end do
       call problem%want_derivatives(.true., vertices_of(study%mechanism))
       call problem%analyse(dimensions, motion)
       study%input = motion%input
@@ -91,20 +115,29 @@ contains
       end associate
       if (set%masses%shares /= 0) then
          call share_of_sources(problem, study%model, set%speed, set%accel, motion%input, study%shares)
-         allocate (study%sources(size(study%shares, 3)))
-         study%sources(source_inertia) = 'INERTIA'
-         study%sources(source_weight) = 'WEIGHT'
-         do k = source_weight + 1, size(study%sources)
-            study%sources(k) = 'LOAD '//to_text(k - source_weight)
-            if (k >= first_spring(study%model)) study%sources(k) = 'SPRING '//to_text(k - first_spring(study%model) + 1)
-         end do
+         call name_sources(size(study%model%loads), study)
       end if
       if (present(by_unit_mass)) then
          call loads_of_unit_masses(problem, study%model, set%speed, set%accel, by_unit_mass)
       end if
       call size_up(study)
-      call find_harmonics(set, problem, study)
+      call find_harmonics_of(study, set%masses%harmonics)
    end subroutine find_forces
+
+   !> Names of the sources: inertia, weight, loads, springs.
+   subroutine name_sources(loads, study)
+      integer, intent(in) :: loads             !! how many
+      type(force_study_t), intent(inout) :: study
+      integer :: k
+
+      allocate (study%sources(size(study%shares, 3)))
+      study%sources(source_inertia) = 'INERTIA'
+      study%sources(source_weight) = 'WEIGHT'
+      do k = source_weight + 1, size(study%sources)
+         study%sources(k) = 'LOAD '//to_text(k - source_weight)
+         if (k > source_weight + loads) study%sources(k) = 'SPRING '//to_text(k - source_weight - loads)
+      end do
+   end subroutine name_sources
 
    !> Peak, RMS and mean of everything that sizes a part.
    subroutine size_up(study)
@@ -114,8 +147,11 @@ contains
 
       known = [(study%table%known(k), k=1, size(known))]
       allocate (study%sizing(0))
-      associate (v => study%table%value, joints => study%mechanism%joints)
+      associate (v => study%table%value, joints => study%joints)
          call add('DRIVE', v(:, column_drive))
+         do j = 2, size(study%drives)
+            call add('DRIVE '//study%drives(j), v(:, size(v, 2) - size(study%drives) + j))
+         end do
          call add('DRIVE POWER', study%drive_power)
          call add('FRAME FORCE', hypotenuse(v(:, column_fx), v(:, column_fy)))
          call add('FRAME FX', v(:, column_fx))
@@ -123,7 +159,7 @@ contains
          call add('FRAME MOMENT', v(:, column_moment))
          do j = 1, size(joints)
             c = column_of_joint(j)
-            if (joints(j)%kind == joint_prismatic) then
+            if (joints(j)%slides) then
                call add(joints(j)%name//' N', v(:, c))
                call add(joints(j)%name//' M', v(:, c + 1))
             else
@@ -153,28 +189,27 @@ contains
       end subroutine add
    end subroutine size_up
 
-   !> Harmonics of the drive and of the force and moment on the frame, if the positions divide a turn of the crank evenly.
-   subroutine find_harmonics(set, problem, study)
-      type(data_set_t), intent(in) :: set
-      type(problem_t), intent(in) :: problem
+   !> Harmonics of the drive and of the force and moment on the frame up to an order, if the inputs divide a turn evenly.
+   subroutine find_harmonics_of(study, highest)
       type(force_study_t), intent(inout) :: study
+      integer, intent(in) :: highest
       real(wp) :: step
       integer :: n, k
 
-      n = problem%positions
+      n = size(study%input)
       allocate (study%harmonics(0))
-      if (problem%mechanism%sliding_input .or. set%masses%harmonics == 0 .or. n < 3) return
+      if (study%drive_slides(1) .or. highest == 0 .or. n < 3) return
       if (.not. study%all_known()) return
-      step = problem%delt(2) - problem%delt(1)
-      if (any(abs(nearest_difference(problem%delt, [(problem%delt(1) + real(k, wp)*step, k=0, n - 1)])) > even)) return
+      step = nearest_difference(study%input(2), study%input(1))
+      if (any(abs(nearest_difference(study%input, [(study%input(1) + real(k, wp)*step, k=0, n - 1)])) > even)) return
       if (abs(abs(step)*real(n, wp) - full_turn) > even*real(n, wp)) return
-      associate (v => study%table%value, highest => set%masses%harmonics)
+      associate (v => study%table%value)
          study%harmonics = [harmonics_of('DRIVE', v(:, column_drive), study%input, highest), &
                             harmonics_of('FRAME FX', v(:, column_fx), study%input, highest), &
                             harmonics_of('FRAME FY', v(:, column_fy), study%input, highest), &
                             harmonics_of('FRAME MOMENT', v(:, column_moment), study%input, highest)]
       end associate
-   end subroutine find_harmonics
+   end subroutine find_harmonics_of
 
    !> Harmonics of values at inputs that divide a turn evenly, from order 0, the mean. Orders from half the number of values on
    !> cannot be told from lower ones and are not given.

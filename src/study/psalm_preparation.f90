@@ -1,6 +1,7 @@
 !> A case made ready for a study: its topology and dimensions, understood once, with every mistake found before any work is done.
 module psalm_preparation
    use, intrinsic :: iso_fortran_env, only: int64
+   use psalm_chain_force_study, only: judge_chain_forces
    use psalm_data_set, only: data_set_t
    use psalm_force_model, only: force_model_t, forces_wanted, make_force_model
    use psalm_kinds, only: wp
@@ -65,7 +66,15 @@ contains
       do i = 1, prepared%warnings%count
          call findings%add(prepared%warnings%list(i))
       end do
-      if (prepared%warnings%failed() .or. set%nloop == 0) return
+      if (prepared%warnings%failed()) return
+      own%file = set%file
+      if (set%nloop == 0) then
+         if (allocated(set%no_loops) .and. forces_wanted(set)) call judge_chain_forces(set, own)
+         do i = 1, own%count
+            call findings%add(own%list(i))
+         end do
+         return
+      end if
       if (present(demand)) each = demand
       bytes = each%position
       if (set%ktheta /= 0 .or. .not. each%ktheta_only) bytes = bytes + int(each%arc, int64)*size(prepared%mechanism%arcs)
@@ -75,7 +84,6 @@ contains
                                to_text(int(bytes/megabyte) + 1)//' MB are needed')
          return
       end if
-      own%file = set%file
       call check_regions(set%constr, prepared%mechanism, own)
       if (forces_wanted(set)) call make_force_model(set, prepared%mechanism, prepared%given, model, own)
       associate (nvar => size(prepared%parameters%variables))

@@ -1,0 +1,40 @@
+!> What a study of forces has to report, on all devices.
+module psalm_force_report
+   use psalm_data_set, only: data_set_t
+   use psalm_devices, only: devices_t, most_told
+   use psalm_force_list, only: list_forces, list_joint_forces, list_shares, trouble_at
+   use psalm_force_study, only: force_study_t
+   use psalm_text, only: general, to_text
+   implicit none (type, external)
+   private
+   public :: report_forces
+
+contains
+
+   !> Forces: listing, device 8, remarks.
+   subroutine report_forces(set, forces, devices)
+      type(data_set_t), intent(in) :: set
+      type(force_study_t), intent(in) :: forces
+      type(devices_t), intent(inout) :: devices
+      integer, allocatable :: resting(:)
+      integer :: k, told
+
+      call list_forces(set, forces, devices%six)
+      if (set%ktheta /= 0) call list_joint_forces(forces, devices%eight)
+      if (set%masses%shares /= 0) call list_shares(forces, devices%eight)
+      if (.not. forces%all_known()) call devices%note_violation()
+      resting = pack([(k, k=1, size(forces%input))], [(forces%table%at_rest(k) .and. forces%table%known(k), &
+                                                       k=1, size(forces%input))])
+      if (size(resting) > 0) call devices%remark(set, 'at '//to_text(size(resting))//' positions, first at input '// &
+                                                 trim(adjustl(general(forces%input(resting(1)))))// &
+                                                 ', a joint with friction does not move and has none')
+      told = 0
+      do k = 1, size(forces%input)
+         if (forces%table%known(k) .or. .not. forces%table%closed(k)) cycle   ! what is open is told with the rates
+         told = told + 1
+         if (told <= most_told) call devices%remark(set, trouble_at(forces, k)//' at position '//to_text(k)// &
+                                                    ', input '//trim(adjustl(general(forces%input(k)))))
+      end do
+      if (told > most_told) call devices%detail(set, 'and '//to_text(told - most_told)//' more positions without forces')
+   end subroutine report_forces
+end module psalm_force_report

@@ -1,0 +1,47 @@
+!> Names of a sketch for the links and joints of its loops, by which listings and tables call them.
+module psalm_part_names
+   use psalm_data_set, only: data_set_t
+   use psalm_mechanism, only: mechanism_t, body_frame, joint_prismatic
+   use psalm_sketch, only: frame_link
+   implicit none (type, external)
+   private
+   public :: take_names
+
+contains
+
+   !> Name bodies and joints as the sketch does; where several pairs of links meet in one joint, each with the later link's name.
+   subroutine take_names(set, mechanism)
+      type(data_set_t), intent(in) :: set
+      type(mechanism_t), intent(inout) :: mechanism
+      logical, allocatable :: several(:)
+      integer :: k, i
+
+      if (.not. allocated(set%link_of_arc)) return
+      associate (bodies => mechanism%bodies, joints => mechanism%joints, links => set%sketch%links)
+         bodies(body_frame)%name = trim(links(frame_link)%name)
+         do k = 1, size(bodies)
+            if (bodies(k)%axis == 0) cycle
+            associate (arc => mechanism%arcs(bodies(k)%axis))
+               bodies(k)%name = trim(links(set%link_of_arc(arc%place, arc%loop))%name)
+            end associate
+         end do
+         do k = 1, size(joints)
+            if (joints(k)%kind == joint_prismatic) then
+               associate (arc => mechanism%arcs(joints(k)%slide))
+                  i = set%slide_of_arc(arc%place, arc%loop)
+                  if (i > 0) joints(k)%name = trim(set%sketch%slides(i)%name)
+               end associate
+            else
+               associate (arc => mechanism%arcs(joints(k)%arc))
+                  if (len_trim(set%end_names(joints(k)%end, arc%place, arc%loop)) > 0) &
+                     joints(k)%name = trim(set%end_names(joints(k)%end, arc%place, arc%loop))
+               end associate
+            end if
+         end do
+         several = [(count([(joints(i)%name == joints(k)%name, i=1, size(joints))]) > 1, k=1, size(joints))]
+         do k = 1, size(joints)
+            if (several(k)) joints(k)%name = joints(k)%name//'.'//bodies(joints(k)%bodies(2))%name
+         end do
+      end associate
+   end subroutine take_names
+end module psalm_part_names

@@ -1,0 +1,24 @@
+!> Forces of sketches: Newton and Euler for every link, power of all drives, momentum, virtual work, gears, cylinders; and
+!> sketches of dyads both ways, in the poses of their links and dyad by dyad.
+program test_chain_forces
+   use chain_force_checks, only: t, laws, both_ways, rods, names_and_messages, text_of, gears
+   implicit none (type, external)
+   character(*), parameter :: posed(*) = [character(24) :: 'stephenson2_six_bar', 'scissors_lift', 'excavator', &
+                                          'geared_five_bar', 'landing_gear'] !! solved in the poses of their links
+   character(*), parameter :: looped(*) = [character(24) :: 'sketch_four_bar', 'sketch_slider_crank', 'jansen', 'watt_six_bar', &
+                                           'stephenson3_six_bar', 'chebyshev', 'wiper', 'toggle_press', 'double_wishbone', &
+                                           'horst_suspension', 'peaucellier']
+   integer :: k
+
+   do k = 1, size(posed)
+      call laws(trim(posed(k)), text_of('data/'//trim(posed(k))//'.nml'), posed(k) /= 'excavator')
+   end do
+   call laws('gears', gears, .true.)
+   do k = 1, size(looped)
+      call laws(trim(looped(k)), text_of('data/'//trim(looped(k))//'.nml'), .true.)
+      call both_ways(trim(looped(k)))
+   end do
+   call rods()
+   call names_and_messages()
+   call t%report()
+end program test_chain_forces
