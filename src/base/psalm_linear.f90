@@ -5,7 +5,7 @@ module psalm_linear
    use psalm_kinds, only: wp, dp
    implicit none (type, external)
    private
-   public :: solve_positive, along_columns, product_of
+   public :: solve_positive, along_columns, product_of, triangle_of
 
 contains
 
@@ -73,4 +73,33 @@ contains
          end do
       end do
    end function product_of
+
+   !> The upper triangle R of a matrix by Householder's reflections: R'R is matrix'matrix. Shape of the result: (m, m).
+   pure function triangle_of(matrix) result(r)
+      real(wp), intent(in) :: matrix(:, :)   !! shape (n, m)
+      real(wp) :: r(size(matrix, 2), size(matrix, 2))
+      real(wp) :: a(max(size(matrix, 1), size(matrix, 2)), size(matrix, 2)), length, factor
+      integer :: j, k, n, m
+
+      n = size(a, 1)
+      m = size(a, 2)
+      a = 0.0_wp
+      a(:size(matrix, 1), :) = matrix
+      r = 0.0_wp
+      do j = 1, m
+         length = sqrt(sum(a(j:, j)**2))
+         if (length <= 0.0_wp) then
+            r(j, j:) = a(j, j:)
+            cycle
+         end if
+         length = sign(length, -a(j, j))
+         r(j, j) = length
+         a(j, j) = a(j, j) - length
+         factor = sum(a(j:, j)**2)
+         do k = j + 1, m
+            a(j:, k) = a(j:, k) - (2.0_wp*dot_product(a(j:, j), a(j:, k))/factor)*a(j:, j)
+            r(j, k) = a(j, k)
+         end do
+      end do
+   end function triangle_of
 end module psalm_linear
