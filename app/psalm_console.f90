@@ -28,6 +28,7 @@ module psalm_console
       character(:), allocatable :: device4       !! empty: CASE.dev4
       integer :: threads = 0                     !! 0: not given
       logical :: curves = .false., assemblies = .false. !! balm: curves by gnuplot; the other assembly of each pair
+      logical :: json = .false.                  !! results as JSON too
       logical :: quiet = .false., help = .false., version = .false.
       type(identity_t), allocatable :: inputs(:) !! of all files that are read, and of the standard streams
       integer :: code = 0                        !! exit status that bad arguments lead to
@@ -200,6 +201,12 @@ contains
             end if
             arguments%curves = arguments%curves .or. word == '--curves'
             arguments%assemblies = arguments%assemblies .or. word == '--assemblies'
+         case ('--json')
+            if (program /= 'muscle') then
+               call say(program, "unknown option '"//word//"'; see --help")
+               arguments%code = exit_bad_input
+            end if
+            arguments%json = .true.
          case ('--output-dir')
             call value_of(program, word, i, arguments%output_dir, arguments%code)
          case ('--threads')
@@ -322,6 +329,15 @@ contains
       if (devices%csv%length > 0) then
          call files%add(stem//'.csv', devices%csv%content())
          written = written//', .csv (table for other programs)'
+      end if
+      if (arguments%json .and. devices%json%length > 0) then
+         ! one object; of several cases a list of them
+         if (index(devices%json%content(), '},'//nl//'{"title"') > 0) then
+            call files%add(stem//'.json', '['//devices%json%content()//']'//nl)
+         else
+            call files%add(stem//'.json', devices%json%content()//nl)
+         end if
+         written = written//', .json (results for other programs)'
       end if
       call files%finish()
       if (files%code /= exit_done) then

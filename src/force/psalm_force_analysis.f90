@@ -9,13 +9,15 @@ module psalm_force_analysis
    use psalm_rates, only: rates_t, prepare_rates, differentiate, is_dead
    implicit none (type, external)
    private
-   public :: force_table_t, analyse_forces, share_of_sources, loads_of_unit_masses, column_of_joint
+   public :: force_table_t, analyse_forces, share_of_sources, loads_of_unit_masses, loads_of_unit_wrenches, &
+             column_of_joint
    public :: column_drive, column_fx, column_fy, column_moment, fixed_columns
 
    integer, parameter :: column_drive = 1                    !! torque N m, or force N of a sliding input
    integer, parameter :: column_fx = 2, column_fy = 3        !! force of the mechanism on the frame, N
    integer, parameter :: column_moment = 4                   !! and its moment about the machine origin, N m
    integer, parameter :: fixed_columns = 4                   !! two columns for every joint follow
+   integer, parameter :: components_of_wrench = 3            !! force x, force y, moment
 
    !> Forces at every position.
    type :: force_table_t
@@ -127,18 +129,22 @@ contains
    !> Inertia forces of unit masses: every force of the mechanism is the sum over the bodies of these columns times the body's
    !> mass [kg], first moments [kg m] in the axes of its own arc, and moment of inertia [kg m2] about its reference.
    !>
+   !> With `source` the weight of unit masses in place of their inertia.
    !> Shape of the result: (positions, columns, 4, bodies); that of the frame is zero. Source: Haines (about 1982), chapter 9.
-   subroutine loads_of_unit_masses(problem, model, speed, accel, columns)
+   subroutine loads_of_unit_masses(problem, model, speed, accel, columns, source)
       type(problem_t), intent(inout) :: problem
       type(force_model_t), intent(in) :: model   !! its masses do not matter
       real(wp), intent(in) :: speed, accel
       real(wp), allocatable, intent(out) :: columns(:, :, :, :)
+      integer, intent(in), optional :: source    !! `source_inertia` (if absent) or `source_weight`
       type(force_model_t) :: unit
       type(rates_t) :: rates
       type(forces_t) :: forces
       real(wp) :: no_input(0)
-      integer :: block, offset, n, body, parameter
+      integer :: block, offset, n, body, parameter, which
 
+      which = source_inertia
+      if (present(source)) which = source
       unit = model
       allocate (columns(problem%positions, columns_of(problem), mass_parameters, size(model%reference)), source=0.0_wp)
       call prepare_rates(problem, rates)
@@ -152,13 +158,45 @@ contains
                unit%inertia = 0.0_wp
                unit%inertia(parameter, body) = 1.0_wp
                call clear_wrenches(n, forces)
-               call add_source(problem, unit, source_inertia, no_input, n, forces)
+               call add_source(problem, unit, which, no_input, n, forces)
                call sweep(problem, n, forces)
                call take_columns(problem, forces, n, columns(offset + 1:offset + n, :, parameter, body))
             end do
          end do
       end do
    end subroutine loads_of_unit_masses
+
+   !> Loads by unit wrenches on bodies: newtons along the machine's axes through the input pivot, and a newton metre.
+   !>
+   !> Shape of the result: (positions, columns, 3, size(bodies)).
+   subroutine loads_of_unit_wrenches(problem, model, bodies, columns)
+      type(problem_t), intent(inout) :: problem
+      type(force_model_t), intent(in) :: model   !! its masses do not matter
+      integer, intent(in) :: bodies(:)
+      real(wp), allocatable, intent(out) :: columns(:, :, :, :)
+      type(rates_t) :: rates
+      type(forces_t) :: forces
+      integer :: block, offset, n, b, k
+
+      allocate (columns(problem%positions, columns_of(problem), components_of_wrench, size(bodies)), source=0.0_wp)
+      call prepare_rates(problem, rates)
+      call prepare_forces(problem, model, forces)
+      do block = 1, problem%blocks()
+         call problem%solve_block(block, offset, n)
+         call differentiate(problem, rates, n, 2)
+         call move_bodies(problem, rates, n, 1.0_wp, 0.0_wp, forces)
+         do b = 1, size(bodies)
+            do k = 1, components_of_wrench
+               call clear_wrenches(n, forces)
+               associate (row => forces%bodies(bodies(b))%wrench + k - 1)
+                  forces%w%v(:, row) = merge(1.0_wp/forces%metre, 1.0_wp, k == components_of_wrench)
+               end associate
+               call sweep(problem, n, forces)
+               call take_columns(problem, forces, n, columns(offset + 1:offset + n, :, k, b))
+            end do
+         end do
+      end do
+   end subroutine loads_of_unit_wrenches
 
    pure integer function columns_of(problem)
       type(problem_t), intent(in) :: problem

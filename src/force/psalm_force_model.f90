@@ -16,11 +16,16 @@ module psalm_force_model
    implicit none (type, external)
    private
    public :: force_model_t, spot_t, load_t, spring_t, friction_t, make_force_model, forces_wanted, vertices_of
+   public :: spot_of_place, locate, joint_at, place_right, place_on_foot, place_afloat
    public :: mass_parameters, parameter_mass, parameter_mx, parameter_my, parameter_inertia
 
    integer, parameter :: mass_parameters = 4  !! of a body
    integer, parameter :: parameter_mass = 1, parameter_mx = 2, parameter_my = 3, parameter_inertia = 4
    real(wp), parameter :: rounding = 64.0_wp*epsilon(1.0_wp) !! of sums of masses that cancel
+   integer, parameter :: place_right = 0      !! a place that is a point of its link
+   integer, parameter :: place_on_foot = 1    !! it is counted from the foot of a slide
+   integer, parameter :: place_afloat = 2     !! its arc is only parallel to its link
+   integer, parameter :: place_nowhere = 3    !! no loop runs through its link
 
    !> A place fixed in a body.
    type :: spot_t
@@ -180,33 +185,19 @@ contains
          type(place_t), intent(in) :: given
          type(spot_t), intent(out) :: spot
          logical, intent(out) :: placed
-         real(wp) :: from(2), cosine, sine
-         integer :: n, end
+         integer :: state
 
-         placed = .false.
-         if (given%loop == 0) then
+         call spot_of_place(mechanism, dimensions, model%reference, given, spot, state)
+         placed = state == place_right
+         if (state == place_nowhere) then
             call refuse(group, item, entry, 'is on a link that no loop runs through')
-            return
+         else if (state == place_on_foot) then
+            call refuse(group, item, entry, 'is counted from the foot of a slide, which is no point of the '// &
+                        'sliding link; count it from the other end')
+         else if (state == place_afloat) then
+            call refuse(group, item, entry, 'is on an arc that is only parallel to its link: neither end of it is '// &
+                        'a joint of the link')
          end if
-         n = mechanism%seq(given%loop, given%arc)
-         end = merge(at_start, at_finish, given%from_start)
-         associate (arc => mechanism%arcs(n))
-            spot%body = arc%body
-            if (arc%foot == end) then
-               call refuse(group, item, entry, 'is counted from the foot of a slide, which is no point of the '// &
-                           'sliding link; count it from the other end')
-               return
-            else if (.not. arc%attached) then
-               call refuse(group, item, entry, 'is on an arc that is only parallel to its link: neither end of it is '// &
-                           'a joint of the link')
-               return
-            end if
-            call unit_vector(mechanism%angle_on_body(n, dimensions) + given%turn, spot%along(1), spot%along(2))
-            call locate(mechanism, dimensions, model%reference(arc%body), arc%body, arc%ends(end), from)
-            call unit_vector(given%angle, cosine, sine)
-            spot%at = from + given%distance*turned([cosine, sine], spot%along)
-         end associate
-         placed = .true.
       end subroutine place
 
       subroutine refuse(group, item, entry, words)
@@ -226,6 +217,35 @@ contains
 
       item = letter//merge('NAME', 'LINK', set%sketch%given)
    end function item_of
+
+   !> A place of the data set on its body; `state` is one of `place_...`.
+   subroutine spot_of_place(mechanism, dimensions, reference, given, spot, state)
+      type(mechanism_t), intent(in) :: mechanism
+      type(dimensions_t), intent(in) :: dimensions
+      integer, intent(in) :: reference(:)   !! by body: its vertex
+      type(place_t), intent(in) :: given
+      type(spot_t), intent(out) :: spot
+      integer, intent(out) :: state
+      real(wp) :: from(2), cosine, sine
+      integer :: n, end
+
+      state = place_nowhere
+      if (given%loop == 0) return
+      n = mechanism%seq(given%loop, given%arc)
+      end = merge(at_start, at_finish, given%from_start)
+      associate (arc => mechanism%arcs(n))
+         spot%body = arc%body
+         state = place_on_foot
+         if (arc%foot == end) return
+         state = place_afloat
+         if (.not. arc%attached) return
+         call unit_vector(mechanism%angle_on_body(n, dimensions) + given%turn, spot%along(1), spot%along(2))
+         call locate(mechanism, dimensions, reference(arc%body), arc%body, arc%ends(end), from)
+         call unit_vector(given%angle, cosine, sine)
+         spot%at = from + given%distance*turned([cosine, sine], spot%along)
+      end associate
+      state = place_right
+   end subroutine spot_of_place
 
    !> A vector turned by the angle of a unit vector.
    pure function turned(vector, by)

@@ -20,6 +20,7 @@ module psalm_devices
       type(text_t) :: eight   !! annotated input, intermediate arrays, all arcs
       type(text_t) :: nine    !! plotting data
       type(text_t) :: csv     !! table of all outputs and joints of sketches, for other programs
+      type(text_t) :: json    !! results for other programs: objects, a comma between them
       type(text_t) :: notes   !! remarks for standard error
       type(text_t) :: summary !! what the linkage does, for standard error
       integer :: summarised = 0          !! cases met by the summary

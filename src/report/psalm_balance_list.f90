@@ -1,0 +1,299 @@
+!> Counterweights in the listing, and on device 9.
+module psalm_balance_list
+   use psalm_balance_group, only: form_body, form_disc, form_point, measure_force, measure_mass, measure_names, order_mass, &
+                                  order_moment
+   use psalm_balance_study, only: balance_study_t, outcome_t, weight_t, channel_force, channel_moment, channel_torque
+   use psalm_data_set, only: data_set_t
+   use psalm_kinds, only: wp
+   use psalm_text, only: text_t, full_precision, general, to_text
+   implicit none (type, external)
+   private
+   public :: list_balance, plot_balance, list_of_names
+
+   integer, parameter :: name_columns = 22      !! of a name at the beginning of a line
+
+contains
+
+   !> Everything that was found.
+   subroutine list_balance(set, study, text)
+      type(data_set_t), intent(in) :: set
+      type(balance_study_t), intent(in) :: study
+      type(text_t), intent(inout) :: text
+
+      call text%add()
+      call text%add(' COUNTERWEIGHTS: KILOGRAMS, NEWTONS, NEWTON METRES; ONE UNIT OF LENGTH IS'//general(set%masses%metre)// &
+                    ' METRES')
+      call text%add(' PLACES ARE COUNTED FROM THE ANCHOR, ANGLES FROM THE DIRECTION OF THE LINK''S OWN ARC')
+      call list_feasibility(study, text)
+      if (study%feasible) call list_designs(set, study, text)
+      if (size(study%budgets) > 0) call list_budgets(study, text)
+      if (allocated(study%found)) call list_optimum(set, study, text)
+      if (allocated(study%front)) call list_front(set, study, text)
+   end subroutine list_balance
+
+   !> Names of some bodies, a comma between them.
+   pure function list_of_names(study, bodies) result(names)
+      type(balance_study_t), intent(in) :: study
+      integer, intent(in) :: bodies(:)
+      character(:), allocatable :: names
+      integer :: k
+
+      names = ''
+      do k = 1, size(bodies)
+         if (k > 1) names = names//', '
+         names = names//trim(study%names(bodies(k)))
+      end do
+   end function list_of_names
+
+   pure function named(name) result(text)
+      character(*), intent(in) :: name
+      character(name_columns) :: text
+
+      text = name
+   end function named
+
+   subroutine list_feasibility(study, text)
+      type(balance_study_t), intent(in) :: study
+      type(text_t), intent(inout) :: text
+
+      call text%add()
+      call text%add(' COMPLETE FORCE BALANCE')
+      call text%add(' LINKS THAT MAY CARRY A WEIGHT: '//list_of_names(study, study%allowed))
+      if (study%already) then
+         call text%add(' THE LINKAGE IS BALANCED WITHOUT A WEIGHT')
+      else if (study%feasible) then
+         call text%add(' POSSIBLE WITH '//to_text(study%number)//' COUNTERWEIGHTS')
+         if (study%number /= study%by_rule) then
+            call text%add(' (TWICE THE LINKS LESS THE JOINTS WOULD BE '//to_text(study%by_rule)// &
+                          '; LINKS THAT MOVE ALIKE, OR DO NOT TURN, OR ARE NOT ALLOWED MAKE THE DIFFERENCE)')
+         end if
+      else
+         call text%add(' IMPOSSIBLE: OF THE IMBALANCE THIS PART STAYS'//general(study%left))
+         if (size(study%out_of_reach) > 0) then
+            call text%add(' THE LINKS ALLOWED CANNOT BALANCE: '//list_of_names(study, study%out_of_reach))
+         end if
+      end if
+      if (size(study%adrift) > 0) then
+         call text%add(' LINKS ADRIFT, WHICH DO NOT HANG ON THE FRAME BY PINS: '//list_of_names(study, study%adrift))
+      end if
+   end subroutine list_feasibility
+
+   subroutine list_designs(set, study, text)
+      type(data_set_t), intent(in) :: set
+      type(balance_study_t), intent(in) :: study
+      type(text_t), intent(inout) :: text
+      character(:), allocatable :: by
+      integer :: k
+
+      if (study%number == 0 .or. study%already) return
+      call text%add(' MINIMAL SETS OF LINKS WITH WEIGHTS: '//trim(merge('            ', 'MORE THAN   ', study%all_sets))//' '// &
+                    to_text(size(study%sets, 2)))
+      if (study%out_of_limits > 0) then
+         call text%add(' OF THESE '//to_text(study%out_of_limits)//' LEAVE NO WEIGHTS WITHIN WREACH AND WMOST')
+      end if
+      by = ' BY MASS'
+      if (set%balance%order == order_moment) by = ' BY SHAKING MOMENT'
+      if (set%balance%order > order_moment) by = ' BY DRIVE TORQUE'
+      call text%add()
+      call text%add(' DESIGNS, LIGHTEST WEIGHTS OF EACH SET, RANKED'//by//'; RMS VALUES')
+      call text%add('   DESIGN           MASS          FORCE         MOMENT         TORQUE   LINKS WITHOUT A WEIGHT')
+      call text%add('   BEFORE'//general(0.0_wp)//loads_text(study%before(channel_force)%rms, study%before(channel_moment)%rms, &
+                                                     study%before(channel_torque)%rms))
+      do k = 1, size(study%designs)
+         associate (of => study%designs(k))
+            call text%add(number_of(k)//general(of%total)//loads_text(of%loads(channel_force)%rms, of%loads(channel_moment)%rms, &
+                                                                of%loads(channel_torque)%rms)//'   '// &
+                          list_of_names(study, of%bare_links))
+         end associate
+      end do
+      if (size(study%designs) == 0) return
+      call text%add()
+      call text%add(' DESIGN 1')
+      call list_outcome(study, study%designs(1), text)
+      if (.not. allocated(study%lightest)) return
+      call text%add()
+      call text%add(' LIGHTEST OF ALL, WITH WEIGHTS ON ANY OF THE LINKS ALLOWED')
+      call list_outcome(study, study%lightest, text)
+   end subroutine list_designs
+
+   pure function loads_text(force, moment, torque) result(line)
+      real(wp), intent(in) :: force, moment, torque
+      character(:), allocatable :: line
+
+      line = general(force)//general(moment)//general(torque)
+   end function loads_text
+
+   pure function number_of(k) result(text)
+      integer, intent(in) :: k
+      character(9) :: text
+
+      write (text, '(i9)') k
+   end function number_of
+
+   !> Weights, the bound of their mass, and loads before and after.
+   subroutine list_outcome(study, outcome, text)
+      type(balance_study_t), intent(in) :: study
+      type(outcome_t), intent(in) :: outcome
+      type(text_t), intent(inout) :: text
+
+      call list_weights(outcome, text)
+      call text%add(' SUM OF MASSES'//general(outcome%total)//'   NONE ON THESE LINKS IS BELOW'//general(outcome%bound)// &
+                    '   DUALITY GAP'//general(outcome%gap)//'   RESIDUAL'//general(outcome%residual))
+      call list_loads(study, outcome, text)
+   end subroutine list_outcome
+
+   subroutine list_weights(outcome, text)
+      type(outcome_t), intent(in) :: outcome
+      type(text_t), intent(inout) :: text
+      character(:), allocatable :: line
+      logical :: discs, bodies
+      integer :: k
+
+      discs = any(outcome%weights%thickness > 0.0_wp)
+      bodies = any(outcome%weights%inertia > 0.0_wp) .and. .not. discs
+      line = ' WEIGHT ON                      MASS       DISTANCE          ANGLE'
+      if (discs) line = line//'         RADIUS      THICKNESS'
+      if (bodies) line = line//'   OWN INERTIA'
+      call text%add(line)
+      do k = 1, size(outcome%weights)
+         associate (weight => outcome%weights(k))
+            line = ' '//named(weight%link)//general(weight%mass)//general(weight%distance)//general(weight%angle)
+            if (discs) line = line//general(weight%radius)//general(weight%thickness)
+            if (bodies) line = line//general(weight%inertia)
+            call text%add(line)
+         end associate
+      end do
+      if (size(outcome%weights) == 0) call text%add(' NO WEIGHT AT ALL')
+   end subroutine list_weights
+
+   subroutine list_loads(study, outcome, text)
+      type(balance_study_t), intent(in) :: study
+      type(outcome_t), intent(in) :: outcome
+      type(text_t), intent(inout) :: text
+      integer :: k
+
+      call text%add(' LOADS                    RMS BEFORE          AFTER    PEAK BEFORE          AFTER')
+      do k = 1, size(study%channels)
+         call text%add(' '//named(study%channels(k)%name)//general(study%before(k)%rms)//general(outcome%loads(k)%rms)// &
+                       general(study%before(k)%peak)//general(outcome%loads(k)%peak))
+      end do
+   end subroutine list_loads
+
+   subroutine list_budgets(study, text)
+      type(balance_study_t), intent(in) :: study
+      type(text_t), intent(inout) :: text
+      integer :: k
+
+      call text%add()
+      call text%add(' LEAST SHAKING FORCE FOR A MASS (RMS)')
+      call text%add('           MASS          FORCE    LOWER BOUND    MASS NEEDED')
+      do k = 1, size(study%budgets)
+         associate (point => study%budgets(k))
+            call text%add(general(point%second)//general(point%first)//general(point%bound)//general(point%total))
+         end associate
+      end do
+   end subroutine list_budgets
+
+   subroutine list_optimum(set, study, text)
+      type(data_set_t), intent(in) :: set
+      type(balance_study_t), intent(in) :: study
+      type(text_t), intent(inout) :: text
+
+      call text%add()
+      if (set%balance%peaks) then
+         call text%add(' LEAST COMPOSITE: THE GREATEST VALUE OVER ITS TOLERANCE')
+      else
+         call text%add(' LEAST COMPOSITE: SUM OF SQUARES OF ALL VALUES OVER THEIR TOLERANCES')
+      end if
+      if (.not. study%found%found) then
+         call text%add(' THERE ARE NO SUCH WEIGHTS WITHIN THE LIMITS')
+         return
+      end if
+      associate (found => study%found)
+         call text%add(' BEFORE'//general(study%composite)//'   AFTER'//general(found%value)//'   LOWER BOUND'// &
+                       general(found%bound))
+         if (found%convex) then
+            call text%add(' GLOBAL OPTIMUM OF A CONVEX PROBLEM: DUALITY GAP'//general(found%gap)//'   RESIDUAL'// &
+                          general(found%residual))
+         else if (found%proven) then
+            call text%add(' GLOBAL OPTIMUM: IT REACHES THE LOWER BOUND, WHICH BODIES OF ANY SHAPE CANNOT GET BELOW; FOUND AT '// &
+                          'START '//to_text(found%starts))
+         else
+            call text%add(' LOCAL OPTIMUM, THE BEST OF '//to_text(found%starts)//' STARTS, '//to_text(found%ended_here)// &
+                          ' OF WHICH ENDED SO LOW; BODIES OF ANY SHAPE CANNOT GET BELOW THE BOUND')
+         end if
+         if (set%balance%form == form_body) then
+            call text%add(' OWN INERTIA IS THAT OF THE BODY ABOUT ITS CENTRE OF MASS')
+         end if
+      end associate
+      call list_weights(study%optimum, text)
+      call text%add(' SUM OF MASSES'//general(study%optimum%total))
+      call list_loads(study, study%optimum, text)
+   end subroutine list_optimum
+
+   subroutine list_front(set, study, text)
+      type(data_set_t), intent(in) :: set
+      type(balance_study_t), intent(in) :: study
+      type(text_t), intent(inout) :: text
+      integer :: k
+
+      associate (of => set%balance%front_of)
+         call text%add()
+         call text%add(' FRONT OF '//trim(measure_names(of(1)))//' AND '//trim(measure_names(of(2)))// &
+                       ' (RMS, BODIES OF ANY SHAPE): NEITHER CAN BE LESS WITHOUT MORE OF THE OTHER')
+         call text%add(repeat(' ', 9)//measure_names(of(1))//repeat(' ', 9)//measure_names(of(2))//'    LOWER BOUND    MASS NEEDED')
+      end associate
+      do k = 1, size(study%front)
+         associate (point => study%front(k))
+            call text%add(general(point%first)//general(point%second)//general(point%bound)//general(point%total))
+         end associate
+      end do
+   end subroutine list_front
+
+   !> Blocks of device 9: designs, budgets, front; 17 digits.
+   subroutine plot_balance(study, text)
+      type(balance_study_t), intent(in) :: study
+      type(text_t), intent(inout) :: text
+      integer :: k
+
+      if (study%feasible .and. size(study%designs) > 0) then
+         call begin('designs', 'design mass force moment torque')
+         do k = 1, size(study%designs)
+            associate (of => study%designs(k))
+               call text%add(to_text(k)//' '//full_precision(of%total)//' '//full_precision(of%loads(channel_force)%rms)//' '// &
+                             full_precision(of%loads(channel_moment)%rms)//' '//full_precision(of%loads(channel_torque)%rms))
+            end associate
+         end do
+      end if
+      if (size(study%budgets) > 0) then
+         call begin('budgets', 'mass force bound mass_needed')
+         do k = 1, size(study%budgets)
+            associate (of => study%budgets(k))
+               call text%add(full_precision(of%second)//' '//full_precision(of%first)//' '//full_precision(of%bound)//' '// &
+                             full_precision(of%total))
+            end associate
+         end do
+      end if
+      if (.not. allocated(study%front)) return
+      call begin('front', 'first second bound mass_needed')
+      do k = 1, size(study%front)
+         associate (of => study%front(k))
+            call text%add(full_precision(of%first)//' '//full_precision(of%second)//' '//full_precision(of%bound)//' '// &
+                          full_precision(of%total))
+         end associate
+      end do
+
+   contains
+
+      subroutine begin(name, columns)
+         character(*), intent(in) :: name, columns
+
+         if (text%length > 0) then
+            call text%add()
+            call text%add()
+         end if
+         call text%add('# block '//name)
+         call text%add('# '//columns)
+      end subroutine begin
+   end subroutine plot_balance
+end module psalm_balance_list

@@ -1,0 +1,88 @@
+!> Results of muscle become texts of the devices, remarks for standard error and the exit status. Nothing is computed here.
+module psalm_muscle_report
+   use psalm_balance_json, only: write_balance_json
+   use psalm_balance_list, only: list_balance, plot_balance, list_of_names
+   use psalm_balance_study, only: balance_study_t, outcome_t
+   use psalm_data_set, only: data_set_t
+   use psalm_data_set_text, only: write_data_set
+   use psalm_devices, only: devices_t
+   use psalm_error, only: problem_t
+   use psalm_markup, only: json_text
+   use psalm_muscle_study, only: muscle_study_t
+   use psalm_preparation, only: prepared_t
+   use psalm_text, only: to_text
+   use psalm_weight_text, only: write_masses
+   implicit none (type, external)
+   private
+   public :: report_muscle
+
+contains
+
+   !> All that a case asks for: listing, device 7, device 9, JSON, remarks, exit status.
+   subroutine report_muscle(set, problem, prepared, study, devices)
+      type(data_set_t), intent(in) :: set
+      type(problem_t), intent(in) :: problem
+      type(prepared_t), intent(in) :: prepared
+      type(muscle_study_t), intent(in) :: study
+      type(devices_t), intent(inout) :: devices
+      type(outcome_t) :: none
+
+      call devices%six%add(' '//set%title)
+      if (devices%json%length > 0) call devices%json%add_text(','//new_line('a'))
+      call devices%json%add_text('{"title":'//json_text(trim(set%title)))
+      allocate (none%weights(0))
+      if (allocated(study%balance)) then
+         if (study%balance%trouble > 0) then
+            call devices%six%add(' NO FORCES AT POSITION '//to_text(study%balance%trouble)// &
+                                   ': THE LINKAGE DOES NOT CLOSE OR IS AT A DEAD POINT')
+            call devices%remark(set, 'position '//to_text(study%balance%trouble)// &
+                                ': the linkage does not close or is at a dead point; kalm tells which')
+            call devices%note_violation()
+            call devices%json%add_text(',"trouble_at":'//to_text(study%balance%trouble))
+         else
+            call remark_balance(set, study%balance, devices)
+            call list_balance(set, study%balance, devices%six)
+            call plot_balance(study%balance, devices%nine)
+            call devices%json%add_text(',')
+            call write_balance_json(set, study%balance, devices%json)
+         end if
+      end if
+      call devices%json%add_text('}')
+      call write_data_set(set, problem, prepared%given, devices%seven)
+      if (allocated(study%balance)) then
+         if (allocated(study%balance%optimum)) then
+            call write_masses(set, prepared%mechanism, study%balance%optimum, devices%seven)
+            return
+         else if (allocated(study%balance%designs)) then
+            if (size(study%balance%designs) > 0) then
+               call write_masses(set, prepared%mechanism, study%balance%designs(1), devices%seven)
+               return
+            end if
+         end if
+      end if
+      if (set%masses%given) call write_masses(set, prepared%mechanism, none, devices%seven)
+   end subroutine report_muscle
+
+   !> What a user must not overlook.
+   subroutine remark_balance(set, study, devices)
+      type(data_set_t), intent(in) :: set
+      type(balance_study_t), intent(in) :: study
+      type(devices_t), intent(inout) :: devices
+      character(:), allocatable :: words
+
+      if (.not. study%feasible) then
+         words = 'no weights on the links allowed balance the shaking force completely'
+         if (size(study%adrift) > 0) words = words//'; adrift: '//list_of_names(study, study%adrift)
+         if (size(study%out_of_reach) > 0) words = words//'; cannot be balanced: '//list_of_names(study, study%out_of_reach)
+         call devices%remark(set, words)
+         call devices%note_violation()
+      else if (study%number > 0 .and. size(study%designs) == 0 .and. .not. study%already) then
+         call devices%remark(set, 'complete force balance is possible, but not within WREACH and WMOST')
+         call devices%note_violation()
+      end if
+      if (set%balance%wants_optimum() .and. .not. allocated(study%optimum)) then
+         call devices%remark(set, 'there are no weights within the limits for the composite')
+         call devices%note_violation()
+      end if
+   end subroutine remark_balance
+end module psalm_muscle_report

@@ -1,0 +1,104 @@
+!> Counterweights and springs found, as groups that kalm and balm read.
+module psalm_weight_text
+   use psalm_balance_study, only: outcome_t
+   use psalm_data_set, only: data_set_t
+   use psalm_kinds, only: wp
+   use psalm_link_place, only: place_t
+   use psalm_mechanism, only: mechanism_t, at_start
+   use psalm_text, only: text_t, full_precision, to_text
+   implicit none (type, external)
+   private
+   public :: write_masses, write_places, write_reals
+
+   integer, parameter :: line_room = 100  !! columns of a line of values
+
+contains
+
+   !> The group MASSES with the weights as further entries.
+   subroutine write_masses(set, mechanism, outcome, text)
+      type(data_set_t), intent(in) :: set
+      type(mechanism_t), intent(in) :: mechanism
+      type(outcome_t), intent(in) :: outcome
+      type(text_t), intent(inout) :: text
+      type(place_t) :: places(size(set%masses%places) + size(outcome%weights))
+      real(wp) :: inertia(size(places))
+      integer :: k
+
+      associate (masses => set%masses, given => size(set%masses%places))
+         places(:given) = masses%places
+         inertia(:given) = masses%inertia
+         do k = 1, size(outcome%weights)
+            associate (weight => outcome%weights(k), place => places(given + k))
+               place%arc = mechanism%arcs(mechanism%bodies(weight%body)%axis)%place
+               place%loop = mechanism%arcs(mechanism%bodies(weight%body)%axis)%loop
+               place%from_start = mechanism%arcs(mechanism%bodies(weight%body)%axis)%foot /= at_start
+               place%distance = weight%from_end
+               place%angle = weight%angle_end
+               inertia(given + k) = weight%inertia
+            end associate
+         end do
+         if (size(outcome%weights) > 0) then
+            call text%add('! the last '//to_text(size(outcome%weights))//' entries are counterweights')
+         end if
+         call text%add(' &MASSES NMASS='//to_text(size(places))//',')
+         call write_places('M', places, text)
+         call write_reals('MASS', [masses%mass, outcome%weights%mass], text)
+         call write_reals('MINERT', inertia, text)
+         call text%add('  UNITL='//full_precision(masses%metre)//', GRAVX='//full_precision(masses%gravity(1))//', GRAVY='// &
+                       full_precision(masses%gravity(2))//',')
+         if (masses%about_given) then
+            call text%add('  MOMX='//full_precision(masses%about(1))//', MOMY='//full_precision(masses%about(2))//',')
+         end if
+         call text%add('  IMOTOR='//to_text(merge(1, 0, masses%motor_on_frame))//', ISHARE='//to_text(masses%shares)//', NHARM='// &
+                       to_text(masses%harmonics)//' &END')
+      end associate
+   end subroutine write_masses
+
+   !> Items LINK, LOOP, DIST, ANG with a group's letter before them.
+   subroutine write_places(letter, places, text)
+      character(*), intent(in) :: letter
+      type(place_t), intent(in) :: places(:)
+      type(text_t), intent(inout) :: text
+      character(:), allocatable :: line
+      integer :: k
+
+      line = '  '//letter//'LINK='
+      do k = 1, size(places)
+         line = line//to_text(merge(-places(k)%arc, places(k)%arc, places(k)%from_start))//','
+         call break_line(line, text)
+      end do
+      call text%add(line)
+      line = '  '//letter//'LOOP='
+      do k = 1, size(places)
+         line = line//to_text(places(k)%loop)//','
+         call break_line(line, text)
+      end do
+      call text%add(line)
+      call write_reals(letter//'DIST', places%distance, text)
+      call write_reals(letter//'ANG', places%angle, text)
+   end subroutine write_places
+
+   subroutine write_reals(name, values, text)
+      character(*), intent(in) :: name
+      real(wp), intent(in) :: values(:)
+      type(text_t), intent(inout) :: text
+      character(:), allocatable :: line
+      integer :: k
+
+      line = '  '//name//'='
+      do k = 1, size(values)
+         line = line//full_precision(values(k))//','
+         call break_line(line, text)
+      end do
+      call text%add(line)
+   end subroutine write_reals
+
+   subroutine break_line(line, text)
+      character(:), allocatable, intent(inout) :: line
+      type(text_t), intent(inout) :: text
+
+      if (len(line) < line_room) return
+      call text%add(line)
+      line = '   '
+   end subroutine break_line
+end module psalm_weight_text

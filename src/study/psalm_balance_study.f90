@@ -1,0 +1,711 @@
+!> Counterweights of a case (group BALANC): complete force balance, least composites, fronts. Data in, results out.
+module psalm_balance_study
+   use psalm_angles, only: degrees_of
+   use psalm_balance_group, only: form_body, form_point, order_moment, order_torque, measure_force, measure_moment, &
+                                  measure_torque, measure_mass
+   use psalm_body_motion, only: body_motion_t, follow_bodies
+   use psalm_counterweights, only: room_t, aim_t, design_t, least_composite, composite_of
+   use psalm_data_set, only: data_set_t
+   use psalm_dimensions, only: dimensions_t
+   use psalm_elementary, only: hypotenuse
+   use psalm_error, only: problem_t, motion_t
+   use psalm_force_analysis, only: force_table_t, analyse_forces, loads_of_unit_masses, column_of_joint, column_drive, &
+                                   column_fx, column_fy, column_moment
+   use psalm_force_balance, only: force_balance_t, weights_t, prepare_balance, find_sets, least_weights, rank_of, unspanned
+   use psalm_force_model, only: force_model_t, spot_t, make_force_model, vertices_of, locate, joint_at, spot_of_place, &
+                                place_right, parameter_mass, parameter_mx, parameter_my
+   use psalm_kinds, only: wp, half_turn
+   use psalm_kinetostatics, only: source_inertia, source_weight
+   use psalm_linear_loads, only: channel_t, measure_t, measure_of, about_anchor, parameters_of_weight, weight_mass, weight_px, &
+                                 weight_py, weight_inertia
+   use psalm_mechanism, only: mechanism_t, body_frame, joint_prismatic, at_start
+   use psalm_pin_order, only: pin_order_t, order_by_pins
+   use psalm_status, only: diagnostics_t
+   use psalm_text, only: to_text
+   implicit none (type, external)
+   private
+   public :: balance_study_t, weight_t, outcome_t, front_point_t, judge_balance, find_balance
+   public :: channel_force, channel_moment, channel_torque, first_joint_channel
+
+   integer, parameter :: channel_force = 1, channel_moment = 2, channel_torque = 3, first_joint_channel = 4
+   integer, parameter :: fewest_positions = 36     !! fewer do not tell the rank of a motion
+   integer, parameter :: positions_for_rank = 72   !! taken then, at even steps
+   integer, parameter :: most_sets = 100000        !! minimal sets that are counted
+   real(wp), parameter :: balanced = 1.0e-9_wp     !! part of the imbalance that is rounding
+   real(wp), parameter :: rounding_of_angles = 1.0e-10_wp !! degrees
+   real(wp), parameter :: lightest_shown = 1.0e-9_wp !! masses of the linkage: a lighter weight is none
+
+   !> A weight as it is to be made.
+   type :: weight_t
+      integer :: body = 0
+      character(:), allocatable :: link            !! name
+      real(wp) :: mass = 0.0_wp                    !! kg
+      real(wp) :: distance = 0.0_wp, angle = 0.0_wp !! of its centre from the anchor, user's length, degrees in the link's axes
+      real(wp) :: from_end = 0.0_wp, angle_end = 0.0_wp !! the same from the end that the link's own arc is counted from
+      real(wp) :: inertia = 0.0_wp                 !! about its centre, kg m2
+      real(wp) :: radius = 0.0_wp, thickness = 0.0_wp !! of a disc, user's length
+   end type weight_t
+
+   !> Weights and what they do.
+   type :: outcome_t
+      type(weight_t), allocatable :: weights(:)
+      type(measure_t), allocatable :: loads(:)     !! by channel
+      real(wp) :: total = 0.0_wp                   !! kg
+      real(wp) :: bound = 0.0_wp                   !! no weights on these links are lighter; of a composite: no composite is less
+      real(wp) :: gap = 0.0_wp, residual = 0.0_wp
+      integer, allocatable :: bare_links(:)        !! bodies without a weight that the set leaves out
+   end type outcome_t
+
+   !> A point of a front.
+   type :: front_point_t
+      real(wp) :: first = 0.0_wp, second = 0.0_wp  !! RMS of the two criteria, or mass
+      real(wp) :: bound = 0.0_wp                   !! of the first one
+      real(wp) :: total = 0.0_wp                   !! kg
+   end type front_point_t
+
+   type :: balance_study_t
+      integer :: trouble = 0                       !! position that is not known; 0: none
+      character(:), allocatable :: names(:)        !! of the bodies, the frame first
+      integer, allocatable :: adrift(:)            !! bodies that do not hang on the frame by pins
+      integer, allocatable :: out_of_reach(:)      !! bodies that weights on the links allowed cannot balance
+      integer, allocatable :: allowed(:)           !! bodies that may carry a weight
+      integer, allocatable :: anchors(:)           !! by body: its arc that ends there, negative: starts; 0: unknown
+      logical :: feasible = .false.                !! complete balance is possible
+      logical :: already = .false.                 !! without any weight
+      real(wp) :: left = 0.0_wp                    !! part of the imbalance that no weights on them can balance
+      integer :: number = 0                        !! least number of weights
+      integer :: by_rule = 0                       !! 2*links - joints
+      integer, allocatable :: sets(:, :)           !! shape (number, sets): bodies
+      logical :: all_sets = .true.
+      integer :: out_of_limits = 0                 !! sets for which the limits leave no weights
+      type(outcome_t), allocatable :: designs(:)   !! of the sets, best first; as many as are listed
+      type(outcome_t), allocatable :: lightest     !! on all links allowed
+      type(channel_t), allocatable :: channels(:)
+      type(measure_t), allocatable :: before(:)    !! by channel
+      real(wp) :: mass = 0.0_wp                    !! of the moving links, kg
+      type(outcome_t), allocatable :: optimum      !! of the composite
+      type(design_t), allocatable :: found         !! how it was found
+      real(wp) :: composite = 0.0_wp               !! before
+      type(front_point_t), allocatable :: budgets(:) !! least force for a mass
+      type(front_point_t), allocatable :: front(:)
+      logical :: sliding = .false.                 !! the drive is a force
+   end type balance_study_t
+
+contains
+
+   !> Find what is wrong with the group before any work is done. Errors: weights on the frame or on the foot of a slide, two
+   !> entries on one link, joints that are not there, friction.
+   subroutine judge_balance(set, mechanism, dimensions, findings)
+      type(data_set_t), intent(in) :: set
+      type(mechanism_t), intent(in) :: mechanism
+      type(dimensions_t), intent(in) :: dimensions
+      type(diagnostics_t), intent(inout) :: findings
+      type(diagnostics_t) :: unused
+      type(force_model_t) :: model
+      type(spot_t) :: spot
+      integer :: taken(size(set%balance%places)), k, state
+
+      call make_force_model(set, mechanism, dimensions, model, unused)
+      if (unused%failed()) return                  ! told elsewhere
+      taken = 0
+      do k = 1, size(set%balance%places)
+         call spot_of_place(mechanism, dimensions, model%reference, set%balance%places(k), spot, state)
+         if (state /= place_right) then
+            call refuse('WLINK', k, 'the anchor is no point of the link; name another end or arc of it')
+         else if (spot%body == body_frame) then
+            call refuse('WLINK', k, 'a weight on the frame balances nothing')
+         else if (any(taken == spot%body)) then
+            call refuse('WLINK', k, 'there is an entry for '//mechanism%bodies(spot%body)%name//' already')
+         end if
+         taken(k) = spot%body
+      end do
+      do k = 1, size(set%balance%joints)
+         if (joint_at(mechanism, set%balance%joints(k)) == 0) call refuse('BLINK', k, 'there is no joint at this end of the arc')
+      end do
+      if (size(model%friction) > 0) then
+         call findings%error('loads with friction are not linear in the masses: leave &FRICTN out', &
+                             line=set%origins%line('FRICTN', ''), group='FRICTN')
+      end if
+
+   contains
+
+      subroutine refuse(item, entry, text)
+         character(*), intent(in) :: item, text
+         integer, intent(in) :: entry
+
+         call findings%error('entry '//to_text(entry)//': '//text, line=set%origins%line('BALANC', item, entry), &
+                             group='BALANC', item=item)
+      end subroutine refuse
+   end subroutine judge_balance
+
+   !> Everything the group asks for, of a case that `judge_balance` found no fault with.
+   subroutine find_balance(set, given, dimensions, study)
+      type(data_set_t), intent(in) :: set
+      type(problem_t), intent(in) :: given
+      type(dimensions_t), intent(in) :: dimensions
+      type(balance_study_t), intent(out) :: study
+      type(problem_t), allocatable :: problem      ! large: it would fill a small stack
+      type(force_model_t) :: model
+      type(motion_t) :: motion
+      type(force_table_t) :: table
+      type(diagnostics_t) :: unused
+      type(pin_order_t) :: pins
+      type(force_balance_t) :: balance
+      type(room_t), allocatable :: rooms(:)
+      real(wp), allocatable :: anchor(:, :), none(:, :)
+      integer :: k, b
+
+      allocate (problem, source=given)
+      call make_force_model(set, problem%mechanism, dimensions, model, unused)
+      call problem%want_derivatives(.true., vertices_of(problem%mechanism))
+      call problem%analyse(dimensions, motion)
+      call analyse_forces(problem, model, set%speed, set%accel, motion%closed, motion%input, table)
+      study%trouble = findloc([(table%known(k), k=1, size(motion%input))], .false., dim=1)
+      study%sliding = problem%mechanism%sliding_input
+      call name_bodies(problem%mechanism, study)
+      call order_by_pins(problem%mechanism, pins)
+      study%adrift = pack([(b, b=1, size(pins%adrift))], pins%adrift)
+      if (study%trouble > 0) return
+      call place_anchors(set, problem%mechanism, dimensions, model, pins, anchor, rooms, study)
+      study%mass = sum(model%inertia(parameter_mass, :))
+      call make_channels(set, problem, model, motion, table, anchor, study)
+      allocate (none(parameters_of_weight, size(model%reference)), source=0.0_wp)
+      study%before = [(measure_of(study%channels(k), none), k=1, size(study%channels))]
+      call make_balance(problem, dimensions, model, anchor, balance)
+      call balance_completely(set, problem%mechanism, model, anchor, balance, rooms, pins, study)
+      if (size(rooms) == 0) return
+      if (set%balance%wants_optimum()) call find_optimum(set, problem%mechanism, model, anchor, balance, rooms, study)
+      call spend_budgets(set, balance, rooms, study)
+      if (set%balance%front > 0) call find_front(set, balance, rooms, study)
+   end subroutine find_balance
+
+   subroutine name_bodies(mechanism, study)
+      type(mechanism_t), intent(in) :: mechanism
+      type(balance_study_t), intent(inout) :: study
+      integer :: b, longest
+
+      longest = 0
+      do b = 1, size(mechanism%bodies)
+         longest = max(longest, len(mechanism%bodies(b)%name))
+      end do
+      allocate (character(longest) :: study%names(size(mechanism%bodies)))
+      do b = 1, size(mechanism%bodies)
+         study%names(b) = mechanism%bodies(b)%name
+      end do
+   end subroutine name_bodies
+
+   !> Anchors of all bodies - the user's, else the pin nearest the frame - and room for weights. A link without reach has none.
+   subroutine place_anchors(set, mechanism, dimensions, model, pins, anchor, rooms, study)
+      type(data_set_t), intent(in) :: set
+      type(mechanism_t), intent(in) :: mechanism
+      type(dimensions_t), intent(in) :: dimensions
+      type(force_model_t), intent(in) :: model
+      type(pin_order_t), intent(in) :: pins
+      real(wp), allocatable, intent(out) :: anchor(:, :) !! shape (2, bodies): from the reference, axes of the body, m
+      type(room_t), allocatable, intent(out) :: rooms(:)
+      type(balance_study_t), intent(inout) :: study
+      type(spot_t) :: spot
+      integer :: b, k, state, next
+
+      allocate (anchor(2, size(model%reference)), source=0.0_wp)
+      do b = body_frame + 1, size(model%reference)
+         if (pins%anchor(b) == 0) cycle
+         call locate(mechanism, dimensions, model%reference(b), b, pins%anchor(b), anchor(:, b))
+         anchor(:, b) = anchor(:, b)*model%metre
+      end do
+      associate (group => set%balance)
+         if (group%links == 0) then
+            allocate (rooms(size(model%reference) - 1))
+            do b = body_frame + 1, size(model%reference)
+               rooms(b - 1) = room_of(b, 1)
+            end do
+            ! nearest the frame first: where links can stand for one another, short chains make light weights
+            do k = 2, size(rooms)
+               do next = k, 2, -1
+                  if (pins%order(rooms(next)%link) >= pins%order(rooms(next - 1)%link)) exit
+                  rooms([next - 1, next]) = rooms([next, next - 1])
+               end do
+            end do
+         else
+            allocate (rooms(group%links))
+            do k = 1, group%links
+               call spot_of_place(mechanism, dimensions, model%reference, group%places(k), spot, state)
+               anchor(:, spot%body) = spot%at*model%metre
+               rooms(k) = room_of(spot%body, k)
+            end do
+         end if
+      end associate
+      rooms = pack(rooms, rooms%reach > 0.0_wp)
+      study%allowed = rooms%link
+
+   contains
+
+      type(room_t) function room_of(body, entry) result(room)
+         integer, intent(in) :: body, entry
+
+         associate (group => set%balance)
+            room%link = body
+            room%reach = group%reach(entry)*model%metre
+            room%most = group%most(entry)
+            room%radius = [group%radius_low(entry), group%radius_high(entry)]*model%metre
+            room%thickness = [group%thickness_low(entry), group%thickness_high(entry)]*model%metre
+         end associate
+      end function room_of
+   end subroutine place_anchors
+
+   !> Shaking force and moment, drive and joints as they depend on weights. Shaking is of inertia alone; drive and joints feel
+   !> weight, loads and springs too.
+   subroutine make_channels(set, problem, model, motion, table, anchor, study)
+      type(data_set_t), intent(in) :: set
+      type(problem_t), intent(inout) :: problem
+      type(force_model_t), intent(in) :: model
+      type(motion_t), intent(in) :: motion
+      type(force_table_t), intent(in) :: table
+      real(wp), intent(in) :: anchor(:, :)
+      type(balance_study_t), intent(inout) :: study
+      type(force_model_t) :: bare
+      type(force_table_t) :: shaking
+      real(wp), allocatable :: inertia(:, :, :, :), weight(:, :, :, :)
+      integer :: j, c, columns(2)
+
+      bare = model
+      bare%gravity = 0.0_wp
+      deallocate (bare%loads, bare%springs)
+      allocate (bare%loads(0), bare%springs(0))
+      call analyse_forces(problem, bare, set%speed, set%accel, motion%closed, motion%input, shaking)
+      call loads_of_unit_masses(problem, model, set%speed, set%accel, inertia)
+      allocate (study%channels(first_joint_channel - 1 + size(problem%mechanism%joints)))
+      study%channels(channel_force) = channel_of('SHAKING FORCE', shaking%value, inertia, [column_fx, column_fy])
+      study%channels(channel_moment) = channel_of('SHAKING MOMENT', moments(shaking%value), moments_of_masses(), [1])
+      if (any(abs(model%gravity) > 0.0_wp)) then
+         call loads_of_unit_masses(problem, model, set%speed, set%accel, weight, source_weight)
+         inertia = inertia + weight
+      end if
+      study%channels(channel_torque) = channel_of(trim(merge('DRIVE FORCE ', 'DRIVE TORQUE', study%sliding)), table%value, &
+                                                  inertia, [column_drive])
+      do j = 1, size(problem%mechanism%joints)
+         c = column_of_joint(j)
+         columns = [c, c + 1]
+         ! of a slide the force across it; the couple is no force
+         study%channels(first_joint_channel - 1 + j) = &
+            channel_of('JOINT '//problem%mechanism%joints(j)%name, table%value, inertia, &
+                       columns(:merge(1, 2, problem%mechanism%joints(j)%kind == joint_prismatic)))
+      end do
+
+   contains
+
+      type(channel_t) function channel_of(name, bare_values, unit_values, which) result(channel)
+         character(*), intent(in) :: name
+         real(wp), intent(in) :: bare_values(:, :), unit_values(:, :, :, :)
+         integer, intent(in) :: which(:)
+         integer :: body
+
+         channel%name = name
+         channel%bare = bare_values(:, which)
+         allocate (channel%slope(size(bare_values, 1), size(which), parameters_of_weight, size(unit_values, 4)))
+         do body = 1, size(unit_values, 4)
+            channel%slope(:, :, :, body) = about_anchor(unit_values(:, which, :, body), anchor(:, body))
+         end do
+      end function channel_of
+
+      !> The shaking moment as kalm lists it: about MOMX, MOMY, with the drive's reaction or without.
+      pure function moments(value) result(moment)
+         real(wp), intent(in) :: value(:, :)
+         real(wp) :: moment(size(value, 1), 1)
+
+         associate (x => set%masses%about(1)*set%masses%metre, y => set%masses%about(2)*set%masses%metre)
+            moment(:, 1) = value(:, column_moment) - (x*value(:, column_fy) - y*value(:, column_fx))
+         end associate
+         if (.not. set%masses%motor_on_frame .and. .not. study%sliding) moment(:, 1) = moment(:, 1) + value(:, column_drive)
+      end function moments
+
+      function moments_of_masses() result(moment)
+         real(wp) :: moment(size(inertia, 1), 1, size(inertia, 3), size(inertia, 4))
+         integer :: k, body
+
+         do body = 1, size(inertia, 4)
+            do k = 1, size(inertia, 3)
+               moment(:, :, k, body) = moments(inertia(:, :, k, body))
+            end do
+         end do
+      end function moments_of_masses
+   end subroutine make_channels
+
+   !> The motion of links and masses, at the positions of the case, or at more where these are too few.
+   subroutine make_balance(problem, dimensions, model, anchor, balance)
+      type(problem_t), intent(in) :: problem
+      type(dimensions_t), intent(in) :: dimensions
+      type(force_model_t), intent(in) :: model
+      real(wp), intent(in) :: anchor(:, :)
+      type(force_balance_t), intent(out) :: balance
+      type(problem_t), allocatable :: finer
+      type(body_motion_t) :: bodies
+      type(motion_t) :: motion
+      complex(wp), allocatable :: turning(:, :), place(:, :), imbalance(:)
+      real(wp) :: low, high
+      integer :: b, k
+
+      allocate (finer, source=problem)
+      if (finer%positions < fewest_positions) then
+         low = minval(finer%delt)
+         high = maxval(finer%delt)
+         call finer%set_inputs([(low + (high - low)*real(k, wp)/real(positions_for_rank - 1, wp), k=0, positions_for_rank - 1)])
+         call finer%want_derivatives(.true., vertices_of(finer%mechanism))
+         call finer%analyse(dimensions, motion)
+         if (.not. all(motion%closed)) deallocate (finer)
+         if (.not. allocated(finer)) allocate (finer, source=problem)
+      end if
+      call follow_bodies(finer, model, bodies)
+      allocate (turning(finer%positions, size(anchor, 2)), place(finer%positions, size(anchor, 2)))
+      allocate (imbalance(finer%positions), source=(0.0_wp, 0.0_wp))
+      do b = 1, size(anchor, 2)
+         turning(:, b) = cmplx(bodies%c(:, b), bodies%s(:, b), wp)
+         place(:, b) = cmplx(bodies%x(:, b), bodies%y(:, b), wp)
+         imbalance = imbalance + model%inertia(parameter_mass, b)*place(:, b) + &
+                     cmplx(model%inertia(parameter_mx, b), model%inertia(parameter_my, b), wp)*turning(:, b)
+         place(:, b) = place(:, b) + cmplx(anchor(1, b), anchor(2, b), wp)*turning(:, b)
+      end do
+      call prepare_balance(turning, place, imbalance, sum(model%inertia(parameter_mass, :)), balance)
+   end subroutine make_balance
+
+   ! ---- complete balance --------------------------------------------------------------------------------------------
+
+   subroutine balance_completely(set, mechanism, model, anchor, balance, rooms, pins, study)
+      type(data_set_t), intent(in) :: set
+      type(mechanism_t), intent(in) :: mechanism
+      type(force_model_t), intent(in) :: model
+      real(wp), intent(in) :: anchor(:, :)
+      type(force_balance_t), intent(in) :: balance
+      type(room_t), intent(in) :: rooms(:)
+      type(pin_order_t), intent(in) :: pins
+      type(balance_study_t), intent(inout) :: study
+      type(weights_t) :: weights
+      type(outcome_t), allocatable :: designs(:)
+      real(wp), allocatable :: key(:)
+      integer, allocatable :: order(:)
+      integer :: k, count_found, links, b, rank
+
+      links = size(model%reference) - 1
+      study%by_rule = 2*links - size(mechanism%joints)
+      study%left = unspanned(balance, rooms%link)
+      study%already = .not. balance%swing > balanced*balance%mass*maxval([rooms%reach, maxval(abs(anchor)), tiny(1.0_wp)])
+      study%feasible = study%already .or. study%left <= balanced
+      study%number = rank_of(balance, rooms%link)
+      allocate (study%sets(0, 0), study%designs(0), study%out_of_reach(0))
+      if (.not. study%feasible) then
+         do b = body_frame + 1, links + 1
+            if (pins%adrift(b)) cycle
+            rank = rank_of(balance, [rooms%link, b])
+            if (rank > study%number) study%out_of_reach = [study%out_of_reach, b]
+         end do
+         return
+      end if
+      if (study%number == 0) return
+      call find_sets(balance, rooms%link, most_sets, study%sets, study%all_sets)
+      allocate (designs(size(study%sets, 2)))
+      count_found = 0
+      do k = 1, size(study%sets, 2)
+         call least_weights(balance, study%sets(:, k), reach_of(study%sets(:, k)), most_of(study%sets(:, k)), weights)
+         if (.not. weights%found) then
+            study%out_of_limits = study%out_of_limits + 1
+            cycle
+         end if
+         count_found = count_found + 1
+         call make_outcome(weights, designs(count_found))
+         designs(count_found)%bare_links = pack([(b, b=2, links + 1)], [(all(study%sets(:, k) /= b), b=2, links + 1)])
+      end do
+      allocate (key(count_found))
+      do k = 1, count_found
+         select case (set%balance%order)
+         case (order_moment)
+            key(k) = designs(k)%loads(channel_moment)%rms
+         case (order_torque)
+            key(k) = designs(k)%loads(channel_torque)%rms
+         case default
+            key(k) = designs(k)%total
+         end select
+      end do
+      order = ascending(key)
+      study%designs = designs(order(:min(count_found, set%balance%listed)))
+      call least_weights(balance, rooms%link, rooms%reach, rooms%most, weights)
+      if (.not. weights%found) return
+      allocate (study%lightest)
+      call make_outcome(weights, study%lightest)
+      study%lightest%bare_links = pack([(b, b=2, links + 1)], [(all(study%lightest%weights%body /= b), b=2, links + 1)])
+
+   contains
+
+      pure function reach_of(bodies) result(reach)
+         integer, intent(in) :: bodies(:)
+         real(wp) :: reach(size(bodies))
+         integer :: i
+
+         reach = [(rooms(findloc(rooms%link, bodies(i), dim=1))%reach, i=1, size(bodies))]
+      end function reach_of
+
+      pure function most_of(bodies) result(most)
+         integer, intent(in) :: bodies(:)
+         real(wp) :: most(size(bodies))
+         integer :: i
+
+         most = [(rooms(findloc(rooms%link, bodies(i), dim=1))%most, i=1, size(bodies))]
+      end function most_of
+
+      !> Point masses on these links.
+      subroutine make_outcome(weights, outcome)
+         type(weights_t), intent(in) :: weights
+         type(outcome_t), intent(out) :: outcome
+         real(wp) :: added(parameters_of_weight, size(model%reference))
+         integer :: i
+
+         added = 0.0_wp
+         do i = 1, size(weights%links)
+            if (.not. weights%mass(i) > lightest_shown*balance%mass) cycle
+            associate (of => added(:, weights%links(i)))
+               of(weight_mass) = weights%mass(i)
+               of(weight_px) = real(weights%moment(i), wp)
+               of(weight_py) = aimag(weights%moment(i))
+               of(weight_inertia) = (of(weight_px)**2 + of(weight_py)**2)/of(weight_mass)
+            end associate
+         end do
+         call describe(model, anchor, study, added, outcome)
+         outcome%bound = weights%bound
+         outcome%gap = weights%gap
+         outcome%residual = weights%residual
+      end subroutine make_outcome
+   end subroutine balance_completely
+
+   !> Weights and loads of what is added.
+   subroutine describe(model, anchor, study, added, outcome)
+      type(force_model_t), intent(in) :: model
+      real(wp), intent(in) :: anchor(:, :), added(:, :)
+      type(balance_study_t), intent(in) :: study
+      type(outcome_t), intent(inout) :: outcome
+      type(weight_t) :: weight
+      real(wp) :: centre(2), place(2)
+      integer :: b, k
+
+      allocate (outcome%weights(0))
+      do b = 1, size(added, 2)
+         if (.not. added(weight_mass, b) > 0.0_wp) cycle
+         weight%body = b
+         weight%link = trim(study%names(b))
+         weight%mass = added(weight_mass, b)
+         centre = added(weight_px:weight_py, b)/weight%mass
+         weight%inertia = max(0.0_wp, added(weight_inertia, b) - weight%mass*sum(centre**2))
+         if (weight%inertia <= 1.0e-12_wp*added(weight_inertia, b)) weight%inertia = 0.0_wp
+         weight%distance = hypotenuse(centre(1), centre(2))/model%metre
+         weight%angle = 0.0_wp
+         if (weight%distance > 0.0_wp) weight%angle = plain(degrees_of(centre(1), centre(2)))
+         place = centre + anchor(:, b)
+         weight%from_end = hypotenuse(place(1), place(2))/model%metre
+         weight%angle_end = 0.0_wp
+         if (weight%from_end > 0.0_wp) weight%angle_end = plain(degrees_of(place(1), place(2)))
+         outcome%weights = [outcome%weights, weight]
+      end do
+      outcome%total = sum(outcome%weights%mass)
+      outcome%loads = [(measure_of(study%channels(k), added), k=1, size(study%channels))]
+   end subroutine describe
+
+   !> A direction without the rounding of one along the link.
+   pure real(wp) function plain(angle)
+      real(wp), intent(in) :: angle
+
+      plain = angle
+      if (abs(plain) <= rounding_of_angles) plain = 0.0_wp
+      if (abs(abs(plain) - half_turn) <= rounding_of_angles) plain = half_turn
+   end function plain
+
+   !> Places of values in rising order; of equal ones the first comes first.
+   pure function ascending(key) result(order)
+      real(wp), intent(in) :: key(:)
+      integer :: order(size(key)), i, k, moved
+
+      do i = 1, size(key)
+         moved = i
+         k = i
+         do while (k > 1)
+            if (key(order(k - 1)) <= key(moved)) exit
+            order(k) = order(k - 1)
+            k = k - 1
+         end do
+         order(k) = moved
+      end do
+   end function ascending
+
+   ! ---- composites --------------------------------------------------------------------------------------------------
+
+   subroutine find_optimum(set, mechanism, model, anchor, balance, rooms, study)
+      type(data_set_t), intent(in) :: set
+      type(mechanism_t), intent(in) :: mechanism
+      type(force_model_t), intent(in) :: model
+      real(wp), intent(in) :: anchor(:, :)
+      type(force_balance_t), intent(in) :: balance
+      type(room_t), intent(in) :: rooms(:)
+      type(balance_study_t), intent(inout) :: study
+      type(aim_t) :: aim
+      real(wp) :: none(parameters_of_weight, size(model%reference))
+      integer :: k, place
+
+      aim = aim_of(set)
+      do k = 1, measure_torque
+         if (set%balance%tolerance(k) > 0.0_wp) call count_in(k, set%balance%tolerance(k))
+      end do
+      do k = 1, size(set%balance%joints)
+         call count_in(first_joint_channel - 1 + joint_at(mechanism, set%balance%joints(k)), set%balance%joint_tolerance(k))
+      end do
+      aim%mass_tolerance = set%balance%tolerance(measure_mass)
+      aim%peaks = set%balance%peaks
+      aim%exact = set%balance%exact /= 0
+      if (aim%exact .and. .not. study%feasible) return
+      none = 0.0_wp
+      study%composite = composite_of(study%channels, aim, none)
+      allocate (study%found)
+      call least_composite(study%channels, rooms, aim, balance, study%found)
+      if (.not. study%found%found) return
+      where (study%found%added(weight_mass, :) <= lightest_shown*balance%mass) study%found%added(weight_mass, :) = 0.0_wp
+      do k = 1, size(study%found%added, 2)
+         if (.not. study%found%added(weight_mass, k) > 0.0_wp) study%found%added(:, k) = 0.0_wp
+      end do
+      study%found%value = composite_of(study%channels, aim, study%found%added)
+      allocate (study%optimum)
+      call describe(model, anchor, study, study%found%added, study%optimum)
+      study%optimum%bound = study%found%bound
+      study%optimum%gap = study%found%gap
+      study%optimum%residual = study%found%residual
+      do k = 1, size(study%optimum%weights)
+         place = findloc(rooms%link, study%optimum%weights(k)%body, dim=1)
+         study%optimum%weights(k)%radius = study%found%radius(place)/model%metre
+         study%optimum%weights(k)%thickness = study%found%thickness(place)/model%metre
+      end do
+
+   contains
+
+      subroutine count_in(channel, tolerance)
+         integer, intent(in) :: channel
+         real(wp), intent(in) :: tolerance
+
+         aim%channels = [aim%channels, channel]
+         aim%tolerance = [aim%tolerance, tolerance]
+      end subroutine count_in
+   end subroutine find_optimum
+
+   !> An aim without criteria.
+   pure type(aim_t) function aim_of(set) result(aim)
+      type(data_set_t), intent(in) :: set
+
+      aim%form = set%balance%form
+      aim%density = set%balance%density
+      aim%starts = set%balance%starts
+      aim%seed = set%balance%seed
+      allocate (aim%channels(0), aim%tolerance(0), aim%limited(0), aim%limit(0))
+   end function aim_of
+
+   !> The least shaking force for masses: what a mass buys.
+   subroutine spend_budgets(set, balance, rooms, study)
+      type(data_set_t), intent(in) :: set
+      type(force_balance_t), intent(in) :: balance
+      type(room_t), intent(in) :: rooms(:)
+      type(balance_study_t), intent(inout) :: study
+      type(aim_t) :: aim
+      type(design_t) :: design
+      type(measure_t) :: measure
+      integer :: k
+
+      allocate (study%budgets(size(set%balance%budgets)))
+      do k = 1, size(study%budgets)
+         aim = aim_of(set)
+         aim%form = form_point
+         aim%channels = [channel_force]
+         aim%tolerance = [1.0_wp]
+         aim%budget = max(set%balance%budgets(k), tiny(1.0_wp)**0.25_wp)
+         call least_composite(study%channels, rooms, aim, balance, design)
+         associate (point => study%budgets(k))
+            measure = measure_of(study%channels(channel_force), design%added)
+            point%first = measure%rms
+            point%second = set%balance%budgets(k)
+            point%bound = sqrt(design%bound/real(2*size(study%channels(channel_force)%bare, 1), wp))
+            point%total = design%total
+            if (set%balance%budgets(k) > 0.0_wp) cycle
+            point%first = study%before(channel_force)%rms
+            point%bound = point%first
+            point%total = 0.0_wp
+         end associate
+      end do
+   end subroutine spend_budgets
+
+   !> Points of a front of two criteria, from the least of the first to the least of the second, at even steps of the second.
+   !>
+   !> Weights are bodies, so that every point is a global optimum.
+   subroutine find_front(set, balance, rooms, study)
+      type(data_set_t), intent(in) :: set
+      type(force_balance_t), intent(in) :: balance
+      type(room_t), intent(in) :: rooms(:)
+      type(balance_study_t), intent(inout) :: study
+      type(front_point_t) :: point
+      type(design_t) :: ends(2), design
+      real(wp) :: low, high, limit
+      integer :: k
+
+      allocate (study%front(0))
+      associate (first => set%balance%front_of(1), second => set%balance%front_of(2), points => set%balance%front)
+         call least_composite(study%channels, rooms, aim_at(first), balance, ends(1))
+         call least_composite(study%channels, rooms, aim_at(second), balance, ends(2))
+         if (.not. (ends(1)%found .and. ends(2)%found)) return
+         high = amount(second, ends(1)%added)
+         low = amount(second, ends(2)%added)
+         do k = 1, points
+            limit = high - (high - low)*real(k - 1, wp)/real(max(points - 1, 1), wp)
+            design = ends(1)
+            if (k > 1) call least_composite(study%channels, rooms, aim_at(first, second, max(limit, 1.0e-9_wp*high)), &
+                                            balance, design)
+            if (.not. design%found) cycle
+            point%first = amount(first, design%added)
+            point%second = amount(second, design%added)
+            point%total = design%total
+            point%bound = design%bound
+            if (first /= measure_mass) point%bound = sqrt(design%bound/real(size(study%channels(first)%bare), wp))
+            if (first == measure_mass) point%bound = sqrt(design%bound/real(size(study%channels(1)%bare, 1), wp))
+            study%front = [study%front, point]
+         end do
+      end associate
+
+   contains
+
+      !> One criterion to be made least, another limited.
+      type(aim_t) function aim_at(measure, limited, limit) result(aim)
+         integer, intent(in) :: measure
+         integer, intent(in), optional :: limited
+         real(wp), intent(in), optional :: limit
+
+         aim = aim_of(set)
+         aim%form = form_body
+         if (measure == measure_mass) then
+            aim%mass_tolerance = 1.0_wp
+         else
+            aim%channels = [measure]
+            aim%tolerance = [1.0_wp]
+         end if
+         if (.not. present(limited)) return
+         if (limited == measure_mass) then
+            aim%budget = limit
+         else
+            aim%limited = [limited]
+            aim%limit = [limit]
+         end if
+      end function aim_at
+
+      real(wp) function amount(measure, added)
+         integer, intent(in) :: measure
+         real(wp), intent(in) :: added(:, :)
+         type(measure_t) :: of
+
+         if (measure == measure_mass) then
+            amount = sum(added(weight_mass, :))
+         else
+            of = measure_of(study%channels(measure), added)
+            amount = of%rms
+         end if
+      end function amount
+   end subroutine find_front
+end module psalm_balance_study

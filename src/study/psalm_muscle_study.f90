@@ -1,0 +1,47 @@
+!> Everything that muscle finds for a case: what cannot be studied is found before any work is done. Data in, results out.
+module psalm_muscle_study
+   use psalm_balance_study, only: balance_study_t, judge_balance, find_balance
+   use psalm_data_set, only: data_set_t
+   use psalm_error, only: problem_t
+   use psalm_preparation, only: prepared_t
+   use psalm_status, only: diagnostics_t
+   implicit none (type, external)
+   private
+   public :: muscle_study_t, check_muscle, find_muscle
+
+   !> What a case asks for is allocated.
+   type :: muscle_study_t
+      type(balance_study_t), allocatable :: balance
+   end type muscle_study_t
+
+contains
+
+   !> Errors: nothing asked for, groups that do not fit the linkage.
+   subroutine check_muscle(set, prepared, findings)
+      type(data_set_t), intent(in) :: set
+      type(prepared_t), intent(in) :: prepared
+      type(diagnostics_t), intent(inout) :: findings
+
+      if (.not. set%balance%given) then
+         call findings%error('the case asks for nothing: give &BALANC', line=set%title_line)
+         return
+      end if
+      if (set%balance%given .and. .not. set%masses%given) then
+         call findings%error('the group is missing: there are no masses to balance', line=set%title_line, group='MASSES')
+      end if
+      if (set%balance%given) call judge_balance(set, prepared%mechanism, prepared%given, findings)
+   end subroutine check_muscle
+
+   !> Studies of a case that `check_muscle` found no fault with.
+   subroutine find_muscle(set, problem, prepared, study)
+      type(data_set_t), intent(in) :: set
+      type(problem_t), intent(in) :: problem
+      type(prepared_t), intent(in) :: prepared
+      type(muscle_study_t), intent(out) :: study
+
+      if (set%balance%given) then
+         allocate (study%balance)
+         call find_balance(set, problem, prepared%given, study%balance)
+      end if
+   end subroutine find_muscle
+end module psalm_muscle_study

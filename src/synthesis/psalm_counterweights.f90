@@ -1,0 +1,675 @@
+!> Counterweights that make a composite of loads least: shaking force and moment, drive torque, joints, added mass, each over its
+!> tolerance.
+!>
+!> What is added to a link is (m, px, py, I) about its anchor, and every load is linear in it. Of a body within a reach R of the
+!> anchor these are a convex set - m I >= |p|**2, I <= R**2 m - so that the least sum of squares, or the least of the greatest
+!> values, is a convex problem: its global optimum comes with a lower bound that proves it. Of one point I is |p|**2/m, of a disc
+!> of thickness t and density rho |p|**2/m + m**2/(2 pi rho t): no convex sets, but those with >= in place of = are, and give a
+!> bound. There the search goes by tangents: I is replaced by its tangent at the last centre and radius, which leaves a
+!> convex problem for masses, moments and thicknesses, with centres near the last ones; from many starts. Source of the loads
+!> and of discs: Haines (about 1982), chapter 8; the convex form is derived in `doc/theory.md`, Counterweights.
+module psalm_counterweights
+   use psalm_balance_group, only: form_point, form_body, form_disc
+   use psalm_conic, only: conic_t, conic_solution_t, solve_conic
+   use psalm_force_balance, only: force_balance_t, solve_moments, heaviest
+   use psalm_kinds, only: wp, pi
+   use psalm_linear, only: product_of, triangle_of, along_columns
+   use psalm_linear_loads, only: channel_t, values_of, parameters_of_weight, weight_mass, weight_px, weight_py, weight_inertia
+   use psalm_xoshiro, only: xoshiro_t, purpose_starts
+   implicit none (type, external)
+   private
+   public :: room_t, aim_t, design_t, least_composite, composite_of
+
+   real(wp), parameter :: preference = 1.0e-8_wp   !! of the bare composite that a mass of the linkage counts: of equals the
+                                                   !! lightest are found
+   real(wp), parameter :: least_move = 1.0e-6_wp   !! part of the reach: the search by tangents ends with such moves of the centres
+   real(wp), parameter :: least_gain = 1.0e-12_wp  !! relative gain of a step that is one of the last
+   real(wp), parameter :: proven = 1.0e-6_wp       !! relative distance from the lower bound at which a local optimum is global
+   real(wp), parameter :: breadth = 1.0e-6_wp      !! part of a limit by which limits that leave no room are moved apart
+   integer, parameter :: most_steps = 60           !! of the search by tangents from one start
+   integer, parameter :: mode_convex = 1, mode_tangent = 2
+
+   !> Room for a weight on a link.
+   type :: room_t
+      integer :: link = 0
+      real(wp) :: reach = 0.0_wp                   !! of its centre from the anchor, m; above 0
+      real(wp) :: most = 0.0_wp                    !! kg; 0: no limit
+      real(wp) :: radius(2) = 0.0_wp, thickness(2) = 0.0_wp !! of a disc, least and greatest, m
+   end type room_t
+
+   !> What is wanted.
+   type :: aim_t
+      integer :: form = form_body
+      real(wp) :: density = 0.0_wp                 !! of discs, kg/m3
+      integer, allocatable :: channels(:)          !! that count
+      real(wp), allocatable :: tolerance(:)        !! of these: N, N m
+      real(wp) :: mass_tolerance = 0.0_wp          !! kg; 0: mass does not count
+      logical :: peaks = .false.                   !! the greatest value over its tolerance; else the sum of squares over positions
+      logical :: exact = .false.                   !! force balance stays complete
+      real(wp) :: budget = -1.0_wp                 !! of added mass, kg; negative: none
+      integer, allocatable :: limited(:)           !! channels of which the RMS is limited
+      real(wp), allocatable :: limit(:)            !! RMS, components pooled
+      integer :: starts = 1, seed = 1
+   end type aim_t
+
+   !> Weights found.
+   type :: design_t
+      real(wp), allocatable :: added(:, :)         !! shape (4, links): about the anchors
+      real(wp), allocatable :: radius(:), thickness(:) !! of discs, by room, m
+      real(wp) :: value = huge(1.0_wp)             !! sum of squares, or the greatest value over its tolerance
+      real(wp) :: bound = 0.0_wp                   !! no weights of this form, or mass, have less
+      real(wp) :: gap = 0.0_wp, residual = 0.0_wp  !! of the convex problem's optimality conditions
+      real(wp) :: total = 0.0_wp                   !! kg
+      integer :: starts = 0, ended_here = 0        !! of the search by tangents: made, and those that ended as low
+      logical :: convex = .false.                  !! the global optimum of a convex problem, proven by the gap
+      logical :: proven = .false.                  !! a global optimum, proven by the bound
+      logical :: found = .false.
+   end type design_t
+
+contains
+
+   !> The composite of some weights, from the loads themselves.
+   pure real(wp) function composite_of(channels, aim, added) result(value)
+      type(channel_t), intent(in) :: channels(:)
+      type(aim_t), intent(in) :: aim
+      real(wp), intent(in) :: added(:, :)          !! shape (4, links)
+      real(wp), allocatable :: values(:, :)
+      real(wp) :: mass
+      integer :: k
+
+      value = 0.0_wp
+      mass = sum(added(weight_mass, :))
+      do k = 1, size(aim%channels)
+         values = values_of(channels(aim%channels(k)), added)/aim%tolerance(k)
+         if (aim%peaks) then
+            value = max(value, sqrt(maxval(sum(values**2, dim=2))))
+         else
+            value = value + sum(values**2)
+         end if
+      end do
+      if (.not. aim%mass_tolerance > 0.0_wp) return
+      if (aim%peaks) then
+         value = max(value, mass/aim%mass_tolerance)
+      else
+         value = value + real(size(channels(1)%bare, 1), wp)*(mass/aim%mass_tolerance)**2
+      end if
+   end function composite_of
+
+   !> The weights with the least composite. Not found: the limits leave none, as when force balance must stay complete and cannot.
+   subroutine least_composite(channels, given, aim, balance, design)
+      type(channel_t), intent(in) :: channels(:)
+      type(room_t), intent(in) :: given(:)
+      type(aim_t), intent(in) :: aim
+      type(force_balance_t), intent(in) :: balance
+      type(design_t), intent(out) :: design
+      type(design_t) :: tried
+      type(xoshiro_t) :: random
+      type(room_t) :: rooms(size(given))
+      real(wp) :: centre(2, size(given)), radius(size(given)), bound
+      real(wp) :: values(max(aim%starts, 1))
+      logical :: sound
+      integer :: start, ended
+
+      rooms = given
+      do start = 1, size(rooms)
+         rooms(start)%radius = rooms(start)%radius*[1.0_wp - breadth, 1.0_wp + breadth]
+         rooms(start)%thickness = rooms(start)%thickness*[1.0_wp - breadth, 1.0_wp + breadth]
+      end do
+      call solve_step(channels, rooms, aim, balance, mode_convex, 0.0_wp, tried)
+      if (.not. tried%found) return
+      call solve_step(channels, rooms, aim, balance, mode_convex, preference, design)
+      if (.not. design%found) design = tried
+      ! the bound is that of the composite alone
+      design%bound = tried%bound
+      design%gap = max(design%gap, tried%gap)
+      design%residual = max(design%residual, tried%residual)
+      design%convex = aim%form == form_body .or. only_force_counts(channels, aim)
+      if (aim%form == form_body) return
+      if (aim%form == form_point .and. design%convex) then
+         ! the moment of inertia is without effect: each may be one point
+         where (design%added(weight_mass, :) > 0.0_wp) design%added(weight_inertia, :) = &
+            (design%added(weight_px, :)**2 + design%added(weight_py, :)**2)/max(design%added(weight_mass, :), tiny(1.0_wp))
+         return
+      end if
+      design%convex = .false.
+      bound = design%bound
+      ! the first start is where the convex problem has its centres
+      tried = design
+      design%value = huge(1.0_wp)
+      design%found = .false.
+      ended = 0
+      call random%seed(aim%seed, purpose_starts)
+      do start = 1, aim%starts
+         if (start == 1) then
+            call centres_of(tried, rooms, aim, centre, radius)
+         else
+            call random%use_stream(start)
+            call draw_centres(random, rooms, centre, radius)
+         end if
+         call go_by_tangents(channels, rooms, aim, balance, centre, radius, tried, sound)
+         if (.not. sound) cycle
+         ended = ended + 1
+         values(ended) = tried%value
+         if (tried%value < design%value) design = tried
+         if (design%value - bound <= proven*design%value) exit
+      end do
+      design%starts = min(start, aim%starts)
+      design%ended_here = count(values(:ended) <= design%value*(1.0_wp + proven))
+      design%bound = bound
+      design%proven = design%found .and. design%value - bound <= proven*design%value
+   end subroutine least_composite
+
+   !> True if no load that counts depends on moments of inertia.
+   pure logical function only_force_counts(channels, aim) result(only)
+      type(channel_t), intent(in) :: channels(:)
+      type(aim_t), intent(in) :: aim
+      integer :: k
+
+      only = .true.
+      do k = 1, size(aim%channels)
+         only = only .and. all(abs(channels(aim%channels(k))%slope(:, :, weight_inertia, :)) <= 0.0_wp)
+      end do
+      do k = 1, size(aim%limited)
+         only = only .and. all(abs(channels(aim%limited(k))%slope(:, :, weight_inertia, :)) <= 0.0_wp)
+      end do
+   end function only_force_counts
+
+   !> Centres of a design, and radii that its masses have as discs of the greatest thickness.
+   pure subroutine centres_of(design, rooms, aim, centre, radius)
+      type(design_t), intent(in) :: design
+      type(room_t), intent(in) :: rooms(:)
+      type(aim_t), intent(in) :: aim
+      real(wp), intent(out) :: centre(:, :), radius(:)
+      integer :: k
+
+      radius = 0.0_wp
+      do k = 1, size(rooms)
+         associate (added => design%added(:, rooms(k)%link))
+            centre(:, k) = 0.0_wp
+            if (added(weight_mass) > 0.0_wp) centre(:, k) = added(weight_px:weight_py)/added(weight_mass)
+            if (aim%form /= form_disc) cycle
+            radius(k) = sqrt(added(weight_mass)/(pi*aim%density*rooms(k)%thickness(2)))
+            radius(k) = min(max(radius(k), rooms(k)%radius(1)), rooms(k)%radius(2))
+         end associate
+      end do
+   end subroutine centres_of
+
+   !> Centres anywhere within the reach, radii anywhere between their limits.
+   subroutine draw_centres(random, rooms, centre, radius)
+      type(xoshiro_t), intent(inout) :: random
+      type(room_t), intent(in) :: rooms(:)
+      real(wp), intent(out) :: centre(:, :), radius(:)
+      real(wp) :: draw
+      integer :: k, c
+
+      do k = 1, size(rooms)
+         do
+            do c = 1, 2
+               call random%next(draw)
+               centre(c, k) = 2.0_wp*draw - 1.0_wp
+            end do
+            if (sum(centre(:, k)**2) <= 1.0_wp) exit
+         end do
+         centre(:, k) = rooms(k)%reach*centre(:, k)
+         call random%next(draw)
+         radius(k) = rooms(k)%radius(1) + draw*(rooms(k)%radius(2) - rooms(k)%radius(1))
+      end do
+   end subroutine draw_centres
+
+   !> A local optimum from a start, for points and discs.
+   subroutine go_by_tangents(channels, rooms, aim, balance, centre, radius, best, sound)
+      type(channel_t), intent(in) :: channels(:)
+      type(room_t), intent(in) :: rooms(:)
+      type(aim_t), intent(in) :: aim
+      type(force_balance_t), intent(in) :: balance
+      real(wp), intent(inout) :: centre(:, :), radius(:) !! shapes (2, rooms), (rooms)
+      type(design_t), intent(out) :: best
+      logical, intent(out) :: sound
+      type(design_t) :: tried
+      real(wp) :: move, gain
+      integer :: step
+
+      move = 1.0_wp
+      sound = .false.
+      do step = 1, most_steps
+         call solve_step(channels, rooms, aim, balance, mode_tangent, preference, tried, centre, radius, move)
+         if (.not. tried%found) then
+            if (step == 1) return
+            exit
+         end if
+         call realise(rooms, aim, tried)
+         tried%value = composite_of(channels, aim, tried%added)
+         if (.not. sound .or. tried%value < best%value) then
+            gain = huge(1.0_wp)
+            if (sound) gain = (best%value - tried%value)/max(best%value, tiny(1.0_wp))
+            best = tried
+            sound = .true.
+            call take_centres(rooms, aim, best, centre, radius)
+            if (gain <= least_gain) exit
+            if (gain < huge(1.0_wp)) move = min(1.0_wp, 2.0_wp*move)
+         else
+            move = 0.25_wp*move
+            if (move < least_move) exit
+         end if
+      end do
+   end subroutine go_by_tangents
+
+   !> Centres and radii of what was found; a weight without mass keeps those it had.
+   pure subroutine take_centres(rooms, aim, design, centre, radius)
+      type(room_t), intent(in) :: rooms(:)
+      type(aim_t), intent(in) :: aim
+      type(design_t), intent(in) :: design
+      real(wp), intent(inout) :: centre(:, :), radius(:)
+      integer :: k
+
+      do k = 1, size(rooms)
+         associate (added => design%added(:, rooms(k)%link))
+            if (.not. added(weight_mass) > 0.0_wp) cycle
+            centre(:, k) = added(weight_px:weight_py)/added(weight_mass)
+            if (aim%form == form_disc) radius(k) = design%radius(k)
+         end associate
+      end do
+   end subroutine take_centres
+
+   !> The moments of inertia that points and discs of these masses and places really have.
+   pure subroutine realise(rooms, aim, design)
+      type(room_t), intent(in) :: rooms(:)
+      type(aim_t), intent(in) :: aim
+      type(design_t), intent(inout) :: design
+      integer :: k
+
+      do k = 1, size(rooms)
+         associate (added => design%added(:, rooms(k)%link))
+            added(weight_inertia) = 0.0_wp
+            if (.not. added(weight_mass) > 0.0_wp) cycle
+            added(weight_inertia) = sum(added(weight_px:weight_py)**2)/added(weight_mass)
+            if (aim%form == form_disc) added(weight_inertia) = added(weight_inertia) + 0.5_wp*added(weight_mass)*design%radius(k)**2
+         end associate
+      end do
+   end subroutine realise
+
+   ! ---- the convex problem ------------------------------------------------------------------------------------------
+
+   !> Solve the convex problem: with a moment of inertia of its own for each weight, or with tangents at centres and radii.
+   subroutine solve_step(channels, rooms, aim, balance, mode, lightness, design, centre, radius, move)
+      type(channel_t), intent(in) :: channels(:)
+      type(room_t), intent(in) :: rooms(:)
+      type(aim_t), intent(in) :: aim
+      type(force_balance_t), intent(in) :: balance
+      integer, intent(in) :: mode
+      real(wp), intent(in) :: lightness            !! what a mass of the linkage counts, in bare composites
+      type(design_t), intent(out) :: design
+      real(wp), intent(in), optional :: centre(:, :), radius(:) !! of the tangents
+      real(wp), intent(in), optional :: move       !! greatest move of a centre, in reaches
+      type(conic_t) :: problem
+      type(conic_solution_t) :: solution
+      real(wp), allocatable :: to_added(:, :), rows(:, :), x(:), origin(:), span(:, :)
+      real(wp) :: unit, bare, none(parameters_of_weight, size(channels(1)%slope, 4)), scale
+      integer, allocatable :: first(:)
+      integer :: each, n, k, row, cone, tau, c, i, comps, positions
+      logical :: disc, sound
+
+      allocate (design%added(parameters_of_weight, size(channels(1)%slope, 4)), source=0.0_wp)
+      allocate (design%radius(size(rooms)), design%thickness(size(rooms)), source=0.0_wp)
+      disc = aim%form == form_disc
+      positions = size(channels(1)%bare, 1)
+      unit = max(balance%mass, tiny(1.0_wp))
+      none = 0.0_wp
+      bare = composite_of(channels, aim, none)
+      if (.not. aim%peaks) bare = sqrt(bare)
+      if (.not. bare > 0.0_wp) bare = 1.0_wp
+      ! unknowns of a weight: m, px, py, then of a body I, of a disc the parts of I or in tangents its thickness
+      each = 3
+      if (mode == mode_convex) each = merge(5, 4, disc)
+      if (mode == mode_tangent .and. disc) each = 4
+      first = [(each*(k - 1) + 1, k=1, size(rooms))]
+      tau = each*size(rooms) + 1
+      n = tau
+      call fill_map()
+      call allow_exact(sound)
+      if (.not. sound) return
+      call count_rows()
+      call fill_limits()
+      call fill_objective()
+      call eliminate()
+      call solve_conic(problem, solution)
+      design%found = solution%solved
+      if (.not. solution%solved) return
+      x = origin
+      do k = 1, size(solution%x)
+         x = x + span(:, k)*solution%x(k)
+      end do
+      do k = 1, size(rooms)
+         associate (part => x(first(k):first(k) + each - 1), added => design%added(:, rooms(k)%link))
+            do i = 1, each
+               added = added + to_added(:, first(k) + i - 1)*part(i)
+            end do
+            added(weight_mass) = max(added(weight_mass), 0.0_wp)
+            if (.not. disc) cycle
+            design%thickness(k) = rooms(k)%thickness(2)
+            if (mode == mode_tangent) design%thickness(k) = min(max(part(4)*rooms(k)%thickness(2), rooms(k)%thickness(1), &
+                                                                    tiny(1.0_wp)), rooms(k)%thickness(2))
+            design%radius(k) = sqrt(added(weight_mass)/(pi*aim%density*design%thickness(k)))
+         end associate
+      end do
+      design%total = sum(design%added(weight_mass, :))
+      design%gap = solution%gap
+      design%residual = solution%residual
+      design%value = composite_of(channels, aim, design%added)
+      design%bound = max(0.0_wp, solution%bound*bare)
+      if (.not. aim%peaks) design%bound = design%bound**2
+
+   contains
+
+      !> What unknowns add to the links: masses are in masses of the linkage, lengths in reaches, thicknesses in the greatest.
+      subroutine fill_map()
+         real(wp) :: r2
+
+         allocate (to_added(parameters_of_weight, n), source=0.0_wp)
+         do k = 1, size(rooms)
+            associate (at => first(k), l => rooms(k)%reach)
+               to_added(weight_mass, at) = unit
+               to_added(weight_px, at + 1) = unit*l
+               to_added(weight_py, at + 2) = unit*l
+               if (mode == mode_convex) then
+                  to_added(weight_inertia, at + 3:at + each - 1) = unit*l**2
+               else
+                  r2 = 0.0_wp
+                  if (disc) r2 = radius(k)**2
+                  to_added(weight_inertia, at) = unit*(r2 - sum(centre(:, k)**2))
+                  to_added(weight_inertia, at + 1) = 2.0_wp*unit*l*centre(1, k)
+                  to_added(weight_inertia, at + 2) = 2.0_wp*unit*l*centre(2, k)
+                  if (disc) to_added(weight_inertia, at + 3) = -0.5_wp*pi*aim%density*rooms(k)%thickness(2)*r2**2
+               end if
+            end associate
+         end do
+      end subroutine fill_map
+
+      !> Complete force balance leaves the moments of an independent choice of links no freedom: x = origin + span*y.
+      subroutine allow_exact(sound)
+         logical, intent(out) :: sound
+         integer, allocatable :: basis(:), free(:)
+         complex(wp), allocatable :: right(:, :)
+         complex(wp) :: value
+         integer :: j, at, column, kept(n), count_kept, place
+
+         allocate (origin(n), source=0.0_wp)
+         sound = .true.
+         if (.not. aim%exact) then
+            allocate (span(n, n), source=0.0_wp)
+            do j = 1, n
+               span(j, j) = 1.0_wp
+            end do
+            return
+         end if
+         call solve_moments(balance, rooms%link, basis, free, right, sound)
+         if (.not. sound) return
+         count_kept = 0
+         do j = 1, n
+            place = (j - 1)/each + 1
+            if (j < tau .and. (j == first(min(place, size(rooms))) + 1 .or. j == first(min(place, size(rooms))) + 2)) then
+               if (any(basis == rooms(place)%link)) cycle
+            end if
+            count_kept = count_kept + 1
+            kept(count_kept) = j
+         end do
+         allocate (span(n, count_kept), source=0.0_wp)
+         do j = 1, count_kept
+            span(kept(j), j) = 1.0_wp
+         end do
+         do k = 1, size(basis)
+            at = first(findloc(rooms%link, basis(k), dim=1))
+            scale = unit*rooms((at - 1)/each + 1)%reach
+            origin(at + 1:at + 2) = [real(right(k, 1), wp), aimag(right(k, 1))]/scale
+            do j = 1, count_kept
+               if (kept(j) == tau) cycle
+               place = (kept(j) - 1)/each + 1
+               column = kept(j) - first(place)
+               if (column == 0) then
+                  value = right(k, 1 + place)*unit
+               else if (column <= 2 .and. all(basis /= rooms(place)%link)) then
+                  value = right(k, 1 + size(rooms) + findloc(free, rooms(place)%link, dim=1))*unit*rooms(place)%reach
+                  if (column == 2) value = value*(0.0_wp, 1.0_wp)
+               else
+                  cycle
+               end if
+               span(at + 1:at + 2, j) = [real(value, wp), aimag(value)]/scale
+            end do
+         end do
+      end subroutine allow_exact
+
+      subroutine count_rows()
+         integer :: lines
+         integer, allocatable :: sizes(:)
+
+         lines = 2*size(rooms)                    ! greatest mass, greatest inertia or least mass
+         if (disc) lines = lines + 4*size(rooms)
+         if (aim%budget >= 0.0_wp) lines = lines + 1
+         lines = lines + 1
+         if (aim%peaks .and. aim%mass_tolerance > 0.0_wp) lines = lines + 1
+         if (mode == mode_convex) then
+            sizes = spread(4, 1, size(rooms))
+            if (disc) sizes = [([4, 3, 3], i=1, size(rooms))]
+         else
+            sizes = spread(3, 1, 2*size(rooms))
+         end if
+         do i = 1, size(aim%limited)
+            sizes = [sizes, n + 2]
+         end do
+         if (aim%peaks) then
+            do i = 1, size(aim%channels)
+               sizes = [sizes, spread(size(channels(aim%channels(i))%bare, 2) + 1, 1, positions)]
+            end do
+         else
+            sizes = [sizes, n + 2]
+         end if
+         problem%lines = lines
+         problem%cones = sizes
+         allocate (problem%q(n), problem%g(lines + sum(sizes), n), problem%h(lines + sum(sizes)), source=0.0_wp)
+         problem%q(tau) = 1.0_wp
+         do k = 1, size(rooms)
+            problem%q(first(k)) = lightness
+         end do
+      end subroutine count_rows
+
+      !> Rows of the limits: s = h - Gx.
+      subroutine fill_limits()
+         real(wp) :: cap, disc_mass, inner
+         integer :: at
+
+         row = 0
+         cone = problem%lines
+         do k = 1, size(rooms)
+            associate (room => rooms(k), g => problem%g, h => problem%h)
+               at = first(k)
+               cap = heaviest
+               if (room%most > 0.0_wp) cap = room%most/unit
+               row = row + 1
+               g(row, at) = 1.0_wp
+               h(row) = cap
+               row = row + 1
+               if (mode == mode_convex) then
+                  ! I <= (reach**2 + half of a disc's radius squared) m
+                  g(row, at + 3:at + each - 1) = 1.0_wp
+                  g(row, at) = -1.0_wp
+                  if (disc) g(row, at) = -(1.0_wp + 0.5_wp*(room%radius(2)/room%reach)**2)
+               else
+                  g(row, at) = -1.0_wp
+               end if
+               if (disc) then
+                  disc_mass = pi*aim%density*room%thickness(2)/unit
+                  row = row + 1
+                  if (mode == mode_convex) then
+                     g(row, at) = -1.0_wp
+                     h(row) = -disc_mass*room%radius(1)**2*room%thickness(1)/room%thickness(2)
+                     row = row + 1
+                     g(row, at) = 1.0_wp
+                     h(row) = disc_mass*room%radius(2)**2
+                     ! half the radius squared lies between its limits
+                     row = row + 1
+                     g(row, at + 4) = 1.0_wp
+                     g(row, at) = -0.5_wp*(room%radius(2)/room%reach)**2
+                     row = row + 1
+                     g(row, at + 4) = -1.0_wp
+                     g(row, at) = 0.5_wp*(room%radius(1)/room%reach)**2
+                  else
+                     ! pi rho r**2 t between the limits of the radius, and near the last one
+                     g(row, at) = -1.0_wp
+                     g(row, at + 3) = disc_mass*max(room%radius(1), radius(k) - move*(room%radius(2) - room%radius(1)))**2
+                     row = row + 1
+                     g(row, at) = 1.0_wp
+                     g(row, at + 3) = -disc_mass*min(room%radius(2), radius(k) + move*(room%radius(2) - room%radius(1)))**2
+                     row = row + 1
+                     g(row, at + 3) = 1.0_wp
+                     h(row) = 1.0_wp
+                     row = row + 1
+                     g(row, at + 3) = -1.0_wp
+                     h(row) = -room%thickness(1)/room%thickness(2)
+                  end if
+               end if
+            end associate
+         end do
+         if (aim%budget >= 0.0_wp) then
+            row = row + 1
+            problem%g(row, first) = 1.0_wp
+            problem%h(row) = aim%budget/unit
+         end if
+         row = row + 1
+         problem%g(row, tau) = 1.0_wp
+         problem%h(row) = 1.0e3_wp  ! none is worse than a thousand times the bare linkage
+         do k = 1, size(rooms)
+            associate (room => rooms(k), g => problem%g, h => problem%h)
+               at = first(k)
+               if (mode == mode_convex) then
+                  ! m I >= |p|**2
+                  g(cone + 1, [at, at + 3]) = -1.0_wp
+                  g(cone + 2, at + 1) = -2.0_wp
+                  g(cone + 3, at + 2) = -2.0_wp
+                  g(cone + 4, at + 3) = -1.0_wp
+                  g(cone + 4, at) = 1.0_wp
+                  cone = cone + 4
+                  if (.not. disc) cycle
+               end if
+               g(cone + 1, at) = -1.0_wp
+               g(cone + 2, at + 1) = -1.0_wp
+               g(cone + 3, at + 2) = -1.0_wp
+               cone = cone + 3
+               if (mode == mode_convex) then
+                  ! own inertia b >= m**2/(2 pi rho t)
+                  inner = 2.0_wp*pi*aim%density*room%thickness(2)*room%reach**2/unit
+                  g(cone + 1, at + 4) = -1.0_wp
+                  h(cone + 1) = 0.25_wp/inner
+                  g(cone + 2, at) = -1.0_wp/inner
+                  g(cone + 3, at + 4) = -1.0_wp
+                  h(cone + 3) = -0.25_wp/inner
+               else
+                  g(cone + 1, at) = -move
+                  g(cone + 2, at + 1) = -1.0_wp
+                  g(cone + 2, at) = centre(1, k)/room%reach
+                  g(cone + 3, at + 2) = -1.0_wp
+                  g(cone + 3, at) = centre(2, k)/room%reach
+               end if
+               cone = cone + 3
+            end associate
+         end do
+      end subroutine fill_limits
+
+      !> Loads over their tolerances by the unknowns, and the bare ones in the last column; all in bare composites.
+      subroutine fill_objective()
+         real(wp) :: mass_row(n + 1)
+         integer :: m, next
+
+         do i = 1, size(aim%limited)
+            associate (channel => channels(aim%limited(i)))
+               comps = size(channel%bare, 2)
+               ! the limit is the unit
+               rows = loads_of(channel, 1.0_wp/(sqrt(real(positions*comps, wp))*aim%limit(i)))
+               problem%h(cone + 1) = 1.0_wp
+               call put_triangle(triangle_of(rows))
+            end associate
+         end do
+         mass_row = 0.0_wp
+         if (aim%mass_tolerance > 0.0_wp) mass_row(first) = unit/(aim%mass_tolerance*bare)
+         if (aim%peaks) then
+            if (aim%mass_tolerance > 0.0_wp) then
+               row = row + 1
+               problem%g(row, :) = mass_row(:n)
+               problem%g(row, tau) = -1.0_wp
+            end if
+            do i = 1, size(aim%channels)
+               associate (channel => channels(aim%channels(i)))
+                  comps = size(channel%bare, 2)
+                  rows = loads_of(channel, 1.0_wp/(aim%tolerance(i)*bare))
+                  do k = 1, positions
+                     problem%g(cone + 1, tau) = -1.0_wp
+                     do c = 1, comps
+                        problem%g(cone + 1 + c, :) = -rows((c - 1)*positions + k, :n)
+                        problem%h(cone + 1 + c) = rows((c - 1)*positions + k, n + 1)
+                     end do
+                     cone = cone + 1 + comps
+                  end do
+               end associate
+            end do
+            return
+         end if
+         m = 1
+         do i = 1, size(aim%channels)
+            m = m + positions*size(channels(aim%channels(i))%bare, 2)
+         end do
+         if (allocated(rows)) deallocate (rows)
+         allocate (rows(m, n + 1))
+         next = 0
+         do i = 1, size(aim%channels)
+            associate (channel => channels(aim%channels(i)), more => positions*size(channels(aim%channels(i))%bare, 2))
+               rows(next + 1:next + more, :) = loads_of(channel, 1.0_wp/(aim%tolerance(i)*bare))
+               next = next + more
+            end associate
+         end do
+         rows(m, :) = sqrt(real(positions, wp))*mass_row
+         problem%g(cone + 1, tau) = -1.0_wp
+         call put_triangle(triangle_of(rows))
+      end subroutine fill_objective
+
+      !> Rows of a cone below its first one, of which the norm is that of all loads.
+      subroutine put_triangle(triangle)
+         real(wp), intent(in) :: triangle(:, :)    !! shape (n + 1, n + 1)
+
+         problem%g(cone + 2:cone + n + 2, :) = -triangle(:, :n)
+         problem%h(cone + 2:cone + n + 2) = triangle(:, n + 1)
+         cone = cone + n + 2
+      end subroutine put_triangle
+
+      !> A load by the unknowns, and bare in the last column. Shape: (components*positions, n + 1).
+      function loads_of(channel, factor) result(loads)
+         type(channel_t), intent(in) :: channel
+         real(wp), intent(in) :: factor
+         real(wp) :: loads(size(channel%bare), n + 1)
+         integer :: j, r, at, place
+
+         loads = 0.0_wp
+         do at = 1, size(channel%bare, 2)
+            place = (at - 1)*positions
+            loads(place + 1:place + positions, n + 1) = factor*channel%bare(:, at)
+            do j = 1, tau - 1
+               do r = 1, parameters_of_weight
+                  if (.not. abs(to_added(r, j)) > 0.0_wp) cycle
+                  loads(place + 1:place + positions, j) = loads(place + 1:place + positions, j) + &
+                                                         factor*to_added(r, j)*channel%slope(:, at, r, rooms((j - 1)/each + 1)%link)
+               end do
+            end do
+         end do
+      end function loads_of
+
+      !> The problem in the unknowns that complete balance leaves.
+      subroutine eliminate()
+         integer :: j
+
+         if (.not. aim%exact) return
+         do j = 1, n
+            if (abs(origin(j)) > 0.0_wp) problem%h = problem%h - origin(j)*problem%g(:, j)
+         end do
+         problem%g = product_of(problem%g, span)
+         problem%q = along_columns(span, problem%q)
+      end subroutine eliminate
+   end subroutine solve_step
+end module psalm_counterweights
