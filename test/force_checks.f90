@@ -255,14 +255,20 @@ contains
             call add_joint(j)
          end do
          rest(3, 2, i) = rest(3, 2, i) + merge(0.0_wp, table%value(i, column_drive), problem%mechanism%sliding_input)
+         rest(3, 1, i) = rest(3, 1, i) - merge(0.0_wp, table%value(i, column_drive), problem%mechanism%sliding_input)
          if (problem%mechanism%sliding_input) call add_drive_force()
+         ! the frame holds what the mechanism does to it
+         rest(:2, 1, i) = rest(:2, 1, i) - table%value(i, column_fx:column_fy)
+         rest(3, 1, i) = rest(3, 1, i) - (table%value(i, column_moment) - model%metre* &
+                                          (problem%output%origin_x*table%value(i, column_fy) - &
+                                           problem%output%origin_y*table%value(i, column_fx)))
       end do
       do i = 1, n
          if (.not. table%known(i)) cycle
          largest = maxval(abs(table%value(i, :)))
          ! moments are compared with the largest load on the arm of the whole linkage
          reach = max(1.0_wp, sum(problem%given%arcl)*model%metre)
-         worst = max(maxval(abs(rest(1:2, 2:, i))), maxval(abs(rest(3, 2:, i)))/reach)
+         worst = max(maxval(abs(rest(1:2, :, i))), maxval(abs(rest(3, :, i)))/reach)
          call t%is_true(worst <= 1.0e-13_wp*largest, trim(name)//': each link is in equilibrium', text_of(worst/largest))
       end do
 
@@ -394,6 +400,7 @@ contains
 
          call problem%linkage%arc_at(problem%plan, 1, i, u(1), u(2), length)
          call add_at(2, [0.0_wp, 0.0_wp], table%value(i, column_drive)*u, 0.0_wp)
+         call add_at(1, [0.0_wp, 0.0_wp], -table%value(i, column_drive)*u, 0.0_wp)
       end subroutine add_drive_force
    end subroutine every_link_in_equilibrium
 

@@ -17,3 +17,5 @@ done
 python3 "$top/test/accuracy.py" "$@" 2.220446049250313e-16 "$bin/psalm" "$quad/psalm" "$work"/*.nml
 python3 "$top/test/compare_columns.py" 1e-9 "$bin/kalm" "$quad/kalm" .kalm "$work"/dyad*.nml "$work"/textile.nml "$top/data/needle.nml" \
     "$top/data/brake_reaction.nml" "$top/data/chain_short.nml" "$work"/actuator_rapson_slide.nml "$work/chain64.nml"
+# Forces beside dead points.
+python3 "$top/test/force_accuracy.py" 2.220446049250313e-16 "$bin/kalm" "$quad/kalm"

@@ -392,12 +392,16 @@ contains
       type(state_t), intent(in) :: state
       type(place_of_forces_t), intent(inout) :: at
       real(wp), allocatable :: right(:), multiplier(:)
-      complex(wp) :: z
+      complex(wp) :: z, on_frame
+      real(wp) :: moment_on_frame
       integer :: g, k, m, d
 
       at%pair = (0.0_wp, 0.0_wp)
       at%couple = 0.0_wp
       at%drive = -at%push
+      ! what acts on all links together: forces between them cancel, however large they are beside a dead point
+      on_frame = sum(at%force)
+      moment_on_frame = sum(at%moment)
       do g = size(closure%groups), 1, -1
          associate (links => closure%groups(g)%links, rows => closure%groups(g)%rows, scale => closure%size)
             if (size(links) == 0) cycle
@@ -446,6 +450,8 @@ contains
             end do
          end associate
       end do
+      at%force(frame_link) = on_frame
+      at%moment(frame_link) = moment_on_frame
 
    contains
 

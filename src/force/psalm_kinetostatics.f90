@@ -440,10 +440,15 @@ contains
       type(problem_t), intent(in) :: problem
       integer, intent(in) :: n
       type(forces_t), intent(inout) :: forces
-      integer :: loop, m, p, q
+      integer :: loop, m, p, q, b
 
       m = padded(n)
       associate (mechanism => problem%mechanism, link => problem%linkage, w => forces%w%v, f => forces%bodies)
+         ! what acts on all bodies together: forces between them cancel, however large they are beside a dead point
+         do b = body_frame + 1, size(f)
+            call add_wrench(m, w(1, f(b)%wrench), w(1, f(b)%wrench + 1), w(1, f(b)%wrench + 2), w(1, f(body_frame)%wrench), &
+                            w(1, f(body_frame)%wrench + 1), w(1, f(body_frame)%wrench + 2))
+         end do
          do loop = mechanism%nloop, 1, -1
             p = f(mechanism%arcs(mechanism%groups(loop)%members(1))%body)%wrench
             q = f(mechanism%arcs(mechanism%groups(loop)%members(2))%body)%wrench
@@ -465,7 +470,6 @@ contains
                call drive_of_crank(m, forces%metre, w(1, input%wrench + 2), w(1, forces%drive))
                call opposite_force(m, w(1, input%wrench), w(1, input%wrench + 1), w(1, row), w(1, row + 1))
             end if
-            call pass_on(input%wrench, body_frame)
          end associate
       end associate
 
@@ -474,6 +478,7 @@ contains
       subroutine pass_on(from, body)
          integer, intent(in) :: from, body
 
+         if (body == body_frame) return
          associate (w => forces%w%v, to => forces%bodies(body)%wrench)
             call add_wrench(m, w(1, from), w(1, from + 1), w(1, from + 2), w(1, to), w(1, to + 1), w(1, to + 2))
          end associate
