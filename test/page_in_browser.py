@@ -22,6 +22,7 @@ def test_pages(shots):
         browser = playwright.chromium.launch(executable_path=shutil.which("chromium"), args=FLAGS)
         test_sources(browser)
         test_browser(browser, shots)
+        test_browser_forces(browser, shots)
         browser.close()
 
 
@@ -175,6 +176,44 @@ def test_browser(browser, shots):
         every.page.check("#other") if every.page.is_visible("#other") else None
         check(name + ": every case is drawn without complaint", not every.complaints, str(every.complaints))
         every.context.close()
+
+
+def test_browser_forces(browser, shots):
+    """Centres of mass, loads, polar diagram of a bearing, curves of drive and frame."""
+    engine = Page(browser, "engine.html")
+    page = engine.page
+    check("forces: loads without complaint", not engine.complaints, str(engine.complaints))
+    check("forces: their choices are shown", page.is_visible("#forcebox") and page.is_visible("#bearingbox"))
+    names = engine.ask("balm.cases[0].forces.joints.map((joint) => joint.name)")
+    check("forces: every joint may be chosen", names == ["IN", "S1", "M1", "E1"] and
+          page.locator("#bearing option").all_text_contents()[-4:] == names, str(names))
+    check("forces: the arrow's scale is that of the gas force", engine.ask("balm.cases[0].forces.largest") == 1500.0)
+    drawn = engine.pixels()
+    page.uncheck("#forces")
+    check("forces: masses and loads go", engine.pixels() != drawn)
+    page.check("#forces")
+    check("forces: and come again", engine.pixels() == drawn)
+    pictures = [drawn]
+    for name in names:
+        page.select_option("#bearing", label=name)
+        pictures.append(engine.pixels())
+    check("forces: each bearing has its polar diagram", len(set(pictures[1:])) == len(names), str(len(set(pictures))))
+    curves = engine.pixels("curves")
+    engine.ask("balm.go(77)")
+    check("forces: the cursor of the curves moves", engine.pixels("curves") != curves)
+    # kinetic energy is the same after a turn: the mean torque does the work of weight and gas alone
+    worst = engine.ask("""(() => { const f = balm.cases[0].forces, n = f.drive.length;
+        let most = 0; for (let i = 0; i < n; i++) most = Math.max(most, Math.abs(f.drive[i] - f.drive[(i + 1) % n]));
+        return most / Math.max(...f.drive.map(Math.abs)); })()""")
+    check("forces: the torque of the drive is a smooth ring", worst < 0.1, str(worst))
+    if shots:
+        page.screenshot(path=os.path.join(shots, "forces.png"))
+    check("forces: no complaint", not [c for c in engine.complaints if "willReadFrequently" not in c], str(engine.complaints))
+    engine.context.close()
+    plain = Page(browser, "needle.html")
+    check("forces: a case without them has no choice of them", not plain.page.is_visible("#forcebox") and
+          not plain.page.is_visible("#bearingbox"))
+    plain.context.close()
 
 
 def test_browser_cases(browser, shots):

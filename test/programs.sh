@@ -189,6 +189,17 @@ said 'kalm: forces at a dead point' 'dead point of loop 1: forces are infinite a
 check 'kalm: a dead point has no forces in the listing' grep -q 'DEAD POINT OF LOOP 1: FORCES ARE INFINITE' out
 if grep -q NaN out; then bad 'kalm: no NaN in the listing'; else ok; fi
 sed 's/MLINK=-1,-1,-2,-3/MLINK=-1,-1,-2,3/' "$data/engine.nml" >foot.nml
+# forces of sketches: links by name, several drives, a dead point by the names of its links
+{ cat "$data/excavator.nml"; echo " &RATES SPEED=0.2 &END &MASSES NMASS=1, MNAME='bucket T', MASS=100.0, GRAVY=-9.81 &END"; } >digger.nml
+status 0 'kalm: forces with three cylinders' "$bin/kalm" digger.nml
+check 'kalm: three drives on device 9' grep -qE '^# input.B-C .* drive frame_fx frame_fy frame_m kinetic kinetic_per_s A_fx A_fy .* J.pusher_fx J.pusher_fy .* drive2 drive3$' digger.kalm.dev9
+check 'kalm: a table for sizing three drives' grep -qE '^ DRIVE G J +-' out
+{ cat "$data/sketch_slider_crank.nml"; echo " &RATES SPEED=600.0, UNITS='REV/MIN' &END &MASSES NMASS=1, MNAME='piston', MASS=0.5, UNITL=0.001 &END"; } >piston.nml
+status 0 'kalm: forces of a sketch of dyads' "$bin/kalm" piston.nml
+check 'kalm: joints and slides by their names' grep -qE ' kinetic_per_s A_fx A_fy B_fx B_fy C_fx C_fy S1_n S1_m$' piston.kalm.dev9
+sed "s/MNAME='piston'/MNAME='pistn'/" piston.nml >slip.nml
+status 2 'kalm: a link that is not there' "$bin/kalm" slip.nml
+said 'kalm: a link that is not there' "no link is called 'pistn'; did you mean 'piston'?"
 status 2 'kalm: a mass at the foot of a slide' "$bin/kalm" foot.nml
 said 'kalm: a mass at the foot of a slide' 'counted from the foot of a slide'
 status 0 'balm with masses' "$bin/balm" --quiet --output-dir . "$data/engine.nml"

@@ -120,6 +120,25 @@ globalThis.results = [];
     return near(a[0], b[0], 1e-6) && near(a[1], b[1], 1e-6) && a[0] > 1;
   }));
 
+  // ---- forces -------------------------------------------------------------------------------------------------------
+
+  const forces = () => ({ sliding: false, drive: [1, -2, null, 4], fx: [3, 0, null, 0], fy: [4, 0, null, 1], moment: [0, 1, null, 3],
+    centres: [{ link: 'crank', x: [0, 1, null, 2], y: [0, 0, null, 0] }],
+    loads: [{ number: 1, x: [0, 1, null, 2], y: [0, 0, null, 0], fx: [3, 0, null, -6], fy: [4, 0, null, 8] },
+      { number: 2, x: [0, 1, null, 2], y: [0, 0, null, 0], fx: [0, 0, null, 0], fy: [1, 1, null, 1] }],
+    joints: [{ name: 'IN', fx: [0, 5, null, 0], fy: [0, 12, null, 1] }, { name: 'S1', fx: [0, 0, null, 0], fy: [0, 0, null, 0] }] });
+  const loaded = scene.prepare(small({ forces: forces() })), f = loaded.forces;
+  check('forces become typed arrays', [f.drive, f.fx, f.fy, f.moment, f.centres[0].x, f.loads[1].fy, f.joints[1].fx].every(
+    (values) => values instanceof Float64Array));
+  check('forces that are not known are no numbers', Number.isNaN(f.drive[2]) && Number.isNaN(f.joints[0].fx[2]) && f.drive[3] === 4);
+  check('peaks of loads and bearings', f.loads[0].peak === 10 && f.loads[1].peak === 1 && f.joints[0].peak === 13 &&
+    f.joints[1].peak === 0, [f.loads[0].peak, f.joints[0].peak]);
+  check('arrows are drawn by the largest load', f.largest === 10);
+  const unloaded = scene.prepare(small({ forces: { ...forces(), loads: [] } }));
+  check('masses alone have no load to draw by', unloaded.forces.largest === 0);
+  check('a force between two positions', scene.mixed(f.joints[0].fy, [0, 1, 0.5]) === 6 &&
+    Number.isNaN(scene.mixed(f.joints[0].fy, [1, 2, 0.5])));
+
   // ---- axes ---------------------------------------------------------------------------------------------------------
 
   check('ticks are round', same(curves.ticks(0.3, 4.7, 5), [1, 2, 3, 4]) && same(curves.ticks(-7, 7, 3), [-5, 0, 5]));
