@@ -21,6 +21,8 @@ module psalm
                                 output_slide => motion_slide, output_pose => motion_pose
    use psalm_preparation, only: prepared_t, prepare, threads_for
    use psalm_rate_list, only: list_rates
+   use psalm_chain_force_study, only: find_chain_forces
+   use psalm_chain_study, only: chain_study_t, study_chain
    use psalm_force_list, only: list_forces
    use psalm_force_study, only: force_study_t, study_forces => find_forces
    use psalm_rate_study, only: rate_study_t, study_rates => find_rates
@@ -687,7 +689,8 @@ contains
    !> Forces of a case with masses, loads or springs: drive, frame, every joint, at the positions of the case.
    !>
    !> With `by_unit_mass` also the inertia forces of unit masses, in which every force is linear: shape (positions, columns, 4,
-   !> bodies), see `loads_of_unit_masses`. Columns: drive, force x and y and moment on the frame, two for each joint.
+   !> bodies), see `loads_of_unit_masses`; of a sketch that is solved in the poses of its links `chain_of_unit_masses`. Columns:
+   !> drive, force x and y and moment on the frame, two for each joint, then further drives.
    subroutine find_forces(case, forces, findings, listing, by_unit_mass)
       type(case_t), intent(in) :: case
       type(force_study_t), intent(out) :: forces          !! empty if the case has errors
@@ -696,14 +699,22 @@ contains
       real(wp), allocatable, intent(out), optional :: by_unit_mass(:, :, :, :)
       type(data_set_t), allocatable :: set
       type(problem_t), allocatable :: problem
+      type(chain_study_t), allocatable :: chain
       type(text_t) :: text
-      logical :: ready
+      logical :: ready, posed
 
       allocate (forces%input(0), forces%table%value(0, 0))
       if (present(by_unit_mass)) allocate (by_unit_mass(0, 0, 0, 0))
-      call make_ready(case, set, problem, ready, findings)
-      if (.not. ready) return
-      call study_forces(set, problem, problem%given, forces, by_unit_mass)
+      call make_ready(case, set, problem, ready, findings, posed=posed)
+      if (ready) then
+         call study_forces(set, problem, problem%given, forces, by_unit_mass)
+      else if (posed) then
+         allocate (chain)
+         call study_chain(set, set%speed, set%accel, chain)
+         call find_chain_forces(set, chain, forces, by_unit_mass)
+      else
+         return
+      end if
       if (.not. forces%all_known()) call findings%warning('forces are not known at every position: the linkage does not '// &
                                                           'close, is at a dead point, or friction locks it')
       if (.not. present(listing)) return
@@ -775,13 +786,15 @@ contains
    ! ---- what the studies share --------------------------------------------------------------------------------------
 
    !> Data set and problem of a case; whatever is wrong is told.
-   subroutine make_ready(case, set, problem, ready, findings, every_loop)
+   subroutine make_ready(case, set, problem, ready, findings, every_loop, posed)
       type(case_t), intent(in) :: case
       type(data_set_t), allocatable, intent(out) :: set
       type(problem_t), allocatable, intent(out) :: problem
       logical, intent(out) :: ready
       type(findings_t), intent(inout) :: findings
       logical, intent(in), optional :: every_loop         !! solve loops that the output does not depend on too
+      logical, intent(out), optional :: posed             !! a sketch without faults that is solved in the poses of its links; where
+                                                          !! it is absent such a sketch is refused
       type(data_set_t), allocatable :: sets(:)
       type(prepared_t) :: prepared
       type(findings_t) :: own
@@ -804,6 +817,14 @@ contains
          if (present(every_loop)) set%ktheta = merge(1, set%ktheta, every_loop)
          call prepare(set, no_vertices, prepared, own)
          ready = prepared%ready
+      end if
+      if (present(posed)) posed = .false.
+      if (allocated(set) .and. .not. own%failed()) then
+         if (present(posed)) then
+            posed = allocated(set%no_loops)
+         else if (allocated(set%no_loops)) then
+            call own%error('dyads and one drive on the frame are needed here, but this sketch has '//set%no_loops)
+         end if
       end if
       call tell(own, findings)
       if (.not. ready) return

@@ -21,7 +21,7 @@ module chain_force_checks
    use psalm_text, only: to_text
    implicit none (type, external)
    private
-   public :: laws, both_ways, rods, names_and_messages, text_of, gears
+   public :: laws, both_ways, rods, names_and_messages, text_of, chain_of, gears
    character(*), parameter :: nl = new_line('a')
    complex(wp), parameter :: i = (0.0_wp, 1.0_wp)
    character(*), parameter :: gears = 'CRANKS THAT ARE WHEELS'//nl// &
@@ -47,6 +47,30 @@ contains
       close (unit)
       text = text//nl
    end function text_of
+
+   !> A row of rockers on the frame, each pulled by the one before it: as many dyads.
+   function chain_of(dyads) result(text)
+      integer, intent(in) :: dyads
+      character(:), allocatable :: text, names, x, y, links
+      integer :: k
+
+      names = ''
+      x = ''
+      y = ''
+      links = "'"
+      do k = 0, dyads
+         names = names//"'P"//to_text(k)//"','Q"//to_text(k)//"',"//nl
+         x = x//to_text(40*k)//','//to_text(40*k + 3)//','//nl
+         y = y//'0,'//to_text(30 + modulo(7*k, 5))//','//nl
+         links = links//'P'//to_text(k)//' '
+      end do
+      links = links//"',"//nl//"'P0 Q0',"
+      do k = 1, dyads
+         links = links//"'Q"//to_text(k - 1)//' Q'//to_text(k)//"','P"//to_text(k)//' Q'//to_text(k)//"',"//nl
+      end do
+      text = 'ROCKERS IN A ROW'//nl//' &CHAIN JNT='//names//' JX='//x//' JY='//y//' LNK='//links//' &END'//nl// &
+             " &DRIVES DRIVE='P0' &END"//nl//' &METHOD NDES=3, DELT=-10.,0.,10. &END'//nl
+   end function chain_of
 
    !> Read one case.
    subroutine read_one(text, set, findings)
@@ -160,6 +184,7 @@ contains
       call t%is_true(worst <= 1.0e-13_wp, name//': each link is in equilibrium', number(worst))
       call t%is_true(gap <= 1.0e-12_wp*peak, name//': power balance of all drives', number(gap/peak))
       call virtual_work(name, set, chain, model)
+      call unit_masses(name, set, chain, model)
       if (one_drive) call momentum(name, set, model)
    end subroutine laws
 
@@ -344,6 +369,39 @@ contains
       end do
    end subroutine virtual_work
 
+   !> Unit columns times the masses of the links are the loads of inertia; cylinders have no mass on their rods here.
+   subroutine unit_masses(name, set, chain, model)
+      character(*), intent(in) :: name
+      type(data_set_t), intent(in) :: set
+      type(chain_study_t), intent(in) :: chain
+      type(chain_model_t), intent(in) :: model
+      type(data_set_t) :: bare
+      type(force_study_t) :: study
+      real(wp), allocatable :: columns(:, :, :, :), total(:)
+      real(wp) :: of(4), worst
+      integer :: k, n
+
+      bare = set
+      bare%masses%gravity = 0.0_wp
+      bare%springs%first = bare%springs%first(:0)
+      bare%springs%second = bare%springs%second(:0)
+      bare%loads%places = bare%loads%places(:0)
+      call find_chain_forces(bare, chain, study, columns)
+      worst = 0.0_wp
+      do n = 1, size(study%input)
+         if (.not. study%table%known(n)) cycle
+         total = 0.0_wp*study%table%value(n, :)
+         do k = 1, size(model%mass)
+            associate (r => model%centres(k)%at*model%metre)
+               of = [model%mass(k), model%mass(k)*r%re, model%mass(k)*r%im, model%inertia(k) + model%mass(k)*abs(r)**2]
+            end associate
+            total = total + matmul(columns(n, :, :, model%centres(k)%link), of)
+         end do
+         worst = max(worst, maxval(abs(total - study%table%value(n, :)))/maxval(abs(study%table%value(n, :))))
+      end do
+      call t%is_true(worst <= 1.0e-11_wp, name//': unit columns times masses are the loads', number(worst))
+   end subroutine unit_masses
+
    !> Force and moment on the frame are what loads and weight do less the growth of momentum and angular momentum, these differenced
    !> over the input at a constant speed with nine points.
    subroutine momentum(name, given, model)
@@ -416,8 +474,8 @@ contains
    end subroutine momentum
 
    !> Dyad by dyad and in the poses of the links: drive, frame and every joint, by name.
-   subroutine both_ways(name)
-      character(*), intent(in) :: name
+   subroutine both_ways(name, text)
+      character(*), intent(in) :: name, text
       type(data_set_t) :: set
       type(chain_study_t) :: chain
       type(force_study_t) :: posed_study, study
@@ -430,7 +488,7 @@ contains
       real(wp) :: largest, worst
       integer :: n, j, k, found
 
-      call load_up(text_of('data/'//name//'.nml'), set, chain, posed_study, model)
+      call load_up(text, set, chain, posed_study, model)
       if (.not. allocated(posed_study%input)) return
       call t%is_true(.not. allocated(set%no_loops), name//' has loops')
       call set_up(set, mechanism, dimensions, parameters, findings)

@@ -28,7 +28,7 @@ module force_checks
    private
    public :: reference_table, reference_joints, unit_columns, every_link_in_equilibrium, power_balance, virtual_work, &
              friction_reference, counterweights, motion_from_torque, near_a_dead_point, momentum_and_energy, scaling_of_speed, &
-             shift_and_turn, order_of_loops
+             shift_and_turn, order_of_loops, units_and_sizes
 
    type(checks_t), public :: t
 
@@ -622,6 +622,45 @@ contains
          w = [c*v(1) - s*v(2), s*v(1) + c*v(2)]
       end function turn
    end subroutine shift_and_turn
+
+   !> Millimetres and metres give the same newtons; a load of 1e-12 N has the digits of one of 1e6 N; a mechanism without masses and
+   !> loads has no forces.
+   subroutine units_and_sizes()
+      type(problem_t) :: problem
+      type(data_set_t) :: set
+      type(force_table_t) :: small, large, none
+      type(force_model_t) :: model
+      real(wp), parameter :: at(3) = [20.0_wp, 140.0_wp, 260.0_wp]
+      integer :: k
+
+      call load_case('dyad4_slider_crank', problem, set)
+      call rule_masses(problem, set)
+      set%speed = speed_600
+      call forces_at(problem, set, at, small, model)
+      problem%given%arcl = 0.001_wp*problem%given%arcl
+      set%masses%places%distance = 0.001_wp*set%masses%places%distance
+      set%masses%metre = 1.0_wp
+      call forces_at(problem, set, at, large, model)
+      call t%is_true(maxval(abs(small%value - large%value)) <= 1.0e-14_wp*maxval(abs(small%value)), 'millimetres and metres', &
+                     text_of(maxval(abs(small%value - large%value))))
+      call load_case('dyad4_slider_crank', problem, set)
+      call rule_masses(problem, set)
+      set%masses%mass = 0.0_wp
+      set%masses%inertia = 0.0_wp
+      call forces_at(problem, set, at, none, model)
+      call t%is_true(maxval(abs(none%value)) <= 0.0_wp, 'no masses, no forces')
+      call put_loads(set%loads, set)
+      set%loads%turns = .false.
+      set%loads%moment = 0.0_wp
+      set%loads%force = reshape([1.0e-12_wp, 0.0_wp, 0.0_wp, 0.0_wp], [2, 2])
+      call forces_at(problem, set, at, small, model)
+      set%loads%force = reshape([1.0e6_wp, 0.0_wp, 0.0_wp, 0.0_wp], [2, 2])
+      call forces_at(problem, set, at, large, model)
+      do k = 1, size(at)
+         call t%is_true(maxval(abs(1.0e18_wp*small%value(k, :) - large%value(k, :))) <= 1.0e-9_wp, 'loads of any size', &
+                        text_of(maxval(abs(1.0e18_wp*small%value(k, :) - large%value(k, :)))))
+      end do
+   end subroutine units_and_sizes
 
    !> Two four-bars on one crank, in either order: nothing but the names of the joints changes.
    subroutine order_of_loops()

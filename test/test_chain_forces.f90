@@ -1,7 +1,7 @@
 !> Forces of sketches: Newton and Euler for every link, power of all drives, momentum, virtual work, gears, cylinders; and
 !> sketches of dyads both ways, in the poses of their links and dyad by dyad.
 program test_chain_forces
-   use chain_force_checks, only: t, laws, both_ways, rods, names_and_messages, text_of, gears
+   use chain_force_checks, only: t, laws, both_ways, rods, names_and_messages, text_of, chain_of, gears
    implicit none (type, external)
    character(*), parameter :: posed(*) = [character(24) :: 'stephenson2_six_bar', 'scissors_lift', 'excavator', &
                                           'geared_five_bar', 'landing_gear'] !! solved in the poses of their links
@@ -16,8 +16,10 @@ program test_chain_forces
    call laws('gears', gears, .true.)
    do k = 1, size(looped)
       call laws(trim(looped(k)), text_of('data/'//trim(looped(k))//'.nml'), .true.)
-      call both_ways(trim(looped(k)))
+      call both_ways(trim(looped(k)), text_of('data/'//trim(looped(k))//'.nml'))
    end do
+   call laws('64 dyads', chain_of(64), .true.)
+   call both_ways('64 dyads', chain_of(64))
    call rods()
    call names_and_messages()
    call t%report()

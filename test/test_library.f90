@@ -2,6 +2,7 @@
 program test_library
    use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan, ieee_positive_inf
    use check, only: checks_t
+   use psalm, only: find_forces, force_study_t
    use psalm, only: wp, case_t, analysis_t, wanted_t, synthesis_t, rate_study_t, tolerances_t, findings_t, ending_t, stop_t, &
                     new_case, read_file, read_text, analyse, synthesise, found_case, find_rates, find_tolerances, minimise, &
                     output_slide, output_point, ended_converged, ended_iterations, ended_on_request, ended_starts, &
@@ -28,6 +29,7 @@ program test_library
    call ended()
    call own_problem()
    call tolerances()
+   call forces_of_sketch()
    call t%report()
 
 contains
@@ -432,4 +434,34 @@ contains
                       0.0_wp, 1.0e-9_wp, 'the effect of the crank against a difference')
       call t%is_true(.not. bands%is_violating(), 'and every linkage of the sample closes')
    end subroutine tolerances
+
+   !> A sketch of two drives has its forces, and no output for a synthesis or rates of dyads.
+   subroutine forces_of_sketch()
+      character, parameter :: nl = new_line('a')
+      character(*), parameter :: text = 'TWO CRANKS'//nl// &
+         " &CHAIN JNT='A','B','C','D','E', JX=0.,0.,4.,6.,6., JY=0.,2.,5.,2.,0., LNAME='frame','left','rod1','rod2','right', "// &
+         "LNK='A E','A B','B C','C D','D E' &END"//nl//" &DRIVES DRIVE='A','E', DELT2=0.,10., DSPEED=0.,2. &END"//nl// &
+         ' &METHOD NDES=2, DELT=0.,10. &END'//nl//' &RATES SPEED=3. &END'//nl// &
+         " &MASSES NMASS=1, MNAME='rod1 C', MASS=2., GRAVY=-10. &END"//nl
+      type(case_t), allocatable :: cases(:)
+      type(force_study_t) :: forces
+      type(rate_study_t) :: rates
+      type(findings_t) :: findings
+      real(wp), allocatable :: of_unit_mass(:, :, :, :)
+      integer :: k
+
+      call read_text(text, cases, findings)
+      call t%is_true(.not. findings%failed(), 'two cranks are read')
+      call find_forces(cases(1), forces, findings, by_unit_mass=of_unit_mass)
+      call t%equal_integer(size(forces%input), 2, 'forces of a sketch of two drives')
+      if (size(forces%input) < 2) return
+      do k = 1, 2
+         call t%close_to(forces%drive_power(k), forces%table%growth(k) - forces%table%power(k), &
+                         1.0e-12_wp*abs(forces%drive_power(k)), 'both drives together do the work')
+      end do
+      call t%equal_integer(size(of_unit_mass, 2), size(forces%table%value, 2), 'unit masses give every column')
+      call find_rates(cases(1), rates, findings)
+      call t%finds(findings, 'dyads and one drive on the frame are needed here, but this sketch has several drives', &
+                   'what takes dyads says so')
+   end subroutine forces_of_sketch
 end program test_library
