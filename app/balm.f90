@@ -1,18 +1,17 @@
 !> balm: pictures of planar linkages from a namelist file.
 program balm
-   use psalm_console, only: arguments_t, begin, begin_mark, prepare_outputs, say, show_findings, stem_of
+   use psalm_console, only: arguments_t, begin, begin_mark, prepare_outputs, show_findings, stem_of
    use psalm_cases, only: read_cases
    use psalm_data_set, only: data_set_t
    use psalm_devices, only: devices_t
    use psalm_drawing, only: picture_t, draw_file, draw_curves
-   use psalm_files, only: exchange_t, directory_of
+   use psalm_gnuplot, only: write_pictures, name_of
    use psalm_mark, only: mark_t
    use psalm_picture_report, only: report_picture
    use psalm_picture_study, only: pictured_t, make_scenes
    use psalm_source, only: line_t, read_lines
-   use psalm_status, only: diagnostics_t, exit_done, exit_file_trouble
-   use psalm_system, only: held_signals_t, error_text, finish_program, make_private_directory, remove_file, stage, &
-                           write_standard_error
+   use psalm_status, only: diagnostics_t, exit_file_trouble
+   use psalm_system, only: finish_program, write_standard_error
    implicit none (type, external)
    character(*), parameter :: nl = new_line('a')
    character(*), parameter :: endings(*) = [character(5) :: '.svg', '.html', '.dxf', '.gp', '.png', '.pdf']
@@ -51,10 +50,8 @@ contains
       type(pictured_t), allocatable :: cases(:)
       type(devices_t) :: devices
       type(picture_t), allocatable :: pictures(:), scripts(:)
-      type(exchange_t) :: files
-      type(held_signals_t) :: held
       type(mark_t) :: mark
-      character(:), allocatable :: stem, workshop
+      character(:), allocatable :: stem
       logical :: ready
       integer :: k
 
@@ -81,28 +78,7 @@ contains
       if (size(pictures) == 0) return
       call prepare_outputs(arguments, stem, pictures%ending, ready, code)
       if (.not. ready) return
-      workshop = ''
-      if (size(scripts) > 0) then
-         ! signals wait, so that nothing is left beside; the terminal's Ctrl-C still stops gnuplot
-         call held%hold(gently=.true.)
-         call plot(stem, scripts, workshop)
-      end if
-      call files%begin(directory_of(stem), arguments%inputs)
-      do k = 1, size(pictures)
-         call files%add(stem//trim(pictures(k)%ending), pictures(k)%content)
-      end do
-      do k = 1, size(scripts)
-         call files%add(stem//trim(scripts(k)%ending)//'.gp', scripts(k)%content)
-         if (.not. scripts(k)%made) cycle
-         call files%adopt(stem//trim(scripts(k)%ending)//'.png', inside(workshop, stem, scripts(k), '.png'))
-         call files%adopt(stem//trim(scripts(k)%ending)//'.pdf', inside(workshop, stem, scripts(k), '.pdf'))
-      end do
-      call files%finish()
-      if (len(workshop) > 0) call clear(workshop, stem, scripts)
-      call held%release()
-      if (files%code == exit_done) return
-      call say(arguments%program, files%message)
-      code = max(code, files%code)
+      call write_pictures(arguments, stem, pictures, scripts, code)
    end subroutine run_file
 
    !> Scripts for gnuplot; device 1 of the case, if it is there, has the convergence.
@@ -124,84 +100,4 @@ contains
       end do
       call draw_curves(cases, name_of(stem), progress, mark%name(), scripts)
    end subroutine draw_scripts
-
-   !> Let gnuplot make the pictures in a directory of our own.
-   subroutine plot(stem, scripts, workshop)
-      character(*), intent(in) :: stem
-      type(picture_t), intent(inout) :: scripts(:)      !! `made` tells whether gnuplot did
-      character(:), allocatable, intent(out) :: workshop !! that directory, empty if it cannot be made
-      character(:), allocatable :: beside
-      integer :: k, status, failed, error
-
-      call make_private_directory(stem, workshop, error)
-      if (error /= 0) then
-         call say(arguments%program, "cannot make the directory '"//workshop//"'"//error_text(error))
-         code = exit_file_trouble
-         workshop = ''
-         return
-      end if
-      do k = 1, size(scripts)
-         call stage(workshop//'/script', scripts(k)%content, beside, error)
-         status = 1
-         failed = 0
-         if (error == 0) call execute_command_line('cd '//shell_word('./', workshop)//' && gnuplot '// &
-                                                   shell_word('./', name_of(beside))//' >/dev/null 2>&1', &
-                                                   exitstat=status, cmdstat=failed)
-         call remove_file(beside)
-         scripts(k)%made = error == 0 .and. status == 0 .and. failed == 0
-         if (scripts(k)%made) cycle
-         call say(arguments%program, "cannot make the curves of '"//stem//trim(scripts(k)%ending)// &
-                  "': gnuplot is missing or failed (install gnuplot, or run it on '"//name_of(stem)// &
-                  trim(scripts(k)%ending)//".gp')")
-         code = exit_file_trouble
-      end do
-   end subroutine plot
-
-   !> Remove the directory of our own and what gnuplot may have left there.
-   subroutine clear(workshop, stem, scripts)
-      character(*), intent(in) :: workshop, stem
-      type(picture_t), intent(in) :: scripts(:)
-      integer :: k
-
-      do k = 1, size(scripts)
-         call remove_file(inside(workshop, stem, scripts(k), '.png'))
-         call remove_file(inside(workshop, stem, scripts(k), '.pdf'))
-      end do
-      call remove_file(workshop)
-   end subroutine clear
-
-   !> A picture in the directory of our own.
-   pure function inside(workshop, stem, script, ending) result(path)
-      character(*), intent(in) :: workshop, stem, ending
-      type(picture_t), intent(in) :: script
-      character(:), allocatable :: path
-
-      path = workshop//'/'//name_of(stem)//trim(script%ending)//ending
-   end function inside
-
-   !> A path without its directory.
-   pure function name_of(path) result(name)
-      character(*), intent(in) :: path
-      character(:), allocatable :: name
-
-      name = path(index(path, '/', back=.true.) + 1:)
-   end function name_of
-
-   !> A path as one word of the shell, led by `here` unless it begins at the root.
-   pure function shell_word(here, path) result(word)
-      character(*), intent(in) :: here, path
-      character(:), allocatable :: word
-      integer :: m
-
-      word = "'"
-      if (index(path, '/') /= 1) word = word//here
-      do m = 1, len(path)
-         if (path(m:m) == "'") then
-            word = word//"'"//achar(92)//"''"
-         else
-            word = word//path(m:m)
-         end if
-      end do
-      word = word//"'"
-   end function shell_word
 end program balm

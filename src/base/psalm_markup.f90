@@ -5,7 +5,8 @@ module psalm_markup
    use psalm_text, only: full_precision, to_text
    implicit none (type, external)
    private
-   public :: clean_text, xml_text, json_text, number_or_null, short_number, sentence_case, wrapped, strings_t, add_string
+   public :: clean_text, xml_text, json_text, gnuplot_text, number_or_null, short_number, sentence_case, wrapped, &
+             strings_t, add_string
 
    integer, parameter :: significant = 9 !! digits of `short_number`
 
@@ -129,6 +130,21 @@ contains
       end do
       quoted = quoted//'"'
    end function json_text
+
+   !> A text as a string of gnuplot.
+   pure function gnuplot_text(string) result(written)
+      character(*), intent(in) :: string
+      character(:), allocatable :: written, clean
+      integer :: i
+
+      clean = clean_text(string)
+      written = "'"
+      do i = 1, len(clean)
+         written = written//clean(i:i)
+         if (clean(i:i) == "'") written = written//"'"
+      end do
+      written = written//"'"
+   end function gnuplot_text
 
    !> All digits of a number, or `null` if it is not known.
    pure function number_or_null(value, known) result(text)

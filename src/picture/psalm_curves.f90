@@ -3,7 +3,7 @@ module psalm_curves
    use psalm_dyad_kind, only: assur_rrr
    use psalm_force_curves, only: write_force_table, plot_force_panels, force_panels
    use psalm_kinds, only: wp, full_turn
-   use psalm_markup, only: clean_text, short_number
+   use psalm_markup, only: clean_text, gnuplot_text, short_number
    use psalm_number, only: parse_real
    use psalm_output_kind, only: motion_point, motion_angle, motion_distance
    use psalm_scene, only: scene_t
@@ -48,12 +48,12 @@ contains
       do pass = 1, 2
          if (pass == 1) then
             call text%add('set terminal pngcairo size 1000,'//to_text(panels*panel_height + 40)//' font "sans,10"')
-            call text%add('set output '//quoted(name//'.png'))
+            call text%add('set output '//gnuplot_text(name//'.png'))
          else
             call text%add('set terminal pdfcairo size 21cm,'//short_number(7.0_wp*real(panels, wp) + 0.8_wp)//'cm font "sans,9"')
-            call text%add('set output '//quoted(name//'.pdf'))
+            call text%add('set output '//gnuplot_text(name//'.pdf'))
          end if
-         call text%add('set multiplot layout '//to_text(panels)//',1 title '//quoted(trim(scene%title))//' noenhanced')
+         call text%add('set multiplot layout '//to_text(panels)//',1 title '//gnuplot_text(trim(scene%title))//' noenhanced')
          call add_bands(scene, low, high, text)
          call plot_panels(scene, errors, angles, steps, starts, low, high, text)
          call text%add('unset multiplot')
@@ -92,7 +92,7 @@ contains
       real(wp), intent(in) :: low, high
       type(text_t), intent(inout) :: text
 
-      call text%add('set xlabel '//quoted(input_name(scene)))
+      call text%add('set xlabel '//gnuplot_text(input_name(scene)))
       if (.not. scene%sliding .and. high - low >= part_of_turn) call text%add('set xtics 30')
       if (high > low) call text%add('set xrange ['//short_number(low)//':'//short_number(high)//']')
    end subroutine input_axis
@@ -315,7 +315,7 @@ contains
          real(wp), intent(in) :: swept(:), found(:), wanted(:) !! what is plotted: actual values, desired ones
          character(:), allocatable :: plot
 
-         plot = 'set ylabel '//quoted(name)//'; '//y_range(seen .or. scene%desired, &
+         plot = 'set ylabel '//gnuplot_text(name)//'; '//y_range(seen .or. scene%desired, &
             [pack(swept, scene%sweep%closed), pack(found, scene%prescribed%closed), wanted])// &
                 'plot $sweep using 1:'//to_text(actual)// &
                 " with lines lw 1.5 title 'actual', $prescribed using 1:"//to_text(actual)//" with points pt 7 ps 0.5 lc 1 notitle"
@@ -388,19 +388,4 @@ contains
       written = 'NaN'
       if (known) written = full_precision(value)
    end function number
-
-   !> A text as a string of gnuplot.
-   pure function quoted(string) result(written)
-      character(*), intent(in) :: string
-      character(:), allocatable :: written, clean
-      integer :: i
-
-      clean = clean_text(string)
-      written = "'"
-      do i = 1, len(clean)
-         written = written//clean(i:i)
-         if (clean(i:i) == "'") written = written//"'"
-      end do
-      written = written//"'"
-   end function quoted
 end module psalm_curves
