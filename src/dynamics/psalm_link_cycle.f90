@@ -21,6 +21,7 @@ module psalm_link_cycle
 
    !> All arrays have the shape (positions): at equal steps of the crank from its reference position, at 1 rad/s.
    type :: link_cycle_t
+      real(wp) :: sense = 1.0_wp                 !! -1: the crank turns backwards, from the reference position on
       real(wp) :: length = 0.0_wp                !! m
       real(wp) :: mass = 0.0_wp                  !! of the uniform link, kg
       real(wp), allocatable :: along(:), across(:) !! acceleration of the start, m
@@ -97,12 +98,13 @@ contains
    end subroutine check_link
 
    !> Follow the link. It was checked by `check_link`.
-   subroutine find_link_cycle(given, dimensions, model, beam, points, cycle_of)
+   subroutine find_link_cycle(given, dimensions, model, beam, points, sense, cycle_of)
       type(problem_t), intent(in) :: given
       type(dimensions_t), intent(in) :: dimensions
       type(force_model_t), intent(in) :: model
       type(beam_t), intent(in) :: beam
       integer, intent(in) :: points             !! positions in a turn
+      real(wp), intent(in) :: sense             !! 1 or -1: of the turning of the crank
       type(link_cycle_t), intent(out) :: cycle_of
       type(problem_t), allocatable :: problem   ! large: it would fill a small stack
       type(force_model_t) :: own, bare
@@ -111,6 +113,7 @@ contains
       real(wp) :: input(points)
       integer :: block, offset, n, arc, body, start, finish, source, i
 
+      cycle_of%sense = sense
       call prepare_turn(given, dimensions, points, problem, input, cycle_of)
       if (cycle_of%trouble > 0) return
       arc = problem%mechanism%seq(beam%link%loop, beam%link%arc)
@@ -247,11 +250,12 @@ contains
    end function moving_link
 
    !> Inertia that the crank feels: twice the kinetic energy at 1 rad/s, kg m2. Shape of `inertia`: (points).
-   subroutine inertia_at_crank(given, dimensions, model, points, inertia, cycle_of)
+   subroutine inertia_at_crank(given, dimensions, model, points, sense, inertia, cycle_of)
       type(problem_t), intent(in) :: given
       type(dimensions_t), intent(in) :: dimensions
       type(force_model_t), intent(in) :: model
       integer, intent(in) :: points
+      real(wp), intent(in) :: sense              !! 1 or -1: of the turning of the crank
       real(wp), allocatable, intent(out) :: inertia(:)
       type(link_cycle_t), intent(out) :: cycle_of !! where it does not turn
       type(problem_t), allocatable :: problem
@@ -261,6 +265,7 @@ contains
       integer :: block, offset, n
 
       allocate (inertia(points), source=0.0_wp)
+      cycle_of%sense = sense
       call prepare_turn(given, dimensions, points, problem, input, cycle_of)
       if (cycle_of%trouble > 0) return
       call prepare_rates(problem, rates)
@@ -289,7 +294,7 @@ contains
       integer :: i
 
       allocate (problem, source=given)
-      call problem%set_inputs([(full_turn*real(i - 1, wp)/real(points, wp), i=1, points)])
+      call problem%set_inputs([(cycle_of%sense*full_turn*real(i - 1, wp)/real(points, wp), i=1, points)])
       call problem%want_derivatives(.true., vertices_of(problem%mechanism))
       call problem%analyse(dimensions, motion)
       input = motion%input

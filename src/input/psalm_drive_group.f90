@@ -1,6 +1,6 @@
 !> The groups DRIVEL (a linkage driven through a flexible shaft) and HILL (a forced Hill equation given by tables).
 module psalm_drive_group
-   use psalm_group, only: group_t, check_range, out_of, read_flag
+   use psalm_group, only: group_t, check_range, out_of, read_flag, required
    use psalm_kinds, only: wp
    use psalm_status, only: diagnostics_t
    use psalm_text, only: to_text
@@ -17,6 +17,7 @@ module psalm_drive_group
       real(wp) :: ratio = 0.0_wp               !! DMEAN: mean of frequency/speed, in place of the stiffness; 0: not given
       real(wp) :: damping = 0.0_wp             !! DDAMP: C = viscous coefficient/sqrt(S J0)
       real(wp) :: extra = 0.0_wp               !! DEXTRA: inertia that turns with the crank, kg m2
+      real(wp) :: ripple = 0.0_wp              !! DRIPPL: J = DEXTRA (1 + DRIPPL sin 2 phi), in place of the linkage's; 0: not given
       logical :: offsets = .true.              !! DOFFS=0: first moments of the masses dropped, as the thesis has it
       integer :: harmonics = 12                !! NDHARM: that are listed
       real(wp) :: slowest = 0.0_wp, fastest = 0.0_wp !! DSPLOW, DSPHGH: rad/s
@@ -45,6 +46,7 @@ contains
       call group%get_real('DMEAN', drive%ratio, findings)
       call group%get_real('DDAMP', drive%damping, findings)
       call group%get_real('DEXTRA', drive%extra, findings)
+      call group%get_real('DRIPPL', drive%ripple, findings)
       offsets = 1
       call read_flag(group, 'DOFFS', offsets, findings)
       drive%offsets = offsets == 1
@@ -68,6 +70,10 @@ contains
       end if
       if (drive%damping < 0.0_wp) call out_of(group, 'DDAMP', 'must not be negative', findings)
       if (drive%extra < 0.0_wp) call out_of(group, 'DEXTRA', 'must not be negative', findings)
+      if (drive%ripple < 0.0_wp .or. drive%ripple >= 1.0_wp) call out_of(group, 'DRIPPL', 'must lie between 0 and 1', findings)
+      if (drive%ripple > 0.0_wp .and. .not. drive%extra > 0.0_wp) then
+         call required(group, 'DEXTRA', 'missing; DRIPPL makes it vary')
+      end if
       if (drive%speeds > 0) then
          if (.not. drive%slowest > 0.0_wp) call out_of(group, 'DSPLOW', 'speeds must be above 0', findings)
          if (drive%fastest < drive%slowest) call out_of(group, 'DSPHGH', 'must not be below DSPLOW', findings)

@@ -44,7 +44,10 @@ contains
             call remark_stability(set, 'mode '//to_text(k), study%vibration%modes(k)%hill, devices)
             if (study%vibration%modes(k)%least_stiffness >= 0.0_wp) cycle
             call devices%note_violation()
-            call devices%remark(set, 'mode '//to_text(k)//': the link buckles for a part of the turn')
+            call devices%remark(set, 'mode '//to_text(k)//': the link of arc '// &
+                                to_text(set%vibration%beam%link%arc)//' in loop '// &
+                                to_text(set%vibration%beam%link%loop)//' buckles for a part of the turn, most at '// &
+                                trim(adjustl(general(study%vibration%modes(k)%least_at)))//' degrees after the reference')
          end do
          if (study%vibration%resolution > enough) call coarse('NVPNT', set%vibration%points)
       end if
@@ -98,7 +101,8 @@ contains
       if (.not. stuck) return
       words = 'the crank cannot make a full turn: the linkage does not close'
       if (cycle_of%closes) words = 'loop '//to_text(cycle_of%loop)//' passes a dead point'
-      words = words//' at'//general(full_turn*real(cycle_of%trouble - 1, wp)/real(points, wp))//' degrees after the reference'
+      words = words//' at'//general(cycle_of%sense*full_turn*real(cycle_of%trouble - 1, wp)/real(points, wp))// &
+              ' degrees after the reference'
       call devices%six%add(' NO STEADY STATE: '//words)
       call devices%remark(set, words)
       call devices%note_violation()

@@ -1,8 +1,8 @@
 !> Vibration of links, flexible drives and Hill's equation in the listing and on device 9.
 module psalm_vibration_list
    use psalm_data_set, only: data_set_t
-   use psalm_drive_study, only: drive_study_t, hill_study_t
-   use psalm_estimate_study, only: estimate_t, verdict_rigid, verdict_closer
+   use psalm_drive_study, only: drive_study_t, hill_study_t, inertia_t, matters
+   use psalm_estimate_study, only: estimate_t, verdict_rigid, verdict_closer, harmonics_estimated, stubby
    use psalm_hill, only: hill_t
    use psalm_kinds, only: wp, pi, full_turn
    use psalm_stability, only: boundaries_t
@@ -50,6 +50,7 @@ contains
                              general(mode%second(1, p))//general(mode%second(2, p))//'      '//speeds_of(p))
             end do
             call text%add(' MULTIPLIERS'//multiplier(mode%hill%multipliers(1))//multiplier(mode%hill%multipliers(2)))
+            call list_accuracy(mode%hill, text)
             if (mode%hill%unique) then
                call text%add(' HARMONICS OF THE DEFLECTION'//trim(merge('                       ', ' (NOT THE STEADY STATE)', &
                                                                         mode%hill%stable .or. mode%hill%neutral)))
@@ -66,6 +67,7 @@ contains
          do k = 1, size(study%multipliers)
             call text%add('   MULTIPLIER'//multiplier(study%multipliers(k)))
          end do
+         call text%add(' THEIR PRODUCT AGAINST THAT OF THE DAMPING: ERROR'//general(study%determinant_error))
          if (.not. study%multipliers_found) call text%add(' THE MULTIPLIERS ARE NOT ACCURATE: TOO MUCH GROWTH IN A TURN')
       end if
       if (size(study%speeds) > 0) then
@@ -74,9 +76,22 @@ contains
          do k = 1, size(study%speeds)
             associate (row => study%speeds(k))
                call text%add(repeat(' ', 18)//general(row%speed)//general(row%speed*rpm_per_speed)// &
-                             amplitude_text(row%known, row%stable, row%amplitude))
+                             amplitude_text(row%known, row%stable .or. .not. row%grows, row%amplitude))
             end associate
          end do
+         call text%add(' LARGEST ERROR OF A DETERMINANT'//general(maxval(study%speeds%determinant_error)))
+         call text%add()
+         if (size(study%bands) == 0) then
+            call text%add(' MODE 1 GROWS AT NONE OF THESE SPEEDS')
+         else
+            call text%add(' MODE 1 GROWS AT SPEEDS FROM           TO   (RPM        FROM             TO)')
+            do k = 1, size(study%bands)
+               associate (b => study%bands(k))
+                  call text%add(repeat(' ', 14)//general(b%from)//general(b%to)//'     '//general(b%from*rpm_per_speed)// &
+                                general(b%to*rpm_per_speed))
+               end associate
+            end do
+         end if
       end if
       if (size(study%chart) > 0) then
          call text%add()
@@ -113,6 +128,16 @@ contains
          end if
       end function speeds_of
    end subroutine list_vibration
+
+   !> How far the integration over a turn is to be trusted.
+   subroutine list_accuracy(hill, text)
+      type(hill_t), intent(in) :: hill
+      type(text_t), intent(inout) :: text
+
+      if (hill%grows_too_much) return
+      call text%add(' OF A TURN: ERROR OF ITS MATRIX'//general(hill%error)//', OF ITS DETERMINANT AGAINST EXP(-INTEGRAL C1)'// &
+                    general(hill%determinant_error)//', '//to_text(hill%steps)//' STEPS')
+   end subroutine list_accuracy
 
    !> Lower end of the first stable gap that is wider, in frequency/speed.
    function gap_text(b, width) result(text)
@@ -185,7 +210,7 @@ contains
             call text%add(to_text(j)//' '//to_text(p)//columns([study%modes(j)%exact%low(p), study%modes(j)%exact%high(p)]))
          end do
       end do
-      call begin_block('multipliers', 'mode re im   (mode 0: all together)', text)
+      call begin_block('multipliers', 'mode re im', text)
       do j = 1, size(study%modes)
          do k = 1, 2
             call text%add(to_text(j)//complex_columns(study%modes(j)%hill%multipliers(k)))
@@ -201,7 +226,7 @@ contains
             call text%add(to_text(j)//' '//to_text(n)//columns([study%modes(j)%amplitude(n)]))
          end do
       end do
-      call plot_response('response', study%modes(1)%hill, study%cycle%length, text)
+      call plot_response('response', study%modes(1)%hill, study%cycle%length, study%cycle%sense, 1, text)
       if (size(study%speeds) > 0) then
          call begin_block('speeds', 'speed amplitude stable', text)
          do k = 1, size(study%speeds)
@@ -221,18 +246,23 @@ contains
       end do
    end subroutine plot_vibration
 
-   subroutine plot_response(name, hill, unit, text)
+   !> Input in degrees from the reference position; derivatives per radian of it in the sense of its turning.
+   subroutine plot_response(name, hill, unit, sense, waves, text)
       character(*), intent(in) :: name
       type(hill_t), intent(in) :: hill
-      real(wp), intent(in) :: unit
+      real(wp), intent(in) :: unit    !! of y
+      real(wp), intent(in) :: sense   !! 1 or -1
+      integer, intent(in) :: waves    !! periods in a turn: y stands for that many times the deflection
       type(text_t), intent(inout) :: text
+      real(wp) :: many
       integer :: i
 
-      call begin_block(name, 'input y y1 y2   (input in degrees from the reference; derivatives per radian)', text)
+      call begin_block(name, 'input y y1 y2', text)
       if (.not. hill%unique) return
+      many = real(waves, wp)
       do i = 1, size(hill%y)
-         call text%add(full_precision(full_turn*real(i - 1, wp)/real(size(hill%y), wp))// &
-                       columns(unit*[hill%y(i), hill%y1(i), hill%y2(i)]))
+         call text%add(full_precision(sense*full_turn*real(i - 1, wp)/(many*real(size(hill%y), wp)))// &
+                       columns(unit*[hill%y(i)/many, hill%y1(i), hill%y2(i)*many]))
       end do
    end subroutine plot_response
 
@@ -282,7 +312,7 @@ contains
       type(data_set_t), intent(in) :: set
       type(estimate_t), intent(in) :: estimates(:)
       type(text_t), intent(inout) :: text
-      integer :: k
+      integer :: k, n
 
       call text%add()
       call text%add(' ESTIMATES OF LINK VIBRATION: SI UNITS')
@@ -293,17 +323,25 @@ contains
             call text%add('   LENGTH, SLENDERNESS'//general(e%cycle%length)//general(e%slenderness))
             call text%add('   FIRST FREQUENCY/SPEED'//general(e%ratio)//', FALL BY SHEAR AND ROTARY INERTIA'// &
                           general(e%shear_fall)//', ON POSTS OF ITS OWN SECTION'//general(e%post_ratio))
+            if (e%slenderness < stubby) call text%add('   A STUBBY LINK: BENDING ALONE DOES NOT TELL WHAT IT DOES')
             call text%add('   GREATEST END LOAD, EULER''S LOAD'//general(e%push)//general(e%euler))
             if (e%relief <= 0.0_wp) then
                call text%add('   THE END LOAD EXCEEDS EULER''S LOAD: THE LINK BUCKLES')
             else
                call text%add('   QUASI-STATIC DEFLECTION'//general(e%deflection)//', OF HARMONIC '// &
-                             to_text(e%harmonic)//' NEAREST RESONANCE'//general(e%resonant))
+                             to_text(e%harmonic)//' NEAREST RESONANCE'//general(e%resonant)//', OF MODE 2'//general(e%second))
+               call text%add('   ITS PINS COME NEARER BY'//general(e%shortened)//'; TURNING STRAIGHTENS IT BY THE PART'// &
+                             general(e%straightened))
             end if
             call text%add('   ACCELERATION OF THE MIDDLE'//general(e%middle)//', IN THAT HARMONIC'//general(e%amplitude)// &
                           ', ITS BOUND'//general(e%bound))
             call text%add('   MAGNIFIER OF IMPULSES ONCE A TURN'//general(e%magnifier))
-            if (e%strength > 0.0_wp) call text%add('   LEAST FREQUENCY/SPEED THAT STRENGTH ALLOWS'//general(e%strength))
+            if (e%strength > 0.0_wp) call text%add('   LEAST FREQUENCY/SPEED THAT STRENGTH ALLOWS'//general(e%strength)// &
+                                                   ', OF A TIE ROD'//general(e%tie_rod))
+            call text%add('   HARMONICS OF THAT ACCELERATION, AND THEIR BOUNDS FROM RANGE AND VARIATION')
+            do n = 1, harmonics_estimated
+               call text%add(repeat(' ', 6 - len(to_text(n)))//to_text(n)//general(e%amplitudes(n))//general(e%bounds(n)))
+            end do
          end associate
       end do
    end subroutine list_estimates
@@ -329,6 +367,7 @@ contains
       type(data_set_t), intent(in) :: set
       type(drive_study_t), intent(in) :: study
       type(text_t), intent(inout) :: text
+      character(:), allocatable :: line
       integer :: n, k
 
       call text%add()
@@ -341,8 +380,8 @@ contains
          call text%add(' NO STIFFNESS GIVES THE MEAN RATIO'//general(set%drive%ratio)//': D**2 + J''''/(2 J0) WOULD BE NEGATIVE')
          return
       end if
-      call text%add(' MEAN INERTIA AT THE CRANK'//general(study%mean_inertia)//', HALF ITS RANGE OVER THE MEAN'// &
-                    general(study%half_range)//', GREATEST SLOPE/(2 MEAN)'//general(study%steepest))
+      call list_inertia(' ', study%of_crank)
+      if (study%with_offsets%mean > 0.0_wp) call list_inertia(' WITH THE OFFSETS: ', study%with_offsets)
       call text%add(' STIFFNESS'//general(study%stiffness)//'  D'//general(study%d)//'  C'//general(set%drive%damping))
       if (study%ratio_real) then
          call text%add(' MEAN RATIO OF THE FREQUENCY TO THE SPEED'//general(study%ratio)// &
@@ -352,23 +391,41 @@ contains
          call text%add(' THE RATIO OF THE FREQUENCY TO THE SPEED IS NOT REAL ALL OVER THE TURN: IT SAYS NOTHING')
       end if
       call text%add(' '//stability_words(study%hill))
-      call text%add(' MULTIPLIERS'//multiplier(study%hill%multipliers(1))//multiplier(study%hill%multipliers(2)))
+      call text%add(' MULTIPLIERS'//multiplier(study%hill%multipliers(1))//multiplier(study%hill%multipliers(2))// &
+                    trim(merge(' (OF HALF A TURN)', '                 ', set%drive%ripple > 0.0_wp)))
+      call list_accuracy(study%hill, text)
       if (study%hill%unique) then
-         call text%add('     N   SWING OF THE CRANK, RAD  ITS ACCELERATION/SPEED**2')
+         call text%add(' HARMONICS OF THE CRANK''S SWING, RAD, AND OF ITS ACCELERATION/SPEED**2 (*: IT MATTERS FOR THE OUTPUTS)'// &
+                       trim(merge('; OF THE OUTPUT''S, AND OF THAT WITH A RIGID DRIVE', repeat(' ', 49), &
+                                  size(study%output, 2) > 0)))
          do n = 0, set%drive%harmonics
-            call text%add(repeat(' ', 6 - len(to_text(n)))//to_text(n)//'           '//general(study%swing(n))//'            '// &
-                          general(study%acceleration(n)))
+            line = repeat(' ', 6 - len(to_text(n)))//to_text(n)//general(study%swing(n))//general(study%acceleration(n))// &
+                   merge(' *', '  ', matters(n, study%acceleration(n)))
+            do k = 1, size(study%output, 2)
+               line = line//general(study%output(n, k))//general(study%rigid(n, k))
+            end do
+            call text%add(trim(line))
          end do
-         call text%add(' GREATEST SWING'//general(maxval(abs(study%hill%y))))
+         call text%add(' GREATEST SWING'//general(maxval(abs(study%hill%y))/real(study%waves, wp)))
       end if
       if (size(study%speeds) == 0) return
       call text%add(' OVER SPEEDS:             RAD/S            RPM          SWING')
       do k = 1, size(study%speeds)
          associate (row => study%speeds(k))
             call text%add(repeat(' ', 18)//general(row%speed)//general(row%speed*rpm_per_speed)// &
-                          amplitude_text(row%known, row%stable, row%amplitude))
+                          amplitude_text(row%known, row%stable .or. .not. row%grows, row%amplitude))
          end associate
       end do
+
+   contains
+
+      subroutine list_inertia(head, of)
+         character(*), intent(in) :: head
+         type(inertia_t), intent(in) :: of
+
+         call text%add(head//'MEAN INERTIA AT THE CRANK'//general(of%mean)//', HALF ITS RANGE OVER THE MEAN'// &
+                       general(of%half_range)//', GREATEST SLOPE/(2 MEAN)'//general(of%steepest))
+      end subroutine list_inertia
    end subroutine list_drive
 
    !> Device 9: blocks drive_inertia, drive_response, drive_speeds.
@@ -379,10 +436,11 @@ contains
 
       call begin_block('drive_inertia', 'input inertia', text)
       do i = 1, size(study%inertia)
-         call text%add(full_precision(full_turn*real(i - 1, wp)/real(size(study%inertia), wp))//columns([study%inertia(i)]))
+         call text%add(full_precision(study%turn%sense*full_turn*real(i - 1, wp)/real(study%waves*size(study%inertia), wp))// &
+                       columns([study%inertia(i)]))
       end do
       if (.not. study%found) return
-      call plot_response('drive_response', study%hill, 1.0_wp, text)
+      call plot_response('drive_response', study%hill, 1.0_wp, study%turn%sense, study%waves, text)
       if (size(study%speeds) == 0) return
       call begin_block('drive_speeds', 'speed amplitude stable', text)
       do i = 1, size(study%speeds)
@@ -406,8 +464,7 @@ contains
       call text%add(' PERIOD: FREE      '//general(study%hill%transfer(1, 1))//general(study%hill%transfer(1, 2)))
       call text%add('                   '//general(study%hill%transfer(2, 1))//general(study%hill%transfer(2, 2)))
       call text%add('         FROM REST '//general(study%hill%forced(1))//general(study%hill%forced(2)))
-      call text%add(' ERROR OF ITS ELEMENTS'//general(study%hill%error)//', OF THE DETERMINANT'// &
-                    general(study%hill%determinant_error)//', '//to_text(study%hill%steps)//' STEPS')
+      call list_accuracy(study%hill, text)
       if (.not. study%hill%unique) return
       call text%add(' STEADY STATE AT 0'//general(study%hill%start(1))//general(study%hill%start(2))//', GREATEST'// &
                     general(maxval(abs(study%hill%y))))
@@ -431,6 +488,6 @@ contains
       do k = 0, set%hill%harmonics
          call text%add(to_text(k)//columns([study%amplitude(k)]))
       end do
-      call plot_response('hill_response', study%hill, 1.0_wp, text)
+      call plot_response('hill_response', study%hill, 1.0_wp, 1.0_wp, 1, text)
    end subroutine plot_hill
 end module psalm_vibration_list

@@ -7,34 +7,48 @@ module psalm_drive_study
    use psalm_flexible_drive, only: drive_response, mean_ratio, ratio_for_mean
    use psalm_force_model, only: force_model_t, parameter_mass, parameter_mx, parameter_my, parameter_inertia
    use psalm_hill, only: hill_t, solve_hill
-   use psalm_kinds, only: wp
+   use psalm_kinds, only: wp, pi, full_turn
    use psalm_link_cycle, only: link_cycle_t, inertia_at_crank
    use psalm_mechanism, only: mechanism_t, body_frame, joint_revolute
    use psalm_periodic, only: periodic_t, periodic_from_samples
+   use psalm_rate_study, only: rate_study_t, find_rates
    implicit none (type, external)
    private
-   public :: drive_study_t, hill_study_t, drive_row_t, find_drive, find_hill
+   public :: drive_study_t, hill_study_t, drive_row_t, inertia_t, find_drive, find_hill, matters
 
    real(wp), parameter :: tolerance = 1.0e-10_wp
+   ! Haines's rule: a harmonic of the crank's acceleration matters above the first size where links may resonate, that is from
+   ! ten times the speed of the crank, and above the second below
+   integer, parameter :: from_resonance = 10
+   real(wp), parameter :: matters_above = 0.001_wp, matters_below = 0.05_wp
 
    type :: drive_row_t
       real(wp) :: speed = 0.0_wp                 !! rad/s
       real(wp) :: amplitude = 0.0_wp             !! greatest swing of the crank, rad
-      logical :: known = .false., stable = .false.
+      logical :: known = .false., stable = .false., grows = .false.
    end type drive_row_t
+
+   !> The inertia that the crank feels.
+   type :: inertia_t
+      real(wp) :: mean = 0.0_wp                  !! J0, kg m2
+      real(wp) :: half_range = 0.0_wp            !! of J over J0
+      real(wp) :: steepest = 0.0_wp              !! greatest |J'|/(2 J0)
+   end type inertia_t
 
    type :: drive_study_t
       type(link_cycle_t) :: turn                 !! where the crank cannot turn
-      real(wp) :: mean_inertia = 0.0_wp          !! J0, kg m2
-      real(wp) :: half_range = 0.0_wp            !! of J over J0
-      real(wp) :: steepest = 0.0_wp              !! greatest |J'|/(2 J0)
+      type(inertia_t) :: of_crank
+      type(inertia_t) :: with_offsets            !! DOFFS=0: with the centres of mass where they are
       real(wp) :: stiffness = 0.0_wp             !! S, N m/rad
       real(wp) :: d = 0.0_wp                     !! sqrt(S/J0)/speed
       real(wp) :: ratio = 0.0_wp                 !! mean of frequency/speed
       logical :: ratio_real = .false.            !! it is real all over the turn
-      type(hill_t) :: hill                       !! swing of the crank, rad, and its derivatives by its angle
-      real(wp), allocatable :: inertia(:)        !! at the positions of a turn, kg m2
-      real(wp), allocatable :: swing(:), acceleration(:) !! shape (0:harmonics): harmonics of y and y''
+      integer :: waves = 1                       !! periods of the inertia in a turn
+      type(hill_t) :: hill                       !! y, waves times the swing of the crank, by x, waves times its angle
+      real(wp), allocatable :: inertia(:)        !! at equal steps of a period, kg m2
+      real(wp), allocatable :: swing(:), acceleration(:) !! shape (0:harmonics): of the crank, rad, and over the squared speed
+      real(wp), allocatable :: output(:, :)      !! shape (0:harmonics, components): of the output's acceleration/speed**2
+      real(wp), allocatable :: rigid(:, :)       !! the same of a rigid drive
       type(drive_row_t), allocatable :: speeds(:)
       logical :: massless = .false.              !! there is no inertia somewhere
       logical :: found = .false.
@@ -48,6 +62,14 @@ module psalm_drive_study
 
 contains
 
+   !> Does a harmonic of the crank's acceleration matter for what the crank drives?
+   pure logical function matters(n, amplitude)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: amplitude !! over the squared speed
+
+      matters = n > 0 .and. amplitude > merge(matters_above, matters_below, n >= from_resonance)
+   end function matters
+
    !> Steady state of the drive at the speed of RATES.
    subroutine find_drive(set, given, dimensions, model, study)
       type(data_set_t), intent(in) :: set
@@ -56,59 +78,124 @@ contains
       type(force_model_t), intent(in) :: model
       type(drive_study_t), intent(out) :: study
       type(force_model_t) :: used
-      type(periodic_t) :: inertia, slope, y
-      real(wp) :: natural, speed
+      type(periodic_t) :: inertia, y
+      real(wp), allocatable :: whole(:)
+      real(wp) :: natural, speed, waves
       integer :: n, i
       logical :: ok
 
-      allocate (study%speeds(0), study%swing(0:set%drive%harmonics), study%acceleration(0:set%drive%harmonics))
+      allocate (study%speeds(0), study%swing(0:set%drive%harmonics), study%acceleration(0:set%drive%harmonics), &
+                study%output(0:set%drive%harmonics, 0), study%rigid(0:set%drive%harmonics, 0))
       study%swing = 0.0_wp
       study%acceleration = 0.0_wp
-      used = model
-      if (.not. set%drive%offsets) call drop_offsets(given%mechanism, used)
-      call inertia_at_crank(given, dimensions, used, set%drive%points, study%inertia, study%turn)
-      if (study%turn%trouble > 0) return
-      study%inertia = study%inertia + set%drive%extra
+      if (set%drive%ripple > 0.0_wp) then
+         study%waves = 2
+         study%turn%sense = sign(1.0_wp, set%speed)
+         study%inertia = set%drive%extra*(1.0_wp + set%drive%ripple*study%turn%sense &
+                                          *[(sin(2.0_wp*pi*real(i - 1, wp)/real(set%drive%points, wp)), i=1, set%drive%points)])
+      else
+         used = model
+         if (.not. set%drive%offsets) then
+            call inertia_at_crank(given, dimensions, model, set%drive%points, sign(1.0_wp, set%speed), whole, study%turn)
+            if (study%turn%trouble > 0) return
+            whole = whole + set%drive%extra
+            if (all(whole > 0.0_wp)) study%with_offsets = extent_of(whole)
+            call drop_offsets(given%mechanism, used)
+         end if
+         call inertia_at_crank(given, dimensions, used, set%drive%points, sign(1.0_wp, set%speed), study%inertia, &
+                               study%turn)
+         if (study%turn%trouble > 0) return
+         study%inertia = study%inertia + set%drive%extra
+      end if
+      waves = real(study%waves, wp) ! x = waves phi, y = waves theta
       study%massless = .not. all(study%inertia > 0.0_wp)
       if (study%massless) return
       inertia = periodic_from_samples(study%inertia)
-      study%mean_inertia = inertia%mean()
-      study%half_range = 0.5_wp*(maxval(study%inertia) - minval(study%inertia))/study%mean_inertia
-      slope = inertia%derivative(1)
-      study%steepest = maxval(abs(slope%values(set%drive%points)))/(2.0_wp*study%mean_inertia)
+      study%of_crank = extent_of(study%inertia)
       speed = abs(set%speed)
       if (set%drive%ratio > 0.0_wp) then
-         call ratio_for_mean(inertia, set%drive%ratio, study%d, ok)
+         call ratio_for_mean(inertia, set%drive%ratio/waves, study%d, ok)
          if (.not. ok) return
-         study%stiffness = (study%d*speed)**2*study%mean_inertia
+         study%stiffness = (waves*study%d*speed)**2*study%of_crank%mean
       else
          study%stiffness = set%drive%stiffness
-         study%d = sqrt(study%stiffness/study%mean_inertia)/speed
+         study%d = sqrt(study%stiffness/study%of_crank%mean)/(waves*speed)
       end if
       study%found = .true.
       call mean_ratio(inertia, study%d, study%ratio, study%ratio_real)
+      study%ratio = waves*study%ratio
       study%hill = drive_response(inertia, study%d, set%drive%damping, tolerance)
       if (study%hill%unique) then
-         y = periodic_from_samples(study%hill%y)
+         y = periodic_from_samples(study%hill%y/waves)
          do n = 0, set%drive%harmonics
-            study%swing(n) = y%amplitude(n)
+            if (modulo(n, study%waves) == 0) study%swing(n) = y%amplitude(n/study%waves)
          end do
-         y = periodic_from_samples(study%hill%y2)
+         y = periodic_from_samples(waves*study%hill%y2)
          do n = 0, set%drive%harmonics
-            study%acceleration(n) = y%amplitude(n)
+            if (modulo(n, study%waves) == 0) study%acceleration(n) = y%amplitude(n/study%waves)
          end do
+         if (.not. set%drive%ripple > 0.0_wp) call follow_output(set, given, dimensions, study)
       end if
-      natural = sqrt(study%stiffness/study%mean_inertia)
+      natural = sqrt(study%stiffness/study%of_crank%mean)
       deallocate (study%speeds)
       allocate (study%speeds(set%drive%speeds))
       do i = 1, set%drive%speeds
          associate (row => study%speeds(i), first => set%drive%slowest, last => set%drive%fastest)
             row%speed = first
             if (set%drive%speeds > 1) row%speed = first + (last - first)*real(i - 1, wp)/real(set%drive%speeds - 1, wp)
-            call find_row(inertia, natural/row%speed, set%drive%damping, row)
+            call find_row(inertia, natural/(waves*row%speed), waves, set%drive%damping, row)
          end associate
       end do
    end subroutine find_drive
+
+   pure type(inertia_t) function extent_of(samples)
+      real(wp), intent(in) :: samples(:) !! positive
+      type(periodic_t) :: inertia, slope
+
+      inertia = periodic_from_samples(samples)
+      slope = inertia%derivative(1)
+      extent_of%mean = inertia%mean()
+      extent_of%half_range = 0.5_wp*(maxval(samples) - minval(samples))/extent_of%mean
+      extent_of%steepest = maxval(abs(slope%values(size(samples))))/(2.0_wp*extent_of%mean)
+   end function extent_of
+
+   !> Harmonics of the output's acceleration when the crank swings, and when it does not: o'' (1 + y')**2 + o' y''.
+   subroutine follow_output(set, given, dimensions, study)
+      type(data_set_t), intent(in) :: set
+      type(problem_t), intent(in) :: given
+      type(dimensions_t), intent(in) :: dimensions
+      type(drive_study_t), intent(inout) :: study
+      type(data_set_t) :: output_alone
+      type(problem_t), allocatable :: problem    ! large: it would fill a small stack
+      type(rate_study_t) :: rates
+      type(periodic_t) :: swing, flexible, rigid
+      real(wp), dimension(set%drive%points) :: d1, d2
+      integer :: c, i, n
+
+      allocate (problem, source=given)
+      output_alone = set
+      output_alone%ktheta = 0
+      call problem%set_inputs([(study%turn%sense*full_turn*real(i - 1, wp)/real(set%drive%points, wp), i=1, set%drive%points)])
+      call find_rates(output_alone, problem, dimensions, rates)
+      if (rates%is_violating()) return
+      swing = periodic_from_samples(study%hill%y1)
+      d1 = swing%values(set%drive%points)
+      swing = periodic_from_samples(study%hill%y2)
+      d2 = swing%values(set%drive%points)
+      deallocate (study%output, study%rigid)
+      allocate (study%output(0:set%drive%harmonics, size(rates%by_input, 2)))
+      allocate (study%rigid, mold=study%output)
+      do c = 1, size(study%output, 2)
+         associate (o1 => study%turn%sense*rates%by_input(1, c, :), o2 => rates%by_input(2, c, :))
+            rigid = periodic_from_samples(o2)
+            flexible = periodic_from_samples(o2*(1.0_wp + d1)**2 + o1*d2)
+         end associate
+         do n = 0, set%drive%harmonics
+            study%rigid(n, c) = rigid%amplitude(n)
+            study%output(n, c) = flexible%amplitude(n)
+         end do
+      end do
+   end subroutine follow_output
 
    !> Put the mass of every link on its pivot in the frame, if it has one, else on its reference, with its inertia about its
    !> own centre, as the case study did.
@@ -134,16 +221,17 @@ contains
       end do
    end subroutine drop_offsets
 
-   subroutine find_row(inertia, d, damping, row)
+   subroutine find_row(inertia, d, waves, damping, row)
       type(periodic_t), intent(in) :: inertia
-      real(wp), intent(in) :: d, damping
+      real(wp), intent(in) :: d, waves, damping
       type(drive_row_t), intent(inout) :: row
       type(hill_t) :: hill
 
       hill = drive_response(inertia, d, damping, tolerance)
       row%stable = hill%stable
       row%known = hill%unique
-      if (hill%unique) row%amplitude = maxval(abs(hill%y))
+      row%grows = .not. (hill%stable .or. hill%neutral)
+      if (hill%unique) row%amplitude = maxval(abs(hill%y))/waves
    end subroutine find_row
 
    !> Steady state of the Hill equation of the tables.

@@ -10,17 +10,19 @@ module psalm_estimate_study
    use psalm_link_cycle, only: link_cycle_t, find_link_cycle
    use psalm_periodic, only: periodic_t, periodic_from_samples
    use psalm_vibration_estimates, only: euler_load, frequency_ratio, static_deflection, dynamic_error, impulse_magnifier, &
-      frequency_fall, strength_ratio, post_support_of_slenderness
+      frequency_fall, strength_ratio, tie_rod_ratio, straightening, foreshortening_sine, post_support_of_slenderness
    use psalm_vibration_group, only: beam_t
    implicit none (type, external)
    private
-   public :: estimate_t, find_estimate
+   public :: estimate_t, find_estimate, harmonics_estimated, stubby
    public :: verdict_rigid, verdict_closer, verdict_redesign
 
    integer, parameter :: verdict_rigid = 1, verdict_closer = 2, verdict_redesign = 3
    real(wp), parameter :: rigid_part = 1.0e-3_wp   !! deflection over length below which a link is rigid enough
    real(wp), parameter :: large_part = 1.0e-2_wp   !! and above which it is to be designed again
    real(wp), parameter :: small_load = 0.9_wp      !! of Euler's load: nearer to buckling it is to be designed again
+   real(wp), parameter :: stubby = 5.0_wp          !! slenderness below which Ritz's estimate on posts is not accurate
+   integer, parameter :: harmonics_estimated = 12
    integer, parameter :: extents_used = 4          !! of the acceleration and three derivatives
 
    type :: estimate_t
@@ -40,6 +42,13 @@ module psalm_estimate_study
       real(wp) :: bound = 0.0_wp                 !! and its bound from range and variation, m/s2
       real(wp) :: magnifier = 1.0_wp             !! of impulses once a turn
       real(wp) :: strength = 0.0_wp              !! least W that strength allows; 0: not known
+      real(wp) :: tie_rod = 0.0_wp               !! the same of a tie rod
+      real(wp) :: ends = 0.0_wp                  !! greatest transverse acceleration of the ends about the middle, m/s2
+      real(wp) :: second = 0.0_wp                !! quasi-static deflection of mode 2, m
+      real(wp) :: straightened = 0.0_wp          !! part of the deflection that turning takes away
+      real(wp) :: shortened = 0.0_wp             !! of the distance of the pins by the deflection, m
+      real(wp) :: amplitudes(harmonics_estimated) = 0.0_wp !! of the acceleration of the middle, m/s2
+      real(wp) :: bounds(harmonics_estimated) = 0.0_wp     !! of these, from range and variation
       integer :: verdict = verdict_rigid
    end type estimate_t
 
@@ -59,7 +68,7 @@ contains
       integer :: k, points
 
       points = set%estimates%points
-      call find_link_cycle(given, dimensions, model, beam, points, estimate%cycle)
+      call find_link_cycle(given, dimensions, model, beam, points, sign(1.0_wp, set%speed), estimate%cycle)
       if (estimate%cycle%trouble > 0) return
       speed = abs(set%speed)
       stiffness = beam%modulus*beam%area*beam%gyration**2
@@ -75,7 +84,10 @@ contains
          call post_support_of_slenderness(e%slenderness, delta, e%post_ratio)
          e%magnifier = impulse_magnifier(beam%damping, e%ratio)
          e%middle = maxval(abs(middle))
+         e%ends = 0.5_wp*c%length*speed**2*maxval(abs(c%turning))
+         e%straightened = straightening(speed*maxval(abs(c%speed)), speed, e%ratio)
          if (beam%depth > 0.0_wp .and. beam%strain > 0.0_wp) then
+            e%tie_rod = tie_rod_ratio(maxval(abs(speed**2*c%along))/speed**2, c%length, beam%strain)
             e%strength = strength_ratio(0.5_wp*beam%depth, beam%gyration, beam%modulus, beam%density, e%middle/speed**2, speed, &
                                         beam%strain)
          end if
@@ -87,10 +99,16 @@ contains
          e%harmonic = max(1, nint(e%ratio))
          e%amplitude = acceleration%amplitude(e%harmonic)
          e%bound = harmonic_bound(e%harmonic, extents)
+         do k = 1, harmonics_estimated
+            e%amplitudes(k) = acceleration%amplitude(k)
+            e%bounds(k) = harmonic_bound(k, extents)
+         end do
          if (e%relief > 0.0_wp) then
+            e%second = abs(static_deflection(2, e%ends, speed, e%ratio, 1.0_wp - 0.25_wp*(1.0_wp - e%relief)))
             e%deflection = abs(static_deflection(1, e%middle, speed, e%ratio, e%relief))
             e%resonant = abs(static_deflection(1, e%amplitude, speed, e%ratio, e%relief)) &
                          *dynamic_error(e%harmonic, 1, e%ratio, max(beam%damping, epsilon(1.0_wp)), .false.)
+            e%shortened = foreshortening_sine*(e%deflection + e%resonant)**2/c%length
          end if
          if (e%relief <= 1.0_wp - small_load .or. e%deflection + e%resonant > large_part*c%length) then
             e%verdict = verdict_redesign

@@ -9,19 +9,21 @@ module psalm_vibration_study
    use psalm_floquet, only: coupled_multipliers
    use psalm_force_model, only: force_model_t
    use psalm_hill, only: hill_t, solve_hill
-   use psalm_kinds, only: wp
+   use psalm_kinds, only: wp, pi, full_turn
    use psalm_link_cycle, only: link_cycle_t, find_link_cycle, moving_link
    use psalm_link_vibration, only: moving_link_t, mode_stiffness, mode_force, coupling, first_frequency, timoshenko_factor
    use psalm_periodic, only: periodic_t, periodic_constant, periodic_from_samples
    use psalm_stability, only: boundaries_t, stability_boundaries, series_boundaries
    implicit none (type, external)
    private
-   public :: vibration_study_t, mode_t, speed_row_t, chart_row_t, find_vibration, mode_factor, harmonics_listed
+   public :: vibration_study_t, mode_t, speed_row_t, band_t, chart_row_t, find_vibration, mode_factor, harmonics_listed
 
    integer, parameter :: harmonics_listed = 12
    real(wp), parameter :: tolerance = 1.0e-10_wp          !! of a period's matrix
    real(wp), parameter :: coupled_tolerance = 1.0e-9_wp   !! of that of several modes
    real(wp), parameter :: table_tolerance = 1.0e-7_wp     !! in the table over speeds
+   real(wp), parameter :: sharpness = 1.0e-9_wp           !! of the ends of a band of speeds, relative
+   integer, parameter :: in_tongue = 3                    !! speeds looked at between two boundaries
 
    !> One mode by itself at the given speed.
    type :: mode_t
@@ -30,7 +32,7 @@ module psalm_vibration_study
       type(hill_t) :: hill                       !! steady response, in lengths of the link
       real(wp), allocatable :: amplitude(:)      !! shape (0:harmonics_listed): harmonics of it, m
       real(wp) :: least_stiffness = 0.0_wp       !! least of W j**4 + f_j over the turn: below 0 the link buckles for a while
-      real(wp) :: least_at = 0.0_wp              !! degrees from the reference position
+      real(wp) :: least_at = 0.0_wp              !! increment of the input from the reference position, degrees
    end type mode_t
 
    type :: speed_row_t
@@ -38,7 +40,14 @@ module psalm_vibration_study
       real(wp) :: amplitude = 0.0_wp             !! greatest deflection of mode 1, m; of the periodic solution
       logical :: known = .false.                 !! there is one
       logical :: stable = .false.
+      logical :: grows = .false.                 !! a multiplier is beyond 1: what is neither stable nor growing is undamped
+      real(wp) :: determinant_error = 0.0_wp     !! of the period, relative
    end type speed_row_t
+
+   !> Speeds at which mode 1 grows.
+   type :: band_t
+      real(wp) :: from = 0.0_wp, to = 0.0_wp     !! rad/s; an end of the range is an end of the band too
+   end type band_t
 
    type :: chart_row_t
       real(wp) :: e = 0.0_wp
@@ -54,7 +63,9 @@ module psalm_vibration_study
       real(wp) :: multiplier_error = 0.0_wp
       logical :: multipliers_found = .false.
       logical :: stable = .false.                !! all modes together
+      real(wp) :: determinant_error = 0.0_wp     !! of the period of all modes together, relative
       type(speed_row_t), allocatable :: speeds(:)
+      type(band_t), allocatable :: bands(:)      !! within the range of these speeds
       type(chart_row_t), allocatable :: chart(:)
       real(wp) :: resolution = 0.0_wp            !! what the positions leave open of the coefficients
    end type vibration_study_t
@@ -87,8 +98,8 @@ contains
       integer :: i, j
 
       associate (v => set%vibration, beam => set%vibration%beam)
-         call find_link_cycle(given, dimensions, model, beam, v%points, study%cycle)
-         allocate (study%modes(0), study%speeds(0), study%chart(0), study%multipliers(0))
+         call find_link_cycle(given, dimensions, model, beam, v%points, sign(1.0_wp, set%speed), study%cycle)
+         allocate (study%modes(0), study%speeds(0), study%bands(0), study%chart(0), study%multipliers(0))
          if (study%cycle%trouble > 0) return
          speed = abs(set%speed)
          euler = first_frequency(study%cycle%length, beam%gyration, beam%modulus, beam%density)
@@ -107,8 +118,10 @@ contains
          deallocate (study%speeds)
          allocate (study%speeds(v%speeds))
          do i = 1, v%speeds
-            call find_speed(set, study%cycle, euler, v%slowest + (v%fastest - v%slowest)*part(i, v%speeds), study%speeds(i))
+            study%speeds(i) = row_at(set, study%cycle, euler, v%slowest + (v%fastest - v%slowest)*part(i, v%speeds), &
+                                     table_tolerance)
          end do
+         if (v%speeds > 1) call find_bands(set, euler, study)
          if (v%greatest_e > 0.0_wp) then
             deallocate (study%chart)
             allocate (study%chart(v%in_chart))
@@ -152,7 +165,7 @@ contains
       end do
       over_turn = c0%values(set%vibration%points)
       mode%least_stiffness = minval(over_turn)
-      mode%least_at = 360.0_wp*real(minloc(over_turn, 1) - 1, wp)/real(size(over_turn), wp)
+      mode%least_at = sign(full_turn, set%speed)*real(minloc(over_turn, 1) - 1, wp)/real(size(over_turn), wp)
       mode%hill = solve_hill(periodic_constant(2.0_wp*set%vibration%beam%damping*sqrt(stiffness)), c0, mode_force(link, j), &
             tolerance)
       allocate (mode%amplitude(0:harmonics_listed), source=0.0_wp)
@@ -170,8 +183,8 @@ contains
       real(wp), intent(in) :: w
       type(vibration_study_t), intent(inout) :: study
       type(periodic_t) :: k(set%vibration%modes, set%vibration%modes)
-      real(wp) :: damping(set%vibration%modes), stiffness
-      integer :: i, j
+      real(wp) :: damping(set%vibration%modes), stiffness, exact
+      integer :: i, j, n
 
       do j = 1, size(damping)
          do i = 1, size(damping)
@@ -185,15 +198,20 @@ contains
       allocate (study%multipliers(2*size(damping)))
       call coupled_multipliers(k, damping, coupled_tolerance, study%multipliers, study%multiplier_error, study%multipliers_found)
       study%stable = study%multipliers_found .and. maxval(abs(study%multipliers)) < 1.0_wp - 16.0_wp*study%multiplier_error
+      ! the product of all against exp(-2 pi sum of the dampings); beside large multipliers the small ones lose digits
+      n = size(damping)
+      exact = exp(-2.0_wp*pi*sum(damping))
+      study%determinant_error = abs(product(study%multipliers) - exact)/max(exact, abs(product(study%multipliers(:n))))
    end subroutine find_multipliers
 
    !> Mode 1 at another speed.
-   subroutine find_speed(set, cycle_of, euler, speed, row)
+   function row_at(set, cycle_of, euler, speed, tolerance_of) result(row)
       type(data_set_t), intent(in) :: set
       type(link_cycle_t), intent(in) :: cycle_of
       real(wp), intent(in) :: euler   !! first frequency of the slender link, rad/s
-      real(wp), intent(in) :: speed
-      type(speed_row_t), intent(out) :: row
+      real(wp), intent(in) :: speed   !! rad/s
+      real(wp), intent(in) :: tolerance_of !! of the period's matrix
+      type(speed_row_t) :: row
       type(moving_link_t) :: link
       type(periodic_t) :: f
       type(hill_t) :: hill
@@ -203,10 +221,104 @@ contains
       f = mode_stiffness(link, 1)
       stiffness = (euler/speed)**2*mode_factor(set, cycle_of%length, 1)
       hill = solve_hill(periodic_constant(2.0_wp*set%vibration%beam%damping*sqrt(stiffness)), &
-                        f%plus(periodic_constant(stiffness)), mode_force(link, 1), table_tolerance)
+                        f%plus(periodic_constant(stiffness)), mode_force(link, 1), tolerance_of)
       row%speed = speed
       row%stable = hill%stable
+      row%grows = .not. (hill%stable .or. hill%neutral)
+      row%determinant_error = hill%determinant_error
       row%known = hill%unique
       if (hill%unique) row%amplitude = cycle_of%length*maxval(abs(hill%y))
-   end subroutine find_speed
+   end function row_at
+
+   !> Speeds at which mode 1 grows, with its damping and at each speed its own weight and loads. Looked at are the
+   !> speeds of the table, some between each two boundaries of the given speed, and one in each gap, so that nothing narrow is lost.
+   subroutine find_bands(set, euler, study)
+      type(data_set_t), intent(in) :: set
+      real(wp), intent(in) :: euler
+      type(vibration_study_t), intent(inout) :: study
+      real(wp) :: edge, low, high
+      real(wp), allocatable :: places(:)
+      logical, allocatable :: grows(:)
+      integer :: i, p
+
+      associate (b => study%modes(1)%exact)
+         places = study%speeds%speed
+         do p = 1, ubound(b%low, 1)
+            if (b%low(p) <= 0.0_wp) cycle
+            low = study%frequency/sqrt(b%high(p))
+            high = study%frequency/sqrt(b%low(p))
+            do i = 1, in_tongue
+               call look_at(low + (high - low)*real(i, wp)/real(in_tongue + 1, wp))
+            end do
+            if (p < ubound(b%low, 1)) call look_at(0.5_wp*(low + study%frequency/sqrt(b%low(p + 1))))
+         end do
+      end associate
+      call sort(places)
+      allocate (grows(size(places)))
+      do i = 1, size(places)
+         grows(i) = grows_at(places(i))
+      end do
+      deallocate (study%bands)
+      allocate (study%bands(0))
+      low = places(1)
+      do i = 2, size(places)
+         if (grows(i) .neqv. grows(i - 1)) then
+            edge = edge_between(places(i - 1), places(i), grows(i - 1))
+            if (grows(i)) low = edge
+            if (grows(i - 1)) study%bands = [study%bands, band_t(low, edge)]
+         end if
+      end do
+      if (grows(size(places))) study%bands = [study%bands, band_t(low, places(size(places)))]
+
+   contains
+
+      subroutine look_at(speed)
+         real(wp), intent(in) :: speed
+
+         if (speed > set%vibration%slowest .and. speed < set%vibration%fastest) places = [places, speed]
+      end subroutine look_at
+
+      logical function grows_at(speed)
+         real(wp), intent(in) :: speed
+         type(speed_row_t) :: row
+
+         row = row_at(set, study%cycle, euler, speed, tolerance)
+         grows_at = row%grows
+      end function grows_at
+
+      !> By bisection.
+      real(wp) function edge_between(from, to, grows_first)
+         real(wp), intent(in) :: from, to
+         logical, intent(in) :: grows_first
+         real(wp) :: a, b, middle
+
+         a = from
+         b = to
+         do while (b - a > sharpness*b)
+            middle = 0.5_wp*(a + b)
+            if (grows_at(middle) .eqv. grows_first) then
+               a = middle
+            else
+               b = middle
+            end if
+         end do
+         edge_between = 0.5_wp*(a + b)
+      end function edge_between
+
+      !> By insertion: most of them are in order.
+      pure subroutine sort(values)
+         real(wp), intent(inout) :: values(:)
+         real(wp) :: value
+         integer :: k, m
+
+         do k = 2, size(values)
+            value = values(k)
+            do m = k - 1, 1, -1
+               if (values(m) <= value) exit
+               values(m + 1) = values(m)
+            end do
+            values(m + 1) = value
+         end do
+      end subroutine sort
+   end subroutine find_bands
 end module psalm_vibration_study
