@@ -27,7 +27,7 @@ module psalm_console
       character(:), allocatable :: output_dir    !! empty: beside the case
       character(:), allocatable :: device4       !! empty: CASE.dev4
       integer :: threads = 0                     !! 0: not given
-      logical :: curves = .false., assemblies = .false. !! balm: curves by gnuplot; the other assembly of each pair
+      logical :: curves = .false., assemblies = .false. !! curves by gnuplot; balm: the other assembly of each pair
       logical :: json = .false.                  !! results as JSON too
       logical :: quiet = .false., help = .false., version = .false.
       type(identity_t), allocatable :: inputs(:) !! of all files that are read, and of the standard streams
@@ -195,7 +195,7 @@ contains
          case ('--quiet', '-q')
             arguments%quiet = .true.
          case ('--curves', '--assemblies')
-            if (program /= 'balm') then
+            if (program /= 'balm' .and. .not. (program == 'ssics' .and. word == '--curves')) then
                call say(program, "unknown option '"//word//"'; see --help")
                arguments%code = exit_bad_input
             end if

@@ -2,10 +2,12 @@
 program ssics
    use psalm_batch, only: outputs_t, run_file
    use psalm_check_list, only: list_input
-   use psalm_console, only: arguments_t, begin
+   use psalm_console, only: arguments_t, begin, prepare_outputs, stem_of
    use psalm_data_set, only: data_set_t
    use psalm_devices, only: devices_t, header_of
+   use psalm_drawing, only: picture_t, draw_steady
    use psalm_error, only: problem_t, make_problem
+   use psalm_gnuplot, only: write_pictures, name_of
    use psalm_mark, only: mark_t
    use psalm_preparation, only: demand_t, prepared_t, prepare
    use psalm_source, only: line_t
@@ -15,11 +17,14 @@ program ssics
    use psalm_system, only: finish_program
    implicit none (type, external)
    character(*), parameter :: nl = new_line('a')
+   character(5), parameter :: of_curves(*) = [character(5) :: '.gp', '.png', '.pdf']
    type(demand_t), parameter :: demand = demand_t(position=1000, arc=400)
    type(outputs_t) :: outputs
    type(arguments_t) :: arguments
+   type(picture_t), allocatable :: scripts(:) ! of the cases of a file
+   character(:), allocatable :: stem          ! of the file's devices
    logical :: finished
-   integer :: code, i
+   integer :: code, i, cases
 
    outputs = outputs_t(suffix='.ssics', endings=['.dev8', '.dev9'], of_search=[character(5) ::])
    call begin('ssics', &
@@ -27,17 +32,22 @@ program ssics
       nl//'Steady state and stability: bending of links (&ESTIM, &VIBR), flexible drives (&DRIVEL), and any forced'//nl// &
       'Hill equation given by tables (&HILL). Masses and loads come from &MASSES, &LOADS, &SPRING, the speed from &RATES.'//nl// &
       nl//'The listing goes to standard output; CASE.ssics.dev8 (input) and CASE.ssics.dev9 (blocks) beside the case.'//nl// &
-      nl//'  --output-dir DIR  put the device files into DIR'//nl// &
+      nl//'  --curves          curves too: CASE.ssics.gp, .png, .pdf, by gnuplot'//nl// &
+      '  --output-dir DIR  put the device files into DIR'//nl// &
       '  --quiet           no remarks on standard error, errors only'//nl// &
       '  --version         print the version'//nl// &
       '  --help            print this text'//nl// &
       nl//'Exit status: 0 done; 1 done, but a motion is unstable, a link buckles, or the crank cannot turn;'//nl// &
-      '2 the input is wrong; 3 a file could not be read or written.'//nl, &
-      outputs%suffix//outputs%endings, arguments, finished)
+      '2 the input is wrong; 3 a file could not be read or written, or gnuplot failed.'//nl, &
+      outputs%suffix//[outputs%endings, of_curves], arguments, finished)
    code = arguments%code
    if (finished) call finish_program(code)
    do i = 1, size(arguments%files)
+      cases = 0
+      scripts = [picture_t ::]
+      stem = stem_of(trim(arguments%files(i)), arguments%output_dir)//outputs%suffix
       call run_file(arguments, trim(arguments%files(i)), outputs, prepare_steady, run_case, code)
+      if (size(scripts) > 0) call draw()
       if (arguments%no_place) exit
    end do
    call finish_program(code)
@@ -84,5 +94,20 @@ contains
       end if
       call find_steady(set, problem, prepared, study)
       call report_steady(set, study, devices)
+      cases = cases + 1
+      if (arguments%curves) call draw_steady(set, study, cases, name_of(stem), devices%mark, scripts)
    end subroutine run_case
+
+   !> The curves of a file.
+   subroutine draw()
+      type(picture_t) :: none(0)
+      logical :: ready
+      integer :: k
+
+      do k = 1, size(scripts)
+         call prepare_outputs(arguments, stem//trim(scripts(k)%ending), of_curves, ready, code)
+         if (.not. ready) return
+      end do
+      call write_pictures(arguments, stem, none, scripts, code)
+   end subroutine draw
 end program ssics

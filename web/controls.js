@@ -162,7 +162,7 @@ balm.controls = (() => {
       setPlaying(false);
       go(beforeTurn(Number($('time').value)));
     });
-    for (const name of ['whole', 'other', 'traces', 'letters', 'forces']) $(name).addEventListener('change', () => {
+    for (const name of ['whole', 'other', 'traces', 'letters', 'forces', 'bent']) $(name).addEventListener('change', () => {
       state[name] = $(name).checked;
       refresh();
     });

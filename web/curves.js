@@ -87,6 +87,9 @@ balm.curves = (() => {
       shown('force on the frame, N', [curve('x', pens.link0, f.fx), curve('y', pens.link1, f.fy)]);
       shown('moment on the frame, N m', [curve('', pens.link3, f.moment)]);
     }
+    if (c.vibration) panels.push({ name: 'deflection of the link' + (c.vibration.settles ? '' : ' (not settled)'), size: 0,
+      zero: true, points: [], lines: c.vibration.modes.map((values, j) => ({ label: 'mode ' + (j + 1),
+        colour: linkColour(j), values })) });
     return panels;
   }
 

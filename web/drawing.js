@@ -262,7 +262,7 @@ balm.drawing = (() => {
     drawRails(c, at);
     drawPlates(c);
     if (balm.state.other && main) drawOthers(c, at);
-    drawBars(c, main);
+    drawBars(c, at, main);
     if (main) drawBroken(c, at[0]);
     drawJoints(c, at, main);
     drawOutput(c, at);
@@ -391,7 +391,7 @@ balm.drawing = (() => {
     g.setLineDash([]);
   }
 
-  function drawBars(c, main) {
+  function drawBars(c, at, main) {
     const g = pen, px = c.px, py = c.py, thin = (c.joints.length > MANY ? 0.7 : 1) * view.u;
     for (const bar of c.bars) {
       if (bar.from === bar.to || !isFinite(px[bar.from]) || !isFinite(px[bar.to])) continue;
@@ -399,9 +399,40 @@ balm.drawing = (() => {
       g.strokeStyle = colourOf(c, bar.body);
       g.lineWidth = (bar === balm.state.hover && main ? 5 : fixed ? 1.4 : 2.8) * thin;
       if (fixed) g.setLineDash([6, 5]);
-      line(g, px[bar.from], py[bar.from], px[bar.to], py[bar.to]);
+      if (main && isBent(c, bar)) drawBent(c, at);
+      else line(g, px[bar.from], py[bar.from], px[bar.to], py[bar.to]);
       if (fixed) g.setLineDash([]);
     }
+  }
+
+  /** Is it the link that vibrates, and to be drawn so? */
+  function isBent(c, bar) {
+    const v = c.vibration;
+    return v && balm.state.bent && Math.min(v.from, v.to) === Math.min(bar.from, bar.to) &&
+      Math.max(v.from, v.to) === Math.max(bar.from, bar.to);
+  }
+
+  /** The vibrating link, its deflection drawn larger; the straight one beside it, thin. */
+  function drawBent(c, at) {
+    const v = c.vibration, g = pen, x = c.px[v.from], y = c.py[v.from], dx = c.px[v.to] - x, dy = c.py[v.to] - y;
+    const length = Math.hypot(dx, dy), steps = 40, q = v.modes.map((values) => view.k * v.factor * mixed(values, at) / length);
+    const width = g.lineWidth;
+    g.lineWidth = 0.8 * view.u;
+    g.setLineDash([4, 4]);
+    line(g, x, y, x + dx, y + dy);
+    g.setLineDash([]);
+    g.lineWidth = width;
+    g.beginPath();
+    for (let i = 0; i <= steps; i++) {
+      // to the left of the link; pixels count downwards
+      const f = i / steps, bow = q.reduce((sum, one, j) => sum + one * Math.sin((j + 1) * Math.PI * f), 0);
+      g.lineTo(x + f * dx + bow * dy, y + f * dy - bow * dx);
+    }
+    g.stroke();
+    g.fillStyle = pens.soft;
+    g.font = 11 * view.u + 'px system-ui, sans-serif';
+    g.fillText('bending drawn ' + short(v.factor) + ' times larger' + (v.settles ? '' : '; the motion is not stable'), 12,
+      view.h - 34 * view.u);
   }
 
   /** Pairs that do not meet: both arcs as far as they reach, dots between them. */

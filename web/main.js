@@ -2,7 +2,7 @@
 'use strict';
 
 (() => {
-  const { scene, drawing, curves, messages, controls } = balm;
+  const { scene, drawing, curves, charts, messages, controls } = balm;
   const $ = (id) => document.getElementById(id);
   const cases = scene.read($('data').textContent);
   const state = {
@@ -16,6 +16,7 @@
     traces: true,
     letters: true,
     forces: true,           // centres of mass, loads
+    bent: true,             // a vibrating link is drawn bent
     bearing: -1,            // joint of the polar diagram
     overlays: new Set(),    // cases laid over the one shown
     hover: null,            // bar under the pointer
@@ -42,6 +43,7 @@
     for (const box of $('overlays').querySelectorAll('input')) box.disabled = Number(box.dataset.overlay) === i;
     $('title').textContent = document.title = titleOf(c);
     $('stage').hidden = !c.sound;
+    if (!c.sound) $('chartbox').hidden = true;
     document.querySelector('.keys').hidden = !c.sound;
     messages.list(c);
     if (!c.sound) {
@@ -52,6 +54,7 @@
     }
     if (fresh) [state.whole, state.t, state.forth] = [!c.limited, c.at[c.reference], 1];
     offerForces(c, fresh);
+    $('bentbox').hidden = !c.vibration;
     $('whole').checked = state.whole;
     $('wholebox').hidden = !c.limited;
     refresh();
@@ -64,6 +67,7 @@
     if (!c.sound) return;
     drawing.layOut(c);
     curves.layOut(c);
+    charts.layOut(c);
     for (const box of $('overlays').querySelectorAll('input')) {
       const on = box.checked && !box.disabled;
       box.parentNode.style.color = on ? drawing.linkColour(Number(box.dataset.overlay) + 1) : '';
@@ -114,6 +118,7 @@
   function start() {
     drawing.begin();
     curves.begin();
+    charts.begin();
     controls.begin(refresh);
     listCases();
     new ResizeObserver(refresh).observe($('stage'));

@@ -36,6 +36,7 @@ balm.scene = (() => {
     }
     for (const other of s.others) [other.x, other.y] = [filled(other.x), filled(other.y)];
     if (c.forces) prepareForces(c.forces);
+    if (c.vibration) c.vibration.modes = c.vibration.modes.map(filled);
     c.at = p.at;
     c.broken = new Map();
     for (const [i, loop, ...tip] of s.broken) {

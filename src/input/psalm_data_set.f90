@@ -118,7 +118,7 @@ module psalm_data_set
       type(spring_group_t) :: springs      !! SPRING
       type(friction_group_t) :: friction   !! FRICTN
       type(motor_group_t) :: motor         !! MOTOR
-      type(vibration_group_t) :: vibration !! VIBR (this and the next three are read for ssics only)
+      type(vibration_group_t) :: vibration !! VIBR, read for balm and ssics (the next three for ssics only)
       type(estimate_group_t) :: estimates  !! ESTIM
       type(drive_group_t) :: drive         !! DRIVEL
       type(hill_group_t) :: hill           !! HILL

@@ -1,15 +1,18 @@
 !> Scenes become files: SVG and DXF of each case, one page of all, scripts for curves.
 module psalm_drawing
    use psalm_curves, only: write_curves
+   use psalm_data_set, only: data_set_t
    use psalm_dxf, only: write_dxf
    use psalm_page, only: write_page
    use psalm_picture_study, only: pictured_t
    use psalm_source, only: line_t
+   use psalm_steady_curves, only: steady_panels, write_steady_curves
+   use psalm_steady_study, only: steady_study_t
    use psalm_svg, only: write_svg
    use psalm_text, only: text_t, to_text
    implicit none (type, external)
    private
-   public :: picture_t, draw_file, draw_curves
+   public :: picture_t, draw_file, draw_curves, draw_steady
 
    integer, parameter :: ending_width = 24 !! room for a number and a suffix
 
@@ -86,6 +89,22 @@ contains
          call add_picture(scripts, ending(k, ''), text%content())
       end do
    end subroutine draw_curves
+
+   !> Add the script for the curves of what ssics found in case k of a file; nothing if there is nothing to draw.
+   subroutine draw_steady(set, study, k, name, mark, scripts)
+      type(data_set_t), intent(in) :: set
+      type(steady_study_t), intent(in) :: study
+      integer, intent(in) :: k
+      character(*), intent(in) :: name          !! of the case's devices, without directory
+      character(*), intent(in) :: mark          !! of the run
+      type(picture_t), allocatable, intent(inout) :: scripts(:)
+      type(text_t) :: text
+
+      if (steady_panels(study) == 0) return
+      call text%add('# run '//mark)
+      call write_steady_curves(set, study, name//trim(ending(k, '')), text)
+      call add_picture(scripts, ending(k, ''), text%content())
+   end subroutine draw_steady
 
    pure subroutine add_picture(pictures, ending, content)
       type(picture_t), allocatable, intent(inout) :: pictures(:)

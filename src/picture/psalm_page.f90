@@ -11,6 +11,7 @@ module psalm_page
    use psalm_scene, only: scene_t
    use psalm_text, only: text_t, full_precision, to_text
    use psalm_trace, only: row_t
+   use psalm_vibration_page, only: write_vibration_data
    implicit none (type, external)
    private
    public :: write_page
@@ -73,6 +74,13 @@ contains
          call write_row(scene, scene%sweep, .false., text)
          call write_others(scene, scene%sweep, text)
          call text%add_text('}')
+         if (allocated(scene%vibration)) then
+            call text%add_text(',"vibration":')
+            associate (v => scene%vibration, bar => scene%bars(scene%vibration%bar))
+               call write_vibration_data(v, merge(bar%finish, bar%start, v%reversed) - 1, &
+                                         merge(bar%start, bar%finish, v%reversed) - 1, text)
+            end associate
+         end if
          if (allocated(scene%forces)) then
             call text%add_text(',"forces":')
             call write_force_data(scene%forces, text)

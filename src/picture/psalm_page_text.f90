@@ -361,6 +361,11 @@ module psalm_page_text
    '    text-decoration: none;'//nl// &
    '  }'//nl// &
    '}'//nl// &
+   ''//nl// &
+   '#chartbox canvas {'//nl// &
+   '  display: block;'//nl// &
+   '  width: 100%;'//nl// &
+   '}'//nl// &
    '</style>'//nl// &
    '</head>'//nl// &
    '<body>'//nl// &
@@ -403,20 +408,24 @@ module psalm_page_text
    '    <label><input id="traces" type="checkbox" checked> traces</label>'//nl// &
    '    <label><input id="letters" type="checkbox" checked> letters</label>'//nl// &
    '    <label id="forcebox" hidden><input id="forces" type="checkbox" checked> forces</label>'//nl// &
+   '    <label id="bentbox" hidden><input id="bent" type="checkbox" checked> bending</label>'//nl// &
    '    <label id="bearingbox" hidden>polar diagram'//nl// &
    '      <select id="bearing" aria-label="joint of the polar diagram"></select></label>'//nl// &
    '    <fieldset id="overlays" hidden><legend>overlay</legend></fieldset>'//nl// &
    '  </div>'//nl// &
    '</main>'//nl// &
+   '<section id="chartbox" hidden>'//nl
+
+   character(*), parameter :: part_5 = &
+   '  <canvas id="charts" role="img" aria-label="deflection over speeds, chart of stability"></canvas>'//nl// &
+   '</section>'//nl// &
    '<section id="messages" aria-label="messages"></section>'//nl// &
    '<p class="keys">Drag the picture to move the input; point at an arc (or tap it) to have it named; drag on the curves'//nl// &
    'to move the cursor. Keys: space plays and pauses, left and right step (with shift ten times as far), + and - change the'//nl// &
    'speed, Home and End go to the ends, [ and ] to the prescribed positions.</p>'//nl// &
    '<noscript>The page needs scripts; the picture beside it (.svg) shows the linkage without.</noscript>'//nl// &
    '<!--DATA-->'//nl// &
-   '<script>'//nl
-
-   character(*), parameter :: part_5 = &
+   '<script>'//nl// &
    '// The data of a page: typed arrays, interpolation, what is wrong where. Nothing here knows the document.'//nl// &
    '//'//nl// &
    '// The scripts are classic ones, each in a function of its own, because browsers refuse modules from file://. They shar'// &
@@ -456,6 +465,7 @@ module psalm_page_text
    '    }'//nl// &
    '    for (const other of s.others) [other.x, other.y] = [filled(other.x), filled(other.y)];'//nl// &
    '    if (c.forces) prepareForces(c.forces);'//nl// &
+   '    if (c.vibration) c.vibration.modes = c.vibration.modes.map(filled);'//nl// &
    '    c.at = p.at;'//nl// &
    '    c.broken = new Map();'//nl// &
    '    for (const [i, loop, ...tip] of s.broken) {'//nl// &
@@ -507,7 +517,9 @@ module psalm_page_text
    '    for (let i = 0; i < a.length; i++) a[i] += turn;'//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  /** Input at a place t of the sweep: degrees that go on, or a length. */'//nl// &
+   '  /** Input at a place t of the sweep: degrees that go on, or a length. */'//nl
+
+   character(*), parameter :: part_6 = &
    '  function inputAt(c, t) {'//nl// &
    '    const from = c.sweep.input[0], n = c.sweep.n;'//nl// &
    '    if (c.ring) return from + c.sense * t;'//nl// &
@@ -517,9 +529,7 @@ module psalm_page_text
    '  /** Place t brought into the limits [from, to]; a whole turn begins anew. */'//nl// &
    '  function within(c, t, [from, to]) {'//nl// &
    '    return c.ring && to - from >= 360 ? modulo(t, 360) : Math.min(to, Math.max(from, t));'//nl// &
-   '  }'//nl
-
-   character(*), parameter :: part_6 = &
+   '  }'//nl// &
    ''//nl// &
    '  /** Place t between two positions of the sweep: lower, upper, part. Beside an open position: the nearer one. */'//nl// &
    '  function between(c, t) {'//nl// &
@@ -609,7 +619,9 @@ module psalm_page_text
    "    canvas = document.getElementById('linkage');"//nl// &
    "    pen = canvas.getContext('2d');"//nl// &
    "    still = document.createElement('canvas');"//nl// &
-   '  }'//nl// &
+   '  }'//nl
+
+   character(*), parameter :: part_7 = &
    ''//nl// &
    '  function readColours() {'//nl// &
    '    const css = getComputedStyle(document.documentElement);'//nl// &
@@ -619,9 +631,7 @@ module psalm_page_text
    '  /** Gives a canvas and copies of it the pixels of its place on the screen. */'//nl// &
    '  function fit(shown, ...copies) {'//nl// &
    '    const dpr = window.devicePixelRatio || 1, w = shown.clientWidth, h = shown.clientHeight;'//nl// &
-   '    for (const one of [shown, ...copies]) {'//nl
-
-   character(*), parameter :: part_7 = &
+   '    for (const one of [shown, ...copies]) {'//nl// &
    '      one.width = Math.max(1, Math.round(w * dpr));'//nl// &
    '      one.height = Math.max(1, Math.round(h * dpr));'//nl// &
    "      one.getContext('2d').setTransform(dpr, 0, 0, dpr, 0, 0);"//nl// &
@@ -712,7 +722,9 @@ module psalm_page_text
    '    drawPlaces(g, c);'//nl// &
    "    if (c.motion === 'point' || c.motion === 'distance') drawPath(g, c);"//nl// &
    "    if (c.motion === 'angle') drawDirections(g, c, alpha); else drawMarks(g, c);"//nl// &
-   "    if (c.motion === 'distance') {"//nl// &
+   "    if (c.motion === 'distance') {"//nl
+
+   character(*), parameter :: part_8 = &
    '      g.strokeStyle = pens.ink;'//nl// &
    '      g.lineWidth = 1.2 * view.u;'//nl// &
    '      cross(g, X(0), Y(0));'//nl// &
@@ -722,9 +734,7 @@ module psalm_page_text
    ''//nl// &
    '  function drawPlaces(g, c) {'//nl// &
    '    const p = c.prescribed, size = 2.4 * view.u;'//nl// &
-   '    g.fillStyle = pens.soft;'//nl
-
-   character(*), parameter :: part_8 = &
+   '    g.fillStyle = pens.soft;'//nl// &
    '    c.joints.forEach((joint, j) => {'//nl// &
    '      if (joint.fixed || !joint.name) return;'//nl// &
    '      for (let i = 0; i < p.n; i++) {'//nl// &
@@ -814,7 +824,9 @@ module psalm_page_text
    '      g.lineTo(x + d * Math.cos(a), y + d * Math.sin(a));'//nl// &
    '    }'//nl// &
    '    g.fill();'//nl// &
-   '  }'//nl// &
+   '  }'//nl
+
+   character(*), parameter :: part_9 = &
    ''//nl// &
    '  /** A bar of a round length, about a sixth of the width. */'//nl// &
    '  function drawScale(g) {'//nl// &
@@ -824,9 +836,7 @@ module psalm_page_text
    '    const end = 12 + view.k * length;'//nl// &
    '    g.strokeStyle = g.fillStyle = pens.soft;'//nl// &
    '    g.lineWidth = 1.5 * view.u;'//nl// &
-   "    g.font = 12 * view.u + 'px system-ui, sans-serif';"//nl
-
-   character(*), parameter :: part_9 = &
+   "    g.font = 12 * view.u + 'px system-ui, sans-serif';"//nl// &
    '    g.beginPath();'//nl// &
    '    g.moveTo(12, y - 6);'//nl// &
    '    g.lineTo(12, y);'//nl// &
@@ -863,7 +873,7 @@ module psalm_page_text
    '    drawRails(c, at);'//nl// &
    '    drawPlates(c);'//nl// &
    '    if (balm.state.other && main) drawOthers(c, at);'//nl// &
-   '    drawBars(c, main);'//nl// &
+   '    drawBars(c, at, main);'//nl// &
    '    if (main) drawBroken(c, at[0]);'//nl// &
    '    drawJoints(c, at, main);'//nl// &
    '    drawOutput(c, at);'//nl// &
@@ -918,7 +928,9 @@ module psalm_page_text
    '  function drawPolar(g, bearing, at) {'//nl// &
    '    const u = view.u, r = 58 * u, x = view.w - r - 14 * u, y = r + 14 * u, scale = r / (bearing.peak || 1);'//nl// &
    '    g.strokeStyle = pens.line;'//nl// &
-   '    g.lineWidth = u;'//nl// &
+   '    g.lineWidth = u;'//nl
+
+   character(*), parameter :: part_10 = &
    '    line(g, x - r, y, x + r, y);'//nl// &
    '    line(g, x, y - r, x, y + r);'//nl// &
    '    g.strokeStyle = pens.accent;'//nl// &
@@ -928,9 +940,7 @@ module psalm_page_text
    '    bearing.fx.forEach((v, i) => {'//nl// &
    '      if (!isFinite(v)) { down = false; return; }'//nl// &
    '      const px = x + scale * v, py = y - scale * bearing.fy[i];'//nl// &
-   '      if (down) g.lineTo(px, py); else g.moveTo(px, py);'//nl
-
-   character(*), parameter :: part_10 = &
+   '      if (down) g.lineTo(px, py); else g.moveTo(px, py);'//nl// &
    '      down = true;'//nl// &
    '    });'//nl// &
    '    g.stroke();'//nl// &
@@ -995,7 +1005,7 @@ module psalm_page_text
    '    g.setLineDash([]);'//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  function drawBars(c, main) {'//nl// &
+   '  function drawBars(c, at, main) {'//nl// &
    '    const g = pen, px = c.px, py = c.py, thin = (c.joints.length > MANY ? 0.7 : 1) * view.u;'//nl// &
    '    for (const bar of c.bars) {'//nl// &
    '      if (bar.from === bar.to || !isFinite(px[bar.from]) || !isFinite(px[bar.to])) continue;'//nl// &
@@ -1003,9 +1013,44 @@ module psalm_page_text
    '      g.strokeStyle = colourOf(c, bar.body);'//nl// &
    '      g.lineWidth = (bar === balm.state.hover && main ? 5 : fixed ? 1.4 : 2.8) * thin;'//nl// &
    '      if (fixed) g.setLineDash([6, 5]);'//nl// &
-   '      line(g, px[bar.from], py[bar.from], px[bar.to], py[bar.to]);'//nl// &
+   '      if (main && isBent(c, bar)) drawBent(c, at);'//nl// &
+   '      else line(g, px[bar.from], py[bar.from], px[bar.to], py[bar.to]);'//nl// &
    '      if (fixed) g.setLineDash([]);'//nl// &
    '    }'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  /** Is it the link that vibrates, and to be drawn so? */'//nl// &
+   '  function isBent(c, bar) {'//nl// &
+   '    const v = c.vibration;'//nl// &
+   '    return v && balm.state.bent && Math.min(v.from, v.to) === Math.min(bar.from, bar.to) &&'//nl// &
+   '      Math.max(v.from, v.to) === Math.max(bar.from, bar.to);'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  /** The vibrating link, its deflection drawn larger; the straight one beside it, thin. */'//nl// &
+   '  function drawBent(c, at) {'//nl// &
+   '    const v = c.vibration, g = pen, x = c.px[v.from], y = c.py[v.from], dx = c.px[v.to] - x, dy = c.py[v.to] - y;'//nl// &
+   '    const length = Math.hypot(dx, dy), steps = 40, q = v.modes.map((values) => view.k * v.factor * mixed(values, at) / '// &
+   'length);'//nl// &
+   '    const width = g.lineWidth;'//nl
+
+   character(*), parameter :: part_11 = &
+   '    g.lineWidth = 0.8 * view.u;'//nl// &
+   '    g.setLineDash([4, 4]);'//nl// &
+   '    line(g, x, y, x + dx, y + dy);'//nl// &
+   '    g.setLineDash([]);'//nl// &
+   '    g.lineWidth = width;'//nl// &
+   '    g.beginPath();'//nl// &
+   '    for (let i = 0; i <= steps; i++) {'//nl// &
+   '      // to the left of the link; pixels count downwards'//nl// &
+   '      const f = i / steps, bow = q.reduce((sum, one, j) => sum + one * Math.sin((j + 1) * Math.PI * f), 0);'//nl// &
+   '      g.lineTo(x + f * dx + bow * dy, y + f * dy - bow * dx);'//nl// &
+   '    }'//nl// &
+   '    g.stroke();'//nl// &
+   '    g.fillStyle = pens.soft;'//nl// &
+   "    g.font = 11 * view.u + 'px system-ui, sans-serif';"//nl// &
+   "    g.fillText('bending drawn ' + short(v.factor) + ' times larger' + (v.settles ? '' : '; the motion is not stable'), "// &
+   "12,"//nl// &
+   '      view.h - 34 * view.u);'//nl// &
    '  }'//nl// &
    ''//nl// &
    '  /** Pairs that do not meet: both arcs as far as they reach, dots between them. */'//nl// &
@@ -1030,9 +1075,7 @@ module psalm_page_text
    "    if (c.motion === 'angle' && c.output === c.base && c.sweep.closed[at[0]] === '1') {"//nl// &
    '      const ax = X(mixed(c.sweep.aim_x, at)), ay = Y(mixed(c.sweep.aim_y, at));'//nl// &
    '      pen.strokeStyle = pens.actual;'//nl// &
-   '      pen.lineWidth = 2.2 * view.u;'//nl
-
-   character(*), parameter :: part_11 = &
+   '      pen.lineWidth = 2.2 * view.u;'//nl// &
    '      line(pen, x, y, ax, ay);'//nl// &
    '      [x, y] = [ax, ay];'//nl// &
    '    }'//nl// &
@@ -1092,7 +1135,9 @@ module psalm_page_text
    '  // ---- where things are --------------------------------------------------------------------------------------------'// &
    '-'//nl// &
    ''//nl// &
-   '  /** The bar nearest to a point of the canvas, or null if none is near. */'//nl// &
+   '  /** The bar nearest to a point of the canvas, or null if none is near. */'//nl
+
+   character(*), parameter :: part_12 = &
    '  function nearest(c, x, y) {'//nl// &
    '    let best = null, least = 10 * view.u;'//nl// &
    '    for (const bar of c.bars) {'//nl// &
@@ -1135,9 +1180,7 @@ module psalm_page_text
    '  }'//nl// &
    ''//nl// &
    '  // ---- axes --------------------------------------------------------------------------------------------------------'// &
-   '-'//nl
-
-   character(*), parameter :: part_12 = &
+   '-'//nl// &
    ''//nl// &
    '  /** Round numbers from a to b, about `count`; with `angles` steps that divide a turn. */'//nl// &
    '  function ticks(a, b, count, angles = false) {'//nl// &
@@ -1197,7 +1240,9 @@ module psalm_page_text
    "      panels.push({ name: 'error (desired - actual)', size, zero: true, lines: [], points });"//nl// &
    '    }'//nl// &
    '    const named = s.angle.length <= 8;'//nl// &
-   "    const angle = (a, i) => ({ label: named ? (i ? '' : 'loop ') + a.loop : '', colour: linkColour(i),"//nl// &
+   "    const angle = (a, i) => ({ label: named ? (i ? '' : 'loop ') + a.loop : '', colour: linkColour(i),"//nl
+
+   character(*), parameter :: part_13 = &
    '      values: a.values });'//nl// &
    "    if (s.angle.length) panels.push({ name: 'transmission angle, degrees', fixed: [0, 180], limits: c.limits,"//nl// &
    '      lines: s.angle.map(angle), points: [] });'//nl// &
@@ -1208,6 +1253,10 @@ module psalm_page_text
    "      shown('force on the frame, N', [curve('x', pens.link0, f.fx), curve('y', pens.link1, f.fy)]);"//nl// &
    "      shown('moment on the frame, N m', [curve('', pens.link3, f.moment)]);"//nl// &
    '    }'//nl// &
+   "    if (c.vibration) panels.push({ name: 'deflection of the link' + (c.vibration.settles ? '' : ' (not settled)'), size"// &
+   ": 0,"//nl// &
+   "      zero: true, points: [], lines: c.vibration.modes.map((values, j) => ({ label: 'mode ' + (j + 1),"//nl// &
+   '        colour: linkColour(j), values })) });'//nl// &
    '    return panels;'//nl// &
    '  }'//nl// &
    ''//nl// &
@@ -1238,9 +1287,7 @@ module psalm_page_text
    "    g.fillText(c.sliding ? 'input length' : 'crank angle, degrees', (left + right) / 2, h - 5 * u);"//nl// &
    "    g.textAlign = 'left';"//nl// &
    '  }'//nl// &
-   ''//nl
-
-   character(*), parameter :: part_13 = &
+   ''//nl// &
    '  function drawPanel(g, c, panel) {'//nl// &
    '    const { pens } = balm.drawing, { left, right, u } = plot, { top, bottom } = panel;'//nl// &
    '    const [low, high] = panel.fixed || axisRange(...extent(panel, plot.from, plot.to), panel.size);'//nl// &
@@ -1296,7 +1343,9 @@ module psalm_page_text
    '  function drawCurve(g, panel, { values, colour }) {'//nl// &
    '    g.strokeStyle = colour;'//nl// &
    '    g.lineWidth = 1.6 * plot.u;'//nl// &
-   '    g.beginPath();'//nl// &
+   '    g.beginPath();'//nl
+
+   character(*), parameter :: part_14 = &
    '    let down = false;'//nl// &
    '    for (let i = 0; i < values.length; i++) {'//nl// &
    '      if (!isFinite(values[i])) { down = false; continue; }'//nl// &
@@ -1340,9 +1389,7 @@ module psalm_page_text
    '    }'//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  function layOutStrip(c) {'//nl
-
-   character(*), parameter :: part_14 = &
+   '  function layOutStrip(c) {'//nl// &
    "    const { fit, pens } = balm.drawing, [w, h] = fit(strip), g = strip.getContext('2d');"//nl// &
    '    const x = (t) => 8 + (t - plot.from) / (plot.to - plot.from) * (w - 16);'//nl// &
    '    g.clearRect(0, 0, w, h);'//nl// &
@@ -1379,6 +1426,132 @@ module psalm_page_text
    '    get canvas() { return canvas; }, get chart() { return chart; }, get from() { return plot.from; },'//nl// &
    '    get to() { return plot.to; } };'//nl// &
    '})();'//nl// &
+   '</script>'//nl// &
+   '<script>'//nl// &
+   '// What a vibrating link does at other speeds: its deflection, and the chart of stability.'//nl// &
+   "'use strict';"//nl// &
+   ''//nl// &
+   'balm.charts = (() => {'//nl// &
+   '  const HEIGHT = 300;       // pixels on a desk'//nl// &
+   '  let canvas, box;'//nl// &
+   ''//nl// &
+   '  function begin() {'//nl// &
+   "    canvas = document.getElementById('charts');"//nl// &
+   "    box = document.getElementById('chartbox');"//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  /** Panels side by side; nothing for a case without them. */'//nl// &
+   '  function layOut(c) {'//nl// &
+   '    const v = c.vibration, panels = [];'//nl// &
+   '    if (v && v.speeds.some(([, a]) => a !== null)) panels.push(drawSpeeds);'//nl// &
+   '    if (v && v.chart.length) panels.push(drawChart);'//nl// &
+   '    box.hidden = !panels.length;'//nl
+
+   character(*), parameter :: part_15 = &
+   '    if (box.hidden) return;'//nl// &
+   "    canvas.style.height = HEIGHT + 'px';"//nl// &
+   "    const [w, h] = balm.drawing.fit(canvas), g = canvas.getContext('2d'), each = w / panels.length;"//nl// &
+   '    g.clearRect(0, 0, w, h);'//nl// &
+   "    g.font = '11px system-ui, sans-serif';"//nl// &
+   '    panels.forEach((panel, i) => panel(g, v, { left: i * each + 64, right: (i + 1) * each - 16, top: 26, bottom: h - 40'// &
+   ' }));'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  /** Axes with their ticks; gives the functions from values to pixels. */'//nl// &
+   '  function axes(g, at, name, across, [x0, x1], [y0, y1], logarithmic) {'//nl// &
+   '    const { pens } = balm.drawing, { ticks } = balm.curves, { short } = balm.scene;'//nl// &
+   '    const tall = logarithmic ? Math.log10 : (v) => v, low = tall(y0), high = tall(y1);'//nl// &
+   '    const x = (v) => at.left + (v - x0) / (x1 - x0) * (at.right - at.left);'//nl// &
+   '    const y = (v) => at.bottom - (tall(v) - low) / (high - low) * (at.bottom - at.top);'//nl// &
+   '    const marks = logarithmic ? decades(low, high) : ticks(y0, y1, 6);'//nl// &
+   '    g.lineWidth = 1;'//nl// &
+   '    g.strokeStyle = pens.line;'//nl// &
+   '    g.fillStyle = pens.soft;'//nl// &
+   "    g.textAlign = 'right';"//nl// &
+   '    for (const v of marks) {'//nl// &
+   '      g.beginPath();'//nl// &
+   '      g.moveTo(at.left, y(v));'//nl// &
+   '      g.lineTo(at.right, y(v));'//nl// &
+   '      g.stroke();'//nl// &
+   '      g.fillText(short(v), at.left - 5, y(v) + 4);'//nl// &
+   '    }'//nl// &
+   "    g.textAlign = 'center';"//nl// &
+   '    for (const v of ticks(x0, x1, 6)) {'//nl// &
+   '      g.beginPath();'//nl// &
+   '      g.moveTo(x(v), at.bottom);'//nl// &
+   '      g.lineTo(x(v), at.bottom + 4);'//nl// &
+   '      g.stroke();'//nl// &
+   '      g.fillText(short(v), x(v), at.bottom + 16);'//nl// &
+   '    }'//nl// &
+   '    g.fillText(across, (at.left + at.right) / 2, at.bottom + 32);'//nl// &
+   "    g.textAlign = 'left';"//nl// &
+   '    g.fillStyle = pens.ink;'//nl// &
+   '    g.fillText(name, at.left, at.top - 10);'//nl// &
+   '    return [x, y];'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  /** Powers of ten, with 2 and 5 times them where there are few. */'//nl// &
+   '  function decades(low, high) {'//nl// &
+   '    const list = [];'//nl// &
+   '    for (let k = Math.floor(low); k <= high; k++) for (const m of high - low > 3 ? [1] : [1, 2, 5]) {'//nl// &
+   '      const v = m * 10 ** k;'//nl// &
+   '      if (Math.log10(v) >= low - 1e-9 && Math.log10(v) <= high + 1e-9) list.push(v);'//nl// &
+   '    }'//nl// &
+   '    return list;'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  function drawSpeeds(g, v, at) {'//nl// &
+   '    const { pens } = balm.drawing, known = v.speeds.filter(([, a]) => a !== null && a > 0);'//nl// &
+   '    const ends = [v.speeds[0][0], v.speeds.at(-1)[0]], sizes = known.map(([, a]) => a);'//nl// &
+   "    const [x, y] = axes(g, at, 'greatest deflection of mode 1 (shaded: unstable speeds)', 'speed, rad/s', ends,"//nl// &
+   '      [Math.min(...sizes) / 1.2, Math.max(...sizes) * 1.2], true);'//nl// &
+   '    g.fillStyle = pens.badband;'//nl// &
+   '    for (const [from, to] of v.bands) g.fillRect(x(from), at.top, Math.max(1, x(to) - x(from)), at.bottom - at.top);'//nl// &
+   '    g.strokeStyle = pens.actual;'//nl// &
+   '    g.lineWidth = 1.6;'//nl// &
+   '    g.beginPath();'//nl// &
+   '    let down = false;'//nl// &
+   '    for (const [speed, a] of v.speeds) {'//nl// &
+   '      if (!(a > 0)) { down = false; continue; }'//nl// &
+   '      if (down) g.lineTo(x(speed), y(a)); else g.moveTo(x(speed), y(a));'//nl// &
+   '      down = true;'//nl// &
+   '    }'//nl// &
+   '    g.stroke();'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   "  /** Oldham's figure 14.2: unstable between the two boundaries of each number of half waves. */"//nl// &
+   '  function drawChart(g, v, at) {'//nl// &
+   '    const { pens } = balm.drawing, rows = v.chart, last = rows[0].bounds.length - 1;'//nl// &
+   '    const top = Math.max(v.ratio, 1, ...rows.map((row) => row.bounds[last][1]));'//nl// &
+   "    const [x, y] = axes(g, at, 'chart of stability (shaded: unstable; dot: this case)', 'e, inertia of the other links'"// &
+   ","//nl// &
+   '      [rows[0].e, rows.at(-1).e], [0, top], false);'//nl// &
+   '    g.save();'//nl// &
+   '    g.beginPath();'//nl// &
+   '    g.rect(at.left, at.top, at.right - at.left, at.bottom - at.top);'//nl// &
+   '    g.clip();'//nl// &
+   '    g.fillStyle = pens.badband;'//nl// &
+   '    g.strokeStyle = pens.bad;'//nl// &
+   '    g.lineWidth = 0.7;'//nl// &
+   '    for (let p = 0; p <= last; p++) {'//nl// &
+   '      g.beginPath();'//nl// &
+   '      for (const row of rows) g.lineTo(x(row.e), y(row.bounds[p][1]));'//nl// &
+   '      for (const row of rows.slice().reverse()) g.lineTo(x(row.e), p ? y(row.bounds[p][0]) : at.bottom + 9);'//nl// &
+   '      g.closePath();'//nl// &
+   '      g.fill();'//nl// &
+   '      g.stroke();'//nl// &
+   '    }'//nl// &
+   '    g.fillStyle = pens.accent;'//nl// &
+   '    g.beginPath();'//nl// &
+   '    g.arc(x(v.e), y(v.ratio), 4, 0, 2 * Math.PI);'//nl// &
+   '    g.fill();'//nl// &
+   '    g.restore();'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  return { begin, layOut };'//nl// &
+   '})();'//nl
+
+   character(*), parameter :: part_16 = &
    '</script>'//nl// &
    '<script>'//nl// &
    '// Words: what the linkage does at the position shown, what is wrong there, the messages of a case, names of arcs.'//nl// &
@@ -1442,9 +1615,7 @@ module psalm_page_text
    '      button.textContent = violation.text;'//nl// &
    "      button.addEventListener('click', () => balm.controls.go(c.at[violation.first]));"//nl// &
    '      return button;'//nl// &
-   '    };'//nl
-
-   character(*), parameter :: part_15 = &
+   '    };'//nl// &
    "    part(c.sound ? 'Errors' : 'The input is wrong; there is no linkage to draw', c.errors, 'error', plain);"//nl// &
    "    if (c.sound) part('Closure and limits at the prescribed positions', c.prescribed.violations, 'error', link);"//nl// &
    "    part('Constraints', c.breaches, 'error', plain);"//nl// &
@@ -1480,7 +1651,9 @@ module psalm_page_text
    '  return { show, list, describe, tip };'//nl// &
    '})();'//nl// &
    '</script>'//nl// &
-   '<script>'//nl// &
+   '<script>'//nl
+
+   character(*), parameter :: part_17 = &
    '// Moving: buttons, keys, the time line, dragging the picture and the cursor of the curves.'//nl// &
    "'use strict';"//nl// &
    ''//nl// &
@@ -1544,9 +1717,7 @@ module psalm_page_text
    '  function speed(way) {'//nl// &
    "    const box = $('speed');"//nl// &
    '    box.selectedIndex = Math.min(box.options.length - 1, Math.max(0, box.selectedIndex + way));'//nl// &
-   '    balm.state.speed = Number(box.value);'//nl
-
-   character(*), parameter :: part_16 = &
+   '    balm.state.speed = Number(box.value);'//nl// &
    '  }'//nl// &
    ''//nl// &
    '  // ---- the picture -------------------------------------------------------------------------------------------------'// &
@@ -1583,7 +1754,9 @@ module psalm_page_text
    '  /** A tap names the arc it meets: a finger cannot point. */'//nl// &
    '  function release(event) {'//nl// &
    "    if (drag && !drag.moved && event.type === 'pointerup') hover(event);"//nl// &
-   '    drag = null;'//nl// &
+   '    drag = null;'//nl
+
+   character(*), parameter :: part_18 = &
    '  }'//nl// &
    ''//nl// &
    '  function hover(event) {'//nl// &
@@ -1649,10 +1822,9 @@ module psalm_page_text
    "    $('time').addEventListener('input', () => {"//nl// &
    '      setPlaying(false);'//nl// &
    "      go(beforeTurn(Number($('time').value)));"//nl// &
-   '    });'//nl
-
-   character(*), parameter :: part_17 = &
-   "    for (const name of ['whole', 'other', 'traces', 'letters', 'forces']) $(name).addEventListener('change', () => {"//nl// &
+   '    });'//nl// &
+   "    for (const name of ['whole', 'other', 'traces', 'letters', 'forces', 'bent']) $(name).addEventListener('change', ()"// &
+   " => {"//nl// &
    '      state[name] = $(name).checked;'//nl// &
    '      refresh();'//nl// &
    '    });'//nl// &
@@ -1683,11 +1855,13 @@ module psalm_page_text
    "'use strict';"//nl// &
    ''//nl// &
    '(() => {'//nl// &
-   '  const { scene, drawing, curves, messages, controls } = balm;'//nl// &
+   '  const { scene, drawing, curves, charts, messages, controls } = balm;'//nl// &
    '  const $ = (id) => document.getElementById(id);'//nl// &
    "  const cases = scene.read($('data').textContent);"//nl// &
    '  const state = {'//nl// &
-   '    c: 0,                   // case shown'//nl// &
+   '    c: 0,                   // case shown'//nl
+
+   character(*), parameter :: part_19 = &
    '    t: 0,                   // place on its sweep'//nl// &
    '    playing: false,'//nl// &
    '    speed: 1,'//nl// &
@@ -1697,6 +1871,7 @@ module psalm_page_text
    '    traces: true,'//nl// &
    '    letters: true,'//nl// &
    '    forces: true,           // centres of mass, loads'//nl// &
+   '    bent: true,             // a vibrating link is drawn bent'//nl// &
    '    bearing: -1,            // joint of the polar diagram'//nl// &
    '    overlays: new Set(),    // cases laid over the one shown'//nl// &
    '    hover: null,            // bar under the pointer'//nl// &
@@ -1723,6 +1898,7 @@ module psalm_page_text
    "    for (const box of $('overlays').querySelectorAll('input')) box.disabled = Number(box.dataset.overlay) === i;"//nl// &
    "    $('title').textContent = document.title = titleOf(c);"//nl// &
    "    $('stage').hidden = !c.sound;"//nl// &
+   "    if (!c.sound) $('chartbox').hidden = true;"//nl// &
    "    document.querySelector('.keys').hidden = !c.sound;"//nl// &
    '    messages.list(c);'//nl// &
    '    if (!c.sound) {'//nl// &
@@ -1733,6 +1909,7 @@ module psalm_page_text
    '    }'//nl// &
    '    if (fresh) [state.whole, state.t, state.forth] = [!c.limited, c.at[c.reference], 1];'//nl// &
    '    offerForces(c, fresh);'//nl// &
+   "    $('bentbox').hidden = !c.vibration;"//nl// &
    "    $('whole').checked = state.whole;"//nl// &
    "    $('wholebox').hidden = !c.limited;"//nl// &
    '    refresh();'//nl// &
@@ -1745,15 +1922,14 @@ module psalm_page_text
    '    if (!c.sound) return;'//nl// &
    '    drawing.layOut(c);'//nl// &
    '    curves.layOut(c);'//nl// &
+   '    charts.layOut(c);'//nl// &
    "    for (const box of $('overlays').querySelectorAll('input')) {"//nl// &
    '      const on = box.checked && !box.disabled;'//nl// &
    "      box.parentNode.style.color = on ? drawing.linkColour(Number(box.dataset.overlay) + 1) : '';"//nl// &
    '    }'//nl// &
    '    laidOut = true;'//nl// &
    "    $('time').min = curves.from;"//nl// &
-   "    $('time').max = curves.to;"//nl
-
-   character(*), parameter :: part_18 = &
+   "    $('time').max = curves.to;"//nl// &
    '    controls.go(state.t);'//nl// &
    '  }'//nl// &
    ''//nl// &
@@ -1785,7 +1961,9 @@ module psalm_page_text
    "      box.setAttribute('aria-label', 'overlay case ' + (i + 1));"//nl// &
    "      box.addEventListener('change', () => {"//nl// &
    '        if (box.checked) state.overlays.add(i); else state.overlays.delete(i);'//nl// &
-   '        refresh();'//nl// &
+   '        refresh();'//nl
+
+   character(*), parameter :: part_20 = &
    '      });'//nl// &
    "      label.append(box, ' ' + (i + 1));"//nl// &
    "      $('overlays').append(label);"//nl// &
@@ -1797,6 +1975,7 @@ module psalm_page_text
    '  function start() {'//nl// &
    '    drawing.begin();'//nl// &
    '    curves.begin();'//nl// &
+   '    charts.begin();'//nl// &
    '    controls.begin(refresh);'//nl// &
    '    listCases();'//nl// &
    "    new ResizeObserver(refresh).observe($('stage'));"//nl// &
@@ -1859,6 +2038,6 @@ contains
 
       text = part_1//part_2//part_3//part_4//part_5//part_6//part_7//part_8// &
              part_9//part_10//part_11//part_12//part_13//part_14//part_15//part_16// &
-             part_17//part_18
+             part_17//part_18//part_19//part_20
    end function page_text
 end module psalm_page_text

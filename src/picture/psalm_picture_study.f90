@@ -10,6 +10,7 @@ module psalm_picture_study
    use psalm_source, only: line_t
    use psalm_status, only: diagnostics_t, finding_t, level_error
    use psalm_text, only: to_text
+   use psalm_vibration_scene, only: vibration_scene_t, make_vibration_scene
    implicit none (type, external)
    private
    public :: pictured_t, make_scenes
@@ -59,6 +60,7 @@ contains
          each%nguess = sets(k)%nguess
          if (prepared%ready) then
             call make_scene(each, prepared%mechanism, prepared%given, prepared%parameters, own, cases(k)%scene)
+            if (each%vibration%given .and. cases(k)%scene%sound) call add_vibration(each, prepared, cases(k)%scene)
             if (each%ndes < sets(k)%ndes) call look_at_all_positions(sets(k), prepared, cases(k)%undrawn)
          else
             call message_scene(each, own, cases(k)%scene)
@@ -89,6 +91,18 @@ contains
          if (findings%count > 0) list = findings%list(:findings%count)
       end function finding_list
    end subroutine make_scenes
+
+   !> The link that the group VIBR names; a case that ssics refuses is drawn without.
+   subroutine add_vibration(set, prepared, scene)
+      type(data_set_t), intent(in) :: set
+      type(prepared_t), intent(in) :: prepared
+      type(scene_t), intent(inout) :: scene
+      type(vibration_scene_t) :: vibration
+      logical :: found
+
+      call make_vibration_scene(set, prepared, scene%sweep%delt, vibration, found)
+      if (found) scene%vibration = vibration
+   end subroutine add_vibration
 
    !> Keep evenly chosen positions, as many as a picture can show.
    subroutine thin_out(set, findings)

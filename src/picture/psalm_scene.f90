@@ -21,6 +21,7 @@ module psalm_scene
    use psalm_mechanism, only: mechanism_t, at_finish, at_start, body_frame, joint_revolute
    use psalm_parameters, only: parameters_t
    use psalm_trace, only: row_t, trace_row
+   use psalm_vibration_scene, only: vibration_scene_t
    implicit none (type, external)
    private
    public :: scene_t, make_scene, message_scene
@@ -52,6 +53,7 @@ module psalm_scene
       integer :: reference = 1                            !! prescribed position nearest to the reference position
       real(wp) :: low(2) = 0.0_wp, high(2) = 1.0_wp       !! corners of the view
       type(force_scene_t), allocatable :: forces          !! if the case has masses, loads or springs
+      type(vibration_scene_t), allocatable :: vibration   !! if the case has a vibrating link
    end type scene_t
 
 contains
