@@ -27,12 +27,12 @@ def check(right, law, got=""):
         print("FAILED: %s%s" % (law, "; got %s" % got if got != "" else ""))
 
 
-def run(text, place):
+def run(text, place, *options):
     """Exit status, listing, standard error, blocks of device 9."""
     name = os.path.join(place, "case.nml")
     with open(name, "w", encoding="utf-8") as out:
         out.write(text)
-    done = subprocess.run([os.path.join(BIN, "ssics"), "case.nml"], cwd=place, capture_output=True, text=True, timeout=300)
+    done = subprocess.run([os.path.join(BIN, "ssics"), *options, "case.nml"], cwd=place, capture_output=True, text=True, timeout=300)
     blocks, rows = {}, None
     device = os.path.join(place, "case.ssics.dev9")
     if os.path.exists(device):
@@ -132,6 +132,208 @@ def drives(place):
     check(abs(mean/0.0015095 - 1) < 5e-4, "inertia on device 9", mean)
 
 
+def harmonics_of(listing):
+    """Rows of the drive's harmonics: n, swing, acceleration, output's acceleration, the same of a rigid drive."""
+    rows = []
+    for line in listing.split(" HARMONICS OF THE CRANK")[1].split("\n")[1:]:
+        words = line.replace("*", "").split()
+        if not words or not words[0].isdigit():
+            break
+        rows.append([float(word.replace("D", "E")) for word in words])
+    return numpy.array(rows)
+
+
+def case_study(place):
+    """Haines's figures of his case study (offsets dropped), and the right ones."""
+    def listed(listing, words, at):
+        line = next(line for line in listing.split("\n") if words in line)
+        return float(line.replace(",", " ").replace("D-", "E-").replace("D+", "E+").split()[at])
+
+    code, listing, error, _ = run(data("drive_haines.nml"), place)
+    for at, want in ((5, 0.0015095), (12, 0.9519), (16, 1.2975)):
+        check(abs(listed(listing, "MEAN INERTIA", at)/want - 1) < 5e-4, "inertia with the centres as tabulated", want)
+    code, listing, error, _ = run(data("drive_haines.nml", ("DMEAN=10.0", "DOFFS=0, DMEAN=10.0")), place)
+    for at, want in ((5, 0.001583), (12, 0.4755), (16, 0.6479)):
+        check(abs(listed(listing, "MEAN INERTIA", at)/want - 1) < 5e-4, "inertia with the offsets dropped", want)
+    check(abs(listed(listing, "WITH THE OFFSETS", 8)/0.0015095 - 1) < 5e-4, "the right inertia is listed beside")
+    mean, speed = listed(listing, "MEAN INERTIA", 5), 20*numpy.pi
+
+    def at_ratio(d, *changes):
+        return run(data("drive_haines.nml", ("DMEAN=10.0", "DOFFS=0, DSTIF=%.12g" % (mean*(d*speed)**2)),
+                        ("NDSPED=51", "NDSPED=0"), *changes), place)
+
+    code, listing, error, blocks = at_ratio(9.7386)
+    rows = harmonics_of(listing)
+    want = [.2074, .08425, .02871, .01250, .00691, .00481, .00355, .00881, .01708, .00729, .01117]
+    check(numpy.abs(rows[1:12, 3] - want).max() < 1e-4, "harmonics of the rocker", rows[1:12, 3])
+    check(numpy.abs(rows[1:7, 4] - [.207376, .083158, .025899, .00739, .00196, .000502]).max() < 2e-6,
+          "harmonics of the rocker with a rigid drive", rows[1:7, 4])
+    check("ERROR OF ITS MATRIX" in listing, "accuracy of the turn is told")
+    ratios = numpy.array([9.715, 9.735, 9.755])
+    sizes = [harmonics_of(at_ratio(d)[1])[9, 3] for d in ratios]
+    peak = -numpy.polyfit(ratios, sizes, 2)[1]/(2*numpy.polyfit(ratios, sizes, 2)[0])
+    check(abs(peak/9.7348 - 1) < 2e-3, "stiffness at which harmonic 9 of the rocker is largest", peak)
+    code, listing, error, _ = at_ratio(9.741, ("0.02,0.00016", "0.02,0.00032"))
+    check(abs(listed(listing, "MEAN RATIO OF", 8)/9.4885 - 1) < 5e-4, "mean ratio with twice the inertia of the crank",
+          listed(listing, "MEAN RATIO OF", 8))
+    # his other form: J0 (1 + f sin 2 phi), multipliers of half a turn
+    text = data("drive_haines.nml", ("DMEAN=10.0, DDAMP=0.02", "DRIPPL=0.7, DEXTRA=0.01, DMEAN=10.0, DDAMP=0.02"))
+    code, listing, error, blocks = run(text, place)
+    check(abs(listed(listing, "STIFFNESS", 3) - 4.41665) < 1e-5, "D of the form with 2 phi", error)
+    rows = harmonics_of(listing)
+    check(abs(rows[2, 2] - 2*0.018964) < 1e-6 and abs(rows[14 if len(rows) > 14 else 12, 2] - 2*0.022989) < 1e-6 and rows[3, 2] == 0,
+          "harmonics of the form with 2 phi", rows[:, 2])
+    check(rows[12, 2] > 0.001 and "*" in listing.split(" HARMONICS OF THE CRANK")[1].split("\n")[13], "a harmonic that matters is marked")
+
+
+def rig_functions(e):
+    """The stiffness e g + h of the rig's coupler by closed forms (14.13): independent of the program."""
+    def f(phi):
+        diagonal = numpy.hypot(5 - numpy.cos(phi), numpy.sin(phi))
+        th2 = numpy.arctan2(-numpy.sin(phi), 5 - numpy.cos(phi)) + numpy.arccos((25 + diagonal**2 - 4)/(10*diagonal))
+        th3 = numpy.arctan2(numpy.sin(phi) + 5*numpy.sin(th2), numpy.cos(phi) + 5*numpy.cos(th2) - 5)
+        w2 = -numpy.sin(phi - th3)/(5*numpy.sin(th2 - th3))
+        w3 = numpy.sin(phi - th2)/(2*numpy.sin(th3 - th2))
+        a3 = (numpy.cos(phi - th2) + 5*w2**2 - 2*w3**2*numpy.cos(th3 - th2))/(2*numpy.sin(th3 - th2))
+        cosec = 1/numpy.sin(th3 - th2)
+        h1 = numpy.pi**2*(2*a3*cosec/15 + numpy.sin(th3 - phi)*cosec/30)
+        return e*numpy.pi**2*cosec*a3 + h1 - 1.25*w2**2
+    return f
+
+
+def chart(place):
+    """The chart of stability against the integration of 2000 points over a turn by SciPy; boundaries and multipliers to 1e-9."""
+    code, _, error, blocks = run(data("rig_coupler.nml", ("NVSPED=46", "NVSPED=0, VPMAX=20"), ("NVCHRT=41", "NVCHRT=20"),
+                                      ("VEMAX=4.0", "VEMAX=3.8")), place)
+    rows = {}
+    for e, p, low, high in blocks["chart"]:
+        rows.setdefault(e, []).append((low*abs(low), high*abs(high)))
+    values = sorted(rows)
+    ratios = numpy.linspace(0.05, 7.95, 100)
+    stiffness = [rig_functions(e) for e in values]
+    squares = ratios**2
+
+    def slope(phi, y):
+        y = y.reshape(len(values), 4, len(ratios))
+        k = numpy.array([f(phi) for f in stiffness])[:, None] + squares[None, :]
+        return numpy.stack([y[:, 1], -k*y[:, 0], y[:, 3], -k*y[:, 2]], axis=1).ravel()
+
+    start = numpy.zeros((len(values), 4, len(ratios)))
+    start[:, 0] = start[:, 3] = 1
+    done = solve_ivp(slope, [0, 2*numpy.pi], start.ravel(), method="DOP853", rtol=1e-9, atol=1e-12)
+    end = done.y[:, -1].reshape(start.shape)
+    trace = end[:, 0] + end[:, 3]
+    checked = wrong = 0
+    for i, e in enumerate(values):
+        for k, w in enumerate(squares):
+            inside = w < rows[e][0][0] or any(low < w < high for low, high in rows[e])
+            near = min(abs(w - edge) for pair in rows[e] for edge in pair)
+            if near < 1e-6:
+                continue
+            checked += 1
+            wrong += inside != (abs(trace[i, k]) > 2)
+    check(checked >= 1990 and wrong == 0, "chart against 2000 integrated points", "%d of %d differ" % (wrong, checked))
+
+    def turn(f, w, damping):
+        done = solve_ivp(lambda x, y: [y[1], -(f(x) + w)*y[0] - damping*y[1], y[3], -(f(x) + w)*y[2] - damping*y[3]],
+                         [0, 2*numpy.pi], [1, 0, 0, 1], method="DOP853", rtol=3e-14, atol=1e-15)
+        return numpy.array([[done.y[0, -1], done.y[2, -1]], [done.y[1, -1], done.y[3, -1]]])
+
+    f = rig_functions(0.001955401856/(7850.0*0.00124*0.00635*0.381**2*0.1524))
+    boundaries = {(int(m), int(p)): (low, high) for m, p, low, high in blocks["boundaries"]}
+    for p in (3, 4, 5):
+        for edge in boundaries[1, p]:
+            step = 1e-4
+            below, above = (numpy.trace(turn(f, edge + d, 0.0)) for d in (-step, step))
+            root = edge - (numpy.trace(turn(f, edge, 0.0)) - 2*(-1)**p)*2*step/(above - below)
+            check(abs(root - edge) < 1e-9*max(1, abs(edge)), "boundary %d against the integration" % p, root - edge)
+    code, listing, error, blocks = run(data("rig_coupler.nml", ("NVSPED=46", "NVSPED=0"), ("VEMAX=4.0", "VEMAX=0.0"),
+                                            ("NMODE=2", "NMODE=1")), place)
+    ratio = (numpy.pi/0.381)**2*0.00124/numpy.sqrt(12)*numpy.sqrt(207e9/7850)/23.07
+    got = [complex(re, im) for mode, re, im in blocks["multipliers"] if mode == 1]
+    check(len(got) == 2 and abs(got[0]*got[1] - numpy.exp(-4*numpy.pi*0.015*ratio)) < 1e-9, "determinant of the damping", got)
+    want = numpy.linalg.eigvals(turn(f, ratio**2, 0.03*ratio))
+    check(max(min(abs(g - w) for w in want) for g in got) < 1e-9, "multipliers of the rig", got)
+    errors = [float(line.split("EXP(-INTEGRAL C1)")[1].split(",")[0].replace("D", "E")) for line in listing.split("\n") if "EXP(-INTEGRAL C1)" in line]
+    check(len(errors) == 1 and errors[0] < 1e-11, "error of the determinant is told", errors)
+
+
+def con_rod(place):
+    """Connecting rod of a slider-crank: the boundaries of theory, e the slider's mass over the rod's."""
+    text = data("dyad4_slider_crank.nml")
+    area, density = 1e-4, 7850.0
+    rod = 0.0
+    for line in text.split("\n"):
+        if "ARCL=" in line:
+            rod = float(line.split("ARCL=")[1].split(",")[1])*0.001
+    assert rod > 0
+    text += (" &RATES SPEED=600.0, UNITS='REV/MIN' &END\n &MASSES NMASS=1, MLINK=-3, MLOOP=1, MASS=%.17g, UNITL=0.001 &END\n"
+             " &VIBR VLINK=2, VLOOP=1, VMOD=2E11, VRHO=%g, VAREA=%g, VGYR=0.002, VEMAX=1.0, NVCHRT=3 &END\n"
+             % (density*area*rod, density, area))
+    code, listing, error, blocks = run(text, place)
+    check("chart" in blocks, "the connecting rod", error)
+    rows = {(e, int(p)): (low, high) for e, p, low, high in blocks.get("chart", [])}
+    for key, want in (((1.0, 2), (.138179, 1.571266)), ((1.0, 3), (1.636650, 1.897789)), ((1.0, 4), (2.145179, 2.172208)),
+                      ((.5, 2), (.805903, 1.451941)), ((.5, 3), (1.620378, 1.708352))):
+        got = rows.get(key, (0, 0))
+        check(max(abs(a - b) for a, b in zip(got, want)) < 1.5e-6, "boundary of the connecting rod", "%s %s" % (key, got))
+
+
+def blocks_and_curves(place):
+    """Device 9 has the blocks and columns of the manual; the curves are made."""
+    run(data("rig_coupler.nml"), place)
+    code, _, error, _ = run(data("rig_coupler.nml"), place, "--curves")
+    for ending in (".gp", ".png", ".pdf"):
+        name = os.path.join(place, "case.ssics" + ending)
+        check(os.path.exists(name) and os.path.getsize(name) > 2000, "curves of the rig, " + ending, error)
+    script = open(os.path.join(place, "case.ssics.gp"), encoding="utf-8").read()
+    check(script.count("\nplot ") == 8 and "rectangle from first 52" not in script, "four panels twice", script.count("\nplot "))
+    check(script.count("set object rectangle") >= 2, "unstable speeds are shaded")
+    code, listing, error, blocks = run(data("rig_coupler.nml"), place)
+    bands = [[float(word.replace("D", "E")) for word in line.split()] for line in listing.split(" MODE 1 GROWS AT SPEEDS")[1].split("\n")[1:3]]
+    # undamped p = 5 lies at 424.82 to 446.71 rev/min, p = 4 at 470.73 to 546.48: damping makes them a little narrower
+    inside = all(low < b[2] < b[3] < high and b[3] - b[2] > 0.9*(high - low) for b, (low, high) in
+                 zip(bands, ((424.7, 446.6), (470.6, 546.3))))
+    check(inside, "the bands of p = 5 and 4 of the damped rig", bands)
+    done = subprocess.run([os.path.join(BIN, "ssics"), "case.nml"], cwd=place, capture_output=True, text=True, timeout=100)
+    lines = open(os.path.join(place, "case.ssics.dev9"), encoding="utf-8").read().split("\n")
+    heads = {line.split()[2]: lines[i + 1 + (lines[i + 1].startswith("# run"))] for i, line in enumerate(lines) if line.startswith("# block ")}
+    for block, columns in (("boundaries", "mode p omega2_low omega2_high"), ("multipliers", "mode re im"),
+                           ("harmonics", "mode n amplitude"), ("response", "input y y1 y2"), ("speeds", "speed amplitude stable"),
+                           ("chart", "e p omega_low omega_high")):
+        check(heads.get(block) == "# " + columns, "columns of the block " + block, heads.get(block))
+    check(done.returncode == 0, "the rig again")
+    for name in ("drive_haines.nml", "ssics/hill.nml"):
+        code, _, error, _ = run(data(name), place, "--curves")
+        check(code == 0 and os.path.exists(os.path.join(place, "case.ssics.png")), "curves of " + name, error)
+        os.remove(os.path.join(place, "case.ssics.png"))
+
+
+def hard_cases(place):
+    # the rocker turns about a pin that stands still
+    code, _, error, blocks = run(data("rig_coupler.nml", ("VLINK=2", "VLINK=3"), ("NMASS=1, MLINK=3", "NMASS=1, MLINK=-1"),
+                                      ("VEMAX=4.0", "VEMAX=0.0")), place)
+    check(code < 2 and len(blocks["response"]) > 0, "the rocker as the vibrating link", error)
+    # backwards: the same as the mirrored linkage forwards
+    forward = run(data("rig_coupler.nml", ("NVSPED=46", "NVSPED=0"), ("VEMAX=4.0", "VEMAX=0.0")), place)[3]
+    backward = run(data("rig_coupler.nml", ("NVSPED=46", "NVSPED=0"), ("VEMAX=4.0", "VEMAX=0.0"), ("SPEED=23.07", "SPEED=-23.07")), place)[3]
+    check(numpy.allclose(forward["boundaries"], backward["boundaries"], rtol=1e-9, atol=1e-9), "boundaries do not depend on the sense")
+    check(backward["response"][1][0] < 0 < forward["response"][1][0], "a crank that turns backwards goes through negative inputs")
+    near = lambda rows: max(abs(row[1]) for row in rows)
+    check(near(forward["response"]) > 0 and abs(near(forward["response"]) - near(backward["response"])) > 1e-9,
+          "the damped response depends on the sense")
+    # undamped it is the same motion backwards
+    still = [("VZETA=0.015", "VZETA=0.0"), ("NVSPED=46", "NVSPED=0"), ("VEMAX=4.0", "VEMAX=0.0")]
+    forward = run(data("rig_coupler.nml", *still), place)[3]["response"]
+    backward = run(data("rig_coupler.nml", ("SPEED=23.07", "SPEED=-23.07"), *still), place)[3]["response"]
+    mirrored = [forward[0][1]] + [row[1] for row in reversed(forward[1:])]
+    check(numpy.abs(numpy.array(mirrored) - [row[1] for row in backward]).max() < 1e-9, "undamped, the motion runs backwards")
+    code, _, error, _ = run(data("rig_coupler.nml", ("76.2,381.0,152.4,381.0", "152.4,381.0,152.4,381.0")), place)
+    check(code == 1 and "loop 1 passes a dead point" in error, "a parallelogram is told with its angle", error)
+    code, _, error, _ = run(data("rig_coupler.nml", ("NVCHRT=41", "NVCHRT=2, NVPNT=24")), place)
+    check("do not show all of the coefficients" in error, "too few positions are told", error)
+
+
 def bad_input(place):
     for changes, status, words in (
             ([("VLINK=2", "VLINK=4")], 2, "is on the frame"),
@@ -169,6 +371,11 @@ def main():
         check(any(kinds) and not all(kinds), "stable and unstable ones among them", kinds)
         rig(place)
         drives(place)
+        case_study(place)
+        chart(place)
+        con_rod(place)
+        blocks_and_curves(place)
+        hard_cases(place)
         bad_input(place)
     print("%d passed, %d failed" % (passed, failed))
     return failed > 0

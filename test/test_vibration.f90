@@ -11,7 +11,8 @@ program test_vibration
    use psalm_periodic, only: periodic_t, periodic_from_samples, periodic_from_harmonics, periodic_constant
    use psalm_stability, only: boundaries_t, stability_boundaries, series_boundaries, instability_order
    use psalm_vibration_estimates, only: impulse_magnifier, step_error, straightening, foreshortening_sine, &
-      foreshortening_uniform, frequency_fall, tie_rod_ratio, post_support, post_support_of_slenderness, dynamic_error
+      foreshortening_uniform, frequency_fall, tie_rod_ratio, post_support, post_support_of_slenderness, dynamic_error, &
+      impact_time, impact_speed, impact_level, strength_ratio, overhung_ratio, static_deflection, magnification
    implicit none (type, external)
    real(wp), parameter :: crank = 1.0_wp, coupler = 5.0_wp, rocker = 2.0_wp, frame = 5.0_wp !! of Oldham's rig
    type(checks_t) :: t
@@ -29,6 +30,13 @@ program test_vibration
    call coupled_modes()
    call bounds()
    call estimates()
+   call impulses()
+   call end_loads()
+   call coefficients_of_the_rig()
+   call mathieu()
+   call series_errors()
+   call narrow_and_wide()
+   call speeds_of_the_rig()
    call t%report()
 
 contains
@@ -463,4 +471,204 @@ contains
          call t%close_to(back, ratio, 1.0e-10_wp, 'posts: and the ratio')
       end do
    end subroutine estimates
+
+   !> A blow once a turn: what is left of the blows before, exactly and by the magnifier; a blow across a clearance; strength.
+   subroutine impulses()
+      real(wp), parameter :: c = 0.01_wp, w = 10.0_wp
+      integer, parameter :: n = 20000
+      type(hill_t) :: hill
+      real(wp) :: start(2), determinant, single, periodic, x, decay, sine, cosine, damped
+      real(wp) :: length, modulus, density, gyration, half, strain, acceleration, speed, moment
+      integer :: i
+
+      hill = solve_hill(periodic_constant(2.0_wp*c*w), periodic_constant(w**2), periodic_constant(0.0_wp), 1.0e-12_wp)
+      associate (m => hill%transfer)
+         determinant = (1.0_wp - m(1, 1))*(1.0_wp - m(2, 2)) - m(1, 2)*m(2, 1)
+         start = [m(1, 2), 1.0_wp - m(1, 1)]/determinant ! (1 - m) start = (0, 1)
+      end associate
+      damped = w*sqrt(1.0_wp - c*c)
+      single = 0.0_wp
+      periodic = 0.0_wp
+      do i = 0, n
+         x = 2.0_wp*pi*real(i, wp)/real(n, wp)
+         decay = exp(-c*w*x)
+         sine = sin(damped*x)
+         cosine = cos(damped*x)
+         single = max(single, abs(decay*sine/damped))
+         periodic = max(periodic, abs(decay*(start(1)*cosine + (start(2) + c*w*start(1))/damped*sine)))
+      end do
+      ! against the resonant harmonic alone, 1/(2 pi c W**2): the magnifier, but for what dies until the peak
+      call t%close_to(2.0_wp*pi*c*w**2*periodic, 1.32592_wp, 1.0e-5_wp, 'peak of a periodic impulse over its resonant harmonic')
+      call t%close_to(periodic/single, 1.0_wp/(1.0_wp - exp(-2.0_wp*pi*c*w)), 1.0e-6_wp, 'and over the peak of one')
+      ! a constant jerk g crosses 2 e in the time t: g t**3/6 = 2 e
+      call t%close_to(impact_speed(1.0_wp, 1.0_wp), 1.651_wp, 5.0e-4_wp, 'speed of an impact')
+      call t%close_to(7.0_wp*impact_time(2.0e-3_wp, 7.0_wp)**3/6.0_wp, 2.0e-3_wp, 1.0e-12_wp, 'the jerk crosses the clearance')
+      call t%close_to(impact_level(2.0_wp, 3.0_wp, 5.0_wp), 0.5255_wp*5.0_wp*2.0_wp**(2.0_wp/3.0_wp)*3.0_wp**(1.0_wp/3.0_wp), &
+                      1.0e-4_wp, 'level of its harmonics')
+      ! the strain in a uniform link under its own inertia is the limit: by the bending moment m A L/8
+      length = 0.4_wp
+      modulus = 2.0e11_wp
+      density = 7800.0_wp
+      half = 0.004_wp
+      gyration = half/sqrt(3.0_wp)
+      speed = 120.0_wp
+      acceleration = 0.07_wp*speed**2
+      moment = density*acceleration*length**2/8.0_wp ! of a unit of area
+      strain = moment*half/(modulus*gyration**2)
+      call t%close_to(strength_ratio(half, gyration, modulus, density, acceleration/speed**2, speed, strain), &
+                      pi**2*gyration*sqrt(modulus/density)/(length**2*speed), 1.0e-12_wp, 'strength of a uniform link')
+      call t%close_to(overhung_ratio(64.0_wp, 1.0_wp, 0.0_wp, 1.0_wp, 1.0_wp, 1.0_wp, 1.0_wp, 8.0_wp, 3.0_wp), 4.0_wp, 1.0e-12_wp, &
+                      'overhung mass: sixth root of the mass, third of the speed')
+      call t%close_to(static_deflection(1, 1.0_wp, 1.0_wp, 1.0_wp, 2.0_wp), -2.0_wp/pi, 1.0e-12_wp, 'tension halves a deflection')
+      call t%close_to(static_deflection(2, 0.0_wp, 1.0_wp, 1.0_wp, 1.0_wp), 0.0_wp, 0.0_wp, 'mode 2 of equal ends')
+      call t%close_to(dynamic_error(40, 2, 10.0_wp, 0.01_wp, .false.), 50.0_wp, 1.0e-12_wp, &
+                      'mode 2 resounds at four times the ratio')
+      call t%close_to(magnification(1.0_wp, 0.02_wp), 25.0_wp, 1.0e-12_wp, 'magnification at resonance')
+   end subroutine impulses
+
+   !> A coupler under an end load, y'' + 2 c W Q y' + W**2 Q y = W**2 P: Haines, 8c. Largest |y - P/Q|.
+   subroutine end_loads()
+      real(wp), parameter :: none(2) = 0.0_wp, load(2) = [0.2_wp, 0.06_wp]
+      integer :: k
+      real(wp), parameter :: plain(4) = [0.010301_wp, 0.041874_wp, 0.333570_wp, 50.01_wp]
+      real(wp), parameter :: loaded(3) = [0.014074_wp, 0.056040_wp, 0.501873_wp]
+      integer, parameter :: j(4) = [1, 2, 5, 10]
+      real(wp) :: many(20), r
+      complex(wp) :: h
+
+      do k = 1, 4
+         r = 0.1_wp*real(j(k), wp)
+         h = 1.0_wp/cmplx(1.0_wp - r*r, 0.02_wp*r, wp)
+         call t%close_to(end_load_error(none, j(k)), abs(h - 1.0_wp), 1.0e-4_wp, 'end load: constant, in closed form')
+         call t%close_to(end_load_error(none, j(k)), plain(k), 1.0e-3_wp, 'end load: constant')
+      end do
+      do k = 1, 3
+         call t%close_to(end_load_error(load, j(k)), loaded(k), 1.0e-3_wp, 'end load: varying')
+      end do
+      many = 0.0003_wp
+      call t%close_to(end_load_error(many, 0), 0.02025_wp, 1.0e-3_wp, 'end load: twenty small harmonics, constant force')
+      call t%close_to(end_load_error(many, 1), 0.02930_wp, 1.0e-3_wp, 'end load: twenty small harmonics')
+      call t%is_true(end_load_error([1.2_wp], 1) > 1.0_wp, 'end load beyond that of Euler for a part of the turn')
+   end subroutine end_loads
+
+   real(wp) function end_load_error(cosines, j) result(largest)
+      real(wp), intent(in) :: cosines(:) !! of Q, whose mean is 1
+      integer, intent(in) :: j           !! P = cos(j x)
+      real(wp), parameter :: w = 10.0_wp, c = 0.01_wp
+      type(periodic_t) :: q, p, y
+      type(hill_t) :: hill
+      integer, parameter :: n = 4096
+      real(wp) :: wave(max(1, j))
+
+      q = periodic_from_harmonics(1.0_wp, cosines, 0.0_wp*cosines)
+      wave = 0.0_wp
+      if (j > 0) wave(j) = 1.0_wp
+      p = periodic_from_harmonics(merge(1.0_wp, 0.0_wp, j == 0), wave, 0.0_wp*wave)
+      hill = solve_hill(q%scaled(2.0_wp*c*w), q%scaled(w*w), p%scaled(w*w), 1.0e-11_wp)
+      y = periodic_from_samples(hill%y)
+      largest = maxval(abs(y%values(n) - p%values(n)/q%values(n)))
+   end function end_load_error
+
+   !> Harmonics of the stiffness e g + h of the rig, and how fast they fall.
+   subroutine coefficients_of_the_rig()
+      type(periodic_t) :: f0, f1
+      complex(wp), parameter :: a(2) = [(2.7977091923_wp, -1.0613066894_wp), (0.9250411217_wp, -0.4872215178_wp)]
+      complex(wp), parameter :: b(2) = [(0.5331110785_wp, -0.1806779064_wp), (0.1433147233_wp, -0.0249328614_wp)]
+      integer :: n
+
+      f0 = mode_stiffness(rig(0.0_wp), 1)
+      f1 = mode_stiffness(rig(1.0_wp), 1)
+      call t%close_to(f1%mean() - f0%mean(), 0.3313828327_wp, 1.0e-9_wp, 'rig: mean of g')
+      call t%close_to(f0%mean(), 0.0158537268_wp, 1.0e-8_wp, 'rig: mean of h')
+      do n = 1, 2
+         call t%close_to(abs(f1%coefficient(n) - f0%coefficient(n) - a(n)), 0.0_wp, 1.0e-9_wp, 'rig: harmonic of g')
+         call t%close_to(abs(f0%coefficient(n) - b(n)), 0.0_wp, 1.0e-9_wp, 'rig: harmonic of h')
+      end do
+      call t%is_true(abs(f1%coefficient(32) - f0%coefficient(32)) < 2.0e-14_wp*abs(a(1)), 'rig: the 32nd harmonic of g')
+      call t%is_true(abs(f0%coefficient(32)) < 2.0e-14_wp*abs(b(1)), 'rig: the 32nd harmonic of h')
+   end subroutine coefficients_of_the_rig
+
+   !> y'' + (a - 2 q cos 2 z) y = 0 at q = 1: characteristic values of Abramowitz and Stegun, table 20.1. With x = 2 z it is
+   !> W = a/4, f = -(q/2) cos x.
+   subroutine mathieu()
+      type(boundaries_t) :: b
+      type(periodic_t) :: f
+      real(wp), parameter :: low(0:2) = [-0.4551386041_wp, -0.1102488169_wp, 3.9170247730_wp]
+      real(wp), parameter :: high(1:2) = [1.8591080725_wp, 4.3713009827_wp]
+
+      f = periodic_from_harmonics(0.0_wp, [-0.5_wp], [0.0_wp])
+      b = stability_boundaries(f, 2)
+      call t%close_to(maxval(abs(4.0_wp*b%low - low)), 0.0_wp, 1.0e-10_wp, 'Mathieu: lower boundaries')
+      call t%close_to(maxval(abs(4.0_wp*b%high(1:) - high)), 0.0_wp, 1.0e-10_wp, 'Mathieu: upper boundaries')
+   end subroutine mathieu
+
+   !> The error of (13.28) falls as the cube of f, that of (13.27) as the square.
+   subroutine series_errors()
+      real(wp), parameter :: part(4) = [0.04_wp, 0.02_wp, 0.01_wp, 0.005_wp]
+      real(wp), parameter :: want(4) = [7.6e-4_wp, 9.1e-5_wp, 1.1e-5_wp, 1.4e-6_wp]
+      type(periodic_t) :: f
+      type(boundaries_t) :: b
+      real(wp) :: first(4), second(4)
+      integer :: i
+
+      do i = 1, 4
+         f = mode_stiffness(rig(1.0_wp), 1)
+         f = f%scaled(part(i))
+         b = stability_boundaries(f, 1)
+         first(i) = maxval(abs(series_boundaries(f, 1, 1) - [b%low(1), b%high(1)]))
+         second(i) = maxval(abs(series_boundaries(f, 1, 2) - [b%low(1), b%high(1)]))
+         call t%is_true(second(i) > 0.8_wp*want(i) .and. second(i) < 1.2_wp*want(i), 'error of (13.28)')
+      end do
+      call t%is_true(all(first(1:3)/first(2:4) > 3.5_wp .and. first(1:3)/first(2:4) < 4.5_wp), 'error of (13.27): the square')
+      call t%is_true(all(second(1:3)/second(2:4) > 7.0_wp .and. second(1:3)/second(2:4) < 9.0_wp), 'error of (13.28): the cube')
+   end subroutine series_errors
+
+   !> Very narrow tongues keep their width; very large coefficients make the matrix larger.
+   subroutine narrow_and_wide()
+      type(boundaries_t) :: b, larger
+      type(periodic_t) :: f
+      real(wp), parameter :: e(3) = [0.5_wp, 1.43_wp, 4.0_wp], want(3) = [1.3e-6_wp, 7.4e-6_wp, 6.5e-4_wp]
+      real(wp) :: width
+      integer :: i
+
+      do i = 1, 3
+         b = stability_boundaries(mode_stiffness(rig(e(i)), 1), 12)
+         width = sqrt(b%high(12)) - sqrt(b%low(12))
+         call t%is_true(abs(width/want(i) - 1.0_wp) < 0.05_wp, 'width of a narrow tongue')
+      end do
+      f = mode_stiffness(rig(200.0_wp), 1)
+      b = stability_boundaries(f, 20)
+      call t%is_true(b%converged .and. b%waves > 60, 'boundaries at e = 200 converge')
+      larger = stability_boundaries(f, 60)
+      call t%close_to(maxval(abs(b%high - larger%high(:20)))/abs(b%high(0)), 0.0_wp, 1.0e-12_wp, 'and do not depend on the matrix')
+   end subroutine narrow_and_wide
+
+   !> Unstable speeds of the rig at 19.9 Hz, rev/min; gaps between them; the trace where half harmonics were seen.
+   subroutine speeds_of_the_rig()
+      type(boundaries_t) :: b
+      type(hill_t) :: hill
+      type(periodic_t) :: f
+      real(wp), parameter :: rpm(2, 4:8) = reshape([470.73_wp, 546.48_wp, 424.82_wp, 446.71_wp, 378.37_wp, 384.51_wp, 334.16_wp, &
+                                                    335.12_wp, 295.92_wp, 296.12_wp], [2, 5])
+      real(wp), parameter :: e(8) = [0.5_wp, 1.0_wp, 1.5_wp, 2.0_wp, 2.5_wp, 3.0_wp, 3.5_wp, 4.0_wp]
+      real(wp), parameter :: gap(8) = [1.790_wp, 2.334_wp, 2.566_wp, 3.026_wp, 3.475_wp, 3.629_wp, 4.054_wp, 4.187_wp]
+      integer :: p, i
+
+      f = mode_stiffness(rig(1.43_wp), 1)
+      b = stability_boundaries(f, 20)
+      do p = 4, 8
+         call t%close_to(60.0_wp*19.9_wp/sqrt(b%high(p)), rpm(1, p), 2.0e-5_wp, 'rig: an unstable band begins')
+         call t%close_to(60.0_wp*19.9_wp/sqrt(b%low(p)), rpm(2, p), 2.0e-5_wp, 'rig: and ends')
+      end do
+      do i = 1, size(e)
+         b = stability_boundaries(mode_stiffness(rig(e(i)), 1), 20)
+         do p = 0, 19
+            if (speed_ratio(b%low(p + 1)) - max(speed_ratio(b%high(p)), 0.0_wp) > 0.1_wp .and. b%low(p + 1) > 0.0_wp) exit
+         end do
+         call t%close_to(max(speed_ratio(b%high(p)), 0.0_wp), gap(i), 1.0e-3_wp, 'rig: the first gap wider than 0.1')
+      end do
+      f = mode_stiffness(rig(2.14_wp), 1)
+      hill = solve_hill(no_damping, f%plus(periodic_constant(4.54_wp**2)), periodic_constant(0.0_wp), 1.0e-12_wp)
+      call t%close_to(hill%transfer(1, 1) + hill%transfer(2, 2), -1.98999_wp, 1.0e-5_wp, 'rig: near period doubling at 175 rev/min')
+   end subroutine speeds_of_the_rig
 end program test_vibration
