@@ -6,6 +6,7 @@ module psalm_data_set
    use, intrinsic :: iso_fortran_env, only: int64
    use psalm_kinds, only: wp, full_turn, half_turn, radians_per_degree
    use psalm_balance_group, only: balance_group_t, read_balance_group
+   use psalm_cam_group, only: cam_group_t, read_cam_group
    use psalm_chain_group, only: read_chain_group, read_drives_group, read_outputs_group
    use psalm_constraint_group, only: constraint_group_t, read_constraint_group
    use psalm_friction_group, only: friction_group_t, read_friction_group
@@ -123,6 +124,7 @@ module psalm_data_set
       type(drive_group_t) :: drive         !! DRIVEL
       type(hill_group_t) :: hill           !! HILL
       type(balance_group_t) :: balance     !! BALANC (read for muscle only)
+      type(cam_group_t) :: cam             !! CAM (read for calm only)
       character(:), allocatable :: others  !! the groups that device 7 keeps as they are
       character(:), allocatable :: skipped !! the groups that this program does not read, with those that do; empty: none
       type(origins_t) :: origins           !! where every value was written
@@ -224,10 +226,11 @@ contains
       type(diagnostics_t), intent(inout) :: findings
       integer, parameter :: links = 1, method = 2, limits = 3, search = 4, constr = 5, toler = 6, rates = 7, chain = 8, &
                             drives = 9, outputs = 10, masses = 11, loads = 12, spring = 13, frictn = 14, motor = 15, &
-                            vibr = 16, estim = 17, drivel = 18, hill = 19, balanc = 20
+                            vibr = 16, estim = 17, drivel = 18, hill = 19, balanc = 20, cam = 21
       character(*), parameter :: names(*) = [character(name_length) :: 'LINKS', 'METHOD', 'LIMITS', 'SEARCH', 'CONSTR', &
                                              'TOLER', 'RATES', 'CHAIN', 'DRIVES', 'OUTPUTS', 'MASSES', 'LOADS', 'SPRING', &
-                                             'FRICTN', 'MOTOR', 'VIBR', 'ESTIM', 'DRIVEL', 'HILL', 'BALANC']
+                                             'FRICTN', 'MOTOR', 'VIBR', 'ESTIM', 'DRIVEL', 'HILL', 'BALANC', &
+                                             'CAM']
       type(group_t) :: groups(size(names))
       type(diagnostics_t) :: unused
       logical :: shape_known, sketch_sound
@@ -285,6 +288,7 @@ contains
       call read_drive_group(groups(drivel), set%drive, findings)
       call read_hill_group(groups(hill), set%hill, findings)
       call read_balance_group(groups(balanc), set%ilink, set%balance, findings)
+      call read_cam_group(groups(cam), set%ilink, set%cam, findings)
       if (size(set%masses%mass) > 0 .and. .not. set%rates_given) then
          call findings%warning('there is no group &RATES: the input is taken to move at '// &
                                trim(merge('1 unit of length a second', '1 radian a second        ', sliding_input(set))), &

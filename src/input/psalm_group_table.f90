@@ -6,33 +6,36 @@ module psalm_group_table
    private
    public :: known_group_t, known_groups, everything, program_reads, program_of, is_users, nearest_group
 
+   integer, parameter :: programs_length = 64 !! characters of all programs' names
+
    !> A group and who reads it.
    type :: known_group_t
       character(name_length) :: name
-      character(name_length) :: programs  !! names, a blank between them
+      character(programs_length) :: programs !! names, a blank between them
    end type known_group_t
 
    type(known_group_t), parameter :: known_groups(*) = [ &
-      known_group_t('LINKS', 'psalm kalm balm ssics muscle'), &
-      known_group_t('METHOD', 'psalm kalm balm ssics muscle'), &
-      known_group_t('LIMITS', 'psalm kalm balm ssics muscle'), &
-      known_group_t('SEARCH', 'psalm kalm balm ssics muscle'), &
-      known_group_t('CONSTR', 'psalm kalm balm ssics muscle'), &
-      known_group_t('TOLER', 'psalm kalm balm ssics muscle'), &
-      known_group_t('RATES', 'kalm balm ssics muscle'), &
-      known_group_t('CHAIN', 'psalm kalm balm ssics muscle'), &
-      known_group_t('DRIVES', 'psalm kalm balm ssics muscle'), &
-      known_group_t('OUTPUTS', 'psalm kalm balm ssics muscle'), &
-      known_group_t('MASSES', 'kalm balm ssics muscle'), &
-      known_group_t('LOADS', 'kalm balm ssics muscle'), &
-      known_group_t('SPRING', 'kalm balm ssics muscle'), &
-      known_group_t('FRICTN', 'kalm balm ssics muscle'), &
+      known_group_t('LINKS', 'psalm kalm balm ssics muscle calm'), &
+      known_group_t('METHOD', 'psalm kalm balm ssics muscle calm'), &
+      known_group_t('LIMITS', 'psalm kalm balm ssics muscle calm'), &
+      known_group_t('SEARCH', 'psalm kalm balm ssics muscle calm'), &
+      known_group_t('CONSTR', 'psalm kalm balm ssics muscle calm'), &
+      known_group_t('TOLER', 'psalm kalm balm ssics muscle calm'), &
+      known_group_t('RATES', 'kalm balm ssics muscle calm'), &
+      known_group_t('CHAIN', 'psalm kalm balm ssics muscle calm'), &
+      known_group_t('DRIVES', 'psalm kalm balm ssics muscle calm'), &
+      known_group_t('OUTPUTS', 'psalm kalm balm ssics muscle calm'), &
+      known_group_t('MASSES', 'kalm balm ssics muscle calm'), &
+      known_group_t('LOADS', 'kalm balm ssics muscle calm'), &
+      known_group_t('SPRING', 'kalm balm ssics muscle calm'), &
+      known_group_t('FRICTN', 'kalm balm ssics muscle calm'), &
       known_group_t('MOTOR', 'kalm balm'), &
       known_group_t('VIBR', 'balm ssics'), &
       known_group_t('ESTIM', 'ssics'), &
       known_group_t('DRIVEL', 'ssics'), &
       known_group_t('HILL', 'ssics'), &
-      known_group_t('BALANC', 'muscle')]
+      known_group_t('BALANC', 'muscle'), &
+      known_group_t('CAM', 'calm')]
 
    character(*), parameter :: everything = '*' !! in place of a program: who reads all groups that a program of the suite reads
    character(*), parameter :: users = 'USER' !! groups whose names begin so are the user's own
@@ -50,7 +53,7 @@ contains
    !> The programs that read the group; blank if none does.
    pure function program_of(group) result(programs)
       character(*), intent(in) :: group
-      character(name_length) :: programs
+      character(programs_length) :: programs
       integer :: i
 
       programs = ''

@@ -1,0 +1,83 @@
+!> calm: cams that drive planar linkages, from a namelist file.
+program calm
+   use psalm_batch, only: outputs_t, run_file
+   use psalm_cam_report, only: report_cam
+   use psalm_cam_study, only: cam_study_t, check_cam, find_cam
+   use psalm_check_list, only: list_input
+   use psalm_console, only: arguments_t, begin
+   use psalm_data_set, only: data_set_t
+   use psalm_devices, only: devices_t, header_of
+   use psalm_error, only: problem_t, make_problem
+   use psalm_mark, only: mark_t
+   use psalm_preparation, only: demand_t, prepared_t, prepare
+   use psalm_source, only: line_t
+   use psalm_status, only: diagnostics_t
+   use psalm_system, only: finish_program
+   implicit none (type, external)
+   character(*), parameter :: nl = new_line('a')
+   type(demand_t), parameter :: demand = demand_t(position=1000, arc=400)
+   type(outputs_t) :: outputs
+   type(arguments_t) :: arguments
+   logical :: finished
+   integer :: code, i
+
+   outputs = outputs_t(suffix='.calm', endings=['.dev8', '.dev9', '.csv '], of_search=[character(5) ::])
+   call begin('calm', &
+      'usage: calm [options] [CASE.nml ...]'//nl// &
+      nl//'The cam that makes the output of a linkage follow a law (&CAM): the linkage solved backwards, profile, cutter'//nl// &
+      'path, curvature, pressure angle; what the roller, the cutter or a flat face cannot follow.'//nl// &
+      nl//'The listing goes to standard output; CASE.calm.dev8 (input), CASE.calm.dev9 and CASE.calm.csv (tables) beside'//nl// &
+      'the case.'//nl// &
+      nl//'  --output-dir DIR  put the files into DIR'//nl// &
+      '  --quiet           no remarks on standard error, errors only'//nl// &
+      '  --version         print the version'//nl// &
+      '  --help            print this text'//nl// &
+      nl//'Exit status: 0 done; 1 done, but the cam cannot be followed or made, or a limit is not kept;'//nl// &
+      '2 the input is wrong; 3 a file could not be read or written.'//nl, &
+      outputs%suffix//outputs%endings, arguments, finished)
+   code = arguments%code
+   if (finished) call finish_program(code)
+   do i = 1, size(arguments%files)
+      call run_file(arguments, trim(arguments%files(i)), outputs, prepare_cam, run_case, code)
+      if (arguments%no_place) exit
+   end do
+   call finish_program(code)
+
+contains
+
+   subroutine prepare_cam(file, set, prepared, findings, mark)
+      character(*), intent(in) :: file
+      type(data_set_t), intent(inout) :: set
+      type(prepared_t), intent(inout) :: prepared
+      type(diagnostics_t), intent(inout) :: findings
+      type(mark_t), intent(inout) :: mark
+      type(line_t) :: none(0)
+
+      associate (unused => file, also_unused => mark)
+      end associate
+      set%nguess = 0
+      if (allocated(set%no_loops)) then
+         call findings%error('calm studies dyads with one drive on the frame, but this sketch has '//set%no_loops, &
+                             line=set%title_line, group='CHAIN')
+      end if
+      if (.not. findings%failed()) call prepare(set, none, prepared, findings, demand)
+      if (.not. findings%failed()) call check_cam(set, prepared, findings)
+   end subroutine prepare_cam
+
+   subroutine run_case(set, prepared, devices, stopped)
+      type(data_set_t), intent(in) :: set
+      type(prepared_t), intent(in) :: prepared
+      type(devices_t), intent(inout) :: devices
+      logical, intent(inout) :: stopped
+      type(problem_t), allocatable :: problem    ! large: it would fill a small stack
+      type(cam_study_t), allocatable :: study
+
+      associate (unused => stopped)
+      end associate
+      allocate (problem, study)
+      call make_problem(set, prepared%mechanism, prepared%given, prepared%parameters, problem)
+      call list_input(header_of('CALM', devices%mark), set, problem, devices%eight)
+      call find_cam(set, prepared, study)
+      call report_cam(set, study, devices)
+   end subroutine run_case
+end program calm

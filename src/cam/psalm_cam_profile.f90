@@ -1,0 +1,199 @@
+!> Shape of a disc cam from the motion of its follower: pitch curve, profile, cutter centre, curvature, pressure angle.
+!>
+!> Points are complex numbers. The cam turns about O by sense*th; seen from it the roller's centre c draws the pitch curve
+!> z = (c - O) exp(-i sense th), and profile and cutter path are its parallels. A flat face with normal direction b at
+!> distance h from O envelops the profile. Everything is in closed form from two derivatives of the follower's
+!> motion. Source: Oldham (1977), 9.3.2; derivation in doc/theory.md.
+module psalm_cam_profile
+   use psalm_angles, only: unit_vector, angles_of
+   use psalm_cam_motion, only: cam_trace_t
+   use psalm_elementary, only: hypotenuse
+   use psalm_kinds, only: wp, right_angle
+   implicit none (type, external)
+   private
+   public :: cam_axes_t, cam_points_t, roller_profile, flat_profile, side_of_centre, deepest_interference
+
+   !> Where the cam turns.
+   type :: cam_axes_t
+      complex(wp) :: centre = (0.0_wp, 0.0_wp)       !! O
+      real(wp) :: sense = 1.0_wp                     !! +1: anticlockwise
+   end type cam_axes_t
+
+   !> The cam at a row of cam angles; points in cam axes.
+   type :: cam_points_t
+      complex(wp), allocatable :: pitch(:)           !! roller centre; of a face: as `profile`
+      complex(wp), allocatable :: profile(:)         !! point of contact
+      complex(wp), allocatable :: cutter(:)          !! centre of cutter or wheel
+      complex(wp), allocatable :: normal(:)          !! unit vector out of the cam
+      complex(wp), allocatable :: machine(:)         !! what a vector in cam axes is multiplied by in machine axes
+      real(wp), allocatable :: radius(:)             !! rho: of curvature of the profile, above 0 where convex
+      real(wp), allocatable :: bend(:)               !! curvature of the pitch curve, above 0 where convex; of a face 1/rho
+      real(wp), allocatable :: pressure(:)           !! alpha, degrees
+      real(wp), allocatable :: excursion(:)          !! of the contact along the face from the foot of the centre
+      real(wp), allocatable :: on_face(:)            !! and from the face's own point
+   end type cam_points_t
+
+contains
+
+   !> +1 if the cam's centre lies to the left of the pitch curve's sense, else -1. The trace covers one turn.
+   pure real(wp) function side_of_centre(states, axes) result(side)
+      type(cam_trace_t), intent(in) :: states
+      type(cam_axes_t), intent(in) :: axes
+      complex(wp) :: w, v
+      real(wp) :: total, before, now, dth
+      integer :: i
+
+      total = 0.0_wp
+      before = 0.0_wp
+      do i = 1, size(states%angle)
+         w = states%c(0, i) - axes%centre
+         v = states%c(1, i) - cmplx(0.0_wp, axes%sense, wp)*w
+         now = aimag(conjg(v)*(-w))
+         if (i > 1) then
+            dth = states%angle(i) - states%angle(i - 1)
+            total = total + 0.5_wp*(now + before)*dth
+         end if
+         before = now
+      end do
+      side = sign(1.0_wp, total)
+   end function side_of_centre
+
+   !> Profile of a roller, or of a knife edge with radius 0. No allocation but of `points`.
+   pure subroutine roller_profile(states, axes, side, roller, cutter, points)
+      type(cam_trace_t), intent(in) :: states
+      type(cam_axes_t), intent(in) :: axes
+      real(wp), intent(in) :: side                   !! eps: +1 centre to the left of the pitch curve
+      real(wp), intent(in) :: roller, cutter         !! radii
+      type(cam_points_t), intent(out) :: points
+      complex(wp) :: w, z1, z2, n, e, push, f, j
+      real(wp) :: speed, ec, es, across(size(states%angle)), along(size(states%angle)), size_f
+      integer :: i
+
+      call make_room(size(states%angle), points)
+      j = cmplx(0.0_wp, axes%sense, wp)
+      do i = 1, size(states%angle)
+         call unit_vector(-axes%sense*states%angle(i), ec, es)
+         e = cmplx(ec, es, wp)
+         points%machine(i) = conjg(e)
+         w = states%c(0, i) - axes%centre
+         z1 = states%c(1, i) - j*w               ! in machine axes: relative to the cam
+         z2 = states%c(2, i) - 2.0_wp*(j*states%c(1, i)) - w
+         speed = hypotenuse(real(z1, wp), aimag(z1))
+         n = (0.0_wp, 1.0_wp)*z1/speed
+         points%bend(i) = side*aimag(conjg(z1)*z2)/speed**3
+         points%radius(i) = radius_of(points%bend(i), roller)
+         points%pitch(i) = w*e
+         points%profile(i) = (w + side*roller*n)*e
+         points%cutter(i) = (w + side*(roller - cutter)*n)*e
+         points%normal(i) = -side*n*e
+         push = -side*n
+         f = states%by_input(i)
+         size_f = hypotenuse(real(f, wp), aimag(f))
+         if (size_f > 0.0_wp) f = f/size_f
+         f = push*conjg(f)
+         across(i) = aimag(f)
+         along(i) = real(f, wp)
+      end do
+      ! the line of travel has no sense: within a right angle
+      across = sign(1.0_wp, along)*across
+      call angles_of(size(across), abs(along), across, points%pressure)
+   end subroutine roller_profile
+
+   !> Radius of the profile beside a pitch curve of a curvature; the largest number where that is straight.
+   elemental real(wp) function radius_of(bend, roller)
+      real(wp), intent(in) :: bend, roller
+
+      radius_of = huge(1.0_wp)
+      if (abs(bend) > tiny(1.0_wp)) radius_of = 1.0_wp/bend - roller
+   end function radius_of
+
+   !> Profile of a flat face. The face's normal out of the cam stands at `face` from the line to its point.
+   pure subroutine flat_profile(states, axes, face, cutter, points, possible)
+      type(cam_trace_t), intent(in) :: states
+      type(cam_axes_t), intent(in) :: axes
+      real(wp), intent(in) :: face                   !! degrees: FACANG - FOLANG
+      real(wp), intent(in) :: cutter                 !! radius of the wheel
+      type(cam_points_t), intent(out) :: points
+      logical, intent(out) :: possible(:)            !! false where the face turns with the cam
+      complex(wp) :: u, e, g0, g1, g2, v, i1
+      real(wp) :: c, s, h, x, relative, across(size(states%angle)), along(size(states%angle)), size_v
+      integer :: i
+
+      call make_room(size(states%angle), points)
+      i1 = (0.0_wp, 1.0_wp)
+      call unit_vector(face, c, s)
+      do i = 1, size(states%angle)
+         u = states%direction(i)*cmplx(c, s, wp)
+         associate (b => states%turning(:, i))
+            ! the face's point seen from the centre in axes of the face
+            g0 = conjg(u)*(states%c(0, i) - axes%centre)
+            g1 = conjg(u)*states%c(1, i) - i1*(b(1)*g0)
+            g2 = conjg(u)*states%c(2, i) - i1*(b(1)*(conjg(u)*states%c(1, i)) + b(2)*g0 + b(1)*g1)
+            relative = b(1) - axes%sense
+            possible(i) = abs(relative) > epsilon(1.0_wp)
+            if (.not. possible(i)) relative = epsilon(1.0_wp)
+            h = real(g0, wp)
+            x = real(g1, wp)/relative
+            points%radius(i) = h + (real(g2, wp)*relative - real(g1, wp)*b(2))/relative**3
+         end associate
+         call unit_vector(-axes%sense*states%angle(i), c, s)
+         e = u*cmplx(c, s, wp)
+         points%machine(i) = cmplx(c, -s, wp)
+         call unit_vector(face, c, s)
+         points%bend(i) = 1.0_wp/sign(max(abs(points%radius(i)), tiny(1.0_wp)), points%radius(i))
+         points%profile(i) = cmplx(h, x, wp)*e
+         points%pitch(i) = points%profile(i)
+         points%cutter(i) = cmplx(h + cutter, x, wp)*e
+         points%normal(i) = e
+         points%excursion(i) = x
+         points%on_face(i) = x - aimag(g0)
+         ! velocity of the point of the face that touches
+         v = conjg(u)*states%by_input(i) + i1*states%turning_by_input(i)*cmplx(h - real(g0, wp), x - aimag(g0), wp)
+         size_v = hypotenuse(real(v, wp), aimag(v))
+         if (size_v > 0.0_wp) v = v/size_v
+         across(i) = -aimag(v)
+         along(i) = real(v, wp)
+      end do
+      across = sign(1.0_wp, along)*across
+      call angles_of(size(across), abs(along), across, points%pressure)
+      where (abs(points%pressure) > right_angle) points%pressure = right_angle
+   end subroutine flat_profile
+
+   pure subroutine make_room(n, points)
+      integer, intent(in) :: n
+      type(cam_points_t), intent(inout) :: points
+
+      allocate (points%pitch(n), points%profile(n), points%cutter(n), points%normal(n), points%machine(n))
+      allocate (points%radius(n), points%bend(n), points%pressure(n))
+      allocate (points%excursion(n), points%on_face(n), source=0.0_wp)
+   end subroutine make_room
+
+   !> How deep a circle of the radius cuts into the contour where it stands at its centres, at most: what curvature alone does not
+   !> show. 0 if nowhere by more than rounding.
+   pure subroutine deepest_interference(contour, centres, radius, depth, at, by)
+      complex(wp), intent(in) :: contour(:), centres(:) !! shape (n): of one and the same cam angle
+      real(wp), intent(in) :: radius
+      real(wp), intent(out) :: depth
+      integer, intent(out) :: at, by                 !! point of the contour, and centre
+      real(wp) :: least, square, allowed
+      integer :: i, k
+
+      at = 0
+      by = 0
+      depth = 0.0_wp
+      if (.not. radius > 0.0_wp) return
+      ! rounding of the points
+      allowed = max(1.0e-9_wp, 1.0e-12_wp*maxval(abs(real(centres, wp)) + abs(aimag(centres))))
+      least = max(radius - allowed, 0.0_wp)**2
+      do k = 1, size(centres)
+         do i = 1, size(contour)
+            square = (real(contour(i), wp) - real(centres(k), wp))**2 + (aimag(contour(i)) - aimag(centres(k)))**2
+            if (square >= least) cycle
+            least = square
+            at = i
+            by = k
+         end do
+      end do
+      if (at > 0) depth = radius - sqrt(least)
+   end subroutine deepest_interference
+end module psalm_cam_profile

@@ -1,0 +1,272 @@
+!> The group CAM: the law of motion of a cam, its follower, and what is asked of its shape.
+module psalm_cam_group
+   use psalm_cam_kind, only: law_kind, law_dwell, law_modtrap, law_trig, law_names, has_zones, zones_of, zone_count
+   use psalm_group, only: group_t, check_range, out_of, read_flag, required
+   use psalm_kinds, only: wp, full_turn
+   use psalm_link_place, only: refuse_unless
+   use psalm_status, only: diagnostics_t
+   use psalm_text, only: to_text, upper_case
+   implicit none (type, external)
+   private
+   public :: cam_group_t, roller_t, read_cam_group, follower_roller, follower_flat
+
+   integer, parameter :: most_segments = 200, most_in_table = 2000, most_points = 100000, fewest_points = 12
+   integer, parameter :: fewest_in_table = 6
+   integer, parameter :: follower_roller = 1, follower_flat = 2  !! KFOL
+
+   !> A roller, or a point of a flat face, on the arc that carries the follower.
+   type :: roller_t
+      real(wp) :: distance = 0.0_wp            !! from the arc's end
+      real(wp) :: angle = 0.0_wp               !! of that line from the arc's direction, degrees
+      real(wp) :: radius = 0.0_wp
+   end type roller_t
+
+   type :: cam_group_t
+      logical :: given = .false.
+      ! law
+      real(wp), allocatable :: finish(:)       !! SEGEND: cam angle at the end of each segment, degrees
+      real(wp), allocatable :: output(:)       !! SEGOUT: there
+      integer, allocatable :: law(:)           !! LAW
+      real(wp), allocatable :: velocity(:), acceleration(:), jerk(:) !! SEGVEL, SEGACC, SEGJRK at the end, by radians of cam
+      logical :: jerks = .false.               !! SEGJRK was given
+      real(wp), allocatable :: zones(:, :)     !! shape (7, segments): TZONE, or those of the law
+      real(wp) :: start = 0.0_wp               !! OUT0
+      real(wp), allocatable :: table_at(:), table(:) !! TABANG, TABOUT
+      integer :: degree = 5                    !! KTAB
+      real(wp) :: table_tolerance = 0.0_wp     !! TABTOL
+      logical :: of_output = .true.            !! KOUT=1
+      integer :: axis = 1                      !! KAXIS: component of the output
+      ! follower
+      integer :: arc = 1, loop = 1             !! NFOLLK, NFOLLP
+      logical :: from_start = .false.          !! NFOLLK < 0
+      type(roller_t) :: roller                 !! FOLLK, FOLANG, RROLL
+      integer :: kind = follower_roller        !! KFOL
+      real(wp) :: face_angle = 90.0_wp         !! FACANG, degrees
+      real(wp) :: cutter = 0.0_wp              !! RCUT
+      logical :: cutter_given = .false.
+      real(wp) :: x = 0.0_wp, y = 0.0_wp       !! XCAM, YCAM
+      integer :: turn = 1                      !! KTURN
+      integer :: side = 0                      !! KSIDE
+      ! limits
+      real(wp) :: pressure_angle = 30.0_wp     !! ALFMAX
+      real(wp) :: least_radius = 0.0_wp        !! RHOMIN
+      real(wp) :: half_face = 0.0_wp           !! WFACE; 0: not limited
+      ! tables
+      integer :: points = 360                  !! NPOINT
+   end type cam_group_t
+
+contains
+
+   !> Read the group CAM. Errors: segments or tables that are too short or do not rise, laws that are not there, arcs that are
+   !> not there, numbers out of range.
+   subroutine read_cam_group(group, ilink, cam, findings)
+      type(group_t), intent(inout) :: group
+      integer, intent(in) :: ilink(:, :)       !! ILINK, shape (maxarc, nloop)
+      type(cam_group_t), intent(inout) :: cam
+      type(diagnostics_t), intent(inout) :: findings
+
+      cam%given = group%line > 0
+      call read_segments(group, cam, findings)
+      call read_table(group, cam, findings)
+      call read_follower(group, ilink, cam, findings)
+      call group%get_real('ALFMAX', cam%pressure_angle, findings)
+      if (cam%pressure_angle <= 0.0_wp .or. cam%pressure_angle >= 90.0_wp) call out_of(group, 'ALFMAX', &
+         'must lie between 0 and 90 degrees', findings)
+      call group%get_real('RHOMIN', cam%least_radius, findings)
+      if (cam%least_radius < 0.0_wp) call out_of(group, 'RHOMIN', 'must not be negative', findings)
+      call group%get_real('WFACE', cam%half_face, findings)
+      if (cam%half_face < 0.0_wp) call out_of(group, 'WFACE', 'must not be negative', findings)
+      call group%get_integer('NPOINT', cam%points, findings)
+      call check_range(group, 'NPOINT', cam%points, fewest_points, most_points, findings)
+   end subroutine read_cam_group
+
+   subroutine read_segments(group, cam, findings)
+      type(group_t), intent(inout) :: group
+      type(cam_group_t), intent(inout) :: cam
+      type(diagnostics_t), intent(inout) :: findings
+      character(:), allocatable :: names(:)
+      real(wp), allocatable :: zones(:)
+      integer :: n, k, last(2), zones_given
+
+      n = 0
+      call group%get_integer('NSEG', n, findings)
+      group%count_missing = .not. group%given('NSEG')
+      call check_range(group, 'NSEG', n, 0, most_segments, findings)
+      n = min(max(n, 0), most_segments)
+      if (cam%given .and. n == 0 .and. .not. group%given('NTAB')) call required(group, 'NSEG', &
+         'missing; the number of segments of the law (or NTAB, a table over one turn)')
+      allocate (cam%finish(n), cam%output(n), cam%velocity(n), cam%acceleration(n), cam%jerk(n), source=0.0_wp)
+      allocate (cam%law(n), source=law_modtrap)
+      allocate (zones(zone_count*n), source=0.0_wp)
+      call group%get_reals('SEGEND', cam%finish, findings, last=last(1))
+      call group%get_reals('SEGOUT', cam%output, findings, last=last(2))
+      call group%get_real('OUT0', cam%start, findings)
+      call group%get_reals('SEGVEL', cam%velocity, findings)
+      call group%get_reals('SEGACC', cam%acceleration, findings)
+      call group%get_reals('SEGJRK', cam%jerk, findings)
+      cam%jerks = group%given('SEGJRK')
+      call group%get_texts('LAW', names, findings)
+      call group%get_reals('TZONE', zones, findings, last=zones_given)
+      allocate (cam%zones(zone_count, n), source=0.0_wp)
+      if (n == 0) return
+      if (.not. group%given('SEGEND')) call required(group, 'SEGEND')
+      if (.not. group%given('SEGOUT')) call required(group, 'SEGOUT')
+      if (group%given('SEGEND') .and. last(1) < n) call short('SEGEND', last(1))
+      if (group%given('SEGOUT') .and. last(2) < n) call short('SEGOUT', last(2))
+      if (size(names) > n) call out_of(group, 'LAW', to_text(n)//' segments are announced by NSEG, but '//to_text(size(names))// &
+                                       ' laws given', findings, n + 1)
+      do k = 1, min(n, size(names))
+         if (len_trim(names(k)) == 0) cycle
+         cam%law(k) = law_kind(upper_case(trim(names(k))))
+         if (cam%law(k) > 0) cycle
+         call out_of(group, 'LAW', 'entry '//to_text(k)//": there is no law '"//trim(names(k))//"'; the laws are "//all_laws(), &
+                     findings, k)
+         cam%law(k) = law_modtrap
+      end do
+      do k = 1, n
+         if (has_zones(cam%law(k))) cam%zones(:, k) = zones_of(cam%law(k))
+         associate (own => zones(zone_count*(k - 1) + 1:zone_count*k))
+            if (zones_given <= zone_count*(k - 1) .or. .not. any(abs(own) > 0.0_wp)) cycle
+            if (any(own < 0.0_wp)) then
+               call out_of(group, 'TZONE', 'segment '//to_text(k)//': a zone has no negative width', findings, &
+                           zone_count*(k - 1) + findloc(own < 0.0_wp, .true., dim=1))
+            else if (cam%law(k) == law_trig) then
+               cam%zones(:, k) = own/sum(own)
+               if (.not. (any(own(:3) > 0.0_wp) .and. any(own(5:) > 0.0_wp))) call out_of(group, 'TZONE', 'segment '// &
+                  to_text(k)//': zones 1 to 3 accelerate and 5 to 7 retard; one side has no width', findings, &
+                  zone_count*(k - 1) + 1)
+            else
+               call out_of(group, 'TZONE', 'segment '//to_text(k)//" is of the law "//trim(law_names(cam%law(k)))// &
+                           "; only 'TRIG' has zones of the user's", findings, zone_count*(k - 1) + 1)
+            end if
+         end associate
+      end do
+      if (group%given('SEGOUT')) call refuse_unless(cam%law /= law_dwell .or. &
+                                                    .not. abs(cam%output - [cam%start, cam%output(:n - 1)]) > 0.0_wp, &
+                                                    group, 'SEGOUT', 'a dwell ends where it begins', findings)
+      if (.not. group%given('SEGEND')) return
+      do k = 1, n
+         if (k > 1) then
+            if (.not. cam%finish(k) > cam%finish(k - 1)) then
+               call out_of(group, 'SEGEND', 'entry '//to_text(k)//': the cam angles must rise', findings, k)
+               return
+            end if
+         else if (.not. cam%finish(1) > 0.0_wp) then
+            call out_of(group, 'SEGEND', 'entry 1: the first segment begins at 0; it must end above', findings)
+            return
+         end if
+      end do
+      if (abs(cam%finish(n) - full_turn) > 0.0_wp) call out_of(group, 'SEGEND', 'the last segment must end at 360', findings, n)
+      if (group%given('SEGOUT') .and. abs(cam%output(n) - cam%start) > 0.0_wp) call out_of(group, 'SEGOUT', &
+         'the last segment must end where the first begins, at OUT0', findings, n)
+
+   contains
+
+      subroutine short(item, last)
+         character(*), intent(in) :: item
+         integer, intent(in) :: last
+
+         call out_of(group, item, to_text(n)//' segments are announced by NSEG, but only '//to_text(last)//' values given', &
+                     findings)
+      end subroutine short
+
+      pure function all_laws() result(text)
+         character(:), allocatable :: text
+         integer :: i
+
+         text = trim(law_names(1))
+         do i = 2, size(law_names)
+            text = text//', '//trim(law_names(i))
+         end do
+      end function all_laws
+   end subroutine read_segments
+
+   subroutine read_table(group, cam, findings)
+      type(group_t), intent(inout) :: group
+      type(cam_group_t), intent(inout) :: cam
+      type(diagnostics_t), intent(inout) :: findings
+      integer :: n, k, last(2)
+
+      n = 0
+      call group%get_integer('NTAB', n, findings)
+      if (group%given('NTAB')) call check_range(group, 'NTAB', n, fewest_in_table, most_in_table, findings)
+      n = min(max(n, 0), most_in_table)
+      allocate (cam%table_at(n), cam%table(n), source=0.0_wp)
+      call group%get_reals('TABANG', cam%table_at, findings, last=last(1))
+      call group%get_reals('TABOUT', cam%table, findings, last=last(2))
+      call group%get_integer('KTAB', cam%degree, findings)
+      if (cam%degree /= 3 .and. cam%degree /= 5) call out_of(group, 'KTAB', 'the degree of the spline is 5 or 3', findings)
+      call group%get_real('TABTOL', cam%table_tolerance, findings)
+      if (cam%table_tolerance < 0.0_wp) call out_of(group, 'TABTOL', 'must not be negative', findings)
+      if (n == 0) return
+      if (size(cam%finish) > 0) then
+         call out_of(group, 'NTAB', 'a table is the law of the whole turn: leave NSEG out, or NTAB', findings)
+         return
+      end if
+      if (last(2) < n) call out_of(group, 'TABOUT', to_text(n)//' values are announced by NTAB, but only '//to_text(last(2))// &
+                                   ' given', findings)
+      if (.not. group%given('TABANG')) then
+         cam%table_at = [(full_turn*real(k - 1, wp)/real(n, wp), k=1, n)]
+         return
+      end if
+      if (last(1) < n) then
+         call out_of(group, 'TABANG', to_text(n)//' values are announced by NTAB, but only '//to_text(last(1))//' given', findings)
+         return
+      end if
+      if (abs(cam%table_at(1)) > 0.0_wp) call out_of(group, 'TABANG', 'the table begins at 0', findings)
+      do k = 2, n
+         if (cam%table_at(k) > cam%table_at(k - 1)) cycle
+         call out_of(group, 'TABANG', 'entry '//to_text(k)//': the cam angles must rise', findings, k)
+         return
+      end do
+      if (cam%table_at(n) >= full_turn) call out_of(group, 'TABANG', 'the table ends before 360, where it begins again', &
+                                                  findings, n)
+   end subroutine read_table
+
+   subroutine read_follower(group, ilink, cam, findings)
+      type(group_t), intent(inout) :: group
+      integer, intent(in) :: ilink(:, :)
+      type(cam_group_t), intent(inout) :: cam
+      type(diagnostics_t), intent(inout) :: findings
+      integer :: of_output
+
+      of_output = 1
+      call read_flag(group, 'KOUT', of_output, findings)
+      cam%of_output = of_output == 1
+      call group%get_integer('KAXIS', cam%axis, findings)
+      call check_range(group, 'KAXIS', cam%axis, 1, 3, findings)
+      call group%get_integer('NFOLLK', cam%arc, findings)
+      call group%get_integer('NFOLLP', cam%loop, findings)
+      cam%from_start = cam%arc < 0
+      cam%arc = abs(cam%arc)
+      if (cam%given .and. size(ilink) > 0) then
+         if (cam%loop < 1 .or. cam%loop > size(ilink, 2)) then
+            call out_of(group, 'NFOLLP', 'there is no loop '//to_text(cam%loop), findings)
+         else if (cam%arc < 1 .or. cam%arc > size(ilink, 1)) then
+            call out_of(group, 'NFOLLK', 'there is no arc '//to_text(cam%arc)//' in loop '//to_text(cam%loop), findings)
+         else if (ilink(cam%arc, cam%loop) == 0) then
+            call out_of(group, 'NFOLLK', 'there is no arc '//to_text(cam%arc)//' in loop '//to_text(cam%loop), findings)
+         end if
+      end if
+      call group%get_real('FOLLK', cam%roller%distance, findings)
+      call group%get_real('FOLANG', cam%roller%angle, findings)
+      call group%get_real('RROLL', cam%roller%radius, findings)
+      call refuse_unless([cam%roller%distance >= 0.0_wp], group, 'FOLLK', 'the length is negative; turn FOLANG by 180 instead', &
+                         findings)
+      call refuse_unless([cam%roller%radius >= 0.0_wp], group, 'RROLL', 'must not be negative', findings)
+      call group%get_integer('KFOL', cam%kind, findings)
+      call check_range(group, 'KFOL', cam%kind, follower_roller, follower_flat, findings)
+      call group%get_real('FACANG', cam%face_angle, findings)
+      cam%cutter = cam%roller%radius
+      call group%get_real('RCUT', cam%cutter, findings)
+      cam%cutter_given = group%given('RCUT')
+      if (cam%cutter_given .and. .not. cam%cutter > 0.0_wp) call out_of(group, 'RCUT', 'the cutter needs a radius above 0', &
+                                                                       findings)
+      call group%get_real('XCAM', cam%x, findings)
+      call group%get_real('YCAM', cam%y, findings)
+      call group%get_integer('KTURN', cam%turn, findings)
+      if (abs(cam%turn) /= 1) call out_of(group, 'KTURN', 'must be 1 (anticlockwise) or -1', findings)
+      call group%get_integer('KSIDE', cam%side, findings)
+      call check_range(group, 'KSIDE', cam%side, -1, 1, findings)
+   end subroutine read_follower
+end module psalm_cam_group

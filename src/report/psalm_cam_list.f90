@@ -1,0 +1,248 @@
+!> A cam in the listing and on device 9.
+module psalm_cam_list
+   use psalm_cam_kind, only: law_names
+   use psalm_cam_shape, only: extreme_t, measure_pressure, measure_convex, measure_concave, measure_base, measure_outer, &
+                              measure_excursion_low, measure_excursion_high, measure_face_low, measure_face_high, &
+                              measure_output, measure_input
+   use psalm_cam_study, only: cam_study_t, way_rise, way_return
+   use psalm_angles, only: degrees_of, within_turn
+   use psalm_data_set, only: data_set_t
+   use psalm_elementary, only: hypotenuse
+   use psalm_kinds, only: wp
+   use psalm_text, only: text_t, full_precision, general, to_text
+   implicit none (type, external)
+   private
+   public :: list_cam, plot_cam, table_cam
+
+   real(wp), parameter :: rounding = 1.0e-9_wp !! relative jump of acceleration that is none
+   character(*), parameter :: of_all = 'cam_angle output output1 output2 output3 input input1 input2 input3 '
+   character(*), parameter :: of_roller = of_all//'roller_x roller_y '// &
+                              'profile_x profile_y cutter_x cutter_y cutter_r cutter_angle rho alpha'
+   character(*), parameter :: of_face = of_all//'contact_x contact_y '// &
+                              'excursion profile_x profile_y cutter_x cutter_y cutter_r cutter_angle rho alpha'
+
+contains
+
+   !> Listing: law, joints, extremes, what is wrong.
+   subroutine list_cam(set, study, text)
+      type(data_set_t), intent(in) :: set
+      type(cam_study_t), intent(in) :: study
+      type(text_t), intent(inout) :: text
+      integer :: k
+
+      associate (law => study%shape%motion%law, e => study%extremes, cam => set%cam)
+         call text%add()
+         call text%add(' LAW OF THE '//trim(merge('OUTPUT', 'INPUT ', cam%of_output))// &
+                       ', DERIVATIVES BY RADIANS OF CAM; PEAKS NORMALISED BY LIFT AND WIDTH')
+         call text%add(' LAW                  FROM             TO         OUTPUT             TO             CV             CA'// &
+                       '             CJ')
+         do k = 1, size(law%segments)
+            associate (s => law%segments(k))
+               call text%add(' '//name_of(k)//general(s%start)//general(s%finish)//general(s%from)//general(s%to)// &
+                             general(s%peak(1))//general(s%peak(2))//merge('       INFINITE', general(s%peak(3)), s%steps))
+            end associate
+         end do
+         do k = 1, size(study%joints)
+            if (abs(study%joints(k)%jump(2)) <= rounding*law%greatest(2)) cycle
+            call text%add(' STEP OF ACCELERATION AT'//general(study%joints(k)%at)//' DEGREES:'// &
+                          general(study%joints(k)%jump(2)))
+         end do
+         if (cam%of_output) then
+            call text%add(' THE LINKAGE GIVES OUTPUTS'//general(minval(study%shape%motion%f))//' TO'// &
+                          general(maxval(study%shape%motion%f))//' FOR INPUTS'//general(study%shape%motion%q(1))//' TO'// &
+                          general(study%shape%motion%q(size(study%shape%motion%q))))
+         end if
+         call text%add()
+         call text%add(' CAM'//repeat(' ', 42)//'VALUE   AT CAM ANGLE')
+         call show('BASE RADIUS', e(measure_base))
+         call show('OUTER RADIUS', e(measure_outer))
+         call show('LEAST CONVEX RADIUS OF CURVATURE', e(measure_convex))
+         call show('LEAST HOLLOW RADIUS OF CURVATURE', e(measure_concave))
+         call show('LARGEST PRESSURE ANGLE', e(measure_pressure))
+         do k = 1, size(study%segments)
+            call show('  SEGMENT '//to_text(k)//', '//way_name(study%segments(k)%way), study%segments(k)%pressure)
+         end do
+         if (study%shape%flat) then
+            call show('CONTACT ON THE FACE, LEAST', e(measure_excursion_low))
+            call show('CONTACT ON THE FACE, MOST', e(measure_excursion_high))
+            call show('FROM THE FACE''S POINT, LEAST', e(measure_face_low))
+            call show('FROM THE FACE''S POINT, MOST', e(measure_face_high))
+            call text%add(' BASE RADIUS AT WHICH THE PROFILE IS JUST CONVEX'//general(study%least_base))
+         end if
+         call show('OUTPUT, LARGEST FIRST DERIVATIVE', e(measure_output))
+         call show('OUTPUT, LARGEST SECOND DERIVATIVE', e(measure_output + 1))
+         call show('INPUT, LARGEST FIRST DERIVATIVE', e(measure_input))
+         call show('INPUT, LARGEST SECOND DERIVATIVE', e(measure_input + 1))
+         call list_faults(study, text)
+      end associate
+
+   contains
+
+      function name_of(k) result(name)
+         integer, intent(in) :: k
+         character(10) :: name
+
+         name = 'TABLE'
+         if (size(set%cam%law) > 0) name = law_names(set%cam%law(k))
+      end function name_of
+
+      subroutine show(words, extreme)
+         character(*), intent(in) :: words
+         type(extreme_t), intent(in) :: extreme
+         character(37) :: padded
+
+         if (.not. extreme%found) return
+         padded = words
+         call text%add(' '//padded//general(extreme%value)//general(extreme%angle))
+      end subroutine show
+   end subroutine list_cam
+
+   pure function way_name(way) result(name)
+      integer, intent(in) :: way
+      character(:), allocatable :: name
+
+      name = 'DWELL'
+      if (way == way_rise) name = 'RISE'
+      if (way == way_return) name = 'RETURN'
+   end function way_name
+
+   !> What the cam cannot do.
+   subroutine list_faults(study, text)
+      type(cam_study_t), intent(in) :: study
+      type(text_t), intent(inout) :: text
+
+      if (study%undercut) then
+         if (study%shape%flat) then
+            call text%add(' THE PROFILE WOULD BE HOLLOW, AND A FLAT FACE CANNOT FOLLOW A HOLLOW')
+         else
+            call text%add(' UNDERCUT: THE PITCH CURVE IS SHARPER THAN THE ROLLER')
+         end if
+      end if
+      if (study%roller%depth > 0.0_wp) call text%add(' THE PROFILE CROSSES ITSELF: THE ROLLER AT'//general(study%roller%by)// &
+         ' TAKES AWAY WHAT IT TOUCHES AT'//general(study%roller%at)//', TO A DEPTH OF'//general(study%roller%depth))
+      if (study%gouge) call text%add(' GOUGE: THE CUTTER IS LARGER THAN A HOLLOW OF THE PROFILE')
+      if (study%cutter%depth > 0.0_wp) call text%add(' GOUGE: THE CUTTER AT'//general(study%cutter%by)// &
+         ' TAKES AWAY WHAT IT CUTS AT'//general(study%cutter%at)//', TO A DEPTH OF'//general(study%cutter%depth))
+      if (study%steep) call text%add(' THE PRESSURE ANGLE EXCEEDS ALFMAX')
+      if (study%sharp) call text%add(' THE RADIUS OF CURVATURE IS LESS THAN RHOMIN')
+      if (study%face_short) call text%add(' THE FACE IS SHORTER THAN THE WAY OF THE CONTACT')
+   end subroutine list_faults
+
+   !> Device 9: the table, then the block `extremes`.
+   subroutine plot_cam(study, text)
+      type(cam_study_t), intent(in) :: study
+      type(text_t), intent(inout) :: text
+      integer :: i, k
+
+      if (text%length > 0) then
+         call text%add()
+         call text%add()
+      end if
+      call text%add('# '//trim(merge(of_face, of_roller//repeat(' ', len(of_face) - len(of_roller)), study%shape%flat))// &
+                    '   (angles in degrees; derivatives by radians of cam, of angles in radians)')
+      do i = 1, size(study%angle)
+         call text%add(row(study, i, ' '))
+      end do
+      call text%add()
+      call text%add()
+      call text%add('# block extremes')
+      call text%add('# what value cam_angle')
+      associate (e => study%extremes)
+         call put('base_radius', e(measure_base))
+         call put('outer_radius', e(measure_outer))
+         call put('rho_convex', e(measure_convex))
+         call put('rho_concave', e(measure_concave))
+         call put('alpha', e(measure_pressure))
+         do k = 1, size(study%segments)
+            call put('alpha_segment_'//to_text(k), study%segments(k)%pressure)
+         end do
+         if (study%shape%flat) then
+            call put('excursion_least', e(measure_excursion_low))
+            call put('excursion_most', e(measure_excursion_high))
+            call put('face_least', e(measure_face_low))
+            call put('face_most', e(measure_face_high))
+            call put('least_base', extreme_t(study%least_base, e(measure_convex)%angle, .true.))
+         end if
+         do k = 0, 2
+            call put('output'//to_text(k + 1), e(measure_output + k))
+         end do
+         do k = 0, 2
+            call put('input'//to_text(k + 1), e(measure_input + k))
+         end do
+         if (study%roller%depth > 0.0_wp) call put('crossing_depth', extreme_t(study%roller%depth, study%roller%at, .true.))
+         if (study%cutter%depth > 0.0_wp) call put('gouge_depth', extreme_t(study%cutter%depth, study%cutter%at, .true.))
+      end associate
+
+   contains
+
+      subroutine put(what, extreme)
+         character(*), intent(in) :: what
+         type(extreme_t), intent(in) :: extreme
+
+         if (extreme%found) call text%add(what//' '//full_precision(extreme%value)//' '//full_precision(extreme%angle))
+      end subroutine put
+   end subroutine plot_cam
+
+   !> The table for other programs: a line of names, then the rows.
+   subroutine table_cam(study, text)
+      type(cam_study_t), intent(in) :: study
+      type(text_t), intent(inout) :: text
+      character(:), allocatable :: names
+      integer :: i
+
+      names = trim(merge(of_face, of_roller//repeat(' ', len(of_face) - len(of_roller)), study%shape%flat))
+      do i = 1, len(names)
+         if (names(i:i) == ' ') names(i:i) = ','
+      end do
+      call text%add(names)
+      do i = 1, size(study%angle)
+         call text%add(row(study, i, ','))
+      end do
+   end subroutine table_cam
+
+   !> One row of the table.
+   function row(study, i, between) result(line)
+      type(cam_study_t), intent(in) :: study
+      integer, intent(in) :: i
+      character(1), intent(in) :: between
+      character(:), allocatable :: line
+      integer :: k
+
+      line = full_precision(study%angle(i))
+      do k = 0, 3
+         call put(study%states%y(k, i))
+      end do
+      do k = 0, 3
+         call put(study%states%q(k, i))
+      end do
+      if (study%shape%flat) then
+         call put_point(study%shape%axes%centre + study%points%profile(i)*study%points%machine(i))
+         call put(study%points%excursion(i))
+      else
+         call put_point(study%states%c(0, i))
+      end if
+      call put_point(study%points%profile(i))
+      call put_point(study%points%cutter(i))
+      associate (m => study%points%cutter(i))
+         call put(hypotenuse(real(m, wp), aimag(m)))
+         call put(within_turn(degrees_of(real(m, wp), aimag(m))))
+      end associate
+      call put(study%points%radius(i))
+      call put(study%points%pressure(i))
+
+   contains
+
+      subroutine put(value)
+         real(wp), intent(in) :: value
+
+         line = line//between//full_precision(value)
+      end subroutine put
+
+      subroutine put_point(point)
+         complex(wp), intent(in) :: point
+
+         call put(real(point, wp))
+         call put(aimag(point))
+      end subroutine put_point
+   end function row
+end module psalm_cam_list

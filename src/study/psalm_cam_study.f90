@@ -1,0 +1,322 @@
+!> Everything that calm finds of a cam: what cannot be made is found before any work is done. Data in, results out.
+module psalm_cam_study
+   use psalm_cam_group, only: follower_flat
+   use psalm_cam_law, only: law_t, joint_t, make_law, law_made, law_velocity_jumps
+   use psalm_cam_motion, only: cam_trace_t, prepare_cam_motion, fault_none, fault_reach, fault_dead_point
+   use psalm_cam_profile, only: cam_points_t, deepest_interference
+   use psalm_cam_shape, only: cam_shape_t, extreme_t, samples_t, measure, sample_turn, find_extreme, measures, measure_pressure, &
+                              measure_convex, measure_concave, measure_base, measure_excursion_low, &
+                              measure_face_low, measure_face_high
+   use psalm_data_set, only: data_set_t
+   use psalm_kinds, only: wp, full_turn
+   use psalm_preparation, only: prepared_t
+   use psalm_status, only: diagnostics_t
+   use psalm_text, only: general, to_text
+   implicit none (type, external)
+   private
+   public :: cam_study_t, rise_t, interference_t, check_cam, find_cam, way_rise, way_return, way_dwell
+
+   integer, parameter :: way_rise = 1, way_return = 2, way_dwell = 3 !! the follower leaves the cam's centre, comes back, rests
+   integer, parameter :: interference_stride = 3 !! samples from one to the next that is compared with all others
+
+   !> The largest pressure angle of a segment.
+   type :: rise_t
+      integer :: way = way_dwell
+      type(extreme_t) :: pressure
+   end type rise_t
+
+   !> A circle that cuts into the contour it is to touch.
+   type :: interference_t
+      real(wp) :: depth = 0.0_wp                     !! 0: nowhere
+      real(wp) :: at = 0.0_wp, by = 0.0_wp           !! cam angles of the point lost and of the circle there
+   end type interference_t
+
+   type :: cam_study_t
+      type(cam_shape_t) :: shape
+      type(joint_t), allocatable :: joints(:)        !! of the pieces of the law
+      ! table
+      real(wp), allocatable :: angle(:)              !! degrees
+      type(cam_trace_t) :: states
+      type(cam_points_t) :: points
+      ! extremes over the turn
+      type(extreme_t) :: extremes(measures)          !! radii for curvatures, distances for `measure_base`
+      type(rise_t), allocatable :: segments(:)
+      logical :: hollow = .false.                    !! the profile is concave somewhere
+      logical :: undercut = .false.                  !! the roller cannot follow the pitch curve, or a flat face a hollow
+      logical :: gouge = .false.                     !! the cutter is larger than a hollow
+      type(interference_t) :: roller, cutter
+      real(wp) :: least_base = 0.0_wp                !! of a flat face: base radius with which the profile is just convex
+      logical :: steep = .false., sharp = .false., face_short = .false. !! ALFMAX, RHOMIN, WFACE are not kept
+   contains
+      procedure :: is_violating
+   end type cam_study_t
+
+contains
+
+   !> True if the cam cannot do what is wanted, or a limit is not kept.
+   pure logical function is_violating(self)
+      class(cam_study_t), intent(in) :: self
+
+      is_violating = self%undercut .or. self%gouge .or. self%roller%depth > 0.0_wp .or. self%cutter%depth > 0.0_wp .or. &
+                     self%steep .or. self%sharp .or. self%face_short
+   end function is_violating
+
+   !> Errors: no cam, a law that cannot be made or whose velocity jumps, outputs out of reach, dead points, a linkage that does not
+   !> close, a face that turns with the cam.
+   subroutine check_cam(set, prepared, findings)
+      type(data_set_t), intent(in) :: set
+      type(prepared_t), intent(in) :: prepared
+      type(diagnostics_t), intent(inout) :: findings
+      type(law_t) :: law
+      type(cam_shape_t), allocatable :: shape     ! large: it would fill a small stack
+      type(samples_t) :: samples
+      integer :: first
+
+      if (.not. set%cam%given) then
+         call findings%error('the group is missing: it says what the cam is to do', line=set%title_line, group='CAM')
+         return
+      end if
+      call make_law(set%cam, law)
+      if (law%state /= law_made) then
+         call refuse_law(set, law, findings)
+         return
+      end if
+      allocate (shape)
+      call prepare_cam_motion(set%cam, law, prepared%mechanism, prepared%given, prepared%parameters, shape%motion)
+      if (set%cam%of_output) then
+         if (set%cam%axis > shape%motion%output%problem%output%kind%components) then
+            call complain('KAXIS', 'the output has '//to_text(shape%motion%output%problem%output%kind%components)// &
+                          ' component(s); there is none of number '//to_text(set%cam%axis))
+            return
+         end if
+         if (.not. shape%motion%has_stretch()) then
+            call findings%error('at the reference position the linkage does not close, or its output stands still: the law of '// &
+                                'the output cannot be solved for the input', line=set%origins%line('METHOD', 'CRNKI', 1), &
+                                group='METHOD', item='CRNKI')
+            return
+         end if
+      end if
+      call set_radii(set, shape)
+      call sample_turn(shape, set%cam, samples)
+      first = findloc(samples%states%fault /= fault_none, .true., dim=1)
+      if (first > 0) then
+         call refuse_motion(set, shape, samples, first, findings)
+         return
+      end if
+      first = 0
+      if (.not. shape%flat) first = findloc(abs(samples%states%by_input) > 0.0_wp, .false., dim=1)
+      if (first > 0) then
+         call complain('NFOLLK', 'the follower does not move with the input at'//general(samples%angle(first))//' degrees; '// &
+                       'FOLLK is its distance from the arc''s end')
+         return
+      end if
+      first = findloc(samples%possible, .false., dim=1)
+      if (first > 0) call complain('KFOL', 'the flat face turns with the cam at'//general(samples%angle(first))// &
+                                   ' degrees: it touches nowhere')
+
+   contains
+
+      subroutine complain(item, text)
+         character(*), intent(in) :: item, text
+
+         call findings%error(text, line=set%origins%line('CAM', item, 1), group='CAM', item=item)
+      end subroutine complain
+   end subroutine check_cam
+
+   subroutine refuse_law(set, law, findings)
+      type(data_set_t), intent(in) :: set
+      type(law_t), intent(in) :: law
+      type(diagnostics_t), intent(inout) :: findings
+      type(joint_t), allocatable :: joints(:)
+      integer :: k
+
+      if (law%state /= law_velocity_jumps) then
+         call findings%error('segment '//to_text(law%faulty)//': no motion of this law meets the ends that are given', &
+                             line=set%origins%line('CAM', 'LAW', max(1, law%faulty)), group='CAM', item='LAW')
+         return
+      end if
+      joints = law%joints()
+      k = maxloc(abs(joints%jump(1)), dim=1)
+      call findings%error('the velocity jumps by'//general(joints(k)%jump(1))//' per radian of cam at'//general(joints(k)%at)// &
+                          ' degrees; SEGVEL gives both sides one velocity, and a ramp or dwell has its own', &
+                          line=set%origins%line('CAM', 'SEGVEL', max(1, law%faulty)), group='CAM', item='SEGVEL')
+   end subroutine refuse_law
+
+   !> Say where the motion first fails, and of an output out of reach the furthest.
+   subroutine refuse_motion(set, shape, samples, first, findings)
+      type(data_set_t), intent(in) :: set
+      type(cam_shape_t), intent(in) :: shape
+      type(samples_t), intent(in) :: samples
+      integer, intent(in) :: first
+      type(diagnostics_t), intent(inout) :: findings
+      real(wp) :: low, high, beyond(size(samples%angle))
+      character(:), allocatable :: text
+      integer :: k
+
+      associate (motion => shape%motion, states => samples%states)
+         select case (states%fault(first))
+         case (fault_reach)
+            low = minval(motion%f)
+            high = maxval(motion%f)
+            beyond = max(low - states%y(0, :), states%y(0, :) - high)
+            k = maxloc(beyond, dim=1)
+            text = 'the output wanted at'//general(samples%angle(k))//' degrees,'//general(states%y(0, k))// &
+                   ', is beyond reach: the linkage gives'//general(low)//' to'//general(high)//' while its input goes from'// &
+                   general(motion%q(1))//' to'//general(motion%q(size(motion%q)))
+            call findings%error(text, line=set%origins%line('CAM', merge('SEGOUT', 'TABOUT', size(set%cam%table) == 0), 1), &
+                                group='CAM', item=merge('SEGOUT', 'TABOUT', size(set%cam%table) == 0))
+         case (fault_dead_point)
+            text = 'the output stands still at'//general(samples%angle(first))//' degrees while the input ('// &
+                   trim(adjustl(general(states%q(0, first))))//') moves: a dead point; to drive through it give the law of '// &
+                   'the input, KOUT=0'
+            call findings%error(text, line=set%origins%line('CAM', 'KOUT', 1), group='CAM')
+         case default
+            text = 'the linkage that carries the follower does not close, or is at a dead point, at'// &
+                   general(samples%angle(first))//' degrees (input'//general(states%q(0, first))//')'
+            call findings%error(text, line=set%origins%line('CAM', 'NFOLLK', 1), group='CAM')
+         end select
+      end associate
+   end subroutine refuse_motion
+
+   subroutine set_radii(set, shape)
+      type(data_set_t), intent(in) :: set
+      type(cam_shape_t), intent(inout) :: shape
+
+      shape%roller = set%cam%roller%radius
+      shape%cutter = set%cam%cutter
+      shape%face = set%cam%face_angle - set%cam%roller%angle
+   end subroutine set_radii
+
+   !> Study a cam that `check_cam` found no fault with.
+   subroutine find_cam(set, prepared, study)
+      type(data_set_t), intent(in) :: set
+      type(prepared_t), intent(in) :: prepared
+      type(cam_study_t), intent(out) :: study
+      type(law_t) :: law
+      type(samples_t) :: samples
+      logical, allocatable :: possible(:), all_segments(:)
+      integer :: k
+
+      call make_law(set%cam, law)
+      call prepare_cam_motion(set%cam, law, prepared%mechanism, prepared%given, prepared%parameters, study%shape%motion)
+      call set_radii(set, study%shape)
+      allocate (study%joints(size(law%pieces)))
+      study%joints = law%joints()
+      call sample_turn(study%shape, set%cam, samples)
+      associate (n => set%cam%points)
+         study%angle = [(full_turn*real(k - 1, wp)/real(n, wp), k=1, n)]
+      end associate
+      call measure(study%shape, study%angle, law%piece_at(study%angle), study%states, study%points, possible)
+      allocate (all_segments(size(law%segments)), source=.true.)
+      do k = 1, measures
+         call find_extreme(study%shape, samples, k, all_segments, study%extremes(k))
+      end do
+      call find_segments(study, samples)
+      call judge_curvature(set, study)
+      if (.not. study%shape%flat) call find_interference(study, samples)
+      call judge_limits(set, study)
+   end subroutine find_cam
+
+   subroutine find_segments(study, samples)
+      type(cam_study_t), intent(inout) :: study
+      type(samples_t), intent(in) :: samples
+      logical :: wanted(size(study%shape%motion%law%segments))
+      integer :: k, first, last
+      real(wp) :: there, here
+
+      allocate (study%segments(size(wanted)))
+      associate (segment => study%shape%motion%law%pieces(samples%piece)%segment, o => study%shape%axes%centre)
+         do k = 1, size(wanted)
+            wanted = .false.
+            wanted(k) = .true.
+            call find_extreme(study%shape, samples, measure_pressure, wanted, study%segments(k)%pressure)
+            first = findloc(segment == k, .true., dim=1)
+            last = findloc(segment == k, .true., dim=1, back=.true.)
+            here = abs(samples%states%c(0, first) - o)
+            there = abs(samples%states%c(0, last) - o)
+            if (maxval(abs(samples%states%y(1, first:last))) > 0.0_wp) &
+               study%segments(k)%way = merge(way_rise, way_return, there > here)
+         end do
+      end associate
+   end subroutine find_segments
+
+   !> Curvatures become radii; what they forbid.
+   subroutine judge_curvature(set, study)
+      type(data_set_t), intent(in) :: set
+      type(cam_study_t), intent(inout) :: study
+      real(wp) :: hollow_radius
+
+      associate (e => study%extremes, r => merge(0.0_wp, study%shape%roller, study%shape%flat))
+         e(measure_base)%value = -e(measure_base)%value
+         e(measure_excursion_low)%value = -e(measure_excursion_low)%value
+         e(measure_face_low)%value = -e(measure_face_low)%value
+         if (study%shape%flat) then
+            call judge_face(study)
+            return
+         end if
+         e(measure_convex)%found = e(measure_convex)%value > 0.0_wp
+         if (e(measure_convex)%found) then
+            e(measure_convex)%value = 1.0_wp/e(measure_convex)%value - r
+            study%undercut = e(measure_convex)%value <= 0.0_wp .and. r > 0.0_wp
+         end if
+         e(measure_concave)%found = e(measure_concave)%value > 0.0_wp
+         study%hollow = e(measure_concave)%found
+         if (study%hollow) then
+            e(measure_concave)%value = -1.0_wp/e(measure_concave)%value - r
+            hollow_radius = -e(measure_concave)%value
+            study%gouge = set%cam%cutter > hollow_radius
+         end if
+      end associate
+   end subroutine judge_curvature
+
+   !> A flat face needs rho > 0 throughout. `points%radius` is linear in the base radius: what is missing is read off.
+   subroutine judge_face(study)
+      type(cam_study_t), intent(inout) :: study
+
+      associate (convex => study%extremes(measure_convex), concave => study%extremes(measure_concave))
+         ! 1/rho is largest where rho is least, as long as rho has one sign
+         study%undercut = concave%value > 0.0_wp
+         convex%value = 1.0_wp/convex%value
+         convex%found = .true.
+         concave%found = study%undercut
+         if (study%undercut) concave%value = -1.0_wp/concave%value
+         study%hollow = study%undercut
+      end associate
+   end subroutine judge_face
+
+   !> The roller against the profile, the cutter against the profile: what curvature does not show.
+   subroutine find_interference(study, samples)
+      type(cam_study_t), intent(inout) :: study
+      type(samples_t), intent(in) :: samples
+      integer :: at, by
+
+      associate (p => samples%points%profile(::interference_stride), z => samples%points%pitch(::interference_stride), &
+                 m => samples%points%cutter(::interference_stride), th => samples%angle(::interference_stride))
+         call deepest_interference(p, z, study%shape%roller, study%roller%depth, at, by)
+         if (at > 0) then
+            study%roller%at = th(at)
+            study%roller%by = th(by)
+         end if
+         call deepest_interference(p, m, study%shape%cutter, study%cutter%depth, at, by)
+         if (at > 0) then
+            study%cutter%at = th(at)
+            study%cutter%by = th(by)
+         end if
+      end associate
+   end subroutine find_interference
+
+   subroutine judge_limits(set, study)
+      type(data_set_t), intent(in) :: set
+      type(cam_study_t), intent(inout) :: study
+
+      associate (e => study%extremes)
+         study%steep = e(measure_pressure)%value > set%cam%pressure_angle
+         study%sharp = set%cam%least_radius > 0.0_wp .and. e(measure_convex)%found .and. &
+                       e(measure_convex)%value < set%cam%least_radius
+         if (set%cam%kind /= follower_flat) return
+         study%least_base = e(measure_base)%value - e(measure_convex)%value
+         study%face_short = set%cam%half_face > 0.0_wp .and. &
+                            e(measure_face_high)%value - e(measure_face_low)%value > 2.0_wp*set%cam%half_face
+      end associate
+   end subroutine judge_limits
+end module psalm_cam_study

@@ -1,0 +1,270 @@
+#!/usr/bin/env python3
+"""calm from outside: reference cams, the linkage run forwards by psalm, splines against functions, bad input.
+
+usage: calm.py BIN   (directory with the programs). The last line is N passed, N failed.
+"""
+import math
+import os
+import re
+import subprocess
+import sys
+import tempfile
+
+import numpy
+
+TOP = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
+BIN = os.path.abspath(sys.argv[1])
+passed = failed = 0
+
+
+def check(right, law, got=""):
+    global passed, failed
+    if right:
+        passed += 1
+    else:
+        failed += 1
+        print("FAILED: %s%s" % (law, "; got %s" % got if got != "" else ""))
+
+
+def close(got, want, tolerance, law):
+    check(abs(got - want) <= tolerance*max(1.0, abs(want)), law, "%.12g instead of %.12g" % (got, want))
+
+
+class Run:
+    """One run: exit status, listing, standard error, table by cam angle and column, extremes (value, angle)."""
+
+    def __init__(self, text, place):
+        with open(os.path.join(place, "case.nml"), "w", encoding="utf-8") as out:
+            out.write(text)
+        for name in os.listdir(place):
+            if name.startswith("case.calm."):
+                os.remove(os.path.join(place, name))
+        done = subprocess.run([os.path.join(BIN, "calm"), "case.nml"], cwd=place, capture_output=True, text=True, timeout=300)
+        self.place, self.code, self.listing, self.error = place, done.returncode, done.stdout, done.stderr
+        self.table, self.extremes, self.blocks = [], {}, {}
+        device = os.path.join(place, "case.calm.dev9")
+        if not os.path.exists(device):
+            return
+        lines = open(device, encoding="utf-8").read().split("\n")
+        self.names = lines[0].split("   ")[0][2:].split()
+        block = None
+        for line in lines:
+            if line.startswith("# block "):
+                block = self.blocks.setdefault(line.split()[2], [])
+            elif line and not line.startswith("#"):
+                if block is None:
+                    self.table.append([float(word) for word in line.split()])
+                else:
+                    block.append(line.split())
+        self.extremes = {row[0]: (float(row[1]), float(row[2])) for row in self.blocks["extremes"]}
+        self.columns = {name: numpy.array([row[i] for row in self.table]) for i, name in enumerate(self.names)}
+
+    def at(self, angle):
+        row = next(row for row in self.table if abs(row[0] - angle) < 1e-9)
+        return dict(zip(self.names, row))
+
+
+def data(name, *changes):
+    text = open(os.path.join(TOP, "data", "calm", name + ".nml"), encoding="utf-8").read()
+    for old, new in changes:
+        assert text.count(old) == 1, "%s: %r is there %d times" % (name, old, text.count(old))
+        text = text.replace(old, new)
+    return text
+
+
+def point(run, angle, what):
+    row = run.at(angle)
+    return complex(row[what + "_x"], row[what + "_y"])
+
+
+def reference_cams(place):
+    """Numbers computed independently for four roller cams and flat faces."""
+    for name, rows, extremes in (
+            ("translating_roller",
+             ((60, 52.523580942+19.520428619j, 61.747923696+27.195811396j, 9.763134255, 31.932792952),
+              (200, -22.808732625-48.276082835j, -30.935827218-57.105031441j, 22.629734164, 39.789251933)),
+             {"rho_convex": (30.267733220, 68.014), "alpha_segment_1": (15.609382002, 42.539), "base_radius": (40.0, None),
+              "alpha_segment_3": (25.554574908, 213.961), "alpha_segment_4": (math.degrees(math.asin(8/48)), None)}),
+            ("swinging_roller",
+             ((50, 66.019584236+1.178582959j, 75.466698880+4.457611000j, 39.230649001, 65.469591968),
+              (220, -68.331862225-17.941477053j, -78.226771371-16.495526503j, 5.693494587, 53.753604264)),
+             {"rho_convex": (44.837294206, 204.626), "alpha_segment_1": (40.631859173, 64.950), "base_radius": (54.037323269, None),
+              "alpha_segment_3": (31.944225063, 160.0)}),
+            ("needle_cam",
+             ((65, -20.590946892+76.062977707j, -27.793016441+85.661425198j, 16.840108170, 73.413370247),),
+             {"rho_convex": (59.415679374, 207.697), "alpha_segment_1": (21.649498229, 0.0), "base_radius": (60.679884819, None),
+              "alpha_segment_3": (28.630858720, 267.175)})):
+        run = Run(data(name), place)
+        check(run.code == 0, name + ": exit status", run.error)
+        for angle, profile, cutter, alpha, rho in rows:
+            close(abs(point(run, angle, "profile") - profile), 0.0, 5e-9*abs(profile), "%s: profile at %d" % (name, angle))
+            close(abs(point(run, angle, "cutter") - cutter), 0.0, 5e-9*abs(cutter), "%s: cutter at %d" % (name, angle))
+            close(abs(run.at(angle)["alpha"]), alpha, 1e-8, "%s: pressure angle at %d" % (name, angle))
+            close(run.at(angle)["rho"], rho, 1e-8, "%s: radius at %d" % (name, angle))
+        for what, (value, angle) in extremes.items():
+            close(run.extremes[what][0], value, 1e-8, "%s: extreme %s" % (name, what))
+            if angle is not None:
+                check(abs(run.extremes[what][1] - angle) < 1e-3, "%s: where %s is" % (name, what), run.extremes[what][1])
+    run = Run(data("flat_translating"), place)
+    check(run.code == 0, "translating face: exit status", run.error)
+    close(run.extremes["rho_convex"][0], 23.601603097, 1e-9, "translating face: least radius")
+    check(abs(run.extremes["rho_convex"][1] - 87.606) < 1e-3, "translating face: where it is", run.extremes["rho_convex"])
+    close(abs(point(run, 40, "profile") - (27.375283607+19.254131182j)), 0.0, 1e-8, "translating face: contact at 40")
+    close(run.at(40)["rho"], 47.231893490, 1e-9, "translating face: radius at 40")
+    close(run.extremes["excursion_most"][0], 2*12/(2*math.pi/3), 1e-12, "translating face: excursion is the velocity")
+    close(run.extremes["least_base"][0], 6.398396903, 1e-8, "translating face: least base radius")
+    run = Run(data("flat_swinging"), place)
+    close(run.extremes["rho_convex"][0], 9.390467329, 1e-9, "swinging face: least radius")
+    close(abs(point(run, 40, "profile") - (21.617119431+31.235665328j)), 0.0, 1e-8, "swinging face: contact at 40")
+    close(run.extremes["excursion_least"][0], -16.665767001, 1e-8, "swinging face: excursion one way")
+    close(run.extremes["excursion_most"][0], 8.694411562, 1e-8, "swinging face: excursion the other way")
+
+
+def linkage_backwards(place):
+    """The needle linkage: known inputs; psalm run forwards; derivatives against differences."""
+    run = Run(data("needle_cam"), place)
+    for angle, q, q1, q2, q3 in ((40, 125.957077365, -.337026364, -.490424753, .126430080),
+                                 (65, 115.042142182, -.508137338, -.066751505, 2.471129645),
+                                 (100, 100.341747676, -.277014848, .573008525, .504345204),
+                                 (250, 120.069376566, .482214146, -.315010657, -1.342128194)):
+        row = run.at(angle)
+        close(row["input"], q, 1e-10, "needle: input at %d" % angle)
+        for k, want in ((1, q1), (2, q2), (3, q3)):
+            close(row["input%d" % k], want, 2e-9, "needle: derivative %d of the input at %d" % (k, angle))
+    close(run.at(0)["input3"], -3.491680, 1e-6, "needle: jerk of the input as the law begins")
+    # the published motion through a smoothing spline, on another stretch; 3600 angles forwards by psalm
+    law = data("needle_cam").split(" &CAM")[0].replace("CRNKI=115.0", "CRNKI=230.0")
+    table = (" &CAM NTAB=20,\n TABANG=0.,15.,30.,45.,60.,90.,120.,135.,150.,165.,195.,210.,225.,231.,240.,255.,270.,285.,300.,330.,\n"
+             " TABOUT=149.99,150.7,150.96,150.56,149.35,146.46,145.58,3*145.55,145.27,144.85,144.33,\n"
+             " 144.23,144.4,144.68,145.85,146.17,146.23,147.2, TABTOL=0.2, NPOINT=3600,\n"
+             " NFOLLK=-1, FOLLK=60.0, FOLANG=150.0, RROLL=2.0, XCAM=100.0, YCAM=60.0, ALFMAX=89.0 &END\n")
+    run = Run(law + table, place)
+    check(len(run.table) == 3600, "needle: 3600 angles", run.error)
+    inputs = run.columns["input"]
+    forward = law.replace("NDES=1, DELT=0.0", "NDES=3600, DELT=" + ",\n".join("%.17g" % (q - 230.0) for q in inputs))
+    with open(os.path.join(place, "forward.nml"), "w", encoding="utf-8") as out:
+        out.write(forward)
+    done = subprocess.run([os.path.join(BIN, "psalm"), "forward.nml"], cwd=place, capture_output=True, text=True, timeout=300)
+    check(done.returncode in (0, 1), "needle: psalm runs forwards", done.stderr)
+    rows = [line.split() for line in open(os.path.join(place, "forward.dev9"), encoding="utf-8") if line[0] not in "#\n"]
+    output = numpy.array([float(row[2]) for row in rows])
+    wanted = run.columns["output"]
+    worst = numpy.abs(output - wanted).max()/(wanted.max() - wanted.min())
+    check(worst < 1e-9, "needle: error of the output over its range, 3600 angles", worst)
+    points = numpy.array([149.99, 150.7, 150.96, 150.56, 149.35, 146.46, 145.58, 145.55, 145.55, 145.55, 145.27, 144.85, 144.33,
+                          144.23, 144.4, 144.68, 145.85, 146.17, 146.23, 147.2])
+    at = [0, 15, 30, 45, 60, 90, 120, 135, 150, 165, 195, 210, 225, 231, 240, 255, 270, 285, 300, 330]
+    miss = numpy.abs(points - [run.at(a)["output"] for a in at]).max()
+    check(0.19 < miss <= 0.2 + 1e-9, "the smoothing spline uses its tolerance and keeps it", miss)
+
+
+def laws(place):
+    """Normalised peaks of every law; splines through a function; skewed zones; ramps."""
+    for law, peaks in (("CYCLOIDAL", (2, 2*math.pi, 4*math.pi**2)), ("HARMONIC", (math.pi/2, math.pi**2/2, math.pi**3/2)),
+                       ("PARABOLIC", (2, 4, None)), ("MODTRAP", (2, 4.88812376, 61.4259748)),
+                       ("MODSINE", (1.75960339, 5.52795707, 69.4663572)), ("MCV50", (1.27525817, 8.01268341, 201.380697)),
+                       ("POLY345", (1.875, 10/math.sqrt(3), 60)), ("POLY4567", (2.1875, 84*math.sqrt(5)/25, 52.5)),
+                       ("POLY", (1.875, 10/math.sqrt(3), 60))):
+        run = Run(data("swinging_roller", ("'MODSINE'", "'%s'" % law)), place)
+        row = next(line.split() for line in run.listing.split("\n") if line.startswith(" %s " % law))
+        for k, want in enumerate(peaks):
+            if want is None:
+                check(row[7] == "INFINITE", "%s: steps of acceleration" % law, row)
+            else:
+                check(abs(float(row[5 + k])/want - 1) < 1e-6, "%s: peak %d" % (law, k + 1), row)
+        top = run.extremes["output1"] if law in ("CYCLOIDAL", "PARABOLIC", "MODTRAP") else None
+        if top:
+            close(top[0], peaks[0]*math.radians(24)/math.radians(110), 1e-12, "%s: velocity on device 9" % law)
+    run = Run(data("translating_roller", ("'POLY345'", "'TRIG'"), ("OUT0=0.0", "TZONE=1,2,1,0,2,4,2, OUT0=0.0")), place)
+    close(run.at(30)["output"], 20/3, 1e-13, "skewed trapezoid: a third of the way")
+    close(run.at(30)["output1"], 2*20/(math.pi/2), 1e-13, "skewed trapezoid: its velocity")
+    close(max(row[3] for row in run.table), 7.33218564*20/(math.pi/2)**2, 1e-8, "skewed trapezoid: acceleration")
+    # a rise of 10 in 90 degrees that ends at 4 per radian, a ramp at this speed, back
+    ramp = 10 + 4*math.radians(30)
+    run = Run(data("translating_roller", ("SEGEND=90.0,150.0,270.0,360.0", "SEGEND=90.0,120.0,270.0,360.0"),
+                   ("SEGOUT=20.0,20.0,0.0,0.0", "SEGOUT=10.0,%.17g,0.0,0.0" % ramp),
+                   ("'POLY345','DWELL'", "'CYCLOIDAL','RAMP'")), place)
+    close(run.at(90)["output1"], 4.0, 1e-12, "joined to a ramp: velocity")
+    check(run.extremes["output2"][0] >= 21.46, "joined to a ramp: acceleration", run.extremes)
+    close(run.columns["output2"][:46].max(), 21.4647909, 1e-3, "joined to a ramp: acceleration of the rise")
+
+    def f(t):
+        return 10 + 4*numpy.cos(t) + 1.5*numpy.sin(2*t) - .7*numpy.cos(3*t)
+
+    def f2(t):
+        return -4*numpy.cos(t) - 6*numpy.sin(2*t) + 6.3*numpy.cos(3*t)
+
+    head = data("translating_roller").split(" &CAM")[0]
+    t = 2*numpy.pi*numpy.arange(24)/24
+    for degree, of_y, of_y2 in ((5, 1.580e-5, 4.367e-3), (3, 1.079e-3, .4613)):
+        run = Run(head + " &CAM KOUT=0, NTAB=24, KTAB=%d, NPOINT=3600, RROLL=2, ALFMAX=80, TABOUT=%s &END\n" % (
+            degree, ",".join("%.17g" % v for v in f(t))), place)
+        th = numpy.radians(run.columns["cam_angle"])
+        got = numpy.abs(run.columns["output"] - f(th)).max(), numpy.abs(run.columns["output2"] - f2(th)).max()
+        check(abs(got[0]/of_y - 1) < 2e-3 and abs(got[1]/of_y2 - 1) < 2e-3, "spline of degree %d" % degree, got)
+
+
+def violations(place):
+    for name, changes, words in (
+            ("translating_roller", [("RROLL=8.0", "RROLL=39.0")], "undercut"),
+            ("flat_translating", [("ORIGLK=30.0", "ORIGLK=5.0")], "the least base radius is"),
+            ("swinging_roller", [("ALFMAX=45.0", "ALFMAX=30.0")], "exceeds ALFMAX"),
+            ("swinging_roller", [("ALFMAX=45.0", "ALFMAX=45.0, RHOMIN=45.0")], "less than RHOMIN"),
+            ("flat_translating", [("RCUT=20.0", "RCUT=20.0, WFACE=11.0")], "the face is shorter")):
+        run = Run(data(name, *changes), place)
+        check(run.code == 1 and words in run.error, "told: " + words, run.error)
+    # a lobe narrower than the roller, while curvature is fine: found by looking at the whole
+    run = Run(data("translating_roller", ("SEGEND=90.0,150.0,270.0,360.0", "SEGEND=8.0,170.0,178.0,360.0"),
+                   ("SEGOUT=20.0,20.0,0.0,0.0", "SEGOUT=-3.0,-3.0,0.0,0.0"), ("RROLL=8.0, RCUT=12.0", "RROLL=4.0, ALFMAX=89")), place)
+    check(run.code == 1 and "the profile crosses itself" in run.error, "a profile that crosses itself", run.error)
+
+
+def bad_input(place):
+    for name, changes, words in (
+            ("swinging_roller", [("SEGEND=110.0,160.0", "SEGEND=110.0,100.0")], "&CAM SEGEND: entry 2: the cam angles must rise"),
+            ("swinging_roller", [("290.0,360.0", "290.0,350.0")], "must end at 360"),
+            ("swinging_roller", [("106.0,106.0,130.0,130.0", "106.0,106.0,130.0,131.0"), ("'POLY4567','DWELL'", "'POLY4567','RAMP'")],
+             "must end where the first begins"),
+            ("swinging_roller", [("106.0,106.0,130.0,130.0", "106.0,107.0,130.0,130.0")], "a dwell ends where it begins"),
+            ("swinging_roller", [("'MODSINE'", "'MODSINUS'")], "there is no law 'MODSINUS'"),
+            ("swinging_roller", [("'MODSINE'", "'RAMP'")], "the velocity jumps by"),
+            ("swinging_roller", [("OUT0=130.0", "TZONE=1,2,1,1,0,0,0, OUT0=130.0"), ("'MODSINE'", "'TRIG'")], "one side has no width"),
+            ("swinging_roller", [("OUT0=130.0", "TZONE=1,2,1,1,1,1,1, OUT0=130.0")], "only 'TRIG' has zones"),
+            ("swinging_roller", [("RCUT=10.0", "RCUT=0.0")], "the cutter needs a radius above 0"),
+            ("swinging_roller", [("RCUT=10.0", "NFOLLP=2")], "there is no loop 2"),
+            ("swinging_roller", [("RCUT=10.0", "KTURN=2")], "must be 1 (anticlockwise) or -1"),
+            ("swinging_roller", [("NSEG=4", "NSEGM=4")], "did you mean NSEG?"),
+            ("swinging_roller", [("RCUT=10.0", "NFOLLK=-1")], "the follower does not move with the input"),
+            ("needle_cam", [("OUT0=150.0, SEGOUT=146.8,146.8,150.0,150.0", "OUT0=152.0, SEGOUT=146.8,146.8,152.0,152.0")],
+             "is beyond reach: the linkage gives"),
+            ("needle_cam", [("NSEG=4", "KAXIS=2, NSEG=4")], "there is none of number 2"),
+            ("needle_cam", [(" &CAM", " &CAMS")], "did you mean &CAM?")):
+        run = Run(data(name, *changes), place)
+        check(run.code == 2 and words in run.error and not run.table, "refused: " + words, run.error)
+    # a table of coarse numbers
+    run = Run(data("swinging_roller").replace("SEGOUT=106.0,106.0,130.0,130.0,", "SEGOUT=106.0,106.0,130.0,"), place)
+    check(run.code == 2 and "only 3 values given" in run.error, "refused: too few outputs", run.error)
+
+
+def table_for_others(place):
+    run = Run(data("needle_cam"), place)
+    rows = open(os.path.join(place, "case.calm.csv"), encoding="utf-8").read().split("\n")
+    check(rows[0].split(",") == run.names, "the table has the columns of device 9", rows[0])
+    check([float(v) for v in rows[1].split(",")] == run.table[0], "and its figures", rows[1])
+    check(re.fullmatch(r"cam_angle output output1 output2 output3 input input1 input2 input3 roller_x roller_y profile_x profile_y "
+                       r"cutter_x cutter_y cutter_r cutter_angle rho alpha", " ".join(run.names)) is not None, "columns", run.names)
+    turned = Run(data("needle_cam", ("NSEG=4", "KTURN=-1, NSEG=4")), place)
+    p, c = point(turned, 90, "profile"), point(turned, 90, "roller")
+    close(abs(c - (complex(84.196073105, -70.788567394) + p*complex(0, -1))), 12.0, 1e-12, "clockwise: the roller touches")
+
+
+def main():
+    with tempfile.TemporaryDirectory() as place:
+        for part in (reference_cams, linkage_backwards, laws, violations, bad_input, table_for_others):
+            part(place)
+    print("%d passed, %d failed" % (passed, failed))
+    return 1 if failed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,285 @@
+!> Cams: a disc that is a circle by another route, laws against themselves, splines against their conditions.
+program test_cam
+   use cases, only: load_case
+   use check, only: checks_t
+   use psalm_angles, only: unit_vector
+   use psalm_cam_group, only: cam_group_t
+   use psalm_cam_kind, only: law_names, has_zones, zones_of, law_kind
+   use psalm_cam_law, only: law_t, joint_t, make_law, law_made, law_velocity_jumps, law_singular, highest_law_order
+   use psalm_cam_motion, only: cam_trace_t
+   use psalm_cam_profile, only: cam_axes_t, cam_points_t, roller_profile, flat_profile, side_of_centre, deepest_interference
+   use psalm_data_set, only: data_set_t
+   use psalm_error, only: problem_t, new_problem
+   use psalm_kinds, only: wp, full_turn, radians_per_degree
+   use psalm_mechanism, only: output_t
+   use psalm_output_kind, only: motion_pose
+   use psalm_periodic_spline, only: periodic_spline, quintic_hermite, septic_hermite
+   use psalm_rates, only: rates_t, prepare_rates, differentiate, output_rates, highest_order
+   implicit none (type, external)
+   type(checks_t) :: t
+
+   call eccentric_disc()
+   call law_derivatives()
+   call laws_that_cannot_be()
+   call splines()
+   call polynomials()
+   call flat_face_of_a_circle()
+   call interference()
+   call t%report()
+
+contains
+
+   !> A crank-rocker is a round disc, eccentric by the crank, under a roller on the rocker: whatever the follower's motion, the
+   !> profile must be that circle, and the pressure angle the complement of the transmission angle.
+   subroutine eccentric_disc()
+      integer, parameter :: n = 120
+      real(wp), parameter :: roller = 25.0_wp, crank = 40.0_wp, coupler = 120.0_wp, rocker = 80.0_wp, frame = 130.0_wp
+      type(problem_t) :: given, problem
+      type(data_set_t) :: set
+      type(rates_t) :: rates
+      type(cam_trace_t) :: states
+      type(cam_points_t) :: points
+      real(wp) :: delt(n), d(highest_order, 3), round, straight, bend, x, y, diagonal, cosine, sine
+      integer :: block, offset, m, i
+      real(wp) :: side
+
+      call load_case('dyad1_crank_rocker', given, set)
+      ! the start of the rocker's arc is the pin of the coupler
+      given%mechanism%outputs = [output_t(motion_pose, 3, .true.)]
+      delt = [(full_turn*real(i - 1, wp)/real(n, wp), i=1, n)]
+      given%given%crnki = 0.0_wp
+      given%given%outlk = 0.0_wp
+      call new_problem(given%mechanism, given%given, given%parameters, delt, .false., problem)
+      call problem%want_derivatives(.false.)
+      call problem%bind(problem%given)
+      call prepare_rates(problem, rates)
+      states%angle = delt
+      allocate (states%c(0:3, n), states%by_input(n), states%direction(n), source=(0.0_wp, 0.0_wp))
+      allocate (states%turning(3, n), states%turning_by_input(n), source=0.0_wp)
+      do block = 1, problem%blocks()
+         call problem%solve_block(block, offset, m)
+         call problem%output_of(m)
+         call differentiate(problem, rates, m, highest_order)
+         do i = 1, m
+            call output_rates(problem, rates, i, highest_order, d)
+            states%c(0, offset + i) = cmplx(problem%output%actual(1, i, problem%linkage), &
+                                            problem%output%actual(2, i, problem%linkage), wp)
+            states%c(1:3, offset + i) = cmplx(d(:, 1), d(:, 2), wp)
+            states%by_input(offset + i) = cmplx(d(1, 1), d(1, 2), wp)
+         end do
+      end do
+      side = side_of_centre(states, cam_axes_t())
+      call roller_profile(states, cam_axes_t(), side, roller, roller, points)
+      round = maxval(abs(abs(points%profile - crank) - (coupler - roller)))
+      bend = maxval(abs(points%bend*coupler - 1.0_wp))
+      straight = 0.0_wp
+      do i = 1, n
+         ! transmission angle from the diagonal of the four-bar, by the law of cosines
+         call unit_vector(delt(i), x, y)
+         diagonal = crank**2 + frame**2 - 2.0_wp*crank*frame*x
+         cosine = (coupler**2 + rocker**2 - diagonal)/(2.0_wp*coupler*rocker)
+         call unit_vector(points%pressure(i), x, sine)
+         ! cosine of the transmission angle is the sine of the pressure angle
+         straight = max(straight, abs(abs(sine) - abs(cosine)))
+      end do
+      call t%is_true(abs(side) > 0.0_wp, 'eccentric disc: the centre is on one side')
+      call t%close_to(round/coupler, 0.0_wp, 1.0e-13_wp, 'eccentric disc: the profile is a circle')
+      call t%close_to(bend, 0.0_wp, 1.0e-12_wp, 'eccentric disc: its curvature')
+      call t%close_to(straight, 0.0_wp, 1.0e-13_wp, 'eccentric disc: the pressure angle is what the transmission angle lacks')
+   end subroutine eccentric_disc
+
+   !> A rise of a law, a dwell, and back.
+   subroutine make_cam(law, cam)
+      integer, intent(in) :: law
+      type(cam_group_t), intent(out) :: cam
+
+      cam%finish = [100.0_wp, 150.0_wp, 300.0_wp, 360.0_wp]
+      cam%output = [3.0_wp, 3.0_wp, -1.0_wp, -1.0_wp]
+      cam%start = -1.0_wp
+      cam%law = [law, law_kind('DWELL'), law, law_kind('DWELL')]
+      allocate (cam%velocity(4), cam%acceleration(4), cam%jerk(4), cam%zones(7, 4), source=0.0_wp)
+      allocate (cam%table(0), cam%table_at(0))
+      if (.not. has_zones(law)) return
+      cam%zones(:, 1) = zones_of(law)
+      cam%zones(:, 3) = zones_of(law)
+   end subroutine make_cam
+
+   !> Every derivative is that of the one before, within each piece; the ends are met.
+   subroutine law_derivatives()
+      type(cam_group_t) :: cam
+      type(law_t) :: law
+      type(joint_t), allocatable :: joints(:)
+      real(wp) :: y(0:highest_law_order), ahead(0:highest_law_order), behind(0:highest_law_order), h, worst, scale
+      integer :: k, p, i, order
+
+      do k = 1, size(law_names)
+         if (k == law_kind('DWELL') .or. k == law_kind('RAMP')) cycle
+         call make_cam(k, cam)
+         cam%acceleration = 0.0_wp
+         call make_law(cam, law)
+         call t%equal_integer(law%state, law_made, trim(law_names(k))//': can be made')
+         do order = 1, highest_law_order
+            worst = 0.0_wp
+            scale = 0.0_wp
+            do p = 1, size(law%pieces)
+               h = 1.0e-4_wp*law%pieces(p)%width
+               do i = 1, 9
+                  associate (at => law%pieces(p)%start + law%pieces(p)%width*0.1_wp*real(i, wp))
+                     y = law%evaluate(at, p)
+                     ahead = law%evaluate(at + h, p)
+                     behind = law%evaluate(at - h, p)
+                  end associate
+                  worst = max(worst, abs((ahead(order - 1) - behind(order - 1))/(2.0_wp*h*radians_per_degree) - y(order)))
+                  scale = max(scale, abs(y(order)), abs(y(order - 1)))
+               end do
+            end do
+            call t%close_to(worst/max(scale, 1.0_wp), 0.0_wp, 1.0e-6_wp, trim(law_names(k))//': derivative against differences')
+         end do
+         allocate (joints(size(law%pieces)))
+         joints = law%joints()
+         worst = 0.0_wp
+         do p = 1, size(joints)
+            worst = max(worst, abs(joints(p)%jump(0)), abs(joints(p)%jump(1)))
+         end do
+         call t%close_to(worst, 0.0_wp, 1.0e-13_wp, trim(law_names(k))//': no jump of place or velocity')
+         y = law%evaluate(100.0_wp, law%piece_at(100.0_wp))
+         call t%close_to(y(0), 3.0_wp, 0.0_wp, trim(law_names(k))//': it ends where it is to end')
+         deallocate (joints)
+      end do
+   end subroutine law_derivatives
+
+   subroutine laws_that_cannot_be()
+      type(cam_group_t) :: cam
+      type(law_t) :: law
+
+      call make_cam(law_kind('RAMP'), cam)
+      call make_law(cam, law)
+      call t%equal_integer(law%state, law_velocity_jumps, 'a ramp beside a dwell')
+      call make_cam(law_kind('TRIG'), cam)
+      cam%zones(:, 1) = [0.0_wp, 0.0_wp, 0.0_wp, 1.0_wp, 0.0_wp, 0.0_wp, 0.0_wp]
+      call make_law(cam, law)
+      call t%equal_integer(law%state, law_singular, 'zones that cannot accelerate')
+   end subroutine laws_that_cannot_be
+
+   !> Splines keep what they are: of period, smooth, near; a coarse mesh of uneven steps.
+   subroutine splines()
+      real(wp), parameter :: at(8) = [0.0_wp, 20.0_wp, 75.0_wp, 130.0_wp, 180.0_wp, 200.0_wp, 260.0_wp, 310.0_wp]
+      real(wp), parameter :: values(8) = [1.0_wp, 1.5_wp, 0.7_wp, -2.0_wp, -1.0_wp, -0.9_wp, 0.3_wp, 0.2_wp]
+      real(wp), allocatable :: c(:, :)
+      real(wp) :: jump, step, before, after, worst, integral(2)
+      integer :: degree, k, next, order, m, run
+      logical :: found
+
+      do degree = 3, 5, 2
+         do run = 1, 2
+            call periodic_spline(at, values, full_turn, degree, merge(0.0_wp, 0.3_wp, run == 1), c, found)
+            call t%is_true(found, 'spline: found')
+            worst = 0.0_wp
+            do k = 1, size(at)
+               next = modulo(k, size(at)) + 1
+               step = modulo(at(next) - at(k), full_turn)
+               do order = 0, degree - 1
+                  before = derivative(c(:, k), order, 1.0_wp)/step**order
+                  after = derivative(c(:, next), order, 0.0_wp)/modulo(at(modulo(next, size(at)) + 1) - at(next), full_turn)**order
+                  jump = abs(before - after)*100.0_wp**order
+                  worst = max(worst, jump)
+               end do
+            end do
+            call t%close_to(worst, 0.0_wp, 1.0e-8_wp, 'spline: continuous to its last derivative but one')
+            worst = maxval(abs(c(0, :) - values))
+            if (run == 1) call t%close_to(worst, 0.0_wp, 1.0e-14_wp, 'spline: through the points')
+            if (run == 2) call t%is_true(worst <= 0.3_wp .and. worst > 0.29_wp, 'spline: the tolerance is kept and used')
+            ! roughness by Simpson's rule, enough for squares of polynomials of degree 2
+            integral(run) = 0.0_wp
+            m = (degree + 1)/2
+            do k = 1, size(at)
+               step = modulo(at(modulo(k, size(at)) + 1) - at(k), full_turn)
+               integral(run) = integral(run) + (derivative(c(:, k), m, 0.0_wp)**2 + 4.0_wp*derivative(c(:, k), m, 0.5_wp)**2 &
+                                                + derivative(c(:, k), m, 1.0_wp)**2)/(6.0_wp*step**(2*m - 1))
+            end do
+         end do
+         call t%is_true(integral(2) < 0.5_wp*integral(1), 'spline: smoother with a tolerance')
+      end do
+   end subroutine splines
+
+   !> Derivative of a polynomial by its own variable.
+   pure real(wp) function derivative(c, order, u) result(d)
+      real(wp), intent(in) :: c(:)
+      integer, intent(in) :: order
+      real(wp), intent(in) :: u
+      integer :: power, k
+      real(wp) :: factor
+
+      d = 0.0_wp
+      do power = size(c) - 1, order, -1
+         factor = 1.0_wp
+         do k = 0, order - 1
+            factor = factor*real(power - k, wp)
+         end do
+         d = d*u + factor*c(power + 1)
+      end do
+   end function derivative
+
+   subroutine polynomials()
+      real(wp), parameter :: ends(8) = [0.3_wp, -1.1_wp, 2.0_wp, 0.7_wp, 1.9_wp, 0.4_wp, -3.0_wp, 5.0_wp]
+      real(wp) :: c5(6), c7(8)
+      integer :: order
+
+      c5 = quintic_hermite(ends(1), ends(2), ends(3), ends(5), ends(6), ends(7))
+      c7 = septic_hermite(ends(1), ends(2), ends(3), ends(4), ends(5), ends(6), ends(7), ends(8))
+      do order = 0, 3
+         call t%close_to(derivative(c7, order, 0.0_wp), ends(order + 1), 1.0e-14_wp, 'degree 7: its beginning')
+         call t%close_to(derivative(c7, order, 1.0_wp), ends(order + 5), 1.0e-12_wp, 'degree 7: its end')
+         if (order == 3) cycle
+         call t%close_to(derivative(c5, order, 0.0_wp), ends(order + 1), 1.0e-14_wp, 'degree 5: its beginning')
+         call t%close_to(derivative(c5, order, 1.0_wp), ends(order + 5), 1.0e-13_wp, 'degree 5: its end')
+      end do
+   end subroutine polynomials
+
+   !> A disc of radius R, eccentric by e, lifts a flat face by e sin th: its radius of curvature is R at every angle.
+   subroutine flat_face_of_a_circle()
+      integer, parameter :: n = 36
+      real(wp), parameter :: disc = 30.0_wp, e = 7.0_wp
+      type(cam_trace_t) :: states
+      type(cam_points_t) :: points
+      logical :: possible(n)
+      real(wp) :: c, s
+      integer :: i
+
+      states%angle = [(10.0_wp*real(i, wp), i=1, n)]
+      allocate (states%c(0:3, n), source=(0.0_wp, 0.0_wp))
+      allocate (states%by_input(n), source=(0.0_wp, 1.0_wp))
+      allocate (states%direction(n), source=(0.0_wp, 1.0_wp))
+      allocate (states%turning(3, n), states%turning_by_input(n), source=0.0_wp)
+      do i = 1, n
+         call unit_vector(states%angle(i), c, s)
+         states%c(:, i) = (0.0_wp, 1.0_wp)*[disc + e*s, e*c, -e*s, -e*c]
+      end do
+      call flat_profile(states, cam_axes_t(), 0.0_wp, 5.0_wp, points, possible)
+      call t%is_true(all(possible), 'a flat face on a disc: possible')
+      call t%close_to(maxval(abs(points%radius - disc))/disc, 0.0_wp, 1.0e-14_wp, 'a flat face on a disc: radius of curvature')
+      call t%close_to(maxval(abs(abs(points%profile - e) - disc))/disc, 0.0_wp, 1.0e-14_wp, 'a flat face on a disc: the disc')
+      call t%close_to(maxval(abs(abs(points%cutter - e) - disc - 5.0_wp))/disc, 0.0_wp, 1.0e-14_wp, &
+                      'a flat face on a disc: centre of the wheel')
+      call t%close_to(maxval(abs(points%pressure)), 0.0_wp, 0.0_wp, 'a flat face square to its travel: no pressure angle')
+   end subroutine flat_face_of_a_circle
+
+   subroutine interference()
+      complex(wp) :: contour(400), centres(400)
+      real(wp) :: depth, c, s
+      integer :: i, at, by
+
+      do i = 1, 400
+         call unit_vector(0.9_wp*real(i, wp), c, s)
+         contour(i) = 50.0_wp*cmplx(c, s, wp)
+         centres(i) = 60.0_wp*cmplx(c, s, wp)
+      end do
+      call deepest_interference(contour, centres, 10.0_wp, depth, at, by)
+      call t%close_to(depth, 0.0_wp, 0.0_wp, 'a circle under a roller: no interference')
+      centres(100) = centres(100)*(57.5_wp/60.0_wp)
+      call deepest_interference(contour, centres, 10.0_wp, depth, at, by)
+      call t%close_to(depth, 2.5_wp, 1.0e-12_wp, 'one roller too deep: its depth')
+      call t%equal_integer(by, 100, 'one roller too deep: which')
+      call t%equal_integer(at, 100, 'one roller too deep: where')
+   end subroutine interference
+end program test_cam
