@@ -24,6 +24,8 @@ def rows(path):
     with open(path, encoding="utf-8") as text:
         for line in text:
             words = line.split()
+            if line.startswith("# run "):
+                continue
             if line.startswith("# input"):
                 names = words[1:]
                 blocks.append(["", names, [], ""])

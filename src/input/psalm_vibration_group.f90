@@ -111,11 +111,11 @@ contains
 
       call read_places(group, letter, ilink, places, findings, ends_only=.true.)
       beams%link = places
-      call group%get_reals(letter//'MOD', beams%modulus, findings)
-      call group%get_reals(letter//'RHO', beams%density, findings)
-      call group%get_reals(letter//'ZETA', beams%damping, findings)
-      call group%get_reals(letter//'SHEAR', beams%shear_ratio, findings)
-      call group%get_reals(letter//'STRN', beams%strain, findings)
+      call take('MOD', beams%modulus)
+      call take('RHO', beams%density)
+      call take('ZETA', beams%damping)
+      call take('SHEAR', beams%shear_ratio)
+      call take('STRN', beams%strain)
       depth = 0.0_wp
       width = 0.0_wp
       area = 0.0_wp
@@ -165,6 +165,17 @@ contains
       beams%gyration = gyration
 
    contains
+
+      !> One number of every beam.
+      subroutine take(item, values)
+         character(*), intent(in) :: item
+         real(wp), intent(inout) :: values(:)
+         real(wp) :: each(size(values)) ! the components of beams do not lie side by side
+
+         each = values
+         call group%get_reals(letter//item, each, findings)
+         values = each
+      end subroutine take
 
       subroutine positive(item, value, k)
          character(*), intent(in) :: item
