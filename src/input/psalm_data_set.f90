@@ -201,7 +201,7 @@ contains
          call read_case(lines, next, case, findings)
          if (case%line == 0) then
             if (count == 0) then
-               call findings%error('the file is empty; a case is a title line followed by &LINKS, &METHOD and &LIMITS')
+               call findings%error('the file is empty; a case is a title line followed by &LINKS or &CHAIN, &METHOD and &LIMITS')
             else
                call findings%error('LAST=0 declares another case, but the file ends here', line=size(lines))
             end if
@@ -289,7 +289,8 @@ contains
       call read_hill_group(groups(hill), set%hill, findings)
       call read_balance_group(groups(balanc), set%ilink, set%balance, findings)
       call read_cam_group(groups(cam), set%ilink, set%cam, findings)
-      if (size(set%masses%mass) > 0 .and. .not. set%rates_given) then
+      ! where there are errors the group may stand under a misspelt name
+      if (size(set%masses%mass) > 0 .and. .not. (set%rates_given .or. findings%failed())) then
          call findings%warning('there is no group &RATES: the input is taken to move at '// &
                                trim(merge('1 unit of length a second', '1 radian a second        ', sliding_input(set))), &
                                line=groups(masses)%line, group='MASSES', item='NMASS')
