@@ -36,6 +36,13 @@ cd "$work" || exit 1
 data="$top/data" ref="$top/data/reference"
 cp "$data"/*.nml .
 
+if part binaries; then
+for p in "$bin"/*; do
+    # hardened systems refuse programs with code on the stack, which procedures handed on need unless what they use is saved
+    check "$(basename "$p"): no code on the stack" sh -c "readelf -lW '$p' | grep 'GNU_STACK .* RW '"
+done
+fi
+
 if part published; then
 # published listings
 status 1 'needle: two iterations do not converge' "$psalm" needle.nml
@@ -84,7 +91,7 @@ at_most 'dwell: better than its reference' dwell.lst 0.02
 at_most 'slider_linear: as good as known' slider_linear.lst 3.3e-8
 at_most 'path5: as good as known' path5.lst 7.5e-7
 at_most 'striking: as good as known' striking.lst 0.043324
-at_most 'path18_free: better than with fixed timing' path18_free.lst 0.0032
+at_most 'path18_free: as good as known' path18_free.lst 0.0017729
 check 'path18_free: the crank goes one way, within a turn' awk '/CRANK ANGLE  /{ on = 1; next } /TOTAL/{ on = 0 }
     on && NF >= 7 { if (n++) { d = last - $1; if (d < 0) d += 360; sum += d } last = $1 } END { exit !(n == 18 && sum <= 360) }' path18_free.lst
 fi
@@ -335,7 +342,7 @@ done
   echo " &SEARCH SOLVER='LSQ' &END"; } >narrow.nml
 status 0 'bounds nearer than twice STEPIN' "$psalm" narrow.nml
 for a in LN_COBYLA LD_LBFGS GN_CRS2_LM; do
-    changed path18_free.nml "s/SOLVER='LSQ', NSTART=400/SOLVER='$a', NSTART=3, MAXEVAL=2000/" "/CONSTR/d" >order.nml
+    changed path18_free.nml "s/SOLVER='LSQ', NSTART=100/SOLVER='$a', NSTART=3, MAXEVAL=2000/" "/CONSTR/d" >order.nml
     "$psalm" --quiet order.nml >out
     check "$a: free timing in order" awk '/CRANK ANGLE  /{ on = 1; next } /TOTAL/{ on = 0 }
         on && NF >= 7 { if (n++) { d = last - $1; if (d < 0) d += 360; sum += d } last = $1 } END { exit !(n == 18 && sum <= 360) }' out

@@ -9,6 +9,7 @@ module psalm_search
    use psalm_data_set, only: data_set_t
    use psalm_elementary, only: fractional_power
    use psalm_error, only: problem_t
+   use psalm_free_start, only: free_start_t, prepare_free_start, make_free_start
    use psalm_kinds, only: wp, full_turn, right_angle
    use psalm_margins, only: inspector_t, margin_t, prepare_inspector, inspect, is_violated
    use psalm_merit, only: merit_t, prepare_merit, set_range, extra_positions
@@ -75,6 +76,7 @@ module psalm_search
       type(merit_t), allocatable :: merit
       type(timing_t), allocatable :: timing
       type(inspector_t), allocatable :: inspector
+      type(free_start_t), allocatable :: free_start
       class(solver_t), allocatable :: solver
       type(stop_t) :: stop
       type(xoshiro_t) :: random
@@ -151,12 +153,13 @@ contains
       worker%supplied = supplied
       worker%stop = ending
       allocate (worker%problem, source=problem)
-      allocate (worker%constraints, worker%merit, worker%timing, worker%inspector)
+      allocate (worker%constraints, worker%merit, worker%timing, worker%inspector, worker%free_start)
       call make_constraints(set, problem, worker%constraints)
       call prepare_merit(set, problem, first, worker%merit)
       call new_solver(set%search%solver, worker%solver)
       call worker%random%seed(set%istart, purpose_starts)
       if (worker%merit%free) call prepare_timing(problem, worker%merit, worker%timing)
+      if (set%search%solver%refines) call prepare_free_start(problem, worker%merit, worker%free_start)
       if (worker%merit%irange /= range_positions) call prepare_inspector(set, problem, .true., worker%inspector)
    end subroutine prepare_worker
 
@@ -189,6 +192,10 @@ contains
       logical :: closes
       integer :: before
 
+      if (number > 1 .and. self%free_start%applies) then
+         call start_freely(self, number, candidate)
+         return
+      end if
       before = 0
       associate (low => self%merit%box_low, high => self%merit%box_high, nvar => size(self%first))
          if (number > 1) then
@@ -221,6 +228,34 @@ contains
       candidate%evaluations = before + self%merit%evaluations
       candidate%jacobians = self%merit%jacobians
    end subroutine one_start
+
+   !> The best linkage of a lot of random four-bars that visit the points; what is refined of them is decided later.
+   subroutine start_freely(self, number, candidate)
+      class(worker_t), intent(inout) :: self
+      integer, intent(in) :: number
+      type(candidate_t), intent(inout) :: candidate
+      real(wp) :: values(size(self%first))
+      type(margin_t), allocatable :: margins(:)
+      logical :: made
+
+      self%merit%evaluations = 0
+      self%merit%jacobians = 0
+      if (self%merit%has_range) call set_range(self%merit, [real(wp) ::])
+      call self%random%use_stream(number)
+      call make_free_start(self%problem, self%merit, self%random, self%free_start, values, self%merit%delt, made)
+      values = min(max(values, self%merit%low), self%merit%high)
+      candidate%x = self%merit%point(values, self%merit%delt)
+      call self%merit%accept(candidate%x, candidate%objective, candidate%feasible)
+      candidate%feasible = candidate%feasible .and. made
+      if (candidate%feasible) then
+         call inspect(self%inspector, self%merit%dimensions, self%merit%delt, margins, hasty=.true.)
+         candidate%feasible = .not. any(is_violated(margins))
+      end if
+      call unwind(self%set, self%problem, self%first, values)
+      candidate%x = self%merit%point(values, self%merit%delt)
+      candidate%evaluations = self%merit%evaluations
+      candidate%jacobians = self%merit%jacobians
+   end subroutine start_freely
 
    !> Turn a random linkage within the box into one near a given one: every value within 1/2**fineness of itself, or of a right
    !> angle.

@@ -1,0 +1,213 @@
+!> A path without prescribed timing, by a four-bar whose crank turns fully: random shapes and timings, many short descents, the
+!> better part of them continued, the best finished. That is a lot; lots are independent of each other.
+!>
+!> Notation and what is eliminated: `psalm_path_fit`.
+module psalm_free_path
+   use psalm_elementary, only: fractional_power
+   use psalm_kinds, only: wp, full_turn
+   use psalm_path_descent, only: descend, put_in_order, retime, nearest_g
+   use psalm_path_fit, only: path_t, visit_t, path_room_t, trace_coupler, fit_linear, error_of, find_violations, rows_most, samples
+   use psalm_xoshiro, only: xoshiro_t
+   implicit none (type, external)
+   private
+   public :: search_lot
+
+   integer, parameter :: short = 32, medium = 4      !! descents of a lot; one is finished
+   real(wp), parameter :: ridge = 1.0e-7_wp          !! a sample's curve may be a point
+   real(wp), parameter :: loose = 0.003_wp, firm = 0.0003_wp !! weights of violations, of the points' number, while errors are large
+   real(wp), parameter :: inside = 1.0e-6_wp         !! relative distance from a bound that is aimed at
+
+contains
+
+   !> A random shape with random inputs.
+   subroutine draw(path, random, visit)
+      type(path_t), intent(in) :: path
+      type(xoshiro_t), intent(inout) :: random
+      type(visit_t), intent(inout) :: visit
+      real(wp) :: lengths(4), gap(path%n)
+
+      do
+         lengths = [ratio(10.0_wp), ratio(10.0_wp), ratio(10.0_wp), ratio(10.0_wp)]
+         associate (ground => lengths(1), crank => lengths(2), coupler => lengths(3), follower => lengths(4))
+            if (coupler + follower < ground + crank .or. abs(coupler - follower) > abs(ground - crank)) cycle
+            visit%g = ground/crank
+            if (abs(visit%g - 1.0_wp) < nearest_g) cycle
+            visit%sigma = (coupler + follower)/(ground + crank)
+            visit%q = (coupler - follower)/(ground - crank)
+         end associate
+         exit
+      end do
+      visit%side = path%side
+      if (uniform() < 0.5_wp) then
+         call draw_spread(gap)
+      else
+         call draw_jumps(gap)
+      end if
+      call follow(gap, uniform()*full_turn, visit%t)
+
+   contains
+
+      function uniform() result(deviate)
+         real(wp) :: deviate
+
+         call random%next(deviate)
+      end function uniform
+
+      !> One to `most`, its logarithm uniform (in steps of 1/4096: the power is made by roots).
+      real(wp) function ratio(most)
+         real(wp), intent(in) :: most
+
+         ratio = fractional_power(most, real(int(4096.0_wp*uniform()), wp)/4096.0_wp)
+      end function ratio
+
+      !> Inputs that rise by these gaps.
+      subroutine follow(gap, first, t)
+         real(wp), intent(in) :: gap(:), first
+         real(wp), intent(out) :: t(:)
+         integer :: k
+
+         t(1) = first
+         do k = 2, size(t)
+            t(k) = t(k - 1) + gap(k - 1)
+         end do
+      end subroutine follow
+
+      !> Even or by the chords, over a part of the turn.
+      subroutine draw_spread(gap)
+         real(wp), intent(out) :: gap(:)
+         real(wp) :: span
+         integer :: k
+
+         span = full_turn*(0.2_wp + 0.8_wp*uniform())
+         if (uniform() < 0.5_wp) then
+            gap = path%chord + 1.0e-3_wp
+         else
+            do k = 1, size(gap)
+               ! spaces between sorted deviates: shares of deviates of the exponential kind, here by a power of even ones
+               gap(k) = share()
+            end do
+         end if
+         gap(size(gap)) = 0.0_wp
+         gap = span*gap/max(sum(gap), tiny(1.0_wp))
+      end subroutine draw_spread
+
+      !> Runs in which the inputs follow the chords, with jumps between them.
+      subroutine draw_jumps(gap)
+         real(wp), intent(out) :: gap(:)
+         logical :: jump(size(gap))
+         real(wp) :: pace, runs, jumps, part
+         integer :: k, breaks
+
+         jump = .false.
+         jump(size(gap)) = .true.                    ! the way back
+         do breaks = 1, 1 + int(3.0_wp*uniform())
+            jump(1 + min(int(real(size(gap), wp)*uniform()), size(gap) - 1)) = .true.
+         end do
+         pace = 1.0_wp
+         do k = 1, size(gap)
+            if (jump(k)) then
+               gap(k) = share()
+               ! near a normal deviate's exponential: between a quarter and four
+               pace = 0.25_wp*ratio(16.0_wp)
+            else
+               gap(k) = pace*(path%chord(k) + 1.0e-3_wp)
+            end if
+         end do
+         runs = max(sum(gap, mask=.not. jump), tiny(1.0_wp))
+         jumps = sum(gap, mask=jump)
+         part = 0.02_wp*ratio(35.0_wp)
+         where (jump)
+            gap = full_turn*(1.0_wp - part)*gap/jumps
+         else where
+            gap = full_turn*part*gap/runs
+         end where
+      end subroutine draw_jumps
+
+      !> A positive deviate, small ones often: (1 - u)/u, cut.
+      real(wp) function share()
+         real(wp) :: u
+
+         u = uniform()
+         share = min((1.0_wp - u)/u, 20.0_wp) + 1.0e-3_wp
+      end function share
+   end subroutine draw
+
+   !> One lot: samples, short descents of the better half, longer ones of the best, and the best finished.
+   subroutine search_lot(path, random, room, best)
+      type(path_t), intent(in) :: path
+      type(xoshiro_t), intent(inout) :: random
+      type(path_room_t), intent(inout) :: room
+      type(visit_t), intent(inout) :: best           !! finished; `worst` tells whether the bounds are kept
+      real(wp) :: amount(rows_most), many
+      integer :: i, count, order(samples)
+
+      many = real(path%n, wp)
+      do i = 1, samples
+         associate (visit => room%lot(i))
+            call draw(path, random, visit)
+            call put_in_order(visit%t, room)
+            call trace_coupler(visit, visit%t, room%e, room%v)
+            call fit_linear(path, room%e, room%v, visit, ridge*many)
+            call find_violations(path, visit, 0.0_wp, count, amount)
+            room%score(i) = error_of(path, room%e, room%v, visit) + loose*many*sum(min(amount(:count), 1.0_wp)**2)
+         end associate
+      end do
+      call rank(samples, short)
+      do i = 1, short
+         call improve(room%lot(order(i)), 8, 8, 1.0e-3_wp, loose*many, 0.0_wp)
+         room%score(order(i)) = room%lot(order(i))%error + loose*many*room%lot(order(i))%violation
+      end do
+      call rank(short, medium)
+      do i = 1, medium
+         call improve(room%lot(order(i)), 40, 20, 1.0e-3_wp, firm*many, 0.0_wp)
+         room%score(order(i)) = room%lot(order(i))%error + firm*many*room%lot(order(i))%violation
+      end do
+      call rank(medium, 1)
+      best = room%lot(order(1))
+      call finish(best)
+
+   contains
+
+      !> The best `wanted` of the first `among` in the order so far.
+      subroutine rank(among, wanted)
+         integer, intent(in) :: among, wanted
+         integer :: k, m, swap
+
+         if (among == samples) order = [(k, k=1, samples)]
+         do k = 1, wanted
+            m = k - 1 + minloc(room%score(order(k:among)), dim=1)
+            swap = order(k)
+            order(k) = order(m)
+            order(m) = swap
+         end do
+      end subroutine rank
+
+      !> Descend, then from a better timing too; the better is kept.
+      subroutine improve(visit, first, second, gain, weight, margin)
+         type(visit_t), intent(inout) :: visit
+         integer, intent(in) :: first, second
+         real(wp), intent(in) :: gain, weight, margin
+
+         call descend(path, first, gain, weight, margin, visit, room)
+         room%copy = visit
+         call retime(path, room%copy, room)
+         call descend(path, second, gain, weight, margin, room%copy, room)
+         if (room%copy%error + weight*room%copy%violation < visit%error + weight*visit%violation) visit = room%copy
+      end subroutine improve
+
+      !> To the end: the weight of violations follows the error, until every bound is kept.
+      subroutine finish(visit)
+         type(visit_t), intent(inout) :: visit
+         real(wp) :: base
+         integer :: k
+
+         base = max(visit%error, 1.0e-9_wp*many)
+         call improve(visit, 60, 30, 1.0e-5_wp, 30.0_wp*base, 0.0_wp)
+         do k = 2, 10, 2
+            base = max(visit%error, 1.0e-9_wp*many)
+            call descend(path, 60, 1.0e-7_wp, base*10.0_wp**k, inside, visit, room)
+            if (visit%worst < inside) exit
+         end do
+      end subroutine finish
+   end subroutine search_lot
+end module psalm_free_path

@@ -1,0 +1,361 @@
+!> A four-bar whose crank turns fully and whose coupler point visits points: its motion, its linear unknowns, its bounds.
+!>
+!> In the complex plane, with the crank of length 1 and its angle t counted from the ground line,
+!>
+!>    P(t) = z0 + w1 e(t) + w2 v(t),   e = exp(i t),   v = h (a +- i R) the coupler,   h = g - e, g the ground's length,
+!>
+!> is the point's path. The ground pivot z0, crank and ground line w1 and the coupler point w2 enter linearly: for a given shape
+!> and given inputs the best ones solve a least-squares problem. S and D, sum and difference of coupler and follower, give the
+!> shape: the crank turns fully if S = (g + 1) sigma with sigma >= 1 and D = (g - 1) q with abs(q) <= 1, a box, so that no
+!> position ever fails to close. Angles are in degrees. Source of the elimination: Golub and Pereyra (1973).
+module psalm_path_fit
+   use psalm_angles, only: unit_vector
+   use psalm_kinds, only: wp
+   implicit none (type, external)
+   private
+   public :: path_t, visit_t, path_room_t, prepare_path, trace_coupler, fit_linear, error_of, lengths_of, find_violations, weigh
+   public :: square, dot
+   public :: at_ground, at_crank, at_coupler, at_follower, at_point, at_pivot
+   public :: unknowns, shape_g, shape_s, shape_q, rows_most, places, samples
+
+   ! lengths that have bounds
+   integer, parameter :: at_ground = 1, at_crank = 2, at_coupler = 3, at_follower = 4, at_point = 5, at_pivot = 6
+   integer, parameter :: unknowns = 9                !! z0, w1, w2 (two each), then ln g, ln sigma, q
+   integer, parameter :: shape_g = 7, shape_s = 8, shape_q = 9
+   integer, parameter :: rows_most = 14              !! bounds, both sides, and two transmission angles
+   integer, parameter :: places = 96                 !! of the crank when a timing is looked for
+   integer, parameter :: samples = 64                !! of a lot
+   real(wp), parameter :: singular = 1.0e-14_wp      !! relative determinant below which e and v say the same
+
+   !> What is to be visited, scaled to a mean radius of 1 about the mean.
+   type :: path_t
+      integer :: n = 0
+      complex(wp), allocatable :: point(:)           !! shape (n)
+      real(wp), allocatable :: weight(:)             !! shape (n), their mean is 1
+      real(wp), allocatable :: chord(:)              !! shape (n): to the next point, the last one's to the first
+      complex(wp) :: centre = (0.0_wp, 0.0_wp)       !! mean of the points given, in their unit
+      real(wp) :: size = 1.0_wp                      !! what they were divided by
+      real(wp) :: weight_scale = 1.0_wp              !! what the weights were divided by
+      real(wp) :: low(6) = 0.0_wp, high(6) = huge(1.0_wp) !! lengths: ground, crank, coupler, follower, coupler point, pivot
+      real(wp) :: cosine = 1.0_wp                    !! of the least transmission angle; 1: any
+      real(wp) :: side = 1.0_wp                      !! assembly: +1 with the coupler's end left of the line from crank pin
+                                                     !! to follower's pivot, -1 right
+   end type path_t
+
+   !> A linkage that visits the points.
+   type :: visit_t
+      real(wp) :: g = 2.0_wp, sigma = 1.2_wp, q = 0.0_wp, side = 1.0_wp
+      complex(wp) :: z0 = (0.0_wp, 0.0_wp), w1 = (1.0_wp, 0.0_wp), w2 = (0.0_wp, 0.0_wp)
+      real(wp), allocatable :: t(:)                  !! shape (n), rising, degrees from the ground line
+      real(wp) :: error = huge(1.0_wp)               !! weighted sum of squares
+      real(wp) :: violation = 0.0_wp                 !! sum of squared relative violations
+      real(wp) :: worst = 0.0_wp                     !! largest violation
+   end type visit_t
+
+   !> Room to work in; one object serves one thread.
+   type :: path_room_t
+      complex(wp), allocatable :: e(:), v(:), turn(:) !! shape (n): e, v, dv/dt
+      complex(wp), allocatable :: grow(:, :)         !! shape (n, 3): dv by ln g, ln sigma, q
+      real(wp), allocatable :: b(:, :), c(:), r(:)   !! shapes (9, groups), (groups), (groups): what inputs meet
+      integer, allocatable :: group(:)               !! shape (n): inputs that move as one
+      real(wp), allocatable :: level(:), mass(:)     !! shape (n): pooling
+      integer, allocatable :: last(:)
+      complex(wp), allocatable :: e_round(:), v_round(:) !! shape (places)
+      real(wp), allocatable :: cost(:, :), least(:, :) !! shape (places, n)
+      type(visit_t), allocatable :: lot(:)           !! shape (samples)
+      real(wp), allocatable :: score(:)              !! shape (samples)
+      type(visit_t) :: now, next, other, copy
+   end type path_room_t
+contains
+
+   !> Scale points and bounds, and make room.
+   subroutine prepare_path(x, y, weight, low, high, cosine, side, path, room)
+      real(wp), intent(in) :: x(:), y(:), weight(:)  !! shape (n), in order
+      real(wp), intent(in) :: low(6), high(6)        !! lengths, as `path_t` has them, in the unit of the points
+      real(wp), intent(in) :: cosine                 !! of the least transmission angle
+      real(wp), intent(in) :: side                   !! assembly, as `path_t` has it
+      type(path_t), intent(out) :: path
+      type(path_room_t), intent(out) :: room
+      integer :: i
+
+      path%n = size(x)
+      path%weight_scale = sum(weight)/real(path%n, wp)
+      path%weight = weight/path%weight_scale
+      path%point = cmplx(x, y, wp)
+      path%centre = sum(path%weight*path%point)/real(path%n, wp)
+      path%point = path%point - path%centre
+      path%size = sqrt(sum(path%weight*square(path%point))/real(path%n, wp))
+      path%point = path%point/path%size
+      path%centre = path%centre/path%size
+      path%chord = sqrt(square(cshift(path%point, 1) - path%point))
+      path%low = low/path%size
+      path%high = min(high/path%size, sqrt(huge(1.0_wp)))
+      path%cosine = cosine
+      path%side = side
+      associate (n => path%n)
+         allocate (room%e(n), room%v(n), room%turn(n), room%grow(n, 3), room%b(unknowns, n), room%c(n), room%r(n), room%group(n), &
+                   room%level(n), room%mass(n), room%last(n), room%e_round(places), room%v_round(places), room%cost(places, n), &
+                   room%least(places, n), room%lot(samples), room%score(samples))
+         do i = 1, samples
+            allocate (room%lot(i)%t(n), source=0.0_wp)
+         end do
+         room%now = room%lot(1)
+         room%next = room%lot(1)
+         room%other = room%lot(1)
+         room%copy = room%lot(1)
+      end associate
+   end subroutine prepare_path
+
+   elemental real(wp) function square(z)
+      complex(wp), intent(in) :: z
+
+      square = real(z, wp)**2 + aimag(z)**2
+   end function square
+
+   !> Real part of conj(a)*b: the scalar product of two vectors.
+   elemental real(wp) function dot(a, b)
+      complex(wp), intent(in) :: a, b
+
+      dot = real(a, wp)*real(b, wp) + aimag(a)*aimag(b)
+   end function dot
+
+   !> e and v at inputs, and the derivatives of v where they are asked for.
+   pure subroutine trace_coupler(shape, t, e, v, turn, grow)
+      type(visit_t), intent(in) :: shape
+      real(wp), intent(in) :: t(:)                   !! degrees
+      complex(wp), intent(out) :: e(:), v(:)         !! shape (size(t))
+      complex(wp), intent(out), optional :: turn(:)  !! dv/dt, per radian
+      complex(wp), intent(out), optional :: grow(:, :) !! shape (size(t), 3): by ln g, ln sigma, q
+      complex(wp), parameter :: i = (0.0_wp, 1.0_wp)
+      complex(wp) :: h, bend
+      real(wp) :: c, s, cc, ss, d2, x, y, a, r, sd, over, x1, y1, d1, sd1, ax, rx
+      integer :: k, m
+
+      associate (g => shape%g, sigma => shape%sigma, q => shape%q)
+         sd = sigma*q*(g - 1.0_wp)*(g + 1.0_wp)
+         do k = 1, size(t)
+            call unit_vector(0.5_wp*t(k), c, s)
+            cc = 4.0_wp*g*c*c
+            ss = 4.0_wp*g*s*s
+            e(k) = cmplx((c - s)*(c + s), 2.0_wp*c*s, wp)
+            d2 = max((g - 1.0_wp)**2 + ss, tiny(1.0_wp)**0.25_wp)
+            x = (g + 1.0_wp)**2*(sigma - 1.0_wp)*(sigma + 1.0_wp) + cc
+            y = (g - 1.0_wp)**2*(1.0_wp - q)*(1.0_wp + q) + ss
+            over = 0.5_wp/d2
+            a = 0.5_wp + sd*over
+            r = shape%side*sqrt(x*y)*over
+            h = g - e(k)
+            bend = cmplx(a, r, wp)
+            v(k) = h*bend
+            if (.not. present(turn)) cycle
+            ! a root at its zero has no slope: kept finite
+            x = 0.5_wp/(x + singular*(x + y) + tiny(1.0_wp)**0.25_wp)
+            y = 0.5_wp/(y + singular*(x + y) + tiny(1.0_wp)**0.25_wp)
+            d1 = 4.0_wp*g*s*c
+            ax = -sd*d1*2.0_wp*over*over
+            rx = r*(-d1*x + d1*y - 2.0_wp*d1*over)
+            turn(k) = -i*e(k)*bend + h*cmplx(ax, rx, wp)
+            do m = 1, 3
+               select case (m)
+               case (1)
+                  d1 = 2.0_wp*g*(g - 1.0_wp) + ss
+                  x1 = 2.0_wp*g*(g + 1.0_wp)*(sigma - 1.0_wp)*(sigma + 1.0_wp) + cc
+                  y1 = 2.0_wp*g*(g - 1.0_wp)*(1.0_wp - q)*(1.0_wp + q) + ss
+                  sd1 = 2.0_wp*sigma*q*g*g
+               case (2)
+                  d1 = 0.0_wp
+                  x1 = 2.0_wp*(g + 1.0_wp)**2*sigma**2
+                  y1 = 0.0_wp
+                  sd1 = sd
+               case default
+                  d1 = 0.0_wp
+                  x1 = 0.0_wp
+                  y1 = -2.0_wp*q*(g - 1.0_wp)**2
+                  sd1 = sigma*(g - 1.0_wp)*(g + 1.0_wp)
+               end select
+               ax = over*(sd1 - sd*d1*2.0_wp*over)
+               rx = r*(x1*x + y1*y - 2.0_wp*d1*over)
+               grow(k, m) = h*cmplx(ax, rx, wp)
+               if (m == 1) grow(k, m) = grow(k, m) + g*bend
+            end do
+         end do
+      end associate
+   end subroutine trace_coupler
+
+   !> The best z0, w1, w2 of a shape and its inputs.
+   pure subroutine fit_linear(path, e, v, visit, slack)
+      type(path_t), intent(in) :: path
+      complex(wp), intent(in) :: e(:), v(:)
+      type(visit_t), intent(inout) :: visit
+      real(wp), intent(in) :: slack                  !! ridge
+      complex(wp) :: mean_e, mean_v, c, p, q
+      real(wp) :: a, b, determinant
+      integer :: k
+
+      mean_e = (0.0_wp, 0.0_wp)
+      mean_v = mean_e
+      do k = 1, path%n
+         mean_e = mean_e + path%weight(k)*e(k)
+         mean_v = mean_v + path%weight(k)*v(k)
+      end do
+      mean_e = mean_e/real(path%n, wp)
+      mean_v = mean_v/real(path%n, wp)
+      a = slack
+      b = slack
+      c = (0.0_wp, 0.0_wp)
+      p = c
+      q = c
+      do k = 1, path%n
+         associate (w => path%weight(k), ek => e(k) - mean_e, vk => v(k) - mean_v)
+            a = a + w*square(ek)
+            b = b + w*square(vk)
+            c = c + w*conjg(ek)*vk
+            p = p + w*conjg(ek)*path%point(k)
+            q = q + w*conjg(vk)*path%point(k)
+         end associate
+      end do
+      determinant = max(a*b - square(c), singular*a*b, tiny(1.0_wp))
+      visit%w1 = (b*p - c*q)/determinant
+      visit%w2 = (a*q - conjg(c)*p)/determinant
+      visit%z0 = -visit%w1*mean_e - visit%w2*mean_v ! the points' mean is zero
+   end subroutine fit_linear
+
+   !> Weighted sum of the squared distances.
+   pure real(wp) function error_of(path, e, v, visit) result(error)
+      type(path_t), intent(in) :: path
+      complex(wp), intent(in) :: e(:), v(:)
+      type(visit_t), intent(in) :: visit
+      integer :: k
+
+      error = 0.0_wp
+      do k = 1, path%n
+         error = error + path%weight(k)*square(visit%z0 + visit%w1*e(k) + visit%w2*v(k) - path%point(k))
+      end do
+   end function error_of
+
+   !> Ground, crank, coupler, follower, distance of the coupler point from the crank pin, of the crank's pivot from the origin.
+   pure function lengths_of(path, visit) result(lengths)
+      type(path_t), intent(in) :: path
+      type(visit_t), intent(in) :: visit
+      real(wp) :: lengths(6), crank, half_sum, half_difference
+
+      crank = sqrt(square(visit%w1))
+      half_sum = 0.5_wp*(visit%g + 1.0_wp)*visit%sigma
+      half_difference = 0.5_wp*(visit%g - 1.0_wp)*visit%q
+      lengths = [visit%g*crank, crank, crank*(half_sum + half_difference), crank*(half_sum - half_difference), &
+                 sqrt(square(visit%w2))*(half_sum + half_difference), sqrt(square(visit%z0 + path%centre))]
+   end function lengths_of
+
+   !> Relative violations of the bounds that are violated, and their derivatives by the unknowns.
+   pure subroutine find_violations(path, visit, margin, count, amount, rows)
+      type(path_t), intent(in) :: path
+      type(visit_t), intent(in) :: visit
+      real(wp), intent(in) :: margin                 !! how far inside the bounds, relatively
+      integer, intent(out) :: count
+      real(wp), intent(out) :: amount(rows_most)
+      real(wp), intent(out), optional :: rows(unknowns, rows_most)
+      real(wp) :: lengths(6), both, difference, total, product, near, far, c
+      integer :: k
+
+      lengths = lengths_of(path, visit)
+      count = 0
+      do k = 1, 6
+         if (lengths(k) > path%high(k)*(1.0_wp - margin)) then
+            count = count + 1
+            amount(count) = lengths(k)/path%high(k) - (1.0_wp - margin)
+            if (present(rows)) rows(:, count) = slope_of_length(k)/path%high(k)
+         else if (lengths(k) < path%low(k)*(1.0_wp + margin)) then
+            count = count + 1
+            amount(count) = (1.0_wp + margin) - lengths(k)/path%low(k)
+            if (present(rows)) rows(:, count) = -slope_of_length(k)/path%low(k)
+         end if
+      end do
+      if (path%cosine >= 1.0_wp) return
+      associate (g => visit%g)
+         both = (g + 1.0_wp)*visit%sigma
+         difference = (g - 1.0_wp)*visit%q
+         total = 0.5_wp*(both**2 + difference**2)
+         product = max(0.5_wp*(both**2 - difference**2), tiny(1.0_wp)**0.25_wp)
+         near = (total - (g - 1.0_wp)**2)/product
+         far = (total - (g + 1.0_wp)**2)/product
+         c = path%cosine - margin
+         if (near > c) then
+            count = count + 1
+            amount(count) = near - c
+            if (present(rows)) rows(:, count) = slope_of_cosine(near, g - 1.0_wp)
+         end if
+         if (-far > c) then
+            count = count + 1
+            amount(count) = -far - c
+            if (present(rows)) rows(:, count) = -slope_of_cosine(far, g + 1.0_wp)
+         end if
+      end associate
+
+   contains
+
+      pure function slope_of_length(which) result(slope)
+         integer, intent(in) :: which
+         real(wp) :: slope(unknowns), crank, arm, ds, dd
+         complex(wp) :: from
+
+         slope = 0.0_wp
+         crank = sqrt(square(visit%w1))
+         ! halves of S and D
+         ds = 0.5_wp*(visit%g + 1.0_wp)*visit%sigma
+         dd = 0.5_wp*(visit%g - 1.0_wp)*visit%q
+         if (which <= at_follower) then
+            slope(3) = lengths(which)*real(visit%w1, wp)/max(crank, tiny(1.0_wp))**2
+            slope(4) = lengths(which)*aimag(visit%w1)/max(crank, tiny(1.0_wp))**2
+         end if
+         arm = crank
+         if (which == at_point) then
+            arm = sqrt(square(visit%w2))
+            slope(5) = lengths(which)*real(visit%w2, wp)/max(arm, tiny(1.0_wp))**2
+            slope(6) = lengths(which)*aimag(visit%w2)/max(arm, tiny(1.0_wp))**2
+         end if
+         select case (which)
+         case (at_ground)
+            slope(shape_g) = lengths(which)
+         case (at_coupler, at_point)
+            slope(shape_g) = 0.5_wp*arm*visit%g*(visit%sigma + visit%q)
+            slope(shape_s) = arm*ds
+            slope(shape_q) = 0.5_wp*arm*(visit%g - 1.0_wp)
+         case (at_follower)
+            slope(shape_g) = 0.5_wp*arm*visit%g*(visit%sigma - visit%q)
+            slope(shape_s) = arm*ds
+            slope(shape_q) = -0.5_wp*arm*(visit%g - 1.0_wp)
+         case (at_pivot)
+            from = visit%z0 + path%centre
+            slope(1) = real(from, wp)/max(lengths(which), tiny(1.0_wp))
+            slope(2) = aimag(from)/max(lengths(which), tiny(1.0_wp))
+         end select
+      end function slope_of_length
+
+      pure function slope_of_cosine(value, distance) result(slope)
+         real(wp), intent(in) :: value, distance     !! the cosine; of the outer joints, its sign that of its slope by g
+         real(wp) :: slope(unknowns), s1(3), d1(3)
+
+         s1 = [visit%g*visit%sigma, both, 0.0_wp]
+         d1 = [visit%g*visit%q, 0.0_wp, visit%g - 1.0_wp]
+         slope = 0.0_wp
+         slope(shape_g:) = (both*s1 + difference*d1 - value*(both*s1 - difference*d1))/product
+         slope(shape_g) = slope(shape_g) - 2.0_wp*distance*visit%g/product
+      end function slope_of_cosine
+   end subroutine find_violations
+
+   !> Error and violations of a visit whose linear unknowns are set.
+   pure subroutine weigh(path, e, v, margin, visit)
+      type(path_t), intent(in) :: path
+      complex(wp), intent(in) :: e(:), v(:)
+      real(wp), intent(in) :: margin
+      type(visit_t), intent(inout) :: visit
+      real(wp) :: amount(rows_most)
+      integer :: count
+
+      visit%error = error_of(path, e, v, visit)
+      call find_violations(path, visit, margin, count, amount)
+      visit%violation = sum(amount(:count)**2)
+      visit%worst = 0.0_wp
+      if (count > 0) visit%worst = maxval(amount(:count))
+   end subroutine weigh
+end module psalm_path_fit

@@ -1,0 +1,193 @@
+!> Four-bars that visit points without prescribed timing: the coupler's motion, its derivatives, the linear unknowns, the search.
+program test_free_path
+   use check, only: checks_t
+   use psalm_free_path, only: search_lot
+   use psalm_kinds, only: wp, degrees_per_radian, full_turn
+   use psalm_path_fit, only: path_t, path_room_t, visit_t, prepare_path, trace_coupler, fit_linear, lengths_of
+   use psalm_xoshiro, only: xoshiro_t, purpose_starts
+   implicit none (type, external)
+   type(checks_t) :: t
+   integer :: i
+   !> The 18 points of `data/path18.nml`.
+   real(wp), parameter :: x(18) = [50, 40, 30, 20, 10, 5, 2, 0, 0, 3, 10, 15, 20, 30, 40, 50, 60, 60]/100.0_wp
+   real(wp), parameter :: y(18) = [110, 110, 110, 100, 90, 75, 60, 50, 40, 30, 25, 20, 30, 40, 50, 70, 90, 100]/100.0_wp
+   real(wp), parameter :: even(18) = 1.0_wp
+   real(wp), parameter :: none(6) = 0.0_wp, box(6) = [50.0_wp, 50.0_wp, 50.0_wp, 50.0_wp, 50.0_wp, 10.0_wp]
+
+   call coupler()
+   call change_point()
+   call derivatives()
+   call linear_unknowns()
+   call searches()
+   call transmission()
+   call t%report()
+
+contains
+
+   !> Reference numbers of a closed form evaluated apart from this program, to ten digits.
+   subroutine coupler()
+      type(visit_t) :: shape
+      complex(wp) :: e(1), v(1), turn(1), grow(1, 3)
+      real(wp), parameter :: digits = 1.0e-6_wp
+
+      shape = visit_t(g=2.0_wp, sigma=1.2_wp, q=0.3_wp)
+      call trace_coupler(shape, [degrees_per_radian], e, v, turn, grow)
+      call near(v(1), (1.78925607818_wp, 0.77528232708_wp), 1.0e-11_wp, 'the coupler')
+      call near(turn(1), (0.175271_wp, -0.404504_wp), digits, 'its derivative by the crank')
+      call near(grow(1, 1), (1.162828_wp, 1.089156_wp), digits, 'by the ground')
+      call near(grow(1, 2), (1.278669_wp, 1.576371_wp), digits, 'by the sum of coupler and follower')
+      call near(grow(1, 3), (0.840236_wp, -0.681555_wp), digits, 'by their difference')
+      shape%side = -1.0_wp
+      call trace_coupler(shape, [-degrees_per_radian], e, v)
+      call near(v(1), (1.78925607818_wp, -0.77528232708_wp), 1.0e-11_wp, 'the mirror image: other assembly, other way round')
+   end subroutine coupler
+
+   !> A parallelogram that passes its change points: the coupler stays parallel to the ground.
+   subroutine change_point()
+      type(visit_t) :: shape
+      complex(wp) :: e(36), v(36)
+
+      shape = visit_t(g=2.0_wp, sigma=1.0_wp, q=1.0_wp)
+      call trace_coupler(shape, [(full_turn*real(i, wp)/36.0_wp, i=1, 36)], e, v)
+      ! right of the line for half a turn, left of it for the other: the coupler's projection alone is 2 throughout
+      call t%is_true(all(abs(real(v(:17), wp) - 2.0_wp) < 1.0e-13_wp), 'change points: the coupler of a parallelogram')
+      call t%is_true(all(abs(abs(v) - 2.0_wp) < 1.0e-13_wp), 'change points: its length')
+   end subroutine change_point
+
+   !> Against differences, over random shapes.
+   subroutine derivatives()
+      type(visit_t) :: shape, more, less
+      type(xoshiro_t) :: random
+      complex(wp) :: e(1), v(1), turn(1), grow(1, 3), after(1), before(1), want
+      real(wp) :: u(4), step, worst, reach
+      integer :: k, m
+
+      call random%seed(7, purpose_starts)
+      step = epsilon(1.0_wp)**(1.0_wp/3.0_wp)
+      worst = 0.0_wp
+      do k = 1, 200
+         do m = 1, 4
+            call random%next(u(m))
+         end do
+         shape = visit_t(g=0.3_wp + 3.0_wp*u(1), sigma=1.05_wp + u(2), q=1.6_wp*u(3) - 0.8_wp)
+         if (abs(shape%g - 1.0_wp) < 0.1_wp) cycle
+         call trace_coupler(shape, full_turn*u(4:), e, v, turn, grow)
+         do m = 1, 4
+            more = shape
+            less = shape
+            reach = 0.0_wp
+            want = turn(1)
+            if (m < 4) want = grow(1, min(m, 3))
+            select case (m)
+            case (1)
+               more%g = shape%g*exp(step)
+               less%g = shape%g*exp(-step)
+            case (2)
+               more%sigma = shape%sigma*exp(step)
+               less%sigma = shape%sigma*exp(-step)
+            case (3)
+               more%q = shape%q + step
+               less%q = shape%q - step
+            case default
+               reach = step*degrees_per_radian
+            end select
+            call trace_coupler(more, full_turn*u(4:) + reach, e, after)
+            call trace_coupler(less, full_turn*u(4:) - reach, e, before)
+            worst = max(worst, abs((after(1) - before(1))/(2.0_wp*step) - want)/(1.0_wp + abs(want)))
+         end do
+      end do
+      call t%is_true(worst < 1000.0_wp*step**2, 'derivatives of the coupler against differences')
+   end subroutine derivatives
+
+   !> The least-squares problem of pivot, crank and coupler point, and what makes it a least one.
+   subroutine linear_unknowns()
+      type(path_t) :: path
+      type(path_room_t) :: room
+      type(visit_t) :: visit
+      complex(wp) :: e(18), v(18), miss(18)
+
+      call prepare_path(x, y, even, none, box, 1.0_wp, 1.0_wp, path, room)
+      visit = visit_t(g=2.0_wp, sigma=1.2_wp, q=0.3_wp)
+      visit%t = [(-20.0_wp*real(i - 1, wp), i=1, 18)]
+      call trace_coupler(visit, visit%t, e, v)
+      call fit_linear(path, e, v, visit, 0.0_wp)
+      call near(path%size*(visit%z0 + path%centre), (-0.7458094018_wp, 0.2076158137_wp), 1.0e-9_wp, 'pivot')
+      call near(path%size*visit%w1, (0.3567752003_wp, 0.1380722310_wp), 1.0e-9_wp, 'crank and ground line')
+      call near(path%size*visit%w2, (0.5726631487_wp, -0.2097750781_wp), 1.0e-9_wp, 'coupler point')
+      miss = visit%z0 + visit%w1*e + visit%w2*v - path%point
+      call t%close_to(path%size**2*sum(real(miss, wp)**2 + aimag(miss)**2), 0.258055212_wp, 1.0e-8_wp, 'error of the linear fit')
+      call t%is_true(abs(sum(conjg(e)*miss)) < 1.0e-12_wp .and. abs(sum(conjg(v)*miss)) < 1.0e-12_wp .and. &
+                     abs(sum(miss)) < 1.0e-12_wp, 'errors are at right angles to the unknowns')
+   end subroutine linear_unknowns
+
+   !> The best known linkage for the 18 points, from five seeds; its bounds, order and turn.
+   subroutine searches()
+      type(path_t) :: path
+      type(path_room_t) :: room
+      type(visit_t) :: best, visit
+      type(xoshiro_t) :: random
+      integer :: seed, lot, reached
+      real(wp), parameter :: known = 0.001772854210_wp
+
+      call prepare_path(x, -y, even, none, box, 1.0_wp, 1.0_wp, path, room) ! mirrored: the crank falls
+      reached = 0
+      allocate (visit%t(18), source=0.0_wp)
+      do seed = 1, 3
+         call random%seed(seed, purpose_starts)
+         best%error = huge(1.0_wp)
+         do lot = 1, 100
+            call random%use_stream(lot)
+            call search_lot(path, random, room, visit)
+            if (visit%worst > 1.0e-6_wp .or. visit%error > best%error) cycle
+            best = visit
+            if (best%error*path%size**2 < 1.001_wp*known) exit
+         end do
+         if (best%error*path%size**2 < 1.001_wp*known) reached = reached + 1
+         call t%is_true(best%error*path%size**2 > 0.9999_wp*known, 'no linkage beats the best known')
+         call t%is_true(all(best%t(2:) >= best%t(:17)) .and. best%t(18) - best%t(1) <= full_turn*(1.0_wp + 1.0e-12_wp), &
+                        'the inputs rise, within one turn')
+         call t%is_true(all(path%size*lengths_of(path, best) <= box*(1.0_wp + 1.0e-5_wp)), 'the bounds are kept')
+         call t%is_true(best%sigma >= 1.0_wp .and. abs(best%q) <= 1.0_wp, 'the crank turns fully')
+      end do
+      call t%equal_integer(reached, 3, 'the best known linkage of the 18 points is found')
+   end subroutine searches
+
+   !> With a limit of the transmission angle no position of the turn passes it.
+   subroutine transmission()
+      type(path_t) :: path
+      type(path_room_t) :: room
+      type(visit_t) :: visit
+      type(xoshiro_t) :: random
+      complex(wp) :: e(360), v(360)
+      real(wp) :: coupler, follower, cosine(360)
+      real(wp), parameter :: least = 0.5_wp ! cosine of 60 degrees
+      integer :: lot, kept
+
+      call prepare_path(x, -y, even, none, box, least, 1.0_wp, path, room)
+      allocate (visit%t(18), source=0.0_wp)
+      call random%seed(1, purpose_starts)
+      kept = 0
+      do lot = 1, 12
+         call random%use_stream(lot)
+         call search_lot(path, random, room, visit)
+         if (visit%worst > 1.0e-6_wp) cycle
+         kept = kept + 1
+         call trace_coupler(visit, [(real(i, wp), i=1, 360)], e, v)
+         coupler = 0.5_wp*((visit%g + 1.0_wp)*visit%sigma + (visit%g - 1.0_wp)*visit%q)
+         follower = 0.5_wp*((visit%g + 1.0_wp)*visit%sigma - (visit%g - 1.0_wp)*visit%q)
+         cosine = (coupler**2 + follower**2 - abs(visit%g - e)**2)/(2.0_wp*coupler*follower)
+         call t%is_true(maxval(abs(cosine)) <= least*(1.0_wp + 1.0e-5_wp), 'the least transmission angle is kept over the turn')
+         call t%is_true(all(abs(abs(v) - coupler) < 1.0e-9_wp*coupler), 'the coupler keeps its length')
+      end do
+      call t%is_true(kept > 4, 'linkages with good transmission are found')
+   end subroutine transmission
+
+   subroutine near(got, want, tolerance, law)
+      complex(wp), intent(in) :: got, want
+      real(wp), intent(in) :: tolerance
+      character(*), intent(in) :: law
+
+      call t%close_to(real(got, wp), real(want, wp), tolerance, law//', real part')
+      call t%close_to(aimag(got), aimag(want), tolerance, law//', imaginary part')
+   end subroutine near
+end program test_free_path
