@@ -27,12 +27,13 @@ program psalm
    implicit none (type, external)
 
    character(*), parameter :: nl = new_line('a')
-   type(outputs_t) :: outputs
-   type(arguments_t) :: arguments
-   type(signals_t), target :: signals
-   type(stop_t) :: stop
-   logical :: finished
-   integer :: code, i
+   ! saved: procedures that are handed on then need no code on the stack
+   type(outputs_t), save :: outputs
+   type(arguments_t), save :: arguments
+   type(signals_t), save, target :: signals
+   type(stop_t), save :: stop
+   logical, save :: finished
+   integer, save :: code, i
 
    outputs = outputs_t(suffix='', endings=['.dev7', '.dev8', '.dev9'], of_search=['.dev1', '.dev2'], tables=.true.)
    call begin('psalm', &
