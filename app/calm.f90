@@ -16,10 +16,11 @@ program calm
    implicit none (type, external)
    character(*), parameter :: nl = new_line('a')
    type(demand_t), parameter :: demand = demand_t(position=1000, arc=400)
-   type(outputs_t) :: outputs
-   type(arguments_t) :: arguments
-   logical :: finished
-   integer :: code, i
+   ! saved: procedures that are handed on then need no code on the stack
+   type(outputs_t), save :: outputs
+   type(arguments_t), save :: arguments
+   logical, save :: finished
+   integer, save :: code, i
 
    outputs = outputs_t(suffix='.calm', endings=['.dev8', '.dev9', '.csv '], of_search=[character(5) ::])
    call begin('calm', &

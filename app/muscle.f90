@@ -16,10 +16,11 @@ program muscle
    implicit none (type, external)
    character(*), parameter :: nl = new_line('a')
    type(demand_t), parameter :: demand = demand_t(position=4000, arc=1000)
-   type(outputs_t) :: outputs
-   type(arguments_t) :: arguments
-   logical :: finished
-   integer :: code, i
+   ! saved: procedures that are handed on then need no code on the stack
+   type(outputs_t), save :: outputs
+   type(arguments_t), save :: arguments
+   logical, save :: finished
+   integer, save :: code, i
 
    outputs = outputs_t(suffix='.muscle', endings=['.dev7', '.dev8', '.dev9', '.json'], of_search=[character(5) ::])
    call begin('muscle', &

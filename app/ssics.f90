@@ -19,11 +19,12 @@ program ssics
    character(*), parameter :: nl = new_line('a')
    character(5), parameter :: of_curves(*) = [character(5) :: '.gp', '.png', '.pdf']
    type(demand_t), parameter :: demand = demand_t(position=1000, arc=400)
-   type(outputs_t) :: outputs
-   type(arguments_t) :: arguments
+   ! saved: procedures that are handed on then need no code on the stack
+   type(outputs_t), save :: outputs
+   type(arguments_t), save :: arguments
    type(picture_t), allocatable :: scripts(:) ! of the cases of a file
    character(:), allocatable :: stem          ! of the file's devices
-   logical :: finished
+   logical, save :: finished
    integer :: code, i, cases
 
    outputs = outputs_t(suffix='.ssics', endings=['.dev8', '.dev9'], of_search=[character(5) ::])
