@@ -27,7 +27,8 @@ program muscle
       'usage: muscle [options] [CASE.nml ...]'//nl// &
       nl//'Counterweights (&BALANC): complete force balance - whether it is possible, on which links, with what masses -'//nl// &
       'and weights that make a composite of shaking force, shaking moment, drive torque, joint loads and mass least.'//nl// &
-      nl//'The listing goes to standard output; CASE.muscle.dev7 (the case with its weights, for kalm and balm),'//nl// &
+      'Springs (&SPRNGS) that make the range or RMS of the drive torque, or of the load of a joint, least.'//nl// &
+      nl//'The listing goes to standard output; CASE.muscle.dev7 (the case with weights and springs, for kalm and balm),'//nl// &
       'CASE.muscle.dev8 (input) and CASE.muscle.dev9 (blocks) beside the case.'//nl// &
       nl//'  --json            write CASE.muscle.json too'//nl// &
       '  --output-dir DIR  put the device files into DIR'//nl// &

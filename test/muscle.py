@@ -12,6 +12,9 @@ import subprocess
 import sys
 import tempfile
 
+import numpy
+from scipy.optimize import differential_evolution
+
 TOP = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 BIN = os.path.abspath(sys.argv[1])
 passed = failed = 0
@@ -201,10 +204,293 @@ def example_10u(place):
     check(all(p["bound"] <= p["first"]*(1 + 1e-6) + 1e-9 for p in front), "points of a front are proven")
 
 
+def four_bar_rows():
+    """Shaking force and moment of Haines's four-bar by (m, mx, my, I) of coupler, crank and rocker about A, O and C: his chapter 9,
+    the speed held by a flywheel. Shape (4, 216, 4): bare in the first place."""
+    l1, l2, l3, l4, w = .25, .05, .20, .275, 10*math.pi
+    rows = numpy.zeros((4, 3, 72, 4))
+    for k in range(72):
+        th = math.radians(5*k)
+        a = l2*cmath.exp(1j*th)
+        ac = l1 - a
+        t3 = cmath.phase(ac) + math.acos((l3**2 + abs(ac)**2 - l4**2)/(2*l3*abs(ac)))
+        t4 = cmath.phase(a + l3*cmath.exp(1j*t3) - l1)
+        # a + l3 e3 = l1 + l4 e4, derived twice
+        e3, e4 = cmath.exp(1j*t3), cmath.exp(1j*t4)
+        m = numpy.array([[(1j*l3*e3).real, -(1j*l4*e4).real], [(1j*l3*e3).imag, -(1j*l4*e4).imag]])
+        da = 1j*a*w
+        w3, w4 = numpy.linalg.solve(m, [-da.real, -da.imag])
+        rest = -(-a*w*w) + l3*e3*w3**2 - l4*e4*w4**2
+        a3, a4 = numpy.linalg.solve(m, [rest.real, rest.imag])
+        for link, (origin, va, aa, angle, om, al) in enumerate(((a, da, -a*w*w, t3, w3, a3), (0, 0, 0, th, w, 0.0),
+                                                                 (l1, 0, 0, t4, w4, a4)), 1):
+            va, aa, origin = complex(va), complex(aa), complex(origin)
+            c, s = math.cos(angle), math.sin(angle)
+            fx = numpy.array([-aa.real, om**2*c + al*s, -om**2*s + al*c, 0])
+            fy = numpy.array([-aa.imag, om**2*s - al*c, om**2*c + al*s, 0])
+            mz = numpy.array([0, aa.real*s - aa.imag*c, aa.real*c + aa.imag*s, -al])
+            growth = numpy.array([va.real*aa.real + va.imag*aa.imag,
+                                  al*(-va.real*s + va.imag*c) + om*(-aa.real*s + aa.imag*c) - om**2*(va.real*c + va.imag*s),
+                                  al*(-va.real*c - va.imag*s) + om*(-aa.real*c - aa.imag*s) + om**2*(va.real*s - va.imag*c), om*al])
+            rows[link, :, k, :] = fx, fy, mz + origin.real*fy - origin.imag*fx + growth/w
+    return rows.reshape(4, 216, 4)
+
+
+def against_global_search(place):
+    """The convex optimum against an independent model and a global search over the same bodies."""
+    rows = four_bar_rows()
+    bare = rows[1] @ [.33235, .033235, 0, .001278 + .33235*.01] + rows[3] @ [.47445, .47445*.1375, 0, .00405 + .47445*.1375**2]
+    close(math.sqrt(numpy.mean(bare[:144]**2)), 16.494, 5e-5, "independent model: bare force")
+    code, results, _, error = muscle(data("muscle/haines_bodies.nml"), place)
+    most = {"arc 2 of loop 1": 1.378, "crank": 12.3, "arc 3 of loop 1": 2.887}
+    value = bare.copy()
+    for w in results["optimum"]["weights"]:
+        link = list(most).index(w["link"]) + 1
+        centre = cmath.rect(w["distance"], math.radians(w["angle"]))*(-1 if link == 3 else 1)
+        value += rows[link] @ [w["mass"], w["mass"]*centre.real, w["mass"]*centre.imag, w["inertia"] + w["mass"]*abs(centre)**2]
+    close(results["composite"]["after"], value @ value, 1e-6, "independent model: composite")
+
+    def objective(x):
+        load = bare
+        for link, top in enumerate(most.values(), 1):
+            mass, out, turn, spread = x[4*link - 4:4*link]
+            mass, out, turn = mass*top, .1*out, 2*math.pi*turn
+            load = load + rows[link] @ [mass, mass*out*math.cos(turn), mass*out*math.sin(turn), mass*(out**2 + spread*(.01 - out**2))]
+        return load @ load
+
+    best = min(differential_evolution(objective, [(0, 1)]*12, seed=seed, popsize=8, maxiter=60, tol=0).fun for seed in range(3))
+    check(results["composite"]["after"] <= best*(1 + 1e-9), "no global search gets below the convex optimum", best)
+
+
+# ---- random linkages -----------------------------------------------------------------------------------------------------
+
+def random_linkages(place):
+    """Six-bar linkages of random dimensions and masses: nothing of the force is left; yokes are refused by name."""
+    draw = random.Random(11)
+    for seed in range(12):
+        frame = draw.uniform(80, 120)
+        crank = draw.uniform(.15, .3)*frame
+        coupler, rocker = draw.uniform(.8, 1.1)*frame, draw.uniform(.6, .9)*frame
+        if crank + max(frame, coupler) > min(frame, coupler) + rocker or coupler + rocker < frame + crank:
+            coupler, rocker = frame, .8*frame
+        lengths = crank, coupler, rocker, frame
+        # a second dyad from a point of the rocker's arc to a pivot of the frame
+        q, p = draw.uniform(1.2, 1.6)*frame, draw.uniform(1.2, 1.6)*frame
+        n = 5
+        text = "RANDOM SIX-BAR\n &LINKS NLOOP=2, MAXARC=5, ILINK=1,-2,-3,4,0, 1,-2,-3,-4,-4, ILOOP=1,0,0,1,0, 1,1,0,0,1,\n" \
+            "  ARCL=%.6f,%.6f,%.6f,%.6f,0.0, %.6f,%.6f,%.6f,%.6f,%.6f,\n  GAMA=3*0.0,180.0,0.0, 0.0,%.3f,2*0.0,%.3f,\n" \
+            "  NOUTLK=4, NOUTLP=2 &END\n &METHOD MOTION=1, IKIN=10 &END\n &LIMITS TANGLE=90.0 &END\n" % (
+                *lengths, crank, draw.uniform(.3, .9)*coupler, p, q, draw.uniform(.8, 1.4)*frame, draw.uniform(-20, 20),
+                draw.uniform(150, 210))
+        text += " &RATES SPEED=300.0, UNITS='REV/MIN' &END\n &MASSES NMASS=%d, MLINK=-1,-2,-3,-3,-4, MLOOP=1,1,1,2,2,\n" \
+            "  MASS=%s,\n  MDIST=%s,\n  MANG=%s,\n  MINERT=%s, UNITL=0.001 &END\n &BALANC WREACH=%.1f, NLIST=20 &END\n" % (
+                n, ",".join("%.3f" % draw.uniform(.1, 2) for _ in range(n)), ",".join("%.3f" % draw.uniform(5, 90) for _ in range(n)),
+                ",".join("%.2f" % draw.uniform(0, 360) for _ in range(n)), ",".join("%.6f" % draw.uniform(0, .01) for _ in range(n)),
+                draw.uniform(40, 90))
+        code, results, _, error = muscle(text, place)
+        if "trouble_at" in results:
+            continue
+        check(results["feasible"] and results["counterweights"] == 3, "random six-bar %d: three weights" % seed, error)
+        bare = results["before"]["force"]["rms"]
+        for design in results["designs"]:
+            check(design["after"]["force"]["rms"] <= 1e-10*bare, "random six-bar %d: no force is left" % seed, design["after"]["force"])
+            check(design["mass"] - design["bound"] <= 1e-8*design["mass"], "random six-bar %d: the bound proves the mass" % seed)
+            check(results["lightest"]["mass"] <= design["mass"]*(1 + 1e-8), "random six-bar %d: lightest of all" % seed)
+        if results["designs"]:
+            kalm_agrees(place, results, results["designs"][0], "random six-bar %d" % seed)
+
+
+# ---- hard cases ----------------------------------------------------------------------------------------------------------
+
+def hard_cases(place):
+    """Parallelogram, no reach, nothing to balance, two runs, one link alone."""
+    arms = " &RATES SPEED=600.0, UNITS='REV/MIN' &END\n &MASSES NMASS=3, MLINK=-1,-2,-3, MLOOP=3*1, MASS=0.4,0.9,0.5,\n" \
+        "  MDIST=20.0,30.0,25.0, MANG=0.0,10.0,5.0, MINERT=3*1.0E-4, UNITL=0.001 &END\n"
+    parallelogram = "PARALLELOGRAM\n &LINKS NLOOP=1, MAXARC=4, ILINK=1,-2,-3,4, ILOOP=1,0,0,1,\n  ARCL=40.0,100.0,40.0,100.0, " \
+        "GAMA=3*0.0,180.0, NOUTLK=2, NOUTLP=1 &END\n &METHOD MOTION=1, CRNKI=10.0, NDES=40, DELT=%s &END\n" \
+        " &LIMITS TANGLE=90.0 &END\n" % ",".join("%.1f" % (4*k) for k in range(40))
+    code, results, _, error = muscle(parallelogram + arms + " &BALANC WREACH=50.0 &END\n", place)
+    check(code == 0 and results["counterweights"] == 1, "parallelogram: one weight does", (code, results.get("counterweights"), error))
+    check(results["minimal_sets"] == 2, "parallelogram: on either of the links that turn", results["sets"])
+    check(all(d["after"]["force"]["rms"] <= 1e-10*results["before"]["force"]["rms"] for d in results["designs"]),
+          "parallelogram: no force is left")
+    four_bar = data("muscle/haines_bodies.nml")
+    code, results, listing, error = muscle(four_bar.replace("WREACH=0.1", "WREACH=3*0.0"), place)
+    check(code == 1 and results["feasible"] is False and results["allowed"] == [], "no reach: no weights", error)
+    weightless = four_bar.replace("MASS=0.33235,0.47445", "MASS=2*0.0").replace("MINERT=0.001278,0.00405", "MINERT=2*0.0")
+    code, results, listing, error = muscle(weightless, place)
+    check(code == 0 and results["feasible"] and results["before"]["force"]["rms"] == 0.0, "no masses: balanced already", error)
+    first = muscle(data("muscle/haines_10u.nml"), place)
+    check(muscle(data("muscle/haines_10u.nml"), place) == first, "the same starts, the same result")
+    only_rocker = data("muscle/haines_10u.nml", ("NWEIGH=3, WLINK=-1,-2,3, WLOOP=3*1", "NWEIGH=1, WLINK=3, WLOOP=1"),
+                      ("WRLOW=0.1,0.03,0.03, WRHIGH=0.1,0.6,0.6, WTLOW=0.05,0.02,0.05, WTHIGH=0.05,0.02,0.05",
+                       "WRLOW=0.03, WRHIGH=0.6, WTLOW=0.05, WTHIGH=0.05"))
+    code, results, listing, error = muscle(only_rocker, place)
+    check(code == 1 and results["feasible"] is False and results["cannot_balance"], "one link cannot balance all", results)
+    # torque alone: weights whose first moments do nothing leave a flat valley
+    flat = four_bar.replace("TOLF=1.0, TOLM=1.0", "TOLT=0.01")
+    code, results, listing, error = muscle(flat, place)
+    check(code == 0 and results["composite"]["after"] <= results["composite"]["before"], "torque alone: a flat valley", error)
+    peak = four_bar.replace("TOLF=1.0, TOLM=1.0", "TOLF=1.0, TOLM=0.2, WCRIT='PEAK'")
+    code, results, listing, error = muscle(peak, place)
+    loads = results["optimum"]["after"]
+    close(results["composite"]["after"], max(loads["force"]["peak"], loads["moment"]["peak"]/.2), 1e-6, "peaks: the greatest over its tolerance")
+    check(results["composite"]["after"] - results["composite"]["bound"] <= 1e-6*results["composite"]["after"], "peaks: proven", results["composite"])
+
+
+def bad_input(place):
+    """Mistakes end with status 2 and a message that names the item."""
+    good = data("muscle/haines_bodies.nml")
+    for old, new, item in (("WREACH=0.1, ", "", "WREACH"), ("WREACH=0.1", "WREACH=-0.1", "WREACH"), ("'BODY'", "'CUBE'", "WFORM"),
+                           ("WLINK=-1,-2,3", "WLINK=-1,-2,4", "WLINK"), ("WLINK=-1,-2,3", "WLINK=-1,-2,2", "WLINK"),
+                           ("WLINK=-1,-2,3", "WLINK=-1,-2,9", "WLINK"), ("TOLF=1.0", "TOLF=-1.0", "TOLF"),
+                           ("'BODY'", "'DISC'", "WTHIGH"), ("FRONT2='MASS'", "FRONT2='MOMENT'", "FRONT2"),
+                           ("TOLF=1.0", "TOLF=1.0, NBJNT=1, BLINK=2, BLOOP=1", "BTOL"), ("WFORM='BODY'", "WFORM='BODY', WSHAPE=1", "WSHAPE"),
+                           (" &BALANC", " &USERBAL", "BALANC"), (" &MASSES", " &USERMAS", "MASSES")):
+        assert old in good, old
+        code, _, listing, error = muscle(good.replace(old, new), place)
+        check(code == 2 and item in error, "bad input: %s" % new, (code, error))
+
+
+# ---- springs ---------------------------------------------------------------------------------------------------------------
+
+def sizing(listing, name):
+    row = next(line for line in listing.split("\n") if line.startswith(" " + name + " "))
+    return row[len(name) + 1:].replace("D", "E").split()
+
+
+def drive_of_kalm(place):
+    """Drive torque at every position, by kalm on what muscle wrote."""
+    text = open(os.path.join(place, "case.muscle.dev7"), encoding="utf-8").read()
+    code, listing, error = program("kalm", text.split("\n", 1)[1], place)
+    check(code == 0, "kalm reads the springs", error)
+    rows = [line for line in open(os.path.join(place, "case.kalm.dev9"), encoding="utf-8")]
+    names = next(row for row in rows if " drive " in row).lstrip("#").split()
+    return [float(row.split()[names.index("drive")]) for row in rows if row.strip() and not row.startswith("#")
+            and len(row.split()) == len(names)]
+
+
+def springs_of_haines(place):
+    """Springs of zero free length, phase by phase, as the corrected method has them; the coil; kalm's torque."""
+    code, results, listing, error = muscle(data("muscle/haines_spring.nml"), place)
+    check(code == 0, "spring of zero free length", error)
+    rows = open(os.path.join(place, "case.muscle.dev9"), encoding="utf-8").read().split("# block spring_phases\n")[1].split("\n")
+    phases = {}
+    for row in rows:
+        if row and not row.startswith("#"):
+            v = [float(word) for word in row.split()]
+            phases.setdefault(round(64*v[0]), []).append(v[1:])
+    table = {190: (.1978, 2756, 201.7, 166.1, 213.2, -150.0), 199: (.1707, 2442, 182.7, 144.4, 186.6, -137.3),
+             202: (.1693, 2373, 175.2, 136.9, 177.3, -131.6), 205: (.1708, 2315, 166.3, 128.1, 166.6, -124.6)}
+    for phase, (ratio, stiffness, *points) in table.items():
+        near = [v for v in phases[phase] if v[1] == 1 and abs(v[2] - stiffness) <= 3e-3*stiffness]
+        check(len(near) == 1 and abs(near[0][0] - ratio) <= 2e-3, "spring at phase %d: ratio and stiffness" % phase, phases[phase])
+        if near:
+            check(max(abs(1000*g - w) for g, w in zip(near[0][3:], points)) <= .3, "spring at phase %d: places" % phase, near[0])
+    check(all(v[1] == 0 or not .179 < v[0] < .188 for v in phases[211]), "no real spring at phase 211", phases[211])
+    spring = results["springs"][0]
+    close(results["spring_load"]["after"]/results["spring_load"]["before"], .1697, 3e-3, "best spring: ratio of the ranges")
+    close(spring["longest"], .0539, 3e-3, "best spring: length")
+    close(spring["stress"], 819.5e6*spring["longest"]/.0537, 3e-3, "coil: stress")
+    check(" 1462.963 " in listing and " 1.094571" in listing, "coil: stiffness and Wahl's factor")
+    torque = drive_of_kalm(place)
+    close(max(torque) - min(torque), results["spring_load"]["after"], 1e-9, "kalm's range of the torque with the spring")
+    # a spot value: the spring of 2920 N/m of the thesis at 60 degrees, and one that does nothing
+    case = data("muscle/haines_spring.nml")
+    case = case[:case.index(" &SPRNGS")].replace("IKIN=5", "NDES=1, DELT=60.0")
+    spots = []
+    for k, (x1, y1, x2, y2) in ((0.0, (1, 0, 1, 0)), (2920.0, (.182, .147, .190, -.137)), (1000.0, (.25, 0, .2, 0))):
+        one = case + " &SPRING NSPRNG=1, ALINK=4, ALOOP=1, ADIST=%.17g, AANG=%.17g, BLINK=-2, BLOOP=1, BDIST=%.17g, BANG=%.17g, " \
+            "STIFF=%.17g, SFREE=0.0 &END\n" % (math.hypot(x1, y1), math.degrees(math.atan2(y1, x1)) + 180, math.hypot(x2, y2),
+                                              math.degrees(math.atan2(y2, x2)), k)
+        code, out, error = program("kalm", one, place)
+        spots.append(float(sizing(out, "DRIVE")[0]))
+    close(spots[1] - spots[0], -2.947749, 1e-6, "spot value of dE/d(angle)")
+    close(spots[2] - spots[0], 0.0, 1e-8, "a spring along a rocker does nothing")
+
+
+def springs_by_search(place):
+    """Search: no worse than the exact method, static balance, places given, the load of a joint; kalm agrees."""
+    case = data("muscle/haines_springs.nml")
+    code, results, listing, error = muscle(case, place)
+    check(code == 0 and results["spring_load"]["after"] < .1693*results["spring_load"]["before"],
+          "two springs by search do better than the exact one", results.get("spring_load"))
+    torque = drive_of_kalm(place)
+    close(max(torque) - min(torque), results["spring_load"]["after"], 1e-8, "kalm's range of the torque with two springs")
+    for spring in results["springs"]:
+        check(0 <= spring["free"] <= .1*(1 + 1e-9) and spring["stiffness"] >= 0, "springs keep their limits", spring)
+    again = muscle(case, place)[1]
+    check(again == results, "the same starts, the same springs")
+    code, results, listing, error = muscle(data("muscle/lamp.nml"), place)
+    check(code == 0 and results["spring_load"]["after"] <= 1e-8*results["spring_load"]["before"],
+          "static balance of a parallelogram is complete", results["spring_load"])
+    torque = drive_of_kalm(place)
+    check(max(abs(t) for t in torque) <= 1e-7*results["spring_load"]["before"], "kalm: no torque holds it", torque)
+    # places given: stiffness and free length are a convex problem, which a scan cannot beat
+    fixed = data("muscle/haines_springs.nml", ("NSFIND=2, PLINK=4,4, PLOOP=2*1, QLINK=-2,3, QLOOP=2*1, PREACH=0.3,0.3, QREACH=0.3,0.3,",
+                 "NSFIND=1, PLINK=4, PLOOP=1, PDIST=0.22, PANG=218.0, QLINK=-2, QLOOP=1, QDIST=0.22, QANG=-37.0,"),
+                 ("SFHIGH=0.1,0.1", "SFHIGH=0.1"))
+    for criterion in ("RANGE", "RMS", "PEAK"):
+        code, results, listing, error = muscle(fixed.replace("NSSTRT=8", "NSSTRT=8, SCRIT='%s'" % criterion), place)
+        load = results["spring_load"]
+        check(code == 0 and load["convex"] and load["after"] - load["bound"] <= 1e-7*load["before"],
+              "places given: the optimum is proven, " + criterion, (error, load))
+        best, free = load["after"], results["springs"][0]["free"]
+        for change in (.9, .99, 1.01, 1.1):
+            stiffness = results["springs"][0]["stiffness"]*change
+            moved = fixed.replace("SFHIGH=0.1", "SFLOW=%.17g, SFHIGH=%.17g, SKMAX=%.17g" % (free, free, stiffness))
+            code, other, listing, error = muscle(moved.replace("NSSTRT=8", "NSSTRT=8, SCRIT='%s'" % criterion), place)
+            check(other["spring_load"]["after"] >= best*(1 - 1e-7), "places given: no stiffness does better, " + criterion, change)
+    joint = data("muscle/haines_springs.nml", ("NSSTRT=8", "NSSTRT=4, SJLINK=-3, SJLOOP=1, SCRIT='RMS'"))
+    code, results, listing, error = muscle(joint, place)
+    check(code == 0 and results["spring_load"]["after"] < results["spring_load"]["before"], "a joint's load falls", error)
+
+
+def bad_springs(place):
+    good = data("muscle/haines_springs.nml")
+    for old, new, item in (("QLINK=-2,3", "QLINK=4,3", "QLINK"), ("NSFIND=2", "NSFIND=2, SCRIT='MEAN'", "SCRIT"),
+                           ("NSFIND=2", "NSFIND=2, SMETH='EXACT'", "SMETH"), ("SFHIGH=0.1,0.1", "SFHIGH=0.1,0.1, SFLOW=0.2", "SFLOW"),
+                           ("NSSTRT=8", "NSSTRT=8, SJLINK=-3, SJLOOP=1", "SCRIT"), ("NSSTRT=8", "NSSTRT=8, CWIRE=0.002", "CWIRE"),
+                           ("PREACH=0.3,0.3", "PREACH=-0.3", "PREACH"), ("PLINK=4,4", "PLINK=7,4", "PLINK")):
+        assert old in good, old
+        code, _, listing, error = muscle(good.replace(old, new), place)
+        check(code == 2 and item in error, "bad input: %s" % new, (code, error))
+
+
+# ---- sketches ---------------------------------------------------------------------------------------------------------------
+
+def sketches(place):
+    """The four-bar as a sketch: the same weights as by loops, links by their names, and kalm reads what is written."""
+    sketch = "FOUR-BAR OF HAINES AS A SKETCH\n &CHAIN JNT='O','A','B','C', JX=0.0,0.05,%.12f,0.25, JY=0.0,0.0,%.12f,0.0,\n" \
+        "  LNAME='frame','crank','coupler','rocker', LNK='O C','O A','A B','C B' &END\n &DRIVES DRIVE='O', DBASE='frame', DLINK='crank' " \
+        "&END\n &OUTPUTS OUTPUT='angle rocker' &END\n &METHOD IKIN=5 &END\n &LIMITS TANGLE=90.0 &END\n" \
+        " &RATES SPEED=300.0, UNITS='REV/MIN' &END\n &MASSES NMASS=2, MNAME='coupler A','rocker C', MASS=0.33235,0.47445, " \
+        "MDIST=0.1,0.1375, MINERT=0.001278,0.00405, IMOTOR=0 &END\n"
+    # B from A (0.05, 0) and C (0.25, 0): coupler .20, rocker .275
+    x = (.20**2 - .275**2 + .2**2)/(2*.2)
+    sketch = sketch % (.05 + x, math.sqrt(.20**2 - x**2))
+    by_loops = muscle(data("muscle/haines_bodies.nml").replace("WLINK=-1,-2,3, WLOOP=3*1", "WLINK=-1,-2,3, WLOOP=3*1, IEXACT=1"), place)[1]
+    code, results, listing, error = muscle(
+        sketch + " &BALANC NWEIGH=3, WNAME='crank O','coupler A','rocker C', WFORM='BODY', WREACH=0.1,\n"
+        "  WMOST=12.3,1.378,2.887, TOLF=1.0, TOLM=1.0, IEXACT=1 &END\n", place)
+    check(code == 0 and results["sets"] and {n for s in results["sets"] for n in s} == {"crank", "coupler", "rocker"},
+          "sketch: links by their names", (error, results.get("sets")))
+    close(results["composite"]["after"], by_loops["composite"]["after"], 1e-6, "sketch: the same composite as by loops")
+    kalm_agrees(place, results, results["optimum"], "sketch")
+
+
 if __name__ == "__main__":
     with tempfile.TemporaryDirectory() as folder:
         needle(folder)
         counts(folder)
         example_10u(folder)
+        against_global_search(folder)
+        random_linkages(folder)
+        hard_cases(folder)
+        bad_input(folder)
+        springs_of_haines(folder)
+        springs_by_search(folder)
+        bad_springs(folder)
+        sketches(folder)
     print("%d passed, %d failed" % (passed, failed))
     sys.exit(1 if failed else 0)

@@ -3,6 +3,7 @@ module psalm_balance_group
    use psalm_group, only: group_t, check_range, out_of, read_flag
    use psalm_kinds, only: wp
    use psalm_link_place, only: place_t, read_places, read_count, refuse_unless
+   use psalm_sketch, only: sketch_t
    use psalm_status, only: diagnostics_t
    use psalm_text, only: to_text
    implicit none (type, external)
@@ -24,7 +25,7 @@ module psalm_balance_group
    type :: balance_group_t
       logical :: given = .false.
       integer :: links = 0                     !! NWEIGH; 0: every moving link may carry a weight
-      type(place_t), allocatable :: places(:)  !! WLINK, WLOOP: the arc, and the end that is the anchor
+      type(place_t), allocatable :: places(:)  !! WLINK, WLOOP, WDIST, WANG: the anchor
       real(wp), allocatable :: reach(:)        !! WREACH: greatest distance of a centre from the anchor, user's length
       real(wp), allocatable :: most(:)         !! WMOST: greatest mass, kg; 0: no limit
       integer :: form = form_point             !! WFORM
@@ -57,9 +58,10 @@ contains
    end function wants_optimum
 
    !> Read the group. Errors: arcs that are not there, numbers out of range, limits that leave no room.
-   subroutine read_balance_group(group, ilink, balance, findings)
+   subroutine read_balance_group(group, ilink, sketch, balance, findings)
       type(group_t), intent(inout) :: group
       integer, intent(in) :: ilink(:, :)          !! ILINK, shape (maxarc, nloop)
+      type(sketch_t), intent(in) :: sketch        !! its names stand in place of arcs and loops
       type(balance_group_t), intent(inout) :: balance
       type(diagnostics_t), intent(inout) :: findings
       character(:), allocatable :: word
@@ -72,7 +74,7 @@ contains
       n = min(max(n, 0), most_listed)
       balance%links = n
       allocate (balance%places(n))
-      call read_places(group, 'W', ilink, balance%places, findings, ends_only=.true.)
+      call read_places(group, 'W', ilink, balance%places, findings, sketch=sketch)
       call read_limits('WREACH', balance%reach, 0.0_wp)
       call read_limits('WMOST', balance%most, 0.0_wp)
       call read_limits('WRLOW', balance%radius_low, 0.0_wp)
@@ -103,7 +105,7 @@ contains
       joints = min(max(joints, 0), most_listed)
       allocate (balance%joints(joints))
       allocate (balance%joint_tolerance(joints), source=0.0_wp)
-      call read_places(group, 'B', ilink, balance%joints, findings, ends_only=.true.)
+      call read_places(group, 'B', ilink, balance%joints, findings, ends_only=.true., sketch=sketch)
       call group%get_reals('BTOL', balance%joint_tolerance, findings)
       call refuse_unless(balance%joint_tolerance > 0.0_wp, group, 'BTOL', 'a tolerance in newtons, above 0, is expected', findings)
       word = 'RMS'

@@ -24,6 +24,7 @@ module psalm_data_set
    use psalm_search_group, only: search_group_t, read_search_group
    use psalm_sketch, only: sketch_t, sketch_name, drive_turns, output_angle, output_distance, output_pose, output_slide
    use psalm_source, only: line_t, read_lines, split_lines
+   use psalm_spring_design_group, only: spring_design_group_t, read_spring_design_group
    use psalm_spring_group, only: spring_group_t, read_spring_group
    use psalm_status, only: diagnostics_t
    use psalm_system, only: memory_to_be_had
@@ -43,7 +44,7 @@ module psalm_data_set
    integer, parameter :: most_trials = 1000000000  !! likewise NTRIAL
    real(wp), parameter :: fastest = 1.0e30_wp      !! likewise SPEED and ACCEL
    !> Groups that muscle writes itself, with what it found, and those that asked for it.
-   character(name_length), parameter :: written_by_muscle(*) = [character(name_length) :: 'MASSES', 'BALANC']
+   character(name_length), parameter :: written_by_muscle(*) = [character(name_length) :: 'MASSES', 'SPRING', 'BALANC', 'SPRNGS']
    integer, parameter :: title_columns = 72        !! of a title, at most
    integer, parameter :: default_niter = 2         !! the thesis's: enough to look at the start of a search
 
@@ -123,7 +124,8 @@ module psalm_data_set
       type(estimate_group_t) :: estimates  !! ESTIM
       type(drive_group_t) :: drive         !! DRIVEL
       type(hill_group_t) :: hill           !! HILL
-      type(balance_group_t) :: balance     !! BALANC (read for muscle only)
+      type(balance_group_t) :: balance     !! BALANC (this and the next are read for muscle only)
+      type(spring_design_group_t) :: spring_design !! SPRNGS
       type(cam_group_t) :: cam             !! CAM (read for calm only)
       character(:), allocatable :: others  !! the groups that device 7 keeps as they are
       character(:), allocatable :: skipped !! the groups that this program does not read, with those that do; empty: none
@@ -226,11 +228,11 @@ contains
       type(diagnostics_t), intent(inout) :: findings
       integer, parameter :: links = 1, method = 2, limits = 3, search = 4, constr = 5, toler = 6, rates = 7, chain = 8, &
                             drives = 9, outputs = 10, masses = 11, loads = 12, spring = 13, frictn = 14, motor = 15, &
-                            vibr = 16, estim = 17, drivel = 18, hill = 19, balanc = 20, cam = 21
+                            vibr = 16, estim = 17, drivel = 18, hill = 19, balanc = 20, cam = 21, sprngs = 22
       character(*), parameter :: names(*) = [character(name_length) :: 'LINKS', 'METHOD', 'LIMITS', 'SEARCH', 'CONSTR', &
                                              'TOLER', 'RATES', 'CHAIN', 'DRIVES', 'OUTPUTS', 'MASSES', 'LOADS', 'SPRING', &
                                              'FRICTN', 'MOTOR', 'VIBR', 'ESTIM', 'DRIVEL', 'HILL', 'BALANC', &
-                                             'CAM']
+                                             'CAM', 'SPRNGS']
       type(group_t) :: groups(size(names))
       type(diagnostics_t) :: unused
       logical :: shape_known, sketch_sound
@@ -287,7 +289,8 @@ contains
       call read_estimate_group(groups(estim), set%ilink, set%estimates, findings)
       call read_drive_group(groups(drivel), set%drive, findings)
       call read_hill_group(groups(hill), set%hill, findings)
-      call read_balance_group(groups(balanc), set%ilink, set%balance, findings)
+      call read_balance_group(groups(balanc), set%ilink, set%sketch, set%balance, findings)
+      call read_spring_design_group(groups(sprngs), set%ilink, set%sketch, set%spring_design, findings)
       call read_cam_group(groups(cam), set%ilink, set%cam, findings)
       ! where there are errors the group may stand under a misspelt name
       if (size(set%masses%mass) > 0 .and. .not. (set%rates_given .or. findings%failed())) then

@@ -35,7 +35,8 @@ module psalm_group_table
       known_group_t('DRIVEL', 'ssics'), &
       known_group_t('HILL', 'ssics'), &
       known_group_t('BALANC', 'muscle'), &
-      known_group_t('CAM', 'calm')]
+      known_group_t('CAM', 'calm'), &
+      known_group_t('SPRNGS', 'muscle')]
 
    character(*), parameter :: everything = '*' !! in place of a program: who reads all groups that a program of the suite reads
    character(*), parameter :: users = 'USER' !! groups whose names begin so are the user's own

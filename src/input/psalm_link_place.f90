@@ -25,6 +25,7 @@ module psalm_link_place
       integer :: line(2) = 0               !! angles are counted from the line between these joints; 0: from the drawing's x axis
       integer :: slide = 0                 !! friction: the slide
       real(wp) :: turn = 0.0_wp            !! from the arc to that line, degrees
+      real(wp) :: written(2) = 0.0_wp      !! distance and angle as they were written, from that joint
    end type place_t
 
 contains

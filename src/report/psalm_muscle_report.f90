@@ -10,6 +10,8 @@ module psalm_muscle_report
    use psalm_markup, only: json_text
    use psalm_muscle_study, only: muscle_study_t
    use psalm_preparation, only: prepared_t
+   use psalm_spring_list, only: list_springs, plot_springs, write_spring_json, write_springs
+   use psalm_spring_study, only: spring_study_t, spring_result_t
    use psalm_text, only: to_text
    use psalm_weight_text, only: write_masses
    implicit none (type, external)
@@ -26,11 +28,11 @@ contains
       type(muscle_study_t), intent(in) :: study
       type(devices_t), intent(inout) :: devices
       type(outcome_t) :: none
+      type(spring_result_t), allocatable :: springs(:)
 
       call devices%six%add(' '//set%title)
       if (devices%json%length > 0) call devices%json%add_text(','//new_line('a'))
       call devices%json%add_text('{"title":'//json_text(trim(set%title)))
-      allocate (none%weights(0))
       if (allocated(study%balance)) then
          if (study%balance%trouble > 0) then
             call devices%six%add(' NO FORCES AT POSITION '//to_text(study%balance%trouble)// &
@@ -47,21 +49,44 @@ contains
             call write_balance_json(set, study%balance, devices%json)
          end if
       end if
+      if (allocated(study%springs)) call report_springs(set, study%springs, devices)
       call devices%json%add_text('}')
       call write_data_set(set, problem, prepared%given, devices%seven)
+      allocate (none%weights(0))
       if (allocated(study%balance)) then
-         if (allocated(study%balance%optimum)) then
-            call write_masses(set, prepared%mechanism, study%balance%optimum, devices%seven)
-            return
-         else if (allocated(study%balance%designs)) then
-            if (size(study%balance%designs) > 0) then
-               call write_masses(set, prepared%mechanism, study%balance%designs(1), devices%seven)
-               return
-            end if
-         end if
+         call write_masses(set, prepared%mechanism, study%balance%chosen_outcome(), devices%seven)
+      else if (set%masses%given) then
+         call write_masses(set, prepared%mechanism, none, devices%seven)
       end if
-      if (set%masses%given) call write_masses(set, prepared%mechanism, none, devices%seven)
+      allocate (springs(0))
+      if (allocated(study%springs)) then
+         if (study%springs%found) springs = study%springs%springs
+      end if
+      call write_springs(set, springs, devices%seven)
    end subroutine report_muscle
+
+   !> Springs: listing, device 9, JSON, remarks.
+   subroutine report_springs(set, study, devices)
+      type(data_set_t), intent(in) :: set
+      type(spring_study_t), intent(in) :: study
+      type(devices_t), intent(inout) :: devices
+
+      if (study%trouble > 0) then
+         call devices%six%add(' NO SPRINGS: THE LINKAGE DOES NOT CLOSE, OR IS AT A DEAD POINT, AT POSITION '// &
+                              to_text(study%trouble))
+         call devices%remark(set, 'position '//to_text(study%trouble)// &
+                             ': the linkage does not close or is at a dead point; kalm tells which')
+         call devices%note_violation()
+         return
+      end if
+      call list_springs(set, study, devices%six)
+      call plot_springs(study, devices%nine)
+      call devices%json%add_text(',')
+      call write_spring_json(study, devices%json)
+      if (study%found) return
+      call devices%remark(set, 'there is no such spring; see the listing')
+      call devices%note_violation()
+   end subroutine report_springs
 
    !> What a user must not overlook.
    subroutine remark_balance(set, study, devices)

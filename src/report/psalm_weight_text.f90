@@ -2,7 +2,7 @@
 module psalm_weight_text
    use psalm_balance_study, only: outcome_t
    use psalm_data_set, only: data_set_t
-   use psalm_kinds, only: wp
+   use psalm_kinds, only: wp, half_turn
    use psalm_link_place, only: place_t
    use psalm_mechanism, only: mechanism_t, at_start
    use psalm_text, only: text_t, full_precision, to_text
@@ -34,6 +34,7 @@ contains
                place%from_start = mechanism%arcs(mechanism%bodies(weight%body)%axis)%foot /= at_start
                place%distance = weight%from_end
                place%angle = weight%angle_end
+               if (set%sketch%given) call name_place(set, place)
                inertia(given + k) = weight%inertia
             end associate
          end do
@@ -41,7 +42,7 @@ contains
             call text%add('! the last '//to_text(size(outcome%weights))//' entries are counterweights')
          end if
          call text%add(' &MASSES NMASS='//to_text(size(places))//',')
-         call write_places('M', places, text)
+         call write_places(set, 'M', places, text)
          call write_reals('MASS', [masses%mass, outcome%weights%mass], text)
          call write_reals('MINERT', inertia, text)
          call text%add('  UNITL='//full_precision(masses%metre)//', GRAVX='//full_precision(masses%gravity(1))//', GRAVY='// &
@@ -55,13 +56,26 @@ contains
    end subroutine write_masses
 
    !> Items LINK, LOOP, DIST, ANG with a group's letter before them.
-   subroutine write_places(letter, places, text)
+   !> With a sketch NAME for LINK and LOOP.
+   subroutine write_places(set, letter, places, text)
+      type(data_set_t), intent(in) :: set
       character(*), intent(in) :: letter
       type(place_t), intent(in) :: places(:)
       type(text_t), intent(inout) :: text
       character(:), allocatable :: line
       integer :: k
 
+      if (set%sketch%given) then
+         line = '  '//letter//'NAME='
+         do k = 1, size(places)
+            line = line//"'"//words_of(set, places(k))//"',"
+            call break_line(line, text)
+         end do
+         call text%add(line)
+         call write_reals(letter//'DIST', places%written(1), text)
+         call write_reals(letter//'ANG', places%written(2), text)
+         return
+      end if
       line = '  '//letter//'LINK='
       do k = 1, size(places)
          line = line//to_text(merge(-places(k)%arc, places(k)%arc, places(k)%from_start))//','
@@ -77,6 +91,37 @@ contains
       call write_reals(letter//'DIST', places%distance, text)
       call write_reals(letter//'ANG', places%angle, text)
    end subroutine write_places
+
+   !> A place at a body's own arc, by the names of the joints at its ends.
+   subroutine name_place(set, place)
+      type(data_set_t), intent(in) :: set
+      type(place_t), intent(inout) :: place
+      integer :: k
+
+      place%link = set%link_of_arc(place%arc, place%loop)
+      do k = 1, 2
+         place%line(k) = set%sketch%joint_called(trim(set%end_names(k, place%arc, place%loop)))
+      end do
+      place%joint = place%line(merge(1, 2, place%from_start))
+      place%written = [place%distance, place%angle]
+      if (place%from_start) return
+      ! counted from the line that begins at the joint
+      place%line = place%line([2, 1])
+      place%written(2) = place%angle - half_turn
+   end subroutine name_place
+
+   !> A place as a sketch names it.
+   pure function words_of(set, place) result(words)
+      type(data_set_t), intent(in) :: set
+      type(place_t), intent(in) :: place
+      character(:), allocatable :: words
+
+      associate (sketch => set%sketch)
+         words = trim(sketch%links(place%link)%name)
+         if (place%joint > 0) words = words//' '//trim(sketch%joint_name(place%joint))
+         if (place%joint > 0 .and. place%line(1) == place%joint) words = words//' '//trim(sketch%joint_name(place%line(2)))
+      end associate
+   end function words_of
 
    subroutine write_reals(name, values, text)
       character(*), intent(in) :: name

@@ -257,7 +257,7 @@ contains
       end if
    end subroutine fill_arrays
 
-   !> Arcs for the places of masses, loads, springs and friction, which are given by names.
+   !> Arcs for the places of masses, loads, springs, friction and weights, which are given by names.
    subroutine fill_places(loops, state, set)
       type(loops_t), intent(in) :: loops
       type(state_t), intent(in) :: state
@@ -274,6 +274,17 @@ contains
          call put(set%springs%first(k))
          call put(set%springs%second(k))
       end do
+      do k = 1, size(set%balance%places)
+         call put(set%balance%places(k))
+      end do
+      do k = 1, size(set%balance%joints)
+         call put_joint(set%balance%joints(k))
+      end do
+      do k = 1, size(set%spring_design%first)
+         call put(set%spring_design%first(k))
+         call put(set%spring_design%second(k))
+      end do
+      if (set%spring_design%of_joint) call put_joint(set%spring_design%joint)
       do k = 1, size(set%friction%joints)
          call put_joint(set%friction%joints(k))
       end do
@@ -288,6 +299,7 @@ contains
          real(wp) :: direction, c, s
          complex(wp) :: h, z
 
+         place%written = [place%distance, place%angle]
          h = (1.0_wp, 0.0_wp)
          if (place%line(1) > 0) h = state%joint(place%line(2), 0) - state%joint(place%line(1), 0)
          direction = degrees_of(h%re, h%im)

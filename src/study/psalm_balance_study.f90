@@ -43,6 +43,7 @@ module psalm_balance_study
       real(wp) :: distance = 0.0_wp, angle = 0.0_wp !! of its centre from the anchor, user's length, degrees in the link's axes
       real(wp) :: from_end = 0.0_wp, angle_end = 0.0_wp !! the same from the end that the link's own arc is counted from
       real(wp) :: inertia = 0.0_wp                 !! about its centre, kg m2
+      real(wp) :: place(2) = 0.0_wp                !! of its centre from the reference of its link, m
       real(wp) :: radius = 0.0_wp, thickness = 0.0_wp !! of a disc, user's length
    end type weight_t
 
@@ -89,6 +90,9 @@ module psalm_balance_study
       type(front_point_t), allocatable :: budgets(:) !! least force for a mass
       type(front_point_t), allocatable :: front(:)
       logical :: sliding = .false.                 !! the drive is a force
+   contains
+      procedure :: take_weights
+      procedure :: chosen_outcome
    end type balance_study_t
 
 contains
@@ -138,6 +142,35 @@ contains
       end subroutine refuse
    end subroutine judge_balance
 
+   !> The weights that device 7 gets: those of the composite, else those of the first design.
+   function chosen_outcome(self) result(outcome)
+      class(balance_study_t), intent(in) :: self
+      type(outcome_t) :: outcome
+
+      allocate (outcome%weights(0))
+      if (allocated(self%optimum)) then
+         outcome = self%optimum
+      else if (allocated(self%designs)) then
+         if (size(self%designs) > 0) outcome = self%designs(1)
+      end if
+   end function chosen_outcome
+
+   !> These weights as masses, first moments and moments of inertia about the references, added. Shape: (4, bodies).
+   subroutine take_weights(self, masses)
+      class(balance_study_t), intent(in) :: self
+      real(wp), intent(inout) :: masses(:, :)
+      type(outcome_t) :: outcome
+      integer :: k
+
+      outcome = self%chosen_outcome()
+      do k = 1, size(outcome%weights)
+         associate (weight => outcome%weights(k))
+            masses(:, weight%body) = masses(:, weight%body) + &
+                                     [weight%mass, weight%mass*weight%place, weight%inertia + weight%mass*sum(weight%place**2)]
+         end associate
+      end do
+   end subroutine take_weights
+
    !> Everything the group asks for, of a case that `judge_balance` found no fault with.
    subroutine find_balance(set, given, dimensions, study)
       type(data_set_t), intent(in) :: set
@@ -155,6 +188,7 @@ contains
       real(wp), allocatable :: anchor(:, :), none(:, :)
       integer :: k, b
 
+      allocate (study%budgets(0))
       allocate (problem, source=given)
       call make_force_model(set, problem%mechanism, dimensions, model, unused)
       call problem%want_derivatives(.true., vertices_of(problem%mechanism))
@@ -498,6 +532,7 @@ contains
          weight%angle = 0.0_wp
          if (weight%distance > 0.0_wp) weight%angle = plain(degrees_of(centre(1), centre(2)))
          place = centre + anchor(:, b)
+         weight%place = place
          weight%from_end = hypotenuse(place(1), place(2))/model%metre
          weight%angle_end = 0.0_wp
          if (weight%from_end > 0.0_wp) weight%angle_end = plain(degrees_of(place(1), place(2)))
@@ -612,6 +647,7 @@ contains
       type(measure_t) :: measure
       integer :: k
 
+      deallocate (study%budgets)
       allocate (study%budgets(size(set%balance%budgets)))
       do k = 1, size(study%budgets)
          aim = aim_of(set)

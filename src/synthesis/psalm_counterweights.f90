@@ -110,6 +110,16 @@ contains
       logical :: sound
       integer :: start, ended
 
+      tried%added = 0.0_wp*channels(1)%slope(1, 1, :, :)
+      if (.not. composite_of(channels, aim, tried%added) > 0.0_wp) then
+         ! there is nothing to be made less
+         design%added = tried%added
+         allocate (design%radius(size(given)), design%thickness(size(given)), source=0.0_wp)
+         design%value = 0.0_wp
+         design%convex = .true.
+         design%found = .true.
+         return
+      end if
       rooms = given
       do start = 1, size(rooms)
          rooms(start)%radius = rooms(start)%radius*[1.0_wp - breadth, 1.0_wp + breadth]

@@ -1,0 +1,349 @@
+!> Springs of a case (group SPRNGS): by search, or of zero free length through six positions. Data in, results out.
+module psalm_spring_study
+   use psalm_angles, only: degrees_of
+   use psalm_body_motion, only: body_motion_t, follow_bodies
+   use psalm_data_set, only: data_set_t
+   use psalm_dimensions, only: dimensions_t
+   use psalm_elementary, only: hypotenuse
+   use psalm_error, only: problem_t, motion_t
+   use psalm_force_analysis, only: force_table_t, analyse_forces, loads_of_unit_wrenches, column_of_joint, column_drive
+   use psalm_force_model, only: force_model_t, spot_t, make_force_model, vertices_of, joint_at, spot_of_place, place_right
+   use psalm_kinds, only: wp, pi, full_turn
+   use psalm_link_place, only: place_t
+   use psalm_mechanism, only: mechanism_t, joint_prismatic
+   use psalm_spring_exact, only: exact_spring_t, exact_task_t, prepare_exact, find_exact, columns_of_torque, exact_possible
+   use psalm_spring_search, only: spring_room_t, found_spring_t, spring_search_t, search_springs, load_with, criterion_of
+   use psalm_status, only: diagnostics_t
+   use psalm_text, only: to_text
+   implicit none (type, external)
+   private
+   public :: spring_study_t, spring_result_t, judge_springs, find_springs
+
+   integer, parameter :: steps_of_turn = 1024      !! of the torque, for EXACT
+
+   !> A spring as it is to be made.
+   type :: spring_result_t
+      type(place_t) :: ends(2)                     !! as the group SPRING names them
+      real(wp) :: at(2, 2) = 0.0_wp                !! the same ends, in the axes of their links, user's length
+      real(wp) :: stiffness = 0.0_wp               !! N/m
+      real(wp) :: free = 0.0_wp                    !! user's length
+      real(wp) :: shortest = 0.0_wp, longest = 0.0_wp !! user's length
+      real(wp) :: pull = 0.0_wp                    !! greatest amount, N
+      real(wp) :: stress = 0.0_wp                  !! of a coil at the longest, Pa
+      real(wp) :: coils = 0.0_wp                   !! that side by side have the stiffness
+      real(wp) :: helix = 0.0_wp                   !! angle of the coil at the longest, degrees
+   end type spring_result_t
+
+   type :: spring_study_t
+      integer :: trouble = 0                       !! position that is not known; 0: none
+      character(:), allocatable :: load            !! name of the load
+      real(wp) :: before = 0.0_wp, after = 0.0_wp  !! the criterion, N or N m
+      type(spring_result_t), allocatable :: springs(:)
+      type(spring_search_t) :: search              !! how it was found; of no meaning for EXACT
+      integer :: exact_state = exact_possible      !! why EXACT is of no use here
+      type(exact_spring_t), allocatable :: phases(:) !! EXACT: springs at each phase, real or not
+      real(wp), allocatable :: input(:)            !! shape (positions)
+      real(wp), allocatable :: load_before(:, :), load_after(:, :) !! shape (positions, components)
+      real(wp) :: coil_rate = 0.0_wp, wahl = 0.0_wp !! of a coil, N/m; stress factor
+      logical :: found = .false.
+   end type spring_study_t
+
+contains
+
+   !> Find what is wrong with the group before any work is done. Errors: ends that are no points of their links or are on the same
+   !> link, a joint that is not there, a spring that would have neither place nor length to choose.
+   subroutine judge_springs(set, mechanism, dimensions, findings)
+      type(data_set_t), intent(in) :: set
+      type(mechanism_t), intent(in) :: mechanism
+      type(dimensions_t), intent(in) :: dimensions
+      type(diagnostics_t), intent(inout) :: findings
+      type(diagnostics_t) :: unused
+      type(force_model_t) :: model
+      type(spot_t) :: spots(2)
+      integer :: k, states(2)
+
+      call make_force_model(set, mechanism, dimensions, model, unused)
+      if (unused%failed()) return                  ! told elsewhere
+      do k = 1, size(set%spring_design%first)
+         call spot_of_place(mechanism, dimensions, model%reference, set%spring_design%first(k), spots(1), states(1))
+         call spot_of_place(mechanism, dimensions, model%reference, set%spring_design%second(k), spots(2), states(2))
+         if (states(1) /= place_right) call refuse('PLINK', k, 'the end is no point of the link; name another end or arc of it')
+         if (states(2) /= place_right) call refuse('QLINK', k, 'the end is no point of the link; name another end or arc of it')
+         if (spots(1)%body == spots(2)%body) call refuse('QLINK', k, 'both ends are on the same link: it would have no effect')
+      end do
+      if (set%spring_design%of_joint) then
+         if (joint_at(mechanism, set%spring_design%joint) == 0) call refuse('SJLINK', 1, 'there is no joint at this end of the arc')
+      end if
+      if (set%spring_design%exact .and. mechanism%sliding_input) then
+         call refuse('SMETH', 1, "'EXACT' needs a crank that turns; use 'SEARCH'")
+      end if
+      if (size(model%friction) > 0) then
+         call findings%error('loads with friction are not linear in those of springs: leave &FRICTN out', &
+                             line=set%origins%line('FRICTN', ''), group='FRICTN')
+      end if
+
+   contains
+
+      subroutine refuse(item, entry, text)
+         character(*), intent(in) :: item, text
+         integer, intent(in) :: entry
+
+         call findings%error('entry '//to_text(entry)//': '//text, line=set%origins%line('SPRNGS', item, entry), &
+                             group='SPRNGS', item=item)
+      end subroutine refuse
+   end subroutine judge_springs
+
+   !> Springs of a case that `judge_springs` found no fault with; weights that were found before act already.
+   subroutine find_springs(set, given, dimensions, weights, study)
+      type(data_set_t), intent(in) :: set
+      type(problem_t), intent(in) :: given
+      type(dimensions_t), intent(in) :: dimensions
+      real(wp), intent(in) :: weights(:, :)        !! shape (4, bodies): added to the masses, about the references
+      type(spring_study_t), intent(out) :: study
+      type(problem_t), allocatable :: problem      ! large: it would fill a small stack
+      type(force_model_t) :: model
+      type(motion_t) :: motion
+      type(force_table_t) :: table
+      type(diagnostics_t) :: unused
+      type(spring_room_t), allocatable :: rooms(:)
+      type(found_spring_t), allocatable :: springs(:)
+      integer, allocatable :: columns(:)
+      integer :: k
+
+      allocate (problem, source=given)
+      call make_force_model(set, problem%mechanism, dimensions, model, unused)
+      model%inertia = model%inertia + weights
+      call problem%want_derivatives(.true., vertices_of(problem%mechanism))
+      call problem%analyse(dimensions, motion)
+      call analyse_forces(problem, model, set%speed, set%accel, motion%closed, motion%input, table)
+      study%trouble = findloc([(table%known(k), k=1, size(motion%input))], .false., dim=1)
+      study%input = motion%input
+      call choose_load(set, problem%mechanism, columns, study)
+      if (study%trouble > 0) return
+      study%load_before = table%value(:, columns)
+      call make_rooms(set, problem, dimensions, model, columns, rooms)
+      study%before = criterion_of(set%spring_design%criterion, study%load_before)
+      if (set%spring_design%exact) then
+         call find_exactly(set, problem, dimensions, model, springs, study)
+      else
+         call search_springs(study%load_before, rooms, set%spring_design%criterion, set%spring_design%starts, &
+                             set%spring_design%seed, study%search)
+         study%found = study%search%found
+         springs = study%search%springs
+      end if
+      if (.not. study%found) return
+      study%load_after = load_with(study%load_before, rooms, springs)
+      study%after = criterion_of(set%spring_design%criterion, study%load_after)
+      call describe(set, problem%mechanism, dimensions, model, rooms, springs, study)
+   end subroutine find_springs
+
+   !> The columns of the load that counts.
+   subroutine choose_load(set, mechanism, columns, study)
+      type(data_set_t), intent(in) :: set
+      type(mechanism_t), intent(in) :: mechanism
+      integer, allocatable, intent(out) :: columns(:)
+      type(spring_study_t), intent(inout) :: study
+      integer :: j
+
+      study%load = trim(merge('DRIVE FORCE ', 'DRIVE TORQUE', mechanism%sliding_input))
+      columns = [column_drive]
+      if (.not. set%spring_design%of_joint) return
+      j = joint_at(mechanism, set%spring_design%joint)
+      study%load = 'LOAD OF JOINT '//mechanism%joints(j)%name
+      columns = [column_of_joint(j), column_of_joint(j) + 1]
+      if (mechanism%joints(j)%kind == joint_prismatic) columns = columns(:1)
+   end subroutine choose_load
+
+   !> Where the ends may be, and what a wrench there does.
+   subroutine make_rooms(set, problem, dimensions, model, columns, rooms)
+      type(data_set_t), intent(in) :: set
+      type(problem_t), intent(inout) :: problem
+      type(dimensions_t), intent(in) :: dimensions
+      type(force_model_t), intent(in) :: model
+      integer, intent(in) :: columns(:)
+      type(spring_room_t), allocatable, intent(out) :: rooms(:)
+      type(body_motion_t) :: bodies
+      type(spot_t) :: spot
+      real(wp), allocatable :: slopes(:, :, :, :)
+      integer :: k, e, state
+
+      call follow_bodies(problem, model, bodies)
+      allocate (rooms(size(set%spring_design%first)))
+      associate (group => set%spring_design)
+         do k = 1, size(rooms)
+            rooms(k)%reach = [group%first_reach(k), group%second_reach(k)]*model%metre
+            rooms(k)%stiffest = group%stiffest(k)
+            rooms(k)%free = [group%free_low(k), group%free_high(k)]*model%metre
+            do e = 1, 2
+               if (e == 1) call spot_of_place(problem%mechanism, dimensions, model%reference, group%first(k), spot, state)
+               if (e == 2) call spot_of_place(problem%mechanism, dimensions, model%reference, group%second(k), spot, state)
+               associate (path => rooms(k)%ends(e), b => spot%body, at => spot%at*model%metre)
+                  path%c = bodies%c(:, b)
+                  path%s = bodies%s(:, b)
+                  path%x = bodies%x(:, b) + at(1)*path%c - at(2)*path%s
+                  path%y = bodies%y(:, b) + at(1)*path%s + at(2)*path%c
+                  call loads_of_unit_wrenches(problem, model, [b], slopes)
+                  path%slope = slopes(:, columns, :, 1)
+               end associate
+            end do
+         end do
+      end associate
+   end subroutine make_rooms
+
+   !> The spring of zero free length with the least range, over phases of the six positions.
+   subroutine find_exactly(set, given, dimensions, model, springs, study)
+      type(data_set_t), intent(in) :: set
+      type(problem_t), intent(in) :: given
+      type(dimensions_t), intent(in) :: dimensions
+      type(force_model_t), intent(in) :: model
+      type(found_spring_t), allocatable, intent(out) :: springs(:)
+      type(spring_study_t), intent(inout) :: study
+      type(problem_t), allocatable :: problem
+      type(motion_t) :: motion
+      type(force_table_t) :: table
+      type(body_motion_t) :: bodies
+      type(exact_task_t) :: task
+      type(exact_spring_t) :: two(2), before(2)
+      type(spot_t) :: spots(2)
+      real(wp), dimension(steps_of_turn) :: p1, p2, c, s, d1, d2, turn, x, y, vx, vy
+      real(wp) :: ends(steps_of_turn, 2, 4), phase, best, pull, least
+      integer :: k, e, b, state, pick
+
+      allocate (springs(1), study%phases(0))
+      allocate (problem, source=given)
+      call problem%set_inputs([(full_turn*real(k, wp)/real(steps_of_turn, wp) - dimensions%crnki, k=0, steps_of_turn - 1)])
+      call problem%want_derivatives(.true., vertices_of(problem%mechanism))
+      call problem%analyse(dimensions, motion)
+      call analyse_forces(problem, model, set%speed, set%accel, motion%closed, motion%input, table)
+      study%trouble = findloc([(table%known(k), k=1, steps_of_turn)], .false., dim=1)
+      if (study%trouble > 0) return
+      call follow_bodies(problem, model, bodies)
+      call spot_of_place(problem%mechanism, dimensions, model%reference, set%spring_design%first(1), spots(1), state)
+      call spot_of_place(problem%mechanism, dimensions, model%reference, set%spring_design%second(1), spots(2), state)
+      do e = 1, 2
+         b = spots(e)%body
+         associate (at => spots(e)%at*model%metre)
+            x = at(1)*bodies%c(:, b) - at(2)*bodies%s(:, b)
+            y = at(1)*bodies%s(:, b) + at(2)*bodies%c(:, b)
+            ends(:, e, 1) = bodies%x(:, b) + x
+            ends(:, e, 2) = bodies%y(:, b) + y
+            ends(:, e, 3) = bodies%vx(:, b) - bodies%w(:, b)*y
+            ends(:, e, 4) = bodies%vy(:, b) + bodies%w(:, b)*x
+         end associate
+      end do
+      x = ends(:, 1, 1) - ends(:, 2, 1)
+      y = ends(:, 1, 2) - ends(:, 2, 2)
+      associate (cq => bodies%c(:, b), sq => bodies%s(:, b), wq => bodies%w(:, b), f => spots(1)%body)
+         ! of the first link in the axes of the second
+         vx = ends(:, 1, 3) - ends(:, 2, 3) + wq*y
+         vy = ends(:, 1, 4) - ends(:, 2, 4) - wq*x
+         p1 = cq*x + sq*y
+         p2 = cq*y - sq*x
+         d1 = cq*vx + sq*vy
+         d2 = cq*vy - sq*vx
+         c = bodies%c(:, f)*cq + bodies%s(:, f)*sq
+         s = bodies%s(:, f)*cq - bodies%c(:, f)*sq
+         turn = bodies%w(:, f) - wq
+      end associate
+      call prepare_exact(columns_of_torque(p1, p2, c, s, d1, d2, -s*turn, c*turn), table%value(:, column_drive), task)
+      study%exact_state = task%state
+      if (task%state /= exact_possible) return
+      best = huge(1.0_wp)
+      least = huge(1.0_wp)
+      ! once round to let the six angles follow, and once more for the springs themselves
+      do k = 1, 2*set%spring_design%phases
+         phase = real(modulo(k - 1, set%spring_design%phases), wp)/real(set%spring_design%phases, wp) + 2.5_wp
+         if (k == 1) then
+            call find_exact(task, phase, .true., two)
+         else
+            before = two
+            call find_exact(task, phase, .true., two, before(1)%angles - &
+                            merge(1.0_wp/6.0_wp, 0.0_wp, phase < before(1)%phase))
+         end if
+         if (k <= set%spring_design%phases) cycle
+         do pick = 1, 2
+            study%phases = [study%phases, two(pick)]
+            ! both of a phase have the same torque: the one with the smaller pull
+            if (.not. allowed(two(pick))) cycle
+            pull = two(pick)%stiffness*maxval(hypotenuse( &
+                   p1 + c*two(pick)%at(1, 1) - s*two(pick)%at(2, 1) - two(pick)%at(1, 2), &
+                   p2 + s*two(pick)%at(1, 1) + c*two(pick)%at(2, 1) - two(pick)%at(2, 2)))
+            if (two(pick)%ratio > best .or. (two(pick)%ratio >= best .and. pull >= least)) cycle
+            best = two(pick)%ratio
+            least = pull
+            springs(1)%at = two(pick)%at
+            springs(1)%stiffness = two(pick)%stiffness
+            study%found = .true.
+         end do
+      end do
+
+   contains
+
+      !> True for a spring within the limits.
+      pure logical function allowed(design)
+         type(exact_spring_t), intent(in) :: design
+         real(wp) :: reach(2)
+
+         reach = [set%spring_design%first_reach(1), set%spring_design%second_reach(1)]*model%metre
+         allowed = design%real
+         if (.not. allowed) return
+         if (any(reach > 0.0_wp .and. sqrt(sum(design%at**2, dim=1)) > reach)) allowed = .false.
+         if (set%spring_design%stiffest(1) > 0.0_wp .and. design%stiffness > set%spring_design%stiffest(1)) allowed = .false.
+      end function allowed
+   end subroutine find_exactly
+
+   !> Springs as the group SPRING names them, their lengths, pulls and coils.
+   subroutine describe(set, mechanism, dimensions, model, rooms, springs, study)
+      type(data_set_t), intent(in) :: set
+      type(mechanism_t), intent(in) :: mechanism
+      type(dimensions_t), intent(in) :: dimensions
+      type(force_model_t), intent(in) :: model
+      type(spring_room_t), intent(in) :: rooms(:)
+      type(found_spring_t), intent(in) :: springs(:)
+      type(spring_study_t), intent(inout) :: study
+      type(spot_t) :: spot, bare
+      type(place_t) :: place
+      real(wp) :: z(size(study%input), 2, 2), length(size(study%input)), from(2), ratio
+      integer :: k, e, state
+
+      allocate (study%springs(size(springs)))
+      do k = 1, size(springs)
+         associate (result => study%springs(k), spring => springs(k))
+            result%stiffness = spring%stiffness
+            result%free = spring%free/model%metre
+            do e = 1, 2
+               associate (path => rooms(k)%ends(e), at => spring%at(:, e))
+                  z(:, 1, e) = path%x + at(1)*path%c - at(2)*path%s
+                  z(:, 2, e) = path%y + at(1)*path%s + at(2)*path%c
+                  if (e == 1) place = set%spring_design%first(k)
+                  if (e == 2) place = set%spring_design%second(k)
+                  call spot_of_place(mechanism, dimensions, model%reference, place, spot, state)
+                  place%distance = 0.0_wp
+                  call spot_of_place(mechanism, dimensions, model%reference, place, bare, state)
+                  from = spot%at + at/model%metre - bare%at
+                  result%at(:, e) = from
+                  from = [from(1)*spot%along(1) + from(2)*spot%along(2), from(2)*spot%along(1) - from(1)*spot%along(2)]
+                  place%distance = hypotenuse(from(1), from(2))
+                  place%angle = 0.0_wp
+                  if (place%distance > 0.0_wp) place%angle = degrees_of(from(1), from(2))
+                  place%written = [place%distance, place%angle]
+                  result%ends(e) = place
+               end associate
+            end do
+            length = hypotenuse(z(:, 1, 2) - z(:, 1, 1), z(:, 2, 2) - z(:, 2, 1))
+            result%shortest = minval(length)/model%metre
+            result%longest = maxval(length)/model%metre
+            result%pull = maxval(abs(spring%stiffness*(length - spring%free)))
+            associate (group => set%spring_design)
+               if (.not. group%wire > 0.0_wp) cycle
+               ratio = group%coil/group%wire
+               study%coil_rate = group%shear*group%wire**4/(8.0_wp*group%coil**3*group%turns)
+               study%wahl = (4.0_wp*ratio - 1.0_wp)/(4.0_wp*ratio - 4.0_wp) + 0.615_wp/ratio
+               result%coils = spring%stiffness/study%coil_rate
+               result%stress = study%wahl*8.0_wp*study%coil_rate*(maxval(length) - spring%free)*group%coil/(pi*group%wire**3)
+               result%helix = degrees_of(pi*group%coil*group%turns, maxval(length))
+            end associate
+         end associate
+      end do
+   end subroutine describe
+end module psalm_spring_study
