@@ -7,7 +7,7 @@
 !> cone program solvers.
 module psalm_conic
    use psalm_kinds, only: wp
-   use psalm_linear, only: along_columns
+   use psalm_linear, only: along_columns, triangle_of
    implicit none (type, external)
    private
    public :: conic_t, conic_solution_t, solve_conic
@@ -16,7 +16,8 @@ module psalm_conic
    real(wp), parameter :: wanted = 1.0e-11_wp      !! relative gap and residual at which it ends
    real(wp), parameter :: enough = 1.0e-7_wp       !! at which, making no headway any more, it has still solved the problem
    real(wp), parameter :: to_the_edge = 0.99_wp    !! part of the way to the edge of the cone that is gone
-   real(wp), parameter :: jitter = 1.0e-15_wp      !! on the diagonal, of its largest entry: rounding must not make it indefinite
+   real(wp), parameter :: dependent = 1.0e-15_wp   !! part of a column that is left: it depends on those before it
+   integer, parameter :: refinements = 3           !! solutions of a linear system, the later ones of what the earlier left
    integer, parameter :: most_stalled = 8          !! iterations without headway
 
    !> The problem.
@@ -144,7 +145,7 @@ contains
          call move_inside(problem, z)
       end subroutine first_point
 
-      !> G' W**-2 G, and its factor.
+      !> The triangle R of W**-1 G: R'R = G' W**-2 G, which is never formed.
       subroutine factor(sound)
          logical, intent(out) :: sound
          integer :: j
@@ -152,25 +153,32 @@ contains
          do j = 1, size(x)
             scaled(:, j) = unscale(problem, scaling, problem%g(:, j))
          end do
-         do j = 1, size(x)
-            matrix(:, j) = along_columns(scaled, scaled(:, j))
-         end do
-         call make_factor(matrix, sound)
+         sound = all(abs(scaled) < sqrt(huge(1.0_wp)))
+         if (sound) matrix = triangle_of(scaled)
+         if (sound) call fill_zeros(matrix)
       end subroutine factor
 
       !> Direction towards smaller residuals with W dz + W**-1 ds = u.
       subroutine direction(u)
          real(wp), intent(in) :: u(:)
-         real(wp) :: right(size(x)), back(size(s)), miss(size(x))
+         real(wp) :: back(size(s)), miss(size(x)), before(size(x)), left
+         integer :: round
 
          back = unscale(problem, scaling, -rz) - u
-         right = -rx + along_columns(scaled, back)
-         dx = right
-         call solve_factored(matrix, dx)
-         ! once more with what is left: the matrix is ill-conditioned near the end
-         miss = right - along_columns(scaled, times(scaled, dx))
-         call solve_factored(matrix, miss)
-         dx = dx + miss
+         dx = 0.0_wp
+         ! again with what is left, as long as that falls: R'R is as ill-conditioned as the square of R
+         left = huge(1.0_wp)
+         do round = 1, refinements
+            miss = along_columns(scaled, back - times(scaled, dx)) - rx
+            if (round > 1 .and. norm(miss) >= left) then
+               dx = before
+               exit
+            end if
+            left = norm(miss)
+            before = dx
+            call solve_triangles(matrix, miss)
+            dx = dx + miss
+         end do
          dz = times(scaled, dx) - back
          ds = rescale(problem, scaling, u - dz)
          dz = unscale(problem, scaling, dz)
@@ -391,41 +399,28 @@ contains
 
    ! ---- linear algebra ----------------------------------------------------------------------------------------------
 
-   !> Cholesky's factor in the lower triangle; rows the matrix does not determine are left out.
-   pure subroutine make_factor(a, sound)
-      real(wp), intent(inout) :: a(:, :)           !! shape (n, n)
-      logical, intent(out) :: sound
-      real(wp) :: little
-      integer :: i, j, n
+   !> Make a triangle one that can be solved: what the rows do not determine stays where it is.
+   pure subroutine fill_zeros(r)
+      real(wp), intent(inout) :: r(:, :)           !! shape (n, n)
+      integer :: j
 
-      n = size(a, 1)
-      little = jitter*max(maxval([(a(j, j), j=1, n)]), tiny(1.0_wp)/jitter)
-      sound = .true.
-      do j = 1, n
-         a(j, j) = a(j, j) + little
-         if (.not. (abs(a(j, j)) < huge(1.0_wp))) then
-            sound = .false.
-            return
-         end if
-         a(j, j) = sqrt(max(a(j, j), little))
-         a(j + 1:, j) = a(j + 1:, j)/a(j, j)
-         do i = j + 1, n
-            a(i:, i) = a(i:, i) - a(i, j)*a(i:, j)
-         end do
+      do j = 1, size(r, 1)
+         if (abs(r(j, j)) <= dependent*norm(r(:j, j))) r(j, j) = sqrt(huge(1.0_wp))
       end do
-   end subroutine make_factor
+   end subroutine fill_zeros
 
-   pure subroutine solve_factored(a, b)
-      real(wp), intent(in) :: a(:, :)              !! by `make_factor`
+   !> Solve R'R x = b.
+   pure subroutine solve_triangles(r, b)
+      real(wp), intent(in) :: r(:, :)              !! shape (n, n): upper triangle
       real(wp), intent(inout) :: b(:)              !! right side, then the solution
       integer :: j
 
       do j = 1, size(b)
-         b(j) = b(j)/a(j, j)
-         b(j + 1:) = b(j + 1:) - b(j)*a(j + 1:, j)
+         b(j) = (b(j) - dot_product(r(:j - 1, j), b(:j - 1)))/r(j, j)
       end do
       do j = size(b), 1, -1
-         b(j) = (b(j) - dot_product(a(j + 1:, j), b(j + 1:)))/a(j, j)
+         b(j) = b(j)/r(j, j)
+         b(:j - 1) = b(:j - 1) - b(j)*r(:j - 1, j)
       end do
-   end subroutine solve_factored
+   end subroutine solve_triangles
 end module psalm_conic

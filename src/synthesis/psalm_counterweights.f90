@@ -20,9 +20,10 @@ module psalm_counterweights
    private
    public :: room_t, aim_t, design_t, least_composite, composite_of
 
-   real(wp), parameter :: preference = 1.0e-8_wp   !! of the bare composite that a mass of the linkage counts: of equals the
+   real(wp), parameter :: preference = 1.0e-10_wp  !! of the bare composite that a mass of the linkage counts: of equals the
                                                    !! lightest are found
    real(wp), parameter :: least_move = 1.0e-6_wp   !! part of the reach: the search by tangents ends with such moves of the centres
+   real(wp), parameter :: first_move = 1.0e-4_wp, usual_move = 0.1_wp
    real(wp), parameter :: least_gain = 1.0e-12_wp  !! relative gain of a step that is one of the last
    real(wp), parameter :: proven = 1.0e-6_wp       !! relative distance from the lower bound at which a local optimum is global
    real(wp), parameter :: breadth = 1.0e-6_wp      !! part of a limit by which limits that leave no room are moved apart
@@ -239,25 +240,24 @@ contains
       real(wp) :: move, gain
       integer :: step
 
-      move = 1.0_wp
+      ! first the best masses for these centres: there the tangents are true
+      move = first_move
       sound = .false.
       do step = 1, most_steps
          call solve_step(channels, rooms, aim, balance, mode_tangent, preference, tried, centre, radius, move)
-         if (.not. tried%found) then
-            if (step == 1) return
-            exit
+         if (tried%found) then
+            call realise(rooms, aim, tried)
+            tried%value = composite_of(channels, aim, tried%added)
          end if
-         call realise(rooms, aim, tried)
-         tried%value = composite_of(channels, aim, tried%added)
-         if (.not. sound .or. tried%value < best%value) then
-            gain = huge(1.0_wp)
-            if (sound) gain = (best%value - tried%value)/max(best%value, tiny(1.0_wp))
+         if (tried%value < best%value) then
+            gain = (best%value - tried%value)/max(best%value, tiny(1.0_wp))
             best = tried
             sound = .true.
             call take_centres(rooms, aim, best, centre, radius)
-            if (gain <= least_gain) exit
-            if (gain < huge(1.0_wp)) move = min(1.0_wp, 2.0_wp*move)
+            if (step > 2 .and. gain <= least_gain) exit
+            move = min(1.0_wp, max(2.0_wp*move, usual_move))
          else
+            if (step == 1) move = 1.0_wp
             move = 0.25_wp*move
             if (move < least_move) exit
          end if
