@@ -3,8 +3,9 @@ program kalm
    use psalm_batch, only: outputs_t, run_file
    use psalm_console, only: arguments_t, begin
    use psalm_check_list, only: list_input
+   use psalm_case_table, only: report_case_table
    use psalm_chain_force_study, only: find_chain_forces
-   use psalm_chain_report, only: report_chain, report_chain_csv
+   use psalm_chain_report, only: report_chain, report_chain_table
    use psalm_chain_study, only: chain_study_t, study_chain
    use psalm_data_set, only: data_set_t
    use psalm_devices, only: devices_t, header_of
@@ -38,7 +39,8 @@ program kalm
       'moment on the frame; with &MOTOR: steady cycle, run-up, flywheel.'//nl// &
       nl//'The listing goes to standard output; CASE.kalm.dev8 (input; with KTHETA=1 all arcs and joints) and'//nl// &
       'CASE.kalm.dev9 beside the case.'//nl// &
-      nl//'  --output-dir DIR  put the device files into DIR'//nl// &
+      nl//'  --json            the table of every case as CASE.kalm.csv and CASE.kalm.json'//nl// &
+      '  --output-dir DIR  put the device files into DIR'//nl// &
       '  --quiet           no remarks on standard error, errors only'//nl// &
       '  --version         print the version'//nl// &
       '  --help            print this text'//nl// &
@@ -98,7 +100,11 @@ contains
             call find_machine(set, problem, forces%model, machine)
          end if
       end if
-      if (set%sketch%given) call run_sketch(set, devices)
+      if (set%sketch%given) then
+         call run_sketch(set, devices)
+      else if (arguments%json) then
+         call report_case_table(set, problem, rates%motion, devices, rates)
+      end if
       call report_rates(set, problem, rates, devices, forces, machine)
       if (arguments%quiet .or. devices%summarised == most_summarised) return
       call summarise(problem, prepared%given, rates%motion, summary)
@@ -115,7 +121,7 @@ contains
 
       allocate (study)
       call study_chain(set, set%speed, set%accel, study)
-      call report_chain_csv(set, study, accelerations, devices)
+      call report_chain_table(set, study, accelerations, devices)
       if (.not. allocated(set%no_loops)) return
       if (forces_wanted(set)) then
          allocate (forces)

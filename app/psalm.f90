@@ -3,7 +3,8 @@ program psalm
    use psalm_batch, only: outputs_t, run_file
    use psalm_console, only: arguments_t, progress_t, begin, device4_of
    use psalm_analysis, only: analysis_t, wanted_t, analyse, wanted_by
-   use psalm_chain_report, only: report_chain, report_chain_csv
+   use psalm_case_table, only: report_case_table
+   use psalm_chain_report, only: report_chain, report_chain_table
    use psalm_chain_study, only: chain_study_t, study_chain
    use psalm_check_list, only: list_input
    use psalm_data_set, only: data_set_t
@@ -41,7 +42,8 @@ program psalm
       nl//'Analyses the linkage of each case, or searches for better dimensions where the case has variables.'//nl// &
       'Without a file, or with -, the case is read from standard input.'//nl// &
       nl//'The listing goes to standard output; CASE.dev1, .dev2, .dev7, .dev8 and .dev9 beside the case.'//nl// &
-      nl//'  --output-dir DIR  put the device files into DIR'//nl// &
+      nl//'  --json            the table of every case as CASE.csv and CASE.json'//nl// &
+      '  --output-dir DIR  put the device files into DIR'//nl// &
       '  --device4 FILE    read supplied vertices (NGUESS) from FILE; default CASE.dev4'//nl// &
       '  --threads N       threads that share the work; default THREADS of the case, or 1'//nl// &
       '  --quiet           no remarks on standard error, errors only'//nl// &
@@ -115,6 +117,8 @@ contains
       wanted%summary = .not. arguments%quiet .and. devices%summarised < most_summarised
       call analyse(set, problem, dimensions, wanted, analysis)
       call report_analysis(set, problem, analysis, prepared%warnings, devices)
+      if (arguments%json .and. (set%wants_search() .or. .not. set%sketch%given)) &
+         call report_case_table(set, problem, analysis%motion, devices)
       call report_found(set, problem, dimensions, search, devices)
       if (set%tolerances) then
          allocate (tolerances)
@@ -137,7 +141,7 @@ contains
 
       allocate (study)
       call study_chain(set, 1.0_wp, 0.0_wp, study)
-      call report_chain_csv(set, study, 0, devices)
+      call report_chain_table(set, study, 0, devices)
       if (allocated(set%no_loops)) call report_chain('PSALM', set, study, 0, devices)
    end subroutine run_sketch
 

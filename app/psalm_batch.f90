@@ -17,7 +17,7 @@ module psalm_batch
       character(:), allocatable :: suffix            !! between the name of the case and the endings
       character(5), allocatable :: endings(:)        !! of every run
       character(5), allocatable :: of_search(:)      !! of a run that searches, besides
-      logical :: tables = .false.                    !! a sketch gets a table for other programs
+      logical :: tables = .false.                    !! a sketch gets a table for other programs, with --json every case
    end type outputs_t
 
    abstract interface
@@ -75,7 +75,9 @@ contains
       stem = stem_of(file, arguments%output_dir)//outputs%suffix
       endings = outputs%endings
       if (any([(sets(k)%wants_search(), k=1, size(sets))])) endings = [endings, outputs%of_search]
-      if (outputs%tables .and. any([(sets(k)%sketch%given, k=1, size(sets))])) endings = [character(5) :: endings, '.csv']
+      if (outputs%tables .and. (arguments%json .or. any([(sets(k)%sketch%given, k=1, size(sets))]))) &
+         endings = [character(5) :: endings, '.csv']
+      if (arguments%json) endings = [character(5) :: endings, '.json']
       call prepare_outputs(arguments, stem, endings, ready, code)
       if (.not. ready) return
       devices%mark = mark%name()

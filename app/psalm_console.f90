@@ -11,7 +11,8 @@ module psalm_console
    use psalm_system, only: identity_t, begin_program, error_is_terminal, error_text, identity_of, identity_of_open, &
                            make_directories, same_file, standard_error, standard_input, standard_output, write_standard_error, &
                            write_standard_output
-   use psalm_text, only: to_text, general
+   use psalm_table, only: write_csv, write_json
+   use psalm_text, only: text_t, general, to_text
    use psalm_version, only: version
    implicit none (type, external)
    private
@@ -27,8 +28,9 @@ module psalm_console
       character(:), allocatable :: output_dir    !! empty: beside the case
       character(:), allocatable :: device4       !! empty: CASE.dev4
       integer :: threads = 0                     !! 0: not given
+      logical :: json = .false.                  !! psalm, kalm: the table of every case as CSV and JSON; muscle: results as JSON
+      logical :: edit = .false., no_case = .false. !! balm: the drawing board; no case is named
       logical :: curves = .false., assemblies = .false. !! curves by gnuplot; balm: the other assembly of each pair
-      logical :: json = .false.                  !! results as JSON too
       logical :: quiet = .false., help = .false., version = .false.
       type(identity_t), allocatable :: inputs(:) !! of all files that are read, and of the standard streams
       integer :: code = 0                        !! exit status that bad arguments lead to
@@ -194,19 +196,21 @@ contains
             arguments%version = .true.
          case ('--quiet', '-q')
             arguments%quiet = .true.
-         case ('--curves', '--assemblies')
+         case ('--curves', '--assemblies', '--edit')
             if (program /= 'balm' .and. .not. (program == 'ssics' .and. word == '--curves')) then
-               call say(program, "unknown option '"//word//"'; see --help")
+               call say(program, "'"//word//"' is an option of balm"//trim(merge(' and ssics', '          ', word == '--curves'))// &
+                        '; see --help')
                arguments%code = exit_bad_input
             end if
+            arguments%edit = arguments%edit .or. word == '--edit'
             arguments%curves = arguments%curves .or. word == '--curves'
             arguments%assemblies = arguments%assemblies .or. word == '--assemblies'
          case ('--json')
-            if (program /= 'muscle') then
-               call say(program, "unknown option '"//word//"'; see --help")
+            arguments%json = any(program == [character(6) :: 'psalm', 'kalm', 'muscle'])
+            if (.not. arguments%json) then
+               call say(program, '--json is an option of psalm, kalm and muscle: results as JSON; see --help')
                arguments%code = exit_bad_input
             end if
-            arguments%json = .true.
          case ('--output-dir')
             call value_of(program, word, i, arguments%output_dir, arguments%code)
          case ('--threads')
@@ -224,7 +228,12 @@ contains
             arguments%code = exit_bad_input
          end select
       end do
-      if (size(arguments%files) == 0) arguments%files = ['-']
+      arguments%no_case = size(arguments%files) == 0
+      if (arguments%edit .and. (arguments%curves .or. arguments%assemblies)) then
+         call say(program, '--edit makes the drawing board and no pictures; leave --curves and --assemblies out')
+         arguments%code = exit_bad_input
+      end if
+      if (arguments%no_case) arguments%files = ['-']
    end subroutine read_arguments
 
    !> Two cases whose devices would have the same names would overwrite each other.
@@ -311,6 +320,7 @@ contains
       integer, intent(inout) :: code
       type(exchange_t) :: files
       character(:), allocatable :: nine, written
+      type(text_t) :: csv, json
       logical :: done
       integer :: first_line
 
@@ -326,9 +336,14 @@ contains
          first_line = index(nine, nl)
          call add('9', 'table for plotting', nine(:first_line)//'# run '//devices%mark//nl//nine(first_line + 1:))
       end if
-      if (devices%csv%length > 0) then
-         call files%add(stem//'.csv', devices%csv%content())
+      if (allocated(devices%tables)) then
+         call write_tables()
+         call files%add(stem//'.csv', csv%content())
          written = written//', .csv (table for other programs)'
+         if (arguments%json) then
+            call files%add(stem//'.json', json%content())
+            written = written//', .json (the same)'
+         end if
       end if
       if (arguments%json .and. devices%json%length > 0) then
          ! one object; of several cases a list of them
@@ -352,6 +367,15 @@ contains
       code = exit_file_trouble
 
    contains
+
+      subroutine write_tables()
+         integer :: i
+
+         do i = 1, size(devices%tables)
+            call write_csv(devices%tables(i), csv)
+         end do
+         call write_json(devices%tables, arguments%program, version, devices%mark, json)
+      end subroutine write_tables
 
       subroutine add(number, purpose, text)
          character(*), intent(in) :: number, purpose, text

@@ -1,4 +1,4 @@
-!> What a sketch does, as texts: the listing, the table of device 9, the table for other programs (CASE.csv).
+!> What a sketch does, as texts: the listing, the table of device 9, the table for other programs.
 module psalm_chain_list
    use psalm_assur_order, only: assur_order_t
    use psalm_data_set, only: data_set_t
@@ -6,10 +6,11 @@ module psalm_chain_list
    use psalm_force_study, only: force_study_t
    use psalm_kinds, only: wp
    use psalm_sketch, only: sketch_t, drive_turns
+   use psalm_table, only: table_t
    use psalm_text, only: text_t, full_precision, general, to_text, upper_case
    implicit none (type, external)
    private
-   public :: list_chain, list_groups, write_chain_table, write_chain_csv
+   public :: list_chain, list_groups, write_chain_table, fill_chain_table
 
    integer, parameter :: column = 15   !! characters of a column of the listing
 
@@ -151,9 +152,9 @@ contains
       end do
    end function input_name
 
-   !> CASE.csv: a row of names, then a row for each position: inputs, closed, outputs, joints. With `orders` above 0 outputs have
-   !> `.v` and `.a`, joints `.vx .vy .ax .ay`. What does not close has empty fields.
-   subroutine write_chain_csv(sketch, inputs, closed, dead, names, values, joints, orders, text)
+   !> The table of a sketch: a row for each position with inputs, closed, outputs, joints. With `orders` above 0 outputs have
+   !> `.v` and `.a`, joints `.vx .vy .ax .ay`. What does not close is not known.
+   subroutine fill_chain_table(sketch, inputs, closed, dead, names, values, joints, orders, table)
       type(sketch_t), intent(in) :: sketch
       real(wp), intent(in) :: inputs(:, :)           !! shape (drives, positions)
       logical, intent(in) :: closed(:), dead(:)      !! shape (positions); dead: rates are infinite
@@ -161,73 +162,31 @@ contains
       real(wp), intent(in) :: values(:, 0:, :)       !! shape (numbers, 0:, positions)
       complex(wp), intent(in) :: joints(:, 0:, :)    !! shape (joints, 0:, positions)
       integer, intent(in) :: orders                  !! 0 or 2
-      type(text_t), intent(inout) :: text
+      type(table_t), intent(inout) :: table
       character(*), parameter :: of_joint(0:2) = [character(1) :: '', 'v', 'a']
       character(*), parameter :: of_output(0:2) = [character(2) :: '', '.v', '.a']
-      character(:), allocatable :: line
-      integer :: k, d, o
+      logical :: known(size(closed), 0:2)
+      character(:), allocatable :: joint
+      integer :: d, o
 
-      line = ''
+      known(:, 0) = closed
+      known(:, 1) = closed .and. .not. dead
+      known(:, 2) = known(:, 1)
       do d = 1, size(inputs, 1)
-         line = line//quoted(input_name(sketch, d))//','
+         call table%add(input_name(sketch, d), inputs(d, :))
       end do
-      line = line//'closed'
+      call table%add_flag('closed', closed)
       do d = 1, size(names)
          do o = 0, orders
-            line = line//','//quoted(trim(names(d))//trim(of_output(o)))
+            call table%add(trim(names(d))//trim(of_output(o)), values(d, o, :), known(:, o))
          end do
       end do
       do d = 1, size(joints, 1)
          do o = 0, orders
-            line = line//','//quoted(trim(sketch%joint_name(d))//'.'//trim(of_joint(o))//'x')//','// &
-                   quoted(trim(sketch%joint_name(d))//'.'//trim(of_joint(o))//'y')
+            joint = trim(sketch%joint_name(d))//'.'//trim(of_joint(o))
+            call table%add(joint//'x', joints(d, o, :)%re, known(:, o))
+            call table%add(joint//'y', joints(d, o, :)%im, known(:, o))
          end do
       end do
-      call text%add(line)
-      do k = 1, size(closed)
-         line = ''
-         do d = 1, size(inputs, 1)
-            line = line//full_precision(inputs(d, k))//','
-         end do
-         line = line//merge('1', '0', closed(k))
-         do d = 1, size(names)
-            do o = 0, orders
-               call field(values(d, o, k), o)
-            end do
-         end do
-         do d = 1, size(joints, 1)
-            do o = 0, orders
-               call field(joints(d, o, k)%re, o)
-               call field(joints(d, o, k)%im, o)
-            end do
-         end do
-         call text%add(line)
-      end do
-
-   contains
-
-      subroutine field(value, order)
-         real(wp), intent(in) :: value
-         integer, intent(in) :: order
-
-         line = line//','
-         if (closed(k) .and. .not. (order > 0 .and. dead(k)) .and. abs(value) < huge(1.0_wp)) line = line//full_precision(value)
-      end subroutine field
-   end subroutine write_chain_csv
-
-   !> A name as CSV has it.
-   pure function quoted(name) result(text)
-      character(*), intent(in) :: name
-      character(:), allocatable :: text
-      integer :: i
-
-      text = name
-      if (scan(name, ',"') == 0) return
-      text = '"'
-      do i = 1, len(name)
-         if (name(i:i) == '"') text = text//'"'
-         text = text//name(i:i)
-      end do
-      text = text//'"'
-   end function quoted
+   end subroutine fill_chain_table
 end module psalm_chain_list

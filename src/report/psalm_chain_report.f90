@@ -1,6 +1,6 @@
 !> What the study of a sketch has to report, on all devices.
 module psalm_chain_report
-   use psalm_chain_list, only: list_chain, list_groups, write_chain_table, write_chain_csv
+   use psalm_chain_list, only: list_chain, list_groups, write_chain_table, fill_chain_table
    use psalm_chain_study, only: chain_study_t, name_room
    use psalm_closure, only: most_orders
    use psalm_data_set, only: data_set_t
@@ -12,12 +12,12 @@ module psalm_chain_report
    use psalm_text, only: general, to_text
    implicit none (type, external)
    private
-   public :: report_chain, report_chain_csv
+   public :: report_chain, report_chain_table
 
 contains
 
    !> The table for other programs; `orders` is 2 with rates, else 0.
-   subroutine report_chain_csv(set, study, orders, devices)
+   subroutine report_chain_table(set, study, orders, devices)
       type(data_set_t), intent(in) :: set
       type(chain_study_t), intent(in) :: study
       integer, intent(in) :: orders
@@ -29,10 +29,10 @@ contains
       do k = 1, size(joints, 3)
          joints(:, :, k) = study%motion%states(k)%joint
       end do
-      if (devices%csv%length > 0) call devices%csv%add()
-      call write_chain_csv(set%sketch, study%inputs, study%motion%closed, study%motion%dead, study%names, study%values, joints, &
-                           orders, devices%csv)
-   end subroutine report_chain_csv
+      call devices%new_table(set%title)
+      call fill_chain_table(set%sketch, study%inputs, study%motion%closed, study%motion%dead, study%names, study%values, joints, &
+                            orders, devices%tables(size(devices%tables)))
+   end subroutine report_chain_table
 
    !> A sketch that has no loops of dyads: listing, groups, data set, table, remarks, summary.
    subroutine report_chain(program, set, study, orders, devices, forces)

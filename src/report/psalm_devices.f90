@@ -3,7 +3,8 @@ module psalm_devices
    use psalm_data_set, only: data_set_t
    use psalm_mark, only: mark_width
    use psalm_status, only: exit_done, exit_violation
-   use psalm_text, only: text_t, to_text
+   use psalm_table, only: table_t, table_of
+   use psalm_text, only: text_t
    use psalm_version, only: version
    implicit none (type, external)
    private
@@ -19,14 +20,15 @@ module psalm_devices
       type(text_t) :: seven   !! vertices and data set
       type(text_t) :: eight   !! annotated input, intermediate arrays, all arcs
       type(text_t) :: nine    !! plotting data
-      type(text_t) :: csv     !! table of all outputs and joints of sketches, for other programs
       type(text_t) :: json    !! results for other programs: objects, a comma between them
+      type(table_t), allocatable :: tables(:) !! for other programs, one a case; not allocated: none
       type(text_t) :: notes   !! remarks for standard error
       type(text_t) :: summary !! what the linkage does, for standard error
       integer :: summarised = 0          !! cases met by the summary
       integer :: code = exit_done        !! exit status so far
       character(mark_width) :: mark = '' !! of the run; blank: none
    contains
+      procedure :: new_table
       procedure :: remark
       procedure :: detail
       procedure :: note_violation
@@ -43,6 +45,26 @@ contains
       line = ' *** '//program//', VERSION '//version//' ***'
       if (len_trim(mark) > 0) line = line//' RUN '//mark
    end function header_of
+
+   !> The table of a further case, without columns: the last of `tables`.
+   pure subroutine new_table(self, title)
+      class(devices_t), intent(inout) :: self
+      character(*), intent(in) :: title
+
+      type(table_t), allocatable :: more(:)
+      integer :: i, n
+
+      n = 0
+      if (allocated(self%tables)) n = size(self%tables)
+      allocate (more(n + 1))
+      do i = 1, n
+         more(i)%title = self%tables(i)%title
+         more(i)%count = self%tables(i)%count
+         call move_alloc(self%tables(i)%columns, more(i)%columns)
+      end do
+      more(n + 1) = table_of(title)
+      call move_alloc(more, self%tables)
+   end subroutine new_table
 
    !> A remark on a case, with its file and title.
    subroutine remark(self, set, text)

@@ -71,6 +71,8 @@ contains
       if (set%crnki /= set%crnki_of_drawing) line = line//' CRNKI='//full_precision(set%crnki - set%crnki_of_drawing)//','
       if (set%ikin /= 0) then
          call text%add(line//' IKIN='//to_text(set%ikin)//',')
+      else if (any(set%sketch%drives%steps > 0)) then
+         call text%add(line)
       else
          call text%add(line//' NDES='//to_text(set%ndes)//',')
          call numbers('DELT=', set%delt)
@@ -178,6 +180,17 @@ contains
             end if
             if (any(abs(drives%speed) > 0.0_wp)) call numbers('DSPEED=', drives%speed)
             if (any(abs(drives%accel) > 0.0_wp)) call numbers('DACCEL=', drives%accel)
+            if (any(drives%steps > 0)) then
+               line = '  NGRID='
+               do i = 1, size(drives)
+                  call word(to_text(drives(i)%steps))
+               end do
+               call text%add(line)
+               call numbers('DLOW=', [(drives(i)%low, i=1, size(drives))])
+               call numbers('DHIGH=', [(drives(i)%high, i=1, size(drives))])
+               call text%add(' &END')
+               return
+            end if
             do i = 2, size(drives)
                if (allocated(drives(i)%delt)) call numbers('DELT'//to_text(i)//'=', drives(i)%delt)
             end do
