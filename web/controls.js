@@ -5,6 +5,7 @@ balm.controls = (() => {
   const { between, mixed, prescribedNext, within } = balm.scene;
   const TURN_TIME = 8, RANGE_TIME = 4;   // seconds at speed 1 for a whole turn, for a part of it
   const BEFORE_TURN = 1e-6;              // the end of a whole turn is its beginning: the time line stops short of it
+  const NEAR = 12;                       // part of the sweep that a joint may be dragged at a time
   const $ = (id) => document.getElementById(id);
   let last = 0;                          // time of the frame before
   let drag = null;                       // where the pointer was last; null: nothing is dragged
@@ -82,8 +83,10 @@ balm.controls = (() => {
     const x0 = drag.x - box.left, y0 = drag.y - box.top, x = event.clientX - box.left, y = event.clientY - box.top;
     // a finger is never quite still
     if (event.pointerType === 'touch' && !drag.moved && Math.hypot(x - x0, y - y0) < 4) return;
-    drag = { x: event.clientX, y: event.clientY, moved: true };
-    if (c.ring) {
+    drag = { x: event.clientX, y: event.clientY, moved: true, joint: drag.joint ?? movingJoint(c, x0, y0) };
+    if (c.drives) {
+      follow(c, drag.joint, x, y);
+    } else if (c.ring) {
       const px = c.px[c.bar.from], py = c.py[c.bar.from];
       const turn = Math.atan2(py - y, x - px) - Math.atan2(py - y0, x0 - px);
       go(t + c.sense * Math.atan2(Math.sin(turn), Math.cos(turn)) * 180 / Math.PI);
@@ -92,6 +95,29 @@ balm.controls = (() => {
       const along = ((x - x0) * mixed(s.ux[k], at) - (y - y0) * mixed(s.uy[k], at)) / balm.drawing.scale;
       if (whole) go(t + along / whole * (s.n - 1));
     }
+  }
+
+  /** The moving joint nearest to a point of the canvas. */
+  function movingJoint(c, x, y) {
+    let best = c.output, least = Infinity;
+    c.joints.forEach((joint, j) => {
+      const away = Math.hypot(c.px[j] - x, c.py[j] - y);
+      if (!joint.fixed && away < least) [best, least] = [j, away];
+    });
+    return best;
+  }
+
+  /** Several drives have no one direction: the joint that was grabbed goes along its path to the place nearest to the pointer. */
+  function follow(c, joint, x, y) {
+    const s = c.sweep, [mx, my] = balm.drawing.machine(x, y), reach = Math.ceil(s.n / NEAR), here = Math.round(balm.state.t);
+    let best = -1, least = Infinity;
+    for (let i = here - reach; i <= here + reach; i++) {
+      const k = c.ring ? balm.scene.modulo(i, s.n) : i;
+      if (k < 0 || k >= s.n || s.closed[k] === '0') continue;
+      const away = Math.hypot(mixed(s.x[joint], [k, k, 0]) - mx, mixed(s.y[joint], [k, k, 0]) - my);
+      if (away < least) [best, least] = [k, away];
+    }
+    if (best >= 0) go(best);
   }
 
   /** A tap names the arc it meets: a finger cannot point. */

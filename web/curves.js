@@ -2,7 +2,8 @@
 'use strict';
 
 balm.curves = (() => {
-  const { OPEN, between, mixed, modulo, inputAt, short } = balm.scene;
+  const { OPEN, between, mixed, modulo, inputAt, inputName, short } = balm.scene;
+  const MOST = 6;           // panels of outputs; CASE.csv has all
   const FLAT = 1e-8;        // a curve that varies by less than this part of the scale is constant: nine digits are sent
   const AROUND = 0.01;      // part of the scale that is shown on either side of a constant
   const OUTPUT = { angle: 'angle, degrees', distance: 'distance', slide: 'length of the slide' };
@@ -63,7 +64,12 @@ balm.curves = (() => {
     const output = (name, actual, desired) => panels.push({ name, size,
       lines: [{ label: 'actual', colour: pens.actual, values: s[actual] }],
       points: c.desired ? [{ label: 'desired', colour: pens.desired, marks: marks(p[desired]) }] : [] });
-    if (c.motion === 'point') {
+    if (c.curves) {
+      for (const one of c.curves.slice(0, MOST)) panels.push({ name: one.name, size: one.angle ? 360 : c.size,
+        lines: [{ label: '', colour: pens.actual, values: one.sweep }], points: [{ colour: pens.actual, marks: marks(one.prescribed) }] });
+      if (c.drives.length > 1) panels.push({ name: 'drives, from the drawing', size: 0, points: [],
+        lines: c.drives.map((one, i) => ({ label: one.name, colour: linkColour(i), values: one.sweep })) });
+    } else if (c.motion === 'point') {
       output('x of the output', 'actual', 'desired');
       output('y of the output', 'actual_y', 'desired_y');
     } else {
@@ -117,7 +123,7 @@ balm.curves = (() => {
     g.textAlign = 'center';
     for (const v of ticks(inputAt(c, plot.from), inputAt(c, plot.to), w < 500 * u ? 4 : 7, c.ring))
       g.fillText(short(c.ring ? modulo(v, 360) : v), plot.x((v - first) / each), h - 20 * u);
-    g.fillText(c.sliding ? 'input length' : 'crank angle, degrees', (left + right) / 2, h - 5 * u);
+    g.fillText(inputName(c), (left + right) / 2, h - 5 * u);
     g.textAlign = 'left';
   }
 

@@ -74,11 +74,35 @@ balm.drawing = (() => {
     const g = still.getContext('2d');
     g.clearRect(0, 0, w, h);
     drawRegions(g, c);
+    if (c.meshes) drawReach(g, c.meshes);
     if (state.traces) for (const o of [c, ...overlays]) drawTraces(g, o, o === c ? 1 : 0.5);
     drawScale(g);
   }
 
   // ---- what stands still --------------------------------------------------------------------------------------------
+
+  /** What the output reaches over a grid of strokes: the meshes cover each other, so all are outlined, then filled as one. */
+  function drawReach(g, meshes) {
+    g.beginPath();
+    for (const m of meshes) {
+      for (let i = 0; i < 8; i += 2) if (i) g.lineTo(X(m[i]), Y(m[i + 1])); else g.moveTo(X(m[0]), Y(m[1]));
+      g.closePath();
+    }
+    g.lineJoin = 'round';
+    g.strokeStyle = pens.link2;
+    g.lineWidth = 3 * view.u;
+    g.stroke();
+    g.fillStyle = g.strokeStyle = pens.paper;
+    g.lineWidth = 0.5;
+    g.fill();
+    g.stroke();
+    g.fillStyle = g.strokeStyle = pens.link2;
+    g.globalAlpha = 0.12;
+    g.fill();
+    g.globalAlpha = 0.35;
+    g.stroke();
+    g.globalAlpha = 1;
+  }
 
   /** Where joints must not go is shaded, where they must stay is outlined. */
   function drawRegions(g, c) {
@@ -113,9 +137,10 @@ balm.drawing = (() => {
   function drawTraces(g, c, alpha) {
     g.save();
     g.globalAlpha = alpha;
-    drawPlaces(g, c);
-    if (c.motion === 'point' || c.motion === 'distance') drawPath(g, c);
-    if (c.motion === 'angle') drawDirections(g, c, alpha); else drawMarks(g, c);
+    if (!c.meshes) drawPlaces(g, c);
+    if (c.meshes) { g.restore(); return; }   // the way through a grid is no path
+    if (c.motion !== 'angle' && c.motion !== 'slide') drawPath(g, c);
+    if (c.motion === 'angle') drawDirections(g, c, alpha); else if (c.motion !== 'number') drawMarks(g, c);
     if (c.motion === 'distance') {
       g.strokeStyle = pens.ink;
       g.lineWidth = 1.2 * view.u;
@@ -262,6 +287,7 @@ balm.drawing = (() => {
     drawRails(c, at);
     drawPlates(c);
     if (balm.state.other && main) drawOthers(c, at);
+    if (c.wheels) drawWheels(c);
     drawBars(c, at, main);
     if (main) drawBroken(c, at[0]);
     drawJoints(c, at, main);
@@ -402,6 +428,7 @@ balm.drawing = (() => {
       if (main && isBent(c, bar)) drawBent(c, at);
       else line(g, px[bar.from], py[bar.from], px[bar.to], py[bar.to]);
       if (fixed) g.setLineDash([]);
+      if ('barrel' in bar) drawBarrel(c, bar);
     }
   }
 
@@ -433,6 +460,32 @@ balm.drawing = (() => {
     g.font = 11 * view.u + 'px system-ui, sans-serif';
     g.fillText('bending drawn ' + short(v.factor) + ' times larger' + (v.settles ? '' : '; the motion is not stable'), 12,
       view.h - 34 * view.u);
+  }
+
+  /** Pitch circles of gear wheels, with a line that turns with each. */
+  function drawWheels(c) {
+    for (const wheel of c.wheels) {
+      const x = c.px[wheel.centre], y = c.py[wheel.centre];
+      if (!isFinite(x)) continue;
+      pen.strokeStyle = colourOf(c, wheel.body);
+      pen.lineWidth = 1.4 * view.u;
+      pen.beginPath();
+      pen.arc(x, y, view.k * wheel.radius, 0, ROUND);
+      pen.stroke();
+      line(pen, x, y, c.px[wheel.rim], c.py[wheel.rim]);
+    }
+  }
+
+  /** The thick part of a cylinder. */
+  function drawBarrel(c, bar) {
+    const x = c.px[bar.from], y = c.py[bar.from], dx = c.px[bar.to] - x, dy = c.py[bar.to] - y;
+    const part = view.k * bar.barrel / (Math.hypot(dx, dy) || 1);
+    pen.lineCap = 'butt';
+    pen.lineWidth = 8 * view.u;
+    pen.globalAlpha *= 0.55;
+    line(pen, x, y, x + part * dx, y + part * dy);
+    pen.globalAlpha /= 0.55;
+    pen.lineCap = 'round';
   }
 
   /** Pairs that do not meet: both arcs as far as they reach, dots between them. */

@@ -57,6 +57,7 @@
     $('bentbox').hidden = !c.vibration;
     $('whole').checked = state.whole;
     $('wholebox').hidden = !c.limited;
+    $('other').parentNode.hidden = !c.pairs.length;
     refresh();
   }
 

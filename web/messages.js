@@ -2,6 +2,7 @@
 'use strict';
 
 balm.messages = (() => {
+  const MOST_OUTPUTS = 5;   // of several told in the line of facts
   const { OPEN, between, mixed, modulo, inputAt, prescribedAt, short, shortOutput, explain } = balm.scene;
   const MOST = 3;           // violations told on the picture at a time
   const $ = (id) => document.getElementById(id);
@@ -13,6 +14,7 @@ balm.messages = (() => {
   /** The position in one line: input, output, and at a prescribed one the errors. */
   function factsOf(c, t) {
     const p = c.prescribed, s = c.sweep, at = between(c, t), near = prescribedAt(c, t);
+    if (c.drives) return factsOfDrives(c, at, near);
     const value = (key) => shortOutput(c, near >= 0 ? p[key][near] : mixed(s[key], at));
     const input = near >= 0 ? p.input[near] : c.ring ? modulo(inputAt(c, t), 360) : inputAt(c, t);
     let text = c.sliding ? 'input ' + short(input) + ', ' : 'crank ' + short(input) + '\u00b0, ';
@@ -24,6 +26,18 @@ balm.messages = (() => {
     if (!c.desired) return text;
     if (c.motion === 'point') return text + ', error ' + short(p.error[near]) + ', ' + short(p.error_y[near]);
     return text + ', desired ' + short(p.desired[near]) + ', error ' + short(p.error[near]);
+  }
+
+  /** The same of a sketch with several drives or outputs. */
+  function factsOfDrives(c, at, near) {
+    const value = (one) => near >= 0 ? one.prescribed[near] : mixed(one.sweep, at);
+    const digits = (v) => short(isFinite(v) ? Number(v.toPrecision(6)) : v);
+    const parts = c.drives.map((one) => one.name + ' ' + digits(value(one)) + (one.turning ? '\u00b0' : ''));
+    for (const one of c.curves.slice(0, MOST_OUTPUTS)) parts.push(one.name.replace(', degrees', '') + ' ' + digits(value(one)) +
+      (one.angle ? '\u00b0' : ''));
+    if ((near >= 0 ? c.prescribed.closed[near] : c.sweep.closed[at[0]]) === '0') parts.push('does not close');
+    if (near >= 0) parts.push('position ' + (near + 1));
+    return parts.join(', ');
   }
 
   /** Facts and what is wrong at t. */
@@ -70,14 +84,15 @@ balm.messages = (() => {
   function describe(c, bar, t) {
     const s = c.sweep, at = between(c, t), scale = balm.drawing.scale;
     let dx = (c.px[bar.to] - c.px[bar.from]) / scale, dy = (c.py[bar.from] - c.py[bar.to]) / scale;
-    let length = bar.length;
+    let length = 'barrel' in bar ? Math.hypot(dx, dy) : bar.length;
     if (bar.slide >= 0) {
       const ux = mixed(s.ux[bar.slide], at), uy = mixed(s.uy[bar.slide], at);
       length = dx * ux + dy * uy;
       [dx, dy] = [ux, uy];
     }
     const angle = modulo(Math.atan2(dy, dx) * 180 / Math.PI, 360);
-    return (bar.loop ? 'loop ' + bar.loop + ', arc ' + bar.arc : 'output arc') +
+    const link = bar.body >= 0 && c.bodies[bar.body].name;
+    return (link ? 'link ' + link : bar.loop ? 'loop ' + bar.loop + ', arc ' + bar.arc : 'output arc') +
       ': length ' + short(Number(length.toPrecision(6))) + ', angle ' + angle.toFixed(2) + '\u00b0' +
       (bar.others ? ' (also ' + bar.others + ')' : '');
   }

@@ -37,6 +37,8 @@ balm.scene = (() => {
     for (const other of s.others) [other.x, other.y] = [filled(other.x), filled(other.y)];
     if (c.forces) prepareForces(c.forces);
     if (c.vibration) c.vibration.modes = c.vibration.modes.map(filled);
+    for (const one of [...c.curves || [], ...c.drives || []])
+      [one.prescribed, one.sweep] = [filled(one.prescribed), filled(one.sweep)];
     c.at = p.at;
     c.broken = new Map();
     for (const [i, loop, ...tip] of s.broken) {
@@ -129,6 +131,9 @@ balm.scene = (() => {
     return next ?? (way > 0 ? list[0] : list.at(-1));
   }
 
+  /** What the axis of the input is called. */
+  const inputName = (c) => c.inputLabel || (c.sliding ? 'input length' : 'crank angle, degrees');
+
   /** Seven digits. */
   const short = (v) => !isFinite(v) ? '\u2013' : Number(v.toPrecision(7)).toString();
 
@@ -165,6 +170,6 @@ balm.scene = (() => {
     return grown;
   }
 
-  return { OPEN, BEYOND, read, prepare, inputAt, within, between, mixed, modulo, prescribedAt, prescribedNext, short,
+  return { OPEN, BEYOND, read, prepare, inputAt, inputName, within, between, mixed, modulo, prescribedAt, prescribedNext, short,
     shortOutput, shortTitle, explain, withOthers };
 })();

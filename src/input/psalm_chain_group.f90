@@ -631,7 +631,7 @@ contains
       real(wp), allocatable :: ratio(:), phase(:), delt(:)
       character(:), allocatable :: item
       integer :: n, announced, i, j, last_ratio, last
-      logical :: valid
+      logical :: valid, grid
 
       call group%get_texts('DRIVE', names, findings)
       call group%get_texts('DBASE', bases, findings)
@@ -694,6 +694,7 @@ contains
          end associate
       end do
       call read_speeds()
+      call read_grid(grid)
       do i = 2, max(n, 2)
          item = 'DELT'//to_text(i)
          if (allocated(delt)) deallocate (delt)
@@ -701,12 +702,14 @@ contains
          call group%get_reals(item, delt, findings, last=last)
          if (i > n) exit
          associate (drive => sketch%drives(i))
-            if (last > 0 .and. drive%geared) then
+            if (last > 0 .and. grid) then
+               call out_of(group, item, 'the grid NGRID gives the positions of all drives; leave '//item//' out', findings, 1)
+            else if (last > 0 .and. drive%geared) then
                call out_of(group, item, 'drive '//trim(drive%name)//' has RATIO too; give one of both', findings, 1)
             else if (last > 0 .and. last < positions) then
                call out_of(group, item, 'NDES='//to_text(positions)//' positions are announced, but only '//to_text(last)// &
                            ' values given', findings, last)
-            else if (last == 0 .and. .not. drive%geared) then
+            else if (last == 0 .and. .not. drive%geared .and. .not. grid) then
                call required(group, item, 'drive '//trim(drive%name)//' needs its values, '//item// &
                              ', or a RATIO to the first drive')
             end if
@@ -737,6 +740,43 @@ contains
             if (k == 2) sketch%drives%accel = values(:n)
          end do
       end subroutine read_speeds
+
+      !> A grid of strokes: NGRID values of each drive, evenly from DLOW to DHIGH.
+      subroutine read_grid(given)
+         logical, intent(out) :: given
+         integer :: counts(max(1, n)), last_count, last_low, last_high, d
+         real(wp) :: low(max(1, n)), high(max(1, n))
+
+         counts = 0
+         low = 0.0_wp
+         high = 0.0_wp
+         call group%get_integers('NGRID', counts, findings, last=last_count)
+         call group%get_reals('DLOW', low, findings, last=last_low)
+         call group%get_reals('DHIGH', high, findings, last=last_high)
+         given = last_count > 0
+         if (n == 0) return
+         if (.not. given) then
+            if (last_low > 0) call out_of(group, 'DLOW', 'belongs to a grid of strokes, but NGRID is missing', findings, 1)
+            if (last_high > 0) call out_of(group, 'DHIGH', 'belongs to a grid of strokes, but NGRID is missing', findings, 1)
+            return
+         end if
+         do d = 1, n
+            associate (drive => sketch%drives(d))
+               if (drive%geared) then
+                  if (counts(d) /= 0) call out_of(group, 'NGRID', 'drive '//trim(drive%name)// &
+                                                  ' follows the first by its RATIO; its NGRID is 0', findings, d)
+               else if (counts(d) < 2) then
+                  call out_of(group, 'NGRID', 'drive '//trim(drive%name)//' needs 2 values or more in a grid; found '// &
+                              to_text(counts(d)), findings, d)
+               else if (max(last_low, last_high) < d .or. .not. low(d) < high(d)) then
+                  call out_of(group, 'DLOW', 'the stroke of drive '//trim(drive%name)//' goes from DLOW up to DHIGH', findings, d)
+               end if
+               drive%steps = counts(d)
+               drive%low = low(d)
+               drive%high = high(d)
+            end associate
+         end do
+      end subroutine read_grid
 
       !> Two one-letter joints that run together are two words.
       function apart(words) result(parts)

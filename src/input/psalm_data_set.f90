@@ -22,7 +22,7 @@ module psalm_data_set
    use psalm_namelist, only: case_text_t, read_case
    use psalm_origin, only: origins_t, name_length
    use psalm_search_group, only: search_group_t, read_search_group
-   use psalm_sketch, only: sketch_t, sketch_name, drive_turns, output_angle, output_distance, output_pose, output_slide
+   use psalm_sketch, only: sketch_t, sketch_name, grid_digits, drive_turns, output_angle, output_distance, output_pose, output_slide
    use psalm_source, only: line_t, read_lines, split_lines
    use psalm_spring_design_group, only: spring_design_group_t, read_spring_design_group
    use psalm_spring_group, only: spring_group_t, read_spring_group
@@ -267,6 +267,7 @@ contains
          call read_method(groups(method), set, shape_known, unused)
       end if
       call read_drives(groups(drives), sketch_sound, set, findings)
+      call fill_grid(groups(method), groups(drives), set, findings)
       if (set%sketch%given) call refuse_arcs(groups(method), groups(toler), groups(limits), findings)
       call read_limits(groups(limits), set, findings)
       call read_search_group(groups(search), set%search, findings)
@@ -372,6 +373,62 @@ contains
 
       call findings%error('belongs to the sketch of a group &CHAIN, which is missing', line=group%line, group=trim(group%name))
    end subroutine belongs_to_chain
+
+   !> The positions of a grid of strokes (NGRID), in place of those of &METHOD.
+   subroutine fill_grid(method, drives, set, findings)
+      type(group_t), intent(inout) :: method
+      type(group_t), intent(in) :: drives
+      type(data_set_t), intent(inout) :: set
+      type(diagnostics_t), intent(inout) :: findings
+      character(4), parameter :: items(3) = ['NDES', 'DELT', 'IKIN']
+      integer, allocatable :: counts(:), digits(:)
+      integer :: i, k, d
+
+      if (.not. set%sketch%given) return
+      counts = set%sketch%drives%steps
+      if (all(counts == 0) .or. findings%failed()) return
+      do i = 1, size(items)
+         if (.not. method%given(items(i))) cycle
+         call findings%error('the grid NGRID of &DRIVES gives the positions; leave '//items(i)//' out', &
+                             line=method%item_line(items(i)), group='METHOD', item=items(i))
+      end do
+      if (set%desired) call findings%error('desired values need positions of their own, NDES and DELT, not a grid', &
+                                           line=drives%item_line('NGRID'), group='DRIVES', item='NGRID')
+      method%missing = pack(method%missing, method%missing%name /= 'NDES')
+      where (counts == 0) counts = 1
+      if (product(real(counts, wp)) > real(most_positions, wp)) then
+         call findings%error('the grid has more than '//to_text(most_positions)//' positions', line=drives%item_line('NGRID'), &
+                             group='DRIVES', item='NGRID')
+         return
+      end if
+      set%ndes = product(counts)
+      deallocate (set%delt, set%desx, set%desy, set%desang, set%xmult, set%ymult, set%anmult)
+      allocate (set%delt(set%ndes), set%desx(set%ndes), set%desy(set%ndes), set%desang(set%ndes), source=0.0_wp)
+      allocate (set%xmult(set%ndes), set%ymult(set%ndes), set%anmult(set%ndes), source=1.0_wp)
+      do d = 2, size(counts)
+         if (.not. set%sketch%drives(d)%geared) allocate (set%sketch%drives(d)%delt(set%ndes))
+      end do
+      do k = 1, set%ndes
+         digits = grid_digits(counts, k)
+         do d = 1, size(counts)
+            if (set%sketch%drives(d)%geared) cycle
+            associate (drive => set%sketch%drives(d))
+               if (d == 1) set%delt(k) = stroke(drive%low, drive%high, digits(d), counts(d))
+               if (d > 1) drive%delt(k) = stroke(drive%low, drive%high, digits(d), counts(d))
+            end associate
+         end do
+      end do
+
+   contains
+
+      !> One of `count` values from `low` to `high`, the ends exactly.
+      pure real(wp) function stroke(low, high, which, count)
+         real(wp), intent(in) :: low, high
+         integer, intent(in) :: which, count   !! 0 to count - 1
+
+         stroke = (low*real(count - 1 - which, wp) + high*real(which, wp))/real(count - 1, wp)
+      end function stroke
+   end subroutine fill_grid
 
    !> Items that count arcs and loops have no meaning for a sketch.
    subroutine refuse_arcs(method, toler, limits, findings)

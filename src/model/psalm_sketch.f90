@@ -7,7 +7,7 @@ module psalm_sketch
    implicit none (type, external)
    private
    public :: sketch_t, link_t, slide_t, drive_t, gear_t, output_t, variation_t
-   public :: sketch_name, frame_link, position_of
+   public :: sketch_name, frame_link, position_of, grid_digits
    public :: drive_turns, drive_slides, drive_stretches
    public :: output_point, output_angle, output_distance, output_slide, output_between, output_pose, output_ratio
    public :: output_x, output_y
@@ -58,6 +58,8 @@ module psalm_sketch
       integer :: base = 0, link = 0         !! the links between which it acts; drive_stretches: the link, base 0
       logical :: geared = .false.           !! value = ratio * value of the first drive + phase
       real(wp) :: ratio = 1.0_wp, phase = 0.0_wp
+      integer :: steps = 0                  !! values of a grid of strokes, evenly from `low` to `high`; 0: no grid
+      real(wp) :: low = 0.0_wp, high = 0.0_wp
       real(wp), allocatable :: delt(:)      !! value at every position; not allocated: the first drive's is in &METHOD
       real(wp) :: speed = 0.0_wp, accel = 0.0_wp !! by time, of a drive that is neither the first nor geared: radians or length
    end type drive_t
@@ -111,6 +113,23 @@ module psalm_sketch
    end type sketch_t
 
 contains
+
+   !> Where a position of a grid stands along each of its drives, counted from 0.
+   !>
+   !> The first drive changes fastest; each goes back and forth, so that a position is next to the one before it.
+   pure function grid_digits(counts, position) result(digits)
+      integer, intent(in) :: counts(:)      !! values of each drive
+      integer, intent(in) :: position       !! 1 to their product
+      integer :: digits(size(counts))
+      integer :: rest, d
+
+      rest = position - 1
+      do d = 1, size(counts)
+         digits(d) = modulo(rest, counts(d))
+         rest = rest/counts(d)
+         if (modulo(rest, 2) == 1) digits(d) = counts(d) - 1 - digits(d)
+      end do
+   end function grid_digits
 
    !> True if the joint belongs to the link.
    pure logical function has_joint(self, link, joint)

@@ -1,5 +1,6 @@
 !> Curves of a scene as a gnuplot script that carries its data: output, error, transmission angles, convergence.
 module psalm_curves
+   use psalm_chain_curves, only: chain_panels, plot_chain_panels, write_chain_tables
    use psalm_dyad_kind, only: assur_rrr
    use psalm_force_curves, only: write_force_table, plot_force_panels, force_panels
    use psalm_kinds, only: wp, full_turn
@@ -37,11 +38,14 @@ contains
       call write_table('$prescribed', scene, scene%prescribed, text)
       call write_table('$sweep', scene, scene%sweep, text)
       if (allocated(scene%forces)) call write_force_table(scene%forces, [(along(scene, scene%sweep, i), i=1, scene%sweep%n)], text)
+      if (allocated(scene%curves)) call write_chain_tables(scene, [(along(scene, scene%prescribed, i), i=1, scene%prescribed%n)], &
+                                                           [(along(scene, scene%sweep, i), i=1, scene%sweep%n)], text)
       call write_progress(progress, steps, starts, text)
       errors = scene%desired
       angles = any(scene%pairs%joint_type == assur_rrr)
       panels = 1 + count([scene%motion == motion_point, errors, angles, steps > 0])
       if (allocated(scene%forces)) panels = panels + force_panels
+      if (allocated(scene%curves)) panels = chain_panels(scene) + count([steps > 0])
       call text%add('set grid; set key outside right top; set lmargin 11; set rmargin 17')
       call find_axis(scene, low, high)
       call input_axis(scene, low, high, text)
@@ -259,7 +263,9 @@ contains
       end do
       if (.not. seen) call text%add("set label 1 'the linkage does not close' at graph 0.5,0.5 center front")
 
-      if (scene%motion == motion_point) then
+      if (allocated(scene%curves)) then
+         call plot_chain_panels(scene, text)
+      else if (scene%motion == motion_point) then
          call output_panel('x of the output point', 2, 4, scene%sweep%actual, scene%prescribed%actual, scene%prescribed%wanted)
          call output_panel('y of the output point', 3, 5, scene%sweep%actual_y, scene%prescribed%actual_y, &
                            scene%prescribed%wanted_y)
@@ -377,6 +383,10 @@ contains
       type(scene_t), intent(in) :: scene
       character(:), allocatable :: name
 
+      if (allocated(scene%input_label)) then
+         name = scene%input_label
+         return
+      end if
       name = trim(merge('input length         ', 'crank angle, degrees ', scene%sliding))
    end function input_name
 

@@ -37,6 +37,8 @@ contains
       call add_joints()
       call add_path()
       call add_wishes()
+      if (allocated(scene%wheels)) call add_wheels()
+      if (allocated(scene%edges)) call add_envelope()
       call group(0, 'ENDSEC')
       call group(0, 'EOF')
 
@@ -76,7 +78,7 @@ contains
          call group(0, 'ENDTAB')
          call group(0, 'TABLE')
          call group(2, 'LAYER')
-         call group(70, to_text(size(scene%bodies) + 5))
+         call group(70, to_text(size(scene%bodies) + merge(6, 5, allocated(scene%edges))))
          call layer('FRAME', 8)
          do b = 1, size(scene%bodies)
             if (.not. scene%bodies(b)%frame) call layer(layer_of(b), modulo(b - 1, colours) + 1)
@@ -85,6 +87,7 @@ contains
          call layer('OUTPUT', 1)
          call layer('DESIRED', 5)
          call layer('SLIDES', 9)
+         if (allocated(scene%edges)) call layer('ENVELOPE', 3)
          call group(0, 'ENDTAB')
          call group(0, 'ENDSEC')
       end subroutine add_tables
@@ -194,18 +197,20 @@ contains
             end if
             do i = 1, row%n
                if (.not. row%known(scene%output, i)) cycle
+               if (allocated(scene%meshes) .and. i /= scene%reference) cycle
                call group(0, 'POINT')
                call group(8, 'OUTPUT')
                call place(row%x(scene%output, i), row%y(scene%output, i))
             end do
          end associate
+         if (allocated(scene%meshes)) return   ! the way through a grid is no path
          associate (row => scene%sweep)
             open = .false.
             do i = 1, row%n
                if (row%known(scene%output, i)) then
-                  if (.not. open) call begin_polyline(all(row%known(scene%output, :)) .and. .not. scene%sliding)
+                  if (.not. open) call begin_polyline('OUTPUT', all(row%known(scene%output, :)) .and. .not. scene%sliding)
                   open = .true.
-                  call vertex(row%x(scene%output, i), row%y(scene%output, i))
+                  call vertex('OUTPUT', row%x(scene%output, i), row%y(scene%output, i))
                else if (open) then
                   call group(0, 'SEQEND')
                   open = .false.
@@ -215,23 +220,57 @@ contains
          end associate
       end subroutine add_path
 
-      subroutine begin_polyline(ring)
+      subroutine begin_polyline(name, ring)
+         character(*), intent(in) :: name
          logical, intent(in) :: ring
 
          call group(0, 'POLYLINE')
-         call group(8, 'OUTPUT')
+         call group(8, name)
          call group(66, '1')
          call place(0.0_wp, 0.0_wp)
          call group(70, merge('1', '0', ring))
       end subroutine begin_polyline
 
-      subroutine vertex(x, y)
+      subroutine vertex(name, x, y)
+         character(*), intent(in) :: name
          real(wp), intent(in) :: x, y
 
          call group(0, 'VERTEX')
-         call group(8, 'OUTPUT')
+         call group(8, name)
          call place(x, y)
       end subroutine vertex
+
+      !> Pitch circles of gear wheels.
+      subroutine add_wheels()
+         integer :: w
+
+         associate (row => scene%prescribed, i => scene%reference)
+            do w = 1, size(scene%wheels)
+               associate (wheel => scene%wheels(w))
+                  if (.not. row%known(wheel%centre, i)) cycle
+                  call group(0, 'CIRCLE')
+                  call group(8, layer_of(wheel%body))
+                  call place(row%x(wheel%centre, i), row%y(wheel%centre, i))
+                  call group(40, full_precision(wheel%radius))
+               end associate
+            end do
+         end associate
+      end subroutine add_wheels
+
+      !> What the output reaches: a polyline for each drive and each of the ends of the others.
+      subroutine add_envelope()
+         integer :: e, i
+
+         do e = 1, size(scene%edges)
+            associate (edge => scene%edges(e))
+               call begin_polyline('ENVELOPE', .false.)
+               do i = 1, size(edge%x)
+                  call vertex('ENVELOPE', edge%x(i), edge%y(i))
+               end do
+               call group(0, 'SEQEND')
+            end associate
+         end do
+      end subroutine add_envelope
 
       subroutine add_wishes()
          integer :: i

@@ -8,7 +8,8 @@ module psalm_page
    use psalm_labels, only: place_labels
    use psalm_markup, only: xml_text, json_text, number_or_null, short_number, strings_t
    use psalm_page_text, only: page_text, title_mark, data_mark
-   use psalm_scene, only: scene_t
+   use psalm_parts, only: bar_t, body_t
+   use psalm_scene, only: scene_t, motion_number
    use psalm_text, only: text_t, full_precision, to_text
    use psalm_trace, only: row_t
    use psalm_vibration_page, only: write_vibration_data
@@ -67,6 +68,7 @@ contains
                             short_number(scene%low(1))//','//short_number(scene%low(2))//','// &
                             short_number(scene%high(1))//','//short_number(scene%high(2))//']')
          call write_parts(scene, text)
+         if (allocated(scene%drives)) call write_chain_parts(scene, text)
          call text%add(',"prescribed":{')
          call write_row(scene, scene%prescribed, .true., text)
          call write_places(scene, text)
@@ -126,13 +128,13 @@ contains
             call text%add_text(comma(i)//'{"from":'//to_text(bar%start - 1)//',"to":'//to_text(bar%finish - 1)//',"loop":'// &
                                to_text(bar%loop)//',"arc":'//to_text(bar%arc)//',"others":'//json_text(bar%others)//',"slide":'// &
                                to_text(bar%slide - 1)//',"body":'//to_text(bar%body - 1)//',"length":'// &
-                               full_precision(bar%length)//'}')
+                               full_precision(bar%length)//barrel_of(bar)//'}')
          end associate
       end do
       call text%add('],"bodies":[')
       do i = 1, size(scene%bodies)
          call text%add_text(comma(i)//'{"frame":'//truth(scene%bodies(i)%frame)//',"hull":'// &
-                            integers(scene%bodies(i)%hull - 1)//'}')
+                            integers(scene%bodies(i)%hull - 1)//name_of(scene%bodies(i))//'}')
       end do
       call text%add('],"slides":[')
       do i = 1, size(scene%slides)
@@ -179,6 +181,88 @@ contains
          end associate
       end subroutine find_letters
    end subroutine write_parts
+
+   !> The length of a cylinder's barrel, if it is one.
+   pure function barrel_of(bar) result(member)
+      type(bar_t), intent(in) :: bar
+      character(:), allocatable :: member
+
+      member = ''
+      if (bar%cylinder) member = ',"barrel":'//short_number(bar%barrel)
+   end function barrel_of
+
+   !> The name of a link of a sketch, if it is one.
+   pure function name_of(body) result(member)
+      type(body_t), intent(in) :: body
+      character(:), allocatable :: member
+
+      member = ''
+      if (allocated(body%name)) member = ',"name":'//json_text(body%name)
+   end function name_of
+
+   !> What only sketches without loops of dyads have: drives, all outputs, gear wheels, what the output reaches.
+   subroutine write_chain_parts(scene, text)
+      type(scene_t), intent(in) :: scene
+      type(text_t), intent(inout) :: text
+      integer :: i, m
+
+      call text%add_text(',"inputLabel":'//json_text(scene%input_label)//',"outputLabel":'//json_text(scene%output_label))
+      call text%add(',"drives":[')
+      do i = 1, size(scene%drives)
+         associate (drive => scene%drives(i))
+            call text%add_text(comma(i)//'{"name":'//json_text(drive%name)//',"turning":'//truth(drive%turning))
+            call add_both(drive%prescribed, drive%sweep, .false.)
+         end associate
+      end do
+      call text%add('],"curves":[')
+      do i = 1, size(scene%curves)
+         associate (curve => scene%curves(i))
+            call text%add_text(comma(i)//'{"name":'//json_text(curve%name)//',"angle":'//truth(curve%angle))
+            call add_both(curve%prescribed, curve%sweep, .true.)
+         end associate
+      end do
+      call text%add('],"wheels":[')
+      do i = 1, size(scene%wheels)
+         associate (wheel => scene%wheels(i))
+            call text%add_text(comma(i)//'{"body":'//to_text(wheel%body - 1)//',"centre":'//to_text(wheel%centre - 1)//',"rim":'// &
+                               to_text(wheel%rim - 1)//',"radius":'//short_number(wheel%radius)//'}')
+         end associate
+      end do
+      call text%add_text(']')
+      if (.not. allocated(scene%meshes)) return
+      call text%add(',"meshes":[')
+      do i = 1, size(scene%meshes, 3)
+         call text%add_text(comma(i)//'[')
+         do m = 1, 4
+            call text%add_text(comma(m)//short_number(scene%meshes(1, m, i))//','//short_number(scene%meshes(2, m, i)))
+         end do
+         call text%add_text(']')
+      end do
+      call text%add(']')
+
+   contains
+
+      !> Values along both rows; where the linkage does not close a curve has none.
+      subroutine add_both(prescribed, sweep, closing)
+         real(wp), intent(in) :: prescribed(:), sweep(:)
+         logical, intent(in) :: closing
+         integer :: k
+
+         call text%add(',"prescribed":[')
+         do k = 1, size(prescribed)
+            call text%add_text(comma(k)//number_or_null(prescribed(k), scene%prescribed%closed(k) .or. .not. closing))
+         end do
+         call text%add('],"sweep":[')
+         do k = 1, size(sweep)
+            if (scene%sweep%closed(k) .or. .not. closing) then
+               call text%add_text(comma(k)//short_number(sweep(k)))
+            else
+               call text%add_text(comma(k)//'null')
+            end if
+         end do
+         call text%add(']}')
+      end subroutine add_both
+   end subroutine write_chain_parts
 
    !> A row of positions: prescribed ones with all digits, a sweep with nine.
    subroutine write_row(scene, row, exact, text)
@@ -393,6 +477,8 @@ contains
          name = 'angle'
       case (motion_distance)
          name = 'distance'
+      case (motion_number)
+         name = 'number'
       case default
          name = 'slide'
       end select

@@ -466,6 +466,8 @@ module psalm_page_text
    '    for (const other of s.others) [other.x, other.y] = [filled(other.x), filled(other.y)];'//nl// &
    '    if (c.forces) prepareForces(c.forces);'//nl// &
    '    if (c.vibration) c.vibration.modes = c.vibration.modes.map(filled);'//nl// &
+   '    for (const one of [...c.curves || [], ...c.drives || []])'//nl// &
+   '      [one.prescribed, one.sweep] = [filled(one.prescribed), filled(one.sweep)];'//nl// &
    '    c.at = p.at;'//nl// &
    '    c.broken = new Map();'//nl// &
    '    for (const [i, loop, ...tip] of s.broken) {'//nl// &
@@ -515,11 +517,11 @@ module psalm_page_text
    '    if (k < 0 || !p.desired) return;'//nl// &
    '    const turn = 360 * Math.round((p.actual[k] - near(k)) / 360);'//nl// &
    '    for (let i = 0; i < a.length; i++) a[i] += turn;'//nl// &
-   '  }'//nl// &
-   ''//nl// &
-   '  /** Input at a place t of the sweep: degrees that go on, or a length. */'//nl
+   '  }'//nl
 
    character(*), parameter :: part_6 = &
+   ''//nl// &
+   '  /** Input at a place t of the sweep: degrees that go on, or a length. */'//nl// &
    '  function inputAt(c, t) {'//nl// &
    '    const from = c.sweep.input[0], n = c.sweep.n;'//nl// &
    '    if (c.ring) return from + c.sense * t;'//nl// &
@@ -560,6 +562,9 @@ module psalm_page_text
    '    return next ?? (way > 0 ? list[0] : list.at(-1));'//nl// &
    '  }'//nl// &
    ''//nl// &
+   '  /** What the axis of the input is called. */'//nl// &
+   "  const inputName = (c) => c.inputLabel || (c.sliding ? 'input length' : 'crank angle, degrees');"//nl// &
+   ''//nl// &
    '  /** Seven digits. */'//nl// &
    "  const short = (v) => !isFinite(v) ? '\u2013' : Number(v.toPrecision(7)).toString();"//nl// &
    ''//nl// &
@@ -596,7 +601,8 @@ module psalm_page_text
    '    return grown;'//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  return { OPEN, BEYOND, read, prepare, inputAt, within, between, mixed, modulo, prescribedAt, prescribedNext, short,'//nl// &
+   '  return { OPEN, BEYOND, read, prepare, inputAt, inputName, within, between, mixed, modulo, prescribedAt, prescribedNex'// &
+   't, short,'//nl// &
    '    shortOutput, shortTitle, explain, withOthers };'//nl// &
    '})();'//nl// &
    '</script>'//nl// &
@@ -614,14 +620,14 @@ module psalm_page_text
    '  const pens = {};               // colours of the scheme'//nl// &
    '  let canvas, pen, still;        // `still` holds what does not move'//nl// &
    '  let view = null;               // scale and place of the drawing'//nl// &
-   ''//nl// &
+   ''//nl
+
+   character(*), parameter :: part_7 = &
    '  function begin() {'//nl// &
    "    canvas = document.getElementById('linkage');"//nl// &
    "    pen = canvas.getContext('2d');"//nl// &
    "    still = document.createElement('canvas');"//nl// &
-   '  }'//nl
-
-   character(*), parameter :: part_7 = &
+   '  }'//nl// &
    ''//nl// &
    '  function readColours() {'//nl// &
    '    const css = getComputedStyle(document.documentElement);'//nl// &
@@ -679,12 +685,37 @@ module psalm_page_text
    "    const g = still.getContext('2d');"//nl// &
    '    g.clearRect(0, 0, w, h);'//nl// &
    '    drawRegions(g, c);'//nl// &
+   '    if (c.meshes) drawReach(g, c.meshes);'//nl// &
    '    if (state.traces) for (const o of [c, ...overlays]) drawTraces(g, o, o === c ? 1 : 0.5);'//nl// &
    '    drawScale(g);'//nl// &
    '  }'//nl// &
    ''//nl// &
    '  // ---- what stands still -------------------------------------------------------------------------------------------'// &
    '-'//nl// &
+   ''//nl// &
+   '  /** What the output reaches over a grid of strokes: the meshes cover each other, so all are outlined, then filled as '// &
+   'one. */'//nl// &
+   '  function drawReach(g, meshes) {'//nl// &
+   '    g.beginPath();'//nl// &
+   '    for (const m of meshes) {'//nl// &
+   '      for (let i = 0; i < 8; i += 2) if (i) g.lineTo(X(m[i]), Y(m[i + 1])); else g.moveTo(X(m[0]), Y(m[1]));'//nl// &
+   '      g.closePath();'//nl// &
+   '    }'//nl// &
+   "    g.lineJoin = 'round';"//nl// &
+   '    g.strokeStyle = pens.link2;'//nl// &
+   '    g.lineWidth = 3 * view.u;'//nl// &
+   '    g.stroke();'//nl// &
+   '    g.fillStyle = g.strokeStyle = pens.paper;'//nl// &
+   '    g.lineWidth = 0.5;'//nl// &
+   '    g.fill();'//nl// &
+   '    g.stroke();'//nl// &
+   '    g.fillStyle = g.strokeStyle = pens.link2;'//nl// &
+   '    g.globalAlpha = 0.12;'//nl// &
+   '    g.fill();'//nl// &
+   '    g.globalAlpha = 0.35;'//nl// &
+   '    g.stroke();'//nl// &
+   '    g.globalAlpha = 1;'//nl// &
+   '  }'//nl// &
    ''//nl// &
    '  /** Where joints must not go is shaded, where they must stay is outlined. */'//nl// &
    '  function drawRegions(g, c) {'//nl// &
@@ -693,7 +724,9 @@ module psalm_page_text
    '    g.fillStyle = pens.badband;'//nl// &
    '    for (const region of c.regions) {'//nl// &
    '      g.beginPath();'//nl// &
-   '      outline[region.kind](g, region);'//nl// &
+   '      outline[region.kind](g, region);'//nl
+
+   character(*), parameter :: part_8 = &
    '      g.setLineDash(region.inside ? [5, 4] : []);'//nl// &
    '      if (!region.inside) g.fill();'//nl// &
    '      g.stroke();'//nl// &
@@ -719,12 +752,11 @@ module psalm_page_text
    '  function drawTraces(g, c, alpha) {'//nl// &
    '    g.save();'//nl// &
    '    g.globalAlpha = alpha;'//nl// &
-   '    drawPlaces(g, c);'//nl// &
-   "    if (c.motion === 'point' || c.motion === 'distance') drawPath(g, c);"//nl// &
-   "    if (c.motion === 'angle') drawDirections(g, c, alpha); else drawMarks(g, c);"//nl// &
-   "    if (c.motion === 'distance') {"//nl
-
-   character(*), parameter :: part_8 = &
+   '    if (!c.meshes) drawPlaces(g, c);'//nl// &
+   '    if (c.meshes) { g.restore(); return; }   // the way through a grid is no path'//nl// &
+   "    if (c.motion !== 'angle' && c.motion !== 'slide') drawPath(g, c);"//nl// &
+   "    if (c.motion === 'angle') drawDirections(g, c, alpha); else if (c.motion !== 'number') drawMarks(g, c);"//nl// &
+   "    if (c.motion === 'distance') {"//nl// &
    '      g.strokeStyle = pens.ink;'//nl// &
    '      g.lineWidth = 1.2 * view.u;'//nl// &
    '      cross(g, X(0), Y(0));'//nl// &
@@ -794,7 +826,9 @@ module psalm_page_text
    '    g.lineTo(x2, y2);'//nl// &
    '    g.stroke();'//nl// &
    '  }'//nl// &
-   ''//nl// &
+   ''//nl
+
+   character(*), parameter :: part_9 = &
    '  const segment = (g, x1, y1, x2, y2) => line(g, X(x1), Y(y1), X(x2), Y(y2));'//nl// &
    ''//nl// &
    '  function cross(g, x, y) {'//nl// &
@@ -824,9 +858,7 @@ module psalm_page_text
    '      g.lineTo(x + d * Math.cos(a), y + d * Math.sin(a));'//nl// &
    '    }'//nl// &
    '    g.fill();'//nl// &
-   '  }'//nl
-
-   character(*), parameter :: part_9 = &
+   '  }'//nl// &
    ''//nl// &
    '  /** A bar of a round length, about a sixth of the width. */'//nl// &
    '  function drawScale(g) {'//nl// &
@@ -873,6 +905,7 @@ module psalm_page_text
    '    drawRails(c, at);'//nl// &
    '    drawPlates(c);'//nl// &
    '    if (balm.state.other && main) drawOthers(c, at);'//nl// &
+   '    if (c.wheels) drawWheels(c);'//nl// &
    '    drawBars(c, at, main);'//nl// &
    '    if (main) drawBroken(c, at[0]);'//nl// &
    '    drawJoints(c, at, main);'//nl// &
@@ -896,7 +929,9 @@ module psalm_page_text
    '      g.fillStyle = pens.ink;'//nl// &
    '      for (const from of [0, Math.PI]) {'//nl// &
    '        g.beginPath();'//nl// &
-   '        g.moveTo(x, y);'//nl// &
+   '        g.moveTo(x, y);'//nl
+
+   character(*), parameter :: part_10 = &
    '        g.arc(x, y, r, from, from + Math.PI / 2);'//nl// &
    '        g.fill();'//nl// &
    '      }'//nl// &
@@ -928,9 +963,7 @@ module psalm_page_text
    '  function drawPolar(g, bearing, at) {'//nl// &
    '    const u = view.u, r = 58 * u, x = view.w - r - 14 * u, y = r + 14 * u, scale = r / (bearing.peak || 1);'//nl// &
    '    g.strokeStyle = pens.line;'//nl// &
-   '    g.lineWidth = u;'//nl
-
-   character(*), parameter :: part_10 = &
+   '    g.lineWidth = u;'//nl// &
    '    line(g, x - r, y, x + r, y);'//nl// &
    '    line(g, x, y - r, x, y + r);'//nl// &
    '    g.strokeStyle = pens.accent;'//nl// &
@@ -999,7 +1032,9 @@ module psalm_page_text
    '      g.beginPath();'//nl// &
    '      g.moveTo(px[start], py[start]);'//nl// &
    '      g.lineTo(X(x), Y(mixed(other.y, at)));'//nl// &
-   '      g.lineTo(px[finish], py[finish]);'//nl// &
+   '      g.lineTo(px[finish], py[finish]);'//nl
+
+   character(*), parameter :: part_11 = &
    '      g.stroke();'//nl// &
    '    }'//nl// &
    '    g.setLineDash([]);'//nl// &
@@ -1016,6 +1051,7 @@ module psalm_page_text
    '      if (main && isBent(c, bar)) drawBent(c, at);'//nl// &
    '      else line(g, px[bar.from], py[bar.from], px[bar.to], py[bar.to]);'//nl// &
    '      if (fixed) g.setLineDash([]);'//nl// &
+   "      if ('barrel' in bar) drawBarrel(c, bar);"//nl// &
    '    }'//nl// &
    '  }'//nl// &
    ''//nl// &
@@ -1031,9 +1067,7 @@ module psalm_page_text
    '    const v = c.vibration, g = pen, x = c.px[v.from], y = c.py[v.from], dx = c.px[v.to] - x, dy = c.py[v.to] - y;'//nl// &
    '    const length = Math.hypot(dx, dy), steps = 40, q = v.modes.map((values) => view.k * v.factor * mixed(values, at) / '// &
    'length);'//nl// &
-   '    const width = g.lineWidth;'//nl
-
-   character(*), parameter :: part_11 = &
+   '    const width = g.lineWidth;'//nl// &
    '    g.lineWidth = 0.8 * view.u;'//nl// &
    '    g.setLineDash([4, 4]);'//nl// &
    '    line(g, x, y, x + dx, y + dy);'//nl// &
@@ -1051,6 +1085,32 @@ module psalm_page_text
    "    g.fillText('bending drawn ' + short(v.factor) + ' times larger' + (v.settles ? '' : '; the motion is not stable'), "// &
    "12,"//nl// &
    '      view.h - 34 * view.u);'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  /** Pitch circles of gear wheels, with a line that turns with each. */'//nl// &
+   '  function drawWheels(c) {'//nl// &
+   '    for (const wheel of c.wheels) {'//nl// &
+   '      const x = c.px[wheel.centre], y = c.py[wheel.centre];'//nl// &
+   '      if (!isFinite(x)) continue;'//nl// &
+   '      pen.strokeStyle = colourOf(c, wheel.body);'//nl// &
+   '      pen.lineWidth = 1.4 * view.u;'//nl// &
+   '      pen.beginPath();'//nl// &
+   '      pen.arc(x, y, view.k * wheel.radius, 0, ROUND);'//nl// &
+   '      pen.stroke();'//nl// &
+   '      line(pen, x, y, c.px[wheel.rim], c.py[wheel.rim]);'//nl// &
+   '    }'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  /** The thick part of a cylinder. */'//nl// &
+   '  function drawBarrel(c, bar) {'//nl// &
+   '    const x = c.px[bar.from], y = c.py[bar.from], dx = c.px[bar.to] - x, dy = c.py[bar.to] - y;'//nl// &
+   '    const part = view.k * bar.barrel / (Math.hypot(dx, dy) || 1);'//nl// &
+   "    pen.lineCap = 'butt';"//nl// &
+   '    pen.lineWidth = 8 * view.u;'//nl// &
+   '    pen.globalAlpha *= 0.55;'//nl// &
+   '    line(pen, x, y, x + part * dx, y + part * dy);'//nl// &
+   '    pen.globalAlpha /= 0.55;'//nl// &
+   "    pen.lineCap = 'round';"//nl// &
    '  }'//nl// &
    ''//nl// &
    '  /** Pairs that do not meet: both arcs as far as they reach, dots between them. */'//nl// &
@@ -1076,7 +1136,9 @@ module psalm_page_text
    '      const ax = X(mixed(c.sweep.aim_x, at)), ay = Y(mixed(c.sweep.aim_y, at));'//nl// &
    '      pen.strokeStyle = pens.actual;'//nl// &
    '      pen.lineWidth = 2.2 * view.u;'//nl// &
-   '      line(pen, x, y, ax, ay);'//nl// &
+   '      line(pen, x, y, ax, ay);'//nl
+
+   character(*), parameter :: part_12 = &
    '      [x, y] = [ax, ay];'//nl// &
    '    }'//nl// &
    '    // on a block the symbol stays visible'//nl// &
@@ -1135,9 +1197,7 @@ module psalm_page_text
    '  // ---- where things are --------------------------------------------------------------------------------------------'// &
    '-'//nl// &
    ''//nl// &
-   '  /** The bar nearest to a point of the canvas, or null if none is near. */'//nl
-
-   character(*), parameter :: part_12 = &
+   '  /** The bar nearest to a point of the canvas, or null if none is near. */'//nl// &
    '  function nearest(c, x, y) {'//nl// &
    '    let best = null, least = 10 * view.u;'//nl// &
    '    for (const bar of c.bars) {'//nl// &
@@ -1163,7 +1223,8 @@ module psalm_page_text
    "'use strict';"//nl// &
    ''//nl// &
    'balm.curves = (() => {'//nl// &
-   '  const { OPEN, between, mixed, modulo, inputAt, short } = balm.scene;'//nl// &
+   '  const { OPEN, between, mixed, modulo, inputAt, inputName, short } = balm.scene;'//nl// &
+   '  const MOST = 6;           // panels of outputs; CASE.csv has all'//nl// &
    '  const FLAT = 1e-8;        // a curve that varies by less than this part of the scale is constant: nine digits are sen'// &
    't'//nl// &
    '  const AROUND = 0.01;      // part of the scale that is shown on either side of a constant'//nl// &
@@ -1180,7 +1241,9 @@ module psalm_page_text
    '  }'//nl// &
    ''//nl// &
    '  // ---- axes --------------------------------------------------------------------------------------------------------'// &
-   '-'//nl// &
+   '-'//nl
+
+   character(*), parameter :: part_13 = &
    ''//nl// &
    '  /** Round numbers from a to b, about `count`; with `angles` steps that divide a turn. */'//nl// &
    '  function ticks(a, b, count, angles = false) {'//nl// &
@@ -1227,7 +1290,13 @@ module psalm_page_text
    '    const output = (name, actual, desired) => panels.push({ name, size,'//nl// &
    "      lines: [{ label: 'actual', colour: pens.actual, values: s[actual] }],"//nl// &
    "      points: c.desired ? [{ label: 'desired', colour: pens.desired, marks: marks(p[desired]) }] : [] });"//nl// &
-   "    if (c.motion === 'point') {"//nl// &
+   '    if (c.curves) {'//nl// &
+   '      for (const one of c.curves.slice(0, MOST)) panels.push({ name: one.name, size: one.angle ? 360 : c.size,'//nl// &
+   "        lines: [{ label: '', colour: pens.actual, values: one.sweep }], points: [{ colour: pens.actual, marks: marks(on"// &
+   "e.prescribed) }] });"//nl// &
+   "      if (c.drives.length > 1) panels.push({ name: 'drives, from the drawing', size: 0, points: [],"//nl// &
+   '        lines: c.drives.map((one, i) => ({ label: one.name, colour: linkColour(i), values: one.sweep })) });'//nl// &
+   "    } else if (c.motion === 'point') {"//nl// &
    "      output('x of the output', 'actual', 'desired');"//nl// &
    "      output('y of the output', 'actual_y', 'desired_y');"//nl// &
    '    } else {'//nl// &
@@ -1240,9 +1309,7 @@ module psalm_page_text
    "      panels.push({ name: 'error (desired - actual)', size, zero: true, lines: [], points });"//nl// &
    '    }'//nl// &
    '    const named = s.angle.length <= 8;'//nl// &
-   "    const angle = (a, i) => ({ label: named ? (i ? '' : 'loop ') + a.loop : '', colour: linkColour(i),"//nl
-
-   character(*), parameter :: part_13 = &
+   "    const angle = (a, i) => ({ label: named ? (i ? '' : 'loop ') + a.loop : '', colour: linkColour(i),"//nl// &
    '      values: a.values });'//nl// &
    "    if (s.angle.length) panels.push({ name: 'transmission angle, degrees', fixed: [0, 180], limits: c.limits,"//nl// &
    '      lines: s.angle.map(angle), points: [] });'//nl// &
@@ -1279,12 +1346,14 @@ module psalm_page_text
    '  }'//nl// &
    ''//nl// &
    '  function drawInputAxis(g, c) {'//nl// &
-   '    const { w, h, u, left, right } = plot, first = inputAt(c, 0), each = inputAt(c, 1) - first || 1;'//nl// &
+   '    const { w, h, u, left, right } = plot, first = inputAt(c, 0), each = inputAt(c, 1) - first || 1;'//nl
+
+   character(*), parameter :: part_14 = &
    '    g.fillStyle = balm.drawing.pens.soft;'//nl// &
    "    g.textAlign = 'center';"//nl// &
    '    for (const v of ticks(inputAt(c, plot.from), inputAt(c, plot.to), w < 500 * u ? 4 : 7, c.ring))'//nl// &
    '      g.fillText(short(c.ring ? modulo(v, 360) : v), plot.x((v - first) / each), h - 20 * u);'//nl// &
-   "    g.fillText(c.sliding ? 'input length' : 'crank angle, degrees', (left + right) / 2, h - 5 * u);"//nl// &
+   '    g.fillText(inputName(c), (left + right) / 2, h - 5 * u);'//nl// &
    "    g.textAlign = 'left';"//nl// &
    '  }'//nl// &
    ''//nl// &
@@ -1343,9 +1412,7 @@ module psalm_page_text
    '  function drawCurve(g, panel, { values, colour }) {'//nl// &
    '    g.strokeStyle = colour;'//nl// &
    '    g.lineWidth = 1.6 * plot.u;'//nl// &
-   '    g.beginPath();'//nl
-
-   character(*), parameter :: part_14 = &
+   '    g.beginPath();'//nl// &
    '    let down = false;'//nl// &
    '    for (let i = 0; i < values.length; i++) {'//nl// &
    '      if (!isFinite(values[i])) { down = false; continue; }'//nl// &
@@ -1381,7 +1448,9 @@ module psalm_page_text
    '      let k = i;'//nl// &
    '      while (k < n && c.status[k] === status) k++;'//nl// &
    '      if (status) {'//nl// &
-   '        const a = Math.max(x(i - 0.5), x(plot.from)), b = Math.min(x(k - 0.5), x(plot.to));'//nl// &
+   '        const a = Math.max(x(i - 0.5), x(plot.from)), b = Math.min(x(k - 0.5), x(plot.to));'//nl
+
+   character(*), parameter :: part_15 = &
    '        g.fillStyle = status === OPEN ? pens.badband : pens.warnband;'//nl// &
    '        if (b > a) g.fillRect(a, top, b - a, height);'//nl// &
    '      }'//nl// &
@@ -1445,9 +1514,7 @@ module psalm_page_text
    '    const v = c.vibration, panels = [];'//nl// &
    '    if (v && v.speeds.some(([, a]) => a !== null)) panels.push(drawSpeeds);'//nl// &
    '    if (v && v.chart.length) panels.push(drawChart);'//nl// &
-   '    box.hidden = !panels.length;'//nl
-
-   character(*), parameter :: part_15 = &
+   '    box.hidden = !panels.length;'//nl// &
    '    if (box.hidden) return;'//nl// &
    "    canvas.style.height = HEIGHT + 'px';"//nl// &
    "    const [w, h] = balm.drawing.fit(canvas), g = canvas.getContext('2d'), each = w / panels.length;"//nl// &
@@ -1484,7 +1551,9 @@ module psalm_page_text
    '      g.fillText(short(v), x(v), at.bottom + 16);'//nl// &
    '    }'//nl// &
    '    g.fillText(across, (at.left + at.right) / 2, at.bottom + 32);'//nl// &
-   "    g.textAlign = 'left';"//nl// &
+   "    g.textAlign = 'left';"//nl
+
+   character(*), parameter :: part_16 = &
    '    g.fillStyle = pens.ink;'//nl// &
    '    g.fillText(name, at.left, at.top - 10);'//nl// &
    '    return [x, y];'//nl// &
@@ -1549,15 +1618,14 @@ module psalm_page_text
    '  }'//nl// &
    ''//nl// &
    '  return { begin, layOut };'//nl// &
-   '})();'//nl
-
-   character(*), parameter :: part_16 = &
+   '})();'//nl// &
    '</script>'//nl// &
    '<script>'//nl// &
    '// Words: what the linkage does at the position shown, what is wrong there, the messages of a case, names of arcs.'//nl// &
    "'use strict';"//nl// &
    ''//nl// &
    'balm.messages = (() => {'//nl// &
+   '  const MOST_OUTPUTS = 5;   // of several told in the line of facts'//nl// &
    '  const { OPEN, between, mixed, modulo, inputAt, prescribedAt, short, shortOutput, explain } = balm.scene;'//nl// &
    '  const MOST = 3;           // violations told on the picture at a time'//nl// &
    '  const $ = (id) => document.getElementById(id);'//nl// &
@@ -1569,6 +1637,7 @@ module psalm_page_text
    '  /** The position in one line: input, output, and at a prescribed one the errors. */'//nl// &
    '  function factsOf(c, t) {'//nl// &
    '    const p = c.prescribed, s = c.sweep, at = between(c, t), near = prescribedAt(c, t);'//nl// &
+   '    if (c.drives) return factsOfDrives(c, at, near);'//nl// &
    '    const value = (key) => shortOutput(c, near >= 0 ? p[key][near] : mixed(s[key], at));'//nl// &
    '    const input = near >= 0 ? p.input[near] : c.ring ? modulo(inputAt(c, t), 360) : inputAt(c, t);'//nl// &
    "    let text = c.sliding ? 'input ' + short(input) + ', ' : 'crank ' + short(input) + '\u00b0, ';"//nl// &
@@ -1580,6 +1649,21 @@ module psalm_page_text
    '    if (!c.desired) return text;'//nl// &
    "    if (c.motion === 'point') return text + ', error ' + short(p.error[near]) + ', ' + short(p.error_y[near]);"//nl// &
    "    return text + ', desired ' + short(p.desired[near]) + ', error ' + short(p.error[near]);"//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  /** The same of a sketch with several drives or outputs. */'//nl// &
+   '  function factsOfDrives(c, at, near) {'//nl// &
+   '    const value = (one) => near >= 0 ? one.prescribed[near] : mixed(one.sweep, at);'//nl// &
+   '    const digits = (v) => short(isFinite(v) ? Number(v.toPrecision(6)) : v);'//nl
+
+   character(*), parameter :: part_17 = &
+   "    const parts = c.drives.map((one) => one.name + ' ' + digits(value(one)) + (one.turning ? '\u00b0' : ''));"//nl// &
+   "    for (const one of c.curves.slice(0, MOST_OUTPUTS)) parts.push(one.name.replace(', degrees', '') + ' ' + digits(valu"// &
+   "e(one)) +"//nl// &
+   "      (one.angle ? '\u00b0' : ''));"//nl// &
+   "    if ((near >= 0 ? c.prescribed.closed[near] : c.sweep.closed[at[0]]) === '0') parts.push('does not close');"//nl// &
+   "    if (near >= 0) parts.push('position ' + (near + 1));"//nl// &
+   "    return parts.join(', ');"//nl// &
    '  }'//nl// &
    ''//nl// &
    '  /** Facts and what is wrong at t. */'//nl// &
@@ -1626,14 +1710,15 @@ module psalm_page_text
    '  function describe(c, bar, t) {'//nl// &
    '    const s = c.sweep, at = between(c, t), scale = balm.drawing.scale;'//nl// &
    '    let dx = (c.px[bar.to] - c.px[bar.from]) / scale, dy = (c.py[bar.from] - c.py[bar.to]) / scale;'//nl// &
-   '    let length = bar.length;'//nl// &
+   "    let length = 'barrel' in bar ? Math.hypot(dx, dy) : bar.length;"//nl// &
    '    if (bar.slide >= 0) {'//nl// &
    '      const ux = mixed(s.ux[bar.slide], at), uy = mixed(s.uy[bar.slide], at);'//nl// &
    '      length = dx * ux + dy * uy;'//nl// &
    '      [dx, dy] = [ux, uy];'//nl// &
    '    }'//nl// &
    '    const angle = modulo(Math.atan2(dy, dx) * 180 / Math.PI, 360);'//nl// &
-   "    return (bar.loop ? 'loop ' + bar.loop + ', arc ' + bar.arc : 'output arc') +"//nl// &
+   '    const link = bar.body >= 0 && c.bodies[bar.body].name;'//nl// &
+   "    return (link ? 'link ' + link : bar.loop ? 'loop ' + bar.loop + ', arc ' + bar.arc : 'output arc') +"//nl// &
    "      ': length ' + short(Number(length.toPrecision(6))) + ', angle ' + angle.toFixed(2) + '\u00b0' +"//nl// &
    "      (bar.others ? ' (also ' + bar.others + ')' : '');"//nl// &
    '  }'//nl// &
@@ -1651,9 +1736,7 @@ module psalm_page_text
    '  return { show, list, describe, tip };'//nl// &
    '})();'//nl// &
    '</script>'//nl// &
-   '<script>'//nl
-
-   character(*), parameter :: part_17 = &
+   '<script>'//nl// &
    '// Moving: buttons, keys, the time line, dragging the picture and the cursor of the curves.'//nl// &
    "'use strict';"//nl// &
    ''//nl// &
@@ -1661,6 +1744,7 @@ module psalm_page_text
    '  const { between, mixed, prescribedNext, within } = balm.scene;'//nl// &
    '  const TURN_TIME = 8, RANGE_TIME = 4;   // seconds at speed 1 for a whole turn, for a part of it'//nl// &
    '  const BEFORE_TURN = 1e-6;              // the end of a whole turn is its beginning: the time line stops short of it'//nl// &
+   '  const NEAR = 12;                       // part of the sweep that a joint may be dragged at a time'//nl// &
    '  const $ = (id) => document.getElementById(id);'//nl// &
    '  let last = 0;                          // time of the frame before'//nl// &
    '  let drag = null;                       // where the pointer was last; null: nothing is dragged'//nl// &
@@ -1673,7 +1757,9 @@ module psalm_page_text
    '  function go(t) {'//nl// &
    '    const c = shown();'//nl// &
    '    if (!c.sound) return;'//nl// &
-   '    balm.state.t = within(c, t, limits());'//nl// &
+   '    balm.state.t = within(c, t, limits());'//nl
+
+   character(*), parameter :: part_18 = &
    '    balm.draw();'//nl// &
    '    balm.messages.show(c, balm.state.t);'//nl// &
    "    if (Number($('time').value) !== balm.state.t) $('time').value = balm.state.t;"//nl// &
@@ -1739,8 +1825,10 @@ module psalm_page_text
    '    const x0 = drag.x - box.left, y0 = drag.y - box.top, x = event.clientX - box.left, y = event.clientY - box.top;'//nl// &
    '    // a finger is never quite still'//nl// &
    "    if (event.pointerType === 'touch' && !drag.moved && Math.hypot(x - x0, y - y0) < 4) return;"//nl// &
-   '    drag = { x: event.clientX, y: event.clientY, moved: true };'//nl// &
-   '    if (c.ring) {'//nl// &
+   '    drag = { x: event.clientX, y: event.clientY, moved: true, joint: drag.joint ?? movingJoint(c, x0, y0) };'//nl// &
+   '    if (c.drives) {'//nl// &
+   '      follow(c, drag.joint, x, y);'//nl// &
+   '    } else if (c.ring) {'//nl// &
    '      const px = c.px[c.bar.from], py = c.py[c.bar.from];'//nl// &
    '      const turn = Math.atan2(py - y, x - px) - Math.atan2(py - y0, x0 - px);'//nl// &
    '      go(t + c.sense * Math.atan2(Math.sin(turn), Math.cos(turn)) * 180 / Math.PI);'//nl// &
@@ -1751,12 +1839,37 @@ module psalm_page_text
    '    }'//nl// &
    '  }'//nl// &
    ''//nl// &
+   '  /** The moving joint nearest to a point of the canvas. */'//nl// &
+   '  function movingJoint(c, x, y) {'//nl// &
+   '    let best = c.output, least = Infinity;'//nl// &
+   '    c.joints.forEach((joint, j) => {'//nl// &
+   '      const away = Math.hypot(c.px[j] - x, c.py[j] - y);'//nl// &
+   '      if (!joint.fixed && away < least) [best, least] = [j, away];'//nl// &
+   '    });'//nl// &
+   '    return best;'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  /** Several drives have no one direction: the joint that was grabbed goes along its path to the place nearest to the '// &
+   'pointer. */'//nl// &
+   '  function follow(c, joint, x, y) {'//nl// &
+   '    const s = c.sweep, [mx, my] = balm.drawing.machine(x, y), reach = Math.ceil(s.n / NEAR), here = Math.round(balm.sta'// &
+   'te.t);'//nl// &
+   '    let best = -1, least = Infinity;'//nl// &
+   '    for (let i = here - reach; i <= here + reach; i++) {'//nl// &
+   '      const k = c.ring ? balm.scene.modulo(i, s.n) : i;'//nl// &
+   "      if (k < 0 || k >= s.n || s.closed[k] === '0') continue;"//nl// &
+   '      const away = Math.hypot(mixed(s.x[joint], [k, k, 0]) - mx, mixed(s.y[joint], [k, k, 0]) - my);'//nl// &
+   '      if (away < least) [best, least] = [k, away];'//nl// &
+   '    }'//nl// &
+   '    if (best >= 0) go(best);'//nl// &
+   '  }'//nl
+
+   character(*), parameter :: part_19 = &
+   ''//nl// &
    '  /** A tap names the arc it meets: a finger cannot point. */'//nl// &
    '  function release(event) {'//nl// &
    "    if (drag && !drag.moved && event.type === 'pointerup') hover(event);"//nl// &
-   '    drag = null;'//nl
-
-   character(*), parameter :: part_18 = &
+   '    drag = null;'//nl// &
    '  }'//nl// &
    ''//nl// &
    '  function hover(event) {'//nl// &
@@ -1854,14 +1967,14 @@ module psalm_page_text
    '// Start, state, choice of the case.'//nl// &
    "'use strict';"//nl// &
    ''//nl// &
-   '(() => {'//nl// &
+   '(() => {'//nl
+
+   character(*), parameter :: part_20 = &
    '  const { scene, drawing, curves, charts, messages, controls } = balm;'//nl// &
    '  const $ = (id) => document.getElementById(id);'//nl// &
    "  const cases = scene.read($('data').textContent);"//nl// &
    '  const state = {'//nl// &
-   '    c: 0,                   // case shown'//nl
-
-   character(*), parameter :: part_19 = &
+   '    c: 0,                   // case shown'//nl// &
    '    t: 0,                   // place on its sweep'//nl// &
    '    playing: false,'//nl// &
    '    speed: 1,'//nl// &
@@ -1912,6 +2025,7 @@ module psalm_page_text
    "    $('bentbox').hidden = !c.vibration;"//nl// &
    "    $('whole').checked = state.whole;"//nl// &
    "    $('wholebox').hidden = !c.limited;"//nl// &
+   "    $('other').parentNode.hidden = !c.pairs.length;"//nl// &
    '    refresh();'//nl// &
    '  }'//nl// &
    ''//nl// &
@@ -1955,15 +2069,15 @@ module psalm_page_text
    "      const option = document.createElement('option');"//nl// &
    '      option.value = String(i);'//nl// &
    "      $('case').append(option);"//nl// &
-   "      const label = document.createElement('label'), box = document.createElement('input');"//nl// &
+   "      const label = document.createElement('label'), box = document.createElement('input');"//nl
+
+   character(*), parameter :: part_21 = &
    "      box.type = 'checkbox';"//nl// &
    '      box.dataset.overlay = String(i);'//nl// &
    "      box.setAttribute('aria-label', 'overlay case ' + (i + 1));"//nl// &
    "      box.addEventListener('change', () => {"//nl// &
    '        if (box.checked) state.overlays.add(i); else state.overlays.delete(i);'//nl// &
-   '        refresh();'//nl
-
-   character(*), parameter :: part_20 = &
+   '        refresh();'//nl// &
    '      });'//nl// &
    "      label.append(box, ' ' + (i + 1));"//nl// &
    "      $('overlays').append(label);"//nl// &
@@ -2038,6 +2152,6 @@ contains
 
       text = part_1//part_2//part_3//part_4//part_5//part_6//part_7//part_8// &
              part_9//part_10//part_11//part_12//part_13//part_14//part_15//part_16// &
-             part_17//part_18//part_19//part_20
+             part_17//part_18//part_19//part_20//part_21
    end function page_text
 end module psalm_page_text

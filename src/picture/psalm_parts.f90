@@ -5,7 +5,7 @@ module psalm_parts
    use psalm_plan, only: plan_t, root_frame
    implicit none (type, external)
    private
-   public :: joint_t, bar_t, body_t, slide_t, pair_t, find_slides, convex_hull
+   public :: joint_t, bar_t, body_t, slide_t, pair_t, wheel_t, curve_t, drive_part_t, edge_t, find_slides, convex_hull
 
    real(wp), parameter :: flat = 1.0e-3_wp !! a hull with less area than this times its width squared is a line
 
@@ -24,16 +24,20 @@ module psalm_parts
       integer :: slide = 0                    !! number of the slide, 0: fixed length
       integer :: body = 0                     !! rigid body it belongs to, 0: none
       real(wp) :: length = 0.0_wp             !! fixed length
+      logical :: cylinder = .false.           !! a drive changes its length
+      real(wp) :: barrel = 0.0_wp             !! of a cylinder: length of the thick part, from the start
    end type bar_t
 
    type :: body_t
       integer, allocatable :: joints(:)
       integer, allocatable :: hull(:)         !! joints round its outline, size 0: no plate
       logical :: frame = .false.
+      character(:), allocatable :: name       !! of a link of a sketch that has no loops; else not allocated
    end type body_t
 
    type :: slide_t
       integer :: bar = 0
+      integer :: of = 0                       !! slide of the sketch
       integer :: guide = 0, block = 0         !! joints: where the guide meets the line, and what moves along it
       real(wp) :: sense = 1.0_wp              !! +1: the arc leads from guide to block
       logical :: still = .false.              !! its direction is that of the frame
@@ -46,6 +50,32 @@ module psalm_parts
       integer :: start = 0, shared = 0, finish = 0 !! joints S, common joint, E
       integer :: bars(2) = 0                  !! p and q
    end type pair_t
+
+   !> A gear wheel.
+   type :: wheel_t
+      integer :: body = 0
+      integer :: centre = 0, rim = 0          !! joints: where it turns, and a point of its pitch circle
+      real(wp) :: radius = 0.0_wp
+   end type wheel_t
+
+   !> A number of an output along both rows of positions.
+   type :: curve_t
+      character(:), allocatable :: name
+      logical :: angle = .false.              !! degrees
+      real(wp), allocatable :: prescribed(:), sweep(:) !! valid where the linkage closes
+   end type curve_t
+
+   !> A drive along both rows of positions.
+   type :: drive_part_t
+      character(:), allocatable :: name
+      logical :: turning = .false.            !! degrees, else length
+      real(wp), allocatable :: prescribed(:), sweep(:)
+   end type drive_part_t
+
+   !> A curve that bounds what the output reaches.
+   type :: edge_t
+      real(wp), allocatable :: x(:), y(:)
+   end type edge_t
 
 contains
 

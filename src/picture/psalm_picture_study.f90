@@ -1,5 +1,6 @@
 !> The cases of a file become scenes: what pictures show. Source: Oldham (1977), section 15.1.
 module psalm_picture_study
+   use psalm_chain_scene, only: make_chain_scene
    use psalm_data_set, only: data_set_t
    use psalm_devices, only: most_told
    use psalm_error, only: problem_t, motion_t, make_problem
@@ -47,6 +48,10 @@ contains
          noted%file = sets(k)%file
          if (any(own%level == level_error)) then
             call message_scene(sets(k), own, cases(k)%scene)
+            cycle
+         end if
+         if (allocated(sets(k)%no_loops)) then
+            call make_chain_scene(sets(k), own, cases(k)%scene)
             cycle
          end if
          each = sets(k)

@@ -14,7 +14,8 @@ module psalm_scene
    use psalm_margins, only: margin_t, inspector_t, prepare_inspector, inspect, is_violated
    use psalm_markup, only: strings_t, add_string, sentence_case
    use psalm_output_kind, only: motion_point, motion_angle, motion_distance, motion_slide, motion_pose
-   use psalm_parts, only: joint_t, bar_t, body_t, slide_t, pair_t, find_slides, convex_hull
+   use psalm_parts, only: joint_t, bar_t, body_t, slide_t, pair_t, wheel_t, curve_t, drive_part_t, edge_t, find_slides, &
+                          convex_hull
    use psalm_status, only: finding_t, level_error
    use psalm_sweep, only: sweep_inputs, sweep_sense
    use psalm_dimensions, only: dimensions_t
@@ -24,7 +25,9 @@ module psalm_scene
    use psalm_vibration_scene, only: vibration_scene_t
    implicit none (type, external)
    private
-   public :: scene_t, make_scene, message_scene
+   public :: scene_t, make_scene, message_scene, choose_view, find_rails, motion_number
+
+   integer, parameter :: motion_number = -1      !! output of a sketch that has no place of its own
 
    real(wp), parameter :: same_place = 1.0e-9_wp !! joints nearer than this times the size of the linkage are one
    real(wp), parameter :: pointer_part = 0.16_wp !! an output arc without length is drawn this part of the view long
@@ -54,6 +57,13 @@ module psalm_scene
       real(wp) :: low(2) = 0.0_wp, high(2) = 1.0_wp       !! corners of the view
       type(force_scene_t), allocatable :: forces          !! if the case has masses, loads or springs
       type(vibration_scene_t), allocatable :: vibration   !! if the case has a vibrating link
+      ! of sketches without loops of dyads only
+      character(:), allocatable :: input_label, output_label !! what counts along the sweep; name of the output drawn
+      type(wheel_t), allocatable :: wheels(:)
+      type(curve_t), allocatable :: curves(:)             !! all outputs
+      type(drive_part_t), allocatable :: drives(:)        !! all drives
+      real(wp), allocatable :: meshes(:, :, :)            !! shape (2, 4, meshes): what the output reaches over a grid of strokes
+      type(edge_t), allocatable :: edges(:)               !! of that, all drives but one at an end of their strokes
    end type scene_t
 
 contains

@@ -12,7 +12,7 @@ module psalm_svg
    use psalm_labels, only: place_labels
    use psalm_markup, only: xml_text, short_number, wrapped, strings_t, add_string
    use psalm_output_kind, only: motion_point, motion_angle, motion_distance, motion_slide
-   use psalm_scene, only: scene_t
+   use psalm_scene, only: scene_t, motion_number
    use psalm_text, only: text_t, full_precision, to_text
    use psalm_trace, only: row_t
    use psalm_view, only: drawing_unit, change_unit, take_in_others
@@ -71,6 +71,7 @@ contains
                     '" height="'//px(height)//'" role="img" aria-labelledby="title">')
       call text%add('<title id="title">'//xml_text(scene%title)//'</title>')
       call write_style(allocated(scene%forces), text)
+      if (allocated(scene%drives)) call write_chain_style(text)
       call text%add('<rect class="paper" width="'//px(width)//'" height="'//px(height)//'"/>')
       call text%add('<text class="head" x="28" y="36">'//xml_text(trim(scene%title))//'</text>')
       if (scene%sound) then
@@ -143,10 +144,25 @@ contains
                     'd="M-9 0H9M0-9V9"/></defs>')
    end subroutine write_style
 
+   !> Cylinders, gear wheels and what is reached.
+   subroutine write_chain_style(text)
+      type(text_t), intent(inout) :: text
+
+      call text%add('<style>.barrel{fill:none;stroke-linecap:butt;stroke-opacity:.55}.wheel{fill:none}'// &
+                    '.outline{fill:#2e8540;stroke:#2e8540;stroke-linejoin:round}.reach{fill:#2e8540;fill-opacity:.12}'// &
+                    '.net{fill:none;stroke:#2e8540;stroke-opacity:.35}#envelope .paper{stroke:#fff}')
+      call text%add('@media screen and (prefers-color-scheme:dark){#envelope .paper{stroke:#14191f}'// &
+                    '.outline{fill:#7ccf8a;stroke:#7ccf8a}.reach{fill:#7ccf8a}.net{stroke:#7ccf8a}}</style>')
+   end subroutine write_chain_style
+
    function subtitle(scene) result(line)
       type(scene_t), intent(in) :: scene
       character(:), allocatable :: line
 
+      if (allocated(scene%drives)) then
+         line = subtitle_of_drives(scene)
+         return
+      end if
       line = 'drawn at '//trim(merge('input length', 'crank angle ', scene%sliding))//' '// &
              number(scene%prescribed%input(scene%reference))//trim(merge('           ', ' degrees   ', scene%sliding))//'; '
       select case (scene%motion)
@@ -159,11 +175,34 @@ contains
       case default
          line = line//'output: length of a slide'
       end select
-      line = line//'; '//to_text(scene%prescribed%n)//' position'//repeat('s', merge(0, 1, scene%prescribed%n == 1))
+      line = line//positions_of(scene)
+   end function subtitle
+
+   !> How many positions, and how many of them do not close.
+   function positions_of(scene) result(line)
+      type(scene_t), intent(in) :: scene
+      character(:), allocatable :: line
+
+      line = '; '//to_text(scene%prescribed%n)//' position'//repeat('s', merge(0, 1, scene%prescribed%n == 1))
       if (.not. all(scene%prescribed%closed)) &
          line = line//', of which '//to_text(count(.not. scene%prescribed%closed))// &
                 trim(merge(' does not close', ' do not close  ', count(.not. scene%prescribed%closed) == 1))
-   end function subtitle
+   end function positions_of
+
+   !> Values of all drives, counted from the drawing, and the name of the output.
+   function subtitle_of_drives(scene) result(line)
+      type(scene_t), intent(in) :: scene
+      character(:), allocatable :: line
+      integer :: d
+
+      line = 'from the drawing:'
+      do d = 1, size(scene%drives)
+         if (d > 1) line = line//','
+         line = line//' drive '//scene%drives(d)%name//' '//number(scene%drives(d)%prescribed(scene%reference))// &
+                trim(merge(' degrees', '        ', scene%drives(d)%turning))
+      end do
+      line = line//'; output: '//scene%output_label//positions_of(scene)
+   end function subtitle_of_drives
 
    ! ---- the linkage -------------------------------------------------------------------------------------------------
 
@@ -183,6 +222,7 @@ contains
       integer :: i
 
       call draw_regions(scene, k, text)
+      call draw_envelope(scene, k, text)
       call draw_traces(scene, k, text)
       if (scene%everywhere) then
          call text%add('<g'//stroke(1.1_wp, k)//' stroke-opacity="'//px(faintness(scene, most_links))//'">')
@@ -194,10 +234,12 @@ contains
       if (assemblies) call draw_ghosts(scene, k, text)
       call draw_rails(scene, k, text)
       call draw_plates(scene, k, text)
+      call draw_wheels(scene, k, text)
       call draw_path(scene, k, text)
       call text%add('<g id="reference" data-position="'//to_text(scene%reference)//'"'//stroke(2.6_wp, k)//'>')
       call draw_bars(scene, scene%prescribed, scene%reference, 'bar', k, text)
       call text%add('</g>')
+      call draw_barrels(scene, k, text)
       call draw_broken(scene, k, text)
       call draw_output(scene, k, text)
       call draw_symbols(scene, k, text)
@@ -245,6 +287,7 @@ contains
       type(text_t), intent(inout) :: text
       integer :: j, i
 
+      if (allocated(scene%meshes)) return   ! they would cover it
       call text%add('<g id="traces"'//stroke(3.2_wp, k)//'>')
       associate (row => scene%prescribed)
          do j = 1, size(scene%joints)
@@ -279,12 +322,94 @@ contains
             dashes = ''
             if (kind == 'frame') dashes = stroke(1.5_wp, k)// &
                                           ' stroke-dasharray="'//short_number(6.0_wp/k)//' '//short_number(6.0_wp/k)//'"'
-            call text%add('<path class="'//class//' '//kind//'" data-position="'//to_text(i)//'" data-arc="'//to_text(bar%loop)// &
-                          ' '//to_text(bar%arc)//'"'//dashes//' d="M'// &
+            call text%add('<path class="'//class//' '//kind//'" data-position="'//to_text(i)//'"'//name_of_bar(scene, b)// &
+                          dashes//' d="M'// &
                           point(row, bar%start, i)//'L'//point(row, bar%finish, i)//'"/>')
          end associate
       end do
    end subroutine draw_bars
+
+   !> What a bar is called: its loop and arc, or its link.
+   function name_of_bar(scene, bar) result(attribute)
+      type(scene_t), intent(in) :: scene
+      integer, intent(in) :: bar
+      character(:), allocatable :: attribute
+
+      associate (body => scene%bars(bar)%body)
+         if (body > 0) then
+            if (allocated(scene%bodies(body)%name)) then
+               attribute = ' data-link="'//xml_text(scene%bodies(body)%name)//'"'
+               return
+            end if
+         end if
+      end associate
+      attribute = ' data-arc="'//to_text(scene%bars(bar)%loop)//' '//to_text(scene%bars(bar)%arc)//'"'
+   end function name_of_bar
+
+   !> What the output reaches over a grid of strokes. The meshes cover each other; drawn with a broad stroke, then in the colour of
+   !> the paper, then tinted, they leave the outline of all of them together.
+   subroutine draw_envelope(scene, k, text)
+      type(scene_t), intent(in) :: scene
+      real(wp), intent(in) :: k
+      type(text_t), intent(inout) :: text
+      integer :: m, c
+
+      if (.not. allocated(scene%meshes)) return
+      call text%add('<defs><path id="meshes" d="')
+      do m = 1, size(scene%meshes, 3)
+         do c = 1, 4
+            call text%add_text(merge('M', 'L', c == 1)//short_number(scene%meshes(1, c, m))//' '// &
+                               short_number(scene%meshes(2, c, m)))
+         end do
+         call text%add('Z')
+      end do
+      call text%add('"/></defs><g id="envelope"><use href="#meshes" class="outline"'//stroke(3.0_wp, k)// &
+                    '/><use href="#meshes" class="paper"'//stroke(0.3_wp, k)// &
+                    '/><use href="#meshes" class="reach"/><use href="#meshes" class="net"'//stroke(0.5_wp, k)//'/></g>')
+   end subroutine draw_envelope
+
+   !> Pitch circles of gear wheels, and on each a line that turns with it.
+   subroutine draw_wheels(scene, k, text)
+      type(scene_t), intent(in) :: scene
+      real(wp), intent(in) :: k
+      type(text_t), intent(inout) :: text
+      integer :: w
+
+      if (.not. allocated(scene%wheels)) return
+      associate (row => scene%prescribed, i => scene%reference)
+         do w = 1, size(scene%wheels)
+            associate (wheel => scene%wheels(w))
+               if (.not. row%known(wheel%centre, i)) cycle
+               call text%add('<g class="wheel '//class_of(scene, wheel%body)//'"'//stroke(1.4_wp, k)//'><circle cx="'// &
+                             full_precision(row%x(wheel%centre, i))//'" cy="'//full_precision(row%y(wheel%centre, i))//'" r="'// &
+                             full_precision(wheel%radius)//'"/><path d="M'//point(row, wheel%centre, i)//'L'// &
+                             point(row, wheel%rim, i)//'"/></g>')
+            end associate
+         end do
+      end associate
+   end subroutine draw_wheels
+
+   !> The thick part of each cylinder.
+   subroutine draw_barrels(scene, k, text)
+      type(scene_t), intent(in) :: scene
+      real(wp), intent(in) :: k
+      type(text_t), intent(inout) :: text
+      real(wp) :: along(2)
+      integer :: b
+
+      associate (row => scene%prescribed, i => scene%reference)
+         do b = 1, size(scene%bars)
+            associate (bar => scene%bars(b))
+               if (.not. bar%cylinder .or. .not. row%known(bar%start, i)) cycle
+               along = [row%x(bar%finish, i) - row%x(bar%start, i), row%y(bar%finish, i) - row%y(bar%start, i)]
+               if (norm2(along) <= 0.0_wp) cycle
+               along = along*(bar%barrel/norm2(along))
+               call text%add('<path class="barrel '//class_of(scene, bar%body)//'"'//name_of_bar(scene, b)//stroke(8.0_wp, k)// &
+                             ' d="M'//point(row, bar%start, i)//'l'//pair(along(1), along(2))//'"/>')
+            end associate
+         end do
+      end associate
+   end subroutine draw_barrels
 
    pure function class_of(scene, body) result(name)
       type(scene_t), intent(in) :: scene
@@ -338,9 +463,8 @@ contains
                y = row%y(slide%guide, i)
                ux = slide%sense*row%ux(s, i)
                uy = slide%sense*row%uy(s, i)
-               call text%add('<path class="rail" data-arc="'//to_text(scene%bars(slide%bar)%loop)//' '// &
-                             to_text(scene%bars(slide%bar)%arc)//'" d="M'//pair(x + slide%low*ux, y + slide%low*uy)//'L'// &
-                             pair(x + slide%high*ux, y + slide%high*uy)//'"/>')
+               call text%add('<path class="rail"'//name_of_bar(scene, slide%bar)//' d="M'// &
+                             pair(x + slide%low*ux, y + slide%low*uy)//'L'//pair(x + slide%high*ux, y + slide%high*uy)//'"/>')
             end associate
          end do
       end associate
@@ -375,7 +499,8 @@ contains
       logical :: down
       integer :: i
 
-      if (scene%motion /= motion_point .and. scene%motion /= motion_distance) return
+      if (all(scene%motion /= [motion_point, motion_distance, motion_number])) return
+      if (allocated(scene%meshes)) return   ! the way through a grid is no path
       call text%add('<path class="path" id="path"'//stroke(1.3_wp, k)//' d="')
       down = .false.
       do i = 1, scene%sweep%n
@@ -426,9 +551,10 @@ contains
       associate (row => scene%prescribed)
          if (scene%motion == motion_distance) call text%add('<use href="#cross" class="axis"'//placed(0.0_wp, 0.0_wp, 1.0_wp)//'/>')
          do i = 1, row%n
+            if (allocated(scene%meshes) .and. i /= scene%reference) cycle
             facts = ' data-position="'//to_text(i)//'" data-input="'//full_precision(row%input(i))//'"'
             if (scene%motion == motion_angle .and. i /= scene%reference) facts = facts//veil
-            if (row%closed(i)) then
+            if (row%closed(i) .and. scene%motion /= motion_number) then
                if (scene%motion == motion_angle) then
                   call text%add('<path class="output actual direction"'//facts//values(row%actual, row%actual_y, i)// &
                                 stroke(merge(2.6_wp, 1.0_wp, i == scene%reference), k)//' d="M'// &
@@ -484,7 +610,7 @@ contains
 
       associate (row => scene%prescribed, i => scene%reference)
          do j = 1, size(scene%joints)
-            if (.not. row%known(j, i) .or. len(scene%joints(j)%name) == 0) cycle
+            if (.not. row%known(j, i) .or. (len(scene%joints(j)%name) == 0 .and. .not. scene%joints(j)%slides)) cycle
             associate (joint => scene%joints(j))
                start = '<g class="joint" data-joint="'//joint%name//'" transform="translate('//point(row, j, i)//') scale('// &
                        short_number(merge(crowded, 1.0_wp, size(scene%joints) > many)/k)//')" stroke-width="1.6">'

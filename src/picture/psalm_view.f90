@@ -38,6 +38,9 @@ contains
       call change(scene%prescribed)
       call change(scene%sweep)
       if (allocated(scene%forces)) call change_unit_of_forces(scene%forces, unit)
+      scene%bars%barrel = scene%bars%barrel/unit
+      if (allocated(scene%wheels)) scene%wheels%radius = scene%wheels%radius/unit
+      if (allocated(scene%meshes)) scene%meshes = scene%meshes/unit
 
    contains
 
