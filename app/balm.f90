@@ -1,30 +1,36 @@
 !> balm: pictures of planar linkages from a namelist file.
 program balm
-   use psalm_console, only: arguments_t, begin, begin_mark, prepare_outputs, show_findings, stem_of
-   use psalm_cases, only: read_cases
+   use psalm_console, only: arguments_t, begin, begin_mark, prepare_outputs, say, show_findings, stem_of
+   use psalm_board, only: write_board
+   use psalm_cases, only: read_cases, read_case_text
    use psalm_data_set, only: data_set_t
    use psalm_devices, only: devices_t
    use psalm_drawing, only: picture_t, draw_file, draw_curves
+   use psalm_files, only: exchange_t, directory_of
    use psalm_gnuplot, only: write_pictures, name_of
    use psalm_mark, only: mark_t
    use psalm_picture_report, only: report_picture
    use psalm_picture_study, only: pictured_t, make_scenes
    use psalm_source, only: line_t, read_lines
-   use psalm_status, only: diagnostics_t, exit_file_trouble
+   use psalm_status, only: diagnostics_t, exit_done, exit_file_trouble
    use psalm_system, only: finish_program, write_standard_error
+   use psalm_text, only: text_t
    implicit none (type, external)
    character(*), parameter :: nl = new_line('a')
-   character(*), parameter :: endings(*) = [character(5) :: '.svg', '.html', '.dxf', '.gp', '.png', '.pdf']
+   character(*), parameter :: endings(*) = [character(10) :: '.svg', '.html', '.dxf', '.gp', '.png', '.pdf', '.edit.html']
    type(arguments_t) :: arguments
    logical :: finished
    integer :: code, i
 
    call begin('balm', &
       'usage: balm [options] [CASE.nml ...]'//nl// &
+      '       balm --edit [options] [CASE.nml ...]'//nl// &
       nl//'Pictures of each case: CASE.svg, the linkage at its reference position with joints and output at every'//nl// &
       'position; CASE.html, a page on which it moves; CASE.dxf for CAD. Further cases of a file get CASE.2.svg and'//nl// &
       'so on; the page has them all. The linkage is drawn as given, no search is made: for its result draw CASE.dev7.'//nl// &
-      nl//'  --curves          curves too: CASE.gp, CASE.png, CASE.pdf, by gnuplot; convergence from CASE.dev1'//nl// &
+      nl//'  --edit            the drawing board instead: CASE.edit.html, a page on which the sketch of a case is'//nl// &
+      '                    changed and saved; without a case sketch.edit.html, empty'//nl// &
+      '  --curves          curves too: CASE.gp, CASE.png, CASE.pdf, by gnuplot; convergence from CASE.dev1'//nl// &
       '  --assemblies      the SVG shows the other assembly of each dyad in grey'//nl// &
       '  --output-dir DIR  put the files into DIR'//nl// &
       '  --quiet           no remarks on standard error, errors only'//nl// &
@@ -36,7 +42,11 @@ program balm
    code = arguments%code
    if (finished) call finish_program(code)
    do i = 1, size(arguments%files)
-      call run_file(trim(arguments%files(i)))
+      if (arguments%edit) then
+         call make_board(trim(arguments%files(i)))
+      else
+         call run_file(trim(arguments%files(i)))
+      end if
       if (arguments%no_place) exit
    end do
    call finish_program(code)
@@ -58,11 +68,6 @@ contains
       mark = begin_mark(arguments%program)
       if (arguments%assemblies) call mark%add('--assemblies')
       call read_cases(file, sets, findings, program='balm', mark=mark)
-      do k = 1, size(sets)
-         if (.not. allocated(sets(k)%no_loops)) cycle
-         call findings%error('balm draws dyads with one drive on the frame, but this sketch has '//sets(k)%no_loops, &
-                             line=sets(k)%title_line)
-      end do
       call make_scenes(sets, findings, cases)
       do k = 1, size(cases)
          call report_picture(sets(k), cases(k), devices)
@@ -80,6 +85,63 @@ contains
       if (.not. ready) return
       call write_pictures(arguments, stem, pictures, scripts, code)
    end subroutine run_file
+
+   !> The drawing board, with a case or empty. A case with mistakes is drawn as far as it can be read.
+   subroutine make_board(file)
+      character(*), intent(in) :: file
+      type(diagnostics_t) :: findings, of_case
+      type(data_set_t), allocatable :: sets(:)
+      type(line_t), allocatable :: lines(:)
+      type(exchange_t) :: files
+      type(text_t) :: page
+      character(:), allocatable :: stem
+      logical :: ready
+
+      allocate (lines(0))
+      stem = stem_of('sketch', arguments%output_dir)
+      if (.not. arguments%no_case) then
+         stem = stem_of(file, arguments%output_dir)
+         findings%file = file
+         call read_lines(file, lines, findings)
+         if (.not. findings%failed()) then
+            call read_case_text(joined(lines), file, sets, of_case, 'balm')
+            if (size(sets) > 0) then
+               if (.not. sets(1)%sketch%given .and. .not. of_case%failed()) &
+                  call findings%error('the drawing board takes sketches (&CHAIN), but this linkage is described by its loops '// &
+                                      '(&LINKS)', line=sets(1)%title_line)
+            end if
+            if (of_case%failed()) call show_findings(of_case)
+         end if
+         if (findings%failed()) call show_findings(findings)
+         code = max(code, findings%exit_code(), of_case%exit_code())
+         if (findings%failed()) return
+      end if
+      call prepare_outputs(arguments, stem, ['.edit.html'], ready, code)
+      if (.not. ready) return
+      call write_board('Drawing board', name_of(stem)//'.nml', lines, page)
+      call files%begin(directory_of(stem), arguments%inputs)
+      call files%add(stem//'.edit.html', page%content())
+      call files%finish()
+      if (files%code /= exit_done) then
+         call say(arguments%program, files%message)
+         code = max(code, files%code)
+      else if (.not. arguments%quiet) then
+         call write_standard_error('Written: '//stem//'.edit.html (drawing board; open it in a browser)'//nl)
+      end if
+   end subroutine make_board
+
+   !> Lines as one text.
+   pure function joined(lines) result(whole)
+      type(line_t), intent(in) :: lines(:)
+      character(:), allocatable :: whole
+      type(text_t) :: text
+      integer :: k
+
+      do k = 1, size(lines)
+         call text%add(lines(k)%text)
+      end do
+      whole = text%content()
+   end function joined
 
    !> Scripts for gnuplot; device 1 of the case, if it is there, has the convergence.
    subroutine draw_scripts(cases, stem, mark, scripts)

@@ -198,8 +198,8 @@ contains
             arguments%quiet = .true.
          case ('--curves', '--assemblies', '--edit')
             if (program /= 'balm' .and. .not. (program == 'ssics' .and. word == '--curves')) then
-               call say(program, "'"//word//"' is an option of balm"//trim(merge(' and ssics', '          ', word == '--curves'))// &
-                        '; see --help')
+               call say(program, "'"//word//"' is an option of balm"// &
+                        trim(merge(' and ssics', '          ', word == '--curves'))//'; see --help')
                arguments%code = exit_bad_input
             end if
             arguments%edit = arguments%edit .or. word == '--edit'

@@ -4,6 +4,7 @@
 usage: test/pictures.py PROGRAM_DIRECTORY [SCREENSHOT_DIRECTORY | --only PART[,PART ...]]. Last line: N passed, N failed.
 Readers are independent of balm: XML and JSON of Python, ezdxf, chromium.
 """
+import csv
 import json
 import math
 import os
@@ -16,6 +17,7 @@ import xml.etree.ElementTree as ElementTree
 import ezdxf
 
 import picture_tools
+from board_in_browser import test_board
 from page_in_browser import test_pages
 from picture_tools import DATA, TOP, balm, changed, check, page_data, psalm, read, run, write
 
@@ -746,6 +748,104 @@ def test_flat_curves():
     check("curves: what varies fills its axis", ranges[0][1] == "*:*", str(ranges))
 
 
+CHAINS = {"excavator": "B C,D F,G J", "scissors_lift": "P Q", "geared_five_bar": "", "stephenson2_six_bar": "", "landing_gear": "B L",
+          "excavator_envelope": "B C,D F,G J"}  # sketches without loops of dyads, and their cylinders
+
+
+def test_chains():
+    """Sketches of larger groups and several drives: pictures against CASE.csv, links that stay rigid, cylinders that follow their drives."""
+    for name, cylinders in CHAINS.items():
+        case = os.path.join(DATA, name + ".nml")
+        psalm("--quiet", "--output-dir", ".", case)
+        code, _, errors = balm("--quiet", "--curves", "--output-dir", ".", case)
+        check(name + ": is drawn", code == 0, errors)
+        with open(name + ".csv", encoding="utf-8") as file:
+            rows = list(csv.DictReader(file))
+        scene = page_data(name + ".html")[0]
+        own, sweep = scene["prescribed"], scene["sweep"]
+        number = {joint["name"]: j for j, joint in enumerate(scene["joints"]) if joint["name"]}
+        check(name + ": joints of the page are those of CASE.csv", all(
+            own[c][j][i] == float(row[joint + "." + c]) for joint, j in number.items() for c in "xy" for i, row in enumerate(rows)))
+        check(name + ": outputs of the page are those of CASE.csv", all(
+            curve["prescribed"][i] == float(row[curve["name"].replace(", degrees", "")]) for curve in scene["curves"] for i, row in enumerate(rows)))
+        check(name + ": drives of the page are those of CASE.csv", all(
+            drive["prescribed"] == [float(row[list(row)[k]]) for row in rows] for k, drive in enumerate(scene["drives"])))
+        at = lambda row, j, i: complex(*(row[c][j][i] if isinstance(row[c][j], list) else row[c][j] for c in "xy"))
+        size = max(scene["view"][2] - scene["view"][0], scene["view"][3] - scene["view"][1])
+        fixed = [bar for bar in scene["bars"] if bar["slide"] < 0 and "barrel" not in bar]
+        check(name + ": links stay rigid over the sweep", sweep["n"] > 100 and all(abs(
+            abs(at(sweep, bar["from"], i) - at(sweep, bar["to"], i)) - bar["length"]) < 1e-7 * size for bar in fixed for i in range(sweep["n"])))
+        for k, pair in enumerate(filter(None, cylinders.split(","))):
+            a, b = (number[joint] for joint in pair.split())
+            lengths = [abs(at(sweep, a, i) - at(sweep, b, i)) - scene["drives"][k]["sweep"][i] for i in range(sweep["n"])]
+            check(name + ": cylinder %s follows its drive" % pair, max(lengths) - min(lengths) < 1e-7 * size)
+            check(name + ": cylinder %s is drawn as one" % pair, any(
+                "barrel" in bar and {bar["from"], bar["to"]} == {a, b} and 0 < bar["barrel"] < bar["length"] for bar in scene["bars"]))
+        svg = Picture(name + ".svg")
+        reference = scene["reference"]
+        check(name + ": joints of the SVG", {j: complex(*map(float, p)) for j, p in svg.joints().items() if j} == {
+            joint: at(own, j, reference) for joint, j in number.items()})
+        drawing = ezdxf.readfile(name + ".dxf")
+        check(name + ": the DXF has no errors", not drawing.audit().errors and not drawing.audit().fixes)
+        check(name + ": curves", read_bytes(name + ".png")[:4] == b"\x89PNG" and read(name + ".gp").count("set ylabel") >= 2 * len(scene["curves"]))
+    slides = page_data("scissors_lift.html")[0]
+    check("scissors lift: blocks stay on their rails", all(abs(slides["sweep"]["uy"][k][i]) < 1e-9 for k, slide in enumerate(slides["slides"])
+          if isinstance(slides["sweep"]["uy"][k], list) for i in range(slides["sweep"]["n"])) and len(slides["slides"]) == 2)
+    check("stephenson: driven in part of a turn", page_data("stephenson2_six_bar.html")[0]["sliding"])
+    test_planetary()
+    test_envelope()
+
+
+def test_planetary():
+    """Gear wheels: pitch circles that touch, rims that roll on each other."""
+    write("planet.nml", "A PLANET ON A CARRIER\n &CHAIN JNT='A','P','Q', JX=0.,60.,75., JY=0.,0.,0., LNAME='frame','arm','planet','sun',\n"
+          "  LNK='A','A P','P Q','A', GEARA='sun', GEARB='planet', GCARR='arm', GTA=40., GTB=20. &END\n"
+          " &DRIVES DRIVE='A','A', DBASE='frame','frame', DLINK='arm','sun', DELT2=3*0.0 &END\n &OUTPUTS OUTPUT='point Q' &END\n"
+          " &METHOD NDES=3, DELT=0.,30.,60. &END\n &LIMITS TANGLE=85. &END\n")
+    code, _, errors = balm("--quiet", "planet.nml")
+    check("planet: is drawn", code == 0, errors)
+    scene = page_data("planet.html")[0]
+    radii = sorted(wheel["radius"] for wheel in scene["wheels"])
+    check("planet: pitch circles by the teeth", near(radii[0], 20, 1e-8) and near(radii[1], 40, 1e-8), str(radii))
+    place_of = lambda key, joint, i: scene["sweep"][key][joint][i] if isinstance(scene["sweep"][key][joint], list) else scene["sweep"][key][joint]
+    turn = lambda wheel, i: math.degrees(math.atan2(*(place_of(c, wheel["rim"], i) - place_of(c, wheel["centre"], i) for c in "yx")))
+    planet = min(scene["wheels"], key=lambda wheel: wheel["radius"])
+    last, arm = scene["sweep"]["n"] - 1, 60
+    # a planet on a sun that stands: (1 + 40/20) turns of the arm
+    check("planet: its rim turns with it", near(math.remainder(turn(planet, last) - turn(planet, 0) - 3 * arm, 360), 0, 1e-5))
+
+
+def test_envelope():
+    """What the excavator reaches: tips at strokes that are on no grid lie inside the meshes."""
+    scene = page_data("excavator_envelope.html")[0]
+    meshes = [[complex(*mesh[k:k + 2]) for k in range(0, 8, 2)] for mesh in scene["meshes"]]
+    check("envelope: as many meshes as the grid has", len(meshes) == 12 * 8 * 4 + 12 * 3 * 9 + 8 * 3 * 13, str(len(meshes)))
+    inside = lambda p, mesh: any(min(((b - a).conjugate() * (p - a)).imag / max(abs(b - a), 1e-12) for a, b in zip(corners, corners[1:] + corners[:1])) > -0.03
+                                 for corners in (mesh, mesh[:3], mesh[2:] + mesh[:1]))
+    case = read(os.path.join(DATA, "excavator_envelope.nml"))
+    low, high = ([float(v) for v in re.search(item + r"=([-\d.,]+)", case)[1].split(",")[:3]] for item in ("DLOW", "DHIGH"))
+    values = [[round(a + (b - a) * ((k * f) % 1), 6) for k in range(1, 25)] for a, b, f in zip(low, high, (0.618034, 0.414214, 0.732051))]
+    row = lambda numbers: ",".join("%.6f" % v for v in numbers)
+    text = re.sub(r"NGRID=.*?&END", "DELT2=%s,\n  DELT3=%s &END" % (row(values[1]), row(values[2])), case, flags=re.S)
+    write("anywhere.nml", text.replace("&METHOD &END", "&METHOD NDES=24, DELT=%s &END" % row(values[0])))
+    psalm("--quiet", "anywhere.nml")
+    with open("anywhere.csv", encoding="utf-8") as file:
+        tips = [complex(float(r["T.x"]), float(r["T.y"])) for r in csv.DictReader(file) if r["closed"] == "1"]
+    check("envelope: tips anywhere lie in it", len(tips) == 24 and all(any(inside(p, mesh) for mesh in meshes) for p in tips))
+    edges = [e for e in ezdxf.readfile("excavator_envelope.dxf").modelspace() if e.dxf.layer == "ENVELOPE"]
+    check("envelope: its edges in the DXF", len(edges) == 12 and {len(e.vertices) for e in edges} == {13, 9, 4}, str(len(edges)))
+    check("envelope: on the SVG", 'id="envelope"' in read("excavator_envelope.svg") and "stroke" in read("excavator_envelope.svg"))
+    code, _, errors = balm("--quiet", changed_case("grid.nml", case, "NGRID=13,9,4,", "NGRID=13,1,4,"))
+    check("envelope: a grid of one value is refused", code == 2 and "NGRID: drive D F needs 2 values or more" in errors, errors)
+    code, _, errors = balm("--quiet", changed_case("grid.nml", case, "&METHOD &END", "&METHOD NDES=2, DELT=0.0,0.1 &END"))
+    check("envelope: positions beside a grid are refused", code == 2 and "leave NDES out" in errors, errors)
+
+
+def changed_case(name, text, old, new):
+    write(name, changed(text, old, new))
+    return name
+
+
 PARTS = {
     "geometry": test_geometry,
     "drawing": test_drawing,
@@ -764,7 +864,9 @@ PARTS = {
     "embedded": test_embedded,
     "short_messages": test_messages_are_short,
     "flat_curves": test_flat_curves,
+    "chains": test_chains,
     "pages": test_pages,
+    "board": test_board,
 }
 NEEDED = {"pages": ["messages"], "embedded": ["messages", "awkward"], "short_messages": ["messages", "regions"]}  # parts whose files another part uses
 
@@ -783,7 +885,7 @@ def main(arguments):
         codes = prepare()
         for name, part in PARTS.items():
             if only is None or name in only:
-                part(*{"geometry": [codes], "pages": [shots]}.get(name, []))
+                part(*{"geometry": [codes], "pages": [shots], "board": [shots]}.get(name, []))
         os.chdir("/")
     print("%d passed, %d failed" % (picture_tools.passed, picture_tools.failed))
     return picture_tools.failed > 0

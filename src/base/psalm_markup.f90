@@ -104,21 +104,6 @@ contains
       end do
    end function xml_text
 
-   !> The text as a string of gnuplot, quotes included.
-   pure function gnuplot_text(string) result(written)
-      character(*), intent(in) :: string
-      character(:), allocatable :: written, clean
-      integer :: i
-
-      clean = clean_text(string)
-      written = "'"
-      do i = 1, len(clean)
-         written = written//clean(i:i)
-         if (clean(i:i) == "'") written = written//"'"
-      end do
-      written = written//"'"
-   end function gnuplot_text
-
    !> The text as a JSON string, quotes included, that may stand inside a script element.
    pure function json_text(text) result(quoted)
       character(*), intent(in) :: text

@@ -5,7 +5,7 @@ module psalm_page_text
    public :: page_text, title_mark, data_mark
 
    character(*), parameter :: title_mark = '<!--TITLE-->' !! the line of the page where the title stands
-   character(*), parameter :: data_mark = '<!--DATA-->'   !! the line where the scenes stand
+   character(*), parameter :: data_mark = '<!--DATA-->'   !! the line where its data stand
    character(*), parameter :: nl = new_line('a')
 
    character(*), parameter :: part_1 = &
@@ -29,6 +29,7 @@ module psalm_page_text
    '  --desired: #0b57d0;'//nl// &
    '  --bad: #d3302f;'//nl// &
    '  --warn: #9a6700;'//nl// &
+   '  --good: #2e7d32;'//nl// &
    '  --badband: rgba(211,48,47,.16);'//nl// &
    '  --warnband: rgba(200,140,0,.16);'//nl// &
    '  --frame: #7d8994;'//nl// &
@@ -55,6 +56,7 @@ module psalm_page_text
    '    --desired: #7db4ff;'//nl// &
    '    --bad: #ff6b60;'//nl// &
    '    --warn: #f0c060;'//nl// &
+   '    --good: #7ccf8a;'//nl// &
    '    --badband: rgba(255,107,96,.22);'//nl// &
    '    --warnband: rgba(240,192,96,.18);'//nl// &
    '    --frame: #8793a0;'//nl// &
@@ -73,7 +75,8 @@ module psalm_page_text
    ':root.paper {'//nl// &
    '  color-scheme: light;'//nl// &
    '}'//nl// &
-   ''//nl// &
+   '</style>'//nl// &
+   '<style>'//nl// &
    '* {'//nl// &
    '  box-sizing: border-box;'//nl// &
    '}'//nl// &
@@ -105,12 +108,12 @@ module psalm_page_text
    '}'//nl// &
    ''//nl// &
    'main {'//nl// &
-   '  display: grid;'//nl// &
-   '  grid-template-columns: minmax(0, 3fr) minmax(0, 2fr);'//nl// &
-   '  gap: 10px 16px;'//nl// &
-   '  padding: 0 18px;'//nl
+   '  display: grid;'//nl
 
    character(*), parameter :: part_2 = &
+   '  grid-template-columns: minmax(0, 3fr) minmax(0, 2fr);'//nl// &
+   '  gap: 10px 16px;'//nl// &
+   '  padding: 0 18px;'//nl// &
    '}'//nl// &
    ''//nl// &
    'figure {'//nl// &
@@ -207,12 +210,12 @@ module psalm_page_text
    '  border: 1px solid var(--line);'//nl// &
    '  border-radius: 5px;'//nl// &
    '  min-height: 36px;'//nl// &
-   '  min-width: 40px;'//nl// &
-   '  padding: 2px 12px;'//nl// &
-   '  cursor: pointer;'//nl// &
-   '}'//nl
+   '  min-width: 40px;'//nl
 
    character(*), parameter :: part_3 = &
+   '  padding: 2px 12px;'//nl// &
+   '  cursor: pointer;'//nl// &
+   '}'//nl// &
    ''//nl// &
    'button:hover,'//nl// &
    'select:hover {'//nl// &
@@ -309,12 +312,12 @@ module psalm_page_text
    ''//nl// &
    '@media (max-width: 820px) {'//nl// &
    '  main {'//nl// &
-   '    grid-template-columns: minmax(0, 1fr);'//nl// &
-   '    padding: 0 8px;'//nl// &
-   '  }'//nl// &
-   '  header {'//nl
+   '    grid-template-columns: minmax(0, 1fr);'//nl
 
    character(*), parameter :: part_4 = &
+   '    padding: 0 8px;'//nl// &
+   '  }'//nl// &
+   '  header {'//nl// &
    '    padding: 10px 10px 4px;'//nl// &
    '  }'//nl// &
    '  #linkage {'//nl// &
@@ -411,12 +414,12 @@ module psalm_page_text
    '    <label id="bentbox" hidden><input id="bent" type="checkbox" checked> bending</label>'//nl// &
    '    <label id="bearingbox" hidden>polar diagram'//nl// &
    '      <select id="bearing" aria-label="joint of the polar diagram"></select></label>'//nl// &
-   '    <fieldset id="overlays" hidden><legend>overlay</legend></fieldset>'//nl// &
-   '  </div>'//nl// &
-   '</main>'//nl// &
-   '<section id="chartbox" hidden>'//nl
+   '    <fieldset id="overlays" hidden><legend>overlay</legend></fieldset>'//nl
 
    character(*), parameter :: part_5 = &
+   '  </div>'//nl// &
+   '</main>'//nl// &
+   '<section id="chartbox" hidden>'//nl// &
    '  <canvas id="charts" role="img" aria-label="deflection over speeds, chart of stability"></canvas>'//nl// &
    '</section>'//nl// &
    '<section id="messages" aria-label="messages"></section>'//nl// &
@@ -514,12 +517,12 @@ module psalm_page_text
    '    }'//nl// &
    '    const near = (k) => a[Math.round(c.at[k]) % a.length];'//nl// &
    '    const k = p.actual.findIndex((v, i) => isFinite(v) && isFinite(near(i)));'//nl// &
-   '    if (k < 0 || !p.desired) return;'//nl// &
-   '    const turn = 360 * Math.round((p.actual[k] - near(k)) / 360);'//nl// &
-   '    for (let i = 0; i < a.length; i++) a[i] += turn;'//nl// &
-   '  }'//nl
+   '    if (k < 0 || !p.desired) return;'//nl
 
    character(*), parameter :: part_6 = &
+   '    const turn = 360 * Math.round((p.actual[k] - near(k)) / 360);'//nl// &
+   '    for (let i = 0; i < a.length; i++) a[i] += turn;'//nl// &
+   '  }'//nl// &
    ''//nl// &
    '  /** Input at a place t of the sweep: degrees that go on, or a length. */'//nl// &
    '  function inputAt(c, t) {'//nl// &
@@ -617,12 +620,12 @@ module psalm_page_text
    '  const MANY = 60;               // joints above which symbols are smaller and letters left out'//nl// &
    '  const LONGEST = 90;            // pixels of the arrow of the largest load'//nl// &
    '  const ROUND = 2 * Math.PI;'//nl// &
-   '  const pens = {};               // colours of the scheme'//nl// &
-   '  let canvas, pen, still;        // `still` holds what does not move'//nl// &
-   '  let view = null;               // scale and place of the drawing'//nl// &
-   ''//nl
+   '  const pens = {};               // colours of the scheme'//nl
 
    character(*), parameter :: part_7 = &
+   '  let canvas, pen, still;        // `still` holds what does not move'//nl// &
+   '  let view = null;               // scale and place of the drawing'//nl// &
+   ''//nl// &
    '  function begin() {'//nl// &
    "    canvas = document.getElementById('linkage');"//nl// &
    "    pen = canvas.getContext('2d');"//nl// &
@@ -721,12 +724,12 @@ module psalm_page_text
    '  function drawRegions(g, c) {'//nl// &
    '    g.save();'//nl// &
    '    g.strokeStyle = pens.bad;'//nl// &
-   '    g.fillStyle = pens.badband;'//nl// &
-   '    for (const region of c.regions) {'//nl// &
-   '      g.beginPath();'//nl// &
-   '      outline[region.kind](g, region);'//nl
+   '    g.fillStyle = pens.badband;'//nl
 
    character(*), parameter :: part_8 = &
+   '    for (const region of c.regions) {'//nl// &
+   '      g.beginPath();'//nl// &
+   '      outline[region.kind](g, region);'//nl// &
    '      g.setLineDash(region.inside ? [5, 4] : []);'//nl// &
    '      if (!region.inside) g.fill();'//nl// &
    '      g.stroke();'//nl// &
@@ -823,12 +826,12 @@ module psalm_page_text
    '  function line(g, x1, y1, x2, y2) {'//nl// &
    '    g.beginPath();'//nl// &
    '    g.moveTo(x1, y1);'//nl// &
-   '    g.lineTo(x2, y2);'//nl// &
-   '    g.stroke();'//nl// &
-   '  }'//nl// &
-   ''//nl
+   '    g.lineTo(x2, y2);'//nl
 
    character(*), parameter :: part_9 = &
+   '    g.stroke();'//nl// &
+   '  }'//nl// &
+   ''//nl// &
    '  const segment = (g, x1, y1, x2, y2) => line(g, X(x1), Y(y1), X(x2), Y(y2));'//nl// &
    ''//nl// &
    '  function cross(g, x, y) {'//nl// &
@@ -926,12 +929,12 @@ module psalm_page_text
    '      g.arc(x, y, r, 0, ROUND);'//nl// &
    '      g.fill();'//nl// &
    '      g.stroke();'//nl// &
-   '      g.fillStyle = pens.ink;'//nl// &
-   '      for (const from of [0, Math.PI]) {'//nl// &
-   '        g.beginPath();'//nl// &
-   '        g.moveTo(x, y);'//nl
+   '      g.fillStyle = pens.ink;'//nl
 
    character(*), parameter :: part_10 = &
+   '      for (const from of [0, Math.PI]) {'//nl// &
+   '        g.beginPath();'//nl// &
+   '        g.moveTo(x, y);'//nl// &
    '        g.arc(x, y, r, from, from + Math.PI / 2);'//nl// &
    '        g.fill();'//nl// &
    '      }'//nl// &
@@ -1029,12 +1032,12 @@ module psalm_page_text
    '    for (const other of c.sweep.others) {'//nl// &
    '      const { start, finish } = c.pairs[other.pair], x = mixed(other.x, at);'//nl// &
    '      if (!isFinite(x)) continue;'//nl// &
-   '      g.beginPath();'//nl// &
-   '      g.moveTo(px[start], py[start]);'//nl// &
-   '      g.lineTo(X(x), Y(mixed(other.y, at)));'//nl// &
-   '      g.lineTo(px[finish], py[finish]);'//nl
+   '      g.beginPath();'//nl
 
    character(*), parameter :: part_11 = &
+   '      g.moveTo(px[start], py[start]);'//nl// &
+   '      g.lineTo(X(x), Y(mixed(other.y, at)));'//nl// &
+   '      g.lineTo(px[finish], py[finish]);'//nl// &
    '      g.stroke();'//nl// &
    '    }'//nl// &
    '    g.setLineDash([]);'//nl// &
@@ -1133,12 +1136,12 @@ module psalm_page_text
    '  function drawOutput(c, at) {'//nl// &
    '    let x = c.px[c.output], y = c.py[c.output];'//nl// &
    "    if (c.motion === 'angle' && c.output === c.base && c.sweep.closed[at[0]] === '1') {"//nl// &
-   '      const ax = X(mixed(c.sweep.aim_x, at)), ay = Y(mixed(c.sweep.aim_y, at));'//nl// &
-   '      pen.strokeStyle = pens.actual;'//nl// &
-   '      pen.lineWidth = 2.2 * view.u;'//nl// &
-   '      line(pen, x, y, ax, ay);'//nl
+   '      const ax = X(mixed(c.sweep.aim_x, at)), ay = Y(mixed(c.sweep.aim_y, at));'//nl
 
    character(*), parameter :: part_12 = &
+   '      pen.strokeStyle = pens.actual;'//nl// &
+   '      pen.lineWidth = 2.2 * view.u;'//nl// &
+   '      line(pen, x, y, ax, ay);'//nl// &
    '      [x, y] = [ax, ay];'//nl// &
    '    }'//nl// &
    '    // on a block the symbol stays visible'//nl// &
@@ -1237,13 +1240,13 @@ module psalm_page_text
    "    canvas = document.getElementById('curves');"//nl// &
    "    chart = canvas.getContext('2d');"//nl// &
    "    still = document.createElement('canvas');"//nl// &
-   "    strip = document.getElementById('strip');"//nl// &
+   "    strip = document.getElementById('strip');"//nl
+
+   character(*), parameter :: part_13 = &
    '  }'//nl// &
    ''//nl// &
    '  // ---- axes --------------------------------------------------------------------------------------------------------'// &
-   '-'//nl
-
-   character(*), parameter :: part_13 = &
+   '-'//nl// &
    ''//nl// &
    '  /** Round numbers from a to b, about `count`; with `angles` steps that divide a turn. */'//nl// &
    '  function ticks(a, b, count, angles = false) {'//nl// &
@@ -1343,12 +1346,12 @@ module psalm_page_text
    '    });'//nl// &
    '    drawInputAxis(g, c);'//nl// &
    '    layOutStrip(c);'//nl// &
-   '  }'//nl// &
-   ''//nl// &
-   '  function drawInputAxis(g, c) {'//nl// &
-   '    const { w, h, u, left, right } = plot, first = inputAt(c, 0), each = inputAt(c, 1) - first || 1;'//nl
+   '  }'//nl
 
    character(*), parameter :: part_14 = &
+   ''//nl// &
+   '  function drawInputAxis(g, c) {'//nl// &
+   '    const { w, h, u, left, right } = plot, first = inputAt(c, 0), each = inputAt(c, 1) - first || 1;'//nl// &
    '    g.fillStyle = balm.drawing.pens.soft;'//nl// &
    "    g.textAlign = 'center';"//nl// &
    '    for (const v of ticks(inputAt(c, plot.from), inputAt(c, plot.to), w < 500 * u ? 4 : 7, c.ring))'//nl// &
@@ -1445,12 +1448,12 @@ module psalm_page_text
    '    const { pens } = balm.drawing, n = c.sweep.n;'//nl// &
    '    for (let i = 0; i < n;) {'//nl// &
    '      const status = c.status[i];'//nl// &
-   '      let k = i;'//nl// &
-   '      while (k < n && c.status[k] === status) k++;'//nl// &
-   '      if (status) {'//nl// &
-   '        const a = Math.max(x(i - 0.5), x(plot.from)), b = Math.min(x(k - 0.5), x(plot.to));'//nl
+   '      let k = i;'//nl
 
    character(*), parameter :: part_15 = &
+   '      while (k < n && c.status[k] === status) k++;'//nl// &
+   '      if (status) {'//nl// &
+   '        const a = Math.max(x(i - 0.5), x(plot.from)), b = Math.min(x(k - 0.5), x(plot.to));'//nl// &
    '        g.fillStyle = status === OPEN ? pens.badband : pens.warnband;'//nl// &
    '        if (b > a) g.fillRect(a, top, b - a, height);'//nl// &
    '      }'//nl// &
@@ -1548,12 +1551,12 @@ module psalm_page_text
    '      g.moveTo(x(v), at.bottom);'//nl// &
    '      g.lineTo(x(v), at.bottom + 4);'//nl// &
    '      g.stroke();'//nl// &
-   '      g.fillText(short(v), x(v), at.bottom + 16);'//nl// &
-   '    }'//nl// &
-   '    g.fillText(across, (at.left + at.right) / 2, at.bottom + 32);'//nl// &
-   "    g.textAlign = 'left';"//nl
+   '      g.fillText(short(v), x(v), at.bottom + 16);'//nl
 
    character(*), parameter :: part_16 = &
+   '    }'//nl// &
+   '    g.fillText(across, (at.left + at.right) / 2, at.bottom + 32);'//nl// &
+   "    g.textAlign = 'left';"//nl// &
    '    g.fillStyle = pens.ink;'//nl// &
    '    g.fillText(name, at.left, at.top - 10);'//nl// &
    '    return [x, y];'//nl// &
@@ -1651,12 +1654,12 @@ module psalm_page_text
    "    return text + ', desired ' + short(p.desired[near]) + ', error ' + short(p.error[near]);"//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  /** The same of a sketch with several drives or outputs. */'//nl// &
-   '  function factsOfDrives(c, at, near) {'//nl// &
-   '    const value = (one) => near >= 0 ? one.prescribed[near] : mixed(one.sweep, at);'//nl// &
-   '    const digits = (v) => short(isFinite(v) ? Number(v.toPrecision(6)) : v);'//nl
+   '  /** The same of a sketch with several drives or outputs. */'//nl
 
    character(*), parameter :: part_17 = &
+   '  function factsOfDrives(c, at, near) {'//nl// &
+   '    const value = (one) => near >= 0 ? one.prescribed[near] : mixed(one.sweep, at);'//nl// &
+   '    const digits = (v) => short(isFinite(v) ? Number(v.toPrecision(6)) : v);'//nl// &
    "    const parts = c.drives.map((one) => one.name + ' ' + digits(value(one)) + (one.turning ? '\u00b0' : ''));"//nl// &
    "    for (const one of c.curves.slice(0, MOST_OUTPUTS)) parts.push(one.name.replace(', degrees', '') + ' ' + digits(valu"// &
    "e(one)) +"//nl// &
@@ -1754,12 +1757,12 @@ module psalm_page_text
    '  const limits = () => balm.state.whole ? shown().ends : shown().range;'//nl// &
    ''//nl// &
    '  /** Shows the place t of the sweep. */'//nl// &
-   '  function go(t) {'//nl// &
-   '    const c = shown();'//nl// &
-   '    if (!c.sound) return;'//nl// &
-   '    balm.state.t = within(c, t, limits());'//nl
+   '  function go(t) {'//nl
 
    character(*), parameter :: part_18 = &
+   '    const c = shown();'//nl// &
+   '    if (!c.sound) return;'//nl// &
+   '    balm.state.t = within(c, t, limits());'//nl// &
    '    balm.draw();'//nl// &
    '    balm.messages.show(c, balm.state.t);'//nl// &
    "    if (Number($('time').value) !== balm.state.t) $('time').value = balm.state.t;"//nl// &
@@ -1859,12 +1862,12 @@ module psalm_page_text
    '      const k = c.ring ? balm.scene.modulo(i, s.n) : i;'//nl// &
    "      if (k < 0 || k >= s.n || s.closed[k] === '0') continue;"//nl// &
    '      const away = Math.hypot(mixed(s.x[joint], [k, k, 0]) - mx, mixed(s.y[joint], [k, k, 0]) - my);'//nl// &
-   '      if (away < least) [best, least] = [k, away];'//nl// &
-   '    }'//nl// &
-   '    if (best >= 0) go(best);'//nl// &
-   '  }'//nl
+   '      if (away < least) [best, least] = [k, away];'//nl
 
    character(*), parameter :: part_19 = &
+   '    }'//nl// &
+   '    if (best >= 0) go(best);'//nl// &
+   '  }'//nl// &
    ''//nl// &
    '  /** A tap names the arc it meets: a finger cannot point. */'//nl// &
    '  function release(event) {'//nl// &
@@ -1964,12 +1967,12 @@ module psalm_page_text
    '})();'//nl// &
    '</script>'//nl// &
    '<script>'//nl// &
-   '// Start, state, choice of the case.'//nl// &
-   "'use strict';"//nl// &
-   ''//nl// &
-   '(() => {'//nl
+   '// Start, state, choice of the case.'//nl
 
    character(*), parameter :: part_20 = &
+   "'use strict';"//nl// &
+   ''//nl// &
+   '(() => {'//nl// &
    '  const { scene, drawing, curves, charts, messages, controls } = balm;'//nl// &
    '  const $ = (id) => document.getElementById(id);'//nl// &
    "  const cases = scene.read($('data').textContent);"//nl// &
@@ -2066,12 +2069,12 @@ module psalm_page_text
    ''//nl// &
    '  function listCases() {'//nl// &
    '    cases.forEach((c, i) => {'//nl// &
-   "      const option = document.createElement('option');"//nl// &
-   '      option.value = String(i);'//nl// &
-   "      $('case').append(option);"//nl// &
-   "      const label = document.createElement('label'), box = document.createElement('input');"//nl
+   "      const option = document.createElement('option');"//nl
 
    character(*), parameter :: part_21 = &
+   '      option.value = String(i);'//nl// &
+   "      $('case').append(option);"//nl// &
+   "      const label = document.createElement('label'), box = document.createElement('input');"//nl// &
    "      box.type = 'checkbox';"//nl// &
    '      box.dataset.overlay = String(i);'//nl// &
    "      box.setAttribute('aria-label', 'overlay case ' + (i + 1));"//nl// &

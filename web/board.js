@@ -1,0 +1,431 @@
+// The drawing board: its state, every change with undo, the motion that follows from it, playing, files.
+'use strict';
+
+(() => {
+  const { view, motion: solver, text: notation } = board;
+  const $ = (id) => document.getElementById(id);
+  const MOST_UNDO = 200, TURN_TIME = 6, WAY_TIME = 4;      // seconds of a turn, of a way there
+  const FINE = 1, COARSE = 5;                              // degrees between positions of a sweep; while dragging
+  const clone = (value) => JSON.parse(JSON.stringify(value));
+  const blank = () => ({ title: 'A LINKAGE', joints: [], links: [{ name: 'frame', joints: [] }], slides: [], gears: [], lengths: [], kover: false,
+    drives: [], outputs: [], ikin: 15, crnki: 0, delt: [], keep: {} });
+
+  const state = {
+    sketch: blank(), source: '', file: 'sketch.nml', dirty: false,
+    tool: 'select', selection: null, hover: null, pending: null, grid: 'auto',
+    messages: [], wrong: new Set(),
+    motion: {},                 // mech, start, sweep: what follows from the sketch
+    live: null,                 // state shown; null: the drawing as it is
+    t: 0, forth: 1, playing: false, speed: 0,
+  };
+  const past = [], future = [];
+  let before = null;            // the sketch before a change that goes on
+
+  const jointOf = (name) => state.sketch.joints.find((j) => j.name === name);
+  const linkOf = (name) => state.sketch.links.find((l) => l.name === name);
+  const linksAt = (name) => state.sketch.links.filter((l) => l.joints.includes(name));
+  const inFrame = (name) => state.sketch.links[0].joints.includes(name);
+
+  // ---- changes ------------------------------------------------------------------------------------------------------
+
+  /** A change that goes on, as dragging: `begin`, any number of `touch`, `end`. */
+  function begin() {
+    if (before) return;
+    pause();
+    settle();
+    before = JSON.stringify(state.sketch);
+  }
+
+  function touch(change) {
+    change(state.sketch);
+    refresh(true);
+  }
+
+  function end() {
+    if (before && before !== JSON.stringify(state.sketch)) {
+      past.push(before);
+      if (past.length > MOST_UNDO) past.shift();
+      future.length = 0;
+      state.dirty = true;
+    }
+    before = null;
+    refresh();
+  }
+
+  function edit(change) {
+    begin();
+    change(state.sketch);
+    end();
+  }
+
+  function undo(from = past, to = future) {
+    if (!from.length) return;
+    pause();
+    to.push(JSON.stringify(state.sketch));
+    state.sketch = JSON.parse(from.pop());
+    state.selection = null;
+    state.dirty = true;
+    refresh();
+  }
+
+  /** Exact lengths may hold the joints elsewhere than they were drawn: from there on they are drawn where they are. */
+  function settle() {
+    const { mech, start } = state.motion;
+    if (!start || !state.sketch.lengths.length) return;
+    solver.joints(mech, start.pose).forEach(([x, y], j) => Object.assign(state.sketch.joints[j], { x, y }));
+  }
+
+  /** Moves joints as little as may be until all exact lengths hold; the frame and `held` joints give way last. */
+  function relax(sketch, held = []) {
+    const { lengths, joints } = sketch;
+    if (!lengths.length) return;
+    const ease = joints.map((j) => sketch.links[0].joints.includes(j.name) ? 1e-6 : held.includes(j.name) ? 1e-2 : 1);
+    for (let round = 0; round < 60; round++) {
+      const rows = [], right = [];
+      for (const { joints: [a, b], value } of lengths) {
+        const i = joints.findIndex((j) => j.name === a), k = joints.findIndex((j) => j.name === b);
+        const dx = joints[k].x - joints[i].x, dy = joints[k].y - joints[i].y, d = Math.hypot(dx, dy) || 1e-9;
+        rows.push({ i, k, u: [dx / d, dy / d] });
+        right.push(value - d);
+      }
+      if (Math.max(...right.map(Math.abs)) < 1e-13 * Math.max(...lengths.map((l) => l.value))) return;
+      const dot = (p, q) => p.u[0] * q.u[0] + p.u[1] * q.u[1];
+      const gram = rows.map((p) => rows.map((q) => dot(p, q) * ((p.i === q.i) * ease[p.i] + (p.k === q.k) * ease[p.k] -
+        (p.i === q.k) * ease[p.i] - (p.k === q.i) * ease[p.k])));
+      const { x } = solver.eliminate(gram, right);
+      if (!x) return;
+      rows.forEach((row, n) => {
+        joints[row.i].x -= ease[row.i] * x[n] * row.u[0];
+        joints[row.i].y -= ease[row.i] * x[n] * row.u[1];
+        joints[row.k].x += ease[row.k] * x[n] * row.u[0];
+        joints[row.k].y += ease[row.k] * x[n] * row.u[1];
+      });
+    }
+  }
+
+  /** Another name for a joint, link or slide, wherever it is used. */
+  function rename(kind, from, to) {
+    const { sketch } = state, all = [...sketch.joints, ...sketch.slides].map((one) => one.name);
+    if (!/^[^\s,'"]{1,31}$/.test(to) || (kind === 'link' ? sketch.links.some((l) => l.name === to) : all.includes(to))) return false;
+    edit((s) => {
+      const swap = (name) => name === from ? to : name;
+      if (kind === 'link') {
+        linkOf(from).name = to;
+        for (const slide of s.slides) slide.links = slide.links.map(swap);
+        for (const gear of s.gears) [gear.wheels, gear.carrier] = [gear.wheels.map(swap), swap(gear.carrier)];
+        for (const drive of s.drives) [drive.base, drive.link] = [swap(drive.base), swap(drive.link)];
+      } else {
+        for (const one of [...s.joints, ...s.slides]) one.name = swap(one.name);
+        for (const one of [...s.links, ...s.lengths]) one.joints = one.joints.map(swap);
+        for (const drive of s.drives) drive.at = drive.at.map(swap);
+      }
+      for (const output of s.outputs) if (output.kind !== 'ratio') output.of = output.of.map(swap);
+    });
+    return true;
+  }
+
+  /** Takes joints, links or slides away, and what cannot be without them. */
+  function remove({ joint, link, slide, cylinder }) {
+    edit((s) => {
+      if (cylinder) s.drives = s.drives.filter((d) => d.at.join(' ') !== cylinder);
+      if (slide) s.slides = s.slides.filter((one) => one.name !== slide);
+      if (link && link !== s.links[0].name) s.links = s.links.filter((one) => one.name !== link);
+      if (joint) {
+        s.joints = s.joints.filter((one) => one.name !== joint);
+        for (const one of s.links) one.joints = one.joints.filter((name) => name !== joint);
+      }
+      tidy(s);
+    });
+    state.selection = null;
+    refresh();
+  }
+
+  function tidy(s) {
+    const slides = (name) => s.slides.some((one) => one.links.includes(name));
+    // a link of one joint is a block if it slides; else its joint stays only if others have it
+    s.links = s.links.filter((one, i) => i === 0 || one.joints.length > 1 || slides(one.name));
+    const link = (name) => s.links.some((one) => one.name === name), joint = (name) => s.joints.some((one) => one.name === name);
+    s.slides = s.slides.filter((one) => one.links.every(link));
+    s.links = s.links.filter((one, i) => i === 0 || one.joints.length > 1 || slides(one.name));
+    s.joints = s.joints.filter((one) => s.links.some((l) => l.joints.includes(one.name)));
+    for (const one of s.links) one.joints = one.joints.filter(joint);
+    const shared = (names) => s.links.some((l) => names.every((name) => l.joints.includes(name)));
+    s.gears = s.gears.filter((one) => [...one.wheels, one.carrier].every(link));
+    s.lengths = s.lengths.filter((one) => one.joints.every(joint) && shared(one.joints));
+    s.drives = s.drives.filter((one) => one.kind === 'slide' ? s.slides.some((slide) => slide.name === one.at[0]) : one.at.every(joint) &&
+      (one.kind !== 'cylinder' || !shared(one.at)) && (one.kind !== 'turn' || s.links.filter((l) => l.joints.includes(one.at[0])).length > 1));
+    for (const one of s.drives) for (const key of ['base', 'link']) if (one[key] && !link(one[key])) one[key] = '';
+    for (const one of s.drives) if (one.kind === 'turn') for (const key of ['base', 'link'])
+      if (one[key] && !s.links.find((l) => l.name === one[key]).joints.includes(one.at[0])) one[key] = '';
+    if (s.drives.length && s.drives[0].ratio) Object.assign(s.drives[0], { ratio: 0, phase: 0 });
+    s.outputs = s.outputs.filter((one) => one.kind === 'ratio' || one.of.every((word) => joint(word) || link(word) ||
+      s.slides.some((slide) => slide.name === word) || [...word].every(joint)));
+  }
+
+  /** A name that is free: A, B ... for joints, the word with a number for others. */
+  function freeName(kind) {
+    const { sketch } = state;
+    if (kind === 'joint') {
+      const letters = (n) => (n >= 26 ? letters(Math.floor(n / 26) - 1) : '') + String.fromCharCode(65 + n % 26);
+      for (let n = 0; ; n++) if (!jointOf(letters(n)) && !sketch.slides.some((s) => s.name === letters(n))) return letters(n);
+    }
+    const taken = kind === 'slide' ? [...sketch.slides, ...sketch.joints] : sketch.links;
+    const stem = kind === 'slide' ? 'S' : kind;
+    for (let n = kind === 'slide' ? 1 : 2; ; n++) if (!taken.some((one) => one.name === stem + n)) return stem + n;
+  }
+
+  // ---- motion -------------------------------------------------------------------------------------------------------
+
+  /** What follows from the sketch; `rough` while something is dragged. */
+  function refresh(rough = false) {
+    const { sketch } = state;
+    state.motion = {};
+    state.live = null;
+    state.t = 0;
+    state.messages = solver.judge(sketch);
+    if (!state.messages.length) {
+      const mech = solver.compile(sketch), start = solver.assemble(mech);
+      state.motion = { mech, start };
+      if (!start) tell('The links do not meet: with the exact lengths they cannot be put together near the drawing.');
+      else if (start.dead) tell('The linkage stands at a dead point in the drawing, where two assemblies meet: draw it in another position.');
+      else {
+        state.motion.sweep = sweepOf(mech, start, rough ? COARSE : FINE);
+        state.live = start;
+        state.t = state.motion.sweep.home;
+      }
+    }
+    state.wrong = new Set(state.messages.flatMap((m) => m.joints));
+    if (state.selection && !exists(state.selection)) state.selection = null;
+    board.panel.show(rough);
+    view.draw();
+  }
+
+  const tell = (text) => state.messages.push({ text, joints: [], links: [] });
+  const exists = (s) => s.joint ? jointOf(s.joint) : s.link ? linkOf(s.link) : s.slide ? state.sketch.slides.some((one) => one.name === s.slide) :
+    state.sketch.drives.some((d) => d.at.join(' ') === s.cylinder);
+
+  const free = () => state.sketch.drives.filter((d) => !d.ratio).length;
+
+  /** States along the motion: a whole turn, or as far as the linkage goes both ways; of several drives the way through all positions. */
+  function sweepOf(mech, start, step) {
+    const { sketch } = state;
+    let states = [start], home = 0, ring = false;
+    if (free() === 1) {
+      const turns = sketch.drives[0].kind === 'turn', each = turns ? step : mech.size * step / 120, most = turns ? 360 : mech.size;
+      const run = (way) => {
+        const list = [];
+        let now = start;
+        for (let k = 1; k * each <= most + 1e-9; k++) {
+          const next = solver.advance(mech, now, solver.inputsAt(sketch, way * k * each));
+          if (!next) { list.push(...edge(mech, now, solver.inputsAt(sketch, way * k * each))); break; }
+          list.push(now = next);
+        }
+        return list;
+      };
+      const forth = run(1), last = forth.at(-1);
+      ring = turns && forth.length * each >= 360 - 1e-9 && same(mech, start, last);
+      if (ring) states = [start, ...forth.slice(0, -1)];
+      else {
+        const back = run(-1).reverse();
+        states = [...back, start, ...forth];
+        home = back.length;
+      }
+    } else {
+      const rows = solver.positions(sketch), between = [start.inputs];
+      rows.forEach((row, k) => {
+        const from = k ? rows[k - 1] : start.inputs, steps = Math.max(1, Math.round(120 / Math.max(1, rows.length) / step));
+        for (let i = 1; i <= steps; i++) between.push(from.map((v, d) => v + (row[d] - v) * i / steps));
+      });
+      states = [];
+      for (const inputs of between) {
+        const next = solver.advance(mech, states.at(-1) || start, inputs);
+        if (!next) break;
+        states.push(next);
+      }
+    }
+    return { states, home, ring, places: states.map((one) => solver.joints(mech, one.pose)) };
+  }
+
+  /** The last states before a dead point, nearer and nearer. */
+  function edge(mech, from, target) {
+    const list = [];
+    let now = from, part = 0.5;
+    for (let i = 0; i < 6; i++, part /= 2) {
+      const next = solver.advance(mech, now, from.inputs.map((v, k) => now.inputs[k] + part * (target[k] - v)));
+      if (next) list.push(now = next);
+    }
+    return list;
+  }
+
+  const same = (mech, a, b) => {
+    const p = solver.joints(mech, a.pose), q = solver.joints(mech, b.pose);
+    return p.every(([x, y], j) => Math.hypot(x - q[j][0], y - q[j][1]) < 1e-6 * mech.size);
+  };
+
+  /** Where all joints are now. */
+  function places() {
+    const { motion: m, live, sketch } = state;
+    const list = live ? solver.joints(m.mech, live.pose) : sketch.joints.map((j) => [j.x, j.y]);
+    return new Map(sketch.joints.map((j, i) => [j.name, list[i]]));
+  }
+
+  /** A slide now: a point of its line, direction, and the place of its block. */
+  function slidePlace(i) {
+    const { sketch, motion: m, live } = state, slide = sketch.slides[i], [a, b] = slide.links.map(linkOf);
+    const moves = a === sketch.links[0] || (b !== sketch.links[0] && a.joints.length > b.joints.length) ? b : a.joints.length < b.joints.length || b === sketch.links[0] ? a : b;
+    let { x, y } = slide, u = [Math.cos(slide.angle * solver.RADIAN), Math.sin(slide.angle * solver.RADIAN)];
+    if (live) {
+      const row = m.mech.slides[i], at = (link, p) => {
+        const phi = live.pose[3 * link + 2], c = Math.cos(phi), s = Math.sin(phi);
+        return [live.pose[3 * link] + c * p[0] - s * p[1], live.pose[3 * link + 1] + s * p[0] + c * p[1]];
+      };
+      [x, y] = at(moves === a ? row.a : row.b, moves === a ? row.p : row.q);
+      const phi = live.pose[3 * row.a + 2];
+      u = [u[0] * Math.cos(phi) - u[1] * Math.sin(phi), u[0] * Math.sin(phi) + u[1] * Math.cos(phi)];
+    }
+    const joint = moves.joints.length ? places().get(moves.joints[0]) : [x, y];
+    const along = (joint[0] - x) * u[0] + (joint[1] - y) * u[1];
+    return { x, y, u, bx: x + along * u[0], by: y + along * u[1] };
+  }
+
+  /** Pairs of joints whose distances give the shape of a link. */
+  function sides({ joints }) {
+    return joints.flatMap((b, i) => joints.slice(Math.max(0, i - 2), i).map((a) => [a, b]));
+  }
+
+  // ---- playing ------------------------------------------------------------------------------------------------------
+
+  function go(t) {
+    const { sweep } = state.motion;
+    if (!sweep) return;
+    const n = sweep.states.length;
+    state.t = sweep.ring ? ((t % n) + n) % n : Math.min(n - 1, Math.max(0, t));
+    state.live = sweep.states[Math.round(state.t) % n];
+    show();
+  }
+
+  /** One drive of several to a value in its own unit; false where the linkage does not get there. */
+  function drive(k, value) {
+    const { live, motion: m } = state, target = live.inputs.slice();
+    target[k] = state.sketch.drives[k].kind === 'turn' ? value * solver.RADIAN : value;
+    state.sketch.drives.forEach((d, i) => {
+      if (!d.ratio) return;
+      const first = state.sketch.drives[0].kind === 'turn' ? target[0] / solver.RADIAN : target[0];
+      target[i] = (d.ratio * first + d.phase) * (d.kind === 'turn' ? solver.RADIAN : 1);
+    });
+    const next = solver.advance(m.mech, live, target);
+    if (next) state.live = next;
+    show();
+    return Boolean(next);
+  }
+
+  function show() {
+    board.panel.follow();
+    view.draw();
+  }
+
+  function play(on = !state.playing) {
+    state.playing = on && Boolean(state.motion.sweep) && state.motion.sweep.states.length > 1;
+    $('play').textContent = state.playing ? 'Pause' : 'Play';
+    $('play').setAttribute('aria-label', state.playing ? 'pause' : 'play');
+    $('play').setAttribute('aria-pressed', String(state.playing));
+    if (!state.playing) return;
+    let last = 0;
+    const tick = (now) => {
+      if (!state.playing) return;
+      const { sweep } = state.motion, n = sweep.states.length, dt = last ? Math.min(0.1, (now - last) / 1000) : 0;
+      last = now;
+      let t = state.t + state.forth * 2 ** state.speed * dt * n / (sweep.ring ? TURN_TIME : WAY_TIME);
+      if (sweep.ring) state.forth = 1;
+      else if (t >= n - 1) { t = n - 1; state.forth = -1; } else if (t <= 0) { t = 0; state.forth = 1; }
+      go(t);
+      requestAnimationFrame(tick);
+    };
+    requestAnimationFrame(tick);
+  }
+
+  const pause = () => { if (state.playing) play(false); };
+
+  /** Every position of the data set: inputs, whether it closes, joints, outputs; as psalm has it in CASE.csv. */
+  function table() {
+    const { mech, start } = state.motion;
+    if (!start) return [];
+    return solver.follow(mech, start, solver.positions(state.sketch)).map((one) => one ? { closed: 1,
+      ...Object.fromEntries(solver.joints(mech, one.pose).flatMap(([x, y], j) => [[state.sketch.joints[j].name + '.x', x], [state.sketch.joints[j].name + '.y', y]])),
+      ...Object.assign({}, ...state.sketch.outputs.map((o) => solver.output(mech, one, o))) } : { closed: 0 });
+  }
+
+  // ---- files --------------------------------------------------------------------------------------------------------
+
+  function load(source, file = 'sketch.nml') {
+    const sketch = notation.parse(source);
+    pause();
+    Object.assign(state, { sketch, source, file, selection: null, pending: null, dirty: false });
+    past.length = future.length = 0;
+    refresh();
+    fit();
+    board.tools.choose('select');
+  }
+
+  function start(sketch = blank()) {
+    pause();
+    Object.assign(state, { sketch, source: '', file: 'sketch.nml', selection: null, pending: null, dirty: false });
+    past.length = future.length = 0;
+    refresh();
+    fit();
+    board.tools.choose('link');
+  }
+
+  const write = () => notation.write(state.sketch, state.source);
+
+  function save() {
+    const link = document.createElement('a');
+    link.href = URL.createObjectURL(new Blob([write()], { type: 'text/plain' }));
+    link.download = state.file.replace(/\.(dev7|txt)$/, '.nml');
+    link.click();
+    setTimeout(() => URL.revokeObjectURL(link.href), 1000);
+    state.dirty = false;
+  }
+
+  function open(file) {
+    file.text().then((source) => {
+      try {
+        load(source, file.name);
+      } catch (error) {
+        if (!(error instanceof notation.Mistake)) throw error;
+        state.messages = [{ text: file.name + ': ' + error.message, joints: [], links: [] }];
+        board.panel.show();
+      }
+    });
+  }
+
+  /** Everything into the view, with the paths. */
+  function fit() {
+    const { sketch, motion: m } = state, all = [...places().values(), ...(m.sweep ? m.sweep.places.flat() : [])];
+    if (!sketch.joints.length) { view.look([-20, -20, 180, 120]); view.draw(); return; }
+    const xs = all.map((p) => p[0]), ys = all.map((p) => p[1]), least = (l) => l.reduce((a, b) => Math.min(a, b)), most = (l) => l.reduce((a, b) => Math.max(a, b));
+    view.look([least(xs), least(ys), most(xs), most(ys)]);
+    view.draw();
+  }
+
+  function ready() {
+    view.begin();
+    view.resize();
+    board.panel.begin();
+    board.tools.begin();
+    new ResizeObserver(() => { view.resize(); view.draw(); }).observe(view.canvas);
+    matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => { view.resize(); view.draw(); });
+    addEventListener('beforeunload', (event) => { if (state.dirty) event.preventDefault(); });
+    const given = JSON.parse($('data').textContent);
+    board.panel.listExamples(board.examples);
+    start();
+    if (given.lines) {
+      try { load(given.lines.join('\n') + '\n', given.file); } catch (error) { tell(error.message); board.panel.show(); }
+    }
+  }
+
+  Object.assign(board, { state, edit, begin, touch, end, undo: () => undo(), redo: () => undo(future, past), relax, rename, remove, freeName, tidy,
+    refresh, places, slidePlace, sides, jointOf, linkOf, linksAt, inFrame, go, drive, play, pause, table, load, start, write, save, open, fit, free, clone,
+    canUndo: () => past.length > 0, canRedo: () => future.length > 0 });
+  ready();
+})();

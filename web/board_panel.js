@@ -1,0 +1,343 @@
+// Beside and below the drawing board: properties of what is chosen, positions, the text of the data set, drives, messages.
+'use strict';
+
+board.panel = (() => {
+  const $ = (id) => document.getElementById(id);
+  const KIND = { turn: 'crank at ', slide: 'slide ', cylinder: 'cylinder ' };
+  let showText = false;
+
+  /** An element with attributes, listeners (on...) and children. */
+  function make(tag, attributes = {}, ...children) {
+    const element = document.createElement(tag);
+    for (const [name, value] of Object.entries(attributes)) {
+      if (name.startsWith('on')) element.addEventListener(name.slice(2), value);
+      else if (value === true) element.setAttribute(name, '');
+      else if (value !== false && value !== undefined) element.setAttribute(name, value);
+    }
+    element.append(...children);
+    return element;
+  }
+
+  const row = (label, ...fields) => make('div', { class: 'row' }, make('span', {}, label), ...fields);
+  const head = (text) => make('h2', {}, text);
+
+  /** A field that takes a text; `take` gives false for one that cannot be. */
+  function field(label, value, take, attributes = {}) {
+    const input = make('input', { value, 'aria-label': label, spellcheck: 'false', autocomplete: 'off', ...attributes });
+    input.addEventListener('change', () => {
+      if (input.value.trim() === String(value)) return;
+      if (take(input.value.trim()) === false) input.classList.add('bad');
+    });
+    return input;
+  }
+
+  /** A number with its decimals; an arithmetic expression will do. */
+  function numberField(label, value, take, attributes = {}) {
+    return field(label, board.view.short(value) === '0' ? '0' : String(Number(value.toPrecision(12))), (text) => {
+      const number = valueOf(text);
+      return isFinite(number) ? take(number) : false;
+    }, { inputmode: 'decimal', ...attributes });
+  }
+
+  /** Numbers, + - * / and brackets; a comma is a decimal point. */
+  function valueOf(text) {
+    let at = 0;
+    const s = text.replace(/,/g, '.').replace(/\s/g, '');
+    const sum = () => {
+      let v = product();
+      while (s[at] === '+' || s[at] === '-') v = s[at++] === '+' ? v + product() : v - product();
+      return v;
+    };
+    const product = () => {
+      let v = factor();
+      while (s[at] === '*' || s[at] === '/') v = s[at++] === '*' ? v * factor() : v / factor();
+      return v;
+    };
+    const factor = () => {
+      if (s[at] === '-') { at++; return -factor(); }
+      if (s[at] === '(') { at++; const v = sum(); if (s[at++] !== ')') return NaN; return v; }
+      const found = /^(\d+\.?\d*|\.\d+)(e[-+]?\d+)?/i.exec(s.slice(at));
+      if (!found) return NaN;
+      at += found[0].length;
+      return Number(found[0]);
+    };
+    const value = sum();
+    return at === s.length ? value : NaN;
+  }
+
+  const check = (label, on, take) => {
+    const box = make('input', { type: 'checkbox', 'aria-label': label, onchange: () => take(box.checked) });
+    box.checked = on;
+    return box;
+  };
+
+  function choice(label, options, value, take) {
+    const select = make('select', { 'aria-label': label, onchange: () => take(select.value) }, ...options.map((name) => new Option(name, name)));
+    select.value = value;
+    return select;
+  }
+
+  const button = (text, act, attributes = {}) => make('button', { type: 'button', onclick: act, ...attributes }, text);
+
+  // ---- parts --------------------------------------------------------------------------------------------------------
+
+  function show(rough = false) {
+    const { state } = board, { sketch } = state;
+    $('title').value = sketch.title;
+    document.title = sketch.title + ' \u2013 drawing board';
+    $('undo').disabled = !board.canUndo();
+    $('redo').disabled = !board.canRedo();
+    showState();
+    if (rough) return;
+    const panel = $('panel'), held = document.activeElement && panel.contains(document.activeElement) ?
+      document.activeElement.getAttribute('aria-label') : null;
+    panel.replaceChildren(...chosen(), ...drivePart(), ...positionPart(), ...outputPart(), ...listPart(), ...textPart());
+    if (held) panel.querySelector('[aria-label="' + CSS.escape(held) + '"]')?.focus();
+    showDrives();
+    follow();
+  }
+
+  /** Freedom, or what is wrong, in words. */
+  function showState() {
+    const { state } = board, chip = $('chip'), wrong = state.messages.length > 0;
+    chip.className = wrong ? 'wrong' : '';
+    const n = state.sketch.drives.length;
+    const text = wrong ? state.messages[0].text : 'Freedom ' + n + ', ' + (n === 1 ? 'one drive' : n + ' drives') + ': it moves';
+    if (chip.textContent !== text) chip.textContent = text;
+  }
+
+  function chosen() {
+    const { state } = board, s = state.selection;
+    if (!s) return [];
+    if (s.joint) return jointPart(board.jointOf(s.joint));
+    if (s.link) return linkPart(board.linkOf(s.link));
+    if (s.slide) return slidePart(state.sketch.slides.find((one) => one.name === s.slide));
+    return cylinderPart(s.cylinder);
+  }
+
+  function jointPart(joint) {
+    const { edit } = board, { name } = joint;
+    const move = (key) => (value) => edit((sketch) => { joint = board.jointOf(name); joint[key] = value; board.relax(sketch, [name]); });
+    const places = board.places().get(name);
+    return [head('Joint ' + name),
+      row('name', field('name of the joint', name, (text) => board.rename('joint', name, text) && choose({ joint: text }))),
+      row('x', numberField('x', board.state.live ? places[0] : joint.x, move('x'))), row('y', numberField('y', board.state.live ? places[1] : joint.y, move('y'))),
+      row('frame', check('pinned to the frame', board.inFrame(name), () => board.tools.pivot(name))),
+      row('output', check('its path is an output', board.state.sketch.outputs.some((o) => o.kind === 'point' && o.of[0] === name), () => board.tools.output({ joint: name }))),
+      make('p', {}, 'Links: ' + (board.linksAt(name).map((l) => l.name).join(', ') || 'none')),
+      button('Delete', () => board.remove({ joint: name }))];
+  }
+
+  function linkPart(link) {
+    const { edit } = board, { name } = link, frame = link === board.state.sketch.links[0], at = board.places();
+    const parts = [head(frame ? 'Frame' : 'Link ' + name),
+      row('name', field('name of the link', name, (text) => board.rename('link', name, text) && choose({ link: text }))),
+      row('joints', field('joints of the link', link.joints.join(' '), (text) => {
+        let joints;
+        try {
+          joints = board.text.jointsIn(text, board.state.sketch.joints.map((j) => j.name), (words) => new RangeError(words));
+        } catch { return false; }
+        edit((sketch) => { board.linkOf(name).joints = [...new Set(joints)]; board.tidy(sketch); });
+      }))];
+    if (!frame) {
+      for (const [a, b] of board.sides(link)) {
+        const [p, q] = [at.get(a), at.get(b)], length = Math.hypot(q[0] - p[0], q[1] - p[1]), label = a + ' ' + b;
+        const exact = board.state.sketch.lengths.find((l) => l.joints.includes(a) && l.joints.includes(b));
+        const fix = (value) => edit((sketch) => {
+          sketch.lengths = sketch.lengths.filter((l) => !(l.joints.includes(a) && l.joints.includes(b)));
+          if (value > 0) sketch.lengths.push({ joints: [a, b], value });
+          board.relax(sketch);
+        });
+        parts.push(row(label, numberField('length ' + label, exact ? exact.value : length, (value) => value > 0 ? fix(value) : false),
+          check('exact length ' + label, Boolean(exact), (on) => fix(on ? Number(length.toPrecision(12)) : 0))));
+      }
+      parts.push(make('p', {}, 'A length typed in is kept exactly (tick); the drawing follows.'),
+        button('Delete', () => board.remove({ link: name })));
+    }
+    return parts;
+  }
+
+  function slidePart(slide) {
+    const { edit, state } = board, { name } = slide, names = state.sketch.links.map((l) => l.name);
+    const set = (key) => (value) => edit((sketch) => { sketch.slides.find((one) => one.name === name)[key] = value; });
+    const onto = (i) => (value) => edit((sketch) => { sketch.slides.find((one) => one.name === name).links[i] = value; });
+    return [head('Slide ' + name), row('name', field('name of the slide', name, (text) => board.rename('slide', name, text) && choose({ slide: text }))),
+      row('line on', choice('link that the line is on', names, slide.links[0], onto(0))),
+      row('slides', choice('link that slides', names, slide.links[1], onto(1))),
+      row('angle', numberField('direction of the slide, degrees', slide.angle, set('angle'))),
+      row('through x', numberField('x of a point of the line', slide.x, set('x'))),
+      row('y', numberField('y of a point of the line', slide.y, set('y'))),
+      row('driven', check('the slide is driven', state.sketch.drives.some((d) => d.at[0] === name), () => board.tools.drive({ slide: name }))),
+      button('Delete', () => board.remove({ slide: name }))];
+  }
+
+  function cylinderPart(at) {
+    return [head('Cylinder ' + at), make('p', {}, 'A drive of varying length between joints ' + at.split(' ').join(' and ') + '.'),
+      button('Delete', () => board.remove({ cylinder: at }))];
+  }
+
+  /** The drives, and between which links they act. */
+  function drivePart() {
+    const { state, edit } = board, { drives, links } = state.sketch;
+    if (!drives.length) return [];
+    const parts = [head(drives.length > 1 ? 'Drives' : 'Drive')];
+    drives.forEach((drive, i) => {
+      const at = drive.at.join(' '), label = KIND[drive.kind] + at;
+      parts.push(row(label, ...(drive.kind === 'turn' ? [choice('link driven at ' + at, links.filter((l) => l.joints.includes(drive.at[0])).map((l) => l.name),
+        drive.link || (board.state.motion.mech ? links[board.state.motion.mech.drives[i].link].name : ''), (name) => edit((sketch) => {
+          const one = sketch.drives[i];
+          one.link = name;
+          if (!one.base || one.base === name) one.base = (sketch.links.find((l) => l.joints.includes(one.at[0]) && l.name !== name) || { name: '' }).name;
+        }))] : []), button('\u00d7', () => edit((sketch) => { sketch.drives.splice(i, 1); board.tidy(sketch); }), { 'aria-label': 'no drive ' + at })));
+      if (i > 0) parts.push(row('ratio', numberField('ratio of ' + at + ' to the first drive, 0: by itself', drive.ratio, (value) => edit((sketch) => { sketch.drives[i].ratio = value; }))));
+    });
+    return parts;
+  }
+
+  /** The positions of the data set. */
+  function positionPart() {
+    const { state, edit } = board, { sketch } = state;
+    if (!sketch.drives.length) return [];
+    if (sketch.drives.some((d) => d.grid)) return [head('Positions'), make('p', {}, 'A grid of strokes (NGRID); edit it in the text below.')];
+    const list = (label, values, take) => field(label, values.join(' '), (text) => {
+      const numbers = text.split(/[\s;]+/).filter(Boolean).map(valueOf);
+      return numbers.length && numbers.every(isFinite) ? take(numbers) : false;
+    });
+    const parts = [head('Positions'), row('every', numberField('degrees from position to position over a turn; 0: a list', sketch.ikin, (value) => {
+      if (!Number.isInteger(value) || Math.abs(value) > 360) return false;
+      edit((s) => { s.ikin = value; if (!value && !s.delt.length) s.delt = [0, 10, 20, 30]; });
+    }), make('span', { style: 'flex:0 0 auto' }, 'degrees'))];
+    if (sketch.ikin) return parts;
+    sketch.drives.forEach((drive, i) => {
+      if (i && drive.ratio) return;
+      const at = drive.at.join(' ');
+      parts.push(row(at, list('positions of ' + at + ', from the drawing', i ? drive.delt : sketch.delt, (numbers) => edit((s) => {
+        const n = numbers.length;
+        if (i) s.drives[i].delt = numbers; else s.delt = numbers;
+        const fill = (values) => Array.from({ length: n }, (_, k) => values[k] ?? values.at(-1) ?? 0);
+        s.delt = fill(s.delt);
+        s.drives.forEach((d, k) => { if (k && !d.ratio) d.delt = fill(d.delt); });
+      }))));
+    });
+    parts.push(make('p', {}, 'Counted from the drawing: degrees of a crank, lengths of slides and cylinders.'));
+    return parts;
+  }
+
+  function outputPart() {
+    const { state, edit } = board, { outputs } = state.sketch;
+    const add = field('output to add, for instance: angle rocker', '', (text) => {
+      const words = text.split(/\s+/);
+      if (!['point', 'x', 'y', 'angle', 'distance', 'slide', 'between', 'pose', 'ratio'].includes(words[0]) || words.length < 2) return false;
+      const known = (word) => board.jointOf(word) || board.linkOf(word) || state.sketch.slides.some((s) => s.name === word) ||
+        (words[0] === 'ratio' ? outputs.some((o) => (o.name || [o.kind, ...o.of].join('_')) === word) : [...word].every((letter) => board.jointOf(letter)));
+      if (!words.slice(1).every(known)) return false;
+      edit((sketch) => { sketch.outputs.push({ kind: words[0], of: words.slice(1), name: '' }); });
+    }, { placeholder: 'angle rocker, distance P Q ...' });
+    return [head('Outputs'), make('div', { class: 'list' }, ...outputs.map((one, i) => button([one.kind, ...one.of].join(' ') + ' \u00d7', () =>
+      edit((sketch) => { sketch.outputs.splice(i, 1); }), { 'aria-label': 'no output ' + [one.kind, ...one.of].join(' ') }))), row('add', add)];
+  }
+
+  /** All joints and links, to be chosen without a mouse. */
+  function listPart() {
+    const { state } = board, { sketch, selection: s } = state;
+    const item = (name, what, on) => button(name, () => choose(what), { class: on ? 'on' : '', 'aria-label': Object.keys(what)[0] + ' ' + name });
+    const joints = sketch.joints.map((j) => item(j.name, { joint: j.name }, s && s.joint === j.name));
+    const links = sketch.links.map((l) => item(l.name, { link: l.name }, s && s.link === l.name));
+    const slides = sketch.slides.map((l) => item(l.name, { slide: l.name }, s && s.slide === l.name));
+    const parts = [head('Joints'), make('div', { class: 'list' }, ...joints), head('Links'), make('div', { class: 'list' }, ...links)];
+    if (slides.length) parts.push(head('Slides'), make('div', { class: 'list' }, ...slides));
+    const place = field('new joint at x y', '', (text) => {
+      const at = text.split(/[\s;]+/).map(valueOf);
+      if (at.length !== 2 || !at.every(isFinite)) return false;
+      board.tools.jointAt(at);
+    }, { placeholder: 'x y' });
+    const link = field('new link of joints', '', (text) => {
+      let joints;
+      try {
+        joints = [...new Set(board.text.jointsIn(text, sketch.joints.map((j) => j.name), (words) => new RangeError(words)))];
+      } catch { return false; }
+      if (joints.length < 2) return false;
+      board.edit((one) => { one.links.push({ name: board.freeName('link'), joints }); });
+    }, { placeholder: 'B C' });
+    return [...parts, row('new joint', place), row('new link', link)];
+  }
+
+  /** The data set as it will be saved; it can be changed here too. */
+  function textPart() {
+    const box = make('textarea', { 'aria-label': 'data set', spellcheck: 'false', wrap: 'off' }), told = make('p', { class: 'wrong', role: 'alert' });
+    box.value = board.write();
+    const take = button('Take over', () => {
+      try {
+        const sketch = board.text.parse(box.value);
+        board.state.source = box.value;
+        board.edit(() => { board.state.sketch = sketch; });
+      } catch (error) {
+        if (!(error instanceof board.text.Mistake)) throw error;
+        told.textContent = error.message;
+      }
+    });
+    const part = make('details', { ontoggle: () => { showText = part.open; } }, make('summary', {}, 'Data set'), box, take, told);
+    part.open = showText;
+    return [head('Text'), part];
+  }
+
+  function choose(what) {
+    board.state.selection = what;
+    show();
+    board.view.draw();
+  }
+
+  // ---- drives and facts ---------------------------------------------------------------------------------------------
+
+  /** A slider for each drive that is its own. */
+  function showDrives() {
+    const { state } = board, { sketch, motion } = state, several = board.free() > 1;
+    $('drives').replaceChildren(...(motion.sweep ? sketch.drives : []).flatMap((drive, k) => {
+      if (drive.ratio) return [];
+      const at = drive.at.join(' '), turns = drive.kind === 'turn', value = make('span', { 'data-drive': String(k) });
+      const values = motion.sweep.states.map((one) => one.inputs[k] / (turns ? board.motion.RADIAN : 1));
+      const size = motion.mech.size, room = several ? (turns ? 90 : 0.15 * size) : 0;
+      const low = values.reduce((a, b) => Math.min(a, b)) - room, high = values.reduce((a, b) => Math.max(a, b)) + room;
+      const range = make('input', { type: 'range', min: several ? low : 0, max: several ? high : motion.sweep.states.length - 1, step: several ? (high - low) / 1000 : 1,
+        'aria-label': 'drive ' + at, 'data-drive': String(k) });
+      range.addEventListener('input', () => {
+        board.pause();
+        if (several) board.drive(k, Number(range.value)); else board.go(Number(range.value));
+      });
+      return [make('label', {}, at, range, value)];
+    }));
+  }
+
+  /** What changes while it moves. */
+  function follow() {
+    const { state } = board, { live, motion, sketch } = state, several = board.free() > 1;
+    $('play').disabled = !motion.sweep;
+    if (!live || !motion.sweep) { $('facts').textContent = ''; return; }
+    for (const part of $('drives').querySelectorAll('[data-drive]')) {
+      const k = Number(part.dataset.drive), turns = sketch.drives[k].kind === 'turn', value = live.inputs[k] / (turns ? board.motion.RADIAN : 1);
+      if (part.tagName === 'INPUT') part.value = several ? value : Math.round(state.t);
+      else part.textContent = board.view.short(Number(value.toPrecision(5))) + (turns ? '\u00b0' : '');
+    }
+    const facts = sketch.outputs.slice(0, 4).flatMap((one) => Object.entries(board.motion.output(motion.mech, live, one)))
+      .map(([name, value]) => name.replace(/_/g, ' ') + ' ' + board.view.short(Number(value.toPrecision(6))));
+    const ends = motion.sweep.ring || several || motion.sweep.states.length < 2 ? '' : range(motion.sweep, sketch);
+    $('facts').textContent = facts.join(', ') + ends;
+  }
+
+  /** How far it goes between its dead points. */
+  function range(sweep, sketch) {
+    const turns = sketch.drives[0].kind === 'turn', of = (one) => board.view.short(Number((one.inputs[0] / (turns ? board.motion.RADIAN : 1)).toPrecision(4)));
+    return '   (goes from ' + of(sweep.states[0]) + ' to ' + of(sweep.states.at(-1)) + (turns ? '\u00b0' : '') + ')';
+  }
+
+  function listExamples(examples) {
+    examples.forEach((one, i) => $('examples').append(new Option(one.name, i)));
+  }
+
+  function begin() {
+    $('title').addEventListener('change', () => board.edit((sketch) => { sketch.title = $('title').value.trim().slice(0, 72) || 'A LINKAGE'; }));
+    $('grid').append(...[0.1, 0.5, 1, 2, 5, 10, 20, 50].map((v) => new Option(v, v)));
+  }
+
+  return { begin, show, follow, choose, listExamples, valueOf };
+})();

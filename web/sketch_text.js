@@ -1,0 +1,284 @@
+// A sketch as text: the NAMELIST notation is read and written. Nothing here knows the document.
+//
+// A sketch is plain data; joints, links, slides and outputs are referred to by their names:
+//   title; joints [{name, x, y}]; links [{name, joints}], the first is the frame; slides [{name, links, x, y, angle}];
+//   gears [{wheels, carrier, teeth}]; lengths [{joints, value}]; kover;
+//   drives [{kind: 'turn' | 'slide' | 'cylinder', at (a joint, a slide, or two joints), base, link, ratio, phase, delt}];
+//   outputs [{kind, of: words after the kind, name}]; ikin, delt: the positions; crnki
+// What the board does not edit stays in `keep`: items by group, as they were written.
+'use strict';
+globalThis.board = globalThis.board || {};
+
+board.text = (() => {
+  const WIDTH = 108;             // columns of a line that is written
+  const KINDS = ['point', 'x', 'y', 'angle', 'distance', 'slide', 'between', 'pose', 'ratio'];
+  const OWN = {                  // items that a sketch has places for; others are kept
+    CHAIN: ['JNT', 'JX', 'JY', 'LNAME', 'LNK', 'NSLIDE', 'SNAME', 'SLNK', 'SLNK2', 'SLX', 'SLY', 'SLANG', 'GEARA', 'GEARB', 'GCARR',
+      'GTA', 'GTB', 'LENP', 'LENV', 'KOVER'],
+    DRIVES: ['DRIVE', 'DBASE', 'DLINK', 'NDRIVE', 'RATIO', 'PHASE', 'NGRID', 'DLOW', 'DHIGH'],
+    OUTPUTS: ['OUTPUT', 'ONAME'],
+    METHOD: ['NDES', 'DELT', 'IKIN', 'CRNKI'],
+  };
+
+  /** A mistake in a text, with the number of its line. */
+  class Mistake extends Error {
+    constructor(text, line) {
+      super((line ? 'line ' + line + ': ' : '') + text);
+      this.line = line;
+    }
+  }
+
+  // ---- reading ------------------------------------------------------------------------------------------------------
+
+  /** Title and groups of the first case, each with its place in the text; `end` is where a further case begins. */
+  function split(text) {
+    const lines = text.split('\n'), starts = [];
+    lines.reduce((at, line) => { starts.push(at); return at + line.length + 1; }, 0);
+    const plain = (line) => line.trim() && !line.trim().startsWith('!');
+    const first = lines.findIndex(plain);
+    if (first < 0) throw new Mistake('there is no title');
+    const groups = [];
+    let at = starts[first] + lines[first].length, end = text.length;
+    const lineOf = (place) => text.slice(0, place).split('\n').length;
+    while (at < text.length) {
+      const rest = /^(?:\s|![^\n]*(?:\n|$))*/.exec(text.slice(at))[0].length;
+      if (at + rest >= text.length) break;
+      if (!/[&$]/.test(text[at + rest])) { end = text.lastIndexOf('\n', at + rest) + 1; break; }
+      const name = /^[&$]\s*(\w+)/.exec(text.slice(at + rest));
+      if (!name) throw new Mistake('a group has no name', lineOf(at + rest));
+      const group = { name: name[1].toUpperCase(), start: at + rest, line: lineOf(at + rest), items: [] };
+      at = readItems(text, at + rest + name[0].length, group, lineOf);
+      group.end = at;
+      groups.push(group);
+    }
+    return { titleStart: starts[first], title: lines[first].trim(), titleEnd: starts[first] + lines[first].replace(/\r$/, '').length,
+      groups, end };
+  }
+
+  /** Items and values of a group up to its end; returns the place after it. */
+  function readItems(text, at, group, lineOf) {
+    const token = /\s+|![^\n]*|&END\b|\$END\b|\/|'(?:[^']|'')*'|"(?:[^"]|"")*"|,|(\w+)\s*(\([^)]*\))?\s*=|([^\s,'"!&$/=]+)/giy;
+    let item = null, empty = true;
+    for (;;) {
+      token.lastIndex = at;
+      const found = token.exec(text);
+      if (!found) throw new Mistake('&' + group.name + ' is not closed, or has a character that does not belong here', lineOf(Math.min(at, text.length - 1)));
+      const word = found[0];
+      at += word.length;
+      if (/^(\s|!)/.test(word)) continue;
+      if (/^([&$]END|\/)$/i.test(word)) return at;
+      if (found[1] !== undefined) {
+        item = { name: found[1].toUpperCase(), place: found[2] || '', values: [], line: lineOf(at), from: at - word.length, to: at };
+        group.items.push(item);
+        empty = true;
+        continue;
+      }
+      if (!item) throw new Mistake("&" + group.name + ": an item, NAME=, is expected; found '" + word + "'", lineOf(at));
+      item.to = at;
+      if (word === ',') {
+        if (empty) item.values.push('');
+        empty = true;
+        continue;
+      }
+      empty = false;
+      if (/^['"]/.test(word)) item.values.push(word.slice(1, -1).split(word[0] + word[0]).join(word[0]));
+      else {
+        const many = /^(\d+)\*(.*)$/.exec(word);
+        for (let i = many ? Number(many[1]) : 1; i > 0; i--) item.values.push(many ? many[2] : word);
+      }
+    }
+  }
+
+  /** What the items of a group give: by name, `texts` and `numbers`. */
+  function reader(group) {
+    const find = (name) => group && group.items.find((item) => item.name === name);
+    const texts = (name) => (find(name) || { values: [] }).values;
+    const numbers = (name) => texts(name).map((value) => {
+      const number = Number(value.replace(/^([-+.\d]*)[dq]/i, '$1e'));
+      if (value === '' || !isFinite(number))
+        throw new Mistake('&' + group.name + ' ' + name + ": a number is expected; found '" + value + "'", find(name).line);
+      return number;
+    });
+    return { texts, numbers, line: (name) => (find(name) || group || {}).line };
+  }
+
+  /** The sketch of the first case of a text. */
+  function parse(text) {
+    const whole = split(text);
+    const groupOf = (name) => whole.groups.find((group) => group.name === name);
+    if (!groupOf('CHAIN')) {
+      throw new Mistake(groupOf('LINKS') ? 'this data set describes its linkage by loops (&LINKS); the drawing board takes sketches (&CHAIN)' :
+        'there is no group &CHAIN');
+    }
+    for (const name of Object.keys(OWN)) for (const item of (groupOf(name) || { items: [] }).items)
+      if (item.place && OWN[name].includes(item.name)) throw new Mistake('&' + name + ' ' + item.name + item.place +
+        ': the drawing board reads lists, not single elements', item.line);
+    const sketch = { title: whole.title, ...readChain(reader(groupOf('CHAIN'))), keep: {} };
+    readDrives(reader(groupOf('DRIVES')), sketch);
+    readOutputs(reader(groupOf('OUTPUTS')), sketch);
+    readMethod(reader(groupOf('METHOD')), sketch);
+    for (const name of Object.keys(OWN)) sketch.keep[name] = (groupOf(name) || { items: [] }).items
+      .filter((item) => !OWN[name].includes(item.name) && !(name === 'DRIVES' && /^DELT\d+$/.test(item.name)))
+      .map((item) => text.slice(item.from, item.to).replace(/\s*,\s*$/, ''));
+    return sketch;
+  }
+
+  /** The joints that a text names: words, or one-letter names that run together. */
+  function jointsIn(words, names, mistake) {
+    return words.trim().split(/\s+/).filter(Boolean).flatMap((word) => {
+      if (names.includes(word)) return [word];
+      if ([...word].every((letter) => names.includes(letter))) return [...word];
+      throw mistake("no joint is called '" + word + "'");
+    });
+  }
+
+  function readChain({ texts, numbers, line }) {
+    const names = texts('JNT').map((name) => name.trim()), x = numbers('JX'), y = numbers('JY');
+    const wrong = (item) => (words) => new Mistake('&CHAIN ' + item + ': ' + words, line(item));
+    if (!names.length) throw wrong('JNT')('names the joints');
+    if (x.length < names.length || y.length < names.length) throw wrong('JX')('places for ' + names.length + ' joints are expected');
+    const twice = names.find((name, i) => names.indexOf(name) < i);
+    if (twice) throw wrong('JNT')('joint ' + twice + ' is named twice');
+    const links = texts('LNK').map((words, i) => ({ name: (texts('LNAME')[i] || String(i + 1)).trim(),
+      joints: jointsIn(words, names, wrong('LNK')) }));
+    const count = texts('NSLIDE').length ? numbers('NSLIDE')[0] : texts('SLNK').length;
+    const known = (name, item) => {
+      if (!links.some((link) => link.name === name.trim())) throw wrong(item)("no link is called '" + name + "'");
+      return name.trim();
+    };
+    const slides = Array.from({ length: count }, (_, i) => ({ name: (texts('SNAME')[i] || 'S' + (i + 1)).trim(),
+      links: [known(texts('SLNK')[i] || '', 'SLNK'), known(texts('SLNK2')[i] || '', 'SLNK2')],
+      x: numbers('SLX')[i], y: numbers('SLY')[i], angle: numbers('SLANG')[i] }));
+    const gears = texts('GEARA').map((first, i) => ({ wheels: [known(first, 'GEARA'), known(texts('GEARB')[i] || '', 'GEARB')],
+      carrier: known(texts('GCARR')[i] || '', 'GCARR'), teeth: [numbers('GTA')[i], numbers('GTB')[i]] }));
+    const lengths = texts('LENP').map((words, i) => ({ joints: jointsIn(words, names, wrong('LENP')), value: numbers('LENV')[i] }));
+    return { joints: names.map((name, i) => ({ name, x: x[i], y: y[i] })), links, slides, gears, lengths,
+      kover: numbers('KOVER')[0] === 1, named: texts('LNAME').length > 0, drives: [], outputs: [] };
+  }
+
+  function readDrives({ texts, numbers, line }, sketch) {
+    const names = sketch.joints.map((joint) => joint.name);
+    const wrong = (words) => new Mistake('&DRIVES DRIVE: ' + words, line('DRIVE'));
+    sketch.drives = texts('DRIVE').map((text, i) => {
+      const drive = { kind: 'turn', at: [text.trim()], base: (texts('DBASE')[i] || '').trim(), link: (texts('DLINK')[i] || '').trim(),
+        ratio: numbers('RATIO')[i] || 0, phase: numbers('PHASE')[i] || 0, delt: i ? numbers('DELT' + (i + 1)) : [] };
+      if (texts('NGRID').length) drive.grid = [numbers('NGRID')[i], numbers('DLOW')[i] || 0, numbers('DHIGH')[i] || 0];
+      if (sketch.slides.some((slide) => slide.name === drive.at[0])) drive.kind = 'slide';
+      else if (!names.includes(drive.at[0])) {
+        drive.kind = 'cylinder';
+        drive.at = jointsIn(text, names, wrong);
+        if (drive.at.length !== 2) throw wrong("'" + text + "' is no joint, no slide and no pair of joints");
+      }
+      return drive;
+    });
+  }
+
+  function readOutputs({ texts, line }, sketch) {
+    sketch.outputs = texts('OUTPUT').map((text, i) => {
+      const words = text.trim().split(/\s+/), kind = words[0].toLowerCase();
+      if (!KINDS.includes(kind)) throw new Mistake("&OUTPUTS OUTPUT: '" + words[0] + "' is no output", line('OUTPUT'));
+      return { kind, of: words.slice(1), name: texts('ONAME')[i] || '' };
+    });
+  }
+
+  function readMethod({ numbers }, sketch) {
+    sketch.ikin = numbers('IKIN')[0] || 0;
+    sketch.crnki = numbers('CRNKI')[0] || 0;
+    const count = numbers('NDES')[0] || 0;
+    sketch.delt = numbers('DELT').slice(0, count);
+    while (sketch.delt.length < count) sketch.delt.push(0);
+  }
+
+  // ---- writing ------------------------------------------------------------------------------------------------------
+
+  /** The shortest text that is read as the same number, with a decimal point. */
+  function number(value) {
+    const text = String(value).replace('e', 'E').replace('E+', 'E');
+    return /[.E]/.test(text) ? text.replace(/^(-?\d+)E/, '$1.0E') : text + '.0';
+  }
+
+  const quoted = (text) => "'" + text.split("'").join("''") + "'";
+
+  /** A group as text: items are [name, values as text]; long ones go on in further lines. */
+  function group(name, items) {
+    const lines = [];
+    let line = ' &' + name;
+    for (const [item, values] of items) {
+      const room = line.length + item.length + values.join(',').length;
+      if (room > WIDTH && line.trim() !== '&' + name) { lines.push(line); line = ' '; }
+      line += ' ' + item + '=';
+      values.forEach((value) => {
+        if (line.length + value.length + 1 > WIDTH) { lines.push(line); line = '   '; }
+        line += value + ',';
+      });
+    }
+    return lines.concat(line.replace(/,$/, '') + ' &END').join('\n');
+  }
+
+  const kept = (sketch, name) => (sketch.keep && sketch.keep[name] || []).map((text) => {
+    const at = text.indexOf('=');
+    return [text.slice(0, at).trim(), [text.slice(at + 1).trim()]];
+  });
+
+  /** The groups of a sketch, each as text. */
+  function groups(sketch) {
+    const { joints, links, slides, gears, lengths, drives, outputs } = sketch;
+    const chain = [['JNT', joints.map((j) => quoted(j.name))], ['JX', joints.map((j) => number(j.x))], ['JY', joints.map((j) => number(j.y))]];
+    if (sketch.named !== false) chain.push(['LNAME', links.map((l) => quoted(l.name))]);
+    chain.push(['LNK', links.map((l) => quoted(l.joints.join(' ')))]);
+    if (slides.length) {
+      chain.push(['NSLIDE', [String(slides.length)]]);
+      if (slides.some((s, i) => s.name !== 'S' + (i + 1))) chain.push(['SNAME', slides.map((s) => quoted(s.name))]);
+      chain.push(['SLNK', slides.map((s) => quoted(s.links[0]))], ['SLNK2', slides.map((s) => quoted(s.links[1]))],
+        ['SLX', slides.map((s) => number(s.x))], ['SLY', slides.map((s) => number(s.y))], ['SLANG', slides.map((s) => number(s.angle))]);
+    }
+    if (gears.length) chain.push(['GEARA', gears.map((g) => quoted(g.wheels[0]))], ['GEARB', gears.map((g) => quoted(g.wheels[1]))],
+      ['GCARR', gears.map((g) => quoted(g.carrier))], ['GTA', gears.map((g) => number(g.teeth[0]))], ['GTB', gears.map((g) => number(g.teeth[1]))]);
+    if (lengths.length) chain.push(['LENP', lengths.map((l) => quoted(l.joints.join(' ')))], ['LENV', lengths.map((l) => number(l.value))]);
+    if (sketch.kover) chain.push(['KOVER', ['1']]);
+    const list = { CHAIN: group('CHAIN', chain.concat(kept(sketch, 'CHAIN'))) };
+    list.DRIVES = drives.length ? group('DRIVES', driveItems(sketch).concat(kept(sketch, 'DRIVES'))) : '';
+    const wanted = [['OUTPUT', outputs.map((o) => quoted([o.kind, ...o.of].join(' ')))]];
+    if (outputs.some((o) => o.name)) wanted.push(['ONAME', outputs.map((o) => quoted(o.name || [o.kind, ...o.of].join('_')))]);
+    list.OUTPUTS = outputs.length ? group('OUTPUTS', wanted.concat(kept(sketch, 'OUTPUTS'))) : '';
+    const method = [];
+    if (sketch.crnki) method.push(['CRNKI', [number(sketch.crnki)]]);
+    if (sketch.ikin) method.push(['IKIN', [String(sketch.ikin)]]);
+    else if (!drives.some((d) => d.grid)) method.push(['NDES', [String(sketch.delt.length)]], ['DELT', sketch.delt.map(number)]);
+    list.METHOD = group('METHOD', method.concat(kept(sketch, 'METHOD')));
+    return list;
+  }
+
+  function driveItems({ drives }) {
+    const items = [['DRIVE', drives.map((d) => quoted(d.at.join(' ')))]];
+    if (drives.some((d) => d.base)) items.push(['DBASE', drives.map((d) => d.base ? quoted(d.base) : "' '")]);
+    if (drives.some((d) => d.link)) items.push(['DLINK', drives.map((d) => d.link ? quoted(d.link) : "' '")]);
+    if (drives.some((d) => d.ratio)) items.push(['RATIO', drives.map((d) => number(d.ratio))]);
+    if (drives.some((d) => d.phase)) items.push(['PHASE', drives.map((d) => number(d.phase))]);
+    if (drives.some((d) => d.grid)) items.push(['NGRID', drives.map((d) => String((d.grid || [0])[0] || 0))],
+      ['DLOW', drives.map((d) => number((d.grid || [0, 0])[1]))], ['DHIGH', drives.map((d) => number((d.grid || [0, 0, 0])[2]))]);
+    drives.forEach((d, i) => { if (i && !d.ratio && !d.grid && d.delt.length) items.push(['DELT' + (i + 1), d.delt.map(number)]); });
+    return items;
+  }
+
+  /** The data set of a sketch. Of `source`, the text it was read from, everything stays as it was written that has not changed. */
+  function write(sketch, source = '') {
+    const now = groups(sketch);
+    if (!source) return sketch.title + '\n' + Object.values(now).filter(Boolean).join('\n') + '\n &LIMITS TANGLE=80.0 &END\n';
+    const whole = split(source), before = groups(parse(source));
+    let text = source.slice(0, whole.titleStart) + sketch.title, at = whole.titleEnd;
+    const missing = Object.keys(now).filter((name) => now[name] && !whole.groups.some((one) => one.name === name));
+    for (const one of whole.groups) {
+      const changed = one.name in now && now[one.name] !== before[one.name];
+      let part = source.slice(at, one.end);
+      if (changed && now[one.name]) part = source.slice(at, one.start).replace(/[ \t]+$/, '') + now[one.name];
+      else if (changed) part = '';
+      text += part;
+      if (one.name === 'CHAIN') for (const name of missing) text += '\n' + now[name];
+      at = one.end;
+    }
+    return text + source.slice(at);
+  }
+
+  return { Mistake, parse, write, groups, number, jointsIn };
+})();
