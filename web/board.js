@@ -5,6 +5,7 @@
   const { view, motion: solver, text: notation } = board;
   const $ = (id) => document.getElementById(id);
   const MOST_UNDO = 200, TURN_TIME = 6, WAY_TIME = 4;      // seconds of a turn, of a way there
+  const NEAR = 1e-3;                                       // part of a step of the sweep that is followed to a dead point
   const FINE = 1, COARSE = 5;                              // degrees between positions of a sweep; while dragging
   const clone = (value) => JSON.parse(JSON.stringify(value));
   const blank = () => ({ title: 'A LINKAGE', joints: [], links: [{ name: 'frame', joints: [] }], slides: [], gears: [], lengths: [], kover: false,
@@ -216,7 +217,7 @@
         const list = [];
         let now = start;
         for (let k = 1; k * each <= most + 1e-9; k++) {
-          const next = solver.advance(mech, now, solver.inputsAt(sketch, way * k * each));
+          const next = solver.advance(mech, now, solver.inputsAt(sketch, way * k * each), NEAR);
           if (!next) { list.push(...edge(mech, now, solver.inputsAt(sketch, way * k * each))); break; }
           list.push(now = next);
         }
@@ -238,7 +239,7 @@
       });
       states = [];
       for (const inputs of between) {
-        const next = solver.advance(mech, states.at(-1) || start, inputs);
+        const next = solver.advance(mech, states.at(-1) || start, inputs, NEAR);
         if (!next) break;
         states.push(next);
       }
@@ -251,7 +252,7 @@
     const list = [];
     let now = from, part = 0.5;
     for (let i = 0; i < 6; i++, part /= 2) {
-      const next = solver.advance(mech, now, from.inputs.map((v, k) => now.inputs[k] + part * (target[k] - v)));
+      const next = solver.advance(mech, now, from.inputs.map((v, k) => now.inputs[k] + part * (target[k] - v)), NEAR);
       if (next) list.push(now = next);
     }
     return list;

@@ -237,8 +237,9 @@ board.motion = (() => {
     return full ? x : null;
   }
 
-  /** From a state to other inputs, in steps that stay on the branch; null where the linkage cannot get there. */
-  function advance(mech, state, target) {
+  /** From a state to other inputs, in steps that stay on the branch, of at least this part of the way; null where the linkage cannot
+      get there. */
+  function advance(mech, state, target, least = LEAST_STEP) {
     const from = state.inputs.slice(), n = 3 * (mech.links - 1), rates = target.map((v, k) => v - from[k]);
     let way = 0, step = 1, now = state;
     while (way < 1) {
@@ -257,7 +258,7 @@ board.motion = (() => {
           break;
         }
         step *= 0.5;
-        if (step < LEAST_STEP) return null;
+        if (step < least) return null;
       }
     }
     return now;

@@ -154,6 +154,71 @@ globalThis.results = [];
   check('an axis shows what is in its range', same(curves.extent(panel, 0, 2), [-2, 5]) && same(curves.extent(panel, 0, 3), [-2, 20]) &&
     same(curves.extent({ ...panel, zero: true }, 0, 0.5), [0, 5]));
 
+  {
+    // ---- sketches: their text ------------------------------------------------------------------------------------------
+
+    const { text, motion: solver, panel: words } = board;
+    const plain = "! a remark\nA FOUR-BAR\n &CHAIN JNT='A','B','C','D', JX=2*0.0,40.,7D1, JY=0.,30.,60.,0., ! rough\n  LNK='A D','AB','B C','C D' &END\n" +
+      " &DRIVES DRIVE='A' /\n &METHOD IKIN=30 &END\n &LIMITS TANGLE=85. &END\nANOTHER CASE\n &LINKS &END\n";
+    const mistake = (source) => { try { text.parse(source); return ''; } catch (error) { return error instanceof text.Mistake ? error.message : 'crash: ' + error; } };
+    const sketch = text.parse(plain);
+    check('a sketch is read: repeats, exponents, names that run together', same(sketch.joints.map((j) => [j.x, j.y]), [[0, 0], [0, 30], [40, 60], [70, 0]]) &&
+      same(sketch.links.map((l) => l.joints.join('')), ['AD', 'AB', 'BC', 'CD']) && sketch.links[0].name === '1' && sketch.ikin === 30);
+    check('written without a change it is the same, remarks and a second case included', text.write(sketch, plain) === plain);
+    const moved = text.parse(plain);
+    moved.joints[1].y = 31;
+    const again = text.write(moved, plain);
+    check('a change rewrites its own group only', again !== plain && again.startsWith('! a remark\nA FOUR-BAR\n &CHAIN ') &&
+      again.endsWith(plain.slice(plain.indexOf(' &DRIVES'))) && same(text.parse(again), moved), again);
+    const richer = text.parse(plain);
+    richer.outputs.push({ kind: 'point', of: ['C'], name: '' });
+    check('a group that was not there comes after &CHAIN', text.write(richer, plain).includes("&END\n &OUTPUTS OUTPUT='point C' &END\n &DRIVES DRIVE='A' /"), text.write(richer, plain));
+    check('numbers: the shortest that are read back, with a point', same([0.1, 1 / 3, -7, 1e-7, 2.5e21, 0].map(text.number),
+      ['0.1', '0.3333333333333333', '-7.0', '1.0E-7', '2.5E21', '0.0']));
+    check('every example is read and written again', board.examples.length > 9 && board.examples.every((one) => {
+      const it = text.parse(one.text);
+      return text.write(it, one.text) === one.text && same(text.parse(text.write(it)).joints, it.joints) && same(text.parse(text.write(it)).drives, it.drives);
+    }));
+    check('mistakes are told with their line', mistake(plain.replace("'C D'", "'C X'")) === "line 4: &CHAIN LNK: no joint is called 'X'" &&
+      mistake(plain.replace('60.', 'x')) === "line 3: &CHAIN JY: a number is expected; found 'x'" && mistake('A\n &LINKS &END\n').includes('&LINKS') &&
+      mistake('\n') === 'there is no title' && mistake("A\n &CHAIN JNT='A'\n").includes('is not closed'), mistake(plain.replace('60.', 'x')));
+    check('sums are numbers, other things are none', words.valueOf('120/3 + 2*(1,5-1)') === 41 && words.valueOf('-.5e1') === -5 &&
+      ['', '2+', 'alert(1)', '1 2x', '(1'].every((s) => Number.isNaN(words.valueOf(s))));
+
+    // ---- sketches: motion and freedom ------------------------------------------------------------------------------------
+
+    check('linear systems: solution and sign of the determinant', (() => {
+      const { x, sign, full } = solver.eliminate([[0, 2, 1], [1, 0, 3], [2, 1, 0]], [7, 10, 4]);
+      return full && sign === 1 && near(x[0], 1, 1e-15) && near(x[1], 2, 1e-15) && near(x[2], 3, 1e-15) && solver.eliminate([[1, 2], [2, 4]], [1, 2]).full === false;
+    })());
+    const mech = solver.compile(sketch), start = solver.assemble(mech);
+    // the same four-bar by the law of cosines, on the side that is drawn
+    const rocker = (turn) => {
+      const bx = -30 * Math.sin(turn), by = 30 * Math.cos(turn), p = Math.hypot(40, 30), q = Math.hypot(30, 60);
+      const d = Math.hypot(70 - bx, by), a = (p * p - q * q + d * d) / (2 * d), h = Math.sqrt(p * p - a * a), ux = (70 - bx) / d, uy = -by / d;
+      return [bx + a * ux - h * uy, by + a * uy + h * ux];
+    };
+    const far = [10, 60, -50, 130].map((degrees) => {
+      const state = solver.advance(mech, start, [degrees * Math.PI / 180]), [x, y] = solver.joints(mech, state.pose)[2], [u, v] = rocker(degrees * Math.PI / 180);
+      return Math.hypot(x - u, y - v);
+    });
+    check('a four-bar moves as the law of cosines says', far.every((away) => away < 1e-12), far);
+    const tooFar = text.parse(plain.replace('7D1', '14D1'));
+    const short = solver.compile(tooFar);
+    check('what cannot be reached is not', solver.advance(short, solver.assemble(short), [Math.PI / 2]) === null);
+    check('freedom of the examples is their number of drives', board.examples.every((one) => {
+      const it = text.parse(one.text), { left, twice, count, driven } = solver.freedom(it);
+      return left === 0 && twice.length === 0 && count === driven;
+    }));
+    const without = (change) => { const it = text.parse(plain); change(it); return it; };
+    const told = (change) => (solver.judge(without(change))[0] || { text: '' }).text;
+    check('what is loose is named', told((s) => { s.links[0].joints = ['A']; }).startsWith('Loose: links 3 and 4 can still move with A held. 2 drives more'), told((s) => { s.links[0].joints = ['A']; }));
+    check('what is held twice is named', told((s) => { s.drives = []; s.links.push({ name: 'tie', joints: ['A', 'C'] }, { name: 'tie2', joints: ['B', 'D'] }); }).startsWith('Braced twice: joint'));
+    check('a drive too many is named', told((s) => { s.drives.push({ kind: 'turn', at: ['D'], base: '', link: '', ratio: 1, phase: 0, delt: [] }); }).startsWith('Drive D moves nothing'));
+    check('joints at one place are named', told((s) => { Object.assign(s.joints[1], s.joints[0], { name: 'B' }); }).startsWith('Joints A and B of link 2 are at the same place'));
+    check('a linkage in order needs no words', solver.judge(sketch).length === 0);
+  }
+
   const failed = results.filter(([, good]) => !good);
   document.getElementById('results').textContent = failed.map(([law, , detail]) => 'FAILED: ' + law + ' ' + detail + '\n').join('') +
     (results.length - failed.length) + ' passed, ' + failed.length + ' failed';

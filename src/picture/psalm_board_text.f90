@@ -1174,8 +1174,10 @@ module psalm_board_text
    '    return full ? x : null;'//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  /** From a state to other inputs, in steps that stay on the branch; null where the linkage cannot get there. */'//nl// &
-   '  function advance(mech, state, target) {'//nl// &
+   '  /** From a state to other inputs, in steps that stay on the branch, of at least this part of the way; null where the '// &
+   'linkage cannot'//nl// &
+   '      get there. */'//nl// &
+   '  function advance(mech, state, target, least = LEAST_STEP) {'//nl// &
    '    const from = state.inputs.slice(), n = 3 * (mech.links - 1), rates = target.map((v, k) => v - from[k]);'//nl// &
    '    let way = 0, step = 1, now = state;'//nl// &
    '    while (way < 1) {'//nl// &
@@ -1195,7 +1197,7 @@ module psalm_board_text
    '          break;'//nl// &
    '        }'//nl// &
    '        step *= 0.5;'//nl// &
-   '        if (step < LEAST_STEP) return null;'//nl// &
+   '        if (step < least) return null;'//nl// &
    '      }'//nl// &
    '    }'//nl// &
    '    return now;'//nl// &
@@ -1252,10 +1254,10 @@ module psalm_board_text
    '      for (const one of known) if (away(one.inputs, inputs) < away(best.inputs, inputs)) best = one;'//nl// &
    '      const state = advance(mech, best, inputs);'//nl// &
    '      if (state) known.push(state);'//nl// &
-   '      return state;'//nl// &
-   '    });'//nl
+   '      return state;'//nl
 
    character(*), parameter :: part_12 = &
+   '    });'//nl// &
    '  }'//nl// &
    ''//nl// &
    '  /** What an output is at a state: its numbers, by the names of the columns of CASE.csv. */'//nl// &
@@ -1371,10 +1373,10 @@ module psalm_board_text
    '    for (let grown = true; grown;) {'//nl// &
    '      grown = false;'//nl// &
    '      sketch.links.forEach((link, i) => {'//nl// &
-   '        if (reached.has(i) || ![...reached].some((k) => touch[i](sketch.links[k]) || touch[k](link))) return;'//nl// &
-   '        reached.add(i);'//nl
+   '        if (reached.has(i) || ![...reached].some((k) => touch[i](sketch.links[k]) || touch[k](link))) return;'//nl
 
    character(*), parameter :: part_13 = &
+   '        reached.add(i);'//nl// &
    '        grown = true;'//nl// &
    '      });'//nl// &
    '    }'//nl// &
@@ -1486,11 +1488,11 @@ module psalm_board_text
    '    return [x, y].map((v) => { const r = Number((Math.round(v / step) * step).toFixed(Math.min(20, digits))); return r '// &
    '=== 0 ? 0 : r; });'//nl// &
    '  }'//nl// &
-   ''//nl// &
-   '  // ---- picture -----------------------------------------------------------------------------------------------------'// &
-   '-'//nl
+   ''//nl
 
    character(*), parameter :: part_14 = &
+   '  // ---- picture -----------------------------------------------------------------------------------------------------'// &
+   '-'//nl// &
    ''//nl// &
    "  const colourOf = (i) => i === 0 ? pens.frame : pens['link' + (i - 1) % 8];"//nl// &
    ''//nl// &
@@ -1595,10 +1597,10 @@ module psalm_board_text
    '    g.stroke();'//nl// &
    '    if (round.length > 2) g.fill();'//nl// &
    '    g.globalAlpha = 1;'//nl// &
-   '    g.lineWidth = 2.4;'//nl// &
-   '    trace(round);'//nl
+   '    g.lineWidth = 2.4;'//nl
 
    character(*), parameter :: part_15 = &
+   '    trace(round);'//nl// &
    '    g.stroke();'//nl// &
    '  }'//nl// &
    ''//nl// &
@@ -1701,10 +1703,10 @@ module psalm_board_text
    '    if (board.inFrame(joint.name)) {'//nl// &
    '      g.strokeStyle = pens.ink;'//nl// &
    '      g.fillStyle = pens.paper;'//nl// &
-   '      g.lineWidth = 1.8;'//nl// &
-   '      g.beginPath();'//nl
+   '      g.lineWidth = 1.8;'//nl
 
    character(*), parameter :: part_16 = &
+   '      g.beginPath();'//nl// &
    '      g.moveTo(x, y);'//nl// &
    '      g.lineTo(x - 12, y + 19);'//nl// &
    '      g.lineTo(x + 12, y + 19);'//nl// &
@@ -1804,10 +1806,10 @@ module psalm_board_text
    '    g.setLineDash([]);'//nl// &
    '    for (const [x, y] of [[x1, y1], [x2, y2]]) {'//nl// &
    '      g.beginPath();'//nl// &
-   '      g.arc(x, y, 6, 0, ROUND);'//nl// &
-   '      g.stroke();'//nl
+   '      g.arc(x, y, 6, 0, ROUND);'//nl
 
    character(*), parameter :: part_17 = &
+   '      g.stroke();'//nl// &
    '    }'//nl// &
    '    g.fillStyle = pens.accent;'//nl// &
    "    g.font = '12px system-ui, sans-serif';"//nl// &
@@ -1914,10 +1916,10 @@ module psalm_board_text
    "    const s = text.replace(/,/g, '.').replace(/\s/g, '');"//nl// &
    '    const sum = () => {'//nl// &
    '      let v = product();'//nl// &
-   "      while (s[at] === '+' || s[at] === '-') v = s[at++] === '+' ? v + product() : v - product();"//nl// &
-   '      return v;'//nl
+   "      while (s[at] === '+' || s[at] === '-') v = s[at++] === '+' ? v + product() : v - product();"//nl
 
    character(*), parameter :: part_18 = &
+   '      return v;'//nl// &
    '    };'//nl// &
    '    const product = () => {'//nl// &
    '      let v = factor();'//nl// &
@@ -2026,10 +2028,10 @@ module psalm_board_text
    '        const exact = board.state.sketch.lengths.find((l) => l.joints.includes(a) && l.joints.includes(b));'//nl// &
    '        const fix = (value) => edit((sketch) => {'//nl// &
    '          sketch.lengths = sketch.lengths.filter((l) => !(l.joints.includes(a) && l.joints.includes(b)));'//nl// &
-   '          if (value > 0) sketch.lengths.push({ joints: [a, b], value });'//nl// &
-   '          board.relax(sketch);'//nl
+   '          if (value > 0) sketch.lengths.push({ joints: [a, b], value });'//nl
 
    character(*), parameter :: part_19 = &
+   '          board.relax(sketch);'//nl// &
    '        });'//nl// &
    "        parts.push(row(label, numberField('length ' + label, exact ? exact.value : length, (value) => value > 0 ? fix(v"// &
    "alue) : false),"//nl// &
@@ -2148,10 +2150,10 @@ module psalm_board_text
    '    const slides = sketch.slides.map((l) => item(l.name, { slide: l.name }, s && s.slide === l.name));'//nl// &
    "    const parts = [head('Joints'), make('div', { class: 'list' }, ...joints), head('Links'), make('div', { class: 'list"// &
    "' }, ...links)];"//nl// &
-   "    if (slides.length) parts.push(head('Slides'), make('div', { class: 'list' }, ...slides));"//nl// &
-   "    const place = field('new joint at x y', '', (text) => {"//nl
+   "    if (slides.length) parts.push(head('Slides'), make('div', { class: 'list' }, ...slides));"//nl
 
    character(*), parameter :: part_20 = &
+   "    const place = field('new joint at x y', '', (text) => {"//nl// &
    '      const at = text.split(/[\s;]+/).map(valueOf);'//nl// &
    '      if (at.length !== 2 || !at.every(isFinite)) return false;'//nl// &
    '      board.tools.jointAt(at);'//nl// &
@@ -2260,10 +2262,10 @@ module psalm_board_text
    '<script>'//nl// &
    '// Tools of the drawing board: pointer (mouse, pen, fingers), wheel, keys, buttons.'//nl// &
    "'use strict';"//nl// &
-   ''//nl// &
-   'board.tools = (() => {'//nl
+   ''//nl
 
    character(*), parameter :: part_21 = &
+   'board.tools = (() => {'//nl// &
    '  const { view } = board;'//nl// &
    '  const $ = (id) => document.getElementById(id);'//nl// &
    '  const CLICK = 5, TOUCH_CLICK = 12;     // pixels that a pointer may move in a click'//nl// &
@@ -2373,10 +2375,10 @@ module psalm_board_text
    ''//nl// &
    '  /** Positions for drives that have none: a turn of a crank alone, else a few steps. */'//nl// &
    '  function choosePositions(sketch) {'//nl// &
-   '    const only = sketch.drives.length === 1, xs = sketch.joints.map((j) => j.x), ys = sketch.joints.map((j) => j.y);'//nl// &
-   '    const size = Math.max(Math.max(...xs) - Math.min(...xs), Math.max(...ys) - Math.min(...ys));'//nl
+   '    const only = sketch.drives.length === 1, xs = sketch.joints.map((j) => j.x), ys = sketch.joints.map((j) => j.y);'//nl
 
    character(*), parameter :: part_22 = &
+   '    const size = Math.max(Math.max(...xs) - Math.min(...xs), Math.max(...ys) - Math.min(...ys));'//nl// &
    '    const stroke = Number((size / 60).toPrecision(1)), steps = (by) => [0, 1, 2, 3, 4, 5, 6].map((k) => Number((k * by)'// &
    '.toPrecision(12)));'//nl// &
    "    if (only && sketch.drives[0].kind === 'turn') { if (!sketch.delt.length) sketch.ikin = sketch.ikin || 15; return; }"//nl// &
@@ -2481,10 +2483,10 @@ module psalm_board_text
    '    if (!press) {'//nl// &
    "      if (event.pointerType !== 'touch') { state.hover = at.hit; view.canvas.style.cursor = cursor(at.hit); view.draw()"// &
    "; }"//nl// &
-   '      return;'//nl// &
-   '    }'//nl
+   '      return;'//nl
 
    character(*), parameter :: part_23 = &
+   '    }'//nl// &
    '    if (!press.moved && Math.hypot(at.x - press.x, at.y - press.y) < (at.touch ? TOUCH_CLICK : CLICK)) return;'//nl// &
    "    if (!press.moved) { press.moved = true; if (press.tool === 'select' && !press.pan) board.begin(); }"//nl// &
    '    if (press.pan) {'//nl// &
@@ -2592,10 +2594,10 @@ module psalm_board_text
    '      if (joint) drive({ joint });'//nl// &
    '    }'//nl// &
    '  }'//nl// &
-   ''//nl// &
-   '  function cancel() {'//nl
+   ''//nl
 
    character(*), parameter :: part_24 = &
+   '  function cancel() {'//nl// &
    "    if (press && press.moved && press.tool === 'select' && !press.pan) board.end();"//nl// &
    '    press = null;'//nl// &
    '    board.state.pending = null;'//nl// &
@@ -2709,10 +2711,10 @@ module psalm_board_text
    "      if (one) board.load(one.text, one.name + '.nml');"//nl// &
    "      $('examples').value = '';"//nl// &
    '    });'//nl// &
-   "    $('grid').addEventListener('change', () => { board.state.grid = $('grid').value; view.draw(); });"//nl// &
-   "    $('speed').addEventListener('input', () => { board.state.speed = Number($('speed').value); });"//nl
+   "    $('grid').addEventListener('change', () => { board.state.grid = $('grid').value; view.draw(); });"//nl
 
    character(*), parameter :: part_25 = &
+   "    $('speed').addEventListener('input', () => { board.state.speed = Number($('speed').value); });"//nl// &
    '  }'//nl// &
    ''//nl// &
    '  return { begin, choose, pivot, output, drive, slider, jointAt, link };'//nl// &
@@ -2726,6 +2728,8 @@ module psalm_board_text
    '  const { view, motion: solver, text: notation } = board;'//nl// &
    '  const $ = (id) => document.getElementById(id);'//nl// &
    '  const MOST_UNDO = 200, TURN_TIME = 6, WAY_TIME = 4;      // seconds of a turn, of a way there'//nl// &
+   '  const NEAR = 1e-3;                                       // part of a step of the sweep that is followed to a dead po'// &
+   'int'//nl// &
    '  const FINE = 1, COARSE = 5;                              // degrees between positions of a sweep; while dragging'//nl// &
    '  const clone = (value) => JSON.parse(JSON.stringify(value));'//nl// &
    "  const blank = () => ({ title: 'A LINKAGE', joints: [], links: [{ name: 'frame', joints: [] }], slides: [], gears: [],"// &
@@ -2812,11 +2816,11 @@ module psalm_board_text
    '        right.push(value - d);'//nl// &
    '      }'//nl// &
    '      if (Math.max(...right.map(Math.abs)) < 1e-13 * Math.max(...lengths.map((l) => l.value))) return;'//nl// &
-   '      const dot = (p, q) => p.u[0] * q.u[0] + p.u[1] * q.u[1];'//nl// &
-   '      const gram = rows.map((p) => rows.map((q) => dot(p, q) * ((p.i === q.i) * ease[p.i] + (p.k === q.k) * ease[p.k] -'//nl// &
-   '        (p.i === q.k) * ease[p.i] - (p.k === q.i) * ease[p.k])));'//nl
+   '      const dot = (p, q) => p.u[0] * q.u[0] + p.u[1] * q.u[1];'//nl
 
    character(*), parameter :: part_26 = &
+   '      const gram = rows.map((p) => rows.map((q) => dot(p, q) * ((p.i === q.i) * ease[p.i] + (p.k === q.k) * ease[p.k] -'//nl// &
+   '        (p.i === q.k) * ease[p.i] - (p.k === q.i) * ease[p.k])));'//nl// &
    '      const { x } = solver.eliminate(gram, right);'//nl// &
    '      if (!x) return;'//nl// &
    '      rows.forEach((row, n) => {'//nl// &
@@ -2921,11 +2925,11 @@ module psalm_board_text
    "      else if (start.dead) tell('The linkage stands at a dead point in the drawing, where two assemblies meet: draw it "// &
    "in another position.');"//nl// &
    '      else {'//nl// &
-   '        state.motion.sweep = sweepOf(mech, start, rough ? COARSE : FINE);'//nl// &
-   '        state.live = start;'//nl// &
-   '        state.t = state.motion.sweep.home;'//nl
+   '        state.motion.sweep = sweepOf(mech, start, rough ? COARSE : FINE);'//nl
 
    character(*), parameter :: part_27 = &
+   '        state.live = start;'//nl// &
+   '        state.t = state.motion.sweep.home;'//nl// &
    '      }'//nl// &
    '    }'//nl// &
    '    state.wrong = new Set(state.messages.flatMap((m) => m.joints));'//nl// &
@@ -2953,7 +2957,7 @@ module psalm_board_text
    '        const list = [];'//nl// &
    '        let now = start;'//nl// &
    '        for (let k = 1; k * each <= most + 1e-9; k++) {'//nl// &
-   '          const next = solver.advance(mech, now, solver.inputsAt(sketch, way * k * each));'//nl// &
+   '          const next = solver.advance(mech, now, solver.inputsAt(sketch, way * k * each), NEAR);'//nl// &
    '          if (!next) { list.push(...edge(mech, now, solver.inputsAt(sketch, way * k * each))); break; }'//nl// &
    '          list.push(now = next);'//nl// &
    '        }'//nl// &
@@ -2976,7 +2980,7 @@ module psalm_board_text
    '      });'//nl// &
    '      states = [];'//nl// &
    '      for (const inputs of between) {'//nl// &
-   '        const next = solver.advance(mech, states.at(-1) || start, inputs);'//nl// &
+   '        const next = solver.advance(mech, states.at(-1) || start, inputs, NEAR);'//nl// &
    '        if (!next) break;'//nl// &
    '        states.push(next);'//nl// &
    '      }'//nl// &
@@ -2989,7 +2993,7 @@ module psalm_board_text
    '    const list = [];'//nl// &
    '    let now = from, part = 0.5;'//nl// &
    '    for (let i = 0; i < 6; i++, part /= 2) {'//nl// &
-   '      const next = solver.advance(mech, now, from.inputs.map((v, k) => now.inputs[k] + part * (target[k] - v)));'//nl// &
+   '      const next = solver.advance(mech, now, from.inputs.map((v, k) => now.inputs[k] + part * (target[k] - v)), NEAR);'//nl// &
    '      if (next) list.push(now = next);'//nl// &
    '    }'//nl// &
    '    return list;'//nl// &
@@ -3028,11 +3032,11 @@ module psalm_board_text
    '  }'//nl// &
    ''//nl// &
    '  /** Pairs of joints whose distances give the shape of a link. */'//nl// &
-   '  function sides({ joints }) {'//nl// &
-   '    return joints.flatMap((b, i) => joints.slice(Math.max(0, i - 2), i).map((a) => [a, b]));'//nl// &
-   '  }'//nl
+   '  function sides({ joints }) {'//nl
 
    character(*), parameter :: part_28 = &
+   '    return joints.flatMap((b, i) => joints.slice(Math.max(0, i - 2), i).map((a) => [a, b]));'//nl// &
+   '  }'//nl// &
    ''//nl// &
    '  // ---- playing -----------------------------------------------------------------------------------------------------'// &
    '-'//nl// &
@@ -3133,11 +3137,11 @@ module psalm_board_text
    ''//nl// &
    '  function open(file) {'//nl// &
    '    file.text().then((source) => {'//nl// &
-   '      try {'//nl// &
-   '        load(source, file.name);'//nl// &
-   '      } catch (error) {'//nl
+   '      try {'//nl
 
    character(*), parameter :: part_29 = &
+   '        load(source, file.name);'//nl// &
+   '      } catch (error) {'//nl// &
    '        if (!(error instanceof notation.Mistake)) throw error;'//nl// &
    "        state.messages = [{ text: file.name + ': ' + error.message, joints: [], links: [] }];"//nl// &
    '        board.panel.show();'//nl// &
