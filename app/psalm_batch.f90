@@ -77,7 +77,7 @@ contains
       if (any([(sets(k)%wants_search(), k=1, size(sets))])) endings = [endings, outputs%of_search]
       if (outputs%tables .and. (arguments%json .or. any([(sets(k)%sketch%given, k=1, size(sets))]))) &
          endings = [character(5) :: endings, '.csv']
-      if (arguments%json) endings = [character(5) :: endings, '.json']
+      if (outputs%tables .and. arguments%json) endings = [character(5) :: endings, '.json']
       call prepare_outputs(arguments, stem, endings, ready, code)
       if (.not. ready) return
       devices%mark = mark%name()
