@@ -9,6 +9,7 @@ module psalm_cam_list
    use psalm_data_set, only: data_set_t
    use psalm_elementary, only: hypotenuse
    use psalm_kinds, only: wp
+   use psalm_table, only: table_t
    use psalm_text, only: text_t, full_precision, general, to_text
    implicit none (type, external)
    private
@@ -184,19 +185,22 @@ contains
    end subroutine plot_cam
 
    !> The table for other programs: a line of names, then the rows.
-   subroutine table_cam(study, text)
+   subroutine table_cam(study, table)
       type(cam_study_t), intent(in) :: study
-      type(text_t), intent(inout) :: text
+      type(table_t), intent(inout) :: table
       character(:), allocatable :: names
-      integer :: i
+      real(wp), allocatable :: values(:, :)
+      integer :: i, last
 
-      names = trim(merge(of_face, of_roller//repeat(' ', len(of_face) - len(of_roller)), study%shape%flat))
-      do i = 1, len(names)
-         if (names(i:i) == ' ') names(i:i) = ','
-      end do
-      call text%add(names)
+      names = trim(merge(of_face, of_roller//repeat(' ', len(of_face) - len(of_roller)), study%shape%flat))//' '
+      allocate (values(size(figures(study, 1)), size(study%angle)))
       do i = 1, size(study%angle)
-         call text%add(row(study, i, ','))
+         values(:, i) = figures(study, i)
+      end do
+      do i = 1, size(values, 1)
+         last = index(names, ' ')
+         call table%add(names(:last - 1), values(i, :))
+         names = names(last + 1:)
       end do
    end subroutine table_cam
 
@@ -208,41 +212,40 @@ contains
       character(:), allocatable :: line
       integer :: k
 
-      line = full_precision(study%angle(i))
-      do k = 0, 3
-         call put(study%states%y(k, i))
-      end do
-      do k = 0, 3
-         call put(study%states%q(k, i))
-      end do
-      if (study%shape%flat) then
-         call put_point(study%shape%axes%centre + study%points%profile(i)*study%points%machine(i))
-         call put(study%points%excursion(i))
-      else
-         call put_point(study%states%c(0, i))
-      end if
-      call put_point(study%points%profile(i))
-      call put_point(study%points%cutter(i))
-      associate (m => study%points%cutter(i))
-         call put(hypotenuse(real(m, wp), aimag(m)))
-         call put(within_turn(degrees_of(real(m, wp), aimag(m))))
+      line = ''
+      associate (values => figures(study, i))
+         do k = 1, size(values)
+            if (k > 1) line = line//between
+            line = line//full_precision(values(k))
+         end do
       end associate
-      call put(study%points%radius(i))
-      call put(study%points%pressure(i))
+   end function row
+
+   !> The numbers of a row.
+   function figures(study, i) result(values)
+      type(cam_study_t), intent(in) :: study
+      integer, intent(in) :: i
+      real(wp), allocatable :: values(:)
+
+      values = [study%angle(i), study%states%y(0:3, i), study%states%q(0:3, i)]
+      if (study%shape%flat) then
+         values = [values, parts(study%shape%axes%centre + study%points%profile(i)*study%points%machine(i)), &
+                   study%points%excursion(i)]
+      else
+         values = [values, parts(study%states%c(0, i))]
+      end if
+      associate (m => study%points%cutter(i))
+         values = [values, parts(study%points%profile(i)), parts(m), hypotenuse(real(m, wp), aimag(m)), &
+                   within_turn(degrees_of(real(m, wp), aimag(m))), study%points%radius(i), study%points%pressure(i)]
+      end associate
 
    contains
 
-      subroutine put(value)
-         real(wp), intent(in) :: value
-
-         line = line//between//full_precision(value)
-      end subroutine put
-
-      subroutine put_point(point)
+      pure function parts(point)
          complex(wp), intent(in) :: point
+         real(wp) :: parts(2)
 
-         call put(real(point, wp))
-         call put(aimag(point))
-      end subroutine put_point
-   end function row
+         parts = [real(point, wp), aimag(point)]
+      end function parts
+   end function figures
 end module psalm_cam_list

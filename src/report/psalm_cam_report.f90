@@ -22,7 +22,8 @@ contains
       call devices%six%add(' '//set%title)
       call list_cam(set, study, devices%six)
       call plot_cam(study, devices%nine)
-      call table_cam(study, devices%csv)
+      call devices%new_table(set%title)
+      call table_cam(study, devices%tables(size(devices%tables)))
       if (.not. study%is_violating()) return
       call devices%note_violation()
       if (study%undercut .and. study%shape%flat) call devices%remark(set, 'the profile would be hollow, and a flat face cannot '// &
