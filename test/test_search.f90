@@ -28,6 +28,7 @@ program test_search
    call bounds()
    call slide_repairs()
    call conflict()
+   call vertices()
    call published_search('needle_search', 2.0_wp)
    call published_search('needle_nelder_mead', 1.49_wp)
    call published_search('chain_short', 0.5_wp)
@@ -40,6 +41,26 @@ program test_search
    call t%report()
 
 contains
+
+   !> A vertex as a problem of its own: the objective of an evaluation; violated where the linkage does not close.
+   subroutine vertices()
+      type(problem_t), target :: problem
+      type(data_set_t) :: set
+      type(vertex_problem_t) :: search
+      real(wp), allocatable :: x(:)
+      real(wp) :: objective, violation, evaluated
+      integer :: loop
+
+      call load_case('needle', problem, set)
+      call make_vertex_problem(set, problem, search)
+      x = problem%parameters%first_values(problem%given)
+      call search%measure(x, objective, violation)
+      call problem%evaluate(problem%given, evaluated, loop)
+      call t%equal_integer(loop, 0, 'the needle linkage closes')
+      call t%is_true(abs(objective - evaluated) <= 0.0_wp .and. violation <= 0.0_wp, 'a vertex that closes violates nothing')
+      call search%measure(0.1_wp*x, objective, violation)
+      call t%is_true(violation > 0.0_wp, 'one that does not is told')
+   end subroutine vertices
 
    !> Transmission angle of a dyad, degrees.
    pure real(wp) function angle_of(p, q, d)
