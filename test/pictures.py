@@ -680,6 +680,19 @@ def test_curves():
     angles = [[float(v) for v in l.split()[7:]] for l in table]
     case = page_data("needle.html")[0]
     check("curves: transmission angles by the law of cosines", cosine_law(case, angles))
+    engine = os.path.join(DATA, "engine.nml")
+    run(os.path.join(picture_tools.programs, "kalm"), "--quiet", "--output-dir", ".", engine)
+    names, rows = device9("engine.kalm.dev9")[0]
+    code, _, errors = balm("--quiet", "--curves", "--output-dir", ".", engine)
+    script = read("engine.gp")
+    table = re.search(r"\$forces << END\n#(.*?)\n(.*?)END", script, re.S)
+    heads = table.group(1).split()[1:]
+    swept = {round(float(l.split()[0])) % 360: [float(v) for v in l.split()[1:]] for l in table.group(2).splitlines()}
+    both = [(swept[round(float(r[0])) % 360], [float(r[names.index(n)]) for n in heads]) for r in rows if float(r[0]).is_integer()]
+    sizes = [max(abs(theirs[k]) for _, theirs in both) for k in range(len(heads))]
+    check("curves: drive and forces on the frame are those of kalm", code == 0 and len(both) == len(rows) and heads == names[names.index("drive"):names.index("drive") + 4] and
+          all(near(a, b, 1e-6, size) for ours, theirs in both for a, b, size in zip(ours, theirs, sizes)), "%s %s %s" % (errors, heads, both[:1]))
+    check("curves: panels of the forces", all(words in script for words in ("torque of the drive, N m", "force on the frame, N", "moment on the frame, N m")))
 
 
 def cosine_law(case, angles):

@@ -13,8 +13,9 @@ program test_constraints
    use psalm_merit, only: merit_t, prepare_merit, put_in_order
    use psalm_nlp, only: normal_equations_t
    use psalm_solver_kind, only: find_solver
-   use psalm_regions, only: find_region_depth
+   use psalm_regions, only: find_region_depth, check_regions
    use psalm_search, only: result_t, search_many
+   use psalm_status, only: diagnostics_t
    use psalm_station, only: station_t, prepare_station, evaluate_station, linearise_station
    use psalm_stop, only: stop_t
    use psalm_text, only: to_text
@@ -37,6 +38,7 @@ program test_constraints
    call parallel_slides()
    call angle_between_positions()
    call touched_region()
+   call impossible_regions()
    do k = 1, size(names)
       call finite_store(names(k))
    end do
@@ -448,6 +450,20 @@ contains
          call t%is_true(is_violated(margins(1)) .eqv. i == 2, 'a violation only beyond rounding')
       end do
    end subroutine touched_region
+
+   !> What only the topology shows: a full turn of a sliding input, a joint that is not there.
+   subroutine impossible_regions()
+      type(problem_t) :: problem
+      type(data_set_t) :: set
+      type(diagnostics_t) :: findings
+
+      call load_case('actuator_davis_steering', problem, set)
+      set%constr%irange = range_turn
+      set%constr%regions = [region_t(region_circle, .false., [0.0_wp, 0.0_wp, 1.0_wp, 0.0_wp], 9, 1)]
+      call check_regions(set%constr, problem%mechanism, findings)
+      call t%finds(findings, 'IRANGE=2 needs a turning input', 'a full turn of a sliding input')
+      call t%finds(findings, 'region 1: loop 1 has ', 'a region for a joint that is not there')
+   end subroutine impossible_regions
 
    !> Whatever the lengths are, what is found is finite, open dyads included.
    subroutine finite_store(name)

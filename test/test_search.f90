@@ -6,6 +6,7 @@ program test_search
    use psalm_rrr, only: repair_link_pair
    use psalm_constr, only: constraints_t, vertex_problem_t, make_constraints, make_vertex_problem, constrain
    use psalm_data_set, only: data_set_t
+   use psalm_data_set_text, only: write_data_set
    use psalm_error, only: problem_t, motion_t
    use psalm_kinds, only: wp, radians_per_degree
    use psalm_devices, only: devices_t
@@ -20,6 +21,7 @@ program test_search
    use psalm_status, only: diagnostics_t
    use psalm_stop, only: stop_t
    use psalm_synthesis, only: synthesis_t, synthesise
+   use psalm_text, only: text_t
    implicit none (type, external)
    type(checks_t) :: t
 
@@ -29,6 +31,7 @@ program test_search
    call slide_repairs()
    call conflict()
    call vertices()
+   call what_was_variable()
    call published_search('needle_search', 2.0_wp)
    call published_search('needle_nelder_mead', 1.49_wp)
    call published_search('chain_short', 0.5_wp)
@@ -61,6 +64,22 @@ contains
       call search%measure(0.1_wp*x, objective, violation)
       call t%is_true(violation > 0.0_wp, 'one that does not is told')
    end subroutine vertices
+
+   !> Device 7 tells in comments which dimensions were variable: those of the data set.
+   subroutine what_was_variable()
+      type(problem_t) :: problem
+      type(data_set_t) :: set
+      type(text_t) :: text
+      character, parameter :: nl = new_line('a')
+      character(:), allocatable :: content
+
+      call load_case('needle', problem, set)
+      call write_data_set(set, problem, problem%given, text)
+      content = text%content()
+      call t%is_true(index(content, nl//'! IVA  0 1 1 1 0 0'//nl//'! IVA  0 1 1 1 0 0'//nl) > 0, 'variable lengths in comments')
+      call t%is_true(index(content, nl//'! IVG  0 0 0 1 0 0'//nl//'! IVG  0 0 0 1 0 0'//nl) > 0, 'variable angles in comments')
+      call t%is_true(index(content, nl//'! ILKOUT=0 INGOUT=1 IORIG=0 ICRK=1 ') > 0, 'other variables in comments')
+   end subroutine what_was_variable
 
    !> Transmission angle of a dyad, degrees.
    pure real(wp) function angle_of(p, q, d)

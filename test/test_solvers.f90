@@ -6,7 +6,7 @@ program test_solvers
    use psalm_kinds, only: wp
    use psalm_multistart, only: candidate_t, multistart_t
    use psalm_nlopt, only: algorithm_of, algorithm_names
-   use psalm_nlp, only: nlp_t
+   use psalm_nlp, only: nlp_t, normal_equations_t
    use psalm_solver, only: solver_t, ending_t, stop_refused, stop_interrupted, stop_converged
    use psalm_solver_kind, only: solver_kind_t, find_solver, solver_names, plain_name, family_unknown, family_simplex, &
                                 family_least_squares, family_nlopt
@@ -309,8 +309,9 @@ contains
    !> A function without gradient or squares: for some solvers enough, refused by the others.
    subroutine function_alone()
       type(bare_t) :: problem
+      type(normal_equations_t) :: equations
       type(ending_t) :: ending
-      real(wp) :: x(2)
+      real(wp) :: x(2), none(0), slopes(2, 0)
       integer :: i
       character(*), parameter :: able(*) = [character(10) :: 'SIMPLEX', 'LN_SBPLX', 'LN_COBYLA', 'GN_CRS2_LM'], &
                                  unable(*) = [character(8) :: 'LSQ', 'LD_SLSQP', 'LD_MMA']
@@ -329,6 +330,11 @@ contains
          call t%is_true(ending%reason == stop_refused .and. problem%evaluations == 0, &
                         trim(unable(i))//': needs more than a function')
       end do
+      ! what it does not give is nothing
+      call problem%linearise(x, 1.0_wp, equations)
+      call t%is_true(all(abs(equations%gradient) <= 0.0_wp) .and. size(equations%gradient) == 2, 'a function alone: no gradient')
+      call problem%constrain(x, none, slopes)
+      call t%equal_integer(problem%count_constraints(), size(none), 'a function alone: no constraint')
    end subroutine function_alone
 
    !> Objective and gradient of a sum of squares, made from its residuals.
