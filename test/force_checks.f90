@@ -28,7 +28,7 @@ module force_checks
    private
    public :: reference_table, reference_joints, unit_columns, every_link_in_equilibrium, power_balance, virtual_work, &
              friction_reference, counterweights, motion_from_torque, near_a_dead_point, momentum_and_energy, scaling_of_speed, &
-             shift_and_turn, order_of_loops, units_and_sizes
+             shift_and_turn, order_of_loops, units_and_sizes, table_begun_elsewhere
 
    type(checks_t), public :: t
 
@@ -1041,4 +1041,33 @@ contains
       call t%is_true(.not. table%known(size(offset) + 1), 'no forces are known there')
       call t%is_true(all(abs(table%value) < huge(1.0_wp)), 'and none is NaN')
    end subroutine near_a_dead_point
+
+   !> A table over a full turn of the crank gives the same forces from whichever row it begins.
+   subroutine table_begun_elsewhere()
+      type(problem_t) :: problem
+      type(data_set_t) :: set
+      type(force_model_t) :: model, other
+      type(force_table_t) :: one, two
+      type(motion_t) :: motion
+      integer :: k, n
+      integer, parameter :: first = 4
+      real(wp), parameter :: turn = 360.0_wp
+
+      call load_case('dyad4_slider_crank', problem, set)
+      call load_up(problem, set)
+      call forces_at(problem, set, [(10.0_wp*real(k, wp), k=0, 35)], one, model)
+      model%loads%table = 1
+      model%table_input = [0.0_wp, 60.0_wp, 95.0_wp, 120.0_wp, 200.0_wp, 300.0_wp, turn]
+      n = size(model%table_input)
+      model%table_factor = reshape([0.95_wp, 0.3_wp, -0.2_wp, 0.0_wp, 0.6_wp, 1.0_wp, 0.95_wp], [n, 1])
+      other = model
+      other%table_input = [model%table_input(first:), model%table_input(2:first) + turn]
+      other%table_factor = model%table_factor([(k, k=first, n), (k, k=2, first)], :)
+      call problem%analyse(problem%given, motion)
+      call analyse_forces(problem, model, set%speed, set%accel, motion%closed, motion%input, one)
+      call analyse_forces(problem, other, set%speed, set%accel, motion%closed, motion%input, two)
+      call t%is_true(other%table_input(1) > 90.0_wp, 'a table that begins elsewhere')
+      call t%close_to(maxval(abs(two%value - one%value))/maxval(abs(one%value)), 0.0_wp, 1.0e-12_wp, &
+                      'a table over a turn gives the same forces wherever it begins')
+   end subroutine table_begun_elsewhere
 end module force_checks

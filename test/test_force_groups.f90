@@ -167,5 +167,9 @@ contains
       call wrong(four_bar//' &MOTOR NMTAB=2, MTABW=1.,2., MTABT=1. &END'//nl, &
                  '2 speeds and torques are announced, but only 1 given')
       call wrong(four_bar//' &MOTOR NMTAB=2, MTABW=2.,1., MTABT=1.,1. &END'//nl, 'speeds must ascend')
+      call read_text(four_bar//' &MASSES NMASS=0 &END &MOTOR NMTAB=3, MTABW=1.,2.,3., MTABT=9.,5.,0. &END'//nl)
+      call t%equal_integer(findings%count, 0, 'a motor by its table')
+      call t%is_true(all(abs(sets(1)%motor%speed - [1.0_wp, 2.0_wp, 3.0_wp]) + &
+                         abs(sets(1)%motor%table - [9.0_wp, 5.0_wp, 0.0_wp]) <= 0.0_wp), 'its speeds and torques')
    end subroutine others
 end program test_force_groups

@@ -4,7 +4,7 @@ program test_forces
    use force_checks, only: t, reference_table, reference_joints, unit_columns, every_link_in_equilibrium, power_balance, &
                            virtual_work, friction_reference, counterweights, motion_from_torque, &
                            near_a_dead_point, momentum_and_energy, scaling_of_speed, shift_and_turn, order_of_loops, &
-                           units_and_sizes
+                           units_and_sizes, table_begun_elsewhere
    implicit none (type, external)
    character(*), parameter :: others(*) = [character(27) :: 'brake_reaction_lsq', 'door_five_poses', 'drive_haines', 'dwell', &
       'engine', 'four_bar_haines', 'line6', 'log10', 'needle_lsq', 'needle_masses', 'needle_nelder_mead', 'needle_search', &
@@ -34,5 +34,6 @@ program test_forces
    call counterweights()
    call motion_from_torque()
    call near_a_dead_point()
+   call table_begun_elsewhere()
    call t%report()
 end program test_forces

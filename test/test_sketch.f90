@@ -8,7 +8,9 @@ program test_sketch
    use psalm_kinds, only: wp
    use psalm_sketch, only: sketch_t, drive_turns
    use psalm_sketch_check, only: check_sketch
+   use psalm_sketch_text, only: write_sketch
    use psalm_status, only: diagnostics_t
+   use psalm_text, only: text_t
    implicit none (type, external)
    character(*), parameter :: nl = new_line('a'), file = 'build/test_sketch.nml'
    character(*), parameter :: chain = " &CHAIN JNT='A','B','C','D','P', JX=0.0,-4.0,33.0,70.0,20.0,"//nl// &
@@ -26,6 +28,7 @@ program test_sketch
    call plain()
    call wrong_sketches()
    call six_bars()
+   call written_again()
    call t%report()
 
 contains
@@ -44,6 +47,28 @@ contains
       if (findings%failed()) return
       call check_sketch(sets(1), order, findings)
    end subroutine read_text
+
+   !> Written and read again, a sketch is the same; so is what is asked of it.
+   subroutine written_again()
+      type(data_set_t) :: first
+      type(text_t) :: text
+      integer :: condition
+
+      do condition = 0, 1
+         call read_text(whole//' &LIMITS TANGLE=50., ICOND='//merge('1', '0', condition == 1)//' &END'//nl)
+         first = sets(1)
+         text = text_t()
+         call write_sketch(first, text)
+         call read_text(text%content())
+         call t%is_true(.not. findings%failed(), 'a sketch written and read')
+         if (findings%failed()) return
+         call t%equal_integer(sets(1)%icond, condition, 'ICOND of a sketch written and read')
+         call t%close_to(sets(1)%tangle, 50.0_wp, 0.0_wp, 'TANGLE of a sketch written and read')
+         call t%is_true(all(abs(sets(1)%sketch%x - first%sketch%x) + &
+                            abs(sets(1)%sketch%y - first%sketch%y) <= 0.0_wp), 'joints written and read: the same bits')
+         call t%is_true(all(abs(sets(1)%delt - first%delt) <= 0.0_wp), 'inputs written and read: the same bits')
+      end do
+   end subroutine written_again
 
    function altered(from, to) result(text)
       character(*), intent(in) :: from, to
