@@ -11,6 +11,7 @@ program kalm
    use psalm_devices, only: devices_t, header_of
    use psalm_error, only: problem_t, make_problem
    use psalm_force_model, only: forces_wanted
+   use psalm_force_table, only: add_force_columns
    use psalm_force_study, only: force_study_t, find_forces
    use psalm_machine_study, only: machine_study_t, find_machine
    use psalm_mark, only: mark_t
@@ -105,6 +106,8 @@ contains
       else if (arguments%json) then
          call report_case_table(set, problem, rates%motion, devices, rates)
       end if
+      if (allocated(forces) .and. (set%sketch%given .or. arguments%json)) &
+         call add_force_columns(forces, devices%tables(size(devices%tables)))
       call report_rates(set, problem, rates, devices, forces, machine)
       if (arguments%quiet .or. devices%summarised == most_summarised) return
       call summarise(problem, prepared%given, rates%motion, summary)
@@ -126,6 +129,7 @@ contains
       if (forces_wanted(set)) then
          allocate (forces)
          call find_chain_forces(set, study, forces)
+         call add_force_columns(forces, devices%tables(size(devices%tables)))
       end if
       call report_chain('KALM', set, study, accelerations, devices, forces)
    end subroutine run_sketch

@@ -60,6 +60,18 @@ def compare(program, case, stem):
     return sheets
 
 
+def forces(kalm, case):
+    """The columns of forces are those of device 9, the last of the table."""
+    stem = os.path.basename(case)[:-4] + ".kalm"
+    names, rows = compare(kalm, case, stem)[0]
+    with open(stem + ".dev9", encoding="utf-8") as file:
+        first = next(line for line in file if line.startswith("# input"))
+    columns = first.split()[1:]
+    columns = columns[columns.index("drive"):]
+    check(stem + ": columns of forces", names[-len(columns):] == columns, str(names))
+    check(stem + ": figures of forces", [row[-len(columns):] for row in rows] == [row[-len(columns):] for row in device9(stem + ".dev9")])
+
+
 def check_code(law, done):
     good = done.returncode in (0, 1)
     check(law + "runs", good, done.stderr)
@@ -93,6 +105,12 @@ def main(directory):
             check(name + ": output as on device 9", [[f or "NaN" for f in row[:width]] for row in rows] == [row[:width] for row in nine])
             names = compare(kalm, case, name + ".kalm")[0][0]
             check(name + ": rates of the output", any(n.endswith(".v") for n in names) and any(n.endswith(".a") for n in names), str(names))
+        with open(os.path.join(data, "excavator.nml"), encoding="utf-8") as file:
+            digger = file.read() + " &RATES SPEED=0.2 &END\n &MASSES NMASS=1, MNAME='bucket T', MASS=100.0, GRAVY=-9.81 &END\n"
+        with open("digger.nml", "w", encoding="utf-8") as file:
+            file.write(digger)
+        for case in (os.path.join(data, "engine.nml"), "digger.nml"):
+            forces(kalm, case)
         done = subprocess.run([os.path.join(directory, "ssics"), "--json", sketches[0]], capture_output=True, text=True, check=False)
         check("--json is no option of ssics", done.returncode == 2 and "--json is an option of psalm, kalm and muscle" in done.stderr, done.stderr)
         bare = "A CASE WITHOUT OUTPUTS\n &CHAIN JNT='A','B','C','D', JX=0.,0.,40.,70., JY=0.,30.,60.,0., LNK='A D','A B','B C','C D' &END\n" \
