@@ -113,6 +113,19 @@ def needle(place):
     kalm_agrees(place, results, results["designs"][0], "needle")
 
 
+def ten_bar(place):
+    """The thesis's ten-bar: its sets, that of the thesis among them; all criteria on all links, proven."""
+    code, results, _, error = muscle(data("muscle/thesis_ten_bar.nml"), place)
+    check(code == 0 and results["counterweights"] == 5 and results["minimal_sets"] == 76, "ten-bar of the thesis: 76 of 126 sets",
+          (error, results.get("minimal_sets")))
+    check(sorted(["three", "five", "eight", "nine"]) in [sorted(names) for names in results["sets"]], "ten-bar: the thesis's set")
+    bare = results["before"]["force"]["rms"]
+    check(all(d["after"]["force"]["rms"] <= 1e-10*bare for d in results["designs"]), "ten-bar: no force is left")
+    composite = results["composite"]
+    check(composite["convex"] and abs(composite["after"] - composite["bound"]) <= 1e-6*composite["after"], "ten-bar: proven", composite)
+    kalm_agrees(place, results, results["optimum"], "ten-bar")
+
+
 def counts(place):
     """Least number of weights and number of sets."""
     table = {"dyad1_crank_rocker": (2, 3), "dyad2_oscillating_cylinder": (2, 2), "dyad3_quick_return": (2, 2),
@@ -483,6 +496,7 @@ if __name__ == "__main__":
     with tempfile.TemporaryDirectory() as folder:
         needle(folder)
         counts(folder)
+        ten_bar(folder)
         example_10u(folder)
         against_global_search(folder)
         random_linkages(folder)
