@@ -71,7 +71,7 @@ contains
             line = line//"'"//words_of(set, places(k))//"',"
             call break_line(line, text)
          end do
-         call text%add(line)
+         if (len_trim(line) > 0) call text%add(line)
          call write_reals(letter//'DIST', places%written(1), text)
          call write_reals(letter//'ANG', places%written(2), text)
          return
@@ -81,13 +81,13 @@ contains
          line = line//to_text(merge(-places(k)%arc, places(k)%arc, places(k)%from_start))//','
          call break_line(line, text)
       end do
-      call text%add(line)
+      if (len_trim(line) > 0) call text%add(line)
       line = '  '//letter//'LOOP='
       do k = 1, size(places)
          line = line//to_text(places(k)%loop)//','
          call break_line(line, text)
       end do
-      call text%add(line)
+      if (len_trim(line) > 0) call text%add(line)
       call write_reals(letter//'DIST', places%distance, text)
       call write_reals(letter//'ANG', places%angle, text)
    end subroutine write_places
@@ -135,7 +135,7 @@ contains
          line = line//full_precision(values(k))//','
          call break_line(line, text)
       end do
-      call text%add(line)
+      if (len_trim(line) > 0) call text%add(line)
    end subroutine write_reals
 
    subroutine break_line(line, text)
