@@ -216,11 +216,11 @@ contains
             call text%add(' GLOBAL OPTIMUM OF A CONVEX PROBLEM: DUALITY GAP'//general(found%gap)//'   RESIDUAL'// &
                           general(found%residual))
          else if (found%proven) then
-            call text%add(' GLOBAL OPTIMUM: IT REACHES THE LOWER BOUND, WHICH BODIES OF ANY SHAPE CANNOT GET BELOW; FOUND AT '// &
+            call text%add(' GLOBAL OPTIMUM: IT REACHES THE LOWER BOUND OF A CONVEX PROBLEM THAT CONTAINS THIS ONE; FOUND AT '// &
                           'START '//to_text(found%starts))
          else
             call text%add(' LOCAL OPTIMUM, THE BEST OF '//to_text(found%starts)//' STARTS, '//to_text(found%ended_here)// &
-                          ' OF WHICH ENDED SO LOW; BODIES OF ANY SHAPE CANNOT GET BELOW THE BOUND')
+                          ' OF WHICH ENDED SO LOW; NONE CAN GET BELOW THE BOUND')
          end if
          if (set%balance%form == form_body) then
             call text%add(' OWN INERTIA IS THAT OF THE BODY ABOUT ITS CENTRE OF MASS')
