@@ -965,6 +965,7 @@ contains
       call steady_cycle(machine, 100.0_wp, cycle)
       call t%equal_integer(cycle%state, cycle_any_speed, 'a free run has any speed')
       call t%close_to(cycle%greatest/cycle%least, 1.641207883_wp, 1.0e-7_wp, 'speed ratio of a free run')
+      call extremes_of_speed(cycle)
       call t%close_to(free_flywheel(machine, 0.02_wp)/0.014844012_wp, 1.0_wp, 1.0e-7_wp, 'flywheel of a free run')
       call flywheel_for(machine, 0.02_wp, 100.0_wp, wheel)
       call t%close_to(wheel/0.014844012_wp, 1.0_wp, 1.0e-7_wp, 'flywheel of a free run by its cycle')
@@ -993,6 +994,35 @@ contains
       call t%close_to(cycle%period/0.084192208_wp, 1.0_wp, 1.0e-7_wp, 'time of a turn')
       call t%close_to(cycle%mean/74.629059387_wp, 1.0_wp, 1.0e-7_wp, 'mean speed')
    end subroutine motion_from_torque
+
+   !> The greatest and the least speed lie within half a step of the largest and the smallest value, on the side of the neighbour
+   !> that is nearer to it.
+   subroutine extremes_of_speed(cycle)
+      type(cycle_t), intent(in) :: cycle
+      real(wp) :: off, rise
+      integer :: k, n
+
+      n = size(cycle%speed) - 1
+      k = maxloc(cycle%speed(:n - 1), dim=1) - 1
+      rise = cycle%speed(modulo(k + 1, n)) - cycle%speed(modulo(k - 1, n))
+      off = beside(cycle%greatest_at, k)
+      call t%is_true(abs(off) <= 0.5_wp .and. off*rise > 0.0_wp, 'where the speed is greatest')
+      k = minloc(cycle%speed(:n - 1), dim=1) - 1
+      rise = cycle%speed(modulo(k + 1, n)) - cycle%speed(modulo(k - 1, n))
+      off = beside(cycle%least_at, k)
+      call t%is_true(abs(off) <= 0.5_wp .and. off*rise < 0.0_wp, 'where the speed is least')
+
+   contains
+
+      !> Steps from step k to an angle.
+      pure real(wp) function beside(angle, k)
+         real(wp), intent(in) :: angle
+         integer, intent(in) :: k
+         real(wp), parameter :: turn = 360.0_wp
+
+         beside = (modulo(angle - turn*real(k, wp)/real(n, wp) + 0.5_wp*turn, turn) - 0.5_wp*turn)*real(n, wp)/turn
+      end function beside
+   end subroutine extremes_of_speed
 
    !> A load on the slide of a slider-crank whose rod comes square to the slide at a crank angle of 30 degrees: the force in the
    !> rod is load/cos(beta), sin(beta) = (crank/rod) sin(angle), in quadruple precision. A relative change of a dimension changes
