@@ -7,9 +7,10 @@ module psalm_data_set
    use psalm_kinds, only: wp, full_turn, half_turn, radians_per_degree
    use psalm_balance_group, only: balance_group_t, read_balance_group
    use psalm_cam_group, only: cam_group_t, read_cam_group
-   use psalm_chain_group, only: read_chain_group, read_drives_group, read_outputs_group
+   use psalm_chain_group, only: read_chain_group
    use psalm_constraint_group, only: constraint_group_t, read_constraint_group
    use psalm_friction_group, only: friction_group_t, read_friction_group
+   use psalm_drives_group, only: read_drives_group
    use psalm_drive_group, only: drive_group_t, hill_group_t, read_drive_group, read_hill_group
    use psalm_group_table, only: program_of, program_reads, is_users, nearest_group
    use psalm_group, only: group_t, read_flag, check_flags, check_range, out_of, required
@@ -19,6 +20,7 @@ module psalm_data_set
    use psalm_motor_group, only: motor_group_t, read_motor_group
    use psalm_output_kind, only: output_kind_t, output_kind, motion_angle, motion_distance, motion_point, motion_pose, &
                                 motion_slide
+   use psalm_outputs_group, only: read_outputs_group
    use psalm_namelist, only: case_text_t, read_case
    use psalm_origin, only: origins_t, name_length
    use psalm_search_group, only: search_group_t, read_search_group

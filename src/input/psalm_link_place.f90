@@ -1,7 +1,7 @@
 !> Places on links as the groups of forces name them: an end of an arc, a distance and an angle from the arc's direction; of a
 !> sketch a link, a joint of it, a line between two of its joints.
 module psalm_link_place
-   use psalm_chain_group, only: find_joints, link_named, meant, slide_names, words_of
+   use psalm_sketch_names, only: find_joints, link_named, meant, slide_names, words_of
    use psalm_group, only: group_t, check_range, out_of, required
    use psalm_kinds, only: wp
    use psalm_sketch, only: sketch_t, sketch_name

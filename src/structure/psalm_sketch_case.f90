@@ -15,10 +15,11 @@ module psalm_sketch_case
    use psalm_sketch, only: sketch_t, output_t, variation_t, frame_link, output_point, output_angle, output_distance, &
                            output_slide, output_pose, vary_length, vary_angle, vary_place, vary_input
    use psalm_sketch_check, only: check_sketch
-   use psalm_sketch_loops, only: loops_t, make_loops, arc_with, traced_determined, traced_link, traced_slide, &
-                                 traced_crank, traced_actuator, traced_frame
+   use psalm_sketch_loops, only: make_loops
    use psalm_status, only: diagnostics_t
    use psalm_text, only: text_t, to_text
+   use psalm_traced_loops, only: loops_t, arc_with, traced_determined, traced_link, traced_slide, traced_crank, &
+                                 traced_actuator, traced_frame
    implicit none (type, external)
    private
    public :: resolve_sketch, assemble_sketch

@@ -9,9 +9,9 @@ module psalm_sketch_redraw
    use psalm_kinds, only: wp, right_angle
    use psalm_mechanism, only: mechanism_t
    use psalm_sketch_case, only: assemble_sketch
-   use psalm_sketch_loops, only: loops_t, make_loops, traced_actuator, traced_crank, traced_frame, &
-                                 traced_link, traced_slide
+   use psalm_sketch_loops, only: make_loops
    use psalm_status, only: diagnostics_t
+   use psalm_traced_loops, only: loops_t, traced_actuator, traced_crank, traced_frame, traced_link, traced_slide
    implicit none (type, external)
    private
    public :: redraw_sketch

@@ -1,0 +1,275 @@
+!> The group &DRIVES of a sketch: what moves it.
+module psalm_drives_group
+   use psalm_group, only: group_t, out_of, required
+   use psalm_kinds, only: wp
+   use psalm_sketch, only: sketch_t, link_t, sketch_name, drive_turns, drive_slides, drive_stretches
+   use psalm_sketch_names, only: word_room, find_joints, meant, slide_names, words_of, link_named, common_link
+   use psalm_status, only: diagnostics_t
+   use psalm_text, only: shortened, to_text
+   implicit none (type, external)
+   private
+   public :: read_drives_group
+
+contains
+
+   !> Read &DRIVES. A drive is a joint, a slide, or two joints with a cylinder between them, which becomes a link.
+   subroutine read_drives_group(group, positions, sketch, findings)
+      type(group_t), intent(inout) :: group
+      integer, intent(in) :: positions        !! NDES
+      type(sketch_t), intent(inout) :: sketch
+      type(diagnostics_t), intent(inout) :: findings
+      character(:), allocatable :: names(:), bases(:), links(:)
+      character(word_room), allocatable :: words(:)
+      real(wp), allocatable :: ratio(:), phase(:), delt(:)
+      character(:), allocatable :: item
+      integer :: n, announced, i, j, last_ratio, last
+      logical :: valid, grid
+
+      call group%get_texts('DRIVE', names, findings)
+      call group%get_texts('DBASE', bases, findings)
+      call group%get_texts('DLINK', links, findings)
+      n = size(names)
+      announced = n
+      call group%get_integer('NDRIVE', announced, findings)
+      allocate (ratio(max(1, n)), phase(max(1, n)), source=0.0_wp)
+      call group%get_reals('RATIO', ratio, findings, last=last_ratio)
+      call group%get_reals('PHASE', phase, findings)
+      if (n == 0) call required(group, 'DRIVE', "names what is driven: a joint, a slide, or the two joints of a cylinder")
+      if (announced /= n .and. n > 0) call out_of(group, 'NDRIVE', &
+         'NDRIVE='//to_text(announced)//' drives are announced, but '// &
+                                                  'DRIVE names '//to_text(n), findings)
+      if (allocated(sketch%drives)) deallocate (sketch%drives)
+      allocate (sketch%drives(n))
+      do i = 1, n
+         associate (drive => sketch%drives(i))
+            words = apart(words_of(names(i)))
+            drive%name = trim(adjustl(names(i)))
+            select case (size(words))
+            case (1)
+               drive%joint = sketch%joint_called(trim(words(1)))
+               drive%slide = sketch%slide_called(trim(words(1)))
+               if (drive%slide > 0) then
+                  drive%kind = drive_slides
+               else if (drive%joint > 0) then
+                  drive%kind = drive_turns
+               else
+                  call out_of(group, 'DRIVE', "no joint or slide is called '"//trim(words(1))//"'"// &
+                              meant(trim(words(1)), [character(sketch_name) :: sketch%joint_name, slide_names(sketch)]), &
+                                 findings, i)
+                  cycle
+               end if
+               call find_links(valid)
+               if (.not. valid) cycle
+            case (2)
+               drive%kind = drive_stretches
+               call add_cylinder(valid)
+               if (.not. valid) cycle
+            case default
+               call out_of(group, 'DRIVE', &
+                  "'"//shortened(trim(names(i)))//"' is no drive: a joint, a slide, or the two joints "// &
+                           'of a cylinder', findings, i)
+               cycle
+            end select
+            do j = 1, i - 1
+               if (sketch%drives(j)%kind == drive%kind .and. sketch%drives(j)%joint == drive%joint .and. &
+                   sketch%drives(j)%slide == drive%slide .and. drive%kind /= drive_stretches .and. &
+                   sketch%drives(j)%base == drive%base .and. sketch%drives(j)%link == drive%link) &
+                  call out_of(group, 'DRIVE', 'drives '//to_text(j)//' and '//to_text(i)//' are both at '//trim(drive%name)// &
+                              '; one moves it', findings, i)
+            end do
+            drive%ratio = ratio(i)
+            drive%phase = phase(i)
+            drive%geared = i <= last_ratio .and. ratio(i) /= 0.0_wp
+            if (i == 1 .and. drive%geared) then
+               call out_of(group, 'RATIO', 'the first drive is the one that the others follow; its own RATIO is 0', findings, 1)
+            end if
+         end associate
+      end do
+      call read_speeds()
+      call read_grid(grid)
+      do i = 2, max(n, 2)
+         item = 'DELT'//to_text(i)
+         if (allocated(delt)) deallocate (delt)
+         allocate (delt(positions), source=0.0_wp)
+         call group%get_reals(item, delt, findings, last=last)
+         if (i > n) exit
+         associate (drive => sketch%drives(i))
+            if (last > 0 .and. grid) then
+               call out_of(group, item, 'the grid NGRID gives the positions of all drives; leave '//item//' out', findings, 1)
+            else if (last > 0 .and. drive%geared) then
+               call out_of(group, item, 'drive '//trim(drive%name)//' has RATIO too; give one of both', findings, 1)
+            else if (last > 0 .and. last < positions) then
+               call out_of(group, item, 'NDES='//to_text(positions)//' positions are announced, but only '//to_text(last)// &
+                           ' values given', findings, last)
+            else if (last == 0 .and. .not. drive%geared .and. .not. grid) then
+               call required(group, item, 'drive '//trim(drive%name)//' needs its values, '//item// &
+                             ', or a RATIO to the first drive')
+            end if
+            if (last > 0) drive%delt = delt
+         end associate
+      end do
+
+   contains
+
+      !> Speeds and accelerations of drives that neither are the first nor follow it.
+      subroutine read_speeds()
+         character(*), parameter :: items(2) = [character(6) :: 'DSPEED', 'DACCEL']
+         real(wp) :: values(max(1, n))
+         integer :: k, d, highest
+
+         do k = 1, size(items)
+            values = 0.0_wp
+            call group%get_reals(trim(items(k)), values, findings, last=highest)
+            do d = 1, min(n, highest)
+               if (d == 1 .and. abs(values(1)) > 0.0_wp) then
+                  call out_of(group, trim(items(k)), 'the first drive has the speed of &RATES; its entry here is 0', findings, 1)
+               else if (sketch%drives(d)%geared .and. abs(values(d)) > 0.0_wp) then
+                  call out_of(group, trim(items(k)), 'drive '//trim(sketch%drives(d)%name)// &
+                              ' follows the first by its RATIO; its entry here is 0', findings, d)
+               end if
+            end do
+            if (k == 1) sketch%drives%speed = values(:n)
+            if (k == 2) sketch%drives%accel = values(:n)
+         end do
+      end subroutine read_speeds
+
+      !> A grid of strokes: NGRID values of each drive, evenly from DLOW to DHIGH.
+      subroutine read_grid(given)
+         logical, intent(out) :: given
+         integer :: counts(max(1, n)), last_count, last_low, last_high, d
+         real(wp) :: low(max(1, n)), high(max(1, n))
+
+         counts = 0
+         low = 0.0_wp
+         high = 0.0_wp
+         call group%get_integers('NGRID', counts, findings, last=last_count)
+         call group%get_reals('DLOW', low, findings, last=last_low)
+         call group%get_reals('DHIGH', high, findings, last=last_high)
+         given = last_count > 0
+         if (n == 0) return
+         if (.not. given) then
+            if (last_low > 0) call out_of(group, 'DLOW', 'belongs to a grid of strokes, but NGRID is missing', findings, 1)
+            if (last_high > 0) call out_of(group, 'DHIGH', 'belongs to a grid of strokes, but NGRID is missing', findings, 1)
+            return
+         end if
+         do d = 1, n
+            associate (drive => sketch%drives(d))
+               if (drive%geared) then
+                  if (counts(d) /= 0) call out_of(group, 'NGRID', 'drive '//trim(drive%name)// &
+                                                  ' follows the first by its RATIO; its NGRID is 0', findings, d)
+               else if (counts(d) < 2) then
+                  call out_of(group, 'NGRID', 'drive '//trim(drive%name)//' needs 2 values or more in a grid; found '// &
+                              to_text(counts(d)), findings, d)
+               else if (max(last_low, last_high) < d .or. .not. low(d) < high(d)) then
+                  call out_of(group, 'DLOW', 'the stroke of drive '//trim(drive%name)//' goes from DLOW up to DHIGH', findings, d)
+               end if
+               drive%steps = counts(d)
+               drive%low = low(d)
+               drive%high = high(d)
+            end associate
+         end do
+      end subroutine read_grid
+
+      !> Two one-letter joints that run together are two words.
+      function apart(words) result(parts)
+         character(word_room), intent(in) :: words(:)
+         character(word_room), allocatable :: parts(:)
+
+         parts = words
+         if (size(words) /= 1) return
+         if (len_trim(words(1)) /= 2) return
+         if (max(sketch%joint_called(trim(words(1))), sketch%slide_called(trim(words(1)))) > 0) return
+         if (sketch%joint_called(words(1)(1:1)) == 0 .or. sketch%joint_called(words(1)(2:2)) == 0) return
+         parts = [character(word_room) :: words(1)(1:1), words(1)(2:2)]
+      end function apart
+
+      !> The two links between which a drive acts.
+      subroutine find_links(valid)
+         logical, intent(out) :: valid
+         integer, allocatable :: at(:)
+
+         valid = .false.
+         associate (drive => sketch%drives(i))
+            if (drive%kind == drive_slides) then
+               at = sketch%slides(drive%slide)%links
+            else
+               at = sketch%links_of(drive%joint)
+            end if
+            if (size(at) == 0) return   ! told of JNT
+            if (size(at) < 2) then
+               call out_of(group, 'DRIVE', &
+                  'joint '//trim(drive%name)//' belongs to one link only, '//trim(sketch%links(at(1))%name)// &
+                           '; a drive acts between two', findings, i)
+               return
+            end if
+            if (i <= size(bases)) then
+               if (len_trim(bases(i)) > 0) then
+                  drive%base = link_named(group, 'DBASE', i, bases(i), sketch, findings)
+                  if (drive%base == 0) return
+               end if
+            end if
+            if (i <= size(links)) then
+               if (len_trim(links(i)) > 0) then
+                  drive%link = link_named(group, 'DLINK', i, links(i), sketch, findings)
+                  if (drive%link == 0) return
+               end if
+            end if
+            if (size(at) == 2) then
+               if (drive%base == 0 .and. drive%link == 0) drive%base = minval(at)
+               if (drive%base == 0) drive%base = sum(at) - drive%link
+               if (drive%link == 0) drive%link = sum(at) - drive%base
+            else if (drive%base == 0 .or. drive%link == 0) then
+               call out_of(group, 'DRIVE', 'joint '//trim(drive%name)//' pins '//to_text(size(at))// &
+                           ' links; say with DBASE and DLINK which of them the drive acts between', findings, i)
+               return
+            end if
+            if (all(at /= drive%base)) then
+               call not_there('DBASE', drive%base)
+            else if (all(at /= drive%link)) then
+               call not_there('DLINK', drive%link)
+            else if (drive%base == drive%link) then
+               call out_of(group, 'DLINK', 'drive '//trim(drive%name)//' has link '//trim(sketch%links(drive%link)%name)// &
+                           ' on both sides', findings, i)
+            else
+               valid = .true.
+            end if
+         end associate
+      end subroutine find_links
+
+      subroutine not_there(item, link)
+         character(*), intent(in) :: item
+         integer, intent(in) :: link
+
+         call out_of(group, item, 'link '//trim(sketch%links(link)%name)//' has no part in '//trim(sketch%drives(i)%name)// &
+                     ', which the drive acts at', findings, i)
+      end subroutine not_there
+
+      !> A link of two joints whose length is driven.
+      subroutine add_cylinder(valid)
+         logical, intent(out) :: valid
+         integer, allocatable :: joints(:)
+         type(link_t) :: cylinder
+         integer :: k
+
+         call find_joints(group, 'DRIVE', i, names(i), "cylinder '"//trim(names(i))//"'", sketch, findings, joints, valid)
+         if (.not. valid) return
+         valid = .false.
+         if (size(joints) /= 2) then
+            call out_of(group, 'DRIVE', "cylinder '"//trim(names(i))//"' names "//to_text(size(joints))//' joints, not two', &
+                        findings, i)
+            return
+         end if
+         k = common_link(sketch, joints)
+         if (k > 0) then
+            call out_of(group, 'DRIVE', "cylinder '"//trim(names(i))//"' lies between two joints of link "// &
+                        trim(sketch%links(k)%name)//', which holds them apart', findings, i)
+            return
+         end if
+         cylinder%name = trim(sketch%joint_name(joints(1)))//'-'//trim(sketch%joint_name(joints(2)))
+         cylinder%joints = joints
+         sketch%links = [sketch%links, cylinder]
+         sketch%drives(i)%link = size(sketch%links)
+         valid = .true.
+      end subroutine add_cylinder
+   end subroutine read_drives_group
+end module psalm_drives_group

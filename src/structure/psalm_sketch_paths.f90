@@ -1,0 +1,146 @@
+!> Fewest arcs from point to point of a sketch through links whose place is known.
+!>
+!> A slide is passed along only, never against its sense, for the arrays of &LINKS know no other.
+!> Source: Oldham (1977), 15.1, the choice of minimal loops.
+module psalm_sketch_paths
+   use psalm_sketch, only: sketch_t, frame_link
+   implicit none (type, external)
+   private
+   public :: step_t, survey_t, know, nearest_point, way_from, shortest
+
+   !> A step of a path: an arc of a link, or a slide passed again.
+   type :: step_t
+      integer :: link = 0
+      integer :: from = 0, to = 0
+      integer :: arc = 0                    !! of a slide
+   end type step_t
+
+   !> What is known on the way.
+   type :: survey_t
+      logical, allocatable :: on(:, :)      !! shape (points, links): the point is fixed in the link
+      logical, allocatable :: known(:)      !! by link
+      integer :: points = 0
+      integer :: pass(3, 1000) = 0          !! slides that can be passed: from, to, arc
+      integer :: passes = 0
+   end type survey_t
+
+contains
+
+   !> A link whose place is known, and its joints.
+   subroutine know(sketch, link, survey)
+      type(sketch_t), intent(in) :: sketch
+      integer, intent(in) :: link
+      type(survey_t), intent(inout) :: survey
+
+      survey%known(link) = .true.
+      survey%on(sketch%links(link)%joints, link) = .true.
+   end subroutine know
+
+   !> The point of a known link with the shortest way: outward from the input pivot `start`, else back to it by the frame.
+   subroutine nearest_point(survey, start, link, outward, point, steps, found)
+      type(survey_t), intent(in) :: survey
+      integer, intent(in) :: start, link
+      logical, intent(in) :: outward
+      integer, intent(out) :: point
+      type(step_t), allocatable, intent(out) :: steps(:)
+      logical, intent(out) :: found
+      type(step_t), allocatable :: way(:)
+      logical :: there
+      integer :: p
+
+      found = .false.
+      point = 0
+      allocate (steps(0))
+      if (link == frame_link .and. .not. outward) then
+         point = start
+         steps = [step_t(frame_link, point, point)]
+         found = .true.
+         return
+      end if
+      do p = 1, survey%points
+         if (.not. survey%on(p, link)) cycle
+         if (outward) then
+            call shortest(survey, start, p, .true., way, there)
+         else
+            call way_from(survey, start, p, way, there)
+         end if
+         if (.not. there) cycle
+         if (found .and. size(way) >= size(steps)) cycle
+         found = .true.
+         point = p
+         steps = way
+      end do
+   end subroutine nearest_point
+
+   !> From a point to the frame, not through it, and along the frame to the input pivot `start`.
+   subroutine way_from(survey, start, from, steps, found)
+      type(survey_t), intent(in) :: survey
+      integer, intent(in) :: start, from
+      type(step_t), allocatable, intent(out) :: steps(:)
+      logical, intent(out) :: found
+      type(step_t), allocatable :: way(:)
+      logical :: there
+      integer :: p
+
+      found = .false.
+      allocate (steps(0))
+      do p = 1, survey%points
+         if (.not. survey%on(p, frame_link)) cycle
+         call shortest(survey, from, p, .false., way, there)
+         if (.not. there) cycle
+         if (found .and. size(way) + 1 >= size(steps)) cycle
+         found = .true.
+         steps = [way, step_t(frame_link, p, start)]
+      end do
+   end subroutine way_from
+
+   !> Fewest arcs from a point to another through links that are known (breadth first).
+   subroutine shortest(survey, from, to, through_frame, steps, found)
+      type(survey_t), intent(in) :: survey
+      integer, intent(in) :: from, to
+      logical, intent(in) :: through_frame
+      type(step_t), allocatable, intent(out) :: steps(:)
+      logical, intent(out) :: found
+      type(step_t) :: reached_by(survey%points)
+      integer :: queue(survey%points), head, tail, link, p, k
+      logical :: seen(survey%points)
+
+      allocate (steps(0))
+      seen = .false.
+      seen(from) = .true.
+      queue(1) = from
+      head = 1
+      tail = 1
+      do while (head <= tail .and. .not. seen(to))
+         associate (here => queue(head))
+            do link = 1, size(survey%known)
+               if (.not. survey%known(link) .or. .not. survey%on(here, link)) cycle
+               if (link == frame_link .and. .not. through_frame) cycle
+               do p = 1, survey%points
+                  if (seen(p) .or. .not. survey%on(p, link)) cycle
+                  seen(p) = .true.
+                  tail = tail + 1
+                  queue(tail) = p
+                  reached_by(p) = step_t(link, here, p)
+               end do
+            end do
+            do k = 1, survey%passes
+               p = survey%pass(2, k)
+               if (survey%pass(1, k) /= here .or. seen(p)) cycle
+               seen(p) = .true.
+               tail = tail + 1
+               queue(tail) = p
+               reached_by(p) = step_t(0, here, p, survey%pass(3, k))
+            end do
+         end associate
+         head = head + 1
+      end do
+      found = seen(to)
+      if (.not. found) return
+      p = to
+      do while (p /= from)
+         steps = [reached_by(p), steps]
+         p = reached_by(p)%from
+      end do
+   end subroutine shortest
+end module psalm_sketch_paths

@@ -1,0 +1,73 @@
+!> The loops of a sketch as they are traced: arcs between points, joints first and then feet of slides.
+module psalm_traced_loops
+   use psalm_kinds, only: wp
+   implicit none (type, external)
+   private
+   public :: loops_t, traced_t, arc_with
+   public :: traced_determined, traced_link, traced_slide, traced_crank, traced_actuator, traced_frame
+
+   integer, parameter :: traced_determined = 1
+   integer, parameter :: traced_link = 2
+   integer, parameter :: traced_slide = 3
+   integer, parameter :: traced_crank = 4
+   integer, parameter :: traced_actuator = 5
+   integer, parameter :: traced_frame = 6      !! the last arc of loop 1, counted from the machine's x axis
+
+   !> One arc of a loop.
+   type :: traced_t
+      integer :: kind = traced_determined
+      integer :: loop = 0, place = 0
+      integer :: link = 0                   !! the link it is fixed in
+      integer :: ends(2) = 0                !! points
+      integer :: reference = 0              !! arc it hangs on
+      logical :: same = .false., against = .false. !! it is that arc, traced the same way or the other
+      integer :: guide = 0                  !! slides: the place of the guide in the loop
+      integer :: sign = 1
+      integer :: slide = 0                  !! the slide of the sketch that it runs along
+      real(wp) :: length = 0.0_wp
+      real(wp) :: direction = 0.0_wp        !! in the drawing, degrees
+   end type traced_t
+
+   !> The loops found.
+   type :: loops_t
+      logical :: found = .false.
+      character(:), allocatable :: why      !! what there are no arrays for
+      type(traced_t), allocatable :: arcs(:)
+      integer :: loops = 0, longest = 0
+      complex(wp), allocatable :: point(:)  !! places of the points: the joints, then feet of slides
+      integer :: start = 0                  !! the point that all loops begin at
+      integer, allocatable :: axis(:)       !! by link: its first arc
+      real(wp) :: input = 0.0_wp            !! CRNKI in the drawing
+      logical, allocatable :: on(:, :)      !! shape (points, links): the point is fixed in the link
+      integer, allocatable :: joint_loop(:) !! by joint: the loop whose dyad places it
+   end type loops_t
+
+contains
+
+   !> The first arc of a link that begins (`from_start`) or ends at a point; 0: none does.
+   pure subroutine arc_with(loops, link, point, arc, from_start)
+      type(loops_t), intent(in) :: loops
+      integer, intent(in) :: link, point
+      integer, intent(out) :: arc
+      logical, intent(out) :: from_start
+      integer :: k
+
+      arc = 0
+      from_start = .false.
+      do k = 1, size(loops%arcs)
+         associate (one => loops%arcs(k))
+            if (one%link /= link .or. one%same .or. one%against) cycle
+            if (.not. loops%on(point, link)) return
+            if (one%ends(2) == point) then
+               arc = k
+               from_start = .false.
+               return
+            end if
+            if (one%ends(1) == point .and. arc == 0) then
+               arc = k
+               from_start = .true.
+            end if
+         end associate
+      end do
+   end subroutine arc_with
+end module psalm_traced_loops
