@@ -1,10 +1,14 @@
 !> psalm: displacement analysis and dimensional synthesis of planar linkages from a namelist file.
 program psalm
+   use psalm_assembly_list, only: report_assemblies
+   use psalm_assembly_study, only: assembly_study_t, study_assemblies
    use psalm_batch, only: outputs_t, run_file
-   use psalm_console, only: arguments_t, progress_t, begin, device4_of
+   use psalm_console, only: arguments_t, progress_t, begin, device4_of, show_findings
    use psalm_analysis, only: analysis_t, wanted_t, analyse, wanted_by
    use psalm_case_table, only: report_case_table
    use psalm_chain_report, only: report_chain, report_chain_table
+   use psalm_chain_search_list, only: report_chain_search
+   use psalm_chain_synthesis, only: chain_synthesis_t, synthesise_chain
    use psalm_chain_study, only: chain_study_t, study_chain
    use psalm_check_list, only: list_input
    use psalm_data_set, only: data_set_t
@@ -44,6 +48,7 @@ program psalm
       nl//'The listing goes to standard output; CASE.dev1, .dev2, .dev7, .dev8 and .dev9 beside the case.'//nl// &
       nl//'  --json            the table of every case as CASE.csv and CASE.json'//nl// &
       '  --output-dir DIR  put the device files into DIR'//nl// &
+      '  --assemblies      list every way in which the links of a sketch can be put together'//nl// &
       '  --device4 FILE    read supplied vertices (NGUESS) from FILE; default CASE.dev4'//nl// &
       '  --threads N       threads that share the work; default THREADS of the case, or 1'//nl// &
       '  --quiet           no remarks on standard error, errors only'//nl// &
@@ -102,7 +107,13 @@ contains
       integer :: threads
 
       if (set%sketch%given .and. .not. set%wants_search()) call run_sketch(set, devices)
-      if (allocated(set%no_loops)) return
+      if (allocated(set%no_loops)) then
+         if (set%wants_search()) call run_chain_search(set, devices, monitor)
+         if (arguments%assemblies) call run_assemblies(set, devices)
+         if (monitor%active) call write_standard_error(nl)
+         stopped = signals%asked()
+         return
+      end if
       allocate (problem, search, analysis)
       call take_threads(set, threads, devices)
       call make_problem(set, prepared%mechanism, prepared%given, prepared%parameters, problem)
@@ -129,9 +140,47 @@ contains
       end if
       call report_violations(set, problem, analysis, devices)
       if (allocated(analysis%summary)) call report_summary(set, analysis%summary, devices)
+      if (arguments%assemblies) call run_assemblies(set, devices)
       if (monitor%active) call write_standard_error(nl)
       stopped = signals%asked()
    end subroutine run_case
+
+   !> A search over a sketch that has no loops, then the study of what it found.
+   subroutine run_chain_search(set, devices, monitor)
+      type(data_set_t), intent(in) :: set
+      type(devices_t), intent(inout) :: devices
+      type(progress_t), intent(inout) :: monitor
+      type(chain_synthesis_t), allocatable :: search
+      type(diagnostics_t) :: findings
+      integer :: threads
+
+      allocate (search)
+      call take_threads(set, threads, devices)
+      findings%file = set%file
+      call synthesise_chain(set, threads, stop, search, findings, monitor)
+      if (findings%failed()) then
+         call show_findings(findings)
+         devices%code = max(devices%code, findings%exit_code())
+         return
+      end if
+      call report_chain_search(set, search, devices)
+      if (size(search%best) > 0) call run_sketch(search%drawn, devices)
+   end subroutine run_chain_search
+
+   !> Every way in which the links of a sketch can be put together.
+   subroutine run_assemblies(set, devices)
+      type(data_set_t), intent(in) :: set
+      type(devices_t), intent(inout) :: devices
+      type(assembly_study_t), allocatable :: study
+
+      if (.not. set%sketch%given) then
+         call devices%remark(set, '--assemblies lists those of a sketch (&CHAIN); this linkage is given by its loops')
+         return
+      end if
+      allocate (study)
+      call study_assemblies(set, study)
+      if (study%sound) call report_assemblies(set, study, devices)
+   end subroutine run_assemblies
 
    !> All outputs and joints of a sketch; one without loops has nothing else.
    subroutine run_sketch(set, devices)

@@ -30,7 +30,7 @@ module psalm_console
       integer :: threads = 0                     !! 0: not given
       logical :: json = .false.                  !! psalm, kalm: the table of every case as CSV and JSON; muscle: results as JSON
       logical :: edit = .false., no_case = .false. !! balm: the drawing board; no case is named
-      logical :: curves = .false., assemblies = .false. !! curves by gnuplot; balm: the other assembly of each pair
+      logical :: curves = .false., assemblies = .false. !! curves by gnuplot; psalm, balm: all assemblies
       logical :: quiet = .false., help = .false., version = .false.
       type(identity_t), allocatable :: inputs(:) !! of all files that are read, and of the standard streams
       integer :: code = 0                        !! exit status that bad arguments lead to
@@ -197,9 +197,11 @@ contains
          case ('--quiet', '-q')
             arguments%quiet = .true.
          case ('--curves', '--assemblies', '--edit')
-            if (program /= 'balm' .and. .not. (program == 'ssics' .and. word == '--curves')) then
+            if (program /= 'balm' .and. .not. (program == 'ssics' .and. word == '--curves') .and. &
+                .not. (program == 'psalm' .and. word == '--assemblies')) then
                call say(program, "'"//word//"' is an option of balm"// &
-                        trim(merge(' and ssics', '          ', word == '--curves'))//'; see --help')
+                        trim(merge(' and ssics', '          ', word == '--curves'))// &
+                        trim(merge(' and psalm', '          ', word == '--assemblies'))//'; see --help')
                arguments%code = exit_bad_input
             end if
             arguments%edit = arguments%edit .or. word == '--edit'

@@ -2,8 +2,10 @@
 module psalm_constraint_group
    use psalm_group, only: group_t, check_range, out_of
    use psalm_kinds, only: wp
+   use psalm_sketch, only: sketch_t
+   use psalm_sketch_names, only: meant
    use psalm_status, only: diagnostics_t
-   use psalm_text, only: to_text
+   use psalm_text, only: shortened, to_text
    implicit none (type, external)
    private
    public :: constraint_group_t, region_t, read_constraint_group
@@ -22,6 +24,7 @@ module psalm_constraint_group
       logical :: stay_inside = .false.    !! the outside is forbidden
       real(wp) :: at(numbers_of_region) = 0.0_wp !! two corners; point and angle of the edge; centre, radius
       integer :: arc = 0, loop = 0        !! the joint: finish of the arc (of arc 0: the input pivot); loop 0: output point
+      integer :: joint = 0                !! the joint of a sketch
    end type region_t
 
    type :: constraint_group_t
@@ -33,13 +36,15 @@ module psalm_constraint_group
 contains
 
    !> Read the group. Errors: numbers out of range, joints that are not there, regions without extent.
-   subroutine read_constraint_group(group, nloop, maxarc, constr, findings)
+   subroutine read_constraint_group(group, nloop, maxarc, sketch, constr, findings)
       type(group_t), intent(inout) :: group
       integer, intent(in) :: nloop, maxarc
+      type(sketch_t), intent(in) :: sketch   !! its joints are called by their names
       type(constraint_group_t), intent(inout) :: constr
       type(diagnostics_t), intent(inout) :: findings
       integer, allocatable :: kinds(:), links(:), loops(:)
       real(wp), allocatable :: numbers(:)
+      character(:), allocatable :: names(:)
       type(diagnostics_t) :: unused
       integer :: n, r, given
 
@@ -65,6 +70,8 @@ contains
          call findings%error('four numbers are expected for each of '//to_text(n)//' regions; found '//to_text(given), &
                              line=max(group%item_line('RPLACE'), group%line), group='CONSTR', item='RPLACE')
       end if
+      if (size(names) > 0 .and. .not. sketch%given) call wrong('RJNT', 'joints have names in a sketch (&CHAIN) only; RLINK and '// &
+                                                               'RLOOP count arcs of &LINKS', 1)
       do r = 1, n
          associate (region => constr%regions(r))
             region%kind = abs(kinds(r))
@@ -86,7 +93,9 @@ contains
                call wrong('RKIND', '1 (box), 2 (half-plane), 3 (circle) is expected, negative: outside forbidden; found '// &
                           to_text(kinds(r)), r)
             end select
-            if (region%loop == 0 .and. links(r) /= 0) then
+            if (sketch%given) then
+               call find_joint(region, r)
+            else if (region%loop == 0 .and. links(r) /= 0) then
                call wrong('RLOOP', 'arc '//to_text(links(r))//' is named, but not its loop', r)
             else if (region%loop < 0 .or. region%loop > nloop) then
                call wrong('RLOOP', 'there is no loop '//to_text(region%loop), r)
@@ -99,12 +108,29 @@ contains
 
    contains
 
+      !> The joint that a region of a sketch is for; arcs and loops are not the user's to count.
+      subroutine find_joint(region, which)
+         type(region_t), intent(inout) :: region
+         integer, intent(in) :: which
+
+         if (links(which) /= 0 .or. region%loop /= 0) then
+            call wrong('RLINK', 'RLINK and RLOOP count arcs of &LINKS; the joint of a sketch is named, RJNT', which)
+         else if (which > size(names)) then
+            call wrong('RJNT', "the joint that it is for is missing, RJNT='P'", which)
+         else
+            region%joint = sketch%joint_called(trim(adjustl(names(which))))
+            if (region%joint == 0) call wrong('RJNT', "no joint is called '"//shortened(trim(names(which)))//"'"// &
+                                              meant(trim(names(which)), sketch%joint_name), which)
+         end if
+      end subroutine find_joint
+
       subroutine read_places(told)
          type(diagnostics_t), intent(inout) :: told
 
          call group%get_integers('RKIND', kinds, told)
          call group%get_integers('RLINK', links, told)
          call group%get_integers('RLOOP', loops, told)
+         call group%get_texts('RJNT', names, told)
          call group%get_reals('RPLACE', numbers, told, numbers_of_region, last=given)
       end subroutine read_places
 

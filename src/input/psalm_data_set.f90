@@ -31,6 +31,7 @@ module psalm_data_set
    use psalm_status, only: diagnostics_t
    use psalm_system, only: memory_to_be_had
    use psalm_text, only: text_t, to_text
+   use psalm_wish_items, only: read_wishes
    use psalm_vibration_group, only: vibration_group_t, estimate_group_t, read_vibration_group, read_estimate_group
    implicit none (type, external)
    private
@@ -144,6 +145,7 @@ contains
 
       wants_search = self%ikin == 0 .and. (any(self%iva /= 0) .or. any(self%ivg /= 0) .or. self%ilkout /= 0 .or. &
                                            self%ingout /= 0 .or. self%icrk /= 0 .or. self%iorig /= 0)
+      if (allocated(self%no_loops)) wants_search = self%ikin == 0 .and. size(self%sketch%variations) > 0
    end function wants_search
 
    !> Read every case of a file, up to the one with LAST=1.
@@ -270,6 +272,11 @@ contains
       end if
       call read_drives(groups(drives), sketch_sound, set, findings)
       call fill_grid(groups(method), groups(drives), set, findings)
+      if (groups(outputs)%line > 0 .and. set%ikin == 0) then
+         call read_wishes(groups(outputs), set%ndes, set%sketch, findings)
+      else
+         call read_wishes(groups(outputs), 0, set%sketch, unused)
+      end if
       if (set%sketch%given) call refuse_arcs(groups(method), groups(toler), groups(limits), findings)
       call read_limits(groups(limits), set, findings)
       call read_search_group(groups(search), set%search, findings)
@@ -280,7 +287,7 @@ contains
       if (set%ifree /= 0 .and. set%ikin == 0 .and. .not. set%wants_search()) then
          call out_of(groups(method), 'IFREE', 'free timing is a part of a search, but no dimension may vary', findings)
       end if
-      call read_constraint_group(groups(constr), set%nloop, set%maxarc, set%constr, findings)
+      call read_constraint_group(groups(constr), set%nloop, set%maxarc, set%sketch, set%constr, findings)
       call read_tolerances(groups(toler), set, findings)
       call read_rates(groups(rates), set, findings)
       call read_mass_group(groups(masses), set%ilink, set%sketch, set%masses, findings)

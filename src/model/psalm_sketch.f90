@@ -6,8 +6,8 @@ module psalm_sketch
    use psalm_kinds, only: wp
    implicit none (type, external)
    private
-   public :: sketch_t, link_t, slide_t, drive_t, gear_t, output_t, variation_t
-   public :: sketch_name, frame_link, position_of, grid_digits
+   public :: sketch_t, link_t, slide_t, drive_t, gear_t, output_t, variation_t, wish_t
+   public :: sketch_name, frame_link, position_of, grid_digits, columns_of, most_wished
    public :: drive_turns, drive_slides, drive_stretches
    public :: output_point, output_angle, output_distance, output_slide, output_between, output_pose, output_ratio
    public :: output_x, output_y
@@ -71,6 +71,14 @@ module psalm_sketch
       real(wp) :: ratio = 0.0_wp            !! negative for an external pair
    end type gear_t
 
+   integer, parameter :: most_wished = 2     !! derivatives of an output that may be prescribed
+
+   !> What an output, or a derivative of it by the first drive's input, is to be.
+   type :: wish_t
+      real(wp), allocatable :: values(:, :)  !! shape (numbers of the output, positions); not allocated: nothing is prescribed
+      real(wp), allocatable :: weights(:, :) !! the same shape
+   end type wish_t
+
    !> What is wanted.
    type :: output_t
       character(sketch_name) :: name = ''
@@ -79,6 +87,7 @@ module psalm_sketch
       integer :: link = 0                   !! pose, angle: the link, if one was named
       integer :: slide = 0
       integer :: outputs(2) = 0             !! ratio: the rate of the first by that of the second
+      type(wish_t) :: wishes(0:most_wished) !! by order of the derivative
    end type output_t
 
    !> A dimension that a search may change.
@@ -105,6 +114,7 @@ module psalm_sketch
       real(wp), allocatable :: length(:)
       logical :: over_braced = .false.      !! KOVER: equations that special dimensions make superfluous are allowed
    contains
+      procedure :: has_wishes
       procedure :: has_joint
       procedure :: links_of
       procedure :: joint_called
@@ -130,6 +140,28 @@ contains
          if (modulo(rest, 2) == 1) digits(d) = counts(d) - 1 - digits(d)
       end do
    end function grid_digits
+
+   !> How many numbers an output has.
+   pure integer function columns_of(output)
+      type(output_t), intent(in) :: output
+
+      columns_of = 1
+      if (output%kind == output_point) columns_of = 2
+      if (output%kind == output_pose) columns_of = 3
+   end function columns_of
+
+   !> True if anything is prescribed of any output.
+   pure logical function has_wishes(self)
+      class(sketch_t), intent(in) :: self
+      integer :: k, order
+
+      has_wishes = .false.
+      do k = 1, size(self%outputs)
+         do order = 0, most_wished
+            has_wishes = has_wishes .or. allocated(self%outputs(k)%wishes(order)%values)
+         end do
+      end do
+   end function has_wishes
 
    !> True if the joint belongs to the link.
    pure logical function has_joint(self, link, joint)

@@ -11,7 +11,8 @@ module psalm_chain_motion
    use psalm_kinds, only: wp
    implicit none (type, external)
    private
-   public :: chain_motion_t, follow, differentiate, advance
+   public :: chain_motion_t, follow, differentiate, advance, try_step, senses
+   public :: least_step, first_step, easy
 
    real(wp), parameter :: trusted = 0.15_wp        !! first correction against the prediction
    real(wp), parameter :: easy = 0.01_wp           !! below this the next step is doubled

@@ -7,23 +7,14 @@ module psalm_chain_outputs
    use psalm_closure, only: closure_t, state_t, most_orders, travel
    use psalm_kinds, only: wp, degrees_per_radian, full_turn
    use psalm_sketch, only: output_t, output_point, output_angle, output_distance, output_slide, output_between, output_pose, &
-                           output_ratio, output_x, output_y
+                           output_ratio, output_x, output_y, columns_of
    implicit none (type, external)
    private
-   public :: columns_of, column_name, output_at, unwrap
+   public :: column_name, output_at, unwrap
 
 contains
 
-   !> How many numbers an output has.
-   pure integer function columns_of(output)
-      type(output_t), intent(in) :: output
-
-      columns_of = 1
-      if (output%kind == output_point) columns_of = 2
-      if (output%kind == output_pose) columns_of = 3
-   end function columns_of
-
-   !> Name of one of them.
+   !> Name of a number of an output.
    pure function column_name(output, column) result(name)
       type(output_t), intent(in) :: output
       integer, intent(in) :: column

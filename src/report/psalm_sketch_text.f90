@@ -4,8 +4,9 @@ module psalm_sketch_text
    use psalm_kinds, only: wp
    use psalm_output_kind, only: output_kind_t, output_kind
    use psalm_sketch, only: sketch_t, drive_stretches, output_angle, output_between, output_distance, output_point, &
-                           output_pose, output_ratio, output_slide, output_x, output_y
+                           output_pose, output_ratio, output_slide, output_x, output_y, most_wished
    use psalm_text, only: text_t, full_precision, to_text
+   use psalm_wish_items, only: values_of, weights_of
    implicit none (type, external)
    private
    public :: write_sketch
@@ -64,7 +65,17 @@ contains
             do i = 1, size(sketch%outputs)
                call word("'"//trim(sketch%outputs(i)%name)//"'")
             end do
-            call text%add(line//' &END')
+            call text%add(line)
+            do i = 1, size(sketch%outputs)
+               do k = 0, most_wished
+                  associate (wish => sketch%outputs(i)%wishes(k))
+                     if (.not. allocated(wish%values)) cycle
+                     call numbers(trim(values_of(k))//to_text(i)//'=', [wish%values])
+                     call numbers(trim(weights_of(k))//to_text(i)//'=', wish%weights(1, :))
+                  end associate
+               end do
+            end do
+            call text%add(' &END')
          end if
       end associate
       line = ' &METHOD'

@@ -16,6 +16,7 @@ module psalm_closure
    public :: closure_t, state_t, group_rows_t, make_closure, start_state, residuals, matrix_of, place_points
    public :: local_point, point_rate, turned
    public :: solve_group, travel, most_orders, row_pin, row_angle, row_line, row_gear, row_turn, row_travel, rank_lost
+   public :: local_point, turned
 
    integer, parameter :: most_orders = 3      !! derivatives carried along: velocity, acceleration, jerk
    integer, parameter :: newton_steps = 40
@@ -51,6 +52,8 @@ module psalm_closure
       complex(wp), allocatable :: origin(:)   !! by link: where its axes begin in the drawing
       complex(wp), allocatable :: point(:, &
          :) !! shape (joints, links): places in the axes of the link
+      complex(wp), allocatable :: point_rate(:, :, :) !! shape (joints, links, most_orders): derivatives of these places while
+                                              !! dimensions change; not allocated: they do not
       complex(wp), allocatable :: line(:)     !! by slide: its direction in the drawing
       complex(wp), allocatable :: slide_point(:, :) !! shape (2, slides): a point of the line in the axes of either link
       integer, allocatable :: cylinder(:)     !! by link: the drive whose length it has; 0: none
@@ -300,6 +303,7 @@ contains
 
       p = (0.0_wp, 0.0_wp)
       p(0) = closure%point(joint, link)
+      if (allocated(closure%point_rate)) p(1:) = closure%point_rate(joint, link, :)
       drive = closure%cylinder(link)
       if (drive == 0) return
       if (p(0) == (0.0_wp, 0.0_wp)) return

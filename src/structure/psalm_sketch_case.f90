@@ -6,6 +6,7 @@ module psalm_sketch_case
    use psalm_angles, only: degrees_of, unit_vector, within_turn
    use psalm_assur_order, only: assur_order_t
    use psalm_closure, only: closure_t, state_t, make_closure, start_state, solve_group, place_points, rank_lost
+   use psalm_constraint_group, only: range_positions
    use psalm_data_set, only: data_set_t
    use psalm_dense, only: factors_t
    use psalm_kinds, only: wp, degrees_per_radian, full_turn
@@ -39,6 +40,10 @@ contains
       call assemble_sketch(set, closure, state, sound, findings)
       if (.not. sound) return
       call make_loops(closure, state, loops)
+      if (loops%found .and. set%sketch%has_wishes()) then
+         loops%found = .false.
+         loops%why = 'desired values of outputs (DES1 ...), which are compared in the poses'
+      end if
       if (.not. loops%found) then
          set%no_loops = loops%why
          call refuse_without_loops(set, findings)
@@ -52,17 +57,53 @@ contains
       call fill_places(loops, state, set)
       call fill_output(loops, state, closure%sketch, set, findings)
       call fill_variables(loops, closure%sketch, set, findings)
+      call fill_regions(loops, closure%sketch, set, findings)
    end subroutine resolve_sketch
+
+   !> The joints of regions as ends of arcs, or as the output point.
+   subroutine fill_regions(loops, sketch, set, findings)
+      type(loops_t), intent(in) :: loops
+      type(sketch_t), intent(in) :: sketch
+      type(data_set_t), intent(inout) :: set
+      type(diagnostics_t), intent(inout) :: findings
+      integer :: r, k
+
+      if (.not. set%constr%given) return
+      do r = 1, size(set%constr%regions)
+         associate (region => set%constr%regions(r))
+            if (is_output(region%joint)) cycle
+            do k = 1, size(loops%arcs)
+               if (all(loops%arcs(k)%ends /= region%joint)) cycle
+               region%loop = loops%arcs(k)%loop
+               region%arc = loops%arcs(k)%place
+               if (loops%arcs(k)%ends(2) /= region%joint) region%arc = region%arc - 1
+               exit
+            end do
+            if (region%loop == 0) call findings%error('region '//to_text(r)//': joint '//trim(sketch%joint_name(region%joint))// &
+               ' is neither a joint of the loops nor the first output; put point '//trim(sketch%joint_name(region%joint))// &
+               ' first in &OUTPUTS', line=set%origins%line('CONSTR', 'RJNT', r), group='CONSTR', item='RJNT')
+         end associate
+      end do
+
+   contains
+
+      logical function is_output(joint)
+         integer, intent(in) :: joint
+
+         is_output = .false.
+         if (size(sketch%outputs) > 0) is_output = sketch%outputs(1)%kind == output_point .and. &
+                                                   sketch%outputs(1)%joints(1) == joint
+      end function is_output
+   end subroutine fill_regions
 
    !> What needs loops of dyads and one drive on the frame.
    subroutine refuse_without_loops(set, findings)
       type(data_set_t), intent(in) :: set
       type(diagnostics_t), intent(inout) :: findings
 
-      if (size(set%sketch%variations) > 0) call refuse('CHAIN', 'VARY', 'a search')
-      if (set%desired) call refuse('METHOD', 'NDES', 'a comparison with desired values')
       if (set%tolerances) call refuse('TOLER', '', 'a study of tolerances')
-      if (set%constr%given) call refuse('CONSTR', '', 'a study of constraints')
+      if (set%constr%irange /= range_positions) call refuse('CONSTR', 'IRANGE', 'a proof between the positions')
+      if (set%ifree /= 0) call refuse('METHOD', 'IFREE', 'free timing')
       if (set%ktheta /= 0 .and. .not. (set%masses%given .or. set%loads%given .or. set%springs%given)) &
          call refuse('LIMITS', 'KTHETA', 'the list of all arcs')
       if (set%icond /= 0) call refuse('LIMITS', 'ICOND', 'the condition number')

@@ -1,7 +1,7 @@
 !> Loops for a sketch: the arrays ILINK, ILOOP, ARCL, GAMA of a chain of dyads, one loop for each.
 !>
-!> Not every sketch has them: a chain in which a slide must be passed against its sense, a drive that is not on the frame and a group
-!> that is no dyad have no such arrays. Source: Oldham (1977), 15.1, the choice of minimal loops.
+!> Not every sketch has them: a chain in which a slide must be passed against its sense, a drive that is not on the frame and a
+!> group that is no dyad have no such arrays. Source: Oldham (1977), 15.1, the choice of minimal loops.
 module psalm_sketch_loops
    use psalm_closure, only: closure_t, state_t, row_pin, row_line
    use psalm_kinds, only: wp

@@ -1,16 +1,16 @@
 !> One run over a sketch in the poses of its links: any Assur groups, any number of drives, all outputs and joints.
 module psalm_chain_study
    use psalm_chain_motion, only: chain_motion_t, follow
-   use psalm_chain_outputs, only: columns_of, column_name, output_at, unwrap
+   use psalm_chain_outputs, only: column_name, output_at, unwrap
    use psalm_closure, only: closure_t, state_t, most_orders
    use psalm_data_set, only: data_set_t
    use psalm_kinds, only: wp, radians_per_degree
-   use psalm_sketch, only: drive_turns, output_angle, output_pose
+   use psalm_sketch, only: drive_turns, output_angle, output_pose, columns_of
    use psalm_sketch_case, only: assemble_sketch
    use psalm_status, only: diagnostics_t
    implicit none (type, external)
    private
-   public :: chain_study_t, study_chain, name_room
+   public :: chain_study_t, study_chain, inputs_of_drives, name_room
 
    integer, parameter :: name_room = 48   !! characters of a column's name
 
@@ -42,26 +42,11 @@ contains
       call assemble_sketch(set, study%closure, study%start, study%sound, findings)
       if (.not. study%sound) return
       associate (drives => set%sketch%drives, outputs => set%sketch%outputs)
-         positions = set%ndes
-         if (set%ikin /= 0) positions = 359/abs(set%ikin) + 1
-         allocate (study%inputs(size(drives), positions), source=0.0_wp)
-         study%inputs(1, :) = set%crnki - set%crnki_of_drawing
-         if (set%ikin /= 0) then
-            study%inputs(1, :) = study%inputs(1, :) + [(real((k - 1)*set%ikin, wp), k=1, positions)]
-         else
-            study%inputs(1, :) = study%inputs(1, :) + set%delt
-         end if
+         study%inputs = inputs_of_drives(set, .false.)
+         inputs = inputs_of_drives(set, .true.)
+         positions = size(inputs, 2)
          allocate (rate(size(drives), most_orders, positions), source=0.0_wp)
          do d = 1, size(drives)
-            if (drives(d)%geared) then
-               study%inputs(d, :) = drives(d)%ratio*study%inputs(1, :) + drives(d)%phase
-            else if (allocated(drives(d)%delt)) then
-               study%inputs(d, :) = drives(d)%delt
-            end if
-         end do
-         inputs = study%inputs
-         do d = 1, size(drives)
-            if (drives(d)%kind == drive_turns) inputs(d, :) = inputs(d, :)*radians_per_degree
             unit = 0.0_wp
             if (drives(d)%geared) unit = drives(d)%ratio*unit_of(drives(d)%kind)/unit_of(drives(1)%kind)
             if (d == 1) unit = 1.0_wp
@@ -94,6 +79,37 @@ contains
          end do
       end associate
    end subroutine study_chain
+
+   !> Values of all drives at all positions, from the drawing: degrees, or radians if `in_radians`; or length.
+   function inputs_of_drives(set, in_radians) result(inputs)
+      type(data_set_t), intent(in) :: set
+      logical, intent(in) :: in_radians
+      real(wp), allocatable :: inputs(:, :)         !! shape (drives, positions)
+      integer :: positions, k, d
+
+      positions = set%ndes
+      if (set%ikin /= 0) positions = 359/abs(set%ikin) + 1
+      allocate (inputs(size(set%sketch%drives), positions), source=0.0_wp)
+      inputs(1, :) = set%crnki - set%crnki_of_drawing
+      if (set%ikin /= 0) then
+         inputs(1, :) = inputs(1, :) + [(real((k - 1)*set%ikin, wp), k=1, positions)]
+      else
+         inputs(1, :) = inputs(1, :) + set%delt
+      end if
+      do d = 1, size(inputs, 1)
+         associate (drive => set%sketch%drives(d))
+            if (drive%geared) then
+               inputs(d, :) = drive%ratio*inputs(1, :) + drive%phase
+            else if (allocated(drive%delt)) then
+               inputs(d, :) = drive%delt
+            end if
+         end associate
+      end do
+      if (.not. in_radians) return
+      do d = 1, size(inputs, 1)
+         inputs(d, :) = inputs(d, :)*unit_of(set%sketch%drives(d)%kind)
+      end do
+   end function inputs_of_drives
 
    !> Radians a degree for a drive that turns, else 1.
    pure real(wp) function unit_of(kind)

@@ -1,0 +1,710 @@
+!> The dimensions of a sketch as unknowns of an optimisation problem, solved in the poses of its links: any Assur groups and drives.
+!>
+!> A dimension that varies moves a joint in the axes of its link: along the line from another joint (a length), round that joint
+!> (an angle), or, on the frame, both. To new dimensions the assembly of the drawing is followed as it is to new inputs, by
+!> prediction and correction in steps that halve themselves. Derivatives by a dimension are rates while it alone changes; those
+!> of rates by the input follow from rates along sums of both (polarisation of the second and third derivative).
+module psalm_chain_problem
+   use psalm_angles, only: degrees_of, unit_vector
+   use psalm_chain_motion, only: chain_motion_t, follow, differentiate, try_step, senses, easy, first_step, least_step
+   use psalm_chain_outputs, only: output_at
+   use psalm_closure, only: closure_t, state_t, most_orders, matrix_of, place_points
+   use psalm_constraint_group, only: region_t
+   use psalm_data_set, only: data_set_t
+   use psalm_dense, only: factors_t, factorise
+   use psalm_error, only: desired_of
+   use psalm_kinds, only: wp, full_turn, half_turn, radians_per_degree, degrees_per_radian
+   use psalm_nlp, only: plain_nlp_t
+   use psalm_regions, only: find_region_depth
+   use psalm_sketch, only: sketch_t, output_t, variation_t, columns_of, frame_link, most_wished, drive_turns, output_angle, &
+                           output_between, output_pose, output_ratio, vary_angle, vary_input, vary_length, vary_place
+   use psalm_text, only: to_text
+   implicit none (type, external)
+   private
+   public :: chain_problem_t, make_chain_problem, unknown_name
+
+   real(wp), parameter :: least_margin = 0.02_wp !! of the drawing's: nearer to a dead point no linkage is accepted
+   real(wp), parameter :: nudge = 1.0e-5_wp   !! of an unknown, for the slope of that margin
+   real(wp), parameter :: rounding = 1.0e-9_wp !! of the drawing's size: deviations that are none
+   real(wp), parameter :: far = 1.0e4_wp      !! of the drawing's size: the residual of a position that cannot be reached
+   integer, parameter :: absolute = 0         !! in place of an anchor: the machine origin
+
+   !> A joint that moves in the axes of its link: from an anchor by a length in a direction.
+   type :: moved_t
+      integer :: link = 0, joint = 0
+      integer :: anchor = absolute
+      real(wp) :: length = 0.0_wp, direction = 0.0_wp !! as drawn; radians, in the axes of the link
+      integer :: of_length = 0                !! unknown that is its length; 0: fixed
+      integer :: of_angle = 0                 !! unknown that its direction is counted by
+      integer :: base(2) = 0                  !! joints of the line that this angle is counted from; 0: the x axis
+   end type moved_t
+
+   type, extends(plain_nlp_t) :: chain_problem_t
+      type(closure_t) :: drawn
+      type(state_t) :: start                  !! at the drawing
+      type(moved_t), allocatable :: moved(:)
+      real(wp), allocatable :: first(:)       !! shape (core): values of the drawing; angles in degrees
+      integer :: of_input = 0                 !! unknown that is the reference input; 0: fixed
+      real(wp), allocatable :: inputs(:, :)   !! shape (drives, positions): radians or length, from the drawing
+      real(wp), allocatable :: speed(:)       !! shape (drives): change with the first one
+      real(wp) :: unit_of_input = 1.0_wp      !! radians a degree, if the first drive turns
+      real(wp), allocatable :: wanted(:, :, :), weight(:, :, :) !! shape (numbers, 0:most_wished, positions)
+      logical, allocatable :: angle(:)        !! shape (numbers): it is one
+      logical, allocatable :: ratio(:)        !! shape (numbers): it is a ratio of rates
+      integer, allocatable :: ratio_of(:, :)  !! shape (2, numbers): the numbers whose rates it is of
+      integer :: highest = 0                  !! derivative that is prescribed
+      type(region_t), allocatable :: regions(:)
+      real(wp), allocatable :: margin(:)      !! shape (groups): how far from a dead point each must keep
+   contains
+      procedure :: residuals_at
+      procedure :: constraints_at
+      procedure :: find_motion
+      procedure :: find_values
+      procedure :: dimensioned
+      procedure :: shape_point
+   end type chain_problem_t
+
+contains
+
+   !> Make the problem of a sketch that was assembled. Not empty `trouble` says, with the number of the variable, what it cannot do.
+   subroutine make_chain_problem(set, closure, start, inputs, problem, trouble, which)
+      type(data_set_t), intent(in) :: set
+      type(closure_t), intent(in) :: closure
+      type(state_t), intent(in) :: start
+      real(wp), intent(in) :: inputs(:, :)    !! shape (drives, positions): radians or length, from the drawing
+      type(chain_problem_t), intent(out) :: problem
+      character(:), allocatable, intent(out) :: trouble
+      integer, intent(out) :: which           !! the variable that cannot vary so; 0: none
+      integer :: n, v
+
+      trouble = ''
+      which = 0
+      problem%drawn = closure
+      problem%start = start
+      problem%inputs = inputs
+      associate (drives => set%sketch%drives)
+         problem%unit_of_input = merge(radians_per_degree, 1.0_wp, drives(1)%kind == drive_turns)
+         allocate (problem%speed(size(drives)), source=0.0_wp)
+         problem%speed(1) = 1.0_wp
+         do n = 2, size(drives)
+            if (.not. drives(n)%geared) cycle
+            problem%speed(n) = drives(n)%ratio/problem%unit_of_input
+            if (drives(n)%kind == drive_turns) problem%speed(n) = problem%speed(n)*radians_per_degree
+         end do
+      end associate
+      allocate (problem%moved(0), problem%first(0), problem%low(0), problem%high(0))
+      do v = 1, size(set%sketch%variations)
+         call add_variation(set%sketch%variations(v))
+         if (len(trouble) > 0) then
+            which = v
+            return
+         end if
+      end do
+      problem%core = size(problem%first)
+      call take_wishes(set, problem)
+      allocate (problem%regions(0))
+      if (set%constr%given) problem%regions = set%constr%regions
+      problem%margin = least_margin*margins_of(closure, start)
+      problem%inequalities = 1 + (size(problem%margin) + size(problem%regions))*size(inputs, 2)
+      problem%has_gradient = .true.
+      problem%is_sum_of_squares = .true.
+      problem%scale = [(change_of(v), v=1, problem%core)]
+      problem%floor = (rounding*closure%size)**2
+      problem%small = problem%floor
+
+   contains
+
+      !> A change that is noticed.
+      real(wp) function change_of(unknown)
+         integer, intent(in) :: unknown
+         real(wp), parameter :: degrees = 5.0_wp, part = 0.02_wp
+
+         change_of = degrees
+         if (any(problem%moved%of_length == unknown)) change_of = part*closure%size
+         if (unknown == problem%of_input .and. problem%unit_of_input == 1.0_wp) change_of = part*closure%size
+      end function change_of
+
+      subroutine add_unknown(value, low, high, bounded, number)
+         real(wp), intent(in) :: value, low, high
+         logical, intent(in) :: bounded
+         integer, intent(out) :: number
+
+         problem%first = [problem%first, value]
+         problem%low = [problem%low, merge(low, -huge(1.0_wp), bounded)]
+         problem%high = [problem%high, merge(high, huge(1.0_wp), bounded)]
+         number = size(problem%first)
+      end subroutine add_unknown
+
+      subroutine add_variation(one)
+         type(variation_t), intent(in) :: one
+         integer :: at, link
+         complex(wp) :: line
+
+         select case (one%kind)
+         case (vary_input)
+            call add_unknown(set%crnki - set%crnki_of_drawing, one%low(1), one%high(1), one%bounded, problem%of_input)
+         case (vary_length)
+            link = common_link(one%joints(:2))
+            call find_moved(link, one%joints(1), one%joints(2), at)
+            if (at == 0) return
+            call add_unknown(problem%moved(at)%length, one%low(1), one%high(1), one%bounded, problem%moved(at)%of_length)
+         case (vary_angle)
+            link = common_link(one%joints)
+            call find_moved(link, one%joints(3), one%joints(4), at)
+            if (at == 0) return
+            problem%moved(at)%base = one%joints(:2)
+            line = closure%point(one%joints(2), link) - closure%point(one%joints(1), link)
+            call add_unknown(near_bounds(problem%moved(at)%direction*degrees_per_radian - degrees_of(line%re, line%im), one), &
+                             one%low(1), one%high(1), one%bounded, problem%moved(at)%of_angle)
+         case (vary_place)
+            call find_moved(frame_link, pivot(one%joints(1)), one%joints(1), at)
+            if (at == 0) return
+            call add_unknown(problem%moved(at)%length, one%low(1), one%high(1), one%bounded, problem%moved(at)%of_length)
+            call add_unknown(near_bounds(problem%moved(at)%direction*degrees_per_radian, one), one%low(2), one%high(2), &
+                             one%bounded, problem%moved(at)%of_angle)
+         end select
+      end subroutine add_variation
+
+      !> An angle within half a turn of 0, or of the middle of its bounds.
+      pure real(wp) function near_bounds(angle, one)
+         real(wp), intent(in) :: angle         !! degrees
+         type(variation_t), intent(in) :: one
+         real(wp) :: middle
+         integer :: last
+
+         middle = 0.0_wp
+         last = merge(2, 1, one%kind == vary_place)
+         if (one%bounded) middle = 0.5_wp*(one%low(last) + one%high(last))
+         near_bounds = angle - full_turn*anint((angle - middle)/full_turn)
+      end function near_bounds
+
+      !> What the place of a joint of the frame is counted from: the first drive's joint, if that is another one of the frame.
+      integer function pivot(joint)
+         integer, intent(in) :: joint
+
+         pivot = set%sketch%drives(1)%joint
+         if (pivot == 0) pivot = absolute
+         if (pivot == joint) pivot = absolute
+         if (pivot /= absolute) then
+            if (.not. set%sketch%has_joint(frame_link, pivot)) pivot = absolute
+         end if
+      end function pivot
+
+      integer function common_link(joints) result(link)
+         integer, intent(in) :: joints(:)
+         integer :: j
+
+         do link = 1, size(set%sketch%links)
+            if (all([(set%sketch%has_joint(link, joints(j)), j=1, size(joints))])) return
+         end do
+         link = 0
+      end function common_link
+
+      !> The entry of a moved joint, made if it is not there.
+      subroutine find_moved(link, anchor, joint, at)
+         integer, intent(in) :: link, anchor, joint
+         integer, intent(out) :: at
+         complex(wp) :: h
+
+         do at = 1, size(problem%moved)
+            if (problem%moved(at)%link == link .and. problem%moved(at)%joint == joint) exit
+         end do
+         if (at <= size(problem%moved)) then
+            if (problem%moved(at)%anchor == anchor) return
+            trouble = 'joint '//name(joint)//' of link '//trim(set%sketch%links(link)%name)// &
+                      ' is moved from two other joints; count both variables from one of them'
+            at = 0
+            return
+         end if
+         if (closure%cylinder(link) > 0) then
+            trouble = 'the length of a cylinder is driven and cannot vary'
+            at = 0
+            return
+         end if
+         h = closure%point(joint, link)
+         if (anchor /= absolute) h = h - closure%point(anchor, link)
+         problem%moved = [problem%moved, moved_t(link, joint, anchor, abs(h), degrees_of(h%re, h%im)*radians_per_degree)]
+         at = size(problem%moved)
+         if (leads_to(anchor, link, joint)) then
+            trouble = 'joint '//name(joint)//' is counted from '//name(anchor)//', and that in the end from '//name(joint)
+            at = 0
+         end if
+      end subroutine find_moved
+
+      !> True if the anchor hangs on the joint.
+      logical function leads_to(anchor, link, joint)
+         integer, intent(in) :: anchor, link, joint
+         integer :: here, k, round
+
+         leads_to = .false.
+         here = anchor
+         do round = 1, size(problem%moved)
+            do k = 1, size(problem%moved)
+               if (problem%moved(k)%link /= link .or. problem%moved(k)%joint /= here) cycle
+               here = problem%moved(k)%anchor
+               exit
+            end do
+            leads_to = leads_to .or. here == joint
+         end do
+      end function leads_to
+
+      pure function name(joint)
+         integer, intent(in) :: joint
+         character(:), allocatable :: name
+
+         name = 'the machine origin'
+         if (joint /= absolute) name = trim(set%sketch%joint_name(joint))
+      end function name
+   end subroutine make_chain_problem
+
+   !> Desired values of &METHOD for the first output, and those of &OUTPUTS.
+   subroutine take_wishes(set, problem)
+      type(data_set_t), intent(in) :: set
+      type(chain_problem_t), intent(inout) :: problem
+      real(wp), allocatable :: wanted(:, :), weight(:, :)
+      integer, allocatable :: first(:)
+      integer :: k, n, order, c, positions
+
+      associate (outputs => set%sketch%outputs)
+         positions = size(problem%inputs, 2)
+         n = 0
+         allocate (first(size(outputs)))
+         do k = 1, size(outputs)
+            first(k) = n + 1
+            n = n + columns_of(outputs(k))
+         end do
+         allocate (problem%wanted(n, 0:most_wished, positions), problem%weight(n, 0:most_wished, positions), source=0.0_wp)
+         allocate (problem%angle(n), problem%ratio(n), source=.false.)
+         allocate (problem%ratio_of(2, n), source=0)
+         do k = 1, size(outputs)
+            associate (last => first(k) + columns_of(outputs(k)) - 1)
+               problem%angle(last) = any(outputs(k)%kind == [output_angle, output_between, output_pose])
+               problem%ratio(last) = outputs(k)%kind == output_ratio
+               if (problem%ratio(last)) problem%ratio_of(:, last) = first(outputs(k)%outputs)
+               do order = 0, most_wished
+                  if (.not. allocated(outputs(k)%wishes(order)%values)) cycle
+                  problem%wanted(first(k):last, order, :) = outputs(k)%wishes(order)%values
+                  problem%weight(first(k):last, order, :) = outputs(k)%wishes(order)%weights
+               end do
+            end associate
+         end do
+         if (set%desired .and. size(outputs) > 0) then
+            call desired_of(set, wanted, weight)
+            do c = 1, min(size(wanted, 2), columns_of(outputs(1)))
+               problem%wanted(c, 0, :) = wanted(:, c)
+               problem%weight(c, 0, :) = weight(:, c)
+            end do
+         end if
+      end associate
+      problem%residuals = count(problem%weight > 0.0_wp)
+      do order = 1, most_wished
+         if (any(problem%weight(:, order, :) > 0.0_wp)) problem%highest = order
+      end do
+   end subroutine take_wishes
+
+   !> Name of an unknown for a listing, as it is written in VARY.
+   function unknown_name(sketch, unknown) result(text)
+      type(sketch_t), intent(in) :: sketch
+      integer, intent(in) :: unknown
+      character(:), allocatable :: text
+      integer :: v, n, j
+
+      text = to_text(unknown)
+      n = 0
+      do v = 1, size(sketch%variations)
+         associate (one => sketch%variations(v))
+            n = n + merge(2, 1, one%kind == vary_place)
+            if (n < unknown) cycle
+            select case (one%kind)
+            case (vary_input)
+               text = 'input'
+               return
+            case (vary_angle)
+               text = 'angle'
+            case (vary_place)
+               text = merge('direction of', 'distance of ', n == unknown)
+            case default
+               text = 'length'
+            end select
+            do j = 1, size(one%joints)
+               if (one%joints(j) > 0) text = trim(text)//' '//trim(sketch%joint_name(one%joints(j)))
+            end do
+            return
+         end associate
+      end do
+   end function unknown_name
+
+   ! ---- dimensions --------------------------------------------------------------------------------------------------
+
+   !> Give a closure the dimensions x. With `rate` they change, and places have derivatives.
+   subroutine dimensioned(self, x, closure, rate)
+      class(chain_problem_t), intent(in) :: self
+      real(wp), intent(in) :: x(:)              !! shape (core)
+      type(closure_t), intent(inout) :: closure
+      real(wp), intent(in), optional :: rate(:) !! shape (core)
+      complex(wp) :: p(0:most_orders)
+      integer :: k
+
+      if (present(rate) .and. .not. allocated(closure%point_rate)) &
+         allocate (closure%point_rate(size(closure%point, 1), size(closure%point, 2), most_orders))
+      if (allocated(closure%point_rate)) closure%point_rate = (0.0_wp, 0.0_wp)
+      do k = 1, size(self%moved)
+         associate (one => self%moved(k))
+            p = self%shape_point(one%link, one%joint, x, rate)
+            closure%point(one%joint, one%link) = p(0)
+            if (present(rate)) closure%point_rate(one%joint, one%link, :) = p(1:)
+         end associate
+      end do
+   end subroutine dimensioned
+
+   !> Place of a joint in the axes of its link and the derivatives of that, from dimensions and their rates.
+   pure recursive function shape_point(self, link, joint, x, rate) result(p)
+      class(chain_problem_t), intent(in) :: self
+      integer, intent(in) :: link, joint
+      real(wp), intent(in) :: x(:)              !! shape (core)
+      real(wp), intent(in), optional :: rate(:) !! shape (core)
+      complex(wp) :: p(0:most_orders)
+      complex(wp), parameter :: i = (0.0_wp, 1.0_wp)
+      complex(wp) :: e
+      real(wp) :: length(0:1), angle(0:1), c, s
+      integer :: k
+
+      p = (0.0_wp, 0.0_wp)
+      if (joint == absolute) return
+      do k = 1, size(self%moved)
+         if (self%moved(k)%link == link .and. self%moved(k)%joint == joint) exit
+      end do
+      if (k > size(self%moved)) then
+         p(0) = self%drawn%point(joint, link)
+         return
+      end if
+      associate (one => self%moved(k))
+         length = [one%length, 0.0_wp]
+         if (one%of_length > 0) then
+            length(0) = x(one%of_length)
+            if (present(rate)) length(1) = rate(one%of_length)
+         end if
+         call direction_of(self, link, one%anchor, joint, x, angle, rate)
+         call unit_vector(angle(0)*degrees_per_radian, c, s)
+         e = cmplx(c, s, wp)
+         p = self%shape_point(link, one%anchor, x, rate)
+         p(0) = p(0) + length(0)*e
+         p(1) = p(1) + (length(1) + i*angle(1)*length(0))*e
+         p(2) = p(2) + (2.0_wp*i*angle(1)*length(1) - angle(1)**2*length(0))*e
+         p(3) = p(3) - (3.0_wp*angle(1)**2*length(1) + i*angle(1)**3*length(0))*e
+      end associate
+   end function shape_point
+
+   !> Direction of a line of a link and its rate, radians.
+   pure recursive subroutine direction_of(self, link, from, to, x, angle, rate)
+      class(chain_problem_t), intent(in) :: self
+      integer, intent(in) :: link, from, to
+      real(wp), intent(in) :: x(:)
+      real(wp), intent(out) :: angle(0:1)
+      real(wp), intent(in), optional :: rate(:)
+      complex(wp) :: h
+      integer :: k
+
+      angle = 0.0_wp
+      do k = 1, size(self%moved)
+         associate (one => self%moved(k))
+            if (one%link /= link) cycle
+            if (.not. ((one%joint == to .and. one%anchor == from) .or. (one%joint == from .and. one%anchor == to))) cycle
+            angle(0) = one%direction
+            if (one%of_angle > 0) then
+               if (one%base(1) > 0) call direction_of(self, link, one%base(1), one%base(2), x, angle, rate)
+               if (one%base(1) == 0) angle = 0.0_wp
+               angle(0) = angle(0) + x(one%of_angle)*radians_per_degree
+               if (present(rate)) angle(1) = angle(1) + rate(one%of_angle)*radians_per_degree
+            end if
+            if (one%joint == from) angle(0) = angle(0) + half_turn*radians_per_degree
+            return
+         end associate
+      end do
+      h = self%drawn%point(to, link) - self%drawn%point(from, link)
+      angle(0) = degrees_of(h%re, h%im)*radians_per_degree
+   end subroutine direction_of
+
+   ! ---- motion ------------------------------------------------------------------------------------------------------
+
+   !> Everything at all positions with the dimensions x; `reached` is false where the drawing's assembly ends on the way.
+   subroutine find_motion(self, x, closure, motion, reached)
+      class(chain_problem_t), intent(in) :: self
+      real(wp), intent(in) :: x(:)              !! shape (core)
+      type(closure_t), intent(out) :: closure
+      type(chain_motion_t), intent(out) :: motion
+      logical, intent(out) :: reached
+      type(state_t) :: state
+      real(wp) :: rate(size(self%inputs, 1), most_orders, size(self%inputs, 2)), inputs(size(self%inputs, 1), size(self%inputs, 2))
+      integer :: d
+
+      closure = self%drawn
+      state = self%start
+      call change_dimensions(self, x, closure, state, reached)
+      if (.not. reached) return
+      inputs = self%inputs
+      if (self%of_input > 0) then
+         associate (shift => (x(self%of_input) - self%first(self%of_input))*self%unit_of_input)
+            do d = 1, size(inputs, 1)
+               inputs(d, :) = inputs(d, :) + self%speed(d)*shift
+            end do
+         end associate
+      end if
+      rate = 0.0_wp
+      do d = 1, size(inputs, 1)
+         rate(d, 1, :) = self%speed(d)
+      end do
+      call follow(closure, state, inputs, rate, motion)
+      reached = all(motion%closed) .and. .not. any(motion%dead)
+   end subroutine find_motion
+
+   !> Follow the drawing's assembly to new dimensions.
+   subroutine change_dimensions(self, x, closure, state, reached)
+      class(chain_problem_t), intent(in) :: self
+      real(wp), intent(in) :: x(:)
+      type(closure_t), intent(inout) :: closure !! as drawn; with the dimensions x on return
+      type(state_t), intent(inout) :: state
+      logical, intent(out) :: reached
+      type(state_t) :: next
+      real(wp) :: sense(size(closure%groups)), sense_next(size(closure%groups)), drawn(size(self%inputs, 1))
+      real(wp) :: way, step, worst
+      integer :: group
+      logical :: dead, sound
+
+      reached = .true.
+      drawn = state%input(:, 0)
+      if (size(x) == 0) return
+      reached = .false.
+      call senses(closure, state, sense)
+      way = 0.0_wp
+      step = 4.0_wp*first_step
+      do while (way < 1.0_wp)
+         call self%dimensioned(self%first + way*(x - self%first), closure, x - self%first)
+         state%input(:, 1:) = 0.0_wp
+         call differentiate(closure, 2, state, dead)
+         if (dead) return
+         step = min(step, 1.0_wp - way)
+         do
+            if (way + step >= 1.0_wp) then
+               call self%dimensioned(x, closure)
+            else
+               call self%dimensioned(self%first + (way + step)*(x - self%first), closure)
+            end if
+            next = state
+            call try_step(closure, drawn, drawn, way, step, next, sense, sense_next, worst, sound, group)
+            if (sound) exit
+            step = 0.5_wp*step
+            if (step < least_step) return
+         end do
+         state = next
+         sense = sense_next
+         way = way + step
+         if (worst < easy) step = 2.0_wp*step
+      end do
+      if (allocated(closure%point_rate)) deallocate (closure%point_rate)
+      call place_points(closure, state, 0)
+      reached = .true.
+   end subroutine change_dimensions
+
+   !> Values of all outputs and their derivatives by the first drive at a position, and with `by` those of these by every unknown.
+   subroutine find_values(self, x, closure, state, values, by)
+      class(chain_problem_t), intent(in) :: self
+      real(wp), intent(in) :: x(:)
+      type(closure_t), intent(inout) :: closure !! with the dimensions x
+      type(state_t), intent(in) :: state        !! at the position, with rates by the first drive
+      real(wp), intent(out) :: values(:, 0:)    !! shape (numbers, 0:most_orders); angles in degrees, their rates in radians
+      real(wp), intent(out), optional :: by(:, 0:, :) !! shape (numbers, 0:most_wished, core)
+      real(wp) :: alone(size(values, 1), 0:most_orders), plus(size(values, 1), 0:most_orders), minus(size(values, 1), 0:most_orders)
+      real(wp) :: mixed(size(values, 1))
+      integer :: v, n, need
+
+      call output_at(closure, state, self%drawn%sketch%outputs, values)
+      if (.not. present(by)) return
+      by = 0.0_wp
+      need = self%highest + 1
+      if (any(self%ratio)) need = max(need, 2)
+      do v = 1, self%core
+         call along(v, 1.0_wp, 0.0_wp, need, alone)
+         by(:, 0, v) = alone(:, 1)
+         if (need > 1) then
+            call along(v, 1.0_wp, 1.0_wp, need, plus)
+            mixed = 0.5_wp*(plus(:, 2) - values(:, 2) - alone(:, 2))
+            by(:, 1, v) = mixed
+            do n = 1, size(mixed)
+               if (.not. self%ratio(n)) cycle
+               associate (a => self%ratio_of(1, n), b => self%ratio_of(2, n))
+                  by(n, :, v) = 0.0_wp
+                  if (abs(values(b, 1)) > 0.0_wp) by(n, 0, v) = (mixed(a) - values(n, 0)*mixed(b))/values(b, 1)
+               end associate
+            end do
+         end if
+         if (need > 2) then
+            call along(v, -1.0_wp, 1.0_wp, need, minus)
+            by(:, 2, v) = (plus(:, 3) - minus(:, 3) - 2.0_wp*alone(:, 3))/6.0_wp
+         end if
+         do n = 1, size(mixed)
+            if (self%angle(n)) by(n, 0, v) = by(n, 0, v)*degrees_per_radian
+         end do
+      end do
+
+   contains
+
+      !> Derivatives while unknown v and the first drive change at steady rates.
+      subroutine along(v, of_unknown, of_input, orders, rates)
+         integer, intent(in) :: v, orders
+         real(wp), intent(in) :: of_unknown, of_input
+         real(wp), intent(out) :: rates(:, 0:)
+         type(state_t) :: moving
+         real(wp) :: rate(self%core)
+         logical :: dead
+
+         moving = state
+         moving%input(:, 1:) = 0.0_wp
+         moving%input(:, 1) = of_input*self%speed
+         rate = 0.0_wp
+         rate(v) = of_unknown
+         if (v == self%of_input) moving%input(:, 1) = moving%input(:, 1) + of_unknown*self%unit_of_input*self%speed
+         call self%dimensioned(x, closure, rate)
+         call differentiate(closure, orders, moving, dead)
+         call output_at(closure, moving, self%drawn%sketch%outputs, rates)
+         deallocate (closure%point_rate)
+      end subroutine along
+   end subroutine find_values
+
+   ! ---- the problem -------------------------------------------------------------------------------------------------
+
+   !> Weighted deviations from what is wanted, position after position.
+   subroutine residuals_at(self, x, r, jacobian)
+      class(chain_problem_t), intent(in) :: self
+      real(wp), intent(in) :: x(:)                   !! shape (core)
+      real(wp), intent(out) :: r(:)                  !! shape (residuals)
+      real(wp), intent(out), optional :: jacobian(:, :) !! shape (residuals, core)
+      type(closure_t) :: closure
+      type(chain_motion_t) :: motion
+      real(wp) :: values(size(self%wanted, 1), 0:most_orders), by(size(self%wanted, 1), 0:most_wished, size(x)), root, miss
+      integer :: k, n, order, m
+      logical :: reached
+
+      call self%find_motion(x, closure, motion, reached)
+      r = far*self%drawn%size
+      if (present(jacobian)) jacobian = 0.0_wp
+      if (.not. reached) return
+      m = 0
+      do k = 1, size(self%inputs, 2)
+         if (present(jacobian)) then
+            call self%find_values(x, closure, motion%states(k), values, by)
+         else
+            call self%find_values(x, closure, motion%states(k), values)
+         end if
+         do order = 0, most_wished
+            do n = 1, size(values, 1)
+               if (self%weight(n, order, k) <= 0.0_wp) cycle
+               m = m + 1
+               root = sqrt(self%weight(n, order, k))
+               miss = values(n, order) - self%wanted(n, order, k)
+               if (order == 0 .and. self%angle(n)) miss = miss - full_turn*anint(miss/full_turn)
+               r(m) = root*miss
+               if (present(jacobian)) jacobian(m, :) = root*by(n, order, :)
+            end do
+         end do
+      end do
+   end subroutine residuals_at
+
+   !> Distance of each group from a dead point: its determinant against the product of the norms of its columns, 0 to 1.
+   function margins_of(closure, state) result(margins)
+      type(closure_t), intent(in) :: closure
+      type(state_t), intent(in) :: state
+      real(wp) :: margins(size(closure%groups))
+      real(wp), allocatable :: matrix(:, :)
+      type(factors_t) :: factors
+      integer :: g
+
+      margins = 1.0_wp
+      do g = 1, size(closure%groups)
+         if (size(closure%groups(g)%links) == 0) cycle
+         matrix = matrix_of(closure, state, g)
+         call factorise(matrix, factors)
+         margins(g) = product(abs(factors%diagonal)/sqrt(sum(matrix**2, dim=1)))
+      end do
+   end function margins_of
+
+   !> The first: that every position is reached; then at each position the margin of each group and each region.
+   subroutine constraints_at(self, x, c, slopes)
+      class(chain_problem_t), intent(in) :: self
+      real(wp), intent(in) :: x(:)                   !! shape (core)
+      real(wp), intent(out) :: c(:)                  !! shape (inequalities)
+      real(wp), intent(out), optional :: slopes(:, :) !! shape (core, inequalities)
+      type(closure_t) :: closure
+      type(chain_motion_t) :: motion
+      integer :: k, n, m, v
+      logical :: reached
+
+      call self%find_motion(x, closure, motion, reached)
+      c = self%drawn%size
+      if (present(slopes)) slopes = 0.0_wp
+      if (.not. reached) return
+      c(1) = -self%drawn%size
+      n = size(self%margin) + size(self%regions)
+      do k = 1, size(self%inputs, 2)
+         m = 1 + (k - 1)*n
+         call values_of(self, closure, motion%states(k), c(m + 1:m + n))
+         if (.not. present(slopes)) cycle
+         do v = 1, self%core
+            call slopes_of(self, x, v, closure, motion%states(k), slopes(v, m + 1:m + n))
+         end do
+      end do
+   end subroutine constraints_at
+
+   !> Constraints of one position.
+   subroutine values_of(self, closure, state, c)
+      class(chain_problem_t), intent(in) :: self
+      type(closure_t), intent(in) :: closure
+      type(state_t), intent(in) :: state
+      real(wp), intent(out) :: c(:)                  !! shape (groups + regions)
+      real(wp) :: gx, gy
+      integer :: n
+
+      c(:size(self%margin)) = self%drawn%size*(self%margin - margins_of(closure, state))
+      do n = 1, size(self%regions)
+         associate (at => state%joint(self%regions(n)%joint, 0))
+            call find_region_depth(self%regions(n), at%re, at%im, c(size(self%margin) + n), gx, gy)
+         end associate
+      end do
+   end subroutine values_of
+
+   !> Their slopes by one unknown: the position is moved a little along its rates, to either side.
+   subroutine slopes_of(self, x, v, closure, state, slopes)
+      class(chain_problem_t), intent(in) :: self
+      real(wp), intent(in) :: x(:)
+      integer, intent(in) :: v
+      type(closure_t), intent(inout) :: closure      !! with the dimensions x
+      type(state_t), intent(in) :: state
+      real(wp), intent(out) :: slopes(:)
+      type(state_t) :: moving, moved
+      real(wp) :: rate(size(x)), side(size(slopes), 2), h
+      logical :: dead
+      integer :: k
+
+      moving = state
+      moving%input(:, 1:) = 0.0_wp
+      rate = 0.0_wp
+      rate(v) = 1.0_wp
+      if (v == self%of_input) moving%input(:, 1) = self%unit_of_input*self%speed
+      call self%dimensioned(x, closure, rate)
+      call differentiate(closure, 1, moving, dead)
+      deallocate (closure%point_rate)
+      h = nudge*max(1.0_wp, abs(x(v)))
+      do k = 1, 2
+         moved = moving
+         moved%t(:, 0) = moving%t(:, 0) + h*moving%t(:, 1)
+         moved%phi(:, 0) = moving%phi(:, 0) + h*moving%phi(:, 1)
+         moved%joint(:, 0) = moving%joint(:, 0) + h*moving%joint(:, 1)
+         moved%input(:, 0) = moving%input(:, 0) + h*moving%input(:, 1)
+         call self%dimensioned(x + h*rate, closure)
+         call values_of(self, closure, moved, side(:, k))
+         h = -h
+      end do
+      call self%dimensioned(x, closure)
+      slopes = (side(:, 1) - side(:, 2))/(2.0_wp*h)
+   end subroutine slopes_of
+end module psalm_chain_problem

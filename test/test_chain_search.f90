@@ -1,0 +1,223 @@
+!> Searches over sketches in poses: exact derivatives against differences, the same optimum as by loops, regions, messages.
+program test_chain_search
+   use check, only: checks_t
+   use psalm_cases, only: read_case_text
+   use psalm_chain_problem, only: chain_problem_t, make_chain_problem, unknown_name
+   use psalm_chain_study, only: chain_study_t, study_chain, inputs_of_drives
+   use psalm_chain_synthesis, only: chain_synthesis_t, synthesise_chain
+   use psalm_closure, only: closure_t, state_t
+   use psalm_data_set, only: data_set_t
+   use psalm_error, only: problem_t, make_problem
+   use psalm_kinds, only: wp
+   use psalm_preparation, only: prepared_t, prepare
+   use psalm_sketch_case, only: assemble_sketch
+   use psalm_source, only: line_t
+   use psalm_status, only: diagnostics_t
+   use psalm_stop, only: stop_t
+   use psalm_synthesis, only: synthesis_t, synthesise
+   use psalm_dimensions, only: dimensions_t
+   implicit none (type, external)
+   character(*), parameter :: nl = new_line('a')
+   !> Stephenson's second six-bar driven in its five-bar loop.
+   character(*), parameter :: six_bar = " &CHAIN JNT='A','B','C','D','E','F','G', JX=0.0,0.0,40.0,80.0,45.0,85.0,100.0,"//nl// &
+      " JY=0.0,30.0,60.0,55.0,30.0,20.0,0.0, LNAME='frame','crank','left','top','right','tie',"//nl// &
+      " LNK='A G','A B','B C E','C D','D F G','E F', VARY='A B','C D','E F','B E','angle B C B E','place G','place A','input'"
+   character(*), parameter :: four_bar = " &CHAIN JNT='A','B','C','D','P', JX=0.0,-4.0,33.0,90.0,20.0,"//nl// &
+      " JY=0.0,31.0,82.0,5.0,95.0, LNAME='frame','crank','coupler','rocker', LNK='A D','A B','B C P','C D',"//nl// &
+      " VARY='A B','B C','C D','B P','angle B C B P','place D','input' &END &DRIVES DRIVE='A' &END"//nl
+   character(*), parameter :: limits = " &LIMITS TANGLE=89.0, TOGGLE=0.0 &END"//nl
+   type(checks_t) :: t
+
+   call derivatives()
+   call same_as_loops()
+   call regions()
+   call floating_cylinder()
+   call refused()
+   call t%report()
+
+contains
+
+   subroutine read_one(text, set, findings)
+      character(*), intent(in) :: text
+      type(data_set_t), intent(out) :: set
+      type(diagnostics_t), intent(out) :: findings
+      type(data_set_t), allocatable :: sets(:)
+
+      call read_case_text(text, 'test', sets, findings, 'psalm')
+      set = sets(1)
+   end subroutine read_one
+
+   !> Every derivative by every unknown against central differences: places, angles, ratios, first and second derivatives.
+   subroutine derivatives()
+      type(data_set_t) :: set
+      type(diagnostics_t) :: findings
+      type(chain_problem_t) :: problem
+      type(closure_t) :: closure
+      type(state_t) :: state
+      real(wp), allocatable :: r(:), up(:), down(:), jacobian(:, :), x(:), slope(:)
+      real(wp) :: worst
+      real(wp), parameter :: h = 1.0e-4_wp
+      character(:), allocatable :: trouble
+      integer :: which, v
+      logical :: sound
+
+      call read_one('DERIVATIVES'//nl//six_bar//" &END &DRIVES DRIVE='A' &END"//nl// &
+                    " &OUTPUTS OUTPUT='point D','angle G D','distance B F','y E','ratio y_E distance_B_F',"//nl// &
+                    ' DES1=6*0.0, DES2=3*0.0, DES3=3*1.0, DES5=3*0.0, DVEL1=6*1.0, DVEL2=3*0.1, DVEL3=3*0.0, DACC1=6*0.0,'//nl// &
+                    ' DACC2=3*0.0, DACC3=3*1.0, WVEL1=2.0 &END &METHOD NDES=3, DELT=-12.0,-15.0,-20.0 &END'//nl, set, findings)
+      call t%equal_integer(findings%count, 0, 'desired derivatives are read')
+      if (findings%failed()) return
+      call assemble_sketch(set, closure, state, sound, findings)
+      call make_chain_problem(set, closure, state, inputs_of_drives(set, .true.), problem, trouble, which)
+      call t%equal_integer(which, 0, 'all variables vary')
+      call t%equal_integer(problem%core, 10, 'eight variables have ten unknowns')
+      call t%equal_text(unknown_name(set%sketch, 7), 'direction of G', 'the second number of a place')
+      allocate (r(problem%residuals), up(problem%residuals), down(problem%residuals), jacobian(problem%residuals, problem%core))
+      x = problem%first*1.003_wp
+      call problem%residuals_at(x, r, jacobian)
+      do v = 1, problem%core
+         x(v) = x(v) + h
+         call problem%residuals_at(x, up)
+         x(v) = x(v) - 2.0_wp*h
+         call problem%residuals_at(x, down)
+         slope = 8.0_wp*(up - down)
+         x(v) = x(v) - h
+         call problem%residuals_at(x, down)
+         x(v) = x(v) + 4.0_wp*h
+         call problem%residuals_at(x, up)
+         x(v) = x(v) - 2.0_wp*h
+         slope = (slope - (up - down))/(12.0_wp*h)
+         worst = maxval(abs(slope - jacobian(:, v)))/max(1.0_wp, maxval(abs(jacobian(:, v))))
+         call t%close_to(worst, 0.0_wp, 2.0e-6_wp, 'derivatives by '//unknown_name(set%sketch, v))
+      end do
+   end subroutine derivatives
+
+   !> A four-bar has loops and poses: what another one does is found again by either, the desired values being those of &METHOD or
+   !> of &OUTPUTS.
+   subroutine same_as_loops()
+      type(data_set_t) :: set
+      type(diagnostics_t) :: findings
+      type(prepared_t) :: prepared
+      type(problem_t) :: problem
+      type(synthesis_t) :: by_loops
+      type(chain_synthesis_t) :: by_poses
+      type(chain_study_t) :: other, study
+      type(dimensions_t) :: dimensions
+      type(line_t) :: none(0)
+      type(stop_t) :: stop
+      character(*), parameter :: method = ' &METHOD NDES=6, DELT=0.0,20.0,40.0,60.0,80.0,100.0', &
+                                 search = " &SEARCH SOLVER='LSQ' &END"//nl
+      character(200) :: x, y, both
+
+      call read_one('THE OTHER'//nl//" &CHAIN JNT='A','B','C','D','P', JX=0.0,-4.0,34.0,91.0,21.0,"//nl// &
+                    " JY=0.0,29.0,80.0,5.0,92.0, LNK='A D','A B','B C P','C D' &END &DRIVES DRIVE='A' &END"//nl// &
+                    " &OUTPUTS OUTPUT='point P' &END"//nl//method//' &END'//nl, set, findings)
+      call study_chain(set, 1.0_wp, 0.0_wp, other)
+      write (x, '(6(f0.8,","))') other%values(1, 0, :)
+      write (y, '(6(f0.8,","))') other%values(2, 0, :)
+      write (both, '(12(f0.8,","))') other%values(:, 0, :)
+      call read_one('BY LOOPS'//nl//four_bar//" &OUTPUTS OUTPUT='point P' &END"//nl//search//method//', DESX='//trim(x)//nl// &
+                    ' DESY='//trim(y)//' &END'//nl//limits, set, findings)
+      call t%is_true(.not. allocated(set%no_loops), 'desired values of &METHOD leave a four-bar its loops')
+      call prepare(set, none, prepared, findings)
+      call make_problem(set, prepared%mechanism, prepared%given, prepared%parameters, problem)
+      dimensions = prepared%given
+      call synthesise(set, prepared%vertices, problem, 1, stop, dimensions, by_loops)
+      call read_one('BY POSES'//nl//four_bar//" &OUTPUTS OUTPUT='point P',"//nl//' DES1='//trim(both)//' &END'//nl//search// &
+                    method//' &END'//nl//limits, set, findings)
+      call t%is_true(allocated(set%no_loops), 'desired values of &OUTPUTS are compared in the poses')
+      call synthesise_chain(set, 1, stop, by_poses, findings)
+      call t%is_true(size(by_loops%found%best) > 0 .and. size(by_poses%best) > 0, 'both find a linkage')
+      if (size(by_loops%found%best) == 0 .or. size(by_poses%best) == 0) return
+      call t%is_true(by_poses%first_objective > 1.0_wp, 'the drawing is another linkage')
+      call t%is_true(by_loops%found%best(1)%objective < 1.0e-9_wp, 'found by loops')
+      call t%is_true(by_poses%best(1)%objective < 1.0e-7_wp, 'found by poses')
+      call t%close_to(by_poses%best(1)%x(1), 29.274562336609_wp, 1.0e-5_wp, 'the crank is that of the other linkage')
+      call study_chain(by_poses%drawn, 1.0_wp, 0.0_wp, study)
+      call t%close_to(maxval(abs(study%values(:, 0, :) - other%values(:, 0, :))), 0.0_wp, 1.0e-4_wp, &
+                      'the sketch drawn anew does what the other one does')
+   end subroutine same_as_loops
+
+   !> A region is kept by the search.
+   subroutine regions()
+      type(data_set_t) :: set
+      type(diagnostics_t) :: findings
+      type(chain_synthesis_t) :: free, kept
+      type(chain_study_t) :: study
+      type(stop_t) :: stop
+      character(16) :: place
+      real(wp) :: edge
+      integer :: k
+      character(*), parameter :: wanted = " &DRIVES DRIVE='A' &END &OUTPUTS OUTPUT='point D',"// &
+         ' DES1=72.,51.5,71.,51.,70.,50.,69.,50. &END &METHOD NDES=4, DELT=-12.0,-14.0,-16.0,-18.0 &END'//nl// &
+         " &SEARCH SOLVER='LSQ' &END"//nl
+
+      call read_one('FREE'//nl//six_bar(:index(six_bar, 'VARY') - 1)//" VARY='A B','C D','E F' &END"//wanted, set, findings)
+      call synthesise_chain(set, 1, stop, free, findings)
+      call t%equal_integer(size(free%best), 1, 'a search without regions')
+      if (size(free%best) == 0) return
+      call study_chain(free%drawn, 1.0_wp, 0.0_wp, study)
+      edge = maxval([(study%motion%states(k)%joint(3, 0)%im, k=1, 4)]) - 0.2_wp
+      write (place, '(f0.6)') edge
+      call read_one('KEPT'//nl//six_bar(:index(six_bar, 'VARY') - 1)//" VARY='A B','C D','E F' &END"//wanted// &
+                    " &CONSTR NREGN=1, RKIND=2, RJNT='C', RPLACE=0.0,"//trim(place)//',0.0,0.0 &END'//nl, set, findings)
+      call t%equal_integer(findings%count, 0, 'a region of a joint by its name')
+      call synthesise_chain(set, 1, stop, kept, findings)
+      call t%equal_integer(size(kept%best), 1, 'a search with a region')
+      if (size(kept%best) == 0) return
+      call study_chain(kept%drawn, 1.0_wp, 0.0_wp, study)
+      call t%is_true(all([(study%motion%states(k)%joint(3, 0)%im, k=1, 4)] < edge + 1.0e-6_wp), 'C keeps below the edge')
+      call t%is_true(kept%best(1)%objective > free%best(1)%objective, 'and that costs something')
+   end subroutine regions
+
+   !> Several drives, one of them a floating cylinder: what a linkage of known dimensions does is found again.
+   subroutine floating_cylinder()
+      type(data_set_t) :: set
+      type(diagnostics_t) :: findings
+      type(chain_study_t) :: study
+      type(chain_synthesis_t) :: search
+      type(stop_t) :: stop
+      character(*), parameter :: rest = " JY=1.5,1.0,3.4,3.9,3.2,3.9,3.7,1.9,1.6,2.3,2.4,0.5,"//nl// &
+         " LNAME='base','boom','stick','tie','rocker','bucket', LNK='AB','ACDE','EFGHK','HJ','JI','KIT',"//nl// &
+         " VARY='A C','H J','K T','angle K I K T' &END"//nl// &
+         " &DRIVES DRIVE='BC','DF','GJ', DELT2=0.0,0.1,0.2,0.0, DELT3=0.0,-0.1,0.0,0.1 &END"//nl// &
+         ' &METHOD NDES=4, DELT=0.0,0.05,0.1,0.15 &END'//nl
+      character(200) :: wishes
+
+      call read_one('EXCAVATOR'//nl//" &CHAIN JNT='A','B','C','D','E','F','G','H','I','J','K','T',"//nl// &
+                    ' JX=0.0,0.5,2.6,2.9,5.2,4.6,5.0,6.0,6.6,6.3,5.9,7.0,'//rest//" &OUTPUTS OUTPUT='point T' &END"//nl, &
+                    set, findings)
+      call study_chain(set, 1.0_wp, 0.0_wp, study)
+      write (wishes, '(8(f0.9,","))') study%values(:, 0, :)
+      call read_one('EXCAVATOR'//nl//" &CHAIN JNT='A','B','C','D','E','F','G','H','I','J','K','T',"//nl// &
+                    ' JX=0.0,0.5,2.6,2.9,5.2,4.6,5.0,6.0,6.6,6.3,5.9,7.1,'//rest//" &OUTPUTS OUTPUT='point T',"//nl// &
+                    ' DES1='//trim(wishes)//" &END &SEARCH SOLVER='LSQ' &END"//nl, set, findings)
+      call t%is_true(.not. findings%failed(), 'an excavator with desired places')
+      call synthesise_chain(set, 1, stop, search, findings)
+      call t%equal_integer(size(search%best), 1, 'the excavator: a linkage is found')
+      if (size(search%best) == 0) return
+      call t%is_true(search%best(1)%objective < 1.0e-3_wp*search%first_objective, 'it comes near to what was wanted')
+   end subroutine floating_cylinder
+
+   subroutine refused()
+      call told(" &END &DRIVES DRIVE='A' &END &OUTPUTS OUTPUT='point D', DES1=1.0,2.0 &END &METHOD NDES=2, DELT=0.0,1.0 &END", &
+                'have 4 values, but only 2 given')
+      call told(" &END &DRIVES DRIVE='A' &END &OUTPUTS OUTPUT='point D', WVEL1=1.0 &END &METHOD NDES=1, DELT=0.0 &END", &
+                'weighs DVEL1, which is not given')
+      call told(" &END &DRIVES DRIVE='A' &END &METHOD NDES=1, DELT=0.0 &END &CONSTR NREGN=1, RKIND=3, RPLACE=0.,0.,1.,0. &END", &
+                'the joint that it is for is missing')
+      call told(" &END &DRIVES DRIVE='A' &END &METHOD NDES=1, DELT=0.0 &END &CONSTR NREGN=1, RKIND=3, RJNT='Q', "// &
+                'RPLACE=0.,0.,1.,0. &END', "no joint is called 'Q'")
+      call told(" &END &DRIVES DRIVE='A' &END &METHOD NDES=1, DELT=0.0 &END &CONSTR IRANGE=2 &END", 'a proof between the positions')
+   end subroutine refused
+
+   subroutine told(rest, words)
+      character(*), intent(in) :: rest, words
+      type(data_set_t) :: set
+      type(diagnostics_t) :: findings
+
+      call read_one('REFUSED'//nl//six_bar//rest//nl, set, findings)
+      call t%equal_integer(findings%count, 1, 'one message: '//words)
+      call t%finds(findings, words, 'message')
+   end subroutine told
+end program test_chain_search
