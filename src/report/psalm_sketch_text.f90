@@ -65,6 +65,7 @@ contains
             do i = 1, size(sketch%outputs)
                call word("'"//trim(sketch%outputs(i)%name)//"'")
             end do
+            if (.not. sketch%has_wishes()) line = line//' &END'
             call text%add(line)
             do i = 1, size(sketch%outputs)
                do k = 0, most_wished
@@ -75,7 +76,7 @@ contains
                   end associate
                end do
             end do
-            call text%add(' &END')
+            if (sketch%has_wishes()) call text%add(' &END')
          end if
       end associate
       line = ' &METHOD'

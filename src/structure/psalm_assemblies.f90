@@ -11,6 +11,7 @@ module psalm_assemblies
                             row_angle, row_gear, row_line, row_pin, row_travel, row_turn
    use psalm_dense, only: factors_t
    use psalm_kinds, only: wp
+   use psalm_sketch, only: frame_link
    implicit none (type, external)
    private
    public :: assemblies_t, group_assemblies_t, find_assemblies, find_group_assemblies
@@ -255,7 +256,7 @@ contains
       logical, intent(out) :: known
       complex(wp), allocatable :: linear(:, :), space(:, :), d(:), z(:)
       complex(wp) :: factor(size(closure%origin)), along
-      integer :: class(size(closure%origin)), column(size(closure%origin))
+      integer :: family(size(closure%origin)), column(size(closure%origin))
       integer :: r, k, m, last, equations, unknowns, slide, fixed
       logical :: sound
 
@@ -266,12 +267,12 @@ contains
          ! unknowns: places of links, one direction for each class that is not known, 1
          column = 0
          m = size(links)
-         fixed = class(fixed_link())
+         fixed = family(frame_link)
          do k = 1, size(links)
-            if (class(links(k)) == fixed) cycle
-            if (any(class(links(:k - 1)) == class(links(k)))) cycle
+            if (family(links(k)) == fixed) cycle
+            if (any(family(links(:k - 1)) == family(links(k)))) cycle
             m = m + 1
-            where (class == class(links(k))) column = m
+            where (family == family(links(k))) column = m
          end do
          last = m + 1
          allocate (linear(0, last))
@@ -328,21 +329,16 @@ contains
          end do
       end function outer
 
-      !> A link that is placed before the group, by which others may be tied: the frame's stands for all.
-      pure integer function fixed_link()
-         fixed_link = 1
-      end function fixed_link
-
       !> Links that have one direction but for a known angle: z = factor * direction of the class.
       subroutine find_classes()
          integer :: a, b, q, old
          complex(wp) :: ratio, turn
 
-         class = [(q, q=1, size(class))]
+         family = [(q, q=1, size(family))]
          factor = (1.0_wp, 0.0_wp)
-         do q = 1, size(class)
+         do q = 1, size(family)
             if (any(closure%groups(group)%links == q)) cycle
-            class(q) = class(fixed_link())
+            family(q) = family(frame_link)
             factor(q) = turned(state%phi(q, 0))
          end do
          associate (rows => closure%groups(group)%rows)
@@ -350,20 +346,20 @@ contains
                if (rows(q)%kind /= row_angle .and. rows(q)%kind /= row_turn) cycle
                a = rows(q)%links(1)
                b = rows(q)%links(2)
-               if (class(a) == class(b)) cycle
+               if (family(a) == family(b)) cycle
                turn = (1.0_wp, 0.0_wp)
                if (rows(q)%kind == row_turn) turn = turned(state%input(rows(q)%which, 0))
                ! z_b = turn z_a; the class of links that are placed stays
-               if (class(b) == class(fixed_link())) then
-                  old = class(a)
+               if (family(b) == family(frame_link)) then
+                  old = family(a)
                   ratio = factor(b)/turn/factor(a)
-                  where (class == old) factor = factor*ratio
-                  where (class == old) class = class(b)
+                  where (family == old) factor = factor*ratio
+                  where (family == old) family = family(b)
                else
-                  old = class(b)
+                  old = family(b)
                   ratio = factor(a)*turn/factor(b)
-                  where (class == old) factor = factor*ratio
-                  where (class == old) class = class(a)
+                  where (family == old) factor = factor*ratio
+                  where (family == old) family = family(a)
                end if
             end do
          end associate
@@ -385,7 +381,7 @@ contains
          complex(wp), allocatable :: form(:)
 
          allocate (form(last), source=(0.0_wp, 0.0_wp))
-         if (class(link) == fixed) then
+         if (family(link) == fixed) then
             form(last) = factor(link)
          else
             form(column(link)) = factor(link)
