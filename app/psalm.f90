@@ -49,6 +49,7 @@ program psalm
       nl//'  --json            the table of every case as CASE.csv and CASE.json'//nl// &
       '  --output-dir DIR  put the device files into DIR'//nl// &
       '  --assemblies      list every way in which the links of a sketch can be put together'//nl// &
+      '  --links           device 7 has the equivalent &LINKS of a sketch, where they exist'//nl// &
       '  --device4 FILE    read supplied vertices (NGUESS) from FILE; default CASE.dev4'//nl// &
       '  --threads N       threads that share the work; default THREADS of the case, or 1'//nl// &
       '  --quiet           no remarks on standard error, errors only'//nl// &
@@ -100,7 +101,7 @@ contains
       type(synthesis_t), allocatable :: search
       type(analysis_t), allocatable :: analysis
       type(tolerances_t), allocatable :: tolerances
-      type(data_set_t), allocatable :: final
+      type(data_set_t), allocatable :: final, by_loops
       type(dimensions_t) :: dimensions
       type(wanted_t) :: wanted
       type(search_log_t) :: log
@@ -110,6 +111,8 @@ contains
       if (allocated(set%no_loops)) then
          if (set%wants_search()) call run_chain_search(set, devices, monitor)
          if (arguments%assemblies) call run_assemblies(set, devices)
+         if (arguments%links) call devices%remark(set, 'device 7 has the sketch: there are no equivalent &LINKS, for it has '// &
+                                                  set%no_loops)
          if (monitor%active) call write_standard_error(nl)
          stopped = signals%asked()
          return
@@ -130,7 +133,17 @@ contains
       call report_analysis(set, problem, analysis, prepared%warnings, devices)
       if (arguments%json .and. (set%wants_search() .or. .not. set%sketch%given)) &
          call report_case_table(set, problem, analysis%motion, devices)
-      call report_found(set, problem, dimensions, search, devices)
+      if (arguments%links .and. set%sketch%given) then
+         allocate (by_loops, source=set)
+         by_loops%sketch%given = .false.
+         if (set%constr%given .or. set%masses%given .or. set%loads%given .or. set%springs%given) then
+            by_loops%others = ''
+            call devices%remark(set, 'device 7 has &LINKS without the groups that call joints by their names')
+         end if
+         call report_found(by_loops, problem, dimensions, search, devices)
+      else
+         call report_found(set, problem, dimensions, search, devices)
+      end if
       if (set%tolerances) then
          allocate (tolerances)
          allocate (final, source=set)

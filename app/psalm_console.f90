@@ -31,6 +31,7 @@ module psalm_console
       logical :: json = .false.                  !! psalm, kalm: the table of every case as CSV and JSON; muscle: results as JSON
       logical :: edit = .false., no_case = .false. !! balm: the drawing board; no case is named
       logical :: curves = .false., assemblies = .false. !! curves by gnuplot; psalm, balm: all assemblies
+      logical :: links = .false.                 !! psalm: sketches as &LINKS on device 7
       logical :: quiet = .false., help = .false., version = .false.
       type(identity_t), allocatable :: inputs(:) !! of all files that are read, and of the standard streams
       integer :: code = 0                        !! exit status that bad arguments lead to
@@ -207,6 +208,12 @@ contains
             arguments%edit = arguments%edit .or. word == '--edit'
             arguments%curves = arguments%curves .or. word == '--curves'
             arguments%assemblies = arguments%assemblies .or. word == '--assemblies'
+         case ('--links')
+            if (program /= 'psalm') then
+               call say(program, "unknown option '"//word//"'; see --help")
+               arguments%code = exit_bad_input
+            end if
+            arguments%links = .true.
          case ('--json')
             arguments%json = any(program == [character(6) :: 'psalm', 'kalm', 'muscle'])
             if (.not. arguments%json) then

@@ -4,7 +4,7 @@
 usage: test/sketches.py PROGRAM_DIRECTORY [--count N]. Last line: N passed, N failed.
 
 Random chains of dyads of every kind are written as sketches; psalm chooses loops and signs, and its output is compared with what
-Newton finds for the sketch itself, and so are all joints in CASE.csv.
+Newton finds for the sketch itself, so are all joints in CASE.csv, and so is what the equivalent &LINKS of --links do.
 What a search finds is drawn anew on device 7: read again it must be the same linkage."""
 import argparse
 import cmath
@@ -234,6 +234,15 @@ def main():
                     for name in sketch.joints:
                         at = complex(float(row[name + ".x"]), float(row[name + ".y"]))
                         wrong = max(wrong, abs(sketch.place(pose, name) - at) / 100)
+            # the equivalent loops, asked for on device 7 and read again
+            run_psalm(arguments.programs, folder, "c%d" % number, sketch.text("point " + output, deltas), "--links", "--quiet")
+            with open(os.path.join(folder, "c%d.dev7" % number), encoding="ascii") as file:
+                loops = file.read()
+            again, same = run_psalm(arguments.programs, folder, "l%d" % number, loops, "--quiet")
+            if "&LINKS" not in loops or "&CHAIN" in loops or again.returncode not in (0, 1) or len(same) != len(rows):
+                wrong = 1.0
+            for row, other in zip(rows, same):
+                wrong = max([wrong] + [abs(a - b) / 100 for a, b in zip(row[1:], other[1:])])
             worst = max(worst, wrong)
             if wrong < 1e-12:
                 passed += 1

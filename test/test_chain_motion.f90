@@ -16,6 +16,8 @@ program test_chain_motion
    call end_of_range()
    call rates_by_differences()
    call planetary()
+   call special_dimensions()
+   call envelope()
    call t%report()
 
 contains
@@ -126,6 +128,10 @@ contains
                  ' &METHOD NDES=5, DELT=-0.002,-0.001,0.0,0.001,0.002 &END'//nl, s)
       call t%is_true(all(s%motion%closed), 'the arm closes')
       do n = 1, size(s%names)
+         call t%close_to(s%by_drive(n, 1, 3) + 0.7_wp*s%by_drive(n, 2, 3) - 0.5_wp*s%by_drive(n, 3, 3), s%values(n, 1, 3), &
+                         1.0e-12_wp, 'the changes with each drive make up the whole: '//trim(s%names(n)))
+      end do
+      do n = 1, size(s%names)
          associate (v => s%values(n, 0, :), unit => merge(radians_per_degree, 1.0_wp, n == 3 .or. n == 5))
             call t%close_to(s%values(n, 1, 3), unit*(8.0_wp*(v(4) - v(2)) - (v(5) - v(1)))/(12.0_wp*h), 1.0e-8_wp, &
                             'velocity of '//trim(s%names(n)))
@@ -150,4 +156,74 @@ contains
       call t%close_to(s%values(1, 0, 2), 90.0_wp, 1.0e-12_wp, 'the planet turns three times as far')
       call t%close_to(s%values(1, 1, 1), 3.0_wp, 1.0e-12_wp, 'and as fast')
    end subroutine planetary
+   !> A parallelogram with a third link (KOVER=1): every point goes round a circle like the cranks' ends.
+   subroutine special_dimensions()
+      type(chain_study_t) :: s
+      type(data_set_t), allocatable :: sets(:)
+      type(diagnostics_t) :: findings
+      character(*), parameter :: chain = 'PARALLELOGRAM'//nl//" &CHAIN JNT='A','B','C','D','E','F','P',"//nl// &
+         ' JX=0.0,18.0,58.0,40.0,70.0,88.0,40.0, JY=0.0,24.0,24.0,0.0,10.0,34.0,60.0,'//nl// &
+         " LNK='A D E','A B','D C','E F','B C F P', KOVER=1", rest = " &END &DRIVES DRIVE='A' &END"//nl// &
+         " &OUTPUTS OUTPUT='point P','angle B C' &END &METHOD NDES=5, DELT=0.0,20.0,50.0,80.0,-40.0 &END"//nl
+      real(wp), parameter :: turns(5) = [0.0_wp, 20.0_wp, 50.0_wp, 80.0_wp, -40.0_wp]
+      complex(wp) :: p
+      integer :: k
+
+      call study(chain//rest, s)
+      call t%is_true(all(s%motion%closed), 'the parallelogram closes')
+      do k = 1, 5
+         p = cmplx(22.0_wp, 36.0_wp, wp) + cmplx(18.0_wp, 24.0_wp, wp)*exp(cmplx(0.0_wp, turns(k)*radians_per_degree, wp))
+         call t%close_to(s%values(1, 0, k), p%re, 1.0e-12_wp, 'P of the parallelogram, x')
+         call t%close_to(s%values(2, 0, k), p%im, 1.0e-12_wp, 'P of the parallelogram, y')
+         call t%close_to(s%values(3, 0, k), 0.0_wp, 1.0e-12_wp, 'its coupler does not turn')
+         call t%close_to(s%values(1, 1, k), -(p%im - 36.0_wp), 1.0e-11_wp, 'and has the speed of the crank')
+      end do
+      ! a third link a little too long: it fits the drawing and nothing else
+      call study(chain//", LENP='E F', LENV=30.0"//rest, s)
+      call t%is_true(all(s%motion%closed), 'the length that it has may be said')
+      call read_case_text(chain//", LENP='E F', LENV=30.1"//rest, 'test', sets, findings, 'psalm')
+      call t%is_true(findings%failed(), 'a third link of another length is refused')
+      call read_case_text(chain(:len(chain) - 9)//rest, 'test', sets, findings, 'psalm')
+      call t%finds(findings, 'braced twice', 'without KOVER')
+      call t%finds(findings, 'KOVER=1', 'and what to do')
+   end subroutine special_dimensions
+
+   !> An excavator over a grid of its three strokes: lengths of all links and strokes of all cylinders are kept everywhere.
+   subroutine envelope()
+      type(chain_study_t) :: s
+      character(4000) :: first, second, third
+      integer, parameter :: steps = 4
+      integer :: a, b, c, k
+      real(wp) :: wrong
+
+      first = ''
+      second = ''
+      third = ''
+      do a = 0, steps - 1
+         do b = 0, steps - 1
+            do c = 0, steps - 1
+               write (first, '(a,f0.3,",")') trim(first), -0.2_wp + 0.15_wp*a
+               write (second, '(a,f0.3,",")') trim(second), -0.2_wp + 0.15_wp*b
+               write (third, '(a,f0.3,",")') trim(third), -0.1_wp + 0.05_wp*c
+            end do
+         end do
+      end do
+      call study('EXCAVATOR'//nl//" &CHAIN JNT='A','B','C','D','E','F','G','H','I','J','K','T',"//nl// &
+                 ' JX=0.0,0.5,2.6,2.9,5.2,4.6,5.0,6.0,6.6,6.3,5.9,7.0, JY=1.5,1.0,3.4,3.9,3.2,3.9,3.7,1.9,1.6,2.3,2.4,0.5,'//nl// &
+                 " LNK='AB','ACDE','EFGHK','HJ','JI','KIT' &END"//nl//" &DRIVES DRIVE='BC','DF','GJ',"//nl// &
+                 ' DELT2='//trim(second)//nl//' DELT3='//trim(third)//" &END &OUTPUTS OUTPUT='point T' &END"//nl// &
+                 ' &METHOD NDES=64, DELT='//trim(first)//' &END'//nl, s)
+      call t%is_true(all(s%motion%closed), 'the arm reaches every point of the grid of its strokes')
+      wrong = 0.0_wp
+      do k = 1, size(s%motion%closed)
+         associate (z => s%motion%states(k)%joint(:, 0))
+            wrong = max(wrong, abs(abs(z(3) - z(2)) - (abs(cmplx(2.1_wp, 2.4_wp, wp)) + s%inputs(1, k))), &
+                        abs(abs(z(6) - z(4)) - (1.7_wp + s%inputs(2, k))), &
+                        abs(abs(z(10) - z(7)) - (abs(cmplx(1.3_wp, 1.4_wp, wp)) + s%inputs(3, k))), &
+                        abs(abs(z(12) - z(11)) - abs(cmplx(1.1_wp, 1.9_wp, wp))), &
+                        abs(abs(z(10) - z(8)) - 0.5_wp), abs(abs(z(10) - z(9)) - abs(cmplx(0.3_wp, 0.7_wp, wp))))
+         end associate
+      end do
+      call t%close_to(wrong, 0.0_wp, 1.0e-12_wp, 'strokes and lengths are kept')
+   end subroutine envelope
 end program test_chain_motion

@@ -10,7 +10,7 @@ module psalm_chain_list
    use psalm_text, only: text_t, full_precision, general, to_text, upper_case
    implicit none (type, external)
    private
-   public :: list_chain, list_groups, write_chain_table, fill_chain_table
+   public :: list_chain, list_groups, write_chain_table, write_drive_block, fill_chain_table
 
    integer, parameter :: column = 15   !! characters of a column of the listing
 
@@ -136,6 +136,41 @@ contains
          call text%add(line)
       end do
    end subroutine write_chain_table
+
+   !> A block of device 9: the change of every output with each drive, the others held.
+   subroutine write_drive_block(set, closed, dead, names, by_drive, text)
+      type(data_set_t), intent(in) :: set
+      logical, intent(in) :: closed(:), dead(:)
+      character(*), intent(in) :: names(:)
+      real(wp), intent(in) :: by_drive(:, :, :)  !! shape (numbers, drives, positions)
+      type(text_t), intent(inout) :: text
+      character(:), allocatable :: line
+      integer :: k, d, n
+
+      call text%add()
+      call text%add()
+      call text%add('# block drives')
+      line = '# position'
+      do n = 1, size(names)
+         do d = 1, size(by_drive, 2)
+            line = line//' '//trim(names(n))//'/'//input_name(set%sketch, d)
+         end do
+      end do
+      call text%add(line)
+      do k = 1, size(closed)
+         line = to_text(k)
+         do n = 1, size(names)
+            do d = 1, size(by_drive, 2)
+               if (closed(k) .and. .not. dead(k) .and. by_drive(n, d, k) < huge(1.0_wp)) then
+                  line = line//' '//full_precision(by_drive(n, d, k))
+               else
+                  line = line//' NaN'
+               end if
+            end do
+         end do
+         call text%add(line)
+      end do
+   end subroutine write_drive_block
 
    !> Column of a drive: `input`, of several drives `input.NAME`.
    pure function input_name(sketch, drive) result(name)

@@ -1,6 +1,6 @@
 !> What the study of a sketch has to report, on all devices.
 module psalm_chain_report
-   use psalm_chain_list, only: list_chain, list_groups, write_chain_table, fill_chain_table
+   use psalm_chain_list, only: list_chain, list_groups, write_chain_table, write_drive_block, fill_chain_table
    use psalm_chain_study, only: chain_study_t, name_room
    use psalm_closure, only: most_orders
    use psalm_data_set, only: data_set_t

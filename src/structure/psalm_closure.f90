@@ -16,7 +16,6 @@ module psalm_closure
    public :: closure_t, state_t, group_rows_t, make_closure, start_state, residuals, matrix_of, place_points
    public :: local_point, point_rate, turned
    public :: solve_group, travel, most_orders, row_pin, row_angle, row_line, row_gear, row_turn, row_travel, rank_lost
-   public :: local_point, turned
 
    integer, parameter :: most_orders = 3      !! derivatives carried along: velocity, acceleration, jerk
    integer, parameter :: newton_steps = 40

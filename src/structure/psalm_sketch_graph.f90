@@ -52,7 +52,7 @@ contains
       joint_node = self%links + joint
    end function joint_node
 
-   !> The graph of a sketch. Equations that hold a drive come last.
+   !> The graph of a sketch. Equations that hold a drive come last; with KOVER=1 first.
    pure function make_graph(sketch) result(graph)
       type(sketch_t), intent(in) :: sketch
       type(graph_t) :: graph
@@ -102,5 +102,8 @@ contains
                graph%equations = [graph%equations, equation_t([drive%base, drive%link, 0], 1, tie_drive, i, i)]
          end associate
       end do
+      ! what moves thanks to special dimensions is driven all the same: what is superfluous then is no drive
+      if (sketch%over_braced) graph%equations = [pack(graph%equations, graph%equations%drive > 0), &
+                                                 pack(graph%equations, graph%equations%drive == 0)]
    end function make_graph
 end module psalm_sketch_graph

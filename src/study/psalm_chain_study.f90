@@ -1,11 +1,11 @@
 !> One run over a sketch in the poses of its links: any Assur groups, any number of drives, all outputs and joints.
 module psalm_chain_study
-   use psalm_chain_motion, only: chain_motion_t, follow
+   use psalm_chain_motion, only: chain_motion_t, follow, differentiate
    use psalm_chain_outputs, only: column_name, output_at, unwrap
    use psalm_closure, only: closure_t, state_t, most_orders
    use psalm_data_set, only: data_set_t
    use psalm_kinds, only: wp, radians_per_degree
-   use psalm_sketch, only: drive_turns, output_angle, output_pose, columns_of
+   use psalm_sketch, only: drive_turns, output_angle, output_pose, output_ratio, columns_of
    use psalm_sketch_case, only: assemble_sketch
    use psalm_status, only: diagnostics_t
    implicit none (type, external)
@@ -24,6 +24,7 @@ module psalm_chain_study
       character(name_room), allocatable :: names(:) !! of the numbers of all outputs
       logical, allocatable :: angles(:)             !! they are angles
       real(wp), allocatable :: values(:, :, :)      !! shape (numbers, 0:most_orders, positions); angles in degrees, rates radians
+      real(wp), allocatable :: by_drive(:, :, :)    !! shape (numbers, drives, positions): change with one drive, the others held
    end type chain_study_t
 
 contains
@@ -74,11 +75,43 @@ contains
          do k = 1, positions
             if (study%motion%closed(k)) call output_at(study%closure, study%motion%states(k), outputs, study%values(:, :, k))
          end do
+         call find_changes(study)
          do n = 1, numbers
             if (study%angles(n) .and. all(study%motion%closed)) call unwrap(study%values(n, 0, :))
          end do
       end associate
    end subroutine study_chain
+
+   !> What each drive does by itself: derivatives of all outputs by every one, radians for degrees.
+   subroutine find_changes(study)
+      type(chain_study_t), intent(inout) :: study
+      type(state_t) :: state
+      real(wp) :: values(size(study%names), 0:most_orders)
+      logical :: dead
+      integer :: k, d, n, o
+
+      associate (drives => size(study%inputs, 1), positions => size(study%motion%closed), outputs => study%closure%sketch%outputs)
+         allocate (study%by_drive(size(study%names), drives, positions), source=0.0_wp)
+         if (drives == 1) return
+         do k = 1, positions
+            if (.not. study%motion%closed(k) .or. study%motion%dead(k)) cycle
+            do d = 1, drives
+               state = study%motion%states(k)
+               state%input(:, 1:) = 0.0_wp
+               state%input(d, 1) = 1.0_wp
+               call differentiate(study%closure, 1, state, dead)
+               call output_at(study%closure, state, outputs, values)
+               study%by_drive(:, d, k) = values(:, 1)
+            end do
+         end do
+         n = 0
+         do o = 1, size(outputs)
+            n = n + columns_of(outputs(o))
+            ! a ratio of rates is another one for each drive: it has no change with one alone
+            if (outputs(o)%kind == output_ratio) study%by_drive(n, :, :) = huge(1.0_wp)
+         end do
+      end associate
+   end subroutine find_changes
 
    !> Values of all drives at all positions, from the drawing: degrees, or radians if `in_radians`; or length.
    function inputs_of_drives(set, in_radians) result(inputs)
