@@ -97,7 +97,7 @@ contains
                   call tell(set, 'DRIVE', drive, merge('cylinder ', 'drive at ', sketch%drives(drive)%kind == drive_stretches)// &
                             trim(sketch%drives(drive)%name)//' moves nothing: '//names_of(sketch, part)// &
                             ' are rigid with each other without it'//other_drives(drive)// &
-                            '; drive another joint or leave it out', findings)
+                            '; drive another joint or leave it out'//special(), findings)
                   return
                end if
                if (sketch%over_braced) cycle
@@ -127,6 +127,14 @@ contains
       end associate
 
    contains
+
+      !> What else helps, unless it was said already.
+      function special() result(text)
+         character(:), allocatable :: text
+
+         text = ''
+         if (.not. set%sketch%over_braced) text = ', or set KOVER=1 if they move thanks to special lengths'
+      end function special
 
       function other_drives(drive) result(text)
          integer, intent(in) :: drive
