@@ -4,7 +4,6 @@
 !> sweep is a whole turn of a drive that can make one; else the way from position to position, all drives together.
 module psalm_chain_scene
    use psalm_angles, only: unit_vector
-   use psalm_chain_outputs, only: columns_of
    use psalm_chain_study, only: chain_study_t, study_chain
    use psalm_closure, only: closure_t, state_t
    use psalm_data_set, only: data_set_t
@@ -14,7 +13,7 @@ module psalm_chain_scene
    use psalm_output_kind, only: motion_point, motion_angle
    use psalm_parts, only: bar_t, body_t, edge_t, joint_t, slide_t, wheel_t, convex_hull
    use psalm_scene, only: scene_t, message_scene, choose_view, find_rails, motion_number
-   use psalm_sketch, only: sketch_t, drive_turns, frame_link, grid_digits, output_angle, output_between, &
+   use psalm_sketch, only: columns_of, sketch_t, drive_turns, frame_link, grid_digits, output_angle, output_between, &
                            output_point, output_pose, output_ratio, output_slide
    use psalm_status, only: finding_t
    use psalm_trace, only: row_t
