@@ -60,6 +60,8 @@ contains
       end do
       call list_chain(set, study%inputs, study%motion%closed, names, values, devices%six)
       call write_chain_table(set, study%inputs, study%motion%closed, names, values, devices%nine, forces)
+      if (orders > 0 .and. size(study%inputs, 1) > 1) call write_drive_block(set, study%motion%closed, study%motion%dead, &
+                                                                             study%names, study%by_drive, devices%nine)
       call devices%eight%add(header_of(program, devices%mark))
       call devices%eight%add(' '//set%title)
       call devices%eight%add(' SOLVED IN THE POSES OF THE LINKS, FOLLOWED FROM THE DRAWING, FOR IT HAS '//set%no_loops)
