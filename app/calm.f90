@@ -1,8 +1,11 @@
 !> calm: cams that drive planar linkages, from a namelist file.
 program calm
-   use psalm_batch, only: outputs_t, run_file
+   use psalm_batch, only: outputs_t, run_file, ending_of_case
+   use psalm_cam_code, only: write_cam_code
+   use psalm_cam_dxf, only: write_cam_dxf
    use psalm_cam_report, only: report_cam
-   use psalm_cam_study, only: cam_study_t, check_cam, find_cam
+   use psalm_cam_svg, only: write_cam_svg
+   use psalm_cam_study, only: cam_study_t, check_cam, find_cam, cams_of
    use psalm_check_list, only: list_input
    use psalm_console, only: arguments_t, begin
    use psalm_data_set, only: data_set_t
@@ -13,6 +16,7 @@ program calm
    use psalm_source, only: line_t
    use psalm_status, only: diagnostics_t
    use psalm_system, only: finish_program
+   use psalm_text, only: text_t
    implicit none (type, external)
    character(*), parameter :: nl = new_line('a')
    type(demand_t), parameter :: demand = demand_t(position=1000, arc=400)
@@ -20,14 +24,16 @@ program calm
    type(outputs_t), save :: outputs
    type(arguments_t), save :: arguments
    logical, save :: finished
-   integer, save :: code, i
+   integer, save :: code, i, cases
 
-   outputs = outputs_t(suffix='.calm', endings=['.dev8', '.dev9', '.csv '], of_search=[character(5) ::])
+   outputs = outputs_t(suffix='.calm', endings=['.dev8', '.dev9', '.csv '], of_search=[character(5) ::], &
+                       of_case=['.dxf ', '.svg ', '.nc  '])
    call begin('calm', &
       'usage: calm [options] [CASE.nml ...]'//nl// &
       nl//'The cam that makes the output of a linkage follow a law (&CAM): the linkage solved backwards, profile, cutter'//nl// &
       'path, curvature, pressure angle; what the roller, the cutter or a flat face cannot follow.'//nl// &
-      nl//'The listing goes to standard output; CASE.calm.dev8 (input), CASE.calm.dev9 and CASE.calm.csv (tables) beside'//nl// &
+      nl//'The listing goes to standard output; CASE.calm.dev8 (input), CASE.calm.dev9 and CASE.calm.csv (tables),'//nl// &
+      'CASE.calm.dxf and CASE.calm.svg (drawings) and with KGCODE=1 CASE.calm.nc (G-code of the cutter path) beside'//nl// &
       'the case.'//nl// &
       nl//'  --output-dir DIR  put the files into DIR'//nl// &
       '  --quiet           no remarks on standard error, errors only'//nl// &
@@ -39,6 +45,7 @@ program calm
    code = arguments%code
    if (finished) call finish_program(code)
    do i = 1, size(arguments%files)
+      cases = 0
       call run_file(arguments, trim(arguments%files(i)), outputs, prepare_cam, run_case, code)
       if (arguments%no_place) exit
    end do
@@ -71,14 +78,30 @@ contains
       type(devices_t), intent(inout) :: devices
       logical, intent(inout) :: stopped
       type(problem_t), allocatable :: problem    ! large: it would fill a small stack
-      type(cam_study_t), allocatable :: study
+      type(cam_study_t), allocatable :: studies(:)
+      type(text_t) :: drawing, picture, program
+      integer, allocatable :: roles(:)
+      integer :: k
 
       associate (unused => stopped)
       end associate
-      allocate (problem, study)
+      roles = cams_of(set%cam)
+      allocate (problem, studies(size(roles)))
       call make_problem(set, prepared%mechanism, prepared%given, prepared%parameters, problem)
       call list_input(header_of('CALM', devices%mark), set, problem, devices%eight)
-      call find_cam(set, prepared, study)
-      call report_cam(set, study, devices)
+      do k = 1, size(roles)
+         call find_cam(set, prepared, roles(k), studies(k))
+      end do
+      call report_cam(set, studies, devices)
+      cases = cases + 1
+      call write_cam_dxf(studies, drawing)
+      call devices%add_drawing(trim(ending_of_case(cases, '.dxf')), drawing%content())
+      call write_cam_svg(set%title, studies, picture)
+      call devices%add_drawing(trim(ending_of_case(cases, '.svg')), picture%content())
+      if (.not. set%cam%code) return
+      do k = 1, size(studies)
+         call write_cam_code(set%title, studies(k), program)
+      end do
+      call devices%add_drawing(trim(ending_of_case(cases, '.nc')), program%content())
    end subroutine run_case
 end program calm

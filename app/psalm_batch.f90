@@ -8,15 +8,19 @@ module psalm_batch
    use psalm_preparation, only: prepared_t
    use psalm_status, only: diagnostics_t
    use psalm_system, only: write_standard_error
+   use psalm_text, only: to_text
    implicit none (type, external)
    private
-   public :: outputs_t, prepare_case, study_case, run_file
+   public :: outputs_t, prepare_case, study_case, run_file, ending_of_case
+
+   integer, parameter :: ending_length = 16
 
    !> Files that a program writes beside a case.
    type :: outputs_t
       character(:), allocatable :: suffix            !! between the name of the case and the endings
       character(5), allocatable :: endings(:)        !! of every run
       character(5), allocatable :: of_search(:)      !! of a run that searches, besides
+      character(5), allocatable :: of_case(:)        !! of each case; from the second on with its number
       logical :: tables = .false.                    !! a sketch gets a table for other programs, with --json every case
    end type outputs_t
 
@@ -45,6 +49,16 @@ module psalm_batch
 
 contains
 
+   !> Ending of a file that belongs to one case of several.
+   pure function ending_of_case(number, ending) result(text)
+      integer, intent(in) :: number
+      character(*), intent(in) :: ending
+      character(ending_length) :: text
+
+      text = ending
+      if (number > 1) text = '-'//to_text(number)//ending
+   end function ending_of_case
+
    !> Run all cases of a file. Mistakes are told, and the exit status is raised.
    subroutine run_file(arguments, file, outputs, prepare, study, code)
       type(arguments_t), intent(inout) :: arguments
@@ -59,9 +73,9 @@ contains
       type(devices_t) :: devices
       type(mark_t) :: mark
       character(:), allocatable :: stem
-      character(5), allocatable :: endings(:)
+      character(ending_length), allocatable :: endings(:)
       logical :: ready, stopped
-      integer :: k
+      integer :: k, i
 
       mark = begin_mark(arguments%program)
       call read_cases(file, sets, findings, program=arguments%program, mark=mark)
@@ -73,11 +87,16 @@ contains
       code = max(code, findings%exit_code())
       if (findings%failed()) return
       stem = stem_of(file, arguments%output_dir)//outputs%suffix
-      endings = outputs%endings
-      if (any([(sets(k)%wants_search(), k=1, size(sets))])) endings = [endings, outputs%of_search]
+      endings = [character(ending_length) :: outputs%endings]
+      if (any([(sets(k)%wants_search(), k=1, size(sets))])) endings = [character(ending_length) :: endings, outputs%of_search]
       if (outputs%tables .and. (arguments%json .or. any([(sets(k)%sketch%given, k=1, size(sets))]))) &
-         endings = [character(5) :: endings, '.csv']
-      if (outputs%tables .and. arguments%json) endings = [character(5) :: endings, '.json']
+         endings = [character(ending_length) :: endings, '.csv']
+      if (outputs%tables .and. arguments%json) endings = [character(ending_length) :: endings, '.json']
+      if (allocated(outputs%of_case)) then
+         do k = 1, size(sets)
+            endings = [character(ending_length) :: endings, (ending_of_case(k, outputs%of_case(i)), i=1, size(outputs%of_case))]
+         end do
+      end if
       call prepare_outputs(arguments, stem, endings, ready, code)
       if (.not. ready) return
       devices%mark = mark%name()

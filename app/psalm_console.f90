@@ -331,7 +331,7 @@ contains
       character(:), allocatable :: nine, written
       type(text_t) :: csv, json
       logical :: done
-      integer :: first_line
+      integer :: first_line, k
 
       written = ''
       call files%begin(directory_of(stem), arguments%inputs)
@@ -362,6 +362,12 @@ contains
             call files%add(stem//'.json', devices%json%content()//nl)
          end if
          written = written//', .json (results for other programs)'
+      end if
+      if (allocated(devices%drawings)) then
+         do k = 1, size(devices%drawings)
+            call files%add(stem//devices%drawings(k)%ending, devices%drawings(k)%content)
+            written = written//', '//devices%drawings(k)%ending
+         end do
       end if
       call files%finish()
       if (files%code /= exit_done) then

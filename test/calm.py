@@ -10,6 +10,7 @@ import subprocess
 import sys
 import tempfile
 
+import ezdxf
 import numpy
 
 TOP = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
@@ -246,6 +247,157 @@ def bad_input(place):
     check(run.code == 2 and "only 3 values given" in run.error, "refused: too few outputs", run.error)
 
 
+def read_dxf(place):
+    """Layer -> list of polylines, each a list of (point, bulge); by a reader that is not ours."""
+    drawing = ezdxf.readfile(os.path.join(place, "case.calm.dxf"))
+    lines = {}
+    for entity in drawing.modelspace().query("POLYLINE"):
+        lines.setdefault(entity.dxf.layer, []).append(
+            [(complex(v.dxf.location.x, v.dxf.location.y), v.dxf.bulge) for v in entity.vertices])
+    return drawing, lines
+
+
+def distance_to_arcs(point, vertices):
+    """Distance of a point from a closed polyline of arcs."""
+    best = math.inf
+    for (a, bulge), (b, _) in zip(vertices, vertices[1:] + vertices[:1]):
+        chord = b - a
+        if abs(chord) == 0.0:
+            continue
+        if bulge == 0.0:
+            share = min(max(((point - a)*chord.conjugate()).real/abs(chord)**2, 0.0), 1.0)
+            best = min(best, abs(point - a - share*chord))
+            continue
+        centre = a + chord/2 + 1j*chord*(1 - bulge**2)/(4*bulge)
+        radius = abs(a - centre)
+        turn = ((point - centre)/(a - centre))
+        angle = math.atan2(turn.imag, turn.real)*(1 if bulge > 0 else -1) % (2*math.pi)
+        if angle <= 4*math.atan(abs(bulge)):
+            best = min(best, abs(abs(point - centre) - radius))
+        best = min(best, abs(point - a), abs(point - b))
+    return best
+
+
+def cutting(place):
+    """Arcs of the drawing against points of the table; tolerances, number of arcs, the program for the machine."""
+    for name, tolerance in (("translating_roller", 0.001), ("swinging_roller", 0.01), ("needle_cam", 0.0001), ("flat_swinging", 0.001)):
+        run = Run(data(name, ("&CAM", "&CAM TOLCUT=%g, KGCODE=1, NPOINT=720," % tolerance)), place)
+        drawing, lines = read_dxf(place)
+        check(not drawing.audit().errors, name + ": the drawing is sound")
+        deviation = run.extremes["cutter_deviation"][0]
+        check(0.0 < deviation <= tolerance, name + ": told deviation", deviation)
+        check(run.extremes["cutter_arcs"][0] == len(lines["CUTTER"][0]), name + ": arcs counted", run.extremes["cutter_arcs"])
+        worst = max(distance_to_arcs(complex(x, y), lines["CUTTER"][0])
+                    for x, y in zip(run.columns["cutter_x"][::2], run.columns["cutter_y"][::2]))
+        check(worst <= deviation*(1 + 1e-6), name + ": the table's points are as near the arcs as is told", (worst, deviation))
+        worst = max(distance_to_arcs(complex(x, y), lines["PROFILE"][0])
+                    for x, y in zip(run.columns["profile_x"][::7], run.columns["profile_y"][::7]))
+        check(worst <= tolerance, name + ": profile", worst)
+        # tangents meet
+        vertices = lines["CUTTER"][0]
+        kinks = 0.0
+        for (a, one), (b, two), (c, _) in zip(vertices, vertices[1:] + vertices[:1], vertices[2:] + vertices[:2]):
+            end = (b - a)*complex(1, one)**2/(1 + one**2)
+            begin = (c - b)*complex(1, -two)**2/(1 + two**2)
+            kinks = max(kinks, abs(math.remainder(math.atan2((begin/end).imag, (begin/end).real), 2*math.pi)))
+        check(kinks < 1e-6, name + ": arcs meet with one tangent", kinks)
+        code = open(os.path.join(place, "case.calm.nc"), encoding="utf-8").read().split("\n")
+        moves = [line for line in code if re.match("G[123] ", line)]
+        check(len(moves) == len(vertices), name + ": one block an arc", len(moves))
+        here = vertices[0][0]
+        off = 0.0
+        for line, (target, _) in zip(moves, vertices[1:] + vertices[:1]):
+            word = {w[0]: float(w[1:]) for w in line.split()}
+            off = max(off, abs(complex(word["X"], word["Y"]) - target))
+            if word["G"] > 1:
+                centre = here + complex(word["I"], word["J"])
+                off = max(off, abs(abs(centre - here) - abs(centre - target))/max(1.0, abs(word["I"]) + abs(word["J"])))
+            here = target
+        check(off < 2e-6, name + ": blocks end where arcs end, centres are centres", off)
+    run = Run(data("translating_roller", ("&CAM", "&CAM TOLCUT=0.001,")), place)
+    close(run.extremes["cutter_chords"][0], 545.028, 1e-4, "chords that 0.001 would need")
+    check(run.extremes["cutter_arcs"][0] <= 0.1*run.extremes["cutter_chords"][0], "a tenth of the chords", run.extremes["cutter_arcs"])
+    run = Run(data("translating_roller"), place)
+    close(run.extremes["cutter_chords"][0], 172.353, 1e-4, "chords that 0.01 would need")
+
+
+def pairs_of_cams(place):
+    """Conjugate cams and tracks."""
+    law = ("RROLL=10.0, RCUT=10.0", "NFOLLK=-1, FOLLK=70.0, KCONJ=1, FOLLK2=70.0, FOLAN2=100.0, RROLL=10.0, RCUT=10.0")
+    run = Run(data("swinging_roller", law), place)
+    check(run.code == 0 or "ALFMAX" in run.error, "conjugate cams", run.error)
+    second = dict((row[0], (float(row[1]), float(row[2]))) for row in run.blocks["extremes_2"])
+    row = next(row for row in run.blocks["cam_2"] if float(row[0]) == 50.0)
+    row = dict(zip(run.names, map(float, row)))
+    profile, cutter = complex(row["profile_x"], row["profile_y"]), complex(row["cutter_x"], row["cutter_y"])
+    close(abs(profile - (-10.486666656-41.887278812j)), 0.0, 1e-7, "conjugate cam: profile at 50")
+    close(abs(cutter - (-17.494544608-49.020976774j)), 0.0, 1e-7, "conjugate cam: cutter at 50")
+    close(abs(row["alpha"]), 34.401127703, 1e-8, "conjugate cam: pressure angle at 50")
+    close(row["rho"], 33.129803459, 1e-8, "conjugate cam: radius at 50")
+    close(second["rho_convex"][0], 23.760639590, 1e-8, "conjugate cam: least radius")
+    check(abs(second["rho_convex"][1] - 248.620) < 1e-3, "conjugate cam: where", second["rho_convex"])
+    close(second["rho_concave"][0], -198.893469344, 1e-8, "conjugate cam: hollow")
+    close(second["alpha_segment_3"][0], 26.963442807, 1e-8, "conjugate cam: pressure angle on the return")
+    close(second["base_radius"][0], 25.121313777, 1e-8, "conjugate cam: base radius")
+    run = Run(data("translating_roller", ("RCUT=12.0", "KTRACK=1, CLEAR=0.0")), place)
+    second = dict((row[0], (float(row[1]), float(row[2]))) for row in run.blocks["extremes_2"])
+    close(run.extremes["rho_convex"][0], 30.267733, 1e-7, "track: inner wall")
+    close(-second["rho_concave"][0], 46.267733, 1e-7, "track: outer wall")
+    drawing, lines = read_dxf(place)
+    check(set(lines) >= {"PITCH", "PROFILE", "PROFILE_2", "CUTTER"}, "track: layers", sorted(lines))
+
+
+def centres(place):
+    """Admissible centres and the smallest cam: path x = 0, lowest roller centre 0."""
+    for returning, want, base in ((True, -2.462486-28.136121j, 28.243674448), (False, -9.353442-16.200636j, 18.706883024)):
+        text = data("translating_roller", ("ORIGLK=48.0, ORIGNG=80.405931773139", "ORIGLK=0.0"),
+                    ("RCUT=12.0", "YCAM=-48.0, KALF=%d" % (not returning)))
+        run = Run(text, place)
+        side = min(("left", "right"), key=lambda s: run.extremes["smallest_base_" + s][0] - 1e6*(run.extremes["smallest_y_" + s][0] < 0))
+        got = complex(run.extremes["smallest_x_" + side][0], run.extremes["smallest_y_" + side][0])
+        close(abs(got - want), 0.0, 4e-5, "the smallest cam: its centre")
+        close(run.extremes["smallest_base_" + side][0], base, 1e-6, "the smallest cam: its pitch base")
+        drawing, lines = read_dxf(place)
+        check("CENTRES" in lines, "admissible centres are drawn", sorted(lines))
+        if returning:
+            # there the pressure angle is what was allowed, at its most
+            again = Run(data("translating_roller", ("ORIGLK=48.0, ORIGNG=80.405931773139", "ORIGLK=0.0"),
+                             ("RROLL=8.0, RCUT=12.0", "RROLL=2.0, XCAM=%.17g, YCAM=%.17g" % (got.real, got.imag))), place)
+            close(again.extremes["alpha_segment_1"][0], 30.0, 1e-6, "the smallest cam has the pressure angle allowed, rise")
+            close(again.extremes["alpha_segment_3"][0], 30.0, 1e-6, "the smallest cam has the pressure angle allowed, return")
+
+
+def forces(place):
+    """Speed at which a mass under a spring leaves the cam; stress by Hertz; the law of a flexible drive."""
+    head, cam = data("translating_roller").split(" &CAM")
+    mass = (" &MASSES NMASS=1, MLINK=1, MLOOP=1, MASS=1.2, UNITL=0.001 &END\n"
+            " &SPRING NSPRNG=1, ALINK=4, ALOOP=1, ADIST=100.0, AANG=%g, BLINK=1, BLOOP=1, STIFF=8000.0, SFREE=%.17g &END\n")
+    # the spring holds the slide down from below: at the reference it is 90/8 longer than free
+    run = Run(head + mass % (90.0, 100 - 90/8) + " &CAM CAMRPM=600, CAMWID=10," + cam, place)
+    if "contact_lost_rpm" in run.extremes:
+        close(run.extremes["contact_lost_rpm"][0], 621.782566, 1e-7, "contact is lost: speed")
+        check(abs(run.extremes["contact_lost_rpm"][1] - 69.3550) < 1e-3, "contact is lost: where", run.extremes["contact_lost_rpm"])
+        force = {float(r[0]): (float(r[1]), float(r[2])) for r in run.blocks["contact"]}
+        w = 600*math.pi/30
+        row = run.at(60)
+        want = (1.2*row["input2"]*1e-3*w*w + 8000*(row["input"] + 90/8)*1e-3)/math.cos(math.radians(row["alpha"]))
+        close(force[60.0][0], want, 1e-9, "force of the cam")
+        curvature = 1/8e-3 + 1/(row["rho"]*1e-3)
+        close(force[60.0][1], math.sqrt(want/0.01*curvature/(math.pi*2*(1 - .09)/206e9)), 1e-9, "stress at the roller")
+    else:
+        check(False, "contact is lost at a speed", run.listing[-900:] + run.error)
+    text = data("translating_roller", ("'POLY345','DWELL','MODTRAP'", "'POLY4567','DWELL','POLY4567'"), ("&CAM", "&CAM CAMFRQ=10, CAMZET=.05,"))
+    plain = Run(text.replace("CAMFRQ=10, CAMZET=.05,", ""), place)
+    driven = Run(text, place)
+    for angle in (30, 75, 200):
+        row = plain.at(angle)
+        close(driven.at(angle)["output"], row["output"] + .01*row["output1"] + .01*row["output2"], 1e-13, "flexible drive at %d" % angle)
+    close(driven.at(30)["output1"], plain.at(30)["output1"] + .01*plain.at(30)["output2"] + .01*plain.at(30)["output3"], 1e-13,
+          "flexible drive: velocity")
+    run = Run(data("translating_roller", ("&CAM", "&CAM CAMFRQ=10,")), place)
+    check(run.code == 2 and "a flexible drive takes both into the cam" in run.error, "a law too rough for a flexible drive", run.error)
+
+
 def table_for_others(place):
     run = Run(data("needle_cam"), place)
     rows = open(os.path.join(place, "case.calm.csv"), encoding="utf-8").read().split("\n")
@@ -260,7 +412,8 @@ def table_for_others(place):
 
 def main():
     with tempfile.TemporaryDirectory() as place:
-        for part in (reference_cams, linkage_backwards, laws, violations, bad_input, table_for_others):
+        for part in (reference_cams, linkage_backwards, laws, violations, bad_input, table_for_others, cutting, pairs_of_cams,
+                     centres, forces):
             part(place)
     print("%d passed, %d failed" % (passed, failed))
     return 1 if failed else 0

@@ -3,9 +3,12 @@ program test_cam
    use cases, only: load_case
    use check, only: checks_t
    use psalm_angles, only: unit_vector
+   use psalm_arc_path, only: arc_t, curve_t, fit_arcs, deviation_of, chords_needed
+   use psalm_cam_contact, only: line_stress
    use psalm_cam_group, only: cam_group_t
    use psalm_cam_kind, only: law_names, has_zones, zones_of, law_kind
-   use psalm_cam_law, only: law_t, joint_t, make_law, law_made, law_velocity_jumps, law_singular, highest_law_order
+   use psalm_cam_law, only: law_t, joint_t, make_law, law_made, law_velocity_jumps, law_singular, law_jerk_jumps, &
+                            highest_law_order
    use psalm_cam_motion, only: cam_trace_t
    use psalm_cam_profile, only: cam_axes_t, cam_points_t, roller_profile, flat_profile, side_of_centre, deepest_interference
    use psalm_data_set, only: data_set_t
@@ -25,6 +28,9 @@ program test_cam
    call polynomials()
    call flat_face_of_a_circle()
    call interference()
+   call arcs_of_an_ellipse()
+   call stress()
+   call flexible_drive()
    call t%report()
 
 contains
@@ -282,4 +288,82 @@ contains
       call t%equal_integer(by, 100, 'one roller too deep: which')
       call t%equal_integer(at, 100, 'one roller too deep: where')
    end subroutine interference
+
+   !> Arcs keep within their tolerance of an ellipse, which they touch at their ends; a circle is made of few.
+   subroutine arcs_of_an_ellipse()
+      integer, parameter :: n = 2000
+      real(wp), parameter :: tolerance = 1.0e-3_wp
+      type(curve_t) :: curve
+      type(arc_t), allocatable :: arcs(:)
+      integer, allocatable :: last_sample(:)
+      real(wp) :: c, s, minor, worst, kink, bend(0:n)
+      integer :: i, k, m
+      logical :: found
+
+      do m = 1, 2
+         minor = merge(30.0_wp, 50.0_wp, m == 1)
+         allocate (curve%point(n + 1), curve%tangent(n + 1), curve%break(n + 1))
+         curve%break = .false.
+         do i = 0, n
+            call unit_vector(full_turn*real(i, wp)/real(n, wp), c, s)
+            curve%point(i + 1) = cmplx(50.0_wp*c, minor*s, wp)
+            curve%tangent(i + 1) = cmplx(-50.0_wp*s, minor*c, wp)/sqrt((50.0_wp*s)**2 + (minor*c)**2)
+            bend(i) = 50.0_wp*minor/sqrt((50.0_wp*s)**2 + (minor*c)**2)**3
+         end do
+         curve%break(n/2 + 1) = .true.
+         call fit_arcs(curve, tolerance, arcs, last_sample, found)
+         call t%is_true(found, 'arcs: found')
+         worst = 0.0_wp
+         k = 1
+         do i = 0, n
+            if (i + 1 > last_sample(k)) k = k + 1
+            worst = max(worst, abs(deviation_of(arcs(2*k - 1:2*k), curve%point(i + 1))))
+         end do
+         call t%is_true(worst <= tolerance, 'arcs: the tolerance is kept')
+         kink = maxval(abs(arcs(2:)%start - arcs(:size(arcs) - 1)%finish))
+         call t%close_to(kink, 0.0_wp, 0.0_wp, 'arcs: each begins where the last one ends')
+         call t%is_true(any(last_sample == n/2 + 1), 'arcs: none runs over a break')
+         if (m == 1) then
+            call t%is_true(worst > 0.3_wp*tolerance, 'arcs: the tolerance is used')
+            call t%is_true(10*size(arcs) < 3*nint(chords_needed(curve%point, bend, tolerance)), 'arcs: fewer than chords')
+         else
+            call t%close_to(worst, 0.0_wp, 1.0e-12_wp, 'arcs: a circle is exact')
+            call t%is_true(size(arcs) <= 16, 'arcs: a circle needs few')
+         end if
+         deallocate (curve%point, curve%tangent, curve%break)
+      end do
+   end subroutine arcs_of_an_ellipse
+
+   !> A rise of 20 in 90 degrees, at 30: frequency ratio 10, damping 0.05.
+   subroutine flexible_drive()
+      type(cam_group_t) :: cam
+      type(law_t) :: law
+      real(wp) :: y(0:highest_law_order)
+
+      call make_cam(law_kind('POLY345'), cam)
+      cam%finish(1) = 90.0_wp
+      cam%start = 0.0_wp
+      cam%output = [20.0_wp, 20.0_wp, 0.0_wp, 0.0_wp]
+      call make_law(cam, law)
+      y = law%evaluate(30.0_wp, 1)
+      call t%close_to(y(0), 4.19753086_wp, 1.0e-8_wp, 'flexible drive: what the load is to do')
+      law%lag = 0.01_wp
+      law%inertia = 0.01_wp
+      y = law%evaluate(30.0_wp, 1)
+      call t%close_to(y(0), 4.74641204_wp, 1.0e-8_wp, 'flexible drive: what the cam does')
+      cam%frequency = 10.0_wp
+      call make_law(cam, law)
+      call t%equal_integer(law%state, law_jerk_jumps, 'flexible drive: a law with steps of jerk')
+   end subroutine flexible_drive
+
+   !> 500 N on 10 mm, roller of 8 mm on a cam of 25 mm, convex and hollow: published formula, worked out by hand.
+   subroutine stress()
+      real(wp), parameter :: modulus(2) = 206.0e9_wp, poisson(2) = 0.3_wp
+
+      call t%close_to(line_stress(5.0e4_wp, 1.0_wp/0.008_wp + 1.0_wp/0.025_wp, modulus, poisson), 545.192602e6_wp, 1.0e-9_wp, &
+                      'stress of a roller on a convex cam')
+      call t%close_to(line_stress(5.0e4_wp, 1.0_wp/0.008_wp - 1.0_wp/0.025_wp, modulus, poisson), 391.306845e6_wp, 1.0e-9_wp, &
+                      'stress of a roller in a hollow')
+      call t%close_to(line_stress(-1.0_wp, 1.0_wp, modulus, poisson), 0.0_wp, 0.0_wp, 'no stress without contact')
+   end subroutine stress
 end program test_cam

@@ -11,14 +11,14 @@ module psalm_cam_law
    implicit none (type, external)
    private
    public :: law_t, segment_t, joint_t, make_law, highest_law_order
-   public :: law_made, law_velocity_jumps, law_singular
+   public :: law_made, law_velocity_jumps, law_singular, law_jerk_jumps
 
    integer, parameter :: highest_law_order = 5, highest_power = 7
    integer, parameter :: cells = 64                  !! of a piece, where extremes of a polynomial are looked for
    integer, parameter :: bisections = 60
    real(wp), parameter :: settled = 1.0e-10_wp       !! relative jump that is rounding
 
-   integer, parameter :: law_made = 0, law_velocity_jumps = 1, law_singular = 2 !! how the making ended
+   integer, parameter :: law_made = 0, law_velocity_jumps = 1, law_singular = 2, law_jerk_jumps = 3 !! how the making ended
 
    integer, parameter :: wave_polynomial = 0, wave_up = 1, wave_down = 2
 
@@ -74,12 +74,24 @@ contains
       end if
       if (law%state /= law_made) return
       allocate (joints(size(law%pieces)))
-      joints = law%joints()
-      do k = 1, size(joints)
-         if (abs(joints(k)%jump(1)) <= settled*law%greatest(1)) cycle
-         law%state = law_velocity_jumps
-         law%faulty = law%pieces(modulo(k - 2, size(joints)) + 1)%segment
-      end do
+      call find_jumps(law_velocity_jumps)
+      if (law%state /= law_made .or. .not. cam%frequency > 0.0_wp) return
+      law%lag = 2.0_wp*cam%damping/cam%frequency
+      law%inertia = 1.0_wp/cam%frequency**2
+      call find_jumps(law_jerk_jumps)
+
+   contains
+
+      subroutine find_jumps(state)
+         integer, intent(in) :: state
+
+         joints = law%joints()
+         do k = 1, size(joints)
+            if (abs(joints(k)%jump(0)) <= settled*law%greatest(0) .and. abs(joints(k)%jump(1)) <= settled*law%greatest(1)) cycle
+            law%state = state
+            law%faulty = law%pieces(modulo(k - 2, size(joints)) + 1)%segment
+         end do
+      end subroutine find_jumps
    end subroutine make_law
 
    subroutine add_table(cam, law)

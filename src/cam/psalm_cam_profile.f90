@@ -25,6 +25,7 @@ module psalm_cam_profile
       complex(wp), allocatable :: profile(:)         !! point of contact
       complex(wp), allocatable :: cutter(:)          !! centre of cutter or wheel
       complex(wp), allocatable :: normal(:)          !! unit vector out of the cam
+      complex(wp), allocatable :: tangent(:)         !! unit vector of the way of the contact
       complex(wp), allocatable :: machine(:)         !! what a vector in cam axes is multiplied by in machine axes
       real(wp), allocatable :: radius(:)             !! rho: of curvature of the profile, above 0 where convex
       real(wp), allocatable :: bend(:)               !! curvature of the pitch curve, above 0 where convex; of a face 1/rho
@@ -86,6 +87,7 @@ contains
          points%profile(i) = (w + side*roller*n)*e
          points%cutter(i) = (w + side*(roller - cutter)*n)*e
          points%normal(i) = -side*n*e
+         points%tangent(i) = (0.0_wp, -1.0_wp)*n*e
          push = -side*n
          f = states%by_input(i)
          size_f = hypotenuse(real(f, wp), aimag(f))
@@ -145,6 +147,7 @@ contains
          points%pitch(i) = points%profile(i)
          points%cutter(i) = cmplx(h + cutter, x, wp)*e
          points%normal(i) = e
+         points%tangent(i) = sign(1.0_wp, relative)*i1*e
          points%excursion(i) = x
          points%on_face(i) = x - aimag(g0)
          ! velocity of the point of the face that touches
@@ -163,7 +166,7 @@ contains
       integer, intent(in) :: n
       type(cam_points_t), intent(inout) :: points
 
-      allocate (points%pitch(n), points%profile(n), points%cutter(n), points%normal(n), points%machine(n))
+      allocate (points%pitch(n), points%profile(n), points%cutter(n), points%normal(n), points%machine(n), points%tangent(n))
       allocate (points%radius(n), points%bend(n), points%pressure(n))
       allocate (points%excursion(n), points%on_face(n), source=0.0_wp)
    end subroutine make_room

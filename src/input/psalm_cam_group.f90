@@ -12,6 +12,7 @@ module psalm_cam_group
 
    integer, parameter :: most_segments = 200, most_in_table = 2000, most_points = 100000, fewest_points = 12
    integer, parameter :: fewest_in_table = 6
+   real(wp), parameter :: steel_modulus = 206.0e9_wp, steel_poisson = 0.3_wp
    integer, parameter :: follower_roller = 1, follower_flat = 2  !! KFOL
 
    !> A roller, or a point of a flat face, on the arc that carries the follower.
@@ -47,12 +48,27 @@ module psalm_cam_group
       real(wp) :: x = 0.0_wp, y = 0.0_wp       !! XCAM, YCAM
       integer :: turn = 1                      !! KTURN
       integer :: side = 0                      !! KSIDE
+      logical :: conjugate = .false.           !! KCONJ
+      type(roller_t) :: second                 !! FOLLK2, FOLAN2, RROLL2: roller of the conjugate cam
+      logical :: track = .false.               !! KTRACK
+      real(wp) :: clearance = 0.0_wp           !! CLEAR: of the roller in the track
+      ! forces
+      real(wp) :: speed = 0.0_wp               !! CAMRPM: of the cam, rev/min; 0: no forces
+      real(wp) :: width = 0.0_wp               !! CAMWID: of the line of contact; 0: no stress
+      real(wp) :: modulus(2) = steel_modulus, poisson(2) = steel_poisson !! CAMMOD (Pa), CAMNU: of cam and follower
+      real(wp) :: stress = 0.0_wp              !! PHERTZ, Pa; 0: not limited
+      ! flexible drive
+      real(wp) :: frequency = 0.0_wp           !! CAMFRQ: of what the cam drives, over the cam's speed; 0: rigid
+      real(wp) :: damping = 0.0_wp             !! CAMZET: part of the critical one
       ! limits
       real(wp) :: pressure_angle = 30.0_wp     !! ALFMAX
+      logical :: rise_only = .false.           !! KALF=1: ALFMAX holds while the follower leaves the centre
       real(wp) :: least_radius = 0.0_wp        !! RHOMIN
       real(wp) :: half_face = 0.0_wp           !! WFACE; 0: not limited
       ! tables
       integer :: points = 360                  !! NPOINT
+      real(wp) :: tolerance = 0.01_wp          !! TOLCUT
+      logical :: code = .false.                !! KGCODE
    end type cam_group_t
 
 contains
@@ -64,6 +80,7 @@ contains
       integer, intent(in) :: ilink(:, :)       !! ILINK, shape (maxarc, nloop)
       type(cam_group_t), intent(inout) :: cam
       type(diagnostics_t), intent(inout) :: findings
+      integer :: code
 
       cam%given = group%line > 0
       call read_segments(group, cam, findings)
@@ -72,10 +89,18 @@ contains
       call group%get_real('ALFMAX', cam%pressure_angle, findings)
       if (cam%pressure_angle <= 0.0_wp .or. cam%pressure_angle >= 90.0_wp) call out_of(group, 'ALFMAX', &
          'must lie between 0 and 90 degrees', findings)
+      code = 0
+      call read_flag(group, 'KALF', code, findings)
+      cam%rise_only = code == 1
       call group%get_real('RHOMIN', cam%least_radius, findings)
       if (cam%least_radius < 0.0_wp) call out_of(group, 'RHOMIN', 'must not be negative', findings)
       call group%get_real('WFACE', cam%half_face, findings)
       if (cam%half_face < 0.0_wp) call out_of(group, 'WFACE', 'must not be negative', findings)
+      call group%get_real('TOLCUT', cam%tolerance, findings)
+      if (.not. cam%tolerance > 0.0_wp) call out_of(group, 'TOLCUT', 'must be above 0', findings)
+      code = 0
+      call read_flag(group, 'KGCODE', code, findings)
+      cam%code = code == 1
       call group%get_integer('NPOINT', cam%points, findings)
       call check_range(group, 'NPOINT', cam%points, fewest_points, most_points, findings)
    end subroutine read_cam_group
@@ -228,7 +253,7 @@ contains
       integer, intent(in) :: ilink(:, :)
       type(cam_group_t), intent(inout) :: cam
       type(diagnostics_t), intent(inout) :: findings
-      integer :: of_output
+      integer :: of_output, conjugate, track
 
       of_output = 1
       call read_flag(group, 'KOUT', of_output, findings)
@@ -268,5 +293,39 @@ contains
       if (abs(cam%turn) /= 1) call out_of(group, 'KTURN', 'must be 1 (anticlockwise) or -1', findings)
       call group%get_integer('KSIDE', cam%side, findings)
       call check_range(group, 'KSIDE', cam%side, -1, 1, findings)
+      conjugate = 0
+      track = 0
+      call read_flag(group, 'KCONJ', conjugate, findings)
+      call read_flag(group, 'KTRACK', track, findings)
+      cam%conjugate = conjugate == 1
+      cam%track = track == 1
+      cam%second = roller_t(0.0_wp, 0.0_wp, cam%roller%radius)
+      call group%get_real('FOLLK2', cam%second%distance, findings)
+      call group%get_real('FOLAN2', cam%second%angle, findings)
+      call group%get_real('RROLL2', cam%second%radius, findings)
+      call refuse_unless([cam%second%distance >= 0.0_wp], group, 'FOLLK2', 'the length is negative; turn FOLAN2 by 180 instead', &
+                         findings)
+      call refuse_unless([cam%second%radius >= 0.0_wp], group, 'RROLL2', 'must not be negative', findings)
+      call group%get_real('CLEAR', cam%clearance, findings)
+      call refuse_unless([cam%clearance >= 0.0_wp], group, 'CLEAR', 'must not be negative', findings)
+      if (cam%conjugate .and. cam%track) call out_of(group, 'KTRACK', &
+         'a cam has a conjugate (KCONJ) or runs in a track, not both', findings)
+      if (cam%track .and. .not. cam%roller%radius > 0.0_wp) call out_of(group, 'KTRACK', 'a track needs a roller', findings)
+      if ((cam%track .or. cam%conjugate) .and. cam%kind == follower_flat) call out_of(group, 'KFOL', &
+         'conjugate cams and tracks need rollers', findings)
+      call group%get_real('CAMRPM', cam%speed, findings)
+      call refuse_unless([cam%speed >= 0.0_wp], group, 'CAMRPM', 'must not be negative; KTURN says which way', findings)
+      call group%get_real('CAMWID', cam%width, findings)
+      call refuse_unless([cam%width >= 0.0_wp], group, 'CAMWID', 'must not be negative', findings)
+      call group%get_reals('CAMMOD', cam%modulus, findings)
+      call refuse_unless(cam%modulus > 0.0_wp, group, 'CAMMOD', 'must be above 0', findings)
+      call group%get_reals('CAMNU', cam%poisson, findings)
+      call refuse_unless(cam%poisson >= 0.0_wp .and. cam%poisson <= 0.5_wp, group, 'CAMNU', 'must lie between 0 and 0.5', findings)
+      call group%get_real('PHERTZ', cam%stress, findings)
+      call refuse_unless([cam%stress >= 0.0_wp], group, 'PHERTZ', 'must not be negative', findings)
+      call group%get_real('CAMFRQ', cam%frequency, findings)
+      call refuse_unless([cam%frequency >= 0.0_wp], group, 'CAMFRQ', 'must not be negative', findings)
+      call group%get_real('CAMZET', cam%damping, findings)
+      call refuse_unless([cam%damping >= 0.0_wp], group, 'CAMZET', 'must not be negative', findings)
    end subroutine read_follower
 end module psalm_cam_group

@@ -4,7 +4,8 @@ module psalm_cam_list
    use psalm_cam_shape, only: extreme_t, measure_pressure, measure_convex, measure_concave, measure_base, measure_outer, &
                               measure_excursion_low, measure_excursion_high, measure_face_low, measure_face_high, &
                               measure_output, measure_input
-   use psalm_cam_study, only: cam_study_t, way_rise, way_return
+   use psalm_cam_paths, only: path_cutter
+   use psalm_cam_study, only: cam_study_t, way_rise, way_return, role_cam, role_conjugate
    use psalm_angles, only: degrees_of, within_turn
    use psalm_data_set, only: data_set_t
    use psalm_elementary, only: hypotenuse
@@ -15,6 +16,7 @@ module psalm_cam_list
    private
    public :: list_cam, plot_cam, table_cam
 
+   character(5), parameter :: side_names(2) = ['left ', 'right']
    real(wp), parameter :: rounding = 1.0e-9_wp !! relative jump of acceleration that is none
    character(*), parameter :: of_all = 'cam_angle output output1 output2 output3 input input1 input2 input3 '
    character(*), parameter :: of_roller = of_all//'roller_x roller_y '// &
@@ -33,25 +35,11 @@ contains
 
       associate (law => study%shape%motion%law, e => study%extremes, cam => set%cam)
          call text%add()
-         call text%add(' LAW OF THE '//trim(merge('OUTPUT', 'INPUT ', cam%of_output))// &
-                       ', DERIVATIVES BY RADIANS OF CAM; PEAKS NORMALISED BY LIFT AND WIDTH')
-         call text%add(' LAW                  FROM             TO         OUTPUT             TO             CV             CA'// &
-                       '             CJ')
-         do k = 1, size(law%segments)
-            associate (s => law%segments(k))
-               call text%add(' '//name_of(k)//general(s%start)//general(s%finish)//general(s%from)//general(s%to)// &
-                             general(s%peak(1))//general(s%peak(2))//merge('       INFINITE', general(s%peak(3)), s%steps))
-            end associate
-         end do
-         do k = 1, size(study%joints)
-            if (abs(study%joints(k)%jump(2)) <= rounding*law%greatest(2)) cycle
-            call text%add(' STEP OF ACCELERATION AT'//general(study%joints(k)%at)//' DEGREES:'// &
-                          general(study%joints(k)%jump(2)))
-         end do
-         if (cam%of_output) then
-            call text%add(' THE LINKAGE GIVES OUTPUTS'//general(minval(study%shape%motion%f))//' TO'// &
-                          general(maxval(study%shape%motion%f))//' FOR INPUTS'//general(study%shape%motion%q(1))//' TO'// &
-                          general(study%shape%motion%q(size(study%shape%motion%q))))
+         if (study%role /= role_cam) then
+            call text%add(' '//trim(merge('THE CONJUGATE CAM          ', 'THE OUTER WALL OF THE TRACK', &
+                                          study%role == role_conjugate)))
+         else
+            call list_law()
          end if
          call text%add()
          call text%add(' CAM'//repeat(' ', 42)//'VALUE   AT CAM ANGLE')
@@ -74,10 +62,47 @@ contains
          call show('OUTPUT, LARGEST SECOND DERIVATIVE', e(measure_output + 1))
          call show('INPUT, LARGEST FIRST DERIVATIVE', e(measure_input))
          call show('INPUT, LARGEST SECOND DERIVATIVE', e(measure_input + 1))
+         call list_centres(study, text)
+         associate (path => study%paths(path_cutter))
+            if (path%found) then
+               call text%add(' CUTTER PATH:'//general(real(size(path%arcs), wp))//' ARCS, LARGEST DEVIATION'// &
+                             general(path%deviation)//'; A POLYLINE WOULD NEED'//general(path%chords)//' CHORDS')
+            else
+               call text%add(' CUTTER PATH: IT CANNOT BE CUT WITHIN TOLCUT')
+            end if
+         end associate
+         if (allocated(study%contact)) call list_forces(study, text)
          call list_faults(study, text)
       end associate
 
    contains
+
+      subroutine list_law()
+         integer :: k
+
+         associate (law => study%shape%motion%law, cam => set%cam)
+            call text%add(' LAW OF THE '//trim(merge('OUTPUT', 'INPUT ', cam%of_output))// &
+                          ', DERIVATIVES BY RADIANS OF CAM; PEAKS NORMALISED BY LIFT AND WIDTH')
+            call text%add(' LAW                  FROM             TO         OUTPUT             TO             CV'// &
+                          '             CA             CJ')
+            do k = 1, size(law%segments)
+               associate (s => law%segments(k))
+                  call text%add(' '//name_of(k)//general(s%start)//general(s%finish)//general(s%from)//general(s%to)// &
+                                general(s%peak(1))//general(s%peak(2))//merge('       INFINITE', general(s%peak(3)), s%steps))
+               end associate
+            end do
+            do k = 1, size(study%joints)
+               if (abs(study%joints(k)%jump(2)) <= rounding*law%greatest(2)) cycle
+               call text%add(' STEP OF ACCELERATION AT'//general(study%joints(k)%at)//' DEGREES:'// &
+                             general(study%joints(k)%jump(2)))
+            end do
+            if (cam%of_output) then
+               call text%add(' THE LINKAGE GIVES OUTPUTS'//general(minval(study%shape%motion%f))//' TO'// &
+                             general(maxval(study%shape%motion%f))//' FOR INPUTS'//general(study%shape%motion%q(1))//' TO'// &
+                             general(study%shape%motion%q(size(study%shape%motion%q))))
+            end if
+         end associate
+      end subroutine list_law
 
       function name_of(k) result(name)
          integer, intent(in) :: k
@@ -97,6 +122,44 @@ contains
          call text%add(' '//padded//general(extreme%value)//general(extreme%angle))
       end subroutine show
    end subroutine list_cam
+
+   !> Where the centre may lie, and of the smallest cam.
+   subroutine list_centres(study, text)
+      type(cam_study_t), intent(in) :: study
+      type(text_t), intent(inout) :: text
+      integer :: k
+
+      if (study%shape%flat) return
+      do k = 1, size(study%centres)
+         associate (c => study%centres(k))
+            if (size(c%corners) == 0) cycle
+            call text%add(' CENTRE OF THE SMALLEST CAM THAT KEEPS ALFMAX, CAM TO THE '//trim(merge('LEFT ', 'RIGHT', k == 1))// &
+                          ' OF THE TRAVEL:'//general(real(c%smallest, wp))//general(aimag(c%smallest))//', PITCH BASE RADIUS'// &
+                          general(c%base))
+         end associate
+      end do
+   end subroutine list_centres
+
+   !> Force and stress of the contact.
+   subroutine list_forces(study, text)
+      type(cam_study_t), intent(in) :: study
+      type(text_t), intent(inout) :: text
+
+      associate (fine => study%fine)
+         if (.not. fine%known) then
+            call text%add(' FORCES ARE NOT KNOWN: THE LINKAGE DOES NOT CLOSE, OR PASSES A DEAD POINT')
+            return
+         end if
+         call text%add(' FORCE OF THE CAM, LEAST AND GREATEST, N'//general(minval(fine%force))//general(maxval(fine%force)))
+         if (maxval(fine%stress) > 0.0_wp) call text%add(' GREATEST CONTACT STRESS, PA'//general(maxval(fine%stress)))
+         if (fine%lost_speed > 0.0_wp) then
+            call text%add(' CONTACT IS LOST FROM'//general(fine%lost_speed)//' REV/MIN ON, FIRST AT'//general(fine%lost_at)// &
+                          ' DEGREES')
+         else if (minval(fine%force) < 0.0_wp) then
+            call text%add(' CONTACT IS LOST AT REST: A SPRING OR A WEIGHT IS TO HOLD THE FOLLOWER ON THE CAM')
+         end if
+      end associate
+   end subroutine list_forces
 
    pure function way_name(way) result(name)
       integer, intent(in) :: way
@@ -124,14 +187,17 @@ contains
       if (study%gouge) call text%add(' GOUGE: THE CUTTER IS LARGER THAN A HOLLOW OF THE PROFILE')
       if (study%cutter%depth > 0.0_wp) call text%add(' GOUGE: THE CUTTER AT'//general(study%cutter%by)// &
          ' TAKES AWAY WHAT IT CUTS AT'//general(study%cutter%at)//', TO A DEPTH OF'//general(study%cutter%depth))
+      if (study%lost) call text%add(' THE FOLLOWER LEAVES THE CAM AT THIS SPEED')
+      if (study%stressed) call text%add(' THE CONTACT STRESS EXCEEDS PHERTZ')
       if (study%steep) call text%add(' THE PRESSURE ANGLE EXCEEDS ALFMAX')
       if (study%sharp) call text%add(' THE RADIUS OF CURVATURE IS LESS THAN RHOMIN')
       if (study%face_short) call text%add(' THE FACE IS SHORTER THAN THE WAY OF THE CONTACT')
    end subroutine list_faults
 
    !> Device 9: the table, then the block `extremes`.
-   subroutine plot_cam(study, text)
+   subroutine plot_cam(study, suffix, text)
       type(cam_study_t), intent(in) :: study
+      character(*), intent(in) :: suffix             !! of the names of the blocks; empty for the first cam
       type(text_t), intent(inout) :: text
       integer :: i, k
 
@@ -139,6 +205,7 @@ contains
          call text%add()
          call text%add()
       end if
+      if (len(suffix) > 0) call text%add('# block cam'//suffix)
       call text%add('# '//trim(merge(of_face, of_roller//repeat(' ', len(of_face) - len(of_roller)), study%shape%flat))// &
                     '   (angles in degrees; derivatives by radians of cam, of angles in radians)')
       do i = 1, size(study%angle)
@@ -146,7 +213,7 @@ contains
       end do
       call text%add()
       call text%add()
-      call text%add('# block extremes')
+      call text%add('# block extremes'//suffix)
       call text%add('# what value cam_angle')
       associate (e => study%extremes)
          call put('base_radius', e(measure_base))
@@ -170,9 +237,37 @@ contains
          do k = 0, 2
             call put('input'//to_text(k + 1), e(measure_input + k))
          end do
+         do k = 1, 2
+            if (study%shape%flat) exit
+            if (size(study%centres(k)%corners) == 0) cycle
+            call put('smallest_base_'//trim(side_names(k)), extreme_t(study%centres(k)%base, 0.0_wp, .true.))
+            call put('smallest_x_'//trim(side_names(k)), extreme_t(real(study%centres(k)%smallest, wp), 0.0_wp, .true.))
+            call put('smallest_y_'//trim(side_names(k)), extreme_t(aimag(study%centres(k)%smallest), 0.0_wp, .true.))
+         end do
+         if (study%paths(path_cutter)%found) then
+            call put('cutter_deviation', extreme_t(study%paths(path_cutter)%deviation, 0.0_wp, .true.))
+            call put('cutter_arcs', extreme_t(real(size(study%paths(path_cutter)%arcs), wp), 0.0_wp, .true.))
+            call put('cutter_chords', extreme_t(study%paths(path_cutter)%chords, 0.0_wp, .true.))
+         end if
          if (study%roller%depth > 0.0_wp) call put('crossing_depth', extreme_t(study%roller%depth, study%roller%at, .true.))
          if (study%cutter%depth > 0.0_wp) call put('gouge_depth', extreme_t(study%cutter%depth, study%cutter%at, .true.))
       end associate
+      if (.not. allocated(study%contact)) return
+      if (.not. study%contact%known) return
+      associate (fine => study%fine)
+         call put('force_least', extreme_t(minval(fine%force), 0.0_wp, .true.))
+         call put('force_most', extreme_t(maxval(fine%force), 0.0_wp, .true.))
+         call put('stress', extreme_t(maxval(fine%stress), 0.0_wp, maxval(fine%stress) > 0.0_wp))
+         call put('contact_lost_rpm', extreme_t(fine%lost_speed, fine%lost_at, fine%lost_speed > 0.0_wp))
+      end associate
+      call text%add()
+      call text%add()
+      call text%add('# block contact'//suffix)
+      call text%add('# cam_angle force stress   (N, Pa)')
+      do i = 1, size(study%angle)
+         call text%add(full_precision(study%angle(i))//' '//full_precision(study%contact%force(i))//' '// &
+                       full_precision(study%contact%stress(i)))
+      end do
 
    contains
 

@@ -8,9 +8,14 @@ module psalm_devices
    use psalm_version, only: version
    implicit none (type, external)
    private
-   public :: devices_t, header_of, most_told
+   public :: devices_t, drawing_t, header_of, most_told
 
    integer, parameter :: most_told = 5 !! messages of one kind on standard error; the listing has all
+
+   !> A file beside the devices that belongs to one case.
+   type :: drawing_t
+      character(:), allocatable :: ending, content
+   end type drawing_t
 
    !> Texts of the devices. Cases of one file follow each other.
    type :: devices_t
@@ -22,6 +27,7 @@ module psalm_devices
       type(text_t) :: nine    !! plotting data
       type(text_t) :: json    !! results for other programs: objects, a comma between them
       type(table_t), allocatable :: tables(:) !! for other programs, one a case; not allocated: none
+      type(drawing_t), allocatable :: drawings(:) !! of the cases, by `add_drawing`
       type(text_t) :: notes   !! remarks for standard error
       type(text_t) :: summary !! what the linkage does, for standard error
       integer :: summarised = 0          !! cases met by the summary
@@ -32,6 +38,7 @@ module psalm_devices
       procedure :: remark
       procedure :: detail
       procedure :: note_violation
+      procedure :: add_drawing
    end type devices_t
 
 contains
@@ -83,6 +90,15 @@ contains
 
       call self%notes%add(set%file//':   '//text)
    end subroutine detail
+
+   !> A further file.
+   pure subroutine add_drawing(self, ending, content)
+      class(devices_t), intent(inout) :: self
+      character(*), intent(in) :: ending, content
+
+      if (.not. allocated(self%drawings)) allocate (self%drawings(0))
+      self%drawings = [self%drawings, drawing_t(ending, content)]
+   end subroutine add_drawing
 
    !> Done, but a constraint is violated or a search stopped early.
    pure subroutine note_violation(self)

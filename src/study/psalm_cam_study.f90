@@ -1,22 +1,31 @@
 !> Everything that calm finds of a cam: what cannot be made is found before any work is done. Data in, results out.
 module psalm_cam_study
-   use psalm_cam_group, only: follower_flat
-   use psalm_cam_law, only: law_t, joint_t, make_law, law_made, law_velocity_jumps
+   use psalm_cam_contact, only: contact_t, find_contact
+   use psalm_cam_centres, only: centres_t, admissible_centres
+   use psalm_cam_group, only: cam_group_t, follower_flat
+   use psalm_cam_law, only: law_t, joint_t, make_law, law_made, law_velocity_jumps, law_jerk_jumps
    use psalm_cam_motion, only: cam_trace_t, prepare_cam_motion, fault_none, fault_reach, fault_dead_point
+   use psalm_cam_paths, only: cam_path_t, find_path, path_pitch, path_profile, path_cutter
    use psalm_cam_profile, only: cam_points_t, deepest_interference
    use psalm_cam_shape, only: cam_shape_t, extreme_t, samples_t, measure, sample_turn, find_extreme, measures, measure_pressure, &
                               measure_convex, measure_concave, measure_base, measure_excursion_low, &
                               measure_face_low, measure_face_high
    use psalm_data_set, only: data_set_t
+   use psalm_error, only: problem_t, new_problem
+   use psalm_force_model, only: force_model_t, make_force_model
    use psalm_kinds, only: wp, full_turn
    use psalm_preparation, only: prepared_t
    use psalm_status, only: diagnostics_t
    use psalm_text, only: general, to_text
    implicit none (type, external)
    private
+   public :: role_cam, role_conjugate, role_outer_wall, cams_of, cam_of_role
    public :: cam_study_t, rise_t, interference_t, check_cam, find_cam, way_rise, way_return, way_dwell
 
    integer, parameter :: way_rise = 1, way_return = 2, way_dwell = 3 !! the follower leaves the cam's centre, comes back, rests
+   integer, parameter :: role_cam = 1, role_conjugate = 2, role_outer_wall = 3 !! what of a case a study is of
+   real(wp), parameter :: rounding = 1.0e-9_wp   !! by which a cutter may seem to exceed a hollow
+   integer, parameter :: finer = 4               !! half-planes from one sample to the next
    integer, parameter :: interference_stride = 3 !! samples from one to the next that is compared with all others
 
    !> The largest pressure angle of a segment.
@@ -32,6 +41,7 @@ module psalm_cam_study
    end type interference_t
 
    type :: cam_study_t
+      integer :: role = role_cam
       type(cam_shape_t) :: shape
       type(joint_t), allocatable :: joints(:)        !! of the pieces of the law
       ! table
@@ -45,6 +55,11 @@ module psalm_cam_study
       logical :: undercut = .false.                  !! the roller cannot follow the pitch curve, or a flat face a hollow
       logical :: gouge = .false.                     !! the cutter is larger than a hollow
       type(interference_t) :: roller, cutter
+      type(cam_path_t) :: paths(path_pitch:path_cutter)
+      type(centres_t) :: centres(2)                  !! of a roller: to the left and to the right of its way
+      type(contact_t), allocatable :: contact        !! at the angles of the table; not allocated: no CAMRPM
+      type(contact_t), allocatable :: fine           !! and at those of the samples
+      logical :: lost = .false., stressed = .false.  !! contact is lost at this speed; PHERTZ is not kept
       real(wp) :: least_base = 0.0_wp                !! of a flat face: base radius with which the profile is just convex
       logical :: steep = .false., sharp = .false., face_short = .false. !! ALFMAX, RHOMIN, WFACE are not kept
    contains
@@ -58,7 +73,7 @@ contains
       class(cam_study_t), intent(in) :: self
 
       is_violating = self%undercut .or. self%gouge .or. self%roller%depth > 0.0_wp .or. self%cutter%depth > 0.0_wp .or. &
-                     self%steep .or. self%sharp .or. self%face_short
+                     self%steep .or. self%sharp .or. self%face_short .or. self%lost .or. self%stressed
    end function is_violating
 
    !> Errors: no cam, a law that cannot be made or whose velocity jumps, outputs out of reach, dead points, a linkage that does not
@@ -68,6 +83,7 @@ contains
       type(prepared_t), intent(in) :: prepared
       type(diagnostics_t), intent(inout) :: findings
       type(law_t) :: law
+      type(cam_group_t) :: cam
       type(cam_shape_t), allocatable :: shape     ! large: it would fill a small stack
       type(samples_t) :: samples
       integer :: first
@@ -82,7 +98,8 @@ contains
          return
       end if
       allocate (shape)
-      call prepare_cam_motion(set%cam, law, prepared%mechanism, prepared%given, prepared%parameters, shape%motion)
+      cam = cam_of_role(set%cam, role_cam)
+      call prepare_cam_motion(cam, law, prepared%mechanism, prepared%given, prepared%parameters, shape%motion)
       if (set%cam%of_output) then
          if (set%cam%axis > shape%motion%output%problem%output%kind%components) then
             call complain('KAXIS', 'the output has '//to_text(shape%motion%output%problem%output%kind%components)// &
@@ -96,8 +113,8 @@ contains
             return
          end if
       end if
-      call set_radii(set, shape)
-      call sample_turn(shape, set%cam, samples)
+      call set_radii(cam, shape)
+      call sample_turn(shape, cam, samples)
       first = findloc(samples%states%fault /= fault_none, .true., dim=1)
       if (first > 0) then
          call refuse_motion(set, shape, samples, first, findings)
@@ -130,6 +147,12 @@ contains
       type(joint_t), allocatable :: joints(:)
       integer :: k
 
+      if (law%state == law_jerk_jumps) then
+         call findings%error('segment '//to_text(law%faulty)//': at its end the acceleration or the jerk jumps, and the law of '// &
+                             'a flexible drive takes both into the cam: POLY4567, or a table, is smooth enough', &
+                             line=set%origins%line('CAM', 'LAW', max(1, law%faulty)), group='CAM', item='CAMFRQ')
+         return
+      end if
       if (law%state /= law_velocity_jumps) then
          call findings%error('segment '//to_text(law%faulty)//': no motion of this law meets the ends that are given', &
                              line=set%origins%line('CAM', 'LAW', max(1, law%faulty)), group='CAM', item='LAW')
@@ -178,31 +201,103 @@ contains
       end associate
    end subroutine refuse_motion
 
-   subroutine set_radii(set, shape)
-      type(data_set_t), intent(in) :: set
+   !> What a case has studied: its cam, and the conjugate cam or the outer wall of the track.
+   pure function cams_of(cam) result(roles)
+      type(cam_group_t), intent(in) :: cam
+      integer, allocatable :: roles(:)
+
+      roles = [role_cam]
+      if (cam%conjugate) roles = [roles, role_conjugate]
+      if (cam%track) roles = [roles, role_outer_wall]
+   end function cams_of
+
+   !> The group with the roller and the cutter of a role. The walls of a track are cut with their own width: the cutter runs on the
+   !> pitch curve.
+   pure type(cam_group_t) function cam_of_role(given, role) result(cam)
+      type(cam_group_t), intent(in) :: given
+      integer, intent(in) :: role
+
+      cam = given
+      if (role == role_conjugate) then
+         cam%roller = given%second
+         cam%side = 0
+      end if
+      if (given%track) then
+         cam%roller%radius = given%roller%radius + 0.5_wp*given%clearance
+         cam%cutter = cam%roller%radius
+      else if (.not. given%cutter_given) then
+         cam%cutter = cam%roller%radius
+      end if
+   end function cam_of_role
+
+   !> The other wall of a track.
+   subroutine turn_side(cam, shape, samples)
+      type(cam_group_t), intent(in) :: cam
+      type(cam_shape_t), intent(inout) :: shape
+      type(samples_t), intent(inout) :: samples
+      type(cam_group_t) :: other
+
+      other = cam
+      other%side = -nint(shape%side)
+      call sample_turn(shape, other, samples)
+   end subroutine turn_side
+
+   subroutine set_radii(cam, shape)
+      type(cam_group_t), intent(in) :: cam
       type(cam_shape_t), intent(inout) :: shape
 
-      shape%roller = set%cam%roller%radius
-      shape%cutter = set%cam%cutter
-      shape%face = set%cam%face_angle - set%cam%roller%angle
+      shape%roller = cam%roller%radius
+      shape%cutter = cam%cutter
+      shape%face = cam%face_angle - cam%roller%angle
    end subroutine set_radii
 
+   !> Centres that keep the pressure angle while the follower moves, on both sides of the roller's way.
+   subroutine find_centres(cam, study, samples)
+      type(cam_group_t), intent(in) :: cam
+      type(cam_study_t), intent(inout) :: study
+      type(samples_t), intent(in) :: samples
+      type(cam_trace_t) :: states
+      real(wp) :: angle(finer*size(samples%angle))
+      integer :: piece(finer*size(samples%angle)), next(size(samples%angle)), k
+      logical :: moving(finer*size(samples%angle))
+
+      ! half-planes between the samples too: the polygon's corners lie on their envelope
+      next = [(merge(k + 1, k, samples%piece(min(k + 1, size(next))) == samples%piece(k) .and. k < size(next)), k=1, size(next))]
+      do k = 1, finer
+         piece(k::finer) = samples%piece
+         angle(k::finer) = samples%angle + (real(k - 1, wp)/real(finer, wp))*(samples%angle(next) - samples%angle)
+      end do
+      call study%shape%motion%trace(angle, piece, states)
+      associate (way => study%segments(study%shape%motion%law%pieces(piece)%segment)%way)
+         moving = way == way_rise .or. (way == way_return .and. .not. cam%rise_only)
+      end associate
+      do k = 1, 2
+         call admissible_centres(states, moving, study%shape%axes%sense, real(3 - 2*k, wp), cam%pressure_angle, &
+                                 study%centres(k))
+      end do
+   end subroutine find_centres
+
    !> Study a cam that `check_cam` found no fault with.
-   subroutine find_cam(set, prepared, study)
+   subroutine find_cam(set, prepared, role, study)
       type(data_set_t), intent(in) :: set
       type(prepared_t), intent(in) :: prepared
+      integer, intent(in) :: role                    !! one of `cams_of`
       type(cam_study_t), intent(out) :: study
       type(law_t) :: law
+      type(cam_group_t) :: cam
       type(samples_t) :: samples
       logical, allocatable :: possible(:), all_segments(:)
       integer :: k
 
-      call make_law(set%cam, law)
-      call prepare_cam_motion(set%cam, law, prepared%mechanism, prepared%given, prepared%parameters, study%shape%motion)
-      call set_radii(set, study%shape)
+      study%role = role
+      cam = cam_of_role(set%cam, role)
+      call make_law(cam, law)
+      call prepare_cam_motion(cam, law, prepared%mechanism, prepared%given, prepared%parameters, study%shape%motion)
+      call set_radii(cam, study%shape)
       allocate (study%joints(size(law%pieces)))
       study%joints = law%joints()
-      call sample_turn(study%shape, set%cam, samples)
+      call sample_turn(study%shape, cam, samples)
+      if (role == role_outer_wall) call turn_side(cam, study%shape, samples)
       associate (n => set%cam%points)
          study%angle = [(full_turn*real(k - 1, wp)/real(n, wp), k=1, n)]
       end associate
@@ -212,10 +307,38 @@ contains
          call find_extreme(study%shape, samples, k, all_segments, study%extremes(k))
       end do
       call find_segments(study, samples)
-      call judge_curvature(set, study)
-      if (.not. study%shape%flat) call find_interference(study, samples)
+      call judge_curvature(study)
+      if (.not. study%shape%flat) then
+         if (role /= role_outer_wall) call find_interference(study, samples)
+         call find_centres(cam, study, samples)
+      end if
+      do k = path_pitch, path_cutter
+         call find_path(study%shape, samples, k, cam%tolerance, study%paths(k))
+      end do
       call judge_limits(set, study)
+      if (cam%speed > 0.0_wp .and. role == role_cam) call find_forces(set, prepared, samples, study)
    end subroutine find_cam
+
+   !> Forces at the table's angles, and at the samples for what is extreme.
+   subroutine find_forces(set, prepared, samples, study)
+      type(data_set_t), intent(in) :: set
+      type(prepared_t), intent(in) :: prepared
+      type(samples_t), intent(in) :: samples
+      type(cam_study_t), intent(inout) :: study
+      type(force_model_t) :: model
+      type(diagnostics_t) :: unused
+      type(problem_t), allocatable :: problem        ! large: it would fill a small stack
+      real(wp) :: roller
+
+      call make_force_model(set, prepared%mechanism, prepared%given, model, unused)
+      allocate (problem, study%contact, study%fine)
+      call new_problem(prepared%mechanism, prepared%given, prepared%parameters, [0.0_wp], .true., problem)
+      roller = merge(0.0_wp, study%shape%roller, study%shape%flat)
+      call find_contact(set%cam, model, problem, samples%states, samples%points, roller, study%fine)
+      call find_contact(set%cam, model, problem, study%states, study%points, roller, study%contact)
+      study%lost = any(study%fine%force < 0.0_wp) .and. .not. (set%cam%conjugate .or. set%cam%track)
+      study%stressed = set%cam%stress > 0.0_wp .and. maxval(study%fine%stress) > set%cam%stress
+   end subroutine find_forces
 
    subroutine find_segments(study, samples)
       type(cam_study_t), intent(inout) :: study
@@ -241,8 +364,7 @@ contains
    end subroutine find_segments
 
    !> Curvatures become radii; what they forbid.
-   subroutine judge_curvature(set, study)
-      type(data_set_t), intent(in) :: set
+   subroutine judge_curvature(study)
       type(cam_study_t), intent(inout) :: study
       real(wp) :: hollow_radius
 
@@ -264,7 +386,7 @@ contains
          if (study%hollow) then
             e(measure_concave)%value = -1.0_wp/e(measure_concave)%value - r
             hollow_radius = -e(measure_concave)%value
-            study%gouge = set%cam%cutter > hollow_radius
+            study%gouge = study%shape%cutter > hollow_radius*(1.0_wp + rounding)
          end if
       end associate
    end subroutine judge_curvature
@@ -310,7 +432,8 @@ contains
       type(cam_study_t), intent(inout) :: study
 
       associate (e => study%extremes)
-         study%steep = e(measure_pressure)%value > set%cam%pressure_angle
+         study%steep = any(study%segments%pressure%value > set%cam%pressure_angle .and. &
+                           (study%segments%way == way_rise .or. .not. set%cam%rise_only))
          study%sharp = set%cam%least_radius > 0.0_wp .and. e(measure_convex)%found .and. &
                        e(measure_convex)%value < set%cam%least_radius
          if (set%cam%kind /= follower_flat) return
