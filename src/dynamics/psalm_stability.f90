@@ -33,7 +33,7 @@ contains
       logical :: ok
 
       allocate (b%low(0:last), b%high(0:last))
-      waves = max(fewest_waves, last + min(f%highest(target), most_waves/4))
+      waves = max(fewest_waves, (last + 1)/2 + min(f%highest(target), most_waves/4))
       call eigenvalues(f, last, waves, before, ok)
       do while (ok)
          waves = waves + waves/2
