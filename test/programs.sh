@@ -176,7 +176,7 @@ check 'kalm: 600 rev/min is 20 pi rad/s; velocity of the yoke at 90 degrees is -
 check 'kalm: mechanical advantage is infinite where the output rests' grep -q 'INFINITE' out
 check 'kalm: arcs and joints on device 8' grep -q 'JOINT AT THE END OF ARC' yoke.kalm.dev8
 status 0 'psalm skips RATES' "$psalm" yoke.nml
-check 'psalm skips RATES: device 8 says so' grep -qx ' GROUPS THAT PSALM DOES NOT READ: &RATES (kalm balm ssics muscle calm)' yoke.dev8
+check 'psalm skips RATES: device 8 says so' grep -qx ' GROUPS THAT PSALM DOES NOT READ: &RATES (kalm balm ssics muscle calm bridge)' yoke.dev8
 cp yoke.dev7 yoke_again.nml
 "$bin/kalm" --quiet yoke.nml >first.lst
 status 0 'device 7 keeps the groups of other programs' "$bin/kalm" --quiet yoke_again.nml

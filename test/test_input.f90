@@ -237,7 +237,7 @@ contains
       call t%equal_integer(findings%count, 1, 'a misspelt group is not missing too')
       call read_text(whole//' &RATES SPEED=3 &END &USERNOTES A=1 &END'//nl)
       call t%equal_integer(findings%exit_code(), 0, 'groups of a sister program and of the user')
-      call t%equal_text(sets(1)%skipped, '&RATES (kalm balm ssics muscle calm), &USERNOTES', 'skipped groups are named')
+      call t%equal_text(sets(1)%skipped, '&RATES (kalm balm ssics muscle calm bridge), &USERNOTES', 'skipped groups are named')
       call t%is_true(index(sets(1)%others, 'SPEED=3') > 0 .and. index(sets(1)%others, 'USERNOTES') > 0, 'and kept')
       do i = 1, size(known_groups)
          if (index(known_groups(i)%programs, 'psalm') == 0) cycle

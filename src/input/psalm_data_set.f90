@@ -8,6 +8,7 @@ module psalm_data_set
    use psalm_balance_group, only: balance_group_t, read_balance_group
    use psalm_cam_group, only: cam_group_t, read_cam_group
    use psalm_chain_group, only: read_chain_group
+   use psalm_clearance_group, only: clearance_group_t, read_clearance_group
    use psalm_constraint_group, only: constraint_group_t, read_constraint_group
    use psalm_friction_group, only: friction_group_t, read_friction_group
    use psalm_drives_group, only: read_drives_group
@@ -127,6 +128,7 @@ module psalm_data_set
       type(estimate_group_t) :: estimates  !! ESTIM
       type(drive_group_t) :: drive         !! DRIVEL
       type(hill_group_t) :: hill           !! HILL
+      type(clearance_group_t) :: clearance !! CLEAR, read for bridge only
       type(balance_group_t) :: balance     !! BALANC (this and the next are read for muscle only)
       type(spring_design_group_t) :: spring_design !! SPRNGS
       type(cam_group_t) :: cam             !! CAM (read for calm only)
@@ -232,11 +234,12 @@ contains
       type(diagnostics_t), intent(inout) :: findings
       integer, parameter :: links = 1, method = 2, limits = 3, search = 4, constr = 5, toler = 6, rates = 7, chain = 8, &
                             drives = 9, outputs = 10, masses = 11, loads = 12, spring = 13, frictn = 14, motor = 15, &
-                            vibr = 16, estim = 17, drivel = 18, hill = 19, balanc = 20, cam = 21, sprngs = 22
+                            vibr = 16, estim = 17, drivel = 18, hill = 19, balanc = 20, cam = 21, sprngs = 22, &
+                            clear = 23
       character(*), parameter :: names(*) = [character(name_length) :: 'LINKS', 'METHOD', 'LIMITS', 'SEARCH', 'CONSTR', &
                                              'TOLER', 'RATES', 'CHAIN', 'DRIVES', 'OUTPUTS', 'MASSES', 'LOADS', 'SPRING', &
                                              'FRICTN', 'MOTOR', 'VIBR', 'ESTIM', 'DRIVEL', 'HILL', 'BALANC', &
-                                             'CAM', 'SPRNGS']
+                                             'CAM', 'SPRNGS', 'CLEAR']
       type(group_t) :: groups(size(names))
       type(diagnostics_t) :: unused
       logical :: shape_known, sketch_sound
@@ -299,6 +302,7 @@ contains
       call read_estimate_group(groups(estim), set%ilink, set%estimates, findings)
       call read_drive_group(groups(drivel), set%drive, findings)
       call read_hill_group(groups(hill), set%hill, findings)
+      call read_clearance_group(groups(clear), set%ilink, set%clearance, findings)
       call read_balance_group(groups(balanc), set%ilink, set%sketch, set%balance, findings)
       call read_spring_design_group(groups(sprngs), set%ilink, set%sketch, set%spring_design, findings)
       call read_cam_group(groups(cam), set%ilink, set%cam, findings)

@@ -15,20 +15,20 @@ module psalm_group_table
    end type known_group_t
 
    type(known_group_t), parameter :: known_groups(*) = [ &
-      known_group_t('LINKS', 'psalm kalm balm ssics muscle calm'), &
-      known_group_t('METHOD', 'psalm kalm balm ssics muscle calm'), &
-      known_group_t('LIMITS', 'psalm kalm balm ssics muscle calm'), &
-      known_group_t('SEARCH', 'psalm kalm balm ssics muscle calm'), &
-      known_group_t('CONSTR', 'psalm kalm balm ssics muscle calm'), &
-      known_group_t('TOLER', 'psalm kalm balm ssics muscle calm'), &
-      known_group_t('RATES', 'kalm balm ssics muscle calm'), &
-      known_group_t('CHAIN', 'psalm kalm balm ssics muscle calm'), &
-      known_group_t('DRIVES', 'psalm kalm balm ssics muscle calm'), &
-      known_group_t('OUTPUTS', 'psalm kalm balm ssics muscle calm'), &
-      known_group_t('MASSES', 'kalm balm ssics muscle calm'), &
-      known_group_t('LOADS', 'kalm balm ssics muscle calm'), &
-      known_group_t('SPRING', 'kalm balm ssics muscle calm'), &
-      known_group_t('FRICTN', 'kalm balm ssics muscle calm'), &
+      known_group_t('LINKS', 'psalm kalm balm ssics muscle calm bridge'), &
+      known_group_t('METHOD', 'psalm kalm balm ssics muscle calm bridge'), &
+      known_group_t('LIMITS', 'psalm kalm balm ssics muscle calm bridge'), &
+      known_group_t('SEARCH', 'psalm kalm balm ssics muscle calm bridge'), &
+      known_group_t('CONSTR', 'psalm kalm balm ssics muscle calm bridge'), &
+      known_group_t('TOLER', 'psalm kalm balm ssics muscle calm bridge'), &
+      known_group_t('RATES', 'kalm balm ssics muscle calm bridge'), &
+      known_group_t('CHAIN', 'psalm kalm balm ssics muscle calm bridge'), &
+      known_group_t('DRIVES', 'psalm kalm balm ssics muscle calm bridge'), &
+      known_group_t('OUTPUTS', 'psalm kalm balm ssics muscle calm bridge'), &
+      known_group_t('MASSES', 'kalm balm ssics muscle calm bridge'), &
+      known_group_t('LOADS', 'kalm balm ssics muscle calm bridge'), &
+      known_group_t('SPRING', 'kalm balm ssics muscle calm bridge'), &
+      known_group_t('FRICTN', 'kalm balm ssics muscle calm bridge'), &
       known_group_t('MOTOR', 'kalm balm'), &
       known_group_t('VIBR', 'balm ssics'), &
       known_group_t('ESTIM', 'ssics'), &
@@ -36,7 +36,8 @@ module psalm_group_table
       known_group_t('HILL', 'ssics'), &
       known_group_t('BALANC', 'muscle'), &
       known_group_t('CAM', 'calm'), &
-      known_group_t('SPRNGS', 'muscle')]
+      known_group_t('SPRNGS', 'muscle'), &
+      known_group_t('CLEAR', 'bridge')]
 
    character(*), parameter :: everything = '*' !! in place of a program: who reads all groups that a program of the suite reads
    character(*), parameter :: users = 'USER' !! groups whose names begin so are the user's own

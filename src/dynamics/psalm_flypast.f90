@@ -1,0 +1,385 @@
+!> A joint with clearance at a minimum of its load: the standard flypast of Haines, chapters 3 and 4.
+!>
+!> Near a minimum R_u of the load its component across, R_v, passes through zero at a steady rate R'_v. With T = R_v/R_u as time the
+!> pin, in contact with its hole at the angle atan T - a (a: the lag), obeys one equation with three parameters:
+!> H1 = R_u/(R'_v**2 e M0)**(1/3), H2 = 2 eta (the axis of the inertia felt at the joint) and H3 = eps, its difference along and
+!> across. Where the force of contact becomes negative the pin leaves its hole, flies freely, and strikes.
+module psalm_flypast
+   use psalm_kinds, only: wp, pi
+   use psalm_ode, only: ode_t, one_step, advance, next_step
+   implicit none (type, external)
+   private
+   public :: flypast_t, flight_t, loss_range_t, follow_flypast, fly, loss_ranges, outermost_loss, most_minima
+
+   integer, parameter :: most_minima = 6            !! of the force: contact is judged by the passage and five after it
+   real(wp), parameter :: first_time = -40.0_wp     !! T at which following begins: from -10 on figures still move
+   real(wp), parameter :: last_time = 400.0_wp      !! T by which all minima have come, at most;
+   real(wp), parameter :: settling = 40.0_wp        !! sooner where H1 is large: settling/H1 after T = 20
+   real(wp), parameter :: tolerance = 1.0e-9_wp     !! of a step, absolute in a and a'
+   real(wp), parameter :: shortest = 1.0e-9_wp      !! step, in T
+   real(wp), parameter :: located = 1.0e-12_wp      !! events are located to this part of T
+   integer, parameter :: most_steps = 400000
+
+   !> What the contact does. Forces are parts of R_u.
+   type :: flypast_t
+      real(wp) :: minima(most_minima) = 0.0_wp      !! of the force, in their order: the first is the passage
+      integer :: found = 0                          !! how many there are
+      logical :: lost = .false.                     !! one of the first six is negative
+      integer :: at = 0                             !! the first that is
+      real(wp) :: loss(3) = 0.0_wp                  !! T, a, a' where the force becomes zero for the first time
+      logical :: ok = .false.                       !! false: it could not be followed
+   end type flypast_t
+
+   !> Free flight and the first impact. Lengths are parts of the radial clearance e, times those of T.
+   type :: flight_t
+      real(wp) :: duration = 0.0_wp
+      real(wp) :: angle = 0.0_wp                    !! of the pin in the hole at the impact, from the least force
+      real(wp) :: across = 0.0_wp                   !! speed towards the wall, VN
+      real(wp) :: along = 0.0_wp                    !! and along it, VT
+      real(wp) :: index = 0.0_wp                    !! of the impulse: impulse = (M0 R'_v e/R_u) index (1 + restitution)
+      logical :: ok = .false.                       !! false: no impact follows
+   end type flight_t
+
+   !> A range of H1 within which contact is lost.
+   type :: loss_range_t
+      real(wp) :: from = 0.0_wp, to = 0.0_wp
+      integer :: minimum = 0                        !! the minimum of the force that is lost at its upper end
+   end type loss_range_t
+
+   !> The equation of the lag a.
+   type, extends(ode_t) :: lag_t
+      real(wp) :: h1, h2, h3
+   contains
+      procedure :: rates
+      procedure :: force
+   end type lag_t
+
+contains
+
+   !> (a, a')' by T.
+   pure function rates(self, time, y) result(d)
+      class(lag_t), intent(in) :: self
+      real(wp), intent(in) :: time, y(2)
+      real(wp) :: d(2), q, p
+
+      q = 1.0_wp + time*time
+      p = 2.0_wp*y(1) - 2.0_wp*atan(time) - self%h2
+      d(1) = y(2)
+      d(2) = -2.0_wp*time/q**2 + (self%h3*(y(2) - 1.0_wp/q)**2*sin(p) - self%h1**3*sqrt(q)*sin(y(1)))/(1.0_wp + self%h3*cos(p))
+   end function rates
+
+   !> Force of contact over R_u.
+   pure real(wp) function force(self, time, y)
+      class(lag_t), intent(in) :: self
+      real(wp), intent(in) :: time, y(2)
+      real(wp) :: d(2), q, p
+
+      q = 1.0_wp + time*time
+      p = 2.0_wp*y(1) - 2.0_wp*atan(time) - self%h2
+      d = self%rates(time, y)
+      force = sqrt(q)*cos(y(1)) + ((y(2) - 1.0_wp/q)**2*(1.0_wp - self%h3*cos(p)) &
+                                   - self%h3*(2.0_wp*time/q**2 + d(2))*sin(p))/self%h1**3
+   end function force
+
+   !> Follow the contact from T = -40 through the minimum. Errors: `ok` false if H1 <= 0, H3 is not in [0, 1), or the equation
+   !> cannot be followed.
+   pure function follow_flypast(h1, h2, h3, from) result(flypast)
+      real(wp), intent(in) :: h1                    !! positive
+      real(wp), intent(in) :: h2                    !! radians
+      real(wp), intent(in) :: h3                    !! 0 <= H3 < 1
+      real(wp), intent(in), optional :: from        !! T at which to begin; -40 if not given
+      type(flypast_t) :: flypast
+      type(lag_t) :: lag
+      real(wp) :: t, last, a(2), step, next(2), taken, forces(3), times(3), states(2, 3), least, gap, period
+      integer :: i
+
+      if (.not. (h1 > 0.0_wp .and. h3 >= 0.0_wp .and. h3 < 1.0_wp)) return
+      lag = lag_t(h1, h2, h3)
+      last = min(last_time, 0.5_wp*settling + settling/h1)
+      t = first_time
+      if (present(from)) t = from
+      a = [quiet_lag(), 0.0_wp]
+      step = 0.01_wp/h1
+      times = t
+      states = spread(a, 2, 3)
+      forces = lag%force(t, a)
+      do i = 1, most_steps
+         ! a minimum must not hide within a step
+         period = 2.0_wp*pi/sqrt(h1**3*sqrt(1.0_wp + t*t)/(1.0_wp - h3) + 1.0_wp)
+         step = min(step, 0.05_wp*period)
+         call advance(lag, t, a, step, tolerance, shortest, next, taken, gap)
+         if (taken <= shortest) return
+         if (flypast%loss(1) <= 0.0_wp .and. .not. any(abs(flypast%loss) > 0.0_wp)) then
+            if (lag%force(t + taken, next) < 0.0_wp) flypast%loss = loss_between(t, a, taken)
+         end if
+         times = [times(2:), t + taken]
+         states(:, :2) = states(:, 2:)
+         states(:, 3) = next
+         forces = [forces(2:), lag%force(t + taken, next)]
+         if (forces(2) < forces(1) .and. forces(2) <= forces(3)) then
+            least = least_within(times(3) - times(1))
+            flypast%found = flypast%found + 1
+            flypast%minima(flypast%found) = least
+            if (least < 0.0_wp .and. .not. flypast%lost) then
+               flypast%lost = .true.
+               flypast%at = flypast%found
+            end if
+            if (flypast%found == most_minima) exit
+         end if
+         t = t + taken
+         a = next
+         step = next_step(taken, gap, tolerance)
+         if (t > last) exit
+      end do
+      flypast%ok = flypast%found == most_minima .or. t > last
+
+   contains
+
+      !> Lag without swinging: a'' = 0 at a' = 0, the root near zero by damped Newton's method.
+      pure real(wp) function quiet_lag() result(angle)
+         real(wp), parameter :: longest = 0.2_wp, small = 1.0e-6_wp
+         real(wp) :: d(2), slope, move
+         integer :: k
+
+         angle = 0.0_wp
+         do k = 1, 200
+            d = lag%rates(t, [angle, 0.0_wp])
+            move = d(2)
+            d = lag%rates(t, [angle + small, 0.0_wp])
+            slope = (d(2) - move)/small
+            if (abs(slope) <= tiny(slope)) return
+            move = -move/slope
+            move = sign(min(abs(move), longest), move)
+            angle = angle + move
+            if (abs(move) < 1.0e-13_wp) return
+         end do
+      end function quiet_lag
+
+      !> T, a, a' where the force passes zero within a step, by bisection.
+      pure function loss_between(time, start, h) result(place)
+         real(wp), intent(in) :: time, start(2), h
+         real(wp) :: place(3), low, high, middle, state(2), unused
+
+         low = 0.0_wp
+         high = h
+         do while (high - low > located*max(1.0_wp, abs(time)))
+            middle = 0.5_wp*(low + high)
+            call one_step(lag, time, start, middle, state, unused)
+            if (lag%force(time + middle, state) < 0.0_wp) then
+               high = middle
+            else
+               low = middle
+            end if
+         end do
+         call one_step(lag, time, start, low, state, unused)
+         place = [time + low, state]
+      end function loss_between
+
+      !> Least force within two steps, by the golden section.
+      pure real(wp) function least_within(h) result(least)
+         real(wp), intent(in) :: h
+         real(wp), parameter :: ratio = 0.5_wp*(sqrt(5.0_wp) - 1.0_wp)
+         real(wp) :: low, high, x1, x2, f1, f2
+         integer :: k
+
+         low = 0.0_wp
+         high = h
+         x1 = high - ratio*(high - low)
+         x2 = low + ratio*(high - low)
+         f1 = force_after(x1)
+         f2 = force_after(x2)
+         do k = 1, 24
+            if (f1 < f2) then
+               high = x2
+               x2 = x1
+               f2 = f1
+               x1 = high - ratio*(high - low)
+               f1 = force_after(x1)
+            else
+               low = x1
+               x1 = x2
+               f1 = f2
+               x2 = low + ratio*(high - low)
+               f2 = force_after(x2)
+            end if
+         end do
+         least = min(f1, f2)
+      end function least_within
+
+      pure real(wp) function force_after(h)
+         real(wp), intent(in) :: h
+         real(wp) :: state(2), unused
+
+         call one_step(lag, times(1), states(:, 1), h, state, unused)
+         force_after = lag%force(times(1) + h, state)
+      end function force_after
+   end function follow_flypast
+
+   !> Flight from the place where contact was lost to the first impact. Errors: `ok` false if no impact follows.
+   !>
+   !> The pin's path is a cubic in the time d. At the loss the distance to the wall and its first two derivatives vanish, so that of
+   !> the sextic u**2 + v**2 = 1 a cubic is left, whose least positive root is the impact.
+   pure function fly(h1, h2, h3, loss) result(flight)
+      real(wp), intent(in) :: h1, h2, h3
+      real(wp), intent(in) :: loss(3)               !! T, a, a'
+      type(flight_t) :: flight
+      real(wp) :: u(0:3), v(0:3), c(3:6), k, angle, turning, d, vu, vv
+
+      angle = atan(loss(1)) - loss(2)
+      turning = 1.0_wp/(1.0_wp + loss(1)**2) - loss(3)
+      k = h1**3/(1.0_wp - h3**2)
+      u = [cos(angle), -turning*sin(angle), 0.5_wp*k*(1.0_wp + h3*cos(h2) - loss(1)*h3*sin(h2)), -k*h3*sin(h2)/6.0_wp]
+      v = [sin(angle), turning*cos(angle), 0.5_wp*k*(-h3*sin(h2) + loss(1)*(1.0_wp - h3*cos(h2))), &
+           k*(1.0_wp - h3*cos(h2))/6.0_wp]
+      c(3) = 2.0_wp*(u(0)*u(3) + u(1)*u(2) + v(0)*v(3) + v(1)*v(2))
+      c(4) = u(2)**2 + 2.0_wp*u(1)*u(3) + v(2)**2 + 2.0_wp*v(1)*v(3)
+      c(5) = 2.0_wp*(u(2)*u(3) + v(2)*v(3))
+      c(6) = u(3)**2 + v(3)**2
+      d = least_positive_root(c)
+      if (.not. d > 0.0_wp) return
+      vu = u(1) + d*(2.0_wp*u(2) + d*3.0_wp*u(3))
+      vv = v(1) + d*(2.0_wp*v(2) + d*3.0_wp*v(3))
+      flight%duration = d
+      flight%angle = atan2(v(0) + d*(v(1) + d*(v(2) + d*v(3))), u(0) + d*(u(1) + d*(u(2) + d*u(3))))
+      flight%across = vu*cos(flight%angle) + vv*sin(flight%angle)
+      flight%along = vv*cos(flight%angle) - vu*sin(flight%angle)
+      flight%index = (1.0_wp - h3**2)*flight%across/(1.0_wp + h3*cos(h2 + 2.0_wp*flight%angle))
+      flight%ok = .true.
+   end function fly
+
+   !> Of c(3) + c(4) d + c(5) d**2 + c(6) d**3, c(6) > 0; 0 if there is none. Between the turning points the cubic is monotone.
+   pure real(wp) function least_positive_root(c) result(root)
+      real(wp), intent(in) :: c(3:6)
+      real(wp) :: ends(4), half, square, bound
+      integer :: i
+
+      root = 0.0_wp
+      if (.not. c(6) > 0.0_wp) return
+      bound = 1.0_wp + maxval(abs(c(3:5)))/c(6) ! Cauchy's
+      half = -c(5)/(3.0_wp*c(6))
+      square = half*half - c(4)/(3.0_wp*c(6))
+      ends = [0.0_wp, bound, bound, bound]
+      if (square > 0.0_wp) then
+         ends(2) = min(bound, max(0.0_wp, half - sqrt(square)))
+         ends(3) = min(bound, max(0.0_wp, half + sqrt(square)))
+      end if
+      do i = 1, 3
+         if (ends(i + 1) <= ends(i)) cycle
+         if (value_at(ends(i))*value_at(ends(i + 1)) > 0.0_wp) cycle
+         root = root_between(ends(i), ends(i + 1))
+         if (root > 0.0_wp) return
+      end do
+
+   contains
+
+      pure real(wp) function value_at(d)
+         real(wp), intent(in) :: d
+
+         value_at = c(3) + d*(c(4) + d*(c(5) + d*c(6)))
+      end function value_at
+
+      pure real(wp) function root_between(from, to) result(middle)
+         real(wp), intent(in) :: from, to
+         real(wp) :: low, high
+         integer :: k
+
+         low = from
+         high = to
+         do k = 1, digits(1.0_wp) + 12
+            middle = 0.5_wp*(low + high)
+            if (value_at(middle)*value_at(from) > 0.0_wp .or. (middle <= from)) then
+               low = middle
+            else
+               high = middle
+            end if
+         end do
+         middle = 0.5_wp*(low + high)
+      end function root_between
+   end function least_positive_root
+
+   !> The H1 beyond which contact is kept; 0 if it is kept at all of them. A lost region narrower than `scan` may be missed.
+   pure real(wp) function outermost_loss(h2, h3) result(outermost)
+      real(wp), intent(in) :: h2, h3
+      real(wp), parameter :: farthest = 2.0_wp, scan = 0.05_wp, exactly = 1.0e-5_wp
+      type(flypast_t) :: here
+      real(wp) :: low, high
+      integer :: i
+
+      outermost = 0.0_wp
+      do i = 0, nint(farthest/scan) - 1
+         low = farthest - scan*real(i, wp)
+         here = follow_flypast(low, h2, h3)
+         if (here%lost) exit
+      end do
+      if (.not. here%lost) return
+      high = low + scan
+      do while (high - low > exactly*high)
+         outermost = 0.5_wp*(low + high)
+         here = follow_flypast(outermost, h2, h3)
+         if (here%lost) then
+            low = outermost
+         else
+            high = outermost
+         end if
+      end do
+      outermost = 0.5_wp*(low + high)
+   end function outermost_loss
+
+   !> Ranges of H1 between two ends within which contact is lost, in ascending order: a radial line of the chart may cut the lost
+   !> region more than once. What is narrower than `step` may be missed.
+   pure function loss_ranges(h2, h3, least, greatest, step) result(ranges)
+      real(wp), intent(in) :: h2, h3
+      real(wp), intent(in) :: least, greatest       !! of H1
+      real(wp), intent(in) :: step                  !! at which H1 is looked at
+      type(loss_range_t), allocatable :: ranges(:)
+      type(flypast_t) :: here
+      real(wp) :: h1, before, from
+      logical :: lost, was
+      integer :: i, steps, minimum
+
+      allocate (ranges(0))
+      steps = ceiling((greatest - least)/step)
+      was = .false.
+      from = least
+      before = least
+      minimum = 0
+      do i = 0, steps
+         h1 = least + (greatest - least)*real(i, wp)/real(max(steps, 1), wp)
+         here = follow_flypast(h1, h2, h3)
+         lost = here%lost
+         if (lost .and. .not. was) then
+            from = least
+            if (i > 0) from = border(before, h1, .false.)
+         else if (was .and. .not. lost) then
+            ranges = [ranges, loss_range_t(from, border(before, h1, .true.), minimum)]
+         end if
+         if (lost) minimum = here%at
+         was = lost
+         before = h1
+      end do
+      if (was) ranges = [ranges, loss_range_t(from, greatest, minimum)]
+
+   contains
+
+      !> Where loss begins or ends.
+      pure real(wp) function border(a, b, lost_first)
+         real(wp), intent(in) :: a, b
+         logical, intent(in) :: lost_first
+         type(flypast_t) :: there
+         real(wp) :: low, high
+
+         low = a
+         high = b
+         do while (high - low > 1.0e-7_wp*high)
+            border = 0.5_wp*(low + high)
+            there = follow_flypast(border, h2, h3)
+            if (there%lost .eqv. lost_first) then
+               low = border
+            else
+               high = border
+            end if
+         end do
+         border = 0.5_wp*(low + high)
+      end function border
+   end function loss_ranges
+end module psalm_flypast

@@ -1,0 +1,61 @@
+!> The group CLEAR: a revolute joint with clearance.
+module psalm_clearance_group
+   use psalm_group, only: group_t, check_range, out_of, required
+   use psalm_kinds, only: wp
+   use psalm_link_place, only: place_t, read_places
+   use psalm_status, only: diagnostics_t
+   implicit none (type, external)
+   private
+   public :: clearance_group_t, read_clearance_group
+
+   integer, parameter :: fewest_points = 32, most_points = 4096, most_speeds = 10000
+
+   type :: clearance_group_t
+      logical :: given = .false.
+      type(place_t) :: joint                   !! CLINK, CLOOP: the end of an arc that is the joint
+      real(wp) :: diametral = 0.0_wp           !! CDIAM: diametral clearance, user's length
+      real(wp) :: restitution = 0.0_wp         !! CREST
+      real(wp) :: begin = 0.0_wp               !! CBEGIN: input at which following begins, degrees from the reference position
+      logical :: begins = .false.              !! it is given; else following begins where the load is largest
+      real(wp) :: slowest = 0.0_wp, fastest = 0.0_wp !! CSPLOW, CSPHGH: rad/s
+      integer :: speeds = 0                    !! NCSPED: speeds in this range
+      integer :: points = 512                  !! NCPNT: positions in a turn
+   end type clearance_group_t
+
+contains
+
+   !> Read the group. Errors: an arc that is not there, no clearance, numbers out of range.
+   subroutine read_clearance_group(group, ilink, clearance, findings)
+      type(group_t), intent(inout) :: group
+      integer, intent(in) :: ilink(:, :)       !! ILINK, shape (maxarc, nloop)
+      type(clearance_group_t), intent(inout) :: clearance
+      type(diagnostics_t), intent(inout) :: findings
+      type(place_t) :: places(1)
+
+      clearance%given = group%line > 0
+      call read_places(group, 'C', ilink, places, findings, ends_only=.true.)
+      clearance%joint = places(1)
+      call group%get_real('CDIAM', clearance%diametral, findings)
+      call group%get_real('CREST', clearance%restitution, findings)
+      call group%get_real('CBEGIN', clearance%begin, findings)
+      clearance%begins = group%given('CBEGIN')
+      call group%get_real('CSPLOW', clearance%slowest, findings)
+      call group%get_real('CSPHGH', clearance%fastest, findings)
+      call group%get_integer('NCSPED', clearance%speeds, findings)
+      call check_range(group, 'NCSPED', clearance%speeds, 0, most_speeds, findings)
+      call group%get_integer('NCPNT', clearance%points, findings)
+      call check_range(group, 'NCPNT', clearance%points, fewest_points, most_points, findings)
+      if (.not. clearance%given) return
+      if (.not. group%given('CDIAM')) then
+         call required(group, 'CDIAM', 'missing; the diametral clearance, in units of length')
+      else if (.not. clearance%diametral > 0.0_wp) then
+         call out_of(group, 'CDIAM', 'must be above 0: without clearance contact is never lost', findings)
+      end if
+      if (clearance%restitution < 0.0_wp .or. clearance%restitution > 1.0_wp) then
+         call out_of(group, 'CREST', 'must lie between 0 and 1', findings)
+      end if
+      if (clearance%speeds == 0) return
+      if (.not. clearance%slowest > 0.0_wp) call out_of(group, 'CSPLOW', 'speeds must be above 0', findings)
+      if (clearance%fastest < clearance%slowest) call out_of(group, 'CSPHGH', 'must not be below CSPLOW', findings)
+   end subroutine read_clearance_group
+end module psalm_clearance_group

@@ -1,0 +1,218 @@
+!> A joint with clearance in the listing, on device 9, in remarks and in the exit status. Nothing is computed here.
+module psalm_clearance_report
+   use psalm_clearance_study, only: clearance_study_t, flypast_of_joint_t, verdict_kept, verdict_lost
+   use psalm_data_set, only: data_set_t
+   use psalm_devices, only: devices_t
+   use psalm_kinds, only: wp, degrees_per_radian, full_turn, pi
+   use psalm_mechanism, only: mechanism_t
+   use psalm_text, only: text_t, full_precision, general, to_text
+   implicit none (type, external)
+   private
+   public :: report_clearance
+
+   real(wp), parameter :: rpm_per_speed = 30.0_wp/pi !! revolutions per minute of 1 rad/s
+
+contains
+
+   !> Listing, device 9, remarks, exit status.
+   subroutine report_clearance(set, mechanism, study, devices)
+      type(data_set_t), intent(in) :: set
+      type(mechanism_t), intent(in) :: mechanism
+      type(clearance_study_t), intent(in) :: study
+      type(devices_t), intent(inout) :: devices
+      integer :: k
+
+      call devices%six%add(' '//set%title)
+      if (hindered(set, mechanism, study, devices)) return
+      call list_minima(mechanism, study, devices%six)
+      call list_following(study, devices%six)
+      call list_speeds(study, devices%six)
+      call plot(study, devices%nine)
+      do k = 1, size(study%minima)
+         if (study%minima(k)%verdict == verdict_kept) cycle
+         call devices%note_violation()
+         call devices%remark(set, 'joint '//mechanism%joints(study%joint)%name//' loses contact near input'// &
+                             general(study%minima(k)%input)//' degrees after the reference')
+      end do
+      if (.not. study%followed) then
+         call devices%note_violation()
+         call devices%remark(set, 'the contact could not be followed through the turn: the load passes through zero')
+      end if
+   end subroutine report_clearance
+
+   !> True if there is nothing to report but what hinders.
+   logical function hindered(set, mechanism, study, devices)
+      type(data_set_t), intent(in) :: set
+      type(mechanism_t), intent(in) :: mechanism
+      type(clearance_study_t), intent(in) :: study
+      type(devices_t), intent(inout) :: devices
+      character(:), allocatable :: words
+
+      hindered = .true.
+      if (study%load%trouble > 0) then
+         words = 'the crank cannot make a full turn: the linkage does not close'
+         if (study%load%closes) words = 'loop '//to_text(study%load%loop)//' passes a dead point'
+         words = words//at_position(study%load%trouble)
+      else if (study%load%loose > 0) then
+         words = 'with joint '//mechanism%joints(study%joint)%name//' taken apart the links are not held'// &
+                 at_position(study%load%loose)
+      else if (study%massless) then
+         words = 'nothing moves with the pin of joint '//mechanism%joints(study%joint)%name//' but links without mass: give &MASSES'
+      else if (study%rank_one) then
+         words = 'the inertia at joint '//mechanism%joints(study%joint)%name//' is almost of one direction only, its links '// &
+                 'in line or one of them without mass: the study of contact does not hold'
+      else
+         hindered = .false.
+         return
+      end if
+      call devices%six%add(' NO STUDY OF CONTACT: '//words)
+      call devices%remark(set, words)
+      call devices%note_violation()
+
+   contains
+
+      function at_position(position) result(text)
+         integer, intent(in) :: position
+         character(:), allocatable :: text
+
+         text = ' at'//general(study%load%sense*full_turn*real(position - 1, wp)/real(set%clearance%points, wp))// &
+                ' degrees after the reference'
+      end function at_position
+   end function hindered
+
+   subroutine list_minima(mechanism, study, text)
+      type(mechanism_t), intent(in) :: mechanism
+      type(clearance_study_t), intent(in) :: study
+      type(text_t), intent(inout) :: text
+      integer :: k
+
+      call text%add()
+      call text%add(' JOINT '//mechanism%joints(study%joint)%name//' WITH CLEARANCE: SI UNITS, ANGLES IN DEGREES')
+      call text%add(' DIAMETRAL CLEARANCE'//general(study%diametral))
+      call text%add(' MINIMA OF THE NOMINAL LOAD, EACH AS A FLYPAST')
+      call text%add('     INPUT          LOAD           RATE           M0             EPS            H1             H2'// &
+                    '       VERDICT')
+      do k = 1, size(study%minima)
+         associate (m => study%minima(k))
+            call text%add(general(m%input)//general(m%load)//general(m%rate)//general(m%mass)//general(m%h3)//general(m%h1)// &
+                          general(m%h2)//'   '//verdict(m))
+            if (m%verdict == verdict_lost .and. m%flight%ok) then
+               call text%add('   LOST AT T ='//general(m%contact%loss(1))//', FLIGHT OF'//general(m%duration)//' S, IMPACT AT'// &
+                             general(m%across)//' M/S ACROSS,'//general(m%along)//' ALONG THE WALL, INDEX'// &
+                             general(m%flight%index)//', IMPULSE'//general(m%impulse))
+            end if
+            if (m%clearance > 0.0_wp) call text%add('   CONTACT IS KEPT UP TO A DIAMETRAL CLEARANCE OF'//general(m%clearance))
+         end associate
+      end do
+      if (size(study%minima) == 0) call text%add(' NONE')
+      if (study%critical_clearance > 0.0_wp) then
+         call text%add(' CRITICAL DIAMETRAL CLEARANCE OF THE TURN'//general(study%critical_clearance))
+      end if
+      call text%add(' MEASUREMENTS CONFIRM LOSSES IN THE PASSAGE AT A DIAMETRAL CLEARANCE OF 0.25 MM; TERMINAL LOSSES AND SMALLER')
+      call text%add(' CLEARANCES ARE NOT CONFIRMED: THERE THE VERDICT IS ON THE SAFE SIDE')
+   end subroutine list_minima
+
+   pure function verdict(m) result(words)
+      type(flypast_of_joint_t), intent(in) :: m
+      character(:), allocatable :: words
+
+      select case (m%verdict)
+      case (verdict_kept)
+         words = 'CONTACT KEPT'
+      case (verdict_lost)
+         words = 'CONTACT LOST, TERMINAL (MINIMUM '//to_text(m%contact%at)//')'
+         if (m%contact%at == 1) words = 'CONTACT LOST IN THE PASSAGE'
+      case default
+         words = 'CONTACT LOST: THE LOAD PASSES THROUGH ZERO'
+      end select
+   end function verdict
+
+   subroutine list_following(study, text)
+      type(clearance_study_t), intent(in) :: study
+      type(text_t), intent(inout) :: text
+      integer :: k
+
+      call text%add()
+      if (.not. study%followed) then
+         call text%add(' THE CONTACT COULD NOT BE FOLLOWED: THE LOAD PASSES THROUGH ZERO')
+         return
+      end if
+      call text%add(' CONTACT FOLLOWED THROUGH A TURN FROM'//general(study%input(1))//': LEAST FORCE'// &
+                    general(minval(study%force))//', GREATEST LAG'//general(maxval(abs(study%lag))))
+      if (study%loses) call text%add(' ITS FORCE BECOMES NEGATIVE FIRST AT INPUT'//general(study%loss))
+      call text%add(' MINIMA OF THE FORCE:     INPUT          FORCE')
+      do k = 1, size(study%least)
+         call text%add(repeat(' ', 18)//general(study%load%sense*study%least(k)%input*degrees_per_radian)// &
+                       general(study%least(k)%force))
+      end do
+   end subroutine list_following
+
+   subroutine list_speeds(study, text)
+      type(clearance_study_t), intent(in) :: study
+      type(text_t), intent(inout) :: text
+      integer :: k
+
+      if (size(study%speeds) == 0) return
+      call text%add()
+      call text%add(' OVER SPEEDS:             RAD/S            RPM     LEAST LOAD   MINIMA THAT LOSE CONTACT')
+      do k = 1, size(study%speeds)
+         associate (row => study%speeds(k))
+            call text%add(repeat(' ', 18)//general(row%speed)//general(row%speed*rpm_per_speed)//general(row%least)//'   '// &
+                          to_text(row%lost))
+         end associate
+      end do
+      if (study%critical_speed > 0.0_wp) call text%add(' CONTACT IS KEPT UP TO THE SPEED'//general(study%critical_speed))
+   end subroutine list_speeds
+
+   !> Device 9: blocks minima, following, flight.
+   subroutine plot(study, text)
+      type(clearance_study_t), intent(in) :: study
+      type(text_t), intent(inout) :: text
+      integer :: k
+
+      call text%add('# block minima')
+      call text%add('# input load rate m0 eps h1 h2 h3 kept')
+      do k = 1, size(study%minima)
+         associate (m => study%minima(k))
+            call text%add(row([m%input, m%load, m%rate, m%mass, m%h3, m%h1, m%h2, m%h3])// &
+                          merge(' 1', ' 0', m%verdict == verdict_kept))
+         end associate
+      end do
+      call begin_block('following', 'input lag force')
+      if (study%followed) then
+         do k = 1, size(study%input)
+            call text%add(row([study%input(k), study%lag(k), study%force(k)]))
+         end do
+      end if
+      call begin_block('flight', 't_loss duration gi vn vt index impulse')
+      do k = 1, size(study%minima)
+         associate (m => study%minima(k))
+            if (m%verdict /= verdict_lost .or. .not. m%flight%ok) cycle
+            call text%add(row([m%loss, m%duration, m%flight%angle*degrees_per_radian, m%across, m%along, m%flight%index, &
+                               m%impulse]))
+         end associate
+      end do
+
+   contains
+
+      subroutine begin_block(name, names)
+         character(*), intent(in) :: name, names
+
+         call text%add()
+         call text%add()
+         call text%add('# block '//name)
+         call text%add('# '//names)
+      end subroutine begin_block
+   end subroutine plot
+
+   pure function row(values) result(line)
+      real(wp), intent(in) :: values(:)
+      character(:), allocatable :: line
+      integer :: i
+
+      line = full_precision(values(1))
+      do i = 2, size(values)
+         line = line//' '//full_precision(values(i))
+      end do
+   end function row
+end module psalm_clearance_report

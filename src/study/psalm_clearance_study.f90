@@ -1,0 +1,325 @@
+!> A joint with clearance: what the group CLEAR asks for. Data in, results out. Source: Haines, chapters 3 and 4.
+!>
+!> Every minimum of the nominal load is a flypast that keeps contact or loses it; the contact is also followed through a turn.
+module psalm_clearance_study
+   use psalm_data_set, only: data_set_t
+   use psalm_dimensions, only: dimensions_t
+   use psalm_error, only: problem_t
+   use psalm_flypast, only: flypast_t, flight_t, follow_flypast, fly, outermost_loss
+   use psalm_following, only: contact_t, contact_of, follow_contact, least_force_t
+   use psalm_force_model, only: force_model_t, make_force_model, joint_at
+   use psalm_joint_load, only: joint_load_t, find_joint_load
+   use psalm_kinds, only: wp, pi, degrees_per_radian, radians_per_degree
+   use psalm_mechanism, only: mechanism_t, joint_prismatic
+   use psalm_periodic, only: periodic_t, periodic_from_samples
+   use psalm_preparation, only: prepared_t
+   use psalm_status, only: diagnostics_t
+   implicit none (type, external)
+   private
+   public :: clearance_study_t, flypast_of_joint_t, clearance_row_t, check_clearance, find_clearance
+   public :: verdict_kept, verdict_lost, verdict_zero
+
+   integer, parameter :: verdict_kept = 1, verdict_lost = 2
+   integer, parameter :: verdict_zero = 3            !! the load passes through zero, or nearly: no flypast
+   real(wp), parameter :: least_h1 = 0.02_wp         !! below it a load counts as zero
+   real(wp), parameter :: surely_kept = 20.0_wp      !! H1 from which contact is never lost
+   real(wp), parameter :: greatest_h3 = 0.999_wp     !! nearer to 1 the inertia is of rank one
+   real(wp), parameter :: sharpness = 1.0e-6_wp      !! of the critical speed, relative
+   integer, parameter :: halvings = 60
+
+   !> One minimum of the load.
+   type :: flypast_of_joint_t
+      real(wp) :: input = 0.0_wp                     !! degrees from the reference position
+      real(wp) :: load = 0.0_wp                      !! N
+      real(wp) :: rate = 0.0_wp                      !! of the load across, N/s
+      real(wp) :: mass = 0.0_wp                      !! M0, kg
+      real(wp) :: h1 = 0.0_wp, h2 = 0.0_wp, h3 = 0.0_wp !! h2 in degrees; h3 is eps
+      integer :: verdict = verdict_kept
+      type(flypast_t) :: contact
+      type(flight_t) :: flight                       !! if contact is lost
+      real(wp) :: loss = 0.0_wp                      !! s after the minimum
+      real(wp) :: duration = 0.0_wp                  !! of the flight, s
+      real(wp) :: across = 0.0_wp, along = 0.0_wp    !! speed at the impact, m/s
+      real(wp) :: impulse = 0.0_wp                   !! N s
+      real(wp) :: clearance = 0.0_wp                 !! diametral, m, up to which contact is kept; 0: however large
+   end type flypast_of_joint_t
+
+   type :: clearance_row_t
+      real(wp) :: speed = 0.0_wp                     !! rad/s
+      real(wp) :: least = 0.0_wp                     !! load, N
+      integer :: lost = 0                            !! minima at which contact is lost
+   end type clearance_row_t
+
+   type :: clearance_study_t
+      type(joint_load_t) :: load
+      integer :: joint = 0
+      real(wp) :: diametral = 0.0_wp                 !! m
+      logical :: massless = .false.                  !! nothing moves with the pin somewhere
+      logical :: rank_one = .false.                  !! or only along one line
+      type(flypast_of_joint_t), allocatable :: minima(:)
+      real(wp), allocatable :: input(:), lag(:), force(:) !! following: degrees, degrees, N
+      type(least_force_t), allocatable :: least(:)
+      real(wp) :: loss = -1.0_wp                     !! input, degrees, where following loses contact; with `loses`
+      logical :: loses = .false., followed = .false.
+      type(clearance_row_t), allocatable :: speeds(:)
+      real(wp) :: critical_speed = 0.0_wp            !! rad/s, below which contact is kept; 0: none within the range
+      real(wp) :: critical_clearance = 0.0_wp        !! diametral, m, least of the minima; 0: none
+   end type clearance_study_t
+
+contains
+
+   !> Errors: no speed, a sliding input, friction, no revolute joint there, no masses.
+   subroutine check_clearance(set, prepared, findings)
+      type(data_set_t), intent(in) :: set
+      type(prepared_t), intent(in) :: prepared
+      type(diagnostics_t), intent(inout) :: findings
+      type(force_model_t) :: model
+      integer :: joint
+
+      if (.not. set%clearance%given) then
+         call findings%error('the case asks for nothing: give &CLEAR', line=set%title_line)
+         return
+      end if
+      call make_force_model(set, prepared%mechanism, prepared%given, model, findings)
+      if (findings%failed()) return
+      if (.not. set%rates_given) then
+         call findings%error('the group is missing: bridge needs the SPEED of the input', line=set%title_line, group='RATES')
+      else if (.not. abs(set%speed) > 0.0_wp) then
+         call findings%error('bridge needs a speed other than 0', line=set%origins%line('RATES', 'SPEED', 1), group='RATES', &
+                             item='SPEED')
+      else if (abs(set%accel) > 0.0_wp) then
+         call findings%error('the speed is to be constant: no ACCEL', line=set%origins%line('RATES', 'ACCEL', 1), &
+                             group='RATES', item='ACCEL')
+      end if
+      if (prepared%mechanism%sliding_input) then
+         call refuse('bridge needs a crank that turns; the input of this linkage slides')
+         return
+      end if
+      if (size(model%friction) > 0) call refuse('a joint with clearance does not go with friction in the joints')
+      joint = joint_at(prepared%mechanism, set%clearance%joint)
+      if (joint == 0) then
+         call refuse('there is no joint at this end of the arc')
+      else if (prepared%mechanism%joints(joint)%kind == joint_prismatic) then
+         call refuse('joint '//prepared%mechanism%joints(joint)%name//' slides: only pins in holes are treated')
+      end if
+
+   contains
+
+      subroutine refuse(text)
+         character(*), intent(in) :: text
+
+         call findings%error(text, line=set%origins%line('CLEAR', 'CLINK', 1), group='CLEAR', item='CLINK')
+      end subroutine refuse
+   end subroutine check_clearance
+
+   !> Study of a case that `check_clearance` found no fault with. `study%load%trouble` tells where the crank cannot turn: then
+   !> there is nothing else.
+   subroutine find_clearance(set, problem, mechanism, dimensions, study)
+      type(data_set_t), intent(in) :: set
+      type(problem_t), intent(in) :: problem
+      type(mechanism_t), intent(in) :: mechanism
+      type(dimensions_t), intent(in) :: dimensions
+      type(clearance_study_t), intent(out) :: study
+      type(force_model_t) :: model
+      type(diagnostics_t) :: unused
+      type(periodic_t) :: tensor(3)
+      integer :: i, c
+
+      allocate (study%minima(0), study%speeds(0), study%least(0), study%input(0), study%lag(0), study%force(0))
+      call make_force_model(set, mechanism, dimensions, model, unused)
+      study%joint = joint_at(mechanism, set%clearance%joint)
+      study%diametral = set%clearance%diametral*model%metre
+      call find_joint_load(problem, dimensions, model, study%joint, set%clearance%points, set%speed, study%load)
+      if (study%load%trouble > 0 .or. study%load%loose > 0) return
+      associate (m => study%load%tensor)
+         study%massless = .not. all(m(1, :) + m(3, :) > 0.0_wp)
+         if (study%massless) return
+         do i = 1, size(m, 2)
+            study%rank_one = study%rank_one .or. &
+                             hypot(m(3, i) - m(1, i), 2.0_wp*m(2, i)) >= greatest_h3*(m(1, i) + m(3, i))
+         end do
+      end associate
+      if (study%rank_one) return
+      do c = 1, 3
+         tensor(c) = periodic_from_samples(study%load%tensor(c, :))
+      end do
+      call find_minima(study, tensor, abs(set%speed), set%clearance%restitution, .true., study%minima)
+      do i = 1, size(study%minima)
+         associate (limit => study%minima(i)%clearance)
+            if (limit <= 0.0_wp) cycle
+            if (study%critical_clearance <= 0.0_wp .or. limit < study%critical_clearance) study%critical_clearance = limit
+         end associate
+      end do
+      call follow(set, tensor, study)
+      call find_speeds(set, tensor, study)
+   end subroutine find_clearance
+
+   !> The load at a speed, N.
+   pure function load_at(study, speed) result(load)
+      type(clearance_study_t), intent(in) :: study
+      real(wp), intent(in) :: speed
+      type(periodic_t) :: load(2)
+      integer :: c
+
+      do c = 1, 2
+         load(c) = periodic_from_samples(speed**2*study%load%inertia(c, :) + study%load%fixed(c, :))
+      end do
+   end function load_at
+
+   !> Minima of the load at a speed and what becomes of contact there.
+   subroutine find_minima(study, tensor, speed, restitution, limits, minima)
+      type(clearance_study_t), intent(in) :: study
+      type(periodic_t), intent(in) :: tensor(3)
+      real(wp), intent(in) :: speed, restitution
+      logical, intent(in) :: limits              !! find the critical clearance of each too
+      type(flypast_of_joint_t), allocatable, intent(out) :: minima(:)
+      type(periodic_t) :: load(2), slope(2)
+      real(wp), allocatable :: amount(:)
+      real(wp) :: low, high, middle
+      integer :: i, k, n
+
+      allocate (minima(0))
+      load = load_at(study, speed)
+      slope(1) = load(1)%derivative(1)
+      slope(2) = load(2)%derivative(1)
+      n = size(study%load%inertia, 2)
+      amount = load(1)%values(n)**2 + load(2)%values(n)**2
+      do i = 1, n
+         if (.not. (amount(i) < amount(modulo(i - 2, n) + 1) .and. amount(i) <= amount(modulo(i, n) + 1))) cycle
+         low = 2.0_wp*pi*real(i - 2, wp)/real(n, wp)
+         high = 2.0_wp*pi*real(i, wp)/real(n, wp)
+         do k = 1, halvings
+            middle = 0.5_wp*(low + high)
+            if (load(1)%at(middle)*slope(1)%at(middle) + load(2)%at(middle)*slope(2)%at(middle) < 0.0_wp) then
+               low = middle
+            else
+               high = middle
+            end if
+         end do
+         minima = [minima, flypast_at(modulo(0.5_wp*(low + high), 2.0_wp*pi))]
+      end do
+
+   contains
+
+      function flypast_at(angle) result(here)
+         real(wp), intent(in) :: angle           !! of the crank, in the sense of its turning, radians
+         type(flypast_of_joint_t) :: here
+         real(wp) :: x, y, m(3), twice, radius, border
+         integer :: c
+
+         x = load(1)%at(angle)
+         y = load(2)%at(angle)
+         do c = 1, 3
+            m(c) = tensor(c)%at(angle)
+         end do
+         radius = 0.5_wp*study%diametral
+         here%input = study%load%sense*angle*degrees_per_radian
+         here%load = hypot(x, y)
+         here%rate = 0.0_wp
+         if (here%load > 0.0_wp) here%rate = speed*(x*slope(2)%at(angle) - y*slope(1)%at(angle))/here%load
+         here%mass = 0.5_wp*(m(1) + m(3))
+         here%h3 = hypot(0.5_wp*(m(3) - m(1)), m(2))/here%mass
+         twice = atan2(2.0_wp*m(2), m(3) - m(1)) + 2.0_wp*atan2(y, x)
+         if (here%rate < 0.0_wp) twice = -twice
+         twice = twice - 2.0_wp*pi*ceiling((twice - pi)/(2.0_wp*pi))
+         here%h2 = twice*degrees_per_radian
+         here%rate = abs(here%rate)
+         here%h1 = surely_kept
+         if (here%rate**2*radius*here%mass > tiny(1.0_wp)) then
+            here%h1 = min(surely_kept, here%load/(here%rate**2*radius*here%mass)**(1.0_wp/3.0_wp))
+         end if
+         if (here%h1 < least_h1) then
+            here%verdict = verdict_zero
+            return
+         end if
+         if (here%h3 >= greatest_h3 .or. here%h1 >= surely_kept) return
+         here%contact = follow_flypast(here%h1, twice, here%h3)
+         if (here%contact%lost) then
+            here%verdict = verdict_lost
+            here%flight = fly(here%h1, twice, here%h3, here%contact%loss)
+            here%loss = here%contact%loss(1)*here%load/here%rate
+            here%duration = here%flight%duration*here%load/here%rate
+            here%across = here%flight%across*radius*here%rate/here%load
+            here%along = here%flight%along*radius*here%rate/here%load
+            here%impulse = here%mass*here%rate*radius/here%load*here%flight%index*(1.0_wp + restitution)
+         end if
+         if (.not. limits) return
+         ! H1 goes with the cube root of 1/e: contact is kept beyond the outermost border of the lost region
+         border = outermost_loss(twice, here%h3)
+         if (border > 0.0_wp) here%clearance = study%diametral*(here%h1/border)**3
+      end function flypast_at
+   end subroutine find_minima
+
+   !> Follow the contact through a turn at the speed of the case.
+   subroutine follow(set, tensor, study)
+      type(data_set_t), intent(in) :: set
+      type(periodic_t), intent(in) :: tensor(3)
+      type(clearance_study_t), intent(inout) :: study
+      type(contact_t) :: contact
+      type(periodic_t) :: load(2)
+      real(wp) :: from, loss
+      real(wp), allocatable :: amount(:)
+      integer :: n, i
+
+      n = set%clearance%points
+      load = load_at(study, abs(set%speed))
+      amount = load(1)%values(n)**2 + load(2)%values(n)**2
+      from = 2.0_wp*pi*real(maxloc(amount, 1) - 1, wp)/real(n, wp)
+      if (set%clearance%begins) from = modulo(study%load%sense*set%clearance%begin*radians_per_degree, 2.0_wp*pi)
+      contact = contact_of(load, tensor, abs(set%speed), 0.5_wp*study%diametral)
+      deallocate (study%input, study%lag, study%force)
+      allocate (study%input(n), study%lag(n), study%force(n))
+      call follow_contact(contact, from, n, study%lag, study%force, study%least, loss, study%followed)
+      study%input = [(study%load%sense*(from*degrees_per_radian + 360.0_wp*real(i - 1, wp)/real(n, wp)), i=1, n)]
+      study%lag = study%lag*degrees_per_radian
+      study%loses = loss >= 0.0_wp
+      study%loss = study%load%sense*loss*degrees_per_radian
+   end subroutine follow
+
+   !> Verdicts over speeds, and the speed up to which contact is kept.
+   subroutine find_speeds(set, tensor, study)
+      type(data_set_t), intent(in) :: set
+      type(periodic_t), intent(in) :: tensor(3)
+      type(clearance_study_t), intent(inout) :: study
+      real(wp) :: low, high, middle
+      type(clearance_row_t) :: row
+      integer :: i
+
+      deallocate (study%speeds)
+      allocate (study%speeds(set%clearance%speeds))
+      associate (c => set%clearance)
+         do i = 1, c%speeds
+            middle = c%slowest
+            if (c%speeds > 1) middle = c%slowest + (c%fastest - c%slowest)*real(i - 1, wp)/real(c%speeds - 1, wp)
+            study%speeds(i) = row_at(middle)
+         end do
+      end associate
+      i = findloc(study%speeds%lost > 0, .true., dim=1)
+      if (i <= 1) return
+      low = study%speeds(i - 1)%speed
+      high = study%speeds(i)%speed
+      do while (high - low > sharpness*high)
+         middle = 0.5_wp*(low + high)
+         row = row_at(middle)
+         if (row%lost > 0) then
+            high = middle
+         else
+            low = middle
+         end if
+      end do
+      study%critical_speed = low
+
+   contains
+
+      type(clearance_row_t) function row_at(speed)
+         real(wp), intent(in) :: speed
+         type(flypast_of_joint_t), allocatable :: minima(:)
+
+         call find_minima(study, tensor, speed, 0.0_wp, .false., minima)
+         row_at%speed = speed
+         row_at%least = 0.0_wp
+         if (size(minima) > 0) row_at%least = minval(minima%load)
+         row_at%lost = count(minima%verdict /= verdict_kept)
+      end function row_at
+   end subroutine find_speeds
+end module psalm_clearance_study
