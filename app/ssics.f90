@@ -22,10 +22,10 @@ program ssics
    ! saved: procedures that are handed on then need no code on the stack
    type(outputs_t), save :: outputs
    type(arguments_t), save :: arguments
-   type(picture_t), allocatable :: scripts(:) ! of the cases of a file
-   character(:), allocatable :: stem          ! of the file's devices
+   type(picture_t), allocatable, save :: scripts(:) ! of the cases of a file
+   character(:), allocatable, save :: stem          ! of the file's devices
    logical, save :: finished
-   integer :: code, i, cases
+   integer, save :: code, i, cases
 
    outputs = outputs_t(suffix='.ssics', endings=['.dev8', '.dev9'], of_search=[character(5) ::])
    call begin('ssics', &
