@@ -105,17 +105,23 @@ contains
       type(beam_t), intent(inout) :: beams(:)
       type(diagnostics_t), intent(inout) :: findings
       type(place_t) :: places(size(beams))
+      character(*), parameter :: items(*) = [character(5) :: 'MOD', 'RHO', 'ZETA', 'SHEAR', 'STRN']
       real(wp) :: depth(size(beams)), width(size(beams)), area(size(beams)), gyration(size(beams))
+      real(wp) :: numbers(size(beams), size(items))
       integer :: k
       logical :: rectangle
 
       call read_places(group, letter, ilink, places, findings, ends_only=.true.)
       beams%link = places
-      call take('MOD', beams%modulus)
-      call take('RHO', beams%density)
-      call take('ZETA', beams%damping)
-      call take('SHEAR', beams%shear_ratio)
-      call take('STRN', beams%strain)
+      numbers = reshape([beams%modulus, beams%density, beams%damping, beams%shear_ratio, beams%strain], shape(numbers))
+      do k = 1, size(items)
+         call group%get_reals(letter//trim(items(k)), numbers(:, k), findings)
+      end do
+      beams%modulus = numbers(:, 1)
+      beams%density = numbers(:, 2)
+      beams%damping = numbers(:, 3)
+      beams%shear_ratio = numbers(:, 4)
+      beams%strain = numbers(:, 5)
       depth = 0.0_wp
       width = 0.0_wp
       area = 0.0_wp
@@ -165,17 +171,6 @@ contains
       beams%gyration = gyration
 
    contains
-
-      !> One number of every beam.
-      subroutine take(item, values)
-         character(*), intent(in) :: item
-         real(wp), intent(inout) :: values(:)
-         real(wp) :: each(size(values)) ! the components of beams do not lie side by side
-
-         each = values
-         call group%get_reals(letter//item, each, findings)
-         values = each
-      end subroutine take
 
       subroutine positive(item, value, k)
          character(*), intent(in) :: item

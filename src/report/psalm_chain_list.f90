@@ -219,8 +219,8 @@ contains
       do d = 1, size(joints, 1)
          do o = 0, orders
             joint = trim(sketch%joint_name(d))//'.'//trim(of_joint(o))
-            call table%add(joint//'x', joints(d, o, :)%re, known(:, o))
-            call table%add(joint//'y', joints(d, o, :)%im, known(:, o))
+            call table%add(joint//'x', real(joints(d, o, :), wp), known(:, o))
+            call table%add(joint//'y', aimag(joints(d, o, :)), known(:, o))
          end do
       end do
    end subroutine fill_chain_table
