@@ -25,7 +25,6 @@ module psalm_cam_study
    integer, parameter :: way_rise = 1, way_return = 2, way_dwell = 3 !! the follower leaves the cam's centre, comes back, rests
    integer, parameter :: role_cam = 1, role_conjugate = 2, role_outer_wall = 3 !! what of a case a study is of
    real(wp), parameter :: rounding = 1.0e-9_wp   !! by which a cutter may seem to exceed a hollow
-   integer, parameter :: finer = 4               !! half-planes from one sample to the next
    integer, parameter :: interference_stride = 3 !! samples from one to the next that is compared with all others
 
    !> The largest pressure angle of a segment.
@@ -256,23 +255,14 @@ contains
       type(cam_group_t), intent(in) :: cam
       type(cam_study_t), intent(inout) :: study
       type(samples_t), intent(in) :: samples
-      type(cam_trace_t) :: states
-      real(wp) :: angle(finer*size(samples%angle))
-      integer :: piece(finer*size(samples%angle)), next(size(samples%angle)), k
-      logical :: moving(finer*size(samples%angle))
+      logical :: moving(size(samples%angle))
+      integer :: k
 
-      ! half-planes between the samples too: the polygon's corners lie on their envelope
-      next = [(merge(k + 1, k, samples%piece(min(k + 1, size(next))) == samples%piece(k) .and. k < size(next)), k=1, size(next))]
-      do k = 1, finer
-         piece(k::finer) = samples%piece
-         angle(k::finer) = samples%angle + (real(k - 1, wp)/real(finer, wp))*(samples%angle(next) - samples%angle)
-      end do
-      call study%shape%motion%trace(angle, piece, states)
-      associate (way => study%segments(study%shape%motion%law%pieces(piece)%segment)%way)
+      associate (way => study%segments(study%shape%motion%law%pieces(samples%piece)%segment)%way)
          moving = way == way_rise .or. (way == way_return .and. .not. cam%rise_only)
       end associate
       do k = 1, 2
-         call admissible_centres(states, moving, study%shape%axes%sense, real(3 - 2*k, wp), cam%pressure_angle, &
+         call admissible_centres(samples%states, moving, study%shape%axes%sense, real(3 - 2*k, wp), cam%pressure_angle, &
                                  study%centres(k))
       end do
    end subroutine find_centres
