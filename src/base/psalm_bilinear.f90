@@ -8,6 +8,7 @@
 !> shorter steps. Source: Morgan and Sommese (1987), homotopies of several groups of variables; Sommese and Wampler (2005).
 module psalm_bilinear
    use psalm_kinds, only: wp
+   use psalm_linear, only: product_of
    use psalm_xoshiro, only: xoshiro_t, purpose_sample
    implicit none (type, external)
    private
@@ -58,7 +59,7 @@ contains
          do j = 1, 2*n
             call draw(random, alpha(:, j))
             call draw(random, beta(:, j))
-            d(:, :, j) = matmul(transpose(to_x), matmul(forms(:, :, j), to_y))
+            d(:, :, j) = product_of(transpose(to_x), product_of(forms(:, :, j), to_y))
             d(:, :, j) = d(:, :, j)/sqrt(sum(abs(d(:, :, j))**2))
             do k = 1, n + 1
                a(:, k, j) = gamma(1)*alpha(:, j)*beta(k, j)
@@ -71,9 +72,9 @@ contains
             call begin(alpha(:, chosen), v(:n))
             call begin(beta(:, pack([(j, j=1, 2*n)], [(all(chosen /= j), j=1, 2*n)])), v(n + 1:))
             call follow_path(a, d, 0.25_wp**(round - 1), v, simple, roots%steps)
-            point = matmul(to_x, [(1.0_wp, 0.0_wp), v(:n)])
+            point = product_of(to_x, [(1.0_wp, 0.0_wp), v(:n)])
             roots%x(:, k) = point/sqrt(sum(abs(point)**2))
-            point = matmul(to_y, [(1.0_wp, 0.0_wp), v(n + 1:)])
+            point = product_of(to_y, [(1.0_wp, 0.0_wp), v(n + 1:)])
             roots%y(:, k) = point/sqrt(sum(abs(point)**2))
             roots%simple(k) = simple
             call next_choice(chosen, 2*n)

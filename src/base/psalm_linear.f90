@@ -7,6 +7,11 @@ module psalm_linear
    private
    public :: solve_positive, along_columns, product_of, triangle_of
 
+   !> Product of two matrices, or of a matrix and a vector.
+   interface product_of
+      module procedure real_product, complex_product, complex_image
+   end interface product_of
+
 contains
 
    !> Solve a symmetric positive definite system by Cholesky's factors, in real64; the upper triangle is used.
@@ -59,10 +64,9 @@ contains
       end do
    end function along_columns
 
-   !> Product of two matrices.
-   pure function product_of(a, b) result(c)
-      real(wp), intent(in) :: a(:, :)   !! shape (n, m)
-      real(wp), intent(in) :: b(:, :)   !! shape (m, l)
+   pure function real_product(a, b) result(c)
+      real(wp), intent(in) :: a(:, :)      !! shape (n, m)
+      real(wp), intent(in) :: b(:, :)      !! shape (m, l)
       real(wp) :: c(size(a, 1), size(b, 2))
       integer :: j, k
 
@@ -72,7 +76,30 @@ contains
             c(:, j) = c(:, j) + a(:, k)*b(k, j)
          end do
       end do
-   end function product_of
+   end function real_product
+
+   pure function complex_product(a, b) result(c)
+      complex(wp), intent(in) :: a(:, :)   !! shape (n, m)
+      complex(wp), intent(in) :: b(:, :)   !! shape (m, l)
+      complex(wp) :: c(size(a, 1), size(b, 2))
+      integer :: j
+
+      do j = 1, size(b, 2)
+         c(:, j) = complex_image(a, b(:, j))
+      end do
+   end function complex_product
+
+   pure function complex_image(a, b) result(c)
+      complex(wp), intent(in) :: a(:, :)   !! shape (n, m)
+      complex(wp), intent(in) :: b(:)      !! shape (m)
+      complex(wp) :: c(size(a, 1))
+      integer :: k
+
+      c = (0.0_wp, 0.0_wp)
+      do k = 1, size(b)
+         c = c + a(:, k)*b(k)
+      end do
+   end function complex_image
 
    !> The upper triangle R of a matrix by Householder's reflections: R'R is matrix'matrix. Shape of the result: (m, m).
    pure function triangle_of(matrix) result(r)

@@ -6,11 +6,13 @@
 !> moves across a slide. The roots of these equations whose conjugates are conjugates are the assemblies; Newton's method
 !> gives them their last digits. Source: Wampler (1996), isotropic coordinates; Oldham (1977), 15.1, for what is wanted.
 module psalm_assemblies
+   use psalm_angles, only: degrees_of
    use psalm_bilinear, only: bilinear_roots_t, find_bilinear_roots, null_space
    use psalm_closure, only: closure_t, state_t, solve_group, place_points, local_point, turned, most_orders, rank_lost, &
                             row_angle, row_gear, row_line, row_pin, row_travel, row_turn
    use psalm_dense, only: factors_t
-   use psalm_kinds, only: wp
+   use psalm_kinds, only: wp, radians_per_degree
+   use psalm_linear, only: product_of
    use psalm_sketch, only: frame_link
    implicit none (type, external)
    private
@@ -206,7 +208,7 @@ contains
       complex(wp) :: ratio
 
       ratio = conjg(from)*to
-      angle_between = atan2(ratio%im, ratio%re)
+      angle_between = degrees_of(ratio%re, ratio%im)*radians_per_degree
    end function angle_between
 
    !> Links whose directions a slide or a drive ties differ by just that angle, not by full turns too.
@@ -298,7 +300,7 @@ contains
          do k = 1, size(links)
             places(k, :) = space(k, :)
             z = direction(links(k))
-            turns(k, :) = matmul(z, space)
+            turns(k, :) = product_of(transpose(space), z)
          end do
          turns(size(links) + 1, :) = space(last, :)
          allocate (forms(unknowns + 1, unknowns + 1, 2*unknowns))
@@ -311,8 +313,8 @@ contains
             if (rows(r)%kind /= row_line .or. is_driven(r)) cycle
             equations = equations + 1
             slide = rows(r)%which
-            d = matmul(displacement(slide), space)
-            z = matmul(direction(closure%sketch%slides(slide)%links(1)), space)*closure%line(slide)
+            d = product_of(transpose(space), displacement(slide))
+            z = product_of(transpose(space), direction(closure%sketch%slides(slide)%links(1)))*closure%line(slide)
             forms(:, :, equations) = outer(d, conjg(z)) - outer(z, conjg(d))
          end do
       end associate

@@ -1,5 +1,6 @@
 !> The search for better dimensions of a sketch in the poses of its links, from many starts, and the sketch that came of it.
 module psalm_chain_synthesis
+   use psalm_angles, only: unit_vector
    use psalm_chain_problem, only: chain_problem_t, make_chain_problem
    use psalm_chain_motion, only: chain_motion_t
    use psalm_chain_study, only: inputs_of_drives
@@ -211,6 +212,7 @@ contains
       type(closure_t) :: closure
       type(chain_motion_t) :: motion
       complex(wp) :: p
+      real(wp) :: cosine, sine
       logical :: reached
       integer :: s
 
@@ -226,7 +228,8 @@ contains
          sketch%y = state%joint(:, 0)%im
          do s = 1, size(sketch%slides)
             associate (slide => sketch%slides(s), link => sketch%slides(s)%links(1))
-               p = state%t(link, 0) + cmplx(cos(state%phi(link, 0)), sin(state%phi(link, 0)), wp)*closure%slide_point(1, s)
+               call unit_vector(state%phi(link, 0)*degrees_per_radian, cosine, sine)
+               p = state%t(link, 0) + cmplx(cosine, sine, wp)*closure%slide_point(1, s)
                slide%x = p%re
                slide%y = p%im
                slide%angle = slide%angle + state%phi(link, 0)*degrees_per_radian
