@@ -1,5 +1,6 @@
 !> balm: pictures of planar linkages from a namelist file.
 program balm
+   use psalm_batch, only: common_options
    use psalm_console, only: arguments_t, begin, begin_mark, prepare_outputs, say, show_findings, stem_of
    use psalm_board, only: write_board
    use psalm_cases, only: read_cases, read_case_text
@@ -32,10 +33,7 @@ program balm
       '                    changed and saved; without a case sketch.edit.html, empty'//nl// &
       '  --curves          curves too: CASE.gp, CASE.png, CASE.pdf, by gnuplot; convergence from CASE.dev1'//nl// &
       '  --assemblies      the SVG shows the other assembly of each dyad in grey'//nl// &
-      '  --output-dir DIR  put the files into DIR'//nl// &
-      '  --quiet           no remarks on standard error, errors only'//nl// &
-      '  --version         print the version'//nl// &
-      '  --help            print this text'//nl// &
+      common_options// &
       nl//'Exit status: 0 done; 1 done, but the linkage violates closure or transmission limits; 2 the input is wrong'//nl// &
       '(the pictures show the messages); 3 a file could not be read or written, or gnuplot failed.'//nl, &
       endings, arguments, finished)

@@ -1,6 +1,6 @@
 !> bridge: joints with clearance in planar linkages - following, loss of contact, flight, impact - from a namelist file.
 program bridge
-   use psalm_batch, only: outputs_t, run_file
+   use psalm_batch, only: outputs_t, common_options, prepare_dyads, run_files
    use psalm_check_list, only: list_input
    use psalm_clearance_report, only: report_clearance
    use psalm_clearance_study, only: clearance_study_t, check_clearance, find_clearance
@@ -9,8 +9,7 @@ program bridge
    use psalm_devices, only: devices_t, header_of
    use psalm_error, only: problem_t, make_problem
    use psalm_mark, only: mark_t
-   use psalm_preparation, only: demand_t, prepared_t, prepare
-   use psalm_source, only: line_t
+   use psalm_preparation, only: demand_t, prepared_t
    use psalm_status, only: diagnostics_t
    use psalm_system, only: finish_program
    implicit none (type, external)
@@ -20,7 +19,7 @@ program bridge
    type(outputs_t), save :: outputs
    type(arguments_t), save :: arguments
    logical, save :: finished
-   integer :: code, i
+   integer, save :: code
 
    outputs = outputs_t(suffix='.bridge', endings=['.dev8', '.dev9'], of_search=[character(5) ::])
    call begin('bridge', &
@@ -28,19 +27,13 @@ program bridge
       nl//'A revolute joint with clearance (&CLEAR): where its pin loses contact with its hole, its flight and impact.'//nl// &
       'Masses and loads come from &MASSES, &LOADS, &SPRING, the speed from &RATES.'//nl// &
       nl//'The listing goes to standard output; CASE.bridge.dev8 (input) and CASE.bridge.dev9 (blocks) beside the case.'//nl// &
-      nl//'  --output-dir DIR  put the device files into DIR'//nl// &
-      '  --quiet           no remarks on standard error, errors only'//nl// &
-      '  --version         print the version'//nl// &
-      '  --help            print this text'//nl// &
+      nl//common_options// &
       nl//'Exit status: 0 done; 1 done, but contact is lost, or cannot be studied; 2 the input is wrong; 3 a file could'//nl// &
       'not be read or written.'//nl, &
       outputs%suffix//outputs%endings, arguments, finished)
    code = arguments%code
    if (finished) call finish_program(code)
-   do i = 1, size(arguments%files)
-      call run_file(arguments, trim(arguments%files(i)), outputs, prepare_clearance, run_case, code)
-      if (arguments%no_place) exit
-   end do
+   call run_files(arguments, outputs, prepare_clearance, run_case, code)
    call finish_program(code)
 
 contains
@@ -51,20 +44,15 @@ contains
       type(prepared_t), intent(inout) :: prepared
       type(diagnostics_t), intent(inout) :: findings
       type(mark_t), intent(inout) :: mark
-      type(line_t) :: none(0)
 
       associate (unused => file, also_unused => mark)
       end associate
-      set%nguess = 0
-      if (allocated(set%no_loops)) then
-         call findings%error('bridge studies dyads with one drive on the frame, but this sketch has '//set%no_loops, &
-                             line=set%title_line, group='CHAIN')
-      end if
-      if (.not. findings%failed()) call prepare(set, none, prepared, findings, demand)
+      call prepare_dyads('bridge studies', demand, set, prepared, findings)
       if (.not. findings%failed()) call check_clearance(set, prepared, findings)
    end subroutine prepare_clearance
 
-   subroutine run_case(set, prepared, devices, stopped)
+   subroutine run_case(number, set, prepared, devices, stopped)
+      integer, intent(in) :: number
       type(data_set_t), intent(in) :: set
       type(prepared_t), intent(in) :: prepared
       type(devices_t), intent(inout) :: devices
@@ -72,7 +60,7 @@ contains
       type(problem_t), allocatable :: problem    ! large: it would fill a small stack
       type(clearance_study_t) :: study
 
-      associate (unused => stopped)
+      associate (unused => stopped, also_unused => number)
       end associate
       allocate (problem)
       call make_problem(set, prepared%mechanism, prepared%given, prepared%parameters, problem)

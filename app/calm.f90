@@ -1,6 +1,6 @@
 !> calm: cams that drive planar linkages, from a namelist file.
 program calm
-   use psalm_batch, only: outputs_t, run_file, ending_of_case
+   use psalm_batch, only: outputs_t, common_options, prepare_dyads, run_files, ending_of_case
    use psalm_cam_code, only: write_cam_code
    use psalm_cam_dxf, only: write_cam_dxf
    use psalm_cam_report, only: report_cam
@@ -12,8 +12,7 @@ program calm
    use psalm_devices, only: devices_t, header_of
    use psalm_error, only: problem_t, make_problem
    use psalm_mark, only: mark_t
-   use psalm_preparation, only: demand_t, prepared_t, prepare
-   use psalm_source, only: line_t
+   use psalm_preparation, only: demand_t, prepared_t
    use psalm_status, only: diagnostics_t
    use psalm_system, only: finish_program
    use psalm_text, only: text_t
@@ -24,7 +23,7 @@ program calm
    type(outputs_t), save :: outputs
    type(arguments_t), save :: arguments
    logical, save :: finished
-   integer, save :: code, i, cases
+   integer, save :: code
 
    outputs = outputs_t(suffix='.calm', endings=['.dev8', '.dev9', '.csv '], of_search=[character(5) ::], &
                        of_case=['.dxf ', '.svg ', '.nc  '])
@@ -35,20 +34,13 @@ program calm
       nl//'The listing goes to standard output; CASE.calm.dev8 (input), CASE.calm.dev9 and CASE.calm.csv (tables),'//nl// &
       'CASE.calm.dxf and CASE.calm.svg (drawings) and with KGCODE=1 CASE.calm.nc (G-code of the cutter path) beside'//nl// &
       'the case.'//nl// &
-      nl//'  --output-dir DIR  put the files into DIR'//nl// &
-      '  --quiet           no remarks on standard error, errors only'//nl// &
-      '  --version         print the version'//nl// &
-      '  --help            print this text'//nl// &
+      nl//common_options// &
       nl//'Exit status: 0 done; 1 done, but the cam cannot be followed or made, or a limit is not kept;'//nl// &
       '2 the input is wrong; 3 a file could not be read or written.'//nl, &
       outputs%suffix//outputs%endings, arguments, finished)
    code = arguments%code
    if (finished) call finish_program(code)
-   do i = 1, size(arguments%files)
-      cases = 0
-      call run_file(arguments, trim(arguments%files(i)), outputs, prepare_cam, run_case, code)
-      if (arguments%no_place) exit
-   end do
+   call run_files(arguments, outputs, prepare_cam, run_case, code)
    call finish_program(code)
 
 contains
@@ -59,20 +51,15 @@ contains
       type(prepared_t), intent(inout) :: prepared
       type(diagnostics_t), intent(inout) :: findings
       type(mark_t), intent(inout) :: mark
-      type(line_t) :: none(0)
 
       associate (unused => file, also_unused => mark)
       end associate
-      set%nguess = 0
-      if (allocated(set%no_loops)) then
-         call findings%error('calm studies dyads with one drive on the frame, but this sketch has '//set%no_loops, &
-                             line=set%title_line, group='CHAIN')
-      end if
-      if (.not. findings%failed()) call prepare(set, none, prepared, findings, demand)
+      call prepare_dyads('calm studies', demand, set, prepared, findings)
       if (.not. findings%failed()) call check_cam(set, prepared, findings)
    end subroutine prepare_cam
 
-   subroutine run_case(set, prepared, devices, stopped)
+   subroutine run_case(number, set, prepared, devices, stopped)
+      integer, intent(in) :: number
       type(data_set_t), intent(in) :: set
       type(prepared_t), intent(in) :: prepared
       type(devices_t), intent(inout) :: devices
@@ -93,15 +80,14 @@ contains
          call find_cam(set, prepared, roles(k), studies(k))
       end do
       call report_cam(set, studies, devices)
-      cases = cases + 1
       call write_cam_dxf(studies, drawing)
-      call devices%add_drawing(trim(ending_of_case(cases, '.dxf')), drawing%content())
+      call devices%add_drawing(trim(ending_of_case(number, '.dxf')), drawing%content())
       call write_cam_svg(set%title, studies, picture)
-      call devices%add_drawing(trim(ending_of_case(cases, '.svg')), picture%content())
+      call devices%add_drawing(trim(ending_of_case(number, '.svg')), picture%content())
       if (.not. set%cam%code) return
       do k = 1, size(studies)
          call write_cam_code(set%title, studies(k), program)
       end do
-      call devices%add_drawing(trim(ending_of_case(cases, '.nc')), program%content())
+      call devices%add_drawing(trim(ending_of_case(number, '.nc')), program%content())
    end subroutine run_case
 end program calm

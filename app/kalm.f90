@@ -1,6 +1,6 @@
 !> kalm: velocities and accelerations of planar linkages from a namelist file.
 program kalm
-   use psalm_batch, only: outputs_t, run_file
+   use psalm_batch, only: outputs_t, common_options, run_files
    use psalm_console, only: arguments_t, begin
    use psalm_check_list, only: list_input
    use psalm_case_table, only: report_case_table
@@ -29,7 +29,7 @@ program kalm
    type(outputs_t), save :: outputs
    type(arguments_t), save :: arguments
    logical, save :: finished
-   integer, save :: code, i
+   integer, save :: code
 
    outputs = outputs_t(suffix='.kalm', endings=['.dev8', '.dev9'], of_search=[character(5) ::], tables=.true.)
    call begin('kalm', &
@@ -41,19 +41,13 @@ program kalm
       nl//'The listing goes to standard output; CASE.kalm.dev8 (input; with KTHETA=1 all arcs and joints) and'//nl// &
       'CASE.kalm.dev9 beside the case.'//nl// &
       nl//'  --json            the table of every case as CASE.kalm.csv and CASE.kalm.json'//nl// &
-      '  --output-dir DIR  put the device files into DIR'//nl// &
-      '  --quiet           no remarks on standard error, errors only'//nl// &
-      '  --version         print the version'//nl// &
-      '  --help            print this text'//nl// &
+      common_options// &
       nl//'Exit status: 0 done; 1 done, but the linkage does not close somewhere or passes a dead point;'//nl// &
       '2 the input is wrong; 3 a file could not be read or written.'//nl, &
       outputs%suffix//outputs%endings, arguments, finished)
    code = arguments%code
    if (finished) call finish_program(code)
-   do i = 1, size(arguments%files)
-      call run_file(arguments, trim(arguments%files(i)), outputs, prepare_rates, run_case, code)
-      if (arguments%no_place) exit
-   end do
+   call run_files(arguments, outputs, prepare_rates, run_case, code)
    call finish_program(code)
 
 contains
@@ -72,7 +66,8 @@ contains
       if (.not. findings%failed()) call prepare(set, none, prepared, findings, demand)
    end subroutine prepare_rates
 
-   subroutine run_case(set, prepared, devices, stopped)
+   subroutine run_case(number, set, prepared, devices, stopped)
+      integer, intent(in) :: number
       type(data_set_t), intent(in) :: set
       type(prepared_t), intent(in) :: prepared
       type(devices_t), intent(inout) :: devices
@@ -83,7 +78,7 @@ contains
       type(machine_study_t), allocatable :: machine
       type(summary_t) :: summary
 
-      associate (unused => stopped)
+      associate (unused => stopped, also_unused => number)
       end associate
       if (allocated(set%no_loops)) then
          call run_sketch(set, devices)

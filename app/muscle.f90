@@ -1,6 +1,6 @@
 !> muscle: counterweights and springs for planar linkages, from a namelist file.
 program muscle
-   use psalm_batch, only: outputs_t, run_file
+   use psalm_batch, only: outputs_t, common_options, prepare_dyads, run_files
    use psalm_check_list, only: list_input
    use psalm_console, only: arguments_t, begin
    use psalm_data_set, only: data_set_t
@@ -9,8 +9,7 @@ program muscle
    use psalm_mark, only: mark_t
    use psalm_muscle_report, only: report_muscle
    use psalm_muscle_study, only: muscle_study_t, check_muscle, find_muscle
-   use psalm_preparation, only: demand_t, prepared_t, prepare
-   use psalm_source, only: line_t
+   use psalm_preparation, only: demand_t, prepared_t
    use psalm_status, only: diagnostics_t
    use psalm_system, only: finish_program
    implicit none (type, external)
@@ -20,7 +19,7 @@ program muscle
    type(outputs_t), save :: outputs
    type(arguments_t), save :: arguments
    logical, save :: finished
-   integer, save :: code, i
+   integer, save :: code
 
    outputs = outputs_t(suffix='.muscle', endings=['.dev7', '.dev8', '.dev9', '.json'], of_search=[character(5) ::])
    call begin('muscle', &
@@ -31,19 +30,13 @@ program muscle
       nl//'The listing goes to standard output; CASE.muscle.dev7 (the case with weights and springs, for kalm and balm),'//nl// &
       'CASE.muscle.dev8 (input) and CASE.muscle.dev9 (blocks) beside the case.'//nl// &
       nl//'  --json            write CASE.muscle.json too'//nl// &
-      '  --output-dir DIR  put the device files into DIR'//nl// &
-      '  --quiet           no remarks on standard error, errors only'//nl// &
-      '  --version         print the version'//nl// &
-      '  --help            print this text'//nl// &
+      common_options// &
       nl//'Exit status: 0 done; 1 done, but what was asked for is impossible or not within the limits;'//nl// &
       '2 the input is wrong; 3 a file could not be read or written.'//nl, &
       outputs%suffix//outputs%endings, arguments, finished)
    code = arguments%code
    if (finished) call finish_program(code)
-   do i = 1, size(arguments%files)
-      call run_file(arguments, trim(arguments%files(i)), outputs, prepare_muscle, run_case, code)
-      if (arguments%no_place) exit
-   end do
+   call run_files(arguments, outputs, prepare_muscle, run_case, code)
    call finish_program(code)
 
 contains
@@ -54,20 +47,15 @@ contains
       type(prepared_t), intent(inout) :: prepared
       type(diagnostics_t), intent(inout) :: findings
       type(mark_t), intent(inout) :: mark
-      type(line_t) :: none(0)
 
       associate (unused => file, also_unused => mark)
       end associate
-      set%nguess = 0
-      if (allocated(set%no_loops)) then
-         call findings%error('muscle balances dyads with one drive on the frame, but this sketch has '//set%no_loops, &
-                             line=set%title_line, group='CHAIN')
-      end if
-      if (.not. findings%failed()) call prepare(set, none, prepared, findings, demand)
+      call prepare_dyads('muscle balances', demand, set, prepared, findings)
       if (.not. findings%failed()) call check_muscle(set, prepared, findings)
    end subroutine prepare_muscle
 
-   subroutine run_case(set, prepared, devices, stopped)
+   subroutine run_case(number, set, prepared, devices, stopped)
+      integer, intent(in) :: number
       type(data_set_t), intent(in) :: set
       type(prepared_t), intent(in) :: prepared
       type(devices_t), intent(inout) :: devices
@@ -75,7 +63,7 @@ contains
       type(problem_t), allocatable :: problem    ! large: it would fill a small stack
       type(muscle_study_t), allocatable :: study
 
-      associate (unused => stopped)
+      associate (unused => stopped, also_unused => number)
       end associate
       allocate (problem, study)
       call make_problem(set, prepared%mechanism, prepared%given, prepared%parameters, problem)

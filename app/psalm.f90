@@ -2,7 +2,7 @@
 program psalm
    use psalm_assembly_list, only: report_assemblies
    use psalm_assembly_study, only: assembly_study_t, study_assemblies
-   use psalm_batch, only: outputs_t, run_file
+   use psalm_batch, only: outputs_t, common_options, run_file
    use psalm_console, only: arguments_t, progress_t, begin, device4_of, show_findings
    use psalm_analysis, only: analysis_t, wanted_t, analyse, wanted_by
    use psalm_case_table, only: report_case_table
@@ -47,14 +47,11 @@ program psalm
       'Without a file, or with -, the case is read from standard input.'//nl// &
       nl//'The listing goes to standard output; CASE.dev1, .dev2, .dev7, .dev8 and .dev9 beside the case.'//nl// &
       nl//'  --json            the table of every case as CASE.csv and CASE.json'//nl// &
-      '  --output-dir DIR  put the device files into DIR'//nl// &
       '  --assemblies      list every way in which the links of a sketch can be put together'//nl// &
       '  --links           device 7 has the equivalent &LINKS of a sketch, where they exist'//nl// &
       '  --device4 FILE    read supplied vertices (NGUESS) from FILE; default CASE.dev4'//nl// &
       '  --threads N       threads that share the work; default THREADS of the case, or 1'//nl// &
-      '  --quiet           no remarks on standard error, errors only'//nl// &
-      '  --version         print the version'//nl// &
-      '  --help            print this text'//nl// &
+      common_options// &
       nl//'Exit status: 0 done; 1 done, but limits are violated or the search stopped before converging;'//nl// &
       '2 the input is wrong; 3 a file could not be read or written.'//nl, &
       [outputs%endings, outputs%of_search], arguments, finished)
@@ -90,7 +87,8 @@ contains
    end subroutine prepare_search
 
    !> The studies of a case, and what they have to report.
-   subroutine run_case(set, prepared, devices, stopped)
+   subroutine run_case(number, set, prepared, devices, stopped)
+      integer, intent(in) :: number
       type(data_set_t), intent(in) :: set
       type(prepared_t), intent(in) :: prepared
       type(devices_t), intent(inout) :: devices
@@ -107,6 +105,8 @@ contains
       type(search_log_t) :: log
       integer :: threads
 
+      associate (unused => number)
+      end associate
       if (set%sketch%given .and. .not. set%wants_search()) call run_sketch(set, devices)
       if (allocated(set%no_loops)) then
          if (set%wants_search()) call run_chain_search(set, devices, monitor)

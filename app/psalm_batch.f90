@@ -5,15 +5,24 @@ module psalm_batch
    use psalm_data_set, only: data_set_t
    use psalm_devices, only: devices_t
    use psalm_mark, only: mark_t
-   use psalm_preparation, only: prepared_t
+   use psalm_preparation, only: demand_t, prepared_t, prepare
+   use psalm_source, only: line_t
    use psalm_status, only: diagnostics_t
    use psalm_system, only: write_standard_error
    use psalm_text, only: to_text
    implicit none (type, external)
    private
-   public :: outputs_t, prepare_case, study_case, run_file, ending_of_case
+   public :: outputs_t, prepare_case, study_case, common_options, prepare_dyads, run_file, run_files, ending_of_case
 
    integer, parameter :: ending_length = 16
+   character(*), parameter :: nl = new_line('a')
+
+   !> Options that every program has, for its `--help`.
+   character(*), parameter :: common_options = &
+      '  --output-dir DIR  put the files into DIR'//nl// &
+      '  --quiet           no remarks on standard error, errors only'//nl// &
+      '  --version         print the version'//nl// &
+      '  --help            print this text'//nl
 
    !> Files that a program writes beside a case.
    type :: outputs_t
@@ -37,9 +46,10 @@ module psalm_batch
       end subroutine prepare_case
 
       !> Study one case and report; `stopped` if the next is not to be begun.
-      subroutine study_case(set, prepared, devices, stopped)
+      subroutine study_case(number, set, prepared, devices, stopped)
          import :: data_set_t, devices_t, prepared_t
          implicit none (type, external)
+         integer, intent(in) :: number               !! of the case in its file
          type(data_set_t), intent(in) :: set
          type(prepared_t), intent(in) :: prepared
          type(devices_t), intent(inout) :: devices
@@ -59,12 +69,42 @@ contains
       if (number > 1) text = '-'//to_text(number)//ending
    end function ending_of_case
 
+   !> Prepare a case for a program that knows dyads with one drive on the frame and makes no search.
+   subroutine prepare_dyads(does, demand, set, prepared, findings)
+      character(*), intent(in) :: does               !! what the program does: 'muscle balances'
+      type(demand_t), intent(in) :: demand           !! greatest numbers of positions and arcs
+      type(data_set_t), intent(inout) :: set
+      type(prepared_t), intent(inout) :: prepared
+      type(diagnostics_t), intent(inout) :: findings
+      type(line_t) :: none(0)
+
+      set%nguess = 0
+      if (allocated(set%no_loops)) call findings%error(does//' dyads with one drive on the frame, but this sketch has '// &
+                                                       set%no_loops, line=set%title_line, group='CHAIN')
+      if (.not. findings%failed()) call prepare(set, none, prepared, findings, demand)
+   end subroutine prepare_dyads
+
+   !> Run the cases of all files of the command line.
+   subroutine run_files(arguments, outputs, prepare_it, study, code)
+      type(arguments_t), intent(inout) :: arguments
+      type(outputs_t), intent(in) :: outputs
+      procedure(prepare_case) :: prepare_it
+      procedure(study_case) :: study
+      integer, intent(inout) :: code                 !! exit status
+      integer :: i
+
+      do i = 1, size(arguments%files)
+         call run_file(arguments, trim(arguments%files(i)), outputs, prepare_it, study, code)
+         if (arguments%no_place) exit
+      end do
+   end subroutine run_files
+
    !> Run all cases of a file. Mistakes are told, and the exit status is raised.
-   subroutine run_file(arguments, file, outputs, prepare, study, code)
+   subroutine run_file(arguments, file, outputs, prepare_it, study, code)
       type(arguments_t), intent(inout) :: arguments
       character(*), intent(in) :: file
       type(outputs_t), intent(in) :: outputs
-      procedure(prepare_case) :: prepare
+      procedure(prepare_case) :: prepare_it
       procedure(study_case) :: study
       integer, intent(inout) :: code                 !! exit status
       type(diagnostics_t) :: findings
@@ -81,7 +121,7 @@ contains
       call read_cases(file, sets, findings, program=arguments%program, mark=mark)
       allocate (prepared(size(sets)))
       do k = 1, size(sets)
-         call prepare(file, sets(k), prepared(k), findings, mark)
+         call prepare_it(file, sets(k), prepared(k), findings, mark)
       end do
       if (findings%failed() .or. .not. arguments%quiet) call show_findings(findings)
       code = max(code, findings%exit_code())
@@ -102,7 +142,7 @@ contains
       devices%mark = mark%name()
       stopped = .false.
       do k = 1, size(sets)
-         call study(sets(k), prepared(k), devices, stopped)
+         call study(k, sets(k), prepared(k), devices, stopped)
          if (stopped) exit
       end do
       if (.not. arguments%quiet) call write_standard_error(devices%notes%content()//devices%summary%content())

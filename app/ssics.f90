@@ -1,6 +1,6 @@
 !> ssics: steady state and stability of the drives and links of planar linkages, from a namelist file.
 program ssics
-   use psalm_batch, only: outputs_t, run_file
+   use psalm_batch, only: outputs_t, common_options, prepare_dyads, run_file
    use psalm_check_list, only: list_input
    use psalm_console, only: arguments_t, begin, prepare_outputs, stem_of
    use psalm_data_set, only: data_set_t
@@ -9,8 +9,7 @@ program ssics
    use psalm_error, only: problem_t, make_problem
    use psalm_gnuplot, only: write_pictures, name_of
    use psalm_mark, only: mark_t
-   use psalm_preparation, only: demand_t, prepared_t, prepare
-   use psalm_source, only: line_t
+   use psalm_preparation, only: demand_t, prepared_t
    use psalm_status, only: diagnostics_t
    use psalm_steady_report, only: report_steady
    use psalm_steady_study, only: steady_study_t, check_steady, find_steady
@@ -25,7 +24,7 @@ program ssics
    type(picture_t), allocatable, save :: scripts(:) ! of the cases of a file
    character(:), allocatable, save :: stem          ! of the file's devices
    logical, save :: finished
-   integer, save :: code, i, cases
+   integer, save :: code, i
 
    outputs = outputs_t(suffix='.ssics', endings=['.dev8', '.dev9'], of_search=[character(5) ::])
    call begin('ssics', &
@@ -34,17 +33,13 @@ program ssics
       'Hill equation given by tables (&HILL). Masses and loads come from &MASSES, &LOADS, &SPRING, the speed from &RATES.'//nl// &
       nl//'The listing goes to standard output; CASE.ssics.dev8 (input) and CASE.ssics.dev9 (blocks) beside the case.'//nl// &
       nl//'  --curves          curves too: CASE.ssics.gp, .png, .pdf, by gnuplot'//nl// &
-      '  --output-dir DIR  put the device files into DIR'//nl// &
-      '  --quiet           no remarks on standard error, errors only'//nl// &
-      '  --version         print the version'//nl// &
-      '  --help            print this text'//nl// &
+      common_options// &
       nl//'Exit status: 0 done; 1 done, but a motion is unstable, a link buckles, or the crank cannot turn;'//nl// &
       '2 the input is wrong; 3 a file could not be read or written, or gnuplot failed.'//nl, &
       outputs%suffix//[outputs%endings, of_curves], arguments, finished)
    code = arguments%code
    if (finished) call finish_program(code)
    do i = 1, size(arguments%files)
-      cases = 0
       scripts = [picture_t ::]
       stem = stem_of(trim(arguments%files(i)), arguments%output_dir)//outputs%suffix
       call run_file(arguments, trim(arguments%files(i)), outputs, prepare_steady, run_case, code)
@@ -61,21 +56,16 @@ contains
       type(prepared_t), intent(inout) :: prepared
       type(diagnostics_t), intent(inout) :: findings
       type(mark_t), intent(inout) :: mark
-      type(line_t) :: none(0)
 
       associate (unused => file, also_unused => mark)
       end associate
-      set%nguess = 0
-      if (allocated(set%no_loops)) then
-         call findings%error('ssics studies dyads with one drive on the frame, but this sketch has '//set%no_loops, &
-                             line=set%title_line, group='CHAIN')
-      end if
-      if (set%nloop == 0) return ! Hill's equation alone
-      if (.not. findings%failed()) call prepare(set, none, prepared, findings, demand)
+      if (set%nloop == 0 .and. .not. allocated(set%no_loops)) return ! Hill's equation alone
+      call prepare_dyads('ssics studies', demand, set, prepared, findings)
       if (.not. findings%failed()) call check_steady(set, prepared, findings)
    end subroutine prepare_steady
 
-   subroutine run_case(set, prepared, devices, stopped)
+   subroutine run_case(number, set, prepared, devices, stopped)
+      integer, intent(in) :: number
       type(data_set_t), intent(in) :: set
       type(prepared_t), intent(in) :: prepared
       type(devices_t), intent(inout) :: devices
@@ -95,8 +85,7 @@ contains
       end if
       call find_steady(set, problem, prepared, study)
       call report_steady(set, study, devices)
-      cases = cases + 1
-      if (arguments%curves) call draw_steady(set, study, cases, name_of(stem), devices%mark, scripts)
+      if (arguments%curves) call draw_steady(set, study, number, name_of(stem), devices%mark, scripts)
    end subroutine run_case
 
    !> The curves of a file.
