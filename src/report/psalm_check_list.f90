@@ -280,15 +280,16 @@ contains
       type(arc_table_t), intent(in) :: arcs
       integer, intent(in) :: k, loop
       character(:), allocatable, intent(out) :: lengths, angles
+      type(text_t) :: first, second
       integer :: a, n
 
-      lengths = ''
-      angles = ''
       do a = 1, mechanism%loops(loop)%arcs
          n = mechanism%seq(loop, a)
-         lengths = lengths//general(arcs%length(n, k))
-         angles = angles//angle_text(arcs%angle(n, k))
+         call first%add_text(general(arcs%length(n, k)))
+         call second%add_text(angle_text(arcs%angle(n, k)))
       end do
+      lengths = first%content()
+      angles = second%content()
    end subroutine arc_lines
 
    !> Append where the joint of the two undetermined arcs of every loop is at the reference position.
@@ -315,27 +316,29 @@ contains
    pure function integers(values, width) result(line)
       integer, intent(in) :: values(:), width
       character(:), allocatable :: line, number
+      type(text_t) :: row              ! grows in time linear in its length
       integer :: i
 
-      line = ''
       do i = 1, size(values)
          number = to_text(values(i))
-         line = line//repeat(' ', max(1, width - len(number)))//number
+         call row%add_text(repeat(' ', max(1, width - len(number)))//number)
       end do
+      line = row%content()
    end function integers
 
    pure function reals(values) result(line)
       real(wp), intent(in) :: values(:)
       character(:), allocatable :: line
       character(column) :: buffer
+      type(text_t) :: row
       integer :: i
 
-      line = ''
       do i = 1, size(values)
          write (buffer, '(f10.4)') values(i)
          if (buffer(1:1) == '*') write (buffer, '(es10.3)') values(i)
-         line = line//buffer
+         call row%add_text(buffer)
       end do
+      line = row%content()
    end function reals
 
    subroutine loop_rows(values, text)
