@@ -8,6 +8,7 @@ import json
 import math
 import os
 import random
+import re
 import subprocess
 import sys
 import tempfile
@@ -374,9 +375,13 @@ def sizing(listing, name):
 
 def drive_of_kalm(place):
     """Drive torque at every position, by kalm on what muscle wrote."""
-    text = open(os.path.join(place, "case.muscle.dev7"), encoding="utf-8").read()
-    code, listing, error = program("kalm", text.split("\n", 1)[1], place)
-    check(code == 0, "kalm reads the springs", error)
+    return drive_of(open(os.path.join(place, "case.muscle.dev7"), encoding="utf-8").read().split("\n", 1)[1], place)
+
+
+def drive_of(case, place):
+    """Drive torque at every position, by kalm."""
+    code, listing, error = program("kalm", case, place)
+    check(code == 0, "kalm reads weights and springs", error)
     rows = [line for line in open(os.path.join(place, "case.kalm.dev9"), encoding="utf-8")]
     names = next(row for row in rows if " drive " in row).lstrip("#").split()
     return [float(row.split()[names.index("drive")]) for row in rows if row.strip() and not row.startswith("#")
@@ -492,6 +497,35 @@ def sketches(place):
     kalm_agrees(place, results, results["optimum"], "sketch")
 
 
+# ---- pictures ---------------------------------------------------------------------------------------------------------------
+
+def pictures(place):
+    """balm draws what muscle added: discs of the weights' inertia, springs between their ends, the drive's load before and after."""
+    def rows(page, key, after):
+        at = page.index('"%s":[' % key, page.index(after)) + len(key) + 4
+        return [float(value) for value in page[at:page.index("]", at)].split(",")]
+
+    for name, springs in (("muscle/haines_10u.nml", 0), ("muscle/haines_springs.nml", 2)):
+        before = data(name)
+        code, results, listing, error = muscle(before, place)
+        after = open(os.path.join(place, "case.muscle.dev7"), encoding="utf-8").read()
+        weights = results["optimum"]["weights"] if not springs else []
+        check(program("balm", after, place)[0] == 0, "pictures: balm draws device 7 of " + name)
+        svg = open(os.path.join(place, "case.svg"), encoding="utf-8").read()
+        page = open(os.path.join(place, "case.html"), encoding="utf-8").read()
+        radii = [float(r) for r in re.findall(r'class="weight"[^>]* r="([^"]+)"', svg)]
+        check(len(radii) == len(weights), "pictures: a disc for every weight", radii)
+        for radius, weight in zip(radii, weights):
+            close(radius, weight["radius"], 1e-9, "pictures: a disc has the radius of the weight")
+        check(len(re.findall(r'<path class="spring" d="[^"Z]*"', svg)) == springs, "pictures: every spring is drawn")
+        # kalm on the case as it was gives the drive's load before, kalm on device 7 that after
+        for case, key in ((before, '"bare":{'), (after, '"forces":{')):
+            table = drive_of(case, place)
+            shown = rows(page, "drive", key)
+            worst = max(abs(table[k] - shown[5*k]) for k in range(72))
+            check(worst <= 1e-4*max(map(abs, table)), "pictures: the drive's load of %s in %s" % (key, name), worst)
+
+
 if __name__ == "__main__":
     with tempfile.TemporaryDirectory() as folder:
         needle(folder)
@@ -506,5 +540,6 @@ if __name__ == "__main__":
         springs_by_search(folder)
         bad_springs(folder)
         sketches(folder)
+        pictures(folder)
     print("%d passed, %d failed" % (passed, failed))
     sys.exit(1 if failed else 0)

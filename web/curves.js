@@ -89,9 +89,12 @@ balm.curves = (() => {
     if (c.forces) {
       const f = c.forces, curve = (label, colour, values) => ({ label, colour, values });
       const shown = (name, lines) => panels.push({ name, size: 0, zero: true, lines, points: [] });
-      shown(f.sliding ? 'force of the drive, N' : 'torque of the drive, N m', [curve('', pens.actual, f.drive)]);
-      shown('force on the frame, N', [curve('x', pens.link0, f.fx), curve('y', pens.link1, f.fy)]);
-      shown('moment on the frame, N m', [curve('', pens.link3, f.moment)]);
+      const bare = f.bare ? (label, key) => [curve(label, pens.soft, f.bare[key])] : () => [];
+      const with_before = f.bare ? ' (grey: without the ' + f.bare.of + ')' : '';
+      shown((f.sliding ? 'force of the drive, N' : 'torque of the drive, N m') + with_before,
+        [...bare('', 'drive'), curve('', pens.actual, f.drive)]);
+      shown('force on the frame, N', [...bare('', 'fx'), ...bare('', 'fy'), curve('x', pens.link0, f.fx), curve('y', pens.link1, f.fy)]);
+      shown('moment on the frame, N m', [...bare('', 'moment'), curve('', pens.link3, f.moment)]);
     }
     if (c.vibration) panels.push({ name: 'deflection of the link' + (c.vibration.settles ? '' : ' (not settled)'), size: 0,
       zero: true, points: [], lines: c.vibration.modes.map((values, j) => ({ label: 'mode ' + (j + 1),

@@ -292,7 +292,64 @@ balm.drawing = (() => {
     if (main) drawBroken(c, at[0]);
     drawJoints(c, at, main);
     drawOutput(c, at);
-    if (c.forces && main && balm.state.forces) drawForces(c.forces, at);
+    if (c.forces && main && balm.state.forces) {
+      drawWeights(c.forces, at);
+      drawForces(c.forces, at);
+    }
+  }
+
+  /** Counterweights as discs to scale, springs between their ends. */
+  function drawWeights(f, at) {
+    const g = pen, u = view.u;
+    g.save();
+    g.strokeStyle = g.fillStyle = pens.frame;
+    g.lineWidth = 1.2 * u;
+    for (const one of f.weights) {
+      const x = X(mixed(one.x, at)), y = Y(mixed(one.y, at));
+      if (!isFinite(x)) continue;
+      g.beginPath();
+      g.arc(x, y, view.k * one.radius, 0, ROUND);
+      g.globalAlpha = 0.3;
+      g.fill();
+      g.globalAlpha = 1;
+      g.stroke();
+    }
+    g.strokeStyle = pens.warn;
+    g.lineWidth = 1.6 * u;
+    for (const one of f.springs) {
+      const ends = [X(mixed(one.x, at)), Y(mixed(one.y, at)), X(mixed(one.x2, at)), Y(mixed(one.y2, at))];
+      if (!ends.every(isFinite)) continue;
+      g.beginPath();
+      for (const [x, y] of one.torsional ? balm.scene.spiral(ends[0], ends[1], 9 * u) : balm.scene.coil(...ends, 6 * u)) g.lineTo(x, y);
+      g.stroke();
+      if (one.torsional) continue;
+      drawSpringEnd(g, ends[0], ends[1], one.frame[0], X(mixed(one.footx, at)), Y(mixed(one.footy, at)));
+      drawSpringEnd(g, ends[2], ends[3], one.frame[1], X(mixed(one.footx2, at)), Y(mixed(one.footy2, at)));
+    }
+    g.restore();
+  }
+
+  /** The pin of a spring: on the frame with a triangle below it, else with a thin line to the link that holds it. */
+  function drawSpringEnd(g, x, y, frame, footx, footy) {
+    const r = 2.6 * view.u, width = g.lineWidth;
+    g.beginPath();
+    if (frame) {
+      g.moveTo(x, y);
+      g.lineTo(x - 2 * r, y + 3.5 * r);
+      g.lineTo(x + 2 * r, y + 3.5 * r);
+      g.closePath();
+    } else {
+      g.lineWidth = 0.5 * width;
+      g.moveTo(footx, footy);
+      g.lineTo(x, y);
+    }
+    g.stroke();
+    g.lineWidth = width;
+    g.fillStyle = pens.paper;
+    g.beginPath();
+    g.arc(x, y, r, 0, ROUND);
+    g.fill();
+    g.stroke();
   }
 
   /** Centres of mass, loads as arrows, and the polar diagram of one bearing in the upper right corner. */

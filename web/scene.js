@@ -67,11 +67,32 @@ balm.scene = (() => {
   /** Typed arrays of the forces, and the largest load and bearing load, which the drawing is scaled by. */
   function prepareForces(f) {
     for (const key of ['drive', 'fx', 'fy', 'moment']) f[key] = filled(f[key]);
-    for (const one of [...f.centres, ...f.loads, ...f.joints])
-      for (const key of ['x', 'y', 'fx', 'fy']) if (one[key]) one[key] = filled(one[key]);
+    f.weights = f.weights || [];
+    f.springs = f.springs || [];
+    if (f.bare) for (const key of ['drive', 'fx', 'fy', 'moment']) f.bare[key] = filled(f.bare[key]);
+    for (const one of [...f.centres, ...f.loads, ...f.joints, ...f.weights, ...f.springs])
+      for (const key of ['x', 'y', 'x2', 'y2', 'footx', 'footy', 'footx2', 'footy2', 'fx', 'fy']) if (one[key]) one[key] = filled(one[key]);
     const peak = (one) => one.fx.reduce((most, v, i) => Math.max(most, Math.hypot(v, one.fy[i]) || 0), 0);
     for (const one of [...f.loads, ...f.joints]) one.peak = peak(one);
     f.largest = Math.max(0, ...f.loads.map((one) => one.peak));
+  }
+
+  /** Corners of a spring between two points, drawn with eight coils. */
+  function coil(x1, y1, x2, y2, half) {
+    const COILS = 8, HOOK = 0.14, dx = x2 - x1, dy = y2 - y1, length = Math.hypot(dx, dy) || 1, points = [[x1, y1], [x1 + HOOK * dx, y1 + HOOK * dy]];
+    for (let i = 1; i <= 2 * COILS; i++) {
+      const part = HOOK + (1 - 2 * HOOK) * (i - 0.5) / (2 * COILS), side = (i % 2 ? half : -half) / length;
+      points.push([x1 + part * dx - side * dy, y1 + part * dy + side * dx]);
+    }
+    return [...points, [x2 - HOOK * dx, y2 - HOOK * dy], [x2, y2]];
+  }
+
+  /** Points of a torsional spring of two and a half turns around a joint. */
+  function spiral(x, y, radius) {
+    return Array.from({ length: 41 }, (_, i) => {
+      const angle = i * Math.PI / 8, r = radius * (0.3 + 0.7 * i / 40);
+      return [x + r * Math.cos(angle), y + r * Math.sin(angle)];
+    });
   }
 
   /** An angle goes on from the one before it; the curve then lies nearest to the desired values. */
@@ -170,6 +191,6 @@ balm.scene = (() => {
     return grown;
   }
 
-  return { OPEN, BEYOND, read, prepare, inputAt, inputName, within, between, mixed, modulo, prescribedAt, prescribedNext, short,
+  return { OPEN, BEYOND, read, prepare, inputAt, inputName, within, between, mixed, modulo, prescribedAt, prescribedNext, short, coil, spiral,
     shortOutput, shortTitle, explain, withOthers };
 })();

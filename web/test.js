@@ -139,6 +139,19 @@ globalThis.results = [];
   check('a force between two positions', scene.mixed(f.joints[0].fy, [0, 1, 0.5]) === 6 &&
     Number.isNaN(scene.mixed(f.joints[0].fy, [1, 2, 0.5])));
 
+  const heavy = scene.prepare(small({ forces: { ...forces(), bare: { of: '1 spring', drive: [1, null, 2, 3], fx: [0, 0, 0, 0],
+    fy: [0, 0, 0, 0], moment: [0, 0, 0, 0] }, weights: [{ radius: 0.5, x: [0, 1, null, 2], y: [0, 0, null, 0] }],
+    springs: [{ torsional: false, x: [0, 0, 0, 0], y: [0, 0, 0, 0], x2: [3, 3, 3, 3], y2: [4, 4, 4, 4], frame: [true, false], footx: [0, 0, 0, 0], footy: [0, 0, 0, 0], footx2: [3, 3, 3, 3],
+      footy2: [3, 3, 3, 3] }] } })).forces;
+  check('weights and springs become typed arrays', [heavy.bare.drive, heavy.weights[0].x, heavy.springs[0].y2].every(
+    (values) => values instanceof Float64Array) && Number.isNaN(heavy.bare.drive[1]));
+  check('forces without weights and springs have none', f.weights.length === 0 && f.springs.length === 0);
+  const coil = scene.coil(0, 0, 3, 4, 0.5), off = coil.map(([x, y]) => (4 * x - 3 * y) / 5);
+  check('a spring ends where it is held', same(coil[0], [0, 0]) && same(coil[coil.length - 1], [3, 4]));
+  check('its coils are as wide as told', near(Math.max(...off), 0.5, 1e-12) && near(Math.min(...off), -0.5, 1e-12), off);
+  check('a torsional spring winds about its joint', scene.spiral(1, 2, 9).every(([x, y]) => Math.hypot(x - 1, y - 2) <= 9 + 1e-12) &&
+    near(Math.hypot(...scene.spiral(0, 0, 9)[40]), 9, 1e-12));
+
   // ---- axes ---------------------------------------------------------------------------------------------------------
 
   check('ticks are round', same(curves.ticks(0.3, 4.7, 5), [1, 2, 3, 4]) && same(curves.ticks(-7, 7, 3), [-5, 0, 5]));

@@ -20,17 +20,21 @@ module psalm_force_trace
       real(wp), allocatable :: load(:, :, :)     !! shape (2, positions, loads): forces, without moments
       real(wp), allocatable :: joint_at(:, :, :) !! shape (2, positions, joints)
       real(wp), allocatable :: joint(:, :, :)    !! shape (2, positions, joints): on the later link
+      real(wp), allocatable :: weight_at(:, :, :) !! shape (2, positions, counterweights)
+      real(wp), allocatable :: spring_at(:, :, :, :) !! shape (2, positions, ends, springs)
+      real(wp), allocatable :: spring_foot(:, :, :, :) !! shape (2, positions, ends, springs): a joint of the holding link
    end type force_trace_t
 
 contains
 
    !> Forces, and where they act. The problem is as `analyse_forces` wants it.
-   subroutine trace_forces(problem, model, speed, accel, closed, input, trace)
+   subroutine trace_forces(problem, model, speed, accel, closed, input, added, trace)
       type(problem_t), intent(inout) :: problem
       type(force_model_t), intent(in) :: model
       real(wp), intent(in) :: speed, accel
       logical, intent(in) :: closed(:)
       real(wp), intent(in) :: input(:)
+      integer, intent(in) :: added               !! so many of the last masses are counterweights
       type(force_trace_t), intent(out) :: trace
       type(rates_t) :: rates
       type(forces_t) :: forces
@@ -42,7 +46,9 @@ contains
                           [(abs(model%inertia(parameter_mass, b)) > 0.0_wp .and. b /= body_frame, b=1, size(model%reference))])
       associate (m => problem%positions, joints => size(problem%mechanism%joints))
          allocate (trace%centre(2, m, size(trace%bodies)), trace%load_at(2, m, size(model%loads)), &
-                   trace%load(2, m, size(model%loads)), trace%joint_at(2, m, joints), trace%joint(2, m, joints), source=0.0_wp)
+                   trace%load(2, m, size(model%loads)), trace%joint_at(2, m, joints), trace%joint(2, m, joints), &
+                   trace%weight_at(2, m, added), trace%spring_at(2, m, 2, size(model%springs)), source=0.0_wp)
+         trace%spring_foot = trace%spring_at
       end associate
       call prepare_rates(problem, rates)
       call prepare_forces(problem, model, forces)
@@ -67,6 +73,17 @@ contains
          end do
          do k = 1, size(problem%mechanism%joints)
             call trace_joint(k)
+         end do
+         do k = 1, added
+            call place(model%centres(size(model%centres) - added + k), trace%weight_at(:, offset + 1:offset + n, k))
+         end do
+         do k = 1, size(model%springs)
+            do l = 1, 2
+               spot = model%springs(k)%ends(l)
+               call place(spot, trace%spring_at(:, offset + 1:offset + n, l, k))
+               spot%at = 0.0_wp
+               call place(spot, trace%spring_foot(:, offset + 1:offset + n, l, k))
+            end do
          end do
       end do
 

@@ -24,6 +24,7 @@ module psalm_mass_group
       logical :: motor_on_frame = .true.          !! the frame moment contains the drive's reaction
       integer :: shares = 0                       !! 1: list the share of every source
       integer :: harmonics = default_harmonics    !! harmonics listed
+      integer :: added = 0                        !! MADDED: so many of the last entries are counterweights
    end type mass_group_t
 
 contains
@@ -57,5 +58,7 @@ contains
       call read_flag(group, 'ISHARE', masses%shares, findings)
       call group%get_integer('NHARM', masses%harmonics, findings)
       call check_range(group, 'NHARM', masses%harmonics, 0, most_harmonics, findings)
+      call group%get_integer('MADDED', masses%added, findings)
+      call check_range(group, 'MADDED', masses%added, 0, n, findings)
    end subroutine read_mass_group
 end module psalm_mass_group

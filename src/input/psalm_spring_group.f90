@@ -1,6 +1,6 @@
 !> The group SPRING: springs and dampers between two points of two links, and torsional ones between two links.
 module psalm_spring_group
-   use psalm_group, only: group_t
+   use psalm_group, only: group_t, check_range
    use psalm_kinds, only: wp
    use psalm_link_place, only: place_t, read_places, read_count, refuse_unless
    use psalm_sketch, only: sketch_t
@@ -18,6 +18,7 @@ module psalm_spring_group
                                                   !! arc to the second, degrees, at which it is free
       real(wp), allocatable :: preload(:)         !! shape (entries): N or N m at the free length or angle, positive: pulls
       real(wp), allocatable :: damping(:)         !! shape (entries): N s/m, N m s/rad
+      integer :: added = 0                        !! SADDED: so many of the last entries were found by muscle
    end type spring_group_t
 
 contains
@@ -47,6 +48,8 @@ contains
       call refuse_unless(kind == 0 .or. kind == 1, group, 'STORS', '0 (along its length) or 1 (torsional) is expected', findings)
       springs%torsional = kind == 1
       call refuse_unless(springs%free >= 0.0_wp .or. springs%torsional, group, 'SFREE', 'a free length is not negative', findings)
+      call group%get_integer('SADDED', springs%added, findings)
+      call check_range(group, 'SADDED', springs%added, 0, n, findings)
       call refuse_unless(springs%damping >= 0.0_wp, group, 'SDAMP', 'damping is not negative', findings)
    end subroutine read_spring_group
 end module psalm_spring_group

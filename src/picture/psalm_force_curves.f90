@@ -1,5 +1,6 @@
 !> Forces in the gnuplot script of the curves: drive, force and moment on the frame over the sweep.
 module psalm_force_curves
+   use psalm_elementary, only: hypotenuse
    use psalm_force_analysis, only: column_drive, column_fx, column_fy, column_moment
    use psalm_force_scene, only: force_scene_t
    use psalm_kinds, only: wp
@@ -21,7 +22,8 @@ contains
       integer :: i, c
 
       call text%add('$forces << END')
-      call text%add('# input drive frame_fx frame_fy frame_m')
+      call text%add('# input drive frame_fx frame_fy frame_m'//trim(merge(' drive_before frame_before', repeat(' ', 26), &
+                                                                          allocated(forces%bare))))
       do i = 1, size(inputs)
          line = full_precision(inputs(i))
          do c = column_drive, column_moment
@@ -31,6 +33,14 @@ contains
                line = line//' NaN'
             end if
          end do
+         if (allocated(forces%bare)) then
+            if (forces%bare%known(i)) then
+               line = line//' '//full_precision(forces%bare%value(i, column_drive))//' '// &
+                      full_precision(hypotenuse(forces%bare%value(i, column_fx), forces%bare%value(i, column_fy)))
+            else
+               line = line//' NaN NaN'
+            end if
+         end if
          call text%add(line)
       end do
       call text%add('END')
@@ -47,12 +57,23 @@ contains
       else
          call text%add("set ylabel 'torque of the drive, N m'")
       end if
-      call text%add("plot $forces using 1:2 with lines lw 2 lc rgb '#c62828' title 'drive'")
+      call text%add("plot $forces using 1:2 with lines lw 2 lc rgb '#c62828' title 'drive'"//before('6'))
       call text%add("set ylabel 'force on the frame, N'")
       call text%add("plot $forces using 1:3 with lines lw 2 lc rgb '#0b57d0' title 'x', $forces using 1:4 with lines lw 2 "// &
                     "lc rgb '#2e8540' title 'y', $forces using 1:(sqrt($3*$3+$4*$4)) with lines lw 1 lc rgb '#566370' "// &
-                    "title 'amount'")
+                    "title 'amount'"//before('7'))
       call text%add("set ylabel 'moment on the frame, N m'")
       call text%add("plot $forces using 1:5 with lines lw 2 lc rgb '#7b3fa0' title 'moment'")
+
+   contains
+
+      !> What it was before counterweights and springs were added.
+      function before(column) result(words)
+         character(*), intent(in) :: column
+         character(:), allocatable :: words
+
+         words = ''
+         if (allocated(forces%bare)) words = ", $forces using 1:"//column//" with lines lw 1 dt 2 lc rgb '#37424b' title 'before'"
+      end function before
    end subroutine plot_force_panels
 end module psalm_force_curves

@@ -1,12 +1,13 @@
-!> Forces in the SVG: centres of mass and loads on the linkage, below it a polar diagram of the load of every joint.
+!> Forces in the SVG: counterweights, springs, centres of mass and loads on the linkage, below it a polar diagram of the load of
+!> every joint.
 module psalm_force_drawing
-   use psalm_force_scene, only: force_scene_t, largest_load, largest_in_joint
+   use psalm_force_scene, only: force_scene_t, largest_load, largest_in_joint, words_of_added
    use psalm_kinds, only: wp
    use psalm_markup, only: short_number, xml_text
    use psalm_text, only: text_t, full_precision, to_text
    implicit none (type, external)
    private
-   public :: draw_centres_and_loads, draw_polar_diagrams, height_of_polar_diagrams, load_scale_words
+   public :: draw_weights_and_springs, draw_centres_and_loads, draw_polar_diagrams, height_of_polar_diagrams, load_scale_words
 
    integer, parameter :: in_a_row = 6                      !! polar diagrams
    real(wp), parameter :: cell = 150.0_wp, half = 52.0_wp  !! of a diagram and half of its square, pixels
@@ -15,8 +16,101 @@ module psalm_force_drawing
    real(wp), parameter :: arrow_head = 9.0_wp              !! pixels
    integer, parameter :: digits = 5                        !! of forces in words
    real(wp), parameter :: mass_radius = 5.5_wp             !! pixels
+   real(wp), parameter :: coil = 6.0_wp                    !! half the width of a spring, pixels
+   real(wp), parameter :: pin = 2.6_wp                     !! radius of what holds a spring, pixels
+   integer, parameter :: coils = 8                         !! that are drawn of a spring
+   real(wp), parameter :: hook = 0.14_wp                   !! straight part of a spring at either end, of its length
+   real(wp), parameter :: spiral = 9.0_wp                  !! outer radius of a torsional spring, pixels
+   integer, parameter :: spiral_steps = 40                 !! of two and a half turns
+   real(wp), parameter :: pi = acos(-1.0_wp)
 
 contains
+
+   !> Counterweights as discs to scale, springs between their ends, at one prescribed position, in machine co-ordinates.
+   subroutine draw_weights_and_springs(forces, position, k, text)
+      type(force_scene_t), intent(in) :: forces
+      integer, intent(in) :: position
+      real(wp), intent(in) :: k                            !! pixels per unit of length
+      type(text_t), intent(inout) :: text
+      integer :: j, e
+
+      if (.not. forces%prescribed%table%known(position)) return
+      if (size(forces%radius) > 0) call text%add('<g id="weights" stroke-width="'//short_number(1.2_wp/k)//'">')
+      do j = 1, size(forces%radius)
+         associate (at => forces%prescribed%weight_at(:, position, j))
+            call text%add('<circle class="weight" cx="'//full_precision(at(1))//'" cy="'//full_precision(at(2))//'" r="'// &
+                          full_precision(forces%radius(j))//'"/>')
+         end associate
+      end do
+      if (size(forces%radius) > 0) call text%add('</g>')
+      if (size(forces%torsional) == 0) return
+      call text%add('<g id="springs" stroke-width="'//short_number(1.8_wp/k)//'">')
+      do j = 1, size(forces%torsional)
+         associate (ends => forces%prescribed%spring_at(:, position, :, j), &
+                    feet => forces%prescribed%spring_foot(:, position, :, j))
+            if (forces%torsional(j)) then
+               call text%add('<path class="spring" d="'//spiral_path(ends(:, 1), spiral/k)//'"/>')
+            else
+               call text%add('<path class="spring" d="'//coil_path(ends(:, 1), ends(:, 2), coil/k)//'"/>')
+               do e = 1, 2
+                  call draw_end(ends(:, e), feet(:, e), forces%on_frame(e, j))
+               end do
+            end if
+         end associate
+      end do
+      call text%add('</g>')
+
+   contains
+
+      !> A pin, on the frame with a triangle below it, else with a thin line to the link that holds it.
+      subroutine draw_end(at, foot, on_frame)
+         real(wp), intent(in) :: at(2), foot(2)
+         logical, intent(in) :: on_frame
+
+         if (on_frame) then
+            call text%add('<path class="spring" d="M'//point_words(at)//'L'//point_words(at + pin/k*[-2.0_wp, -3.5_wp])//'L'// &
+                          point_words(at + pin/k*[2.0_wp, -3.5_wp])//'Z"/>')
+         else
+            call text%add('<path class="spring" stroke-width="'//short_number(0.8_wp/k)//'" d="M'//point_words(foot)//'L'// &
+                          point_words(at)//'"/>')
+         end if
+         call text%add('<circle class="spring" cx="'//full_precision(at(1))//'" cy="'//full_precision(at(2))//'" r="'// &
+                       short_number(pin/k)//'"/>')
+      end subroutine draw_end
+   end subroutine draw_weights_and_springs
+
+   !> A spring from one end to the other.
+   function coil_path(from, to, half_width) result(path)
+      real(wp), intent(in) :: from(2), to(2), half_width
+      character(:), allocatable :: path
+      real(wp) :: along(2), across(2), part
+      integer :: i
+
+      along = to - from
+      across = 0.0_wp
+      if (norm2(along) > 0.0_wp) across = half_width*[-along(2), along(1)]/norm2(along)
+      path = 'M'//point_words(from)//'L'//point_words(from + hook*along)
+      do i = 1, 2*coils
+         part = hook + (1.0_wp - 2.0_wp*hook)*(real(i, wp) - 0.5_wp)/real(2*coils, wp)
+         path = path//'L'//point_words(from + part*along + merge(across, -across, modulo(i, 2) == 1))
+      end do
+      path = path//'L'//point_words(to - hook*along)//'L'//point_words(to)
+   end function coil_path
+
+   !> A torsional spring around a joint.
+   function spiral_path(centre, radius) result(path)
+      real(wp), intent(in) :: centre(2), radius
+      character(:), allocatable :: path
+      real(wp) :: angle, r
+      integer :: i
+
+      path = ''
+      do i = 0, spiral_steps
+         angle = 5.0_wp*pi*real(i, wp)/real(spiral_steps, wp)
+         r = radius*(0.3_wp + 0.7_wp*real(i, wp)/real(spiral_steps, wp))
+         path = path//merge('M', 'L', i == 0)//point_words(centre + r*[cos(angle), sin(angle)])
+      end do
+   end function spiral_path
 
    !> Symbols of the centres of mass, arrows of the loads, at one prescribed position, in machine co-ordinates.
    subroutine draw_centres_and_loads(forces, position, k, text)
@@ -34,7 +128,8 @@ contains
       do i = 1, size(forces%prescribed%centre, 3)
          ! a circle with two opposite quarters filled
          associate (at => forces%prescribed%centre(:, position, i))
-            call text%add('<g class="mass" data-link="'//xml_text(trim(forces%links(i)))//'" transform="translate('//pair(at)// &
+            call text%add('<g class="mass" data-link="'//xml_text(trim(forces%links(i)))//'" transform="translate('// &
+                          point_words(at)// &
                           ')"><circle stroke-width="'//short_number(0.25_wp*mass_radius/k)//'" r="'//r//'"/><path d="M0 0V'//r// &
                           'A'//r//' '//r//' 0 0 0 '//r//' 0ZM0 0V-'//r//'A'//r//' '//r//' 0 0 0 -'//r//' 0Z"/></g>')
          end associate
@@ -52,21 +147,19 @@ contains
             along = along/norm2(along)*head
             across = 0.4_wp*[-along(2), along(1)]
             call text%add('<path class="load" data-newtons="'//full_precision(load(1))//' '//full_precision(load(2))//'" d="M'// &
-                          pair(at)//'L'//pair(tip)//'M'//pair(tip - along + across)//'L'//pair(tip)//'L'// &
-                          pair(tip - along - across)//'"/>')
+                          point_words(at)//'L'//point_words(tip)//'M'//point_words(tip - along + across)//'L'// &
+                          point_words(tip)//'L'//point_words(tip - along - across)//'"/>')
          end associate
       end do
       call text%add('</g>')
-
-   contains
-
-      function pair(point) result(words)
-         real(wp), intent(in) :: point(2)
-         character(:), allocatable :: words
-
-         words = full_precision(point(1))//' '//full_precision(point(2))
-      end function pair
    end subroutine draw_centres_and_loads
+
+   function point_words(point) result(words)
+      real(wp), intent(in) :: point(2)
+      character(:), allocatable :: words
+
+      words = full_precision(point(1))//' '//full_precision(point(2))
+   end function point_words
 
    !> What the arrows mean; empty without loads.
    function load_scale_words(forces) result(words)
@@ -144,6 +237,7 @@ contains
 
          words = load_scale_words(forces)
          if (len(words) > 0) words = '; '//words
+         if (len(words_of_added(forces)) > 0) words = words//'; added: '//words_of_added(forces)
       end function tail
    end subroutine draw_polar_diagrams
 end module psalm_force_drawing

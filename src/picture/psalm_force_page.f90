@@ -1,6 +1,6 @@
 !> Forces as data of the moving page, over its sweep.
 module psalm_force_page
-   use psalm_force_scene, only: force_scene_t
+   use psalm_force_scene, only: force_scene_t, words_of_added
    use psalm_force_analysis, only: column_drive, column_fx, column_fy, column_moment
    use psalm_kinds, only: wp
    use psalm_markup, only: json_text, short_number
@@ -18,11 +18,41 @@ contains
       integer :: j
 
       associate (sweep => forces%sweep)
-         call text%add_text('{"sliding":'//trim(merge('true ', 'false', forces%sliding)))
+         call text%add_text('{"sliding":'//truth(forces%sliding))
          call add_row('drive', sweep%table%value(:, column_drive))
          call add_row('fx', sweep%table%value(:, column_fx))
          call add_row('fy', sweep%table%value(:, column_fy))
          call add_row('moment', sweep%table%value(:, column_moment))
+         if (allocated(forces%bare)) then
+            call text%add_text(',"bare":{"of":'//json_text(words_of_added(forces)))
+            call add_row('drive', forces%bare%value(:, column_drive))
+            call add_row('fx', forces%bare%value(:, column_fx))
+            call add_row('fy', forces%bare%value(:, column_fy))
+            call add_row('moment', forces%bare%value(:, column_moment))
+            call text%add_text('}')
+         end if
+         call text%add_text(',"weights":[')
+         do j = 1, size(forces%radius)
+            call text%add_text(separator(j)//'{"radius":'//short_number(forces%radius(j)))
+            call add_row('x', sweep%weight_at(1, :, j))
+            call add_row('y', sweep%weight_at(2, :, j))
+            call text%add('}')
+         end do
+         call text%add_text('],"springs":[')
+         do j = 1, size(forces%torsional)
+            call text%add_text(separator(j)//'{"torsional":'//truth(forces%torsional(j))//',"frame":['// &
+                               truth(forces%on_frame(1, j))//','//truth(forces%on_frame(2, j))//']')
+            call add_row('x', sweep%spring_at(1, :, 1, j))
+            call add_row('y', sweep%spring_at(2, :, 1, j))
+            call add_row('x2', sweep%spring_at(1, :, 2, j))
+            call add_row('y2', sweep%spring_at(2, :, 2, j))
+            call add_row('footx', sweep%spring_foot(1, :, 1, j))
+            call add_row('footy', sweep%spring_foot(2, :, 1, j))
+            call add_row('footx2', sweep%spring_foot(1, :, 2, j))
+            call add_row('footy2', sweep%spring_foot(2, :, 2, j))
+            call text%add('}')
+         end do
+         call text%add_text(']')
          call text%add_text(',"centres":[')
          do j = 1, size(sweep%centre, 3)
             call text%add_text(separator(j)//'{"link":'//json_text(trim(forces%links(j))))
@@ -67,6 +97,13 @@ contains
          end do
          call text%add(']')
       end subroutine add_row
+
+      pure function truth(value) result(word)
+         logical, intent(in) :: value
+         character(:), allocatable :: word
+
+         word = trim(merge('true ', 'false', value))
+      end function truth
 
       pure function separator(i) result(mark)
          integer, intent(in) :: i

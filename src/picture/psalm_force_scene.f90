@@ -1,24 +1,38 @@
-!> What pictures show of forces: centres of mass, loads, joints and what they bear, drive and frame.
+!> What pictures show of forces: centres of mass, loads, joints and what they bear, drive and frame, counterweights and springs.
+!>
+!> A counterweight is drawn as the disc that has its mass and its own moment of inertia; a point mass as a disc of steel.
 module psalm_force_scene
    use psalm_data_set, only: data_set_t
    use psalm_dimensions, only: dimensions_t
    use psalm_elementary, only: hypotenuse
    use psalm_error, only: problem_t, motion_t
+   use psalm_force_analysis, only: force_table_t, analyse_forces
    use psalm_force_model, only: force_model_t, make_force_model, vertices_of
    use psalm_force_trace, only: force_trace_t, trace_forces
    use psalm_kinds, only: wp
+   use psalm_mechanism, only: body_frame
    use psalm_status, only: diagnostics_t
+   use psalm_text, only: to_text
    implicit none (type, external)
    private
-   public :: force_scene_t, make_force_scene, change_unit_of_forces, largest_load, largest_in_joint
+   public :: force_scene_t, make_force_scene, change_unit_of_forces, extent_of_weights, words_of_added, largest_load, &
+             largest_in_joint, steel_thickness
 
    integer, parameter :: name_width = 24
+   real(wp), parameter :: steel = 7850.0_wp            !! kg/m3
+   real(wp), parameter :: steel_thickness = 0.01_wp    !! of the disc that stands for a point mass, m
+   real(wp), parameter :: pi = acos(-1.0_wp)
 
    type :: force_scene_t
       type(force_trace_t) :: prescribed, sweep
       character(name_width), allocatable :: joints(:)  !! names
       character(name_width), allocatable :: links(:)   !! names of those with a centre of mass
       logical :: sliding = .false.                     !! the drive is a force
+      real(wp), allocatable :: radius(:)               !! shape (counterweights): of their discs
+      logical, allocatable :: torsional(:)             !! shape (springs)
+      logical, allocatable :: on_frame(:, :)           !! shape (ends, springs): held by the frame
+      integer :: springs_added = 0                     !! so many of the last springs were found for this linkage
+      type(force_table_t), allocatable :: bare         !! over the sweep: without counterweights and springs that were added
    end type force_scene_t
 
 contains
@@ -35,15 +49,18 @@ contains
       type(diagnostics_t) :: unused
       type(motion_t) :: motion
       integer :: j
+      real(wp) :: mass, inertia
 
       allocate (problem, source=given)
       call make_force_model(set, problem%mechanism, dimensions, model, unused)
       call problem%want_derivatives(.true., vertices_of(problem%mechanism))
       call problem%analyse(dimensions, motion)
-      call trace_forces(problem, model, set%speed, set%accel, motion%closed, motion%input, forces%prescribed)
+      call trace_forces(problem, model, set%speed, set%accel, motion%closed, motion%input, &
+                        set%masses%added, forces%prescribed)
       call problem%set_inputs(sweep)
       call problem%analyse(dimensions, motion)
-      call trace_forces(problem, model, set%speed, set%accel, motion%closed, motion%input, forces%sweep)
+      call trace_forces(problem, model, set%speed, set%accel, motion%closed, motion%input, &
+                        set%masses%added, forces%sweep)
       allocate (forces%joints(size(problem%mechanism%joints)))
       do j = 1, size(forces%joints)
          forces%joints(j) = problem%mechanism%joints(j)%name
@@ -53,7 +70,85 @@ contains
          forces%links(j) = problem%mechanism%bodies(forces%sweep%bodies(j))%name
       end do
       forces%sliding = problem%mechanism%sliding_input
+      allocate (forces%radius(set%masses%added))
+      do j = 1, size(forces%radius)
+         mass = set%masses%mass(size(set%masses%mass) - set%masses%added + j)
+         inertia = set%masses%inertia(size(set%masses%mass) - set%masses%added + j)
+         forces%radius(j) = sqrt(merge(2.0_wp*inertia/max(mass, tiny(mass)), mass/(pi*steel*steel_thickness), &
+                                       inertia > 0.0_wp .and. mass > 0.0_wp))/set%masses%metre
+      end do
+      forces%torsional = set%springs%torsional
+      allocate (forces%on_frame(2, size(forces%torsional)))
+      do j = 1, size(forces%torsional)
+         forces%on_frame(:, j) = model%springs(j)%ends%body == body_frame
+      end do
+      forces%springs_added = set%springs%added
+      if (set%masses%added + set%springs%added == 0) return
+      call make_force_model(without_added(set), problem%mechanism, dimensions, model, unused)
+      allocate (forces%bare)
+      call analyse_forces(problem, model, set%speed, set%accel, motion%closed, motion%input, forces%bare)
    end subroutine make_force_scene
+
+   !> A case without the counterweights and springs that were added to it.
+   pure function without_added(set) result(bare)
+      type(data_set_t), intent(in) :: set
+      type(data_set_t), allocatable :: bare      ! large: it would fill a small stack
+      integer :: masses, springs
+
+      allocate (bare, source=set)
+      masses = size(set%masses%places) - set%masses%added
+      springs = size(set%springs%first) - set%springs%added
+      associate (group => bare%masses)
+         group%places = group%places(:masses)
+         group%mass = group%mass(:masses)
+         group%inertia = group%inertia(:masses)
+      end associate
+      associate (group => bare%springs)
+         group%first = group%first(:springs)
+         group%second = group%second(:springs)
+         group%torsional = group%torsional(:springs)
+         group%stiffness = group%stiffness(:springs)
+         group%free = group%free(:springs)
+         group%preload = group%preload(:springs)
+         group%damping = group%damping(:springs)
+      end associate
+   end function without_added
+
+   !> Corners of what counterweights and springs take over the prescribed positions.
+   pure subroutine extent_of_weights(forces, low, high)
+      type(force_scene_t), intent(in) :: forces
+      real(wp), intent(inout) :: low(2), high(2)   !! widened
+      integer :: k, j
+
+      do j = 1, size(forces%radius)
+         do k = 1, size(forces%prescribed%weight_at, 2)
+            if (.not. forces%prescribed%table%known(k)) cycle
+            low = min(low, forces%prescribed%weight_at(:, k, j) - forces%radius(j))
+            high = max(high, forces%prescribed%weight_at(:, k, j) + forces%radius(j))
+         end do
+      end do
+      do j = 1, size(forces%torsional)
+         do k = 1, size(forces%prescribed%spring_at, 2)
+            if (.not. forces%prescribed%table%known(k)) cycle
+            low = min(low, forces%prescribed%spring_at(:, k, 1, j), forces%prescribed%spring_at(:, k, 2, j))
+            high = max(high, forces%prescribed%spring_at(:, k, 1, j), forces%prescribed%spring_at(:, k, 2, j))
+         end do
+      end do
+   end subroutine extent_of_weights
+
+   !> What was added to the linkage, in words; empty if nothing was.
+   pure function words_of_added(forces) result(words)
+      type(force_scene_t), intent(in) :: forces
+      character(:), allocatable :: words
+      integer :: weights
+
+      weights = size(forces%radius)
+      words = ''
+      if (weights > 0) words = to_text(weights)//trim(merge(' counterweight ', ' counterweights', weights == 1))
+      if (weights > 0 .and. forces%springs_added > 0) words = words//' and '
+      if (forces%springs_added > 0) words = words//to_text(forces%springs_added)// &
+                                            trim(merge(' spring ', ' springs', forces%springs_added == 1))
+   end function words_of_added
 
    !> All places in another unit of length.
    pure subroutine change_unit_of_forces(forces, unit)
@@ -62,6 +157,7 @@ contains
 
       call change(forces%prescribed)
       call change(forces%sweep)
+      forces%radius = forces%radius/unit
 
    contains
 
@@ -71,6 +167,9 @@ contains
          trace%centre = trace%centre/unit
          trace%load_at = trace%load_at/unit
          trace%joint_at = trace%joint_at/unit
+         trace%weight_at = trace%weight_at/unit
+         trace%spring_at = trace%spring_at/unit
+         trace%spring_foot = trace%spring_foot/unit
       end subroutine change
    end subroutine change_unit_of_forces
 

@@ -499,11 +499,36 @@ module psalm_page_text
    '  /** Typed arrays of the forces, and the largest load and bearing load, which the drawing is scaled by. */'//nl// &
    '  function prepareForces(f) {'//nl// &
    "    for (const key of ['drive', 'fx', 'fy', 'moment']) f[key] = filled(f[key]);"//nl// &
-   '    for (const one of [...f.centres, ...f.loads, ...f.joints])'//nl// &
-   "      for (const key of ['x', 'y', 'fx', 'fy']) if (one[key]) one[key] = filled(one[key]);"//nl// &
+   '    f.weights = f.weights || [];'//nl// &
+   '    f.springs = f.springs || [];'//nl// &
+   "    if (f.bare) for (const key of ['drive', 'fx', 'fy', 'moment']) f.bare[key] = filled(f.bare[key]);"//nl// &
+   '    for (const one of [...f.centres, ...f.loads, ...f.joints, ...f.weights, ...f.springs])'//nl// &
+   "      for (const key of ['x', 'y', 'x2', 'y2', 'footx', 'footy', 'footx2', 'footy2', 'fx', 'fy']) if (one[key]) one[key"// &
+   "] = filled(one[key]);"//nl// &
    '    const peak = (one) => one.fx.reduce((most, v, i) => Math.max(most, Math.hypot(v, one.fy[i]) || 0), 0);'//nl// &
    '    for (const one of [...f.loads, ...f.joints]) one.peak = peak(one);'//nl// &
    '    f.largest = Math.max(0, ...f.loads.map((one) => one.peak));'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  /** Corners of a spring between two points, drawn with eight coils. */'//nl// &
+   '  function coil(x1, y1, x2, y2, half) {'//nl// &
+   '    const COILS = 8, HOOK = 0.14, dx = x2 - x1, dy = y2 - y1, length = Math.hypot(dx, dy) || 1, points = [[x1, y1], [x1'// &
+   ' + HOOK * dx, y1 + HOOK * dy]];'//nl// &
+   '    for (let i = 1; i <= 2 * COILS; i++) {'//nl// &
+   '      const part = HOOK + (1 - 2 * HOOK) * (i - 0.5) / (2 * COILS), side = (i % 2 ? half : -half) / length;'//nl// &
+   '      points.push([x1 + part * dx - side * dy, y1 + part * dy + side * dx]);'//nl// &
+   '    }'//nl// &
+   '    return [...points, [x2 - HOOK * dx, y2 - HOOK * dy], [x2, y2]];'//nl// &
+   '  }'//nl
+
+   character(*), parameter :: part_6 = &
+   ''//nl// &
+   '  /** Points of a torsional spring of two and a half turns around a joint. */'//nl// &
+   '  function spiral(x, y, radius) {'//nl// &
+   '    return Array.from({ length: 41 }, (_, i) => {'//nl// &
+   '      const angle = i * Math.PI / 8, r = radius * (0.3 + 0.7 * i / 40);'//nl// &
+   '      return [x + r * Math.cos(angle), y + r * Math.sin(angle)];'//nl// &
+   '    });'//nl// &
    '  }'//nl// &
    ''//nl// &
    '  /** An angle goes on from the one before it; the curve then lies nearest to the desired values. */'//nl// &
@@ -517,9 +542,7 @@ module psalm_page_text
    '    }'//nl// &
    '    const near = (k) => a[Math.round(c.at[k]) % a.length];'//nl// &
    '    const k = p.actual.findIndex((v, i) => isFinite(v) && isFinite(near(i)));'//nl// &
-   '    if (k < 0 || !p.desired) return;'//nl
-
-   character(*), parameter :: part_6 = &
+   '    if (k < 0 || !p.desired) return;'//nl// &
    '    const turn = 360 * Math.round((p.actual[k] - near(k)) / 360);'//nl// &
    '    for (let i = 0; i < a.length; i++) a[i] += turn;'//nl// &
    '  }'//nl// &
@@ -598,14 +621,16 @@ module psalm_page_text
    '      if (!(isFinite(x[t]) && isFinite(y[t]))) continue;'//nl// &
    '      grown[0] = Math.min(grown[0], Math.max(x[t], view[0] - room));'//nl// &
    '      grown[1] = Math.min(grown[1], Math.max(y[t], view[1] - room));'//nl// &
-   '      grown[2] = Math.max(grown[2], Math.min(x[t], view[2] + room));'//nl// &
+   '      grown[2] = Math.max(grown[2], Math.min(x[t], view[2] + room));'//nl
+
+   character(*), parameter :: part_7 = &
    '      grown[3] = Math.max(grown[3], Math.min(y[t], view[3] + room));'//nl// &
    '    }'//nl// &
    '    return grown;'//nl// &
    '  }'//nl// &
    ''//nl// &
    '  return { OPEN, BEYOND, read, prepare, inputAt, inputName, within, between, mixed, modulo, prescribedAt, prescribedNex'// &
-   't, short,'//nl// &
+   't, short, coil, spiral,'//nl// &
    '    shortOutput, shortTitle, explain, withOthers };'//nl// &
    '})();'//nl// &
    '</script>'//nl// &
@@ -620,9 +645,7 @@ module psalm_page_text
    '  const MANY = 60;               // joints above which symbols are smaller and letters left out'//nl// &
    '  const LONGEST = 90;            // pixels of the arrow of the largest load'//nl// &
    '  const ROUND = 2 * Math.PI;'//nl// &
-   '  const pens = {};               // colours of the scheme'//nl
-
-   character(*), parameter :: part_7 = &
+   '  const pens = {};               // colours of the scheme'//nl// &
    '  let canvas, pen, still;        // `still` holds what does not move'//nl// &
    '  let view = null;               // scale and place of the drawing'//nl// &
    ''//nl// &
@@ -703,7 +726,9 @@ module psalm_page_text
    '    for (const m of meshes) {'//nl// &
    '      for (let i = 0; i < 8; i += 2) if (i) g.lineTo(X(m[i]), Y(m[i + 1])); else g.moveTo(X(m[0]), Y(m[1]));'//nl// &
    '      g.closePath();'//nl// &
-   '    }'//nl// &
+   '    }'//nl
+
+   character(*), parameter :: part_8 = &
    "    g.lineJoin = 'round';"//nl// &
    '    g.strokeStyle = pens.link2;'//nl// &
    '    g.lineWidth = 3 * view.u;'//nl// &
@@ -724,9 +749,7 @@ module psalm_page_text
    '  function drawRegions(g, c) {'//nl// &
    '    g.save();'//nl// &
    '    g.strokeStyle = pens.bad;'//nl// &
-   '    g.fillStyle = pens.badband;'//nl
-
-   character(*), parameter :: part_8 = &
+   '    g.fillStyle = pens.badband;'//nl// &
    '    for (const region of c.regions) {'//nl// &
    '      g.beginPath();'//nl// &
    '      outline[region.kind](g, region);'//nl// &
@@ -805,7 +828,9 @@ module psalm_page_text
    '      g.strokeStyle = pens.actual;'//nl// &
    '      segment(g, x, y, p.aim_x[i], p.aim_y[i]);'//nl// &
    '      if (!c.desired) continue;'//nl// &
-   '      g.setLineDash([5, 4]);'//nl// &
+   '      g.setLineDash([5, 4]);'//nl
+
+   character(*), parameter :: part_9 = &
    '      g.strokeStyle = pens.desired;'//nl// &
    '      segment(g, x, y, p.wish_x[i], p.wish_y[i]);'//nl// &
    '      g.setLineDash([]);'//nl// &
@@ -826,9 +851,7 @@ module psalm_page_text
    '  function line(g, x1, y1, x2, y2) {'//nl// &
    '    g.beginPath();'//nl// &
    '    g.moveTo(x1, y1);'//nl// &
-   '    g.lineTo(x2, y2);'//nl
-
-   character(*), parameter :: part_9 = &
+   '    g.lineTo(x2, y2);'//nl// &
    '    g.stroke();'//nl// &
    '  }'//nl// &
    ''//nl// &
@@ -908,12 +931,72 @@ module psalm_page_text
    '    drawRails(c, at);'//nl// &
    '    drawPlates(c);'//nl// &
    '    if (balm.state.other && main) drawOthers(c, at);'//nl// &
-   '    if (c.wheels) drawWheels(c);'//nl// &
+   '    if (c.wheels) drawWheels(c);'//nl
+
+   character(*), parameter :: part_10 = &
    '    drawBars(c, at, main);'//nl// &
    '    if (main) drawBroken(c, at[0]);'//nl// &
    '    drawJoints(c, at, main);'//nl// &
    '    drawOutput(c, at);'//nl// &
-   '    if (c.forces && main && balm.state.forces) drawForces(c.forces, at);'//nl// &
+   '    if (c.forces && main && balm.state.forces) {'//nl// &
+   '      drawWeights(c.forces, at);'//nl// &
+   '      drawForces(c.forces, at);'//nl// &
+   '    }'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  /** Counterweights as discs to scale, springs between their ends. */'//nl// &
+   '  function drawWeights(f, at) {'//nl// &
+   '    const g = pen, u = view.u;'//nl// &
+   '    g.save();'//nl// &
+   '    g.strokeStyle = g.fillStyle = pens.frame;'//nl// &
+   '    g.lineWidth = 1.2 * u;'//nl// &
+   '    for (const one of f.weights) {'//nl// &
+   '      const x = X(mixed(one.x, at)), y = Y(mixed(one.y, at));'//nl// &
+   '      if (!isFinite(x)) continue;'//nl// &
+   '      g.beginPath();'//nl// &
+   '      g.arc(x, y, view.k * one.radius, 0, ROUND);'//nl// &
+   '      g.globalAlpha = 0.3;'//nl// &
+   '      g.fill();'//nl// &
+   '      g.globalAlpha = 1;'//nl// &
+   '      g.stroke();'//nl// &
+   '    }'//nl// &
+   '    g.strokeStyle = pens.warn;'//nl// &
+   '    g.lineWidth = 1.6 * u;'//nl// &
+   '    for (const one of f.springs) {'//nl// &
+   '      const ends = [X(mixed(one.x, at)), Y(mixed(one.y, at)), X(mixed(one.x2, at)), Y(mixed(one.y2, at))];'//nl// &
+   '      if (!ends.every(isFinite)) continue;'//nl// &
+   '      g.beginPath();'//nl// &
+   '      for (const [x, y] of one.torsional ? balm.scene.spiral(ends[0], ends[1], 9 * u) : balm.scene.coil(...ends, 6 * u)'// &
+   ') g.lineTo(x, y);'//nl// &
+   '      g.stroke();'//nl// &
+   '      if (one.torsional) continue;'//nl// &
+   '      drawSpringEnd(g, ends[0], ends[1], one.frame[0], X(mixed(one.footx, at)), Y(mixed(one.footy, at)));'//nl// &
+   '      drawSpringEnd(g, ends[2], ends[3], one.frame[1], X(mixed(one.footx2, at)), Y(mixed(one.footy2, at)));'//nl// &
+   '    }'//nl// &
+   '    g.restore();'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  /** The pin of a spring: on the frame with a triangle below it, else with a thin line to the link that holds it. */'//nl// &
+   '  function drawSpringEnd(g, x, y, frame, footx, footy) {'//nl// &
+   '    const r = 2.6 * view.u, width = g.lineWidth;'//nl// &
+   '    g.beginPath();'//nl// &
+   '    if (frame) {'//nl// &
+   '      g.moveTo(x, y);'//nl// &
+   '      g.lineTo(x - 2 * r, y + 3.5 * r);'//nl// &
+   '      g.lineTo(x + 2 * r, y + 3.5 * r);'//nl// &
+   '      g.closePath();'//nl// &
+   '    } else {'//nl// &
+   '      g.lineWidth = 0.5 * width;'//nl// &
+   '      g.moveTo(footx, footy);'//nl// &
+   '      g.lineTo(x, y);'//nl// &
+   '    }'//nl// &
+   '    g.stroke();'//nl// &
+   '    g.lineWidth = width;'//nl// &
+   '    g.fillStyle = pens.paper;'//nl// &
+   '    g.beginPath();'//nl// &
+   '    g.arc(x, y, r, 0, ROUND);'//nl// &
+   '    g.fill();'//nl// &
+   '    g.stroke();'//nl// &
    '  }'//nl// &
    ''//nl// &
    '  /** Centres of mass, loads as arrows, and the polar diagram of one bearing in the upper right corner. */'//nl// &
@@ -929,9 +1012,7 @@ module psalm_page_text
    '      g.arc(x, y, r, 0, ROUND);'//nl// &
    '      g.fill();'//nl// &
    '      g.stroke();'//nl// &
-   '      g.fillStyle = pens.ink;'//nl
-
-   character(*), parameter :: part_10 = &
+   '      g.fillStyle = pens.ink;'//nl// &
    '      for (const from of [0, Math.PI]) {'//nl// &
    '        g.beginPath();'//nl// &
    '        g.moveTo(x, y);'//nl// &
@@ -954,7 +1035,9 @@ module psalm_page_text
    '    if (!(length > 1)) return;'//nl// &
    '    const head = Math.min(9 * u, 0.6 * length) / length;'//nl// &
    '    g.lineWidth = 2.2 * u;'//nl// &
-   '    line(g, x, y, x + dx, y + dy);'//nl// &
+   '    line(g, x, y, x + dx, y + dy);'//nl
+
+   character(*), parameter :: part_11 = &
    '    g.beginPath();'//nl// &
    '    g.moveTo(x + dx - head * (dx - 0.4 * dy), y + dy - head * (dy + 0.4 * dx));'//nl// &
    '    g.lineTo(x + dx, y + dy);'//nl// &
@@ -1032,9 +1115,7 @@ module psalm_page_text
    '    for (const other of c.sweep.others) {'//nl// &
    '      const { start, finish } = c.pairs[other.pair], x = mixed(other.x, at);'//nl// &
    '      if (!isFinite(x)) continue;'//nl// &
-   '      g.beginPath();'//nl
-
-   character(*), parameter :: part_11 = &
+   '      g.beginPath();'//nl// &
    '      g.moveTo(px[start], py[start]);'//nl// &
    '      g.lineTo(X(x), Y(mixed(other.y, at)));'//nl// &
    '      g.lineTo(px[finish], py[finish]);'//nl// &
@@ -1056,7 +1137,9 @@ module psalm_page_text
    '      if (fixed) g.setLineDash([]);'//nl// &
    "      if ('barrel' in bar) drawBarrel(c, bar);"//nl// &
    '    }'//nl// &
-   '  }'//nl// &
+   '  }'//nl
+
+   character(*), parameter :: part_12 = &
    ''//nl// &
    '  /** Is it the link that vibrates, and to be drawn so? */'//nl// &
    '  function isBent(c, bar) {'//nl// &
@@ -1136,9 +1219,7 @@ module psalm_page_text
    '  function drawOutput(c, at) {'//nl// &
    '    let x = c.px[c.output], y = c.py[c.output];'//nl// &
    "    if (c.motion === 'angle' && c.output === c.base && c.sweep.closed[at[0]] === '1') {"//nl// &
-   '      const ax = X(mixed(c.sweep.aim_x, at)), ay = Y(mixed(c.sweep.aim_y, at));'//nl
-
-   character(*), parameter :: part_12 = &
+   '      const ax = X(mixed(c.sweep.aim_x, at)), ay = Y(mixed(c.sweep.aim_y, at));'//nl// &
    '      pen.strokeStyle = pens.actual;'//nl// &
    '      pen.lineWidth = 2.2 * view.u;'//nl// &
    '      line(pen, x, y, ax, ay);'//nl// &
@@ -1160,7 +1241,9 @@ module psalm_page_text
    '      g.moveTo(px[j], py[j]);'//nl// &
    '      g.lineTo(px[j] - 9 * m, py[j] + 15 * m);'//nl// &
    '      g.lineTo(px[j] + 9 * m, py[j] + 15 * m);'//nl// &
-   '      g.closePath();'//nl// &
+   '      g.closePath();'//nl
+
+   character(*), parameter :: part_13 = &
    '    });'//nl// &
    '    c.slides.forEach((slide, i) => {'//nl// &
    '      const x = px[slide.block], y = py[slide.block], r = 9 * m;'//nl// &
@@ -1240,9 +1323,7 @@ module psalm_page_text
    "    canvas = document.getElementById('curves');"//nl// &
    "    chart = canvas.getContext('2d');"//nl// &
    "    still = document.createElement('canvas');"//nl// &
-   "    strip = document.getElementById('strip');"//nl
-
-   character(*), parameter :: part_13 = &
+   "    strip = document.getElementById('strip');"//nl// &
    '  }'//nl// &
    ''//nl// &
    '  // ---- axes --------------------------------------------------------------------------------------------------------'// &
@@ -1265,7 +1346,9 @@ module psalm_page_text
    '    if (!(high >= low)) return [0, 1];'//nl// &
    '    if (high - low >= FLAT * size) return [low, high];'//nl// &
    '    const middle = Math.abs(low) < FLAT * size ? 0 : (low + high) / 2;'//nl// &
-   '    if (!(size > 0)) return [low - 1, high + 1];'//nl// &
+   '    if (!(size > 0)) return [low - 1, high + 1];'//nl
+
+   character(*), parameter :: part_14 = &
    '    return [middle - AROUND * size, middle + AROUND * size];'//nl// &
    '  }'//nl// &
    ''//nl// &
@@ -1319,9 +1402,13 @@ module psalm_page_text
    '    if (c.forces) {'//nl// &
    '      const f = c.forces, curve = (label, colour, values) => ({ label, colour, values });'//nl// &
    '      const shown = (name, lines) => panels.push({ name, size: 0, zero: true, lines, points: [] });'//nl// &
-   "      shown(f.sliding ? 'force of the drive, N' : 'torque of the drive, N m', [curve('', pens.actual, f.drive)]);"//nl// &
-   "      shown('force on the frame, N', [curve('x', pens.link0, f.fx), curve('y', pens.link1, f.fy)]);"//nl// &
-   "      shown('moment on the frame, N m', [curve('', pens.link3, f.moment)]);"//nl// &
+   '      const bare = f.bare ? (label, key) => [curve(label, pens.soft, f.bare[key])] : () => [];'//nl// &
+   "      const with_before = f.bare ? ' (grey: without the ' + f.bare.of + ')' : '';"//nl// &
+   "      shown((f.sliding ? 'force of the drive, N' : 'torque of the drive, N m') + with_before,"//nl// &
+   "        [...bare('', 'drive'), curve('', pens.actual, f.drive)]);"//nl// &
+   "      shown('force on the frame, N', [...bare('', 'fx'), ...bare('', 'fy'), curve('x', pens.link0, f.fx), curve('y', pe"// &
+   "ns.link1, f.fy)]);"//nl// &
+   "      shown('moment on the frame, N m', [...bare('', 'moment'), curve('', pens.link3, f.moment)]);"//nl// &
    '    }'//nl// &
    "    if (c.vibration) panels.push({ name: 'deflection of the link' + (c.vibration.settles ? '' : ' (not settled)'), size"// &
    ": 0,"//nl// &
@@ -1346,9 +1433,7 @@ module psalm_page_text
    '    });'//nl// &
    '    drawInputAxis(g, c);'//nl// &
    '    layOutStrip(c);'//nl// &
-   '  }'//nl
-
-   character(*), parameter :: part_14 = &
+   '  }'//nl// &
    ''//nl// &
    '  function drawInputAxis(g, c) {'//nl// &
    '    const { w, h, u, left, right } = plot, first = inputAt(c, 0), each = inputAt(c, 1) - first || 1;'//nl// &
@@ -1367,7 +1452,9 @@ module psalm_page_text
    '    panel.y = (v) => bottom - (v - low + pad) / (high - low + 2 * pad) * (bottom - top);'//nl// &
    '    bands(g, c, plot.x, top, bottom - top);'//nl// &
    '    g.strokeStyle = pens.line;'//nl// &
-   '    g.lineWidth = 1;'//nl// &
+   '    g.lineWidth = 1;'//nl
+
+   character(*), parameter :: part_15 = &
    '    g.fillStyle = pens.soft;'//nl// &
    "    g.textAlign = 'right';"//nl// &
    '    for (const v of panel.fixed ? [0, 45, 90, 135, 180] : ticks(low, high, Math.max(2, (bottom - top) / (27 * u)))) {'//nl// &
@@ -1448,9 +1535,7 @@ module psalm_page_text
    '    const { pens } = balm.drawing, n = c.sweep.n;'//nl// &
    '    for (let i = 0; i < n;) {'//nl// &
    '      const status = c.status[i];'//nl// &
-   '      let k = i;'//nl
-
-   character(*), parameter :: part_15 = &
+   '      let k = i;'//nl// &
    '      while (k < n && c.status[k] === status) k++;'//nl// &
    '      if (status) {'//nl// &
    '        const a = Math.max(x(i - 0.5), x(plot.from)), b = Math.min(x(k - 0.5), x(plot.to));'//nl// &
@@ -1469,7 +1554,9 @@ module psalm_page_text
    '    g.fillStyle = pens.accent;'//nl// &
    '    for (const t of c.at) if (t <= plot.to + 1e-9) g.fillRect(x(t) - 0.8, 2, 1.6, h - 4);'//nl// &
    '  }'//nl// &
-   ''//nl// &
+   ''//nl
+
+   character(*), parameter :: part_16 = &
    '  /** One frame: the cursor at t. */'//nl// &
    '  function frame(c, t) {'//nl// &
    '    const g = chart, at = between(c, t), x = plot.x(t);'//nl// &
@@ -1551,9 +1638,7 @@ module psalm_page_text
    '      g.moveTo(x(v), at.bottom);'//nl// &
    '      g.lineTo(x(v), at.bottom + 4);'//nl// &
    '      g.stroke();'//nl// &
-   '      g.fillText(short(v), x(v), at.bottom + 16);'//nl
-
-   character(*), parameter :: part_16 = &
+   '      g.fillText(short(v), x(v), at.bottom + 16);'//nl// &
    '    }'//nl// &
    '    g.fillText(across, (at.left + at.right) / 2, at.bottom + 32);'//nl// &
    "    g.textAlign = 'left';"//nl// &
@@ -1572,7 +1657,9 @@ module psalm_page_text
    '    return list;'//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  function drawSpeeds(g, v, at) {'//nl// &
+   '  function drawSpeeds(g, v, at) {'//nl
+
+   character(*), parameter :: part_17 = &
    '    const { pens } = balm.drawing, known = v.speeds.filter(([, a]) => a !== null && a > 0);'//nl// &
    '    const ends = [v.speeds[0][0], v.speeds.at(-1)[0]], sizes = known.map(([, a]) => a);'//nl// &
    "    const [x, y] = axes(g, at, 'greatest deflection of mode 1 (shaded: unstable speeds)', 'speed, rad/s', ends,"//nl// &
@@ -1654,9 +1741,7 @@ module psalm_page_text
    "    return text + ', desired ' + short(p.desired[near]) + ', error ' + short(p.error[near]);"//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  /** The same of a sketch with several drives or outputs. */'//nl
-
-   character(*), parameter :: part_17 = &
+   '  /** The same of a sketch with several drives or outputs. */'//nl// &
    '  function factsOfDrives(c, at, near) {'//nl// &
    '    const value = (one) => near >= 0 ? one.prescribed[near] : mixed(one.sweep, at);'//nl// &
    '    const digits = (v) => short(isFinite(v) ? Number(v.toPrecision(6)) : v);'//nl// &
@@ -1676,7 +1761,9 @@ module psalm_page_text
    '    alert.hidden = !wrong.length && !open;'//nl// &
    "    alert.className = open ? 'open' : 'limits';"//nl// &
    "    setText(alert, wrong.slice(0, MOST).map((v) => explain(c, v, i)).join(' \u2014 ') || 'Does not close');"//nl// &
-   '  }'//nl// &
+   '  }'//nl
+
+   character(*), parameter :: part_18 = &
    ''//nl// &
    '  /** The lists below the picture; a violation leads to its position. */'//nl// &
    '  function list(c) {'//nl// &
@@ -1757,9 +1844,7 @@ module psalm_page_text
    '  const limits = () => balm.state.whole ? shown().ends : shown().range;'//nl// &
    ''//nl// &
    '  /** Shows the place t of the sweep. */'//nl// &
-   '  function go(t) {'//nl
-
-   character(*), parameter :: part_18 = &
+   '  function go(t) {'//nl// &
    '    const c = shown();'//nl// &
    '    if (!c.sound) return;'//nl// &
    '    balm.state.t = within(c, t, limits());'//nl// &
@@ -1778,7 +1863,9 @@ module psalm_page_text
    '    last = 0;'//nl// &
    '    requestAnimationFrame(tick);'//nl// &
    '  }'//nl// &
-   ''//nl// &
+   ''//nl
+
+   character(*), parameter :: part_19 = &
    '  function tick(now) {'//nl// &
    '    const { state } = balm;'//nl// &
    '    if (!state.playing) return;'//nl// &
@@ -1862,9 +1949,7 @@ module psalm_page_text
    '      const k = c.ring ? balm.scene.modulo(i, s.n) : i;'//nl// &
    "      if (k < 0 || k >= s.n || s.closed[k] === '0') continue;"//nl// &
    '      const away = Math.hypot(mixed(s.x[joint], [k, k, 0]) - mx, mixed(s.y[joint], [k, k, 0]) - my);'//nl// &
-   '      if (away < least) [best, least] = [k, away];'//nl
-
-   character(*), parameter :: part_19 = &
+   '      if (away < least) [best, least] = [k, away];'//nl// &
    '    }'//nl// &
    '    if (best >= 0) go(best);'//nl// &
    '  }'//nl// &
@@ -1883,7 +1968,9 @@ module psalm_page_text
    '    state.hover = found;'//nl// &
    '    balm.draw();'//nl// &
    '  }'//nl// &
-   ''//nl// &
+   ''//nl
+
+   character(*), parameter :: part_20 = &
    '  function leave(event) {'//nl// &
    "    if (event.pointerType === 'touch') return;"//nl// &
    "    balm.messages.tip('');"//nl// &
@@ -1967,9 +2054,7 @@ module psalm_page_text
    '})();'//nl// &
    '</script>'//nl// &
    '<script>'//nl// &
-   '// Start, state, choice of the case.'//nl
-
-   character(*), parameter :: part_20 = &
+   '// Start, state, choice of the case.'//nl// &
    "'use strict';"//nl// &
    ''//nl// &
    '(() => {'//nl// &
@@ -1988,7 +2073,9 @@ module psalm_page_text
    '    letters: true,'//nl// &
    '    forces: true,           // centres of mass, loads'//nl// &
    '    bent: true,             // a vibrating link is drawn bent'//nl// &
-   '    bearing: -1,            // joint of the polar diagram'//nl// &
+   '    bearing: -1,            // joint of the polar diagram'//nl
+
+   character(*), parameter :: part_21 = &
    '    overlays: new Set(),    // cases laid over the one shown'//nl// &
    '    hover: null,            // bar under the pointer'//nl// &
    '  };'//nl// &
@@ -2069,9 +2156,7 @@ module psalm_page_text
    ''//nl// &
    '  function listCases() {'//nl// &
    '    cases.forEach((c, i) => {'//nl// &
-   "      const option = document.createElement('option');"//nl
-
-   character(*), parameter :: part_21 = &
+   "      const option = document.createElement('option');"//nl// &
    '      option.value = String(i);'//nl// &
    "      $('case').append(option);"//nl// &
    "      const label = document.createElement('label'), box = document.createElement('input');"//nl// &
@@ -2090,7 +2175,9 @@ module psalm_page_text
    '  }'//nl// &
    ''//nl// &
    '  function start() {'//nl// &
-   '    drawing.begin();'//nl// &
+   '    drawing.begin();'//nl
+
+   character(*), parameter :: part_22 = &
    '    curves.begin();'//nl// &
    '    charts.begin();'//nl// &
    '    controls.begin(refresh);'//nl// &
@@ -2155,6 +2242,6 @@ contains
 
       text = part_1//part_2//part_3//part_4//part_5//part_6//part_7//part_8// &
              part_9//part_10//part_11//part_12//part_13//part_14//part_15//part_16// &
-             part_17//part_18//part_19//part_20//part_21
+             part_17//part_18//part_19//part_20//part_21//part_22
    end function page_text
 end module psalm_page_text

@@ -8,7 +8,7 @@ module psalm_scene
    use psalm_dyad_kind, only: direction_known, form_of, form_t
    use psalm_error, only: problem_t, make_problem
    use psalm_force_model, only: forces_wanted
-   use psalm_force_scene, only: force_scene_t, make_force_scene
+   use psalm_force_scene, only: force_scene_t, extent_of_weights, make_force_scene
    use psalm_kinds, only: wp
    use psalm_margin_list, only: describe_margin
    use psalm_margins, only: margin_t, inspector_t, prepare_inspector, inspect, is_violated
@@ -158,7 +158,7 @@ contains
       call widen_view(scene)
    end subroutine make_scene
 
-   !> Directions and desired places of the output belong into the view too.
+   !> Directions and desired places of the output belong into the view too, counterweights and springs.
    subroutine widen_view(scene)
       type(scene_t), intent(inout) :: scene
       integer :: k
@@ -168,6 +168,7 @@ contains
          if (scene%motion == motion_angle) call take(scene%prescribed%aim(:, k))
          if (scene%desired) call take(scene%prescribed%wish(:, k))
       end do
+      if (allocated(scene%forces)) call extent_of_weights(scene%forces, scene%low, scene%high)
 
    contains
 

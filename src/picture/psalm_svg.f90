@@ -7,7 +7,7 @@ module psalm_svg
    use psalm_angles, only: degrees_of, unit_vector
    use psalm_constraint_group, only: region_box, region_half_plane
    use psalm_elementary, only: hypotenuse
-   use psalm_force_drawing, only: draw_centres_and_loads, draw_polar_diagrams, height_of_polar_diagrams
+   use psalm_force_drawing, only: draw_centres_and_loads, draw_polar_diagrams, draw_weights_and_springs, height_of_polar_diagrams
    use psalm_kinds, only: wp
    use psalm_labels, only: place_labels
    use psalm_markup, only: xml_text, short_number, wrapped, strings_t, add_string
@@ -124,6 +124,8 @@ contains
                     '.ghost{stroke:#9aa4ad}.broken{stroke:#d3302f}.actual{fill:#c62828;stroke:#c62828}.path{stroke:#c62828}'// &
                     '.desired{fill:none;stroke:#0b57d0}.axis{stroke:#14202b;fill:none}.direction{fill:none}')
       if (forces) call text%add('.mass circle{fill:#fff;stroke:#14202b}.mass path{fill:#14202b}'// &
+                                '.weight{fill:#5b6770;fill-opacity:.3;stroke:#37424b}'// &
+                                '.spring{fill:none;stroke:#8a5a00;stroke-linejoin:round}'// &
                                 '.load{fill:none;stroke:#0b7d4f;stroke-linecap:round}'// &
                                 '.polar{fill:none;stroke:#0b57d0;stroke-width:1.3}.now{fill:#c62828}')
       do i = 1, colours
@@ -234,6 +236,7 @@ contains
       if (assemblies) call draw_ghosts(scene, k, text)
       call draw_rails(scene, k, text)
       call draw_plates(scene, k, text)
+      if (allocated(scene%forces)) call draw_weights_and_springs(scene%forces, scene%reference, k, text)
       call draw_wheels(scene, k, text)
       call draw_path(scene, k, text)
       call text%add('<g id="reference" data-position="'//to_text(scene%reference)//'"'//stroke(2.6_wp, k)//'>')

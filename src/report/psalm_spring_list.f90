@@ -189,8 +189,9 @@ contains
       end do
       none = 0.0_wp
       associate (old => set%springs)
-         if (size(springs) > 0) call text%add('! the last '//to_text(size(springs))//' entries are springs that were found')
          call text%add(' &SPRING NSPRNG='//to_text(size(old%first) + size(springs))//',')
+         if (old%added + size(springs) > 0) call text%add('  SADDED='//to_text(old%added + size(springs))// &
+                                                          ', ! the last entries were found')
          call write_places(set, 'A', [old%first, first], text)
          call write_places(set, 'B', [old%second, second], text)
          line = '  STORS='

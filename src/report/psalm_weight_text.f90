@@ -38,10 +38,9 @@ contains
                inertia(given + k) = weight%inertia
             end associate
          end do
-         if (size(outcome%weights) > 0) then
-            call text%add('! the last '//to_text(size(outcome%weights))//' entries are counterweights')
-         end if
          call text%add(' &MASSES NMASS='//to_text(size(places))//',')
+         if (masses%added + size(outcome%weights) > 0) &
+            call text%add('  MADDED='//to_text(masses%added + size(outcome%weights))//', ! the last entries are counterweights')
          call write_places(set, 'M', places, text)
          call write_reals('MASS', [masses%mass, outcome%weights%mass], text)
          call write_reals('MINERT', inertia, text)
