@@ -16,8 +16,9 @@ program kalm
    use psalm_machine_study, only: machine_study_t, find_machine
    use psalm_mark, only: mark_t
    use psalm_preparation, only: demand_t, prepared_t, prepare
+   use psalm_proof_study, only: proof_study_t, study_proof
    use psalm_rate_study, only: rate_study_t, find_rates
-   use psalm_report, only: most_summarised, report_rates, report_summary
+   use psalm_report, only: most_summarised, report_proof, report_rates, report_summary
    use psalm_source, only: line_t
    use psalm_status, only: diagnostics_t
    use psalm_summary, only: summary_t, summarise
@@ -76,6 +77,7 @@ contains
       type(rate_study_t), allocatable :: rates
       type(force_study_t), allocatable :: forces     ! absent arguments unless the case asks for them
       type(machine_study_t), allocatable :: machine
+      type(proof_study_t), allocatable :: proof
       type(summary_t) :: summary
 
       associate (unused => stopped, also_unused => number)
@@ -104,6 +106,11 @@ contains
       if (allocated(forces) .and. (set%sketch%given .or. arguments%json)) &
          call add_force_columns(forces, devices%tables(size(devices%tables)))
       call report_rates(set, problem, rates, devices, forces, machine)
+      if (set%iproof > 0) then
+         allocate (proof)
+         call study_proof(problem, prepared%given, set%iproof, proof)
+         call report_proof(set, proof, devices)
+      end if
       if (arguments%quiet .or. devices%summarised == most_summarised) return
       call summarise(problem, prepared%given, rates%motion, summary)
       call report_summary(set, summary, devices)

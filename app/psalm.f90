@@ -17,8 +17,9 @@ program psalm
    use psalm_kinds, only: wp
    use psalm_mark, only: mark_t
    use psalm_preparation, only: prepared_t, prepare, threads_for, threads_wanted
+   use psalm_proof_study, only: proof_study_t, study_proof
    use psalm_report, only: most_summarised, begin_search_report, report_search, report_analysis, report_found, &
-                           report_tolerances, report_violations, report_summary
+                           report_tolerances, report_violations, report_summary, report_proof
    use psalm_search_log, only: search_log_t, begin_log
    use psalm_signals, only: signals_t, shield_threads
    use psalm_source, only: line_t, read_lines
@@ -99,6 +100,7 @@ contains
       type(synthesis_t), allocatable :: search
       type(analysis_t), allocatable :: analysis
       type(tolerances_t), allocatable :: tolerances
+      type(proof_study_t), allocatable :: proof
       type(data_set_t), allocatable :: final, by_loops
       type(dimensions_t) :: dimensions
       type(wanted_t) :: wanted
@@ -150,6 +152,11 @@ contains
          if (set%ifree /= 0 .and. size(search%found%best) > 0) final%delt = search%found%best(1)%delt
          call study_tolerances(final, problem%mechanism, dimensions, threads, stop, tolerances)
          call report_tolerances(set, tolerances, devices)
+      end if
+      if (set%iproof > 0) then
+         allocate (proof)
+         call study_proof(problem, dimensions, set%iproof, proof)
+         call report_proof(set, proof, devices)
       end if
       call report_violations(set, problem, analysis, devices)
       if (allocated(analysis%summary)) call report_summary(set, analysis%summary, devices)

@@ -65,7 +65,7 @@ fi
 if part datasets; then
 # every data set runs as it says
 for f in *.nml; do
-    case $f in needle.nml) want=1 ;; *) want=0 ;; esac
+    case $f in needle.nml | dwell_gap.nml) want=1 ;; *) want=0 ;; esac
     status $want "$f" "$psalm" "$f"
     cp out "${f%.nml}.lst"
 done
@@ -140,6 +140,23 @@ check 'NVIOL=0: every iteration with violations is told' grep -qE '^ ITERATION [
 fi
 
 if part kinematics; then
+# the motion between the positions, proven
+status 1 'IPROOF: a gap of a thousandth of a degree' "$psalm" dwell_gap.nml
+said 'IPROOF: a gap' 'the linkage is proven to open in 1 part of the range'
+check 'IPROOF: the listing names both ends' grep -qx '   OPENS  285.696006251727 TO 285.697015003157: LOOP 2, LINKS TOGETHER TOO SHORT' out
+check 'IPROOF: the block of device 9' grep -qE '^opens 2\.85696006251726[0-9]+E\+02 2\.85697015003157[0-9]+E\+02 2 too_short$' dwell_gap.dev9
+cp out gap.lst
+status 1 'IPROOF in kalm' "$bin/kalm" dwell_gap.nml
+check 'IPROOF: kalm says the same' sh -c "sed -n '/LIMITS OF MOTION/,\$p' out >gap.kalm; sed -n '/LIMITS OF MOTION/,\$p' gap.lst | cmp - gap.kalm"
+changed dwell_gap.nml 's/IPROOF=1/IPROOF=2/' >inputs.nml
+status 0 'IPROOF=2: the range of the inputs closes' "$psalm" inputs.nml
+check 'IPROOF=2: the listing says so' grep -qx '   CLOSES FOR EVERY INPUT OF THE RANGE' out
+changed dwell_gap.nml 's/IPROOF=1/IPROOF=3/' >three.nml
+status 2 'IPROOF=3' "$psalm" three.nml
+changed dwell_gap.nml 's/IPROOF=1/IPROOF=2/' 's/NDES=5, DELT=.*&END/NDES=1, DELT=0.0 \&END/' >one.nml
+status 0 'IPROOF without a range' "$psalm" one.nml
+said 'IPROOF without a range' 'but all inputs are the same'
+
 # condition numbers
 changed needle.nml 's/IPLOT=1/ICOND=1, KTHETA=1/' >icond.nml
 "$psalm" --quiet icond.nml >/dev/null

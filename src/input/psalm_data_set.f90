@@ -94,6 +94,7 @@ module psalm_data_set
       real(wp) :: stepin = 0.001_wp
       integer :: ktheta = 0
       integer :: icond = 0                         !! condition number of every position on device 9
+      integer :: iproof = 0                        !! prove the motion: 1 over a full turn, 2 over the range of the inputs
       integer :: nviol = 30
       integer :: nprint = 100, nprt = 20
       integer :: iplot = 0
@@ -848,6 +849,8 @@ contains
       if (set%stepin < 0.0_wp) call out_of(group, 'STEPIN', 'must not be negative', findings)
       call read_flag(group, 'KTHETA', set%ktheta, findings)
       call read_flag(group, 'ICOND', set%icond, findings)
+      call group%get_integer('IPROOF', set%iproof, findings)
+      call check_range(group, 'IPROOF', set%iproof, 0, 2, findings)
       call group%get_integer('NVIOL', set%nviol, findings)
       call check_range(group, 'NVIOL', set%nviol, 0, huge(1), findings)
       call group%get_integer('NPRINT', set%nprint, findings)

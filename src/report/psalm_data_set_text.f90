@@ -90,6 +90,7 @@ contains
          call text%add(' &LIMITS TOGGLE='//full_precision(set%toggle)//',')
       end if
       if (set%icond /= 0) call text%add('  ICOND=1,')
+      if (set%iproof /= 0) call text%add('  IPROOF='//to_text(set%iproof)//',')
       call text%add('  KTHETA='//to_text(set%ktheta)//', IPLOT='//to_text(set%iplot)//', LAST='//to_text(set%last)//' &END')
       call text%add_text(set%others)
 

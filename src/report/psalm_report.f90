@@ -16,6 +16,8 @@ module psalm_report
    use psalm_margin_list, only: list_margins, describe_margin
    use psalm_margins, only: is_violated
    use psalm_plot_data, only: write_block
+   use psalm_proof_list, only: list_proof, write_proof, describe_proof
+   use psalm_proof_study, only: proof_study_t
    use psalm_rate_list, only: list_rates, list_all_rates, write_table, dead_words
    use psalm_rate_study, only: rate_study_t
    use psalm_search, only: result_t
@@ -33,7 +35,7 @@ module psalm_report
    implicit none (type, external)
    private
    public :: begin_search_report, report_search, report_analysis, report_found, report_tolerances, report_violations, &
-             report_rates, report_summary
+             report_rates, report_summary, report_proof
    public :: most_summarised
 
    integer, parameter :: most_summarised = 10 !! cases of a file whose summary is written
@@ -325,6 +327,23 @@ contains
       if (devices%summarised == most_summarised .and. set%last == 0) &
          call devices%summary%add('Further cases of the file are not summarised')
    end subroutine report_summary
+
+   !> What is proven of the motion over the range of the input: listing, device 9, remarks and exit status.
+   subroutine report_proof(set, study, devices)
+      type(data_set_t), intent(in) :: set
+      type(proof_study_t), intent(in) :: study
+      type(devices_t), intent(inout) :: devices
+
+      if (study%empty) then
+         call devices%remark(set, 'IPROOF proves the motion between the inputs, but all inputs are the same')
+         return
+      end if
+      call list_proof(study, devices%six)
+      call write_proof(set%title, study, devices%nine)
+      if (.not. study%is_violating()) return
+      call devices%note_violation()
+      call devices%remark(set, describe_proof(study))
+   end subroutine report_proof
 
    ! ---- tolerances --------------------------------------------------------------------------------------------------
 

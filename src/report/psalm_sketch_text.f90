@@ -95,6 +95,7 @@ contains
       if (set%tangle_given) line = line//' TANGLE='//full_precision(set%tangle)//','
       line = line//' TOGGLE='//full_precision(set%toggle)//','
       if (set%icond /= 0) line = line//' ICOND=1,'
+      if (set%iproof /= 0) line = line//' IPROOF='//to_text(set%iproof)//','
       call text%add(line)
       call text%add('  KTHETA='//to_text(set%ktheta)//', IPLOT='//to_text(set%iplot)//', LAST='//to_text(set%last)//' &END')
       call text%add_text(set%others)

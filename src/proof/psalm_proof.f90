@@ -1,0 +1,251 @@
+!> The motion of a linkage between its positions, proven: where it closes over a range of its input.
+!>
+!> Closure is proven in the working precision; what stays in doubt, the ends included, is looked at again in quadruple precision.
+!> What is proven is true of the numbers as they were read, for every real input of the range. Recipe and formulas:
+!> `doc/theory.md`, Proof.
+module psalm_proof
+   use psalm_dimensions, only: dimensions_t
+   use psalm_exact_sum, only: sign_of_sum
+   use psalm_kinds, only: wp
+   use psalm_mechanism, only: mechanism_t
+   use psalm_plan, only: plan_t, root_crank, root_frame
+   use psalm_proof_closure, only: piece_t, find_pieces
+   use psalm_proof_closure_quad, only: fine_piece_t => piece_t, find_fine_pieces => find_pieces, join_pieces
+   use psalm_proof_groups, only: numbers_t, models_t, prepare_models
+   use psalm_proof_groups_quad, only: fine_numbers_t => numbers_t, fine_models_t => models_t, prepare_fine_models => prepare_models
+   use psalm_proof_pieces, only: piece_closes, piece_opens, piece_undecided
+   use psalm_proof_plan, only: proof_plan_t, make_proof_plan, cause_too_short, cause_difference, cause_guide, cause_link, &
+                               cause_parallel
+   use psalm_quad, only: qp, unit_vector_quad
+   implicit none (type, external)
+   private
+   public :: proof_t, limit_t, subject_t, prepare_subject, bind_subject, prove_closure
+   public :: touch_none, touch_exact
+   public :: piece_closes, piece_opens, piece_undecided, cause_too_short, cause_difference, cause_guide, cause_link, cause_parallel
+
+   integer, parameter :: touch_none = 0
+   integer, parameter :: touch_exact = 1      !! the lengths as given add up exactly: a change point
+
+   integer, parameter :: first_boxes = 8
+   integer, parameter :: most_boxes = 20000, most_fine_boxes = 2000
+
+   !> A linkage made ready for proofs.
+   type :: subject_t
+      type(proof_plan_t) :: plan
+      type(numbers_t) :: numbers
+      type(models_t) :: models
+      type(fine_numbers_t) :: fine_numbers
+      type(fine_models_t) :: fine_models
+   end type subject_t
+
+   !> A part of the range and what is proven of it.
+   type :: limit_t
+      integer :: kind = piece_undecided   !! one of `piece_...`
+      real(wp) :: from = 0.0_wp, to = 0.0_wp !! of what is claimed rounded inwards, of what is undecided outwards
+      integer :: loop = 0                 !! open or undecided: the loop
+      integer :: cause = 0                !! one of `cause_...`
+      integer :: touch = touch_none       !! undecided: one of `touch_...`
+      real(wp) :: amount = 0.0_wp         !! undecided: bound of the closure measure, relative
+   end type limit_t
+
+   type :: proof_t
+      logical :: turns = .true.           !! the input turns
+      real(wp) :: from = 0.0_wp, to = 0.0_wp !! range of the input, degrees or length
+      type(limit_t), allocatable :: limits(:) !! in the order of the input
+      integer :: boxes = 0, fine_boxes = 0 !! evaluated in working and in quadruple precision
+   contains
+      procedure :: closes_everywhere
+      procedure :: closes_at
+   end type proof_t
+
+contains
+
+   !> Make a topology ready.
+   pure subroutine prepare_subject(mechanism, plan, subject)
+      type(mechanism_t), intent(in) :: mechanism
+      type(plan_t), intent(in) :: plan       !! of the same mechanism; what is not in it is not proven
+      type(subject_t), intent(out) :: subject
+
+      call make_proof_plan(mechanism, plan, subject%plan)
+   end subroutine prepare_subject
+
+   !> Put the numbers of a linkage in. Cosines are formed in quadruple precision from the degrees as given.
+   subroutine bind_subject(plan, dimensions, subject)
+      type(plan_t), intent(in) :: plan
+      type(dimensions_t), intent(in) :: dimensions
+      type(subject_t), intent(inout) :: subject
+      real(qp) :: angle(size(plan%root))
+      integer :: k, n, b
+
+      n = size(plan%root)
+      associate (fine => subject%fine_numbers, rough => subject%numbers)
+         fine%x = [(1.0_qp, k=1, n)]
+         fine%y = [(0.0_qp, k=1, n)]
+         angle = 0.0_qp
+         do k = 1, size(plan%order)
+            n = plan%order(k)
+            b = plan%base(n)
+            if (plan%takes_gama(n)) then
+               angle(n) = real(dimensions%gama(n), qp)
+               if (b > 0) angle(n) = angle(n) + angle(b)
+               call unit_vector_quad(angle(n), fine%x(n), fine%y(n))
+            else if (b > 0) then
+               angle(n) = angle(b) + 90.0_qp*real(plan%quarter(n), qp)
+               fine%x(n) = fine%x(b)
+               fine%y(n) = fine%y(b)
+               if (plan%quarter(n) /= 0) then
+                  fine%x(n) = -real(plan%quarter(n), qp)*fine%y(b)
+                  fine%y(n) = real(plan%quarter(n), qp)*fine%x(b)
+               end if
+            end if
+         end do
+         ! the longest arc between 1 and 2: a power of two changes no digit
+         rough%scale = scale(1.0_wp, 1 - exponent(maxval(dimensions%arcl)))
+         fine%scale = real(rough%scale, qp)
+         rough%length = dimensions%arcl*rough%scale
+         fine%length = real(rough%length, qp)
+         rough%x = real(fine%x, wp)
+         rough%y = real(fine%y, wp)
+         rough%length_slack = 0.0_wp*rough%length
+         rough%turn_slack = rough%length_slack
+         fine%length_slack = real(rough%length_slack, qp)
+         fine%turn_slack = fine%length_slack
+      end associate
+      call prepare_models(subject%plan, subject%numbers, subject%models)
+      call prepare_fine_models(subject%plan, subject%fine_numbers, subject%fine_models)
+   end subroutine bind_subject
+
+   !> Where the linkage closes between two inputs.
+   subroutine prove_closure(subject, from, to, proof)
+      type(subject_t), intent(inout) :: subject  !! bound
+      real(wp), intent(in) :: from, to           !! from < to; degrees of a turning input, else its length
+      type(proof_t), intent(out) :: proof
+      type(piece_t), allocatable :: pieces(:)
+      type(fine_piece_t), allocatable :: fine(:), part(:), joined(:)
+      integer :: i, count
+
+      proof%turns = .not. subject%plan%sliding_input
+      proof%from = from
+      proof%to = to
+      call find_pieces(subject%plan, subject%numbers, from, to, first_boxes, most_boxes, subject%models, pieces, proof%boxes)
+      allocate (fine(0))
+      do i = 1, size(pieces)
+         associate (piece => pieces(i))
+            if (piece%kind == piece_undecided) then
+               call find_fine_pieces(subject%plan, subject%fine_numbers, real(piece%from, qp), real(piece%to, qp), 1, &
+                                     most_fine_boxes, subject%fine_models, part, count)
+               proof%fine_boxes = proof%fine_boxes + count
+               fine = [fine, part]
+            else
+               fine = [fine, fine_piece_t(real(piece%from, qp), real(piece%to, qp), piece%kind, piece%measure, 0.0_qp)]
+            end if
+         end associate
+      end do
+      call join_pieces(fine, joined)
+      allocate (proof%limits(size(joined)))
+      do i = 1, size(joined)
+         proof%limits(i) = limit_of(subject, joined(i))
+      end do
+      proof%limits = pack(proof%limits, proof%limits%from <= proof%limits%to)
+   end subroutine prove_closure
+
+   !> A piece in working precision.
+   pure type(limit_t) function limit_of(subject, piece) result(limit)
+      type(subject_t), intent(in) :: subject
+      type(fine_piece_t), intent(in) :: piece
+
+      limit%kind = piece%kind
+      if (piece%kind == piece_undecided) then
+         limit%from = rounded(piece%from, -1)
+         limit%to = rounded(piece%to, 1)
+      else
+         limit%from = rounded(piece%from, 1)
+         limit%to = rounded(piece%to, -1)
+      end if
+      if (piece%measure == 0) return
+      limit%loop = subject%plan%loop_of(piece%measure)
+      limit%cause = subject%plan%cause_of(piece%measure)
+      if (piece%kind /= piece_undecided) return
+      limit%amount = real(min(piece%amount, 1.0_qp), wp)
+      if (is_change_point(subject, limit)) limit%touch = touch_exact
+   end function limit_of
+
+   !> To working precision, down (-1) or up (+1).
+   pure real(wp) function rounded(value, way)
+      real(qp), intent(in) :: value
+      integer, intent(in) :: way
+
+      rounded = real(value, wp)
+      if (way < 0 .and. real(rounded, qp) > value) rounded = nearest(rounded, -1.0_wp)
+      if (way > 0 .and. real(rounded, qp) < value) rounded = nearest(rounded, 1.0_wp)
+   end function rounded
+
+   !> True if the links of a four-bar can lie in one line at an input of the bracket, exactly: the lengths as given add up.
+   pure logical function is_change_point(subject, limit)
+      type(subject_t), intent(in) :: subject
+      type(limit_t), intent(in) :: limit
+      real(wp) :: lengths(4)
+      logical :: found
+
+      is_change_point = .false.
+      if (limit%cause /= cause_too_short .and. limit%cause /= cause_difference) return
+      call four_bar_of(subject, limit%loop, lengths, found)
+      if (.not. found) return
+      associate (crank => lengths(1), p => lengths(2), q => lengths(3), frame => lengths(4))
+         if (limit%cause == cause_too_short) then
+            is_change_point = sign_of_sum([crank, frame, -p, -q]) == 0
+         else
+            is_change_point = sign_of_sum([max(crank, frame), min(p, q), -min(crank, frame), -max(p, q)]) == 0
+         end if
+      end associate
+   end function is_change_point
+
+   !> Crank, links and frame of a loop that is a four-bar with the crank itself and one arc of the frame.
+   pure subroutine four_bar_of(subject, loop, lengths, found)
+      type(subject_t), intent(in) :: subject
+      integer, intent(in) :: loop
+      real(wp), intent(out) :: lengths(4)
+      logical, intent(out) :: found
+      integer :: k, i, crank, frame
+
+      found = .false.
+      lengths = 0.0_wp
+      do k = 1, size(subject%plan%steps)
+         associate (step => subject%plan%steps(k))
+            if (.not. step%dyad .or. step%loop /= loop) cycle
+            if (size(step%terms) /= 2) return
+            crank = 0
+            frame = 0
+            do i = 1, 2
+               associate (arc => subject%plan%steps(step%terms(i))%arc)
+                  if (subject%plan%slot(arc) > 0) return
+                  if (subject%plan%root(arc) == root_crank) crank = arc
+                  if (subject%plan%root(arc) == root_frame) frame = arc
+               end associate
+            end do
+            found = crank > 0 .and. frame > 0 .and. .not. subject%plan%sliding_input
+            if (found) lengths = subject%numbers%length([crank, step%p, step%q, frame])
+         end associate
+      end do
+   end subroutine four_bar_of
+
+   !> True if every group closes at every input of the range.
+   pure logical function closes_everywhere(self)
+      class(proof_t), intent(in) :: self
+
+      closes_everywhere = all(self%limits%kind == piece_closes)
+   end function closes_everywhere
+
+   !> Number of the closing part of the range that holds an input; 0: none.
+   pure integer function closes_at(self, input)
+      class(proof_t), intent(in) :: self
+      real(wp), intent(in) :: input
+
+      do closes_at = 1, size(self%limits)
+         associate (limit => self%limits(closes_at))
+            if (limit%kind == piece_closes .and. limit%from <= input .and. input <= limit%to) return
+         end associate
+      end do
+      closes_at = 0
+   end function closes_at
+end module psalm_proof

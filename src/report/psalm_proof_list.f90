@@ -1,0 +1,213 @@
+!> What is proven of the motion, in the listing and on device 9.
+!>
+!> Ends are rounded inwards: what is printed stays true.
+module psalm_proof_list
+   use psalm_kinds, only: wp, dp
+   use psalm_proof, only: proof_t, limit_t, touch_exact, piece_closes, piece_opens, piece_undecided, cause_too_short, &
+                          cause_difference, cause_guide, cause_link, cause_parallel
+   use psalm_proof_study, only: proof_study_t
+   use psalm_text, only: text_t, full_precision, general, to_text
+   implicit none (type, external)
+   private
+   public :: list_proof, write_proof, describe_proof
+
+   integer, parameter :: width = 16, decimals = 12  !! of an angle
+   real(wp), parameter :: narrow = 1.0e-12_wp       !! of the range: an end bracketed so is told as one number
+
+contains
+
+   !> Append the limits of motion.
+   subroutine list_proof(study, text)
+      type(proof_study_t), intent(in) :: study
+      type(text_t), intent(inout) :: text
+      integer :: i
+
+      call text%add()
+      associate (proof => study%proof)
+         call text%add(' LIMITS OF MOTION, PROVEN FOR '//trim(merge('CRANK ANGLES ', 'INPUT LENGTHS', proof%turns))//' '// &
+                       short(proof%from)//' TO '//short(proof%to))
+         if (proof%closes_everywhere()) then
+            if (study%full_turn) then
+               call text%add('   CLOSES FOR EVERY CRANK ANGLE; THE CRANK TURNS FULLY')
+            else
+               call text%add('   CLOSES FOR EVERY INPUT OF THE RANGE')
+            end if
+            return
+         end if
+         do i = 1, size(proof%limits)
+            call list_limit(proof, i, text)
+         end do
+      end associate
+      call list_circuits(study, text)
+   end subroutine list_proof
+
+   !> A part of the range that closes, is open or is undecided; a bracket of an end is in the numbers of its neighbours.
+   subroutine list_limit(proof, i, text)
+      type(proof_t), intent(in) :: proof
+      integer, intent(in) :: i
+      type(text_t), intent(inout) :: text
+
+      associate (limit => proof%limits(i))
+         select case (limit%kind)
+         case (piece_closes)
+            call text%add('   CLOSES '//end_text(limit%from, 1, proof%turns)//' TO '//end_text(limit%to, -1, proof%turns))
+         case (piece_opens)
+            call text%add('   OPENS  '//end_text(limit%from, 1, proof%turns)//' TO '//end_text(limit%to, -1, proof%turns)// &
+                          ': LOOP '//to_text(limit%loop)//', '//cause_words(limit%cause))
+         case (piece_undecided)
+            if (is_end(proof, i) .and. limit%to - limit%from <= narrow*(proof%to - proof%from)) return
+            call text%add('   UNDECIDED '//undecided_words(proof, limit))
+         end select
+      end associate
+   end subroutine list_limit
+
+   !> True for a bracket between a part that closes and one that is open.
+   pure logical function is_end(proof, i)
+      type(proof_t), intent(in) :: proof
+      integer, intent(in) :: i
+
+      is_end = .false.
+      if (i == 1 .or. i == size(proof%limits)) return
+      is_end = proof%limits(i - 1)%kind /= proof%limits(i + 1)%kind
+   end function is_end
+
+   function undecided_words(proof, limit) result(words)
+      type(proof_t), intent(in) :: proof
+      type(limit_t), intent(in) :: limit
+      character(:), allocatable :: words
+      character(9) :: amount
+
+      if (limit%to - limit%from <= narrow*(proof%to - proof%from)) then
+         words = 'AT '//short(0.5_wp*(limit%from + limit%to))//': '
+      else
+         words = end_text(limit%from, -1, proof%turns)//' TO '//end_text(limit%to, 1, proof%turns)//': '
+      end if
+      if (limit%loop == 0) then
+         words = words//'NOT EXAMINED, TOO MANY PARTS'
+         return
+      end if
+      if (limit%touch == touch_exact) words = words//'CHANGE POINT, '
+      words = words//'LOOP '//to_text(limit%loop)
+      if (limit%touch == touch_exact) then
+         words = words//', THE LINKS IN ONE LINE EXACTLY; THE ASSEMBLY IS NOT DETERMINED BEYOND IT'
+         return
+      end if
+      write (amount, '(es9.0e2)') real(min(max(limit%amount, tiny(1.0_wp)), 1.0_wp), dp)*1.5_dp
+      words = words//', '//cause_words(limit%cause)//' OR NOT, WITHIN '//trim(adjustl(amount))
+   end function undecided_words
+
+   !> What does not close.
+   pure function cause_words(cause) result(words)
+      integer, intent(in) :: cause
+      character(:), allocatable :: words
+
+      select case (cause)
+      case (cause_too_short)
+         words = 'LINKS TOGETHER TOO SHORT'
+      case (cause_difference)
+         words = 'DIFFERENCE OF THE LINKS TOO GREAT'
+      case (cause_guide)
+         words = 'GUIDE TOO LONG'
+      case (cause_link)
+         words = 'LINK TOO SHORT FOR THE OFFSET OF THE SLIDE'
+      case (cause_parallel)
+         words = 'SLIDES PARALLEL'
+      case default
+         words = 'NOTHING IS KNOWN'
+      end select
+   end function cause_words
+
+   !> Where the prescribed positions lie.
+   subroutine list_circuits(study, text)
+      type(proof_study_t), intent(in) :: study
+      type(text_t), intent(inout) :: text
+      integer :: outside
+
+      outside = count(study%circuit == 0)
+      if (outside > 0) call text%add('   '//to_text(outside)//' OF '//to_text(size(study%circuit))// &
+                                     ' PRESCRIBED POSITIONS LIE WHERE THE LINKAGE IS NOT PROVEN TO CLOSE')
+      if (study%circuits > 1) then
+         call text%add('   THE OTHERS LIE IN '//to_text(study%circuits)//' SEPARATE RANGES: WITH THESE SIGNS OF ASSEMBLY THE '// &
+                       'INPUT CANNOT MOVE FROM ONE TO THE NEXT')
+      else if (outside == 0) then
+         call text%add('   ALL PRESCRIBED POSITIONS LIE IN ONE RANGE THAT CLOSES')
+      end if
+   end subroutine list_circuits
+
+   !> What a remark says of a linkage that does not close over the whole range.
+   function describe_proof(study) result(words)
+      type(proof_study_t), intent(in) :: study
+      character(:), allocatable :: words
+      integer :: opens
+
+      opens = count(study%proof%limits%kind == piece_opens)
+      if (opens > 0) then
+         words = 'the linkage is proven to open in '//to_text(opens)//trim(merge(' part ', ' parts', opens == 1))//' of the range'
+      else
+         words = 'the linkage is not proven to close over the whole range'
+      end if
+   end function describe_proof
+
+   !> A number in as few digits as tell it.
+   pure function short(value) result(text)
+      real(wp), intent(in) :: value
+      character(:), allocatable :: text
+
+      text = trim(adjustl(general(value)))
+      if (index(text, 'D') > 0 .or. index(text, '.') == 0) return
+      do while (text(len(text):) == '0' .and. text(len(text) - 1:len(text) - 1) /= '.')
+         text = text(:len(text) - 1)
+      end do
+      if (text(len(text):) == '.') text = text//'0'
+   end function short
+
+   !> An end of a part, rounded down (-1) or up (+1) to the digits printed; a length has all its digits.
+   function end_text(value, way, turns) result(text)
+      real(wp), intent(in) :: value
+      integer, intent(in) :: way
+      logical, intent(in) :: turns
+      character(:), allocatable :: text
+      character(width) :: digits
+      character(16) :: layout
+      real(dp) :: shown, number
+      integer :: i
+
+      if (.not. turns) then
+         text = full_precision(value)
+         return
+      end if
+      write (layout, '("(f",i0,".",i0,")")') width, decimals
+      number = real(value, dp)
+      do i = 0, 2
+         write (digits, layout) number + real(way*i, dp)*10.0_dp**(-decimals)
+         read (digits, *) shown
+         if (real(way, dp)*(shown - number) >= 0.0_dp) exit
+      end do
+      text = digits
+   end function end_text
+
+   !> Device 9: every part of the range, the brackets too, with all digits.
+   subroutine write_proof(title, study, text)
+      character(*), intent(in) :: title
+      type(proof_study_t), intent(in) :: study
+      type(text_t), intent(inout) :: text
+      character(9), parameter :: kinds(3) = ['closes   ', 'opens    ', 'undecided']
+      character(11), parameter :: causes(0:5) = ['none       ', 'too_short  ', 'difference ', 'guide      ', 'link       ', &
+                                                 'parallel   ']
+      integer :: i
+
+      if (text%length > 0) then
+         call text%add()
+         call text%add()
+      end if
+      call text%add('# block limits')
+      call text%add('# kind from to loop cause')
+      call text%add('# '//title)
+      do i = 1, size(study%proof%limits)
+         associate (limit => study%proof%limits(i))
+            call text%add(trim(kinds(limit%kind))//' '//full_precision(limit%from)//' '//full_precision(limit%to)//' '// &
+                          to_text(limit%loop)//' '//trim(causes(limit%cause)))
+         end associate
+      end do
+   end subroutine write_proof
+end module psalm_proof_list
