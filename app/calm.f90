@@ -1,18 +1,19 @@
 !> calm: cams that drive planar linkages, from a namelist file.
 program calm
-   use psalm_batch, only: outputs_t, common_options, prepare_dyads, run_files, ending_of_case
+   use psalm_batch, only: outputs_t, common_options, run_files, ending_of_case
    use psalm_cam_code, only: write_cam_code
    use psalm_cam_dxf, only: write_cam_dxf
    use psalm_cam_report, only: report_cam
    use psalm_cam_svg, only: write_cam_svg
-   use psalm_cam_study, only: cam_study_t, check_cam, find_cam, cams_of
+   use psalm_cam_study, only: cam_study_t, part_t, check_cam, find_cam, parts_of
    use psalm_check_list, only: list_input
    use psalm_console, only: arguments_t, begin
    use psalm_data_set, only: data_set_t
    use psalm_devices, only: devices_t, header_of
    use psalm_error, only: problem_t, make_problem
    use psalm_mark, only: mark_t
-   use psalm_preparation, only: demand_t, prepared_t
+   use psalm_preparation, only: demand_t, prepared_t, prepare
+   use psalm_source, only: line_t
    use psalm_status, only: diagnostics_t
    use psalm_system, only: finish_program
    use psalm_text, only: text_t
@@ -51,10 +52,12 @@ contains
       type(prepared_t), intent(inout) :: prepared
       type(diagnostics_t), intent(inout) :: findings
       type(mark_t), intent(inout) :: mark
+      type(line_t) :: none(0)
 
       associate (unused => file, also_unused => mark)
       end associate
-      call prepare_dyads('calm studies', demand, set, prepared, findings)
+      set%nguess = 0
+      if (.not. findings%failed()) call prepare(set, none, prepared, findings, demand)
       if (.not. findings%failed()) call check_cam(set, prepared, findings)
    end subroutine prepare_cam
 
@@ -67,17 +70,23 @@ contains
       type(problem_t), allocatable :: problem    ! large: it would fill a small stack
       type(cam_study_t), allocatable :: studies(:)
       type(text_t) :: drawing, picture, program
-      integer, allocatable :: roles(:)
+      type(part_t), allocatable :: parts(:)
       integer :: k
 
       associate (unused => stopped)
       end associate
-      roles = cams_of(set%cam)
-      allocate (problem, studies(size(roles)))
-      call make_problem(set, prepared%mechanism, prepared%given, prepared%parameters, problem)
-      call list_input(header_of('CALM', devices%mark), set, problem, devices%eight)
-      do k = 1, size(roles)
-         call find_cam(set, prepared, roles(k), studies(k))
+      parts = parts_of(set)
+      allocate (problem, studies(size(parts)))
+      if (allocated(set%no_loops)) then
+         call devices%eight%add(header_of('CALM', devices%mark))
+         call devices%eight%add(' '//set%title)
+         call devices%eight%add(' SOLVED IN THE POSES OF THE LINKS, FOLLOWED FROM THE DRAWING, FOR IT HAS '//set%no_loops)
+      else
+         call make_problem(set, prepared%mechanism, prepared%given, prepared%parameters, problem)
+         call list_input(header_of('CALM', devices%mark), set, problem, devices%eight)
+      end if
+      do k = 1, size(parts)
+         call find_cam(set, prepared, parts(k), studies(k))
       end do
       call report_cam(set, studies, devices)
       call write_cam_dxf(studies, drawing)

@@ -9,7 +9,7 @@ program test_cam
    use psalm_cam_kind, only: law_names, has_zones, zones_of, law_kind
    use psalm_cam_law, only: law_t, joint_t, make_law, law_made, law_velocity_jumps, law_singular, law_jerk_jumps, &
                             highest_law_order
-   use psalm_cam_motion, only: cam_trace_t
+   use psalm_cam_trace, only: cam_trace_t
    use psalm_cam_profile, only: cam_axes_t, cam_points_t, roller_profile, flat_profile, side_of_centre, deepest_interference
    use psalm_data_set, only: data_set_t
    use psalm_error, only: problem_t, new_problem

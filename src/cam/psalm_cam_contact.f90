@@ -5,7 +5,7 @@
 !> N below 0: contact is lost. Stress on a line: Hertz (1882). Without friction.
 module psalm_cam_contact
    use psalm_cam_group, only: cam_group_t
-   use psalm_cam_motion, only: cam_trace_t
+   use psalm_cam_trace, only: cam_trace_t
    use psalm_cam_profile, only: cam_points_t
    use psalm_error, only: problem_t
    use psalm_force_model, only: force_model_t

@@ -22,9 +22,10 @@ module psalm_cam_law
 
    integer, parameter :: wave_polynomial = 0, wave_up = 1, wave_down = 2
 
-   !> One piece, in u = 0 ... 1.
+   !> One piece; whole, in u = 0 ... 1.
    type :: piece_t
       real(wp) :: start = 0.0_wp, width = 0.0_wp     !! degrees
+      real(wp) :: before = 0.0_wp, after = 0.0_wp    !! degrees cut off: u counts from start - before
       integer :: wave = wave_polynomial
       real(wp) :: c(0:highest_power) = 0.0_wp        !! by powers of u; of a wave: value, slope, amplitude of its acceleration by u
       integer :: segment = 0
@@ -55,6 +56,7 @@ module psalm_cam_law
       procedure :: piece_at
       procedure :: joints
       procedure :: greatest
+      procedure :: cut_at
    end type law_t
 
 contains
@@ -341,8 +343,8 @@ contains
       integer :: order
 
       associate (p => self%pieces(piece))
-         width = p%width*radians_per_degree
-         y = of_piece(p, (angle - p%start)/p%width)
+         width = (p%before + p%width + p%after)*radians_per_degree
+         y = of_piece(p, (angle - (p%start - p%before))/(p%before + p%width + p%after))
          do order = 1, highest_law_order
             y(order) = y(order)/width**order
          end do
@@ -353,6 +355,26 @@ contains
          end do
       end if
    end function evaluate
+
+   !> Cut pieces in two at further angles; the motion stays the same.
+   pure subroutine cut_at(self, angles)
+      class(law_t), intent(inout) :: self
+      real(wp), intent(in) :: angles(:)          !! degrees, 0 <= angle < 360
+      type(piece_t) :: second
+      integer :: i, k
+
+      do i = 1, size(angles)
+         k = self%piece_at(angles(i))
+         second = self%pieces(k)
+         if (.not. angles(i) > second%start) cycle
+         second%before = second%before + (angles(i) - second%start)
+         second%width = second%start + second%width - angles(i)
+         second%start = angles(i)
+         self%pieces(k)%after = self%pieces(k)%after + second%width
+         self%pieces(k)%width = angles(i) - self%pieces(k)%start
+         self%pieces = [self%pieces(:k), second, self%pieces(k + 1:)]
+      end do
+   end subroutine cut_at
 
    !> Jumps at the beginning of every piece.
    function joints(self) result(list)

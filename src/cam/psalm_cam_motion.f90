@@ -7,7 +7,9 @@
 module psalm_cam_motion
    use psalm_angles, only: nearest_difference
    use psalm_cam_group, only: cam_group_t, roller_t
+   use psalm_cam_chain, only: cam_chain_t
    use psalm_cam_law, only: law_t, highest_law_order
+   use psalm_cam_trace, only: cam_trace_t, clear_trace, fault_none, fault_reach, fault_dead_point, fault_open
    use psalm_dimensions, only: dimensions_t
    use psalm_error, only: problem_t, new_problem
    use psalm_kinds, only: wp, radians_per_degree
@@ -17,31 +19,13 @@ module psalm_cam_motion
    use psalm_rates, only: rates_t, prepare_rates, differentiate, output_rates, is_dead, highest_order
    implicit none (type, external)
    private
-   public :: cam_motion_t, cam_trace_t, prepare_cam_motion
-   public :: fault_none, fault_reach, fault_dead_point, fault_open
-
-   integer, parameter :: fault_none = 0, fault_reach = 1 !! the output cannot be reached
-   integer, parameter :: fault_dead_point = 2            !! the output stands still there
-   integer, parameter :: fault_open = 3                  !! the linkage does not close, or is at a dead point of a loop
+   public :: cam_motion_t, prepare_cam_motion, chained_motion
 
    integer, parameter :: scan_steps = 720                !! to either side of the reference position
    real(wp), parameter :: scan_degrees = 0.5_wp
    integer, parameter :: bisections = 60, most_iterations = 60
    real(wp), parameter :: at_rest = 64.0_wp*epsilon(1.0_wp) !! squared ratio of slopes below which the output stands still
    real(wp), parameter :: settled = 4.0_wp*epsilon(1.0_wp)
-
-   !> Output, input and follower at a row of cam angles. Derivatives are by radians of cam; those of angles in radians.
-   type :: cam_trace_t
-      real(wp), allocatable :: angle(:)              !! cam angle, degrees
-      real(wp), allocatable :: y(:, :)               !! shape (0:3, n): output, user's unit
-      real(wp), allocatable :: q(:, :)               !! shape (0:3, n): input, degrees or length
-      complex(wp), allocatable :: c(:, :)            !! shape (0:3, n): roller centre or point of the face, machine axes
-      complex(wp), allocatable :: direction(:)       !! unit vector from FOLANG on: of the line from the arc's end to that point
-      real(wp), allocatable :: turning(:, :)         !! shape (3, n): derivatives of its angle
-      complex(wp), allocatable :: by_input(:)        !! dc/dq
-      real(wp), allocatable :: turning_by_input(:)   !! of that angle
-      integer, allocatable :: fault(:)               !! `fault_...`
-   end type cam_trace_t
 
    !> A problem and its derivatives at a row of inputs.
    type :: mover_t
@@ -62,6 +46,7 @@ module psalm_cam_motion
       real(wp) :: reference = 0.0_wp                 !! CRNKI
       real(wp), allocatable :: q(:), f(:)            !! the stretch: inputs that rise, outputs there
       real(wp) :: steepest = 0.0_wp                  !! greatest slope of the output on it
+      type(cam_chain_t), allocatable :: chain        !! of a sketch solved in the poses of its links, in place of all this
    contains
       procedure :: trace
       procedure :: has_stretch
@@ -96,6 +81,18 @@ contains
       end associate
       call find_stretch(motion)
    end subroutine prepare_cam_motion
+
+   !> The motion of a sketch that is solved in the poses of its links.
+   subroutine chained_motion(chain, motion)
+      type(cam_chain_t), intent(in) :: chain
+      type(cam_motion_t), intent(out) :: motion
+
+      motion%law = chain%law(chain%own)
+      motion%of_output = chain%number(chain%own) > 0
+      motion%angular = chain%angular(chain%own)
+      allocate (motion%q(0), motion%f(0))
+      motion%chain = chain
+   end subroutine chained_motion
 
    !> The pose of a point on the arc that carries the follower, as a problem.
    subroutine make_follower(cam, roller, mechanism, given, parameters, mover)
@@ -258,11 +255,12 @@ contains
       real(wp) :: y(0:highest_law_order), unit
       integer :: n, i
 
+      if (allocated(self%chain)) then
+         call self%chain%trace(angle, piece, states)
+         return
+      end if
       n = size(angle)
-      states%angle = angle
-      allocate (states%y(0:3, n), states%q(0:3, n), states%turning(3, n), states%turning_by_input(n), source=0.0_wp)
-      allocate (states%c(0:3, n), states%direction(n), states%by_input(n), source=(0.0_wp, 0.0_wp))
-      allocate (states%fault(n), source=fault_none)
+      call clear_trace(angle, states)
       unit = merge(radians_per_degree, 1.0_wp, self%angular)
       do i = 1, n
          y = self%law%evaluate(angle(i), piece(i))

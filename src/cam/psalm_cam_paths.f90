@@ -1,13 +1,13 @@
 !> Pitch curve, profile and cutter path of a cam as chains of arcs, each with its largest deviation as measured.
 module psalm_cam_paths
    use psalm_arc_path, only: arc_t, curve_t, fit_arcs, deviation_of, chords_needed
-   use psalm_cam_motion, only: cam_trace_t
+   use psalm_cam_trace, only: cam_trace_t
    use psalm_cam_profile, only: cam_points_t
    use psalm_cam_shape, only: cam_shape_t, samples_t, measure
    use psalm_kinds, only: wp
    implicit none (type, external)
    private
-   public :: cam_path_t, find_path, path_pitch, path_profile, path_cutter
+   public :: cam_path_t, find_paths, path_pitch, path_profile, path_cutter
 
    integer, parameter :: path_pitch = 1, path_profile = 2, path_cutter = 3
    integer, parameter :: finer = 4               !! measured points from one sample to the next
@@ -23,32 +23,23 @@ module psalm_cam_paths
 
 contains
 
-   !> One of the curves within a tolerance. The deviation is measured between the samples; it never exceeds the tolerance.
-   subroutine find_path(shape, samples, which, tolerance, path)
+   !> All curves within a tolerance. Their deviation is measured between the samples; it never exceeds the tolerance.
+   subroutine find_paths(shape, samples, tolerance, paths)
       type(cam_shape_t), intent(inout) :: shape
       type(samples_t), intent(in) :: samples
-      integer, intent(in) :: which
       real(wp), intent(in) :: tolerance
-      type(cam_path_t), intent(out) :: path
-      type(curve_t) :: curve
+      type(cam_path_t), intent(out) :: paths(path_pitch:path_cutter)
       type(cam_trace_t) :: states
       type(cam_points_t) :: between
       logical, allocatable :: possible(:)
-      integer, allocatable :: kept(:), last_sample(:), piece(:)
-      complex(wp), allocatable :: point(:)
+      integer, allocatable :: kept(:), piece(:)
       real(wp), allocatable :: angle(:)
-      real(wp) :: fine, share
-      integer :: i, k, n, trial
+      real(wp) :: share
+      integer :: i, k, n
 
       ! the beginning of a piece is the end of the one before
       kept = pack([(i, i=1, size(samples%angle))], [.true., samples%piece(2:) == samples%piece(:size(samples%piece) - 1)])
       n = size(kept)
-      curve%point = chosen(samples%points, which)
-      curve%point = curve%point(kept)
-      curve%tangent = samples%points%tangent(kept)
-      associate (segment => shape%motion%law%pieces(samples%piece(kept))%segment)
-         curve%break = [segment(:n - 1) /= segment(2:), .false.]
-      end associate
       allocate (angle(finer*(n - 1)), piece(finer*(n - 1)))
       do i = 1, n - 1
          do k = 1, finer
@@ -58,6 +49,33 @@ contains
          end do
       end do
       call measure(shape, angle, piece, states, between, possible)
+      do k = path_pitch, path_cutter
+         call find_path(shape, samples, kept, between, k, tolerance, paths(k))
+      end do
+   end subroutine find_paths
+
+   !> One of the curves.
+   subroutine find_path(shape, samples, kept, between, which, tolerance, path)
+      type(cam_shape_t), intent(in) :: shape
+      type(samples_t), intent(in) :: samples
+      integer, intent(in) :: kept(:)             !! samples without doubles
+      type(cam_points_t), intent(in) :: between  !! `finer` points after each of them but the last
+      integer, intent(in) :: which
+      real(wp), intent(in) :: tolerance
+      type(cam_path_t), intent(out) :: path
+      type(curve_t) :: curve
+      integer, allocatable :: last_sample(:)
+      complex(wp), allocatable :: point(:)
+      real(wp) :: fine
+      integer :: i, k, n, trial
+
+      n = size(kept)
+      curve%point = chosen(samples%points, which)
+      curve%point = curve%point(kept)
+      curve%tangent = samples%points%tangent(kept)
+      associate (segment => shape%motion%law%pieces(samples%piece(kept))%segment)
+         curve%break = [segment(:n - 1) /= segment(2:), .false.]
+      end associate
       point = chosen(between, which)
       path%chords = chords_needed(curve%point, bend_of(shape, samples%points, which, kept), tolerance)
       fine = tolerance

@@ -6,7 +6,7 @@
 !> motion. Source: Oldham (1977), 9.3.2; derivation in doc/theory.md.
 module psalm_cam_profile
    use psalm_angles, only: unit_vector, angles_of
-   use psalm_cam_motion, only: cam_trace_t
+   use psalm_cam_trace, only: cam_trace_t
    use psalm_elementary, only: hypotenuse
    use psalm_kinds, only: wp, right_angle
    implicit none (type, external)

@@ -1,8 +1,9 @@
 !> A cam as a whole: motion, follower and shape at any cam angles, and the extremes of everything over a turn.
 module psalm_cam_shape
    use psalm_cam_group, only: cam_group_t, follower_flat
-   use psalm_cam_motion, only: cam_motion_t, cam_trace_t, fault_none
+   use psalm_cam_motion, only: cam_motion_t
    use psalm_cam_profile, only: cam_axes_t, cam_points_t, roller_profile, flat_profile, side_of_centre
+   use psalm_cam_trace, only: cam_trace_t, fault_none
    use psalm_elementary, only: hypotenuse
    use psalm_kinds, only: wp, full_turn
    implicit none (type, external)
@@ -12,7 +13,9 @@ module psalm_cam_shape
              measure_excursion_high, measure_face_low, measure_face_high, measure_output, measure_input, measures
 
    integer, parameter :: samples_of_turn = 7200, fewest_of_piece = 16
+   integer, parameter :: samples_of_chain = 1800     !! of a sketch solved in the poses of its links, which takes longer
    integer, parameter :: golden_steps = 60
+   real(wp), parameter :: equal = 1.0e-13_wp         !! relative difference of values that is rounding
    real(wp), parameter :: golden = 0.61803398874989484820458683436563812_wp
 
    !> What may be extreme: the largest of each is looked for.
@@ -91,12 +94,12 @@ contains
       n = 0
       associate (pieces => shape%motion%law%pieces)
          do k = 1, size(pieces)
-            n = n + samples_in(pieces(k)%width) + 1
+            n = n + samples_in(shape, pieces(k)%width) + 1
          end do
          allocate (samples%angle(n), samples%piece(n))
          n = 0
          do k = 1, size(pieces)
-            of_piece = samples_in(pieces(k)%width)
+            of_piece = samples_in(shape, pieces(k)%width)
             do i = 0, of_piece
                n = n + 1
                samples%angle(n) = pieces(k)%start + pieces(k)%width*(real(i, wp)/real(of_piece, wp))
@@ -110,10 +113,13 @@ contains
       call shape_of(shape, samples%states, samples%points, samples%possible)
    end subroutine sample_turn
 
-   pure integer function samples_in(width)
+   pure integer function samples_in(shape, width)
+      type(cam_shape_t), intent(in) :: shape
       real(wp), intent(in) :: width    !! degrees
+      integer :: of_turn
 
-      samples_in = max(fewest_of_piece, nint(real(samples_of_turn, wp)*width/full_turn))
+      of_turn = merge(samples_of_chain, samples_of_turn, allocated(shape%motion%chain))
+      samples_in = max(fewest_of_piece, nint(real(of_turn, wp)*width/full_turn))
    end function samples_in
 
    pure subroutine settle_side(shape, cam, states)
@@ -193,7 +199,9 @@ contains
       value = values_of(shape, what, samples%states, samples%points)
       mask = wanted(shape%motion%law%pieces(samples%piece)%segment)
       if (.not. any(mask)) return
-      best = maxloc(value, dim=1, mask=mask)
+      ! of those that differ by rounding, as in a dwell, the first
+      low = maxval(value, mask)
+      best = findloc(mask .and. value >= low - equal*max(1.0_wp, abs(low)), .true., dim=1)
       extreme = extreme_t(value(best), samples%angle(best), .true.)
       low = samples%angle(best)
       high = low
@@ -207,7 +215,8 @@ contains
       do k = 1, golden_steps
          call measure(shape, inner, [samples%piece(best), samples%piece(best)], states, points, possible)
          two = values_of(shape, what, states, points)
-         if (maxval(two) > extreme%value) extreme = extreme_t(maxval(two), inner(maxloc(two, 1)), .true.)
+         if (maxval(two) > extreme%value + equal*max(1.0_wp, abs(extreme%value))) &
+            extreme = extreme_t(maxval(two), inner(maxloc(two, 1)), .true.)
          if (two(1) >= two(2)) then
             high = inner(2)
          else

@@ -3,6 +3,8 @@ module psalm_cam_group
    use psalm_cam_kind, only: law_kind, law_dwell, law_modtrap, law_trig, law_names, has_zones, zones_of, zone_count
    use psalm_group, only: group_t, check_range, out_of, read_flag, required
    use psalm_kinds, only: wp, full_turn
+   use psalm_sketch, only: sketch_t
+   use psalm_sketch_names, only: common_link, find_joints
    use psalm_link_place, only: refuse_unless
    use psalm_status, only: diagnostics_t
    use psalm_text, only: to_text, upper_case
@@ -12,6 +14,7 @@ module psalm_cam_group
 
    integer, parameter :: most_segments = 200, most_in_table = 2000, most_points = 100000, fewest_points = 12
    integer, parameter :: fewest_in_table = 6
+   integer, parameter :: most_numbers = 1000   !! above this KAXIS is taken for a slip of the pen
    real(wp), parameter :: steel_modulus = 206.0e9_wp, steel_poisson = 0.3_wp
    integer, parameter :: follower_roller = 1, follower_flat = 2  !! KFOL
 
@@ -40,6 +43,8 @@ module psalm_cam_group
       ! follower
       integer :: arc = 1, loop = 1             !! NFOLLK, NFOLLP
       logical :: from_start = .false.          !! NFOLLK < 0
+      integer :: joints(2) = 0                 !! FOLJNT: of a sketch, the line that carries the follower; one joint twice: there
+      integer :: link = 0                      !! of the sketch, that has them
       type(roller_t) :: roller                 !! FOLLK, FOLANG, RROLL
       integer :: kind = follower_roller        !! KFOL
       real(wp) :: face_angle = 90.0_wp         !! FACANG, degrees
@@ -75,9 +80,10 @@ contains
 
    !> Read the group CAM. Errors: segments or tables that are too short or do not rise, laws that are not there, arcs that are
    !> not there, numbers out of range.
-   subroutine read_cam_group(group, ilink, cam, findings)
+   subroutine read_cam_group(group, ilink, sketch, cam, findings)
       type(group_t), intent(inout) :: group
       integer, intent(in) :: ilink(:, :)       !! ILINK, shape (maxarc, nloop)
+      type(sketch_t), intent(in) :: sketch
       type(cam_group_t), intent(inout) :: cam
       type(diagnostics_t), intent(inout) :: findings
       integer :: code
@@ -86,6 +92,7 @@ contains
       call read_segments(group, cam, findings)
       call read_table(group, cam, findings)
       call read_follower(group, ilink, cam, findings)
+      call read_joints(group, sketch, cam, findings)
       call group%get_real('ALFMAX', cam%pressure_angle, findings)
       if (cam%pressure_angle <= 0.0_wp .or. cam%pressure_angle >= 90.0_wp) call out_of(group, 'ALFMAX', &
          'must lie between 0 and 90 degrees', findings)
@@ -248,6 +255,37 @@ contains
                                                   findings, n)
    end subroutine read_table
 
+   !> What of a sketch carries the follower.
+   subroutine read_joints(group, sketch, cam, findings)
+      type(group_t), intent(inout) :: group
+      type(sketch_t), intent(in) :: sketch
+      type(cam_group_t), intent(inout) :: cam
+      type(diagnostics_t), intent(inout) :: findings
+      character(:), allocatable :: names(:)
+      integer, allocatable :: joints(:)
+      logical :: valid
+
+      call group%get_texts('FOLJNT', names, findings)
+      if (size(names) == 0) return
+      if (.not. sketch%given) then
+         call out_of(group, 'FOLJNT', 'joints have names in a sketch (&CHAIN) only; NFOLLK is the arc of &LINKS', findings)
+         return
+      end if
+      if (group%given('NFOLLK')) call out_of(group, 'NFOLLK', 'the follower is on an arc or on joints (FOLJNT), not both', findings)
+      if (.not. sketch%sound) return
+      call find_joints(group, 'FOLJNT', 1, trim(names(1)), 'the follower', sketch, findings, joints, valid)
+      if (.not. valid) return
+      if (size(names) > 1 .or. size(joints) < 1 .or. size(joints) > 2) then
+         call out_of(group, 'FOLJNT', "one text with one joint or two, as 'B' or 'A B'", findings)
+         return
+      end if
+      cam%joints = [joints(1), joints(size(joints))]
+      cam%link = common_link(sketch, cam%joints)
+      if (cam%link == 0) call out_of(group, 'FOLJNT', 'the two joints are of no common link', findings)
+      if (size(joints) == 1 .and. (cam%kind == follower_flat .or. cam%roller%distance > 0.0_wp)) &
+         call out_of(group, 'FOLJNT', 'FOLLK and the direction of a face are counted from a line: name two joints', findings)
+   end subroutine read_joints
+
    subroutine read_follower(group, ilink, cam, findings)
       type(group_t), intent(inout) :: group
       integer, intent(in) :: ilink(:, :)
@@ -259,7 +297,7 @@ contains
       call read_flag(group, 'KOUT', of_output, findings)
       cam%of_output = of_output == 1
       call group%get_integer('KAXIS', cam%axis, findings)
-      call check_range(group, 'KAXIS', cam%axis, 1, 3, findings)
+      call check_range(group, 'KAXIS', cam%axis, 1, most_numbers, findings)
       call group%get_integer('NFOLLK', cam%arc, findings)
       call group%get_integer('NFOLLP', cam%loop, findings)
       cam%from_start = cam%arc < 0

@@ -132,7 +132,8 @@ module psalm_data_set
       type(clearance_group_t) :: clearance !! CLEAR, read for bridge only
       type(balance_group_t) :: balance     !! BALANC (this and the next are read for muscle only)
       type(spring_design_group_t) :: spring_design !! SPRNGS
-      type(cam_group_t) :: cam             !! CAM (read for calm only)
+      type(cam_group_t) :: cam             !! CAM (this and the next are read for calm only)
+      type(cam_group_t) :: cam2            !! CAM2: of a second drive
       character(:), allocatable :: others  !! the groups that device 7 keeps as they are
       character(:), allocatable :: skipped !! the groups that this program does not read, with those that do; empty: none
       type(origins_t) :: origins           !! where every value was written
@@ -236,11 +237,11 @@ contains
       integer, parameter :: links = 1, method = 2, limits = 3, search = 4, constr = 5, toler = 6, rates = 7, chain = 8, &
                             drives = 9, outputs = 10, masses = 11, loads = 12, spring = 13, frictn = 14, motor = 15, &
                             vibr = 16, estim = 17, drivel = 18, hill = 19, balanc = 20, cam = 21, sprngs = 22, &
-                            clear = 23
+                            clear = 23, cam2 = 24
       character(*), parameter :: names(*) = [character(name_length) :: 'LINKS', 'METHOD', 'LIMITS', 'SEARCH', 'CONSTR', &
                                              'TOLER', 'RATES', 'CHAIN', 'DRIVES', 'OUTPUTS', 'MASSES', 'LOADS', 'SPRING', &
                                              'FRICTN', 'MOTOR', 'VIBR', 'ESTIM', 'DRIVEL', 'HILL', 'BALANC', &
-                                             'CAM', 'SPRNGS', 'CLEAR']
+                                             'CAM', 'SPRNGS', 'CLEAR', 'CAM2']
       type(group_t) :: groups(size(names))
       type(diagnostics_t) :: unused
       logical :: shape_known, sketch_sound
@@ -306,7 +307,11 @@ contains
       call read_clearance_group(groups(clear), set%ilink, set%clearance, findings)
       call read_balance_group(groups(balanc), set%ilink, set%sketch, set%balance, findings)
       call read_spring_design_group(groups(sprngs), set%ilink, set%sketch, set%spring_design, findings)
-      call read_cam_group(groups(cam), set%ilink, set%cam, findings)
+      call read_cam_group(groups(cam), set%ilink, set%sketch, set%cam, findings)
+      set%cam2%axis = 2
+      call read_cam_group(groups(cam2), set%ilink, set%sketch, set%cam2, findings)
+      if (set%cam2%given .and. .not. set%sketch%given) call out_of(groups(cam2), 'NSEG', &
+         'a second cam needs a second drive, which a sketch can have (&CHAIN, &DRIVES)', findings)
       ! where there are errors the group may stand under a misspelt name
       if (size(set%masses%mass) > 0 .and. .not. (set%rates_given .or. findings%failed())) then
          call findings%warning('there is no group &RATES: the input is taken to move at '// &

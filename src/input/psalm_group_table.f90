@@ -36,6 +36,7 @@ module psalm_group_table
       known_group_t('HILL', 'ssics'), &
       known_group_t('BALANC', 'muscle'), &
       known_group_t('CAM', 'calm'), &
+      known_group_t('CAM2', 'calm'), &
       known_group_t('SPRNGS', 'muscle'), &
       known_group_t('CLEAR', 'bridge')]
 

@@ -66,7 +66,7 @@ contains
          integer :: i
 
          if (.not. study%shape%flat) call curve('PITCH', study%paths(path_pitch), study%points%pitch)
-         call curve(trim(merge('PROFILE  ', 'PROFILE_2', study%role == role_cam)), study%paths(path_profile), study%points%profile)
+         call curve(trim(merge('PROFILE  ', 'PROFILE_2', study%part%role == role_cam)), study%paths(path_profile), study%points%profile)
          call curve('CUTTER', study%paths(path_cutter), study%points%cutter)
          at = study%points%pitch(1)
          if (study%shape%flat) then
@@ -75,7 +75,7 @@ contains
          else if (study%shape%roller > 0.0_wp) then
             call circle('FOLLOWER_0', at, study%shape%roller)
          end if
-         if (study%role /= role_cam) return
+         if (study%part%role /= role_cam) return
          do i = 1, size(study%centres)
             if (size(study%centres(i)%corners) > 0 .and. .not. study%shape%flat) call polygon(study%centres(i)%corners - &
                                                                                           study%shape%axes%centre)

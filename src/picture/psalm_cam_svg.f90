@@ -48,7 +48,7 @@ contains
       do k = 1, size(studies)
          associate (points => studies(k)%points, shape => studies(k)%shape)
             if (.not. shape%flat .and. k == 1) call outline('pitch', points%pitch)
-            if (studies(k)%role == role_cam) call outline('cutter', points%cutter)
+            if (studies(k)%part%role == role_cam) call outline('cutter', points%cutter)
             call outline('profile', points%profile)
             if (shape%flat) then
                call line('follower', points%pitch(1) - reach*points%tangent(1), points%pitch(1) + reach*points%tangent(1))

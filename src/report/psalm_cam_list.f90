@@ -7,7 +7,6 @@ module psalm_cam_list
    use psalm_cam_paths, only: path_cutter
    use psalm_cam_study, only: cam_study_t, way_rise, way_return, role_cam, role_conjugate
    use psalm_angles, only: degrees_of, within_turn
-   use psalm_data_set, only: data_set_t
    use psalm_elementary, only: hypotenuse
    use psalm_kinds, only: wp
    use psalm_table, only: table_t
@@ -27,17 +26,17 @@ module psalm_cam_list
 contains
 
    !> Listing: law, joints, extremes, what is wrong.
-   subroutine list_cam(set, study, text)
-      type(data_set_t), intent(in) :: set
+   subroutine list_cam(study, text)
       type(cam_study_t), intent(in) :: study
       type(text_t), intent(inout) :: text
       integer :: k
 
-      associate (law => study%shape%motion%law, e => study%extremes, cam => set%cam)
+      associate (law => study%shape%motion%law, e => study%extremes)
          call text%add()
-         if (study%role /= role_cam) then
+         if (study%part%cam == 2) call text%add(' THE SECOND CAM')
+         if (study%part%role /= role_cam) then
             call text%add(' '//trim(merge('THE CONJUGATE CAM          ', 'THE OUTER WALL OF THE TRACK', &
-                                          study%role == role_conjugate)))
+                                          study%part%role == role_conjugate)))
          else
             call list_law()
          end if
@@ -80,7 +79,7 @@ contains
       subroutine list_law()
          integer :: k
 
-         associate (law => study%shape%motion%law, cam => set%cam)
+         associate (law => study%shape%motion%law, cam => study%cam)
             call text%add(' LAW OF THE '//trim(merge('OUTPUT', 'INPUT ', cam%of_output))// &
                           ', DERIVATIVES BY RADIANS OF CAM; PEAKS NORMALISED BY LIFT AND WIDTH')
             call text%add(' LAW                  FROM             TO         OUTPUT             TO             CV'// &
@@ -96,7 +95,7 @@ contains
                call text%add(' STEP OF ACCELERATION AT'//general(study%joints(k)%at)//' DEGREES:'// &
                              general(study%joints(k)%jump(2)))
             end do
-            if (cam%of_output) then
+            if (size(study%shape%motion%q) > 0) then
                call text%add(' THE LINKAGE GIVES OUTPUTS'//general(minval(study%shape%motion%f))//' TO'// &
                              general(maxval(study%shape%motion%f))//' FOR INPUTS'//general(study%shape%motion%q(1))//' TO'// &
                              general(study%shape%motion%q(size(study%shape%motion%q))))
@@ -109,7 +108,7 @@ contains
          character(10) :: name
 
          name = 'TABLE'
-         if (size(set%cam%law) > 0) name = law_names(set%cam%law(k))
+         if (size(study%cam%law) > 0) name = law_names(study%cam%law(k))
       end function name_of
 
       subroutine show(words, extreme)

@@ -22,7 +22,7 @@ contains
 
       call devices%six%add(' '//set%title)
       do k = 1, size(studies)
-         call list_cam(set, studies(k), devices%six)
+         call list_cam(studies(k), devices%six)
          if (k == 1) then
             call plot_cam(studies(k), '', devices%nine)
             call devices%new_table(set%title)

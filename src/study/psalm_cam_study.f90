@@ -1,31 +1,42 @@
 !> Everything that calm finds of a cam: what cannot be made is found before any work is done. Data in, results out.
 module psalm_cam_study
+   use psalm_cam_chain, only: cam_chain_t, make_cam_chain, numbers_of
    use psalm_cam_contact, only: contact_t, find_contact
-   use psalm_cam_centres, only: centres_t, admissible_centres
+   use psalm_cam_centres, only: centres_t, admissible_centres, tightest_angles, sharpen_centres
    use psalm_cam_group, only: cam_group_t, follower_flat
    use psalm_cam_law, only: law_t, joint_t, make_law, law_made, law_velocity_jumps, law_jerk_jumps
-   use psalm_cam_motion, only: cam_trace_t, prepare_cam_motion, fault_none, fault_reach, fault_dead_point
-   use psalm_cam_paths, only: cam_path_t, find_path, path_pitch, path_profile, path_cutter
+   use psalm_cam_motion, only: chained_motion, prepare_cam_motion
+   use psalm_cam_paths, only: cam_path_t, find_paths, path_pitch, path_profile, path_cutter
    use psalm_cam_profile, only: cam_points_t, deepest_interference
    use psalm_cam_shape, only: cam_shape_t, extreme_t, samples_t, measure, sample_turn, find_extreme, measures, measure_pressure, &
                               measure_convex, measure_concave, measure_base, measure_excursion_low, &
                               measure_face_low, measure_face_high
+   use psalm_cam_trace, only: cam_trace_t, fault_none, fault_reach, fault_dead_point
+   use psalm_closure, only: closure_t, state_t
    use psalm_data_set, only: data_set_t
    use psalm_error, only: problem_t, new_problem
    use psalm_force_model, only: force_model_t, make_force_model
    use psalm_kinds, only: wp, full_turn
    use psalm_preparation, only: prepared_t
+   use psalm_sketch_case, only: assemble_sketch
    use psalm_status, only: diagnostics_t
    use psalm_text, only: general, to_text
    implicit none (type, external)
    private
-   public :: role_cam, role_conjugate, role_outer_wall, cams_of, cam_of_role
+   public :: part_t, role_cam, role_conjugate, role_outer_wall, parts_of
    public :: cam_study_t, rise_t, interference_t, check_cam, find_cam, way_rise, way_return, way_dwell
 
    integer, parameter :: way_rise = 1, way_return = 2, way_dwell = 3 !! the follower leaves the cam's centre, comes back, rests
    integer, parameter :: role_cam = 1, role_conjugate = 2, role_outer_wall = 3 !! what of a case a study is of
    real(wp), parameter :: rounding = 1.0e-9_wp   !! by which a cutter may seem to exceed a hollow
+   integer, parameter :: sharpenings = 3         !! of the polygon of centres at the smallest cam: each squares the error
    integer, parameter :: interference_stride = 3 !! samples from one to the next that is compared with all others
+
+   !> What a study is of.
+   type :: part_t
+      integer :: cam = 1                             !! 1 the group CAM, 2 CAM2
+      integer :: role = role_cam
+   end type part_t
 
    !> The largest pressure angle of a segment.
    type :: rise_t
@@ -40,7 +51,8 @@ module psalm_cam_study
    end type interference_t
 
    type :: cam_study_t
-      integer :: role = role_cam
+      type(part_t) :: part
+      type(cam_group_t) :: cam                       !! with the roller and the cutter of this part
       type(cam_shape_t) :: shape
       type(joint_t), allocatable :: joints(:)        !! of the pieces of the law
       ! table
@@ -76,71 +88,170 @@ contains
    end function is_violating
 
    !> Errors: no cam, a law that cannot be made or whose velocity jumps, outputs out of reach, dead points, a linkage that does not
-   !> close, a face that turns with the cam.
+   !> close, a face that turns with the cam, cams for drives that are not there.
    subroutine check_cam(set, prepared, findings)
       type(data_set_t), intent(in) :: set
       type(prepared_t), intent(in) :: prepared
       type(diagnostics_t), intent(inout) :: findings
-      type(law_t) :: law
-      type(cam_group_t) :: cam
       type(cam_shape_t), allocatable :: shape     ! large: it would fill a small stack
       type(samples_t) :: samples
-      integer :: first
+      integer :: first, k
 
       if (.not. set%cam%given) then
          call findings%error('the group is missing: it says what the cam is to do', line=set%title_line, group='CAM')
          return
       end if
-      call make_law(set%cam, law)
-      if (law%state /= law_made) then
-         call refuse_law(set, law, findings)
-         return
-      end if
-      allocate (shape)
-      cam = cam_of_role(set%cam, role_cam)
-      call prepare_cam_motion(cam, law, prepared%mechanism, prepared%given, prepared%parameters, shape%motion)
-      if (set%cam%of_output) then
-         if (set%cam%axis > shape%motion%output%problem%output%kind%components) then
-            call complain('KAXIS', 'the output has '//to_text(shape%motion%output%problem%output%kind%components)// &
-                          ' component(s); there is none of number '//to_text(set%cam%axis))
+      do k = 1, merge(2, 1, set%cam2%given)
+         if (allocated(shape)) deallocate (shape)
+         allocate (shape)
+         call make_shape(set, prepared, part_t(cam=k), shape, findings)
+         if (findings%failed()) return
+         call sample_turn(shape, cam_of_part(set, part_t(cam=k)), samples)
+         first = findloc(samples%states%fault /= fault_none, .true., dim=1)
+         if (first > 0) then
+            call refuse_motion(set, k, shape, samples, first, findings)
             return
          end if
-         if (.not. shape%motion%has_stretch()) then
-            call findings%error('at the reference position the linkage does not close, or its output stands still: the law of '// &
-                                'the output cannot be solved for the input', line=set%origins%line('METHOD', 'CRNKI', 1), &
-                                group='METHOD', item='CRNKI')
+         first = 0
+         if (.not. shape%flat) first = findloc(abs(samples%states%by_input) > 0.0_wp, .false., dim=1)
+         if (first > 0) then
+            call complain(set, k, merge('FOLJNT', 'NFOLLK', allocated(shape%motion%chain)), &
+                          'the follower does not move with the input at'//general(samples%angle(first))//' degrees; FOLLK is '// &
+                          'its distance from the arc''s end', findings)
             return
+         end if
+         first = findloc(samples%possible, .false., dim=1)
+         if (first > 0) call complain(set, k, 'KFOL', 'the flat face turns with the cam at'//general(samples%angle(first))// &
+                                      ' degrees: it touches nowhere', findings)
+      end do
+   end subroutine check_cam
+
+   subroutine complain(set, cam, item, text, findings)
+      type(data_set_t), intent(in) :: set
+      integer, intent(in) :: cam                  !! 1 or 2
+      character(*), intent(in) :: item, text
+      type(diagnostics_t), intent(inout) :: findings
+
+      call findings%error(text, line=set%origins%line(group_of(cam), item, 1), group=group_of(cam), item=item)
+   end subroutine complain
+
+   !> Name of the group of a cam.
+   pure function group_of(cam) result(name)
+      integer, intent(in) :: cam
+      character(:), allocatable :: name
+
+      name = trim(merge('CAM2', 'CAM ', cam == 2))
+   end function group_of
+
+   !> Law, motion and radii of a cam. Errors: as `check_cam`'s, of what is wrong before the cam turns.
+   subroutine make_shape(set, prepared, part, shape, findings)
+      type(data_set_t), intent(in) :: set
+      type(prepared_t), intent(in) :: prepared
+      type(part_t), intent(in) :: part
+      type(cam_shape_t), intent(inout) :: shape
+      type(diagnostics_t), intent(inout) :: findings
+      type(cam_group_t) :: cam
+      type(law_t), allocatable :: laws(:)
+      type(joint_t), allocatable :: joints(:)
+      real(wp), allocatable :: at(:)
+      integer :: k, other
+
+      cam = cam_of_part(set, part)
+      allocate (laws(merge(2, 1, set%cam2%given)))
+      do k = 1, size(laws)
+         call make_law(cam_of_part(set, part_t(cam=k)), laws(k))
+         if (laws(k)%state == law_made) cycle
+         call refuse_law(set, k, laws(k), findings)
+         return
+      end do
+      if (is_chained(set)) then
+         ! both laws are cut at the joints of both
+         if (size(laws) == 2) then
+            do k = 1, 2
+               other = 3 - k
+               joints = laws(other)%joints()
+               at = joints%at
+               call laws(k)%cut_at(at)
+            end do
+         end if
+         call make_chained(set, part, cam, laws, shape, findings)
+         if (findings%failed()) return
+      else
+         call prepare_cam_motion(cam, laws(1), prepared%mechanism, prepared%given, prepared%parameters, shape%motion)
+         if (cam%of_output) then
+            if (cam%axis > shape%motion%output%problem%output%kind%components) then
+               call complain(set, 1, 'KAXIS', 'the output has '//to_text(shape%motion%output%problem%output%kind%components)// &
+                             ' component(s); there is none of number '//to_text(cam%axis), findings)
+               return
+            end if
+            if (.not. shape%motion%has_stretch()) then
+               call findings%error('at the reference position the linkage does not close, or its output stands still: the law '// &
+                                   'of the output cannot be solved for the input', line=set%origins%line('METHOD', 'CRNKI', 1), &
+                                   group='METHOD', item='CRNKI')
+               return
+            end if
          end if
       end if
       call set_radii(cam, shape)
-      call sample_turn(shape, cam, samples)
-      first = findloc(samples%states%fault /= fault_none, .true., dim=1)
-      if (first > 0) then
-         call refuse_motion(set, shape, samples, first, findings)
-         return
-      end if
-      first = 0
-      if (.not. shape%flat) first = findloc(abs(samples%states%by_input) > 0.0_wp, .false., dim=1)
-      if (first > 0) then
-         call complain('NFOLLK', 'the follower does not move with the input at'//general(samples%angle(first))//' degrees; '// &
-                       'FOLLK is its distance from the arc''s end')
-         return
-      end if
-      first = findloc(samples%possible, .false., dim=1)
-      if (first > 0) call complain('KFOL', 'the flat face turns with the cam at'//general(samples%angle(first))// &
-                                   ' degrees: it touches nowhere')
+   end subroutine make_shape
 
-   contains
-
-      subroutine complain(item, text)
-         character(*), intent(in) :: item, text
-
-         call findings%error(text, line=set%origins%line('CAM', item, 1), group='CAM', item=item)
-      end subroutine complain
-   end subroutine check_cam
-
-   subroutine refuse_law(set, law, findings)
+   !> True if the linkage is solved in the poses of its links.
+   pure logical function is_chained(set)
       type(data_set_t), intent(in) :: set
+
+      is_chained = allocated(set%no_loops) .or. set%cam%link > 0 .or. set%cam2%given
+   end function is_chained
+
+   !> The motion of a sketch in the poses of its links.
+   subroutine make_chained(set, part, cam, laws, shape, findings)
+      type(data_set_t), intent(in) :: set
+      type(part_t), intent(in) :: part
+      type(cam_group_t), intent(in) :: cam
+      type(law_t), intent(in) :: laws(:)
+      type(cam_shape_t), intent(inout) :: shape
+      type(diagnostics_t), intent(inout) :: findings
+      type(closure_t) :: closure
+      type(state_t) :: drawn
+      type(cam_chain_t), allocatable :: chain
+      type(cam_group_t) :: cams(size(laws))
+      logical :: sound
+      integer :: k, own_drives
+
+      call assemble_sketch(set, closure, drawn, sound, findings)
+      if (.not. sound) return
+      own_drives = count(.not. set%sketch%drives%geared)
+      if (own_drives /= size(laws)) then
+         call findings%error('there are '//to_text(own_drives)//' drives of their own, but '//to_text(size(laws))// &
+                             ' cam(s): &CAM is for the first drive, &CAM2 for the second; geared drives need none', &
+                             line=set%origins%line('DRIVES', 'DRIVE', 1), group='DRIVES', item='DRIVE')
+         return
+      end if
+      do k = 1, size(laws)
+         cams(k) = cam_of_part(set, part_t(cam=k))
+         if (cams(k)%of_output .and. cams(k)%axis > numbers_of(closure)) then
+            call complain(set, k, 'KAXIS', 'the outputs have '//to_text(numbers_of(closure))//' number(s); there is none of '// &
+                          'number '//to_text(cams(k)%axis), findings)
+            return
+         end if
+         if (cams(k)%link == 0) then
+            call complain(set, k, 'FOLJNT', 'missing; this sketch is solved in the poses of its links: name the joint that '// &
+                          'carries the roller, or two joints of the link', findings)
+            return
+         end if
+      end do
+      if (cam%speed > 0.0_wp) then
+         call complain(set, part%cam, 'CAMRPM', 'forces take dyads and one drive on the frame, with the follower on an '// &
+                       'arc', findings)
+         return
+      end if
+      allocate (chain)
+      call make_cam_chain(closure, drawn, cams, laws, part%cam, cam%link, cam%joints, cam%roller, chain)
+      call chained_motion(chain, shape%motion)
+   end subroutine make_chained
+
+   subroutine refuse_law(set, cam, law, findings)
+      type(data_set_t), intent(in) :: set
+      integer, intent(in) :: cam                  !! 1 or 2
       type(law_t), intent(in) :: law
       type(diagnostics_t), intent(inout) :: findings
       type(joint_t), allocatable :: joints(:)
@@ -149,85 +260,102 @@ contains
       if (law%state == law_jerk_jumps) then
          call findings%error('segment '//to_text(law%faulty)//': at its end the acceleration or the jerk jumps, and the law of '// &
                              'a flexible drive takes both into the cam: POLY4567, or a table, is smooth enough', &
-                             line=set%origins%line('CAM', 'LAW', max(1, law%faulty)), group='CAM', item='CAMFRQ')
+                             line=set%origins%line(group_of(cam), 'LAW', max(1, law%faulty)), group=group_of(cam), item='CAMFRQ')
          return
       end if
       if (law%state /= law_velocity_jumps) then
          call findings%error('segment '//to_text(law%faulty)//': no motion of this law meets the ends that are given', &
-                             line=set%origins%line('CAM', 'LAW', max(1, law%faulty)), group='CAM', item='LAW')
+                             line=set%origins%line(group_of(cam), 'LAW', max(1, law%faulty)), group=group_of(cam), item='LAW')
          return
       end if
       joints = law%joints()
       k = maxloc(abs(joints%jump(1)), dim=1)
       call findings%error('the velocity jumps by'//general(joints(k)%jump(1))//' per radian of cam at'//general(joints(k)%at)// &
                           ' degrees; SEGVEL gives both sides one velocity, and a ramp or dwell has its own', &
-                          line=set%origins%line('CAM', 'SEGVEL', max(1, law%faulty)), group='CAM', item='SEGVEL')
+                          line=set%origins%line(group_of(cam), 'SEGVEL', max(1, law%faulty)), group=group_of(cam), item='SEGVEL')
    end subroutine refuse_law
 
    !> Say where the motion first fails, and of an output out of reach the furthest.
-   subroutine refuse_motion(set, shape, samples, first, findings)
+   subroutine refuse_motion(set, cam, shape, samples, first, findings)
       type(data_set_t), intent(in) :: set
+      integer, intent(in) :: cam                  !! 1 or 2
       type(cam_shape_t), intent(in) :: shape
       type(samples_t), intent(in) :: samples
       integer, intent(in) :: first
       type(diagnostics_t), intent(inout) :: findings
       real(wp) :: low, high, beyond(size(samples%angle))
-      character(:), allocatable :: text
+      character(:), allocatable :: item
       integer :: k
 
       associate (motion => shape%motion, states => samples%states)
+         if (allocated(motion%chain)) then
+            if (states%fault(first) == fault_dead_point) then
+               call complain(set, cam, 'KOUT', 'the outputs with laws stand still at'//general(motion%chain%fault_at)// &
+                             ' degrees while the inputs move: a dead point, or the end of their reach; to drive through it '// &
+                             'give the law of the input, KOUT=0', findings)
+            else
+               call complain(set, cam, 'SEGOUT', 'the linkage cannot follow at'//general(motion%chain%fault_at)// &
+                             ' degrees: it does not close, or stands at a dead point', findings)
+            end if
+            return
+         end if
          select case (states%fault(first))
          case (fault_reach)
             low = minval(motion%f)
             high = maxval(motion%f)
             beyond = max(low - states%y(0, :), states%y(0, :) - high)
             k = maxloc(beyond, dim=1)
-            text = 'the output wanted at'//general(samples%angle(k))//' degrees,'//general(states%y(0, k))// &
-                   ', is beyond reach: the linkage gives'//general(low)//' to'//general(high)//' while its input goes from'// &
-                   general(motion%q(1))//' to'//general(motion%q(size(motion%q)))
-            call findings%error(text, line=set%origins%line('CAM', merge('SEGOUT', 'TABOUT', size(set%cam%table) == 0), 1), &
-                                group='CAM', item=merge('SEGOUT', 'TABOUT', size(set%cam%table) == 0))
+            item = merge('SEGOUT', 'TABOUT', size(set%cam%table) == 0)
+            call complain(set, cam, item, 'the output wanted at'//general(samples%angle(k))//' degrees,'// &
+                          general(states%y(0, k))//', is beyond reach: the linkage gives'//general(low)//' to'//general(high)// &
+                          ' while its input goes from'//general(motion%q(1))//' to'//general(motion%q(size(motion%q))), findings)
          case (fault_dead_point)
-            text = 'the output stands still at'//general(samples%angle(first))//' degrees while the input ('// &
-                   trim(adjustl(general(states%q(0, first))))//') moves: a dead point; to drive through it give the law of '// &
-                   'the input, KOUT=0'
-            call findings%error(text, line=set%origins%line('CAM', 'KOUT', 1), group='CAM')
+            call complain(set, cam, 'KOUT', 'the output stands still at'//general(samples%angle(first))//' degrees while the '// &
+                          'input ('//trim(adjustl(general(states%q(0, first))))//') moves: a dead point; to drive through it '// &
+                          'give the law of the input, KOUT=0', findings)
          case default
-            text = 'the linkage that carries the follower does not close, or is at a dead point, at'// &
-                   general(samples%angle(first))//' degrees (input'//general(states%q(0, first))//')'
-            call findings%error(text, line=set%origins%line('CAM', 'NFOLLK', 1), group='CAM')
+            call complain(set, cam, 'NFOLLK', 'the linkage that carries the follower does not close, or is at a dead point, at'// &
+                          general(samples%angle(first))//' degrees (input'//general(states%q(0, first))//')', findings)
          end select
       end associate
    end subroutine refuse_motion
 
-   !> What a case has studied: its cam, and the conjugate cam or the outer wall of the track.
-   pure function cams_of(cam) result(roles)
-      type(cam_group_t), intent(in) :: cam
-      integer, allocatable :: roles(:)
+   !> What a case has studied: its cams, and of each the conjugate cam or the outer wall of the track.
+   pure function parts_of(set) result(parts)
+      type(data_set_t), intent(in) :: set
+      type(part_t), allocatable :: parts(:)
 
-      roles = [role_cam]
-      if (cam%conjugate) roles = [roles, role_conjugate]
-      if (cam%track) roles = [roles, role_outer_wall]
-   end function cams_of
+      parts = [part_t()]
+      if (set%cam%conjugate) parts = [parts, part_t(role=role_conjugate)]
+      if (set%cam%track) parts = [parts, part_t(role=role_outer_wall)]
+      if (.not. set%cam2%given) return
+      parts = [parts, part_t(cam=2)]
+      if (set%cam2%conjugate) parts = [parts, part_t(2, role_conjugate)]
+      if (set%cam2%track) parts = [parts, part_t(2, role_outer_wall)]
+   end function parts_of
 
-   !> The group with the roller and the cutter of a role. The walls of a track are cut with their own width: the cutter runs on the
+   !> The group with the roller and the cutter of a part. The walls of a track are cut with their own width: the cutter runs on the
    !> pitch curve.
-   pure type(cam_group_t) function cam_of_role(given, role) result(cam)
-      type(cam_group_t), intent(in) :: given
-      integer, intent(in) :: role
+   pure type(cam_group_t) function cam_of_part(set, part) result(cam)
+      type(data_set_t), intent(in) :: set
+      type(part_t), intent(in) :: part
 
-      cam = given
-      if (role == role_conjugate) then
-         cam%roller = given%second
+      if (part%cam == 2) then
+         cam = set%cam2
+      else
+         cam = set%cam
+      end if
+      if (part%role == role_conjugate) then
+         cam%roller = cam%second
          cam%side = 0
       end if
-      if (given%track) then
-         cam%roller%radius = given%roller%radius + 0.5_wp*given%clearance
+      if (cam%track) then
+         cam%roller%radius = cam%roller%radius + 0.5_wp*cam%clearance
          cam%cutter = cam%roller%radius
-      else if (.not. given%cutter_given) then
+      else if (.not. cam%cutter_given) then
          cam%cutter = cam%roller%radius
       end if
-   end function cam_of_role
+   end function cam_of_part
 
    !> The other wall of a track.
    subroutine turn_side(cam, shape, samples)
@@ -256,57 +384,65 @@ contains
       type(cam_study_t), intent(inout) :: study
       type(samples_t), intent(in) :: samples
       logical :: moving(size(samples%angle))
-      integer :: k
+      real(wp), allocatable :: angle(:)
+      integer, allocatable :: piece(:)
+      type(cam_trace_t) :: more
+      real(wp) :: side
+      integer :: k, round
 
       associate (way => study%segments(study%shape%motion%law%pieces(samples%piece)%segment)%way)
          moving = way == way_rise .or. (way == way_return .and. .not. cam%rise_only)
       end associate
       do k = 1, 2
-         call admissible_centres(samples%states, moving, study%shape%axes%sense, real(3 - 2*k, wp), cam%pressure_angle, &
-                                 study%centres(k))
+         side = real(3 - 2*k, wp)
+         associate (sense => study%shape%axes%sense, limit => cam%pressure_angle, centres => study%centres(k))
+            call admissible_centres(samples%states, moving, sense, side, limit, centres)
+            do round = 1, sharpenings
+               call tightest_angles(samples%states, samples%piece, moving, sense, side, limit, centres, angle, piece)
+               if (size(angle) == 0) exit
+               call study%shape%motion%trace(angle, piece, more)
+               call sharpen_centres(samples%states, more, sense, side, limit, centres)
+               if (size(centres%corners) == 0) exit
+            end do
+         end associate
       end do
    end subroutine find_centres
 
-   !> Study a cam that `check_cam` found no fault with.
-   subroutine find_cam(set, prepared, role, study)
+   !> Study a part of a case that `check_cam` found no fault with.
+   subroutine find_cam(set, prepared, part, study)
       type(data_set_t), intent(in) :: set
       type(prepared_t), intent(in) :: prepared
-      integer, intent(in) :: role                    !! one of `cams_of`
+      type(part_t), intent(in) :: part               !! one of `parts_of`
       type(cam_study_t), intent(out) :: study
-      type(law_t) :: law
-      type(cam_group_t) :: cam
+      type(diagnostics_t) :: unused
       type(samples_t) :: samples
       logical, allocatable :: possible(:), all_segments(:)
       integer :: k
 
-      study%role = role
-      cam = cam_of_role(set%cam, role)
-      call make_law(cam, law)
-      call prepare_cam_motion(cam, law, prepared%mechanism, prepared%given, prepared%parameters, study%shape%motion)
-      call set_radii(cam, study%shape)
-      allocate (study%joints(size(law%pieces)))
-      study%joints = law%joints()
-      call sample_turn(study%shape, cam, samples)
-      if (role == role_outer_wall) call turn_side(cam, study%shape, samples)
-      associate (n => set%cam%points)
-         study%angle = [(full_turn*real(k - 1, wp)/real(n, wp), k=1, n)]
+      study%part = part
+      study%cam = cam_of_part(set, part)
+      call make_shape(set, prepared, part, study%shape, unused)
+      associate (cam => study%cam, law => study%shape%motion%law)
+         allocate (study%joints(size(law%pieces)))
+         study%joints = law%joints()
+         call sample_turn(study%shape, cam, samples)
+         if (part%role == role_outer_wall) call turn_side(cam, study%shape, samples)
+         study%angle = [(full_turn*real(k - 1, wp)/real(cam%points, wp), k=1, cam%points)]
+         call measure(study%shape, study%angle, law%piece_at(study%angle), study%states, study%points, possible)
+         allocate (all_segments(size(law%segments)), source=.true.)
+         do k = 1, measures
+            call find_extreme(study%shape, samples, k, all_segments, study%extremes(k))
+         end do
+         call find_segments(study, samples)
+         call judge_curvature(study)
+         if (.not. study%shape%flat) then
+            if (part%role /= role_outer_wall) call find_interference(study, samples)
+            call find_centres(cam, study, samples)
+         end if
+         call find_paths(study%shape, samples, cam%tolerance, study%paths)
+         call judge_limits(study)
+         if (cam%speed > 0.0_wp .and. part%role == role_cam) call find_forces(set, prepared, samples, study)
       end associate
-      call measure(study%shape, study%angle, law%piece_at(study%angle), study%states, study%points, possible)
-      allocate (all_segments(size(law%segments)), source=.true.)
-      do k = 1, measures
-         call find_extreme(study%shape, samples, k, all_segments, study%extremes(k))
-      end do
-      call find_segments(study, samples)
-      call judge_curvature(study)
-      if (.not. study%shape%flat) then
-         if (role /= role_outer_wall) call find_interference(study, samples)
-         call find_centres(cam, study, samples)
-      end if
-      do k = path_pitch, path_cutter
-         call find_path(study%shape, samples, k, cam%tolerance, study%paths(k))
-      end do
-      call judge_limits(set, study)
-      if (cam%speed > 0.0_wp .and. role == role_cam) call find_forces(set, prepared, samples, study)
    end subroutine find_cam
 
    !> Forces at the table's angles, and at the samples for what is extreme.
@@ -324,10 +460,10 @@ contains
       allocate (problem, study%contact, study%fine)
       call new_problem(prepared%mechanism, prepared%given, prepared%parameters, [0.0_wp], .true., problem)
       roller = merge(0.0_wp, study%shape%roller, study%shape%flat)
-      call find_contact(set%cam, model, problem, samples%states, samples%points, roller, study%fine)
-      call find_contact(set%cam, model, problem, study%states, study%points, roller, study%contact)
-      study%lost = any(study%fine%force < 0.0_wp) .and. .not. (set%cam%conjugate .or. set%cam%track)
-      study%stressed = set%cam%stress > 0.0_wp .and. maxval(study%fine%stress) > set%cam%stress
+      call find_contact(study%cam, model, problem, samples%states, samples%points, roller, study%fine)
+      call find_contact(study%cam, model, problem, study%states, study%points, roller, study%contact)
+      study%lost = any(study%fine%force < 0.0_wp) .and. .not. (study%cam%conjugate .or. study%cam%track)
+      study%stressed = study%cam%stress > 0.0_wp .and. maxval(study%fine%stress) > study%cam%stress
    end subroutine find_forces
 
    subroutine find_segments(study, samples)
@@ -417,19 +553,18 @@ contains
       end associate
    end subroutine find_interference
 
-   subroutine judge_limits(set, study)
-      type(data_set_t), intent(in) :: set
+   subroutine judge_limits(study)
       type(cam_study_t), intent(inout) :: study
 
-      associate (e => study%extremes)
-         study%steep = any(study%segments%pressure%value > set%cam%pressure_angle .and. &
-                           (study%segments%way == way_rise .or. .not. set%cam%rise_only))
-         study%sharp = set%cam%least_radius > 0.0_wp .and. e(measure_convex)%found .and. &
-                       e(measure_convex)%value < set%cam%least_radius
-         if (set%cam%kind /= follower_flat) return
+      associate (e => study%extremes, cam => study%cam)
+         study%steep = any(study%segments%pressure%value > cam%pressure_angle .and. &
+                           (study%segments%way == way_rise .or. .not. cam%rise_only))
+         study%sharp = cam%least_radius > 0.0_wp .and. e(measure_convex)%found .and. &
+                       e(measure_convex)%value < cam%least_radius
+         if (cam%kind /= follower_flat) return
          study%least_base = e(measure_base)%value - e(measure_convex)%value
-         study%face_short = set%cam%half_face > 0.0_wp .and. &
-                            e(measure_face_high)%value - e(measure_face_low)%value > 2.0_wp*set%cam%half_face
+         study%face_short = cam%half_face > 0.0_wp .and. &
+                            e(measure_face_high)%value - e(measure_face_low)%value > 2.0_wp*cam%half_face
       end associate
    end subroutine judge_limits
 end module psalm_cam_study
