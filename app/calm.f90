@@ -3,7 +3,9 @@ program calm
    use psalm_batch, only: outputs_t, common_options, run_files, ending_of_case
    use psalm_cam_code, only: write_cam_code
    use psalm_cam_dxf, only: write_cam_dxf
+   use psalm_cam_page, only: write_cam_page
    use psalm_cam_report, only: report_cam
+   use psalm_cam_scene, only: cam_scene_t, make_cam_scene
    use psalm_cam_svg, only: write_cam_svg
    use psalm_cam_study, only: cam_study_t, part_t, check_cam, find_cam, parts_of
    use psalm_check_list, only: list_input
@@ -27,14 +29,14 @@ program calm
    integer, save :: code
 
    outputs = outputs_t(suffix='.calm', endings=['.dev8', '.dev9', '.csv '], of_search=[character(5) ::], &
-                       of_case=['.dxf ', '.svg ', '.nc  '])
+                       of_case=['.dxf ', '.svg ', '.html', '.nc  '])
    call begin('calm', &
       'usage: calm [options] [CASE.nml ...]'//nl// &
       nl//'The cam that makes the output of a linkage follow a law (&CAM): the linkage solved backwards, profile, cutter'//nl// &
       'path, curvature, pressure angle; what the roller, the cutter or a flat face cannot follow.'//nl// &
       nl//'The listing goes to standard output; CASE.calm.dev8 (input), CASE.calm.dev9 and CASE.calm.csv (tables),'//nl// &
-      'CASE.calm.dxf and CASE.calm.svg (drawings) and with KGCODE=1 CASE.calm.nc (G-code of the cutter path) beside'//nl// &
-      'the case.'//nl// &
+      'CASE.calm.dxf and CASE.calm.svg (drawings), CASE.calm.html (a page on which the cam turns) and with KGCODE=1'//nl// &
+      'CASE.calm.nc (G-code of the cutter path) beside the case.'//nl// &
       nl//common_options// &
       nl//'Exit status: 0 done; 1 done, but the cam cannot be followed or made, or a limit is not kept;'//nl// &
       '2 the input is wrong; 3 a file could not be read or written.'//nl, &
@@ -69,7 +71,8 @@ contains
       logical, intent(inout) :: stopped
       type(problem_t), allocatable :: problem    ! large: it would fill a small stack
       type(cam_study_t), allocatable :: studies(:)
-      type(text_t) :: drawing, picture, program
+      type(cam_scene_t), allocatable :: scene
+      type(text_t) :: drawing, picture, page, program
       type(part_t), allocatable :: parts(:)
       integer :: k
 
@@ -89,10 +92,14 @@ contains
          call find_cam(set, prepared, parts(k), studies(k))
       end do
       call report_cam(set, studies, devices)
-      call write_cam_dxf(studies, drawing)
+      allocate (scene)
+      call make_cam_scene(set, prepared, studies, scene)
+      call write_cam_dxf(studies, scene%linkage, drawing)
       call devices%add_drawing(trim(ending_of_case(number, '.dxf')), drawing%content())
-      call write_cam_svg(set%title, studies, picture)
+      call write_cam_svg(set%title, studies, scene, picture)
       call devices%add_drawing(trim(ending_of_case(number, '.svg')), picture%content())
+      call write_cam_page(set%title, studies, scene, page)
+      call devices%add_drawing(trim(ending_of_case(number, '.html')), page%content())
       if (.not. set%cam%code) return
       do k = 1, size(studies)
          call write_cam_code(set%title, studies(k), program)

@@ -1,21 +1,26 @@
-!> A cam as DXF (release 12, ASCII): curves as polylines of arcs (bulges) on named layers, in axes of the cam.
+!> Cams as DXF (release 12, ASCII): curves as polylines of arcs (bulges) on named layers, in axes of the first cam at cam angle 0;
+!> beside them the linkage.
 module psalm_cam_dxf
    use psalm_cam_paths, only: cam_path_t, path_pitch, path_profile, path_cutter
    use psalm_cam_study, only: cam_study_t, role_cam
    use psalm_kinds, only: wp
+   use psalm_scene, only: scene_t
    use psalm_text, only: text_t, full_precision, to_text
    implicit none (type, external)
    private
    public :: write_cam_dxf
 
+   real(wp), parameter :: joint_part = 0.008_wp !! radius of a joint's circle, of the linkage's size
    integer, parameter :: white = 7, red = 1, green = 3, blue = 5, grey = 8, cyan = 4, magenta = 6 !! CAD colours
 
 contains
 
    !> Append the drawing, the cam at angle 0.
-   subroutine write_cam_dxf(studies, text)
-      type(cam_study_t), intent(in) :: studies(:)    !! the cam, and its conjugate or the outer wall of its track
+   subroutine write_cam_dxf(studies, linkage, text)
+      type(cam_study_t), intent(in) :: studies(:)    !! the cam, its conjugate or the outer wall of its track; the second cam
+      type(scene_t), intent(in) :: linkage           !! its first prescribed position is that of cam angle 0
       type(text_t), intent(inout) :: text
+      complex(wp) :: offset                          !! of what is drawn from the first cam's axes
       integer :: k
 
       call group(0, 'SECTION')
@@ -38,7 +43,7 @@ contains
       call group(0, 'ENDTAB')
       call group(0, 'TABLE')
       call group(2, 'LAYER')
-      call group(70, '7')
+      call group(70, '11')
       call layer('PITCH', grey)
       call layer('PROFILE', white)
       call layer('PROFILE_2', magenta)
@@ -46,15 +51,23 @@ contains
       call layer('FOLLOWER_0', blue)
       call layer('SHAFT', red)
       call layer('CENTRES', cyan)
+      call layer('PITCH_2', grey)
+      call layer('CUTTER_2', green)
+      call layer('LINKAGE', white)
+      call layer('JOINTS', grey)
       call group(0, 'ENDTAB')
       call group(0, 'ENDSEC')
       call group(0, 'SECTION')
       call group(2, 'ENTITIES')
       do k = 1, size(studies)
+         offset = studies(k)%shape%axes%centre - studies(1)%shape%axes%centre
          call add_cam(studies(k))
+         if (studies(k)%part%role /= role_cam) cycle
+         call line('SHAFT', (-1.0_wp, 0.0_wp)*mark_size(), (1.0_wp, 0.0_wp)*mark_size())
+         call line('SHAFT', (0.0_wp, -1.0_wp)*mark_size(), (0.0_wp, 1.0_wp)*mark_size())
       end do
-      call line('SHAFT', (-1.0_wp, 0.0_wp)*mark_size(), (1.0_wp, 0.0_wp)*mark_size())
-      call line('SHAFT', (0.0_wp, -1.0_wp)*mark_size(), (0.0_wp, 1.0_wp)*mark_size())
+      offset = -studies(1)%shape%axes%centre
+      if (linkage%sound) call add_linkage()
       call group(0, 'ENDSEC')
       call group(0, 'EOF')
 
@@ -63,11 +76,14 @@ contains
       subroutine add_cam(study)
          type(cam_study_t), intent(in) :: study
          complex(wp) :: at
+         character(:), allocatable :: second
          integer :: i
 
-         if (.not. study%shape%flat) call curve('PITCH', study%paths(path_pitch), study%points%pitch)
-         call curve(trim(merge('PROFILE  ', 'PROFILE_2', study%part%role == role_cam)), study%paths(path_profile), study%points%profile)
-         call curve('CUTTER', study%paths(path_cutter), study%points%cutter)
+         second = trim(merge('_2', '  ', study%part%cam == 2))
+         if (.not. study%shape%flat) call curve('PITCH'//second, study%paths(path_pitch), study%points%pitch)
+         call curve(trim(merge('PROFILE  ', 'PROFILE_2', study%part%role == role_cam .and. study%part%cam == 1)), &
+                    study%paths(path_profile), study%points%profile)
+         call curve('CUTTER'//second, study%paths(path_cutter), study%points%cutter)
          at = study%points%pitch(1)
          if (study%shape%flat) then
             call line('FOLLOWER_0', at + study%points%tangent(1)*(study%shape%roller + abs(at)), &
@@ -82,6 +98,23 @@ contains
          end do
       end subroutine add_cam
 
+      !> Bars and revolute joints at cam angle 0.
+      subroutine add_linkage()
+         integer :: i
+
+         associate (row => linkage%prescribed)
+            do i = 1, size(linkage%bars)
+               associate (from => linkage%bars(i)%start, to => linkage%bars(i)%finish)
+                  call line('LINKAGE', cmplx(row%x(from, 1), row%y(from, 1), wp), cmplx(row%x(to, 1), row%y(to, 1), wp))
+               end associate
+            end do
+            do i = 1, size(linkage%joints)
+               if (linkage%joints(i)%turning) call circle('JOINTS', cmplx(row%x(i, 1), row%y(i, 1), wp), &
+                                                          joint_part*maxval(linkage%high - linkage%low))
+            end do
+         end associate
+      end subroutine add_linkage
+
       !> Where the centre of the cam may lie, seen from where it is.
       subroutine polygon(corners)
          complex(wp), intent(in) :: corners(:)
@@ -90,7 +123,7 @@ contains
          call group(0, 'POLYLINE')
          call group(8, 'CENTRES')
          call group(66, '1')
-         call place((0.0_wp, 0.0_wp))
+         call place(-offset)
          call group(70, '1')
          do i = 1, size(corners)
             call vertex('CENTRES', corners(i), 0.0_wp)
@@ -114,8 +147,8 @@ contains
       subroutine place(point)
          complex(wp), intent(in) :: point
 
-         call group(10, full_precision(real(point, wp)))
-         call group(20, full_precision(aimag(point)))
+         call group(10, full_precision(real(point + offset, wp)))
+         call group(20, full_precision(aimag(point + offset)))
          call group(30, '0.0')
       end subroutine place
 
@@ -137,8 +170,8 @@ contains
          call group(0, 'LINE')
          call group(8, name)
          call place(from)
-         call group(11, full_precision(real(to, wp)))
-         call group(21, full_precision(aimag(to)))
+         call group(11, full_precision(real(to + offset, wp)))
+         call group(21, full_precision(aimag(to + offset)))
          call group(31, '0.0')
       end subroutine line
 
@@ -163,7 +196,7 @@ contains
          call group(0, 'POLYLINE')
          call group(8, name)
          call group(66, '1')
-         call place((0.0_wp, 0.0_wp))
+         call place(-offset)
          call group(70, '1')
          if (path%found) then
             do i = 1, size(path%arcs)

@@ -1,7 +1,8 @@
-!> A cam as SVG: profile, pitch curve, cutter path, roller and shaft at cam angle 0; below it output, velocity, acceleration, jerk,
-!> pressure angle and curvature of the profile over the turn.
+!> Cams as SVG: profile, pitch curve, cutter path, follower, shaft and linkage at cam angle 0; below output, velocity,
+!> acceleration, jerk, pressure angle and curvature of the profile over the turn.
 module psalm_cam_svg
-   use psalm_cam_study, only: cam_study_t, role_cam
+   use psalm_cam_scene, only: cam_part_t, cam_scene_t
+   use psalm_cam_study, only: cam_study_t, role_cam, role_outer_wall
    use psalm_kinds, only: wp, full_turn
    use psalm_markup, only: xml_text, short_number
    use psalm_text, only: text_t
@@ -9,8 +10,8 @@ module psalm_cam_svg
    private
    public :: write_cam_svg
 
-   real(wp), parameter :: width = 760.0_wp, picture = 560.0_wp, margin = 40.0_wp, header = 56.0_wp !! sizes, pixels
-   real(wp), parameter :: panel = 110.0_wp, gap = 34.0_wp
+   real(wp), parameter :: width = 860.0_wp, tallest = 680.0_wp, margin = 40.0_wp, header = 56.0_wp !! sizes, pixels
+   real(wp), parameter :: panel = 100.0_wp, gap = 42.0_wp, joint_radius = 4.0_wp
    character(*), parameter :: names(0:3) = [character(26) :: 'output', 'output, first derivative', 'output, second derivative', &
                                             'output, third derivative']
    integer, parameter :: panels = 6, digits_for_people = 6
@@ -18,55 +19,78 @@ module psalm_cam_svg
 contains
 
    !> Append the picture.
-   subroutine write_cam_svg(title, studies, text)
+   subroutine write_cam_svg(title, studies, scene, text)
       character(*), intent(in) :: title
-      type(cam_study_t), intent(in) :: studies(:)    !! the cam, and its conjugate or the outer wall of its track
+      type(cam_study_t), intent(in) :: studies(:)    !! the cam, its conjugate or the outer wall of its track; the second cam
+      type(cam_scene_t), intent(in) :: scene
       type(text_t), intent(inout) :: text
-      real(wp) :: scale, reach, height
-      integer :: k
+      complex(wp) :: middle, offset
+      real(wp) :: scale, reach, height, size_of_scene(2), shown
+      integer :: k, i
 
-      reach = 0.0_wp
-      do k = 1, size(studies)
-         reach = max(reach, maxval(abs(studies(k)%points%profile)), maxval(abs(studies(k)%points%cutter)))
-         if (.not. studies(k)%shape%flat) reach = max(reach, maxval(abs(studies(k)%points%pitch)) + studies(k)%shape%roller)
-      end do
-      scale = (0.5_wp*picture - margin)/reach
-      height = header + picture + real(panels, wp)*(panel + gap) + margin
+      middle = 0.5_wp*(scene%low + scene%high)
+      size_of_scene = [real(scene%high - scene%low, wp), aimag(scene%high - scene%low)]
+      scale = min((width - 2.0_wp*margin)/size_of_scene(1), (tallest - 2.0_wp*margin)/size_of_scene(2))
+      shown = scale*size_of_scene(2) + 2.0_wp*margin
+      reach = maxval(abs(studies(1)%points%profile))
+      height = header + shown + real(panels, wp)*(panel + gap)*real(count(studies%part%role == role_cam), wp) + margin
       call text%add('<?xml version="1.0" encoding="UTF-8"?>')
       call text%add('<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 '//px(width)//' '//px(height)//'" width="'// &
                     px(width)//'" height="'//px(height)//'" role="img" aria-labelledby="title">')
       call text%add('<title id="title">'//xml_text(trim(title))//'</title>')
-      call text%add('<style>text{font:13px sans-serif;fill:#222}.head{font-size:18px}path,circle,line{fill:none;stroke:#222;'// &
-                    'vector-effect:non-scaling-stroke}.profile{stroke-width:2.5}.pitch{stroke:#888;stroke-dasharray:6 4}'// &
-                    '.cutter{stroke:#2a7;stroke-width:.8}.follower{stroke:#26c;stroke-width:1.5}.shaft{stroke:#c33}'// &
-                    '.frame{stroke:#bbb}.paper{fill:#fff}@media(prefers-color-scheme:dark){.paper{fill:#181a1c}'// &
-                    'text{fill:#ddd}path,circle,line{stroke:#ddd}.frame{stroke:#555}}</style>')
+      call text%add('<style>svg{max-width:100%;height:auto}text{font:13px "DejaVu Sans",Verdana,Arial,sans-serif;fill:#14202b}'// &
+                    '.head{font-size:18px;font-weight:bold}.tick{font-size:11px;fill:#56636f}path,circle{fill:none;'// &
+                    'stroke:#14202b;vector-effect:non-scaling-stroke;stroke-linejoin:round}.profile{stroke-width:2.2;'// &
+                    'fill:#b5541c;fill-opacity:.14}.wall{stroke-width:2.2}.pitch{stroke:#8893a0;stroke-dasharray:6 4}'// &
+                    '.cutter{stroke:#2e8540;stroke-width:.8}.follower{stroke:#0b57d0;stroke-width:1.8}'// &
+                    '.curve{stroke:#0b57d0;stroke-width:1.5}.shaft{stroke:#c62828}.bar{stroke:#7d8994;stroke-width:2.2}'// &
+                    '.joint{fill:#fff;stroke-width:1.2}.frame{stroke:#c9d1d8}.limit{stroke:#c62828;stroke-dasharray:4 4}'// &
+                    '.paper{fill:#fff}@media(prefers-color-scheme:dark){.paper{fill:#14191f}text{fill:#e6ebf0}'// &
+                    '.tick{fill:#aab6c1}path,circle{stroke:#e6ebf0}.profile{fill:#f0a070}.pitch{stroke:#6b7681}'// &
+                    '.cutter{stroke:#7ccf8a}.follower,.curve{stroke:#7db4ff}.shaft,.limit{stroke:#ff6b60}'// &
+                    '.bar{stroke:#8793a0}.joint{fill:#14191f}.frame{stroke:#36404a}}</style>')
       call text%add('<rect class="paper" width="'//px(width)//'" height="'//px(height)//'"/>')
       call text%add('<text class="head" x="28" y="34">'//xml_text(trim(title))//'</text>')
-      call text%add('<g transform="translate('//px(0.5_wp*width)//' '//px(header + 0.5_wp*picture)//') scale('// &
-                    short_number(scale)//' '//short_number(-scale)//')">')
+      call text%add('<g transform="translate('//px(0.5_wp*width)//' '//px(header + 0.5_wp*shown)//') scale('// &
+                    short_number(scale)//' '//short_number(-scale)//') translate('//short_number(-middle%re)//' '// &
+                    short_number(-middle%im)//')">')
       do k = 1, size(studies)
-         associate (points => studies(k)%points, shape => studies(k)%shape)
-            if (.not. shape%flat .and. k == 1) call outline('pitch', points%pitch)
-            if (studies(k)%part%role == role_cam) call outline('cutter', points%cutter)
-            call outline('profile', points%profile)
+         associate (part => scene%parts(k), shape => studies(k)%shape, role => studies(k)%part%role)
+            offset = shape%axes%centre
+            call outline(trim(merge('wall   ', 'profile', role == role_outer_wall)), part%profile)
+            if (.not. shape%flat .and. role /= role_outer_wall) call outline('pitch', part%pitch)
+            if (role /= role_outer_wall) call outline('cutter', part%cutter)
+            call line('shaft', cmplx(-0.08_wp*reach, 0.0_wp, wp), cmplx(0.08_wp*reach, 0.0_wp, wp))
+            call line('shaft', cmplx(0.0_wp, -0.08_wp*reach, wp), cmplx(0.0_wp, 0.08_wp*reach, wp))
             if (shape%flat) then
-               call line('follower', points%pitch(1) - reach*points%tangent(1), points%pitch(1) + reach*points%tangent(1))
-            else
-               call circle('follower', points%pitch(1), shape%roller)
+               call line('follower', part%points%pitch(1) - reach*part%points%tangent(1), &
+                         part%points%pitch(1) + reach*part%points%tangent(1))
+            else if (role /= role_outer_wall) then
+               call line('follower', part%arm(1) - offset, part%states%c(0, 1) - offset)
+               call circle('follower', part%states%c(0, 1) - offset, max(shape%roller, 2.0_wp/scale))
             end if
          end associate
       end do
-      call line('shaft', cmplx(-0.08_wp*reach, 0.0_wp, wp), cmplx(0.08_wp*reach, 0.0_wp, wp))
-      call line('shaft', cmplx(0.0_wp, -0.08_wp*reach, wp), cmplx(0.0_wp, 0.08_wp*reach, wp))
-      call text%add('</g>')
-      associate (study => studies(1))
-         do k = 0, 3
-            call curve(k + 1, trim(names(k)), study%states%y(k, :))
-         end do
-         call curve(5, 'pressure angle, degrees', study%points%pressure)
-         call curve(6, 'curvature of the profile', 1.0_wp/study%points%radius)
+      offset = (0.0_wp, 0.0_wp)
+      associate (linkage => scene%linkage, row => scene%linkage%prescribed)
+         if (linkage%sound) then
+            do i = 1, size(linkage%bars)
+               associate (from => linkage%bars(i)%start, to => linkage%bars(i)%finish)
+                  if (.not. (linkage%joints(from)%fixed .and. linkage%joints(to)%fixed)) &
+                     call line('bar', cmplx(row%x(from, 1), row%y(from, 1), wp), cmplx(row%x(to, 1), row%y(to, 1), wp))
+               end associate
+            end do
+            do i = 1, size(linkage%joints)
+               if (linkage%joints(i)%turning) call circle('joint', cmplx(row%x(i, 1), row%y(i, 1), wp), joint_radius/scale)
+            end do
+         end if
       end associate
+      call text%add('</g>')
+      i = 0
+      do k = 1, size(studies)
+         if (studies(k)%part%role /= role_cam) cycle
+         call curves(studies(k), scene%parts(k), trim(merge('second cam: ', '            ', studies(k)%part%cam == 2)), i)
+      end do
       call text%add('</svg>')
 
    contains
@@ -91,9 +115,9 @@ contains
          complex(wp), intent(in) :: points(:)
          integer :: i
 
-         call text%add('<path class="'//class//'" d="M'//pair(points(1)))
+         call text%add('<path class="'//class//'" d="M'//pair(points(1) + offset))
          do i = 2, size(points)
-            call text%add('L'//pair(points(i)))
+            call text%add('L'//pair(points(i) + offset))
          end do
          call text%add('Z"/>')
       end subroutine outline
@@ -102,7 +126,7 @@ contains
          character(*), intent(in) :: class
          complex(wp), intent(in) :: from, to
 
-         call text%add('<path class="'//class//'" d="M'//pair(from)//'L'//pair(to)//'"/>')
+         call text%add('<path class="'//class//'" d="M'//pair(from + offset)//'L'//pair(to + offset)//'"/>')
       end subroutine line
 
       subroutine circle(class, centre, radius)
@@ -110,32 +134,80 @@ contains
          complex(wp), intent(in) :: centre
          real(wp), intent(in) :: radius
 
-         call text%add('<circle class="'//class//'" cx="'//short_number(real(centre, wp))//'" cy="'// &
-                       short_number(aimag(centre))//'" r="'//short_number(radius)//'"/>')
+         call text%add('<circle class="'//class//'" cx="'//short_number(real(centre + offset, wp))//'" cy="'// &
+                       short_number(aimag(centre + offset))//'" r="'//short_number(radius)//'"/>')
       end subroutine circle
 
-      !> One panel: a curve over the cam angle between its least and greatest value.
-      subroutine curve(number, name, values)
+      !> The panels of a cam, under those that are there.
+      subroutine curves(study, part, prefix, drawn)
+         type(cam_study_t), intent(in) :: study
+         type(cam_part_t), intent(in) :: part
+         character(*), intent(in) :: prefix
+         integer, intent(inout) :: drawn
+         real(wp) :: limits(2)
+         integer :: order
+
+         do order = 0, 3
+            call curve(drawn + order + 1, prefix//trim(names(order)), part%states%y(order, :), [real(wp) ::])
+         end do
+         limits = [-study%cam%pressure_angle, study%cam%pressure_angle]
+         associate (values => part%points%pressure)
+            call curve(drawn + 5, prefix//'pressure angle, degrees', values, pack(limits, limits > minval(values) - 5.0_wp .and. &
+                                                                                 limits < maxval(values) + 5.0_wp))
+         end associate
+         call curve(drawn + panels, prefix//'curvature of the profile', 1.0_wp/part%points%radius, [real(wp) ::])
+         drawn = drawn + panels
+      end subroutine curves
+
+      !> One panel: a curve over the cam angle between its least and greatest value, with limits.
+      subroutine curve(number, name, values, limits)
          integer, intent(in) :: number
          character(*), intent(in) :: name
-         real(wp), intent(in) :: values(:)
-         real(wp) :: low, high, span, top, x, y
+         real(wp), intent(in) :: values(:), limits(:)
+         real(wp) :: low, high, top, x
          integer :: i
 
-         low = minval(values)
-         high = maxval(values)
-         span = max(high - low, tiny(1.0_wp)*1.0e10_wp)
-         top = header + picture + real(number - 1, wp)*(panel + gap) + gap
+         low = min(minval(values), minval(limits))
+         high = max(maxval(values), maxval(limits))
+         if (.not. high > low) then
+            low = low - 1.0_wp
+            high = high + 1.0_wp
+         end if
+         top = header + shown + real(number - 1, wp)*(panel + gap) + gap
          call text%add('<path class="frame" d="M'//px(margin)//' '//px(top)//'H'//px(width - margin)//'V'//px(top + panel)//'H'// &
                        px(margin)//'Z"/>')
-         call text%add('<text x="'//px(margin)//'" y="'//px(top - 6.0_wp)//'">'//name//': '//px(low)//' to '//px(high)//'</text>')
-         call text%add('<path class="follower" d="')
-         do i = 1, size(values)
-            x = margin + (width - 2.0_wp*margin)*studies(1)%angle(i)/full_turn
-            y = top + panel*(high - values(i))/span
-            call text%add(merge('M', 'L', i == 1)//px(x)//' '//px(y))
+         if (low < 0.0_wp .and. high > 0.0_wp) call level('frame', height_of(0.0_wp, top, low, high))
+         do i = 1, size(limits)
+            call level('limit', height_of(limits(i), top, low, high))
+         end do
+         call text%add('<text x="'//px(margin)//'" y="'//px(top - 7.0_wp)//'">'//name//': '//px(minval(values))//' to '// &
+                       px(maxval(values))//'</text>')
+         call text%add('<path class="curve" d="')
+         do i = 1, size(values) + 1
+            x = margin + (width - 2.0_wp*margin)*real(i - 1, wp)/real(size(values), wp)
+            call text%add(merge('M', 'L', i == 1)//px(x)//' '// &
+                          px(height_of(values(modulo(i - 1, size(values)) + 1), top, low, high)))
          end do
          call text%add('"/>')
+         do i = 0, 4
+            x = margin + (width - 2.0_wp*margin)*0.25_wp*real(i, wp)
+            call text%add('<text class="tick" x="'//px(x)//'" y="'//px(top + panel + 12.0_wp)//'" text-anchor="middle">'// &
+                          px(0.25_wp*full_turn*real(i, wp))//'</text>')
+         end do
       end subroutine curve
+
+      !> A line across a panel.
+      subroutine level(class, y)
+         character(*), intent(in) :: class
+         real(wp), intent(in) :: y
+
+         call text%add('<path class="'//class//'" d="M'//px(margin)//' '//px(y)//'H'//px(width - margin)//'"/>')
+      end subroutine level
+
+      pure real(wp) function height_of(value, top, low, high)
+         real(wp), intent(in) :: value, top, low, high
+
+         height_of = top + panel*(high - value)/(high - low)
+      end function height_of
    end subroutine write_cam_svg
 end module psalm_cam_svg

@@ -1,0 +1,136 @@
+!> What pictures show of cams: their outlines, the linkage and the followers at even cam angles of one turn.
+module psalm_cam_scene
+   use psalm_cam_profile, only: cam_points_t
+   use psalm_cam_shape, only: cam_shape_t, measure
+   use psalm_cam_study, only: cam_study_t, role_cam
+   use psalm_cam_trace, only: cam_trace_t
+   use psalm_chain_scene, only: make_chain_scene
+   use psalm_data_set, only: data_set_t
+   use psalm_kinds, only: wp, full_turn
+   use psalm_preparation, only: prepared_t
+   use psalm_scene, only: scene_t, make_scene
+   use psalm_status, only: finding_t
+   implicit none (type, external)
+   private
+   public :: cam_scene_t, cam_part_t, make_cam_scene, frames
+
+   integer, parameter :: frames = 360            !! cam angles at which everything is shown
+   integer, parameter :: finer = 2               !! points of an outline from one to the next
+
+   !> One cam with its follower.
+   type :: cam_part_t
+      complex(wp), allocatable :: profile(:), pitch(:), cutter(:) !! shape (finer*frames): in axes of the cam
+      type(cam_trace_t) :: states                !! shape (frames)
+      type(cam_points_t) :: points
+      complex(wp), allocatable :: arm(:)         !! shape (frames): where the follower hangs on its link
+   end type cam_part_t
+
+   type :: cam_scene_t
+      real(wp), allocatable :: angle(:)          !! shape (frames): degrees
+      type(cam_part_t), allocatable :: parts(:)  !! as the studies
+      type(scene_t) :: linkage                   !! its prescribed positions are the frames
+      complex(wp) :: low = (0.0_wp, 0.0_wp), high = (0.0_wp, 0.0_wp) !! corners of what cams and linkage ever reach
+   end type cam_scene_t
+
+contains
+
+   !> The scene of a case that was studied.
+   subroutine make_cam_scene(set, prepared, studies, scene)
+      type(data_set_t), intent(in) :: set
+      type(prepared_t), intent(in) :: prepared
+      type(cam_study_t), intent(in) :: studies(:)
+      type(cam_scene_t), intent(out) :: scene
+      integer :: k, i
+
+      scene%angle = [(full_turn*real(i - 1, wp)/real(frames, wp), i=1, frames)]
+      allocate (scene%parts(size(studies)))
+      do k = 1, size(studies)
+         call make_part(studies(k), scene%angle, scene%parts(k))
+      end do
+      call make_linkage(set, prepared, studies, scene)
+      call choose_corners(studies, scene)
+   end subroutine make_cam_scene
+
+   subroutine make_part(study, angle, part)
+      type(cam_study_t), intent(in) :: study
+      real(wp), intent(in) :: angle(:)
+      type(cam_part_t), intent(out) :: part
+      type(cam_shape_t), allocatable :: shape    ! large: it would fill a small stack
+      type(cam_trace_t) :: states
+      type(cam_points_t) :: points
+      logical, allocatable :: possible(:)
+      real(wp) :: fine(finer*size(angle))
+      integer :: i
+
+      allocate (shape, source=study%shape)
+      fine = [(full_turn*real(i - 1, wp)/real(size(fine), wp), i=1, size(fine))]
+      call measure(shape, fine, shape%motion%law%piece_at(fine), states, points, possible)
+      part%profile = points%profile
+      part%pitch = points%pitch
+      part%cutter = points%cutter
+      call measure(shape, angle, shape%motion%law%piece_at(angle), part%states, part%points, possible)
+      part%arm = part%states%c(0, :) - study%cam%roller%distance*part%states%direction
+   end subroutine make_part
+
+   !> The linkage at the inputs that the cams give.
+   subroutine make_linkage(set, prepared, studies, scene)
+      type(data_set_t), intent(in) :: set
+      type(prepared_t), intent(in) :: prepared
+      type(cam_study_t), intent(in) :: studies(:)
+      type(cam_scene_t), intent(inout) :: scene
+      type(data_set_t), allocatable :: posed     ! large: it would fill a small stack
+      type(finding_t) :: none(0)
+      integer :: k
+
+      allocate (posed, source=set)
+      posed%ikin = 0
+      posed%ndes = frames
+      posed%desired = .false.
+      posed%masses%given = .false.
+      posed%loads%given = .false.
+      posed%springs%given = .false.
+      posed%friction%given = .false.
+      posed%constr%given = .false.
+      deallocate (posed%desx, posed%desy, posed%desang, posed%xmult, posed%ymult, posed%anmult)
+      allocate (posed%desx(frames), posed%desy(frames), posed%desang(frames), posed%xmult(frames), posed%ymult(frames), &
+                posed%anmult(frames), source=0.0_wp)
+      if (allocated(studies(1)%shape%motion%chain)) then
+         posed%crnki = posed%crnki_of_drawing
+         posed%delt = scene%parts(1)%states%q(0, :)
+         do k = 2, size(studies)
+            if (studies(k)%part%cam == 1 .or. studies(k)%part%role /= role_cam) cycle
+            posed%sketch%drives(2)%delt = scene%parts(k)%states%q(0, :)
+         end do
+         call make_chain_scene(posed, none, scene%linkage)
+      else
+         posed%delt = scene%parts(1)%states%q(0, :) - prepared%given%crnki
+         call make_scene(posed, prepared%mechanism, prepared%given, prepared%parameters, none, scene%linkage)
+      end if
+   end subroutine make_linkage
+
+   !> Room for cams that turn, rollers and linkage.
+   subroutine choose_corners(studies, scene)
+      type(cam_study_t), intent(in) :: studies(:)
+      type(cam_scene_t), intent(inout) :: scene
+      real(wp) :: low(2), high(2), reach
+      integer :: k
+
+      low = huge(1.0_wp)
+      high = -huge(1.0_wp)
+      do k = 1, size(studies)
+         associate (o => studies(k)%shape%axes%centre, c => scene%parts(k)%states%c(0, :), r => studies(k)%shape%roller)
+            reach = maxval(abs(scene%parts(k)%profile))
+            low = min(low, [o%re, o%im] - reach, [minval(c%re), minval(c%im)] - r)
+            high = max(high, [o%re, o%im] + reach, [maxval(c%re), maxval(c%im)] + r)
+         end associate
+      end do
+      associate (row => scene%linkage%prescribed)
+         if (scene%linkage%sound) then
+            low = min(low, [minval(row%x, row%known), minval(row%y, row%known)])
+            high = max(high, [maxval(row%x, row%known), maxval(row%y, row%known)])
+         end if
+      end associate
+      scene%low = cmplx(low(1), low(2), wp)
+      scene%high = cmplx(high(1), high(2), wp)
+   end subroutine choose_corners
+end module psalm_cam_scene
