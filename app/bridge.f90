@@ -1,9 +1,10 @@
 !> bridge: joints with clearance in planar linkages - following, loss of contact, flight, impact - from a namelist file.
 program bridge
-   use psalm_batch, only: outputs_t, common_options, prepare_dyads, run_files
+   use psalm_batch, only: outputs_t, common_options, ending_of_case, prepare_dyads, run_files
    use psalm_check_list, only: list_input
    use psalm_clearance_report, only: report_clearance
    use psalm_clearance_study, only: clearance_study_t, check_clearance, find_clearance
+   use psalm_clearance_svg, only: write_clearance_svg
    use psalm_console, only: arguments_t, begin
    use psalm_data_set, only: data_set_t
    use psalm_devices, only: devices_t, header_of
@@ -12,6 +13,7 @@ program bridge
    use psalm_preparation, only: demand_t, prepared_t
    use psalm_status, only: diagnostics_t
    use psalm_system, only: finish_program
+   use psalm_text, only: text_t
    implicit none (type, external)
    character(*), parameter :: nl = new_line('a')
    type(demand_t), parameter :: demand = demand_t(position=1000, arc=400)
@@ -21,12 +23,14 @@ program bridge
    logical, save :: finished
    integer, save :: code
 
-   outputs = outputs_t(suffix='.bridge', endings=['.dev8', '.dev9'], of_search=[character(5) ::])
+   outputs = outputs_t(suffix='.bridge', endings=['.dev8', '.dev9'], of_search=[character(5) ::], &
+                       of_case=['.svg '])
    call begin('bridge', &
       'usage: bridge [options] [CASE.nml ...]'//nl// &
       nl//'A revolute joint with clearance (&CLEAR): where its pin loses contact with its hole, its flight and impact.'//nl// &
       'Masses and loads come from &MASSES, &LOADS, &SPRING, the speed from &RATES.'//nl// &
-      nl//'The listing goes to standard output; CASE.bridge.dev8 (input) and CASE.bridge.dev9 (blocks) beside the case.'//nl// &
+      nl//'The listing goes to standard output; CASE.bridge.dev8 (input), CASE.bridge.dev9 (blocks) and CASE.bridge.svg'//nl// &
+      '(load, force of contact, lag; with NCRAD the standard charts) beside the case.'//nl// &
       nl//common_options// &
       nl//'Exit status: 0 done; 1 done, but contact is lost, or cannot be studied; 2 the input is wrong; 3 a file could'//nl// &
       'not be read or written.'//nl, &
@@ -59,13 +63,17 @@ contains
       logical, intent(inout) :: stopped
       type(problem_t), allocatable :: problem    ! large: it would fill a small stack
       type(clearance_study_t) :: study
+      type(text_t) :: picture
 
-      associate (unused => stopped, also_unused => number)
+      associate (unused => stopped)
       end associate
       allocate (problem)
       call make_problem(set, prepared%mechanism, prepared%given, prepared%parameters, problem)
       call list_input(header_of('BRIDGE', devices%mark), set, problem, devices%eight)
       call find_clearance(set, problem, prepared%mechanism, prepared%given, study)
       call report_clearance(set, prepared%mechanism, study, devices)
+      if (.not. study%done) return
+      call write_clearance_svg(set%title, study, picture)
+      call devices%add_drawing(trim(ending_of_case(number, '.svg')), picture%content())
    end subroutine run_case
 end program bridge

@@ -1,8 +1,11 @@
 !> The standard flypast of a joint with clearance: tables computed independently (theory after Haines, chapters 3 and 4), laws.
 program test_clearance
    use check, only: checks_t
-   use psalm_flypast, only: flypast_t, flight_t, loss_range_t, follow_flypast, fly, loss_ranges
-   use psalm_kinds, only: wp, radians_per_degree
+   use psalm_flypast, only: flypast_t, flight_t, follow_flypast, fly
+   use psalm_flypast_chart, only: chart_t, loss_range_t, loss_ranges, make_chart
+   use psalm_following, only: contact_t, contact_of, follow_contact, least_force_t
+   use psalm_kinds, only: wp, pi, radians_per_degree
+   use psalm_periodic, only: periodic_t, periodic_from_samples, periodic_constant
    implicit none (type, external)
    type(checks_t) :: t
 
@@ -11,6 +14,10 @@ program test_clearance
    call flights()
    call thresholds()
    call limits()
+   call near_rank_one()
+   call charts()
+   call round_inertia()
+   call through_zero()
    call t%report()
 
 contains
@@ -133,4 +140,130 @@ contains
       if (one%lost) call t%is_true(g%ok .and. g%duration < 1.0_wp .and. g%index < 0.05_wp, 'a grazing loss strikes softly')
       call t%is_true(two%lost, 'a small H1 loses contact')
    end subroutine limits
+
+   !> H3 -> 1: k grows beyond bounds while the index and the impulse stay finite.
+   subroutine near_rank_one()
+      real(wp), parameter :: h3(4) = [0.99_wp, 0.999_wp, 0.9999_wp, 0.99999_wp]
+      type(flypast_t) :: f
+      type(flight_t) :: g
+      real(wp) :: index(size(h3))
+      integer :: i
+
+      do i = 1, size(h3)
+         f = follow_flypast(0.2_wp, 90.0_wp*radians_per_degree, h3(i))
+         call t%is_true(f%ok .and. f%lost, 'H3 near 1: the contact is followed and lost')
+         g = fly(0.2_wp, 90.0_wp*radians_per_degree, h3(i), f%loss)
+         index(i) = g%index
+         call t%is_true(g%ok .and. g%across > 0.0_wp, 'H3 near 1: the pin strikes')
+      end do
+      call t%is_true(all(index > 0.0_wp .and. index < 1.0_wp), 'H3 near 1: the index stays finite')
+   end subroutine near_rank_one
+
+   !> The chart is what `loss_ranges` and single flypasts say, and the same for any number of threads.
+   subroutine charts()
+      type(chart_t) :: chart
+      type(loss_range_t), allocatable :: ranges(:)
+      type(flypast_t) :: f
+      integer :: i, j
+
+      call make_chart(6, 8, 1.5_wp, [0.5_wp, 0.75_wp], chart)
+      do i = 1, 8, 3
+         ranges = loss_ranges(chart%h2(i), 0.75_wp, 0.25_wp, 1.5_wp, 0.25_wp)
+         call t%equal_integer(size(chart%lines(i, 2)%ranges), size(ranges), 'chart: number of ranges on a line')
+         if (size(ranges) == size(chart%lines(i, 2)%ranges)) then
+            do j = 1, size(ranges)
+               call t%close_to(chart%lines(i, 2)%ranges(j)%to, ranges(j)%to, 0.0_wp, 'chart: borders')
+            end do
+         end if
+         f = follow_flypast(chart%h1(2), chart%h2(i), 0.5_wp)
+         call t%is_true((chart%lost(2, i, 1) > 0) .eqv. f%lost, 'chart: verdict of a point')
+      end do
+   end subroutine charts
+
+   !> Round inertia and a load that turns steadily: the pin goes with it.
+   subroutine round_inertia()
+      real(wp), parameter :: load = 3.0_wp, mass = 0.4_wp, speed = 20.0_wp, e = 1.0e-4_wp
+      integer, parameter :: inputs = 64
+      type(contact_t) :: contact
+      type(least_force_t), allocatable :: minima(:)
+      real(wp) :: lag(inputs), force(inputs), loss, turning
+      logical :: ok
+      integer :: i
+
+      ! the load turns once a turn of the crank: seen from it the pin hangs still, a steady force R* + M0 e w**2
+      contact = contact_of([turned(load, 0.0_wp), turned(load, -0.5_wp*pi)], &
+                           [periodic_constant(mass), periodic_constant(0.0_wp), periodic_constant(mass)], speed, e)
+      call follow_contact(contact, 0.3_wp, inputs, lag, force, minima, loss, ok)
+      call t%is_true(ok .and. loss < 0.0_wp, 'following: a load that turns steadily keeps contact')
+      turning = load + mass*e*speed**2
+      do i = 1, inputs
+         call t%close_to(lag(i), 0.0_wp, 1.0e-9_wp, 'following: no lag behind a load that turns steadily')
+         call t%close_to(force(i), turning, 1.0e-8_wp*turning, 'following: its force')
+      end do
+   end subroutine round_inertia
+
+   !> amount*cos(x + phase) as a periodic function.
+   function turned(amount, phase) result(f)
+      real(wp), intent(in) :: amount, phase
+      type(periodic_t) :: f
+      integer :: i
+
+      f = periodic_from_samples([(amount*cos(2.0_wp*pi*real(i, wp)/16.0_wp + phase), i=0, 15)])
+   end function turned
+
+   !> A load that passes through zero: the angle of the load is not defined there, the pin goes on. Along a line through the centre
+   !> the load R* = A sin x, eps = 0: M0 e w**2 g'' = -A sin x sin g (load along x), and the force is A sin x cos g + M0 e w**2 g'**2.
+   subroutine through_zero()
+      real(wp), parameter :: amount = 2.0_wp, mass = 0.3_wp, speed = 50.0_wp, e = 2.0e-4_wp
+      integer, parameter :: inputs = 32, steps = 20000
+      type(contact_t) :: contact
+      type(least_force_t), allocatable :: minima(:)
+      real(wp) :: lag(inputs), force(inputs), loss, x, h, y(2), k(2, 4), stiff
+      logical :: ok
+      integer :: i, j
+
+      contact = contact_of([turned(amount, -0.5_wp*pi), turned(0.05_wp, 0.0_wp)], [periodic_constant(mass), &
+                           periodic_constant(0.0_wp), periodic_constant(mass)], speed, e)
+      call follow_contact(contact, 0.5_wp*pi, inputs, lag, force, minima, loss, ok)
+      call t%is_true(ok, 'following: a load that nearly passes through zero is followed')
+      contact = contact_of([turned(amount, -0.5_wp*pi), turned(0.0_wp, 0.0_wp)], [periodic_constant(mass), &
+                           periodic_constant(0.0_wp), periodic_constant(mass)], speed, e)
+      call follow_contact(contact, 0.5_wp*pi, inputs, lag, force, minima, loss, ok)
+      call t%is_true(ok .and. loss > pi - 1.0e-6_wp .and. loss < pi + 1.0e-6_wp, &
+                     'following: along a line contact is lost where the load changes its sign')
+      call t%close_to(maxval(abs(force - [(amount*cos(2.0_wp*pi*real(i, wp)/real(inputs, wp)), i=0, inputs - 1)])), 0.0_wp, &
+                      1.0e-9_wp, 'following: there the force is the load itself')
+      call follow_contact(contact, 0.0_wp, inputs, lag, force, minima, loss, ok)
+      call t%is_true(.not. ok, 'following: no load where it begins is refused')
+      ! a load at right angles besides: against the classical method of Runge and Kutta for the equation above
+      contact = contact_of([turned(amount, -0.5_wp*pi), turned(0.4_wp, 0.0_wp)], [periodic_constant(mass), &
+                           periodic_constant(0.0_wp), periodic_constant(mass)], speed, e)
+      call follow_contact(contact, 0.5_wp*pi, inputs, lag, force, minima, loss, ok)
+      stiff = 1.0_wp/(mass*e*speed**2)
+      x = 0.5_wp*pi
+      y = [atan2(0.4_wp*cos(x), amount*sin(x)), (amount*sin(x)*(-0.4_wp*sin(x)) - 0.4_wp*cos(x)*amount*cos(x))/ &
+           ((amount*sin(x))**2 + (0.4_wp*cos(x))**2)]
+      h = 2.0_wp*pi/real(steps, wp)
+      do i = 0, inputs - 1
+         call t%close_to(force(i + 1), amount*sin(x)*cos(y(1)) + 0.4_wp*cos(x)*sin(y(1)) + y(2)**2/stiff, 1.0e-6_wp, &
+                         'following: force against the classical method')
+         do j = 1, steps/inputs
+            k(:, 1) = slope(x, y, amount, stiff)
+            k(:, 2) = slope(x + 0.5_wp*h, y + 0.5_wp*h*k(:, 1), amount, stiff)
+            k(:, 3) = slope(x + 0.5_wp*h, y + 0.5_wp*h*k(:, 2), amount, stiff)
+            k(:, 4) = slope(x + h, y + h*k(:, 3), amount, stiff)
+            y = y + h*(k(:, 1) + 2.0_wp*k(:, 2) + 2.0_wp*k(:, 3) + k(:, 4))/6.0_wp
+            x = x + h
+         end do
+      end do
+
+   end subroutine through_zero
+
+   !> (g, g')' of the pin with the load amount sin x along, 0.4 cos x across, round inertia.
+   pure function slope(x, y, amount, stiff) result(d)
+      real(wp), intent(in) :: x, y(2), amount, stiff
+      real(wp) :: d(2)
+
+      d = [y(2), stiff*(0.4_wp*cos(x)*cos(y(1)) - amount*sin(x)*sin(y(1)))]
+   end function slope
 end program test_clearance

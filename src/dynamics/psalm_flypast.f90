@@ -1,7 +1,7 @@
 !> A joint with clearance at a minimum of its load: the standard flypast of Haines, chapters 3 and 4.
 !>
 !> Near a minimum R_u of the load its component across, R_v, passes through zero at a steady rate R'_v. With T = R_v/R_u as time the
-!> pin, in contact with its hole at the angle atan T - a (a: the lag), obeys one equation with three parameters:
+!> angle g of the pin in contact with its hole obeys one equation with three parameters (the lag behind the load is atan T - g):
 !> H1 = R_u/(R'_v**2 e M0)**(1/3), H2 = 2 eta (the axis of the inertia felt at the joint) and H3 = eps, its difference along and
 !> across. Where the force of contact becomes negative the pin leaves its hole, flies freely, and strikes.
 module psalm_flypast
@@ -9,13 +9,13 @@ module psalm_flypast
    use psalm_ode, only: ode_t, one_step, advance, next_step
    implicit none (type, external)
    private
-   public :: flypast_t, flight_t, loss_range_t, follow_flypast, fly, loss_ranges, outermost_loss, most_minima
+   public :: flypast_t, flight_t, follow_flypast, fly, most_minima
 
    integer, parameter :: most_minima = 6            !! of the force: contact is judged by the passage and five after it
    real(wp), parameter :: first_time = -40.0_wp     !! T at which following begins: from -10 on figures still move
    real(wp), parameter :: last_time = 400.0_wp      !! T by which all minima have come, at most;
    real(wp), parameter :: settling = 40.0_wp        !! sooner where H1 is large: settling/H1 after T = 20
-   real(wp), parameter :: tolerance = 1.0e-9_wp     !! of a step, absolute in a and a'
+   real(wp), parameter :: tolerance = 1.0e-9_wp     !! of a step, absolute in g and g'
    real(wp), parameter :: shortest = 1.0e-9_wp      !! step, in T
    real(wp), parameter :: located = 1.0e-12_wp      !! events are located to this part of T
    integer, parameter :: most_steps = 400000
@@ -26,7 +26,7 @@ module psalm_flypast
       integer :: found = 0                          !! how many there are
       logical :: lost = .false.                     !! one of the first six is negative
       integer :: at = 0                             !! the first that is
-      real(wp) :: loss(3) = 0.0_wp                  !! T, a, a' where the force becomes zero for the first time
+      real(wp) :: loss(3) = 0.0_wp                  !! T, g, g' where the force becomes zero for the first time
       logical :: ok = .false.                       !! false: it could not be followed
    end type flypast_t
 
@@ -40,46 +40,56 @@ module psalm_flypast
       logical :: ok = .false.                       !! false: no impact follows
    end type flight_t
 
-   !> A range of H1 within which contact is lost.
-   type :: loss_range_t
-      real(wp) :: from = 0.0_wp, to = 0.0_wp
-      integer :: minimum = 0                        !! the minimum of the force that is lost at its upper end
-   end type loss_range_t
-
-   !> The equation of the lag a.
-   type, extends(ode_t) :: lag_t
-      real(wp) :: h1, h2, h3
+   !> The equation of the angle g.
+   type, extends(ode_t) :: contact_t
+      real(wp) :: cube = 0.0_wp                     !! H1**3
+      real(wp) :: h3 = 0.0_wp
+      real(wp) :: cosine = 1.0_wp, sine = 0.0_wp    !! of H2
    contains
       procedure :: rates
       procedure :: force
-   end type lag_t
+   end type contact_t
 
 contains
 
-   !> (a, a')' by T.
+   !> (g, g')' by T.
    pure function rates(self, time, y) result(d)
-      class(lag_t), intent(in) :: self
+      class(contact_t), intent(in) :: self
       real(wp), intent(in) :: time, y(2)
-      real(wp) :: d(2), q, p
+      real(wp) :: d(2), c, s, cos_p, sin_p
 
-      q = 1.0_wp + time*time
-      p = 2.0_wp*y(1) - 2.0_wp*atan(time) - self%h2
+      c = cos(y(1))
+      s = sin(y(1))
+      call turn_twice(self%cosine, self%sine, c, s, cos_p, sin_p)
       d(1) = y(2)
-      d(2) = -2.0_wp*time/q**2 + (self%h3*(y(2) - 1.0_wp/q)**2*sin(p) - self%h1**3*sqrt(q)*sin(y(1)))/(1.0_wp + self%h3*cos(p))
+      d(2) = (self%cube*(time*c - s) - self%h3*y(2)**2*sin_p)/(1.0_wp + self%h3*cos_p)
    end function rates
 
    !> Force of contact over R_u.
    pure real(wp) function force(self, time, y)
-      class(lag_t), intent(in) :: self
+      class(contact_t), intent(in) :: self
       real(wp), intent(in) :: time, y(2)
-      real(wp) :: d(2), q, p
+      real(wp) :: d(2), c, s, cos_p, sin_p
 
-      q = 1.0_wp + time*time
-      p = 2.0_wp*y(1) - 2.0_wp*atan(time) - self%h2
+      c = cos(y(1))
+      s = sin(y(1))
+      call turn_twice(self%cosine, self%sine, c, s, cos_p, sin_p)
       d = self%rates(time, y)
-      force = sqrt(q)*cos(y(1)) + ((y(2) - 1.0_wp/q)**2*(1.0_wp - self%h3*cos(p)) &
-                                   - self%h3*(2.0_wp*time/q**2 + d(2))*sin(p))/self%h1**3
+      force = c + time*s + ((1.0_wp - self%h3*cos_p)*y(2)**2 + self%h3*sin_p*d(2))/self%cube
    end function force
+
+   !> Cosine and sine of P = -2 g - H2, from those of g.
+   pure subroutine turn_twice(cosine, sine, c, s, cos_p, sin_p)
+      real(wp), intent(in) :: cosine, sine          !! of H2
+      real(wp), intent(in) :: c, s
+      real(wp), intent(out) :: cos_p, sin_p
+      real(wp) :: cos_twice, sin_twice
+
+      cos_twice = (c - s)*(c + s)
+      sin_twice = 2.0_wp*s*c
+      cos_p = cos_twice*cosine - sin_twice*sine
+      sin_p = -(sin_twice*cosine + cos_twice*sine)
+   end subroutine turn_twice
 
    !> Follow the contact from T = -40 through the minimum. Errors: `ok` false if H1 <= 0, H3 is not in [0, 1), or the equation
    !> cannot be followed.
@@ -89,33 +99,33 @@ contains
       real(wp), intent(in) :: h3                    !! 0 <= H3 < 1
       real(wp), intent(in), optional :: from        !! T at which to begin; -40 if not given
       type(flypast_t) :: flypast
-      type(lag_t) :: lag
-      real(wp) :: t, last, a(2), step, next(2), taken, forces(3), times(3), states(2, 3), least, gap, period
+      type(contact_t) :: contact
+      real(wp) :: t, last, g(2), step, next(2), taken, forces(3), times(3), states(2, 3), least, gap, period
       integer :: i
 
       if (.not. (h1 > 0.0_wp .and. h3 >= 0.0_wp .and. h3 < 1.0_wp)) return
-      lag = lag_t(h1, h2, h3)
+      contact = contact_t(h1**3, h3, cos(h2), sin(h2))
       last = min(last_time, 0.5_wp*settling + settling/h1)
       t = first_time
       if (present(from)) t = from
-      a = [quiet_lag(), 0.0_wp]
+      g = [atan(t) - quiet_lag(), 1.0_wp/(1.0_wp + t*t)]
       step = 0.01_wp/h1
       times = t
-      states = spread(a, 2, 3)
-      forces = lag%force(t, a)
+      states = spread(g, 2, 3)
+      forces = contact%force(t, g)
       do i = 1, most_steps
          ! a minimum must not hide within a step
          period = 2.0_wp*pi/sqrt(h1**3*sqrt(1.0_wp + t*t)/(1.0_wp - h3) + 1.0_wp)
          step = min(step, 0.05_wp*period)
-         call advance(lag, t, a, step, tolerance, shortest, next, taken, gap)
+         call advance(contact, t, g, step, tolerance, shortest, next, taken, gap)
          if (taken <= shortest) return
          if (flypast%loss(1) <= 0.0_wp .and. .not. any(abs(flypast%loss) > 0.0_wp)) then
-            if (lag%force(t + taken, next) < 0.0_wp) flypast%loss = loss_between(t, a, taken)
+            if (contact%force(t + taken, next) < 0.0_wp) flypast%loss = loss_between(t, g, taken)
          end if
          times = [times(2:), t + taken]
          states(:, :2) = states(:, 2:)
          states(:, 3) = next
-         forces = [forces(2:), lag%force(t + taken, next)]
+         forces = [forces(2:), contact%force(t + taken, next)]
          if (forces(2) < forces(1) .and. forces(2) <= forces(3)) then
             least = least_within(times(3) - times(1))
             flypast%found = flypast%found + 1
@@ -127,7 +137,7 @@ contains
             if (flypast%found == most_minima) exit
          end if
          t = t + taken
-         a = next
+         g = next
          step = next_step(taken, gap, tolerance)
          if (t > last) exit
       end do
@@ -138,15 +148,13 @@ contains
       !> Lag without swinging: a'' = 0 at a' = 0, the root near zero by damped Newton's method.
       pure real(wp) function quiet_lag() result(angle)
          real(wp), parameter :: longest = 0.2_wp, small = 1.0e-6_wp
-         real(wp) :: d(2), slope, move
+         real(wp) :: slope, move
          integer :: k
 
          angle = 0.0_wp
          do k = 1, 200
-            d = lag%rates(t, [angle, 0.0_wp])
-            move = d(2)
-            d = lag%rates(t, [angle + small, 0.0_wp])
-            slope = (d(2) - move)/small
+            move = acceleration(angle)
+            slope = (acceleration(angle + small) - move)/small
             if (abs(slope) <= tiny(slope)) return
             move = -move/slope
             move = sign(min(abs(move), longest), move)
@@ -155,7 +163,17 @@ contains
          end do
       end function quiet_lag
 
-      !> T, a, a' where the force passes zero within a step, by bisection.
+      !> a'' at a' = 0.
+      pure real(wp) function acceleration(angle)
+         real(wp), intent(in) :: angle
+         real(wp) :: d(2), q
+
+         q = 1.0_wp + t*t
+         d = contact%rates(t, [atan(t) - angle, 1.0_wp/q])
+         acceleration = -2.0_wp*t/q**2 - d(2)
+      end function acceleration
+
+      !> T, g, g' where the force passes zero within a step, by bisection.
       pure function loss_between(time, start, h) result(place)
          real(wp), intent(in) :: time, start(2), h
          real(wp) :: place(3), low, high, middle, state(2), unused
@@ -164,14 +182,14 @@ contains
          high = h
          do while (high - low > located*max(1.0_wp, abs(time)))
             middle = 0.5_wp*(low + high)
-            call one_step(lag, time, start, middle, state, unused)
-            if (lag%force(time + middle, state) < 0.0_wp) then
+            call one_step(contact, time, start, middle, state, unused)
+            if (contact%force(time + middle, state) < 0.0_wp) then
                high = middle
             else
                low = middle
             end if
          end do
-         call one_step(lag, time, start, low, state, unused)
+         call one_step(contact, time, start, low, state, unused)
          place = [time + low, state]
       end function loss_between
 
@@ -210,8 +228,8 @@ contains
          real(wp), intent(in) :: h
          real(wp) :: state(2), unused
 
-         call one_step(lag, times(1), states(:, 1), h, state, unused)
-         force_after = lag%force(times(1) + h, state)
+         call one_step(contact, times(1), states(:, 1), h, state, unused)
+         force_after = contact%force(times(1) + h, state)
       end function force_after
    end function follow_flypast
 
@@ -221,12 +239,12 @@ contains
    !> the sextic u**2 + v**2 = 1 a cubic is left, whose least positive root is the impact.
    pure function fly(h1, h2, h3, loss) result(flight)
       real(wp), intent(in) :: h1, h2, h3
-      real(wp), intent(in) :: loss(3)               !! T, a, a'
+      real(wp), intent(in) :: loss(3)               !! T, g, g'
       type(flight_t) :: flight
       real(wp) :: u(0:3), v(0:3), c(3:6), k, angle, turning, d, vu, vv
 
-      angle = atan(loss(1)) - loss(2)
-      turning = 1.0_wp/(1.0_wp + loss(1)**2) - loss(3)
+      angle = loss(2)
+      turning = loss(3)
       k = h1**3/(1.0_wp - h3**2)
       u = [cos(angle), -turning*sin(angle), 0.5_wp*k*(1.0_wp + h3*cos(h2) - loss(1)*h3*sin(h2)), -k*h3*sin(h2)/6.0_wp]
       v = [sin(angle), turning*cos(angle), 0.5_wp*k*(-h3*sin(h2) + loss(1)*(1.0_wp - h3*cos(h2))), &
@@ -297,89 +315,4 @@ contains
       end function root_between
    end function least_positive_root
 
-   !> The H1 beyond which contact is kept; 0 if it is kept at all of them. A lost region narrower than `scan` may be missed.
-   pure real(wp) function outermost_loss(h2, h3) result(outermost)
-      real(wp), intent(in) :: h2, h3
-      real(wp), parameter :: farthest = 2.0_wp, scan = 0.05_wp, exactly = 1.0e-5_wp
-      type(flypast_t) :: here
-      real(wp) :: low, high
-      integer :: i
-
-      outermost = 0.0_wp
-      do i = 0, nint(farthest/scan) - 1
-         low = farthest - scan*real(i, wp)
-         here = follow_flypast(low, h2, h3)
-         if (here%lost) exit
-      end do
-      if (.not. here%lost) return
-      high = low + scan
-      do while (high - low > exactly*high)
-         outermost = 0.5_wp*(low + high)
-         here = follow_flypast(outermost, h2, h3)
-         if (here%lost) then
-            low = outermost
-         else
-            high = outermost
-         end if
-      end do
-      outermost = 0.5_wp*(low + high)
-   end function outermost_loss
-
-   !> Ranges of H1 between two ends within which contact is lost, in ascending order: a radial line of the chart may cut the lost
-   !> region more than once. What is narrower than `step` may be missed.
-   pure function loss_ranges(h2, h3, least, greatest, step) result(ranges)
-      real(wp), intent(in) :: h2, h3
-      real(wp), intent(in) :: least, greatest       !! of H1
-      real(wp), intent(in) :: step                  !! at which H1 is looked at
-      type(loss_range_t), allocatable :: ranges(:)
-      type(flypast_t) :: here
-      real(wp) :: h1, before, from
-      logical :: lost, was
-      integer :: i, steps, minimum
-
-      allocate (ranges(0))
-      steps = ceiling((greatest - least)/step)
-      was = .false.
-      from = least
-      before = least
-      minimum = 0
-      do i = 0, steps
-         h1 = least + (greatest - least)*real(i, wp)/real(max(steps, 1), wp)
-         here = follow_flypast(h1, h2, h3)
-         lost = here%lost
-         if (lost .and. .not. was) then
-            from = least
-            if (i > 0) from = border(before, h1, .false.)
-         else if (was .and. .not. lost) then
-            ranges = [ranges, loss_range_t(from, border(before, h1, .true.), minimum)]
-         end if
-         if (lost) minimum = here%at
-         was = lost
-         before = h1
-      end do
-      if (was) ranges = [ranges, loss_range_t(from, greatest, minimum)]
-
-   contains
-
-      !> Where loss begins or ends.
-      pure real(wp) function border(a, b, lost_first)
-         real(wp), intent(in) :: a, b
-         logical, intent(in) :: lost_first
-         type(flypast_t) :: there
-         real(wp) :: low, high
-
-         low = a
-         high = b
-         do while (high - low > 1.0e-7_wp*high)
-            border = 0.5_wp*(low + high)
-            there = follow_flypast(border, h2, h3)
-            if (there%lost .eqv. lost_first) then
-               low = border
-            else
-               high = border
-            end if
-         end do
-         border = 0.5_wp*(low + high)
-      end function border
-   end function loss_ranges
 end module psalm_flypast

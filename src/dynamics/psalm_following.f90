@@ -1,7 +1,7 @@
 !> The pin in contact with its hole, followed through a turn of the crank: Haines, chapter 3 (the following mode).
 !>
-!> The pin stands at the angle g* - a in its hole, g* the angle of the load without clearance, a the lag. Time is the angle of the
-!> crank; the load is interpolated by its components, so that it may pass through zero.
+!> The pin stands at the angle g in its hole; the lag behind the load without clearance is a = g* - g. The equation is written for
+!> g and the components of the load, which may pass through zero. Time is the angle of the crank.
 module psalm_following
    use psalm_kinds, only: wp, pi
    use psalm_ode, only: ode_t, one_step, advance, next_step
@@ -13,12 +13,13 @@ module psalm_following
    integer, parameter :: places = 2048               !! of the interpolation in a turn
    real(wp), parameter :: tolerance = 1.0e-10_wp     !! of a step, radians
    real(wp), parameter :: shortest = 1.0e-12_wp      !! step, radians of the crank
+   real(wp), parameter :: nothing = 1.0e-9_wp        !! a load below this part of the greatest has no direction to begin with
 
-   !> The equation of the lag.
+   !> The equation of the angle g.
    type, extends(ode_t) :: contact_t
       real(wp) :: speed = 0.0_wp                     !! rad/s
       real(wp) :: clearance = 0.0_wp                 !! radial, m
-      real(wp), allocatable :: load(:, :, :)         !! shape (0:2, 2, 0:places): x and y of the load with two derivatives
+      real(wp), allocatable :: load(:, :, :)         !! shape (0:2, 2, 0:places): x and y of the load with two derivatives, N
       real(wp), allocatable :: tensor(:, :, :)       !! shape (0:1, 3, 0:places): M_uu, M_uv, M_vv with one
    contains
       procedure :: rates
@@ -62,53 +63,60 @@ contains
       contact%tensor(:, :, places) = contact%tensor(:, :, 0)
    end function contact_of
 
-   !> (a, a')' by the angle of the crank.
+   !> (g, g')' by the angle of the crank.
    pure function rates(self, time, y) result(d)
       class(contact_t), intent(in) :: self
       real(wp), intent(in) :: time, y(2)
-      real(wp) :: d(2), amount, turn(2), mass, eps, p
+      real(wp) :: d(2), load(0:2, 2), m(3), unit(2), along, across
 
-      call self%state_of(time, y(1), amount, turn, mass, eps, p)
+      call self%state_of(time, load, m)
+      unit = [cos(y(1)), sin(y(1))]
+      call felt(m, unit, along, across)
       d(1) = y(2)
-      d(2) = turn(2) + (eps*(y(2) - turn(1))**2*sin(p) - amount*sin(y(1))/(self%clearance*mass*self%speed**2))/(1.0_wp + eps*cos(p))
+      d(2) = ((load(0, 2)*unit(1) - load(0, 1)*unit(2))/(self%clearance*self%speed**2) - across*y(2)**2)/along
    end function rates
 
    !> Force of contact, N; below zero contact would be lost.
    pure real(wp) function force(self, time, y)
       class(contact_t), intent(in) :: self
       real(wp), intent(in) :: time, y(2)
-      real(wp) :: d(2), amount, turn(2), mass, eps, p
+      real(wp) :: d(2), load(0:2, 2), m(3), unit(2), along, across
 
-      call self%state_of(time, y(1), amount, turn, mass, eps, p)
+      call self%state_of(time, load, m)
+      unit = [cos(y(1)), sin(y(1))]
+      call felt(m, unit, along, across)
       d = self%rates(time, y)
-      force = amount*cos(y(1)) + self%clearance*mass*self%speed**2*((1.0_wp - eps*cos(p))*(turn(1) - y(2))**2 &
-                                                                    + eps*sin(p)*(turn(2) - d(2)))
+      force = load(0, 1)*unit(1) + load(0, 2)*unit(2) &
+              + self%clearance*self%speed**2*((m(1) + m(3) - along)*y(2)**2 + across*d(2))
    end function force
 
-   !> Amount of the load, first and second derivative of its angle, mean inertia, its difference and the angle P.
-   pure subroutine state_of(self, time, lag, amount, turn, mass, eps, p)
+   !> Inertia against motion along the wall of the hole, and its product with that across: M0 (1 + eps cos P), M0 eps sin P.
+   pure subroutine felt(m, unit, along, across)
+      real(wp), intent(in) :: m(3), unit(2)       !! tensor; direction of the pin in its hole
+      real(wp), intent(out) :: along, across
+
+      along = m(1)*unit(2)**2 - 2.0_wp*m(2)*unit(1)*unit(2) + m(3)*unit(1)**2
+      across = (m(1) - m(3))*unit(1)*unit(2) - m(2)*(unit(1)**2 - unit(2)**2)
+   end subroutine felt
+
+   !> Load with two derivatives by the angle of the crank, and tensor.
+   pure subroutine state_of(self, time, load, m)
       class(contact_t), intent(in) :: self
-      real(wp), intent(in) :: time, lag
-      real(wp), intent(out) :: amount, turn(2), mass, eps, p
-      real(wp) :: x(0:2), y(0:2), m(3), place, s, h, square
+      real(wp), intent(in) :: time
+      real(wp), intent(out) :: load(0:2, 2), m(3)
+      real(wp) :: place, s, h
       integer :: k, c
 
       h = 2.0_wp*pi/real(places, wp)
       place = modulo(time, 2.0_wp*pi)/h
       k = min(int(place), places - 1)
       s = place - real(k, wp)
-      x = quintic(self%load(:, 1, k), self%load(:, 1, k + 1), s, h)
-      y = quintic(self%load(:, 2, k), self%load(:, 2, k + 1), s, h)
+      do c = 1, 2
+         load(:, c) = quintic(self%load(:, c, k), self%load(:, c, k + 1), s, h)
+      end do
       do c = 1, 3
          m(c) = cubic(self%tensor(:, c, k), self%tensor(:, c, k + 1), s, h)
       end do
-      square = x(0)**2 + y(0)**2
-      amount = sqrt(square)
-      turn(1) = (x(0)*y(1) - y(0)*x(1))/square
-      turn(2) = (x(0)*y(2) - y(0)*x(2))/square - 2.0_wp*turn(1)*(x(0)*x(1) + y(0)*y(1))/square
-      mass = 0.5_wp*(m(1) + m(3))
-      eps = hypot(0.5_wp*(m(3) - m(1)), m(2))/mass
-      p = 2.0_wp*lag - 2.0_wp*atan2(y(0), x(0)) - atan2(2.0_wp*m(2), m(3) - m(1))
    end subroutine state_of
 
    !> Value and two derivatives of the polynomial through both ends with two derivatives each, at part s of the step h.
@@ -134,43 +142,44 @@ contains
       f = a(0) + s*(a(1)*h + s*(3.0_wp*rise - (2.0_wp*a(1) + b(1))*h + s*(-2.0_wp*rise + (a(1) + b(1))*h)))
    end function cubic
 
-   !> Follow a turn from a = a' = 0, force or no force. Errors: `ok` false if steps become too short, as where the load is zero.
+   !> Follow a turn from a = a' = 0, force or no force. Errors: `ok` false if the load is zero where it begins, or steps become too
+   !> short.
    subroutine follow_contact(contact, from, inputs, lag, force, minima, loss, ok)
       type(contact_t), intent(in) :: contact
       real(wp), intent(in) :: from                   !! where to begin, radians
       integer, intent(in) :: inputs                  !! places told, at equal steps from `from`
-      real(wp), intent(out) :: lag(:), force(:)      !! shape (inputs): radians, N
+      real(wp), intent(out) :: lag(:), force(:)      !! shape (inputs): radians, within half a turn; N
       type(least_force_t), allocatable, intent(out) :: minima(:) !! of the force, in their order
       real(wp), intent(out) :: loss                  !! radians: where the force becomes negative first; negative: nowhere
       logical, intent(out) :: ok
-      real(wp) :: t, target, y(2), next(2), wanted, taken, gap, forces(3), starts(2, 2), times(3)
+      real(wp) :: t, target, y(2), next(2), wanted, taken, gap, forces(3), before(2), times(3), load(0:2, 2), m(3)
       integer :: i
 
       allocate (minima(0))
       t = from
-      y = 0.0_wp
-      wanted = 1.0e-4_wp
+      call contact%state_of(t, load, m)
+      lag = 0.0_wp
+      force = 0.0_wp
       loss = -1.0_wp
+      ok = norm2(load(0, :)) > nothing*maxval(abs(contact%load(0, :, :)))
+      if (.not. ok) return
+      y = [atan2(load(0, 2), load(0, 1)), &
+           (load(0, 1)*load(1, 2) - load(0, 2)*load(1, 1))/(load(0, 1)**2 + load(0, 2)**2)]
+      wanted = 1.0e-4_wp
       forces = contact%force(t, y)
       times = t
-      starts = 0.0_wp
-      ok = .true.
+      before = y
       do i = 1, inputs
-         lag(i) = y(1)
+         lag(i) = lag_now()
          force(i) = contact%force(t, y)
          target = from + 2.0_wp*pi*real(i, wp)/real(inputs, wp)
          do while (t < target - shortest)
             wanted = min(wanted, 0.1_wp*swing(), target - t)
             call advance(contact, t, y, wanted, tolerance, shortest, next, taken, gap)
             ok = taken > shortest
-            if (.not. ok) then
-               lag(i:) = y(1)
-               force(i:) = 0.0_wp
-               return
-            end if
+            if (.not. ok) return
             if (loss < 0.0_wp .and. contact%force(t + taken, next) < 0.0_wp) loss = zero_between(t, y, taken)
-            starts(:, 1) = starts(:, 2)
-            starts(:, 2) = y
+            before = y
             times = [times(2:), t + taken]
             forces = [forces(2:), contact%force(t + taken, next)]
             if (forces(2) < forces(1) .and. forces(2) <= forces(3)) call note_minimum()
@@ -182,12 +191,25 @@ contains
 
    contains
 
-      !> A part of the period of the lag's swinging.
-      pure real(wp) function swing()
-         real(wp) :: amount, turn(2), mass, eps, p
+      !> Angle from the pin to the load.
+      pure real(wp) function lag_now() result(angle)
+         real(wp) :: load(0:2, 2), m(3), c, s
 
-         call contact%state_of(t, y(1), amount, turn, mass, eps, p)
-         swing = 2.0_wp*pi/sqrt(amount/(contact%clearance*mass*contact%speed**2*(1.0_wp - eps)) + turn(1)**2 + 1.0_wp)
+         call contact%state_of(t, load, m)
+         c = cos(y(1))
+         s = sin(y(1))
+         angle = 0.0_wp
+         if (any(abs(load(0, :)) > 0.0_wp)) &
+            angle = atan2(load(0, 2)*c - load(0, 1)*s, load(0, 1)*c + load(0, 2)*s)
+      end function lag_now
+
+      !> Period of the lag's swinging, or of the pin's turning, about.
+      pure real(wp) function swing()
+         real(wp) :: load(0:2, 2), m(3), least
+
+         call contact%state_of(t, load, m)
+         least = 0.5_wp*(m(1) + m(3) - hypot(m(3) - m(1), 2.0_wp*m(2)))
+         swing = 2.0_wp*pi/sqrt(norm2(load(0, :))/(contact%clearance*least*contact%speed**2) + y(2)**2 + 1.0_wp)
       end function swing
 
       pure real(wp) function zero_between(time, start, h) result(place)
@@ -208,21 +230,33 @@ contains
          place = time + low
       end function zero_between
 
-      !> Of the last three forces the middle one is the least: refine by the parabola through them.
+      !> Of the last three forces the middle one is the least: the place between them where the force has no slope.
       subroutine note_minimum()
-         real(wp) :: a, b, s, place, state(2), unused
+         real(wp), parameter :: part = 1.0e-3_wp       ! of the steps, for differences of fourth order
+         real(wp) :: low, high, middle, h
 
-         a = (forces(2) - forces(1))/(times(2) - times(1))
-         b = ((forces(3) - forces(2))/(times(3) - times(2)) - a)/(times(3) - times(1))
-         s = 0.5_wp*(times(1) + times(2)) - a/(2.0_wp*b)
-         if (.not. (s > times(1) .and. s < times(3))) s = times(2)
-         place = s
-         if (place < times(2)) then
-            call one_step(contact, times(1), starts(:, 1), place - times(1), state, unused)
-         else
-            call one_step(contact, times(2), starts(:, 2), place - times(2), state, unused)
-         end if
-         minima = [minima, least_force_t(place, contact%force(place, state))]
+         ! `before` is the state at the middle one
+         low = times(1) - times(2)
+         high = times(3) - times(2)
+         h = part*(high - low)
+         do while (high - low > shortest)
+            middle = 0.5_wp*(low + high)
+            if (8.0_wp*(force_beside(middle + h) - force_beside(middle - h)) &
+                < force_beside(middle + 2.0_wp*h) - force_beside(middle - 2.0_wp*h)) then
+               low = middle
+            else
+               high = middle
+            end if
+         end do
+         minima = [minima, least_force_t(times(2) + low, force_beside(low))]
       end subroutine note_minimum
+
+      pure real(wp) function force_beside(step)
+         real(wp), intent(in) :: step
+         real(wp) :: state(2), unused
+
+         call one_step(contact, times(2), before, step, state, unused)
+         force_beside = contact%force(times(2) + step, state)
+      end function force_beside
    end subroutine follow_contact
 end module psalm_following

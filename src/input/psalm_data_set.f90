@@ -304,7 +304,7 @@ contains
       call read_estimate_group(groups(estim), set%ilink, set%estimates, findings)
       call read_drive_group(groups(drivel), set%drive, findings)
       call read_hill_group(groups(hill), set%hill, findings)
-      call read_clearance_group(groups(clear), set%ilink, set%clearance, findings)
+      call read_clearance_group(groups(clear), set%ilink, set%sketch, set%clearance, findings)
       call read_balance_group(groups(balanc), set%ilink, set%sketch, set%balance, findings)
       call read_spring_design_group(groups(sprngs), set%ilink, set%sketch, set%spring_design, findings)
       call read_cam_group(groups(cam), set%ilink, set%sketch, set%cam, findings)

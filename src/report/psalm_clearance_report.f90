@@ -27,6 +27,7 @@ contains
       call list_minima(mechanism, study, devices%six)
       call list_following(study, devices%six)
       call list_speeds(study, devices%six)
+      call list_charts(study, devices%six)
       call plot(study, devices%nine)
       do k = 1, size(study%minima)
          if (study%minima(k)%verdict == verdict_kept) cycle
@@ -36,7 +37,8 @@ contains
       end do
       if (.not. study%followed) then
          call devices%note_violation()
-         call devices%remark(set, 'the contact could not be followed through the turn: the load passes through zero')
+         call devices%remark(set, 'the contact could not be followed through the turn: the load is zero where it '// &
+                             'begins; give CBEGIN')
       end if
    end subroutine report_clearance
 
@@ -134,7 +136,7 @@ contains
 
       call text%add()
       if (.not. study%followed) then
-         call text%add(' THE CONTACT COULD NOT BE FOLLOWED: THE LOAD PASSES THROUGH ZERO')
+         call text%add(' THE CONTACT COULD NOT BE FOLLOWED: THE LOAD IS ZERO WHERE IT BEGINS')
          return
       end if
       call text%add(' CONTACT FOLLOWED THROUGH A TURN FROM'//general(study%input(1))//': LEAST FORCE'// &
@@ -164,7 +166,32 @@ contains
       if (study%critical_speed > 0.0_wp) call text%add(' CONTACT IS KEPT UP TO THE SPEED'//general(study%critical_speed))
    end subroutine list_speeds
 
-   !> Device 9: blocks minima, following, flight.
+   !> The standard charts: on how many radial lines contact is lost, is lost in several ranges, and how far out.
+   subroutine list_charts(study, text)
+      type(clearance_study_t), intent(in) :: study
+      type(text_t), intent(inout) :: text
+      integer, allocatable :: counted(:)
+      integer :: k, i
+      real(wp) :: farthest
+
+      if (.not. allocated(study%chart%h3)) return
+      call text%add()
+      call text%add(' CHARTS: H3, RADIAL LINES, THOSE ON WHICH CONTACT IS LOST, IN SEVERAL RANGES OF H1, LARGEST H1 OF A LOSS')
+      allocate (counted(size(study%chart%h2)))
+      do k = 1, size(study%chart%h3)
+         farthest = 0.0_wp
+         do i = 1, size(study%chart%h2)
+            associate (ranges => study%chart%lines(i, k)%ranges)
+               counted(i) = size(ranges)
+               if (size(ranges) > 0) farthest = max(farthest, ranges(size(ranges))%to)
+            end associate
+         end do
+         call text%add(general(study%chart%h3(k))//'   '//to_text(size(counted))//'   '//to_text(count(counted > 0))//'   '// &
+                       to_text(count(counted > 1))//general(farthest))
+      end do
+   end subroutine list_charts
+
+   !> Device 9: blocks minima, following, flight, cycle, and of charts threshold and chart.
    subroutine plot(study, text)
       type(clearance_study_t), intent(in) :: study
       type(text_t), intent(inout) :: text
@@ -192,6 +219,11 @@ contains
                                m%impulse]))
          end associate
       end do
+      call begin_block('cycle', 'input fx fy m_uu m_uv m_vv')
+      do k = 1, size(study%cycle%input)
+         call text%add(row([study%cycle%input(k), study%cycle%force(:, k), study%load%tensor(:, k)]))
+      end do
+      if (allocated(study%chart%h3)) call plot_chart()
 
    contains
 
@@ -203,6 +235,32 @@ contains
          call text%add('# block '//name)
          call text%add('# '//names)
       end subroutine begin_block
+
+      subroutine plot_chart()
+         integer :: i, j, n
+
+         associate (chart => study%chart)
+            call begin_block('threshold', 'h3 h2 from to minimum')
+            do n = 1, size(chart%h3)
+               do i = 1, size(chart%h2)
+                  do j = 1, size(chart%lines(i, n)%ranges)
+                     associate (r => chart%lines(i, n)%ranges(j))
+                        call text%add(row([chart%h3(n), chart%h2(i)*degrees_per_radian, r%from, r%to])//' '//to_text(r%minimum))
+                     end associate
+                  end do
+               end do
+            end do
+            call begin_block('chart', 'h3 h2 h1 minimum index')
+            do n = 1, size(chart%h3)
+               do i = 1, size(chart%h2)
+                  do j = 1, size(chart%h1)
+                     call text%add(row([chart%h3(n), chart%h2(i)*degrees_per_radian, chart%h1(j)])//' '// &
+                                   to_text(chart%lost(j, i, n))//' '//full_precision(chart%index(j, i, n)))
+                  end do
+               end do
+            end do
+         end associate
+      end subroutine plot_chart
    end subroutine plot
 
    pure function row(values) result(line)

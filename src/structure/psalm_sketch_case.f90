@@ -328,6 +328,7 @@ contains
          call put(set%spring_design%second(k))
       end do
       if (set%spring_design%of_joint) call put_joint(set%spring_design%joint)
+      if (set%clearance%given) call put_joint(set%clearance%joint)
       do k = 1, size(set%friction%joints)
          call put_joint(set%friction%joints(k))
       end do

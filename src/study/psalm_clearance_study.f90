@@ -5,18 +5,19 @@ module psalm_clearance_study
    use psalm_data_set, only: data_set_t
    use psalm_dimensions, only: dimensions_t
    use psalm_error, only: problem_t
-   use psalm_flypast, only: flypast_t, flight_t, follow_flypast, fly, outermost_loss
+   use psalm_flypast, only: flypast_t, flight_t, follow_flypast, fly
+   use psalm_flypast_chart, only: chart_t, make_chart, outermost_loss
    use psalm_following, only: contact_t, contact_of, follow_contact, least_force_t
    use psalm_force_model, only: force_model_t, make_force_model, joint_at
    use psalm_joint_load, only: joint_load_t, find_joint_load
-   use psalm_kinds, only: wp, pi, degrees_per_radian, radians_per_degree
+   use psalm_kinds, only: wp, pi, full_turn, degrees_per_radian, radians_per_degree
    use psalm_mechanism, only: mechanism_t, joint_prismatic
    use psalm_periodic, only: periodic_t, periodic_from_samples
    use psalm_preparation, only: prepared_t
    use psalm_status, only: diagnostics_t
    implicit none (type, external)
    private
-   public :: clearance_study_t, flypast_of_joint_t, clearance_row_t, check_clearance, find_clearance
+   public :: clearance_study_t, flypast_of_joint_t, clearance_row_t, load_cycle_t, check_clearance, find_clearance
    public :: verdict_kept, verdict_lost, verdict_zero
 
    integer, parameter :: verdict_kept = 1, verdict_lost = 2
@@ -50,11 +51,20 @@ module psalm_clearance_study
       integer :: lost = 0                            !! minima at which contact is lost
    end type clearance_row_t
 
+   !> The load without clearance over the turn.
+   type :: load_cycle_t
+      real(wp), allocatable :: input(:)              !! degrees from the reference position
+      real(wp), allocatable :: force(:, :)           !! shape (2, positions): x and y, N
+      real(wp), allocatable :: amount(:)             !! N
+   end type load_cycle_t
+
    type :: clearance_study_t
       type(joint_load_t) :: load
       integer :: joint = 0
       real(wp) :: diametral = 0.0_wp                 !! m
+      logical :: done = .false.                      !! false: something hinders, and there is nothing else
       logical :: massless = .false.                  !! nothing moves with the pin somewhere
+      type(load_cycle_t) :: cycle
       logical :: rank_one = .false.                  !! or only along one line
       type(flypast_of_joint_t), allocatable :: minima(:)
       real(wp), allocatable :: input(:), lag(:), force(:) !! following: degrees, degrees, N
@@ -64,6 +74,7 @@ module psalm_clearance_study
       type(clearance_row_t), allocatable :: speeds(:)
       real(wp) :: critical_speed = 0.0_wp            !! rad/s, below which contact is kept; 0: none within the range
       real(wp) :: critical_clearance = 0.0_wp        !! diametral, m, least of the minima; 0: none
+      type(chart_t) :: chart                         !! if it is asked for
    end type clearance_study_t
 
 contains
@@ -108,7 +119,11 @@ contains
       subroutine refuse(text)
          character(*), intent(in) :: text
 
-         call findings%error(text, line=set%origins%line('CLEAR', 'CLINK', 1), group='CLEAR', item='CLINK')
+         character(:), allocatable :: item
+
+         item = 'CLINK'
+         if (set%sketch%given) item = 'CNAME'
+         call findings%error(text, line=set%origins%line('CLEAR', item, 1), group='CLEAR', item=item)
       end subroutine refuse
    end subroutine check_clearance
 
@@ -140,9 +155,11 @@ contains
          end do
       end associate
       if (study%rank_one) return
+      study%done = .true.
       do c = 1, 3
          tensor(c) = periodic_from_samples(study%load%tensor(c, :))
       end do
+      call find_cycle(study, abs(set%speed))
       call find_minima(study, tensor, abs(set%speed), set%clearance%restitution, .true., study%minima)
       do i = 1, size(study%minima)
          associate (limit => study%minima(i)%clearance)
@@ -152,7 +169,21 @@ contains
       end do
       call follow(set, tensor, study)
       call find_speeds(set, tensor, study)
+      associate (c => set%clearance)
+         if (c%radii > 0) call make_chart(c%radii, c%angles, c%greatest_h1, c%h3, study%chart)
+      end associate
    end subroutine find_clearance
+
+   subroutine find_cycle(study, speed)
+      type(clearance_study_t), intent(inout) :: study
+      real(wp), intent(in) :: speed
+      integer :: i, n
+
+      n = size(study%load%inertia, 2)
+      study%cycle%input = [(study%load%sense*full_turn*real(i - 1, wp)/real(n, wp), i=1, n)]
+      study%cycle%force = speed**2*study%load%inertia + study%load%fixed
+      study%cycle%amount = norm2(study%cycle%force, dim=1)
+   end subroutine find_cycle
 
    !> The load at a speed, N.
    pure function load_at(study, speed) result(load)
@@ -270,7 +301,7 @@ contains
       deallocate (study%input, study%lag, study%force)
       allocate (study%input(n), study%lag(n), study%force(n))
       call follow_contact(contact, from, n, study%lag, study%force, study%least, loss, study%followed)
-      study%input = [(study%load%sense*(from*degrees_per_radian + 360.0_wp*real(i - 1, wp)/real(n, wp)), i=1, n)]
+      study%input = [(study%load%sense*(from*degrees_per_radian + full_turn*real(i - 1, wp)/real(n, wp)), i=1, n)]
       study%lag = study%lag*degrees_per_radian
       study%loses = loss >= 0.0_wp
       study%loss = study%load%sense*loss*degrees_per_radian

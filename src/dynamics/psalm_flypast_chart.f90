@@ -1,0 +1,144 @@
+!> The standard charts of a joint with clearance (Haines, chapters 3 and 4): over H1 (the radius) and H2 (the angle), for each H3,
+!> where contact is lost, at which minimum of the force, and the index of the impulse of the first impact.
+module psalm_flypast_chart
+   use psalm_flypast, only: flypast_t, flight_t, follow_flypast, fly
+   use psalm_kinds, only: wp, pi
+   implicit none (type, external)
+   private
+   public :: chart_t, loss_range_t, make_chart, loss_ranges, outermost_loss
+
+   real(wp), parameter :: farthest = 2.0_wp     !! H1 up to which `outermost_loss` looks
+   real(wp), parameter :: scan = 0.05_wp        !! its steps
+   real(wp), parameter :: exactly = 1.0e-5_wp   !! its borders, relative
+
+   !> A range of H1 within which contact is lost.
+   type :: loss_range_t
+      real(wp) :: from = 0.0_wp, to = 0.0_wp
+      integer :: minimum = 0                    !! the minimum of the force that is lost at its upper end
+   end type loss_range_t
+
+   !> The ranges on one radial line.
+   type :: line_t
+      type(loss_range_t), allocatable :: ranges(:)
+   end type line_t
+
+   type :: chart_t
+      real(wp), allocatable :: h1(:), h2(:), h3(:)  !! h2 in radians, from -pi at equal steps
+      integer, allocatable :: lost(:, :, :)         !! shape (h1, h2, h3): the minimum at which contact is lost; 0: it is kept
+      real(wp), allocatable :: index(:, :, :)       !! of the impulse; 0 where contact is kept
+      type(line_t), allocatable :: lines(:, :)      !! shape (h2, h3)
+   end type chart_t
+
+contains
+
+   !> A chart at equal steps of H1 and H2. It is the same for any number of threads: every line is made by itself.
+   subroutine make_chart(radii, angles, greatest, h3, chart)
+      integer, intent(in) :: radii, angles
+      real(wp), intent(in) :: greatest          !! H1
+      real(wp), intent(in) :: h3(:)             !! each from 0 to below 1
+      type(chart_t), intent(out) :: chart
+      integer :: i, k
+
+      chart%h1 = [(greatest*real(i, wp)/real(radii, wp), i=1, radii)]
+      chart%h2 = [(-pi + 2.0_wp*pi*real(i - 1, wp)/real(angles, wp), i=1, angles)]
+      chart%h3 = h3
+      allocate (chart%lost(radii, angles, size(h3)), chart%index(radii, angles, size(h3)), chart%lines(angles, size(h3)))
+      !$omp parallel do collapse(2) schedule(dynamic)
+      do k = 1, size(h3)
+         do i = 1, angles
+            call scan_line(chart%h2(i), chart%h3(k), chart%h1, chart%lost(:, i, k), chart%index(:, i, k), &
+                           chart%lines(i, k)%ranges)
+         end do
+      end do
+      !$omp end parallel do
+   end subroutine make_chart
+
+   !> One radial line: what becomes of contact at each H1, and the ranges within which it is lost, in ascending order: a line may cut
+   !> the lost region more than once. What is narrower than the steps may be missed.
+   pure subroutine scan_line(h2, h3, h1, lost, index, ranges)
+      real(wp), intent(in) :: h2, h3
+      real(wp), intent(in) :: h1(:)             !! ascending
+      integer, intent(out) :: lost(:)           !! the minimum at which contact is lost; 0: it is kept
+      real(wp), intent(out) :: index(:)         !! of the impulse
+      type(loss_range_t), allocatable, intent(out) :: ranges(:)
+      type(flypast_t) :: here
+      type(flight_t) :: flight
+      real(wp) :: from
+      integer :: i
+
+      allocate (ranges(0))
+      from = 0.0_wp
+      lost = 0
+      index = 0.0_wp
+      do i = 1, size(h1)
+         here = follow_flypast(h1(i), h2, h3)
+         if (here%lost) then
+            lost(i) = here%at
+            flight = fly(h1(i), h2, h3, here%loss)
+            if (flight%ok) index(i) = flight%index
+         end if
+         if (i == 1) then
+            from = h1(1)
+         else if (lost(i) > 0 .and. lost(i - 1) == 0) then
+            from = border(h2, h3, h1(i), h1(i - 1))
+         else if (lost(i) == 0 .and. lost(i - 1) > 0) then
+            ranges = [ranges, loss_range_t(from, border(h2, h3, h1(i - 1), h1(i)), lost(i - 1))]
+         end if
+      end do
+      if (lost(size(h1)) > 0) ranges = [ranges, loss_range_t(from, h1(size(h1)), lost(size(h1)))]
+   end subroutine scan_line
+
+   !> The H1 between one at which contact is lost and one at which it is kept where that changes, by bisection.
+   pure real(wp) function border(h2, h3, losing, keeping)
+      real(wp), intent(in) :: h2, h3, losing, keeping
+      type(flypast_t) :: here
+      real(wp) :: lost, kept
+
+      lost = losing
+      kept = keeping
+      do while (abs(kept - lost) > exactly*max(kept, lost))
+         border = 0.5_wp*(lost + kept)
+         here = follow_flypast(border, h2, h3)
+         if (here%lost) then
+            lost = border
+         else
+            kept = border
+         end if
+      end do
+      border = 0.5_wp*(lost + kept)
+   end function border
+
+   !> The H1 beyond which contact is kept, up to 2; 0 if it is kept at all of them. A lost region narrower than a step of 0.05 may be
+   !> missed.
+   pure real(wp) function outermost_loss(h2, h3) result(outermost)
+      real(wp), intent(in) :: h2, h3
+      type(flypast_t) :: here
+      real(wp) :: low
+      integer :: i
+
+      outermost = 0.0_wp
+      do i = 0, nint(farthest/scan) - 1
+         low = farthest - scan*real(i, wp)
+         here = follow_flypast(low, h2, h3)
+         if (.not. here%lost) cycle
+         outermost = border(h2, h3, low, low + scan)
+         return
+      end do
+   end function outermost_loss
+
+   !> Ranges of H1 between two ends within which contact is lost, in ascending order.
+   pure function loss_ranges(h2, h3, least, greatest, step) result(ranges)
+      real(wp), intent(in) :: h2, h3
+      real(wp), intent(in) :: least, greatest   !! of H1
+      real(wp), intent(in) :: step              !! at which H1 is looked at
+      type(loss_range_t), allocatable :: ranges(:)
+      real(wp), allocatable :: h1(:), index(:)
+      integer, allocatable :: lost(:)
+      integer :: i, steps
+
+      steps = max(1, ceiling((greatest - least)/step))
+      h1 = [(least + (greatest - least)*real(i, wp)/real(steps, wp), i=0, steps)]
+      allocate (index(size(h1)), lost(size(h1)))
+      call scan_line(h2, h3, h1, lost, index, ranges)
+   end function loss_ranges
+end module psalm_flypast_chart
