@@ -9,11 +9,16 @@ import subprocess
 import sys
 import tempfile
 
+import xml.etree.ElementTree as ElementTree
+
 import numpy
 from scipy.integrate import solve_ivp
 from scipy.optimize import minimize_scalar
 
 TOP = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
+sys.path.insert(0, os.path.join(TOP, "bench"))
+import clearance_model as model
+
 BIN = os.path.abspath(sys.argv[1])
 passed = failed = 0
 
@@ -27,12 +32,13 @@ def check(right, law, got=""):
         print("FAILED: %s%s" % (law, "; got %s" % got if isinstance(got, numpy.ndarray) or got != "" else ""))
 
 
-def run(text, place):
+def run(text, place, threads=None):
     """Exit status, listing, standard error, blocks of device 9, their columns."""
     name = os.path.join(place, "case.nml")
     with open(name, "w", encoding="utf-8") as out:
         out.write(text)
-    done = subprocess.run([os.path.join(BIN, "bridge"), "case.nml"], cwd=place, capture_output=True, text=True, timeout=300)
+    done = subprocess.run([os.path.join(BIN, "bridge"), "case.nml"], cwd=place, capture_output=True, text=True, timeout=300,
+                          env=dict(os.environ, OMP_NUM_THREADS=threads) if threads else None)
     blocks, columns, last = {}, {}, None
     device = os.path.join(place, "case.bridge.dev9")
     if os.path.exists(device):
@@ -194,6 +200,70 @@ def following(place):
     check(all(1.6 < r < 1.9 for r in ratios), "the error falls with the clearance", ratios)
 
 
+def inertia(place):
+    """Load and inertia of joints of other linkages, named in sketches, against the motions of all links: kinetic energy of differences
+    of fourth order, forces from one linear system. The crank's pivot is a joint like others."""
+    for make, joint, link in ((model.haines, "B", "rocker"), (model.slider_crank, "C", "piston"), (model.slider_crank, "B", "rod"),
+                              (model.slider_crank, "A", "crank"), (model.shaper, "B", "block"), (model.shaper, "P", "rod"),
+                              (model.shaper, "D", "lever"), (model.needle, "H", "b8"), (model.needle, "D", "b3")):
+        linkage = make()
+        code, _, error, blocks, columns = run(linkage.text(
+            " &RATES SPEED=20.0 &END\n &CLEAR CNAME='%s %s', CDIAM=0.0001, NCPNT=128 &END\n" % (joint, link)), place)
+        law = "%s, joint %s: " % (linkage.title.lower(), joint)
+        check(code < 2 and columns.get("cycle") == "input fx fy m_uu m_uv m_vv" and len(blocks["cycle"]) == 128, law + "studied", error)
+        exact, worst = model.Exact(linkage, joint, link, 20.0), numpy.zeros(2)
+        for row in blocks.get("cycle", [])[5::47]:
+            force, tensor = exact.nominal(numpy.radians(row[0])), exact.tensor(numpy.radians(row[0]), 1e-5)
+            worst = numpy.maximum(worst, [numpy.abs(row[1:3] - force).max()/numpy.hypot(*force),
+                                          numpy.abs(numpy.array(row[3:]) - tensor).max()/(tensor[0] + tensor[2])])
+        check(worst[0] < 1e-11, law + "load", worst[0])
+        check(worst[1] < 1e-9, law + "inertia against differences of the kinetic energy", worst[1])
+
+
+def charts(place):
+    """The same for any number of threads; the picture shows what the blocks say."""
+    text = data(FOUR_BAR, ("NCSPED=12", "NCRAD=8, NCANG=8, CHMAX=1.6, CEPS=0.0,0.75"))
+    one, three = run(text, place, "1"), run(text, place, "3")
+    for block in ("threshold", "chart"):
+        check(one[3].get(block) == three[3].get(block) and len(one[3].get(block, [])) > 0, "charts: the same bits on three threads: " + block)
+    rows = numpy.array(one[3]["chart"])
+    check(len(rows) == 2*8*8 and set(rows[:, 0]) == {0.0, 0.75}, "charts: every point", len(rows))
+    round_ones = rows[rows[:, 0] == 0.0].reshape(8, 8, 5)
+    check(all((round_ones[0, :, 3:] - r[:, 3:] == 0).all() or numpy.abs(round_ones[0, :, 3:] - r[:, 3:]).max() < 1e-8 for r in round_ones),
+          "charts: round inertia has no direction")
+    limits = [r for r in one[3]["threshold"] if r[0] == 0.0]
+    check(len(limits) == 8 and all(abs(r[3] - 0.31867) < 1e-5 for r in limits), "charts: threshold of round inertia", limits)
+    for h3, h2, low, high, _ in one[3]["threshold"]:
+        inside = rows[(rows[:, 0] == h3) & (numpy.abs(rows[:, 1] - h2) < 1e-9) & (rows[:, 2] >= low) & (rows[:, 2] <= high)]
+        check((inside[:, 3] > 0).all(), "charts: within a range contact is lost", (h3, h2, low, high))
+    root = ElementTree.parse(os.path.join(place, "case.bridge.svg")).getroot()
+    svg = "{http://www.w3.org/2000/svg}"
+    losses = [g for g in root.iter(svg + "g") if g.get("data-chart") == "losses"]
+    check([float(g.get("data-h3")) for g in losses] == [0.0, 0.75], "picture: a chart for each H3")
+    check(all(len(list(g)) >= len([r for r in one[3]["threshold"] if r[0] == float(g.get("data-h3"))]) for g in losses),
+          "picture: every range is drawn")
+    marks = [e for e in root.iter(svg + "circle") if e.get("data-input")]
+    check([float(e.get("data-input")) for e in marks] == [float("%.9g" % r[0]) for r in one[3]["minima"] if r[8] == 0],
+          "picture: minima that lose contact are marked")
+
+
+def hard_cases(place):
+    """A load through zero, links without mass."""
+    # the rocker alone has mass, and a weight that the load passes through zero with
+    text = model.slider_crank().text(" &RATES SPEED=20.0 &END\n &CLEAR CNAME='C piston', CDIAM=0.0001, CBEGIN=%s &END\n")
+    code, listing, error, blocks, _ = run(text % "0.0", place)
+    check(code == 1 and len(blocks.get("following", [])) == 512, "a load that reverses is followed", error)
+    # without the piston's own mass its pin moves nothing along the cylinder: the inertia is that of the rod across and along
+    light = model.slider_crank()
+    light.masses = {"crank": light.masses["crank"], "piston": light.masses["piston"]}
+    code, listing, error, _, _ = run(light.text(" &RATES SPEED=20.0 &END\n &CLEAR CNAME='C piston', CDIAM=0.0001 &END\n"), place)
+    check(code == 1 and "almost of one direction only" in error, "a rod without mass", error)
+    code, listing, error, _, _ = run(data(FOUR_BAR, ("MASS=0.33235,0.47445", "MASS=2*0.0"), ("MINERT=0.001278,0.00405", "MINERT=2*0.0")), place)
+    check(code == 1 and "links without mass" in error, "no mass at all", error)
+    code, _, error, _, _ = run(model.haines().text(" &RATES SPEED=20.0 &END\n &CLEAR CNAME='X', CDIAM=0.0001 &END\n"), place)
+    check(code == 2 and "no joint or slide is called 'X'" in error, "a joint that is not there", error)
+
+
 def slider_crank(place):
     """At the gudgeon pin: the rod turns about the crank pin, the slider goes along its axis."""
     text = data("dyad4_slider_crank.nml") + (
@@ -225,7 +295,8 @@ def bad_input(place):
               ("MINERT=0.001278", "MINERT=0.0")], 1, "almost of one direction only"),
             ([("0.05,0.20,0.275,0.25", "0.26,0.20,0.275,0.25")], 1, "cannot make a full turn"),
             ([("CSPLOW=5.0", "CSPLOW=0.0")], 2, "speeds must be above 0"),
-            ([("CDIAM", "CDIAN")], 2, "did you mean CDIAM?")):
+            ([("CDIAM", "CDIAN")], 2, "did you mean CDIAM?"),
+            ([("CDIAM", "CEPS=0.5,1.0, CDIAM")], 2, "values of H3 lie between 0 and 0.999")):
         code, _, error, _, _ = run(data(FOUR_BAR, *changes), place)
         check(code == status and words in error, "told: %s" % words, "%d %s" % (code, error))
     code, _, error, _, _ = run(data("dyad1_crank_rocker.nml"), place)
@@ -241,6 +312,9 @@ def main():
         four_bar(place)
         following(place)
         slider_crank(place)
+        inertia(place)
+        charts(place)
+        hard_cases(place)
         bad_input(place)
     print("%d passed, %d failed" % (passed, failed))
     return failed > 0

@@ -103,7 +103,7 @@ contains
       call t%close_to(ranges(size(ranges))%to, 0.6664_wp, 2.0e-3_wp, 'chart: H2 = 0, H3 = 0.5, terminal')
       call t%equal_integer(ranges(size(ranges))%minimum, 2, 'chart: the second minimum')
       ranges = loss_ranges(0.0_wp, 0.0_wp, 0.28_wp, 0.36_wp, 0.02_wp)
-      call t%close_to(ranges(1)%to, 0.3207_wp, 3.0e-3_wp, 'chart: round inertia')
+      call t%close_to(ranges(1)%to, 0.31867_wp, 5.0e-6_wp, 'chart: round inertia')
       ! the line at 35 degrees leaves and enters the lost region again
       ranges = loss_ranges(35.0_wp*radians_per_degree, 0.75_wp, 0.88_wp, 1.48_wp, 0.03_wp)
       call t%equal_integer(size(ranges), 2, 'chart: a line that cuts the lost region twice')
@@ -211,8 +211,8 @@ contains
       f = periodic_from_samples([(amount*cos(2.0_wp*pi*real(i, wp)/16.0_wp + phase), i=0, 15)])
    end function turned
 
-   !> A load that passes through zero: the angle of the load is not defined there, the pin goes on. Along a line through the centre
-   !> the load R* = A sin x, eps = 0: M0 e w**2 g'' = -A sin x sin g (load along x), and the force is A sin x cos g + M0 e w**2 g'**2.
+   !> A load that passes through zero, A sin x along a line: its angle is not defined there, the pin goes on and the force is the
+   !> load itself. With a second load across that, against another method for the same equation.
    subroutine through_zero()
       real(wp), parameter :: amount = 2.0_wp, mass = 0.3_wp, speed = 50.0_wp, e = 2.0e-4_wp
       integer, parameter :: inputs = 32, steps = 20000

@@ -53,8 +53,8 @@ contains
       !$omp end parallel do
    end subroutine make_chart
 
-   !> One radial line: what becomes of contact at each H1, and the ranges within which it is lost, in ascending order: a line may cut
-   !> the lost region more than once. What is narrower than the steps may be missed.
+   !> One radial line: what becomes of contact at each H1, and the ranges within which it is lost, in ascending order: a line may
+   !> cut the lost region more than once. What is narrower than the steps may be missed.
    pure subroutine scan_line(h2, h3, h1, lost, index, ranges)
       real(wp), intent(in) :: h2, h3
       real(wp), intent(in) :: h1(:)             !! ascending
@@ -108,8 +108,8 @@ contains
       border = 0.5_wp*(lost + kept)
    end function border
 
-   !> The H1 beyond which contact is kept, up to 2; 0 if it is kept at all of them. A lost region narrower than a step of 0.05 may be
-   !> missed.
+   !> The H1 beyond which contact is kept, up to 2; 0 if it is kept at all of them. A lost region narrower than a step of 0.05 may
+   !> be missed.
    pure real(wp) function outermost_loss(h2, h3) result(outermost)
       real(wp), intent(in) :: h2, h3
       type(flypast_t) :: here

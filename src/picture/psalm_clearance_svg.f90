@@ -274,12 +274,12 @@ contains
       end subroutine sector
    end subroutine draw_losses
 
-   pure function class_of(minimum) result(class)
+   pure function class_of(minimum) result(name)
       integer, intent(in) :: minimum
-      character(:), allocatable :: class
+      character(:), allocatable :: name
 
-      class = 'terminal'
-      if (minimum == 1) class = 'passage'
+      name = 'terminal'
+      if (minimum == 1) name = 'passage'
    end function class_of
 
    !> How hard the first impact is.
@@ -289,7 +289,7 @@ contains
       real(wp), intent(in) :: top
       type(text_t), intent(inout) :: text
       real(wp) :: x, y, left, step, low, reach
-      integer :: i, j, first, class
+      integer :: i, j, first, step_of
 
       left = 0.5_wp*width + 0.5_wp*margin
       x = left + chart_radius
@@ -303,13 +303,13 @@ contains
          first = 0
          low = 0.0_wp
          do j = 1, size(chart%h1) + 1
-            class = 0
+            step_of = 0
             if (j <= size(chart%h1)) then
-               if (chart%lost(j, i, k) > 0) class = 1 + count(chart%index(j, i, k) > classes)
+               if (chart%lost(j, i, k) > 0) step_of = 1 + count(chart%index(j, i, k) > classes)
             end if
-            if (class == first) cycle
+            if (step_of == first) cycle
             if (first > 0) call text%add(sector_of(chart, reach, 'i'//to_text(first), low, chart%h1(j - 1) + 0.5_wp*step, i, x, y))
-            first = class
+            first = step_of
             if (j <= size(chart%h1)) low = merge(0.0_wp, chart%h1(j) - 0.5_wp*step, j == 1)
          end do
       end do
