@@ -210,10 +210,35 @@ def test_browser_forces(browser, shots):
         page.screenshot(path=os.path.join(shots, "forces.png"))
     check("forces: no complaint", not [c for c in engine.complaints if "willReadFrequently" not in c], str(engine.complaints))
     engine.context.close()
+    test_clearance(browser, shots)
     plain = Page(browser, "needle.html")
     check("forces: a case without them has no choice of them", not plain.page.is_visible("#forcebox") and
           not plain.page.is_visible("#bearingbox"))
     plain.context.close()
+
+
+def test_clearance(browser, shots):
+    """The pin in its hole: it moves, goes with its box, and its data are those of bridge."""
+    balm("--quiet", "--output-dir", ".", os.path.join(DATA, "bridge", "four_bar_haines.nml"))
+    pin = Page(browser, "four_bar_haines.html")
+    check("pin: loads without complaint", not pin.complaints, str(pin.complaints))
+    check("pin: its box is shown", pin.page.is_visible("#pinbox"))
+    drawn = pin.pixels()
+    pin.page.uncheck("#pin")
+    check("pin: goes", pin.pixels() != drawn)
+    pin.page.check("#pin")
+    check("pin: and comes again", pin.pixels() == drawn)
+    data = page_data("four_bar_haines.html")[0]["clearance"]
+    sizes = [math.hypot(x, y) for x, y in zip(data["px"], data["py"])]
+    check("pin: always on the wall", len(sizes) == 360 and all(abs(size - 1) < 1e-6 for size in sizes))
+    load = [math.hypot(x, y) for x, y in zip(data["fx"], data["fy"])]
+    check("pin: where the load is largest it follows", abs(data["force"][45] / load[45] - 1) < 0.01 and
+          abs(data["px"][45] - data["fx"][45] / load[45]) < 0.01, "%s %s" % (data["force"][45], load[45]))
+    check("pin: the least load is that of bridge", abs(load[356] - 0.8131) < 0.005, str(load[356]))
+    if shots:
+        pin.page.screenshot(path=os.path.join(shots, "pin.png"))
+    pin.context.close()
+    os.remove("four_bar_haines.html")
 
 
 def test_browser_cases(browser, shots):

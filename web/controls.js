@@ -188,7 +188,7 @@ balm.controls = (() => {
       setPlaying(false);
       go(beforeTurn(Number($('time').value)));
     });
-    for (const name of ['whole', 'other', 'traces', 'letters', 'forces', 'bent']) $(name).addEventListener('change', () => {
+    for (const name of ['whole', 'other', 'traces', 'letters', 'forces', 'bent', 'pin']) $(name).addEventListener('change', () => {
       state[name] = $(name).checked;
       refresh();
     });

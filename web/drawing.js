@@ -7,6 +7,7 @@ balm.drawing = (() => {
     'frame', 'ghost', 'link0', 'link1', 'link2', 'link3', 'link4', 'link5', 'link6', 'link7'];
   const MANY = 60;               // joints above which symbols are smaller and letters left out
   const LONGEST = 90;            // pixels of the arrow of the largest load
+  const HOLE = 52;               // radius of a hole with its pin, pixels
   const ROUND = 2 * Math.PI;
   const pens = {};               // colours of the scheme
   let canvas, pen, still;        // `still` holds what does not move
@@ -70,6 +71,7 @@ balm.drawing = (() => {
     const k = Math.min((w - 2 * margin) / (box[2] - box[0]), (h - 2 * margin) / (box[3] - box[1]));
     view = { w, h, k, ox: w / 2 - k * (box[0] + box[2]) / 2, oy: h / 2 + k * (box[1] + box[3]) / 2 };
     view.u = sizeOf(w / 740, h / 520);
+    if (c.clearance) placePin(c);
     view.small = view.u * (c.joints.length > MANY ? 0.55 : 1);
     const g = still.getContext('2d');
     g.clearRect(0, 0, w, h);
@@ -296,6 +298,7 @@ balm.drawing = (() => {
       drawWeights(c.forces, at);
       drawForces(c.forces, at);
     }
+    if (c.clearance && main && balm.state.pin) drawPin(c, at);
   }
 
   /** Counterweights as discs to scale, springs between their ends. */
@@ -425,6 +428,94 @@ balm.drawing = (() => {
     g.fillText(bearing.name + ': ' + short(Number(Math.hypot(fx, fy).toPrecision(4))) + ' N, peak ' +
       short(Number(bearing.peak.toPrecision(4))) + ' N', x, y + r + 14 * u);
     g.textAlign = 'left';
+  }
+
+  /** The corner where the picture of the pin covers least of the linkage; the polar diagram has the upper right one. */
+  function placePin(c) {
+    const u = view.u, r = HOLE * u, near = r + 16 * u, low = view.h - r - 52 * u, wide = view.w - r - 28 * u;
+    const corners = [{ x: wide, y: low }, { x: r + 28 * u, y: near + 22 * u, left: true }, { x: r + 28 * u, y: low - 40 * u, left: true },
+      { x: wide, y: c.forces ? near + 150 * u : near }];
+    let best = corners[0], least = Infinity;
+    for (const corner of corners) {
+      let covered = 0;
+      for (let i = 0; i < c.sweep.n; i += 6) for (const bar of c.bars) for (const f of [0, 0.25, 0.5, 0.75, 1]) {
+        const at = [i, i, 0], along = (v) => (1 - f) * mixed(v[bar.from], at) + f * mixed(v[bar.to], at);
+        if (Math.hypot(X(along(c.sweep.x)) - corner.x, Y(along(c.sweep.y)) - corner.y - 12 * u) < r + 30 * u) covered++;
+      }
+      if (covered < least) [best, least] = [corner, covered];
+    }
+    view.pin = best;
+  }
+
+  /** The pin in its hole in a corner, magnified: load without clearance, force of contact, and where the joint is. */
+  function drawPin(c, at) {
+    const g = pen, v = c.clearance, u = view.u, hole = HOLE * u, play = 13 * u, { x, y, left } = view.pin;
+    const px = mixed(v.px, at), py = mixed(v.py, at), size = Math.hypot(px, py) || 1, ux = px / size, uy = -py / size;
+    const fx = mixed(v.fx, at), fy = mixed(v.fy, at), load = Math.hypot(fx, fy), force = mixed(v.force, at);
+    const most = v.fx.reduce((top, f, i) => Math.max(top, Math.hypot(f, v.fy[i]) || 0), 0) || 1;
+    g.font = 11 * u + 'px system-ui, sans-serif';
+    g.lineWidth = 1.2 * u;
+    if (v.joint >= 0 && isFinite(c.px[v.joint])) {
+      g.strokeStyle = pens.line;
+      line(g, c.px[v.joint], c.py[v.joint], x, y);
+      g.beginPath();
+      g.arc(c.px[v.joint], c.py[v.joint], 9 * u, 0, ROUND);
+      g.stroke();
+    }
+    g.fillStyle = pens.paper;
+    g.strokeStyle = pens.frame;
+    g.beginPath();
+    g.arc(x, y, hole + 9 * u, 0, ROUND);
+    g.fill();
+    g.stroke();
+    g.strokeStyle = pens.ink;
+    g.lineWidth = 2.2 * u;
+    g.beginPath();
+    g.arc(x, y, hole, 0, ROUND);
+    g.stroke();
+    g.fillStyle = force < 0 ? pens.badband : pens.warnband;
+    g.strokeStyle = force < 0 ? pens.bad : pens.frame;
+    g.beginPath();
+    g.arc(x + play * ux, y + play * uy, hole - play, 0, ROUND);
+    g.fill();
+    g.stroke();
+    // the circle that the centre of the pin runs on, and where it is
+    g.lineWidth = u;
+    g.strokeStyle = pens.line;
+    g.beginPath();
+    g.arc(x, y, play, 0, ROUND);
+    g.stroke();
+    g.fillStyle = pens.ink;
+    g.beginPath();
+    g.arc(x + play * ux, y + play * uy, 2.4 * u, 0, ROUND);
+    g.fill();
+    const reach = hole - play - 4 * u;
+    g.strokeStyle = pens.accent;
+    vector(g, x, y, reach * fx / most, -reach * fy / most);
+    g.strokeStyle = pens.actual;
+    if (force > 0) vector(g, x + hole * ux, y + hole * uy, Math.min(1.2, force / most) * reach * ux, Math.min(1.2, force / most) * reach * uy);
+    const number = (value) => short(Number(value.toPrecision(4))) + ' N';
+    const side = left ? x - hole - 9 * u : view.w - 12 * u;
+    g.textAlign = left ? 'left' : 'right';
+    g.fillStyle = force < 0 ? pens.bad : pens.ink;
+    g.fillText(force < 0 ? 'contact lost' : 'contact ' + number(force), side, y + hole + 39 * u);
+    g.fillStyle = pens.ink;
+    g.fillText(v.name + ': clearance ' + short(v.diametral) + ', load ' + number(load), side, y + hole + 24 * u);
+    g.textAlign = 'left';
+  }
+
+  /** An arrow in pixels. */
+  function vector(g, x, y, dx, dy) {
+    const length = Math.hypot(dx, dy);
+    if (!(length > 1)) return;
+    const head = Math.min(7 * view.u, 0.6 * length) / length;
+    g.lineWidth = 2 * view.u;
+    line(g, x, y, x + dx, y + dy);
+    g.beginPath();
+    g.moveTo(x + dx - head * (dx - 0.4 * dy), y + dy - head * (dy + 0.4 * dx));
+    g.lineTo(x + dx, y + dy);
+    g.lineTo(x + dx - head * (dx + 0.4 * dy), y + dy - head * (dy - 0.4 * dx));
+    g.stroke();
   }
 
   function drawRails(c, at) {

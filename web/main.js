@@ -17,6 +17,7 @@
     letters: true,
     forces: true,           // centres of mass, loads
     bent: true,             // a vibrating link is drawn bent
+    pin: true,              // a pin with clearance is drawn in its hole, magnified
     bearing: -1,            // joint of the polar diagram
     overlays: new Set(),    // cases laid over the one shown
     hover: null,            // bar under the pointer
@@ -55,6 +56,7 @@
     if (fresh) [state.whole, state.t, state.forth] = [!c.limited, c.at[c.reference], 1];
     offerForces(c, fresh);
     $('bentbox').hidden = !c.vibration;
+    $('pinbox').hidden = !c.clearance;
     $('whole').checked = state.whole;
     $('wholebox').hidden = !c.limited;
     $('other').parentNode.hidden = !c.pairs.length;

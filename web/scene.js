@@ -36,6 +36,7 @@ balm.scene = (() => {
     }
     for (const other of s.others) [other.x, other.y] = [filled(other.x), filled(other.y)];
     if (c.forces) prepareForces(c.forces);
+    if (c.clearance) for (const key of ['px', 'py', 'fx', 'fy', 'force']) c.clearance[key] = filled(c.clearance[key]);
     if (c.vibration) c.vibration.modes = c.vibration.modes.map(filled);
     for (const one of [...c.curves || [], ...c.drives || []])
       [one.prescribed, one.sweep] = [filled(one.prescribed), filled(one.sweep)];

@@ -63,11 +63,13 @@ contains
       type(loss_range_t), allocatable, intent(out) :: ranges(:)
       type(flypast_t) :: here
       type(flight_t) :: flight
-      real(wp) :: from
-      integer :: i
+      real(wp) :: from, before
+      integer :: i, was
 
       allocate (ranges(0))
-      from = 0.0_wp
+      from = h1(1)
+      before = h1(1)
+      was = 0
       lost = 0
       index = 0.0_wp
       do i = 1, size(h1)
@@ -77,15 +79,15 @@ contains
             flight = fly(h1(i), h2, h3, here%loss)
             if (flight%ok) index(i) = flight%index
          end if
-         if (i == 1) then
-            from = h1(1)
-         else if (lost(i) > 0 .and. lost(i - 1) == 0) then
-            from = border(h2, h3, h1(i), h1(i - 1))
-         else if (lost(i) == 0 .and. lost(i - 1) > 0) then
-            ranges = [ranges, loss_range_t(from, border(h2, h3, h1(i - 1), h1(i)), lost(i - 1))]
+         if (i > 1 .and. lost(i) > 0 .and. was == 0) then
+            from = border(h2, h3, h1(i), before)
+         else if (lost(i) == 0 .and. was > 0) then
+            ranges = [ranges, loss_range_t(from, border(h2, h3, before, h1(i)), was)]
          end if
+         was = lost(i)
+         before = h1(i)
       end do
-      if (lost(size(h1)) > 0) ranges = [ranges, loss_range_t(from, h1(size(h1)), lost(size(h1)))]
+      if (was > 0) ranges = [ranges, loss_range_t(from, before, was)]
    end subroutine scan_line
 
    !> The H1 between one at which contact is lost and one at which it is kept where that changes, by bisection.

@@ -231,8 +231,8 @@ contains
                   first = 0
                   do j = 1, size(chart%h1)
                      if (chart%lost(j, i, k) == 0 .or. chart%h1(j) < range%from .or. chart%h1(j) > range%to) cycle
-                     if (first > 0 .and. (chart%lost(j, i, k) == 1) .neqv. (first == 1)) then
-                        high = 0.5_wp*(chart%h1(j - 1) + chart%h1(j))
+                     if (first > 0 .and. ((chart%lost(j, i, k) == 1) .neqv. (first == 1))) then
+                        high = chart%h1(j) - 0.5_wp*chart%h1(1)
                         call sector(class_of(first), low, high, i)
                         low = high
                      end if
@@ -308,7 +308,7 @@ contains
                if (chart%lost(j, i, k) > 0) step_of = 1 + count(chart%index(j, i, k) > classes)
             end if
             if (step_of == first) cycle
-            if (first > 0) call text%add(sector_of(chart, reach, 'i'//to_text(first), low, chart%h1(j - 1) + 0.5_wp*step, i, x, y))
+            if (first > 0) call text%add(sector_of(chart, reach, 'i'//to_text(first), low, step*(real(j, wp) - 0.5_wp), i, x, y))
             first = step_of
             if (j <= size(chart%h1)) low = merge(0.0_wp, chart%h1(j) - 0.5_wp*step, j == 1)
          end do

@@ -1,5 +1,6 @@
 !> Scenes as one self-contained HTML page: the page's text is part of the program, the scenes go into it as JSON.
 module psalm_page
+   use psalm_clearance_page, only: write_clearance_data
    use psalm_constraint_group, only: region_box, region_half_plane
    use psalm_dyad_kind, only: assur_rrr
    use psalm_force_page, only: write_force_data
@@ -82,6 +83,10 @@ contains
                call write_vibration_data(v, merge(bar%finish, bar%start, v%reversed) - 1, &
                                          merge(bar%start, bar%finish, v%reversed) - 1, text)
             end associate
+         end if
+         if (allocated(scene%clearance)) then
+            call text%add_text(',"clearance":')
+            call write_clearance_data(scene%clearance, scene%drawn(scene%clearance%point) - 1, text)
          end if
          if (allocated(scene%forces)) then
             call text%add_text(',"forces":')

@@ -412,11 +412,12 @@ module psalm_page_text
    '    <label><input id="letters" type="checkbox" checked> letters</label>'//nl// &
    '    <label id="forcebox" hidden><input id="forces" type="checkbox" checked> forces</label>'//nl// &
    '    <label id="bentbox" hidden><input id="bent" type="checkbox" checked> bending</label>'//nl// &
+   '    <label id="pinbox" hidden><input id="pin" type="checkbox" checked> pin in its hole</label>'//nl// &
    '    <label id="bearingbox" hidden>polar diagram'//nl// &
-   '      <select id="bearing" aria-label="joint of the polar diagram"></select></label>'//nl// &
-   '    <fieldset id="overlays" hidden><legend>overlay</legend></fieldset>'//nl
+   '      <select id="bearing" aria-label="joint of the polar diagram"></select></label>'//nl
 
    character(*), parameter :: part_5 = &
+   '    <fieldset id="overlays" hidden><legend>overlay</legend></fieldset>'//nl// &
    '  </div>'//nl// &
    '</main>'//nl// &
    '<section id="chartbox" hidden>'//nl// &
@@ -468,6 +469,7 @@ module psalm_page_text
    '    }'//nl// &
    '    for (const other of s.others) [other.x, other.y] = [filled(other.x), filled(other.y)];'//nl// &
    '    if (c.forces) prepareForces(c.forces);'//nl// &
+   "    if (c.clearance) for (const key of ['px', 'py', 'fx', 'fy', 'force']) c.clearance[key] = filled(c.clearance[key]);"//nl// &
    '    if (c.vibration) c.vibration.modes = c.vibration.modes.map(filled);'//nl// &
    '    for (const one of [...c.curves || [], ...c.drives || []])'//nl// &
    '      [one.prescribed, one.sweep] = [filled(one.prescribed), filled(one.sweep)];'//nl// &
@@ -517,11 +519,11 @@ module psalm_page_text
    '    for (let i = 1; i <= 2 * COILS; i++) {'//nl// &
    '      const part = HOOK + (1 - 2 * HOOK) * (i - 0.5) / (2 * COILS), side = (i % 2 ? half : -half) / length;'//nl// &
    '      points.push([x1 + part * dx - side * dy, y1 + part * dy + side * dx]);'//nl// &
-   '    }'//nl// &
-   '    return [...points, [x2 - HOOK * dx, y2 - HOOK * dy], [x2, y2]];'//nl// &
-   '  }'//nl
+   '    }'//nl
 
    character(*), parameter :: part_6 = &
+   '    return [...points, [x2 - HOOK * dx, y2 - HOOK * dy], [x2, y2]];'//nl// &
+   '  }'//nl// &
    ''//nl// &
    '  /** Points of a torsional spring of two and a half turns around a joint. */'//nl// &
    '  function spiral(x, y, radius) {'//nl// &
@@ -619,11 +621,11 @@ module psalm_page_text
    '    const room = Math.max(view[2] - view[0], view[3] - view[1]), grown = view.slice();'//nl// &
    '    for (const { x, y } of c.sweep.others) for (let t = 0; t < c.sweep.n; t += Math.ceil(c.sweep.n / 72)) {'//nl// &
    '      if (!(isFinite(x[t]) && isFinite(y[t]))) continue;'//nl// &
-   '      grown[0] = Math.min(grown[0], Math.max(x[t], view[0] - room));'//nl// &
-   '      grown[1] = Math.min(grown[1], Math.max(y[t], view[1] - room));'//nl// &
-   '      grown[2] = Math.max(grown[2], Math.min(x[t], view[2] + room));'//nl
+   '      grown[0] = Math.min(grown[0], Math.max(x[t], view[0] - room));'//nl
 
    character(*), parameter :: part_7 = &
+   '      grown[1] = Math.min(grown[1], Math.max(y[t], view[1] - room));'//nl// &
+   '      grown[2] = Math.max(grown[2], Math.min(x[t], view[2] + room));'//nl// &
    '      grown[3] = Math.max(grown[3], Math.min(y[t], view[3] + room));'//nl// &
    '    }'//nl// &
    '    return grown;'//nl// &
@@ -644,6 +646,7 @@ module psalm_page_text
    "    'frame', 'ghost', 'link0', 'link1', 'link2', 'link3', 'link4', 'link5', 'link6', 'link7'];"//nl// &
    '  const MANY = 60;               // joints above which symbols are smaller and letters left out'//nl// &
    '  const LONGEST = 90;            // pixels of the arrow of the largest load'//nl// &
+   '  const HOLE = 52;               // radius of a hole with its pin, pixels'//nl// &
    '  const ROUND = 2 * Math.PI;'//nl// &
    '  const pens = {};               // colours of the scheme'//nl// &
    '  let canvas, pen, still;        // `still` holds what does not move'//nl// &
@@ -707,6 +710,7 @@ module psalm_page_text
    '    const k = Math.min((w - 2 * margin) / (box[2] - box[0]), (h - 2 * margin) / (box[3] - box[1]));'//nl// &
    '    view = { w, h, k, ox: w / 2 - k * (box[0] + box[2]) / 2, oy: h / 2 + k * (box[1] + box[3]) / 2 };'//nl// &
    '    view.u = sizeOf(w / 740, h / 520);'//nl// &
+   '    if (c.clearance) placePin(c);'//nl// &
    '    view.small = view.u * (c.joints.length > MANY ? 0.55 : 1);'//nl// &
    "    const g = still.getContext('2d');"//nl// &
    '    g.clearRect(0, 0, w, h);'//nl// &
@@ -722,13 +726,13 @@ module psalm_page_text
    '  /** What the output reaches over a grid of strokes: the meshes cover each other, so all are outlined, then filled as '// &
    'one. */'//nl// &
    '  function drawReach(g, meshes) {'//nl// &
-   '    g.beginPath();'//nl// &
+   '    g.beginPath();'//nl
+
+   character(*), parameter :: part_8 = &
    '    for (const m of meshes) {'//nl// &
    '      for (let i = 0; i < 8; i += 2) if (i) g.lineTo(X(m[i]), Y(m[i + 1])); else g.moveTo(X(m[0]), Y(m[1]));'//nl// &
    '      g.closePath();'//nl// &
-   '    }'//nl
-
-   character(*), parameter :: part_8 = &
+   '    }'//nl// &
    "    g.lineJoin = 'round';"//nl// &
    '    g.strokeStyle = pens.link2;'//nl// &
    '    g.lineWidth = 3 * view.u;'//nl// &
@@ -824,13 +828,13 @@ module psalm_page_text
    '    g.lineWidth = 0.8 * view.u;'//nl// &
    '    for (let i = 0; i < p.n; i++) {'//nl// &
    "      if (p.closed[i] === '0') continue;"//nl// &
-   '      const x = mixed(p.x[c.base], [i, i, 0]), y = mixed(p.y[c.base], [i, i, 0]);'//nl// &
+   '      const x = mixed(p.x[c.base], [i, i, 0]), y = mixed(p.y[c.base], [i, i, 0]);'//nl
+
+   character(*), parameter :: part_9 = &
    '      g.strokeStyle = pens.actual;'//nl// &
    '      segment(g, x, y, p.aim_x[i], p.aim_y[i]);'//nl// &
    '      if (!c.desired) continue;'//nl// &
-   '      g.setLineDash([5, 4]);'//nl
-
-   character(*), parameter :: part_9 = &
+   '      g.setLineDash([5, 4]);'//nl// &
    '      g.strokeStyle = pens.desired;'//nl// &
    '      segment(g, x, y, p.wish_x[i], p.wish_y[i]);'//nl// &
    '      g.setLineDash([]);'//nl// &
@@ -927,13 +931,13 @@ module psalm_page_text
    '      px[j] = X(mixed(s.x[j], at));'//nl// &
    '      py[j] = Y(mixed(s.y[j], at));'//nl// &
    '    }'//nl// &
-   "    pen.lineJoin = pen.lineCap = 'round';"//nl// &
+   "    pen.lineJoin = pen.lineCap = 'round';"//nl
+
+   character(*), parameter :: part_10 = &
    '    drawRails(c, at);'//nl// &
    '    drawPlates(c);'//nl// &
    '    if (balm.state.other && main) drawOthers(c, at);'//nl// &
-   '    if (c.wheels) drawWheels(c);'//nl
-
-   character(*), parameter :: part_10 = &
+   '    if (c.wheels) drawWheels(c);'//nl// &
    '    drawBars(c, at, main);'//nl// &
    '    if (main) drawBroken(c, at[0]);'//nl// &
    '    drawJoints(c, at, main);'//nl// &
@@ -942,6 +946,7 @@ module psalm_page_text
    '      drawWeights(c.forces, at);'//nl// &
    '      drawForces(c.forces, at);'//nl// &
    '    }'//nl// &
+   '    if (c.clearance && main && balm.state.pin) drawPin(c, at);'//nl// &
    '  }'//nl// &
    ''//nl// &
    '  /** Counterweights as discs to scale, springs between their ends. */'//nl// &
@@ -1030,14 +1035,14 @@ module psalm_page_text
    '  }'//nl// &
    ''//nl// &
    '  function arrow(g, one, at, largest) {'//nl// &
-   '    const u = view.u, x = X(mixed(one.x, at)), y = Y(mixed(one.y, at)), scale = LONGEST * u / (largest || 1);'//nl// &
+   '    const u = view.u, x = X(mixed(one.x, at)), y = Y(mixed(one.y, at)), scale = LONGEST * u / (largest || 1);'//nl
+
+   character(*), parameter :: part_11 = &
    '    const dx = scale * mixed(one.fx, at), dy = -scale * mixed(one.fy, at), length = Math.hypot(dx, dy);'//nl// &
    '    if (!(length > 1)) return;'//nl// &
    '    const head = Math.min(9 * u, 0.6 * length) / length;'//nl// &
    '    g.lineWidth = 2.2 * u;'//nl// &
-   '    line(g, x, y, x + dx, y + dy);'//nl
-
-   character(*), parameter :: part_11 = &
+   '    line(g, x, y, x + dx, y + dy);'//nl// &
    '    g.beginPath();'//nl// &
    '    g.moveTo(x + dx - head * (dx - 0.4 * dy), y + dy - head * (dy + 0.4 * dx));'//nl// &
    '    g.lineTo(x + dx, y + dy);'//nl// &
@@ -1075,6 +1080,100 @@ module psalm_page_text
    "    g.fillText(bearing.name + ': ' + short(Number(Math.hypot(fx, fy).toPrecision(4))) + ' N, peak ' +"//nl// &
    "      short(Number(bearing.peak.toPrecision(4))) + ' N', x, y + r + 14 * u);"//nl// &
    "    g.textAlign = 'left';"//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  /** The corner where the picture of the pin covers least of the linkage; the polar diagram has the upper right one. *'// &
+   '/'//nl// &
+   '  function placePin(c) {'//nl// &
+   '    const u = view.u, r = HOLE * u, near = r + 16 * u, low = view.h - r - 52 * u, wide = view.w - r - 28 * u;'//nl// &
+   '    const corners = [{ x: wide, y: low }, { x: r + 28 * u, y: near + 22 * u, left: true }, { x: r + 28 * u, y: low - 40'// &
+   ' * u, left: true },'//nl// &
+   '      { x: wide, y: c.forces ? near + 150 * u : near }];'//nl// &
+   '    let best = corners[0], least = Infinity;'//nl// &
+   '    for (const corner of corners) {'//nl// &
+   '      let covered = 0;'//nl// &
+   '      for (let i = 0; i < c.sweep.n; i += 6) for (const bar of c.bars) for (const f of [0, 0.25, 0.5, 0.75, 1]) {'//nl// &
+   '        const at = [i, i, 0], along = (v) => (1 - f) * mixed(v[bar.from], at) + f * mixed(v[bar.to], at);'//nl// &
+   '        if (Math.hypot(X(along(c.sweep.x)) - corner.x, Y(along(c.sweep.y)) - corner.y - 12 * u) < r + 30 * u) covered++'// &
+   ';'//nl// &
+   '      }'//nl// &
+   '      if (covered < least) [best, least] = [corner, covered];'//nl// &
+   '    }'//nl// &
+   '    view.pin = best;'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  /** The pin in its hole in a corner, magnified: load without clearance, force of contact, and where the joint is. */'//nl// &
+   '  function drawPin(c, at) {'//nl// &
+   '    const g = pen, v = c.clearance, u = view.u, hole = HOLE * u, play = 13 * u, { x, y, left } = view.pin;'//nl// &
+   '    const px = mixed(v.px, at), py = mixed(v.py, at), size = Math.hypot(px, py) || 1, ux = px / size, uy = -py / size;'//nl// &
+   '    const fx = mixed(v.fx, at), fy = mixed(v.fy, at), load = Math.hypot(fx, fy), force = mixed(v.force, at);'//nl// &
+   '    const most = v.fx.reduce((top, f, i) => Math.max(top, Math.hypot(f, v.fy[i]) || 0), 0) || 1;'//nl// &
+   "    g.font = 11 * u + 'px system-ui, sans-serif';"//nl// &
+   '    g.lineWidth = 1.2 * u;'//nl// &
+   '    if (v.joint >= 0 && isFinite(c.px[v.joint])) {'//nl// &
+   '      g.strokeStyle = pens.line;'//nl// &
+   '      line(g, c.px[v.joint], c.py[v.joint], x, y);'//nl// &
+   '      g.beginPath();'//nl// &
+   '      g.arc(c.px[v.joint], c.py[v.joint], 9 * u, 0, ROUND);'//nl// &
+   '      g.stroke();'//nl// &
+   '    }'//nl// &
+   '    g.fillStyle = pens.paper;'//nl// &
+   '    g.strokeStyle = pens.frame;'//nl// &
+   '    g.beginPath();'//nl// &
+   '    g.arc(x, y, hole + 9 * u, 0, ROUND);'//nl// &
+   '    g.fill();'//nl// &
+   '    g.stroke();'//nl// &
+   '    g.strokeStyle = pens.ink;'//nl// &
+   '    g.lineWidth = 2.2 * u;'//nl// &
+   '    g.beginPath();'//nl// &
+   '    g.arc(x, y, hole, 0, ROUND);'//nl// &
+   '    g.stroke();'//nl// &
+   '    g.fillStyle = force < 0 ? pens.badband : pens.warnband;'//nl// &
+   '    g.strokeStyle = force < 0 ? pens.bad : pens.frame;'//nl// &
+   '    g.beginPath();'//nl// &
+   '    g.arc(x + play * ux, y + play * uy, hole - play, 0, ROUND);'//nl// &
+   '    g.fill();'//nl// &
+   '    g.stroke();'//nl// &
+   '    // the circle that the centre of the pin runs on, and where it is'//nl// &
+   '    g.lineWidth = u;'//nl// &
+   '    g.strokeStyle = pens.line;'//nl// &
+   '    g.beginPath();'//nl// &
+   '    g.arc(x, y, play, 0, ROUND);'//nl// &
+   '    g.stroke();'//nl// &
+   '    g.fillStyle = pens.ink;'//nl
+
+   character(*), parameter :: part_12 = &
+   '    g.beginPath();'//nl// &
+   '    g.arc(x + play * ux, y + play * uy, 2.4 * u, 0, ROUND);'//nl// &
+   '    g.fill();'//nl// &
+   '    const reach = hole - play - 4 * u;'//nl// &
+   '    g.strokeStyle = pens.accent;'//nl// &
+   '    vector(g, x, y, reach * fx / most, -reach * fy / most);'//nl// &
+   '    g.strokeStyle = pens.actual;'//nl// &
+   '    if (force > 0) vector(g, x + hole * ux, y + hole * uy, Math.min(1.2, force / most) * reach * ux, Math.min(1.2, forc'// &
+   'e / most) * reach * uy);'//nl// &
+   "    const number = (value) => short(Number(value.toPrecision(4))) + ' N';"//nl// &
+   '    const side = left ? x - hole - 9 * u : view.w - 12 * u;'//nl// &
+   "    g.textAlign = left ? 'left' : 'right';"//nl// &
+   '    g.fillStyle = force < 0 ? pens.bad : pens.ink;'//nl// &
+   "    g.fillText(force < 0 ? 'contact lost' : 'contact ' + number(force), side, y + hole + 39 * u);"//nl// &
+   '    g.fillStyle = pens.ink;'//nl// &
+   "    g.fillText(v.name + ': clearance ' + short(v.diametral) + ', load ' + number(load), side, y + hole + 24 * u);"//nl// &
+   "    g.textAlign = 'left';"//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  /** An arrow in pixels. */'//nl// &
+   '  function vector(g, x, y, dx, dy) {'//nl// &
+   '    const length = Math.hypot(dx, dy);'//nl// &
+   '    if (!(length > 1)) return;'//nl// &
+   '    const head = Math.min(7 * view.u, 0.6 * length) / length;'//nl// &
+   '    g.lineWidth = 2 * view.u;'//nl// &
+   '    line(g, x, y, x + dx, y + dy);'//nl// &
+   '    g.beginPath();'//nl// &
+   '    g.moveTo(x + dx - head * (dx - 0.4 * dy), y + dy - head * (dy + 0.4 * dx));'//nl// &
+   '    g.lineTo(x + dx, y + dy);'//nl// &
+   '    g.lineTo(x + dx - head * (dx + 0.4 * dy), y + dy - head * (dy - 0.4 * dx));'//nl// &
+   '    g.stroke();'//nl// &
    '  }'//nl// &
    ''//nl// &
    '  function drawRails(c, at) {'//nl// &
@@ -1137,16 +1236,16 @@ module psalm_page_text
    '      if (fixed) g.setLineDash([]);'//nl// &
    "      if ('barrel' in bar) drawBarrel(c, bar);"//nl// &
    '    }'//nl// &
-   '  }'//nl
-
-   character(*), parameter :: part_12 = &
+   '  }'//nl// &
    ''//nl// &
    '  /** Is it the link that vibrates, and to be drawn so? */'//nl// &
    '  function isBent(c, bar) {'//nl// &
    '    const v = c.vibration;'//nl// &
    '    return v && balm.state.bent && Math.min(v.from, v.to) === Math.min(bar.from, bar.to) &&'//nl// &
    '      Math.max(v.from, v.to) === Math.max(bar.from, bar.to);'//nl// &
-   '  }'//nl// &
+   '  }'//nl
+
+   character(*), parameter :: part_13 = &
    ''//nl// &
    '  /** The vibrating link, its deflection drawn larger; the straight one beside it, thin. */'//nl// &
    '  function drawBent(c, at) {'//nl// &
@@ -1241,16 +1340,16 @@ module psalm_page_text
    '      g.moveTo(px[j], py[j]);'//nl// &
    '      g.lineTo(px[j] - 9 * m, py[j] + 15 * m);'//nl// &
    '      g.lineTo(px[j] + 9 * m, py[j] + 15 * m);'//nl// &
-   '      g.closePath();'//nl
-
-   character(*), parameter :: part_13 = &
+   '      g.closePath();'//nl// &
    '    });'//nl// &
    '    c.slides.forEach((slide, i) => {'//nl// &
    '      const x = px[slide.block], y = py[slide.block], r = 9 * m;'//nl// &
    '      if (!isFinite(x)) return;'//nl// &
    '      const ux = mixed(s.ux[i], at), uy = -mixed(s.uy[i], at);'//nl// &
    '      for (const side of [1, -1]) {'//nl// &
-   '        g.moveTo(x, y);'//nl// &
+   '        g.moveTo(x, y);'//nl
+
+   character(*), parameter :: part_14 = &
    '        g.lineTo(x + r * (ux - side * uy), y + r * (uy + side * ux));'//nl// &
    '        g.lineTo(x + r * (-ux - side * uy), y + r * (-uy + side * ux));'//nl// &
    '        g.closePath();'//nl// &
@@ -1346,16 +1445,16 @@ module psalm_page_text
    '    if (!(high >= low)) return [0, 1];'//nl// &
    '    if (high - low >= FLAT * size) return [low, high];'//nl// &
    '    const middle = Math.abs(low) < FLAT * size ? 0 : (low + high) / 2;'//nl// &
-   '    if (!(size > 0)) return [low - 1, high + 1];'//nl
-
-   character(*), parameter :: part_14 = &
+   '    if (!(size > 0)) return [low - 1, high + 1];'//nl// &
    '    return [middle - AROUND * size, middle + AROUND * size];'//nl// &
    '  }'//nl// &
    ''//nl// &
    '  /** Least and greatest of all values of a panel that are seen from `from` to `to`. */'//nl// &
    '  function extent(panel, from, to) {'//nl// &
    '    let low = Infinity, high = -Infinity;'//nl// &
-   '    const see = (t, v) => {'//nl// &
+   '    const see = (t, v) => {'//nl
+
+   character(*), parameter :: part_15 = &
    '      if (!isFinite(v) || t < from - 1e-6 || t > to + 1e-6) return;'//nl// &
    '      low = Math.min(low, v);'//nl// &
    '      high = Math.max(high, v);'//nl// &
@@ -1452,16 +1551,16 @@ module psalm_page_text
    '    panel.y = (v) => bottom - (v - low + pad) / (high - low + 2 * pad) * (bottom - top);'//nl// &
    '    bands(g, c, plot.x, top, bottom - top);'//nl// &
    '    g.strokeStyle = pens.line;'//nl// &
-   '    g.lineWidth = 1;'//nl
-
-   character(*), parameter :: part_15 = &
+   '    g.lineWidth = 1;'//nl// &
    '    g.fillStyle = pens.soft;'//nl// &
    "    g.textAlign = 'right';"//nl// &
    '    for (const v of panel.fixed ? [0, 45, 90, 135, 180] : ticks(low, high, Math.max(2, (bottom - top) / (27 * u)))) {'//nl// &
    '      const y = Math.round(panel.y(v)) + 0.5;'//nl// &
    '      line(g, left, y, right, y);'//nl// &
    '      g.fillText(short(v), left - 5 * u, y + 4 * u);'//nl// &
-   '    }'//nl// &
+   '    }'//nl
+
+   character(*), parameter :: part_16 = &
    "    g.textAlign = 'left';"//nl// &
    '    drawHead(g, panel);'//nl// &
    '    g.save();'//nl// &
@@ -1554,16 +1653,16 @@ module psalm_page_text
    '    g.fillStyle = pens.accent;'//nl// &
    '    for (const t of c.at) if (t <= plot.to + 1e-9) g.fillRect(x(t) - 0.8, 2, 1.6, h - 4);'//nl// &
    '  }'//nl// &
-   ''//nl
-
-   character(*), parameter :: part_16 = &
+   ''//nl// &
    '  /** One frame: the cursor at t. */'//nl// &
    '  function frame(c, t) {'//nl// &
    '    const g = chart, at = between(c, t), x = plot.x(t);'//nl// &
    '    g.clearRect(0, 0, plot.w, plot.h);'//nl// &
    '    g.drawImage(still, 0, 0, plot.w, plot.h);'//nl// &
    '    g.strokeStyle = balm.drawing.pens.ink;'//nl// &
-   '    g.lineWidth = plot.u;'//nl// &
+   '    g.lineWidth = plot.u;'//nl
+
+   character(*), parameter :: part_17 = &
    '    line(g, x, 14 * plot.u, x, plot.h - 34 * plot.u);'//nl// &
    '    for (const panel of plot.panels) for (const one of panel.lines) {'//nl// &
    '      const v = mixed(one.values, at);'//nl// &
@@ -1657,16 +1756,16 @@ module psalm_page_text
    '    return list;'//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  function drawSpeeds(g, v, at) {'//nl
-
-   character(*), parameter :: part_17 = &
+   '  function drawSpeeds(g, v, at) {'//nl// &
    '    const { pens } = balm.drawing, known = v.speeds.filter(([, a]) => a !== null && a > 0);'//nl// &
    '    const ends = [v.speeds[0][0], v.speeds.at(-1)[0]], sizes = known.map(([, a]) => a);'//nl// &
    "    const [x, y] = axes(g, at, 'greatest deflection of mode 1 (shaded: unstable speeds)', 'speed, rad/s', ends,"//nl// &
    '      [Math.min(...sizes) / 1.2, Math.max(...sizes) * 1.2], true);'//nl// &
    '    g.fillStyle = pens.badband;'//nl// &
    '    for (const [from, to] of v.bands) g.fillRect(x(from), at.top, Math.max(1, x(to) - x(from)), at.bottom - at.top);'//nl// &
-   '    g.strokeStyle = pens.actual;'//nl// &
+   '    g.strokeStyle = pens.actual;'//nl
+
+   character(*), parameter :: part_18 = &
    '    g.lineWidth = 1.6;'//nl// &
    '    g.beginPath();'//nl// &
    '    let down = false;'//nl// &
@@ -1761,16 +1860,16 @@ module psalm_page_text
    '    alert.hidden = !wrong.length && !open;'//nl// &
    "    alert.className = open ? 'open' : 'limits';"//nl// &
    "    setText(alert, wrong.slice(0, MOST).map((v) => explain(c, v, i)).join(' \u2014 ') || 'Does not close');"//nl// &
-   '  }'//nl
-
-   character(*), parameter :: part_18 = &
+   '  }'//nl// &
    ''//nl// &
    '  /** The lists below the picture; a violation leads to its position. */'//nl// &
    '  function list(c) {'//nl// &
    "    const box = $('messages');"//nl// &
    "    box.textContent = '';"//nl// &
    '    const part = (head, items, kind, fill) => {'//nl// &
-   '      if (!items.length) return;'//nl// &
+   '      if (!items.length) return;'//nl
+
+   character(*), parameter :: part_19 = &
    "      const h = document.createElement('h2'), ul = document.createElement('ul');"//nl// &
    '      h.textContent = head;'//nl// &
    '      ul.className = kind;'//nl// &
@@ -1863,16 +1962,16 @@ module psalm_page_text
    '    last = 0;'//nl// &
    '    requestAnimationFrame(tick);'//nl// &
    '  }'//nl// &
-   ''//nl
-
-   character(*), parameter :: part_19 = &
+   ''//nl// &
    '  function tick(now) {'//nl// &
    '    const { state } = balm;'//nl// &
    '    if (!state.playing) return;'//nl// &
    '    const [from, to] = limits(), turns = shown().ring && to - from >= 360;'//nl// &
    '    const dt = last ? Math.min(0.1, (now - last) / 1000) : 0;'//nl// &
    '    last = now;'//nl// &
-   '    let t = state.t + state.forth * state.speed * dt * (to - from) / (turns ? TURN_TIME : RANGE_TIME);'//nl// &
+   '    let t = state.t + state.forth * state.speed * dt * (to - from) / (turns ? TURN_TIME : RANGE_TIME);'//nl
+
+   character(*), parameter :: part_20 = &
    '    if (!turns && t >= to) { t = to; state.forth = -1; }'//nl// &
    '    if (!turns && t <= from) { t = from; state.forth = 1; }'//nl// &
    '    if (turns) state.forth = 1;'//nl// &
@@ -1968,16 +2067,16 @@ module psalm_page_text
    '    state.hover = found;'//nl// &
    '    balm.draw();'//nl// &
    '  }'//nl// &
-   ''//nl
-
-   character(*), parameter :: part_20 = &
+   ''//nl// &
    '  function leave(event) {'//nl// &
    "    if (event.pointerType === 'touch') return;"//nl// &
    "    balm.messages.tip('');"//nl// &
    '    if (!balm.state.hover) return;'//nl// &
    '    balm.state.hover = null;'//nl// &
    '    balm.draw();'//nl// &
-   '  }'//nl// &
+   '  }'//nl
+
+   character(*), parameter :: part_21 = &
    ''//nl// &
    '  // ---- the curves --------------------------------------------------------------------------------------------------'// &
    '-'//nl// &
@@ -2026,8 +2125,8 @@ module psalm_page_text
    '      setPlaying(false);'//nl// &
    "      go(beforeTurn(Number($('time').value)));"//nl// &
    '    });'//nl// &
-   "    for (const name of ['whole', 'other', 'traces', 'letters', 'forces', 'bent']) $(name).addEventListener('change', ()"// &
-   " => {"//nl// &
+   "    for (const name of ['whole', 'other', 'traces', 'letters', 'forces', 'bent', 'pin']) $(name).addEventListener('chan"// &
+   "ge', () => {"//nl// &
    '      state[name] = $(name).checked;'//nl// &
    '      refresh();'//nl// &
    '    });'//nl// &
@@ -2073,15 +2172,16 @@ module psalm_page_text
    '    letters: true,'//nl// &
    '    forces: true,           // centres of mass, loads'//nl// &
    '    bent: true,             // a vibrating link is drawn bent'//nl// &
-   '    bearing: -1,            // joint of the polar diagram'//nl
-
-   character(*), parameter :: part_21 = &
+   '    pin: true,              // a pin with clearance is drawn in its hole, magnified'//nl// &
+   '    bearing: -1,            // joint of the polar diagram'//nl// &
    '    overlays: new Set(),    // cases laid over the one shown'//nl// &
    '    hover: null,            // bar under the pointer'//nl// &
    '  };'//nl// &
    '  let laidOut = false;      // a linkage has been drawn'//nl// &
    ''//nl// &
-   '  const shown = () => cases[state.c];'//nl// &
+   '  const shown = () => cases[state.c];'//nl
+
+   character(*), parameter :: part_22 = &
    "  const titleOf = (c) => c.title || 'untitled';"//nl// &
    ''//nl// &
    '  /** One frame. */'//nl// &
@@ -2113,6 +2213,7 @@ module psalm_page_text
    '    if (fresh) [state.whole, state.t, state.forth] = [!c.limited, c.at[c.reference], 1];'//nl// &
    '    offerForces(c, fresh);'//nl// &
    "    $('bentbox').hidden = !c.vibration;"//nl// &
+   "    $('pinbox').hidden = !c.clearance;"//nl// &
    "    $('whole').checked = state.whole;"//nl// &
    "    $('wholebox').hidden = !c.limited;"//nl// &
    "    $('other').parentNode.hidden = !c.pairs.length;"//nl// &
@@ -2175,14 +2276,14 @@ module psalm_page_text
    '  }'//nl// &
    ''//nl// &
    '  function start() {'//nl// &
-   '    drawing.begin();'//nl
-
-   character(*), parameter :: part_22 = &
+   '    drawing.begin();'//nl// &
    '    curves.begin();'//nl// &
    '    charts.begin();'//nl// &
    '    controls.begin(refresh);'//nl// &
    '    listCases();'//nl// &
-   "    new ResizeObserver(refresh).observe($('stage'));"//nl// &
+   "    new ResizeObserver(refresh).observe($('stage'));"//nl
+
+   character(*), parameter :: part_23 = &
    "    matchMedia('(prefers-color-scheme: dark)').addEventListener('change', refresh);"//nl// &
    '    // paper is white, whatever the scheme of the screen'//nl// &
    "    for (const [kind, paper] of [['beforeprint', true], ['afterprint', false]]) addEventListener(kind, () => {"//nl// &
@@ -2242,6 +2343,6 @@ contains
 
       text = part_1//part_2//part_3//part_4//part_5//part_6//part_7//part_8// &
              part_9//part_10//part_11//part_12//part_13//part_14//part_15//part_16// &
-             part_17//part_18//part_19//part_20//part_21//part_22
+             part_17//part_18//part_19//part_20//part_21//part_22//part_23
    end function page_text
 end module psalm_page_text

@@ -1,6 +1,7 @@
 !> The cases of a file become scenes: what pictures show. Source: Oldham (1977), section 15.1.
 module psalm_picture_study
    use psalm_chain_scene, only: make_chain_scene
+   use psalm_clearance_scene, only: clearance_scene_t, make_clearance_scene
    use psalm_data_set, only: data_set_t
    use psalm_devices, only: most_told
    use psalm_error, only: problem_t, motion_t, make_problem
@@ -66,6 +67,7 @@ contains
          if (prepared%ready) then
             call make_scene(each, prepared%mechanism, prepared%given, prepared%parameters, own, cases(k)%scene)
             if (each%vibration%given .and. cases(k)%scene%sound) call add_vibration(each, prepared, cases(k)%scene)
+            if (each%clearance%given .and. cases(k)%scene%sound) call add_clearance(each, prepared, cases(k)%scene)
             if (each%ndes < sets(k)%ndes) call look_at_all_positions(sets(k), prepared, cases(k)%undrawn)
          else
             call message_scene(each, own, cases(k)%scene)
@@ -108,6 +110,18 @@ contains
       call make_vibration_scene(set, prepared, scene%sweep%delt, vibration, found)
       if (found) scene%vibration = vibration
    end subroutine add_vibration
+
+   !> The joint that the group CLEAR names; a case that bridge refuses is drawn without.
+   subroutine add_clearance(set, prepared, scene)
+      type(data_set_t), intent(in) :: set
+      type(prepared_t), intent(in) :: prepared
+      type(scene_t), intent(inout) :: scene
+      type(clearance_scene_t) :: clearance
+      logical :: found
+
+      call make_clearance_scene(set, prepared, scene%sweep%delt, clearance, found)
+      if (found) scene%clearance = clearance
+   end subroutine add_clearance
 
    !> Keep evenly chosen positions, as many as a picture can show.
    subroutine thin_out(set, findings)

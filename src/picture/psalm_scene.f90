@@ -3,6 +3,7 @@
 !> Two rows of positions (`psalm_trace`): the prescribed ones and a sweep between and beyond them.
 module psalm_scene
    use psalm_angles, only: unit_vector
+   use psalm_clearance_scene, only: clearance_scene_t
    use psalm_constraint_group, only: region_t
    use psalm_data_set, only: data_set_t
    use psalm_dyad_kind, only: direction_known, form_of, form_t
@@ -57,6 +58,8 @@ module psalm_scene
       real(wp) :: low(2) = 0.0_wp, high(2) = 1.0_wp       !! corners of the view
       type(force_scene_t), allocatable :: forces          !! if the case has masses, loads or springs
       type(vibration_scene_t), allocatable :: vibration   !! if the case has a vibrating link
+      type(clearance_scene_t), allocatable :: clearance   !! if the case has a joint with clearance
+      integer, allocatable :: drawn(:)                    !! by point of the mechanism: the joint that is drawn there
       ! of sketches without loops of dyads only
       character(:), allocatable :: input_label, output_label !! what counts along the sweep; name of the output drawn
       type(wheel_t), allocatable :: wheels(:)
@@ -143,6 +146,7 @@ contains
       call whole%set_inputs(own%delt)
       call trace_row(own, whole, dimensions, scene%slides, scene%output_slide, .false., scene%sweep)
       call merge_joints(scene, size(mechanism%points) + 1, place)
+      scene%drawn = place
       call make_bars(mechanism, dimensions, place, scene)
       call name_joints(set, mechanism, place, scene)
       scene%reference = minloc(abs(scene%prescribed%delt), dim=1)

@@ -68,6 +68,7 @@ module psalm_clearance_study
       logical :: rank_one = .false.                  !! or only along one line
       type(flypast_of_joint_t), allocatable :: minima(:)
       real(wp), allocatable :: input(:), lag(:), force(:) !! following: degrees, degrees, N
+      real(wp), allocatable :: pin(:)                !! direction of the pin in its hole, degrees in machine axes
       type(least_force_t), allocatable :: least(:)
       real(wp) :: loss = -1.0_wp                     !! input, degrees, where following loses contact; with `loses`
       logical :: loses = .false., followed = .false.
@@ -140,7 +141,7 @@ contains
       type(periodic_t) :: tensor(3)
       integer :: i, c
 
-      allocate (study%minima(0), study%speeds(0), study%least(0), study%input(0), study%lag(0), study%force(0))
+      allocate (study%minima(0), study%speeds(0), study%least(0), study%input(0), study%lag(0), study%force(0), study%pin(0))
       call make_force_model(set, mechanism, dimensions, model, unused)
       study%joint = joint_at(mechanism, set%clearance%joint)
       study%diametral = set%clearance%diametral*model%metre
@@ -303,8 +304,18 @@ contains
       call follow_contact(contact, from, n, study%lag, study%force, study%least, loss, study%followed)
       study%input = [(study%load%sense*(from*degrees_per_radian + full_turn*real(i - 1, wp)/real(n, wp)), i=1, n)]
       study%lag = study%lag*degrees_per_radian
+      study%pin = [(direction_at(from + 2.0_wp*pi*real(i - 1, wp)/real(n, wp)), i=1, n)] - study%lag
       study%loses = loss >= 0.0_wp
       study%loss = study%load%sense*loss*degrees_per_radian
+
+   contains
+
+      !> Of the load, degrees.
+      real(wp) function direction_at(angle) result(direction)
+         real(wp), intent(in) :: angle           !! of the crank, in the sense of its turning, radians
+
+         direction = atan2(load(2)%at(angle), load(1)%at(angle))*degrees_per_radian
+      end function direction_at
    end subroutine follow
 
    !> Verdicts over speeds, and the speed up to which contact is kept.
