@@ -276,6 +276,71 @@ def against_global_search(place):
     check(results["composite"]["after"] <= best*(1 + 1e-9), "no global search gets below the convex optimum", best)
 
 
+def kalm_rows(case, place):
+    """Force on the frame and moment at every position, by kalm: shape (positions, 3)."""
+    code, listing, error = program("kalm", case, place)
+    check(code == 0, "kalm runs for the rows of an independent model", error)
+    rows = [line for line in open(os.path.join(place, "case.kalm.dev9"), encoding="utf-8")]
+    names = next(row for row in rows if " drive " in row).lstrip("#").split()
+    chosen = [names.index(name) for name in ("frame_fx", "frame_fy", "frame_m")]
+    return numpy.array([[float(row.split()[k]) for k in chosen] for row in rows
+                        if row.strip() and not row.startswith("#") and len(row.split()) == len(names)])
+
+
+def against_global_searches(place):
+    """A slider-crank and a six-bar: no global search over bodies, their loads taken from kalm, gets below the convex optimum."""
+    for name, links, reach, most in (("dyad4_slider_crank", ((-1, 1), (-2, 1)), 30.0, .6),
+                                     ("dwell", ((-1, 1), (-3, 1), (-4, 2)), 1.5, 2.0)):
+        case = rule_masses(name)
+        bare_case = case[:case.index(" &BALANC")]
+        case = bare_case + " &BALANC NWEIGH=%d, WLINK=%s, WLOOP=%s, WFORM='BODY', WREACH=%.1f, WMOST=%.1f, TOLF=1.0, TOLM=0.1 &END\n" % (
+            len(links), ",".join(str(a) for a, _ in links), ",".join(str(b) for _, b in links), reach, most)
+        code, results, listing, error = muscle(case, place)
+        check(code in (0, 1) and results.get("composite", {}).get("convex") is True, name + ": a convex composite", error)
+        weight = numpy.repeat([[1.0, 1.0, 10.0]], len(kalm_rows(bare_case, place)), axis=0).ravel()
+        bare = weight*kalm_rows(bare_case, place).ravel()
+        masses = bare_case.index("NMASS=")
+        n = int(bare_case[masses + 6:bare_case.index(",", masses)])
+
+        def with_mass(link, distance, angle, inertia):
+            changed = bare_case.replace("NMASS=%d," % n, "NMASS=%d," % (n + 1))
+            for item, value in (("MLINK", link[0]), ("MLOOP", link[1]), ("MASS", 1.0), ("MDIST", distance), ("MANG", angle),
+                                ("MINERT", inertia)):
+                changed = re.sub(r"(\b%s=(?:[^A-Z&]|E[-+])*?)(,?\s*(?:[A-Z]+=|&END))" % item, lambda m: "%s,%r%s" % (m.group(1), value, m.group(2)),
+                                 changed, count=1)
+            return weight*kalm_rows(changed, place).ravel() - bare
+
+        basis = []
+        for link in links:
+            mass = with_mass(link, 0.0, 0.0, 0.0)
+            spin = with_mass(link, 0.0, 0.0, 1.0) - mass
+            along = [(with_mass(link, 1000*reach, turn, 0.0) - mass - reach**2*spin)/reach for turn in (0.0, 90.0)]
+            basis.append((mass, along[0], along[1], spin))
+
+        def load(link, mass, out, turn, inertia):
+            m, x, y, spin = basis[link]
+            return mass*(m + out*(math.cos(turn)*x + math.sin(turn)*y)) + (inertia + mass*out**2)*spin
+
+        value = bare.copy()
+        for w in results["optimum"]["weights"]:
+            k = [i for i, (arc, loop) in enumerate(links) if w["link"] in ("arc %d of loop %d" % (-arc, loop), "crank" if arc == -1 else "")][0]
+            value += load(k, w["mass"], w["distance"]/1000, math.radians(w["angle"]), w["inertia"])
+        close(results["composite"]["after"], value @ value, 1e-6, name + ": composite from kalm's loads")
+        r = reach/1000
+
+        def objective(x):
+            total = bare
+            for k in range(len(links)):
+                mass, out, turn, spread = x[4*k:4*k + 4]
+                total = total + load(k, most*mass, r*out, 2*math.pi*turn, most*mass*spread*(r**2 - (r*out)**2))
+            return total @ total
+
+        best = min(differential_evolution(objective, [(0, 1)]*(4*len(links)), seed=seed, popsize=8, maxiter=60, tol=0).fun
+                   for seed in range(2))
+        check(results["composite"]["after"] <= best*(1 + 1e-9), name + ": no global search gets below the convex optimum",
+              (results["composite"]["after"], best))
+
+
 # ---- random linkages -----------------------------------------------------------------------------------------------------
 
 def random_linkages(place):
@@ -312,6 +377,25 @@ def random_linkages(place):
             check(results["lightest"]["mass"] <= design["mass"]*(1 + 1e-8), "random six-bar %d: lightest of all" % seed)
         if results["designs"]:
             kalm_agrees(place, results, results["designs"][0], "random six-bar %d" % seed)
+
+
+def random_adrift(place):
+    """Yokes, couplings and slotted arms of random dimensions and masses: the links adrift are named."""
+    draw = random.Random(23)
+    for name, adrift in (("dyad6_scotch_yoke", 1), ("dyad7_oldham_coupling", 1), ("dyad8_tangent_mechanism", 2)):
+        for _ in range(5):
+            case = rule_masses(name)
+            at = case.index("ARCL=") + 5
+            end = case.index("GAMA=")
+            lengths = [v if float(v) == 0.0 else "%.6f" % (float(v)*draw.uniform(.98, 1.02)) for v in re.findall(r"[-\d.E+]+", case[at:end])]
+            case = case[:at] + ",".join(lengths) + ", " + case[end:]
+            for item, low, high in (("MASS", .1, 3.0), ("MDIST", 1.0, 90.0), ("MANG", -180.0, 180.0)):
+                case = re.sub(r"(\s%s=)([^A-Z]*)" % item, lambda m: m.group(1) + ",".join(
+                    "%.4f" % draw.uniform(low, high) for _ in m.group(2).strip(", \n").split(",")) + ",\n  ", case, count=1)
+            code, results, listing, error = muscle(case, place)
+            check(code == 1 and results.get("feasible") is False and len(results["adrift"]) == adrift,
+                  "random " + name + ": refused", (code, error[:300]))
+            check(all(link in listing and link in error for link in results.get("adrift", ["?"])), "random " + name + ": named", error)
 
 
 # ---- hard cases ----------------------------------------------------------------------------------------------------------
@@ -533,7 +617,9 @@ if __name__ == "__main__":
         ten_bar(folder)
         example_10u(folder)
         against_global_search(folder)
+        against_global_searches(folder)
         random_linkages(folder)
+        random_adrift(folder)
         hard_cases(folder)
         bad_input(folder)
         springs_of_haines(folder)
