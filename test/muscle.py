@@ -579,6 +579,22 @@ def sketches(place):
           "sketch: links by their names", (error, results.get("sets")))
     close(results["composite"]["after"], by_loops["composite"]["after"], 1e-6, "sketch: the same composite as by loops")
     kalm_agrees(place, results, results["optimum"], "sketch")
+    # a lever whose own arc is the way of a block on it, and a link that is counted from a joint with one
+    quick = data("quick_return.nml")
+    quick = quick[quick.index("QUICK"):] + """ &RATES SPEED=60.0, UNITS='REV/MIN' &END
+ &MASSES NMASS=3, MNAME='crank O','lever L','rod B', MASS=1.0,3.0,1.0, MDIST=20.0,150.0,50.0, MINERT=3*0.001, UNITL=0.001 &END
+"""
+    code, results, listing, error = muscle(
+        quick + " &BALANC NWEIGH=3, WNAME='crank O','lever L','rod B', WFORM='BODY', WREACH=60.0, WMOST=5.0, TOLF=1.0, TOLM=1.0 &END\n", place)
+    check(len(results["optimum"]["weights"]) == 2, "sketch with a slide: two weights", results["optimum"]["weights"])
+    lever = results["optimum"]["weights"][1]
+    check(lever["link"] == "lever" and abs(abs(lever["angle"]) - 180) < 5, "sketch with a slide: angles count from the lever's line", lever)
+    kalm_agrees(place, results, results["optimum"], "sketch with a slide")
+    code, results, listing, error = muscle(
+        quick + " &SPRNGS NSFIND=1, PNAME='frame', QNAME='lever B', PREACH=100.0, QREACH=50.0, NSSTRT=4 &END\n", place)
+    check(code == 0 and "spring_load" in results, "sketch with a slide: a spring", error)
+    torque = drive_of_kalm(place)
+    close(max(torque) - min(torque), results["spring_load"]["after"], 1e-6, "sketch with a slide: kalm's range of the torque")
 
 
 # ---- pictures ---------------------------------------------------------------------------------------------------------------

@@ -15,6 +15,7 @@ module psalm_data_set
    use psalm_drive_group, only: drive_group_t, hill_group_t, read_drive_group, read_hill_group
    use psalm_group_table, only: program_of, program_reads, is_users, nearest_group
    use psalm_group, only: group_t, read_flag, check_flags, check_range, out_of, required
+   use psalm_link_place, only: place_t
    use psalm_load_group, only: load_group_t, read_load_group
    use psalm_mark, only: mark_t
    use psalm_mass_group, only: mass_group_t, read_mass_group
@@ -118,6 +119,7 @@ module psalm_data_set
       character(:), allocatable :: no_loops !! why it has no loops and is solved in the poses of its links; not allocated: it has
       character(sketch_name), allocatable :: end_names(:, :, :) !! shape (2, maxarc, nloop): joints at the ends of its arcs
       integer, allocatable :: link_of_arc(:, :)  !! shape (maxarc, nloop): the link of the sketch
+      type(place_t), allocatable :: link_places(:) !! by link of the sketch: its first joint, the line to its second one
       integer, allocatable :: slide_of_arc(:, :) !! shape (maxarc, nloop): the slide of the sketch that it runs along, 0: none
       character(:), allocatable :: chosen  !! the loops chosen for it, in words; not allocated: none
       type(mass_group_t) :: masses         !! MASSES (this and the next four are read for kalm and balm only)

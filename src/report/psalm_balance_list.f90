@@ -23,7 +23,11 @@ contains
       call text%add()
       call text%add(' COUNTERWEIGHTS: KILOGRAMS, NEWTONS, NEWTON METRES; ONE UNIT OF LENGTH IS'//general(set%masses%metre)// &
                     ' METRES')
-      call text%add(' PLACES ARE COUNTED FROM THE ANCHOR, ANGLES FROM THE DIRECTION OF THE LINK''S OWN ARC')
+      if (set%sketch%given) then
+         call text%add(' PLACES ARE COUNTED FROM THE ANCHOR, ANGLES FROM THE LINE BETWEEN THE LINK''S FIRST TWO JOINTS')
+      else
+         call text%add(' PLACES ARE COUNTED FROM THE ANCHOR, ANGLES FROM THE DIRECTION OF THE LINK''S OWN ARC')
+      end if
       call list_feasibility(study, text)
       if (study%feasible) call list_designs(set, study, text)
       if (size(study%budgets) > 0) call list_budgets(study, text)

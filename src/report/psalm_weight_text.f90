@@ -2,7 +2,7 @@
 module psalm_weight_text
    use psalm_balance_study, only: outcome_t
    use psalm_data_set, only: data_set_t
-   use psalm_kinds, only: wp, half_turn
+   use psalm_kinds, only: wp
    use psalm_link_place, only: place_t
    use psalm_mechanism, only: mechanism_t, at_start
    use psalm_text, only: text_t, full_precision, to_text
@@ -91,22 +91,17 @@ contains
       call write_reals(letter//'ANG', places%angle, text)
    end subroutine write_places
 
-   !> A place at a body's own arc, by the names of the joints at its ends.
+   !> A place on the line of a link, by the names of its joints.
    subroutine name_place(set, place)
       type(data_set_t), intent(in) :: set
       type(place_t), intent(inout) :: place
-      integer :: k
 
-      place%link = set%link_of_arc(place%arc, place%loop)
-      do k = 1, 2
-         place%line(k) = set%sketch%joint_called(trim(set%end_names(k, place%arc, place%loop)))
-      end do
-      place%joint = place%line(merge(1, 2, place%from_start))
+      associate (line => set%link_places(set%link_of_arc(place%arc, place%loop)))
+         place%link = line%link
+         place%joint = line%joint
+         place%line = line%line
+      end associate
       place%written = [place%distance, place%angle]
-      if (place%from_start) return
-      ! counted from the line that begins at the joint
-      place%line = place%line([2, 1])
-      place%written(2) = place%angle - half_turn
    end subroutine name_place
 
    !> A place as a sketch names it.

@@ -300,13 +300,22 @@ contains
       end if
    end subroutine fill_arrays
 
-   !> Arcs for the places of masses, loads, springs, friction and weights, which are given by names.
+   !> Arcs for the links, and for the places of masses, loads, springs, friction and weights, which are given by names.
    subroutine fill_places(loops, state, set)
       type(loops_t), intent(in) :: loops
       type(state_t), intent(in) :: state
       type(data_set_t), intent(inout) :: set
       integer :: k
 
+      allocate (set%link_places(size(set%sketch%links)))
+      do k = 1, size(set%sketch%links)
+         associate (place => set%link_places(k), joints => set%sketch%links(k)%joints)
+            place%link = k
+            if (size(joints) > 0) place%joint = joints(1)
+            if (size(joints) > 1) place%line = joints(:2)
+            call put(place)
+         end associate
+      end do
       do k = 1, size(set%masses%places)
          call put(set%masses%places(k))
       end do

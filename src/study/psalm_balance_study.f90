@@ -40,8 +40,8 @@ module psalm_balance_study
       integer :: body = 0
       character(:), allocatable :: link            !! name
       real(wp) :: mass = 0.0_wp                    !! kg
-      real(wp) :: distance = 0.0_wp, angle = 0.0_wp !! of its centre from the anchor, user's length, degrees in the link's axes
-      real(wp) :: from_end = 0.0_wp, angle_end = 0.0_wp !! the same from the end that the link's own arc is counted from
+      real(wp) :: distance = 0.0_wp, angle = 0.0_wp !! of its centre from the anchor, user's length, degrees from the link's line
+      real(wp) :: from_end = 0.0_wp, angle_end = 0.0_wp !! the same from where that line begins
       real(wp) :: inertia = 0.0_wp                 !! about its centre, kg m2
       real(wp) :: place(2) = 0.0_wp                !! of its centre from the reference of its link, m
       real(wp) :: radius = 0.0_wp, thickness = 0.0_wp !! of a disc, user's length
@@ -71,6 +71,9 @@ module psalm_balance_study
       integer, allocatable :: out_of_reach(:)      !! bodies that weights on the links allowed cannot balance
       integer, allocatable :: allowed(:)           !! bodies that may carry a weight
       integer, allocatable :: anchors(:)           !! by body: its arc that ends there, negative: starts; 0: unknown
+      ! the line of a link: its own arc; of a sketch the line from its first to its second joint
+      real(wp), allocatable :: line_from(:, :)     !! shape (2, bodies): where it begins, from the reference, axes of the body, m
+      real(wp), allocatable :: line_angle(:)       !! by body: its direction in the axes of the body, degrees
       logical :: feasible = .false.                !! complete balance is possible
       logical :: already = .false.                 !! without any weight
       real(wp) :: left = 0.0_wp                    !! part of the imbalance that no weights on them can balance
@@ -241,6 +244,7 @@ contains
       type(spot_t) :: spot
       integer :: b, k, state, next
 
+      call find_lines(set, mechanism, dimensions, model, study)
       allocate (anchor(2, size(model%reference)), source=0.0_wp)
       do b = body_frame + 1, size(model%reference)
          if (pins%anchor(b) == 0) cycle
@@ -286,6 +290,26 @@ contains
          end associate
       end function room_of
    end subroutine place_anchors
+
+   !> The lines that angles of weights are counted from.
+   subroutine find_lines(set, mechanism, dimensions, model, study)
+      type(data_set_t), intent(in) :: set
+      type(mechanism_t), intent(in) :: mechanism
+      type(dimensions_t), intent(in) :: dimensions
+      type(force_model_t), intent(in) :: model
+      type(balance_study_t), intent(inout) :: study
+      type(spot_t) :: spot
+      integer :: link, state
+
+      allocate (study%line_from(2, size(model%reference)), study%line_angle(size(model%reference)), source=0.0_wp)
+      if (.not. set%sketch%given) return
+      do link = 1, size(set%link_places)
+         call spot_of_place(mechanism, dimensions, model%reference, set%link_places(link), spot, state)
+         if (state /= place_right .or. spot%body == body_frame) cycle
+         study%line_from(:, spot%body) = spot%at*model%metre
+         study%line_angle(spot%body) = degrees_of(spot%along(1), spot%along(2))
+      end do
+   end subroutine find_lines
 
    !> Shaking force and moment, drive and joints as they depend on weights. Shaking is of inertia alone; drive and joints feel
    !> weight, loads and springs too.
@@ -530,23 +554,25 @@ contains
          if (weight%inertia <= 1.0e-12_wp*added(weight_inertia, b)) weight%inertia = 0.0_wp
          weight%distance = hypotenuse(centre(1), centre(2))/model%metre
          weight%angle = 0.0_wp
-         if (weight%distance > 0.0_wp) weight%angle = plain(degrees_of(centre(1), centre(2)))
+         if (weight%distance > 0.0_wp) weight%angle = plain(degrees_of(centre(1), centre(2)) - study%line_angle(b))
          place = centre + anchor(:, b)
          weight%place = place
+         place = place - study%line_from(:, b)
          weight%from_end = hypotenuse(place(1), place(2))/model%metre
          weight%angle_end = 0.0_wp
-         if (weight%from_end > 0.0_wp) weight%angle_end = plain(degrees_of(place(1), place(2)))
+         if (weight%from_end > 0.0_wp) weight%angle_end = plain(degrees_of(place(1), place(2)) - study%line_angle(b))
          outcome%weights = [outcome%weights, weight]
       end do
       outcome%total = sum(outcome%weights%mass)
       outcome%loads = [(measure_of(study%channels(k), added), k=1, size(study%channels))]
    end subroutine describe
 
-   !> A direction without the rounding of one along the link.
+   !> A direction within half a turn, without the rounding of one along the link.
    pure real(wp) function plain(angle)
       real(wp), intent(in) :: angle
 
       plain = angle
+      if (abs(plain) > half_turn) plain = plain - sign(2.0_wp*half_turn, plain)
       if (abs(plain) <= rounding_of_angles) plain = 0.0_wp
       if (abs(abs(plain) - half_turn) <= rounding_of_angles) plain = half_turn
    end function plain

@@ -7,7 +7,8 @@ module psalm_spring_study
    use psalm_elementary, only: hypotenuse
    use psalm_error, only: problem_t, motion_t
    use psalm_force_analysis, only: force_table_t, analyse_forces, loads_of_unit_wrenches, column_of_joint, column_drive
-   use psalm_force_model, only: force_model_t, spot_t, make_force_model, vertices_of, joint_at, spot_of_place, place_right
+   use psalm_force_model, only: force_model_t, spot_t, make_force_model, vertices_of, joint_at, spot_of_place, place_right, &
+                                place_nowhere
    use psalm_kinds, only: wp, pi, full_turn
    use psalm_link_place, only: place_t
    use psalm_mechanism, only: mechanism_t, joint_prismatic
@@ -318,11 +319,20 @@ contains
                   if (e == 1) place = set%spring_design%first(k)
                   if (e == 2) place = set%spring_design%second(k)
                   call spot_of_place(mechanism, dimensions, model%reference, place, spot, state)
-                  place%distance = 0.0_wp
-                  call spot_of_place(mechanism, dimensions, model%reference, place, bare, state)
+                  state = place_nowhere
+                  if (set%sketch%given) call spot_of_place(mechanism, dimensions, model%reference, set%link_places(place%link), &
+                                                           bare, state)
+                  if (state == place_right) then
+                     ! from the first joint of the link: the joint that was named need not be an end of an arc
+                     place%joint = set%link_places(place%link)%joint
+                     place%line = set%link_places(place%link)%line
+                  else
+                     place%distance = 0.0_wp
+                     call spot_of_place(mechanism, dimensions, model%reference, place, bare, state)
+                  end if
                   from = spot%at + at/model%metre - bare%at
                   result%at(:, e) = from
-                  from = [from(1)*spot%along(1) + from(2)*spot%along(2), from(2)*spot%along(1) - from(1)*spot%along(2)]
+                  from = [from(1)*bare%along(1) + from(2)*bare%along(2), from(2)*bare%along(1) - from(1)*bare%along(2)]
                   place%distance = hypotenuse(from(1), from(2))
                   place%angle = 0.0_wp
                   if (place%distance > 0.0_wp) place%angle = degrees_of(from(1), from(2))
