@@ -136,6 +136,14 @@ def counts(place):
         check(code in (0, 1) and results.get("feasible") is True, name + " can be balanced", error)
         check((results["counterweights"], results["minimal_sets"]) == (number, sets), name + ": number and sets",
               (results["counterweights"], results["minimal_sets"]))
+    shaper = data("quick_return.nml")
+    code, results, _, error = muscle(
+        shaper[shaper.index("QUICK"):] + " &RATES SPEED=60.0, UNITS='REV/MIN' &END\n &MASSES NMASS=5, MNAME='crank O','block','lever L',"
+        "'rod B','ram', MASS=1.0,0.2,3.0,1.0,4.0, MDIST=20.0,0.0,150.0,50.0,0.0, MINERT=5*0.001, UNITL=0.001 &END\n"
+        " &BALANC WREACH=300.0, WMOST=1000.0 &END\n", place)
+    check(code == 0 and (results.get("counterweights"), results.get("minimal_sets")) == (3, 2), "shaper: three weights, two sets",
+          (error, results.get("counterweights"), results.get("minimal_sets")))
+    check(all(d["after"]["force"]["rms"] <= 1e-9*results["before"]["force"]["rms"] for d in results["designs"]), "shaper: no force is left")
     refused = {"dyad6_scotch_yoke": 1, "dyad7_oldham_coupling": 1, "textile": 1, "actuator_rapson_slide": 2,
                "dyad8_tangent_mechanism": 2, "actuator_davis_steering": 3}
     for name, adrift in refused.items():
@@ -412,6 +420,13 @@ def hard_cases(place):
     check(results["minimal_sets"] == 2, "parallelogram: on either of the links that turn", results["sets"])
     check(all(d["after"]["force"]["rms"] <= 1e-10*results["before"]["force"]["rms"] for d in results["designs"]),
           "parallelogram: no force is left")
+    kite = parallelogram.replace("PARALLELOGRAM", "KITE").replace("ARCL=40.0,100.0,40.0,100.0", "ARCL=40.0,40.0,100.0,100.0").replace(
+        "CRNKI=10.0", "CRNKI=90.0")
+    code, results, _, error = muscle(kite + arms + " &BALANC WREACH=90.0, WMOST=1000.0 &END\n", place)
+    check(code == 0 and (results.get("counterweights"), results.get("minimal_sets")) == (2, 3), "kite: two weights, three sets",
+          (code, results.get("counterweights"), results.get("minimal_sets"), error))
+    check(results["designs"] and all(d["after"]["force"]["rms"] <= 1e-9*results["before"]["force"]["rms"] for d in results["designs"]),
+          "kite: no force is left")
     four_bar = data("muscle/haines_bodies.nml")
     code, results, listing, error = muscle(four_bar.replace("WREACH=0.1", "WREACH=3*0.0"), place)
     check(code == 1 and results["feasible"] is False and results["allowed"] == [], "no reach: no weights", error)
