@@ -81,6 +81,11 @@ def values(n):
             + ",".join("90." for _ in range(half)) + " &END\n &LIMITS TANGLE=90. &END\n")
 
 
+def columns(n):
+    """One loop in arrays of n columns."""
+    return changed(CASE, "MAXARC=4", f"MAXARC={n}")
+
+
 def positions(n):
     """n positions of an analysis, evenly spaced."""
     return f"SIZE\n{LINKS} &METHOD MOTION=1, NDES={n}, DELT={delt(n)} &END\n &LIMITS TANGLE=90. &END\n"
@@ -100,6 +105,7 @@ SIZES = [
     ("cases", "psalm", cases, 400, 10_000, (0,)),
     ("loops announced", "psalm", many_loops, 50_000, 100_000, (2,)),
     ("wrong loops", "psalm", wrong_loops, 20_000, 100_000, (2,)),
+    ("columns", "psalm", columns, 16_000, 32_000, (0,)),
     ("values", "psalm", values, 50_000, 1_000_000, (0,)),
     ("positions", "psalm", positions, 50_000, 1_000_000, (0,)),
     ("positions", "balm", positions, 50_000, 1_000_000, (0,)),

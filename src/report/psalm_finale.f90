@@ -77,15 +77,14 @@ contains
       integer, intent(in) :: count
       type(text_t), intent(inout) :: text
       character(column) :: head
-      character(:), allocatable :: line
+      type(text_t) :: row              ! grows in time linear in its length
       integer :: i
 
-      line = ''
       do i = 1, count
          head = letter//to_text(i)
-         line = line//adjustr(head)
+         call row%add_text(adjustr(head))
       end do
-      call text%add(line)
+      call text%add(row%content())
    end subroutine column_heads
 
    !> One row for each loop, three decimals.
@@ -93,15 +92,16 @@ contains
       real(wp), intent(in) :: values(:, :) !! shape (columns, loops)
       logical, intent(in) :: tie_away      !! ties away from zero
       type(text_t), intent(inout) :: text
-      character(:), allocatable :: line
+      type(text_t), allocatable :: row
       integer :: loop, a
 
       do loop = 1, size(values, 2)
-         line = ''
+         allocate (row)
          do a = 1, size(values, 1)
-            line = line//fixed(values(a, loop), column, 3, tie_away)
+            call row%add_text(fixed(values(a, loop), column, 3, tie_away))
          end do
-         call text%add(line)
+         call text%add(row%content())
+         deallocate (row)
       end do
    end subroutine arc_table
 
