@@ -11,6 +11,7 @@ program test_proof
    use psalm_plan, only: plan_t, make_plan
    use psalm_proof, only: proof_t, subject_t, prepare_subject, bind_subject, prove_closure, piece_closes, piece_opens, &
                           piece_undecided, cause_too_short, cause_difference, cause_guide, cause_link, touch_exact
+   use psalm_proof_ranges, only: extreme_t, prove_extremes, prove_tolerance
    use psalm_quad, only: qp, unit_vector_quad
    use psalm_taylor, only: lanes, degree, multiply, range_of, reciprocal, square_root, turn_crank, norm_of, rounding
    use psalm_xoshiro, only: xoshiro_t
@@ -64,6 +65,7 @@ program test_proof
    call prove_turn()
    call t%is_true(proof%closes_everywhere(), 'the needle linkage turns fully')
    call t%is_true(proof%fine_boxes == 0 .and. proof%boxes <= 16, 'a wide margin is proven in few boxes')
+   call check_extremes()
 
    do k = 1, size(names)
       call agrees_with_samples(names(k))
@@ -98,6 +100,56 @@ contains
       call bind_subject(plan, dimensions, subject)
       call prove_closure(subject, from, to, proof)
    end subroutine prove
+
+   !> Transmission angles in degrees, computed in 50 digits, and what the lengths alone say of tolerances.
+   subroutine check_extremes()
+      type(subject_t) :: subject
+      type(extreme_t), allocatable :: extremes(:)
+      type(plan_t) :: plan
+      real(wp) :: tolerance
+      integer :: boxes(2)
+
+      ! the needle linkage
+      call prove_turn()
+      plan = make_plan(problem%mechanism, problem%motion, everything=.true., all_roots=.false.)
+      call prepare_subject(problem%mechanism, plan, subject)
+      call bind_subject(plan, dimensions, subject)
+      call prove_extremes(subject, proof, extremes, boxes)
+      call t%equal_integer(size(extremes), 4, 'the needle linkage has four transmission angles')
+      call holds(extremes(1), 55.629566864372296_wp, 58.3591_wp, 82.296817292824374_wp, 238.3591_wp, 'loop 1')
+      call holds(extremes(2), 55.435241336673324_wp, 91.9525_wp, 135.85560262535641_wp, 271.9525_wp, 'loop 2')
+      call holds(extremes(3), 62.013712565713751_wp, 165.465584877_wp, 111.17352686010631_wp, 266.072665573_wp, 'loop 3')
+      call holds(extremes(4), 78.870740311878348_wp, 334.454869784_wp, 85.867085518809795_wp, 157.893040857_wp, 'loop 4')
+      ! a crank-rocker: the sum of crank and frame is 18.88391998183876 short of the links, which four deviations close
+      call load_case('dyad1_crank_rocker', problem, set)
+      call four_bar([30.0_wp, 60.0_wp, 68.88391998183876_wp, 80.0_wp])
+      call prepare_subject(problem%mechanism, plan_of(), subject)
+      call bind_subject(plan_of(), dimensions, subject)
+      call prove_extremes(subject, proof, extremes, boxes)
+      call holds(extremes(1), 45.0_wp - 1.0e-15_wp, 200.25_wp, 117.01780160191131_wp, 20.25_wp, 'crank-rocker')
+      call prove_tolerance(subject, 0.0_wp, full_turn, 8.0_wp, tolerance)
+      call t%is_true(tolerance <= 18.88391998183876_wp/4.0_wp, 'no tolerance is proven at which the linkage opens')
+      call t%is_true(tolerance >= 18.88391998183876_wp/4.0_wp - 0.01_wp, 'a tolerance is proven that is hardly less')
+   end subroutine check_extremes
+
+   type(plan_t) function plan_of()
+      plan_of = make_plan(problem%mechanism, problem%motion, everything=.true., all_roots=.false.)
+   end function plan_of
+
+   !> The brackets hold the values, and are narrow.
+   subroutine holds(extreme, least, least_at, greatest, greatest_at, what)
+      type(extreme_t), intent(in) :: extreme
+      real(wp), intent(in) :: least, least_at, greatest, greatest_at
+      character(*), intent(in) :: what
+      real(wp), parameter :: narrow = 6.0e-14_wp, near = 2.0e-6_wp  !! degrees; an extreme is flat
+
+      call t%is_true(extreme%least_low <= least .and. least <= extreme%least_high .and. extreme%least_high - extreme%least_low &
+                     <= narrow, what//': least transmission angle')
+      call t%is_true(extreme%greatest_low <= greatest .and. greatest <= extreme%greatest_high .and. &
+                     extreme%greatest_high - extreme%greatest_low <= narrow, what//': greatest transmission angle')
+      call t%is_true(abs(extreme%least_at - least_at) <= near .and. abs(extreme%greatest_at - greatest_at) <= near, &
+                     what//': places of the extremes')
+   end subroutine holds
 
    !> The full turn closes but for one part between two ends.
    subroutine opens_between(from, to, loop, cause, what)
@@ -177,7 +229,7 @@ contains
          e = tail + rounding*na*nb
          call compare(1, a, b, c, e, outside(1))
          call range_of(a, zero, low, high)
-         a(:, 0) = a(:, 0) + max(0.0_wp, 0.1_wp - low)
+         a(:, 0) = a(:, 0) + max(0.0_wp, 10.0_wp**(-1 - 12*modulo(trial, 2)) - low)
          call range_of(a, zero, low, high)
          call reciprocal(a, zero, low, c, e)
          call compare(2, a, b, c, e, outside(2))

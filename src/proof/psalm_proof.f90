@@ -8,24 +8,26 @@ module psalm_proof
    use psalm_exact_sum, only: sign_of_sum
    use psalm_kinds, only: wp
    use psalm_mechanism, only: mechanism_t
+   use psalm_output_kind, only: output_kind_t, output_kind
    use psalm_plan, only: plan_t, root_crank, root_frame
    use psalm_proof_closure, only: piece_t, find_pieces
    use psalm_proof_closure_quad, only: fine_piece_t => piece_t, find_fine_pieces => find_pieces, join_pieces
    use psalm_proof_groups, only: numbers_t, models_t, prepare_models
    use psalm_proof_groups_quad, only: fine_numbers_t => numbers_t, fine_models_t => models_t, prepare_fine_models => prepare_models
    use psalm_proof_pieces, only: piece_closes, piece_opens, piece_undecided
-   use psalm_proof_plan, only: proof_plan_t, make_proof_plan, cause_too_short, cause_difference, cause_guide, cause_link, &
-                               cause_parallel
+   use psalm_proof_plan, only: proof_plan_t, proof_step_t, make_proof_plan, path_of, cause_too_short, cause_difference, &
+                               cause_guide, cause_link, cause_parallel
    use psalm_quad, only: qp, unit_vector_quad
    implicit none (type, external)
    private
-   public :: proof_t, limit_t, subject_t, prepare_subject, bind_subject, prove_closure
-   public :: touch_none, touch_exact
+   public :: proof_t, limit_t, subject_t, prepare_subject, bind_subject, ready_subject, prove_closure
+   public :: touch_none, touch_exact, rounded
    public :: piece_closes, piece_opens, piece_undecided, cause_too_short, cause_difference, cause_guide, cause_link, cause_parallel
 
    integer, parameter :: touch_none = 0
    integer, parameter :: touch_exact = 1      !! the lengths as given add up exactly: a change point
 
+   real(qp), parameter :: right_angle = 90.0_qp
    integer, parameter :: first_boxes = 8
    integer, parameter :: most_boxes = 20000, most_fine_boxes = 2000
 
@@ -36,6 +38,8 @@ module psalm_proof
       type(models_t) :: models
       type(fine_numbers_t) :: fine_numbers
       type(fine_models_t) :: fine_models
+      integer, allocatable :: output_path(:)    !! steps to the output point; empty: the output is none
+      integer :: output_arc = 0                 !! the arc that the output arc hangs on
    end type subject_t
 
    !> A part of the range and what is proven of it.
@@ -67,7 +71,35 @@ contains
       type(subject_t), intent(out) :: subject
 
       call make_proof_plan(mechanism, plan, subject%plan)
+      call add_output(mechanism, plan, subject)
    end subroutine prepare_subject
+
+   !> The way to the output point: an arc from the machine's origin to the input pivot, the plan's arcs, the output arc.
+   pure subroutine add_output(mechanism, plan, subject)
+      type(mechanism_t), intent(in) :: mechanism
+      type(plan_t), intent(in) :: plan
+      type(subject_t), intent(inout) :: subject
+      type(output_kind_t) :: kind
+      type(proof_step_t) :: pivot, tip
+      integer :: n, base
+
+      allocate (subject%output_path(0))
+      kind = output_kind(mechanism%outputs(1)%motion)
+      if (.not. kind%has_point) return
+      n = size(plan%root)
+      base = mechanism%outputs(1)%arc
+      pivot%arc = n + 1
+      pivot%fixed = .true.
+      tip%arc = n + 2
+      ! both lead to no point of the plan
+      associate (proof => subject%plan)
+         proof%root = [proof%root, root_frame, plan%root(base)]
+         proof%slot = [proof%slot, 0, 0]
+         subject%output_path = [size(proof%steps) + 1, path_of(proof, plan%output_point), size(proof%steps) + 2]
+         proof%steps = [proof%steps, pivot, tip]
+      end associate
+      subject%output_arc = base
+   end subroutine add_output
 
    !> Put the numbers of a linkage in. Cosines are formed in quadruple precision from the degrees as given.
    subroutine bind_subject(plan, dimensions, subject)
@@ -77,32 +109,48 @@ contains
       real(qp) :: angle(size(plan%root))
       integer :: k, n, b
 
-      n = size(plan%root)
+      angle = 0.0_qp
+      do k = 1, size(plan%order)
+         n = plan%order(k)
+         b = plan%base(n)
+         if (plan%takes_gama(n)) angle(n) = real(dimensions%gama(n), qp)
+         if (b > 0) angle(n) = angle(n) + angle(b) + right_angle*real(plan%quarter(n), qp)
+      end do
+      if (size(subject%output_path) == 0) then
+         call take_numbers(dimensions%arcl, angle, subject)
+      else
+         call take_numbers([dimensions%arcl, dimensions%origlk, dimensions%outlk], [angle, real(dimensions%origng, qp), &
+                           angle(subject%output_arc) + real(dimensions%outang, qp)], subject)
+      end if
+   end subroutine bind_subject
+
+   !> A linkage that is a plan and its dimensions by arc, made ready.
+   subroutine ready_subject(plan, lengths, angles, subject)
+      type(proof_plan_t), intent(in) :: plan
+      real(wp), intent(in) :: lengths(:), angles(:)   !! shape (arcs): angles from the roots, degrees
+      type(subject_t), intent(out) :: subject
+
+      subject%plan = plan
+      allocate (subject%output_path(0))
+      call take_numbers(lengths, real(angles, qp), subject)
+   end subroutine ready_subject
+
+   subroutine take_numbers(lengths, angles, subject)
+      real(wp), intent(in) :: lengths(:)
+      real(qp), intent(in) :: angles(:)               !! degrees
+      type(subject_t), intent(inout) :: subject
+      integer :: n
+
       associate (fine => subject%fine_numbers, rough => subject%numbers)
-         fine%x = [(1.0_qp, k=1, n)]
-         fine%y = [(0.0_qp, k=1, n)]
-         angle = 0.0_qp
-         do k = 1, size(plan%order)
-            n = plan%order(k)
-            b = plan%base(n)
-            if (plan%takes_gama(n)) then
-               angle(n) = real(dimensions%gama(n), qp)
-               if (b > 0) angle(n) = angle(n) + angle(b)
-               call unit_vector_quad(angle(n), fine%x(n), fine%y(n))
-            else if (b > 0) then
-               angle(n) = angle(b) + 90.0_qp*real(plan%quarter(n), qp)
-               fine%x(n) = fine%x(b)
-               fine%y(n) = fine%y(b)
-               if (plan%quarter(n) /= 0) then
-                  fine%x(n) = -real(plan%quarter(n), qp)*fine%y(b)
-                  fine%y(n) = real(plan%quarter(n), qp)*fine%x(b)
-               end if
-            end if
+         fine%x = 0.0_qp*angles
+         fine%y = fine%x
+         do n = 1, size(angles)
+            call unit_vector_quad(angles(n), fine%x(n), fine%y(n))
          end do
          ! the longest arc between 1 and 2: a power of two changes no digit
-         rough%scale = scale(1.0_wp, 1 - exponent(maxval(dimensions%arcl)))
+         rough%scale = scale(1.0_wp, 1 - exponent(maxval(lengths)))
          fine%scale = real(rough%scale, qp)
-         rough%length = dimensions%arcl*rough%scale
+         rough%length = lengths*rough%scale
          fine%length = real(rough%length, qp)
          rough%x = real(fine%x, wp)
          rough%y = real(fine%y, wp)
@@ -113,7 +161,7 @@ contains
       end associate
       call prepare_models(subject%plan, subject%numbers, subject%models)
       call prepare_fine_models(subject%plan, subject%fine_numbers, subject%fine_models)
-   end subroutine bind_subject
+   end subroutine take_numbers
 
    !> Where the linkage closes between two inputs.
    subroutine prove_closure(subject, from, to, proof)

@@ -8,7 +8,7 @@ module psalm_proof_plan
    use psalm_plan, only: plan_t, step_point, origin
    implicit none (type, external)
    private
-   public :: proof_plan_t, proof_step_t, make_proof_plan, path_of, measures_of, least_sine
+   public :: proof_plan_t, proof_step_t, make_proof_plan, complete_plan, path_of, measures_of, least_sine
    public :: cause_too_short, cause_difference, cause_guide, cause_link, cause_parallel
 
    integer, parameter :: cause_too_short = 1   !! both links together are too short
@@ -26,6 +26,7 @@ module psalm_proof_plan
       integer :: from = 0, to = 0           !! points: of an arc its ends, of a dyad S and E
       integer :: arc = 0, sense = 1         !! arc
       integer :: p = 0, q = 0               !! dyad: its arcs
+      integer :: places(2) = 0              !! dyad: numbers of its arcs in the loop
       logical :: wants(2) = .false.         !! dyad: something hangs on the direction of p, of q
       integer, allocatable :: terms(:)      !! dyad: steps whose arcs add up to E - S,
       integer, allocatable :: senses(:)     !! +1 or -1
@@ -52,11 +53,9 @@ contains
       type(mechanism_t), intent(in) :: mechanism
       type(plan_t), intent(in) :: plan
       type(proof_plan_t), intent(out) :: proof
-      integer :: k, m, loop
+      integer :: k, loop
 
       allocate (proof%steps(size(plan%steps)))
-      allocate (proof%loop_of(0), proof%cause_of(0))
-      allocate (proof%made_by(plan%npoints), source=0)
       proof%root = plan%root
       proof%slot = plan%length_slot
       proof%nroots = plan%nroots
@@ -71,7 +70,6 @@ contains
             if (step%kind == step_point) then
                own%arc = step%arc
                own%sense = step%sense
-               proof%made_by(step%to) = k
                cycle
             end if
             loop = step%loop
@@ -81,16 +79,36 @@ contains
             own%sign = mechanism%groups(loop)%sign
             own%p = mechanism%groups(loop)%members(1)
             own%q = mechanism%groups(loop)%members(2)
+            own%places = [mechanism%place(1, loop), mechanism%place(2, loop)]
             own%wants = plan%used([plan%root(own%p), plan%root(own%q)])
+         end associate
+      end do
+      call complete_plan(proof)
+   end subroutine make_proof_plan
+
+   !> Fill in what follows from the steps: closure measures, the arcs from S to E of each dyad.
+   pure subroutine complete_plan(proof)
+      type(proof_plan_t), intent(inout) :: proof   !! with its steps, roots and slots
+      integer :: k, m
+
+      proof%nmeasures = 0
+      allocate (proof%loop_of(0), proof%cause_of(0))
+      allocate (proof%made_by(maxval(proof%steps%to)), source=0)
+      do k = 1, size(proof%steps)
+         associate (own => proof%steps(k))
+            if (.not. own%dyad) then
+               proof%made_by(own%to) = k
+               cycle
+            end if
             own%measure = proof%nmeasures + 1
             m = measures_of(own%kind)
             proof%nmeasures = proof%nmeasures + m
-            proof%loop_of = [proof%loop_of, spread(loop, 1, m)]
+            proof%loop_of = [proof%loop_of, spread(own%loop, 1, m)]
             proof%cause_of = [proof%cause_of, causes_of(own%kind)]
          end associate
          call find_terms(proof, k)
       end do
-   end subroutine make_proof_plan
+   end subroutine complete_plan
 
    !> Closure measures of a kind of dyad.
    pure integer function measures_of(kind)

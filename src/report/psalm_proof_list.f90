@@ -5,11 +5,15 @@ module psalm_proof_list
    use psalm_kinds, only: wp, dp
    use psalm_proof, only: proof_t, limit_t, touch_exact, piece_closes, piece_opens, piece_undecided, cause_too_short, &
                           cause_difference, cause_guide, cause_link, cause_parallel
+   use psalm_proof_ranges, only: extreme_t, extreme_angle, extreme_slide, extreme_x
    use psalm_proof_study, only: proof_study_t
    use psalm_text, only: text_t, full_precision, general, to_text
    implicit none (type, external)
    private
    public :: list_proof, write_proof, describe_proof
+
+   integer, parameter :: value_columns = 17, place_columns = 11
+   real(wp), parameter :: certain = 1.0e-9_wp       !! relative width of a bracket that is told as one number
 
    integer, parameter :: width = 16, decimals = 12  !! of an angle
    real(wp), parameter :: narrow = 1.0e-12_wp       !! of the range: an end bracketed so is told as one number
@@ -32,14 +36,118 @@ contains
             else
                call text%add('   CLOSES FOR EVERY INPUT OF THE RANGE')
             end if
-            return
+            call list_tolerance(study, text)
+         else
+            do i = 1, size(proof%limits)
+               call list_limit(proof, i, text)
+            end do
+            call list_circuits(study, text)
          end if
-         do i = 1, size(proof%limits)
-            call list_limit(proof, i, text)
-         end do
       end associate
-      call list_circuits(study, text)
+      call list_extremes(study, text)
    end subroutine list_proof
+
+   !> Deviations of the lengths for which the proof still holds.
+   subroutine list_tolerance(study, text)
+      type(proof_study_t), intent(in) :: study
+      type(text_t), intent(inout) :: text
+
+      if (study%tolerance <= 0.0_wp) return
+      call text%add('   PROVEN FOR DEVIATIONS OF ALL LENGTHS UP TO '//shown(study%tolerance, -1)// &
+                    trim(merge(' (LARGER ONES NOT TRIED)', repeat(' ', 24), study%tolerance >= study%largest_tried)))
+   end subroutine list_tolerance
+
+   !> Least and greatest values over what closes.
+   subroutine list_extremes(study, text)
+      type(proof_study_t), intent(in) :: study
+      type(text_t), intent(inout) :: text
+      integer :: i
+
+      if (count(study%extremes%found) == 0) return
+      call text%add('   QUANTITY                                      LEAST         AT         GREATEST         AT')
+      do i = 1, size(study%extremes)
+         associate (extreme => study%extremes(i))
+            if (.not. extreme%found) cycle
+            call text%add('   '//extreme_name(extreme)//bracket(extreme%least_low, extreme%least_high, -1)// &
+                          place_text(extreme%least_at)//bracket(extreme%greatest_low, extreme%greatest_high, 1)// &
+                          place_text(extreme%greatest_at))
+            if (is_wide(extreme%least_low, extreme%least_high)) &
+               call text%add('     LEAST NOT ABOVE '//shown(extreme%least_high, 1))
+            if (is_wide(extreme%greatest_low, extreme%greatest_high)) &
+               call text%add('     GREATEST NOT BELOW '//shown(extreme%greatest_low, -1))
+         end associate
+      end do
+
+   contains
+
+      !> The outer end of a bracket, rounded outwards.
+      function bracket(low, high, way) result(columns)
+         real(wp), intent(in) :: low, high
+         integer, intent(in) :: way
+         character(value_columns) :: columns
+
+         columns = adjustr(pad(shown(merge(low, high, way < 0), way)))
+      end function bracket
+
+      pure logical function is_wide(low, high)
+         real(wp), intent(in) :: low, high
+
+         is_wide = high - low > certain*max(abs(low), abs(high), 1.0_wp)
+      end function is_wide
+
+      pure function pad(words) result(columns)
+         character(*), intent(in) :: words
+         character(value_columns) :: columns
+
+         columns = words
+      end function pad
+
+      pure function place_text(input) result(columns)
+         real(wp), intent(in) :: input
+         character(place_columns) :: columns
+         character(15) :: digits
+
+         digits = general(input)
+         columns = adjustr(digits(15 - place_columns + 1:))
+      end function place_text
+   end subroutine list_extremes
+
+   pure function extreme_name(extreme) result(columns)
+      type(extreme_t), intent(in) :: extreme
+      character(34) :: columns
+
+      select case (extreme%kind)
+      case (extreme_angle)
+         columns = 'TRANSMISSION ANGLE, LOOP '//to_text(extreme%loop)
+      case (extreme_slide)
+         columns = 'SLIDE, LOOP '//to_text(extreme%loop)//', ARC '//to_text(extreme%place)
+      case (extreme_x)
+         columns = 'OUTPUT POINT, X'
+      case default
+         columns = 'OUTPUT POINT, Y'
+      end select
+   end function extreme_name
+
+   !> Eight digits of a number, rounded down (-1) or up (+1).
+   function shown(value, way) result(text)
+      real(wp), intent(in) :: value
+      integer, intent(in) :: way
+      character(:), allocatable :: text
+      character(24) :: digits
+      real(dp) :: number, read_back, unit
+      integer :: i, power
+
+      number = real(value, dp)
+      write (digits, '(es16.7e3)') number
+      read (digits(index(digits, 'E') + 1:), *) power
+      unit = 10.0_dp**(power - 7)
+      do i = 0, 2
+         write (digits, '(g16.8)') number + real(way*i, dp)*unit
+         read (digits, *) read_back
+         if (real(way, dp)*(read_back - number) >= 0.0_dp) exit
+      end do
+      text = trim(adjustl(digits))
+   end function shown
 
    !> A part of the range that closes, is open or is undecided; a bracket of an end is in the numbers of its neighbours.
    subroutine list_limit(proof, i, text)
@@ -61,14 +169,16 @@ contains
       end associate
    end subroutine list_limit
 
-   !> True for a bracket between a part that closes and one that is open.
+   !> True for a bracket between a part that closes and one that is open, or between parts that are open for two reasons.
    pure logical function is_end(proof, i)
       type(proof_t), intent(in) :: proof
       integer, intent(in) :: i
 
       is_end = .false.
       if (i == 1 .or. i == size(proof%limits)) return
-      is_end = proof%limits(i - 1)%kind /= proof%limits(i + 1)%kind
+      associate (before => proof%limits(i - 1), after => proof%limits(i + 1))
+         is_end = before%kind /= after%kind .or. before%loop /= after%loop .or. before%cause /= after%cause
+      end associate
    end function is_end
 
    function undecided_words(proof, limit) result(words)
@@ -194,6 +304,8 @@ contains
       character(9), parameter :: kinds(3) = ['closes   ', 'opens    ', 'undecided']
       character(11), parameter :: causes(0:5) = ['none       ', 'too_short  ', 'difference ', 'guide      ', 'link       ', &
                                                  'parallel   ']
+      character(18), parameter :: quantities(4) = ['transmission_angle', 'slide             ', 'output_x          ', &
+                                                   'output_y          ']
       integer :: i
 
       if (text%length > 0) then
@@ -207,6 +319,21 @@ contains
          associate (limit => study%proof%limits(i))
             call text%add(trim(kinds(limit%kind))//' '//full_precision(limit%from)//' '//full_precision(limit%to)//' '// &
                           to_text(limit%loop)//' '//trim(causes(limit%cause)))
+         end associate
+      end do
+      if (count(study%extremes%found) == 0) return
+      call text%add()
+      call text%add()
+      call text%add('# block extremes')
+      call text%add('# quantity loop arc least_low least_high least_at greatest_low greatest_high greatest_at')
+      call text%add('# '//title)
+      do i = 1, size(study%extremes)
+         associate (extreme => study%extremes(i))
+            if (.not. extreme%found) cycle
+            call text%add(trim(quantities(extreme%kind))//' '//to_text(extreme%loop)//' '//to_text(extreme%place)//' '// &
+                          full_precision(extreme%least_low)//' '//full_precision(extreme%least_high)//' '// &
+                          full_precision(extreme%least_at)//' '//full_precision(extreme%greatest_low)//' '// &
+                          full_precision(extreme%greatest_high)//' '//full_precision(extreme%greatest_at))
          end associate
       end do
    end subroutine write_proof

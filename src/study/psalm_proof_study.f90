@@ -8,6 +8,7 @@ module psalm_proof_study
    use psalm_kinds, only: wp, full_turn
    use psalm_plan, only: plan_t, make_plan
    use psalm_proof, only: proof_t, subject_t, prepare_subject, bind_subject, prove_closure, piece_closes
+   use psalm_proof_ranges, only: extreme_t, prove_extremes, prove_tolerance
    implicit none (type, external)
    private
    public :: proof_study_t, study_proof, proof_of_turn, proof_of_inputs
@@ -15,10 +16,15 @@ module psalm_proof_study
    integer, parameter :: proof_of_turn = 1   !! IPROOF: over a full turn (a sliding input: over the range of the inputs)
    integer, parameter :: proof_of_inputs = 2 !! IPROOF: over the range of the prescribed inputs
 
+   real(wp), parameter :: part_of_longest = 0.1_wp !! of the longest arc: the largest deviation tried
+
    type :: proof_study_t
       logical :: empty = .false.             !! all inputs are the same: there is no range
       logical :: full_turn = .false.         !! the range is a full turn, whose end is its beginning
       type(proof_t) :: proof
+      type(extreme_t), allocatable :: extremes(:)
+      real(wp) :: tolerance = 0.0_wp         !! deviations of all lengths for which it is proven to close over the range
+      real(wp) :: largest_tried = 0.0_wp     !! larger ones were not tried
       integer, allocatable :: circuit(:)     !! by prescribed position: number of the part that closes without a gap; 0: none
       integer :: circuits = 0                !! such parts that hold prescribed positions
    contains
@@ -36,6 +42,7 @@ contains
       type(subject_t), allocatable :: subject
       type(plan_t) :: plan
       real(wp) :: from, to
+      integer :: boxes(2)
 
       study%full_turn = range == proof_of_turn .and. .not. problem%mechanism%sliding_input
       from = 0.0_wp
@@ -51,6 +58,11 @@ contains
       call prepare_subject(problem%mechanism, plan, subject)
       call bind_subject(plan, dimensions, subject)
       call prove_closure(subject, from, to, study%proof)
+      call prove_extremes(subject, study%proof, study%extremes, boxes)
+      if (study%proof%closes_everywhere()) then
+         study%largest_tried = part_of_longest*maxval(dimensions%arcl)
+         call prove_tolerance(subject, from, to, study%largest_tried, study%tolerance)
+      end if
       call place_positions(dimensions%crnki + problem%delt, study)
    end subroutine study_proof
 
