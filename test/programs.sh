@@ -79,7 +79,24 @@ check 'device 1: first random integer is ISTART' grep -q 'VERTEX 2  STARTED BY R
 check 'device 2: limits of the simplex' grep -q 'UPPER LIMITS' needle_search.dev2
 check 'a data set of two cases lists both' test "$(grep -c 'STEERING GEAR' actuator_davis_steering.dev9)" -eq 2
 check 'LSQ: ranked linkages' grep -q 'LINKAGES FOUND' needle_lsq.lst
-cp needle_lsq.dev7 three.nml
+check 'LSQ: default bounds are stated' grep -q '^  LENGTH OF ARC 2 IN LOOP 1: 7.0543 TO 1763.6$' needle_lsq.lst
+changed path18.nml "s/NBEST=3/NBEST=4, PARETO='ANGLE'/" >pareto.nml
+status 0 'a list of PARETO' "$psalm" --quiet pareto.nml
+check 'a list of PARETO: the objective grows, and with it the transmission angle' awk '/LONGEST\/SHORT/ { on = 2; next }
+    /  RANK  / { on = 1; next } /LINKAGES DIFFER/ { on = 0 } on { gsub("D", "E") } on == 1 { if ($2 + 0 < f) bad = 1; f = $2 + 0; n++ }
+    on == 2 { if ($4 + 0 <= a) bad = 1; a = $4 + 0; n2++ } END { exit !(n > 1 && n2 == n && !bad) }' out
+{ changed path5.nml 's/NSTART=500, NBEST=5/NSTART=50, RANKING=1, NBEST=2/' 's/STEPIN=1.0E-9,/STEPIN=1.0E-9, LAST=0,/'
+  changed path5.nml 's/NSTART=500, NBEST=5/NSTART=50, RANKING=1/' 's/ILINK=1,-2,-3,4/ILINK=1,2,3,4/' 's/NOUTLK=-2/NOUTLK=2/' \
+    's/^FOUR-BAR/OTHER ASSEMBLY/' '/^!/d'; } >contest.nml
+"$psalm" --quiet contest.nml >out 2>err
+check 'a ranking of two cases: the best first' awk '/RANKING OF ALL CASES/ { on = 1; next } on && $1 == n + 1 { gsub("D", "E", $2); n++
+    if ($2 + 0 < f) bad = 1; f = $2 + 0 } END { exit !(n == 3 && !bad) }' out
+check 'a ranking of two cases: both are there' test "$(sed '1,/RANKING OF/d' out | grep -c 'OTHER ASSEMBLY\|FOUR-BAR, FIVE')" -eq 3
+changed path5.nml "s/NBEST=5/DIFFER=2.0, PARETO='SIZE'/" >bad.nml
+status 2 'no such list of PARETO' "$psalm" bad.nml
+said 'no such list of PARETO' "&SEARCH PARETO: must be one of 'LARGEST'"
+said 'DIFFER out of range' '&SEARCH DIFFER: must be within 0 and 1'
+cp path18.dev7 three.nml
 status 0 'LSQ: device 7 holds three cases' "$psalm" --quiet three.nml
 check 'LSQ: three listings' test "$(grep -c 'TOTAL ERROR' out)" -eq 3
 check 'LSQ: path of 18 points as good as the best published' awk '/TOTAL ERROR/ { getline; sub("D", "E"); v = $1 } END { exit !(v <= 0.00903) }' path18.lst
@@ -327,7 +344,7 @@ said 'regions without their number' 'regions are given, but not their number NRE
 changed region.nml 's/,3.0,3.0,2.5 &END/ \&END/' >bad.nml
 status 2 'too few numbers for the regions' "$psalm" bad.nml
 said 'too few numbers for the regions' 'four numbers are expected for each of 2 regions; found 4'
-for item in NSTART=2 NBEST=2 FIRST=2 MAXEVAL=9; do
+for item in NSTART=2 NBEST=2 FIRST=2 MAXEVAL=9 PARETO="'ROOM'"; do
     { cat needle_search.nml; echo " &SEARCH $item &END"; } >bad.nml
     status 2 "the simplex and $item" "$psalm" bad.nml
     said "the simplex and $item" "&SEARCH ${item%=*}: the simplex makes one search"

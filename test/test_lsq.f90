@@ -152,7 +152,7 @@ contains
       type(result_t) :: one, two
       integer :: i
 
-      call load_case('needle', problem, set)
+      call load_case('path18', problem, set)
       set%search%solver = find_solver('LSQ')
       set%search%nstart = 21
       set%search%nbest = 5

@@ -382,6 +382,9 @@ contains
       rules%kept = 10
       rules%refines = .true.
       rules%compared = [.true., .true.]
+      rules%relative = [0.05_wp, 0.05_wp]
+      rules%absolute = [0.0_wp, 0.0_wp]
+      rules%period = [0.0_wp, 0.0_wp]
       rules%small = 1.0e-3_wp
       do threads = 1, 3, 2
          allocate (team(threads))
@@ -406,6 +409,10 @@ contains
             call t%is_true(any(abs(one(best(i))%x - one(best(k))%x) > 1.0_wp), 'and another one')
          end do
       end do
+      call t%is_true(all(one(best)%refined), 'what is kept was searched on')
+      call t%equal_integer(kept(rules, [2.0_wp, 2.0_wp], [0.0_wp, 0.0_wp]), 1, 'differences of no account make one of them')
+      ! the minima (3, 2), (-2.805, 3.131), (-3.779, -3.283), (3.584, -1.848): the first and the last are 3.85 apart in y
+      call t%equal_integer(kept(rules, [0.9_wp, 0.5_wp], [0.0_wp, 3.85_wp]), 3, 'periodic: the first and the last are one')
       call t%equal_integer(rules%number_of(1), 5, 'starts are numbered from FIRST on')
       call late%limit_time(1.0e-9_wp)
       allocate (team(1))
@@ -413,4 +420,24 @@ contains
       call rules%search(team, late, one, best)
       call t%is_true(.not. any(one%done) .and. size(best) == 0, 'no start is made when time is up')
    end subroutine many_starts
+
+   !> Results kept where only larger differences than these count: of themselves, or absolute ones where an unknown is periodic.
+   integer function kept(rules, least, period)
+      type(multistart_t), intent(in) :: rules
+      real(wp), intent(in) :: least(2), period(2)
+      type(multistart_t) :: looser
+      type(climber_t) :: team(1)
+      type(candidate_t), allocatable :: starts(:)
+      type(stop_t) :: never
+      integer, allocatable :: best(:)
+
+      looser = rules
+      looser%relative = merge(least, 0.0_wp, all(period <= 0.0_wp))
+      looser%absolute = merge(0.0_wp, least, all(period <= 0.0_wp))
+      looser%period = period
+      team(1)%problem = himmelblau()
+      call team(1)%random%seed(19, purpose_starts)
+      call looser%search(team, never, starts, best)
+      kept = size(best)
+   end function kept
 end program test_solvers

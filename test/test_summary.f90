@@ -5,6 +5,9 @@ program test_summary
    use psalm_data_set, only: data_set_t
    use psalm_error, only: problem_t, motion_t
    use psalm_kinds, only: wp
+   use psalm_margins, only: inspector_t, prepare_inspector
+   use psalm_ranking, only: ranked_t, rate_linkage, unbeaten
+   use psalm_search, only: found_t
    use psalm_summary, only: kind_change_point, kind_crank_rocker, kind_double_crank, kind_double_rocker, kind_of_four_bar, &
                             kind_rocker_crank, kind_slider_swinging, kind_slider_turning, kind_triple_rocker, summarise, summary_t
    use psalm_summary_text, only: plain_number, write_summary
@@ -20,9 +23,46 @@ program test_summary
    call two_slides()
    call part_of_turn()
    call numbers()
+   call ranking()
    call t%report()
 
 contains
+
+   !> What the ranking tells of a slider-crank: crank 40, rod 140, offset 10. And which of several linkages are unbeaten.
+   subroutine ranking()
+      type(problem_t) :: problem
+      type(data_set_t) :: set
+      type(ranked_t) :: ranked
+      type(found_t) :: found
+      type(inspector_t), allocatable :: inspector
+      real(wp), parameter :: degree = 1.0_wp/degrees_per_radian
+
+      call load_case('dyad4_slider_crank', problem, set)
+      found%values = problem%parameters%first_values(problem%given)
+      found%delt = problem%delt
+      allocate (inspector)
+      call prepare_inspector(set, problem, .true., inspector)
+      call rate_linkage(set, problem, inspector, found, ranked)
+      call t%is_true(ranked%turns .and. .not. ranked%compared .and. .not. ranked%has_band, 'ranking: what is known')
+      call t%close_to(ranked%ratio, 14.0_wp, 1.0e-12_wp, 'ranking: rod to offset')
+      call t%close_to(ranked%height, 80.0_wp, 1.0e-10_wp, 'ranking: the crank circle is the highest')
+      ! the outer dead point lies within half a degree of a step
+      call t%close_to(ranked%width, 40.0_wp + sqrt(180.0_wp**2 - 10.0_wp**2), 40.0_wp*(0.5_wp*degree)**2, &
+                      'ranking: from the crank circle to the outer dead point')
+      call t%close_to(ranked%angle, degrees_per_radian*acos(50.0_wp/140.0_wp), 1.0e-6_wp, 'ranking: least transmission angle')
+      associate (figure => [3.0_wp, 5.0_wp, 2.0_wp, 2.0_wp, 1.0_wp, 4.0_wp])
+         call t%is_true(same_list(unbeaten(figure, 9), [1, 3, 5]), 'unbeaten: each is better than all before')
+         call t%is_true(same_list(unbeaten(figure, 2), [1, 5]), 'unbeaten: both ends of the list stay')
+         call t%is_true(same_list(unbeaten(figure, 1), [1]), 'unbeaten: the best objective of all')
+      end associate
+   end subroutine ranking
+
+   pure logical function same_list(a, b)
+      integer, intent(in) :: a(:), b(:)
+
+      same_list = size(a) == size(b)
+      if (same_list) same_list = all(a == b)
+   end function same_list
 
    !> Each class of Grashof, with the shortest link at each place; a change point by exact sums.
    subroutine kinds()

@@ -5,13 +5,29 @@ module psalm_search_group
    use psalm_solver_kind, only: solver_kind_t, find_solver, solver_names, default_solver, plain_name, &
                                 family_simplex, family_unknown
    use psalm_status, only: diagnostics_t
-   use psalm_text, only: nearest_name
+   use psalm_text, only: nearest_name, upper_case
    implicit none (type, external)
    private
    public :: search_group_t, read_search_group, most_search_threads
+   public :: order_free, order_given, order_either
+   public :: pareto_none, pareto_largest, pareto_angle, pareto_ratio, pareto_room, pareto_band
 
    integer, parameter :: most_starts = 1000000      !! above this a number is taken for a slip of the pen
    integer, parameter :: most_search_threads = 1024
+
+   ! ORDER: how points without prescribed timing are visited
+   integer, parameter :: order_free = 0             !! in any order
+   integer, parameter :: order_given = 1            !! in their order, the input going the way of DELT
+   integer, parameter :: order_either = 2           !! in their order, the input going either way
+
+   ! PARETO: what is weighed against the objective
+   integer, parameter :: pareto_none = 0
+   integer, parameter :: pareto_largest = 1         !! largest error
+   integer, parameter :: pareto_angle = 2           !! least transmission angle
+   integer, parameter :: pareto_ratio = 3           !! longest to shortest link
+   integer, parameter :: pareto_room = 4            !! longer side of the box round all joints
+   integer, parameter :: pareto_band = 5            !! tolerance band
+   character(*), parameter :: pareto_names(0:5) = [character(7) :: 'NONE', 'LARGEST', 'ANGLE', 'RATIO', 'ROOM', 'BAND']
 
    !> How to search.
    type :: search_group_t
@@ -20,10 +36,13 @@ module psalm_search_group
       integer :: nstart = 1                !! starts
       integer :: first = 1                 !! number of the first one; a restart continues with it
       integer :: nbest = 1                 !! linkages kept
+      real(wp) :: differ = 0.05_wp         !! by how much a length, of itself, or an angle, in radians, makes a linkage another
+      integer :: ranking = 0               !! 1: linkages of all cases of the file that ask for it are ranked together
+      integer :: pareto = pareto_none      !! linkages kept are those unbeaten in the objective and this
       integer :: maxeval = 0               !! evaluations of each start; 0: as many as it takes
       real(wp) :: maxtime = 0.0_wp         !! seconds; 0: no limit
       integer :: threads = 0               !! 0: as the command line says
-      integer :: order = 1                 !! free timing: the points are visited in their order
+      integer :: order = order_given       !! free timing: how the points are visited
    end type search_group_t
 
 contains
@@ -33,7 +52,7 @@ contains
       type(group_t), intent(inout) :: group
       type(search_group_t), intent(inout) :: search
       type(diagnostics_t), intent(inout) :: findings
-      character(:), allocatable :: name
+      character(:), allocatable :: name, other
 
       search%given = group%line > 0
       name = default_solver
@@ -41,15 +60,24 @@ contains
       call group%get_integer('NSTART', search%nstart, findings)
       call group%get_integer('FIRST', search%first, findings)
       call group%get_integer('NBEST', search%nbest, findings)
+      call group%get_real('DIFFER', search%differ, findings)
+      other = trim(pareto_names(pareto_none))
+      call group%get_word('PARETO', other, findings)
+      search%pareto = findloc(pareto_names, upper_case(trim(adjustl(other))), dim=1) - 1
+      call read_flag(group, 'RANKING', search%ranking, findings)
       call group%get_integer('MAXEVAL', search%maxeval, findings)
       call group%get_real('MAXTIME', search%maxtime, findings)
       call group%get_integer('THREADS', search%threads, findings)
-      call read_flag(group, 'ORDER', search%order, findings)
+      call group%get_integer('ORDER', search%order, findings)
+      call check_range(group, 'ORDER', search%order, order_free, order_either, findings)
       call check_range(group, 'NSTART', search%nstart, 1, most_starts, findings)
       call check_range(group, 'FIRST', search%first, 1, most_starts, findings)
       call check_range(group, 'NBEST', search%nbest, 1, most_starts, findings)
       call check_range(group, 'MAXEVAL', search%maxeval, 0, huge(1), findings)
       call check_range(group, 'THREADS', search%threads, 0, most_search_threads, findings)
+      if (.not. (search%differ >= 0.0_wp .and. search%differ <= 1.0_wp)) call out_of(group, 'DIFFER', &
+                                                                               'must be within 0 and 1', findings)
+      if (search%pareto < 0) call out_of(group, 'PARETO', "must be one of 'LARGEST', 'ANGLE', 'RATIO', 'ROOM', 'BAND'", findings)
       if (search%maxtime < 0.0_wp) call out_of(group, 'MAXTIME', 'must not be negative', findings)
       search%solver = find_solver(name)
       if (search%solver%family == family_unknown) then
@@ -57,6 +85,8 @@ contains
       else if (.not. search%solver%many_starts) then
          if (search%nstart > 1) call other_solver('NSTART')
          if (search%nbest > 1) call other_solver('NBEST')
+         if (search%pareto > pareto_none) call other_solver('PARETO')
+         if (search%ranking > 0) call other_solver('RANKING')
          if (search%first > 1) call other_solver('FIRST')
          if (search%maxeval > 0) call other_solver('MAXEVAL')
       end if

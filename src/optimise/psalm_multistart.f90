@@ -10,11 +10,14 @@ module psalm_multistart
    private
    public :: starter_t, candidate_t, multistart_t
 
-   real(wp), parameter :: same = 1.0e-3_wp         !! relative difference below which two results are one
-   real(wp), parameter :: alike = 0.1_wp           !! the same for results to draw near: they are to differ
+   real(wp), parameter :: same = 1.0e-3_wp         !! relative difference of objectives that are the same
+   real(wp), parameter :: tie = 1.0e-6_wp          !! and of those that count as equal
+   real(wp), parameter :: along_valley = 10.0_wp   !! times as much must results differ whose objectives are the same
+   real(wp), parameter :: alike = 0.1_wp           !! relative difference below which two results are one to draw near
    integer, parameter :: most_rounds = 8           !! results of the rounds before are shown to the starts of the next
    integer, parameter :: least_of_round = 16       !! starts
    integer, parameter :: least_refined = 8         !! results searched on, at least
+   integer, parameter :: most_refinements = 16     !! times further results are searched on, because those before became one
 
    !> What one start led to.
    type :: candidate_t
@@ -24,6 +27,7 @@ module psalm_multistart
       logical :: done = .false.            !! the start was not cut short
       logical :: feasible = .false.        !! x obeys every constraint
       logical :: refused = .false.         !! the solver refuses the problem
+      logical :: refined = .false.         !! it was searched on
    end type candidate_t
 
    !> A member of the team: works by itself, on memory of its own.
@@ -60,8 +64,12 @@ module psalm_multistart
       integer :: first = 1                 !! number of the first of these
       integer :: kept = 1                  !! results kept
       logical :: refines = .false.         !! the best are searched on
-      logical, allocatable :: compared(:)  !! shape (unknowns): those that tell two results apart
+      logical, allocatable :: compared(:)  !! shape (unknowns): those that tell two results to draw near apart
       real(wp) :: small = 0.0_wp           !! objectives below it are alike
+      ! two of the results kept are one if no unknown differs by more than both of these
+      real(wp), allocatable :: relative(:) !! shape (unknowns): of the larger one
+      real(wp), allocatable :: absolute(:) !! shape (unknowns)
+      real(wp), allocatable :: period(:)   !! shape (unknowns): of unknowns that repeat themselves; 0: it does not
    contains
       procedure :: search
       procedure :: number_of
@@ -87,7 +95,8 @@ contains
       class(observer_t), intent(inout), optional :: observer !! told by the first of the team
       type(search_state_t) :: state
       real(wp), allocatable :: elite(:, :)
-      integer :: t, i, round, rounds, before, until
+      logical, allocatable :: left(:)
+      integer :: t, i, round, rounds, before, until, leader
 
       allocate (candidates(self%supplied + self%starts), best(0))
       state%limit = size(candidates)
@@ -111,19 +120,40 @@ contains
          !$omp end parallel do
          before = until
          deallocate (elite)
-         call rank(self, max(least_refined, self%kept), alike, candidates, best)
+         call rank(self, max(least_refined, self%kept), candidates, best)
       end do
+      left = candidates%feasible
+      leader = 0
       if (self%refines .and. .not. stop%waiting()) then
-         !$omp parallel do num_threads(size(team)) schedule(static) private(i)
-         do t = 1, size(team)
-            do i = t, size(best), size(team)
-               call team(t)%refine(candidates(best(i)))
-            end do
+         call refine_all(team, best, candidates)
+         leader = minloc(candidates%objective, dim=1, mask=left)
+         ! what differed may have become one: others are searched on in its place
+         do round = 1, most_refinements
+            call keep_different(self, left, leader, candidates, best)
+            if (all(candidates(best)%refined) .or. stop%waiting()) exit
+            call refine_all(team, pack(best, .not. candidates(best)%refined), candidates)
          end do
-         !$omp end parallel do
+         if (.not. stop%waiting()) left = left .and. candidates%refined
       end if
-      call rank(self, self%kept, same, candidates, best)
+      call keep_different(self, left, leader, candidates, best)
    end subroutine search
+
+   !> Search on from some results.
+   subroutine refine_all(team, which, candidates)
+      class(starter_t), intent(inout) :: team(:)
+      integer, intent(in) :: which(:)
+      type(candidate_t), intent(inout) :: candidates(:)
+      integer :: t, i
+
+      !$omp parallel do num_threads(size(team)) schedule(static) private(i)
+      do t = 1, size(team)
+         do i = t, size(which), size(team)
+            call team(t)%refine(candidates(which(i)))
+         end do
+      end do
+      !$omp end parallel do
+      candidates(which)%refined = .true.
+   end subroutine refine_all
 
    !> The starts of one member: from, from + step ... until.
    subroutine make_starts(rules, member, from, until, step, stop, elite, candidates, state, observer)
@@ -152,11 +182,10 @@ contains
       end do
    end subroutine make_starts
 
-   !> Places of the best distinct results. Two are one if the unknowns that are compared and the objectives agree.
-   pure subroutine rank(rules, most, nearness, candidates, best)
+   !> Places of the best results to draw near. Two are one if the unknowns that are compared and the objectives agree.
+   pure subroutine rank(rules, most, candidates, best)
       type(multistart_t), intent(in) :: rules
       integer, intent(in) :: most
-      real(wp), intent(in) :: nearness                  !! relative difference below which two are one
       type(candidate_t), intent(in) :: candidates(:)
       integer, allocatable, intent(out) :: best(:)
       logical :: left(size(candidates))
@@ -170,11 +199,53 @@ contains
          associate (next => candidates(i))
             do k = 1, size(left)
                if (.not. left(k)) cycle
-               left(k) = any(rules%compared .and. abs(candidates(k)%x - next%x) > nearness*abs(next%x)) .or. &
-                         candidates(k)%objective - next%objective > nearness*max(next%objective, rules%small)
+               left(k) = any(rules%compared .and. abs(candidates(k)%x - next%x) > alike*abs(next%x)) .or. &
+                         candidates(k)%objective - next%objective > alike*max(next%objective, rules%small)
             end do
          end associate
          left(i) = .false.
       end do
    end subroutine rank
+
+   !> Places of the results kept: the best, the best of those that differ from it, and so on.
+   pure subroutine keep_different(rules, eligible, leader, candidates, best)
+      type(multistart_t), intent(in) :: rules
+      logical, intent(in) :: eligible(:)                !! shape (candidates)
+      integer, intent(in) :: leader                     !! stands first unless another is better by more than rounding; 0: none
+      type(candidate_t), intent(in) :: candidates(:)
+      integer, allocatable, intent(out) :: best(:)
+      logical :: left(size(candidates))
+      integer :: i, k
+
+      allocate (best(0))
+      left = eligible
+      do while (any(left) .and. size(best) < rules%kept)
+         i = minloc(candidates%objective, dim=1, mask=left)
+         if (size(best) == 0 .and. leader > 0) then
+            if (candidates(leader)%objective <= max((1.0_wp + tie)*candidates(i)%objective, rules%small)) i = leader
+         end if
+         best = [best, i]
+         left(i) = .false.
+         do k = 1, size(left)
+            if (left(k)) left(k) = differ(rules, candidates(i), candidates(k))
+         end do
+      end do
+   end subroutine keep_different
+
+   !> Two results are not one. Where the objectives are the same they must differ more, and not in periodic unknowns alone: else
+   !> they are two of the many points of one valley, or one is the other turned.
+   pure logical function differ(rules, a, b)
+      type(multistart_t), intent(in) :: rules
+      type(candidate_t), intent(in) :: a, b
+      real(wp) :: change(size(a%x))
+      logical :: beyond(size(a%x)), level
+
+      change = a%x - b%x
+      where (rules%period > 0.0_wp) change = change - rules%period*anint(change/max(rules%period, tiny(1.0_wp)))
+      level = any(rules%relative > 0.0_wp) .and. abs(a%objective - b%objective) <= same*max(a%objective, b%objective, rules%small)
+      associate (least => merge(along_valley, 1.0_wp, level)*rules%relative)
+         beyond = abs(change) > max(least*max(abs(a%x), abs(b%x)), rules%absolute)
+      end associate
+      differ = any(beyond .and. rules%period <= 0.0_wp) .or. (any(beyond) .and. .not. level)
+   end function differ
 end module psalm_multistart

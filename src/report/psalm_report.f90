@@ -20,12 +20,13 @@ module psalm_report
    use psalm_proof_study, only: proof_study_t
    use psalm_rate_list, only: list_rates, list_all_rates, write_table, dead_words
    use psalm_rate_study, only: rate_study_t
+   use psalm_ranking_list, only: list_ranking, bounds_reached, add_contenders, list_contest
    use psalm_search, only: result_t
    use psalm_search_log, only: search_log_t, log_beginning, log_starts
    use psalm_status, only: diagnostics_t
    use psalm_summary, only: summary_t
    use psalm_summary_text, only: write_summary
-   use psalm_synthesis, only: synthesis_t, ranked_t, ended_infeasible, ended_small_objective, ended_iterations, ended_time, &
+   use psalm_synthesis, only: synthesis_t, ended_infeasible, ended_small_objective, ended_iterations, ended_time, &
                               ended_on_request
    use psalm_text, only: text_t, general, lower_case, to_text
    use psalm_tolerance, only: tolerances_t
@@ -152,29 +153,25 @@ contains
       type(synthesis_t), intent(in) :: search
       type(devices_t), intent(inout) :: devices
 
-      if (size(search%ranked) > 0) call list_found(search%found, search%ranked, devices%six)
+      if (size(search%ranked) > 0) call list_ranking(set, problem, search%found, search%ranked, devices%six)
+      if (set%search%ranking /= 0) call add_contenders(set, search%found, search%ranked, devices%contenders)
+      if (set%last /= 0 .and. allocated(devices%contenders)) call list_contest(devices%contenders, devices%six)
+      if (search%many) call note_default_bounds(set, problem, search%found, devices)
       call write_found(set, problem, dimensions, search%found, devices%seven)
    end subroutine report_found
 
-   subroutine list_found(found, ranked, text)
+   !> A length of the best linkage that stands at a bound which the data set did not give.
+   subroutine note_default_bounds(set, problem, found, devices)
+      type(data_set_t), intent(in) :: set
+      type(problem_t), intent(in) :: problem
       type(result_t), intent(in) :: found
-      type(ranked_t), intent(in) :: ranked(:)
-      type(text_t), intent(inout) :: text
-      character(:), allocatable :: rank, start
-      integer :: i
+      type(devices_t), intent(inout) :: devices
+      character(:), allocatable :: words
 
-      call text%add()
-      call text%add(' LINKAGES FOUND (DEVICE 7 HAS THEM ALL)')
-      call text%add('  RANK      OBJECTIVE  ANGLE MARGIN LENGTH MARGIN    LONGEST ARC LARGEST CHANGE   START')
-      do i = 1, size(ranked)
-         rank = to_text(i)
-         start = to_text(found%best(i)%start)
-         if (found%best(i)%start < 0) start = 'SUPPLIED '//to_text(-found%best(i)%start)
-         call text%add(repeat(' ', 6 - min(5, len(rank)))//rank//general(found%best(i)%objective)// &
-                       general(ranked(i)%angle_margin)//general(ranked(i)%length_margin)//general(ranked(i)%longest_arc)// &
-                       general(found%best(i)%distance)//'   '//start)
-      end do
-   end subroutine list_found
+      if (size(found%best) == 0) return
+      words = bounds_reached(problem, found)
+      if (len(words) > 0) call devices%remark(set, words)
+   end subroutine note_default_bounds
 
    subroutine write_found(set, problem, dimensions, found, text)
       type(data_set_t), intent(in) :: set

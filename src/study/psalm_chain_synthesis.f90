@@ -6,7 +6,7 @@ module psalm_chain_synthesis
    use psalm_chain_study, only: inputs_of_drives
    use psalm_closure, only: closure_t, state_t
    use psalm_data_set, only: data_set_t
-   use psalm_kinds, only: wp, degrees_per_radian, right_angle
+   use psalm_kinds, only: wp, degrees_per_radian, full_turn, right_angle
    use psalm_multistart, only: multistart_t, starter_t, candidate_t
    use psalm_sketch_case, only: assemble_sketch
    use psalm_solver, only: solver_t, ending_t, observer_t, stop_refused
@@ -97,6 +97,14 @@ contains
       rules%refines = .true.
       rules%small = set%fmin
       allocate (rules%compared(result%problem%core), source=.true.)
+      allocate (rules%relative(result%problem%core), source=set%search%differ)
+      allocate (rules%absolute(result%problem%core), rules%period(result%problem%core), source=0.0_wp)
+      do i = 1, result%problem%core
+         if (any(result%problem%moved%of_length == i)) cycle
+         rules%relative(i) = 0.0_wp
+         rules%absolute(i) = set%search%differ*degrees_per_radian
+         rules%period(i) = full_turn
+      end do
       allocate (team(min(max(1, threads), rules%starts)))
       do i = 1, size(team)
          call prepare_starter(set, result%problem, ending, team(i))

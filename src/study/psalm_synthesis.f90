@@ -5,9 +5,11 @@ module psalm_synthesis
    use psalm_constr, only: vertex_problem_t, make_vertex_problem
    use psalm_data_set, only: data_set_t
    use psalm_error, only: problem_t
-   use psalm_kinds, only: wp, right_angle
-   use psalm_margins, only: margin_t, inspector_t, prepare_inspector, inspect, margin_slides, margin_guide, margin_bound
+   use psalm_kinds, only: wp
+   use psalm_margins, only: inspector_t, prepare_inspector
+   use psalm_ranking, only: ranked_t, rate_linkage, figure_of, unbeaten
    use psalm_search, only: found_t, result_t, search_many
+   use psalm_search_group, only: pareto_none
    use psalm_simplx, only: simplex_t, search_simplex
    use psalm_solver, only: observer_t, search_state_t, stop_iterations, stop_small_objective, stop_interrupted
    use psalm_start, only: beginning_t, rules_of, start_simplex
@@ -30,13 +32,6 @@ module psalm_synthesis
    integer, parameter :: ended_time = 6            !! MAXTIME passed
    integer, parameter :: ended_on_request = 7      !! the host asked for the end
    integer, parameter :: ended_refused = 8         !! NLopt refuses the algorithm for this problem
-
-   !> What a linkage found is like.
-   type :: ranked_t
-      real(wp) :: angle_margin = right_angle     !! least margin of an angle, degrees
-      real(wp) :: length_margin = 0.0_wp         !! least margin of a length; the longest arc if there is none
-      real(wp) :: longest_arc = 0.0_wp
-   end type ranked_t
 
    !> Results of a search.
    type :: synthesis_t
@@ -149,33 +144,29 @@ contains
       if (self%many) is_short = is_short .or. size(self%found%best) == 0 .or. self%found%next > 0
    end function is_short
 
-   !> Margins and longest arc of every linkage found.
+   !> What every linkage found is like; with PARETO those that are beaten are left out.
    subroutine look_at_found(set, problem, result)
       type(data_set_t), intent(in) :: set
       type(problem_t), intent(in) :: problem
       type(synthesis_t), intent(inout) :: result
-      type(dimensions_t) :: dimensions
       type(inspector_t), allocatable :: inspector
-      type(margin_t), allocatable :: margins(:)
+      type(problem_t), allocatable :: each
+      integer, allocatable :: chosen(:)
       integer :: i
 
-      if (size(result%found%best) < 2) return
+      if (size(result%found%best) == 0) return
+      if (set%search%nbest == 1 .and. set%search%pareto == pareto_none .and. set%search%ranking == 0) return
       deallocate (result%ranked)
       allocate (result%ranked(size(result%found%best)))
-      dimensions = problem%given
       allocate (inspector)
       call prepare_inspector(set, problem, .true., inspector)
+      allocate (each, source=problem)
       do i = 1, size(result%ranked)
-         call problem%parameters%apply(result%found%best(i)%values, dimensions)
-         call inspect(inspector, dimensions, result%found%best(i)%delt, margins)
-         associate (ranked => result%ranked(i))
-            ranked%longest_arc = maxval(dimensions%arcl)
-            ranked%length_margin = ranked%longest_arc
-            if (any(margins%kind <= margin_slides)) &
-               ranked%angle_margin = minval(margins%margin, mask=margins%kind <= margin_slides)
-            if (any(margins%kind >= margin_guide .and. margins%kind < margin_bound)) ranked%length_margin = &
-               minval(margins%margin, mask=margins%kind >= margin_guide .and. margins%kind < margin_bound)
-         end associate
+         call rate_linkage(set, each, inspector, result%found%best(i), result%ranked(i))
       end do
+      if (set%search%pareto == pareto_none) return
+      chosen = unbeaten([(figure_of(result%ranked(i), set%search%pareto), i=1, size(result%ranked))], set%search%nbest)
+      result%ranked = result%ranked(chosen)
+      result%found%best = result%found%best(chosen)
    end subroutine look_at_found
 end module psalm_synthesis

@@ -71,8 +71,8 @@ contains
             if (.not. fits) cycle
             associate (which => starts%of_length)
                call prepare_path(problem%wanted(:n, 1), starts%sense*problem%wanted(:n, 2), problem%weight(:n, 1), &
-                                 merit%low(which), merit%high(which), merit%limit(1), starts%sense*real(side, wp), starts%path, &
-                                 starts%room)
+                                 merit%default_low(which), merit%default_high(which), merit%limit(1), &
+                                 starts%sense*real(side, wp), starts%path, starts%room)
             end associate
             if (merit%limit(1) > 1.0_wp - 1.0e-6_wp) starts%path%cosine = 1.0_wp
             allocate (starts%visit%t(n), source=0.0_wp)

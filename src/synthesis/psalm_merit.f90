@@ -14,6 +14,7 @@ module psalm_merit
    use psalm_nlp, only: nlp_t, normal_equations_t
    use psalm_output_kind, only: motion_point, motion_angle
    use psalm_regions, only: find_region_depth, region_joints, joint_of_region
+   use psalm_search_group, only: order_free
    use psalm_start, only: random_limits
    use psalm_station, only: station_t, prepare_station, evaluate_station, linearise_station
    use psalm_dimensions, only: dimensions_t
@@ -27,6 +28,9 @@ module psalm_merit
    real(wp), parameter :: slack = 1.0e-7_wp          !! constraints are aimed this far inside their limits
    real(wp), parameter :: longest = 1.0e4_wp         !! times the longest given arc: no variable length grows beyond it
    real(wp), parameter :: least_length = 1.0e-6_wp   !! of the first value: what positive means
+   ! where no bounds are given, lengths of arcs are kept between these times the size of the problem ...
+   real(wp), parameter :: default_low = 0.02_wp, default_high = 5.0_wp
+   real(wp), parameter :: of_first = 0.5_wp          !! ... but from half of the given length to twice it at least
 
    !> A problem made ready, with room to work in. One object serves one thread.
    type, extends(nlp_t) :: merit_t
@@ -45,6 +49,8 @@ module psalm_merit
       logical :: ordered = .false.                   !! free timing: inputs go one way
       real(wp) :: sense = 1.0_wp                     !! which
       real(wp) :: span = full_turn                   !! and no further than this
+      logical, allocatable :: by_default(:)          !! shape (nvar): lengths of arcs without given bounds
+      real(wp), allocatable :: default_low(:), default_high(:) !! shape (nvar): bounds a result keeps, theirs included
       real(wp), allocatable :: box_low(:), box_high(:) !! shape (nvar): a global algorithm searches here, within the bounds
       real(wp) :: reach = full_turn                  !! how far it moves an input
       real(wp), allocatable :: late(:)               !! shape (positions): how far each input is past the next, radians or sizes
@@ -70,7 +76,7 @@ contains
       type(merit_t), intent(out) :: merit
       type(problem_t), allocatable :: plain
       integer, allocatable :: joints(:, :)
-      real(wp) :: cosine, sine, unused
+      real(wp) :: cosine, sine, unused, reach
       integer :: nvar, n, loop, r
 
       nvar = size(problem%parameters%variables)
@@ -84,7 +90,7 @@ contains
       merit%local = merge(n, 0, merit%free)
       merit%has_gradient = .true.
       merit%is_sum_of_squares = .true.
-      merit%ordered = merit%free .and. set%search%order /= 0
+      merit%ordered = merit%free .and. set%search%order /= order_free
       if (n > 1) merit%sense = sign(1.0_wp, problem%delt(2) - problem%delt(1))
       if (problem%mechanism%sliding_input) then
          merit%span = huge(1.0_wp)
@@ -127,6 +133,14 @@ contains
          merit%low = max(merit%low, least_length*abs(first))
          merit%high = min(merit%high, max(longest, maxval(abs(first))/merit%size)*merit%size)
       end where
+      merit%by_default = set%limval /= 1 .and. problem%parameters%variables%kind == variable_length
+      reach = max(merit%size, extent_of_desired(problem))
+      merit%default_low = merit%low
+      merit%default_high = merit%high
+      where (merit%by_default)
+         merit%default_low = max(merit%low, min(reach*default_low, of_first*abs(first)))
+         merit%default_high = min(merit%high, max(reach*default_high, abs(first)/of_first))
+      end where
       call random_limits(set, first, merit%box_low, merit%box_high)
       call unit_vector(right_angle - set%tangle, cosine, unused)
       call unit_vector(right_angle - problem%slide_angle, unused, sine)
@@ -137,6 +151,20 @@ contains
          if (problem%mechanism%groups(loop)%kind == assur_prp) merit%limit(loop) = 1.0_wp - sine - slack
       end do
    end subroutine prepare_merit
+
+   !> Largest difference of desired values that are lengths; 0 if they are angles.
+   pure real(wp) function extent_of_desired(problem) result(extent)
+      type(problem_t), intent(in) :: problem
+      integer :: c
+
+      extent = 0.0_wp
+      do c = 1, problem%output%kind%components
+         if (c == problem%output%kind%angle) cycle
+         associate (wanted => problem%wanted(:problem%positions, c))
+            extent = max(extent, maxval(wanted) - minval(wanted))
+         end associate
+      end do
+   end function extent_of_desired
 
    subroutine copy_desired(from, to)
       type(problem_t), intent(in) :: from

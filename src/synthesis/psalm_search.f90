@@ -10,11 +10,12 @@ module psalm_search
    use psalm_elementary, only: fractional_power
    use psalm_error, only: problem_t
    use psalm_free_start, only: free_start_t, prepare_free_start, make_free_start
-   use psalm_kinds, only: wp, full_turn, right_angle
+   use psalm_kinds, only: wp, degrees_per_radian, full_turn, right_angle
    use psalm_margins, only: inspector_t, margin_t, prepare_inspector, inspect, is_violated
    use psalm_merit, only: merit_t, prepare_merit, set_range, extra_positions
    use psalm_multistart, only: candidate_t, multistart_t, starter_t
    use psalm_nlp, only: repair_count_t
+   use psalm_search_group, only: order_either, pareto_none
    use psalm_solver, only: solver_t, ending_t, observer_t, stop_refused
    use psalm_solvers, only: new_solver
    use psalm_stop, only: stop_t
@@ -33,6 +34,8 @@ module psalm_search
    real(wp), parameter :: fine = 1.0e-9_wp         !! ... and that of the best, which are searched on
    real(wp), parameter :: wide = 10.0_wp           !! ratio of the bounds of a length above which ratios are drawn
    integer, parameter :: fineness = 5              !! near: by a half, a quarter ... a 32nd
+   real(wp), parameter :: negligible = 1.0e-2_wp   !! of the longest given arc: such lengths tell no linkages apart by their ratio
+   integer, parameter :: most_weighed = 100        !! linkages that a list of PARETO is chosen from, at least
    real(wp), parameter :: worth_it = 1.0e-6_wp     !! relative gain for which another timing is tried
 
    !> A linkage found.
@@ -63,6 +66,8 @@ module psalm_search
       logical :: refused = .false.         !! the solver refuses this problem
       integer :: next = 0                  !! first start not made; 0: all were
       type(start_record_t), allocatable :: log(:) !! of the starts made
+      logical, allocatable :: by_default(:) !! shape (nvar): bounds that were not given, of arcs' lengths
+      real(wp), allocatable :: low(:), high(:) !! shape (nvar): bounds
    end type result_t
 
    !> What one thread works with.
@@ -74,9 +79,11 @@ module psalm_search
       type(problem_t), allocatable :: problem
       type(constraints_t), allocatable :: constraints
       type(merit_t), allocatable :: merit
-      type(timing_t), allocatable :: timing
+      type(timing_t), allocatable :: timing(:)    !! shape (2): with the input going the way of DELT, the other way
       type(inspector_t), allocatable :: inspector
-      type(free_start_t), allocatable :: free_start
+      type(free_start_t), allocatable :: free_start(:) !! shape (2): the same
+      real(wp) :: sense = 1.0_wp                  !! of DELT
+      integer :: way = 1                          !! 1: the input goes the way of DELT, 2: the other way
       class(solver_t), allocatable :: solver
       type(stop_t) :: stop
       type(xoshiro_t) :: random
@@ -110,6 +117,7 @@ contains
       rules%starts = set%search%nstart
       rules%first = set%search%first
       rules%kept = set%search%nbest
+      if (set%search%pareto /= pareto_none) rules%kept = max(rules%kept, most_weighed)
       rules%refines = set%search%solver%refines
       rules%small = set%fmin
       allocate (team(min(max(1, threads), rules%supplied + rules%starts)))
@@ -117,6 +125,10 @@ contains
          call prepare_worker(set, problem, first, supplied, ending, team(t))
       end do
       rules%compared = [is_length(problem), spread(.false., 1, team(1)%merit%local)]
+      call tell_apart(set, problem, team(1)%merit, rules)
+      result%by_default = team(1)%merit%by_default
+      result%low = team(1)%merit%default_low
+      result%high = team(1)%merit%default_high
       call rules%search(team, ending, candidates, best, observer)
       result%starts = count(candidates%done)
       result%feasible = count(candidates%feasible)
@@ -141,27 +153,73 @@ contains
       end do
    end subroutine search_many
 
+   !> What makes two linkages different: a length that differs by DIFFER of itself, an angle that differs by DIFFER radians; inputs
+   !> of free timing do not.
+   pure subroutine tell_apart(set, problem, merit, rules)
+      type(data_set_t), intent(in) :: set
+      type(problem_t), intent(in) :: problem
+      type(merit_t), intent(in) :: merit
+      type(multistart_t), intent(inout) :: rules
+      integer :: v
+
+      allocate (rules%relative(merit%core + merit%local), rules%period(merit%core + merit%local), source=0.0_wp)
+      allocate (rules%absolute(merit%core + merit%local), source=huge(1.0_wp))
+      do v = 1, merit%core
+         associate (kind => problem%parameters%variables(v)%kind)
+            if (any(kind == [variable_length, variable_outlk, variable_origlk]) .or. &
+                (kind == variable_crnki .and. problem%mechanism%sliding_input)) then
+               rules%relative(v) = set%search%differ
+               rules%absolute(v) = set%search%differ*negligible*merit%size
+            else
+               rules%absolute(v) = set%search%differ*degrees_per_radian
+               rules%period(v) = full_turn
+            end if
+         end associate
+      end do
+   end subroutine tell_apart
+
    subroutine prepare_worker(set, problem, first, supplied, ending, worker)
       type(data_set_t), intent(in), target :: set
       type(problem_t), intent(in) :: problem
       real(wp), intent(in) :: first(:), supplied(:, :)
       type(stop_t), intent(in) :: ending
       type(worker_t), intent(inout) :: worker
+      integer :: way
 
       worker%set => set
       worker%first = first
       worker%supplied = supplied
       worker%stop = ending
       allocate (worker%problem, source=problem)
-      allocate (worker%constraints, worker%merit, worker%timing, worker%inspector, worker%free_start)
+      allocate (worker%constraints, worker%merit, worker%timing(2), worker%inspector, worker%free_start(2))
       call make_constraints(set, problem, worker%constraints)
       call prepare_merit(set, problem, first, worker%merit)
       call new_solver(set%search%solver, worker%solver)
       call worker%random%seed(set%istart, purpose_starts)
-      if (worker%merit%free) call prepare_timing(problem, worker%merit, worker%timing)
-      if (set%search%solver%refines) call prepare_free_start(problem, worker%merit, worker%free_start)
+      worker%sense = worker%merit%sense
+      do way = merge(2, 1, goes_either_way(worker)), 1, -1
+         call go(worker, way)
+         if (worker%merit%free) call prepare_timing(problem, worker%merit, worker%timing(way))
+         if (set%search%solver%refines) call prepare_free_start(problem, worker%merit, worker%free_start(way))
+      end do
       if (worker%merit%irange /= range_positions) call prepare_inspector(set, problem, .true., worker%inspector)
    end subroutine prepare_worker
+
+   !> Points in their order may be visited with the input going either way.
+   pure logical function goes_either_way(worker)
+      class(worker_t), intent(in) :: worker
+
+      goes_either_way = worker%merit%ordered .and. worker%set%search%order == order_either
+   end function goes_either_way
+
+   !> Let the input go that way from now on.
+   pure subroutine go(worker, way)
+      class(worker_t), intent(inout) :: worker
+      integer, intent(in) :: way                !! 1: the way of DELT, 2: the other
+
+      worker%way = way
+      worker%merit%sense = merge(worker%sense, -worker%sense, way == 1)
+   end subroutine go
 
    !> What became of the starts that were made.
    pure subroutine record_starts(rules, candidates, log)
@@ -192,7 +250,8 @@ contains
       logical :: closes
       integer :: before
 
-      if (number > 1 .and. self%free_start%applies) then
+      if (goes_either_way(self)) call go(self, merge(2, 1, number > 1 .and. mod(number/2, 2) == 1))
+      if (number > 1 .and. self%free_start(1)%applies) then
          call start_freely(self, number, candidate)
          return
       end if
@@ -242,7 +301,7 @@ contains
       self%merit%jacobians = 0
       if (self%merit%has_range) call set_range(self%merit, [real(wp) ::])
       call self%random%use_stream(number)
-      call make_free_start(self%problem, self%merit, self%random, self%free_start, values, self%merit%delt, made)
+      call make_free_start(self%problem, self%merit, self%random, self%free_start(self%way), values, self%merit%delt, made)
       values = min(max(values, self%merit%low), self%merit%high)
       candidate%x = self%merit%point(values, self%merit%delt)
       call self%merit%accept(candidate%x, candidate%objective, candidate%feasible)
@@ -306,6 +365,11 @@ contains
 
       values = candidate%x(:self%merit%core)
       if (self%merit%free) self%merit%delt = candidate%x(self%merit%core + 1:)
+      if (goes_either_way(self)) then
+         associate (delt => self%merit%delt)
+            call go(self, merge(1, 2, self%sense*(delt(size(delt)) - delt(1)) >= 0.0_wp))
+         end associate
+      end if
       self%merit%evaluations = candidate%evaluations
       self%merit%jacobians = candidate%jacobians
       if (self%merit%has_range) call set_range(self%merit, [real(wp) ::])
@@ -337,8 +401,32 @@ contains
       end do
    end subroutine draw
 
-   !> Improve, look for a better timing, inspect the range of the input; go back to work on what is found.
+   !> Improve. Where lengths without given bounds run away, once more within the default ones.
    subroutine work_on(worker, least_gain, number, found, candidate)
+      class(worker_t), intent(inout) :: worker
+      real(wp), intent(in) :: least_gain               !! of a step of least squares
+      integer, intent(in) :: number
+      real(wp), intent(inout) :: found(:)              !! shape (nvar): the linkage; its input increments are the merit's
+      type(candidate_t), intent(inout) :: candidate
+      real(wp) :: low(size(found)), high(size(found))
+
+      call improve(worker, least_gain, number, found, candidate)
+      associate (merit => worker%merit)
+         if (.not. any(merit%by_default .and. (found < merit%default_low .or. found > merit%default_high))) return
+         low = merit%low
+         high = merit%high
+         merit%low = merit%default_low
+         merit%high = merit%default_high
+         found = min(max(found, merit%low), merit%high)
+         if (merit%has_range) call set_range(merit, [real(wp) ::])
+         call improve(worker, least_gain, number, found, candidate)
+         merit%low = low
+         merit%high = high
+      end associate
+   end subroutine work_on
+
+   !> Improve, look for a better timing, inspect the range of the input; go back to work on what is found.
+   subroutine improve(worker, least_gain, number, found, candidate)
       class(worker_t), intent(inout) :: worker
       real(wp), intent(in) :: least_gain               !! of a step of least squares
       integer, intent(in) :: number
@@ -404,7 +492,7 @@ contains
          sound = ending%feasible
          if (ending%reason == stop_refused) candidate%refused = .true.
       end subroutine run_solver
-   end subroutine work_on
+   end subroutine improve
 
    !> Give the merit the timing that fits the linkage best, seen over the whole range of the input.
    subroutine retime(worker, values)
@@ -412,7 +500,7 @@ contains
       real(wp), intent(in) :: values(:)
 
       call worker%problem%parameters%apply(values, worker%merit%dimensions)
-      call find_timing(worker%timing, worker%merit, worker%merit%delt)
+      call find_timing(worker%timing(worker%way), worker%merit, worker%merit%delt)
    end subroutine retime
 
    !> Which variables are lengths; all, if none is.

@@ -1,0 +1,201 @@
+!> The ranking of the linkages found in the listing: what makes them different, their margins, their quality and size.
+module psalm_ranking_list
+   use psalm_data_set, only: data_set_t
+   use psalm_error, only: problem_t
+   use psalm_kinds, only: wp, degrees_per_radian
+   use psalm_parameters, only: name_of
+   use psalm_ranking, only: ranked_t
+   use psalm_search, only: result_t
+   use psalm_search_group, only: pareto_none, pareto_largest, pareto_angle, pareto_ratio, pareto_room, pareto_band
+   use psalm_summary_text, only: plain_number
+   use psalm_text, only: text_t, general, lower_case, to_text
+   implicit none (type, external)
+   private
+   public :: contender_t, list_ranking, bounds_reached, add_contenders, list_contest
+
+   character(*), parameter :: heads = &
+      '      RMS ERROR  LARGEST ERROR  TRANSM. ANGLE LONGEST/SHORT.     ROOM WIDTH    ROOM HEIGHT TOLERANCE BAND'
+   character(*), parameter :: none = '              -'   !! in a column of `general`
+   real(wp), parameter :: at_bound = 1.0e-6_wp            !! relative distance from a bound that is reached
+   real(wp), parameter :: percent = 100.0_wp
+
+   !> A linkage in the ranking of several cases.
+   type :: contender_t
+      character(:), allocatable :: title      !! of its case
+      integer :: rank = 0                     !! in its case
+      real(wp) :: objective = 0.0_wp
+      type(ranked_t) :: is
+   end type contender_t
+
+contains
+
+   !> Append both tables and what they mean.
+   subroutine list_ranking(set, problem, found, ranked, text)
+      type(data_set_t), intent(in) :: set
+      type(problem_t), intent(in) :: problem
+      type(result_t), intent(in) :: found
+      type(ranked_t), intent(in) :: ranked(:)            !! shape (linkages found)
+      type(text_t), intent(inout) :: text
+      character(:), allocatable :: line
+      integer :: i
+
+      call text%add()
+      call text%add(' LINKAGES FOUND (DEVICE 7 HAS THEM ALL)')
+      call text%add('  RANK      OBJECTIVE  ANGLE MARGIN LENGTH MARGIN    LONGEST ARC LARGEST CHANGE   START')
+      do i = 1, size(ranked)
+         line = to_text(found%best(i)%start)
+         if (found%best(i)%start < 0) line = 'SUPPLIED '//to_text(-found%best(i)%start)
+         call text%add(place_of(i)//general(found%best(i)%objective)//general(ranked(i)%angle_margin)// &
+                       general(ranked(i)%length_margin)//general(ranked(i)%longest_arc)//general(found%best(i)%distance)// &
+                       '   '//line)
+      end do
+      call text%add('  RANK'//heads//'   CRANK')
+      do i = 1, size(ranked)
+         associate (one => ranked(i))
+            call text%add(place_of(i)//quality(one)//'   '//turning(one))
+         end associate
+      end do
+      call text%add(' LINKAGES DIFFER WHERE A LENGTH DOES BY MORE THAN '//plain_number(percent*set%search%differ)// &
+                    ' PER CENT OF IT, OR AN ANGLE BY MORE THAN '//plain_number(degrees_per_radian*set%search%differ)// &
+                    ' DEGREES (DIFFER='//plain_number(set%search%differ)//');')
+      call text%add(' WHERE THE OBJECTIVES ARE THE SAME, IF A LENGTH DOES BY TEN TIMES AS MUCH')
+      call text%add(' TRANSMISSION ANGLE AND ROOM: OVER THE FULL TURN, OR THE PRESCRIBED INPUTS WHERE THE CRANK DOES NOT TURN')
+      if (set%search%pareto /= pareto_none) call text%add(' NONE OF THEM IS BEATEN IN BOTH THE OBJECTIVE AND THE '// &
+                                                          weighed(set%search%pareto))
+      if (any(found%by_default)) call list_default_bounds(problem, found, text)
+   end subroutine list_ranking
+
+   !> What a linkage is like, in columns under `heads`.
+   pure function quality(one) result(columns)
+      type(ranked_t), intent(in) :: one
+      character(:), allocatable :: columns
+
+      columns = number(one%rms, one%compared)//number(one%largest, one%compared)//number(one%angle, one%has_angle)// &
+                number(one%ratio, .true.)//number(one%width, .true.)//number(one%height, .true.)//number(one%band, one%has_band)
+   end function quality
+
+   pure function turning(one) result(words)
+      type(ranked_t), intent(in) :: one
+      character(:), allocatable :: words
+
+      words = trim(merge('TURNS   ', 'DOES NOT', one%turns))
+      if (one%sliding_input) words = '    -'
+   end function turning
+
+   !> The linkages of a case join the ranking of several.
+   pure subroutine add_contenders(set, found, ranked, contenders)
+      type(data_set_t), intent(in) :: set
+      type(result_t), intent(in) :: found
+      type(ranked_t), intent(in) :: ranked(:)            !! shape (linkages found)
+      type(contender_t), allocatable, intent(inout) :: contenders(:)
+      type(contender_t) :: one
+      integer :: i
+
+      if (.not. allocated(contenders)) allocate (contenders(0))
+      do i = 1, size(ranked)
+         one = contender_t(trim(set%title), i, found%best(i)%objective, ranked(i))
+         contenders = [contenders, one]
+      end do
+   end subroutine add_contenders
+
+   !> Append the ranking of several cases, the best first.
+   subroutine list_contest(contenders, text)
+      type(contender_t), intent(in) :: contenders(:)
+      type(text_t), intent(inout) :: text
+      logical :: left(size(contenders))
+      integer :: place, i
+
+      call text%add()
+      call text%add(' RANKING OF ALL CASES')
+      call text%add(' PLACE      OBJECTIVE'//heads//'   CRANK      CASE, RANK IN IT')
+      left = .true.
+      do place = 1, size(contenders)
+         i = minloc(contenders%objective, dim=1, mask=left)
+         left(i) = .false.
+         associate (one => contenders(i))
+            call text%add(place_of(place)//general(one%objective)//quality(one%is)//'   '// &
+                          padded(turning(one%is))//'   '//adjustl(one%title)//', '//to_text(one%rank))
+         end associate
+      end do
+   end subroutine list_contest
+
+   pure function padded(words) result(column)
+      character(*), intent(in) :: words
+      character(8) :: column
+
+      column = words
+   end function padded
+
+   !> Bounds of arcs' lengths that the data set did not give.
+   subroutine list_default_bounds(problem, found, text)
+      type(problem_t), intent(in) :: problem
+      type(result_t), intent(in) :: found
+      type(text_t), intent(inout) :: text
+      integer :: v
+
+      call text%add(' BOUNDS WHERE THE DATA SET GIVES NONE (LIMVAL, OPLOW, OPHIGH)')
+      do v = 1, size(found%by_default)
+         if (found%by_default(v)) call text%add('  '//name_of(problem%parameters%variables(v))//': '// &
+                                                plain_number(found%low(v))//' TO '//plain_number(found%high(v)))
+      end do
+   end subroutine list_default_bounds
+
+   !> Lengths of the best linkage at bounds that the data set did not give, in words; empty: there are none.
+   function bounds_reached(problem, found) result(words)
+      type(problem_t), intent(in) :: problem
+      type(result_t), intent(in) :: found
+      character(:), allocatable :: words
+      integer :: v
+
+      words = ''
+      do v = 1, size(found%by_default)
+         if (.not. found%by_default(v)) cycle
+         associate (length => found%best(1)%values(v), low => found%low(v), high => found%high(v))
+            if (length > low*(1.0_wp + at_bound) .and. length < high*(1.0_wp - at_bound)) cycle
+            if (len(words) > 0) words = words//', '
+            words = words//lower_case(name_of(problem%parameters%variables(v)))//' ('//plain_number(length)//')'
+         end associate
+      end do
+      if (len(words) > 0) words = 'at the bound that holds where none is given: '//words//'; set LIMVAL, OPLOW and OPHIGH'
+   end function bounds_reached
+
+   pure function place_of(i) result(column)
+      integer, intent(in) :: i
+      character(:), allocatable :: column
+
+      column = to_text(i)
+      column = repeat(' ', 6 - min(5, len(column)))//column
+   end function place_of
+
+   !> A number in its column, `none` if it is not known; a band at a dead point is infinite.
+   pure function number(value, known) result(column)
+      real(wp), intent(in) :: value
+      logical, intent(in) :: known
+      character(15) :: column
+
+      column = none
+      if (.not. known) return
+      column = general(value)
+      if (value >= huge(value)) column = '       INFINITE'
+   end function number
+
+   pure function weighed(pareto) result(words)
+      integer, intent(in) :: pareto
+      character(:), allocatable :: words
+
+      select case (pareto)
+      case (pareto_largest)
+         words = 'LARGEST ERROR'
+      case (pareto_angle)
+         words = 'TRANSMISSION ANGLE'
+      case (pareto_ratio)
+         words = 'RATIO OF LONGEST TO SHORTEST LINK'
+      case (pareto_room)
+         words = 'LONGER SIDE OF THE ROOM'
+      case (pareto_band)
+         words = 'TOLERANCE BAND'
+      case default
+         words = ''
+      end select
+   end function weighed
+end module psalm_ranking_list

@@ -1,0 +1,207 @@
+!> What the linkages found by a search are like, in the numbers by which a designer chooses between them; and those that are not
+!> beaten in two of them at once.
+!>
+!> Errors, transmission angle and turning are those of `psalm_summary`. The room is looked at every degree (a sliding input: in 360
+!> steps), over the full turn if the linkage closes there, else over the prescribed inputs.
+module psalm_ranking
+   use psalm_data_set, only: data_set_t
+   use psalm_dimensions, only: dimensions_t
+   use psalm_elementary, only: hypotenuse
+   use psalm_error, only: problem_t, motion_t
+   use psalm_kinds, only: wp, full_turn, right_angle
+   use psalm_margins, only: margin_t, inspector_t, inspect, margin_slides, margin_guide, margin_bound
+   use psalm_mechanism, only: arc_crank, arc_determined, arc_link
+   use psalm_output_kind, only: motion_point, motion_pose
+   use psalm_search, only: found_t
+   use psalm_search_group, only: pareto_largest, pareto_angle, pareto_ratio, pareto_room, pareto_band
+   use psalm_station, only: station_t, prepare_station, evaluate_station
+   use psalm_summary, only: summary_t, summarise
+   use psalm_tolerance, only: deviating_t, tolerance_t, find_tolerances
+   implicit none (type, external)
+   private
+   public :: ranked_t, rate_linkage, figure_of, unbeaten
+
+   integer, parameter :: room_steps = 360          !! of the sweep by which the room is found
+
+   !> What a linkage found is like.
+   type :: ranked_t
+      real(wp) :: angle_margin = right_angle       !! least margin of an angle, degrees
+      real(wp) :: length_margin = 0.0_wp           !! least margin of a length; the longest arc if there is none
+      real(wp) :: longest_arc = 0.0_wp
+      logical :: compared = .false.                !! there are desired values, the linkage closes there
+      real(wp) :: rms = 0.0_wp, largest = 0.0_wp   !! errors, unit of the output
+      logical :: has_angle = .false.
+      real(wp) :: angle = right_angle              !! least transmission angle, degrees
+      real(wp) :: ratio = 1.0_wp                   !! longest to shortest link
+      real(wp) :: width = 0.0_wp, height = 0.0_wp  !! of the box of all joints and the output point
+      logical :: sliding_input = .false.
+      logical :: turns = .false.                   !! the input crank turns fully
+      logical :: has_band = .false.                !! the data set has tolerances
+      real(wp) :: band = 0.0_wp                    !! largest root-sum-square deviation at a position, unit of the output;
+                                                   !! huge: the linkage is at a dead point
+   end type ranked_t
+
+contains
+
+   !> Numbers of one linkage. `problem` has the desired values; its inputs are moved.
+   subroutine rate_linkage(set, problem, inspector, found, ranked)
+      type(data_set_t), intent(in) :: set
+      type(problem_t), intent(inout) :: problem
+      type(inspector_t), intent(inout) :: inspector
+      type(found_t), intent(in) :: found
+      type(ranked_t), intent(out) :: ranked
+      type(dimensions_t) :: dimensions
+      type(margin_t), allocatable :: margins(:)
+      type(motion_t) :: motion
+      type(summary_t) :: summary
+
+      dimensions = problem%given
+      call problem%parameters%apply(found%values, dimensions)
+      call problem%move_inputs(found%delt)
+      call inspect(inspector, dimensions, found%delt, margins)
+      ranked%longest_arc = maxval(dimensions%arcl)
+      ranked%length_margin = ranked%longest_arc
+      if (any(margins%kind <= margin_slides)) ranked%angle_margin = minval(margins%margin, mask=margins%kind <= margin_slides)
+      if (any(margins%kind >= margin_guide .and. margins%kind < margin_bound)) ranked%length_margin = &
+         minval(margins%margin, mask=margins%kind >= margin_guide .and. margins%kind < margin_bound)
+      call problem%analyse(dimensions, motion)
+      call summarise(problem, dimensions, motion, summary)
+      ranked%compared = summary%compared > 0
+      ranked%rms = summary%rms
+      ranked%largest = summary%largest
+      ranked%has_angle = summary%angle_loop > 0
+      ranked%angle = summary%angle
+      ranked%turns = summary%everywhere .and. .not. summary%sliding_input
+      ranked%sliding_input = summary%sliding_input
+      ranked%ratio = ratio_of_links(problem, dimensions)
+      call find_room(problem, dimensions, summary%everywhere, ranked%width, ranked%height)
+      if (set%tolerances) call find_band(set, problem, dimensions, found%delt, ranked)
+   end subroutine rate_linkage
+
+   !> Longest to shortest arc of a fixed length, the frame's included; those of no length do not count.
+   pure real(wp) function ratio_of_links(problem, dimensions) result(ratio)
+      type(problem_t), intent(in) :: problem
+      type(dimensions_t), intent(in) :: dimensions
+      logical :: counts(size(dimensions%arcl))
+      integer :: n
+
+      ratio = 1.0_wp
+      do n = 1, size(counts)
+         counts(n) = any(problem%mechanism%arcs(n)%kind == [arc_crank, arc_determined, arc_link]) .and. dimensions%arcl(n) > 0.0_wp
+      end do
+      if (any(counts)) ratio = maxval(dimensions%arcl, mask=counts)/minval(dimensions%arcl, mask=counts)
+   end function ratio_of_links
+
+   !> Width and height of the box, in machine axes, of every joint and, where it is a point, the output.
+   subroutine find_room(problem, dimensions, turn, width, height)
+      type(problem_t), intent(in) :: problem
+      type(dimensions_t), intent(in) :: dimensions
+      logical, intent(in) :: turn                  !! over the full turn of a crank
+      real(wp), intent(out) :: width, height
+      type(station_t), allocatable :: station
+      integer, allocatable :: joints(:, :)
+      real(wp) :: from, to, low(2), high(2)
+      integer :: i, c, loop, a
+
+      from = minval(problem%delt)
+      to = maxval(problem%delt)
+      if (turn .and. .not. problem%mechanism%sliding_input) to = from + full_turn
+      associate (loops => problem%mechanism%loops)
+         joints = reshape([((loop, a, a=1, loops(loop)%arcs), loop=1, size(loops))], [2, sum(loops%arcs)])
+      end associate
+      allocate (station)
+      call prepare_station(problem, [(from + (to - from)*(real(i, wp)/real(room_steps, wp)), i=0, room_steps)], .false., joints, &
+                           .false., station)
+      call evaluate_station(station, dimensions)
+      width = 0.0_wp
+      height = 0.0_wp
+      if (.not. any(station%closed)) return
+      low = huge(1.0_wp)
+      high = -huge(1.0_wp)
+      do c = 1, 2
+         do i = 1, size(station%closed)
+            if (.not. station%closed(i)) cycle
+            low(c) = min(low(c), minval(station%joints(i, c, :)))
+            high(c) = max(high(c), maxval(station%joints(i, c, :)))
+            if (.not. any(problem%motion == [motion_point, motion_pose])) cycle
+            low(c) = min(low(c), station%out(i, c))
+            high(c) = max(high(c), station%out(i, c))
+         end do
+      end do
+      width = high(1) - low(1)
+      height = high(2) - low(2)
+   end subroutine find_room
+
+   !> Root-sum-square band of the tolerances at the position where it is widest.
+   subroutine find_band(set, problem, dimensions, delt, ranked)
+      type(data_set_t), intent(in) :: set
+      type(problem_t), intent(in) :: problem
+      type(dimensions_t), intent(in) :: dimensions
+      real(wp), intent(in) :: delt(:)              !! shape (positions)
+      type(ranked_t), intent(inout) :: ranked
+      type(data_set_t), allocatable :: moved
+      type(deviating_t), allocatable :: deviating
+      type(tolerance_t) :: linear
+
+      allocate (deviating)
+      allocate (moved, source=set)
+      moved%delt = delt
+      call find_tolerances(moved, problem%mechanism, dimensions, deviating, linear, ranked%has_band)
+      if (.not. ranked%has_band) return
+      ranked%band = huge(1.0_wp)
+      if (any(linear%dead)) return
+      if (size(linear%square, 2) == 1) then
+         ranked%band = maxval(linear%square)
+      else
+         ranked%band = maxval(hypotenuse(linear%square(:, 1), linear%square(:, 2)))
+      end if
+   end subroutine find_band
+
+   !> What a list of PARETO compares beside the objective, so that less is better.
+   pure real(wp) function figure_of(ranked, pareto) result(figure)
+      type(ranked_t), intent(in) :: ranked
+      integer, intent(in) :: pareto                !! one of `pareto_...`
+
+      select case (pareto)
+      case (pareto_largest)
+         figure = ranked%largest
+      case (pareto_angle)
+         figure = -ranked%angle
+      case (pareto_ratio)
+         figure = ranked%ratio
+      case (pareto_room)
+         figure = max(ranked%width, ranked%height)
+      case (pareto_band)
+         figure = ranked%band
+      case default
+         figure = 0.0_wp
+      end select
+   end function figure_of
+
+   !> Linkages, given with the best objective first, of which none with a lower objective has as low a figure; at most so many,
+   !> spread evenly between both ends.
+   pure function unbeaten(figure, most) result(chosen)
+      real(wp), intent(in) :: figure(:)            !! shape (linkages)
+      integer, intent(in) :: most
+      integer, allocatable :: chosen(:)
+      integer, allocatable :: front(:)
+      real(wp) :: least
+      integer :: i
+
+      allocate (front(0))
+      least = huge(1.0_wp)
+      do i = 1, size(figure)
+         if (figure(i) >= least) cycle
+         least = figure(i)
+         front = [front, i]
+      end do
+      if (size(front) == 0 .and. size(figure) > 0) front = [1]
+      if (size(front) <= most) then
+         chosen = front
+      else if (most == 1) then
+         chosen = front(:1)
+      else
+         chosen = front([(1 + nint(real(size(front) - 1, wp)*real(i - 1, wp)/real(most - 1, wp)), i=1, most)])
+      end if
+   end function unbeaten
+end module psalm_ranking
