@@ -4,8 +4,9 @@ program calm
    use psalm_cam_code, only: write_cam_code
    use psalm_cam_dxf, only: write_cam_dxf
    use psalm_cam_page, only: write_cam_page
-   use psalm_cam_report, only: report_cam
+   use psalm_cam_report, only: report_cam, report_search
    use psalm_cam_scene, only: cam_scene_t, make_cam_scene
+   use psalm_cam_search, only: cam_search_t, search_cam
    use psalm_cam_svg, only: write_cam_svg
    use psalm_cam_study, only: cam_study_t, part_t, check_cam, find_cam, parts_of
    use psalm_check_list, only: list_input
@@ -63,13 +64,17 @@ contains
       if (.not. findings%failed()) call check_cam(set, prepared, findings)
    end subroutine prepare_cam
 
-   subroutine run_case(number, set, prepared, devices, stopped)
+   subroutine run_case(number, given, given_prepared, devices, stopped)
       integer, intent(in) :: number
-      type(data_set_t), intent(in) :: set
-      type(prepared_t), intent(in) :: prepared
+      type(data_set_t), intent(in) :: given
+      type(prepared_t), intent(in) :: given_prepared
       type(devices_t), intent(inout) :: devices
       logical, intent(inout) :: stopped
-      type(problem_t), allocatable :: problem    ! large: it would fill a small stack
+      ! large: they would fill a small stack
+      type(problem_t), allocatable :: problem
+      type(data_set_t), allocatable :: set
+      type(prepared_t), allocatable :: prepared
+      type(cam_search_t) :: search
       type(cam_study_t), allocatable :: studies(:)
       type(cam_scene_t), allocatable :: scene
       type(text_t) :: drawing, picture, page, program
@@ -78,6 +83,8 @@ contains
 
       associate (unused => stopped)
       end associate
+      allocate (set, source=given)
+      allocate (prepared, source=given_prepared)
       parts = parts_of(set)
       allocate (problem, studies(size(parts)))
       if (allocated(set%no_loops)) then
@@ -87,6 +94,10 @@ contains
       else
          call make_problem(set, prepared%mechanism, prepared%given, prepared%parameters, problem)
          call list_input(header_of('CALM', devices%mark), set, problem, devices%eight)
+      end if
+      if (size(set%cam%variations) > 0) then
+         call search_cam(set, prepared, search)
+         call report_search(set, search, devices)
       end if
       do k = 1, size(parts)
          call find_cam(set, prepared, parts(k), studies(k))

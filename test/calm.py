@@ -26,7 +26,7 @@ def check(right, law, got=""):
         passed += 1
     else:
         failed += 1
-        print("FAILED: %s%s" % (law, "; got %s" % got if got != "" else ""))
+        print("FAILED: %s%s" % (law, "; got %s" % (got,) if got != "" else ""))
 
 
 def close(got, want, tolerance, law):
@@ -217,9 +217,21 @@ def violations(place):
         run = Run(data(name, *changes), place)
         check(run.code == 1 and words in run.error, "told: " + words, run.error)
     # a lobe narrower than the roller, while curvature is fine: found by looking at the whole
-    run = Run(data("translating_roller", ("SEGEND=90.0,150.0,270.0,360.0", "SEGEND=8.0,170.0,178.0,360.0"),
-                   ("SEGOUT=20.0,20.0,0.0,0.0", "SEGOUT=-3.0,-3.0,0.0,0.0"), ("RROLL=8.0, RCUT=12.0", "RROLL=4.0, ALFMAX=89")), place)
-    check(run.code == 1 and "the profile crosses itself" in run.error, "a profile that crosses itself", run.error)
+    for roller, crosses in ((10.0, True), (6.0, False)):
+        run = Run(data("translating_roller", ("SEGEND=90.0,150.0,270.0,360.0", "SEGEND=50.0,51.0,101.0,360.0"),
+                       ("SEGOUT=20.0,20.0,0.0,0.0", "SEGOUT=60.0,60.0,0.0,0.0"), ("ORIGLK=48.0, ORIGNG=80.405931773139", "ORIGLK=12.0, ORIGNG=90.0"),
+                       ("'POLY345','DWELL','MODTRAP'", "'POLY4567','DWELL','POLY4567'"), ("RROLL=8.0, RCUT=12.0", "RROLL=%g, RCUT=1.0, ALFMAX=89" % roller)), place)
+        check(("the profile crosses itself" in run.error) == crosses and "undercut" not in run.error, "rollers on both sides of a narrow neck", run.error)
+        if crosses:
+            # points of the contour against centres of the roller, every tenth of a degree, by brute force
+            fine = Run(data("translating_roller", ("SEGEND=90.0,150.0,270.0,360.0", "SEGEND=50.0,51.0,101.0,360.0"),
+                            ("SEGOUT=20.0,20.0,0.0,0.0", "SEGOUT=60.0,60.0,0.0,0.0"), ("ORIGLK=48.0, ORIGNG=80.405931773139", "ORIGLK=12.0, ORIGNG=90.0"),
+                            ("'POLY345','DWELL','MODTRAP'", "'POLY4567','DWELL','POLY4567'"),
+                            ("RROLL=8.0, RCUT=12.0", "RROLL=%g, RCUT=%g, NPOINT=3600, ALFMAX=89" % (roller, roller))), place)
+            p = fine.columns["profile_x"] + 1j*fine.columns["profile_y"]
+            z = fine.columns["cutter_x"] + 1j*fine.columns["cutter_y"]
+            depth = roller - min(numpy.abs(p - c).min() for c in z)
+            check(0.0 <= run.extremes["crossing_depth"][0] - depth < 1e-3, "its depth", (run.extremes["crossing_depth"], depth))
 
 
 def bad_input(place):
@@ -389,6 +401,25 @@ def forces(place):
         close(force[60.0][1], math.sqrt(want/0.01*curvature/(math.pi*2*(1 - .09)/206e9)), 1e-9, "stress at the roller")
     else:
         check(False, "contact is lost at a speed", run.listing[-900:] + run.error)
+    # with friction: the balance of forces along the slide, at what is touched
+    run = Run(head + mass % (90.0, 100 - 90/8) + " &CAM CAMRPM=600, CAMMU=0.2," + cam, place)
+    rub = {float(r[0]): float(r[1]) for r in run.blocks["contact"]}
+    for angle in (60, 200):
+        row = run.at(angle)
+        load = 1.2*row["input2"]*1e-3*w*w + 8000*(row["input"] + 90/8)*1e-3
+        before, after = (complex(run.at(angle + d)["profile_x"], run.at(angle + d)["profile_y"]) for d in (-1, 1))
+        turn = complex(math.cos(math.radians(angle)), math.sin(math.radians(angle)))
+        normal = complex(row["roller_x"], row["roller_y"]) - (complex(row["profile_x"], row["profile_y"])*turn)
+        along = (after - before)*turn
+        along = normal*1j/abs(normal)*math.copysign(1, (along*(normal*1j).conjugate()).real)
+        close(rub[angle], load/(normal.imag/abs(normal) - 0.2*along.imag), 1e-9, "friction: force of the cam at %d" % angle)
+    run = Run(head + mass % (90.0, 100 - 90/8) + " &CAM CAMRPM=600, CAMMU=5.0," + cam, place)
+    check(run.code == 1 and "friction keeps the cam" in run.error, "friction: it jams", run.error)
+    run = Run(head + mass % (90.0, 100 - 90/8) + " &CAM CAMRPM=900, KTRACK=1," + cam, place)
+    # the follower is too fast while it is slowed on the rise, and while it sets out on the return
+    angles = [float(row[2]) for row in run.blocks["extremes"] if row[0] == "flank_change_jerk"]
+    check(len(angles) == 4 and 45 < angles[0] < 69.355 < angles[1] < 90 and 150 < angles[2] < angles[3] < 210,
+          "track: flanks change on both sides of where contact is first lost", angles)
     text = data("translating_roller", ("'POLY345','DWELL','MODTRAP'", "'POLY4567','DWELL','POLY4567'"), ("&CAM", "&CAM CAMFRQ=10, CAMZET=.05,"))
     plain = Run(text.replace("CAMFRQ=10, CAMZET=.05,", ""), place)
     driven = Run(text, place)
@@ -399,6 +430,45 @@ def forces(place):
           "flexible drive: velocity")
     run = Run(data("translating_roller", ("&CAM", "&CAM CAMFRQ=10,")), place)
     check(run.code == 2 and "a flexible drive takes both into the cam" in run.error, "a law too rough for a flexible drive", run.error)
+
+
+def searches(place):
+    """The smallest cam by search is that of the half-planes; law parameters and roller vary; limits that cannot be kept."""
+    lying = ("ORIGLK=48.0, ORIGNG=80.405931773139", "ORIGLK=0.0")
+    run = Run(data("translating_roller", lying, ("RROLL=8.0, RCUT=12.0",
+              "RROLL=2.0, YCAM=-40.0, VARY='XCAM','YCAM', VARLOW=-30.0,-80.0, VARHI=30.0,-20.0")), place)
+    check(run.code == 0, "search for the smallest cam: limits are kept", run.error)
+    found = dict(re.findall(r"^ ([XY]CAM) .* TO (\S+)$", run.listing, re.M))
+    close(abs(complex(float(found["XCAM"]), float(found["YCAM"])) - (-2.4624889269-28.1361419931j)), 0.0, 1e-4, "search: centre")
+    close(run.extremes["base_radius"][0], 28.2436954382 - 2.0, 1e-5, "search: base radius as by half-planes")
+    # zones of a trigonometric law: the least acceleration of a symmetric rise is that of the parabola
+    run = Run(data("translating_roller", ("'POLY345'", "'TRIG'"), ("RROLL=8.0,", "TZONE=1,2,1,0,1,2,1, GOAL='ACCEL', ALFMAX=60.0, RROLL=8.0, VARLOW=6*0.05, VARHI=6*0.6,\n"
+              "  VARY='TZONE 1 1','TZONE 1 2','TZONE 1 3','TZONE 1 5','TZONE 1 6','TZONE 1 7',")), place)
+    check(run.code == 0 and "SEARCH BY LD_SLSQP" in run.listing, "search: zones of a law", run.error)
+    before, after = map(float, re.search(r"LEAST ACCEL\s+(\S+) TO\s+(\S+)", run.listing).groups())
+    check(after < 0.95*before, "search: less acceleration", (before, after))
+    run = Run(data("swinging_roller", (" &CAM", " &SEARCH SOLVER='LN_COBYLA', MAXEVAL=150 &END\n &CAM GOAL='ALPHA', VARY='XCAM','YCAM', "
+              "VARLOW=-10,-10, VARHI=10,10,")), place)
+    before, after = map(float, re.search(r"LEAST ALPHA\s+(\S+) TO\s+(\S+)", run.listing).groups())
+    check(run.code == 0 and after < before - 1.0, "search: a smaller pressure angle by another solver", (before, after))
+    run = Run(data("translating_roller", ("RROLL=8.0", "ALFMAX=3.0, VARY='XCAM', VARLOW=-3.0, VARHI=3.0, RROLL=8.0")), place)
+    check(run.code == 1 and "no cam that keeps all limits" in run.error, "search: limits that cannot be kept", run.error)
+    for words, change in (("cannot vary", "VARY='RCUT', VARLOW=1, VARHI=2"), ("needs bounds", "VARY='XCAM','YCAM', VARLOW=1,2, VARHI=2"),
+                          ("no such segment", "VARY='SEGEND 4', VARLOW=1, VARHI=2"), ("must be above VARLOW", "VARY='XCAM', VARLOW=3, VARHI=2"),
+                          ("only 'TRIG'", "VARY='TZONE 1 1', VARLOW=1, VARHI=2"), ("no goal 'SMALL'", "GOAL='SMALL'"),
+                          ("stress needs", "GOAL='STRESS'")):
+        run = Run(data("translating_roller", ("RROLL=8.0", change + ", RROLL=8.0")), place)
+        check(run.code == 2 and words in run.error, "search refused: " + words, run.error)
+
+
+def rough_table(place):
+    """A table of rounded numbers is told of; with its tolerance it is smooth."""
+    t = 2*numpy.pi*numpy.arange(180)/180
+    rounded = ",".join("%.2f" % v for v in 10 + 5*numpy.cos(t))
+    head = data("translating_roller").split(" &CAM")[0]
+    for tolerance, told in ((0.0, True), (0.006, False)):
+        run = Run(head + " &CAM KOUT=0, NTAB=180, TABTOL=%g, RROLL=2, ALFMAX=80, TABOUT=%s &END\n" % (tolerance, rounded), place)
+        check(("changes its sign" in run.error) == told, "a table rounded to two decimals: warning %s" % told, run.error)
 
 
 def table_for_others(place):
@@ -518,7 +588,7 @@ def pages(place):
 def main():
     with tempfile.TemporaryDirectory() as place:
         for part in (reference_cams, linkage_backwards, laws, violations, bad_input, table_for_others, cutting, pairs_of_cams,
-                     centres, forces, two_cams, geared, pages):
+                     centres, forces, two_cams, geared, pages, searches, rough_table):
             part(place)
     print("%d passed, %d failed" % (passed, failed))
     return 1 if failed else 0

@@ -9,8 +9,9 @@ program test_cam
    use psalm_cam_kind, only: law_names, has_zones, zones_of, law_kind
    use psalm_cam_law, only: law_t, joint_t, make_law, law_made, law_velocity_jumps, law_singular, law_jerk_jumps, &
                             highest_law_order
+   use psalm_cam_interference, only: pair_t, near_pairs, fit_least
    use psalm_cam_trace, only: cam_trace_t
-   use psalm_cam_profile, only: cam_axes_t, cam_points_t, roller_profile, flat_profile, side_of_centre, deepest_interference
+   use psalm_cam_profile, only: cam_axes_t, cam_points_t, roller_profile, flat_profile, side_of_centre
    use psalm_data_set, only: data_set_t
    use psalm_error, only: problem_t, new_problem
    use psalm_kinds, only: wp, full_turn, radians_per_degree
@@ -270,23 +271,45 @@ contains
       call t%close_to(maxval(abs(points%pressure)), 0.0_wp, 0.0_wp, 'a flat face square to its travel: no pressure angle')
    end subroutine flat_face_of_a_circle
 
+   !> A circle under a roller: no pair may meet. A curve of centres that comes back beside itself: one does.
    subroutine interference()
-      complex(wp) :: contour(400), centres(400)
-      real(wp) :: depth, c, s
-      integer :: i, at, by
+      integer, parameter :: n = 400
+      complex(wp) :: contour(n), centres(n), tangent(n), d
+      type(pair_t), allocatable :: pairs(:)
+      real(wp) :: c, s, f(-1:1, -1:1), move(2), waist
+      integer :: i, k
 
-      do i = 1, 400
-         call unit_vector(0.9_wp*real(i, wp), c, s)
+      do i = 1, n
+         call unit_vector(full_turn*real(i, wp)/real(n, wp), c, s)
          contour(i) = 50.0_wp*cmplx(c, s, wp)
          centres(i) = 60.0_wp*cmplx(c, s, wp)
+         tangent(i) = (0.0_wp, 1.0_wp)*cmplx(c, s, wp)
       end do
-      call deepest_interference(contour, centres, 10.0_wp, depth, at, by)
-      call t%close_to(depth, 0.0_wp, 0.0_wp, 'a circle under a roller: no interference')
-      centres(100) = centres(100)*(57.5_wp/60.0_wp)
-      call deepest_interference(contour, centres, 10.0_wp, depth, at, by)
-      call t%close_to(depth, 2.5_wp, 1.0e-12_wp, 'one roller too deep: its depth')
-      call t%equal_integer(by, 100, 'one roller too deep: which')
-      call t%equal_integer(at, 100, 'one roller too deep: where')
+      call near_pairs(contour, centres, tangent, 10.0_wp, pairs)
+      call t%equal_integer(size(pairs), 0, 'a circle under a roller: no pair to look at')
+      ! an oval of Cassini with a waist narrower than the rollers that stand on both of its sides
+      do k = 1, 2
+         waist = merge(4.0_wp, 30.0_wp, k == 1)
+         do i = 1, n
+            call unit_vector(full_turn*real(i, wp)/real(n, wp), c, s)
+            centres(i) = cmplx(60.0_wp*c, s*(waist + 40.0_wp*c**2), wp)
+            d = cmplx(-60.0_wp*s, c*(waist + 40.0_wp*c**2) - 80.0_wp*c*s**2, wp)
+            tangent(i) = d/abs(d)
+         end do
+         contour = centres + (0.0_wp, 1.0_wp)*tangent*10.0_wp
+         call near_pairs(contour, centres, tangent, 10.0_wp, pairs)
+         call t%is_true(size(pairs) > 0 .eqv. k == 1, 'rollers on both sides of a waist meet where it is narrow')
+      end do
+      ! a quadratic is fitted exactly
+      do i = -1, 1
+         do k = -1, 1
+            f(i, k) = 7.0_wp + 2.0_wp*(real(i, wp) - 0.3_wp)**2 + (real(i, wp) - 0.3_wp)*(real(k, wp) + 0.2_wp) &
+                      + 3.0_wp*(real(k, wp) + 0.2_wp)**2
+         end do
+      end do
+      move = fit_least(f)
+      call t%close_to(move(1), 0.3_wp, 1.0e-13_wp, 'the least of a quadratic, one way')
+      call t%close_to(move(2), -0.2_wp, 1.0e-13_wp, 'the least of a quadratic, the other way')
    end subroutine interference
 
    !> Arcs keep within their tolerance of an ellipse, which they touch at their ends; a circle is made of few.

@@ -2,7 +2,9 @@
 !>
 !> The linkage is reduced to its input: inertia J(q), and the forces of weight, loads, springs and dampers on it. The cam gives
 !> what is missing: N (nu . dc/dq) = J q'' w**2 + J' q'**2 w**2/2 - Q(q) + D q' w, nu the direction of its push.
-!> N below 0: contact is lost. Stress on a line: Hertz (1882). Without friction.
+!> N below 0: contact is lost. With friction N mu acts on the follower against its way along the profile, at the place of
+!> contact: a roller that turns freely has mu near 0. Where both together cannot move the follower it jams.
+!> Stress on a line: Hertz (1882).
 module psalm_cam_contact
    use psalm_cam_group, only: cam_group_t
    use psalm_cam_trace, only: cam_trace_t
@@ -24,21 +26,23 @@ module psalm_cam_contact
       real(wp), allocatable :: stress(:)         !! Pa; 0 where there is no contact or no width is given
       real(wp) :: lost_at = 0.0_wp               !! cam angle at which contact is first lost as the speed grows, degrees
       real(wp) :: lost_speed = 0.0_wp            !! and the speed, rev/min; 0: it is never lost
+      logical :: jams = .false.                  !! friction keeps the cam from moving the follower
    end type contact_t
 
 contains
 
    !> Force and stress at the states of a trace. `problem` is left at their inputs.
-   subroutine find_contact(cam, model, problem, states, points, roller, contact)
+   subroutine find_contact(cam, model, problem, states, points, roller, sense, contact)
       type(cam_group_t), intent(in) :: cam
       type(force_model_t), intent(in) :: model
       type(problem_t), intent(inout) :: problem
       type(cam_trace_t), intent(in) :: states
       type(cam_points_t), intent(in) :: points
-      real(wp), intent(in) :: roller             !! radius; 0: flat
+      real(wp), intent(in) :: roller             !! radius; 0: flat or a knife edge
+      real(wp), intent(in) :: sense              !! +1: the cam turns anticlockwise
       type(contact_t), intent(out) :: contact
       type(reduced_t) :: reduced
-      complex(wp) :: push, by_input
+      complex(wp) :: push, force, by_input
       real(wp), allocatable :: square(:), linear(:), rest(:), lost(:)
       real(wp) :: arm, w, curvature, left, middle, right
       integer :: i, n
@@ -51,12 +55,12 @@ contains
       w = cam%speed*per_minute
       do i = 1, n
          push = points%normal(i)*points%machine(i)
-         by_input = states%by_input(i)
-         if (.not. roller > 0.0_wp) then
-            ! a flat face is pushed where it is touched
-            by_input = by_input + cmplx(0.0_wp, states%turning_by_input(i), wp)*(push*cmplx(0.0_wp, points%on_face(i), wp))
-         end if
-         arm = real(conjg(push)*by_input, wp)*model%metre
+         ! what is touched: of a face beside its point, of a roller below its centre
+         by_input = states%by_input(i) + cmplx(0.0_wp, states%turning_by_input(i), wp)*place_of(i)
+         force = push - cam%friction*sign(1.0_wp, slip_of(i))*points%tangent(i)*points%machine(i)
+         ! the cam's push moves the input in this sense; friction may turn it round
+         arm = real(conjg(force)*by_input, wp)*model%metre
+         contact%jams = contact%jams .or. arm*real(conjg(push)*by_input, wp) <= 0.0_wp
          square(i) = (reduced%inertia(i)*states%q(2, i) + 0.5_wp*reduced%slope(i)*states%q(1, i)**2)/arm
          linear(i) = reduced%damping(i)*states%q(1, i)/arm
          rest(i) = -reduced%torque(i)/arm
@@ -83,6 +87,24 @@ contains
       contact%lost_at = states%angle(i) + 0.5_wp*(left - right)/(left - 2.0_wp*middle + right)* &
                         (states%angle(i + 1) - states%angle(i))
       contact%lost_speed = (middle - 0.125_wp*(left - right)**2/(left - 2.0_wp*middle + right))/per_minute
+
+   contains
+
+      !> What is touched, from the roller's centre or the point of the face.
+      pure complex(wp) function place_of(i)
+         integer, intent(in) :: i
+
+         place_of = (points%normal(i)*points%machine(i))*cmplx(-roller, points%on_face(i), wp)
+      end function place_of
+
+      !> Velocity of what is touched of the follower along the profile against the cam.
+      pure real(wp) function slip_of(i)
+         integer, intent(in) :: i
+
+         slip_of = real(conjg(points%tangent(i)*points%machine(i))* &
+                        (states%c(1, i) + cmplx(0.0_wp, states%turning(1, i), wp)*place_of(i) &
+                         - cmplx(0.0_wp, sense, wp)*(points%profile(i)*points%machine(i))), wp)
+      end function slip_of
    end subroutine find_contact
 
    !> The least speed above 0 at which a w**2 + b w + c falls through 0; the largest number if it does not.

@@ -11,7 +11,7 @@ module psalm_cam_profile
    use psalm_kinds, only: wp, right_angle
    implicit none (type, external)
    private
-   public :: cam_axes_t, cam_points_t, roller_profile, flat_profile, side_of_centre, deepest_interference
+   public :: cam_axes_t, cam_points_t, roller_profile, flat_profile, side_of_centre
 
    !> Where the cam turns.
    type :: cam_axes_t
@@ -170,33 +170,4 @@ contains
       allocate (points%radius(n), points%bend(n), points%pressure(n))
       allocate (points%excursion(n), points%on_face(n), source=0.0_wp)
    end subroutine make_room
-
-   !> How deep a circle of the radius cuts into the contour where it stands at its centres, at most: what curvature alone does not
-   !> show. 0 if nowhere by more than rounding.
-   pure subroutine deepest_interference(contour, centres, radius, depth, at, by)
-      complex(wp), intent(in) :: contour(:), centres(:) !! shape (n): of one and the same cam angle
-      real(wp), intent(in) :: radius
-      real(wp), intent(out) :: depth
-      integer, intent(out) :: at, by                 !! point of the contour, and centre
-      real(wp) :: least, square, allowed
-      integer :: i, k
-
-      at = 0
-      by = 0
-      depth = 0.0_wp
-      if (.not. radius > 0.0_wp) return
-      ! rounding of the points
-      allowed = max(1.0e-9_wp, 1.0e-12_wp*maxval(abs(real(centres, wp)) + abs(aimag(centres))))
-      least = max(radius - allowed, 0.0_wp)**2
-      do k = 1, size(centres)
-         do i = 1, size(contour)
-            square = (real(contour(i), wp) - real(centres(k), wp))**2 + (aimag(contour(i)) - aimag(centres(k)))**2
-            if (square >= least) cycle
-            least = square
-            at = i
-            by = k
-         end do
-      end do
-      if (at > 0) depth = radius - sqrt(least)
-   end subroutine deepest_interference
 end module psalm_cam_profile

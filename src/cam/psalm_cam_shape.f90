@@ -8,7 +8,7 @@ module psalm_cam_shape
    use psalm_kinds, only: wp, full_turn
    implicit none (type, external)
    private
-   public :: cam_shape_t, extreme_t, samples_t, measure, sample_turn, settle_side, find_extreme
+   public :: cam_shape_t, extreme_t, samples_t, measure, sample_turn, settle_side, find_extreme, greatest_of
    public :: measure_pressure, measure_convex, measure_concave, measure_base, measure_outer, measure_excursion_low, &
              measure_excursion_high, measure_face_low, measure_face_high, measure_output, measure_input, measures
 
@@ -85,21 +85,24 @@ contains
 
    !> Sample a turn. The side of a roller's cam follows from it unless it is forced. Where the motion has a fault the shape is of no
    !> meaning.
-   subroutine sample_turn(shape, cam, samples)
+   subroutine sample_turn(shape, cam, samples, of_turn)
       type(cam_shape_t), intent(inout) :: shape
       type(cam_group_t), intent(in) :: cam
       type(samples_t), intent(out) :: samples
-      integer :: k, i, n, of_piece
+      integer, intent(in), optional :: of_turn       !! about so many; as many as is usual if absent
+      integer :: k, i, n, of_piece, wanted
 
+      wanted = merge(samples_of_chain, samples_of_turn, allocated(shape%motion%chain))
+      if (present(of_turn)) wanted = min(wanted, of_turn)
       n = 0
       associate (pieces => shape%motion%law%pieces)
          do k = 1, size(pieces)
-            n = n + samples_in(shape, pieces(k)%width) + 1
+            n = n + samples_in(wanted, pieces(k)%width) + 1
          end do
          allocate (samples%angle(n), samples%piece(n))
          n = 0
          do k = 1, size(pieces)
-            of_piece = samples_in(shape, pieces(k)%width)
+            of_piece = samples_in(wanted, pieces(k)%width)
             do i = 0, of_piece
                n = n + 1
                samples%angle(n) = pieces(k)%start + pieces(k)%width*(real(i, wp)/real(of_piece, wp))
@@ -113,12 +116,10 @@ contains
       call shape_of(shape, samples%states, samples%points, samples%possible)
    end subroutine sample_turn
 
-   pure integer function samples_in(shape, width)
-      type(cam_shape_t), intent(in) :: shape
+   pure integer function samples_in(of_turn, width)
+      integer, intent(in) :: of_turn
       real(wp), intent(in) :: width    !! degrees
-      integer :: of_turn
 
-      of_turn = merge(samples_of_chain, samples_of_turn, allocated(shape%motion%chain))
       samples_in = max(fewest_of_piece, nint(real(of_turn, wp)*width/full_turn))
    end function samples_in
 
@@ -180,6 +181,25 @@ contains
          r = hypotenuse(real(points%pitch, wp), aimag(points%pitch)) - shape%roller
       end if
    end function distance
+
+   !> The largest value of a measure over a segment of the law: the best sample, refined by a parabola through its neighbours.
+   function greatest_of(shape, samples, what, segment) result(greatest)
+      type(cam_shape_t), intent(in) :: shape
+      type(samples_t), intent(in) :: samples
+      integer, intent(in) :: what
+      integer, intent(in) :: segment
+      real(wp) :: greatest
+      real(wp) :: value(size(samples%angle)), bend
+      integer :: i
+
+      value = values_of(shape, what, samples%states, samples%points)
+      i = maxloc(value, dim=1, mask=shape%motion%law%pieces(samples%piece)%segment == segment)
+      greatest = value(i)
+      if (i == 1 .or. i == size(value)) return
+      if (samples%piece(i - 1) /= samples%piece(i) .or. samples%piece(i + 1) /= samples%piece(i)) return
+      bend = value(i - 1) - 2.0_wp*value(i) + value(i + 1)
+      if (bend < 0.0_wp) greatest = value(i) - 0.125_wp*(value(i + 1) - value(i - 1))**2/bend
+   end function greatest_of
 
    !> The largest value of a measure over some segments of the law: the best sample, refined by golden sections on the closed forms
    !> within its piece.

@@ -10,6 +10,7 @@ module psalm_cam_group
    use psalm_text, only: to_text, upper_case
    implicit none (type, external)
    private
+   public :: variation_t, vary_item, goal_base, goal_outer, goal_alpha, goal_rho, goal_accel, goal_stress, goal_names
    public :: cam_group_t, roller_t, read_cam_group, follower_roller, follower_flat
 
    integer, parameter :: most_segments = 200, most_in_table = 2000, most_points = 100000, fewest_points = 12
@@ -24,6 +25,26 @@ module psalm_cam_group
       real(wp) :: angle = 0.0_wp               !! of that line from the arc's direction, degrees
       real(wp) :: radius = 0.0_wp
    end type roller_t
+
+   ! GOAL: what is to be least
+   integer, parameter :: goal_base = 1    !! base radius
+   integer, parameter :: goal_outer = 2   !! outer radius
+   integer, parameter :: goal_alpha = 3   !! largest pressure angle
+   integer, parameter :: goal_rho = 4     !! greatest convex curvature: the least radius is to be large
+   integer, parameter :: goal_accel = 5   !! largest second derivative of the input
+   integer, parameter :: goal_stress = 6  !! contact stress
+   character(*), parameter :: goal_names(6) = [character(6) :: 'BASE', 'OUTER', 'ALPHA', 'RHO', 'ACCEL', 'STRESS']
+   !> Numbers that may vary: those of a segment from the ninth on, TZONE with the number of its zone.
+   character(*), parameter :: vary_names(12) = [character(6) :: 'XCAM', 'YCAM', 'FOLLK', 'FOLANG', 'FACANG', 'RROLL', 'ORIGLK', &
+                                                'ORIGNG', 'SEGEND', 'SEGVEL', 'SEGACC', 'TZONE']
+   integer, parameter :: first_of_segments = 9, of_zones = 12
+
+   !> A number that a search may change.
+   type :: variation_t
+      integer :: item = 0                      !! in `vary_names`
+      integer :: segment = 0, zone = 0
+      real(wp) :: low = 0.0_wp, high = 0.0_wp
+   end type variation_t
 
    type :: cam_group_t
       logical :: given = .false.
@@ -62,6 +83,7 @@ module psalm_cam_group
       real(wp) :: width = 0.0_wp               !! CAMWID: of the line of contact; 0: no stress
       real(wp) :: modulus(2) = steel_modulus, poisson(2) = steel_poisson !! CAMMOD (Pa), CAMNU: of cam and follower
       real(wp) :: stress = 0.0_wp              !! PHERTZ, Pa; 0: not limited
+      real(wp) :: friction = 0.0_wp            !! CAMMU: between cam and follower
       ! flexible drive
       real(wp) :: frequency = 0.0_wp           !! CAMFRQ: of what the cam drives, over the cam's speed; 0: rigid
       real(wp) :: damping = 0.0_wp             !! CAMZET: part of the critical one
@@ -70,6 +92,9 @@ module psalm_cam_group
       logical :: rise_only = .false.           !! KALF=1: ALFMAX holds while the follower leaves the centre
       real(wp) :: least_radius = 0.0_wp        !! RHOMIN
       real(wp) :: half_face = 0.0_wp           !! WFACE; 0: not limited
+      ! search
+      type(variation_t), allocatable :: variations(:) !! VARY, VARLOW, VARHI
+      integer :: goal = goal_base              !! GOAL
       ! tables
       integer :: points = 360                  !! NPOINT
       real(wp) :: tolerance = 0.01_wp          !! TOLCUT
@@ -93,6 +118,7 @@ contains
       call read_table(group, cam, findings)
       call read_follower(group, ilink, cam, findings)
       call read_joints(group, sketch, cam, findings)
+      call read_variations(group, cam, findings)
       call group%get_real('ALFMAX', cam%pressure_angle, findings)
       if (cam%pressure_angle <= 0.0_wp .or. cam%pressure_angle >= 90.0_wp) call out_of(group, 'ALFMAX', &
          'must lie between 0 and 90 degrees', findings)
@@ -255,6 +281,80 @@ contains
                                                   findings, n)
    end subroutine read_table
 
+   !> Name of an item that may vary.
+   pure function vary_item(item) result(name)
+      integer, intent(in) :: item
+      character(:), allocatable :: name
+
+      name = trim(vary_names(item))
+   end function vary_item
+
+   !> What a search may change, and what it is to make least.
+   subroutine read_variations(group, cam, findings)
+      type(group_t), intent(inout) :: group
+      type(cam_group_t), intent(inout) :: cam
+      type(diagnostics_t), intent(inout) :: findings
+      character(:), allocatable :: names(:), goal
+      real(wp), allocatable :: low(:), high(:)
+      integer :: k, n, given(2), numbers(2), first, state
+      character(:), allocatable :: word
+
+      call group%get_texts('VARY', names, findings)
+      n = size(names)
+      allocate (cam%variations(n))
+      allocate (low(max(1, n)), high(max(1, n)), source=0.0_wp)
+      call group%get_reals('VARLOW', low, findings, last=given(1))
+      call group%get_reals('VARHI', high, findings, last=given(2))
+      goal = trim(goal_names(goal_base))
+      call group%get_word('GOAL', goal, findings)
+      cam%goal = findloc(goal_names == upper_case(goal), .true., dim=1)
+      if (cam%goal == 0) then
+         call out_of(group, 'GOAL', "there is no goal '"//goal//"'; it is BASE, OUTER, ALPHA, RHO, ACCEL or STRESS", findings)
+         cam%goal = goal_base
+      end if
+      if (cam%goal == goal_stress .and. .not. (cam%speed > 0.0_wp .and. cam%width > 0.0_wp)) call out_of(group, 'GOAL', &
+         'stress needs CAMRPM and CAMWID', findings)
+      if (n > 0 .and. any(given < n)) call out_of(group, 'VARY', 'each number that varies needs bounds, VARLOW and VARHI', findings)
+      do k = 1, n
+         associate (one => cam%variations(k))
+            names(k) = adjustl(names(k))
+            first = index(trim(names(k))//' ', ' ')
+            word = upper_case(names(k) (:first - 1))
+            one%item = findloc(vary_names == word, .true., dim=1)
+            numbers = 0
+            state = 0
+            if (one%item >= first_of_segments) then
+               read (names(k) (first:), *, iostat=state) numbers(:merge(2, 1, one%item == of_zones))
+            else if (len_trim(names(k) (first:)) > 0) then
+               state = 1
+            end if
+            one%segment = numbers(1)
+            one%zone = numbers(2)
+            one%low = low(k)
+            one%high = high(k)
+            if (one%item == 0) then
+               call out_of(group, 'VARY', "'"//trim(names(k))//"' cannot vary; it is XCAM, YCAM, FOLLK, FOLANG, FACANG, RROLL, "// &
+                           "ORIGLK, ORIGNG, 'SEGEND 1', 'SEGVEL 1', 'SEGACC 1' or 'TZONE 1 2' (segment, zone)", findings, k)
+               one%item = 1
+               cycle
+            end if
+            if (one%item >= first_of_segments .and. state == 0) then
+               if (one%segment < 1 .or. one%segment > size(cam%finish)) state = 1
+               if (one%item == of_zones .and. (one%zone < 1 .or. one%zone > zone_count)) state = 1
+               if (word == 'SEGEND' .and. one%segment == size(cam%finish)) state = 1
+            end if
+            if (state /= 0) then
+               call out_of(group, 'VARY', "'"//trim(names(k))//"': there is no such segment or zone to vary", findings, k)
+            else if (word == 'TZONE') then
+               if (cam%law(one%segment) /= law_trig) call out_of(group, 'VARY', "'"//trim(names(k))// &
+                                                                 "': only 'TRIG' has zones of the user's", findings, k)
+            end if
+            if (n > 0 .and. all(given >= n) .and. .not. one%high > one%low) call out_of(group, 'VARHI', 'entry '//to_text(k)// &
+               ': must be above VARLOW', findings, k)
+         end associate
+      end do
+   end subroutine read_variations
+
    !> What of a sketch carries the follower.
    subroutine read_joints(group, sketch, cam, findings)
       type(group_t), intent(inout) :: group
@@ -359,6 +459,8 @@ contains
       call refuse_unless(cam%modulus > 0.0_wp, group, 'CAMMOD', 'must be above 0', findings)
       call group%get_reals('CAMNU', cam%poisson, findings)
       call refuse_unless(cam%poisson >= 0.0_wp .and. cam%poisson <= 0.5_wp, group, 'CAMNU', 'must lie between 0 and 0.5', findings)
+      call group%get_real('CAMMU', cam%friction, findings)
+      call refuse_unless([cam%friction >= 0.0_wp], group, 'CAMMU', 'must not be negative', findings)
       call group%get_real('PHERTZ', cam%stress, findings)
       call refuse_unless([cam%stress >= 0.0_wp], group, 'PHERTZ', 'must not be negative', findings)
       call group%get_real('CAMFRQ', cam%frequency, findings)

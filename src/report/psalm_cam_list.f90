@@ -143,6 +143,7 @@ contains
    subroutine list_forces(study, text)
       type(cam_study_t), intent(in) :: study
       type(text_t), intent(inout) :: text
+      integer :: k
 
       associate (fine => study%fine)
          if (.not. fine%known) then
@@ -150,6 +151,12 @@ contains
             return
          end if
          call text%add(' FORCE OF THE CAM, LEAST AND GREATEST, N'//general(minval(fine%force))//general(maxval(fine%force)))
+         if (allocated(study%flanks)) then
+            do k = 1, size(study%flanks, 2)
+               call text%add(' THE ROLLER CHANGES FLANKS AT'//general(study%flanks(1, k))//' DEGREES; THIRD DERIVATIVE OF THE '// &
+                             'INPUT'//general(study%flanks(2, k)))
+            end do
+         end if
          if (maxval(fine%stress) > 0.0_wp) call text%add(' GREATEST CONTACT STRESS, PA'//general(maxval(fine%stress)))
          if (fine%lost_speed > 0.0_wp) then
             call text%add(' CONTACT IS LOST FROM'//general(fine%lost_speed)//' REV/MIN ON, FIRST AT'//general(fine%lost_at)// &
@@ -187,6 +194,7 @@ contains
       if (study%cutter%depth > 0.0_wp) call text%add(' GOUGE: THE CUTTER AT'//general(study%cutter%by)// &
          ' TAKES AWAY WHAT IT CUTS AT'//general(study%cutter%at)//', TO A DEPTH OF'//general(study%cutter%depth))
       if (study%lost) call text%add(' THE FOLLOWER LEAVES THE CAM AT THIS SPEED')
+      if (study%jammed) call text%add(' FRICTION KEEPS THE CAM FROM MOVING THE FOLLOWER')
       if (study%stressed) call text%add(' THE CONTACT STRESS EXCEEDS PHERTZ')
       if (study%steep) call text%add(' THE PRESSURE ANGLE EXCEEDS ALFMAX')
       if (study%sharp) call text%add(' THE RADIUS OF CURVATURE IS LESS THAN RHOMIN')
@@ -259,6 +267,11 @@ contains
          call put('stress', extreme_t(maxval(fine%stress), 0.0_wp, maxval(fine%stress) > 0.0_wp))
          call put('contact_lost_rpm', extreme_t(fine%lost_speed, fine%lost_at, fine%lost_speed > 0.0_wp))
       end associate
+      if (allocated(study%flanks)) then
+         do k = 1, size(study%flanks, 2)
+            call put('flank_change_jerk', extreme_t(study%flanks(2, k), study%flanks(1, k), .true.))
+         end do
+      end if
       call text%add()
       call text%add()
       call text%add('# block contact'//suffix)

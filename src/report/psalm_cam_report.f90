@@ -1,15 +1,17 @@
 !> Results of calm become texts of the devices, remarks for standard error and the exit status. Nothing is computed here.
 module psalm_cam_report
+   use psalm_cam_group, only: goal_names, vary_item
    use psalm_cam_list, only: list_cam, plot_cam, table_cam
+   use psalm_cam_search, only: cam_search_t
    use psalm_cam_shape, only: measure_pressure
    use psalm_cam_study, only: cam_study_t
    use psalm_data_set, only: data_set_t
    use psalm_devices, only: devices_t
    use psalm_kinds, only: wp
-   use psalm_text, only: general, to_text
+   use psalm_text, only: full_precision, general, to_text
    implicit none (type, external)
    private
-   public :: report_cam
+   public :: report_cam, report_search
 
 contains
 
@@ -20,7 +22,7 @@ contains
       type(devices_t), intent(inout) :: devices
       integer :: k
 
-      call devices%six%add(' '//set%title)
+      if (size(set%cam%variations) == 0) call devices%six%add(' '//set%title)
       do k = 1, size(studies)
          call list_cam(studies(k), devices%six)
          if (k == 1) then
@@ -33,6 +35,36 @@ contains
          call remark_faults(set, studies(k), devices)
       end do
    end subroutine report_cam
+
+   !> What a search changed, before the cam that it found.
+   subroutine report_search(set, search, devices)
+      type(data_set_t), intent(in) :: set
+      type(cam_search_t), intent(in) :: search
+      type(devices_t), intent(inout) :: devices
+      character(:), allocatable :: name
+      integer :: k
+
+      call devices%six%add(' '//set%title)
+      call devices%six%add()
+      call devices%six%add(' SEARCH BY '//search%solver//', '//to_text(search%evaluations)//' CAMS: LEAST '// &
+                           trim(goal_names(set%cam%goal))//general(search%objective_before)//' TO'//general(search%objective))
+      do k = 1, size(search%after)
+         associate (one => set%cam%variations(k))
+            name = vary_item(one%item)
+            if (one%segment > 0) name = name//' '//to_text(one%segment)
+            if (one%zone > 0) name = name//' '//to_text(one%zone)
+            call devices%six%add(' '//name//repeat(' ', 12 - len(name))//general(search%before(k))//' TO '// &
+                                 full_precision(search%after(k)))
+         end associate
+      end do
+      if (search%refused) then
+         call devices%note_violation()
+         call devices%remark(set, 'the solver '//search%solver//' cannot search for a cam; LD_SLSQP and LN_COBYLA can')
+      else if (.not. search%feasible) then
+         call devices%note_violation()
+         call devices%remark(set, 'the search found no cam that keeps all limits')
+      end if
+   end subroutine report_search
 
    !> What the cam cannot do.
    subroutine remark_faults(set, study, devices)
@@ -51,6 +83,7 @@ contains
       if (study%gouge .or. study%cutter%depth > 0.0_wp) call devices%remark(set, 'the cutter is larger than a hollow of the '// &
                                                                             'profile')
       if (study%lost) call devices%remark(set, 'the follower leaves the cam at this speed')
+      if (study%jammed) call devices%remark(set, 'friction keeps the cam from moving the follower')
       if (study%stressed) call devices%remark(set, 'the contact stress exceeds PHERTZ')
       if (study%steep) call devices%remark(set, 'the pressure angle,'//general(study%extremes(measure_pressure)%value)// &
                                            ' degrees, exceeds ALFMAX')

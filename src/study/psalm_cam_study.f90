@@ -4,10 +4,12 @@ module psalm_cam_study
    use psalm_cam_contact, only: contact_t, find_contact
    use psalm_cam_centres, only: centres_t, admissible_centres, tightest_angles, sharpen_centres
    use psalm_cam_group, only: cam_group_t, follower_flat
-   use psalm_cam_law, only: law_t, joint_t, make_law, law_made, law_velocity_jumps, law_jerk_jumps
+   use psalm_cam_interference, only: interference_t, find_interference
+   use psalm_cam_law, only: law_t, joint_t, make_law, law_made, law_velocity_jumps, law_jerk_jumps, &
+                           highest_law_order
    use psalm_cam_motion, only: chained_motion, prepare_cam_motion
    use psalm_cam_paths, only: cam_path_t, find_paths, path_pitch, path_profile, path_cutter
-   use psalm_cam_profile, only: cam_points_t, deepest_interference
+   use psalm_cam_profile, only: cam_points_t
    use psalm_cam_shape, only: cam_shape_t, extreme_t, samples_t, measure, sample_turn, find_extreme, measures, measure_pressure, &
                               measure_convex, measure_concave, measure_base, measure_excursion_low, &
                               measure_face_low, measure_face_high
@@ -24,13 +26,15 @@ module psalm_cam_study
    implicit none (type, external)
    private
    public :: part_t, role_cam, role_conjugate, role_outer_wall, parts_of
-   public :: cam_study_t, rise_t, interference_t, check_cam, find_cam, way_rise, way_return, way_dwell
+   public :: make_shape, cam_of_part, find_sampled_contact
+   public :: cam_study_t, rise_t, check_cam, find_cam, way_rise, way_return, way_dwell
 
    integer, parameter :: way_rise = 1, way_return = 2, way_dwell = 3 !! the follower leaves the cam's centre, comes back, rests
    integer, parameter :: role_cam = 1, role_conjugate = 2, role_outer_wall = 3 !! what of a case a study is of
    real(wp), parameter :: rounding = 1.0e-9_wp   !! by which a cutter may seem to exceed a hollow
+   integer, parameter :: most_of_table = 8000    !! places where a table's derivatives are looked at
+   integer, parameter :: coarse_table = 4        !! changes of sign of the third derivative to each of the first
    integer, parameter :: sharpenings = 3         !! of the polygon of centres at the smallest cam: each squares the error
-   integer, parameter :: interference_stride = 3 !! samples from one to the next that is compared with all others
 
    !> What a study is of.
    type :: part_t
@@ -43,12 +47,6 @@ module psalm_cam_study
       integer :: way = way_dwell
       type(extreme_t) :: pressure
    end type rise_t
-
-   !> A circle that cuts into the contour it is to touch.
-   type :: interference_t
-      real(wp) :: depth = 0.0_wp                     !! 0: nowhere
-      real(wp) :: at = 0.0_wp, by = 0.0_wp           !! cam angles of the point lost and of the circle there
-   end type interference_t
 
    type :: cam_study_t
       type(part_t) :: part
@@ -70,7 +68,8 @@ module psalm_cam_study
       type(centres_t) :: centres(2)                  !! of a roller: to the left and to the right of its way
       type(contact_t), allocatable :: contact        !! at the angles of the table; not allocated: no CAMRPM
       type(contact_t), allocatable :: fine           !! and at those of the samples
-      logical :: lost = .false., stressed = .false.  !! contact is lost at this speed; PHERTZ is not kept
+      logical :: lost = .false., stressed = .false., jammed = .false. !! contact is lost at this speed; PHERTZ is not kept; friction
+      real(wp), allocatable :: flanks(:, :)          !! shape (2, changes): cam angles where the flank changes, jerk of the input
       real(wp) :: least_base = 0.0_wp                !! of a flat face: base radius with which the profile is just convex
       logical :: steep = .false., sharp = .false., face_short = .false. !! ALFMAX, RHOMIN, WFACE are not kept
    contains
@@ -84,7 +83,8 @@ contains
       class(cam_study_t), intent(in) :: self
 
       is_violating = self%undercut .or. self%gouge .or. self%roller%depth > 0.0_wp .or. self%cutter%depth > 0.0_wp .or. &
-                     self%steep .or. self%sharp .or. self%face_short .or. self%lost .or. self%stressed
+                     self%steep .or. self%sharp .or. self%face_short .or. self%lost .or. self%stressed .or. &
+                     self%jammed
    end function is_violating
 
    !> Errors: no cam, a law that cannot be made or whose velocity jumps, outputs out of reach, dead points, a linkage that does not
@@ -101,11 +101,19 @@ contains
          call findings%error('the group is missing: it says what the cam is to do', line=set%title_line, group='CAM')
          return
       end if
+      if (size(set%cam2%variations) > 0) call complain(set, 2, 'VARY', 'a search changes the first cam alone', findings)
+      if (size(set%cam%variations) > 0) then
+         if (is_chained(set)) call complain(set, 1, 'VARY', 'a search takes dyads and one drive on the frame, with the '// &
+                                            'follower on an arc', findings)
+         if (set%search%nstart > 1) call complain(set, 1, 'VARY', 'the search begins at the numbers given: leave NSTART out', &
+                                                  findings)
+      end if
       do k = 1, merge(2, 1, set%cam2%given)
          if (allocated(shape)) deallocate (shape)
          allocate (shape)
          call make_shape(set, prepared, part_t(cam=k), shape, findings)
          if (findings%failed()) return
+         call judge_table(set, k, findings)
          call sample_turn(shape, cam_of_part(set, part_t(cam=k)), samples)
          first = findloc(samples%states%fault /= fault_none, .true., dim=1)
          if (first > 0) then
@@ -125,6 +133,40 @@ contains
                                       ' degrees: it touches nowhere', findings)
       end do
    end subroutine check_cam
+
+   !> A table whose third derivative changes its sign much more often than its slope is coarse.
+   subroutine judge_table(set, cam, findings)
+      type(data_set_t), intent(in) :: set
+      integer, intent(in) :: cam                  !! 1 or 2
+      type(diagnostics_t), intent(inout) :: findings
+      type(cam_group_t) :: given
+      type(law_t) :: law
+      real(wp) :: y(0:highest_law_order), slope(most_of_table), jerk(most_of_table)
+      integer :: k, n
+
+      given = cam_of_part(set, part_t(cam=cam))
+      if (size(given%table) == 0) return
+      call make_law(given, law)
+      if (law%state /= law_made) return
+      n = min(most_of_table, 4*size(given%table))
+      do k = 1, n
+         y = law%evaluate(full_turn*real(k - 1, wp)/real(n, wp), law%piece_at(full_turn*real(k - 1, wp)/real(n, wp)))
+         slope(k) = y(1)
+         jerk(k) = y(3)
+      end do
+      if (changes(jerk(:n)) > coarse_table*max(changes(slope(:n)), 2)) call findings%warning('the third derivative through the '// &
+         'table changes its sign '//to_text(changes(jerk(:n)))//' times, the first '//to_text(changes(slope(:n)))// &
+         ' times: if the numbers are rounded give their tolerance, TABTOL', line=set%origins%line(group_of(cam), 'TABOUT', 1), &
+         group=group_of(cam), item='TABOUT')
+
+   contains
+
+      pure integer function changes(values)
+         real(wp), intent(in) :: values(:)
+
+         changes = count(values*[values(2:), values(1)] < 0.0_wp)
+      end function changes
+   end subroutine judge_table
 
    subroutine complain(set, cam, item, text, findings)
       type(data_set_t), intent(in) :: set
@@ -436,7 +478,10 @@ contains
          call find_segments(study, samples)
          call judge_curvature(study)
          if (.not. study%shape%flat) then
-            if (part%role /= role_outer_wall) call find_interference(study, samples)
+            if (part%role /= role_outer_wall) then
+               call find_interference(study%shape, samples, .false., study%roller)
+               call find_interference(study%shape, samples, .true., study%cutter)
+            end if
             call find_centres(cam, study, samples)
          end if
          call find_paths(study%shape, samples, cam%tolerance, study%paths)
@@ -444,6 +489,25 @@ contains
          if (cam%speed > 0.0_wp .and. part%role == role_cam) call find_forces(set, prepared, samples, study)
       end associate
    end subroutine find_cam
+
+   !> Forces at the samples of a cam.
+   subroutine find_sampled_contact(set, prepared, cam, shape, samples, contact)
+      type(data_set_t), intent(in) :: set
+      type(prepared_t), intent(in) :: prepared
+      type(cam_group_t), intent(in) :: cam
+      type(cam_shape_t), intent(in) :: shape
+      type(samples_t), intent(in) :: samples
+      type(contact_t), intent(out) :: contact
+      type(force_model_t) :: model
+      type(diagnostics_t) :: unused
+      type(problem_t), allocatable :: problem        ! large: it would fill a small stack
+
+      call make_force_model(set, prepared%mechanism, prepared%given, model, unused)
+      allocate (problem)
+      call new_problem(prepared%mechanism, prepared%given, prepared%parameters, [0.0_wp], .true., problem)
+      call find_contact(cam, model, problem, samples%states, samples%points, merge(0.0_wp, shape%roller, shape%flat), &
+                        shape%axes%sense, contact)
+   end subroutine find_sampled_contact
 
    !> Forces at the table's angles, and at the samples for what is extreme.
    subroutine find_forces(set, prepared, samples, study)
@@ -460,11 +524,31 @@ contains
       allocate (problem, study%contact, study%fine)
       call new_problem(prepared%mechanism, prepared%given, prepared%parameters, [0.0_wp], .true., problem)
       roller = merge(0.0_wp, study%shape%roller, study%shape%flat)
-      call find_contact(study%cam, model, problem, samples%states, samples%points, roller, study%fine)
-      call find_contact(study%cam, model, problem, study%states, study%points, roller, study%contact)
+      call find_contact(study%cam, model, problem, samples%states, samples%points, roller, study%shape%axes%sense, study%fine)
+      call find_contact(study%cam, model, problem, study%states, study%points, roller, study%shape%axes%sense, study%contact)
       study%lost = any(study%fine%force < 0.0_wp) .and. .not. (study%cam%conjugate .or. study%cam%track)
+      study%jammed = study%fine%jams
+      if (study%cam%conjugate .or. study%cam%track) call find_flanks(study, samples)
       study%stressed = study%cam%stress > 0.0_wp .and. maxval(study%fine%stress) > study%cam%stress
    end subroutine find_forces
+
+   !> Where the force changes its sign, the roller goes from one flank to the other, with the jerk there.
+   subroutine find_flanks(study, samples)
+      type(cam_study_t), intent(inout) :: study
+      type(samples_t), intent(in) :: samples
+      real(wp) :: share
+      integer :: i
+
+      allocate (study%flanks(2, 0))
+      associate (force => study%fine%force, q => samples%states%q(3, :))
+         do i = 2, size(force)
+            if (force(i - 1)*force(i) >= 0.0_wp) cycle
+            share = force(i - 1)/(force(i - 1) - force(i))
+            study%flanks = reshape([study%flanks, samples%angle(i - 1) + share*(samples%angle(i) - samples%angle(i - 1)), &
+                                    q(i - 1) + share*(q(i) - q(i - 1))], [2, size(study%flanks, 2) + 1])
+         end do
+      end associate
+   end subroutine find_flanks
 
    subroutine find_segments(study, samples)
       type(cam_study_t), intent(inout) :: study
@@ -531,27 +615,6 @@ contains
          study%hollow = study%undercut
       end associate
    end subroutine judge_face
-
-   !> The roller against the profile, the cutter against the profile: what curvature does not show.
-   subroutine find_interference(study, samples)
-      type(cam_study_t), intent(inout) :: study
-      type(samples_t), intent(in) :: samples
-      integer :: at, by
-
-      associate (p => samples%points%profile(::interference_stride), z => samples%points%pitch(::interference_stride), &
-                 m => samples%points%cutter(::interference_stride), th => samples%angle(::interference_stride))
-         call deepest_interference(p, z, study%shape%roller, study%roller%depth, at, by)
-         if (at > 0) then
-            study%roller%at = th(at)
-            study%roller%by = th(by)
-         end if
-         call deepest_interference(p, m, study%shape%cutter, study%cutter%depth, at, by)
-         if (at > 0) then
-            study%cutter%at = th(at)
-            study%cutter%by = th(by)
-         end if
-      end associate
-   end subroutine find_interference
 
    subroutine judge_limits(study)
       type(cam_study_t), intent(inout) :: study
