@@ -81,8 +81,9 @@ contains
                   undecided = .true.
                else if (limit%touch == touch_exact .and. proof%limits(i - 1)%kind == proof%limits(i + 1)%kind) then
                   tally%touches = tally%touches + 1
-               else if (limit%to - limit%from > narrow*(proof%to - proof%from) .or. same(proof%limits(i - 1), proof%limits(i + 1))) &
-                  then
+               else if (same(proof%limits(i - 1), proof%limits(i + 1))) then
+                  undecided = .true.
+               else if (limit%to - limit%from > narrow*(proof%to - proof%from)) then
                   undecided = .true.
                else
                   tally%ends = tally%ends + 1

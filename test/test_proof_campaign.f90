@@ -3,7 +3,7 @@
 !> `bench/proof` gives arguments: the number of linkages, of points looked at in each part, and of the first linkage.
 program test_proof_campaign
    use check, only: checks_t
-   use linkage_campaign, only: campaign, check_models, tally_t, draw_plain, draw_near_toggle, draw_round
+   use linkage_campaign, only: campaign, check_models, tally_t, draw_plain, draw_round
    implicit none (type, external)
    character(21), parameter :: names(3) = ['random dimensions    ', 'near a toggle        ', 'round dimensions     ']
    type(checks_t) :: t

@@ -12,7 +12,7 @@ module psalm_proof_list
    private
    public :: list_proof, write_proof, describe_proof
 
-   integer, parameter :: value_columns = 17, place_columns = 11
+   integer, parameter :: value_columns = 17
    real(wp), parameter :: certain = 1.0e-9_wp       !! relative width of a bracket that is told as one number
 
    integer, parameter :: width = 16, decimals = 12  !! of an angle
@@ -64,7 +64,7 @@ contains
       integer :: i
 
       if (count(study%extremes%found) == 0) return
-      call text%add('   QUANTITY                                      LEAST         AT         GREATEST         AT')
+      call text%add('   QUANTITY                                      LEAST             AT         GREATEST             AT')
       do i = 1, size(study%extremes)
          associate (extreme => study%extremes(i))
             if (.not. extreme%found) cycle
@@ -104,11 +104,9 @@ contains
 
       pure function place_text(input) result(columns)
          real(wp), intent(in) :: input
-         character(place_columns) :: columns
-         character(15) :: digits
+         character(15) :: columns
 
-         digits = general(input)
-         columns = adjustr(digits(15 - place_columns + 1:))
+         columns = general(input)
       end function place_text
    end subroutine list_extremes
 
