@@ -219,8 +219,9 @@ def test_browser_forces(browser, shots):
 
 def test_clearance(browser, shots):
     """The pin in its hole: it moves, goes with its box, and its data are those of bridge."""
-    balm("--quiet", "--output-dir", ".", os.path.join(DATA, "bridge", "four_bar_haines.nml"))
-    pin = Page(browser, "four_bar_haines.html")
+    os.makedirs("pins")
+    balm("--quiet", "--output-dir", "pins", os.path.join(DATA, "bridge", "four_bar_haines.nml"))
+    pin = Page(browser, "pins/four_bar_haines.html")
     check("pin: loads without complaint", not pin.complaints, str(pin.complaints))
     check("pin: its box is shown", pin.page.is_visible("#pinbox"))
     drawn = pin.pixels()
@@ -228,7 +229,7 @@ def test_clearance(browser, shots):
     check("pin: goes", pin.pixels() != drawn)
     pin.page.check("#pin")
     check("pin: and comes again", pin.pixels() == drawn)
-    data = page_data("four_bar_haines.html")[0]["clearance"]
+    data = page_data("pins/four_bar_haines.html")[0]["clearance"]
     sizes = [math.hypot(x, y) for x, y in zip(data["px"], data["py"])]
     check("pin: always on the wall", len(sizes) == 360 and all(abs(size - 1) < 1e-6 for size in sizes))
     load = [math.hypot(x, y) for x, y in zip(data["fx"], data["fy"])]
@@ -238,7 +239,6 @@ def test_clearance(browser, shots):
     if shots:
         pin.page.screenshot(path=os.path.join(shots, "pin.png"))
     pin.context.close()
-    os.remove("four_bar_haines.html")
 
 
 def test_browser_cases(browser, shots):

@@ -433,7 +433,7 @@ balm.drawing = (() => {
   /** The corner where the picture of the pin covers least of the linkage; the polar diagram has the upper right one. */
   function placePin(c) {
     const u = view.u, r = HOLE * u, near = r + 16 * u, low = view.h - r - 52 * u, wide = view.w - r - 28 * u;
-    const corners = [{ x: wide, y: low }, { x: r + 28 * u, y: near + 22 * u, left: true }, { x: r + 28 * u, y: low - 40 * u, left: true },
+    const corners = [{ x: r + 28 * u, y: near + 22 * u, left: true }, { x: wide, y: low }, { x: r + 28 * u, y: low - 40 * u, left: true },
       { x: wide, y: c.forces ? near + 150 * u : near }];
     let best = corners[0], least = Infinity;
     for (const corner of corners) {

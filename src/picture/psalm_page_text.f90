@@ -1086,7 +1086,7 @@ module psalm_page_text
    '/'//nl// &
    '  function placePin(c) {'//nl// &
    '    const u = view.u, r = HOLE * u, near = r + 16 * u, low = view.h - r - 52 * u, wide = view.w - r - 28 * u;'//nl// &
-   '    const corners = [{ x: wide, y: low }, { x: r + 28 * u, y: near + 22 * u, left: true }, { x: r + 28 * u, y: low - 40'// &
+   '    const corners = [{ x: r + 28 * u, y: near + 22 * u, left: true }, { x: wide, y: low }, { x: r + 28 * u, y: low - 40'// &
    ' * u, left: true },'//nl// &
    '      { x: wide, y: c.forces ? near + 150 * u : near }];'//nl// &
    '    let best = corners[0], least = Infinity;'//nl// &
