@@ -610,6 +610,33 @@ def sketches(place):
     check(code == 0 and "spring_load" in results, "sketch with a slide: a spring", error)
     torque = drive_of_kalm(place)
     close(max(torque) - min(torque), results["spring_load"]["after"], 1e-6, "sketch with a slide: kalm's range of the torque")
+    # links whose own arc is a slide, and one without a second joint: their weights are counted from the first joint
+    shaper = "SHAPER AS A SKETCH\n &CHAIN JNT='A','B','D','P','Q', JX=0.0,0.05,-0.01,0.06,0.19, JY=0.0,0.02,-0.16,0.21,0.225,\n" \
+        "  LNAME='frame','crank','block','lever','rod','ram', LNK='A D','A B','B','D P','P Q','Q',\n  NSLIDE=2, SLNK='lever','frame', " \
+        "SLNK2='block','ram', SLX=0.05,0.0, SLY=0.02,0.225, SLANG=71.565051177078,0.0 &END\n &DRIVES DRIVE='A', DBASE='frame', " \
+        "DLINK='crank' &END\n &OUTPUTS OUTPUT='point Q' &END\n &METHOD IKIN=5 &END\n &LIMITS TANGLE=90.0, TOGGLE=0.0 &END\n" \
+        " &RATES SPEED=20.0 &END\n &MASSES NMASS=4, MNAME='lever D','rod P','ram Q','block', MASS=0.8,0.3,1.4,0.2, MDIST=0.19,0.06," \
+        "0.01,0.0, MANG=4.0,0.0,20.0,0.0, MINERT=0.011,0.0006,0.002,0.0001 &END\n"
+    for names in ("'block','lever','crank'", "'lever','block'", "'crank','ram','lever','rod'"):
+        code, results, listing, error = muscle(shaper + " &BALANC NWEIGH=%d, WNAME=%s, WREACH=0.1, TOLF=1.0, TOLT=1.0, WMOST=0.8 &END\n" % (
+            names.count(",") + 1, names), place)
+        check(code < 2 and len(results["optimum"]["weights"]) > 0, "sketch with slides: weights are found on " + names, error)
+        kalm_agrees(place, results, results["optimum"], "sketch with slides: " + names)
+
+
+def yokes(place):
+    """Random Scotch yokes, whose yoke hangs on the frame by slides alone, are refused by name."""
+    draw = random.Random(5)
+    for seed in range(4):
+        bx, by, across, along = draw.uniform(.03, .08), draw.uniform(-.04, .04), draw.uniform(70, 110), draw.uniform(-15, 15)
+        text = "SCOTCH YOKE\n &CHAIN JNT='A','B','Q', JX=0.0,%.4f,0.12, JY=0.0,%.4f,0.01, LNAME='frame','crank','block','yoke',\n" \
+            "  LNK='A','A B','B','Q', NSLIDE=2, SLNK='yoke','frame', SLNK2='block','yoke', SLX=%.4f,0.12, SLY=%.4f,0.01, SLANG=%.3f,%.3f " \
+            "&END\n &DRIVES DRIVE='A', DBASE='frame', DLINK='crank' &END\n &OUTPUTS OUTPUT='point Q' &END\n &METHOD IKIN=10 &END\n" \
+            " &LIMITS TANGLE=90.0, TOGGLE=0.0 &END\n &RATES SPEED=20.0 &END\n &MASSES NMASS=2, MNAME='crank','yoke', MASS=0.3,%.3f,\n" \
+            "  MDIST=0.02,0.01, MINERT=1E-4,1E-3 &END\n &BALANC WREACH=0.1 &END\n" % (bx, by, bx, by, across, along, draw.uniform(.2, 1))
+        code, results, _, error = muscle(text, place)
+        check(code == 1 and results["feasible"] is False and "yoke" in results["adrift"] and "yoke" in error,
+              "random yoke %d is refused by name" % seed, error)
 
 
 # ---- pictures ---------------------------------------------------------------------------------------------------------------
@@ -657,6 +684,7 @@ if __name__ == "__main__":
         springs_by_search(folder)
         bad_springs(folder)
         sketches(folder)
+        yokes(folder)
         pictures(folder)
     print("%d passed, %d failed" % (passed, failed))
     sys.exit(1 if failed else 0)

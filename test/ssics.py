@@ -365,6 +365,26 @@ def bad_input(place):
     check(code == 2 and "asks for nothing" in error, "a case without a group of ssics", error)
 
 
+def named(place):
+    """A link of a sketch by its name is the arc of the loops that psalm makes of it."""
+    sketch = open(os.path.join(TOP, "data", "sketch_slider_crank.nml"), encoding="utf-8").read()
+    group = " &RATES SPEED=100.0 &END\n &MASSES NMASS=1, MNAME='piston', MASS=0.5, UNITL=0.001 &END\n &VIBR VNAME='%s', " \
+            "VMOD=2E11, VRHO=7800, VDEPTH=0.01, VWIDTH=0.005 &END\n"
+    results = []
+    for name in ("rod", "rod C B"):
+        code, listing, error, _ = run(sketch + group % name, place)
+        check(code < 2 and "VIBRATION OF THE LINK rod" in listing, "a link of a sketch by name", error)
+        results.append(listing)
+    check(results[0] == results[1], "the line of a link may be named backwards")
+    code, _, error, _ = run(sketch + group % "rood", place)
+    check(code == 2 and "did you mean 'rod'" in error, "a link that is not there", error)
+    loops = open(os.path.join(TOP, "data", "dyad4_slider_crank.nml"), encoding="utf-8").read()
+    text = loops + group.replace("VNAME='%s'", "VLINK=2, VLOOP=1").replace("MNAME='piston'", "MLINK=-3, MLOOP=1")
+    code, listing, error, _ = run(text, place)
+    lengths = [[line for line in one.split("\n") if "FIRST FREQUENCY AT REST" in line or line.startswith(" LENGTH")] for one in (listing, results[0])]
+    check(code < 2 and len(lengths[0]) == 2 and lengths[0] == lengths[1], "the same link in the arrays", error + str(lengths))
+
+
 def main():
     with tempfile.TemporaryDirectory() as place:
         kinds = [random_hill(seed, place) for seed in range(10)]
@@ -377,6 +397,7 @@ def main():
         blocks_and_curves(place)
         hard_cases(place)
         bad_input(place)
+        named(place)
     print("%d passed, %d failed" % (passed, failed))
     return failed > 0
 

@@ -432,7 +432,7 @@ balm.drawing = (() => {
 
   /** The corner where the picture of the pin covers least of the linkage; the polar diagram has the upper right one. */
   function placePin(c) {
-    const u = view.u, r = HOLE * u, near = r + 16 * u, low = view.h - r - 52 * u, wide = view.w - r - 28 * u;
+    const u = view.u, r = HOLE * u * Math.min(1, Math.max(0.6, view.w / 640)), near = r + 16 * u, low = view.h - r - 52 * u, wide = view.w - r - 28 * u;
     const corners = [{ x: r + 28 * u, y: near + 22 * u, left: true }, { x: wide, y: low }, { x: r + 28 * u, y: low - 40 * u, left: true },
       { x: wide, y: c.forces ? near + 150 * u : near }];
     let best = corners[0], least = Infinity;
@@ -444,12 +444,12 @@ balm.drawing = (() => {
       }
       if (covered < least) [best, least] = [corner, covered];
     }
-    view.pin = best;
+    view.pin = { ...best, r };
   }
 
   /** The pin in its hole in a corner, magnified: load without clearance, force of contact, and where the joint is. */
   function drawPin(c, at) {
-    const g = pen, v = c.clearance, u = view.u, hole = HOLE * u, play = 13 * u, { x, y, left } = view.pin;
+    const g = pen, v = c.clearance, u = view.u, hole = view.pin.r, play = hole / 4, { x, y, left } = view.pin;
     const px = mixed(v.px, at), py = mixed(v.py, at), size = Math.hypot(px, py) || 1, ux = px / size, uy = -py / size;
     const fx = mixed(v.fx, at), fy = mixed(v.fy, at), load = Math.hypot(fx, fy), force = mixed(v.force, at);
     const most = v.fx.reduce((top, f, i) => Math.max(top, Math.hypot(f, v.fy[i]) || 0), 0) || 1;

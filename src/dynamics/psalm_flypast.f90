@@ -19,6 +19,8 @@ module psalm_flypast
    real(wp), parameter :: shortest = 1.0e-9_wp      !! step, in T
    real(wp), parameter :: located = 1.0e-12_wp      !! events are located to this part of T
    integer, parameter :: most_steps = 400000
+   real(wp), parameter :: passage_begins = -5.0_wp  !! T
+   real(wp), parameter :: quiet_part = 0.25_wp, least_part = 0.1_wp !! steps are at most these parts of the period of swinging
 
    !> What the contact does. Forces are parts of R_u.
    type :: flypast_t
@@ -114,9 +116,9 @@ contains
       states = spread(g, 2, 3)
       forces = contact%force(t, g)
       do i = 1, most_steps
-         ! a minimum must not hide within a step
+         ! a minimum must not hide within a step; long before the passage there is none
          period = 2.0_wp*pi/sqrt(h1**3*sqrt(1.0_wp + t*t)/(1.0_wp - h3) + 1.0_wp)
-         step = min(step, 0.05_wp*period)
+         step = min(step, merge(quiet_part, least_part, t < passage_begins)*period)
          call advance(contact, t, g, step, tolerance, shortest, next, taken, gap)
          if (taken <= shortest) return
          if (flypast%loss(1) <= 0.0_wp .and. .not. any(abs(flypast%loss) > 0.0_wp)) then

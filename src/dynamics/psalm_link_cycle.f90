@@ -53,6 +53,10 @@ contains
          call refuse('vibration needs a crank that turns; the input of this linkage slides')
          return
       end if
+      if (beam%link%loop == 0) then
+         call refuse('no loop runs along this line of the link; name two other joints of it')
+         return
+      end if
       n = mechanism%seq(beam%link%loop, beam%link%arc)
       body = mechanism%arcs(n)%body
       if (body == body_frame) then

@@ -47,13 +47,14 @@ contains
    !> Places from the items LINK, LOOP, DIST, ANG, each with the group's letter before it; of a sketch NAME for LINK and LOOP.
    !>
    !> Errors: arcs that are not there, or that are not named; links and joints that are not there.
-   subroutine read_places(group, letter, ilink, places, findings, ends_only, sketch)
+   subroutine read_places(group, letter, ilink, places, findings, ends_only, sketch, of_links)
       type(group_t), intent(inout) :: group
       character(*), intent(in) :: letter           !! M for MLINK, MLOOP, MDIST, MANG, MNAME
       integer, intent(in) :: ilink(:, :)           !! ILINK, shape (maxarc, nloop); 0 where there is no arc
       type(place_t), intent(out) :: places(:)      !! shape (entries)
       type(diagnostics_t), intent(inout) :: findings
       logical, intent(in), optional :: ends_only   !! there are no items DIST and ANG: ends of arcs, or joints, are named
+      logical, intent(in), optional :: of_links    !! and of a sketch links, with two of their joints
       type(sketch_t), intent(in), optional :: sketch
       character(:), allocatable :: names(:)
       integer :: links(size(places)), loops(size(places)), k
@@ -74,7 +75,7 @@ contains
       if (present(sketch)) then
          call group%get_texts(letter//'NAME', names, findings)
          if (sketch%given) then
-            call read_names(group, letter, sketch, names, places, findings, present(ends_only))
+            call read_names(group, letter, sketch, names, places, findings, present(ends_only) .and. .not. present(of_links))
             return
          else if (size(names) > 0) then
             call out_of(group, letter//'NAME', 'names parts of a sketch (&CHAIN), but this linkage is described by &LINKS; '// &

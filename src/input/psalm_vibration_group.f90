@@ -3,6 +3,7 @@ module psalm_vibration_group
    use psalm_group, only: group_t, check_range, out_of, required
    use psalm_kinds, only: wp
    use psalm_link_place, only: place_t, read_places, read_count
+   use psalm_sketch, only: sketch_t
    use psalm_status, only: diagnostics_t
    use psalm_text, only: to_text
    implicit none (type, external)
@@ -15,7 +16,7 @@ module psalm_vibration_group
 
    !> A uniform link between two pins.
    type :: beam_t
-      type(place_t) :: link                    !! one of its arcs, the one between the pins
+      type(place_t) :: link                    !! one of its arcs, the one between the pins; of a sketch its name
       real(wp) :: modulus = 0.0_wp             !! Young's, Pa
       real(wp) :: density = 0.0_wp             !! kg/m3
       real(wp) :: area = 0.0_wp                !! m2
@@ -48,15 +49,16 @@ module psalm_vibration_group
 contains
 
    !> Read the group VIBR. Errors: a link that is not there, numbers out of range.
-   subroutine read_vibration_group(group, ilink, vibration, findings)
+   subroutine read_vibration_group(group, ilink, sketch, vibration, findings)
       type(group_t), intent(inout) :: group
       integer, intent(in) :: ilink(:, :)       !! ILINK, shape (maxarc, nloop)
+      type(sketch_t), intent(in) :: sketch     !! its names stand in place of arcs and loops
       type(vibration_group_t), intent(inout) :: vibration
       type(diagnostics_t), intent(inout) :: findings
       type(beam_t) :: beams(1)
 
       vibration%given = group%line > 0
-      call read_beams(group, 'V', ilink, beams, findings)
+      call read_beams(group, 'V', ilink, sketch, beams, findings)
       vibration%beam = beams(1)
       call group%get_integer('NMODE', vibration%modes, findings)
       call check_range(group, 'NMODE', vibration%modes, 1, most_modes, findings)
@@ -81,9 +83,10 @@ contains
    end subroutine read_vibration_group
 
    !> Read the group ESTIM. Errors: as above.
-   subroutine read_estimate_group(group, ilink, estimates, findings)
+   subroutine read_estimate_group(group, ilink, sketch, estimates, findings)
       type(group_t), intent(inout) :: group
       integer, intent(in) :: ilink(:, :)
+      type(sketch_t), intent(in) :: sketch
       type(estimate_group_t), intent(inout) :: estimates
       type(diagnostics_t), intent(inout) :: findings
       integer :: n
@@ -91,17 +94,18 @@ contains
       estimates%given = group%line > 0
       call read_count(group, 'NESTIM', n, findings)
       allocate (estimates%beams(n))
-      call read_beams(group, 'E', ilink, estimates%beams, findings)
+      call read_beams(group, 'E', ilink, sketch, estimates%beams, findings)
       call group%get_integer('NEPNT', estimates%points, findings)
       call check_range(group, 'NEPNT', estimates%points, fewest_points, most_points, findings)
    end subroutine read_estimate_group
 
    !> Beams from the items LINK, LOOP, MOD, RHO, AREA, GYR or DEPTH and WIDTH, ZETA, SHEAR, STRN, each with the group's letter
    !> before it.
-   subroutine read_beams(group, letter, ilink, beams, findings)
+   subroutine read_beams(group, letter, ilink, sketch, beams, findings)
       type(group_t), intent(inout) :: group
       character(*), intent(in) :: letter
       integer, intent(in) :: ilink(:, :)
+      type(sketch_t), intent(in) :: sketch
       type(beam_t), intent(inout) :: beams(:)
       type(diagnostics_t), intent(inout) :: findings
       type(place_t) :: places(size(beams))
@@ -111,7 +115,7 @@ contains
       integer :: k
       logical :: rectangle
 
-      call read_places(group, letter, ilink, places, findings, ends_only=.true.)
+      call read_places(group, letter, ilink, places, findings, ends_only=.true., sketch=sketch, of_links=.true.)
       beams%link = places
       numbers = reshape([beams%modulus, beams%density, beams%damping, beams%shear_ratio, beams%strain], shape(numbers))
       do k = 1, size(items)

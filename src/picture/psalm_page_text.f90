@@ -1085,7 +1085,8 @@ module psalm_page_text
    '  /** The corner where the picture of the pin covers least of the linkage; the polar diagram has the upper right one. *'// &
    '/'//nl// &
    '  function placePin(c) {'//nl// &
-   '    const u = view.u, r = HOLE * u, near = r + 16 * u, low = view.h - r - 52 * u, wide = view.w - r - 28 * u;'//nl// &
+   '    const u = view.u, r = HOLE * u * Math.min(1, Math.max(0.6, view.w / 640)), near = r + 16 * u, low = view.h - r - 52'// &
+   ' * u, wide = view.w - r - 28 * u;'//nl// &
    '    const corners = [{ x: r + 28 * u, y: near + 22 * u, left: true }, { x: wide, y: low }, { x: r + 28 * u, y: low - 40'// &
    ' * u, left: true },'//nl// &
    '      { x: wide, y: c.forces ? near + 150 * u : near }];'//nl// &
@@ -1099,12 +1100,12 @@ module psalm_page_text
    '      }'//nl// &
    '      if (covered < least) [best, least] = [corner, covered];'//nl// &
    '    }'//nl// &
-   '    view.pin = best;'//nl// &
+   '    view.pin = { ...best, r };'//nl// &
    '  }'//nl// &
    ''//nl// &
    '  /** The pin in its hole in a corner, magnified: load without clearance, force of contact, and where the joint is. */'//nl// &
    '  function drawPin(c, at) {'//nl// &
-   '    const g = pen, v = c.clearance, u = view.u, hole = HOLE * u, play = 13 * u, { x, y, left } = view.pin;'//nl// &
+   '    const g = pen, v = c.clearance, u = view.u, hole = view.pin.r, play = hole / 4, { x, y, left } = view.pin;'//nl// &
    '    const px = mixed(v.px, at), py = mixed(v.py, at), size = Math.hypot(px, py) || 1, ux = px / size, uy = -py / size;'//nl// &
    '    const fx = mixed(v.fx, at), fy = mixed(v.fy, at), load = Math.hypot(fx, fy), force = mixed(v.force, at);'//nl// &
    '    const most = v.fx.reduce((top, f, i) => Math.max(top, Math.hypot(f, v.fy[i]) || 0), 0) || 1;'//nl// &

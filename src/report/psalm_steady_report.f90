@@ -9,7 +9,7 @@ module psalm_steady_report
    use psalm_steady_study, only: steady_study_t
    use psalm_text, only: general, lower_case, to_text
    use psalm_vibration_list, only: list_vibration, plot_vibration, list_estimates, list_drive, plot_drive, list_hill, plot_hill, &
-                                   stability_words
+                                   stability_words, link_words
    implicit none (type, external)
    private
    public :: report_steady
@@ -44,9 +44,9 @@ contains
             call remark_stability(set, 'mode '//to_text(k), study%vibration%modes(k)%hill, devices)
             if (study%vibration%modes(k)%least_stiffness >= 0.0_wp) cycle
             call devices%note_violation()
-            call devices%remark(set, 'mode '//to_text(k)//': the link of arc '// &
-                                to_text(set%vibration%beam%link%arc)//' in loop '// &
-                                to_text(set%vibration%beam%link%loop)//' buckles for a part of the turn, most at '// &
+            call devices%remark(set, 'mode '//to_text(k)//': the link '// &
+                                link_words(set, set%vibration%beam%link, ' in loop ', 'of arc ')//' buckles for a part of '// &
+                                'the turn, most at '// &
                                 trim(adjustl(general(study%vibration%modes(k)%least_at)))//' degrees after the reference')
          end do
          if (study%vibration%resolution > enough) call coarse('NVPNT', set%vibration%points)

@@ -5,13 +5,15 @@ module psalm_vibration_list
    use psalm_estimate_study, only: estimate_t, verdict_rigid, verdict_closer, harmonics_estimated, stubby
    use psalm_hill, only: hill_t
    use psalm_kinds, only: wp, pi, full_turn
+   use psalm_link_place, only: place_t
    use psalm_stability, only: boundaries_t
    use psalm_text, only: text_t, full_precision, general, to_text
    use psalm_vibration_group, only: beam_t
    use psalm_vibration_study, only: vibration_study_t, harmonics_listed
    implicit none (type, external)
    private
-   public :: list_vibration, plot_vibration, list_estimates, list_drive, plot_drive, list_hill, plot_hill, stability_words
+   public :: list_vibration, plot_vibration, list_estimates, list_drive, plot_drive, list_hill, plot_hill, stability_words, &
+             link_words
 
    real(wp), parameter :: rpm_per_speed = 30.0_wp/pi !! revolutions per minute of 1 rad/s
 
@@ -27,8 +29,8 @@ contains
       integer :: j, p, k, n
 
       call text%add()
-      call text%add(' VIBRATION OF THE LINK OF ARC '//to_text(set%vibration%beam%link%arc)//' IN LOOP '// &
-                    to_text(set%vibration%beam%link%loop)//': SI UNITS, SPEEDS IN RAD/S')
+      call text%add(' VIBRATION OF THE LINK '//link_words(set, set%vibration%beam%link, ' IN LOOP ', 'OF ARC ')// &
+                    ': SI UNITS, SPEEDS IN RAD/S')
       call text%add(' LENGTH'//general(study%cycle%length)//'  MASS'//general(study%cycle%mass))
       call text%add(' FIRST FREQUENCY AT REST'//general(study%frequency)//', RATIO TO THE SPEED'//general(study%ratio))
       do j = 1, size(study%modes)
@@ -319,7 +321,7 @@ contains
       do k = 1, size(estimates)
          associate (e => estimates(k), beam => set%estimates%beams(k))
             call text%add()
-            call text%add(' LINK OF ARC '//to_text(beam%link%arc)//' IN LOOP '//to_text(beam%link%loop)//': '//verdict(e%verdict))
+            call text%add(' LINK '//link_words(set, beam%link, ' IN LOOP ', 'OF ARC ')//': '//verdict(e%verdict))
             call text%add('   LENGTH, SLENDERNESS'//general(e%cycle%length)//general(e%slenderness))
             call text%add('   FIRST FREQUENCY/SPEED'//general(e%ratio)//', FALL BY SHEAR AND ROTARY INERTIA'// &
                           general(e%shear_fall)//', ON POSTS OF ITS OWN SECTION'//general(e%post_ratio))
@@ -490,4 +492,15 @@ contains
       end do
       call plot_response('hill_response', study%hill, 1.0_wp, 1.0_wp, 1, text)
    end subroutine plot_hill
+
+   !> What a link is called: its arc and loop, of a sketch its name.
+   pure function link_words(set, place, loop, arc) result(words)
+      type(data_set_t), intent(in) :: set
+      type(place_t), intent(in) :: place
+      character(*), intent(in) :: loop, arc     !! the words before these numbers
+      character(:), allocatable :: words
+
+      words = arc//to_text(place%arc)//loop//to_text(place%loop)
+      if (place%link > 0) words = trim(set%sketch%links(place%link)%name)
+   end function link_words
 end module psalm_vibration_list

@@ -338,6 +338,10 @@ contains
       end do
       if (set%spring_design%of_joint) call put_joint(set%spring_design%joint)
       if (set%clearance%given) call put_joint(set%clearance%joint)
+      if (set%vibration%given) call put_line(set%vibration%beam%link)
+      do k = 1, size(set%estimates%beams)
+         call put_line(set%estimates%beams(k)%link)
+      end do
       do k = 1, size(set%friction%joints)
          call put_joint(set%friction%joints(k))
       end do
@@ -386,6 +390,22 @@ contains
             place%turn = clean(direction - one%direction)
          end associate
       end subroutine put
+
+      !> The arc of the link between two joints of it; none if no loop runs there.
+      subroutine put_line(place)
+         type(place_t), intent(inout) :: place
+         integer :: k
+
+         do k = 1, size(loops%arcs)
+            associate (arc => loops%arcs(k))
+               if (arc%link /= place%link .or. arc%slide > 0) cycle
+               if (.not. (any(arc%ends == place%line(1)) .and. any(arc%ends == place%line(2)))) cycle
+               place%arc = arc%place
+               place%loop = arc%loop
+               return
+            end associate
+         end do
+      end subroutine put_line
 
       !> The end of an arc, or a sliding arc.
       subroutine put_joint(place)

@@ -50,15 +50,26 @@ contains
          end if
       end if
       if (set%vibration%given) then
-         call check_link(set, prepared%mechanism, model, set%vibration%beam, 'VIBR', 'VLINK', 1, findings)
+         call check_link(set, prepared%mechanism, model, set%vibration%beam, 'VIBR', item_of('V'), 1, findings)
       end if
       do k = 1, size(set%estimates%beams)
-         call check_link(set, prepared%mechanism, model, set%estimates%beams(k), 'ESTIM', 'ELINK', k, findings)
+         call check_link(set, prepared%mechanism, model, set%estimates%beams(k), 'ESTIM', item_of('E'), k, findings)
       end do
       if (set%drive%given .and. prepared%mechanism%sliding_input) then
          call findings%error('a flexible drive needs a crank that turns; the input of this linkage slides', &
                              line=set%origins%line('DRIVEL', ''), group='DRIVEL')
       end if
+
+   contains
+
+      !> The item that names a link: of a sketch by its name.
+      pure function item_of(letter) result(item)
+         character, intent(in) :: letter
+         character(:), allocatable :: item
+
+         item = letter//'LINK'
+         if (set%sketch%given) item = letter//'NAME'
+      end function item_of
    end subroutine check_steady
 
    !> Studies of a case that `check_steady` found no fault with.
