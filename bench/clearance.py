@@ -65,13 +65,16 @@ pin in the direction of the load. First three minima of the force of contact, N;
                 got, want = minima_of(bridge(text, place)[0])[:3, 1], exact.follow(begin, end, e, points=1200)[:3, 1]
                 error = abs(got[0] - want[0])
                 print("| %s, %s | %g | %s | %s | %.5f | %s |" % (
-                    linkage.title.capitalize().replace("haines", "Haines"), joint, 1e3*e, ", ".join("%.4f" % v for v in got),
+                    linkage.title.capitalize().replace("haines", "Haines").replace(" as a sketch", ""), joint, 1e3*e, ", ".join("%.4f" % v for v in got),
                     ", ".join("%.4f" % v for v in want), error, "" if before is None else "%.2f" % (before/error)), flush=True)
                 before = error
         plain = model.haines().text(" &RATES SPEED=31.4159 &END\n" + CHART % 0)
         charted = model.haines().text(" &RATES SPEED=31.4159 &END\n" + CHART % 40)
         seconds = min(bridge(charted, place)[1] for _ in range(3)) - min(bridge(plain, place)[1] for _ in range(3))
     print("""
+The error of the four-bar falls by 1.6 to 1.7 as the clearance halves. The first minimum of the slider-crank errs by a ten-thousandth only;
+its later ones err more.
+
 ## Standard charts
 
 72 values of H2, 40 of H1 up to 2, three of H3, with the borders of the lost region to 1e-5 on each line: %.1f seconds of one thread.""" % seconds)
