@@ -14,6 +14,8 @@ program psalm
    use psalm_data_set, only: data_set_t
    use psalm_devices, only: devices_t, header_of
    use psalm_error, only: problem_t, make_problem
+   use psalm_exact_report, only: report_exact
+   use psalm_exact_study, only: exact_study_t, check_exact, find_exact
    use psalm_kinds, only: wp
    use psalm_mark, only: mark_t
    use psalm_preparation, only: prepared_t, prepare, threads_for, threads_wanted
@@ -77,6 +79,10 @@ contains
       type(line_t), allocatable :: device4(:)
       integer :: l
 
+      if (set%exact%given) then
+         if (.not. findings%failed()) call check_exact(set, findings)
+         return
+      end if
       allocate (device4(0))
       if (set%nguess > 0) then
          call read_lines(device4_of(arguments, file), device4, findings)
@@ -109,6 +115,11 @@ contains
 
       associate (unused => number)
       end associate
+      if (set%exact%given) then
+         call run_exact(set, devices)
+         stopped = signals%asked()
+         return
+      end if
       if (set%sketch%given .and. .not. set%wants_search()) call run_sketch(set, devices)
       if (allocated(set%no_loops)) then
          if (set%wants_search()) call run_chain_search(set, devices, monitor)
@@ -164,6 +175,17 @@ contains
       if (monitor%active) call write_standard_error(nl)
       stopped = signals%asked()
    end subroutine run_case
+
+   !> All linkages that meet points, poses or a function exactly.
+   subroutine run_exact(set, devices)
+      type(data_set_t), intent(in) :: set
+      type(devices_t), intent(inout) :: devices
+      type(exact_study_t), allocatable :: study
+
+      allocate (study)
+      call find_exact(set, study)
+      call report_exact(set, study, devices)
+   end subroutine run_exact
 
    !> A search over a sketch that has no loops, then the study of what it found.
    subroutine run_chain_search(set, devices, monitor)

@@ -10,6 +10,7 @@ module psalm_data_set
    use psalm_chain_group, only: read_chain_group
    use psalm_clearance_group, only: clearance_group_t, read_clearance_group
    use psalm_constraint_group, only: constraint_group_t, read_constraint_group
+   use psalm_exact_group, only: exact_group_t, read_exact_group
    use psalm_friction_group, only: friction_group_t, read_friction_group
    use psalm_drives_group, only: read_drives_group
    use psalm_drive_group, only: drive_group_t, hill_group_t, read_drive_group, read_hill_group
@@ -136,6 +137,7 @@ module psalm_data_set
       type(spring_design_group_t) :: spring_design !! SPRNGS
       type(cam_group_t) :: cam             !! CAM (this and the next are read for calm only)
       type(cam_group_t) :: cam2            !! CAM2: of a second drive
+      type(exact_group_t) :: exact         !! EXACT (read for psalm only)
       character(:), allocatable :: others  !! the groups that device 7 keeps as they are
       character(:), allocatable :: skipped !! the groups that this program does not read, with those that do; empty: none
       type(origins_t) :: origins           !! where every value was written
@@ -239,11 +241,11 @@ contains
       integer, parameter :: links = 1, method = 2, limits = 3, search = 4, constr = 5, toler = 6, rates = 7, chain = 8, &
                             drives = 9, outputs = 10, masses = 11, loads = 12, spring = 13, frictn = 14, motor = 15, &
                             vibr = 16, estim = 17, drivel = 18, hill = 19, balanc = 20, cam = 21, sprngs = 22, &
-                            clear = 23, cam2 = 24
+                            clear = 23, cam2 = 24, exact = 25
       character(*), parameter :: names(*) = [character(name_length) :: 'LINKS', 'METHOD', 'LIMITS', 'SEARCH', 'CONSTR', &
                                              'TOLER', 'RATES', 'CHAIN', 'DRIVES', 'OUTPUTS', 'MASSES', 'LOADS', 'SPRING', &
                                              'FRICTN', 'MOTOR', 'VIBR', 'ESTIM', 'DRIVEL', 'HILL', 'BALANC', &
-                                             'CAM', 'SPRNGS', 'CLEAR', 'CAM2']
+                                             'CAM', 'SPRNGS', 'CLEAR', 'CAM2', 'EXACT']
       type(group_t) :: groups(size(names))
       type(diagnostics_t) :: unused
       logical :: shape_known, sketch_sound
@@ -314,6 +316,7 @@ contains
       call read_cam_group(groups(cam2), set%ilink, set%sketch, set%cam2, findings)
       if (set%cam2%given .and. .not. set%sketch%given) call out_of(groups(cam2), 'NSEG', &
          'a second cam needs a second drive, which a sketch can have (&CHAIN, &DRIVES)', findings)
+      call read_exact_group(groups(exact), set%exact, findings)
       ! where there are errors the group may stand under a misspelt name
       if (size(set%masses%mass) > 0 .and. .not. (set%rates_given .or. findings%failed())) then
          call findings%warning('there is no group &RATES: the input is taken to move at '// &
@@ -538,6 +541,20 @@ contains
          end if
          call findings%error('unknown group &'//name//'; '//near, line=case%groups(i)%line)
       end do
+      if (any(case%groups(:case%count)%name == 'EXACT')) then
+         ! the linkage is what is sought
+         if (.not. program_reads(program, 'EXACT')) then
+            if (.not. meant_links) call findings%error('asks psalm for linkages; give '//program//' the cases of its device 7', &
+                                                       line=case%line, group='EXACT')
+            return
+         end if
+         do i = 1, case%count
+            if (any(case%groups(i)%name == [character(name_length) :: 'LINKS', 'CHAIN', 'METHOD'])) call findings%error( &
+               'describes a linkage, but &EXACT asks for all that there are; leave one of both out', line=case%groups(i)%line, &
+               group=trim(case%groups(i)%name))
+         end do
+         return
+      end if
       ! Hill's equation from tables needs no linkage
       if (program_reads(program, 'HILL') .and. any(case%groups(:case%count)%name == 'HILL') .and. &
           .not. (meant_links .or. meant_method)) return

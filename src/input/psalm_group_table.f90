@@ -38,7 +38,8 @@ module psalm_group_table
       known_group_t('CAM', 'calm'), &
       known_group_t('CAM2', 'calm'), &
       known_group_t('SPRNGS', 'muscle'), &
-      known_group_t('CLEAR', 'balm bridge')]
+      known_group_t('CLEAR', 'balm bridge'), &
+      known_group_t('EXACT', 'psalm')]
 
    character(*), parameter :: everything = '*' !! in place of a program: who reads all groups that a program of the suite reads
    character(*), parameter :: users = 'USER' !! groups whose names begin so are the user's own

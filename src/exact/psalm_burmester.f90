@@ -1,0 +1,500 @@
+!> Bodies guided through poses by an RR dyad: a link from a fixed pivot to a pin of the body.
+!>
+!> Points are complex numbers; a pose is that of the moving body against its first one: displacement d of the reference point and
+!> g = exp(i angle) - 1. A dyad is its fixed pivot a and its pin x, both from the reference point in the first pose; it is good
+!> for a pose when  2 Re((conj(a) - conj(d)) x g) + 2 Re(conj(d) (a - x)) = |d|**2. With u = conj(a) x that is linear, and
+!> u = conj(a) x are two conics in what is left free. Source: Burmester (1888); Bottema and Roth (1979), chapter 8.
+module psalm_burmester
+   use psalm_kinds, only: wp, pi
+   implicit none (type, external)
+   private
+   public :: dyad_t, dyads_t, curve_point_t, five_poses, four_poses_curve, pivot_for_pin, pin_for_pivot, slider_pin, &
+             polynomial_roots
+
+   integer, parameter :: unknowns = 7                !! u, x, a and the homogenising one, as real numbers
+   integer, parameter :: most_dyads = 4
+   integer, parameter :: most_turns = 100            !! iterations of the roots of a polynomial
+   real(wp), parameter :: dependent = 1.0e4_wp*epsilon(1.0_wp) !! pivot of a dependent row over the largest one
+   real(wp), parameter :: at_infinity = 1.0e-9_wp    !! homogenising coordinate over the largest one
+   real(wp), parameter :: real_part_only = 1.0e-7_wp !! imaginary part over the modulus of a root that is polished as a real one
+   real(wp), parameter :: same = 1.0e-9_wp           !! distance of two dyads that are one, over their size
+
+   !> A dyad that is good for some poses.
+   type :: dyad_t
+      complex(wp) :: pivot = (0.0_wp, 0.0_wp)        !! fixed, from the reference point in the first pose
+      complex(wp) :: pin = (0.0_wp, 0.0_wp)          !! on the body, from the reference point in the first pose
+   end type dyad_t
+
+   !> All dyads for five poses.
+   type :: dyads_t
+      integer :: count = 0                           !! real ones
+      type(dyad_t) :: list(most_dyads)
+      integer :: infinite = 0                        !! real ones with the pivot at infinity: a pin on a straight line
+      integer :: imaginary = 0                       !! those that are not real
+      logical :: degenerate = .false.                !! the poses leave more than finitely many
+      real(wp) :: residual = 0.0_wp                  !! largest of the equations, over the square of the size
+   end type dyads_t
+
+   !> A point of the curves of four poses.
+   type :: curve_point_t
+      type(dyad_t) :: dyad
+      logical :: exists = .false.
+   end type curve_point_t
+
+contains
+
+   !> All dyads for five poses, the first of which is (0, 0). At most four.
+   pure subroutine five_poses(d, g, dyads)
+      complex(wp), intent(in) :: d(4), g(4)
+      type(dyads_t), intent(out) :: dyads
+      ! a fixed rotation, so that no solution lies at infinity of the chart but by chance
+      real(wp), parameter :: c1 = 0.6_wp, s1 = 0.8_wp, c2 = 5.0_wp/13.0_wp, s2 = 12.0_wp/13.0_wp
+      real(wp) :: null(unknowns, 3), turned(unknowns, 3), conic(6, 2), size, along(3), h
+      complex(wp) :: scaled(4), p(4), q(4), quartic(0:4)
+      type(dyad_t) :: dyad
+      integer :: i, k
+      logical :: full
+
+      size = maxval(abs(d))
+      if (.not. size > 0.0_wp) then
+         ! the body turns about its reference point: any pose scale will do
+         size = 1.0_wp
+      end if
+      scaled = d/size
+      call null_space(scaled, g, null, full)
+      if (.not. full) then
+         dyads%degenerate = .true.
+         return
+      end if
+      turned(:, 1) = c1*null(:, 1) + s1*null(:, 2)
+      turned(:, 2) = -s1*c2*null(:, 1) + c1*c2*null(:, 2) + s2*null(:, 3)
+      turned(:, 3) = s1*s2*null(:, 1) - c1*s2*null(:, 2) + c2*null(:, 3)
+      call conics(turned, conic)
+      call intersect(conic, quartic, p, q, full)
+      if (.not. full) then
+         dyads%degenerate = .true.
+         return
+      end if
+      do i = 1, most_dyads
+         call polish_on_conics(conic, p(i), q(i))
+         if (abs(aimag(p(i))) > real_part_only*(1.0_wp + abs(p(i))) .or. &
+             abs(aimag(q(i))) > real_part_only*(1.0_wp + abs(q(i)))) then
+            dyads%imaginary = dyads%imaginary + 1
+            cycle
+         end if
+         along = [real(p(i), wp), real(q(i), wp), 1.0_wp]
+         h = sum(turned(7, :)*along)
+         if (abs(h) <= at_infinity*maxval(abs(turned(1, :)*along(1)) + abs(turned(2, :)*along(2)) + abs(along))) then
+            dyads%infinite = dyads%infinite + 1
+            cycle
+         end if
+         dyad%pin = cmplx(sum(turned(3, :)*along), sum(turned(4, :)*along), wp)/h
+         dyad%pivot = cmplx(sum(turned(5, :)*along), sum(turned(6, :)*along), wp)/h
+         call polish_dyad(scaled, g, dyad)
+         dyads%residual = max(dyads%residual, worst_residual(scaled, g, dyad))
+         do k = 1, dyads%count
+            if (abs(dyad%pin*size - dyads%list(k)%pin) + abs(dyad%pivot*size - dyads%list(k)%pivot) < &
+                same*size*(abs(dyad%pin) + abs(dyad%pivot))) exit
+         end do
+         if (k <= dyads%count) cycle
+         dyads%count = dyads%count + 1
+         dyads%list(dyads%count) = dyad_t(pivot=dyad%pivot*size, pin=dyad%pin*size)
+      end do
+   end subroutine five_poses
+
+   !> The vectors (u, x, a, h) that are good for all poses: the last columns of Q of the transposed equations, by Householder's
+   !> reflections with column pivoting. `full` false: the equations depend on each other.
+   pure subroutine null_space(d, g, null, full)
+      complex(wp), intent(in) :: d(:), g(:)          !! shape (n): displacements about 1
+      real(wp), intent(out) :: null(:, :)            !! shape (7, 7 - n)
+      logical, intent(out) :: full
+      real(wp) :: m(unknowns, size(d)), column(unknowns), tau(size(d)), norm, s, largest
+      complex(wp) :: k
+      integer :: n, i, j, p
+
+      n = size(d)
+      do i = 1, n
+         k = conjg(d(i))*(1.0_wp + g(i))
+         m(:, i) = [2.0_wp*real(g(i), wp), -2.0_wp*aimag(g(i)), -2.0_wp*real(k, wp), 2.0_wp*aimag(k), &
+                    2.0_wp*real(d(i), wp), 2.0_wp*aimag(d(i)), -abs(d(i))**2]
+         norm = sqrt(sum(m(:, i)**2))
+         if (norm > 0.0_wp) m(:, i) = m(:, i)/norm
+      end do
+      full = .true.
+      largest = 0.0_wp
+      null = 0.0_wp
+      do j = 1, n
+         p = j
+         do i = j + 1, n
+            if (sum(m(j:, i)**2) > sum(m(j:, p)**2)) p = i
+         end do
+         column = m(:, j)
+         m(:, j) = m(:, p)
+         m(:, p) = column
+         norm = sqrt(sum(m(j:, j)**2))
+         largest = max(largest, norm)
+         full = norm > dependent*largest
+         if (.not. full) return
+         norm = sign(norm, m(j, j))
+         m(j, j) = m(j, j) + norm
+         tau(j) = 1.0_wp/(norm*m(j, j))
+         do i = j + 1, n
+            s = sum(m(j:, j)*m(j:, i))*tau(j)
+            m(j:, i) = m(j:, i) - s*m(j:, j)
+         end do
+      end do
+      do i = 1, unknowns - n
+         null(n + i, i) = 1.0_wp
+         do j = n, 1, -1
+            s = sum(m(j:, j)*null(j:, i))*tau(j)
+            null(j:, i) = null(j:, i) - s*m(j:, j)
+         end do
+      end do
+   end subroutine null_space
+
+   !> Real and imaginary part of u h - conj(a) x on the vectors p n1 + q n2 + n3: coefficients of p**2, p q, q**2, p, q, 1.
+   pure subroutine conics(n, conic)
+      real(wp), intent(in) :: n(unknowns, 3)
+      real(wp), intent(out) :: conic(6, 2)
+      integer, parameter :: first(6) = [1, 1, 2, 1, 2, 3], second(6) = [1, 2, 2, 3, 3, 3]
+      complex(wp) :: u(3), x(3), a(3), value
+      real(wp) :: h(3)
+      integer :: k
+
+      u = cmplx(n(1, :), n(2, :), wp)
+      x = cmplx(n(3, :), n(4, :), wp)
+      a = cmplx(n(5, :), n(6, :), wp)
+      h = n(7, :)
+      do k = 1, 6
+         associate (i => first(k), j => second(k))
+            value = u(i)*h(j) - conjg(a(i))*x(j)
+            if (i /= j) value = value + u(j)*h(i) - conjg(a(j))*x(i)
+         end associate
+         conic(k, 1) = real(value, wp)
+         conic(k, 2) = aimag(value)
+      end do
+      do k = 1, 2
+         conic(:, k) = conic(:, k)/max(maxval(abs(conic(:, k))), tiny(1.0_wp))
+      end do
+   end subroutine conics
+
+   !> The four common points of two conics, by the resultant in q. `full` false: they share a component.
+   pure subroutine intersect(conic, quartic, p, q, full)
+      real(wp), intent(in) :: conic(6, 2)
+      complex(wp), intent(out) :: quartic(0:4), p(4), q(4)
+      logical, intent(out) :: full
+      real(wp) :: cross02(0:2), cross01(0:1), cross12(0:3), a1(0:1), b1(0:1), a2(0:2), b2(0:2), r(0:4)
+      complex(wp) :: lower, upper
+      integer :: i, j
+
+      associate (a0 => conic(3, 1), b0 => conic(3, 2))
+         a1 = [conic(5, 1), conic(2, 1)]
+         b1 = [conic(5, 2), conic(2, 2)]
+         a2 = [conic(6, 1), conic(4, 1), conic(1, 1)]
+         b2 = [conic(6, 2), conic(4, 2), conic(1, 2)]
+         cross02 = a0*b2 - a2*b0
+         cross01 = a0*b1 - a1*b0
+         cross12 = 0.0_wp
+         do i = 0, 1
+            do j = 0, 2
+               cross12(i + j) = cross12(i + j) + a1(i)*b2(j) - b1(i)*a2(j)
+            end do
+         end do
+      end associate
+      r = 0.0_wp
+      do i = 0, 2
+         do j = 0, 2
+            r(i + j) = r(i + j) + cross02(i)*cross02(j)
+         end do
+      end do
+      do i = 0, 1
+         do j = 0, 3
+            r(i + j) = r(i + j) - cross01(i)*cross12(j)
+         end do
+      end do
+      full = maxval(abs(r)) > dependent**2 .and. abs(r(4)) > 0.0_wp
+      p = (0.0_wp, 0.0_wp)
+      q = p
+      quartic = cmplx(r, 0.0_wp, wp)
+      if (.not. full) return
+      call polynomial_roots(quartic, p)
+      do i = 1, 4
+         upper = cross02(0) + p(i)*(cross02(1) + p(i)*cross02(2))
+         lower = cross01(0) + p(i)*cross01(1)
+         if (abs(lower) > 0.0_wp) q(i) = -upper/lower
+      end do
+   end subroutine intersect
+
+   !> All roots of a polynomial by the method of Aberth and Ehrlich. The leading coefficient must not be zero.
+   pure subroutine polynomial_roots(c, roots)
+      complex(wp), intent(in) :: c(0:)               !! shape (0:n), by rising powers
+      complex(wp), intent(out) :: roots(:)           !! shape (n)
+      complex(wp) :: value, slope, step, repulsion
+      real(wp) :: radius, bound, turn
+      logical :: settled(size(roots))
+      integer :: n, i, j, k
+
+      n = size(roots)
+      ! a circle of the mean modulus
+      radius = 1.0_wp
+      if (abs(c(0)) > 0.0_wp) radius = (abs(c(0))/abs(c(n)))**(1.0_wp/real(n, wp))
+      do i = 1, n
+         turn = 2.0_wp*pi*real(i - 1, wp)/real(n, wp) + 0.4_wp
+         roots(i) = radius*cmplx(cos(turn), sin(turn), wp)
+      end do
+      settled = .false.
+      do k = 1, most_turns
+         do i = 1, n
+            if (settled(i)) cycle
+            value = c(n)
+            slope = (0.0_wp, 0.0_wp)
+            bound = abs(c(n))
+            do j = n - 1, 0, -1
+               slope = slope*roots(i) + value
+               value = value*roots(i) + c(j)
+               bound = bound*abs(roots(i)) + abs(c(j))
+            end do
+            settled(i) = abs(value) <= epsilon(1.0_wp)*bound
+            if (settled(i)) cycle
+            repulsion = (0.0_wp, 0.0_wp)
+            do j = 1, n
+               if (j /= i .and. abs(roots(i) - roots(j)) > 0.0_wp) repulsion = repulsion + 1.0_wp/(roots(i) - roots(j))
+            end do
+            step = slope - value*repulsion
+            if (abs(step) > 0.0_wp) roots(i) = roots(i) - value/step
+         end do
+         if (all(settled)) exit
+      end do
+   end subroutine polynomial_roots
+
+   !> Newton's method on both conics.
+   pure subroutine polish_on_conics(conic, p, q)
+      real(wp), intent(in) :: conic(6, 2)
+      complex(wp), intent(inout) :: p, q
+      integer, parameter :: steps = 3
+      complex(wp) :: f(2), by_p(2), by_q(2), determinant
+      integer :: k
+
+      do k = 1, steps
+         f = conic(1, :)*p**2 + conic(2, :)*p*q + conic(3, :)*q**2 + conic(4, :)*p + conic(5, :)*q + conic(6, :)
+         by_p = 2.0_wp*conic(1, :)*p + conic(2, :)*q + conic(4, :)
+         by_q = conic(2, :)*p + 2.0_wp*conic(3, :)*q + conic(5, :)
+         determinant = by_p(1)*by_q(2) - by_p(2)*by_q(1)
+         if (.not. abs(determinant) > 0.0_wp) return
+         p = p - (f(1)*by_q(2) - f(2)*by_q(1))/determinant
+         q = q - (by_p(1)*f(2) - by_p(2)*f(1))/determinant
+      end do
+   end subroutine polish_on_conics
+
+   !> The four equations in (x, a) and, asked for, their matrix.
+   pure subroutine dyad_equations(d, g, dyad, f, jacobian)
+      complex(wp), intent(in) :: d(:), g(:)
+      type(dyad_t), intent(in) :: dyad
+      real(wp), intent(out) :: f(:)                  !! shape (n)
+      real(wp), intent(out), optional :: jacobian(:, :) !! shape (n, 4): by x and by a
+      complex(wp) :: by_x, by_a
+      integer :: j
+
+      do j = 1, size(d)
+         by_x = conjg(dyad%pivot - d(j))*g(j) - conjg(d(j))
+         by_a = conjg(dyad%pin*g(j) + d(j))
+         f(j) = 2.0_wp*real(by_x*dyad%pin + conjg(d(j))*dyad%pivot, wp) - abs(d(j))**2
+         if (present(jacobian)) jacobian(j, :) = 2.0_wp*[real(by_x, wp), -aimag(by_x), real(by_a, wp), -aimag(by_a)]
+      end do
+   end subroutine dyad_equations
+
+   !> Newton's method on the four equations.
+   pure subroutine polish_dyad(d, g, dyad)
+      complex(wp), intent(in) :: d(4), g(4)
+      type(dyad_t), intent(inout) :: dyad
+      integer, parameter :: steps = 2
+      real(wp) :: f(4), m(4, 5), row(5)
+      integer :: k, i, p
+
+      do k = 1, steps
+         call dyad_equations(d, g, dyad, f, m(:, :4))
+         m(:, 5) = f
+         do i = 1, 4
+            p = i - 1 + maxloc(abs(m(i:, i)), dim=1)
+            row = m(p, :)
+            m(p, :) = m(i, :)
+            m(i, :) = row
+            if (.not. abs(m(i, i)) > 0.0_wp) return
+            m(i, :) = m(i, :)/m(i, i)
+            do p = 1, 4
+               if (p /= i) m(p, :) = m(p, :) - m(p, i)*m(i, :)
+            end do
+         end do
+         dyad%pin = dyad%pin - cmplx(m(1, 5), m(2, 5), wp)
+         dyad%pivot = dyad%pivot - cmplx(m(3, 5), m(4, 5), wp)
+      end do
+   end subroutine polish_dyad
+
+   !> Largest of the equations over the sizes that meet in them.
+   pure real(wp) function worst_residual(d, g, dyad)
+      complex(wp), intent(in) :: d(4), g(4)
+      type(dyad_t), intent(in) :: dyad
+      real(wp) :: f(4)
+
+      call dyad_equations(d, g, dyad, f)
+      worst_residual = maxval(abs(f))/(1.0_wp + abs(dyad%pin) + abs(dyad%pivot))**2
+   end function worst_residual
+
+   ! ---- four and three poses ------------------------------------------------------------------------------------------
+
+   !> The points of the curves of four poses on a ray through the pole of the first two: centre point and circle point, on two
+   !> branches. The centre points are zeros of a cubic that is known to vanish at the pole. Without a pole (the body does not
+   !> turn between two poses) the points do not exist.
+   pure subroutine four_poses_curve(d, g, direction, points)
+      complex(wp), intent(in) :: d(3), g(3)
+      complex(wp), intent(in) :: direction           !! of the ray, of modulus 1
+      type(curve_point_t), intent(out) :: points(2)
+      complex(wp) :: pole, base(3, 3), along(3, 3), cubic(0:3), determinant(0:3)
+      real(wp) :: c(3), root, half, r(2)
+      integer :: j, k
+
+      j = maxloc(abs(g), dim=1)
+      if (.not. abs(g(j)) > 0.0_wp) return
+      pole = -d(j)/g(j)
+      do j = 1, 3
+         base(j, 1) = g(j)*conjg(pole) - conjg(d(j))*(1.0_wp + g(j))
+         base(j, 2) = conjg(base(j, 1))
+         base(j, 3) = 2.0_wp*real(conjg(d(j))*pole, wp) - abs(d(j))**2
+         along(j, 1) = g(j)*conjg(direction)
+         along(j, 2) = conjg(along(j, 1))
+         along(j, 3) = 2.0_wp*real(conjg(d(j))*direction, wp)
+      end do
+      cubic = (0.0_wp, 0.0_wp)
+      do k = 1, 3
+         call three_linear(base(:, 1), along(:, 1), base(:, 2), along(:, 2), base(:, 3), along(:, 3), k, determinant)
+         cubic = cubic + determinant
+      end do
+      ! columns 1 and 2 are conjugate: the determinant is purely imaginary
+      c = aimag(cubic(1:3))
+      half = 0.5_wp*c(2)
+      root = half**2 - c(1)*c(3)
+      if (root < 0.0_wp) return
+      root = sign(sqrt(root), half)
+      if (.not. abs(half + root) > 0.0_wp) return
+      r(1) = -c(1)/(half + root)
+      points(1)%exists = .true.
+      if (abs(c(3)) > 0.0_wp) then
+         r(2) = -(half + root)/c(3)
+         points(2)%exists = .true.
+      end if
+      do k = 1, 2
+         if (.not. points(k)%exists) cycle
+         points(k)%dyad%pivot = pole + r(k)*direction
+         call pin_for_pivot(d, g, points(k)%dyad, points(k)%exists)
+      end do
+   end subroutine four_poses_curve
+
+   !> The part of a determinant of linear polynomials that has its entry of the third column in row k.
+   pure subroutine three_linear(a, da, b, db, c, dc, k, polynomial)
+      complex(wp), intent(in) :: a(3), da(3), b(3), db(3), c(3), dc(3) !! columns: values at 0 and slopes
+      integer, intent(in) :: k
+      complex(wp), intent(out) :: polynomial(0:3)
+      complex(wp) :: minor(0:2)
+      integer :: i, j
+
+      i = 1 + modulo(k, 3)
+      j = 1 + modulo(k + 1, 3)
+      minor(0) = a(i)*b(j) - a(j)*b(i)
+      minor(1) = a(i)*db(j) + da(i)*b(j) - a(j)*db(i) - da(j)*b(i)
+      minor(2) = da(i)*db(j) - da(j)*db(i)
+      polynomial(0) = c(k)*minor(0)
+      polynomial(1) = c(k)*minor(1) + dc(k)*minor(0)
+      polynomial(2) = c(k)*minor(2) + dc(k)*minor(1)
+      polynomial(3) = dc(k)*minor(2)
+   end subroutine three_linear
+
+   !> The pin that moves on a circle about a given pivot: of two poses beyond the first exactly, of three in the sense of least
+   !> squares. It does not exist where the equations depend on each other.
+   pure subroutine pin_for_pivot(d, g, dyad, exists)
+      complex(wp), intent(in) :: d(:), g(:)
+      type(dyad_t), intent(inout) :: dyad
+      logical, intent(out) :: exists
+      complex(wp) :: k
+      real(wp) :: rows(size(d), 2), right(size(d))
+      integer :: j
+
+      do j = 1, size(d)
+         k = conjg(dyad%pivot)*g(j) - conjg(d(j))*(1.0_wp + g(j))
+         rows(j, :) = [real(k, wp), -aimag(k)]
+         right(j) = 0.5_wp*abs(d(j))**2 - real(conjg(d(j))*dyad%pivot, wp)
+      end do
+      call two_unknowns(rows, right, dyad%pin, exists)
+   end subroutine pin_for_pivot
+
+   !> The pivot about which a given pin moves: centre of the circle through its places.
+   pure subroutine pivot_for_pin(d, g, dyad, exists)
+      complex(wp), intent(in) :: d(:), g(:)
+      type(dyad_t), intent(inout) :: dyad
+      logical, intent(out) :: exists
+      complex(wp) :: k
+      real(wp) :: rows(size(d), 2), right(size(d))
+      integer :: j
+
+      do j = 1, size(d)
+         k = dyad%pin*g(j) + d(j)
+         rows(j, :) = [real(k, wp), aimag(k)]
+         right(j) = 0.5_wp*abs(d(j))**2 + real(conjg(d(j))*(1.0_wp + g(j))*dyad%pin, wp)
+      end do
+      call two_unknowns(rows, right, dyad%pivot, exists)
+   end subroutine pivot_for_pin
+
+   !> Two real unknowns as one complex number, by orthogonal columns.
+   pure subroutine two_unknowns(rows, right, z, exists)
+      real(wp), intent(in) :: rows(:, :), right(:)   !! shapes (n, 2), (n)
+      complex(wp), intent(out) :: z
+      logical, intent(out) :: exists
+      real(wp) :: q1(size(right)), q2(size(right)), n1, n2, mix, y
+
+      z = (0.0_wp, 0.0_wp)
+      n1 = sqrt(sum(rows(:, 1)**2))
+      exists = n1 > 0.0_wp
+      if (.not. exists) return
+      q1 = rows(:, 1)/n1
+      mix = sum(q1*rows(:, 2))
+      q2 = rows(:, 2) - mix*q1
+      n2 = sqrt(sum(q2**2))
+      exists = n2 > dependent*(n1 + abs(mix))
+      if (.not. exists) return
+      q2 = q2/n2
+      y = sum(q2*right)/n2
+      z = cmplx((sum(q1*right) - mix*y)/n1, y, wp)
+   end subroutine two_unknowns
+
+   !> The one point of the body that is on a straight line in four poses (PR): the circles of points that are so in two triples of
+   !> them meet in the pole of the poses they share and in this point. Source: Bottema and Roth (1979), chapter 8.
+   pure subroutine slider_pin(d, g, pin, exists)
+      complex(wp), intent(in) :: d(3), g(3)
+      complex(wp), intent(out) :: pin
+      logical, intent(out) :: exists
+      complex(wp) :: pole, centre(2), line
+      real(wp) :: rows(2, 4), level, offset
+      integer :: j, k
+
+      pin = (0.0_wp, 0.0_wp)
+      exists = all(abs(g) > 0.0_wp)
+      if (.not. exists) return
+      ! Im(conj(d1 + x g1) (dj + x gj)) = 0 is a circle: level |x|**2 + 2 Re(conj(centre) x) + offset
+      do k = 1, 2
+         j = k + 1
+         level = aimag(conjg(g(1))*g(j))
+         centre(k) = 0.5_wp*conjg((0.0_wp, -1.0_wp)*(conjg(d(1))*g(j) - conjg(d(j))*g(1)))
+         offset = aimag(conjg(d(1))*d(j))
+         rows(k, :) = [level, real(centre(k), wp), aimag(centre(k)), offset]
+      end do
+      ! the radical line holds the pole, and its other point is wanted
+      pole = -d(1)/g(1)
+      line = rows(2, 1)*centre(1) - rows(1, 1)*centre(2)
+      exists = abs(line) > 0.0_wp
+      if (.not. exists) return
+      line = line*(0.0_wp, 1.0_wp)/abs(line)
+      k = maxloc(abs(rows(:, 1)), dim=1)
+      exists = abs(rows(k, 1)) > 0.0_wp
+      if (.not. exists) return
+      pin = pole - 2.0_wp*real(conjg(line)*(pole + centre(k)/rows(k, 1)), wp)*line
+   end subroutine slider_pin
+end module psalm_burmester

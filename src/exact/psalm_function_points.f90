@@ -1,0 +1,178 @@
+!> Function generators through precision points, all of them: four-bars and slider-cranks.
+!>
+!> The four-bar has its fixed pivots at 0 and 1, the input crank r2 at phi + phi0, the output link r4 at psi + psi0 and the
+!> coupler r3. Seen from the crank, the output link takes up the poses exp(-i phi) with the orientation psi - phi, and the coupler
+!> is an RR dyad of these: five points have at most three linkages, the frame itself being the fourth. Of a slider-crank the
+!> slider takes up the poses s exp(-i phi) with the orientation -phi. Sources: Freudenstein (1954); Hartenberg and Denavit (1964),
+!> chapter 10.
+module psalm_function_points
+   use psalm_burmester, only: dyads_t, five_poses
+   use psalm_kinds, only: wp, pi
+   implicit none (type, external)
+   private
+   public :: generator_t, generators_t, five_points, three_points, output_of, assembly_of, most_generators
+
+   integer, parameter :: most_generators = 3
+   real(wp), parameter :: no_length = 1.0e-7_wp      !! of a link, over the frame
+
+   !> A four-bar or slider-crank that generates a function; angles in radians.
+   type :: generator_t
+      logical :: slides = .false.                    !! a slider-crank: see r3, r4, psi0
+      real(wp) :: r2 = 0.0_wp                        !! crank; of a four-bar over the frame
+      real(wp) :: r3 = 0.0_wp                        !! coupler
+      real(wp) :: r4 = 0.0_wp                        !! output link; of a slider-crank the offset of the slide
+      real(wp) :: phi0 = 0.0_wp                      !! direction of the crank at input 0
+      real(wp) :: psi0 = 0.0_wp                      !! direction of the output link at output 0; of a slider its place
+      integer :: assembly = 0                        !! +1 or -1; 0: the points lie on different ones
+   end type generator_t
+
+   type :: generators_t
+      integer :: count = 0
+      type(generator_t) :: list(most_generators)
+      integer :: imaginary = 0                       !! roots that are not real
+      integer :: infinite = 0
+      logical :: degenerate = .false.
+   end type generators_t
+
+contains
+
+   !> All linkages through five points. Of a slider-crank psi is the travel.
+   pure subroutine five_points(phi, psi, slides, found)
+      real(wp), intent(in) :: phi(5), psi(5)         !! radians
+      logical, intent(in) :: slides
+      type(generators_t), intent(out) :: found
+      complex(wp) :: p(5), turned(5)
+      type(dyads_t) :: dyads
+      type(generator_t) :: one
+      complex(wp) :: crank, output
+      real(wp) :: length
+      integer :: k
+
+      turned = cmplx(cos(phi), -sin(phi), wp)
+      p = turned
+      length = 1.0_wp
+      if (slides) then
+         p = psi*turned
+         length = max(maxval(psi) - minval(psi), tiny(1.0_wp))
+      else
+         turned = turned*cmplx(cos(psi), sin(psi), wp)
+      end if
+      call five_poses(p(2:) - p(1), turned(2:)/turned(1) - 1.0_wp, dyads)
+      found%degenerate = dyads%degenerate
+      found%imaginary = dyads%imaginary
+      found%infinite = dyads%infinite
+      do k = 1, dyads%count
+         crank = dyads%list(k)%pivot + p(1)
+         output = dyads%list(k)%pin/turned(1)
+         ! the frame itself is one of the four
+         if (abs(crank) < no_length*length .or. (.not. slides .and. abs(output) < no_length)) cycle
+         one = generator_t(slides=slides, r2=abs(crank), phi0=atan2(aimag(crank), real(crank, wp)))
+         if (slides) then
+            one%psi0 = -real(output, wp)
+            one%r4 = aimag(output)
+            one%r3 = abs(crank*cmplx(cos(phi(1)), sin(phi(1)), wp) - psi(1) - output)
+         else
+            one%r4 = abs(output)
+            one%psi0 = atan2(aimag(output), real(output, wp))
+            one%r3 = abs(1.0_wp + output*cmplx(cos(psi(1)), sin(psi(1)), wp) - crank*cmplx(cos(phi(1)), sin(phi(1)), wp))
+         end if
+         one%assembly = assembly_of(one, phi, psi)
+         if (found%count == most_generators) cycle
+         found%count = found%count + 1
+         found%list(found%count) = one
+      end do
+   end subroutine five_points
+
+   !> The four-bar through three points whose zero lines are given, by Freudenstein's equation
+   !> cos(phi - psi) = k1 cos(psi) - k2 cos(phi) + k3, k1 = 1/r2, k2 = 1/r4. Negative lengths are those of the opposite direction.
+   !> `exists` false: the equations depend on each other or ask for an infinite length.
+   pure subroutine three_points(phi, psi, one, exists)
+      real(wp), intent(in) :: phi(3), psi(3)         !! radians, from the frame
+      type(generator_t), intent(out) :: one
+      logical, intent(out) :: exists
+      real(wp) :: m(3, 3), right(3), k(3), determinant, column(3), third
+      integer :: i
+
+      m(:, 1) = cos(psi)
+      m(:, 2) = -cos(phi)
+      m(:, 3) = 1.0_wp
+      right = cos(phi - psi)
+      determinant = determinant_of(m)
+      exists = abs(determinant) > epsilon(1.0_wp)
+      if (.not. exists) return
+      do i = 1, 3
+         column = m(:, i)
+         m(:, i) = right
+         k(i) = determinant_of(m)/determinant
+         m(:, i) = column
+      end do
+      exists = all(abs(k(:2)) > no_length)
+      if (.not. exists) return
+      one%r2 = 1.0_wp/k(1)
+      one%r4 = 1.0_wp/k(2)
+      third = one%r2**2 + one%r4**2 + 1.0_wp - 2.0_wp*one%r2*one%r4*k(3)
+      exists = third > 0.0_wp
+      if (.not. exists) return
+      one%r3 = sqrt(third)
+      if (one%r2 < 0.0_wp) one%phi0 = pi
+      if (one%r4 < 0.0_wp) one%psi0 = pi
+      one%r2 = abs(one%r2)
+      one%r4 = abs(one%r4)
+      one%assembly = assembly_of(one, phi, psi)
+   end subroutine three_points
+
+   pure real(wp) function determinant_of(m)
+      real(wp), intent(in) :: m(3, 3)
+
+      determinant_of = m(1, 1)*(m(2, 2)*m(3, 3) - m(2, 3)*m(3, 2)) - m(1, 2)*(m(2, 1)*m(3, 3) - m(2, 3)*m(3, 1)) + &
+                       m(1, 3)*(m(2, 1)*m(3, 2) - m(2, 2)*m(3, 1))
+   end function determinant_of
+
+   !> The assembly in which the linkage passes all points, 0 if they lie on both.
+   pure integer function assembly_of(one, phi, psi)
+      type(generator_t), intent(in) :: one
+      real(wp), intent(in) :: phi(:), psi(:)         !! radians
+      complex(wp) :: crank, output, diagonal
+      integer :: i, side
+
+      assembly_of = 0
+      do i = 1, size(phi)
+         crank = one%r2*cmplx(cos(phi(i) + one%phi0), sin(phi(i) + one%phi0), wp)
+         if (one%slides) then
+            side = merge(1, -1, psi(i) - one%psi0 > real(crank, wp))
+         else
+            output = one%r4*cmplx(cos(psi(i) + one%psi0), sin(psi(i) + one%psi0), wp)
+            diagonal = 1.0_wp - crank
+            side = merge(1, -1, aimag(conjg(diagonal)*output) > 0.0_wp)
+         end if
+         if (i > 1 .and. side /= assembly_of) then
+            assembly_of = 0
+            return
+         end if
+         assembly_of = side
+      end do
+   end function assembly_of
+
+   !> Output at an input, radians (of a slider its travel), and whether the linkage closes there.
+   pure subroutine output_of(one, phi, psi, closes)
+      type(generator_t), intent(in) :: one
+      real(wp), intent(in) :: phi
+      real(wp), intent(out) :: psi
+      logical, intent(out) :: closes
+      complex(wp) :: crank, diagonal
+      real(wp) :: cosine, square
+
+      crank = one%r2*cmplx(cos(phi + one%phi0), sin(phi + one%phi0), wp)
+      if (one%slides) then
+         square = one%r3**2 - (aimag(crank) - one%r4)**2
+         closes = square >= 0.0_wp
+         psi = real(crank, wp) + real(one%assembly, wp)*sqrt(max(square, 0.0_wp)) + one%psi0
+         return
+      end if
+      diagonal = 1.0_wp - crank
+      cosine = (one%r3**2 - one%r4**2 - abs(diagonal)**2)/(2.0_wp*one%r4*abs(diagonal))
+      closes = abs(cosine) <= 1.0_wp
+      psi = atan2(aimag(diagonal), real(diagonal, wp)) + &
+            real(one%assembly, wp)*acos(min(max(cosine, -1.0_wp), 1.0_wp)) - one%psi0
+   end subroutine output_of
+end module psalm_function_points

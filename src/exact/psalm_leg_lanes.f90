@@ -1,0 +1,536 @@
+!> The equations of two legs along a path of problems, linearised for several paths side by side.
+!>
+!> A path leads straight from one problem to another: t = 1 to t = 0. The turns of the coupler are unknowns of their own, but each
+!> meets the equations of its point only: a combination of these that is free of them is left, as many rows as unknowns in the
+!> legs. Arrays have the lanes first; every lane has a t of its own.
+module psalm_leg_lanes
+   use psalm_kinds, only: wp
+   use psalm_leg_problem, only: leg_problem_t, leg_data_t, kind_point, kind_pose, kind_timed, variables, most_points, at_x, at_xh, &
+                                at_a, at_ah, at_y, at_yh, at_b, at_bh
+   implicit none (type, external)
+   private
+   public :: lanes, state_size, path_t, work_t, linearise, solve_lanes, set_given
+
+   integer, parameter :: lanes = 8
+   integer, parameter :: state_size = variables + 2*most_points !! legs, then all g, then all gh
+
+   !> From one problem to another.
+   type :: path_t
+      type(leg_problem_t) :: problem
+      type(leg_data_t) :: from, to                   !! at t = 1 and t = 0
+   end type path_t
+
+   !> What linearising leaves for the way back to the turns.
+   type :: work_t
+      ! matrix and right sides: real and imaginary parts apart
+      real(wp) :: mr(lanes, variables + 2, variables), mi(lanes, variables + 2, variables)
+      complex(wp) :: full(lanes, variables), right(lanes, 2) !! a row before it is put into the matrix
+      complex(wp) :: leg_a(lanes, 4, most_points)    !! by the numbers of leg a
+      complex(wp) :: leg_b(lanes, variables, most_points) !! by all numbers
+      complex(wp) :: u(lanes, 3, most_points), w(lanes, 3, most_points), n(lanes, 3, most_points) !! by g and gh; across both
+      complex(wp) :: value(lanes, 3, most_points), rate(lanes, 2, most_points) !! of the equations, and by t
+      real(wp) :: scale(lanes, variables)            !! of the columns
+      integer :: rows = 0
+   end type work_t
+
+contains
+
+   !> Pivots that are given, at the t of every lane.
+   pure subroutine set_given(path, t, z)
+      type(path_t), intent(in) :: path
+      real(wp), intent(in) :: t(lanes)
+      complex(wp), intent(inout) :: z(lanes, state_size)
+      integer :: k
+
+      do k = 1, variables
+         if (any(path%problem%free(:path%problem%unknowns) == k)) cycle
+         z(:, k) = t*path%from%pivot(k) + (1.0_wp - t)*path%to%pivot(k)
+      end do
+   end subroutine set_given
+
+   !> Matrix, right sides of the correction and of dz/dt at z, for every lane.
+   pure subroutine linearise(path, t, z, work)
+      type(path_t), intent(in) :: path
+      real(wp), intent(in) :: t(lanes)
+      complex(wp), intent(in) :: z(lanes, state_size)
+      type(work_t), intent(inout) :: work
+      integer :: j, l
+
+      work%rows = 0
+      do j = 1, variables
+         !$omp simd
+         do l = 1, lanes
+            work%scale(l, j) = max(abs(real(z(l, j), wp)) + abs(aimag(z(l, j))), tiny(1.0_wp))
+         end do
+      end do
+      do j = 1, path%problem%points
+         select case (path%problem%kind(j))
+         case (kind_point)
+            call linearise_point(path, j, t, z, work)
+         case (kind_pose)
+            call linearise_pose(path, j, t, z, work)
+         case (kind_timed)
+            call linearise_timed(path, j, t, z, work)
+         end select
+      end do
+   end subroutine linearise
+
+   !> Values of both legs at a point, and their derivatives by their own numbers, by g and gh and by t.
+   pure subroutine linearise_legs(path, j, t, z, work)
+      type(path_t), intent(in) :: path
+      integer, intent(in) :: j
+      real(wp), intent(in) :: t(lanes)
+      complex(wp), intent(in) :: z(lanes, state_size)
+      type(work_t), intent(inout) :: work
+      complex(wp) :: d, dh, dd, ddh, g, gh, xg, xgh, y, yh
+      integer :: l, at_g, at_gh
+
+      at_g = variables + j
+      at_gh = variables + most_points + j
+      dd = path%from%d(j) - path%to%d(j)
+      ddh = path%from%dh(j) - path%to%dh(j)
+      work%leg_b(:, :4, j) = (0.0_wp, 0.0_wp)
+      !$omp simd
+      do l = 1, lanes
+         d = path%to%d(j) + t(l)*dd
+         dh = path%to%dh(j) + t(l)*ddh
+         g = z(l, at_g)
+         gh = z(l, at_gh)
+         xg = z(l, at_x)*g + d
+         xgh = z(l, at_xh)*gh + dh
+         work%u(l, 1, j) = (z(l, at_ah) - dh)*z(l, at_x)
+         work%w(l, 1, j) = (z(l, at_a) - d)*z(l, at_xh)
+         work%leg_a(l, 1, j) = (z(l, at_ah) - dh)*g - dh
+         work%leg_a(l, 2, j) = (z(l, at_a) - d)*gh - d
+         work%leg_a(l, 3, j) = xgh
+         work%leg_a(l, 4, j) = xg
+         work%value(l, 1, j) = work%u(l, 1, j)*g + work%w(l, 1, j)*gh + (z(l, at_ah) - z(l, at_xh))*d + &
+                               (z(l, at_a) - z(l, at_x))*dh - d*dh
+         work%rate(l, 1, j) = -ddh*(xg + z(l, at_x) - z(l, at_a)) - dd*(xgh + z(l, at_xh) - z(l, at_ah))
+      end do
+      if (path%problem%slides) then
+         !$omp simd
+         do l = 1, lanes
+            d = path%to%d(j) + t(l)*dd
+            dh = path%to%dh(j) + t(l)*ddh
+            g = z(l, at_g)
+            gh = z(l, at_gh)
+            xgh = z(l, at_yh)*gh + dh
+            work%u(l, 2, j) = z(l, at_y)
+            work%w(l, 2, j) = -z(l, at_b)*z(l, at_yh)
+            work%leg_b(l, 5, j) = g
+            work%leg_b(l, 6, j) = -z(l, at_b)*gh
+            work%leg_b(l, 7, j) = -xgh
+            work%leg_b(l, 8, j) = (0.0_wp, 0.0_wp)
+            work%value(l, 2, j) = d + z(l, at_y)*g - z(l, at_b)*xgh
+            work%rate(l, 2, j) = dd - z(l, at_b)*ddh
+         end do
+      else if (path%problem%differences) then
+         ! leg b less leg a: nothing cancels where both are nearly the same
+         !$omp simd
+         do l = 1, lanes
+            d = path%to%d(j) + t(l)*dd
+            dh = path%to%dh(j) + t(l)*ddh
+            g = z(l, at_g)
+            gh = z(l, at_gh)
+            y = z(l, at_x) + z(l, at_y)
+            yh = z(l, at_xh) + z(l, at_yh)
+            work%u(l, 2, j) = (z(l, at_ah) - dh)*z(l, at_y) + z(l, at_bh)*y
+            work%w(l, 2, j) = (z(l, at_a) - d)*z(l, at_yh) + z(l, at_b)*yh
+            work%leg_b(l, 1, j) = z(l, at_bh)*g
+            work%leg_b(l, 2, j) = z(l, at_b)*gh
+            work%leg_b(l, 3, j) = z(l, at_yh)*gh
+            work%leg_b(l, 4, j) = z(l, at_y)*g
+            work%leg_b(l, 5, j) = (z(l, at_ah) + z(l, at_bh) - dh)*g - dh
+            work%leg_b(l, 6, j) = (z(l, at_a) + z(l, at_b) - d)*gh - d
+            work%leg_b(l, 7, j) = yh*gh + dh
+            work%leg_b(l, 8, j) = y*g + d
+            work%value(l, 2, j) = work%u(l, 2, j)*g + work%w(l, 2, j)*gh + (z(l, at_bh) - z(l, at_yh))*d + &
+                                  (z(l, at_b) - z(l, at_y))*dh
+            work%rate(l, 2, j) = -ddh*(z(l, at_y)*g + z(l, at_y) - z(l, at_b)) - dd*(z(l, at_yh)*gh + z(l, at_yh) - z(l, at_bh))
+         end do
+      else
+         !$omp simd
+         do l = 1, lanes
+            d = path%to%d(j) + t(l)*dd
+            dh = path%to%dh(j) + t(l)*ddh
+            g = z(l, at_g)
+            gh = z(l, at_gh)
+            xg = z(l, at_y)*g + d
+            xgh = z(l, at_yh)*gh + dh
+            work%u(l, 2, j) = (z(l, at_bh) - dh)*z(l, at_y)
+            work%w(l, 2, j) = (z(l, at_b) - d)*z(l, at_yh)
+            work%leg_b(l, 5, j) = (z(l, at_bh) - dh)*g - dh
+            work%leg_b(l, 6, j) = (z(l, at_b) - d)*gh - d
+            work%leg_b(l, 7, j) = xgh
+            work%leg_b(l, 8, j) = xg
+            work%value(l, 2, j) = work%u(l, 2, j)*g + work%w(l, 2, j)*gh + (z(l, at_bh) - z(l, at_yh))*d + &
+                                  (z(l, at_b) - z(l, at_y))*dh - d*dh
+            work%rate(l, 2, j) = -ddh*(xg + z(l, at_y) - z(l, at_b)) - dd*(xgh + z(l, at_yh) - z(l, at_bh))
+         end do
+      end if
+      !$omp simd
+      do l = 1, lanes
+         g = z(l, at_g)
+         gh = z(l, at_gh)
+         work%u(l, 3, j) = gh + 1.0_wp
+         work%w(l, 3, j) = g + 1.0_wp
+         work%value(l, 3, j) = g*gh + g + gh
+      end do
+   end subroutine linearise_legs
+
+   !> The row of a point: both legs and the modulus of the turn, combined so that neither g nor gh is left.
+   pure subroutine linearise_point(path, j, t, z, work)
+      type(path_t), intent(in) :: path
+      integer, intent(in) :: j
+      real(wp), intent(in) :: t(lanes)
+      complex(wp), intent(in) :: z(lanes, state_size)
+      type(work_t), intent(inout) :: work
+      integer :: k, l
+
+      call linearise_legs(path, j, t, z, work)
+      !$omp simd
+      do l = 1, lanes
+         work%n(l, 1, j) = work%u(l, 2, j)*work%w(l, 3, j) - work%u(l, 3, j)*work%w(l, 2, j)
+         work%n(l, 2, j) = work%u(l, 3, j)*work%w(l, 1, j) - work%u(l, 1, j)*work%w(l, 3, j)
+         work%n(l, 3, j) = work%u(l, 1, j)*work%w(l, 2, j) - work%u(l, 2, j)*work%w(l, 1, j)
+      end do
+      do k = 1, 4
+         !$omp simd
+         do l = 1, lanes
+            work%full(l, k) = work%n(l, 1, j)*work%leg_a(l, k, j) + work%n(l, 2, j)*work%leg_b(l, k, j)
+            work%full(l, 4 + k) = work%n(l, 2, j)*work%leg_b(l, 4 + k, j)
+         end do
+      end do
+      !$omp simd
+      do l = 1, lanes
+         work%right(l, 1) = -(work%n(l, 1, j)*work%value(l, 1, j) + work%n(l, 2, j)*work%value(l, 2, j) + &
+                              work%n(l, 3, j)*work%value(l, 3, j))
+         work%right(l, 2) = -(work%n(l, 1, j)*work%rate(l, 1, j) + work%n(l, 2, j)*work%rate(l, 2, j))
+      end do
+      call put_row(path, work)
+   end subroutine linearise_point
+
+   !> The two rows of a pose, whose turn goes along the path too.
+   pure subroutine linearise_pose(path, j, t, z, work)
+      type(path_t), intent(in) :: path
+      integer, intent(in) :: j
+      real(wp), intent(in) :: t(lanes)
+      complex(wp), intent(in) :: z(lanes, state_size)
+      type(work_t), intent(inout) :: work
+      complex(wp) :: given(lanes, state_size), turn(lanes), by_t
+
+      given = z
+      by_t = path%from%turn(j) - path%to%turn(j)
+      turn = exp(path%to%turn(j) + t*by_t)
+      given(:, variables + j) = turn - 1.0_wp
+      given(:, variables + most_points + j) = 1.0_wp/turn - 1.0_wp
+      call linearise_legs(path, j, t, given, work)
+      work%rate(:, 1, j) = work%rate(:, 1, j) + by_t*(work%u(:, 1, j)*turn - work%w(:, 1, j)/turn)
+      work%rate(:, 2, j) = work%rate(:, 2, j) + by_t*(work%u(:, 2, j)*turn - work%w(:, 2, j)/turn)
+      work%full = (0.0_wp, 0.0_wp)
+      work%full(:, :4) = work%leg_a(:, :, j)
+      work%right(:, 1) = -work%value(:, 1, j)
+      work%right(:, 2) = -work%rate(:, 1, j)
+      call put_row(path, work)
+      work%full = work%leg_b(:, :, j)
+      work%right(:, 1) = -work%value(:, 2, j)
+      work%right(:, 2) = -work%rate(:, 2, j)
+      call put_row(path, work)
+   end subroutine linearise_pose
+
+   !> The two rows of a timed point: the crank's turn gives g and gh, the modulus of the coupler's turn and leg b are left.
+   pure subroutine linearise_timed(path, j, t, z, work)
+      type(path_t), intent(in) :: path
+      integer, intent(in) :: j
+      real(wp), intent(in) :: t(lanes)
+      complex(wp), intent(in) :: z(lanes, state_size)
+      type(work_t), intent(inout) :: work
+      complex(wp), dimension(lanes) :: d, dh, f, fh, q, crank, crankh, product, across, acrossh
+      complex(wp) :: by_t, dd, ddh
+
+      call linearise_legs(path, j, t, z, work)
+      by_t = path%from%turn(j) - path%to%turn(j)
+      dd = path%from%d(j) - path%to%d(j)
+      ddh = path%from%dh(j) - path%to%dh(j)
+      d = path%to%d(j) + t*dd
+      dh = path%to%dh(j) + t*ddh
+      q = exp(path%to%turn(j) + t*by_t)
+      f = q - 1.0_wp
+      fh = 1.0_wp/q - 1.0_wp
+      associate (x => z(:, at_x), xh => z(:, at_xh), a => z(:, at_a), ah => z(:, at_ah), g => z(:, variables + j), &
+                 gh => z(:, variables + most_points + j), n => work%n(:, :, j))
+         ! crank: x g - (x - a) f + d; its values and rates stand where those of leg a stood, its numbers likewise
+         crank = x - a
+         crankh = xh - ah
+         work%value(:, 1, j) = x*g - crank*f + d
+         n(:, 1) = xh*gh - crankh*fh + dh
+         work%rate(:, 1, j) = dd - crank*q*by_t
+         n(:, 2) = ddh + crankh*by_t/q
+         work%leg_a(:, 1, j) = g - f
+         work%leg_a(:, 2, j) = gh - fh
+         work%leg_a(:, 3, j) = f
+         work%leg_a(:, 4, j) = fh
+         product = x*xh
+         across = work%u(:, 3, j)*xh
+         acrossh = work%w(:, 3, j)*x
+         work%full = (0.0_wp, 0.0_wp)
+         work%full(:, at_x) = -across*(g - f)
+         work%full(:, at_a) = -across*f
+         work%full(:, at_xh) = -acrossh*(gh - fh)
+         work%full(:, at_ah) = -acrossh*fh
+         work%right(:, 1) = across*work%value(:, 1, j) + acrossh*n(:, 1) - work%value(:, 3, j)*product
+         work%right(:, 2) = across*work%rate(:, 1, j) + acrossh*n(:, 2)
+         call put_row(path, work)
+         across = work%u(:, 2, j)*xh
+         acrossh = work%w(:, 2, j)*x
+         work%full(:, at_x) = -across*(g - f)
+         work%full(:, at_a) = -across*f
+         work%full(:, at_xh) = -acrossh*(gh - fh)
+         work%full(:, at_ah) = -acrossh*fh
+         work%full(:, 5) = work%leg_b(:, 5, j)*product
+         work%full(:, 6) = work%leg_b(:, 6, j)*product
+         work%full(:, 7) = work%leg_b(:, 7, j)*product
+         work%full(:, 8) = work%leg_b(:, 8, j)*product
+         work%right(:, 1) = across*work%value(:, 1, j) + acrossh*n(:, 1) - work%value(:, 2, j)*product
+         work%right(:, 2) = across*work%rate(:, 1, j) + acrossh*n(:, 2) - work%rate(:, 2, j)*product
+         call put_row(path, work)
+      end associate
+   end subroutine linearise_timed
+
+   !> Put a row into the matrix: given pivots go to the right, columns and row are scaled.
+   pure subroutine put_row(path, work)
+      type(path_t), intent(in) :: path
+      type(work_t), intent(inout) :: work
+      real(wp) :: largest(lanes)
+      integer :: r, c, k, l, n
+
+      n = path%problem%unknowns
+      work%rows = work%rows + 1
+      r = work%rows
+      if (n < variables) then
+         do k = 1, variables
+            if (any(path%problem%free(:n) == k)) cycle
+            work%right(:, 2) = work%right(:, 2) - work%full(:, k)*(path%from%pivot(k) - path%to%pivot(k))
+         end do
+      end if
+      largest = 0.0_wp
+      do c = 1, n
+         k = path%problem%free(c)
+         !$omp simd
+         do l = 1, lanes
+            work%mr(l, c, r) = real(work%full(l, k), wp)*work%scale(l, k)
+            work%mi(l, c, r) = aimag(work%full(l, k))*work%scale(l, k)
+            largest(l) = max(largest(l), abs(work%mr(l, c, r)) + abs(work%mi(l, c, r)))
+         end do
+      end do
+      !$omp simd
+      do l = 1, lanes
+         largest(l) = 1.0_wp/max(largest(l), tiny(1.0_wp))
+         work%mr(l, n + 1, r) = real(work%right(l, 1), wp)
+         work%mi(l, n + 1, r) = aimag(work%right(l, 1))
+         work%mr(l, n + 2, r) = real(work%right(l, 2), wp)
+         work%mi(l, n + 2, r) = aimag(work%right(l, 2))
+      end do
+      do c = 1, n + 2
+         !$omp simd
+         do l = 1, lanes
+            work%mr(l, c, r) = work%mr(l, c, r)*largest(l)
+            work%mi(l, c, r) = work%mi(l, c, r)*largest(l)
+         end do
+      end do
+   end subroutine put_row
+
+   !> Corrections of all numbers, and their derivatives by t; relative sizes of the corrections. Destroys the matrix.
+   pure subroutine solve_lanes(path, t, z, work, tangents, step, tangent, size_of_step)
+      type(path_t), intent(in) :: path
+      real(wp), intent(in) :: t(lanes)
+      complex(wp), intent(in) :: z(lanes, state_size)
+      type(work_t), intent(inout) :: work
+      logical, intent(in) :: tangents                !! wanted
+      complex(wp), intent(inout) :: step(lanes, state_size), tangent(lanes, state_size)
+      real(wp), intent(out) :: size_of_step(lanes)
+      integer :: n, c, k, l, j
+      real(wp) :: largest(lanes)
+
+      n = path%problem%unknowns
+      call eliminate(n, merge(2, 1, tangents), work%mr, work%mi)
+      step(:, :variables) = (0.0_wp, 0.0_wp)
+      largest = 0.0_wp
+      do c = 1, n
+         k = path%problem%free(c)
+         !$omp simd
+         do l = 1, lanes
+            largest(l) = max(largest(l), abs(work%mr(l, n + 1, c)) + abs(work%mi(l, n + 1, c)))
+            step(l, k) = work%scale(l, k)*cmplx(work%mr(l, n + 1, c), work%mi(l, n + 1, c), wp)
+         end do
+      end do
+      call turns_back(path, t, z, work, work%value, step, largest)
+      size_of_step = largest
+      if (.not. tangents) return
+      do k = 1, variables
+         tangent(:, k) = path%from%pivot(k) - path%to%pivot(k)
+      end do
+      do c = 1, n
+         k = path%problem%free(c)
+         !$omp simd
+         do l = 1, lanes
+            tangent(l, k) = work%scale(l, k)*cmplx(work%mr(l, n + 2, c), work%mi(l, n + 2, c), wp)
+         end do
+      end do
+      do j = 1, path%problem%points
+         work%value(:, 1:2, j) = work%rate(:, :, j)
+         work%value(:, 3, j) = (0.0_wp, 0.0_wp)
+         if (path%problem%kind(j) == kind_timed) work%n(:, 1, j) = work%n(:, 2, j)
+      end do
+      call turns_back(path, t, z, work, work%value, tangent, largest)
+   end subroutine solve_lanes
+
+   !> Changes of the turns that belong to changes of the legs; `largest` grows to their relative sizes.
+   pure subroutine turns_back(path, t, z, work, value, change, largest)
+      type(path_t), intent(in) :: path
+      real(wp), intent(in) :: t(lanes)
+      complex(wp), intent(in) :: z(lanes, state_size), value(lanes, 3, most_points)
+      type(work_t), intent(in) :: work
+      complex(wp), intent(inout) :: change(lanes, state_size)
+      real(wp), intent(inout) :: largest(lanes)
+      complex(wp) :: r1, r2, r3, u1, u2, u3, w1, w2, w3, n1, n2, n3, turn, by_t
+      real(wp) :: square
+      real(wp) :: squares(lanes)
+      integer :: j, l, at_g, at_gh
+
+      squares = 0.0_wp
+      do j = 1, path%problem%points
+         at_g = variables + j
+         at_gh = variables + most_points + j
+         select case (path%problem%kind(j))
+         case (kind_pose)
+            ! known: moved there at once
+            by_t = path%from%turn(j) - path%to%turn(j)
+            do l = 1, lanes
+               turn = exp(path%to%turn(j) + t(l)*by_t)
+               change(l, at_g) = turn - 1.0_wp - z(l, at_g)
+               change(l, at_gh) = 1.0_wp/turn - 1.0_wp - z(l, at_gh)
+            end do
+            cycle
+         case (kind_timed)
+            !$omp simd
+            do l = 1, lanes
+               change(l, at_g) = -(value(l, 1, j) + work%leg_a(l, 1, j)*change(l, at_x) + &
+                                   work%leg_a(l, 3, j)*change(l, at_a))/z(l, at_x)
+               change(l, at_gh) = -(work%n(l, 1, j) + work%leg_a(l, 2, j)*change(l, at_xh) + &
+                                    work%leg_a(l, 4, j)*change(l, at_ah))/z(l, at_xh)
+            end do
+         case default
+            !$omp simd
+            do l = 1, lanes
+               u1 = work%u(l, 1, j)
+               u2 = work%u(l, 2, j)
+               u3 = work%u(l, 3, j)
+               w1 = work%w(l, 1, j)
+               w2 = work%w(l, 2, j)
+               w3 = work%w(l, 3, j)
+               n1 = conjg(work%n(l, 1, j))
+               n2 = conjg(work%n(l, 2, j))
+               n3 = conjg(work%n(l, 3, j))
+               r1 = -(value(l, 1, j) + work%leg_a(l, 1, j)*change(l, 1) + work%leg_a(l, 2, j)*change(l, 2) + &
+                      work%leg_a(l, 3, j)*change(l, 3) + work%leg_a(l, 4, j)*change(l, 4))
+               r2 = -(value(l, 2, j) + work%leg_b(l, 1, j)*change(l, 1) + work%leg_b(l, 2, j)*change(l, 2) + &
+                      work%leg_b(l, 3, j)*change(l, 3) + work%leg_b(l, 4, j)*change(l, 4) + work%leg_b(l, 5, j)*change(l, 5) + &
+                      work%leg_b(l, 6, j)*change(l, 6) + work%leg_b(l, 7, j)*change(l, 7) + work%leg_b(l, 8, j)*change(l, 8))
+               r3 = -value(l, 3, j)
+               square = 1.0_wp/max(real(n1, wp)**2 + aimag(n1)**2 + real(n2, wp)**2 + aimag(n2)**2 + real(n3, wp)**2 + &
+                                   aimag(n3)**2, tiny(1.0_wp))
+               change(l, at_g) = square*(n1*(r2*w3 - r3*w2) + n2*(r3*w1 - r1*w3) + n3*(r1*w2 - r2*w1))
+               change(l, at_gh) = square*(n1*(u2*r3 - u3*r2) + n2*(u3*r1 - u1*r3) + n3*(u1*r2 - u2*r1))
+            end do
+         end select
+         !$omp simd
+         do l = 1, lanes
+            squares(l) = max(squares(l), relative_square(change(l, at_g), z(l, at_g)), &
+                             relative_square(change(l, at_gh), z(l, at_gh)))
+         end do
+      end do
+      largest = max(largest, sqrt(squares))
+   end subroutine turns_back
+
+   !> Square of a change of a turn over 1 + |turn|**2.
+   elemental real(wp) function relative_square(change, turn)
+      complex(wp), intent(in) :: change, turn
+
+      relative_square = (real(change, wp)**2 + aimag(change)**2)/(1.0_wp + real(turn, wp)**2 + aimag(turn)**2)
+   end function relative_square
+
+   !> Solve n equations with some right sides in every lane, partial pivoting. Element (column, row); the solutions replace the
+   !> right sides.
+   pure subroutine eliminate(n, sides, mr, mi)
+      integer, intent(in) :: n, sides
+      real(wp), intent(inout) :: mr(lanes, variables + 2, variables), mi(lanes, variables + 2, variables)
+      real(wp), dimension(lanes) :: pr, pi, fr, fi, best, square
+      real(wp) :: keep
+      integer :: pivot(lanes), k, r, c, l
+
+      do k = 1, n
+         pivot = k
+         !$omp simd
+         do l = 1, lanes
+            best(l) = mr(l, k, k)**2 + mi(l, k, k)**2
+         end do
+         do r = k + 1, n
+            !$omp simd
+            do l = 1, lanes
+               square(l) = mr(l, k, r)**2 + mi(l, k, r)**2
+               pivot(l) = merge(r, pivot(l), square(l) > best(l))
+               best(l) = max(best(l), square(l))
+            end do
+         end do
+         do l = 1, lanes
+            if (pivot(l) == k) cycle
+            do c = k, n + sides
+               keep = mr(l, c, k)
+               mr(l, c, k) = mr(l, c, pivot(l))
+               mr(l, c, pivot(l)) = keep
+               keep = mi(l, c, k)
+               mi(l, c, k) = mi(l, c, pivot(l))
+               mi(l, c, pivot(l)) = keep
+            end do
+         end do
+         !$omp simd
+         do l = 1, lanes
+            best(l) = 1.0_wp/max(best(l), tiny(1.0_wp))
+            pr(l) = mr(l, k, k)*best(l)
+            pi(l) = -mi(l, k, k)*best(l)
+         end do
+         do c = k + 1, n + sides
+            !$omp simd
+            do l = 1, lanes
+               fr(l) = mr(l, c, k)*pr(l) - mi(l, c, k)*pi(l)
+               mi(l, c, k) = mr(l, c, k)*pi(l) + mi(l, c, k)*pr(l)
+               mr(l, c, k) = fr(l)
+            end do
+         end do
+         do r = k + 1, n
+            fr = mr(:, k, r)
+            fi = mi(:, k, r)
+            do c = k + 1, n + sides
+               !$omp simd
+               do l = 1, lanes
+                  mr(l, c, r) = mr(l, c, r) - (fr(l)*mr(l, c, k) - fi(l)*mi(l, c, k))
+                  mi(l, c, r) = mi(l, c, r) - (fr(l)*mi(l, c, k) + fi(l)*mr(l, c, k))
+               end do
+            end do
+         end do
+      end do
+      do k = n, 2, -1
+         do c = n + 1, n + sides
+            do r = 1, k - 1
+               !$omp simd
+               do l = 1, lanes
+                  mr(l, c, r) = mr(l, c, r) - (mr(l, k, r)*mr(l, c, k) - mi(l, k, r)*mi(l, c, k))
+                  mi(l, c, r) = mi(l, c, r) - (mr(l, k, r)*mi(l, c, k) + mi(l, k, r)*mr(l, c, k))
+               end do
+            end do
+         end do
+      end do
+   end subroutine eliminate
+end module psalm_leg_lanes

@@ -1,0 +1,230 @@
+!> Dimensional synthesis of four-bars and slider-cranks as polynomial equations in two legs.
+!>
+!> At the first point the fixed pivots are a and b, the pins x and y, all from that point. At point j, displaced by d, the coupler
+!> is turned by 1 + g. Every number has an independent partner (names with an h) in place of its conjugate; a linkage is real
+!> where both are conjugate. A leg is good for point j when
+!>    (ah - dh) x g + (a - d) xh gh + (ah - xh) d + (a - x) dh - d dh = 0,   with   g gh + g + gh = 0.
+!> A point has g unknown; a pose has it given; at a timed point the crank's turn 1 + f is given, x g = (x - a) f - d. In place of
+!> leg b a slider: d + y g = w (dh + yh gh), w = exp(2 i direction). Source: Wampler, Morgan and Sommese (1992).
+module psalm_leg_problem
+   use psalm_kinds, only: wp, pi
+   use psalm_xoshiro, only: xoshiro_t
+   implicit none (type, external)
+   private
+   public :: leg_problem_t, leg_data_t, kind_point, kind_pose, kind_timed, variables, most_points
+   public :: make_problem, draw_problem, turns_of, random_unit, absolute
+   public :: at_x, at_xh, at_a, at_ah, at_y, at_yh, at_b, at_bh
+
+   integer, parameter :: kind_point = 1, kind_pose = 2, kind_timed = 3
+   integer, parameter :: variables = 8, most_points = 8
+   integer, parameter :: at_x = 1, at_xh = 2, at_a = 3, at_ah = 4, at_y = 5, at_yh = 6, at_b = 7, at_bh = 8 !! of a slider w is at b
+   integer, parameter :: equations_of(3) = [1, 2, 2] !! of a point, a pose, a timed point
+
+   !> What is asked: topology of the equations, without numbers.
+   type :: leg_problem_t
+      integer :: points = 0                          !! beyond the first
+      integer :: kind(most_points) = kind_point
+      logical :: slides = .false.                    !! a slider in place of leg b
+      logical :: crank_given = .false., follower_given = .false. !! the fixed pivots
+      logical :: differences = .false.               !! the last four numbers are those of leg b less those of leg a
+      integer :: unknowns = 0
+      integer :: free(variables) = 0                 !! the first `unknowns` elements
+   contains
+      procedure :: is_square
+      procedure :: is_symmetric
+   end type leg_problem_t
+
+   !> The numbers of a problem.
+   type :: leg_data_t
+      complex(wp) :: d(most_points) = (0.0_wp, 0.0_wp), dh(most_points) = (0.0_wp, 0.0_wp) !! displacements
+      complex(wp) :: turn(most_points) = (0.0_wp, 0.0_wp) !! logarithm: of the coupler's turn, timed of the crank's
+      complex(wp) :: pivot(variables) = (0.0_wp, 0.0_wp)  !! those given, at their places in the unknowns
+   end type leg_data_t
+
+contains
+
+   !> A problem of some kinds of points.
+   pure subroutine make_problem(kinds, slides, crank_given, follower_given, problem)
+      integer, intent(in) :: kinds(:)
+      logical, intent(in) :: slides, crank_given, follower_given
+      type(leg_problem_t), intent(out) :: problem
+      integer :: k
+
+      problem%points = size(kinds)
+      problem%kind(:size(kinds)) = kinds
+      problem%slides = slides
+      problem%crank_given = crank_given
+      problem%follower_given = follower_given
+      problem%differences = .not. slides .and. all(kinds /= kind_timed) .and. (crank_given .or. .not. follower_given)
+      do k = 1, variables
+         if (crank_given .and. (k == at_a .or. k == at_ah)) cycle
+         if (follower_given .and. .not. slides .and. (k == at_b .or. k == at_bh)) cycle
+         if (slides .and. k == at_bh) cycle
+         problem%unknowns = problem%unknowns + 1
+         problem%free(problem%unknowns) = k
+      end do
+   end subroutine make_problem
+
+   !> True if there are as many equations as unknowns: finitely many solutions.
+   pure logical function is_square(self)
+      class(leg_problem_t), intent(in) :: self
+
+      is_square = sum(equations_of(self%kind(:self%points))) == self%unknowns
+   end function is_square
+
+   !> True if both legs may change places.
+   pure logical function is_symmetric(self)
+      class(leg_problem_t), intent(in) :: self
+
+      is_symmetric = .not. self%slides .and. (self%crank_given .eqv. self%follower_given) .and. .not. self%crank_given .and. &
+                     all(self%kind(:self%points) /= kind_timed)
+   end function is_symmetric
+
+   !> A generic problem with one solution, drawn at random: the solution first, then displacements for which it is one.
+   subroutine draw_problem(problem, random, data, solution, drawn)
+      type(leg_problem_t), intent(in) :: problem
+      type(xoshiro_t), intent(inout) :: random
+      type(leg_data_t), intent(out) :: data
+      complex(wp), intent(out) :: solution(variables)
+      logical, intent(out) :: drawn
+      integer, parameter :: most_steps = 60, most_tries = 40
+      complex(wp) :: e, g, gh, d, dh, f(2), j11, j12, j21, j22, determinant, q
+      real(wp) :: stretch
+      integer :: k, j, step, try
+
+      do k = 1, variables
+         solution(k) = 1.5_wp*gaussian(random)
+      end do
+      if (problem%slides) solution(at_bh) = (0.0_wp, 0.0_wp)
+      drawn = .true.
+      do j = 1, problem%points
+         drawn = .false.
+         do try = 1, most_tries
+            e = random_unit(random)
+            if (problem%kind(j) == kind_pose) then
+               ! whether a solution is at infinity may depend on the turns alone: a way on the unit circle would meet it
+               call random%next(stretch)
+               e = e*exp(stretch - 0.5_wp)
+            end if
+            g = e - 1.0_wp
+            gh = 1.0_wp/e - 1.0_wp
+            d = gaussian(random)
+            dh = gaussian(random)
+            associate (x => solution(at_x), xh => solution(at_xh), a => solution(at_a), ah => solution(at_ah), &
+                       y => solution(at_y), yh => solution(at_yh), b => solution(at_b), bh => solution(at_bh))
+               do step = 1, most_steps
+                  f(1) = (ah - dh)*x*g + (a - d)*xh*gh + (ah - xh)*d + (a - x)*dh - d*dh
+                  j11 = -xh*gh + ah - xh - dh
+                  j12 = -x*g + a - x - d
+                  if (problem%slides) then
+                     f(2) = d + y*g - b*(dh + yh*gh)
+                     j21 = (1.0_wp, 0.0_wp)
+                     j22 = -b
+                  else
+                     f(2) = (bh - dh)*y*g + (b - d)*yh*gh + (bh - yh)*d + (b - y)*dh - d*dh
+                     j21 = -yh*gh + bh - yh - dh
+                     j22 = -y*g + b - y - d
+                  end if
+                  determinant = j11*j22 - j12*j21
+                  if (.not. abs(determinant) > 0.0_wp) exit
+                  d = d - (f(1)*j22 - f(2)*j12)/determinant
+                  dh = dh - (j11*f(2) - j21*f(1))/determinant
+                  drawn = maxval(abs(f)) < 100.0_wp*epsilon(1.0_wp)
+                  if (drawn .or. abs(d) + abs(dh) > 100.0_wp) exit
+               end do
+               ! not the reference point itself
+               drawn = drawn .and. abs(d) + abs(dh) > 0.1_wp .and. abs(d) + abs(dh) < 20.0_wp
+               if (drawn) exit
+            end associate
+         end do
+         if (.not. drawn) return
+         data%d(j) = d
+         data%dh(j) = dh
+         data%turn(j) = log(e)
+         if (problem%kind(j) == kind_timed) then
+            q = 1.0_wp + (solution(at_x)*g + d)/(solution(at_x) - solution(at_a))
+            data%turn(j) = log(q)
+         end if
+      end do
+      if (problem%differences) solution(at_y:) = solution(at_y:) - solution(:at_ah)
+      data%pivot = solution
+   end subroutine draw_problem
+
+   !> x, xh, a, ah, y, yh, b, bh of a solution.
+   pure function absolute(problem, v) result(legs)
+      type(leg_problem_t), intent(in) :: problem
+      complex(wp), intent(in) :: v(variables)
+      complex(wp) :: legs(variables)
+
+      legs = v
+      if (problem%differences) legs(at_y:) = v(at_y:) + v(:at_ah)
+   end function absolute
+
+   !> Turns of the coupler at all points, 1 + g and its partner less 1, that belong to the legs of a solution.
+   pure subroutine turns_of(problem, data, v, g, gh)
+      type(leg_problem_t), intent(in) :: problem
+      type(leg_data_t), intent(in) :: data
+      complex(wp), intent(in) :: v(variables)
+      complex(wp), intent(out) :: g(:), gh(:)        !! shape (points)
+      complex(wp) :: u(2), w(2), r(2), determinant, q
+      integer :: j
+
+      do j = 1, problem%points
+         associate (x => v(at_x), xh => v(at_xh), a => v(at_a), ah => v(at_ah), y => v(at_y), yh => v(at_yh), &
+                    b => v(at_b), bh => v(at_bh), d => data%d(j), dh => data%dh(j))
+            select case (problem%kind(j))
+            case (kind_pose)
+               g(j) = exp(data%turn(j)) - 1.0_wp
+               gh(j) = exp(-data%turn(j)) - 1.0_wp
+            case (kind_timed)
+               q = exp(data%turn(j))
+               g(j) = ((x - a)*(q - 1.0_wp) - d)/x
+               gh(j) = ((xh - ah)*(1.0_wp/q - 1.0_wp) - dh)/xh
+            case default
+               u(1) = (ah - dh)*x
+               w(1) = (a - d)*xh
+               r(1) = d*dh - (ah - xh)*d - (a - x)*dh
+               if (problem%slides) then
+                  u(2) = y
+                  w(2) = -b*yh
+                  r(2) = b*dh - d
+               else if (problem%differences) then
+                  u(2) = (ah - dh)*y + bh*(x + y)
+                  w(2) = (a - d)*yh + b*(xh + yh)
+                  r(2) = (yh - bh)*d + (y - b)*dh
+               else
+                  u(2) = (bh - dh)*y
+                  w(2) = (b - d)*yh
+                  r(2) = d*dh - (bh - yh)*d - (b - y)*dh
+               end if
+               determinant = u(1)*w(2) - u(2)*w(1)
+               if (abs(determinant) > 0.0_wp) then
+                  g(j) = (r(1)*w(2) - r(2)*w(1))/determinant
+                  gh(j) = (u(1)*r(2) - u(2)*r(1))/determinant
+               else
+                  g(j) = (0.0_wp, 0.0_wp)
+                  gh(j) = (0.0_wp, 0.0_wp)
+               end if
+            end select
+         end associate
+      end do
+   end subroutine turns_of
+
+   !> A random number of modulus 1.
+   complex(wp) function random_unit(random)
+      type(xoshiro_t), intent(inout) :: random
+      real(wp) :: deviate
+
+      call random%next(deviate)
+      random_unit = cmplx(cos(2.0_wp*pi*deviate), sin(2.0_wp*pi*deviate), wp)
+   end function random_unit
+
+   !> A complex number normally distributed about 0.
+   complex(wp) function gaussian(random)
+      type(xoshiro_t), intent(inout) :: random
+      real(wp) :: deviate
+
+      call random%next(deviate)
+      gaussian = sqrt(-log(deviate))*random_unit(random)
+   end function gaussian
+end module psalm_leg_problem

@@ -1,0 +1,519 @@
+!> Function generators whose largest error is least, by exchange (Remez).
+!>
+!> A four-bar or slider-crank has five parameters, so the error of a best approximation alternates at six points. Starts are all
+!> exact linkages at Chebyshev's five nodes and at nodes near them. Where six alternations are not found, linear programs in a
+!> region of trust go on. Six alternations are a local optimum: all distinct ones are kept and ranked. Sources: Remez (1934);
+!> Freudenstein (1955); Osborne and Watson (1969) for the linear programs.
+module psalm_minimax
+   use psalm_conic, only: conic_t, conic_solution_t, solve_conic
+   use psalm_dense, only: factors_t, factorise, solve
+   use psalm_function_points, only: generator_t, generators_t, five_points
+   use psalm_kinds, only: wp, pi, degrees_per_radian
+   use psalm_wanted_function, only: wanted_function_t
+   use psalm_xoshiro, only: xoshiro_t, purpose_starts
+   implicit none (type, external)
+   private
+   public :: approximation_t, approximate, error_of, parameters_of
+
+   integer, parameter :: unknowns = 5, alternations = unknowns + 1
+   integer, parameter :: node_sets = 25              !! sets of five nodes that starts come from
+   integer, parameter :: coarse = 401, fine = 2001   !! points at which the error is looked at
+   integer, parameter :: in_program = 81             !! points of a linear program
+   integer, parameter :: most_exchanges = 40, most_halvings = 60, most_programs = 60
+   integer, parameter :: seed = 1
+   real(wp), parameter :: spread_of_nodes = 0.45_wp  !! of a node about Chebyshev's, over the distance of neighbours
+   real(wp), parameter :: wanted_level = 1.0e-9_wp   !! relative excess of the largest error over the levelled one
+   real(wp), parameter :: same_error = 1.0e-6_wp     !! relative difference of two optima that are one
+   real(wp), parameter :: worth_it = 1.0e-5_wp       !! relative gain of a linear program that goes on
+   real(wp), parameter :: first_trust = 0.2_wp, last_trust = 1.0e-7_wp
+   real(wp), parameter :: hopeless = 40.0_wp         !! error of a start, degrees or per cent of the travel, that is not followed
+
+   !> A linkage and its error.
+   type :: approximation_t
+      type(generator_t) :: linkage
+      integer :: sense = 1                           !! +1: output turns with the input
+      real(wp) :: error = huge(1.0_wp)               !! largest: degrees, of a slider per cent of the travel
+      real(wp) :: at(alternations) = 0.0_wp          !! inputs where it is reached, from 0 to 1
+      logical :: alternates = .false.                !! six times: a local optimum
+   end type approximation_t
+
+contains
+
+   !> Local optima, the best first, as many as are asked for. `too_long` counts those left out because a link is longer than
+   !> `longest`.
+   subroutine approximate(wanted, longest, found, too_long)
+      type(wanted_function_t), intent(in) :: wanted
+      real(wp), intent(in) :: longest                !! over the frame, of a slider over the travel
+      type(approximation_t), allocatable, intent(out) :: found(:)
+      integer, intent(out) :: too_long
+      type(approximation_t) :: one
+      type(generators_t) :: starts
+      type(wanted_function_t) :: target
+      type(xoshiro_t) :: random
+      real(wp) :: nodes(unknowns)
+      integer :: set, sense, k, last
+
+      allocate (found(0))
+      too_long = 0
+      call random%seed(seed, purpose_starts)
+      if (wanted%slides) then
+         ! a linear scale may have no exact linkage at all: begin from a symmetric one as well
+         target = wanted
+         call improve(target, symmetric_slider(wanted), longest, one)
+         call keep(one, longest, found, too_long)
+      end if
+      last = node_sets
+      if (.not. wanted%continuous) last = max(node_sets, 2*size(wanted%table_input))
+      do set = 1, last
+         call choose_nodes(wanted, set, random, nodes)
+         ! a slider-crank turned by half a turn is that of the other sense
+         do sense = 1, merge(1, -1, wanted%slides), -2
+            target = wanted
+            target%sense = sense
+            call five_points(target%input_at(nodes), target%output_at(nodes), wanted%slides, starts)
+            do k = 1, starts%count
+               call improve(target, starts%list(k), longest, one)
+               call keep(one, longest, found, too_long)
+            end do
+         end do
+      end do
+   end subroutine approximate
+
+   !> Five nodes, from 0 to 1: those of Chebyshev, then others about them.
+   subroutine choose_nodes(wanted, set, random, nodes)
+      type(wanted_function_t), intent(in) :: wanted
+      integer, intent(in) :: set
+      type(xoshiro_t), intent(inout) :: random
+      real(wp), intent(out) :: nodes(unknowns)
+      real(wp) :: deviate, edge(0:unknowns)
+      integer :: i, n, entry
+
+      do i = 1, unknowns
+         nodes(i) = 0.5_wp - 0.5_wp*cos(pi*(2.0_wp*real(i, wp) - 1.0_wp)/(2.0_wp*real(unknowns, wp)))
+      end do
+      if (set > 1) then
+         edge(0) = 0.0_wp
+         edge(unknowns) = 1.0_wp
+         edge(1:unknowns - 1) = 0.5_wp*(nodes(:unknowns - 1) + nodes(2:))
+         do i = 1, unknowns
+            call random%next(deviate)
+            nodes(i) = nodes(i) + 2.0_wp*spread_of_nodes*(deviate - 0.5_wp)*(edge(i) - edge(i - 1))
+         end do
+      end if
+      if (wanted%continuous) return
+      ! entries of a table: the nearest, each once
+      n = size(wanted%table_input)
+      entry = 0
+      do i = 1, unknowns
+         entry = min(max(1 + nint(nodes(i)*real(n - 1, wp)), entry + 1), n - unknowns + i)
+         nodes(i) = wanted%place_of(entry)
+      end do
+   end subroutine choose_nodes
+
+   !> Add an optimum to the list unless it is there.
+   pure subroutine keep(one, longest, found, too_long)
+      type(approximation_t), intent(in) :: one
+      real(wp), intent(in) :: longest
+      type(approximation_t), allocatable, intent(inout) :: found(:)
+      integer, intent(inout) :: too_long
+      type(approximation_t), allocatable :: more(:)
+      integer :: k, place
+
+      if (one%error > hopeless .or. .not. one%alternates) then
+         if (longest_link(one%linkage) > longest .and. one%error < hopeless) too_long = too_long + 1
+         return
+      end if
+      if (longest_link(one%linkage) > longest) then
+         too_long = too_long + 1
+         return
+      end if
+      do k = 1, size(found)
+         if (abs(found(k)%error - one%error) < same_error*one%error .and. found(k)%sense == one%sense) return
+      end do
+      place = count(found%error < one%error) + 1
+      allocate (more(size(found) + 1))
+      more(:place - 1) = found(:place - 1)
+      more(place) = one
+      more(place + 1:) = found(place:)
+      call move_alloc(more, found)
+   end subroutine keep
+
+   !> From an exact linkage to the nearest optimum.
+   subroutine improve(wanted, start, longest, one)
+      type(wanted_function_t), intent(in) :: wanted
+      type(generator_t), intent(in) :: start
+      real(wp), intent(in) :: longest                !! a link that grows beyond it ends the search
+      type(approximation_t), intent(out) :: one
+      real(wp) :: q(unknowns), largest, at(alternations), trust
+      integer :: assembly, round
+      logical :: levelled, gained
+
+      one%linkage = start
+      one%sense = wanted%sense
+      call parameters_of(start, q)
+      do assembly = 1, -1, -2
+         if (start%assembly /= 0 .and. assembly /= start%assembly) cycle
+         if (start%slides .and. start%assembly == 0 .and. assembly < 0) cycle
+         call parameters_of(start, q)
+         call error_over(wanted, q, assembly, coarse, largest)
+         if (largest > hopeless) cycle
+         trust = first_trust
+         levelled = .false.
+         do round = 1, most_programs
+            call exchange(wanted, assembly, coarse, q, largest, at, levelled)
+            if (levelled .or. longest_of(q, assembly, start%slides) > longest) exit
+            call linear_program(wanted, assembly, q, largest, trust, gained)
+            if (.not. gained) exit
+         end do
+         if (wanted%continuous .and. levelled) call exchange(wanted, assembly, fine, q, largest, at, levelled)
+         if (largest < one%error) then
+            one%error = largest
+            one%at = at
+            one%alternates = levelled
+            call generator_of(q, assembly, start%slides, one%linkage)
+         end if
+      end do
+   end subroutine improve
+
+   !> A slider-crank whose crank swings to both sides of the normal of its slide, with the travel that is wanted.
+   pure function symmetric_slider(wanted) result(linkage)
+      type(wanted_function_t), intent(in) :: wanted
+      type(generator_t) :: linkage
+      real(wp), parameter :: rod = 3.0_wp            !! over the crank
+      real(wp) :: half
+
+      half = 0.5_wp*min(abs(wanted%swing_in), pi)
+      linkage%slides = .true.
+      linkage%r2 = 0.5_wp*wanted%swing_out/sin(half)
+      linkage%r3 = rod*abs(linkage%r2)
+      linkage%r4 = -linkage%r2
+      linkage%phi0 = -0.5_wp*pi - sign(half, wanted%swing_in)
+      linkage%psi0 = 0.5_wp*wanted%swing_out - linkage%r3
+      linkage%assembly = 1
+   end function symmetric_slider
+
+   !> Longest link of a linkage.
+   pure real(wp) function longest_link(linkage)
+      type(generator_t), intent(in) :: linkage
+
+      longest_link = max(linkage%r2, linkage%r3, abs(linkage%r4))
+   end function longest_link
+
+   !> Longest link of some parameters.
+   pure real(wp) function longest_of(q, assembly, slides)
+      real(wp), intent(in) :: q(unknowns)
+      integer, intent(in) :: assembly
+      logical, intent(in) :: slides
+      type(generator_t) :: linkage
+
+      call generator_of(q, assembly, slides, linkage)
+      longest_of = longest_link(linkage)
+   end function longest_of
+
+   !> Parameters that stay smooth where lengths run away: of a four-bar ln r2, phi0, 1/r4, psi0, r3 - r4; of a slider-crank r2,
+   !> phi0, assembly/r3, place of the slide, offset.
+   pure subroutine parameters_of(linkage, q)
+      type(generator_t), intent(in) :: linkage
+      real(wp), intent(out) :: q(unknowns)
+      integer :: side
+
+      if (linkage%slides) then
+         side = merge(linkage%assembly, 1, linkage%assembly /= 0)
+         q = [linkage%r2, linkage%phi0, real(side, wp)/linkage%r3, linkage%psi0 + real(side, wp)*linkage%r3, linkage%r4]
+      else
+         q = [log(linkage%r2), linkage%phi0, 1.0_wp/linkage%r4, linkage%psi0, linkage%r3 - linkage%r4]
+      end if
+   end subroutine parameters_of
+
+   !> The linkage of some parameters.
+   pure subroutine generator_of(q, assembly, slides, linkage)
+      real(wp), intent(in) :: q(unknowns)
+      integer, intent(in) :: assembly
+      logical, intent(in) :: slides
+      type(generator_t), intent(out) :: linkage
+      real(wp) :: inverse
+
+      inverse = sign(max(abs(q(3)), sqrt(tiny(1.0_wp))), q(3))
+      linkage%slides = slides
+      linkage%assembly = assembly
+      if (slides) then
+         linkage%assembly = merge(1, -1, inverse > 0.0_wp)
+         linkage%r2 = q(1)
+         linkage%phi0 = q(2)
+         linkage%r3 = 1.0_wp/abs(inverse)
+         linkage%psi0 = q(4) - 1.0_wp/inverse
+         linkage%r4 = q(5)
+         if (linkage%r2 < 0.0_wp) then
+            linkage%r2 = -linkage%r2
+            linkage%phi0 = linkage%phi0 + pi
+         end if
+      else
+         linkage%r2 = exp(q(1))
+         linkage%phi0 = q(2)
+         linkage%r4 = 1.0_wp/inverse
+         linkage%psi0 = q(4)
+         linkage%r3 = abs(q(5) + linkage%r4)
+         if (linkage%r4 < 0.0_wp) then
+            ! the same link in the opposite direction; its cosine changes sign, so does the side
+            linkage%r4 = -linkage%r4
+            linkage%psi0 = linkage%psi0 + pi
+         end if
+      end if
+      linkage%phi0 = modulo(linkage%phi0 + pi, 2.0_wp*pi) - pi
+      if (.not. slides) linkage%psi0 = modulo(linkage%psi0 + pi, 2.0_wp*pi) - pi
+   end subroutine generator_of
+
+   !> Error at an input from 0 to 1: degrees, of a slider per cent of the travel; `slopes` its derivatives by the parameters.
+   !> Where the linkage does not close the error is `huge`.
+   pure subroutine error_of(wanted, q, assembly, at, error, slopes)
+      type(wanted_function_t), intent(in) :: wanted
+      real(wp), intent(in) :: q(unknowns)
+      integer, intent(in) :: assembly
+      real(wp), intent(in) :: at
+      real(wp), intent(out) :: error
+      real(wp), intent(out), optional :: slopes(unknowns)
+      complex(wp) :: crank, v, by(2)
+      real(wp) :: m, r, c, sine, y, root, unit, difference, side
+      real(wp), parameter :: per_cent = 100.0_wp
+
+      error = huge(1.0_wp)
+      if (present(slopes)) slopes = 0.0_wp
+      associate (theta => wanted%input_at(at) + q(2))
+         crank = cmplx(cos(theta), sin(theta), wp)
+      end associate
+      if (wanted%slides) then
+         unit = per_cent/wanted%swing_out
+         y = q(1)*aimag(crank) - q(5)
+         root = 1.0_wp - (q(3)*y)**2
+         if (root <= 0.0_wp) return
+         root = sqrt(root)
+         error = unit*(q(1)*real(crank, wp) - q(3)*y**2/(1.0_wp + root) + q(4) - wanted%output_at(at))
+         if (.not. present(slopes)) return
+         c = q(3)*y/root
+         slopes = unit*[real(crank, wp) - c*aimag(crank), -q(1)*aimag(crank) - c*q(1)*real(crank, wp), &
+                        -y**2/(root*(1.0_wp + root)), 1.0_wp, c]
+         return
+      end if
+      unit = degrees_per_radian
+      side = real(assembly, wp)
+      crank = exp(q(1))*crank
+      v = 1.0_wp - crank
+      m = real(v, wp)**2 + aimag(v)**2
+      if (.not. m > 0.0_wp) return
+      r = sqrt(m)
+      c = (q(5)*(2.0_wp + q(5)*q(3)) - q(3)*m)/(2.0_wp*r)
+      if (abs(c) >= 1.0_wp) return
+      difference = atan2(aimag(v), real(v, wp)) + side*acos(c) - q(4) - wanted%output_at(at)
+      error = unit*(difference - 2.0_wp*pi*anint(difference/(2.0_wp*pi)))
+      if (.not. present(slopes)) return
+      sine = -side/sqrt((1.0_wp - c)*(1.0_wp + c))
+      by = [-crank, (0.0_wp, -1.0_wp)*crank]
+      slopes(:2) = aimag(by/v) + sine*(-0.5_wp*q(3)/r - 0.5_wp*c/m)*2.0_wp*real(conjg(v)*by, wp)
+      slopes(3) = sine*(q(5)**2 - m)/(2.0_wp*r)
+      slopes(4) = -1.0_wp
+      slopes(5) = sine*(1.0_wp + q(5)*q(3))/r
+      slopes = unit*slopes
+   end subroutine error_of
+
+   !> Points at which the error is looked at.
+   pure function places(wanted, points) result(at)
+      type(wanted_function_t), intent(in) :: wanted
+      integer, intent(in) :: points
+      real(wp), allocatable :: at(:)
+      integer :: i
+
+      if (wanted%continuous) then
+         at = [(real(i - 1, wp)/real(points - 1, wp), i=1, points)]
+      else
+         at = [(wanted%place_of(i), i=1, size(wanted%table_input))]
+      end if
+   end function places
+
+   !> Largest error over the range.
+   pure subroutine error_over(wanted, q, assembly, points, largest)
+      type(wanted_function_t), intent(in) :: wanted
+      real(wp), intent(in) :: q(unknowns)
+      integer, intent(in) :: assembly, points
+      real(wp), intent(out) :: largest
+      real(wp), allocatable :: at(:)
+      real(wp) :: error
+      integer :: i
+
+      largest = 0.0_wp
+      at = places(wanted, points)
+      do i = 1, size(at)
+         call error_of(wanted, q, assembly, at(i), error)
+         largest = max(largest, abs(error))
+      end do
+   end subroutine error_over
+
+   !> The largest error of each run of one sign, refined by a parabola; of these the six in a row whose smallest is largest.
+   pure subroutine extremes(wanted, q, assembly, points, at, sides, largest, enough)
+      type(wanted_function_t), intent(in) :: wanted
+      real(wp), intent(in) :: q(unknowns)
+      integer, intent(in) :: assembly, points
+      real(wp), intent(out) :: at(alternations), sides(alternations), largest
+      logical, intent(out) :: enough
+      real(wp), allocatable :: place(:), error(:), peak(:), peak_at(:)
+      integer :: n, i, runs, best, k
+
+      place = places(wanted, points)
+      n = size(place)
+      allocate (error(n), peak(n), peak_at(n))
+      do i = 1, n
+         call error_of(wanted, q, assembly, place(i), error(i))
+      end do
+      largest = maxval(abs(error))
+      enough = .false.
+      at = 0.0_wp
+      sides = 0.0_wp
+      if (largest > hopeless) return
+      runs = 0
+      best = 0
+      do i = 1, n
+         if (runs > 0) then
+            if (error(i)*peak(runs) > 0.0_wp) then
+               if (abs(error(i)) > abs(error(best))) best = i
+               call refine(best, peak(runs), peak_at(runs))
+               cycle
+            end if
+         end if
+         runs = runs + 1
+         best = i
+         call refine(best, peak(runs), peak_at(runs))
+      end do
+      largest = max(largest, maxval(abs(peak(:runs))))
+      enough = runs >= alternations
+      if (.not. enough) return
+      k = 1
+      do i = 2, runs - alternations + 1
+         if (minval(abs(peak(i:i + alternations - 1))) > minval(abs(peak(k:k + alternations - 1)))) k = i
+      end do
+      at = peak_at(k:k + alternations - 1)
+      sides = sign(1.0_wp, peak(k:k + alternations - 1))
+
+   contains
+
+      !> The peak of a run at sample i.
+      pure subroutine refine(i, own_peak, own_place)
+         integer, intent(in) :: i
+         real(wp), intent(out) :: own_peak, own_place
+         real(wp) :: bend, slope, value
+
+         own_peak = error(i)
+         own_place = place(i)
+         if (.not. wanted%continuous .or. i == 1 .or. i == n) return
+         bend = error(i + 1) - 2.0_wp*error(i) + error(i - 1)
+         slope = 0.5_wp*(error(i + 1) - error(i - 1))
+         if (.not. abs(bend) > abs(slope)) return
+         own_place = place(i) - slope/bend/real(n - 1, wp)
+         call error_of(wanted, q, assembly, own_place, value)
+         if (abs(value) > abs(error(i)) .and. value*error(i) > 0.0_wp) then
+            own_peak = value
+         else
+            own_place = place(i)
+         end if
+      end subroutine refine
+   end subroutine extremes
+
+   !> Newton's method on equal errors of alternating sign, with extremes found anew for each step.
+   subroutine exchange(wanted, assembly, points, q, largest, at, levelled)
+      type(wanted_function_t), intent(in) :: wanted
+      integer, intent(in) :: assembly, points
+      real(wp), intent(inout) :: q(unknowns)
+      real(wp), intent(out) :: largest, at(alternations)
+      logical, intent(out) :: levelled
+      real(wp) :: m(alternations, alternations), right(alternations), step(alternations), sides(alternations), part, trial_largest
+      real(wp) :: trial(unknowns), error(alternations), slopes(unknowns)
+      type(factors_t) :: factors
+      logical :: enough
+      integer :: round, i, halving
+
+      levelled = .false.
+      do round = 1, most_exchanges
+         call extremes(wanted, q, assembly, points, at, sides, largest, enough)
+         if (.not. enough) return
+         do i = 1, alternations
+            call error_of(wanted, q, assembly, at(i), error(i), slopes)
+            m(i, :unknowns) = slopes
+         end do
+         levelled = largest - minval(abs(error)) < wanted_level*largest
+         if (levelled) return
+         m(:, alternations) = -sides
+         right = -error
+         call factorise(m, factors)
+         if (factors%reciprocal_condition < epsilon(1.0_wp)) return
+         step = solve(factors, right)
+         part = 1.0_wp
+         do halving = 0, most_halvings
+            trial = q + part*step(:unknowns)
+            call extremes(wanted, trial, assembly, points, at, sides, trial_largest, enough)
+            if (trial_largest < largest) exit
+            part = 0.5_wp*part
+         end do
+         if (halving > most_halvings) then
+            ! no lower one within rounding: levelled as far as numbers go
+            call extremes(wanted, q, assembly, points, at, sides, largest, enough)
+            levelled = enough .and. largest - minval(abs(error)) < sqrt(wanted_level)*largest
+            return
+         end if
+         q = trial
+         largest = trial_largest
+      end do
+   end subroutine exchange
+
+   !> One step of least largest error of the linearised errors within a region of trust.
+   subroutine linear_program(wanted, assembly, q, largest, trust, gained)
+      type(wanted_function_t), intent(in) :: wanted
+      integer, intent(in) :: assembly
+      real(wp), intent(inout) :: q(unknowns), largest, trust
+      logical, intent(out) :: gained
+      real(wp), allocatable :: at(:)
+      type(conic_t) :: program
+      type(conic_solution_t) :: solution
+      real(wp) :: error, slopes(unknowns), trial(unknowns), reached, scale(unknowns)
+      integer :: n, i, j
+
+      gained = .false.
+      at = places(wanted, in_program)
+      n = size(at)
+      call error_over(wanted, q, assembly, coarse, largest)
+      scale = max(abs(q), 0.1_wp)
+      allocate (program%q(unknowns + 1), program%g(2*n + 2*unknowns, unknowns + 1), program%h(2*n + 2*unknowns), source=0.0_wp)
+      allocate (program%cones(0))
+      program%lines = 2*n + 2*unknowns
+      ! unknowns: steps over their region, and the level over the largest error
+      program%q(unknowns + 1) = 1.0_wp
+      do while (trust > last_trust)
+         do i = 1, n
+            call error_of(wanted, q, assembly, at(i), error, slopes)
+            slopes = slopes*scale*trust/largest
+            error = error/largest
+            program%g(2*i - 1, :) = [slopes, -1.0_wp]
+            program%h(2*i - 1) = -error
+            program%g(2*i, :) = [-slopes, -1.0_wp]
+            program%h(2*i) = error
+         end do
+         do j = 1, unknowns
+            program%g(2*n + 2*j - 1, j) = 1.0_wp
+            program%g(2*n + 2*j, j) = -1.0_wp
+         end do
+         program%h(2*n + 1:) = 1.0_wp
+         call solve_conic(program, solution)
+         if (.not. solution%solved) return
+         trial = q + trust*scale*solution%x(:unknowns)
+         call error_over(wanted, trial, assembly, coarse, reached)
+         associate (promise => largest*(1.0_wp - solution%x(unknowns + 1)), gain => largest - reached)
+            if (promise < worth_it*largest) return
+            if (gain > 0.0_wp) then
+               if (gain > 0.75_wp*promise) trust = min(2.0_wp*trust, 1.0_wp)
+               q = trial
+               gained = gain > worth_it*largest
+               largest = reached
+               return
+            end if
+         end associate
+         trust = 0.25_wp*trust
+      end do
+   end subroutine linear_program
+end module psalm_minimax

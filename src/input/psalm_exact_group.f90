@@ -1,0 +1,199 @@
+!> The group EXACT: points, poses, timed points or a function that a four-bar or slider-crank is to meet exactly.
+module psalm_exact_group
+   use psalm_group, only: group_t, check_range, out_of, read_flag, required
+   use psalm_kinds, only: wp
+   use psalm_status, only: diagnostics_t
+   use psalm_text, only: to_text
+   implicit none (type, external)
+   private
+   public :: exact_group_t, read_exact_group, is_missing, kind_path, kind_motion, kind_function, exact_kinds
+
+   integer, parameter :: kind_path = 1, kind_motion = 2, kind_function = 3
+   character(*), parameter :: exact_kinds(3) = [character(8) :: 'PATH', 'MOTION', 'FUNCTION']
+   character(*), parameter :: functions(*) = [character(7) :: 'LOG10', 'LN', 'EXP', 'SIN', 'COS', 'TAN', 'POWER']
+   integer, parameter :: most_points = 9, most_in_table = 200, fewest_in_table = 3, most_listed = 100000
+   integer, parameter :: exact_in_table = 5          !! entries of a table that a linkage can meet exactly
+   real(wp), parameter :: not_given = -huge(1.0_wp)
+
+   type :: exact_group_t
+      logical :: given = .false.
+      integer :: kind = kind_path                    !! KIND
+      real(wp), allocatable :: x(:), y(:)            !! XP, YP
+      real(wp), allocatable :: angle(:), time(:)     !! ANGP, TIMP, degrees; see `is_missing`
+      logical :: crank_pivot = .false., follower_pivot = .false. !! PIVOTS: the first two, the last two numbers were given
+      real(wp) :: pivots(4) = not_given
+      logical :: slider = .false.                    !! SLIDER
+      logical :: closed = .false.                    !! CLOSED: the last point is followed by the first
+      character(:), allocatable :: function_name     !! FUNC; not allocated: PHI and PSI, or no function
+      real(wp) :: low = 1.0_wp, high = 2.0_wp        !! FXLOW, FXHIGH
+      real(wp) :: power = 2.0_wp                     !! FPOWER
+      real(wp) :: swing_in = 90.0_wp                 !! DPHI, degrees
+      real(wp) :: swing_out = 90.0_wp                !! DPSI, degrees; of a slider its travel
+      real(wp), allocatable :: phi(:), psi(:)        !! PHI, PSI, degrees; of a slider PSI is its travel
+      real(wp) :: zero_in = not_given, zero_out = not_given !! PHI0, PSI0, degrees
+      real(wp) :: frame = 1.0_wp                     !! FRAME: length of a four-bar's frame
+      real(wp) :: longest = 100.0_wp                 !! RLONG: longest link over the frame, of a slider over the travel
+      logical :: minimax = .false.                   !! MINIMAX
+      logical :: certify = .false.                   !! CERTIFY
+      integer :: listed = 10                         !! NBEST
+   end type exact_group_t
+
+contains
+
+   !> True for a number that was not given.
+   elemental logical function is_missing(value)
+      real(wp), intent(in) :: value
+
+      is_missing = value <= 0.5_wp*not_given
+   end function is_missing
+
+   !> Read the group EXACT. Errors: a kind that is not there, too few values, numbers out of range.
+   subroutine read_exact_group(group, exact, findings)
+      type(group_t), intent(inout) :: group
+      type(exact_group_t), intent(inout) :: exact
+      type(diagnostics_t), intent(inout) :: findings
+      character(:), allocatable :: word
+      integer :: code, last
+
+      exact%given = group%line > 0
+      word = trim(exact_kinds(1))
+      call group%get_word('KIND', word, findings)
+      exact%kind = findloc(exact_kinds == word, .true., dim=1)
+      if (exact%kind == 0) then
+         call out_of(group, 'KIND', "must be 'PATH', 'MOTION' or 'FUNCTION'; found '"//word//"'", findings)
+         exact%kind = kind_path
+      end if
+      call read_points(group, exact, findings)
+      call group%get_reals('PIVOTS', exact%pivots, findings, last=last)
+      exact%crank_pivot = .not. any(is_missing(exact%pivots(:2)))
+      exact%follower_pivot = .not. any(is_missing(exact%pivots(3:)))
+      if (any(is_missing(exact%pivots(:2))) .neqv. all(is_missing(exact%pivots(:2))) .or. &
+          (any(is_missing(exact%pivots(3:))) .neqv. all(is_missing(exact%pivots(3:))))) call out_of(group, 'PIVOTS', &
+         "is x and y of the crank's fixed pivot, then of the follower's; one that is free is left out: PIVOTS=,,3.0,4.0", findings)
+      code = 0
+      call read_flag(group, 'SLIDER', code, findings)
+      exact%slider = code == 1
+      code = merge(1, 0, exact%kind == kind_path .and. count(is_missing(exact%time)) == size(exact%time))
+      call read_flag(group, 'CLOSED', code, findings)
+      exact%closed = code == 1
+      call read_function(group, exact, findings)
+      code = 0
+      call read_flag(group, 'MINIMAX', code, findings)
+      exact%minimax = code == 1
+      code = 0
+      call read_flag(group, 'CERTIFY', code, findings)
+      exact%certify = code == 1
+      call group%get_integer('NBEST', exact%listed, findings)
+      call check_range(group, 'NBEST', exact%listed, 1, most_listed, findings)
+   end subroutine read_exact_group
+
+   subroutine read_points(group, exact, findings)
+      type(group_t), intent(inout) :: group
+      type(exact_group_t), intent(inout) :: exact
+      type(diagnostics_t), intent(inout) :: findings
+      real(wp) :: x(most_points), y(most_points), angle(most_points), time(most_points)
+      integer :: n, last(4), i
+
+      x = not_given
+      y = not_given
+      angle = not_given
+      time = not_given
+      call group%get_reals('XP', x, findings, last=last(1))
+      call group%get_reals('YP', y, findings, last=last(2))
+      call group%get_reals('ANGP', angle, findings, last=last(3))
+      call group%get_reals('TIMP', time, findings, last=last(4))
+      n = last(1)
+      exact%x = x(:n)
+      exact%y = y(:n)
+      exact%angle = angle(:n)
+      exact%time = time(:n)
+      if (.not. exact%given .or. exact%kind == kind_function) return
+      if (.not. group%given('XP')) then
+         call required(group, 'XP')
+         return
+      end if
+      if (last(2) /= n) call out_of(group, 'YP', 'XP has '//to_text(n)//' values, but YP has '//to_text(last(2)), findings)
+      if (max(last(3), last(4)) > n) call out_of(group, merge('ANGP', 'TIMP', last(3) > n), 'XP has '//to_text(n)// &
+                                                 ' values only', findings, n + 1)
+      i = findloc(is_missing(exact%x) .or. is_missing(exact%y), .true., dim=1)
+      if (i > 0 .and. last(2) == n) call out_of(group, merge('XP', 'YP', is_missing(exact%x(i))), 'point '//to_text(i)// &
+                                                ' has no value', findings)
+      if (exact%kind == kind_motion) then
+         i = findloc(is_missing(exact%angle), .true., dim=1)
+         if (i > 0) call out_of(group, 'ANGP', "KIND='MOTION' needs an orientation for every point; point "//to_text(i)// &
+                                " has none (KIND='PATH' has points with and without)", findings)
+      end if
+      i = findloc(.not. is_missing(exact%angle) .and. .not. is_missing(exact%time), .true., dim=1)
+      if (i > 1) call out_of(group, 'TIMP', 'point '//to_text(i)//' has an orientation and a crank angle; one of both is '// &
+                             'possible', findings)
+      if (n < 2) return
+      if (any(.not. is_missing(exact%angle(2:))) .and. is_missing(exact%angle(1))) call out_of(group, 'ANGP', &
+         'orientations are counted from that of the first point, which is missing', findings)
+      if (any(.not. is_missing(exact%time(2:))) .and. is_missing(exact%time(1))) call out_of(group, 'TIMP', &
+         'crank angles are counted from that of the first point, which is missing', findings)
+   end subroutine read_points
+
+   subroutine read_function(group, exact, findings)
+      type(group_t), intent(inout) :: group
+      type(exact_group_t), intent(inout) :: exact
+      type(diagnostics_t), intent(inout) :: findings
+      real(wp) :: phi(most_in_table), psi(most_in_table)
+      integer :: n, last, i
+
+      call group%get_word('FUNC', exact%function_name, findings)
+      call group%get_real('FXLOW', exact%low, findings)
+      call group%get_real('FXHIGH', exact%high, findings)
+      call group%get_real('FPOWER', exact%power, findings)
+      call group%get_real('DPHI', exact%swing_in, findings)
+      call group%get_real('DPSI', exact%swing_out, findings)
+      call group%get_real('PHI0', exact%zero_in, findings)
+      call group%get_real('PSI0', exact%zero_out, findings)
+      call group%get_real('FRAME', exact%frame, findings)
+      call group%get_real('RLONG', exact%longest, findings)
+      phi = not_given
+      psi = not_given
+      call group%get_reals('PHI', phi, findings, last=n)
+      call group%get_reals('PSI', psi, findings, last=last)
+      exact%phi = phi(:n)
+      exact%psi = psi(:n)
+      if (.not. exact%frame > 0.0_wp) call out_of(group, 'FRAME', 'must be above 0', findings)
+      if (.not. exact%longest > 1.0_wp) call out_of(group, 'RLONG', 'must be above 1', findings)
+      if (.not. exact%given .or. exact%kind /= kind_function) return
+      if (allocated(exact%function_name) .eqv. n > 0) then
+         call out_of(group, 'FUNC', "KIND='FUNCTION' needs either FUNC, a name, or PHI and PSI, a table", findings)
+         return
+      end if
+      if (allocated(exact%function_name)) then
+         if (.not. any(functions == exact%function_name)) call out_of(group, 'FUNC', "there is no function '"// &
+            exact%function_name//"'; there are LOG10, LN, EXP, SIN, COS, TAN, POWER", findings)
+         if (.not. exact%high > exact%low) call out_of(group, 'FXHIGH', 'the range of x is empty: FXHIGH must be above FXLOW', &
+                                                       findings)
+         if (any(exact%function_name == ['LOG10', 'LN   ']) .and. .not. exact%low > 0.0_wp) call out_of(group, 'FXLOW', &
+            'a logarithm needs x above 0', findings)
+         if (exact%function_name == 'POWER' .and. (exact%low < 0.0_wp .or. (.not. exact%low > 0.0_wp .and. exact%power < 0.0_wp))) &
+            call out_of(group, 'FXLOW', 'this power needs x above 0', findings)
+         if (.not. abs(exact%swing_in) > 0.0_wp .or. .not. abs(exact%swing_out) > 0.0_wp) call out_of(group, &
+            merge('DPSI', 'DPHI', abs(exact%swing_in) > 0.0_wp), 'must not be 0', findings)
+         return
+      end if
+      if (last /= n) call out_of(group, 'PSI', 'PHI has '//to_text(n)//' values, but PSI has '//to_text(last), findings)
+      if (any(is_missing(exact%phi)) .or. (last == n .and. any(is_missing(exact%psi)))) call out_of(group, &
+         merge('PHI', 'PSI', any(is_missing(exact%phi))), 'a value of the table is missing', findings)
+      if (n < fewest_in_table) call out_of(group, 'PHI', 'a function is given by at least 3 points', findings)
+      if (n > exact_in_table .and. .not. exact%minimax) call out_of(group, 'PHI', to_text(n)//' points cannot be met exactly; '// &
+         'give 3 or 5, or MINIMAX=1', findings, n)
+      do i = 2, n
+         if (exact%phi(i) > exact%phi(i - 1)) cycle
+         call out_of(group, 'PHI', 'entry '//to_text(i)//': the inputs must rise', findings, i)
+         return
+      end do
+      if (n < exact_in_table .and. exact%minimax) call out_of(group, 'MINIMAX', &
+         'needs FUNC or a table of more than 5 points', findings)
+      if (n == 3 .and. (is_missing(exact%zero_in) .or. is_missing(exact%zero_out))) call out_of(group, 'PHI', &
+         'three points need both zero lines, PHI0 and PSI0', findings)
+      if (n == 4) call out_of(group, 'PHI', 'four points leave infinitely many linkages; give 3 with both zero lines, or 5', &
+                              findings, n)
+      if (n == 3 .and. exact%slider) call out_of(group, 'PHI', 'three points with zero lines are for four-bars; give 5', &
+                                                findings, n)
+   end subroutine read_function
+end module psalm_exact_group

@@ -1,0 +1,310 @@
+!> Exact linkages in words: listing, device 7 with a case for each, device 9 with the block exact.
+module psalm_exact_report
+   use psalm_data_set, only: data_set_t, title_columns
+   use psalm_defects, only: class_names
+   use psalm_devices, only: devices_t, header_of
+   use psalm_exact_group, only: exact_kinds
+   use psalm_exact_study, only: exact_study_t, way_burmester, way_curves, way_generators, way_minimax, way_nine
+   use psalm_exact_text, only: write_generator, write_linkage
+   use psalm_function_points, only: generator_t
+   use psalm_kinds, only: wp, degrees_per_radian
+   use psalm_text, only: text_t, full_precision, general, to_text
+   implicit none (type, external)
+   private
+   public :: report_exact
+
+contains
+
+   !> What was found of a case.
+   subroutine report_exact(set, study, devices)
+      type(data_set_t), intent(in) :: set
+      type(exact_study_t), intent(in) :: study
+      type(devices_t), intent(inout) :: devices
+
+      call devices%six%add()
+      call devices%six%add(' '//set%title)
+      call devices%six%add()
+      call devices%six%add(' EXACT SYNTHESIS: '//trim(exact_kinds(set%exact%kind)))
+      call devices%eight%add(header_of('PSALM', devices%mark))
+      call devices%eight%add(' '//set%title)
+      call devices%eight%add(' &EXACT asks for linkages; there is no linkage to set up')
+      select case (study%way)
+      case (way_generators)
+         call report_generators(set, study, devices)
+      case (way_minimax)
+         call report_minimax(set, study, devices)
+      case default
+         call report_linkages(set, study, devices)
+      end select
+   end subroutine report_exact
+
+   !> The verdict on the list: how many there can be, how many were found, whether that is all.
+   function sentence_of(study) result(text)
+      type(exact_study_t), intent(in) :: study
+      character(:), allocatable :: text
+      character(:), allocatable :: what
+
+      what = 'ends'
+      if (study%way == way_burmester) what = 'dyads'
+      if (study%degenerate) then
+         text = 'degenerate: the poses or points leave infinitely many linkages'
+      else if (study%complete) then
+         text = 'complete: '//to_text(study%ends)//' of '//to_text(study%expected)//' '//what//' distinct'
+      else if (study%expected > 0) then
+         text = 'not complete: '//to_text(study%expected - study%ends)//' of '//to_text(study%expected)//' '//what// &
+                ' missing (at infinity or singular)'
+      else
+         text = 'the number of ends is not known for these conditions; '//to_text(study%ends)//' of '//to_text(study%generic)// &
+                ' of a generic problem found'
+      end if
+   end function sentence_of
+
+   subroutine report_linkages(set, study, devices)
+      type(data_set_t), intent(in) :: set
+      type(exact_study_t), intent(in) :: study
+      type(devices_t), intent(inout) :: devices
+      character(:), allocatable :: line, title
+      integer :: i, k, shown
+
+      associate (six => devices%six)
+         if (study%way == way_curves) then
+            if (study%degenerate) then
+               call six%add('  degenerate: the curves of the four poses cannot be drawn from a pole')
+            else
+               call six%add('  four poses leave curves of pivots: '//to_text(study%ends)//' points of them, '// &
+                            to_text(study%linkages)//' four-bars, the best are listed')
+            end if
+         else
+            call six%add('  '//sentence_of(study))
+            line = '  '//to_text(study%real_ends)//' real, '//to_text(study%linkages)//' linkages'
+            if (study%way == way_nine) line = '  '//to_text(study%real_ends)//' real, with their cognates '// &
+                                              to_text(study%linkages)//' linkages'
+            if (study%infinite > 0) line = line//'; '//to_text(study%infinite)//' with a pivot at infinity'
+            call six%add(line)
+            do k = 1, size(class_names)
+               i = count(study%results%verdict%class == k)
+               if (i > 0) call six%add('  '//repeat(' ', 6 - len(to_text(i)))//to_text(i)//' '//trim(class_names(k)))
+            end do
+         end if
+         if (.not. study%complete .and. study%way /= way_curves) call devices%remark(set, sentence_of(study))
+         shown = min(size(study%results), set%exact%listed)
+         if (shown == 0) then
+            call devices%remark(set, 'no real linkage passes these points')
+            call devices%note_violation()
+            return
+         end if
+         call six%add()
+         call six%add('  RANK CIRCUIT ORDER BRANCH CRANK   TRANSMISSION   LONGEST LINK    SENSITIVITY        CLOSURE')
+         do i = 1, shown
+            associate (own => study%results(i)%verdict)
+               call six%add(repeat(' ', 6 - min(5, len(to_text(i))))//to_text(i)//word(own%circuit, 8)//word(own%order, 6)// &
+                            word(own%branch, 7)//word(own%crank, 6)//general(own%transmission)//general(own%longest)// &
+                            general(own%sensitivity)//general(study%results(i)%closure))
+            end associate
+         end do
+         call six%add()
+         call six%add('  RANK             A X            A Y            B X            B Y            C X            C Y'// &
+                      '            D X            D Y')
+         do i = 1, shown
+            associate (l => study%results(i)%linkage)
+               line = repeat(' ', 6 - min(5, len(to_text(i))))//to_text(i)//general(real(l%a, wp))//general(aimag(l%a))
+               if (l%slides) then
+                  line = line//general(real(l%guide, wp))//general(aimag(l%guide))
+               else
+                  line = line//general(real(l%b, wp))//general(aimag(l%b))
+               end if
+               call six%add(line//general(real(l%c(1), wp))//general(aimag(l%c(1)))//general(real(l%d(1), wp))// &
+                            general(aimag(l%d(1))))
+            end associate
+         end do
+      end associate
+      call begin_block(set, devices%nine, &
+                       'rank circuit order branch crank transmission longest sensitivity ax ay bx by cx cy dx dy')
+      do i = 1, shown
+         associate (r => study%results(i))
+            line = to_text(i)//digit(r%verdict%circuit)//digit(r%verdict%order)//digit(r%verdict%branch)//digit(r%verdict%crank)// &
+                   ' '//full_precision(r%verdict%transmission)//' '//full_precision(r%verdict%longest)//' '// &
+                   full_precision(r%verdict%sensitivity)//pair(r%linkage%a)
+            if (r%linkage%slides) then
+               line = line//pair(r%linkage%guide)
+            else
+               line = line//pair(r%linkage%b)
+            end if
+            call devices%nine%add(line//pair(r%linkage%c(1))//pair(r%linkage%d(1)))
+            title = ', RANK '//to_text(i)
+            title = trim(set%title(:min(len(set%title), title_columns - len(title))))//title
+            call devices%seven%add('! rank '//to_text(i)//': '//trim(class_names(r%verdict%class)))
+            call write_linkage(title, r%linkage, set%exact, merge(set%last, 0, i == shown), devices%seven)
+         end associate
+      end do
+   end subroutine report_linkages
+
+   subroutine report_generators(set, study, devices)
+      type(data_set_t), intent(in) :: set
+      type(exact_study_t), intent(in) :: study
+      type(devices_t), intent(inout) :: devices
+      integer :: k
+
+      call devices%six%add('  '//sentence_of(study))
+      call devices%six%add('  '//to_text(study%real_ends)//' real')
+      if (study%generators%count == 0) then
+         call devices%remark(set, 'no real linkage passes these points')
+         call devices%note_violation()
+         return
+      end if
+      call devices%six%add()
+      call devices%six%add(head_of(study%wanted%slides)//'  ASSEMBLY')
+      call begin_block(set, devices%nine, 'rank assembly r2 r3 r4 phi0 psi0')
+      do k = 1, study%generators%count
+         associate (one => study%generators%list(k))
+            call devices%six%add(numbers_of(k, one, set%exact%frame)//'  '//assembly_word(one%assembly))
+            call devices%nine%add(to_text(k)//' '//to_text(one%assembly)//row_of(one))
+            call devices%seven%add('! rank '//to_text(k)//': assembly '//assembly_word(one%assembly))
+            call write_generator(title_of(set, k), one, set%exact%frame, study%phi, study%psi, &
+                                 merge(set%last, 0, k == study%generators%count), devices%seven)
+         end associate
+      end do
+   end subroutine report_generators
+
+   subroutine report_minimax(set, study, devices)
+      type(data_set_t), intent(in) :: set
+      type(exact_study_t), intent(in) :: study
+      type(devices_t), intent(inout) :: devices
+      character(:), allocatable :: unit
+      integer :: k, shown
+      integer, parameter :: points = 21              !! of a case on device 7
+      real(wp) :: phi(points), psi(points)
+
+      unit = trim(merge('per cent of the travel', 'degrees               ', study%wanted%slides))
+      call devices%six%add('  largest error least: '//to_text(size(study%approximations))//' local optima; errors in '//unit)
+      if (study%too_long > 0) call devices%six%add('  '//to_text(study%too_long)//' starts ran to links longer than RLONG')
+      shown = min(size(study%approximations), set%exact%listed)
+      if (shown == 0) then
+         call devices%remark(set, 'no linkage was found whose errors alternate')
+         call devices%note_violation()
+         return
+      end if
+      call devices%six%add()
+      call devices%six%add(head_of(study%wanted%slides)//'          ERROR  SENSE  ALTERNATES')
+      call begin_block(set, devices%nine, 'rank error sense alternates r2 r3 r4 phi0 psi0')
+      do k = 1, shown
+         associate (best => study%approximations(k))
+            call devices%six%add(numbers_of(k, best%linkage, set%exact%frame)//general(best%error)//'     '// &
+                                 merge('+', '-', best%sense > 0)//'  '//word(best%alternates, 10))
+            call devices%nine%add(to_text(k)//' '//full_precision(best%error)//' '//to_text(best%sense)//digit(best%alternates)// &
+                                  row_of(best%linkage))
+            call samples(best%sense, phi, psi)
+            call devices%seven%add('! rank '//to_text(k)//': largest error '//trim(adjustl(general(best%error, 'E')))//' '//unit)
+            call write_generator(title_of(set, k), best%linkage, set%exact%frame, phi, psi, &
+                                 merge(set%last, 0, k == shown), devices%seven)
+         end associate
+      end do
+
+   contains
+
+      !> Inputs and outputs of a case.
+      subroutine samples(sense, inputs, outputs)
+         integer, intent(in) :: sense
+         real(wp), intent(out) :: inputs(points), outputs(points)
+         integer :: i
+
+         do i = 1, points
+            inputs(i) = study%wanted%input_at(real(i - 1, wp)/real(points - 1, wp))
+            outputs(i) = study%wanted%output_at(real(i - 1, wp)/real(points - 1, wp))*real(sense*study%wanted%sense, wp)
+         end do
+      end subroutine samples
+   end subroutine report_minimax
+
+   function title_of(set, rank) result(title)
+      type(data_set_t), intent(in) :: set
+      integer, intent(in) :: rank
+      character(:), allocatable :: title
+
+      title = ', RANK '//to_text(rank)
+      title = trim(set%title(:min(len(set%title), title_columns - len(title))))//title
+   end function title_of
+
+   !> Heading of the numbers of a function generator.
+   function head_of(slides) result(text)
+      logical, intent(in) :: slides
+      character(:), allocatable :: text
+
+      if (slides) then
+         text = '  RANK           CRANK        COUPLER         OFFSET           PHI0      SLIDE AT 0'
+      else
+         text = '  RANK           CRANK        COUPLER       FOLLOWER           PHI0           PSI0'
+      end if
+   end function head_of
+
+   function numbers_of(rank, one, frame) result(line)
+      integer, intent(in) :: rank
+      type(generator_t), intent(in) :: one
+      real(wp), intent(in) :: frame
+      character(:), allocatable :: line
+      real(wp) :: scale, zero
+
+      scale = merge(1.0_wp, frame, one%slides)
+      zero = merge(-one%psi0, one%psi0*degrees_per_radian, one%slides)
+      line = repeat(' ', 6 - min(5, len(to_text(rank))))//to_text(rank)//general(scale*one%r2)//general(scale*one%r3)// &
+             general(scale*one%r4)//general(one%phi0*degrees_per_radian)//general(zero)
+   end function numbers_of
+
+   function row_of(one) result(line)
+      type(generator_t), intent(in) :: one
+      character(:), allocatable :: line
+
+      line = ' '//full_precision(one%r2)//' '//full_precision(one%r3)//' '//full_precision(one%r4)//' '// &
+             full_precision(one%phi0)//' '//full_precision(one%psi0)
+   end function row_of
+
+   !> Begin a block of device 9.
+   subroutine begin_block(set, nine, columns)
+      type(data_set_t), intent(in) :: set
+      type(text_t), intent(inout) :: nine
+      character(*), intent(in) :: columns
+
+      if (nine%length > 0) then
+         call nine%add()
+         call nine%add()
+      end if
+      call nine%add('# block exact')
+      call nine%add('# '//columns)
+      call nine%add('# '//set%title)
+   end subroutine begin_block
+
+   function word(sound, width) result(text)
+      logical, intent(in) :: sound
+      integer, intent(in) :: width
+      character(:), allocatable :: text
+
+      text = repeat(' ', width - 3)//merge('yes', ' no', sound)
+   end function word
+
+   function assembly_word(assembly) result(text)
+      integer, intent(in) :: assembly
+      character(:), allocatable :: text
+
+      select case (assembly)
+      case (1)
+         text = '+'
+      case (-1)
+         text = '-'
+      case default
+         text = 'changes between the points'
+      end select
+   end function assembly_word
+
+   pure function digit(sound) result(text)
+      logical, intent(in) :: sound
+      character(2) :: text
+
+      text = merge(' 1', ' 0', sound)
+   end function digit
+
+   function pair(z) result(text)
+      complex(wp), intent(in) :: z
+      character(:), allocatable :: text
+
+      text = ' '//full_precision(real(z, wp))//' '//full_precision(aimag(z))
+   end function pair
+end module psalm_exact_report

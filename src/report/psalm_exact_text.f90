@@ -1,0 +1,112 @@
+!> An exact linkage as a data set with a sketch: device 7 and whatever reads it.
+module psalm_exact_text
+   use psalm_angles, only: degrees_of
+   use psalm_defects, only: crank_angles, exact_linkage_t
+   use psalm_exact_group, only: exact_group_t, kind_motion
+   use psalm_function_points, only: generator_t, output_of
+   use psalm_kinds, only: wp, degrees_per_radian
+   use psalm_text, only: text_t, full_precision, to_text
+   implicit none (type, external)
+   private
+   public :: write_linkage, write_generator
+
+   integer, parameter :: line_room = 100            !! columns of a line of values
+
+contains
+
+   !> Append a linkage that passes points.
+   subroutine write_linkage(title, one, exact, last, text)
+      character(*), intent(in) :: title
+      type(exact_linkage_t), intent(in) :: one
+      type(exact_group_t), intent(in) :: exact
+      integer, intent(in) :: last                    !! LAST of the case
+      type(text_t), intent(inout) :: text
+      integer :: n
+
+      n = size(one%p)
+      call text%add(title)
+      if (one%slides) then
+         call text%add(" &CHAIN JNT='A','C','D','P',")
+         call numbers('JX=', real([one%a, one%c(1), one%d(1), one%p(1)], wp), text)
+         call numbers('JY=', aimag([one%a, one%c(1), one%d(1), one%p(1)]), text)
+         call text%add("  LNAME='frame','crank','coupler','slider', LNK='A','A C','C D P','D',")
+         call text%add("  NSLIDE=1, SLNK='frame', SLNK2='slider', SLX="//full_precision(real(one%d(1), wp))//', SLY='// &
+                       full_precision(aimag(one%d(1)))//',')
+         call text%add('  SLANG='//full_precision(degrees_of(real(one%guide, wp), aimag(one%guide)))//' &END')
+      else
+         call text%add(" &CHAIN JNT='A','B','C','D','P',")
+         call numbers('JX=', real([one%a, one%b, one%c(1), one%d(1), one%p(1)], wp), text)
+         call numbers('JY=', aimag([one%a, one%b, one%c(1), one%d(1), one%p(1)]), text)
+         call text%add("  LNAME='frame','crank','coupler','follower', LNK='A B','A C','C D P','B D' &END")
+      end if
+      call text%add(" &DRIVES DRIVE='A', DBASE='frame', DLINK='crank' &END")
+      call text%add(" &OUTPUTS OUTPUT='point P'"//trim(merge(",'angle coupler'", "                ", exact%kind == kind_motion))// &
+                    ' &END')
+      call text%add(' &METHOD NDES='//to_text(n)//',')
+      call numbers('DELT=', crank_angles(one, exact%closed), text)
+      call text%add(' &END')
+      call text%add(' &LIMITS TANGLE=90.0, LAST='//to_text(last)//' &END')
+   end subroutine write_linkage
+
+   !> Append a linkage that generates a function, at some inputs and outputs.
+   subroutine write_generator(title, one, frame, phi, psi, last, text)
+      character(*), intent(in) :: title
+      type(generator_t), intent(in) :: one
+      real(wp), intent(in) :: frame                  !! length of the frame
+      real(wp), intent(in) :: phi(:), psi(:)         !! radians; of a slider psi is the travel
+      integer, intent(in) :: last
+      type(text_t), intent(inout) :: text
+      complex(wp) :: c, d
+      real(wp) :: scale, first
+      logical :: closes
+
+      call text%add(title)
+      ! the drawing must close: what is generated, not what is wanted
+      call output_of(one, phi(1), first, closes)
+      if (one%assembly == 0 .or. .not. closes) first = psi(1)
+      c = one%r2*cmplx(cos(phi(1) + one%phi0), sin(phi(1) + one%phi0), wp)
+      if (one%slides) then
+         d = cmplx(first - one%psi0, one%r4, wp)
+         call text%add(" &CHAIN JNT='A','C','D',")
+         call numbers('JX=', real([(0.0_wp, 0.0_wp), c, d], wp), text)
+         call numbers('JY=', aimag([(0.0_wp, 0.0_wp), c, d]), text)
+         call text%add("  LNAME='frame','crank','coupler','slider', LNK='A','A C','C D','D',")
+         call text%add("  NSLIDE=1, SLNK='frame', SLNK2='slider', SLX="//full_precision(real(d, wp))//', SLY='// &
+                       full_precision(aimag(d))//', SLANG=0.0 &END')
+         call text%add(" &DRIVES DRIVE='A', DBASE='frame', DLINK='crank' &END")
+         call text%add(" &OUTPUTS OUTPUT='x D' &END")
+      else
+         scale = frame
+         d = 1.0_wp + one%r4*cmplx(cos(first + one%psi0), sin(first + one%psi0), wp)
+         call text%add(" &CHAIN JNT='A','B','C','D',")
+         call numbers('JX=', scale*real([(0.0_wp, 0.0_wp), (1.0_wp, 0.0_wp), c, d], wp), text)
+         call numbers('JY=', scale*aimag([(0.0_wp, 0.0_wp), (1.0_wp, 0.0_wp), c, d]), text)
+         call text%add("  LNAME='frame','crank','coupler','follower', LNK='A B','A C','C D','B D' &END")
+         call text%add(" &DRIVES DRIVE='A', DBASE='frame', DLINK='crank' &END")
+         call text%add(" &OUTPUTS OUTPUT='angle follower' &END")
+      end if
+      call text%add(' &METHOD NDES='//to_text(size(phi))//',')
+      call numbers('DELT=', (phi - phi(1))*degrees_per_radian, text)
+      call text%add(' &END')
+      call text%add(' &LIMITS TANGLE=90.0, LAST='//to_text(last)//' &END')
+   end subroutine write_generator
+
+   !> Append an item of several numbers.
+   subroutine numbers(head, values, text)
+      character(*), intent(in) :: head
+      real(wp), intent(in) :: values(:)
+      type(text_t), intent(inout) :: text
+      character(:), allocatable :: line
+      integer :: i
+
+      line = '  '//head
+      do i = 1, size(values)
+         if (len(line) > line_room) then
+            call text%add(line)
+            line = '  '
+         end if
+         line = line//full_precision(values(i))//','
+      end do
+      call text%add(line)
+   end subroutine numbers
+end module psalm_exact_text

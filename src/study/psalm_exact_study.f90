@@ -1,0 +1,680 @@
+!> All linkages that meet points, poses, timed points or a function exactly. Data in, results out.
+module psalm_exact_study
+   use psalm_burmester, only: curve_point_t, dyad_t, dyads_t, five_poses, four_poses_curve
+   use psalm_data_set, only: data_set_t
+   use psalm_defects, only: exact_linkage_t, verdict_t, cognates_of, judge, place_pins, with_other_driver
+   use psalm_exact_group, only: exact_group_t, is_missing, kind_function, kind_motion
+   use psalm_function_points, only: generators_t, five_points, three_points
+   use psalm_kinds, only: wp, pi, radians_per_degree
+   use psalm_leg_lanes, only: path_t
+   use psalm_leg_problem, only: absolute, at_a, at_ah, at_b, at_bh, at_x, at_y, kind_point, kind_pose, kind_timed, leg_data_t, &
+                                leg_problem_t, make_problem, most_points, random_unit, turns_of, variables
+   use psalm_angles, only: unit_vector
+   use psalm_minimax, only: approximation_t, approximate
+   use psalm_monodromy, only: add_distinct, generic_t, scale_problem, scale_solutions, solve_generic
+   use psalm_nine_points, only: in_place, nine_point_orbits, nine_points_t, solve_nine_points
+   use psalm_status, only: diagnostics_t
+   use psalm_text, only: to_text
+   use psalm_tracker, only: polish, track, tracked_t
+   use psalm_wanted_function, only: wanted_function_t, function_kind, function_table
+   use psalm_xoshiro, only: xoshiro_t, purpose_starts
+   implicit none (type, external)
+   private
+   public :: exact_study_t, exact_result_t, check_exact, find_exact, way_burmester, way_curves, way_legs, way_nine, &
+             way_generators, way_minimax
+
+   !> How the linkages are found.
+   integer, parameter :: way_burmester = 1, way_curves = 2, way_legs = 3, way_nine = 4, way_generators = 5, way_minimax = 6
+   integer, parameter :: seed = 1                    !! of the generic problem and of the phases
+   integer, parameter :: most_passes = 4
+   real(wp), parameter :: careful = 1.0e-5_wp        !! largest prediction error of a later pass
+   integer, parameter :: rays = 200                  !! of the curves of four poses
+   real(wp), parameter :: real_within = 1.0e-6_wp    !! of a number and the conjugate of its partner, over the largest
+   real(wp), parameter :: on_circle = 1.0e-7_wp      !! distance of points from a circle or line, over their size
+   real(wp), parameter :: coincident = 1.0e-9_wp     !! distance of two points that are one, over the size of all
+
+   !> Finite solutions of a generic problem; of nine points without exchange of the legs and cognates. Computed by monodromy, every
+   !> number unchanged over at least six further loops; 8652/6 and 36 are those of Wampler, Morgan and Sommese (1992).
+   type :: row_t
+      integer :: points, poses, timed                !! beyond the first
+      logical :: slides, crank_given, follower_given
+      integer :: solutions
+   end type row_t
+
+   logical, parameter :: y = .true., n = .false.
+   type(row_t), parameter :: rows(*) = [ &
+      row_t(0, 4, 0, n, n, n, 12), row_t(2, 3, 0, n, n, n, 60), row_t(4, 2, 0, n, n, n, 402), row_t(6, 1, 0, n, n, n, 2224), &
+      row_t(0, 0, 4, n, n, n, 12), row_t(2, 0, 3, n, n, n, 60), row_t(4, 0, 2, n, n, n, 402), row_t(6, 0, 1, n, n, n, 2224), &
+      row_t(0, 1, 3, n, n, n, 15), row_t(0, 2, 2, n, n, n, 15), row_t(0, 3, 1, n, n, n, 15), &
+      row_t(2, 1, 2, n, n, n, 94), row_t(2, 2, 1, n, n, n, 94), row_t(4, 1, 1, n, n, n, 556), &
+      row_t(4, 0, 0, n, y, y, 36), row_t(2, 1, 0, n, y, y, 6), row_t(2, 0, 1, n, y, y, 8), &
+      row_t(0, 2, 0, n, y, y, 1), row_t(0, 0, 2, n, y, y, 1), row_t(0, 1, 1, n, y, y, 1), &
+      row_t(6, 0, 0, n, y, n, 486), row_t(4, 1, 0, n, y, n, 94), row_t(2, 2, 0, n, y, n, 12), &
+      row_t(6, 0, 0, n, n, y, 486), row_t(4, 1, 0, n, n, y, 94), row_t(2, 2, 0, n, n, y, 12), &
+      row_t(4, 0, 1, n, y, n, 94), row_t(2, 0, 2, n, y, n, 12), row_t(4, 0, 1, n, n, y, 140), row_t(2, 0, 2, n, n, y, 28), &
+      row_t(7, 0, 0, y, n, n, 558), row_t(5, 1, 0, y, n, n, 202), row_t(3, 2, 0, y, n, n, 42), row_t(1, 3, 0, y, n, n, 6), &
+      row_t(5, 0, 1, y, n, n, 202), row_t(3, 0, 2, y, n, n, 42), row_t(1, 0, 3, y, n, n, 6), &
+      row_t(5, 0, 0, y, y, n, 62), row_t(3, 1, 0, y, y, n, 14), row_t(1, 2, 0, y, y, n, 2), row_t(3, 0, 1, y, y, n, 14), &
+      row_t(1, 0, 2, y, y, n, 2)]
+
+   !> A linkage found.
+   type :: exact_result_t
+      type(exact_linkage_t) :: linkage
+      type(verdict_t) :: verdict
+      real(wp) :: closure = 0.0_wp                   !! largest change of a length over the points, over the size of the path
+   end type exact_result_t
+
+   type :: exact_study_t
+      integer :: way = way_legs
+      integer :: expected = 0                        !! solutions of a generic problem; 0: not known
+      integer :: generic = 0                         !! those of the generic problem that the search began with
+      integer :: ends = 0                            !! distinct finite ends found
+      integer :: imaginary = 0, infinite = 0         !! five poses, functions: those that are not real or have a pivot at infinity
+      integer :: real_ends = 0                       !! of these those that are real
+      integer :: linkages = 0                        !! real linkages, without exchange of the legs
+      logical :: complete = .false.
+      logical :: degenerate = .false.                !! more than finitely many
+      integer :: passes = 0
+      type(exact_result_t), allocatable :: results(:) !! ranked
+      type(generators_t) :: generators
+      real(wp), allocatable :: phi(:), psi(:)        !! their points, radians; of a slider psi is the travel
+      type(wanted_function_t) :: wanted
+      type(approximation_t), allocatable :: approximations(:)
+      integer :: too_long = 0                        !! optima with a link that is too long
+   end type exact_study_t
+
+contains
+
+   ! ---- what cannot be ------------------------------------------------------------------------------------------------
+
+   !> Errors: points that coincide or lie on a circle, equal poses, too few or too many conditions.
+   subroutine check_exact(set, findings)
+      type(data_set_t), intent(in) :: set
+      type(diagnostics_t), intent(inout) :: findings
+      type(leg_problem_t) :: problem
+      character(:), allocatable :: text
+      complex(wp) :: p(size(set%exact%x))
+      integer :: i, k, conditions
+
+      associate (exact => set%exact)
+         if (exact%kind == kind_function) return
+         p = cmplx(exact%x, exact%y, wp)
+         if (size(p) < 2) then
+            call complain('XP', 'one point does not ask for anything; give at least two')
+            return
+         end if
+         do i = 1, size(p)
+            do k = 1, i - 1
+               if (abs(p(i) - p(k)) > coincident*span_of(p)) cycle
+               if (.not. is_missing(exact%time(i)) .or. .not. is_missing(exact%time(k))) cycle
+               if (is_missing(exact%angle(i)) .or. is_missing(exact%angle(k))) then
+                  call complain('XP', 'points '//to_text(k)//' and '//to_text(i)//' coincide: leave one of both out')
+                  return
+               end if
+               if (abs(modulo(exact%angle(i) - exact%angle(k) + 180.0_wp, 360.0_wp) - 180.0_wp) > 0.0_wp) cycle
+               call complain('ANGP', 'poses '//to_text(k)//' and '//to_text(i)//' are the same: leave one of both out')
+               return
+            end do
+         end do
+         if (exact%slider .and. exact%follower_pivot) then
+            call complain('PIVOTS', 'a slider has no fixed pivot; leave the follower''s out')
+            return
+         end if
+         if (exact%kind == kind_motion .and. size(p) == 4 .and. .not. (exact%slider .or. exact%crank_pivot .or. &
+                                                                      exact%follower_pivot)) return
+         call problem_of(exact, problem)
+         if (problem%is_square()) then
+            if (all(problem%kind(:problem%points) == kind_point) .and. .not. problem%crank_given .and. &
+                .not. problem%follower_given .and. lie_on_circle(p)) call complain('XP', &
+               'the points lie on one circle or line: infinitely many linkages pass them')
+            return
+         end if
+         conditions = sum(merge(1, 2, problem%kind(:problem%points) == kind_point))
+         text = 'the points make '//to_text(conditions)//' conditions (a point 1, a pose or timed point 2, the first none), '// &
+                'but the linkage has '//to_text(problem%unknowns)//' dimensions to choose: '
+         if (conditions < problem%unknowns) then
+            call complain('XP', text//'infinitely many pass; give more')
+         else
+            call complain('XP', text//'none passes; give fewer')
+         end if
+      end associate
+
+   contains
+
+      subroutine complain(item, message)
+         character(*), intent(in) :: item, message
+
+         call findings%error(message, line=set%origins%line('EXACT', item, 1), group='EXACT', item=item)
+      end subroutine complain
+   end subroutine check_exact
+
+   !> Largest distance of points from the first.
+   pure real(wp) function span_of(p)
+      complex(wp), intent(in) :: p(:)
+
+      span_of = maxval(abs(p - p(1)))
+   end function span_of
+
+   !> True if points lie on one circle or line, as far as rounding tells.
+   pure logical function lie_on_circle(p)
+      complex(wp), intent(in) :: p(:)
+      complex(wp) :: q(size(p))
+      real(wp) :: m(4, 4), row(4), vector(4), norm
+      integer :: i, k, turns
+
+      lie_on_circle = size(p) > 3
+      if (.not. lie_on_circle) return
+      q = (p - sum(p)/real(size(p), wp))/span_of(p)
+      m = 0.0_wp
+      do i = 1, size(p)
+         row = [abs(q(i))**2, real(q(i), wp), aimag(q(i)), 1.0_wp]
+         do k = 1, 4
+            m(:, k) = m(:, k) + row*row(k)
+         end do
+      end do
+      ! the vector that the inverse magnifies most is the circle that fits best
+      vector = [1.0_wp, 0.3_wp, -0.7_wp, 0.2_wp]
+      do i = 1, 4
+         m(i, i) = m(i, i) + epsilon(1.0_wp)
+      end do
+      do turns = 1, 4
+         call solve_four(m, vector)
+         norm = sqrt(sum(vector**2))
+         if (.not. norm > 0.0_wp) return
+         vector = vector/norm
+      end do
+      lie_on_circle = maxval(abs(vector(1)*abs(q)**2 + vector(2)*real(q, wp) + vector(3)*aimag(q) + vector(4))) < on_circle
+   end function lie_on_circle
+
+   !> Solve four symmetric equations by elimination; the solution replaces the right side.
+   pure subroutine solve_four(matrix, right)
+      real(wp), intent(in) :: matrix(4, 4)
+      real(wp), intent(inout) :: right(4)
+      real(wp) :: m(4, 5), row(5)
+      integer :: i, p
+
+      m(:, :4) = matrix
+      m(:, 5) = right
+      do i = 1, 4
+         p = i - 1 + maxloc(abs(m(i:, i)), dim=1)
+         row = m(p, :)
+         m(p, :) = m(i, :)
+         m(i, :) = row/row(i)
+         do p = 1, 4
+            if (p /= i) m(p, :) = m(p, :) - m(p, i)*m(i, :)
+         end do
+      end do
+      right = m(:, 5)
+   end subroutine solve_four
+
+   !> The problem that the points ask for.
+   pure subroutine problem_of(exact, problem)
+      type(exact_group_t), intent(in) :: exact
+      type(leg_problem_t), intent(out) :: problem
+      integer :: kinds(size(exact%x) - 1)
+
+      kinds = kind_point
+      where (.not. is_missing(exact%angle(2:))) kinds = kind_pose
+      where (.not. is_missing(exact%time(2:))) kinds = kind_timed
+      call make_problem(kinds, exact%slider, exact%crank_pivot, exact%follower_pivot, problem)
+   end subroutine problem_of
+
+   !> Its numbers. `size` is the length by which they are divided.
+   pure subroutine data_of(exact, problem, size, data)
+      type(exact_group_t), intent(in) :: exact
+      type(leg_problem_t), intent(in) :: problem
+      real(wp), intent(in) :: size
+      type(leg_data_t), intent(out) :: data
+      complex(wp) :: first, a, b
+      real(wp) :: angle
+      integer :: j
+
+      first = cmplx(exact%x(1), exact%y(1), wp)
+      do j = 1, problem%points
+         data%d(j) = (cmplx(exact%x(j + 1), exact%y(j + 1), wp) - first)/size
+         data%dh(j) = conjg(data%d(j))
+         if (problem%kind(j) == kind_point) cycle
+         if (problem%kind(j) == kind_pose) angle = exact%angle(j + 1) - exact%angle(1)
+         if (problem%kind(j) == kind_timed) angle = exact%time(j + 1) - exact%time(1)
+         data%turn(j) = cmplx(0.0_wp, radians_per_degree*angle, wp)
+      end do
+      a = (0.0_wp, 0.0_wp)
+      if (exact%crank_pivot) a = (cmplx(exact%pivots(1), exact%pivots(2), wp) - first)/size
+      data%pivot(at_a) = a
+      data%pivot(at_ah) = conjg(a)
+      if (.not. exact%follower_pivot) return
+      b = (cmplx(exact%pivots(3), exact%pivots(4), wp) - first)/size
+      if (problem%differences) b = b - a
+      data%pivot(at_b) = b
+      data%pivot(at_bh) = conjg(b)
+   end subroutine data_of
+
+   ! ---- finding -------------------------------------------------------------------------------------------------------
+
+   !> Find all linkages, judge and rank them. `set` has passed `check_exact`.
+   subroutine find_exact(set, study)
+      type(data_set_t), intent(in) :: set
+      type(exact_study_t), intent(out) :: study
+
+      allocate (study%results(0), study%approximations(0))
+      associate (exact => set%exact)
+         if (exact%kind == kind_function) then
+            call find_generators(exact, study)
+         else if (exact%kind == kind_motion .and. size(exact%x) == 5 .and. .not. (exact%slider .or. exact%crank_pivot .or. &
+                                                                                 exact%follower_pivot)) then
+            call find_by_dyads(exact, study)
+         else if (exact%kind == kind_motion .and. size(exact%x) == 4 .and. .not. (exact%slider .or. exact%crank_pivot .or. &
+                                                                                 exact%follower_pivot)) then
+            call find_on_curves(exact, study)
+         else if (size(exact%x) == most_points + 1 .and. all(is_missing(exact%angle(2:)) .and. is_missing(exact%time(2:)))) then
+            call find_nine_points(exact, study)
+         else
+            call find_by_legs(exact, study)
+         end if
+      end associate
+   end subroutine find_exact
+
+   !> Poses from the first.
+   pure subroutine poses_of(exact, p, d, g)
+      type(exact_group_t), intent(in) :: exact
+      complex(wp), intent(out) :: p(:), d(:), g(:)   !! shapes (poses), (poses - 1), (poses - 1)
+      real(wp) :: c, s
+      integer :: j
+
+      p = cmplx(exact%x, exact%y, wp)
+      d = p(2:) - p(1)
+      do j = 1, size(d)
+         call unit_vector(exact%angle(j + 1) - exact%angle(1), c, s)
+         g(j) = cmplx(c, s, wp) - 1.0_wp
+      end do
+   end subroutine poses_of
+
+   !> Five poses: pairs of dyads.
+   subroutine find_by_dyads(exact, study)
+      type(exact_group_t), intent(in) :: exact
+      type(exact_study_t), intent(inout) :: study
+      complex(wp) :: p(5), d(4), g(4)
+      type(dyads_t) :: dyads
+      integer :: i, k
+
+      study%way = way_burmester
+      study%expected = size(dyads%list)
+      call poses_of(exact, p, d, g)
+      call five_poses(d, g, dyads)
+      study%degenerate = dyads%degenerate
+      study%imaginary = dyads%imaginary
+      study%infinite = dyads%infinite
+      study%real_ends = dyads%count
+      study%ends = dyads%count + dyads%imaginary + dyads%infinite
+      study%complete = .not. dyads%degenerate .and. study%ends == study%expected
+      do i = 1, dyads%count
+         do k = i + 1, dyads%count
+            call add_pair(p, g, dyads%list(i), dyads%list(k), exact%closed, study%results)
+         end do
+      end do
+      study%linkages = size(study%results)
+      call rank(study%results)
+   end subroutine find_by_dyads
+
+   !> Add the four-bar of two dyads, with the better driver.
+   subroutine add_pair(p, g, first, second, closed, results)
+      complex(wp), intent(in) :: p(:), g(:)          !! shapes (poses), (poses - 1)
+      type(dyad_t), intent(in) :: first, second
+      logical, intent(in) :: closed
+      type(exact_result_t), allocatable, intent(inout) :: results(:)
+      type(exact_linkage_t) :: one
+
+      one%p = p
+      one%turn = [(1.0_wp, 0.0_wp), 1.0_wp + g]
+      one%a = p(1) + first%pivot
+      one%b = p(1) + second%pivot
+      call place_pins(p(1) + first%pin, p(1) + second%pin, one)
+      call add_result(one, .true., closed, results)
+   end subroutine add_pair
+
+   !> Add a linkage; with `either` it is driven where that is better.
+   subroutine add_result(one, either, closed, results)
+      type(exact_linkage_t), intent(in) :: one
+      logical, intent(in) :: either, closed
+      type(exact_result_t), allocatable, intent(inout) :: results(:)
+      type(exact_result_t), allocatable :: more(:)
+      type(exact_result_t) :: own, other
+      real(wp) :: span
+
+      own%linkage = one
+      call judge(own%linkage, closed, own%verdict)
+      if (either .and. .not. one%slides) then
+         other%linkage = with_other_driver(one)
+         call judge(other%linkage, closed, other%verdict)
+         if (is_better(other%verdict, own%verdict)) own = other
+      end if
+      span = span_of(one%p)
+      associate (l => own%linkage)
+         own%closure = maxval(abs(abs(l%c - l%a) - abs(l%c(1) - l%a)))
+         if (l%slides) then
+            own%closure = max(own%closure, maxval(abs(aimag(conjg(l%guide)*(l%d - l%d(1))))))
+         else
+            own%closure = max(own%closure, maxval(abs(abs(l%d - l%b) - abs(l%d(1) - l%b))))
+         end if
+         if (span > 0.0_wp) own%closure = own%closure/span
+      end associate
+      allocate (more(size(results) + 1))
+      more(:size(results)) = results
+      more(size(more)) = own
+      call move_alloc(more, results)
+   end subroutine add_result
+
+   !> True if the first is to be ranked before the second: class, then transmission angle, longest link, sensitivity.
+   pure logical function is_better(first, second)
+      type(verdict_t), intent(in) :: first, second
+
+      if (first%class /= second%class) then
+         is_better = first%class < second%class
+      else if (abs(first%transmission - second%transmission) > 0.0_wp) then
+         is_better = first%transmission > second%transmission
+      else if (abs(first%longest - second%longest) > 0.0_wp) then
+         is_better = first%longest < second%longest
+      else
+         is_better = first%sensitivity < second%sensitivity
+      end if
+   end function is_better
+
+   !> Put results in their order.
+   pure subroutine rank(results)
+      type(exact_result_t), intent(inout) :: results(:)
+      type(exact_result_t) :: one
+      integer :: i, k
+
+      do i = 2, size(results)
+         one = results(i)
+         k = i
+         do while (k > 1)
+            if (.not. is_better(one%verdict, results(k - 1)%verdict)) exit
+            results(k) = results(k - 1)
+            k = k - 1
+         end do
+         results(k) = one
+      end do
+   end subroutine rank
+
+   !> Four poses: pairs of points of both curves.
+   subroutine find_on_curves(exact, study)
+      type(exact_group_t), intent(in) :: exact
+      type(exact_study_t), intent(inout) :: study
+      complex(wp) :: p(4), d(3), g(3), direction
+      type(curve_point_t) :: points(2), all_points(2*rays)
+      type(exact_result_t), allocatable :: one(:), kept(:)
+      type(exact_result_t) :: held
+      integer :: i, k, n
+
+      study%way = way_curves
+      call poses_of(exact, p, d, g)
+      n = 0
+      do i = 1, rays
+         associate (angle => pi*(real(i, wp) - 0.5_wp)/real(rays, wp))
+            direction = cmplx(cos(angle), sin(angle), wp)
+         end associate
+         call four_poses_curve(d, g, direction, points)
+         do k = 1, 2
+            if (.not. points(k)%exists) cycle
+            n = n + 1
+            all_points(n) = points(k)
+         end do
+      end do
+      study%degenerate = n == 0
+      study%ends = n
+      allocate (kept(0))
+      do i = 1, n
+         do k = i + 1, n
+            if (allocated(one)) deallocate (one)
+            allocate (one(0))
+            call add_pair(p, g, all_points(i)%dyad, all_points(k)%dyad, exact%closed, one)
+            study%linkages = study%linkages + 1
+            held = one(1)
+            call keep_best(held, exact%listed, kept)
+         end do
+      end do
+      study%results = kept
+   end subroutine find_on_curves
+
+   !> Put a result into a list of the best, in their order.
+   pure subroutine keep_best(one, most, kept)
+      type(exact_result_t), intent(in) :: one
+      integer, intent(in) :: most
+      type(exact_result_t), allocatable, intent(inout) :: kept(:)
+      type(exact_result_t), allocatable :: more(:)
+      integer :: place, n
+
+      n = size(kept)
+      if (n == most) then
+         if (.not. is_better(one%verdict, kept(n)%verdict)) return
+         n = n - 1
+      end if
+      place = n + 1
+      do while (place > 1)
+         if (.not. is_better(one%verdict, kept(place - 1)%verdict)) exit
+         place = place - 1
+      end do
+      allocate (more(n + 1))
+      more(:place - 1) = kept(:place - 1)
+      more(place) = one
+      more(place + 1:) = kept(place:n)
+      call move_alloc(more, kept)
+   end subroutine keep_best
+
+   !> Nine points: the stored problem, then all cognates of what is real.
+   subroutine find_nine_points(exact, study)
+      type(exact_group_t), intent(in) :: exact
+      type(exact_study_t), intent(inout) :: study
+      type(nine_points_t) :: found
+      type(leg_data_t) :: data
+      type(exact_linkage_t) :: one, others(2)
+      complex(wp) :: p(0:most_points), v(variables), g(most_points), gh(most_points), turn(0:most_points), legs(variables), first
+      integer :: i, k
+
+      study%way = way_nine
+      study%expected = nine_point_orbits
+      study%generic = nine_point_orbits
+      p = cmplx(exact%x, exact%y, wp)
+      call solve_nine_points(p, 1, found)
+      study%ends = size(found%solutions, 2)
+      study%complete = study%ends == study%expected
+      study%passes = found%passes
+      first = p(found%order(0) - 1)
+      data%d = p(found%order(1:) - 1) - first
+      data%dh = conjg(data%d)
+      do i = 1, study%ends
+         v = in_place(found, found%solutions(:, i))
+         if (.not. is_real(v)) cycle
+         study%real_ends = study%real_ends + 1
+         call turns_of(found%path%problem, data, v, g, gh)
+         legs = absolute(found%path%problem, v)
+         turn(found%order(0) - 1) = (1.0_wp, 0.0_wp)
+         turn(found%order(1:) - 1) = (1.0_wp + g)/abs(1.0_wp + g)
+         one%p = [p]
+         one%a = first + legs(at_a)
+         one%b = first + legs(at_b)
+         one%c = p + turn*legs(at_x)
+         one%d = p + turn*legs(at_y)
+         one%turn = [turn/turn(0)]
+         call cognates_of(one, others)
+         call add_result(one, .true., exact%closed, study%results)
+         do k = 1, 2
+            call add_result(others(k), .true., exact%closed, study%results)
+         end do
+      end do
+      study%linkages = size(study%results)
+      call rank(study%results)
+   end subroutine find_nine_points
+
+   !> True if numbers and partners are conjugate.
+   pure logical function is_real(v)
+      complex(wp), intent(in) :: v(variables)
+
+      is_real = maxval(abs(v(2::2) - conjg(v(1::2)))) < real_within*maxval(abs(v))
+   end function is_real
+
+   !> Mixed points, poses and timed points: a generic problem is solved and its solutions followed.
+   subroutine find_by_legs(exact, study)
+      type(exact_group_t), intent(in) :: exact
+      type(exact_study_t), intent(inout) :: study
+      type(leg_problem_t) :: problem
+      type(generic_t) :: generic
+      type(leg_data_t) :: turned
+      type(path_t) :: path
+      type(tracked_t) :: tracked
+      type(xoshiro_t) :: random
+      type(exact_linkage_t) :: one
+      complex(wp), allocatable :: starts(:, :), found(:, :)
+      complex(wp) :: v(variables), legs(variables), g(most_points), gh(most_points), l, m, first
+      real(wp), allocatable :: left(:)
+      real(wp) :: size_of_all
+      integer :: i, pass, before
+
+      study%way = way_legs
+      call problem_of(exact, problem)
+      study%expected = expected_of(problem)
+      call solve_generic(problem, seed, .false., study%expected, generic)
+      study%generic = size(generic%solutions, 2)
+      size_of_all = span_of(cmplx(exact%x, exact%y, wp))
+      if (.not. size_of_all > 0.0_wp) size_of_all = 1.0_wp
+      path%problem = problem
+      call data_of(exact, problem, size_of_all, path%to)
+      call random%seed(seed, purpose_starts)
+      call random%jump()
+      allocate (found(variables, 0))
+      do pass = 1, most_passes
+         before = size(found, 2)
+         l = random_unit(random)
+         m = random_unit(random)
+         starts = generic%solutions
+         call scale_problem(problem, generic%data, l, m, turned)
+         call scale_solutions(problem, l, m, starts)
+         path%from = turned
+         if (pass == 1) then
+            call track(path, starts, tracked)
+         else
+            call track(path, starts, tracked, careful)
+         end if
+         call add_distinct(problem, tracked%ends, tracked%arrived, .false., found)
+         study%passes = pass
+         if (size(found, 2) >= study%generic) exit
+         if (pass > 2 .and. size(found, 2) == before) exit
+      end do
+      allocate (left(size(found, 2)))
+      call polish(path, found, left)
+      study%ends = size(found, 2)
+      study%complete = study%ends == study%generic .and. study%generic == study%expected
+      first = cmplx(exact%x(1), exact%y(1), wp)
+      do i = 1, study%ends
+         v = found(:, i)
+         if (problem%slides) v(at_bh) = conjg(v(at_b))
+         if (problem%slides) then
+            if (abs(abs(v(at_b)) - 1.0_wp) > real_within) cycle
+         end if
+         if (.not. is_real(v)) cycle
+         study%real_ends = study%real_ends + 1
+         legs = absolute(problem, v)
+         ! of two solutions with exchanged legs one is enough
+         if (problem%is_symmetric() .and. comes_second(legs)) cycle
+         call turns_of(problem, path%to, v, g(:problem%points), gh(:problem%points))
+         one%p = cmplx(exact%x, exact%y, wp)
+         one%turn = [(1.0_wp, 0.0_wp), (1.0_wp + g(:problem%points))/abs(1.0_wp + g(:problem%points))]
+         one%a = first + size_of_all*legs(at_a)
+         one%b = first + size_of_all*legs(at_b)
+         one%slides = problem%slides
+         call place_pins(first + size_of_all*legs(at_x), first + size_of_all*legs(at_y), one)
+         if (problem%slides) then
+            one%guide = sqrt(legs(at_b)/abs(legs(at_b)))
+            one%b = one%d(1)
+         end if
+         call add_result(one, .not. (problem%crank_given .or. problem%follower_given) .and. &
+                         all(problem%kind(:problem%points) /= kind_timed), exact%closed, study%results)
+      end do
+      study%linkages = size(study%results)
+      call rank(study%results)
+   end subroutine find_by_legs
+
+   !> True for one of two solutions that are each other's with exchanged legs.
+   pure logical function comes_second(legs)
+      complex(wp), intent(in) :: legs(variables)
+
+      if (abs(real(legs(at_x) - legs(at_y), wp)) > 0.0_wp) then
+         comes_second = real(legs(at_x), wp) > real(legs(at_y), wp)
+      else
+         comes_second = aimag(legs(at_x)) > aimag(legs(at_y))
+      end if
+   end function comes_second
+
+   !> Solutions of a generic problem of the kind, 0 if they are not in the table.
+   pure integer function expected_of(problem)
+      type(leg_problem_t), intent(in) :: problem
+      integer :: i
+
+      expected_of = 0
+      associate (kinds => problem%kind(:problem%points))
+         do i = 1, size(rows)
+            if (rows(i)%points == count(kinds == kind_point) .and. rows(i)%poses == count(kinds == kind_pose) .and. &
+                rows(i)%timed == count(kinds == kind_timed) .and. (rows(i)%slides .eqv. problem%slides) .and. &
+                (rows(i)%crank_given .eqv. problem%crank_given) .and. &
+                (rows(i)%follower_given .eqv. problem%follower_given)) expected_of = rows(i)%solutions
+         end do
+      end associate
+   end function expected_of
+
+   ! ---- functions -----------------------------------------------------------------------------------------------------
+
+   !> Function generators: through points, or with the least largest error.
+   subroutine find_generators(exact, study)
+      type(exact_group_t), intent(in) :: exact
+      type(exact_study_t), intent(inout) :: study
+      integer :: node
+      real(wp), parameter :: chebyshev(5) = [(0.5_wp - 0.5_wp*cos(pi*(2.0_wp*real(node, wp) - 1.0_wp)/10.0_wp), node=1, 5)]
+      real(wp), allocatable :: phi(:), psi(:)
+      real(wp) :: unit
+      logical :: exists
+
+      study%way = merge(way_minimax, way_generators, exact%minimax)
+      unit = merge(1.0_wp, radians_per_degree, exact%slider)
+      study%wanted%slides = exact%slider
+      if (allocated(exact%function_name)) then
+         study%wanted%kind = function_kind(exact%function_name)
+         study%wanted%low = exact%low
+         study%wanted%high = exact%high
+         study%wanted%power = exact%power
+         study%wanted%swing_in = exact%swing_in*radians_per_degree
+         study%wanted%swing_out = exact%swing_out*unit
+         phi = study%wanted%input_at(chebyshev)
+         psi = study%wanted%output_at(chebyshev)
+      else
+         phi = exact%phi*radians_per_degree
+         psi = exact%psi*unit
+         study%wanted%kind = function_table
+         study%wanted%continuous = .false.
+         study%wanted%table_input = phi
+         study%wanted%table_output = psi
+         study%wanted%swing_in = phi(size(phi)) - phi(1)
+         study%wanted%swing_out = maxval(psi) - minval(psi)
+      end if
+      if (exact%minimax) then
+         call approximate(study%wanted, exact%longest, study%approximations, study%too_long)
+         return
+      end if
+      study%phi = phi
+      study%psi = psi
+      select case (size(phi))
+      case (5)
+         call five_points(phi, psi, exact%slider, study%generators)
+         study%expected = 3
+      case default
+         call three_points(phi + exact%zero_in*radians_per_degree, psi + exact%zero_out*unit, study%generators%list(1), exists)
+         study%generators%list(1)%phi0 = study%generators%list(1)%phi0 + exact%zero_in*radians_per_degree
+         study%generators%list(1)%psi0 = study%generators%list(1)%psi0 + exact%zero_out*unit
+         study%generators%count = merge(1, 0, exists)
+         study%expected = 1
+      end select
+      study%ends = study%generators%count + study%generators%imaginary + study%generators%infinite
+      study%complete = .not. study%generators%degenerate .and. study%ends == study%expected
+      study%real_ends = study%generators%count
+   end subroutine find_generators
+end module psalm_exact_study

@@ -1,0 +1,235 @@
+#!/usr/bin/env python3
+"""Exact synthesis: psalm's lists against reference numbers, and every linkage of them against the suite's own analysis.
+
+usage: test/exact.py [BIN]    default: build/local/bin
+The reference numbers come from an independent program (a tracker in C, with generic solutions of its own) or from the literature."""
+import cmath
+import math
+import os
+import re
+import subprocess
+import sys
+import tempfile
+
+TOP = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
+BIN = sys.argv[1] if len(sys.argv) > 1 else os.path.join(TOP, "build", "local", "bin")
+DATA = os.path.join(TOP, "data", "exact")
+passed = failed = 0
+
+
+def check(condition, law, got=""):
+    global passed, failed
+    if condition:
+        passed += 1
+    else:
+        failed += 1
+        print("FAILED: %s; got %s" % (law, got))
+
+
+def run(name, text, folder):
+    """status, listing, rows of device 9, file of device 7, standard error"""
+    path = os.path.join(folder, name + ".nml")
+    with open(path, "w", encoding="utf-8") as file:
+        file.write(text)
+    done = subprocess.run([os.path.join(BIN, "psalm"), path], capture_output=True, text=True, timeout=120)
+    rows = []
+    nine = os.path.join(folder, name + ".dev9")
+    if os.path.exists(nine):
+        with open(nine, encoding="utf-8") as file:
+            rows = [[float(v) for v in line.split()] for line in file if line.strip() and not line.startswith("#")]
+    return done.returncode, done.stdout, rows, os.path.join(folder, name + ".dev7"), done.stderr
+
+
+def read(name):
+    with open(os.path.join(DATA, name + ".nml"), encoding="utf-8") as file:
+        return file.read()
+
+
+def points_of(name):
+    """What a data set wants: points or outputs."""
+    text = read(name)
+    items = {}
+    for item in ("XP", "YP", "PSI"):
+        found = re.search(r"\b%s=([-0-9.,]+)" % item, text)
+        if found:
+            items[item] = [float(v) for v in found[1].strip(",").split(",")]
+    if "PSI" in items:
+        return [(v,) for v in items["PSI"]]
+    return list(zip(items["XP"], items["YP"]))
+
+
+def blocks_of(path):
+    """Rows of device 9, a list for each block."""
+    blocks = [[]]
+    with open(path, encoding="utf-8") as file:
+        for line in file:
+            if line.startswith("#"):
+                continue
+            if line.strip():
+                blocks[-1].append([float(v) for v in line.split()])
+            elif blocks[-1]:
+                blocks.append([])
+    return [b for b in blocks if b]
+
+
+def meets(name, seven, folder, wanted, size, sound):
+    """Every case of device 7 whose linkage stays in its assembly takes up what is wanted of it, by psalm's own analysis: points, or
+    one number from the first."""
+    path = os.path.join(folder, name + "_again.nml")
+    with open(seven, encoding="utf-8") as file, open(path, "w", encoding="utf-8") as copy:
+        copy.write(file.read())
+    done = subprocess.run([os.path.join(BIN, "psalm"), path], capture_output=True, text=True, timeout=120)
+    check(done.returncode in (0, 1), name + ": device 7 is a file of cases", done.stderr[:200])
+    if done.returncode > 1:
+        return
+    blocks = blocks_of(os.path.join(folder, name + "_again.dev9"))
+    check(len(blocks) == len(sound), name + ": a block for every case", len(blocks))
+    worst = 0.0
+    for block, whole in zip(blocks, sound):
+        if not whole:
+            continue
+        for row, want in zip(block, wanted):
+            if row[1] != 1:
+                worst = math.inf
+            for c, value in enumerate(want):
+                away = row[2 + c] - value
+                if len(want) == 1:
+                    away -= block[0][2 + c] - wanted[0][c]
+                    away = math.remainder(away, 360.0)*math.pi/180.0*size
+                worst = max(worst, abs(away)/size)
+        check(len(block) == len(wanted), name + ": as many positions as points", len(block))
+    check(worst < 1e-9, name + ": the analysis passes the points", worst)
+
+
+def near(rows, wanted, columns):
+    """True if a row has the wanted numbers in some columns, to nine decimals."""
+    return any(all(abs(row[c] - w) < 2e-9*max(1, abs(w)) for c, w in zip(columns, wanted)) for row in rows)
+
+
+def nine_points(folder):
+    status, listing, rows, seven, _ = run("nine", read("nine_points"), folder)
+    check(status == 0 and "complete: 1442 of 1442 ends distinct" in listing, "nine points: complete", listing[:300])
+    check("64 real, with their cognates 192 linkages" in listing, "nine points: real ones", listing[:400])
+    # sum over the real triples of the three pivots, each of which stands in two cognates
+    total = sum(complex(r[8], r[9]) + complex(r[10], r[11]) for r in rows)/2
+    check(abs(total - (221.48925182 + 53.18196833j)) < 3e-7, "nine points: sum of all pivots", total)
+    # circuit and order belong to the curve: each verdict three times
+    count = [0, 0]
+    for r in rows:
+        count[0] += r[1] == 1
+        count[1] += r[1] == 1 and r[2] == 1
+    check(count == [3*30, 3*3], "nine points: circuits and orders, alike over the cognates", count)
+    best = [r for r in rows if r[1] == r[2] == r[3] == r[4] == 1]
+    check(len(best) >= 1 and near(best, [1.341128943, .084540412, .704459402, .413897464], [10, 11, 8, 9])
+          or near(best, [1.341128943, .084540412, .704459402, .413897464], [8, 9, 10, 11]), "nine points: the one good family", best)
+    check(any(abs(r[5] - 12.06) < 0.005 for r in best), "nine points: its transmission angle", best)
+    meets("nine", seven, folder, points_of("nine_points"), 2.0, [r[1] == 1 and r[3] == 1 for r in rows])
+    # the same points turned, mirrored, made small and in another order are the same problem
+    x = [0.25, 0.52, 0.8, 1.2, 1.4, 1.1, 0.7, 0.2, 0.02]
+    y = [0.0, 0.1, 0.7, 1.0, 1.3, 1.48, 1.4, 1.0, 0.4]
+    turn = 1e-6*cmath.exp(0.7j)
+    p = [turn*complex(a, b).conjugate() + 3e-6 for a, b in zip(x, y)]
+    order = [4, 1, 7, 0, 8, 2, 6, 3, 5]
+    text = "AGAIN\n &EXACT XP=%s, YP=%s, NBEST=192 &END\n" % (",".join("%.17e" % p[i].real for i in order),
+                                                             ",".join("%.17e" % p[i].imag for i in order))
+    status, listing, others, _, _ = run("again", text, folder)
+    check("complete: 1442 of 1442" in listing and len(others) == 192, "nine points moved: complete", listing[:300])
+    given = sorted((complex(r[8], r[9]).real, complex(r[8], r[9]).imag) for r in rows)
+    back = [((complex(r[8], r[9]) - 3e-6)/turn).conjugate() for r in others]
+    pivots = [complex(r[8], r[9]) for r in rows] + [complex(r[10], r[11]) for r in rows]
+    check(bool(given) and all(min(abs(z - w) for w in pivots) < 1e-7*(1 + abs(z)) for z in back), "nine points moved: the same pivots",
+          max(min(abs(z - w) for w in pivots)/(1 + abs(z)) for z in back))
+
+
+def references(folder):
+    status, listing, rows, seven, _ = run("poses", read("five_poses"), folder)
+    check(status == 0 and "complete: 4 of 4 dyads distinct" in listing and len(rows) == 6, "five poses: six four-bars", listing[:300])
+    for pivot in [(-1.485859267, .236551638), (-2.311955925, .819092137), (-.962026827, .819210284), (-.013529843, 4.745083104)]:
+        check(sum(near([r], pivot, [8, 9]) or near([r], pivot, [10, 11]) for r in rows) == 3, "five poses: pivot %g" % pivot[0], rows)
+    meets("poses", seven, folder, points_of("five_poses"), 2.5, [r[1] == 1 and r[3] == 1 for r in rows])
+
+    status, listing, rows, seven, _ = run("four", read("four_poses"), folder)
+    check(len(rows) == 5 and all(r[1] == r[2] == r[3] == 1 for r in rows), "four poses: five without a defect", listing[:300])
+    meets("four", seven, folder, points_of("four_poses"), 400.0, [True]*5)
+
+    status, listing, rows, seven, _ = run("five", read("five_points_pivots"), folder)
+    check("not complete: 3 of 36 ends missing" in listing and "15 real" in listing, "five points and pivots (Morgan and Wampler)", listing[:300])
+    meets("five", seven, folder, points_of("five_points_pivots"), 1.5, [r[1] == 1 and r[3] == 1 for r in rows])
+
+    status, listing, rows, seven, _ = run("timed", read("timed_points"), folder)
+    check("complete: 12 of 12 ends distinct" in listing and "12 real" in listing, "five timed points: all real", listing[:300])
+    cranks = [(.01469356, .458508323, -.319418084, -.961939549), (.517372882, .609137098, .50811034, .345204158),
+              (.648897932, .16336679, .490987846, -.377654926), (1.252137896, -.815679837, .925546731, -1.354549502)]
+    for crank in cranks:
+        check(sum(near([r], crank, [8, 9, 12, 13]) for r in rows) == 3, "five timed points: three followers of a crank", crank)
+    for follower in [(1.029962376, -.055731876), (1.547027951, -2.050444959), (.616919052, .66744788)]:
+        check(any(near([r], cranks[0] + follower, [8, 9, 12, 13, 10, 11]) for r in rows), "five timed points: follower", follower)
+        check(sum(near([r], follower, [10, 11]) for r in rows) == 2, "five timed points: each follower with two cranks", follower)
+    meets("timed", seven, folder, points_of("timed_points"), 1.6, [r[1] == 1 and r[3] == 1 for r in rows])
+
+    status, listing, rows, seven, _ = run("mixed", read("poses_and_points"), folder)
+    check("complete: 60 of 60 ends distinct" in listing and "32 real, 16 linkages" in listing, "four poses, two points", listing[:300])
+    for bar in [(-3.25506353, 11.571450874, .008232213, .433895333), (-.351274657, 1.664669725, 1.473369911, 2.014370292)]:
+        check(near(rows, bar, [8, 9, 10, 11]) or near(rows, bar, [10, 11, 8, 9]), "four poses, two points: a four-bar", bar)
+    meets("mixed", seven, folder, points_of("poses_and_points"), 2.0, [r[1] == 1 and r[3] == 1 for r in rows])
+
+    status, listing, rows, seven, _ = run("slider", read("slider_poses"), folder)
+    check("complete: 42 of 42 ends distinct" in listing, "slider-crank: complete", listing[:300])
+    if rows:
+        meets("slider", seven, folder, points_of("slider_poses"), 1.3, [r[1] == 1 and r[3] == 1 for r in rows])
+
+    status, listing, rows, seven, _ = run("log", read("log10"), folder)
+    check(bool(rows) and abs(rows[0][1]/.00101822768 - 1) < 1e-6, "log10: least error", rows[:1])
+    again = seven.replace(".dev7", "_again.nml")
+    with open(seven, encoding="utf-8") as file, open(again, "w", encoding="utf-8") as copy:
+        copy.write(file.read())
+    done = subprocess.run([os.path.join(BIN, "psalm"), again], capture_output=True, text=True, timeout=60)
+    check(done.returncode in (0, 1), "log10: device 7 is a case", done.stderr)
+    block = blocks_of(again.replace(".nml", ".dev9"))[0]
+    # the error is levelled by the free zero line of the output
+    errors = []
+    for row in block:
+        place = (row[0] - block[0][0])/60.0
+        errors.append(math.remainder(row[2] + 60.0*math.log10(1.0 + place)/math.log10(2.0), 360.0))
+    middle = 0.5*(max(errors) + min(errors))
+    errors = [e - middle for e in errors]
+    check(0.9*.00101822768 < max(abs(e) for e in errors) <= .00101822768*(1 + 1e-6), "log10: error by the analysis", errors)
+
+    status, listing, rows, seven, _ = run("inverse", read("inverse_slider"), folder)
+    check(bool(rows) and abs(rows[0][1]/.0216501 - 1) < 5e-6, "1/x by a slider-crank: least error", rows[:1])
+
+    status, listing, rows, seven, _ = run("points", read("function_points"), folder)
+    check("of 3 ends" in listing, "function points: verdict", listing)
+    if rows:
+        meets("points", seven, folder, points_of("function_points"), 1.0, [r[1] != 0 for r in rows])
+
+
+def refused(folder):
+    circle = [cmath.exp(0.6j*k) for k in range(9)]
+    cases = [
+        ("XP=0,1,1, YP=0,0,0, ANGP=0,10,20, PIVOTS=0,0,1,1", 0, None),
+        ("XP=%s, YP=%s" % (",".join("%.15f" % z.real for z in circle), ",".join("%.15f" % z.imag for z in circle)), 2, "one circle or line"),
+        ("XP=0,1,2,3,4,5,6,7,8, YP=9*1", 2, "one circle or line"),
+        ("XP=0,1,1,3,4,5,6,7,8, YP=0,2,2,1,5,3,2,8,7", 2, "points 2 and 3 coincide"),
+        ("KIND='MOTION', XP=0,1,1,3,4, YP=0,2,2,1,5, ANGP=0,10,370,20,30", 2, "poses 2 and 3 are the same"),
+        ("XP=0,1,2,3, YP=0,2,1,1", 2, "infinitely many pass; give more"),
+        ("XP=0,1,2,3,4,5, YP=0,2,1,1,6,2, ANGP=0,1,2,3,4,9", 2, "none passes; give fewer"),
+        ("KIND='MOTION', XP=0,1,2, YP=0,2,1, ANGP=0,10", 2, "point 3 has none"),
+        ("XP=0,1, YP=0", 2, "YP has 1"),
+        ("KIND='FUNKTION'", 2, "'PATH', 'MOTION' or 'FUNCTION'"),
+        ("KIND='FUNCTION', FUNC='SINH'", 2, "there is no function 'SINH'"),
+        ("KIND='FUNCTION', FUNC='LOG10', FXLOW=-1.0", 2, "a logarithm needs x above 0"),
+        ("KIND='FUNCTION', PHI=0,10,20,30, PSI=0,5,12,30", 2, "four points leave infinitely many"),
+        ("SLIDER=1, XP=0,1,2,3,4,5, YP=0,2,1,1,6,2, PIVOTS=0,0,1,0", 2, "a slider has no fixed pivot"),
+    ]
+    for text, wanted, words in cases:
+        status, listing, _, _, errors = run("bad", "BAD INPUT\n &EXACT %s &END\n" % text, folder)
+        check(status in ([wanted] if wanted else [0, 1]) and (words is None or words in errors), "refused: " + text[:60], errors or listing)
+
+
+with tempfile.TemporaryDirectory() as where:
+    nine_points(where)
+    references(where)
+    refused(where)
+print("%d passed, %d failed" % (passed, failed))
+sys.exit(failed > 0)

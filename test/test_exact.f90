@@ -1,0 +1,252 @@
+!> Exact synthesis: dyads against the circle they are to describe, counts of solutions, cognates that draw one curve.
+program test_exact
+   use check, only: checks_t
+   use psalm_angles, only: unit_vector
+   use psalm_burmester, only: curve_point_t, dyad_t, dyads_t, five_poses, four_poses_curve, pin_for_pivot, pivot_for_pin, &
+                              polynomial_roots, slider_pin
+   use psalm_defects, only: exact_linkage_t, verdict_t, cognates_of, judge, place_pins
+   use psalm_function_points, only: generators_t, generator_t, five_points, output_of, three_points
+   use psalm_kinds, only: wp, radians_per_degree
+   use psalm_leg_problem, only: kind_pose, leg_problem_t, make_problem, variables
+   use psalm_monodromy, only: generic_t, solve_generic
+   use psalm_start_text, only: decode, encode
+   use psalm_text, only: to_text
+   implicit none (type, external)
+   type(checks_t) :: t
+   real(wp), parameter :: tight = 1.0e-11_wp
+
+   call five()
+   call four()
+   call functions()
+   call counts()
+   call cognates()
+   call defects()
+   call texts()
+   call t%report()
+
+contains
+
+   !> Poses of a page of references.
+   subroutine poses(d, g)
+      complex(wp), intent(out) :: d(4), g(4)
+      real(wp), parameter :: angle(4) = [-95.0_wp, 3.0_wp, -88.0_wp, 37.0_wp]
+      real(wp) :: c, s
+      integer :: j
+
+      d = [(-0.22_wp, 0.35_wp), (-1.71_wp, 1.56_wp), (-1.97_wp, -0.05_wp), (-0.22_wp, 1.5_wp)]
+      do j = 1, 4
+         call unit_vector(angle(j), c, s)
+         g(j) = cmplx(c, s, wp) - 1.0_wp
+      end do
+   end subroutine poses
+
+   !> Largest change of the distance of a pin from its pivot.
+   real(wp) function change_of(d, g, dyad)
+      complex(wp), intent(in) :: d(:), g(:)
+      type(dyad_t), intent(in) :: dyad
+
+      change_of = maxval(abs(abs(d + (1.0_wp + g)*dyad%pin - dyad%pivot) - abs(dyad%pin - dyad%pivot)))
+   end function change_of
+
+   subroutine five()
+      complex(wp) :: d(4), g(4)
+      type(dyads_t) :: dyads
+      integer :: k
+
+      call poses(d, g)
+      call five_poses(d, g, dyads)
+      call t%equal_integer(dyads%count, 4, 'five poses: four dyads')
+      do k = 1, dyads%count
+         call t%close_to(change_of(d, g, dyads%list(k)), 0.0_wp, tight, 'five poses: the pin moves on a circle')
+      end do
+      ! a body that slides along without turning: every point is as good as any other
+      call five_poses(d, spread((0.0_wp, 0.0_wp), 1, 4), dyads)
+      call t%is_true(dyads%degenerate, 'five poses without turns are degenerate')
+      d(2) = d(1)
+      g(2) = g(1)
+      call five_poses(d, g, dyads)
+      call t%is_true(dyads%degenerate, 'equal poses are degenerate')
+   end subroutine five
+
+   subroutine four()
+      complex(wp) :: d(4), g(4), pin, along
+      type(curve_point_t) :: points(2)
+      type(dyad_t) :: dyad
+      real(wp) :: worst, c, s
+      logical :: exists
+      integer :: i, k, found
+
+      call poses(d, g)
+      worst = 0.0_wp
+      found = 0
+      do i = 1, 36
+         call unit_vector(5.0_wp*real(i, wp), c, s)
+         call four_poses_curve(d(:3), g(:3), cmplx(c, s, wp), points)
+         do k = 1, 2
+            if (.not. points(k)%exists) cycle
+            found = found + 1
+            worst = max(worst, change_of(d(:3), g(:3), points(k)%dyad)/(1.0_wp + abs(points(k)%dyad%pin)))
+         end do
+      end do
+      call t%is_true(found > 20, 'four poses: the curve is there', to_text(found))
+      call t%close_to(worst, 0.0_wp, 1.0e-9_wp, 'four poses: pins of the curve move on circles')
+      call slider_pin(d(:3), g(:3), pin, exists)
+      along = d(1) + pin*g(1)
+      worst = maxval(abs(aimag(conjg(along)*(d(:3) + pin*g(:3)))))
+      call t%is_true(exists, 'four poses: there is a pin on a line')
+      call t%close_to(worst, 0.0_wp, tight, 'four poses: that pin moves on a line')
+      dyad%pin = (0.3_wp, -0.4_wp)
+      call pivot_for_pin(d(:2), g(:2), dyad, exists)
+      call t%close_to(change_of(d(:2), g(:2), dyad), 0.0_wp, tight, 'three poses: the pivot of a pin')
+      dyad%pin = (0.0_wp, 0.0_wp)
+      call pin_for_pivot(d(:2), g(:2), dyad, exists)
+      call t%close_to(abs(dyad%pin - (0.3_wp, -0.4_wp)), 0.0_wp, tight, 'three poses: and the pin of that pivot')
+   end subroutine four
+
+   subroutine functions()
+      real(wp), parameter :: phi(5) = [2.0_wp, 18.0_wp, 45.0_wp, 70.0_wp, 88.0_wp]*radians_per_degree
+      real(wp), parameter :: psi(5) = [1.7_wp, 14.5_wp, 37.0_wp, 63.0_wp, 87.0_wp]*radians_per_degree
+      type(generators_t) :: found
+      type(generator_t) :: one
+      real(wp) :: worst
+      logical :: exists
+      integer :: k, i, sound
+
+      sound = 0
+      worst = 0.0_wp
+      do i = 1, 2
+         call five_points(phi, psi, i == 2, found)
+         do k = 1, found%count
+            one = found%list(k)
+            if (one%assembly == 0) cycle
+            sound = sound + 1
+            worst = max(worst, error_at_points(one, phi, psi))
+         end do
+         call t%is_true(found%count == 1 .or. found%count == 3, 'functions: one or three linkages', to_text(found%count))
+      end do
+      call t%is_true(sound > 0, 'functions: one stays in its assembly')
+      call t%close_to(worst, 0.0_wp, 1.0e-10_wp, 'functions: five points are met')
+      call three_points(phi(:3) + 1.0_wp, psi(:3) + 0.7_wp, one, exists)
+      call t%is_true(exists, 'functions: three points')
+      worst = 0.0_wp
+      if (one%assembly /= 0) worst = error_at_points(one, phi(:3) + 1.0_wp, psi(:3) + 0.7_wp)
+      call t%close_to(worst, 0.0_wp, 1.0e-10_wp, 'functions: three points are met')
+   end subroutine functions
+
+   !> Largest error of a linkage at points.
+   real(wp) function error_at_points(own, phi, psi)
+      type(generator_t), intent(in) :: own
+      real(wp), intent(in) :: phi(:), psi(:)
+      real(wp) :: got
+      logical :: closes
+      integer :: j
+
+      error_at_points = 0.0_wp
+      do j = 1, size(phi)
+         call output_of(own, phi(j), got, closes)
+         if (own%slides) then
+            error_at_points = max(error_at_points, abs(got - psi(j)))
+         else
+            error_at_points = max(error_at_points, abs(sin(0.5_wp*(got - psi(j)))))
+         end if
+      end do
+   end function error_at_points
+
+   !> Four dyads make twelve labelled four-bars: the same number from the general system, by loops.
+   subroutine counts()
+      type(leg_problem_t) :: problem
+      type(generic_t) :: generic
+      complex(wp) :: roots(3)
+
+      call make_problem([kind_pose, kind_pose, kind_pose, kind_pose], .false., .false., .false., problem)
+      call t%is_true(problem%is_square(), 'five poses: as many conditions as dimensions')
+      call solve_generic(problem, 2, .false., 12, generic)
+      call t%equal_integer(size(generic%solutions, 2), 12, 'five poses: twelve labelled solutions by monodromy')
+      call t%equal_integer(size(generic%solutions, 1), variables, 'five poses: numbers of a solution')
+      call polynomial_roots([(-6.0_wp, 0.0_wp), (11.0_wp, 0.0_wp), (-6.0_wp, 0.0_wp), (1.0_wp, 0.0_wp)], roots)
+      call t%close_to(real(sum(roots), wp), 6.0_wp, 1.0e-12_wp, 'roots of a cubic: 1, 2, 3')
+      call t%close_to(minval(abs(roots - 2.0_wp)), 0.0_wp, 1.0e-12_wp, 'roots of a cubic: 2')
+   end subroutine counts
+
+   !> A crank-rocker at eight crank angles.
+   subroutine crank_rocker(one)
+      type(exact_linkage_t), intent(out) :: one
+      complex(wp) :: diagonal, direction
+      real(wp) :: c, s, cosine
+      integer :: i
+
+      one%a = (0.0_wp, 0.0_wp)
+      one%b = (3.0_wp, 0.5_wp)
+      allocate (one%p(8), one%c(8), one%d(8), one%turn(8))
+      do i = 1, 8
+         call unit_vector(45.0_wp*real(i - 1, wp), c, s)
+         one%c(i) = cmplx(c, s, wp)
+         diagonal = one%b - one%c(i)
+         cosine = (abs(diagonal)**2 + 3.0_wp**2 - 2.5_wp**2)/(2.0_wp*3.0_wp*abs(diagonal))
+         direction = diagonal/abs(diagonal)*cmplx(cosine, sqrt(1.0_wp - cosine**2), wp)
+         one%d(i) = one%c(i) + 3.0_wp*direction
+         one%p(i) = one%c(i) + (1.2_wp, 0.9_wp)*direction
+         one%turn(i) = direction
+      end do
+      one%turn = one%turn/one%turn(1)
+   end subroutine crank_rocker
+
+   subroutine cognates()
+      type(exact_linkage_t) :: one, others(2), placed
+      type(verdict_t) :: own, other
+      integer :: k
+
+      call crank_rocker(one)
+      call judge(one, .true., own)
+      call cognates_of(one, others)
+      do k = 1, 2
+         call t%close_to(maxval(abs(abs(others(k)%c - others(k)%a) - abs(others(k)%c(1) - others(k)%a))), 0.0_wp, tight, &
+                         'cognate: its crank keeps its length')
+         call t%close_to(maxval(abs(abs(others(k)%d - others(k)%b) - abs(others(k)%d(1) - others(k)%b))), 0.0_wp, tight, &
+                         'cognate: its follower keeps its length')
+         placed = others(k)
+         call place_pins(others(k)%c(1), others(k)%d(1), placed)
+         call t%close_to(maxval(abs(placed%c - others(k)%c) + abs(placed%d - others(k)%d)), 0.0_wp, tight, &
+                         'cognate: its coupler is rigid')
+         call judge(others(k), .true., other)
+         call t%is_true(own%circuit .eqv. other%circuit, 'cognate: the same circuit')
+         call t%is_true(own%order .eqv. other%order, 'cognate: the same order')
+      end do
+   end subroutine cognates
+
+   subroutine defects()
+      type(exact_linkage_t) :: one
+      type(verdict_t) :: verdict
+      complex(wp) :: direction
+
+      call crank_rocker(one)
+      call judge(one, .true., verdict)
+      call t%is_true(verdict%class == 1, 'a crank-rocker has no defect')
+      ! by the law of cosines, where crank and frame are in line
+      call t%close_to(cos(verdict%transmission*radians_per_degree), &
+                      max(abs(15.25_wp - (sqrt(9.25_wp) - 1.0_wp)**2), abs(15.25_wp - (sqrt(9.25_wp) + 1.0_wp)**2))/15.0_wp, &
+                      1.0e-12_wp, 'least transmission angle of a crank-rocker')
+      one%c(3:4) = one%c([4, 3])
+      one%d(3:4) = one%d([4, 3])
+      one%p(3:4) = one%p([4, 3])
+      one%turn(3:4) = one%turn([4, 3])
+      call judge(one, .true., verdict)
+      call t%is_true(verdict%class == 4, 'two points exchanged: a defect of order')
+      call crank_rocker(one)
+      ! the other assembly at one point
+      direction = (one%b - one%c(5))/abs(one%b - one%c(5))
+      one%d(5) = one%c(5) + direction*conjg((one%d(5) - one%c(5))/direction)
+      call judge(one, .true., verdict)
+      call t%is_true(verdict%class == 5 .and. .not. verdict%circuit, 'the other assembly of a crank-rocker: a defect of circuit')
+   end subroutine defects
+
+   subroutine texts()
+      real(wp), parameter :: values(6) = [0.0_wp, 1.0_wp, -0.7312345678_wp, 1.0e-9_wp, -7.3e11_wp, 1.0_wp - epsilon(1.0_wp)]
+      integer :: i
+
+      do i = 1, size(values)
+         call t%close_to(decode(encode(values(i)))/max(abs(values(i)), 1.0e-30_wp), values(i)/max(abs(values(i)), 1.0e-30_wp), &
+                         2.0_wp**(-28), 'a number as text')
+      end do
+   end subroutine texts
+end program test_exact
