@@ -110,6 +110,9 @@ def nine_points(folder):
     status, listing, rows, seven, _ = run("nine", read("nine_points"), folder)
     check(status == 0 and "complete: 1442 of 1442 ends distinct" in listing, "nine points: complete", listing[:300])
     check("64 real, with their cognates 192 linkages" in listing, "nine points: real ones", listing[:400])
+    proof = re.search(r"certified: (\d+) of 1442 exist, (\d+) apart from all others; 64 of 64 are real, (\d+) are not", listing)
+    check(bool(proof) and int(proof[1]) >= 1420 and proof[1] == proof[2] and 64 + int(proof[3]) <= int(proof[1]), "nine points: certificate",
+          listing[:500])
     # sum over the real triples of the three pivots, each of which stands in two cognates
     total = sum(complex(r[8], r[9]) + complex(r[10], r[11]) for r in rows)/2
     check(abs(total - (221.48925182 + 53.18196833j)) < 3e-7, "nine points: sum of all pivots", total)

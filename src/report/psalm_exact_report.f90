@@ -81,6 +81,9 @@ contains
                                               to_text(study%linkages)//' linkages'
             if (study%infinite > 0) line = line//'; '//to_text(study%infinite)//' with a pivot at infinity'
             call six%add(line)
+            if (study%examined) call add_certificate(study, six)
+            if (set%exact%certify .and. .not. study%examined) call devices%remark(set, &
+               'CERTIFY examines nine points; it says nothing here')
             do k = 1, size(class_names)
                i = count(study%results%verdict%class == k)
                if (i > 0) call six%add('  '//repeat(' ', 6 - len(to_text(i)))//to_text(i)//' '//trim(class_names(k)))
@@ -139,6 +142,18 @@ contains
       end do
    end subroutine report_linkages
 
+   !> What Krawczyk's test proves.
+   subroutine add_certificate(study, six)
+      type(exact_study_t), intent(in) :: study
+      type(text_t), intent(inout) :: six
+
+      associate (c => study%certificate)
+         call six%add('  certified: '//to_text(c%proven)//' of '//to_text(study%ends)//' exist, '//to_text(c%apart)// &
+                      ' apart from all others; '//to_text(c%real_ones)//' of '//to_text(study%real_ends)//' are real, '// &
+                      to_text(c%not_real)//' are not')
+      end associate
+   end subroutine add_certificate
+
    subroutine report_generators(set, study, devices)
       type(data_set_t), intent(in) :: set
       type(exact_study_t), intent(in) :: study
@@ -146,6 +161,7 @@ contains
       integer :: k
 
       call devices%six%add('  '//sentence_of(study))
+      if (set%exact%certify) call devices%remark(set, 'CERTIFY examines nine points; it says nothing here')
       call devices%six%add('  '//to_text(study%real_ends)//' real')
       if (study%generators%count == 0) then
          call devices%remark(set, 'no real linkage passes these points')

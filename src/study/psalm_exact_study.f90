@@ -1,6 +1,7 @@
 !> All linkages that meet points, poses, timed points or a function exactly. Data in, results out.
 module psalm_exact_study
    use psalm_burmester, only: curve_point_t, dyad_t, dyads_t, five_poses, four_poses_curve
+   use psalm_certificate, only: certificate_t, certify
    use psalm_data_set, only: data_set_t
    use psalm_defects, only: exact_linkage_t, verdict_t, cognates_of, judge, place_pins, with_other_driver
    use psalm_exact_group, only: exact_group_t, is_missing, kind_function, kind_motion
@@ -80,6 +81,8 @@ module psalm_exact_study
       real(wp), allocatable :: phi(:), psi(:)        !! their points, radians; of a slider psi is the travel
       type(wanted_function_t) :: wanted
       type(approximation_t), allocatable :: approximations(:)
+      logical :: examined = .false.                  !! there is a certificate
+      type(certificate_t) :: certificate
       integer :: too_long = 0                        !! optima with a link that is too long
    end type exact_study_t
 
@@ -469,6 +472,8 @@ contains
       type(nine_points_t) :: found
       type(leg_data_t) :: data
       type(exact_linkage_t) :: one, others(2)
+      complex(wp), allocatable :: own(:, :), turns(:, :), partners(:, :)
+      logical, allocatable :: likely(:)
       complex(wp) :: p(0:most_points), v(variables), g(most_points), gh(most_points), turn(0:most_points), legs(variables), first
       integer :: i, k
 
@@ -480,14 +485,19 @@ contains
       study%ends = size(found%solutions, 2)
       study%complete = study%ends == study%expected
       study%passes = found%passes
+      allocate (own(variables, study%ends), turns(most_points, study%ends), partners(most_points, study%ends), likely(study%ends))
       first = p(found%order(0) - 1)
       data%d = p(found%order(1:) - 1) - first
       data%dh = conjg(data%d)
       do i = 1, study%ends
          v = in_place(found, found%solutions(:, i))
-         if (.not. is_real(v)) cycle
-         study%real_ends = study%real_ends + 1
          call turns_of(found%path%problem, data, v, g, gh)
+         own(:, i) = v
+         turns(:, i) = g
+         partners(:, i) = gh
+         likely(i) = is_real(v)
+         if (.not. likely(i)) cycle
+         study%real_ends = study%real_ends + 1
          legs = absolute(found%path%problem, v)
          turn(found%order(0) - 1) = (1.0_wp, 0.0_wp)
          turn(found%order(1:) - 1) = (1.0_wp + g)/abs(1.0_wp + g)
@@ -505,6 +515,9 @@ contains
       end do
       study%linkages = size(study%results)
       call rank(study%results)
+      if (.not. exact%certify) return
+      study%examined = .true.
+      call certify(first, p(found%order(1:) - 1), own, turns, partners, likely, study%certificate)
    end subroutine find_nine_points
 
    !> True if numbers and partners are conjugate.
