@@ -49,7 +49,7 @@ contains
       type(dyads_t), intent(out) :: dyads
       ! a fixed rotation, so that no solution lies at infinity of the chart but by chance
       real(wp), parameter :: c1 = 0.6_wp, s1 = 0.8_wp, c2 = 5.0_wp/13.0_wp, s2 = 12.0_wp/13.0_wp
-      real(wp) :: null(unknowns, 3), turned(unknowns, 3), conic(6, 2), size, along(3), h
+      real(wp) :: basis(unknowns, 3), turned(unknowns, 3), conic(6, 2), size, along(3), h
       complex(wp) :: scaled(4), p(4), q(4), quartic(0:4)
       type(dyad_t) :: dyad
       integer :: i, k
@@ -61,14 +61,14 @@ contains
          size = 1.0_wp
       end if
       scaled = d/size
-      call null_space(scaled, g, null, full)
+      call null_space(scaled, g, basis, full)
       if (.not. full) then
          dyads%degenerate = .true.
          return
       end if
-      turned(:, 1) = c1*null(:, 1) + s1*null(:, 2)
-      turned(:, 2) = -s1*c2*null(:, 1) + c1*c2*null(:, 2) + s2*null(:, 3)
-      turned(:, 3) = s1*s2*null(:, 1) - c1*s2*null(:, 2) + c2*null(:, 3)
+      turned(:, 1) = c1*basis(:, 1) + s1*basis(:, 2)
+      turned(:, 2) = -s1*c2*basis(:, 1) + c1*c2*basis(:, 2) + s2*basis(:, 3)
+      turned(:, 3) = s1*s2*basis(:, 1) - c1*s2*basis(:, 2) + c2*basis(:, 3)
       call conics(turned, conic)
       call intersect(conic, quartic, p, q, full)
       if (.not. full) then
@@ -104,9 +104,9 @@ contains
 
    !> The vectors (u, x, a, h) that are good for all poses: the last columns of Q of the transposed equations, by Householder's
    !> reflections with column pivoting. `full` false: the equations depend on each other.
-   pure subroutine null_space(d, g, null, full)
+   pure subroutine null_space(d, g, basis, full)
       complex(wp), intent(in) :: d(:), g(:)          !! shape (n): displacements about 1
-      real(wp), intent(out) :: null(:, :)            !! shape (7, 7 - n)
+      real(wp), intent(out) :: basis(:, :)            !! shape (7, 7 - n)
       logical, intent(out) :: full
       real(wp) :: m(unknowns, size(d)), column(unknowns), tau(size(d)), norm, s, largest
       complex(wp) :: k
@@ -122,7 +122,7 @@ contains
       end do
       full = .true.
       largest = 0.0_wp
-      null = 0.0_wp
+      basis = 0.0_wp
       do j = 1, n
          p = j
          do i = j + 1, n
@@ -144,10 +144,10 @@ contains
          end do
       end do
       do i = 1, unknowns - n
-         null(n + i, i) = 1.0_wp
+         basis(n + i, i) = 1.0_wp
          do j = n, 1, -1
-            s = sum(m(j:, j)*null(j:, i))*tau(j)
-            null(j:, i) = null(j:, i) - s*m(j:, j)
+            s = sum(m(j:, j)*basis(j:, i))*tau(j)
+            basis(j:, i) = basis(j:, i) - s*m(j:, j)
          end do
       end do
    end subroutine null_space
