@@ -281,7 +281,7 @@ contains
       self%merit%delt = self%problem%delt
       if (self%merit%has_range) call set_range(self%merit, [real(wp) ::])
       if (self%merit%free .and. number /= 1) call retime(self, values)
-      call work_on(self, merge(rough_free, rough, self%merit%free), number, values, candidate)
+      call improve(self, merge(rough_free, rough, self%merit%free), number, values, candidate)
       call unwind(self%set, self%problem, self%first, values)
       candidate%x = self%merit%point(values, self%merit%delt)
       candidate%evaluations = before + self%merit%evaluations
@@ -373,14 +373,40 @@ contains
       self%merit%evaluations = candidate%evaluations
       self%merit%jacobians = candidate%jacobians
       if (self%merit%has_range) call set_range(self%merit, [real(wp) ::])
-      call work_on(self, fine, 1, values, finer)
+      call improve(self, fine, 1, values, finer)
+      if (finer%feasible .and. finer%objective <= candidate%objective) then
+         call unwind(self%set, self%problem, self%first, values)
+         candidate%x = self%merit%point(values, self%merit%delt)
+         candidate%objective = finer%objective
+      end if
+      call hold_default_bounds(self, candidate)
       candidate%evaluations = self%merit%evaluations
       candidate%jacobians = self%merit%jacobians
-      if (.not. finer%feasible .or. finer%objective > candidate%objective) return
-      call unwind(self%set, self%problem, self%first, values)
-      candidate%x = self%merit%point(values, self%merit%delt)
-      candidate%objective = finer%objective
    end subroutine refine
+
+   !> A result whose lengths have run away, though the data set gives no bounds, is searched on within the default ones.
+   subroutine hold_default_bounds(worker, candidate)
+      class(worker_t), intent(inout) :: worker
+      type(candidate_t), intent(inout) :: candidate
+      real(wp), allocatable :: low(:), high(:), values(:)
+
+      associate (merit => worker%merit)
+         values = candidate%x(:merit%core)
+         if (.not. any(merit%by_default .and. (values < merit%default_low .or. values > merit%default_high))) return
+         low = merit%low
+         high = merit%high
+         merit%low = merit%default_low
+         merit%high = merit%default_high
+         values = min(max(values, merit%low), merit%high)
+         if (merit%free) merit%delt = candidate%x(merit%core + 1:)
+         if (merit%has_range) call set_range(merit, [real(wp) ::])
+         call improve(worker, fine, 1, values, candidate)
+         call unwind(worker%set, worker%problem, worker%first, values)
+         candidate%x = merit%point(values, merit%delt)
+         merit%low = low
+         merit%high = high
+      end associate
+   end subroutine hold_default_bounds
 
    !> The random linkage of a start, from the stream of its number.
    pure subroutine draw(random, low, high, by_ratio, number, values)
@@ -400,30 +426,6 @@ contains
          if (by_ratio(v) .and. mod(number, 2) == 1) values(v) = low(v)*fractional_power(high(v)/low(v), deviate)
       end do
    end subroutine draw
-
-   !> Improve. Where lengths without given bounds run away, once more within the default ones.
-   subroutine work_on(worker, least_gain, number, found, candidate)
-      class(worker_t), intent(inout) :: worker
-      real(wp), intent(in) :: least_gain               !! of a step of least squares
-      integer, intent(in) :: number
-      real(wp), intent(inout) :: found(:)              !! shape (nvar): the linkage; its input increments are the merit's
-      type(candidate_t), intent(inout) :: candidate
-      real(wp) :: low(size(found)), high(size(found))
-
-      call improve(worker, least_gain, number, found, candidate)
-      associate (merit => worker%merit)
-         if (.not. any(merit%by_default .and. (found < merit%default_low .or. found > merit%default_high))) return
-         low = merit%low
-         high = merit%high
-         merit%low = merit%default_low
-         merit%high = merit%default_high
-         found = min(max(found, merit%low), merit%high)
-         if (merit%has_range) call set_range(merit, [real(wp) ::])
-         call improve(worker, least_gain, number, found, candidate)
-         merit%low = low
-         merit%high = high
-      end associate
-   end subroutine work_on
 
    !> Improve, look for a better timing, inspect the range of the input; go back to work on what is found.
    subroutine improve(worker, least_gain, number, found, candidate)
