@@ -230,9 +230,21 @@ def refused(folder):
         check(status in ([wanted] if wanted else [0, 1]) and (words is None or words in errors), "refused: " + text[:60], errors or listing)
 
 
+def others(folder):
+    """A sister refuses the case and says where its linkages are."""
+    if not os.path.exists(os.path.join(BIN, "kalm")):
+        return
+    path = os.path.join(folder, "kalm.nml")
+    with open(path, "w", encoding="utf-8") as file:
+        file.write(read("five_poses"))
+    done = subprocess.run([os.path.join(BIN, "kalm"), path], capture_output=True, text=True, timeout=60)
+    check(done.returncode == 2 and "cases of its device 7" in done.stderr, "kalm refuses &EXACT", done.stderr)
+
+
 with tempfile.TemporaryDirectory() as where:
     nine_points(where)
     references(where)
     refused(where)
+    others(where)
 print("%d passed, %d failed" % (passed, failed))
 sys.exit(failed > 0)

@@ -14,7 +14,7 @@ module psalm_data_set
    use psalm_friction_group, only: friction_group_t, read_friction_group
    use psalm_drives_group, only: read_drives_group
    use psalm_drive_group, only: drive_group_t, hill_group_t, read_drive_group, read_hill_group
-   use psalm_group_table, only: program_of, program_reads, is_users, nearest_group
+   use psalm_group_table, only: everything, program_of, program_reads, is_users, nearest_group
    use psalm_group, only: group_t, read_flag, check_flags, check_range, out_of, required
    use psalm_link_place, only: place_t
    use psalm_load_group, only: load_group_t, read_load_group
@@ -543,8 +543,8 @@ contains
       end do
       if (any(case%groups(:case%count)%name == 'EXACT')) then
          ! the linkage is what is sought
-         if (.not. program_reads(program, 'EXACT')) then
-            if (.not. meant_links) call findings%error('asks psalm for linkages; give '//program//' the cases of its device 7', &
+         if (program == everything .or. .not. program_reads(program, 'EXACT')) then
+            if (.not. meant_links) call findings%error('asks the program psalm for linkages; use the cases of its device 7', &
                                                        line=case%line, group='EXACT')
             return
          end if
