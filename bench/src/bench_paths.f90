@@ -1,0 +1,129 @@
+!> Paths without prescribed timing: how soon the best four-bar is found.
+!>
+!> A row of a table for each case: points, best sum of squares, RMS error over the size of the path, seeds that reach it, median and
+!> worst time, time of a lot of random linkages. Lots are drawn with the crank going either way in turn, from no first guess, with
+!> one setting for all. Reached: within 1 per cent of the best sum of all runs, or errors below a millionth of the path's size.
+module bench_paths
+   use, intrinsic :: iso_fortran_env, only: output_unit
+   use psalm_cases, only: read_cases
+   use psalm_data_set, only: data_set_t
+   use psalm_free_path, only: search_lot
+   use psalm_kinds, only: wp
+   use psalm_path_fit, only: path_t, path_room_t, visit_t, prepare_path
+   use psalm_status, only: diagnostics_t
+   use psalm_xoshiro, only: xoshiro_t, purpose_starts
+   implicit none (type, external)
+   private
+   public :: measure_path
+
+   integer, parameter :: seeds = 20, lots_at_first = 25, most_lots = 250
+   real(wp), parameter :: within = 1.01_wp, exact = 1.0e-6_wp
+   real(wp), parameter :: any_angle = 1.0_wp         !! cosine of the least transmission angle
+   real(wp), parameter :: kept = 1.0e-6_wp           !! relative violation below which a bound is kept
+   real(wp), parameter :: thousand = 1.0e3_wp
+
+contains
+
+   !> Measure a data set and print its row.
+   subroutine measure_path(file)
+      character(*), intent(in) :: file
+      type(data_set_t), allocatable :: sets(:)
+      type(diagnostics_t) :: findings
+      type(path_t) :: path(2)
+      type(path_room_t) :: room
+      type(visit_t) :: visit
+      type(xoshiro_t) :: random
+      real(wp), allocatable :: value(:, :)
+      real(wp) :: best, goal, spent, begun, ended, took(seeds), unit
+      integer :: done(seeds), seed, n, reached, first
+
+      call read_cases(file, sets, findings)
+      n = sets(1)%ndes
+      call make_path(sets(1), 1.0_wp, path(1), room)
+      call make_path(sets(1), -1.0_wp, path(2), room)
+      unit = path(1)%size**2*path(1)%weight_scale
+      allocate (visit%t(n), source=0.0_wp)
+      best = huge(1.0_wp)
+      allocate (value(most_lots, seeds), source=huge(1.0_wp))
+      done = 0
+      spent = 0.0_wp
+      call run(lots_at_first)
+      best = minval(value)
+      goal = max(within*best, exact**2*real(n, wp)*path(1)%size**2)
+      call run(most_lots)
+      best = min(best, minval(value))
+      goal = max(within*best, exact**2*real(n, wp)*path(1)%size**2)
+      reached = 0
+      do seed = 1, seeds
+         first = findloc(value(:, seed) <= goal, .true., dim=1)
+         if (first == 0) cycle
+         reached = reached + 1
+         took(reached) = real(first, wp)*spent/real(sum(done), wp)
+      end do
+      call sort(took(:reached))
+      write (output_unit, '(a, i0, a, es12.6, a, es7.1, a, i0, a, i0, 2(a, f6.3), a, f5.1, a)') '| `'//name_of(file)//'` | ', n, &
+         ' | ', best, ' | ', sqrt(best/real(n, wp))/path(1)%size, ' | ', reached, ' of ', seeds, ' | ', &
+         took((reached + 1)/2), ' | ', took(reached), ' | ', thousand*spent/real(sum(done), wp), ' |'
+      flush (output_unit)
+
+   contains
+
+      !> Lots of every seed up to that number, but no more once the goal is reached.
+      subroutine run(until)
+         integer, intent(in) :: until
+         integer :: lot
+
+         do seed = 1, seeds
+            call random%seed(seed, purpose_starts)
+            call cpu_time(begun)
+            do lot = done(seed) + 1, until
+               if (until > lots_at_first .and. minval(value(:, seed)) <= goal) exit
+               call random%use_stream(lot)
+               associate (way => path(1 + mod(lot, 2)))
+                  call search_lot(way, random, room, visit)
+               end associate
+               done(seed) = lot
+               if (visit%worst <= kept) value(lot, seed) = visit%error*unit
+            end do
+            call cpu_time(ended)
+            spent = spent + ended - begun
+         end do
+      end subroutine run
+   end subroutine measure_path
+
+   !> Points and bounds of a data set: four lengths, coupler point and pivot come first among the variables. With the crank going
+   !> the other way the mirror image is searched.
+   subroutine make_path(set, sense, path, room)
+      type(data_set_t), intent(in) :: set
+      real(wp), intent(in) :: sense
+      type(path_t), intent(out) :: path
+      type(path_room_t), intent(out) :: room
+      integer, parameter :: ground = 4
+      integer, parameter :: of(6) = [ground, 1, 2, 3, 5, 6] !! among OPLOW and OPHIGH
+
+      associate (n => set%ndes)
+         call prepare_path(set%desx(:n), sense*set%desy(:n), spread(1.0_wp, 1, n), set%oplow(of), set%ophigh(of), any_angle, &
+                           sense, path, room)
+      end associate
+   end subroutine make_path
+
+   pure function name_of(file) result(name)
+      character(*), intent(in) :: file
+      character(:), allocatable :: name
+
+      name = file(index(file, '/', back=.true.) + 1:index(file, '.', back=.true.) - 1)
+   end function name_of
+
+   pure subroutine sort(a)
+      real(wp), intent(inout) :: a(:)
+      real(wp) :: least
+      integer :: i, k
+
+      do i = 1, size(a)
+         k = i - 1 + minloc(a(i:), dim=1)
+         least = a(k)
+         a(k) = a(i)
+         a(i) = least
+      end do
+   end subroutine sort
+end module bench_paths
