@@ -544,16 +544,19 @@ contains
       if (any(case%groups(:case%count)%name == 'EXACT')) then
          ! the linkage is what is sought
          if (program == everything .or. .not. program_reads(program, 'EXACT')) then
-            if (.not. meant_links) call findings%error('asks the program psalm for linkages; use the cases of its device 7', &
-                                                       line=case%line, group='EXACT')
+            if (.not. meant_links) then
+               call findings%error('asks the program psalm for linkages; use the cases of its device 7', line=case%line, &
+                                   group='EXACT')
+               return
+            end if
+         else
+            do i = 1, case%count
+               if (any(case%groups(i)%name == [character(name_length) :: 'LINKS', 'CHAIN', 'METHOD'])) call findings%error( &
+                  'describes a linkage, but &EXACT asks for all that there are; leave one of both out', line=case%groups(i)%line, &
+                  group=trim(case%groups(i)%name))
+            end do
             return
          end if
-         do i = 1, case%count
-            if (any(case%groups(i)%name == [character(name_length) :: 'LINKS', 'CHAIN', 'METHOD'])) call findings%error( &
-               'describes a linkage, but &EXACT asks for all that there are; leave one of both out', line=case%groups(i)%line, &
-               group=trim(case%groups(i)%name))
-         end do
-         return
       end if
       ! Hill's equation from tables needs no linkage
       if (program_reads(program, 'HILL') .and. any(case%groups(:case%count)%name == 'HILL') .and. &
