@@ -127,6 +127,8 @@ globalThis.calm = (() => {
       path(pen, [[contact[0] - reach * normal[1], contact[1] + reach * normal[0]],
         [contact[0] + reach * normal[1], contact[1] - reach * normal[0]]], false);
       pen.stroke();
+      path(pen, [c, contact], false);
+      pen.stroke();
     } else {
       circle(pen, c, Math.max(view.k * cam.roller, 2));
       pen.fillStyle = pens.paper;

@@ -368,6 +368,8 @@ module psalm_cam_page_text
    '      path(pen, [[contact[0] - reach * normal[1], contact[1] + reach * normal[0]],'//nl// &
    '        [contact[0] + reach * normal[1], contact[1] - reach * normal[0]]], false);'//nl// &
    '      pen.stroke();'//nl// &
+   '      path(pen, [c, contact], false);'//nl// &
+   '      pen.stroke();'//nl// &
    '    } else {'//nl// &
    '      circle(pen, c, Math.max(view.k * cam.roller, 2));'//nl// &
    '      pen.fillStyle = pens.paper;'//nl// &
@@ -419,11 +421,11 @@ module psalm_cam_page_text
    '        pen.lineTo(X(p[0]) - 8, Y(p[1]) + 13);'//nl// &
    '        pen.lineTo(X(p[0]) + 8, Y(p[1]) + 13);'//nl// &
    '        pen.closePath();'//nl// &
-   '        pen.strokeStyle = pens.frame;'//nl// &
-   '        pen.lineWidth = 1.5;'//nl// &
-   '        pen.stroke();'//nl
+   '        pen.strokeStyle = pens.frame;'//nl
 
    character(*), parameter :: part_5 = &
+   '        pen.lineWidth = 1.5;'//nl// &
+   '        pen.stroke();'//nl// &
    '      }'//nl// &
    '      if (!one.name) return;'//nl// &
    '      circle(pen, p, 4);'//nl// &
@@ -523,11 +525,11 @@ module psalm_cam_page_text
    '    drawCurves();'//nl// &
    '    const cam = data.cams[state.shown];'//nl// &
    "    element('facts').textContent = 'cam angle ' + state.angle.toFixed(1) + '\u00b0, pressure angle ' +"//nl// &
-   "      at(cam.alpha, state.angle).toFixed(1) + '\u00b0';"//nl// &
-   "    if (document.activeElement !== element('angle')) element('angle').value = state.angle;"//nl// &
-   '  }'//nl
+   "      at(cam.alpha, state.angle).toFixed(1) + '\u00b0';"//nl
 
    character(*), parameter :: part_6 = &
+   "    if (document.activeElement !== element('angle')) element('angle').value = state.angle;"//nl// &
+   '  }'//nl// &
    ''//nl// &
    '  // ---- hands -------------------------------------------------------------------------------------------------------'// &
    '----'//nl// &

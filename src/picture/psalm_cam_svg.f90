@@ -12,6 +12,7 @@ module psalm_cam_svg
 
    real(wp), parameter :: width = 860.0_wp, tallest = 680.0_wp, margin = 40.0_wp, header = 56.0_wp !! sizes, pixels
    real(wp), parameter :: panel = 100.0_wp, gap = 42.0_wp, joint_radius = 4.0_wp
+   real(wp), parameter :: near_limit = 5.0_wp  !! degrees from the values: a limit is drawn
    character(*), parameter :: names(0:3) = [character(26) :: 'output', 'output, first derivative', 'output, second derivative', &
                                             'output, third derivative']
    integer, parameter :: panels = 6, digits_for_people = 6
@@ -89,7 +90,7 @@ contains
       i = 0
       do k = 1, size(studies)
          if (studies(k)%part%role /= role_cam) cycle
-         call curves(studies(k), scene%parts(k), trim(merge('second cam: ', '            ', studies(k)%part%cam == 2)), i)
+         call curves(studies(k), scene%parts(k), merge('second cam, ', '            ', studies(k)%part%cam == 2), i)
       end do
       call text%add('</svg>')
 
@@ -148,14 +149,14 @@ contains
          integer :: order
 
          do order = 0, 3
-            call curve(drawn + order + 1, prefix//trim(names(order)), part%states%y(order, :), [real(wp) ::])
+            call curve(drawn + order + 1, adjustl(prefix//names(order)), part%states%y(order, :), [real(wp) ::])
          end do
          limits = [-study%cam%pressure_angle, study%cam%pressure_angle]
          associate (values => part%points%pressure)
-            call curve(drawn + 5, prefix//'pressure angle, degrees', values, pack(limits, limits > minval(values) - 5.0_wp .and. &
-                                                                                 limits < maxval(values) + 5.0_wp))
+            call curve(drawn + 5, adjustl(prefix//'pressure angle, degrees'), values, &
+                       pack(limits, limits > minval(values) - near_limit .and. limits < maxval(values) + near_limit))
          end associate
-         call curve(drawn + panels, prefix//'curvature of the profile', 1.0_wp/part%points%radius, [real(wp) ::])
+         call curve(drawn + panels, adjustl(prefix//'curvature of the profile'), 1.0_wp/part%points%radius, [real(wp) ::])
          drawn = drawn + panels
       end subroutine curves
 
@@ -180,7 +181,7 @@ contains
          do i = 1, size(limits)
             call level('limit', height_of(limits(i), top, low, high))
          end do
-         call text%add('<text x="'//px(margin)//'" y="'//px(top - 7.0_wp)//'">'//name//': '//px(minval(values))//' to '// &
+         call text%add('<text x="'//px(margin)//'" y="'//px(top - 7.0_wp)//'">'//trim(name)//': '//px(minval(values))//' to '// &
                        px(maxval(values))//'</text>')
          call text%add('<path class="curve" d="')
          do i = 1, size(values) + 1
