@@ -396,6 +396,7 @@ contains
       call case%vary(1, lengths=[1, 2, 3, 4])
       call case%set_item('METHOD', 'ILKOUT', 1)
       call case%set_item('METHOD', 'INGOUT', 1)
+      call case%set_item('METHOD', 'IORIG', 1)
       call case%set_item('SEARCH', 'SOLVER', 'LSQ')
       call case%set_item('SEARCH', 'NSTART', 40)
       call case%set_item('SEARCH', 'NBEST', 3)

@@ -19,9 +19,10 @@ module psalm_ranking_list
    real(wp), parameter :: at_bound = 1.0e-6_wp            !! relative distance from a bound that is reached
    real(wp), parameter :: percent = 100.0_wp
 
+   integer, parameter :: title_width = 120                 !! of the title of a case, in the ranking of several
    !> A linkage in the ranking of several cases.
    type :: contender_t
-      character(:), allocatable :: title      !! of its case
+      character(title_width) :: title = ''    !! of its case
       integer :: rank = 0                     !! in its case
       real(wp) :: objective = 0.0_wp
       type(ranked_t) :: is
@@ -88,14 +89,20 @@ contains
       type(result_t), intent(in) :: found
       type(ranked_t), intent(in) :: ranked(:)            !! shape (linkages found)
       type(contender_t), allocatable, intent(inout) :: contenders(:)
-      type(contender_t) :: one
-      integer :: i
+      type(contender_t), allocatable :: more(:)
+      integer :: before, i
 
-      if (.not. allocated(contenders)) allocate (contenders(0))
+      before = 0
+      if (allocated(contenders)) before = size(contenders)
+      allocate (more(before + size(ranked)))
+      if (before > 0) more(:before) = contenders
       do i = 1, size(ranked)
-         one = contender_t(trim(set%title), i, found%best(i)%objective, ranked(i))
-         contenders = [contenders, one]
+         more(before + i)%title = set%title
+         more(before + i)%rank = i
+         more(before + i)%objective = found%best(i)%objective
+         more(before + i)%is = ranked(i)
       end do
+      call move_alloc(more, contenders)
    end subroutine add_contenders
 
    !> Append the ranking of several cases, the best first.
@@ -114,7 +121,7 @@ contains
          left(i) = .false.
          associate (one => contenders(i))
             call text%add(place_of(place)//general(one%objective)//quality(one%is)//'   '// &
-                          padded(turning(one%is))//'   '//adjustl(one%title)//', '//to_text(one%rank))
+                          padded(turning(one%is))//'   '//trim(adjustl(one%title))//', '//to_text(one%rank))
          end associate
       end do
    end subroutine list_contest
