@@ -54,6 +54,8 @@ else
     for f in "$top"/data/*.nml "$top"/data/hard/*.nml; do
         name=$(basename "$f" .nml)
         grep -q 'MAXTIME' "$f" && continue
+        # searches of seconds; those left go the same ways
+        case $name in dwell | line6 | needle_wide | door_five_poses) continue ;; esac
         cp "$f" with/ && cp "$f" without/
         (cd with && "$bin/psalm" "$name.nml" >"$name.lst" 2>"$name.err"
          "$bin/kalm" --quiet "$name.nml" >"$name.kalm.lst" 2>/dev/null)
