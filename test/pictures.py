@@ -381,6 +381,8 @@ def test_symbols():
     star = {name: float(re.search(r"scale\((\S+)\)", Picture(name + ".svg").root.find('.//*[@id="star"][@transform]').get("transform")).group(1))
             * float(Picture(name + ".svg").root.find('.//%sg[@id="linkage"]' % SVG).get("transform")[7:].split()[0])
             for name in ("needle", "dyad2_oscillating_cylinder")}
+    shutil.copy(os.path.join(DATA, "four_bar_haines.nml"), "four_bar_haines.nml")
+    balm("--quiet", "four_bar_haines.nml")
     haines = Picture("four_bar_haines.svg")
     check("the star of a direction stands at the end of the pointer", place(haines.root.find('.//*[@id="star"][@transform]')) not in
           list(haines.joints().values()))
