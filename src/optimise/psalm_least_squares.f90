@@ -27,6 +27,7 @@ module psalm_least_squares
    real(wp), parameter :: least_angle = 1.0e-6_wp    !! cosine below which a step teaches nothing about them
    real(wp), parameter :: first_damping = 1.0e-2_wp
    real(wp), parameter :: largest_damping = 1.0e12_wp
+   real(wp), parameter :: least_damping = 1.0e-30_wp !! no digit of a step shows less; from zero it could not grow again
 
    type, extends(solver_t) :: least_squares_t
       type(normal_equations_t), private :: equations
@@ -153,7 +154,7 @@ contains
             if (idle >= most_idle) return
             reason = stop_small_objective
             if (total <= problem%floor) return
-            damping = damping*max(1.0_wp/3.0_wp, 1.0_wp - (2.0_wp*min(gain, 2.0_wp) - 1.0_wp)**3)
+            damping = max(least_damping, damping*max(1.0_wp/3.0_wp, 1.0_wp - (2.0_wp*min(gain, 2.0_wp) - 1.0_wp)**3))
             growth = 2.0_wp
             before = equations%gradient
             call problem%linearise(x, weight, equations)
