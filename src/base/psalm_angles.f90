@@ -5,6 +5,7 @@
 module psalm_angles
    use psalm_elementary, only: sine_cosine, refined_direction, digits_of_pair
    use psalm_kinds, only: wp, dp, degrees_per_radian, full_turn, radians_per_degree, right_angle
+   use psalm_quad, only: qp, unit_vector_quad
    implicit none (type, external)
    private
    public :: unit_vector, degrees_of, arc_sine, within_turn, nearest_difference, angles_between, angles_of
@@ -25,46 +26,18 @@ contains
       real(wp), intent(in) :: degrees
       real(wp), intent(out) :: x, y !! cosine, sine
       real(dp) :: cosine, sine
+      real(qp) :: c, s
 
       if (by_library) then
-         call unit_vector_of_library(degrees, x, y)
+         call unit_vector_quad(real(degrees, qp), c, s)
+         x = real(c, wp)
+         y = real(s, wp)
       else
          call sine_cosine(real(degrees, dp), sine, cosine)
          x = real(cosine, wp)
          y = real(sine, wp)
       end if
    end subroutine unit_vector
-
-   !> The same by the library's functions.
-   !>
-   !> The angle is reduced to -45 ... 45 degrees before anything else; that is exact.
-   pure subroutine unit_vector_of_library(degrees, x, y)
-      real(wp), intent(in) :: degrees
-      real(wp), intent(out) :: x, y
-      real(wp) :: rest, c, s
-      integer :: quadrant
-
-      rest = mod(degrees, full_turn)
-      ! ties go up, so that whole turns change nothing
-      quadrant = floor(rest/right_angle + 0.5_wp)
-      rest = rest - right_angle*real(quadrant, wp)
-      c = cos(rest*radians_per_degree)
-      s = sin(rest*radians_per_degree)
-      select case (modulo(quadrant, 4))
-      case (0)
-         x = c
-         y = s
-      case (1)
-         x = -s
-         y = c
-      case (2)
-         x = -c
-         y = -s
-      case default
-         x = s
-         y = -c
-      end select
-   end subroutine unit_vector_of_library
 
    !> Direction of a vector in degrees, -180 to 180, correctly rounded; 0 for the zero vector.
    elemental real(wp) function degrees_of(x, y)

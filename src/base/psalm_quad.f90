@@ -1,4 +1,4 @@
-!> Quadruple precision where a proof needs it, whatever the working precision is.
+!> Quadruple precision, whatever the working precision is: for proofs, and for angles where the working precision is that.
 module psalm_quad
    use, intrinsic :: iso_fortran_env, only: real128
    implicit none (type, external)
@@ -21,7 +21,8 @@ contains
       integer :: quadrant
 
       rest = mod(degrees, full_turn)
-      quadrant = nint(rest/right_angle)
+      ! ties go up, so that whole turns change nothing
+      quadrant = floor(rest/right_angle + 0.5_qp)
       rest = rest - right_angle*real(quadrant, qp)
       c = cos(rest*radians_per_degree)
       s = sin(rest*radians_per_degree)
