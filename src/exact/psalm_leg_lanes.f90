@@ -82,7 +82,7 @@ contains
       real(wp), intent(in) :: t(lanes)
       complex(wp), intent(in) :: z(lanes, state_size)
       type(work_t), intent(inout) :: work
-      complex(wp) :: d, dh, dd, ddh, g, gh, xg, xgh, y, yh
+      complex(wp) :: d, dh, dd, ddh, g, gh, xgh, y, yh
       integer :: l, at_g, at_gh
 
       at_g = variables + j
@@ -90,24 +90,8 @@ contains
       dd = path%from%d(j) - path%to%d(j)
       ddh = path%from%dh(j) - path%to%dh(j)
       work%leg_b(:, :4, j) = (0.0_wp, 0.0_wp)
-      !$omp simd
-      do l = 1, lanes
-         d = path%to%d(j) + t(l)*dd
-         dh = path%to%dh(j) + t(l)*ddh
-         g = z(l, at_g)
-         gh = z(l, at_gh)
-         xg = z(l, at_x)*g + d
-         xgh = z(l, at_xh)*gh + dh
-         work%u(l, 1, j) = (z(l, at_ah) - dh)*z(l, at_x)
-         work%w(l, 1, j) = (z(l, at_a) - d)*z(l, at_xh)
-         work%leg_a(l, 1, j) = (z(l, at_ah) - dh)*g - dh
-         work%leg_a(l, 2, j) = (z(l, at_a) - d)*gh - d
-         work%leg_a(l, 3, j) = xgh
-         work%leg_a(l, 4, j) = xg
-         work%value(l, 1, j) = work%u(l, 1, j)*g + work%w(l, 1, j)*gh + (z(l, at_ah) - z(l, at_xh))*d + &
-                               (z(l, at_a) - z(l, at_x))*dh - d*dh
-         work%rate(l, 1, j) = -ddh*(xg + z(l, at_x) - z(l, at_a)) - dd*(xgh + z(l, at_xh) - z(l, at_ah))
-      end do
+      call linearise_leg(path, j, t, z(:, at_g), z(:, at_gh), z(:, at_x), z(:, at_xh), z(:, at_a), z(:, at_ah), &
+                         work%leg_a(:, :, j), work%u(:, 1, j), work%w(:, 1, j), work%value(:, 1, j), work%rate(:, 1, j))
       if (path%problem%slides) then
          !$omp simd
          do l = 1, lanes
@@ -150,24 +134,8 @@ contains
             work%rate(l, 2, j) = -ddh*(z(l, at_y)*g + z(l, at_y) - z(l, at_b)) - dd*(z(l, at_yh)*gh + z(l, at_yh) - z(l, at_bh))
          end do
       else
-         !$omp simd
-         do l = 1, lanes
-            d = path%to%d(j) + t(l)*dd
-            dh = path%to%dh(j) + t(l)*ddh
-            g = z(l, at_g)
-            gh = z(l, at_gh)
-            xg = z(l, at_y)*g + d
-            xgh = z(l, at_yh)*gh + dh
-            work%u(l, 2, j) = (z(l, at_bh) - dh)*z(l, at_y)
-            work%w(l, 2, j) = (z(l, at_b) - d)*z(l, at_yh)
-            work%leg_b(l, 5, j) = (z(l, at_bh) - dh)*g - dh
-            work%leg_b(l, 6, j) = (z(l, at_b) - d)*gh - d
-            work%leg_b(l, 7, j) = xgh
-            work%leg_b(l, 8, j) = xg
-            work%value(l, 2, j) = work%u(l, 2, j)*g + work%w(l, 2, j)*gh + (z(l, at_bh) - z(l, at_yh))*d + &
-                                  (z(l, at_b) - z(l, at_y))*dh - d*dh
-            work%rate(l, 2, j) = -ddh*(xg + z(l, at_y) - z(l, at_b)) - dd*(xgh + z(l, at_yh) - z(l, at_bh))
-         end do
+         call linearise_leg(path, j, t, z(:, at_g), z(:, at_gh), z(:, at_y), z(:, at_yh), z(:, at_b), z(:, at_bh), &
+                            work%leg_b(:, 5:8, j), work%u(:, 2, j), work%w(:, 2, j), work%value(:, 2, j), work%rate(:, 2, j))
       end if
       !$omp simd
       do l = 1, lanes
@@ -178,6 +146,36 @@ contains
          work%value(l, 3, j) = g*gh + g + gh
       end do
    end subroutine linearise_legs
+
+   !> One leg with two pins: the equation of its length, by x, xh, a, ah, by g and gh, and by t.
+   pure subroutine linearise_leg(path, j, t, g, gh, x, xh, a, ah, row, u, w, value, rate)
+      type(path_t), intent(in) :: path
+      integer, intent(in) :: j
+      real(wp), intent(in) :: t(lanes)
+      complex(wp), intent(in) :: g(lanes), gh(lanes)
+      complex(wp), intent(in) :: x(lanes), xh(lanes), a(lanes), ah(lanes) !! moving pin and pivot
+      complex(wp), intent(out) :: row(lanes, 4), u(lanes), w(lanes), value(lanes), rate(lanes)
+      complex(wp) :: d, dh, dd, ddh, xg, xgh
+      integer :: l
+
+      dd = path%from%d(j) - path%to%d(j)
+      ddh = path%from%dh(j) - path%to%dh(j)
+      !$omp simd
+      do l = 1, lanes
+         d = path%to%d(j) + t(l)*dd
+         dh = path%to%dh(j) + t(l)*ddh
+         xg = x(l)*g(l) + d
+         xgh = xh(l)*gh(l) + dh
+         u(l) = (ah(l) - dh)*x(l)
+         w(l) = (a(l) - d)*xh(l)
+         row(l, 1) = (ah(l) - dh)*g(l) - dh
+         row(l, 2) = (a(l) - d)*gh(l) - d
+         row(l, 3) = xgh
+         row(l, 4) = xg
+         value(l) = u(l)*g(l) + w(l)*gh(l) + (ah(l) - xh(l))*d + (a(l) - x(l))*dh - d*dh
+         rate(l) = -ddh*(xg + x(l) - a(l)) - dd*(xgh + xh(l) - ah(l))
+      end do
+   end subroutine linearise_leg
 
    !> The row of a point: both legs and the modulus of the turn, combined so that neither g nor gh is left.
    pure subroutine linearise_point(path, j, t, z, work)
