@@ -115,7 +115,8 @@ module psalm_cam_page_text
    '  gap: 10px 16px;'//nl// &
    '  padding: 0 18px;'//nl// &
    '}'//nl// &
-   ''//nl// &
+   '</style>'//nl// &
+   '<style>'//nl// &
    'figure {'//nl// &
    '  margin: 0;'//nl// &
    '  border: 1px solid var(--line);'//nl// &
@@ -211,10 +212,10 @@ module psalm_cam_page_text
    '    <canvas id="curves" role="img" tabindex="0" aria-label="output and its derivatives, pressure angle and curvature ov'// &
    'er the cam angle; drag to turn the cam"></canvas>'//nl// &
    '  </figure>'//nl// &
-   '</main>'//nl// &
-   '<div id="controls">'//nl
+   '</main>'//nl
 
    character(*), parameter :: part_3 = &
+   '<div id="controls">'//nl// &
    '  <button id="play" type="button" aria-pressed="false">Play</button>'//nl// &
    '  <label>speed'//nl// &
    '    <select id="speed" aria-label="speed">'//nl// &
@@ -317,10 +318,10 @@ module psalm_cam_page_text
    "    pen.lineJoin = 'round';"//nl// &
    "    if (cam.drives || cam.name.startsWith('conjugate')) {"//nl// &
    "      path(pen, outline(cam, 'profile', angle), true);"//nl// &
-   '      pen.globalAlpha = 0.18;'//nl// &
-   '      pen.fillStyle = colour;'//nl
+   '      pen.globalAlpha = 0.18;'//nl
 
    character(*), parameter :: part_4 = &
+   '      pen.fillStyle = colour;'//nl// &
    '      pen.fill();'//nl// &
    '      pen.globalAlpha = 1;'//nl// &
    "    } else path(pen, outline(cam, 'profile', angle), true);"//nl// &
@@ -420,10 +421,10 @@ module psalm_cam_page_text
    '        pen.moveTo(X(p[0]), Y(p[1]));'//nl// &
    '        pen.lineTo(X(p[0]) - 8, Y(p[1]) + 13);'//nl// &
    '        pen.lineTo(X(p[0]) + 8, Y(p[1]) + 13);'//nl// &
-   '        pen.closePath();'//nl// &
-   '        pen.strokeStyle = pens.frame;'//nl
+   '        pen.closePath();'//nl
 
    character(*), parameter :: part_5 = &
+   '        pen.strokeStyle = pens.frame;'//nl// &
    '        pen.lineWidth = 1.5;'//nl// &
    '        pen.stroke();'//nl// &
    '      }'//nl// &
@@ -524,10 +525,10 @@ module psalm_cam_page_text
    '    drawMachine();'//nl// &
    '    drawCurves();'//nl// &
    '    const cam = data.cams[state.shown];'//nl// &
-   "    element('facts').textContent = 'cam angle ' + state.angle.toFixed(1) + '\u00b0, pressure angle ' +"//nl// &
-   "      at(cam.alpha, state.angle).toFixed(1) + '\u00b0';"//nl
+   "    element('facts').textContent = 'cam angle ' + state.angle.toFixed(1) + '\u00b0, pressure angle ' +"//nl
 
    character(*), parameter :: part_6 = &
+   "      at(cam.alpha, state.angle).toFixed(1) + '\u00b0';"//nl// &
    "    if (document.activeElement !== element('angle')) element('angle').value = state.angle;"//nl// &
    '  }'//nl// &
    ''//nl// &

@@ -115,7 +115,8 @@ module psalm_page_text
    '  gap: 10px 16px;'//nl// &
    '  padding: 0 18px;'//nl// &
    '}'//nl// &
-   ''//nl// &
+   '</style>'//nl// &
+   '<style>'//nl// &
    'figure {'//nl// &
    '  margin: 0;'//nl// &
    '  position: relative;'//nl// &
@@ -209,10 +210,10 @@ module psalm_page_text
    '  background: var(--paper);'//nl// &
    '  border: 1px solid var(--line);'//nl// &
    '  border-radius: 5px;'//nl// &
-   '  min-height: 36px;'//nl// &
-   '  min-width: 40px;'//nl
+   '  min-height: 36px;'//nl
 
    character(*), parameter :: part_3 = &
+   '  min-width: 40px;'//nl// &
    '  padding: 2px 12px;'//nl// &
    '  cursor: pointer;'//nl// &
    '}'//nl// &
@@ -311,10 +312,10 @@ module psalm_page_text
    '}'//nl// &
    ''//nl// &
    '@media (max-width: 820px) {'//nl// &
-   '  main {'//nl// &
-   '    grid-template-columns: minmax(0, 1fr);'//nl
+   '  main {'//nl
 
    character(*), parameter :: part_4 = &
+   '    grid-template-columns: minmax(0, 1fr);'//nl// &
    '    padding: 0 8px;'//nl// &
    '  }'//nl// &
    '  header {'//nl// &
@@ -413,10 +414,10 @@ module psalm_page_text
    '    <label id="forcebox" hidden><input id="forces" type="checkbox" checked> forces</label>'//nl// &
    '    <label id="bentbox" hidden><input id="bent" type="checkbox" checked> bending</label>'//nl// &
    '    <label id="pinbox" hidden><input id="pin" type="checkbox" checked> pin in its hole</label>'//nl// &
-   '    <label id="bearingbox" hidden>polar diagram'//nl// &
-   '      <select id="bearing" aria-label="joint of the polar diagram"></select></label>'//nl
+   '    <label id="bearingbox" hidden>polar diagram'//nl
 
    character(*), parameter :: part_5 = &
+   '      <select id="bearing" aria-label="joint of the polar diagram"></select></label>'//nl// &
    '    <fieldset id="overlays" hidden><legend>overlay</legend></fieldset>'//nl// &
    '  </div>'//nl// &
    '</main>'//nl// &
@@ -518,10 +519,10 @@ module psalm_page_text
    ' + HOOK * dx, y1 + HOOK * dy]];'//nl// &
    '    for (let i = 1; i <= 2 * COILS; i++) {'//nl// &
    '      const part = HOOK + (1 - 2 * HOOK) * (i - 0.5) / (2 * COILS), side = (i % 2 ? half : -half) / length;'//nl// &
-   '      points.push([x1 + part * dx - side * dy, y1 + part * dy + side * dx]);'//nl// &
-   '    }'//nl
+   '      points.push([x1 + part * dx - side * dy, y1 + part * dy + side * dx]);'//nl
 
    character(*), parameter :: part_6 = &
+   '    }'//nl// &
    '    return [...points, [x2 - HOOK * dx, y2 - HOOK * dy], [x2, y2]];'//nl// &
    '  }'//nl// &
    ''//nl// &
@@ -620,10 +621,10 @@ module psalm_page_text
    '  function withOthers(c, view) {'//nl// &
    '    const room = Math.max(view[2] - view[0], view[3] - view[1]), grown = view.slice();'//nl// &
    '    for (const { x, y } of c.sweep.others) for (let t = 0; t < c.sweep.n; t += Math.ceil(c.sweep.n / 72)) {'//nl// &
-   '      if (!(isFinite(x[t]) && isFinite(y[t]))) continue;'//nl// &
-   '      grown[0] = Math.min(grown[0], Math.max(x[t], view[0] - room));'//nl
+   '      if (!(isFinite(x[t]) && isFinite(y[t]))) continue;'//nl
 
    character(*), parameter :: part_7 = &
+   '      grown[0] = Math.min(grown[0], Math.max(x[t], view[0] - room));'//nl// &
    '      grown[1] = Math.min(grown[1], Math.max(y[t], view[1] - room));'//nl// &
    '      grown[2] = Math.max(grown[2], Math.min(x[t], view[2] + room));'//nl// &
    '      grown[3] = Math.max(grown[3], Math.min(y[t], view[3] + room));'//nl// &
@@ -725,10 +726,10 @@ module psalm_page_text
    ''//nl// &
    '  /** What the output reaches over a grid of strokes: the meshes cover each other, so all are outlined, then filled as '// &
    'one. */'//nl// &
-   '  function drawReach(g, meshes) {'//nl// &
-   '    g.beginPath();'//nl
+   '  function drawReach(g, meshes) {'//nl
 
    character(*), parameter :: part_8 = &
+   '    g.beginPath();'//nl// &
    '    for (const m of meshes) {'//nl// &
    '      for (let i = 0; i < 8; i += 2) if (i) g.lineTo(X(m[i]), Y(m[i + 1])); else g.moveTo(X(m[0]), Y(m[1]));'//nl// &
    '      g.closePath();'//nl// &
@@ -827,10 +828,10 @@ module psalm_page_text
    '    g.globalAlpha = alpha * Math.max(0.01, Math.min(1, 80 / p.n));   // many lines must not become a blot'//nl// &
    '    g.lineWidth = 0.8 * view.u;'//nl// &
    '    for (let i = 0; i < p.n; i++) {'//nl// &
-   "      if (p.closed[i] === '0') continue;"//nl// &
-   '      const x = mixed(p.x[c.base], [i, i, 0]), y = mixed(p.y[c.base], [i, i, 0]);'//nl
+   "      if (p.closed[i] === '0') continue;"//nl
 
    character(*), parameter :: part_9 = &
+   '      const x = mixed(p.x[c.base], [i, i, 0]), y = mixed(p.y[c.base], [i, i, 0]);'//nl// &
    '      g.strokeStyle = pens.actual;'//nl// &
    '      segment(g, x, y, p.aim_x[i], p.aim_y[i]);'//nl// &
    '      if (!c.desired) continue;'//nl// &
@@ -930,10 +931,10 @@ module psalm_page_text
    '    for (let j = 0; j < px.length; j++) {'//nl// &
    '      px[j] = X(mixed(s.x[j], at));'//nl// &
    '      py[j] = Y(mixed(s.y[j], at));'//nl// &
-   '    }'//nl// &
-   "    pen.lineJoin = pen.lineCap = 'round';"//nl
+   '    }'//nl
 
    character(*), parameter :: part_10 = &
+   "    pen.lineJoin = pen.lineCap = 'round';"//nl// &
    '    drawRails(c, at);'//nl// &
    '    drawPlates(c);'//nl// &
    '    if (balm.state.other && main) drawOthers(c, at);'//nl// &
@@ -1034,10 +1035,10 @@ module psalm_page_text
    '    if (bearing) drawPolar(g, bearing, at);'//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  function arrow(g, one, at, largest) {'//nl// &
-   '    const u = view.u, x = X(mixed(one.x, at)), y = Y(mixed(one.y, at)), scale = LONGEST * u / (largest || 1);'//nl
+   '  function arrow(g, one, at, largest) {'//nl
 
    character(*), parameter :: part_11 = &
+   '    const u = view.u, x = X(mixed(one.x, at)), y = Y(mixed(one.y, at)), scale = LONGEST * u / (largest || 1);'//nl// &
    '    const dx = scale * mixed(one.fx, at), dy = -scale * mixed(one.fy, at), length = Math.hypot(dx, dy);'//nl// &
    '    if (!(length > 1)) return;'//nl// &
    '    const head = Math.min(9 * u, 0.6 * length) / length;'//nl// &
@@ -1140,10 +1141,10 @@ module psalm_page_text
    '    g.strokeStyle = pens.line;'//nl// &
    '    g.beginPath();'//nl// &
    '    g.arc(x, y, play, 0, ROUND);'//nl// &
-   '    g.stroke();'//nl// &
-   '    g.fillStyle = pens.ink;'//nl
+   '    g.stroke();'//nl
 
    character(*), parameter :: part_12 = &
+   '    g.fillStyle = pens.ink;'//nl// &
    '    g.beginPath();'//nl// &
    '    g.arc(x + play * ux, y + play * uy, 2.4 * u, 0, ROUND);'//nl// &
    '    g.fill();'//nl// &
@@ -1243,10 +1244,10 @@ module psalm_page_text
    '  function isBent(c, bar) {'//nl// &
    '    const v = c.vibration;'//nl// &
    '    return v && balm.state.bent && Math.min(v.from, v.to) === Math.min(bar.from, bar.to) &&'//nl// &
-   '      Math.max(v.from, v.to) === Math.max(bar.from, bar.to);'//nl// &
-   '  }'//nl
+   '      Math.max(v.from, v.to) === Math.max(bar.from, bar.to);'//nl
 
    character(*), parameter :: part_13 = &
+   '  }'//nl// &
    ''//nl// &
    '  /** The vibrating link, its deflection drawn larger; the straight one beside it, thin. */'//nl// &
    '  function drawBent(c, at) {'//nl// &
@@ -1347,10 +1348,10 @@ module psalm_page_text
    '      const x = px[slide.block], y = py[slide.block], r = 9 * m;'//nl// &
    '      if (!isFinite(x)) return;'//nl// &
    '      const ux = mixed(s.ux[i], at), uy = -mixed(s.uy[i], at);'//nl// &
-   '      for (const side of [1, -1]) {'//nl// &
-   '        g.moveTo(x, y);'//nl
+   '      for (const side of [1, -1]) {'//nl
 
    character(*), parameter :: part_14 = &
+   '        g.moveTo(x, y);'//nl// &
    '        g.lineTo(x + r * (ux - side * uy), y + r * (uy + side * ux));'//nl// &
    '        g.lineTo(x + r * (-ux - side * uy), y + r * (-uy + side * ux));'//nl// &
    '        g.closePath();'//nl// &
@@ -1452,10 +1453,10 @@ module psalm_page_text
    ''//nl// &
    '  /** Least and greatest of all values of a panel that are seen from `from` to `to`. */'//nl// &
    '  function extent(panel, from, to) {'//nl// &
-   '    let low = Infinity, high = -Infinity;'//nl// &
-   '    const see = (t, v) => {'//nl
+   '    let low = Infinity, high = -Infinity;'//nl
 
    character(*), parameter :: part_15 = &
+   '    const see = (t, v) => {'//nl// &
    '      if (!isFinite(v) || t < from - 1e-6 || t > to + 1e-6) return;'//nl// &
    '      low = Math.min(low, v);'//nl// &
    '      high = Math.max(high, v);'//nl// &
@@ -1558,10 +1559,10 @@ module psalm_page_text
    '    for (const v of panel.fixed ? [0, 45, 90, 135, 180] : ticks(low, high, Math.max(2, (bottom - top) / (27 * u)))) {'//nl// &
    '      const y = Math.round(panel.y(v)) + 0.5;'//nl// &
    '      line(g, left, y, right, y);'//nl// &
-   '      g.fillText(short(v), left - 5 * u, y + 4 * u);'//nl// &
-   '    }'//nl
+   '      g.fillText(short(v), left - 5 * u, y + 4 * u);'//nl
 
    character(*), parameter :: part_16 = &
+   '    }'//nl// &
    "    g.textAlign = 'left';"//nl// &
    '    drawHead(g, panel);'//nl// &
    '    g.save();'//nl// &
@@ -1660,10 +1661,10 @@ module psalm_page_text
    '    const g = chart, at = between(c, t), x = plot.x(t);'//nl// &
    '    g.clearRect(0, 0, plot.w, plot.h);'//nl// &
    '    g.drawImage(still, 0, 0, plot.w, plot.h);'//nl// &
-   '    g.strokeStyle = balm.drawing.pens.ink;'//nl// &
-   '    g.lineWidth = plot.u;'//nl
+   '    g.strokeStyle = balm.drawing.pens.ink;'//nl
 
    character(*), parameter :: part_17 = &
+   '    g.lineWidth = plot.u;'//nl// &
    '    line(g, x, 14 * plot.u, x, plot.h - 34 * plot.u);'//nl// &
    '    for (const panel of plot.panels) for (const one of panel.lines) {'//nl// &
    '      const v = mixed(one.values, at);'//nl// &
@@ -1763,10 +1764,10 @@ module psalm_page_text
    "    const [x, y] = axes(g, at, 'greatest deflection of mode 1 (shaded: unstable speeds)', 'speed, rad/s', ends,"//nl// &
    '      [Math.min(...sizes) / 1.2, Math.max(...sizes) * 1.2], true);'//nl// &
    '    g.fillStyle = pens.badband;'//nl// &
-   '    for (const [from, to] of v.bands) g.fillRect(x(from), at.top, Math.max(1, x(to) - x(from)), at.bottom - at.top);'//nl// &
-   '    g.strokeStyle = pens.actual;'//nl
+   '    for (const [from, to] of v.bands) g.fillRect(x(from), at.top, Math.max(1, x(to) - x(from)), at.bottom - at.top);'//nl
 
    character(*), parameter :: part_18 = &
+   '    g.strokeStyle = pens.actual;'//nl// &
    '    g.lineWidth = 1.6;'//nl// &
    '    g.beginPath();'//nl// &
    '    let down = false;'//nl// &
@@ -1867,10 +1868,10 @@ module psalm_page_text
    '  function list(c) {'//nl// &
    "    const box = $('messages');"//nl// &
    "    box.textContent = '';"//nl// &
-   '    const part = (head, items, kind, fill) => {'//nl// &
-   '      if (!items.length) return;'//nl
+   '    const part = (head, items, kind, fill) => {'//nl
 
    character(*), parameter :: part_19 = &
+   '      if (!items.length) return;'//nl// &
    "      const h = document.createElement('h2'), ul = document.createElement('ul');"//nl// &
    '      h.textContent = head;'//nl// &
    '      ul.className = kind;'//nl// &
@@ -1969,10 +1970,10 @@ module psalm_page_text
    '    if (!state.playing) return;'//nl// &
    '    const [from, to] = limits(), turns = shown().ring && to - from >= 360;'//nl// &
    '    const dt = last ? Math.min(0.1, (now - last) / 1000) : 0;'//nl// &
-   '    last = now;'//nl// &
-   '    let t = state.t + state.forth * state.speed * dt * (to - from) / (turns ? TURN_TIME : RANGE_TIME);'//nl
+   '    last = now;'//nl
 
    character(*), parameter :: part_20 = &
+   '    let t = state.t + state.forth * state.speed * dt * (to - from) / (turns ? TURN_TIME : RANGE_TIME);'//nl// &
    '    if (!turns && t >= to) { t = to; state.forth = -1; }'//nl// &
    '    if (!turns && t <= from) { t = from; state.forth = 1; }'//nl// &
    '    if (turns) state.forth = 1;'//nl// &
@@ -2074,10 +2075,10 @@ module psalm_page_text
    "    balm.messages.tip('');"//nl// &
    '    if (!balm.state.hover) return;'//nl// &
    '    balm.state.hover = null;'//nl// &
-   '    balm.draw();'//nl// &
-   '  }'//nl
+   '    balm.draw();'//nl
 
    character(*), parameter :: part_21 = &
+   '  }'//nl// &
    ''//nl// &
    '  // ---- the curves --------------------------------------------------------------------------------------------------'// &
    '-'//nl// &
@@ -2179,10 +2180,10 @@ module psalm_page_text
    '    hover: null,            // bar under the pointer'//nl// &
    '  };'//nl// &
    '  let laidOut = false;      // a linkage has been drawn'//nl// &
-   ''//nl// &
-   '  const shown = () => cases[state.c];'//nl
+   ''//nl
 
    character(*), parameter :: part_22 = &
+   '  const shown = () => cases[state.c];'//nl// &
    "  const titleOf = (c) => c.title || 'untitled';"//nl// &
    ''//nl// &
    '  /** One frame. */'//nl// &
@@ -2281,10 +2282,10 @@ module psalm_page_text
    '    curves.begin();'//nl// &
    '    charts.begin();'//nl// &
    '    controls.begin(refresh);'//nl// &
-   '    listCases();'//nl// &
-   "    new ResizeObserver(refresh).observe($('stage'));"//nl
+   '    listCases();'//nl
 
    character(*), parameter :: part_23 = &
+   "    new ResizeObserver(refresh).observe($('stage'));"//nl// &
    "    matchMedia('(prefers-color-scheme: dark)').addEventListener('change', refresh);"//nl// &
    '    // paper is white, whatever the scheme of the screen'//nl// &
    "    for (const [kind, paper] of [['beforeprint', true], ['afterprint', false]]) addEventListener(kind, () => {"//nl// &
