@@ -87,8 +87,8 @@ check 'a list of PARETO: the objective grows, and with it the transmission angle
     on == 2 { if ($4 + 0 <= a) bad = 1; a = $4 + 0; n2++ } END { exit !(n > 1 && n2 == n && !bad) }' out
 { changed path5.nml 's/NSTART=500, NBEST=5/NSTART=50, RANKING=1, NBEST=2/' 's/STEPIN=1.0E-9,/STEPIN=1.0E-9, LAST=0,/'
   changed path5.nml 's/NSTART=500, NBEST=5/NSTART=50, RANKING=1/' 's/ILINK=1,-2,-3,4/ILINK=1,2,3,4/' 's/NOUTLK=-2/NOUTLK=2/' \
-    's/^FOUR-BAR/OTHER ASSEMBLY/' '/^!/d'; } >contest.nml
-"$psalm" --quiet contest.nml >out 2>err
+    's/^FOUR-BAR/OTHER ASSEMBLY/' '/^!/d'; } >common_ranking.nml
+"$psalm" --quiet common_ranking.nml >out 2>err
 check 'a ranking of two cases: the best first' awk '/RANKING OF ALL CASES/ { on = 1; next } on && $1 == n + 1 { gsub("D", "E", $2); n++
     if ($2 + 0 < f) bad = 1; f = $2 + 0 } END { exit !(n == 3 && !bad) }' out
 check 'a ranking of two cases: both are there' test "$(sed '1,/RANKING OF/d' out | grep -c 'OTHER ASSEMBLY\|FOUR-BAR, FIVE')" -eq 3

@@ -2,7 +2,7 @@
 module psalm_devices
    use psalm_data_set, only: data_set_t
    use psalm_mark, only: mark_width
-   use psalm_ranking_list, only: contender_t
+   use psalm_ranking_list, only: ranking_entry_t
    use psalm_status, only: exit_done, exit_violation
    use psalm_table, only: table_t, table_of
    use psalm_text, only: text_t
@@ -29,7 +29,7 @@ module psalm_devices
       type(text_t) :: json    !! results for other programs: objects, a comma between them
       type(table_t), allocatable :: tables(:) !! for other programs, one a case; not allocated: none
       type(drawing_t), allocatable :: drawings(:) !! of the cases, by `add_drawing`
-      type(contender_t), allocatable :: contenders(:) !! linkages of the cases so far that are ranked together; not allocated: none
+      type(ranking_entry_t), allocatable :: ranking(:) !! linkages of the cases so far that are ranked together; not allocated: none
       type(text_t) :: notes   !! remarks for standard error
       type(text_t) :: summary !! what the linkage does, for standard error
       integer :: summarised = 0          !! cases met by the summary

@@ -11,7 +11,7 @@ module psalm_ranking_list
    use psalm_text, only: text_t, general, lower_case, to_text
    implicit none (type, external)
    private
-   public :: contender_t, list_ranking, bounds_reached, add_contenders, list_contest
+   public :: ranking_entry_t, list_ranking, bounds_reached, add_to_ranking, list_common_ranking
 
    character(*), parameter :: heads = &
       '      RMS ERROR  LARGEST ERROR  TRANSM. ANGLE LONGEST/SHORT.     ROOM WIDTH    ROOM HEIGHT TOLERANCE BAND'
@@ -21,12 +21,12 @@ module psalm_ranking_list
 
    integer, parameter :: title_width = 120                 !! of the title of a case, in the ranking of several
    !> A linkage in the ranking of several cases.
-   type :: contender_t
+   type :: ranking_entry_t
       character(title_width) :: title = ''    !! of its case
       integer :: rank = 0                     !! in its case
       real(wp) :: objective = 0.0_wp
       type(ranked_t) :: is
-   end type contender_t
+   end type ranking_entry_t
 
 contains
 
@@ -84,47 +84,47 @@ contains
    end function turning
 
    !> The linkages of a case join the ranking of several.
-   pure subroutine add_contenders(set, found, ranked, contenders)
+   pure subroutine add_to_ranking(set, found, ranked, entries)
       type(data_set_t), intent(in) :: set
       type(result_t), intent(in) :: found
       type(ranked_t), intent(in) :: ranked(:)            !! shape (linkages found)
-      type(contender_t), allocatable, intent(inout) :: contenders(:)
-      type(contender_t), allocatable :: more(:)
+      type(ranking_entry_t), allocatable, intent(inout) :: entries(:)
+      type(ranking_entry_t), allocatable :: more(:)
       integer :: before, i
 
       before = 0
-      if (allocated(contenders)) before = size(contenders)
+      if (allocated(entries)) before = size(entries)
       allocate (more(before + size(ranked)))
-      if (before > 0) more(:before) = contenders
+      if (before > 0) more(:before) = entries
       do i = 1, size(ranked)
          more(before + i)%title = set%title
          more(before + i)%rank = i
          more(before + i)%objective = found%best(i)%objective
          more(before + i)%is = ranked(i)
       end do
-      call move_alloc(more, contenders)
-   end subroutine add_contenders
+      call move_alloc(more, entries)
+   end subroutine add_to_ranking
 
    !> Append the ranking of several cases, the best first.
-   subroutine list_contest(contenders, text)
-      type(contender_t), intent(in) :: contenders(:)
+   subroutine list_common_ranking(entries, text)
+      type(ranking_entry_t), intent(in) :: entries(:)
       type(text_t), intent(inout) :: text
-      logical :: left(size(contenders))
+      logical :: left(size(entries))
       integer :: place, i
 
       call text%add()
       call text%add(' RANKING OF ALL CASES')
       call text%add(' PLACE      OBJECTIVE'//heads//'   CRANK      CASE, RANK IN IT')
       left = .true.
-      do place = 1, size(contenders)
-         i = minloc(contenders%objective, dim=1, mask=left)
+      do place = 1, size(entries)
+         i = minloc(entries%objective, dim=1, mask=left)
          left(i) = .false.
-         associate (one => contenders(i))
+         associate (one => entries(i))
             call text%add(place_of(place)//general(one%objective)//quality(one%is)//'   '// &
                           padded(turning(one%is))//'   '//trim(adjustl(one%title))//', '//to_text(one%rank))
          end associate
       end do
-   end subroutine list_contest
+   end subroutine list_common_ranking
 
    pure function padded(words) result(column)
       character(*), intent(in) :: words
