@@ -236,7 +236,7 @@ contains
    subroutine read_set(case, program, set, findings)
       type(case_text_t), intent(inout) :: case
       character(*), intent(in) :: program
-      type(data_set_t), intent(out) :: set
+      type(data_set_t), intent(inout) :: set          !! as it is by default
       type(diagnostics_t), intent(inout) :: findings
       integer, parameter :: links = 1, method = 2, limits = 3, search = 4, constr = 5, toler = 6, rates = 7, chain = 8, &
                             drives = 9, outputs = 10, masses = 11, loads = 12, spring = 13, frictn = 14, motor = 15, &
@@ -246,11 +246,12 @@ contains
                                              'TOLER', 'RATES', 'CHAIN', 'DRIVES', 'OUTPUTS', 'MASSES', 'LOADS', 'SPRING', &
                                              'FRICTN', 'MOTOR', 'VIBR', 'ESTIM', 'DRIVEL', 'HILL', 'BALANC', &
                                              'CAM', 'SPRNGS', 'CLEAR', 'CAM2', 'EXACT']
-      type(group_t) :: groups(size(names))
+      type(group_t), allocatable :: groups(:)      ! large: they would fill a small stack
       type(diagnostics_t) :: unused
       logical :: shape_known, sketch_sound
       integer :: i
 
+      allocate (groups(size(names)))
       set%file = findings%file
       call set%origins%in_file(findings%file)
       set%title = case%title(:min(title_columns, len(case%title)))

@@ -35,12 +35,12 @@ contains
       type(pictured_t), allocatable, intent(out) :: cases(:)
       type(finding_t), allocatable :: read(:), own(:)
       type(diagnostics_t) :: noted
-      type(data_set_t) :: each
+      type(data_set_t), allocatable :: each      ! large: it would fill a small stack
       type(line_t) :: none(0)
-      type(prepared_t) :: prepared
+      type(prepared_t), allocatable :: prepared
       integer :: k, i
 
-      allocate (cases(size(sets)))
+      allocate (cases(size(sets)), prepared)
       read = finding_list(findings)
       do k = 1, size(sets)
          allocate (cases(k)%undrawn(0))

@@ -113,11 +113,12 @@ contains
       type(parameters_t), intent(in) :: parameters
       type(finding_t), intent(in) :: findings(:)   !! of this case, SETUP's included
       type(scene_t), intent(out) :: scene
-      type(problem_t) :: own, whole
+      type(problem_t), allocatable :: own, whole   ! large: they would fill a small stack
       integer, allocatable :: place(:)
 
       call message_scene(set, findings, scene)
       if (size(scene%errors) > 0) return
+      allocate (own)
       scene%sound = .true.
       deallocate (scene%joints, scene%bars, scene%bodies, scene%pairs)
       ! a pose is drawn as its point
