@@ -2,9 +2,11 @@
 
 Called by pictures.py in a directory that holds the pages.
 """
+import csv
 import math
 import os
 import shutil
+from xml.etree import ElementTree
 
 from playwright.sync_api import sync_playwright
 
@@ -23,6 +25,7 @@ def test_pages(shots):
         test_sources(browser)
         test_browser(browser, shots)
         test_browser_forces(browser, shots)
+        test_saving(browser, shots)
         browser.close()
 
 
@@ -215,6 +218,55 @@ def test_browser_forces(browser, shots):
     check("forces: a case without them has no choice of them", not plain.page.is_visible("#forcebox") and
           not plain.page.is_visible("#bearingbox"))
     plain.context.close()
+
+
+def test_saving(browser, shots):
+    """Curves to choose from, paths of joints, and what leaves the page: a frame, the table, a film."""
+    rated = Page(browser, "rated.html")
+    page = rated.page
+    check("curves: their groups are offered", page.locator("#group option").all_text_contents() == ["all", "output", "tolerances", "velocity, acceleration"],
+          str(page.locator("#group option").all_text_contents()))
+    pictures = [rated.pixels("curves")]
+    for group in ("position", "tolerance", "rates"):
+        page.select_option("#group", group)
+        pictures.append(rated.pixels("curves"))
+    check("curves: each group is drawn by itself", len(set(pictures)) == 4)
+    if shots:
+        page.select_option("#group", "all")
+        page.screenshot(path=os.path.join(shots, "rates.png"))
+    drawn = rated.pixels()
+    page.click("#pathbox summary")
+    page.click("[data-path]")
+    check("paths: that of a joint is drawn", rated.pixels() != drawn)
+    page.click("[data-path]")
+    check("paths: and goes", rated.pixels() == drawn)
+    page.click("[data-path]")
+    page.click("#savebox summary")
+    rated.ask("balm.go(33)")
+    svg, csv_text = rated.ask("balm.save.svg()"), rated.ask("balm.save.table()")
+    root = ElementTree.fromstring(svg)
+    at = [rated.ask("[balm.cases[0].px[%d], balm.cases[0].py[%d]]" % (j, j)) for j in range(rated.ask("balm.cases[0].joints.length"))]
+    numbers = svg.replace("M", " ").replace("L", " ").replace("A", " ")
+    check("saved frame: SVG with the joints where they are", root.tag.endswith("svg") and all(
+        "%.3f" % (x + 4.6) in numbers or ("%.3f" % (x + 4.6)).rstrip("0").rstrip(".") in numbers for x, _ in at[:2]) and
+        "crank 33" in root[0].text, root[0].text)
+    rows = list(csv.reader(csv_text.splitlines()))
+    data = page_data("rated.html")[0]
+    check("saved table: a row for each position of the sweep, with rates and joints", len(rows) == 361 and all(len(row) == len(rows[0]) for row in rows) and
+          float(rows[34][rows[0].index("B.x")]) == data["sweep"]["x"][[joint["name"] for joint in data["joints"]].index("B")][33] and
+          "worst deviation" in rows[0] and all(float(rows[8][rows[0].index(panel["name"])]) == panel["lines"][0]["values"][7] for panel in data["panels"]))
+    for button, ending, head in (("#savesvg", ".frame.svg", b"<svg "), ("#savepng", ".frame.png", b"\x89PNG"), ("#savetable", ".sweep.csv", b"input,closed")):
+        with page.expect_download() as download:
+            page.click(button)
+        check("saved: " + ending, download.value.suggested_filename == "rated" + ending)
+        with open(download.value.path(), "rb") as file:
+            check("saved: content of " + ending, file.read().startswith(head))
+    film = rated.ask("""balm.save.film(0.6).then(async (blob) => [blob.type, blob.size,
+        [...new Uint8Array(await blob.slice(0, 4).arrayBuffer())]])""")
+    check("saved: a film", film[0] == "video/webm" and film[1] > 5000 and film[2] == [0x1a, 0x45, 0xdf, 0xa3], str(film))
+    check("saving: no complaint, nothing asked for", not rated.complaints and all(u.startswith(("file:", "data:", "blob:")) for u in rated.requests),
+          str(rated.complaints) + str(rated.requests))
+    rated.context.close()
 
 
 def test_clearance(browser, shots):

@@ -766,6 +766,50 @@ def test_flat_curves():
     check("curves: what varies fills its axis", ranges[0][1] == "*:*", str(ranges))
 
 
+def test_rate_curves():
+    """Velocities and accelerations of page and script are those of kalm, bands those of psalm; further outputs those of CASE.csv."""
+    kalm = os.path.join(picture_tools.programs, "kalm")
+    plain = changed(read("dyad1_crank_rocker.nml"), "IKIN=15", "IKIN=1")
+    write("rated.nml", plain + " &RATES SPEED=300.0, ACCEL=20.0, UNITS='REV/MIN' &END\n &TOLER TOLLEN=0.1, TOLANG=0.05 &END\n")
+    code, _, errors = balm("--quiet", "--curves", "rated.nml")
+    check("rates: is drawn", code == 0 and read_bytes("rated.png")[:4] == b"\x89PNG", errors)
+    run(kalm, "--quiet", "rated.nml")
+    psalm("--quiet", "rated.nml")
+    names, rows = device9("rated.kalm.dev9")[0]
+    case = page_data("rated.html")[0]
+    check("rates: panels of velocity and acceleration", [panel["name"].split(" of ")[0] for panel in case["panels"]] == ["velocity", "acceleration"] and
+          "rad/s**2 (input 31.42 rad/s)" in case["panels"][1]["name"], str([panel["name"] for panel in case["panels"]]))
+    for panel, name in zip(case["panels"], ["actual_per_s", "actual_per_s2"]):
+        theirs = [float(r[names.index(name)]) for r in rows]
+        size = max(map(abs, theirs))
+        check("rates: " + name + " of the page", len(theirs) == 360 and all(near(a, b, 1e-7, 1e-3 * size) for a, b in zip(panel["lines"][0]["values"], theirs)))
+    table = re.search(r"\$panels << END\n(.*?)END", read("rated.gp"), re.S).group(1).splitlines()
+    check("rates: the script has those digits", [l.split()[1:] for l in table] == [[r[names.index(n)] for n in ("actual_per_s", "actual_per_s2")] for r in rows])
+    names, rows = next(block for block in device9("rated.dev9") if "worst_case" in block[0])
+    told = {n: [float(r[names.index(n)]) for r in rows] for n in names if n in ("worst_case", "root_sum_square")}
+    band = case["band"]
+    check("bands: those of psalm", len(band) == 1 and all(all(near(a, b, 1e-7) for a, b in zip(band[0][ours], told[theirs]))
+          for ours, theirs in (("worst", "worst_case"), ("square", "root_sum_square"))), str(names))
+    lines = [list(map(float, l.split())) for l in re.search(r"\$band << END\n#.*?\n(.*?)END", read("rated.gp"), re.S).group(1).splitlines()]
+    swept = [float(l.split()[1]) for l in re.search(r"\$sweep << END\n#.*?\n(.*?)END", read("rated.gp"), re.S).group(1).splitlines()]
+    check("bands: about the curve of the script", all(near((l[1] + l[2]) / 2, v, 1e-12) and near((l[3] + l[4]) / 2, v, 1e-12) and
+          near(l[2] - l[1], 2 * l[5], 1e-9) and near(l[4] - l[3], 2 * l[6], 1e-9) for l, v in zip(lines, swept)))
+
+    horst = os.path.join(DATA, "horst_suspension.nml")
+    psalm("--quiet", "--output-dir", ".", horst)
+    code, _, errors = balm("--quiet", "--curves", "--output-dir", ".", horst)
+    case = page_data("horst_suspension.html")[0]
+    with open("horst_suspension.csv", encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    panels = {panel["name"]: panel for panel in case["panels"]}
+    at = [round(v) % case["sweep"]["n"] for v in case["prescribed"]["at"]]
+    check("outputs of a sketch of dyads: all are on the page", code == 0 and {"rise", "shock", "leverage"} <= panels.keys() and
+          any(name.startswith("acceleration of shock") for name in panels), errors + str(list(panels)))
+    check("outputs of a sketch of dyads: those of CASE.csv", all(near(panels[name]["lines"][0]["values"][i], float(row[name]), 1e-7, 1.0)
+          for name in ("rise", "shock", "leverage") for i, row in zip(at, rows)))
+    check("links of a sketch have the user's names", {body.get("name") for body in case["bodies"]} == {"frame", "chainstay", "seatstay", "rocker"})
+
+
 CHAINS = {"excavator": "B C,D F,G J", "scissors_lift": "P Q", "geared_five_bar": "", "stephenson2_six_bar": "", "landing_gear": "B L",
           "excavator_envelope": "B C,D F,G J"}  # sketches without loops of dyads, and their cylinders
 
@@ -882,11 +926,12 @@ PARTS = {
     "embedded": test_embedded,
     "short_messages": test_messages_are_short,
     "flat_curves": test_flat_curves,
+    "rate_curves": test_rate_curves,
     "chains": test_chains,
     "pages": test_pages,
     "board": test_board,
 }
-NEEDED = {"pages": ["messages"], "embedded": ["messages", "awkward"], "short_messages": ["messages", "regions"]}  # parts whose files another part uses
+NEEDED = {"pages": ["messages", "rate_curves"], "embedded": ["messages", "awkward"], "short_messages": ["messages", "regions"]}  # parts whose files another part uses
 
 
 def main(arguments):

@@ -14,6 +14,12 @@ balm.controls = (() => {
   const shown = () => balm.cases[balm.state.c];
   const limits = () => balm.state.whole ? shown().ends : shown().range;
 
+  /** Seconds that the whole motion takes at the speed chosen: a turn, or a part of one there and back. */
+  function duration() {
+    const [from, to] = limits(), turns = shown().ring && to - from >= 360;
+    return (turns ? TURN_TIME : 2 * RANGE_TIME) / balm.state.speed;
+  }
+
   /** Shows the place t of the sweep. */
   function go(t) {
     const c = shown();
@@ -192,6 +198,10 @@ balm.controls = (() => {
       state[name] = $(name).checked;
       refresh();
     });
+    $('group').addEventListener('change', () => {
+      state.group = $('group').value;
+      refresh();
+    });
     $('bearing').addEventListener('change', () => {
       state.bearing = Number($('bearing').value);
       refresh();
@@ -211,5 +221,5 @@ balm.controls = (() => {
     document.addEventListener('keydown', key);
   }
 
-  return { begin, go, setPlaying, limits };
+  return { begin, go, setPlaying, limits, duration };
 })();

@@ -1,9 +1,11 @@
-// The curves: output, error and transmission angles against the input, with a cursor; the strip above the time line.
+// The curves against the input, with a cursor: output, error, transmission angles, rates, tolerances, forces; the strip above
+// the time line.
 'use strict';
 
 balm.curves = (() => {
   const { OPEN, between, mixed, modulo, inputAt, inputName, short } = balm.scene;
   const MOST = 6;           // panels of outputs; CASE.csv has all
+  const ROOM = 7;           // so many panels are shown at once unasked
   const FLAT = 1e-8;        // a curve that varies by less than this part of the scale is constant: nine digits are sent
   const AROUND = 0.01;      // part of the scale that is shown on either side of a constant
   const OUTPUT = { angle: 'angle, degrees', distance: 'distance', slide: 'length of the slide' };
@@ -56,51 +58,83 @@ balm.curves = (() => {
 
   // ---- panels -------------------------------------------------------------------------------------------------------
 
-  /** What the panels show: lines over the sweep, points at the prescribed positions. */
-  function panelsOf(c) {
+  const GROUPS = { position: 'output', tolerance: 'tolerances', rates: 'velocity, acceleration', forces: 'forces',
+    vibration: 'vibration' };
+
+  /** What the panels show: lines over the sweep, points at the prescribed positions; each belongs to a group. */
+  function allPanels(c) {
     const { pens, linkColour } = balm.drawing, s = c.sweep, p = c.prescribed, panels = [];
-    const size = c.motion === 'angle' ? 360 : c.size;
+    const size = c.motion === 'angle' ? 360 : c.size, called = c.outputLabel || 'the output';
+    const put = (group, panel) => panels.push({ group, points: [], ...panel });
     const marks = (values) => Array.from(values, (v, i) => [c.at[i], v]);
-    const output = (name, actual, desired) => panels.push({ name, size,
+    const output = (name, actual, desired, band) => put('position', { name, size, band,
       lines: [{ label: 'actual', colour: pens.actual, values: s[actual] }],
       points: c.desired ? [{ label: 'desired', colour: pens.desired, marks: marks(p[desired]) }] : [] });
+    const further = (group) => {
+      for (const panel of c.panels) if (panel.group === group) put(group, { name: panel.name, size: panel.scale,
+        lines: panel.lines.map((one, i) => ({ ...one, colour: linkColour(i) })) });
+    };
     if (c.curves) {
-      for (const one of c.curves.slice(0, MOST)) panels.push({ name: one.name, size: one.angle ? 360 : c.size,
+      for (const one of c.curves.slice(0, MOST)) put('position', { name: one.name, size: one.angle ? 360 : c.size,
         lines: [{ label: '', colour: pens.actual, values: one.sweep }], points: [{ colour: pens.actual, marks: marks(one.prescribed) }] });
-      if (c.drives.length > 1) panels.push({ name: 'drives, from the drawing', size: 0, points: [],
+      if (c.drives.length > 1) put('position', { name: 'drives, from the drawing', size: 0,
         lines: c.drives.map((one, i) => ({ label: one.name, colour: linkColour(i), values: one.sweep })) });
     } else if (c.motion === 'point') {
-      output('x of the output', 'actual', 'desired');
-      output('y of the output', 'actual_y', 'desired_y');
+      output('x of ' + called, 'actual', 'desired', c.band?.[0]);
+      output('y of ' + called, 'actual_y', 'desired_y', c.band?.[1]);
     } else {
-      output(OUTPUT[c.motion], 'actual', 'desired');
+      output(c.outputLabel ? called + (c.motion === 'angle' ? ', degrees' : '') : OUTPUT[c.motion], 'actual', 'desired', c.band?.[0]);
     }
+    further('position');
     if (c.desired) {
       const error = (label, colour, values) => ({ label, colour, joined: true, marks: marks(values) });
       const points = [error(c.motion === 'point' ? 'x' : '', pens.accent, p.error)];
       if (c.motion === 'point') points.push(error('y', pens.link1, p.error_y));
-      panels.push({ name: 'error (desired - actual)', size, zero: true, lines: [], points });
+      put('position', { name: 'error (desired - actual)', size, zero: true, lines: [], points });
     }
     const named = s.angle.length <= 8;
     const angle = (a, i) => ({ label: named ? (i ? '' : 'loop ') + a.loop : '', colour: linkColour(i),
       values: a.values });
-    if (s.angle.length) panels.push({ name: 'transmission angle, degrees', fixed: [0, 180], limits: c.limits,
-      lines: s.angle.map(angle), points: [] });
+    if (s.angle.length) put('position', { name: 'transmission angle, degrees', fixed: [0, 180], limits: c.limits,
+      lines: s.angle.map(angle) });
+    // bands are often too narrow to be seen beside the curve
+    if (c.band) put('tolerance', { name: 'deviation within tolerances (dotted: worst case)', size, zero: true,
+      lines: c.band.slice(0, 2).flatMap((one, i) => {
+        const label = c.motion === 'point' ? 'xy'[i] : '', colour = linkColour(i);
+        return [{ label, colour, values: one.square }, { label: '', colour, dotted: true, values: one.worst }];
+      }) });
+    further('rates');
     if (c.forces) {
       const f = c.forces, curve = (label, colour, values) => ({ label, colour, values });
-      const shown = (name, lines) => panels.push({ name, size: 0, zero: true, lines, points: [] });
+      const shown = (name, scale, lines) => put('forces', { name, size: scale, zero: true, lines });
       const bare = f.bare ? (label, key) => [curve(label, pens.soft, f.bare[key])] : () => [];
       const with_before = f.bare ? ' (grey: without the ' + f.bare.of + ')' : '';
-      shown((f.sliding ? 'force of the drive, N' : 'torque of the drive, N m') + with_before,
+      shown((f.sliding ? 'force of the drive, N' : 'torque of the drive, N m') + with_before, f.sliding ? f.force : f.turning,
         [...bare('', 'drive'), curve('', pens.actual, f.drive)]);
-      shown('force on the frame, N', [...bare('', 'fx'), ...bare('', 'fy'), curve('x', pens.link0, f.fx), curve('y', pens.link1, f.fy)]);
-      shown('moment on the frame, N m', [...bare('', 'moment'), curve('', pens.link3, f.moment)]);
+      shown('force on the frame, N', f.force, [...bare('', 'fx'), ...bare('', 'fy'), curve('x', pens.link0, f.fx), curve('y', pens.link1, f.fy)]);
+      shown('moment on the frame, N m', f.turning, [...bare('', 'moment'), curve('', pens.link3, f.moment)]);
     }
-    if (c.vibration) panels.push({ name: 'deflection of the link' + (c.vibration.settles ? '' : ' (not settled)'), size: 0,
-      zero: true, points: [], lines: c.vibration.modes.map((values, j) => ({ label: 'mode ' + (j + 1),
+    if (c.vibration) put('vibration', { name: 'deflection of the link' + (c.vibration.settles ? '' : ' (not settled)'), size: 0,
+      zero: true, lines: c.vibration.modes.map((values, j) => ({ label: 'mode ' + (j + 1),
         colour: linkColour(j), values })) });
     return panels;
   }
+
+  /** The groups of panels that a case has, as [name, words]; with several of them all together come first. */
+  function groupsOf(c) {
+    const has = new Set(allPanels(c).map((panel) => panel.group));
+    const list = Object.entries(GROUPS).filter(([group]) => has.has(group));
+    return list.length > 1 ? [['all', 'all'], ...list] : list;
+  }
+
+  /** The group that is shown unasked: all, if there is room; else without the rates. */
+  function firstGroup(c) {
+    const panels = allPanels(c);
+    return panels.length <= ROOM || !panels.some((panel) => panel.group === 'rates') ? 'all' : 'usual';
+  }
+
+  const panelsOf = (c) => allPanels(c).filter(({ group }) => balm.state.group === 'all' || group === balm.state.group ||
+    balm.state.group === 'usual' && group !== 'rates');
 
   /** Everything but the cursor. */
   function layOut(c) {
@@ -157,6 +191,7 @@ balm.curves = (() => {
       line(g, left, panel.y(v), right, panel.y(v));
       g.setLineDash([]);
     }
+    if (panel.band) drawBand(g, panel);
     for (const one of panel.lines) drawCurve(g, panel, one);
     for (const one of panel.points) drawPoints(g, panel, one);
     g.restore();
@@ -182,9 +217,32 @@ balm.curves = (() => {
     g.stroke();
   }
 
-  function drawCurve(g, panel, { values, colour }) {
+  /** Within the root-sum-square of the tolerances; dotted lines at the worst case. */
+  function drawBand(g, panel) {
+    const [{ values, colour }] = panel.lines, { square, worst } = panel.band, n = values.length;
+    g.fillStyle = colour;
+    g.globalAlpha = 0.25;
+    for (let i = 0; i < n;) {
+      let k = i;
+      while (k < n && isFinite(values[k]) && isFinite(square[k])) k++;
+      if (k > i + 1) {
+        g.beginPath();
+        for (let m = i; m < k; m++) g.lineTo(plot.x(m), panel.y(values[m] + square[m]));
+        for (let m = k - 1; m >= i; m--) g.lineTo(plot.x(m), panel.y(values[m] - square[m]));
+        g.closePath();
+        g.fill();
+      }
+      i = k + 1;
+    }
+    g.globalAlpha = 0.7;
+    for (const side of [1, -1]) drawCurve(g, panel, { values: values.map((v, i) => v + side * worst[i]), colour, dotted: true });
+    g.globalAlpha = 1;
+  }
+
+  function drawCurve(g, panel, { values, colour, dotted }) {
     g.strokeStyle = colour;
-    g.lineWidth = 1.6 * plot.u;
+    g.lineWidth = (dotted ? 1 : 1.6) * plot.u;
+    g.setLineDash(dotted ? [2, 3] : []);
     g.beginPath();
     let down = false;
     for (let i = 0; i < values.length; i++) {
@@ -193,6 +251,7 @@ balm.curves = (() => {
       down = true;
     }
     g.stroke();
+    g.setLineDash([]);
   }
 
   function drawPoints(g, panel, { marks, colour, joined }) {
@@ -262,7 +321,7 @@ balm.curves = (() => {
     return plot.from + Math.min(1, Math.max(0, part)) * (plot.to - plot.from);
   }
 
-  return { begin, ticks, axisRange, extent, layOut, frame, placeAt,
+  return { begin, ticks, axisRange, extent, groupsOf, firstGroup, layOut, frame, placeAt,
     get canvas() { return canvas; }, get chart() { return chart; }, get from() { return plot.from; },
     get to() { return plot.to; } };
 })();

@@ -75,9 +75,16 @@ balm.drawing = (() => {
     view.small = view.u * (c.joints.length > MANY ? 0.55 : 1);
     const g = still.getContext('2d');
     g.clearRect(0, 0, w, h);
+    drawStill(g, c);
+  }
+
+  /** What does not move. */
+  function drawStill(g, c) {
+    const { state } = balm;
     drawRegions(g, c);
     if (c.meshes) drawReach(g, c.meshes);
-    if (state.traces) for (const o of [c, ...overlays]) drawTraces(g, o, o === c ? 1 : 0.5);
+    if (state.traces) for (const o of [c, ...shownOverlays()]) drawTraces(g, o, o === c ? 1 : 0.5);
+    for (const j of state.paths) drawPathOf(g, c, j);
     drawScale(g);
   }
 
@@ -164,13 +171,33 @@ balm.drawing = (() => {
   }
 
   function drawPath(g, c) {
-    const s = c.sweep;
     g.strokeStyle = c.ink || pens.actual;
     g.lineWidth = 1.2 * view.u;
+    drawWay(g, c, c.output);
+  }
+
+  /** The path of a joint that was chosen, with its name where the path is highest. */
+  function drawPathOf(g, c, j) {
+    const s = c.sweep;
+    g.strokeStyle = g.fillStyle = linkColour(j);
+    g.lineWidth = 1.6 * view.u;
+    drawWay(g, c, j);
+    let top = -1;
+    for (let i = 0; i < s.n; i++)
+      if (isFinite(mixed(s.y[j], [i, i, 0])) && (top < 0 || mixed(s.y[j], [i, i, 0]) > mixed(s.y[j], [top, top, 0]))) top = i;
+    if (top < 0) return;
+    g.font = 'italic ' + 12 * view.u + 'px system-ui, sans-serif';
+    g.textAlign = 'center';
+    g.fillText(c.joints[j].name, X(mixed(s.x[j], [top, top, 0])), Y(mixed(s.y[j], [top, top, 0])) - 6 * view.u);
+    g.textAlign = 'left';
+  }
+
+  function drawWay(g, c, j) {
+    const s = c.sweep;
     g.beginPath();
     let down = false;
     for (let i = 0; i <= (c.ring ? s.n : s.n - 1); i++) {
-      const at = [i % s.n, i % s.n, 0], x = mixed(s.x[c.output], at), y = mixed(s.y[c.output], at);
+      const at = [i % s.n, i % s.n, 0], x = mixed(s.x[j], at), y = mixed(s.y[j], at);
       if (!isFinite(x)) { down = false; continue; }
       if (down) g.lineTo(X(x), Y(y)); else g.moveTo(X(x), Y(y));
       down = true;
@@ -269,6 +296,21 @@ balm.drawing = (() => {
   function frame(c, t) {
     pen.clearRect(0, 0, view.w, view.h);
     pen.drawImage(still, 0, 0, view.w, view.h);
+    drawMoving(c, t);
+  }
+
+  /** The whole picture at the place t on another pen: a file, a film; paper below it. */
+  function picture(c, t, g) {
+    const own = pen;
+    pen = g;
+    g.fillStyle = pens.paper;
+    g.fillRect(0, 0, view.w, view.h);
+    drawStill(g, c);
+    drawMoving(c, t);
+    pen = own;
+  }
+
+  function drawMoving(c, t) {
     const part = (t - c.ends[0]) / Math.max(1e-9, c.ends[1] - c.ends[0]);
     for (const o of shownOverlays()) {
       pen.globalAlpha = 0.6;
@@ -734,6 +776,7 @@ balm.drawing = (() => {
   /** A place of the canvas in machine axes. */
   const machine = (x, y) => [(x - view.ox) / view.k, (view.oy - y) / view.k];
 
-  return { pens, begin, fit, sizeOf, linkColour, layOut, frame, nearest, machine,
+  return { pens, begin, readColours, fit, sizeOf, linkColour, layOut, frame, picture, nearest, machine,
+    get size() { return [view.w, view.h]; },
     get canvas() { return canvas; }, get pen() { return pen; }, get scale() { return view.k; } };
 })();

@@ -2,7 +2,7 @@
 'use strict';
 
 (() => {
-  const { scene, drawing, curves, charts, messages, controls } = balm;
+  const { scene, drawing, curves, charts, messages, controls, save } = balm;
   const $ = (id) => document.getElementById(id);
   const cases = scene.read($('data').textContent);
   const state = {
@@ -20,6 +20,8 @@
     pin: true,              // a pin with clearance is drawn in its hole, magnified
     bearing: -1,            // joint of the polar diagram
     overlays: new Set(),    // cases laid over the one shown
+    group: 'all',           // curves that are shown
+    paths: new Set(),       // joints whose paths are drawn
     hover: null,            // bar under the pointer
   };
   let laidOut = false;      // a linkage has been drawn
@@ -55,6 +57,8 @@
     }
     if (fresh) [state.whole, state.t, state.forth] = [!c.limited, c.at[c.reference], 1];
     offerForces(c, fresh);
+    if (fresh) offerCurves(c);
+    if (fresh) offerPaths(c);
     $('bentbox').hidden = !c.vibration;
     $('pinbox').hidden = !c.clearance;
     $('whole').checked = state.whole;
@@ -87,6 +91,35 @@
     if (!c.forces || !fresh) return;
     state.bearing = 0;
     $('bearing').replaceChildren(...c.forces.joints.map((joint, i) => new Option(joint.name, i)));
+  }
+
+  /** Which curves there are to choose from. */
+  function offerCurves(c) {
+    drawing.readColours();
+    const groups = curves.groupsOf(c);
+    state.group = curves.firstGroup(c);
+    if (state.group === 'usual') groups.splice(1, 0, ['usual', 'all but velocity, acceleration']);
+    $('groupbox').hidden = groups.length < 2;
+    $('group').replaceChildren(...groups.map(([group, words]) => new Option(words, group)));
+    $('group').value = state.group;
+  }
+
+  /** The joints that move, by their names. */
+  function offerPaths(c) {
+    state.paths.clear();
+    const named = c.joints.map((joint, j) => [joint, j]).filter(([joint]) => joint.name && !joint.fixed);
+    $('pathbox').hidden = !named.length || Boolean(c.meshes);
+    $('paths').replaceChildren(...named.map(([joint, j]) => {
+      const label = document.createElement('label'), box = document.createElement('input');
+      box.type = 'checkbox';
+      box.dataset.path = String(j);
+      box.addEventListener('change', () => {
+        if (box.checked) state.paths.add(j); else state.paths.delete(j);
+        refresh();
+      });
+      label.append(box, ' ' + joint.name);
+      return label;
+    }));
   }
 
   /** Titles in the list as long as the window has room for. */
@@ -123,6 +156,7 @@
     curves.begin();
     charts.begin();
     controls.begin(refresh);
+    save.begin();
     listCases();
     new ResizeObserver(refresh).observe($('stage'));
     matchMedia('(prefers-color-scheme: dark)').addEventListener('change', refresh);

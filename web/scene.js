@@ -40,6 +40,9 @@ balm.scene = (() => {
     if (c.vibration) c.vibration.modes = c.vibration.modes.map(filled);
     for (const one of [...c.curves || [], ...c.drives || []])
       [one.prescribed, one.sweep] = [filled(one.prescribed), filled(one.sweep)];
+    c.panels = (c.panels || []).map((panel) => ({ ...panel,
+      lines: panel.lines.map((one) => ({ ...one, values: filled(one.values) })) }));
+    if (c.band) c.band = c.band.map(({ square, worst }) => ({ square: filled(square), worst: filled(worst) }));
     c.at = p.at;
     c.broken = new Map();
     for (const [i, loop, ...tip] of s.broken) {
@@ -76,6 +79,10 @@ balm.scene = (() => {
     const peak = (one) => one.fx.reduce((most, v, i) => Math.max(most, Math.hypot(v, one.fy[i]) || 0), 0);
     for (const one of [...f.loads, ...f.joints]) one.peak = peak(one);
     f.largest = Math.max(0, ...f.loads.map((one) => one.peak));
+    const most = (...rows) => rows.reduce((top, row) => row.reduce((m, v) => Math.max(m, Math.abs(v) || 0), top), 0);
+    // what the joints bear tells what of a force is rounding
+    f.force = Math.max(0, ...f.joints.map((one) => one.peak));
+    f.turning = most(f.drive, f.moment);
   }
 
   /** Corners of a spring between two points, drawn with eight coils. */
@@ -153,6 +160,35 @@ balm.scene = (() => {
     return next ?? (way > 0 ? list[0] : list.at(-1));
   }
 
+  /** The table of the sweep: names, and a row of numbers for each of its positions; what is not known is no number. */
+  function table(c) {
+    const s = c.sweep, names = ['input', 'closed'], columns = [Array.from({ length: s.n }, (_, i) => inputAt(c, i)),
+      Array.from(s.closed, Number)];
+    const add = (name, values) => { names.push(name); columns.push(values); };
+    if (c.drives) for (const one of c.drives) add('drive ' + one.name, one.sweep);
+    if (c.curves) for (const one of c.curves) add(one.name, one.sweep);
+    else if (c.motion === 'point') { add('output x', s.actual); add('output y', s.actual_y); } else add(c.motion, s.actual);
+    (c.band || []).forEach(({ square, worst }, i) => {
+      const which = c.band.length > 1 ? ' ' + ['x', 'y', 'angle'][i] : '';
+      add('root-sum-square deviation' + which, square);
+      add('worst deviation' + which, worst);
+    });
+    for (const panel of c.panels) for (const one of panel.lines) add((panel.name + ' ' + one.label).trim(), one.values);
+    for (const a of s.angle) add('transmission angle of loop ' + a.loop, a.values);
+    c.joints.forEach((joint, j) => {
+      if (!joint.name) return;
+      for (const key of ['x', 'y']) add(joint.name + '.' + key, typeof s[key][j] === 'number' ? Array(s.n).fill(s[key][j]) : s[key][j]);
+    });
+    return { names, rows: Array.from({ length: s.n }, (_, i) => columns.map((values) => values[i])) };
+  }
+
+  /** A table as comma separated values; names are in quotes where they must be, unknown fields are empty. */
+  function csv({ names, rows }) {
+    const quoted = (name) => /[",\n]/.test(name) ? '"' + name.replaceAll('"', '""') + '"' : name;
+    return [names.map(quoted), ...rows.map((row) => row.map((v) => Number.isFinite(v) ? String(v) : ''))]
+      .map((row) => row.join(',') + '\r\n').join('');
+  }
+
   /** What the axis of the input is called. */
   const inputName = (c) => c.inputLabel || (c.sliding ? 'input length' : 'crank angle, degrees');
 
@@ -192,6 +228,6 @@ balm.scene = (() => {
     return grown;
   }
 
-  return { OPEN, BEYOND, read, prepare, inputAt, inputName, within, between, mixed, modulo, prescribedAt, prescribedNext, short, coil, spiral,
+  return { OPEN, BEYOND, read, prepare, table, csv, inputAt, inputName, within, between, mixed, modulo, prescribedAt, prescribedNext, short, coil, spiral,
     shortOutput, shortTitle, explain, withOthers };
 })();

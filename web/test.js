@@ -152,6 +152,37 @@ globalThis.results = [];
   check('a torsional spring winds about its joint', scene.spiral(1, 2, 9).every(([x, y]) => Math.hypot(x - 1, y - 2) <= 9 + 1e-12) &&
     near(Math.hypot(...scene.spiral(0, 0, 9)[40]), 9, 1e-12));
 
+  // ---- tables and files ---------------------------------------------------------------------------------------------
+
+  const listed = scene.prepare(small({ joints: [{ name: 'A' }, { name: 'B, "left"' }], band: [{ square: [1, 2, null, 4], worst: [2, 4, null, 8] }],
+    panels: [{ name: 'velocity', group: 'rates', scale: 1, lines: [{ label: '', values: [5, 6, null, 8] }] }] }));
+  const table = scene.table(listed), lines = scene.csv(table).split('\r\n');
+  check('the table has a row for each position of the sweep', table.rows.length === 4 && table.rows.every((row) => row.length === table.names.length) &&
+    same(table.names.slice(0, 3), ['input', 'closed', 'distance']) && same(table.names.slice(-4), ['A.x', 'A.y', 'B, "left".x', 'B, "left".y']), table.names);
+  check('inputs of the table go on', same(table.rows.map((row) => row[0]), [10, 11, 12, 13]));
+  check('names with commas and quotes are quoted, unknown fields are empty', lines[0].endsWith(',"B, ""left"".x","B, ""left"".y"') &&
+    lines[3] === '12,1,3,,,,0,0,-1,0' && lines[4] === '13,1,4,4,8,8,0,0,0,-1' && lines.length === 6, lines);
+  const ink = new balm.save.SvgPen(40, 30);
+  ink.beginPath();
+  ink.lineTo(1, 2);
+  ink.lineTo(3, 4);
+  ink.closePath();
+  ink.globalAlpha = 0.5;
+  ink.fill();
+  ink.save();
+  ink.lineWidth = 7;
+  ink.restore();
+  ink.beginPath();
+  ink.arc(5, 6, 2, 0, 2 * Math.PI);
+  ink.stroke();
+  ink.fillText('a<b & "c"', 1, 2);
+  const drawn = new DOMParser().parseFromString(ink.text('T<1>'), 'image/svg+xml'), paths = [...drawn.querySelectorAll('path')];
+  check('the pen writes SVG that is read', !drawn.querySelector('parsererror') && drawn.documentElement.getAttribute('viewBox') === '0 0 40 30' &&
+    drawn.querySelector('title').textContent === 'T<1>' && drawn.querySelector('text').textContent === 'a<b & "c"', ink.text('T'));
+  check('a path begins where its first line does', paths[0].getAttribute('d') === 'M1 2L3 4Z' && paths[0].getAttribute('opacity') === '0.5', paths[0].outerHTML);
+  check('a circle is whole, and what was put by comes back', /^M7 6A2 2 0 0 1 3 6A2 2 0 0 1 7 6$/.test(
+    paths[1].getAttribute('d').replace(/-0(?=[ A]|$)/g, '0')) && paths[1].getAttribute('stroke-width') === '1', paths[1].outerHTML);
+
   // ---- axes ---------------------------------------------------------------------------------------------------------
 
   check('ticks are round', same(curves.ticks(0.3, 4.7, 5), [1, 2, 3, 4]) && same(curves.ticks(-7, 7, 3), [-5, 0, 5]));

@@ -1,7 +1,8 @@
 !> Curves of a sketch that has no loops of dyads, in a gnuplot script: every output, and the drives where there are several.
 module psalm_chain_curves
-   use psalm_kinds, only: wp
+   use psalm_kinds, only: wp, full_turn
    use psalm_markup, only: gnuplot_text
+   use psalm_panel_curves, only: axis_range
    use psalm_scene, only: scene_t
    use psalm_text, only: text_t, full_precision, to_text
    implicit none (type, external)
@@ -68,8 +69,10 @@ contains
       if (.not. any(scene%sweep%closed)) call text%add("set label 1 'the linkage does not close' at graph 0.5,0.5 center front")
       do k = 1, size(scene%curves)
          ! gnuplot refuses a panel without a single number
-         line = merge('set yrange [*:*]', 'set yrange [0:1]', any(scene%sweep%closed))
-         call text%add('set ylabel '//gnuplot_text(scene%curves(k)%name)//'; '//line//'; plot $way using 1:'//to_text(k + 1)// &
+         line = 'set yrange [0:1]; '
+         if (any(scene%sweep%closed)) line = axis_range(pack(scene%curves(k)%sweep, scene%sweep%closed), &
+                                                        merge(full_turn, maxval(scene%high - scene%low), scene%curves(k)%angle))
+         call text%add('set ylabel '//gnuplot_text(scene%curves(k)%name)//'; '//line//'plot $way using 1:'//to_text(k + 1)// &
                        ' with lines lw 1.5 notitle, $positions using 1:'//to_text(k + 1)//' with points pt 7 ps 0.5 lc 1 notitle')
       end do
       call text%add('unset label 1; set yrange [*:*]')

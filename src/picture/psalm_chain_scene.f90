@@ -11,6 +11,7 @@ module psalm_chain_scene
    use psalm_kinds, only: wp, degrees_per_radian, full_turn
    use psalm_markup, only: add_string, sentence_case
    use psalm_output_kind, only: motion_point, motion_angle
+   use psalm_panels, only: add_study_panels
    use psalm_parts, only: bar_t, body_t, edge_t, joint_t, slide_t, wheel_t, convex_hull
    use psalm_scene, only: scene_t, message_scene, choose_view, find_rails, motion_number
    use psalm_sketch, only: columns_of, sketch_t, drive_turns, frame_link, grid_digits, output_angle, output_between, &
@@ -46,7 +47,7 @@ contains
       call message_scene(set, findings, scene)
       if (size(scene%errors) > 0) return
       allocate (own)
-      call study_chain(set, 1.0_wp, 0.0_wp, own)
+      call study_chain(set, set%speed, set%accel, own)
       if (.not. own%sound) return
       scene%sound = .true.
       scene%tangle = set%tangle
@@ -65,6 +66,9 @@ contains
       scene%pointer = own%closure%size
       call make_curves(set%sketch, own, sweep, scene)
       call make_envelope(set%sketch, own, scene)
+      ! the way through a grid has no speed, nor has one from position to position without one
+      if (count(.not. set%sketch%drives%geared) == 1) &
+         call add_study_panels(set, sweep, size(set%sketch%outputs) + 1, maxval(scene%high - scene%low), scene%panels)
    end subroutine make_chain_scene
 
    !> The prescribed position nearest to the drawing that closes; the first if none does.
@@ -145,7 +149,7 @@ contains
          other%delt = first - (set%crnki - set%crnki_of_drawing)
          if (allocated(sweep)) deallocate (sweep)
          allocate (sweep)
-         call study_chain(other, 1.0_wp, 0.0_wp, sweep)
+         call study_chain(other, set%speed, set%accel, sweep)
       end subroutine run
 
       !> True if a whole turn closes everywhere and ends where it began.

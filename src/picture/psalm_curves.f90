@@ -7,6 +7,7 @@ module psalm_curves
    use psalm_markup, only: clean_text, gnuplot_text, short_number
    use psalm_number, only: parse_real
    use psalm_output_kind, only: motion_point, motion_angle, motion_distance
+   use psalm_panel_curves, only: axis_range, panels_shown, plot_band_panel, plot_panels_of, write_band_table, write_panel_table
    use psalm_scene, only: scene_t
    use psalm_source, only: line_t
    use psalm_text, only: text_t, full_precision, to_text
@@ -18,8 +19,6 @@ module psalm_curves
    integer, parameter :: panel_height = 330 !! pixels
    integer, parameter :: most_lines = 12    !! transmission angles named one by one
    real(wp), parameter :: part_of_turn = 300.0_wp !! prescribed over less than this, degrees, the axis shows that part only
-   real(wp), parameter :: flat = 1.0e-8_wp  !! a curve that varies by less than this part of the scale is constant; as on the page
-   real(wp), parameter :: around = 0.01_wp  !! part of the scale that is shown on either side of a constant
    character(*), parameter :: colour_open = '#d3302f' !! of bands where the linkage does not close
 
 contains
@@ -40,12 +39,15 @@ contains
       if (allocated(scene%forces)) call write_force_table(scene%forces, [(along(scene, scene%sweep, i), i=1, scene%sweep%n)], text)
       if (allocated(scene%curves)) call write_chain_tables(scene, [(along(scene, scene%prescribed, i), i=1, scene%prescribed%n)], &
                                                            [(along(scene, scene%sweep, i), i=1, scene%sweep%n)], text)
+      if (size(scene%panels) > 0) call write_panel_table(scene%panels, [(along(scene, scene%sweep, i), i=1, scene%sweep%n)], text)
+      if (allocated(scene%band)) call write_band_table(scene, [(along(scene, scene%sweep, i), i=1, scene%sweep%n)], text)
       call write_progress(progress, steps, starts, text)
       errors = scene%desired
       angles = any(scene%pairs%joint_type == assur_rrr)
       panels = 1 + count([scene%motion == motion_point, errors, angles, steps > 0])
       if (allocated(scene%forces)) panels = panels + force_panels
       if (allocated(scene%curves)) panels = chain_panels(scene) + count([steps > 0])
+      panels = panels + panels_shown(scene)
       call text%add('set grid; set key outside right top; set lmargin 11; set rmargin 17')
       call find_axis(scene, low, high)
       call input_axis(scene, low, high, text)
@@ -266,8 +268,8 @@ contains
       if (allocated(scene%curves)) then
          call plot_chain_panels(scene, text)
       else if (scene%motion == motion_point) then
-         call output_panel('x of the output point', 2, 4, scene%sweep%actual, scene%prescribed%actual, scene%prescribed%wanted)
-         call output_panel('y of the output point', 3, 5, scene%sweep%actual_y, scene%prescribed%actual_y, &
+         call output_panel('x of '//called(scene), 2, 4, scene%sweep%actual, scene%prescribed%actual, scene%prescribed%wanted)
+         call output_panel('y of '//called(scene), 3, 5, scene%sweep%actual_y, scene%prescribed%actual_y, &
                            scene%prescribed%wanted_y)
       else
          call output_panel(output_name(scene), 2, 4, scene%sweep%actual, scene%prescribed%actual, scene%prescribed%wanted)
@@ -298,6 +300,8 @@ contains
                        short_number(90.0_wp + scene%tangle)//" dt 2 lc 'red' notitle; set yrange [*:*]")
       end if
       call text%add('set yrange [*:*]; unset label 1')
+      if (allocated(scene%band)) call plot_band_panel(scene%band, text)
+      call plot_panels_of(scene%panels, text)
       if (allocated(scene%forces)) call plot_force_panels(scene%forces, text)
       if (steps == 0) return
       call text%add('unset object; set xtics auto; set xrange [*:*]; set logscale y; set format y "%g"; set ylabel "objective"')
@@ -323,11 +327,26 @@ contains
 
          plot = 'set ylabel '//gnuplot_text(name)//'; '//y_range(seen .or. scene%desired, &
             [pack(swept, scene%sweep%closed), pack(found, scene%prescribed%closed), wanted])// &
-                'plot $sweep using 1:'//to_text(actual)// &
-                " with lines lw 1.5 title 'actual', $prescribed using 1:"//to_text(actual)//" with points pt 7 ps 0.5 lc 1 notitle"
+                'plot '//band_of(actual - 1)//'$sweep using 1:'//to_text(actual)// &
+                " with lines lw 1.5 lc 1 title 'actual', $prescribed using 1:"//to_text(actual)// &
+                " with points pt 7 ps 0.5 lc 1 notitle"
          if (scene%desired) plot = plot//', $prescribed using 1:'//to_text(desired)//" with points pt 6 lc 2 title 'desired'"
          call text%add(plot)
       end subroutine output_panel
+
+      !> The band of a component of the output, below its curve.
+      pure function band_of(component) result(command)
+         integer, intent(in) :: component
+         character(:), allocatable :: command
+
+         command = ''
+         if (.not. allocated(scene%band)) return
+         if (.not. any(scene%band%known)) return
+         command = '$band using 1:'//to_text(4*component - 2)//':'//to_text(4*component - 1)// &
+                   " with filledcurves fc rgb '#8ab4f8' fs transparent solid 0.5 notitle, $band using 1:"// &
+                   to_text(4*component)//" with lines dt 3 lc rgb '#566370' notitle, $band using 1:"// &
+                   to_text(4*component + 1)//" with lines dt 3 lc rgb '#566370' notitle, "
+      end function band_of
 
       pure function error_range() result(command)
          character(:), allocatable :: command
@@ -346,11 +365,11 @@ contains
          logical, intent(in) :: numbers     !! there is something to scale the axis by
          real(wp), intent(in) :: values(:)
          character(:), allocatable :: command
-         real(wp) :: scale, turned(size(values)), middle
+         real(wp) :: scale, turned(size(values))
 
          command = 'set yrange [0:1]; '
          if (.not. numbers) return
-         command = 'set yrange [*:*]; '
+         command = axis_range(values, 0.0_wp)
          if (size(values) == 0) return
          scale = maxval(scene%high - scene%low)
          turned = values
@@ -358,17 +377,28 @@ contains
             scale = full_turn
             turned = values - full_turn*anint((values - values(1))/full_turn)
          end if
-         if (maxval(turned) - minval(turned) >= flat*scale) return
-         middle = 0.5_wp*(maxval(turned) + minval(turned))
-         if (abs(middle) < flat*scale) middle = 0.0_wp
-         command = 'set yrange ['//short_number(middle - around*scale)//':'//short_number(middle + around*scale)//']; '
+         command = axis_range(turned, scale)
       end function y_range
    end subroutine plot_panels
+
+   !> What the output point is called.
+   pure function called(scene) result(name)
+      type(scene_t), intent(in) :: scene
+      character(:), allocatable :: name
+
+      name = 'the output point'
+      if (allocated(scene%output_label)) name = scene%output_label
+   end function called
 
    pure function output_name(scene) result(name)
       type(scene_t), intent(in) :: scene
       character(:), allocatable :: name
 
+      if (allocated(scene%output_label)) then
+         name = scene%output_label
+         if (scene%motion == motion_angle) name = name//', degrees'
+         return
+      end if
       select case (scene%motion)
       case (motion_angle)
          name = 'angle, degrees'

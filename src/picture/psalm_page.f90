@@ -9,6 +9,7 @@ module psalm_page
    use psalm_labels, only: place_labels
    use psalm_markup, only: xml_text, json_text, number_or_null, short_number, strings_t
    use psalm_page_text, only: page_text, title_mark, data_mark
+   use psalm_panels, only: band_t, panel_t
    use psalm_parts, only: bar_t, body_t
    use psalm_scene, only: scene_t, motion_number
    use psalm_text, only: text_t, full_precision, to_text
@@ -77,6 +78,10 @@ contains
          call write_row(scene, scene%sweep, .false., text)
          call write_others(scene, scene%sweep, text)
          call text%add_text('}')
+         if (allocated(scene%output_label) .and. .not. allocated(scene%drives)) &
+            call text%add_text(',"outputLabel":'//json_text(scene%output_label))
+         if (size(scene%panels) > 0) call write_panels(scene, text)
+         if (allocated(scene%band)) call write_band(scene%band, text)
          if (allocated(scene%vibration)) then
             call text%add_text(',"vibration":')
             associate (v => scene%vibration, bar => scene%bars(scene%vibration%bar))
@@ -268,6 +273,71 @@ contains
          call text%add(']}')
       end subroutine add_both
    end subroutine write_chain_parts
+
+   !> Further curves over the sweep.
+   subroutine write_panels(scene, text)
+      type(scene_t), intent(in) :: scene
+      type(text_t), intent(inout) :: text
+      integer :: i, k
+
+      call text%add(',"panels":[')
+      do i = 1, size(scene%panels)
+         associate (panel => scene%panels(i))
+            call text%add_text(comma(i)//'{"name":'//json_text(name_with_note(panel))//',"group":"'//trim(panel%group)// &
+                               '","scale":'//short_number(panel%scale)//',"lines":[')
+            do k = 1, size(panel%lines)
+               call text%add_text(comma(k)//'{"label":'//json_text(trim(panel%lines(k)%label))//',"values":')
+               call write_known(panel%lines(k)%values, panel%lines(k)%known, text)
+               call text%add_text('}')
+            end do
+            call text%add(']}')
+         end associate
+      end do
+      call text%add(']')
+   end subroutine write_panels
+
+   pure function name_with_note(panel) result(name)
+      type(panel_t), intent(in) :: panel
+      character(:), allocatable :: name
+
+      name = trim(panel%name)
+      if (len_trim(panel%note) > 0) name = name//' ('//trim(panel%note)//')'
+   end function name_with_note
+
+   !> Deviations of the output over the sweep: for each component root-sum-square and worst case.
+   subroutine write_band(band, text)
+      type(band_t), intent(in) :: band
+      type(text_t), intent(inout) :: text
+      integer :: c
+
+      call text%add(',"band":[')
+      do c = 1, band%components
+         call text%add_text(comma(c)//'{"square":')
+         call write_known(band%square(:, c), band%known, text)
+         call text%add_text(',"worst":')
+         call write_known(band%worst(:, c), band%known, text)
+         call text%add_text('}')
+      end do
+      call text%add(']')
+   end subroutine write_band
+
+   !> Values as an array, `null` where they are not known.
+   subroutine write_known(values, known, text)
+      real(wp), intent(in) :: values(:)
+      logical, intent(in) :: known(:)
+      type(text_t), intent(inout) :: text
+      integer :: i
+
+      call text%add_text('[')
+      do i = 1, size(values)
+         if (known(i)) then
+            call text%add_text(comma(i)//short_number(values(i)))
+         else
+            call text%add_text(comma(i)//'null')
+         end if
+      end do
+      call text%add(']')
+   end subroutine write_known
 
    !> A row of positions: prescribed ones with all digits, a sweep with nine.
    subroutine write_row(scene, row, exact, text)

@@ -247,6 +247,18 @@ module psalm_page_text
    '  gap: 4px 14px;'//nl// &
    '}'//nl// &
    ''//nl// &
+   'details {'//nl// &
+   '  max-width: 100%;'//nl// &
+   '}'//nl// &
+   ''//nl// &
+   'details[open] > summary {'//nl// &
+   '  margin-bottom: 6px;'//nl// &
+   '}'//nl// &
+   ''//nl// &
+   'summary {'//nl// &
+   '  cursor: pointer;'//nl// &
+   '}'//nl// &
+   ''//nl// &
    'legend {'//nl// &
    '  float: left;'//nl// &
    '  color: var(--soft);'//nl// &
@@ -300,7 +312,9 @@ module psalm_page_text
    '@media (min-width: 1700px) {'//nl// &
    '  body {'//nl// &
    '    font-size: 19px;'//nl// &
-   '  }'//nl// &
+   '  }'//nl
+
+   character(*), parameter :: part_4 = &
    '  #controls button,'//nl// &
    '  #controls select {'//nl// &
    '    min-height: 44px;'//nl// &
@@ -312,9 +326,7 @@ module psalm_page_text
    '}'//nl// &
    ''//nl// &
    '@media (max-width: 820px) {'//nl// &
-   '  main {'//nl
-
-   character(*), parameter :: part_4 = &
+   '  main {'//nl// &
    '    grid-template-columns: minmax(0, 1fr);'//nl// &
    '    padding: 0 8px;'//nl// &
    '  }'//nl// &
@@ -386,7 +398,7 @@ module psalm_page_text
    '  </figure>'//nl// &
    '  <figure>'//nl// &
    '    <canvas id="curves" role="img"'//nl// &
-   '      aria-label="curves of output, error and transmission angles; drag to move the input"></canvas>'//nl// &
+   '      aria-label="curves of output, error, transmission angles, rates; drag to move the input"></canvas>'//nl// &
    '  </figure>'//nl// &
    '  <div id="controls">'//nl// &
    '    <button id="play" type="button" aria-label="play" aria-pressed="false">Play</button>'//nl// &
@@ -402,7 +414,9 @@ module psalm_page_text
    '    <button id="before" type="button" aria-label="prescribed position before"'//nl// &
    '      title="prescribed position before ([)">&#9664;</button>'//nl// &
    '    <button id="after" type="button" aria-label="next prescribed position"'//nl// &
-   '      title="next prescribed position (])">&#9654;</button>'//nl// &
+   '      title="next prescribed position (])">&#9654;</button>'//nl
+
+   character(*), parameter :: part_5 = &
    '    <div id="track">'//nl// &
    '      <canvas id="strip" aria-hidden="true"></canvas>'//nl// &
    '      <input id="time" type="range" min="0" max="359" step="any" value="0" aria-label="input">'//nl// &
@@ -414,10 +428,17 @@ module psalm_page_text
    '    <label id="forcebox" hidden><input id="forces" type="checkbox" checked> forces</label>'//nl// &
    '    <label id="bentbox" hidden><input id="bent" type="checkbox" checked> bending</label>'//nl// &
    '    <label id="pinbox" hidden><input id="pin" type="checkbox" checked> pin in its hole</label>'//nl// &
-   '    <label id="bearingbox" hidden>polar diagram'//nl
-
-   character(*), parameter :: part_5 = &
+   '    <label id="bearingbox" hidden>polar diagram'//nl// &
    '      <select id="bearing" aria-label="joint of the polar diagram"></select></label>'//nl// &
+   '    <label id="groupbox" hidden>curves'//nl// &
+   '      <select id="group" aria-label="curves shown"></select></label>'//nl// &
+   '    <details id="pathbox"><summary>paths of joints</summary><fieldset id="paths" aria-label="paths of joints"></fieldse'// &
+   't></details>'//nl// &
+   '    <details id="savebox"><summary>save</summary>'//nl// &
+   '      <button id="savesvg" type="button" title="the picture as it stands, to scale at any size">picture (SVG)</button>'//nl// &
+   '      <button id="savepng" type="button" title="the picture as it stands, in pixels">picture (PNG)</button>'//nl// &
+   '      <button id="savetable" type="button" title="input, outputs, rates, joints over the sweep">table (CSV)</button>'//nl// &
+   '      <button id="savefilm" type="button" title="the whole motion once, at the speed chosen">film</button></details>'//nl// &
    '    <fieldset id="overlays" hidden><legend>overlay</legend></fieldset>'//nl// &
    '  </div>'//nl// &
    '</main>'//nl// &
@@ -474,6 +495,9 @@ module psalm_page_text
    '    if (c.vibration) c.vibration.modes = c.vibration.modes.map(filled);'//nl// &
    '    for (const one of [...c.curves || [], ...c.drives || []])'//nl// &
    '      [one.prescribed, one.sweep] = [filled(one.prescribed), filled(one.sweep)];'//nl// &
+   '    c.panels = (c.panels || []).map((panel) => ({ ...panel,'//nl// &
+   '      lines: panel.lines.map((one) => ({ ...one, values: filled(one.values) })) }));'//nl// &
+   '    if (c.band) c.band = c.band.map(({ square, worst }) => ({ square: filled(square), worst: filled(worst) }));'//nl// &
    '    c.at = p.at;'//nl// &
    '    c.broken = new Map();'//nl// &
    '    for (const [i, loop, ...tip] of s.broken) {'//nl// &
@@ -494,7 +518,9 @@ module psalm_page_text
    '    c.bar = c.bars.find((b) => b.loop === 1 && b.arc === 1);'//nl// &
    '    c.size = Math.max(c.view[2] - c.view[0], c.view[3] - c.view[1]);'//nl// &
    '    c.px = new Float64Array(c.joints.length);   // joints as drawn last'//nl// &
-   '    c.py = new Float64Array(c.joints.length);'//nl// &
+   '    c.py = new Float64Array(c.joints.length);'//nl
+
+   character(*), parameter :: part_6 = &
    "    if (c.motion === 'angle') goOn(c);"//nl// &
    '    return c;'//nl// &
    '  }'//nl// &
@@ -511,6 +537,10 @@ module psalm_page_text
    '    const peak = (one) => one.fx.reduce((most, v, i) => Math.max(most, Math.hypot(v, one.fy[i]) || 0), 0);'//nl// &
    '    for (const one of [...f.loads, ...f.joints]) one.peak = peak(one);'//nl// &
    '    f.largest = Math.max(0, ...f.loads.map((one) => one.peak));'//nl// &
+   '    const most = (...rows) => rows.reduce((top, row) => row.reduce((m, v) => Math.max(m, Math.abs(v) || 0), top), 0);'//nl// &
+   '    // what the joints bear tells what of a force is rounding'//nl// &
+   '    f.force = Math.max(0, ...f.joints.map((one) => one.peak));'//nl// &
+   '    f.turning = most(f.drive, f.moment);'//nl// &
    '  }'//nl// &
    ''//nl// &
    '  /** Corners of a spring between two points, drawn with eight coils. */'//nl// &
@@ -519,9 +549,7 @@ module psalm_page_text
    ' + HOOK * dx, y1 + HOOK * dy]];'//nl// &
    '    for (let i = 1; i <= 2 * COILS; i++) {'//nl// &
    '      const part = HOOK + (1 - 2 * HOOK) * (i - 0.5) / (2 * COILS), side = (i % 2 ? half : -half) / length;'//nl// &
-   '      points.push([x1 + part * dx - side * dy, y1 + part * dy + side * dx]);'//nl
-
-   character(*), parameter :: part_6 = &
+   '      points.push([x1 + part * dx - side * dy, y1 + part * dy + side * dx]);'//nl// &
    '    }'//nl// &
    '    return [...points, [x2 - HOOK * dx, y2 - HOOK * dy], [x2, y2]];'//nl// &
    '  }'//nl// &
@@ -591,6 +619,40 @@ module psalm_page_text
    '    return next ?? (way > 0 ? list[0] : list.at(-1));'//nl// &
    '  }'//nl// &
    ''//nl// &
+   '  /** The table of the sweep: names, and a row of numbers for each of its positions; what is not known is no number. */'//nl// &
+   '  function table(c) {'//nl// &
+   "    const s = c.sweep, names = ['input', 'closed'], columns = [Array.from({ length: s.n }, (_, i) => inputAt(c, i)),"//nl// &
+   '      Array.from(s.closed, Number)];'//nl
+
+   character(*), parameter :: part_7 = &
+   '    const add = (name, values) => { names.push(name); columns.push(values); };'//nl// &
+   "    if (c.drives) for (const one of c.drives) add('drive ' + one.name, one.sweep);"//nl// &
+   '    if (c.curves) for (const one of c.curves) add(one.name, one.sweep);'//nl// &
+   "    else if (c.motion === 'point') { add('output x', s.actual); add('output y', s.actual_y); } else add(c.motion, s.act"// &
+   "ual);"//nl// &
+   '    (c.band || []).forEach(({ square, worst }, i) => {'//nl// &
+   "      const which = c.band.length > 1 ? ' ' + ['x', 'y', 'angle'][i] : '';"//nl// &
+   "      add('root-sum-square deviation' + which, square);"//nl// &
+   "      add('worst deviation' + which, worst);"//nl// &
+   '    });'//nl// &
+   "    for (const panel of c.panels) for (const one of panel.lines) add((panel.name + ' ' + one.label).trim(), one.values)"// &
+   ";"//nl// &
+   "    for (const a of s.angle) add('transmission angle of loop ' + a.loop, a.values);"//nl// &
+   '    c.joints.forEach((joint, j) => {'//nl// &
+   '      if (!joint.name) return;'//nl// &
+   "      for (const key of ['x', 'y']) add(joint.name + '.' + key, typeof s[key][j] === 'number' ? Array(s.n).fill(s[key]["// &
+   "j]) : s[key][j]);"//nl// &
+   '    });'//nl// &
+   '    return { names, rows: Array.from({ length: s.n }, (_, i) => columns.map((values) => values[i])) };'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  /** A table as comma separated values; names are in quotes where they must be, unknown fields are empty. */'//nl// &
+   '  function csv({ names, rows }) {'//nl// &
+   "    const quoted = (name) => /["",\n]/.test(name) ? '""' + name.replaceAll('""', '""""') + '""' : name;"//nl// &
+   "    return [names.map(quoted), ...rows.map((row) => row.map((v) => Number.isFinite(v) ? String(v) : ''))]"//nl// &
+   "      .map((row) => row.join(',') + '\r\n').join('');"//nl// &
+   '  }'//nl// &
+   ''//nl// &
    '  /** What the axis of the input is called. */'//nl// &
    "  const inputName = (c) => c.inputLabel || (c.sliding ? 'input length' : 'crank angle, degrees');"//nl// &
    ''//nl// &
@@ -621,9 +683,7 @@ module psalm_page_text
    '  function withOthers(c, view) {'//nl// &
    '    const room = Math.max(view[2] - view[0], view[3] - view[1]), grown = view.slice();'//nl// &
    '    for (const { x, y } of c.sweep.others) for (let t = 0; t < c.sweep.n; t += Math.ceil(c.sweep.n / 72)) {'//nl// &
-   '      if (!(isFinite(x[t]) && isFinite(y[t]))) continue;'//nl
-
-   character(*), parameter :: part_7 = &
+   '      if (!(isFinite(x[t]) && isFinite(y[t]))) continue;'//nl// &
    '      grown[0] = Math.min(grown[0], Math.max(x[t], view[0] - room));'//nl// &
    '      grown[1] = Math.min(grown[1], Math.max(y[t], view[1] - room));'//nl// &
    '      grown[2] = Math.max(grown[2], Math.min(x[t], view[2] + room));'//nl// &
@@ -632,8 +692,8 @@ module psalm_page_text
    '    return grown;'//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  return { OPEN, BEYOND, read, prepare, inputAt, inputName, within, between, mixed, modulo, prescribedAt, prescribedNex'// &
-   't, short, coil, spiral,'//nl// &
+   '  return { OPEN, BEYOND, read, prepare, table, csv, inputAt, inputName, within, between, mixed, modulo, prescribedAt, p'// &
+   'rescribedNext, short, coil, spiral,'//nl// &
    '    shortOutput, shortTitle, explain, withOthers };'//nl// &
    '})();'//nl// &
    '</script>'//nl// &
@@ -668,7 +728,9 @@ module psalm_page_text
    '  function fit(shown, ...copies) {'//nl// &
    '    const dpr = window.devicePixelRatio || 1, w = shown.clientWidth, h = shown.clientHeight;'//nl// &
    '    for (const one of [shown, ...copies]) {'//nl// &
-   '      one.width = Math.max(1, Math.round(w * dpr));'//nl// &
+   '      one.width = Math.max(1, Math.round(w * dpr));'//nl
+
+   character(*), parameter :: part_8 = &
    '      one.height = Math.max(1, Math.round(h * dpr));'//nl// &
    "      one.getContext('2d').setTransform(dpr, 0, 0, dpr, 0, 0);"//nl// &
    '    }'//nl// &
@@ -715,9 +777,16 @@ module psalm_page_text
    '    view.small = view.u * (c.joints.length > MANY ? 0.55 : 1);'//nl// &
    "    const g = still.getContext('2d');"//nl// &
    '    g.clearRect(0, 0, w, h);'//nl// &
+   '    drawStill(g, c);'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  /** What does not move. */'//nl// &
+   '  function drawStill(g, c) {'//nl// &
+   '    const { state } = balm;'//nl// &
    '    drawRegions(g, c);'//nl// &
    '    if (c.meshes) drawReach(g, c.meshes);'//nl// &
-   '    if (state.traces) for (const o of [c, ...overlays]) drawTraces(g, o, o === c ? 1 : 0.5);'//nl// &
+   '    if (state.traces) for (const o of [c, ...shownOverlays()]) drawTraces(g, o, o === c ? 1 : 0.5);'//nl// &
+   '    for (const j of state.paths) drawPathOf(g, c, j);'//nl// &
    '    drawScale(g);'//nl// &
    '  }'//nl// &
    ''//nl// &
@@ -726,9 +795,7 @@ module psalm_page_text
    ''//nl// &
    '  /** What the output reaches over a grid of strokes: the meshes cover each other, so all are outlined, then filled as '// &
    'one. */'//nl// &
-   '  function drawReach(g, meshes) {'//nl
-
-   character(*), parameter :: part_8 = &
+   '  function drawReach(g, meshes) {'//nl// &
    '    g.beginPath();'//nl// &
    '    for (const m of meshes) {'//nl// &
    '      for (let i = 0; i < 8; i += 2) if (i) g.lineTo(X(m[i]), Y(m[i + 1])); else g.moveTo(X(m[0]), Y(m[1]));'//nl// &
@@ -765,7 +832,9 @@ module psalm_page_text
    '    g.restore();'//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  const outline = {'//nl// &
+   '  const outline = {'//nl
+
+   character(*), parameter :: part_9 = &
    '    box: (g, { at }) => g.rect(X(at[0]), Y(at[3]), view.k * (at[2] - at[0]), view.k * (at[3] - at[1])),'//nl// &
    '    circle: (g, { at }) => g.arc(X(at[0]), Y(at[1]), view.k * at[2], 0, ROUND),'//nl// &
    "    'half-plane'(g, { inside, at }) {"//nl// &
@@ -808,13 +877,34 @@ module psalm_page_text
    '  }'//nl// &
    ''//nl// &
    '  function drawPath(g, c) {'//nl// &
-   '    const s = c.sweep;'//nl// &
    '    g.strokeStyle = c.ink || pens.actual;'//nl// &
    '    g.lineWidth = 1.2 * view.u;'//nl// &
+   '    drawWay(g, c, c.output);'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  /** The path of a joint that was chosen, with its name where the path is highest. */'//nl// &
+   '  function drawPathOf(g, c, j) {'//nl// &
+   '    const s = c.sweep;'//nl// &
+   '    g.strokeStyle = g.fillStyle = linkColour(j);'//nl// &
+   '    g.lineWidth = 1.6 * view.u;'//nl// &
+   '    drawWay(g, c, j);'//nl// &
+   '    let top = -1;'//nl// &
+   '    for (let i = 0; i < s.n; i++)'//nl// &
+   '      if (isFinite(mixed(s.y[j], [i, i, 0])) && (top < 0 || mixed(s.y[j], [i, i, 0]) > mixed(s.y[j], [top, top, 0]))) t'// &
+   'op = i;'//nl// &
+   '    if (top < 0) return;'//nl// &
+   "    g.font = 'italic ' + 12 * view.u + 'px system-ui, sans-serif';"//nl// &
+   "    g.textAlign = 'center';"//nl// &
+   '    g.fillText(c.joints[j].name, X(mixed(s.x[j], [top, top, 0])), Y(mixed(s.y[j], [top, top, 0])) - 6 * view.u);'//nl// &
+   "    g.textAlign = 'left';"//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  function drawWay(g, c, j) {'//nl// &
+   '    const s = c.sweep;'//nl// &
    '    g.beginPath();'//nl// &
    '    let down = false;'//nl// &
    '    for (let i = 0; i <= (c.ring ? s.n : s.n - 1); i++) {'//nl// &
-   '      const at = [i % s.n, i % s.n, 0], x = mixed(s.x[c.output], at), y = mixed(s.y[c.output], at);'//nl// &
+   '      const at = [i % s.n, i % s.n, 0], x = mixed(s.x[j], at), y = mixed(s.y[j], at);'//nl// &
    '      if (!isFinite(x)) { down = false; continue; }'//nl// &
    '      if (down) g.lineTo(X(x), Y(y)); else g.moveTo(X(x), Y(y));'//nl// &
    '      down = true;'//nl// &
@@ -828,9 +918,7 @@ module psalm_page_text
    '    g.globalAlpha = alpha * Math.max(0.01, Math.min(1, 80 / p.n));   // many lines must not become a blot'//nl// &
    '    g.lineWidth = 0.8 * view.u;'//nl// &
    '    for (let i = 0; i < p.n; i++) {'//nl// &
-   "      if (p.closed[i] === '0') continue;"//nl
-
-   character(*), parameter :: part_9 = &
+   "      if (p.closed[i] === '0') continue;"//nl// &
    '      const x = mixed(p.x[c.base], [i, i, 0]), y = mixed(p.y[c.base], [i, i, 0]);'//nl// &
    '      g.strokeStyle = pens.actual;'//nl// &
    '      segment(g, x, y, p.aim_x[i], p.aim_y[i]);'//nl// &
@@ -847,7 +935,9 @@ module psalm_page_text
    '  function drawMarks(g, c) {'//nl// &
    '    const p = c.prescribed, x = p.x[c.output], y = p.y[c.output];'//nl// &
    '    for (let i = 0; i < p.n; i++) {'//nl// &
-   "      const closed = p.closed[i] === '1', at = [i, i, 0];"//nl// &
+   "      const closed = p.closed[i] === '1', at = [i, i, 0];"//nl
+
+   character(*), parameter :: part_10 = &
    '      if (closed) star(g, X(mixed(x, at)), Y(mixed(y, at)), 4.5 * view.u, c.ink || pens.actual);'//nl// &
    "      if (c.desired && (closed || c.motion === 'point')) diamond(g, X(p.wish_x[i]), Y(p.wish_y[i]));"//nl// &
    '    }'//nl// &
@@ -916,6 +1006,21 @@ module psalm_page_text
    '  function frame(c, t) {'//nl// &
    '    pen.clearRect(0, 0, view.w, view.h);'//nl// &
    '    pen.drawImage(still, 0, 0, view.w, view.h);'//nl// &
+   '    drawMoving(c, t);'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  /** The whole picture at the place t on another pen: a file, a film; paper below it. */'//nl// &
+   '  function picture(c, t, g) {'//nl// &
+   '    const own = pen;'//nl// &
+   '    pen = g;'//nl// &
+   '    g.fillStyle = pens.paper;'//nl// &
+   '    g.fillRect(0, 0, view.w, view.h);'//nl// &
+   '    drawStill(g, c);'//nl// &
+   '    drawMoving(c, t);'//nl// &
+   '    pen = own;'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  function drawMoving(c, t) {'//nl// &
    '    const part = (t - c.ends[0]) / Math.max(1e-9, c.ends[1] - c.ends[0]);'//nl// &
    '    for (const o of shownOverlays()) {'//nl// &
    '      pen.globalAlpha = 0.6;'//nl// &
@@ -931,11 +1036,11 @@ module psalm_page_text
    '    for (let j = 0; j < px.length; j++) {'//nl// &
    '      px[j] = X(mixed(s.x[j], at));'//nl// &
    '      py[j] = Y(mixed(s.y[j], at));'//nl// &
-   '    }'//nl
-
-   character(*), parameter :: part_10 = &
+   '    }'//nl// &
    "    pen.lineJoin = pen.lineCap = 'round';"//nl// &
-   '    drawRails(c, at);'//nl// &
+   '    drawRails(c, at);'//nl
+
+   character(*), parameter :: part_11 = &
    '    drawPlates(c);'//nl// &
    '    if (balm.state.other && main) drawOthers(c, at);'//nl// &
    '    if (c.wheels) drawWheels(c);'//nl// &
@@ -1035,11 +1140,11 @@ module psalm_page_text
    '    if (bearing) drawPolar(g, bearing, at);'//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  function arrow(g, one, at, largest) {'//nl
-
-   character(*), parameter :: part_11 = &
+   '  function arrow(g, one, at, largest) {'//nl// &
    '    const u = view.u, x = X(mixed(one.x, at)), y = Y(mixed(one.y, at)), scale = LONGEST * u / (largest || 1);'//nl// &
-   '    const dx = scale * mixed(one.fx, at), dy = -scale * mixed(one.fy, at), length = Math.hypot(dx, dy);'//nl// &
+   '    const dx = scale * mixed(one.fx, at), dy = -scale * mixed(one.fy, at), length = Math.hypot(dx, dy);'//nl
+
+   character(*), parameter :: part_12 = &
    '    if (!(length > 1)) return;'//nl// &
    '    const head = Math.min(9 * u, 0.6 * length) / length;'//nl// &
    '    g.lineWidth = 2.2 * u;'//nl// &
@@ -1141,11 +1246,11 @@ module psalm_page_text
    '    g.strokeStyle = pens.line;'//nl// &
    '    g.beginPath();'//nl// &
    '    g.arc(x, y, play, 0, ROUND);'//nl// &
-   '    g.stroke();'//nl
-
-   character(*), parameter :: part_12 = &
+   '    g.stroke();'//nl// &
    '    g.fillStyle = pens.ink;'//nl// &
-   '    g.beginPath();'//nl// &
+   '    g.beginPath();'//nl
+
+   character(*), parameter :: part_13 = &
    '    g.arc(x + play * ux, y + play * uy, 2.4 * u, 0, ROUND);'//nl// &
    '    g.fill();'//nl// &
    '    const reach = hole - play - 4 * u;'//nl// &
@@ -1244,11 +1349,11 @@ module psalm_page_text
    '  function isBent(c, bar) {'//nl// &
    '    const v = c.vibration;'//nl// &
    '    return v && balm.state.bent && Math.min(v.from, v.to) === Math.min(bar.from, bar.to) &&'//nl// &
-   '      Math.max(v.from, v.to) === Math.max(bar.from, bar.to);'//nl
-
-   character(*), parameter :: part_13 = &
+   '      Math.max(v.from, v.to) === Math.max(bar.from, bar.to);'//nl// &
    '  }'//nl// &
-   ''//nl// &
+   ''//nl
+
+   character(*), parameter :: part_14 = &
    '  /** The vibrating link, its deflection drawn larger; the straight one beside it, thin. */'//nl// &
    '  function drawBent(c, at) {'//nl// &
    '    const v = c.vibration, g = pen, x = c.px[v.from], y = c.py[v.from], dx = c.px[v.to] - x, dy = c.py[v.to] - y;'//nl// &
@@ -1348,11 +1453,11 @@ module psalm_page_text
    '      const x = px[slide.block], y = py[slide.block], r = 9 * m;'//nl// &
    '      if (!isFinite(x)) return;'//nl// &
    '      const ux = mixed(s.ux[i], at), uy = -mixed(s.uy[i], at);'//nl// &
-   '      for (const side of [1, -1]) {'//nl
-
-   character(*), parameter :: part_14 = &
+   '      for (const side of [1, -1]) {'//nl// &
    '        g.moveTo(x, y);'//nl// &
-   '        g.lineTo(x + r * (ux - side * uy), y + r * (uy + side * ux));'//nl// &
+   '        g.lineTo(x + r * (ux - side * uy), y + r * (uy + side * ux));'//nl
+
+   character(*), parameter :: part_15 = &
    '        g.lineTo(x + r * (-ux - side * uy), y + r * (-uy + side * ux));'//nl// &
    '        g.closePath();'//nl// &
    '      }'//nl// &
@@ -1401,17 +1506,21 @@ module psalm_page_text
    '  /** A place of the canvas in machine axes. */'//nl// &
    '  const machine = (x, y) => [(x - view.ox) / view.k, (view.oy - y) / view.k];'//nl// &
    ''//nl// &
-   '  return { pens, begin, fit, sizeOf, linkColour, layOut, frame, nearest, machine,'//nl// &
+   '  return { pens, begin, readColours, fit, sizeOf, linkColour, layOut, frame, picture, nearest, machine,'//nl// &
+   '    get size() { return [view.w, view.h]; },'//nl// &
    '    get canvas() { return canvas; }, get pen() { return pen; }, get scale() { return view.k; } };'//nl// &
    '})();'//nl// &
    '</script>'//nl// &
    '<script>'//nl// &
-   '// The curves: output, error and transmission angles against the input, with a cursor; the strip above the time line.'//nl// &
+   '// The curves against the input, with a cursor: output, error, transmission angles, rates, tolerances, forces; the stri'// &
+   'p above'//nl// &
+   '// the time line.'//nl// &
    "'use strict';"//nl// &
    ''//nl// &
    'balm.curves = (() => {'//nl// &
    '  const { OPEN, between, mixed, modulo, inputAt, inputName, short } = balm.scene;'//nl// &
    '  const MOST = 6;           // panels of outputs; CASE.csv has all'//nl// &
+   '  const ROOM = 7;           // so many panels are shown at once unasked'//nl// &
    '  const FLAT = 1e-8;        // a curve that varies by less than this part of the scale is constant: nine digits are sen'// &
    't'//nl// &
    '  const AROUND = 0.01;      // part of the scale that is shown on either side of a constant'//nl// &
@@ -1452,10 +1561,10 @@ module psalm_page_text
    '  }'//nl// &
    ''//nl// &
    '  /** Least and greatest of all values of a panel that are seen from `from` to `to`. */'//nl// &
-   '  function extent(panel, from, to) {'//nl// &
-   '    let low = Infinity, high = -Infinity;'//nl
+   '  function extent(panel, from, to) {'//nl
 
-   character(*), parameter :: part_15 = &
+   character(*), parameter :: part_16 = &
+   '    let low = Infinity, high = -Infinity;'//nl// &
    '    const see = (t, v) => {'//nl// &
    '      if (!isFinite(v) || t < from - 1e-6 || t > to + 1e-6) return;'//nl// &
    '      low = Math.min(low, v);'//nl// &
@@ -1469,54 +1578,89 @@ module psalm_page_text
    '  // ---- panels ------------------------------------------------------------------------------------------------------'// &
    '-'//nl// &
    ''//nl// &
-   '  /** What the panels show: lines over the sweep, points at the prescribed positions. */'//nl// &
-   '  function panelsOf(c) {'//nl// &
+   "  const GROUPS = { position: 'output', tolerance: 'tolerances', rates: 'velocity, acceleration', forces: 'forces',"//nl// &
+   "    vibration: 'vibration' };"//nl// &
+   ''//nl// &
+   '  /** What the panels show: lines over the sweep, points at the prescribed positions; each belongs to a group. */'//nl// &
+   '  function allPanels(c) {'//nl// &
    '    const { pens, linkColour } = balm.drawing, s = c.sweep, p = c.prescribed, panels = [];'//nl// &
-   "    const size = c.motion === 'angle' ? 360 : c.size;"//nl// &
+   "    const size = c.motion === 'angle' ? 360 : c.size, called = c.outputLabel || 'the output';"//nl// &
+   '    const put = (group, panel) => panels.push({ group, points: [], ...panel });'//nl// &
    '    const marks = (values) => Array.from(values, (v, i) => [c.at[i], v]);'//nl// &
-   '    const output = (name, actual, desired) => panels.push({ name, size,'//nl// &
+   "    const output = (name, actual, desired, band) => put('position', { name, size, band,"//nl// &
    "      lines: [{ label: 'actual', colour: pens.actual, values: s[actual] }],"//nl// &
    "      points: c.desired ? [{ label: 'desired', colour: pens.desired, marks: marks(p[desired]) }] : [] });"//nl// &
+   '    const further = (group) => {'//nl// &
+   '      for (const panel of c.panels) if (panel.group === group) put(group, { name: panel.name, size: panel.scale,'//nl// &
+   '        lines: panel.lines.map((one, i) => ({ ...one, colour: linkColour(i) })) });'//nl// &
+   '    };'//nl// &
    '    if (c.curves) {'//nl// &
-   '      for (const one of c.curves.slice(0, MOST)) panels.push({ name: one.name, size: one.angle ? 360 : c.size,'//nl// &
+   "      for (const one of c.curves.slice(0, MOST)) put('position', { name: one.name, size: one.angle ? 360 : c.size,"//nl// &
    "        lines: [{ label: '', colour: pens.actual, values: one.sweep }], points: [{ colour: pens.actual, marks: marks(on"// &
    "e.prescribed) }] });"//nl// &
-   "      if (c.drives.length > 1) panels.push({ name: 'drives, from the drawing', size: 0, points: [],"//nl// &
+   "      if (c.drives.length > 1) put('position', { name: 'drives, from the drawing', size: 0,"//nl// &
    '        lines: c.drives.map((one, i) => ({ label: one.name, colour: linkColour(i), values: one.sweep })) });'//nl// &
    "    } else if (c.motion === 'point') {"//nl// &
-   "      output('x of the output', 'actual', 'desired');"//nl// &
-   "      output('y of the output', 'actual_y', 'desired_y');"//nl// &
+   "      output('x of ' + called, 'actual', 'desired', c.band?.[0]);"//nl// &
+   "      output('y of ' + called, 'actual_y', 'desired_y', c.band?.[1]);"//nl// &
    '    } else {'//nl// &
-   "      output(OUTPUT[c.motion], 'actual', 'desired');"//nl// &
+   "      output(c.outputLabel ? called + (c.motion === 'angle' ? ', degrees' : '') : OUTPUT[c.motion], 'actual', 'desired'"// &
+   ", c.band?.[0]);"//nl// &
    '    }'//nl// &
+   "    further('position');"//nl// &
    '    if (c.desired) {'//nl// &
    '      const error = (label, colour, values) => ({ label, colour, joined: true, marks: marks(values) });'//nl// &
    "      const points = [error(c.motion === 'point' ? 'x' : '', pens.accent, p.error)];"//nl// &
    "      if (c.motion === 'point') points.push(error('y', pens.link1, p.error_y));"//nl// &
-   "      panels.push({ name: 'error (desired - actual)', size, zero: true, lines: [], points });"//nl// &
+   "      put('position', { name: 'error (desired - actual)', size, zero: true, lines: [], points });"//nl// &
    '    }'//nl// &
    '    const named = s.angle.length <= 8;'//nl// &
    "    const angle = (a, i) => ({ label: named ? (i ? '' : 'loop ') + a.loop : '', colour: linkColour(i),"//nl// &
    '      values: a.values });'//nl// &
-   "    if (s.angle.length) panels.push({ name: 'transmission angle, degrees', fixed: [0, 180], limits: c.limits,"//nl// &
-   '      lines: s.angle.map(angle), points: [] });'//nl// &
+   "    if (s.angle.length) put('position', { name: 'transmission angle, degrees', fixed: [0, 180], limits: c.limits,"//nl// &
+   '      lines: s.angle.map(angle) });'//nl// &
+   '    // bands are often too narrow to be seen beside the curve'//nl// &
+   "    if (c.band) put('tolerance', { name: 'deviation within tolerances (dotted: worst case)', size, zero: true,"//nl// &
+   '      lines: c.band.slice(0, 2).flatMap((one, i) => {'//nl// &
+   "        const label = c.motion === 'point' ? 'xy'[i] : '', colour = linkColour(i);"//nl// &
+   "        return [{ label, colour, values: one.square }, { label: '', colour, dotted: true, values: one.worst }];"//nl// &
+   '      }) });'//nl// &
+   "    further('rates');"//nl// &
    '    if (c.forces) {'//nl// &
    '      const f = c.forces, curve = (label, colour, values) => ({ label, colour, values });'//nl// &
-   '      const shown = (name, lines) => panels.push({ name, size: 0, zero: true, lines, points: [] });'//nl// &
+   "      const shown = (name, scale, lines) => put('forces', { name, size: scale, zero: true, lines });"//nl// &
    '      const bare = f.bare ? (label, key) => [curve(label, pens.soft, f.bare[key])] : () => [];'//nl// &
    "      const with_before = f.bare ? ' (grey: without the ' + f.bare.of + ')' : '';"//nl// &
-   "      shown((f.sliding ? 'force of the drive, N' : 'torque of the drive, N m') + with_before,"//nl// &
+   "      shown((f.sliding ? 'force of the drive, N' : 'torque of the drive, N m') + with_before, f.sliding ? f.force : f.t"// &
+   "urning,"//nl// &
    "        [...bare('', 'drive'), curve('', pens.actual, f.drive)]);"//nl// &
-   "      shown('force on the frame, N', [...bare('', 'fx'), ...bare('', 'fy'), curve('x', pens.link0, f.fx), curve('y', pe"// &
-   "ns.link1, f.fy)]);"//nl// &
-   "      shown('moment on the frame, N m', [...bare('', 'moment'), curve('', pens.link3, f.moment)]);"//nl// &
+   "      shown('force on the frame, N', f.force, [...bare('', 'fx'), ...bare('', 'fy'), curve('x', pens.link0, f.fx), curv"// &
+   "e('y', pens.link1, f.fy)]);"//nl// &
+   "      shown('moment on the frame, N m', f.turning, [...bare('', 'moment'), curve('', pens.link3, f.moment)]);"//nl// &
    '    }'//nl// &
-   "    if (c.vibration) panels.push({ name: 'deflection of the link' + (c.vibration.settles ? '' : ' (not settled)'), size"// &
-   ": 0,"//nl// &
-   "      zero: true, points: [], lines: c.vibration.modes.map((values, j) => ({ label: 'mode ' + (j + 1),"//nl// &
+   "    if (c.vibration) put('vibration', { name: 'deflection of the link' + (c.vibration.settles ? '' : ' (not settled)'),"// &
+   " size: 0,"//nl// &
+   "      zero: true, lines: c.vibration.modes.map((values, j) => ({ label: 'mode ' + (j + 1),"//nl// &
    '        colour: linkColour(j), values })) });'//nl// &
    '    return panels;'//nl// &
    '  }'//nl// &
+   ''//nl// &
+   '  /** The groups of panels that a case has, as [name, words]; with several of them all together come first. */'//nl// &
+   '  function groupsOf(c) {'//nl// &
+   '    const has = new Set(allPanels(c).map((panel) => panel.group));'//nl// &
+   '    const list = Object.entries(GROUPS).filter(([group]) => has.has(group));'//nl// &
+   "    return list.length > 1 ? [['all', 'all'], ...list] : list;"//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  /** The group that is shown unasked: all, if there is room; else without the rates. */'//nl// &
+   '  function firstGroup(c) {'//nl// &
+   '    const panels = allPanels(c);'//nl// &
+   "    return panels.length <= ROOM || !panels.some((panel) => panel.group === 'rates') ? 'all' : 'usual';"//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   "  const panelsOf = (c) => allPanels(c).filter(({ group }) => balm.state.group === 'all' || group === balm.state.group |"// &
+   "|"//nl// &
+   "    balm.state.group === 'usual' && group !== 'rates');"//nl// &
    ''//nl// &
    '  /** Everything but the cursor. */'//nl// &
    '  function layOut(c) {'//nl// &
@@ -1526,7 +1670,9 @@ module psalm_page_text
    '    plot.x = (t) => plot.left + (t - plot.from) / (plot.to - plot.from) * (plot.right - plot.left);'//nl// &
    '    g.clearRect(0, 0, w, h);'//nl// &
    "    g.font = 11 * u + 'px system-ui, sans-serif';"//nl// &
-   '    const each = (h - 34 * u) / plot.panels.length;'//nl// &
+   '    const each = (h - 34 * u) / plot.panels.length;'//nl
+
+   character(*), parameter :: part_17 = &
    '    plot.panels.forEach((panel, i) => {'//nl// &
    '      panel.top = i * each + 20 * u;'//nl// &
    '      panel.bottom = (i + 1) * each - 8 * u;'//nl// &
@@ -1559,9 +1705,7 @@ module psalm_page_text
    '    for (const v of panel.fixed ? [0, 45, 90, 135, 180] : ticks(low, high, Math.max(2, (bottom - top) / (27 * u)))) {'//nl// &
    '      const y = Math.round(panel.y(v)) + 0.5;'//nl// &
    '      line(g, left, y, right, y);'//nl// &
-   '      g.fillText(short(v), left - 5 * u, y + 4 * u);'//nl
-
-   character(*), parameter :: part_16 = &
+   '      g.fillText(short(v), left - 5 * u, y + 4 * u);'//nl// &
    '    }'//nl// &
    "    g.textAlign = 'left';"//nl// &
    '    drawHead(g, panel);'//nl// &
@@ -1575,6 +1719,7 @@ module psalm_page_text
    '      line(g, left, panel.y(v), right, panel.y(v));'//nl// &
    '      g.setLineDash([]);'//nl// &
    '    }'//nl// &
+   '    if (panel.band) drawBand(g, panel);'//nl// &
    '    for (const one of panel.lines) drawCurve(g, panel, one);'//nl// &
    '    for (const one of panel.points) drawPoints(g, panel, one);'//nl// &
    '    g.restore();'//nl// &
@@ -1600,17 +1745,44 @@ module psalm_page_text
    '    g.stroke();'//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  function drawCurve(g, panel, { values, colour }) {'//nl// &
+   '  /** Within the root-sum-square of the tolerances; dotted lines at the worst case. */'//nl// &
+   '  function drawBand(g, panel) {'//nl// &
+   '    const [{ values, colour }] = panel.lines, { square, worst } = panel.band, n = values.length;'//nl// &
+   '    g.fillStyle = colour;'//nl// &
+   '    g.globalAlpha = 0.25;'//nl// &
+   '    for (let i = 0; i < n;) {'//nl// &
+   '      let k = i;'//nl// &
+   '      while (k < n && isFinite(values[k]) && isFinite(square[k])) k++;'//nl// &
+   '      if (k > i + 1) {'//nl// &
+   '        g.beginPath();'//nl// &
+   '        for (let m = i; m < k; m++) g.lineTo(plot.x(m), panel.y(values[m] + square[m]));'//nl// &
+   '        for (let m = k - 1; m >= i; m--) g.lineTo(plot.x(m), panel.y(values[m] - square[m]));'//nl// &
+   '        g.closePath();'//nl// &
+   '        g.fill();'//nl// &
+   '      }'//nl// &
+   '      i = k + 1;'//nl// &
+   '    }'//nl// &
+   '    g.globalAlpha = 0.7;'//nl// &
+   '    for (const side of [1, -1]) drawCurve(g, panel, { values: values.map((v, i) => v + side * worst[i]), colour, dotted'// &
+   ': true });'//nl// &
+   '    g.globalAlpha = 1;'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  function drawCurve(g, panel, { values, colour, dotted }) {'//nl// &
    '    g.strokeStyle = colour;'//nl// &
-   '    g.lineWidth = 1.6 * plot.u;'//nl// &
+   '    g.lineWidth = (dotted ? 1 : 1.6) * plot.u;'//nl// &
+   '    g.setLineDash(dotted ? [2, 3] : []);'//nl// &
    '    g.beginPath();'//nl// &
-   '    let down = false;'//nl// &
+   '    let down = false;'//nl
+
+   character(*), parameter :: part_18 = &
    '    for (let i = 0; i < values.length; i++) {'//nl// &
    '      if (!isFinite(values[i])) { down = false; continue; }'//nl// &
    '      if (down) g.lineTo(plot.x(i), panel.y(values[i])); else g.moveTo(plot.x(i), panel.y(values[i]));'//nl// &
    '      down = true;'//nl// &
    '    }'//nl// &
    '    g.stroke();'//nl// &
+   '    g.setLineDash([]);'//nl// &
    '  }'//nl// &
    ''//nl// &
    '  function drawPoints(g, panel, { marks, colour, joined }) {'//nl// &
@@ -1661,9 +1833,7 @@ module psalm_page_text
    '    const g = chart, at = between(c, t), x = plot.x(t);'//nl// &
    '    g.clearRect(0, 0, plot.w, plot.h);'//nl// &
    '    g.drawImage(still, 0, 0, plot.w, plot.h);'//nl// &
-   '    g.strokeStyle = balm.drawing.pens.ink;'//nl
-
-   character(*), parameter :: part_17 = &
+   '    g.strokeStyle = balm.drawing.pens.ink;'//nl// &
    '    g.lineWidth = plot.u;'//nl// &
    '    line(g, x, 14 * plot.u, x, plot.h - 34 * plot.u);'//nl// &
    '    for (const panel of plot.panels) for (const one of panel.lines) {'//nl// &
@@ -1682,7 +1852,7 @@ module psalm_page_text
    '    return plot.from + Math.min(1, Math.max(0, part)) * (plot.to - plot.from);'//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  return { begin, ticks, axisRange, extent, layOut, frame, placeAt,'//nl// &
+   '  return { begin, ticks, axisRange, extent, groupsOf, firstGroup, layOut, frame, placeAt,'//nl// &
    '    get canvas() { return canvas; }, get chart() { return chart; }, get from() { return plot.from; },'//nl// &
    '    get to() { return plot.to; } };'//nl// &
    '})();'//nl// &
@@ -1705,7 +1875,9 @@ module psalm_page_text
    '    const v = c.vibration, panels = [];'//nl// &
    '    if (v && v.speeds.some(([, a]) => a !== null)) panels.push(drawSpeeds);'//nl// &
    '    if (v && v.chart.length) panels.push(drawChart);'//nl// &
-   '    box.hidden = !panels.length;'//nl// &
+   '    box.hidden = !panels.length;'//nl
+
+   character(*), parameter :: part_19 = &
    '    if (box.hidden) return;'//nl// &
    "    canvas.style.height = HEIGHT + 'px';"//nl// &
    "    const [w, h] = balm.drawing.fit(canvas), g = canvas.getContext('2d'), each = w / panels.length;"//nl// &
@@ -1764,9 +1936,7 @@ module psalm_page_text
    "    const [x, y] = axes(g, at, 'greatest deflection of mode 1 (shaded: unstable speeds)', 'speed, rad/s', ends,"//nl// &
    '      [Math.min(...sizes) / 1.2, Math.max(...sizes) * 1.2], true);'//nl// &
    '    g.fillStyle = pens.badband;'//nl// &
-   '    for (const [from, to] of v.bands) g.fillRect(x(from), at.top, Math.max(1, x(to) - x(from)), at.bottom - at.top);'//nl
-
-   character(*), parameter :: part_18 = &
+   '    for (const [from, to] of v.bands) g.fillRect(x(from), at.top, Math.max(1, x(to) - x(from)), at.bottom - at.top);'//nl// &
    '    g.strokeStyle = pens.actual;'//nl// &
    '    g.lineWidth = 1.6;'//nl// &
    '    g.beginPath();'//nl// &
@@ -1809,7 +1979,9 @@ module psalm_page_text
    '  }'//nl// &
    ''//nl// &
    '  return { begin, layOut };'//nl// &
-   '})();'//nl// &
+   '})();'//nl
+
+   character(*), parameter :: part_20 = &
    '</script>'//nl// &
    '<script>'//nl// &
    '// Words: what the linkage does at the position shown, what is wrong there, the messages of a case, names of arcs.'//nl// &
@@ -1868,9 +2040,7 @@ module psalm_page_text
    '  function list(c) {'//nl// &
    "    const box = $('messages');"//nl// &
    "    box.textContent = '';"//nl// &
-   '    const part = (head, items, kind, fill) => {'//nl
-
-   character(*), parameter :: part_19 = &
+   '    const part = (head, items, kind, fill) => {'//nl// &
    '      if (!items.length) return;'//nl// &
    "      const h = document.createElement('h2'), ul = document.createElement('ul');"//nl// &
    '      h.textContent = head;'//nl// &
@@ -1912,7 +2082,9 @@ module psalm_page_text
    "    return (link ? 'link ' + link : bar.loop ? 'loop ' + bar.loop + ', arc ' + bar.arc : 'output arc') +"//nl// &
    "      ': length ' + short(Number(length.toPrecision(6))) + ', angle ' + angle.toFixed(2) + '\u00b0' +"//nl// &
    "      (bar.others ? ' (also ' + bar.others + ')' : '');"//nl// &
-   '  }'//nl// &
+   '  }'//nl
+
+   character(*), parameter :: part_21 = &
    ''//nl// &
    '  /** The tip at a point of a box of the given width and height; without words it goes. */'//nl// &
    '  function tip(words, x, y, box) {'//nl// &
@@ -1944,6 +2116,12 @@ module psalm_page_text
    '  const shown = () => balm.cases[balm.state.c];'//nl// &
    '  const limits = () => balm.state.whole ? shown().ends : shown().range;'//nl// &
    ''//nl// &
+   '  /** Seconds that the whole motion takes at the speed chosen: a turn, or a part of one there and back. */'//nl// &
+   '  function duration() {'//nl// &
+   '    const [from, to] = limits(), turns = shown().ring && to - from >= 360;'//nl// &
+   '    return (turns ? TURN_TIME : 2 * RANGE_TIME) / balm.state.speed;'//nl// &
+   '  }'//nl// &
+   ''//nl// &
    '  /** Shows the place t of the sweep. */'//nl// &
    '  function go(t) {'//nl// &
    '    const c = shown();'//nl// &
@@ -1970,9 +2148,7 @@ module psalm_page_text
    '    if (!state.playing) return;'//nl// &
    '    const [from, to] = limits(), turns = shown().ring && to - from >= 360;'//nl// &
    '    const dt = last ? Math.min(0.1, (now - last) / 1000) : 0;'//nl// &
-   '    last = now;'//nl
-
-   character(*), parameter :: part_20 = &
+   '    last = now;'//nl// &
    '    let t = state.t + state.forth * state.speed * dt * (to - from) / (turns ? TURN_TIME : RANGE_TIME);'//nl// &
    '    if (!turns && t >= to) { t = to; state.forth = -1; }'//nl// &
    '    if (!turns && t <= from) { t = from; state.forth = 1; }'//nl// &
@@ -2009,7 +2185,9 @@ module psalm_page_text
    '    if (event.isTrusted && canvas.setPointerCapture) canvas.setPointerCapture(event.pointerId);'//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  /** The crank turns by the angle the pointer turns about its pivot, the slide moves by as much as the pointer. */'//nl// &
+   '  /** The crank turns by the angle the pointer turns about its pivot, the slide moves by as much as the pointer. */'//nl
+
+   character(*), parameter :: part_22 = &
    '  function pull(event) {'//nl// &
    "    if (!drag) { if (event.pointerType !== 'touch') hover(event); return; }"//nl// &
    '    const c = shown(), s = c.sweep, { t } = balm.state, box = balm.drawing.canvas.getBoundingClientRect();'//nl// &
@@ -2075,9 +2253,7 @@ module psalm_page_text
    "    balm.messages.tip('');"//nl// &
    '    if (!balm.state.hover) return;'//nl// &
    '    balm.state.hover = null;'//nl// &
-   '    balm.draw();'//nl
-
-   character(*), parameter :: part_21 = &
+   '    balm.draw();'//nl// &
    '  }'//nl// &
    ''//nl// &
    '  // ---- the curves --------------------------------------------------------------------------------------------------'// &
@@ -2115,7 +2291,9 @@ module psalm_page_text
    '    event.preventDefault();'//nl// &
    '    actions[event.key]();'//nl// &
    '  }'//nl// &
-   ''//nl// &
+   ''//nl
+
+   character(*), parameter :: part_23 = &
    '  /** Everything that listens; `refresh` is called where the picture must be laid out anew. */'//nl// &
    '  function begin(refresh) {'//nl// &
    '    const { state } = balm, picture = balm.drawing.canvas, curves = balm.curves.canvas;'//nl// &
@@ -2130,6 +2308,10 @@ module psalm_page_text
    "    for (const name of ['whole', 'other', 'traces', 'letters', 'forces', 'bent', 'pin']) $(name).addEventListener('chan"// &
    "ge', () => {"//nl// &
    '      state[name] = $(name).checked;'//nl// &
+   '      refresh();'//nl// &
+   '    });'//nl// &
+   "    $('group').addEventListener('change', () => {"//nl// &
+   "      state.group = $('group').value;"//nl// &
    '      refresh();'//nl// &
    '    });'//nl// &
    "    $('bearing').addEventListener('change', () => {"//nl// &
@@ -2151,7 +2333,171 @@ module psalm_page_text
    "    document.addEventListener('keydown', key);"//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  return { begin, go, setPlaying, limits };'//nl// &
+   '  return { begin, go, setPlaying, limits, duration };'//nl// &
+   '})();'//nl// &
+   '</script>'//nl// &
+   '<script>'//nl// &
+   '// Out of the page: a frame as SVG or PNG, the table of the sweep, a film. All is made here, nothing is asked for.'//nl// &
+   "'use strict';"//nl// &
+   ''//nl// &
+   'balm.save = (() => {'//nl// &
+   "  const FILMS = [['video/webm;codecs=vp9', 'webm'], ['video/webm', 'webm'], ['video/mp4', 'mp4']];"//nl// &
+   '  const RATE = 25;           // frames a second'//nl// &
+   '  const LARGER = 2;          // pixels of a PNG for each of the screen'//nl// &
+   '  const BITS = 6e6;          // a second, of a film'//nl// &
+   '  const $ = (id) => document.getElementById(id);'//nl// &
+   '  const shown = () => balm.cases[balm.state.c];'//nl// &
+   ''//nl// &
+   '  // ---- a pen that writes SVG ---------------------------------------------------------------------------------------'// &
+   '-'//nl// &
+   ''//nl// &
+   '  const digits = (v) => String(Math.round(v * 1000) / 1000);'//nl// &
+   "  const escaped = (text) => String(text).replace(/[&<>""]/g, (c) => ({ '&': '&amp;', '<': '&lt;', '>': '&gt;', '""': '&"// &
+   "quot;' })[c]);"//nl// &
+   ''//nl// &
+   "  /** What of a canvas's context the drawing uses, written down as SVG. */"//nl// &
+   '  class SvgPen {'//nl// &
+   '    constructor(width, height) {'//nl// &
+   "      Object.assign(this, { width, height, parts: [], stack: [], d: '', begun: false, dash: [], fillStyle: '#000', stro"// &
+   "keStyle: '#000',"//nl// &
+   "        lineWidth: 1, lineCap: 'butt', lineJoin: 'miter', globalAlpha: 1, font: '10px sans-serif', textAlign: 'left' })"// &
+   ";"//nl// &
+   '    }'//nl// &
+   '    save() {'//nl// &
+   '      const { dash, fillStyle, strokeStyle, lineWidth, lineCap, lineJoin, globalAlpha, font, textAlign } = this;'//nl// &
+   '      this.stack.push({ dash, fillStyle, strokeStyle, lineWidth, lineCap, lineJoin, globalAlpha, font, textAlign });'//nl// &
+   '    }'//nl// &
+   '    restore() { Object.assign(this, this.stack.pop()); }'//nl// &
+   '    setLineDash(dash) { this.dash = dash; }'//nl// &
+   "    beginPath() { this.d = ''; this.begun = false; }"//nl// &
+   "    to(letter, x, y) { this.d += letter + digits(x) + ' ' + digits(y); this.begun = true; }"//nl// &
+   "    moveTo(x, y) { this.to('M', x, y); }"//nl// &
+   "    lineTo(x, y) { this.to(this.begun ? 'L' : 'M', x, y); }"//nl// &
+   "    closePath() { if (this.begun) this.d += 'Z'; }"//nl// &
+   "    rect(x, y, w, h) { this.d += 'M' + [x, y].map(digits).join(' ') + 'h' + digits(w) + 'v' + digits(h) + 'h' + digits("// &
+   "-w) + 'Z'; this.begun = true; }"//nl// &
+   '    arc(x, y, r, from, to) {'//nl// &
+   "      const turn = Math.min(2 * Math.PI, to - from), size = 'A' + digits(r) + ' ' + digits(r) + ' 0 0 1 ';"//nl// &
+   '      this.lineTo(x + r * Math.cos(from), y + r * Math.sin(from));'//nl// &
+   '      // in two, for a whole circle ends where it begins'//nl// &
+   "      for (const part of [0.5, 1]) this.d += size + digits(x + r * Math.cos(from + part * turn)) + ' ' + digits(y + r *"// &
+   " Math.sin(from + part * turn));"//nl// &
+   '    }'//nl// &
+   '    put(looks) {'//nl// &
+   '      if (!/[LAh]/.test(this.d)) return;'//nl// &
+   "      this.parts.push('<path d=""' + this.d + '"" ' + looks + (this.globalAlpha < 1 ? ' opacity=""' + digits(this.globa"// &
+   "lAlpha) + '""' : '') + '/>');"//nl// &
+   '    }'//nl// &
+   "    fill() { this.put('fill=""' + escaped(this.fillStyle) + '""'); }"//nl// &
+   '    stroke() {'//nl// &
+   '      this.put(''fill="none" stroke="'' + escaped(this.strokeStyle) + ''" stroke-width="'' + digits(this.lineWidth) + '// &
+   '''" stroke-linecap="'' + this.lineCap +'//nl// &
+   "        '"" stroke-linejoin=""' + this.lineJoin + '""' + (this.dash.length ? ' stroke-dasharray=""' + this.dash.join(' "// &
+   "') + '""' : ''));"//nl// &
+   '    }'//nl// &
+   '    fillRect(x, y, w, h) { this.beginPath(); this.rect(x, y, w, h); this.fill(); }'//nl// &
+   '    fillText(text, x, y) {'//nl// &
+   "      const anchor = { center: 'middle', right: 'end' }[this.textAlign] || 'start';"//nl// &
+   "      this.parts.push('<text x=""' + digits(x) + '"" y=""' + digits(y) + '"" fill=""' + escaped(this.fillStyle) + '"" s"// &
+   "tyle=""font:' + escaped(this.font).replaceAll('&quot;', ""'"") +"//nl// &
+   "        '"" text-anchor=""' + anchor + '"">' + escaped(text) + '</text>');"//nl// &
+   '    }'//nl// &
+   '    text(title) {'//nl// &
+   '      // the name of the format, in two for it looks like an address'//nl// &
+   "      return '<svg xmlns=""http:/' + '/www.w3.org/2000/svg"" width=""' + this.width + '"" height=""' + this.height + '"// &
+   """ viewBox=""0 0 ' + this.width + ' ' +"//nl
+
+   character(*), parameter :: part_24 = &
+   "        this.height + '"">\n<title>' + escaped(title) + '</title>\n' + this.parts.join('\n') + '\n</svg>\n';"//nl// &
+   '    }'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  // ---- files -------------------------------------------------------------------------------------------------------'// &
+   '-'//nl// &
+   ''//nl// &
+   '  /** The picture as it stands, as SVG. */'//nl// &
+   '  function svg() {'//nl// &
+   '    const pen = new SvgPen(...balm.drawing.size);'//nl// &
+   '    balm.drawing.picture(shown(), balm.state.t, pen);'//nl// &
+   "    return pen.text(shown().title + ', ' + $('facts').textContent);"//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   "  /** A canvas of the picture's size, `scale` times, its sides even as films want them. */"//nl// &
+   '  function sheet(scale) {'//nl// &
+   "    const canvas = document.createElement('canvas'), [w, h] = balm.drawing.size;"//nl// &
+   '    canvas.width = 2 * Math.round(w * scale / 2);'//nl// &
+   '    canvas.height = 2 * Math.round(h * scale / 2);'//nl// &
+   "    const g = canvas.getContext('2d');"//nl// &
+   '    g.setTransform(canvas.width / w, 0, 0, canvas.height / h, 0, 0);'//nl// &
+   '    return [canvas, g];'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  /** The same as PNG. */'//nl// &
+   '  function png() {'//nl// &
+   '    const [canvas, g] = sheet(LARGER);'//nl// &
+   '    balm.drawing.picture(shown(), balm.state.t, g);'//nl// &
+   "    return new Promise((done) => canvas.toBlob(done, 'image/png'));"//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  const table = () => balm.scene.csv(balm.scene.table(shown()));'//nl// &
+   ''//nl// &
+   '  /** The kind of film that this browser can make: [type, ending of the file], or none. */'//nl// &
+   '  const kindOfFilm = () => globalThis.MediaRecorder && FILMS.find(([type]) => MediaRecorder.isTypeSupported(type));'//nl// &
+   ''//nl// &
+   '  /** The whole motion once as a film of so many seconds; what is played in parts goes there and back. */'//nl// &
+   '  function film(seconds) {'//nl// &
+   '    const c = shown(), [from, to] = balm.controls.limits(), ring = c.ring && to - from >= 360, [type] = kindOfFilm();'//nl// &
+   '    const [canvas, g] = sheet(Math.min(2, window.devicePixelRatio || 1)), pieces = [];'//nl// &
+   '    const at = (part) => from + (to - from) * (ring ? part % 1 : 1 - Math.abs(1 - 2 * part));'//nl// &
+   '    balm.drawing.picture(c, at(0), g);'//nl// &
+   '    const recorder = new MediaRecorder(canvas.captureStream(RATE), { mimeType: type, videoBitsPerSecond: BITS });'//nl// &
+   "    recorder.addEventListener('dataavailable', (event) => pieces.push(event.data));"//nl// &
+   '    return new Promise((done, failed) => {'//nl// &
+   "      recorder.addEventListener('stop', () => done(new Blob(pieces, { type: type.split(';')[0] })));"//nl// &
+   "      recorder.addEventListener('error', failed);"//nl// &
+   '      recorder.start();'//nl// &
+   '      const began = performance.now(), clock = setInterval(() => {'//nl// &
+   '        const part = Math.min(1, (performance.now() - began) / 1000 / seconds);'//nl// &
+   '        balm.drawing.picture(c, at(part), g);'//nl// &
+   '        if (part < 1) return;'//nl// &
+   '        clearInterval(clock);'//nl// &
+   '        recorder.stop();'//nl// &
+   '      }, 1000 / RATE);'//nl// &
+   '    });'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  /** Hands a file over. */'//nl// &
+   '  function give(content, ending, type) {'//nl// &
+   "    const link = document.createElement('a'), blob = content instanceof Blob ? content : new Blob([content], { type });"//nl// &
+   "    const number = balm.state.c ? '.' + (balm.state.c + 1) : '';"//nl// &
+   '    link.href = URL.createObjectURL(blob);'//nl// &
+   "    link.download = (shown().file || 'linkage').replace(/\.[^.]*$/, '') + number + ending;"//nl// &
+   '    link.click();'//nl// &
+   '    setTimeout(() => URL.revokeObjectURL(link.href), 60000);'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  async function record() {'//nl// &
+   "    const button = $('savefilm'), words = button.textContent;"//nl// &
+   '    balm.controls.setPlaying(false);'//nl// &
+   '    button.disabled = true;'//nl// &
+   "    button.textContent = 'recording \u2026';"//nl// &
+   '    try {'//nl// &
+   "      give(await film(balm.controls.duration()), '.film.' + kindOfFilm()[1]);"//nl// &
+   '    } finally {'//nl// &
+   '      button.disabled = false;'//nl// &
+   '      button.textContent = words;'//nl// &
+   '    }'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  function begin() {'//nl// &
+   "    $('savesvg').addEventListener('click', () => give(svg(), '.frame.svg', 'image/svg+xml'));"//nl// &
+   "    $('savepng').addEventListener('click', async () => give(await png(), '.frame.png'));"//nl// &
+   "    $('savetable').addEventListener('click', () => give(table(), '.sweep.csv', 'text/csv'));"//nl// &
+   "    $('savefilm').addEventListener('click', record);"//nl// &
+   "    $('savefilm').hidden = !kindOfFilm();"//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  return { begin, svg, png, table, film, SvgPen };'//nl// &
    '})();'//nl// &
    '</script>'//nl// &
    '<script>'//nl// &
@@ -2159,10 +2505,12 @@ module psalm_page_text
    "'use strict';"//nl// &
    ''//nl// &
    '(() => {'//nl// &
-   '  const { scene, drawing, curves, charts, messages, controls } = balm;'//nl// &
+   '  const { scene, drawing, curves, charts, messages, controls, save } = balm;'//nl// &
    '  const $ = (id) => document.getElementById(id);'//nl// &
    "  const cases = scene.read($('data').textContent);"//nl// &
-   '  const state = {'//nl// &
+   '  const state = {'//nl
+
+   character(*), parameter :: part_25 = &
    '    c: 0,                   // case shown'//nl// &
    '    t: 0,                   // place on its sweep'//nl// &
    '    playing: false,'//nl// &
@@ -2177,12 +2525,12 @@ module psalm_page_text
    '    pin: true,              // a pin with clearance is drawn in its hole, magnified'//nl// &
    '    bearing: -1,            // joint of the polar diagram'//nl// &
    '    overlays: new Set(),    // cases laid over the one shown'//nl// &
+   "    group: 'all',           // curves that are shown"//nl// &
+   '    paths: new Set(),       // joints whose paths are drawn'//nl// &
    '    hover: null,            // bar under the pointer'//nl// &
    '  };'//nl// &
    '  let laidOut = false;      // a linkage has been drawn'//nl// &
-   ''//nl
-
-   character(*), parameter :: part_22 = &
+   ''//nl// &
    '  const shown = () => cases[state.c];'//nl// &
    "  const titleOf = (c) => c.title || 'untitled';"//nl// &
    ''//nl// &
@@ -2214,6 +2562,8 @@ module psalm_page_text
    '    }'//nl// &
    '    if (fresh) [state.whole, state.t, state.forth] = [!c.limited, c.at[c.reference], 1];'//nl// &
    '    offerForces(c, fresh);'//nl// &
+   '    if (fresh) offerCurves(c);'//nl// &
+   '    if (fresh) offerPaths(c);'//nl// &
    "    $('bentbox').hidden = !c.vibration;"//nl// &
    "    $('pinbox').hidden = !c.clearance;"//nl// &
    "    $('whole').checked = state.whole;"//nl// &
@@ -2246,6 +2596,37 @@ module psalm_page_text
    '    if (!c.forces || !fresh) return;'//nl// &
    '    state.bearing = 0;'//nl// &
    "    $('bearing').replaceChildren(...c.forces.joints.map((joint, i) => new Option(joint.name, i)));"//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  /** Which curves there are to choose from. */'//nl// &
+   '  function offerCurves(c) {'//nl// &
+   '    drawing.readColours();'//nl// &
+   '    const groups = curves.groupsOf(c);'//nl// &
+   '    state.group = curves.firstGroup(c);'//nl// &
+   "    if (state.group === 'usual') groups.splice(1, 0, ['usual', 'all but velocity, acceleration']);"//nl// &
+   "    $('groupbox').hidden = groups.length < 2;"//nl// &
+   "    $('group').replaceChildren(...groups.map(([group, words]) => new Option(words, group)));"//nl// &
+   "    $('group').value = state.group;"//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  /** The joints that move, by their names. */'//nl// &
+   '  function offerPaths(c) {'//nl
+
+   character(*), parameter :: part_26 = &
+   '    state.paths.clear();'//nl// &
+   '    const named = c.joints.map((joint, j) => [joint, j]).filter(([joint]) => joint.name && !joint.fixed);'//nl// &
+   "    $('pathbox').hidden = !named.length || Boolean(c.meshes);"//nl// &
+   "    $('paths').replaceChildren(...named.map(([joint, j]) => {"//nl// &
+   "      const label = document.createElement('label'), box = document.createElement('input');"//nl// &
+   "      box.type = 'checkbox';"//nl// &
+   '      box.dataset.path = String(j);'//nl// &
+   "      box.addEventListener('change', () => {"//nl// &
+   '        if (box.checked) state.paths.add(j); else state.paths.delete(j);'//nl// &
+   '        refresh();'//nl// &
+   '      });'//nl// &
+   "      label.append(box, ' ' + joint.name);"//nl// &
+   '      return label;'//nl// &
+   '    }));'//nl// &
    '  }'//nl// &
    ''//nl// &
    '  /** Titles in the list as long as the window has room for. */'//nl// &
@@ -2282,9 +2663,8 @@ module psalm_page_text
    '    curves.begin();'//nl// &
    '    charts.begin();'//nl// &
    '    controls.begin(refresh);'//nl// &
-   '    listCases();'//nl
-
-   character(*), parameter :: part_23 = &
+   '    save.begin();'//nl// &
+   '    listCases();'//nl// &
    "    new ResizeObserver(refresh).observe($('stage'));"//nl// &
    "    matchMedia('(prefers-color-scheme: dark)').addEventListener('change', refresh);"//nl// &
    '    // paper is white, whatever the scheme of the screen'//nl// &
@@ -2332,7 +2712,9 @@ module psalm_page_text
    '  };'//nl// &
    '  Object.defineProperties(balm, Object.getOwnPropertyDescriptors(api));'//nl// &
    '  start();'//nl// &
-   '})();'//nl// &
+   '})();'//nl
+
+   character(*), parameter :: part_27 = &
    '</script>'//nl// &
    '</body>'//nl// &
    '</html>'//nl
@@ -2345,6 +2727,7 @@ contains
 
       text = part_1//part_2//part_3//part_4//part_5//part_6//part_7//part_8// &
              part_9//part_10//part_11//part_12//part_13//part_14//part_15//part_16// &
-             part_17//part_18//part_19//part_20//part_21//part_22//part_23
+             part_17//part_18//part_19//part_20//part_21//part_22//part_23//part_24// &
+             part_25//part_26//part_27
    end function page_text
 end module psalm_page_text

@@ -32,7 +32,7 @@ module psalm_parts
       integer, allocatable :: joints(:)
       integer, allocatable :: hull(:)         !! joints round its outline, size 0: no plate
       logical :: frame = .false.
-      character(:), allocatable :: name       !! of a link of a sketch that has no loops; else not allocated
+      character(:), allocatable :: name       !! of a link of a sketch; else not allocated
    end type body_t
 
    type :: slide_t

@@ -15,6 +15,7 @@ module psalm_scene
    use psalm_margins, only: margin_t, inspector_t, prepare_inspector, inspect, is_violated
    use psalm_markup, only: strings_t, add_string, sentence_case
    use psalm_output_kind, only: motion_point, motion_angle, motion_distance, motion_slide, motion_pose
+   use psalm_panels, only: panel_t, band_t, add_rate_panels, add_sketch_panels, find_band
    use psalm_parts, only: joint_t, bar_t, body_t, slide_t, pair_t, wheel_t, curve_t, drive_part_t, edge_t, find_slides, &
                           convex_hull
    use psalm_status, only: finding_t, level_error
@@ -60,8 +61,11 @@ module psalm_scene
       type(vibration_scene_t), allocatable :: vibration   !! if the case has a vibrating link
       type(clearance_scene_t), allocatable :: clearance   !! if the case has a joint with clearance
       integer, allocatable :: drawn(:)                    !! by point of the mechanism: the joint that is drawn there
+      type(panel_t), allocatable :: panels(:)             !! other curves over the sweep: rates, further outputs
+      type(band_t), allocatable :: band                   !! of the output, if the dimensions have tolerances
+      character(:), allocatable :: output_label           !! of a sketch: name of the output drawn
       ! of sketches without loops of dyads only
-      character(:), allocatable :: input_label, output_label !! what counts along the sweep; name of the output drawn
+      character(:), allocatable :: input_label            !! what counts along the sweep
       type(wheel_t), allocatable :: wheels(:)
       type(curve_t), allocatable :: curves(:)             !! all outputs
       type(drive_part_t), allocatable :: drives(:)        !! all drives
@@ -81,7 +85,7 @@ contains
       scene%title = set%title
       scene%file = set%file(index(set%file, '/', back=.true.) + 1:)
       allocate (scene%errors(0), scene%warnings(0), scene%joints(0), scene%bars(0), scene%bodies(0))
-      allocate (scene%slides(0), scene%pairs(0), scene%regions(0), scene%breaches(0))
+      allocate (scene%slides(0), scene%pairs(0), scene%regions(0), scene%breaches(0), scene%panels(0))
       do i = 1, size(findings)
          if (findings(i)%level == level_error) then
             call add_string(scene%errors, words(findings(i)))
@@ -151,7 +155,7 @@ contains
       call make_bars(mechanism, dimensions, place, scene)
       call name_joints(set, mechanism, place, scene)
       scene%reference = minloc(abs(scene%prescribed%delt), dim=1)
-      call make_bodies(mechanism, scene)
+      call make_bodies(mechanism, set%sketch%given, scene)
       call choose_view(scene, maxval(dimensions%arcl))
       call find_rails(scene)
       call find_others(scene, scene%prescribed)
@@ -161,7 +165,31 @@ contains
       call find_wishes(scene, scene%prescribed)
       call find_wishes(scene, scene%sweep)
       call widen_view(scene)
+      call add_curves(set, mechanism, dimensions, own, scene)
    end subroutine make_scene
+
+   !> Rates of the output, further outputs of a sketch, bands of tolerance. `own` has the inputs of the sweep.
+   subroutine add_curves(set, mechanism, dimensions, own, scene)
+      type(data_set_t), intent(in) :: set
+      type(mechanism_t), intent(in) :: mechanism
+      type(dimensions_t), intent(in) :: dimensions
+      type(problem_t), intent(inout) :: own
+      type(scene_t), intent(inout) :: scene
+      type(band_t), allocatable :: band
+      real(wp) :: size_of
+      logical :: found
+
+      size_of = maxval(scene%high - scene%low)
+      allocate (band)
+      call find_band(set, mechanism, dimensions, scene%sweep%delt, scene%sweep%closed, band, found)
+      if (found) call move_alloc(band, scene%band)
+      if (set%sketch%given) then
+         if (size(set%sketch%outputs) > 0) scene%output_label = trim(set%sketch%outputs(1)%name)
+         call add_sketch_panels(set, scene%sweep%delt, size_of, scene%panels)
+      else
+         call add_rate_panels(set, own, dimensions, size_of, scene%panels)
+      end if
+   end subroutine add_curves
 
    !> Directions and desired places of the output belong into the view too, counterweights and springs.
    subroutine widen_view(scene)
@@ -463,8 +491,9 @@ contains
 
    !> The mechanism's bodies as far as they have bars of fixed length; one with an area is a plate. Bars of one body that hang
    !> together nowhere, as where one is only parallel to the others, are drawn apart. A slide belongs with the body that guides it.
-   subroutine make_bodies(mechanism, scene)
+   subroutine make_bodies(mechanism, named, scene)
       type(mechanism_t), intent(in) :: mechanism
+      logical, intent(in) :: named        !! the links have names of the user's
       type(scene_t), intent(inout) :: scene
       integer :: body(size(scene%bars))   !! the mechanism's
       integer :: piece(size(scene%bars)), first(size(mechanism%bodies)), b, c, pieces, old
@@ -526,6 +555,7 @@ contains
          integer, intent(in) :: number    !! of the piece
          integer, intent(in) :: whole     !! of the mechanism's body
          type(body_t) :: new
+         type(body_t), allocatable :: more(:)
          logical :: member(size(scene%joints))
          integer :: j, k
 
@@ -537,13 +567,19 @@ contains
          end do
          new%joints = pack([(j, j=1, size(member))], member)
          new%frame = whole == body_frame
+         if (named .and. allocated(mechanism%bodies(whole)%name)) new%name = mechanism%bodies(whole)%name
          allocate (new%hull(0))
          do k = 1, scene%prescribed%n
             if (.not. all(scene%prescribed%known(new%joints, k))) cycle
             new%hull = convex_hull(new%joints, scene%prescribed%x(new%joints, k), scene%prescribed%y(new%joints, k))
             exit
          end do
-         scene%bodies = [scene%bodies, new]
+         allocate (more(size(scene%bodies) + 1))
+         do k = 1, size(scene%bodies)
+            more(k) = scene%bodies(k)
+         end do
+         more(size(more)) = new
+         call move_alloc(more, scene%bodies)
       end subroutine add_body
    end subroutine make_bodies
 

@@ -1,0 +1,282 @@
+!> Curves over the sweep of a scene beyond those of its output: outputs of a sketch, rates, bands of tolerance.
+!>
+!> Page and gnuplot script show the same panels. A panel has one scale and a few lines; where a value is not known - the linkage
+!> does not close, or is at a dead point - there is a gap.
+module psalm_panels
+   use psalm_chain_study, only: chain_study_t, study_chain
+   use psalm_data_set, only: data_set_t
+   use psalm_error, only: problem_t
+   use psalm_kinds, only: wp, full_turn
+   use psalm_markup, only: short_number
+   use psalm_mechanism, only: mechanism_t
+   use psalm_dimensions, only: dimensions_t
+   use psalm_output_kind, only: output_kind_t, motion_angle, motion_distance, motion_point, motion_pose
+   use psalm_rate_study, only: rate_study_t, find_rates
+   use psalm_sketch, only: columns_of, drive_turns, output_angle, output_between, output_ratio
+   use psalm_tolerance, only: deviating_t, tolerance_t, find_tolerances
+   implicit none (type, external)
+   private
+   public :: panel_t, band_t, add_rate_panels, add_sketch_panels, add_study_panels, find_band, flat
+   public :: group_position, group_rates, group_tolerance
+
+   integer, parameter :: name_room = 96      !! characters of a panel's name
+   integer, parameter :: label_room = 32     !! characters of a line's name
+   integer, parameter :: most_outputs = 6    !! of a sketch that are shown; CASE.csv has all
+   real(wp), parameter :: flat = 1.0e-8_wp   !! a curve that varies by less than this part of its scale is constant
+   real(wp), parameter :: absurd = 1.0e4_wp  !! rates above this times their scale are those beside a dead point: left out
+
+   character(*), parameter :: group_position = 'position', group_rates = 'rates', group_tolerance = 'tolerance'
+
+   !> A line of a panel.
+   type :: panel_line_t
+      character(label_room) :: label = ''
+      real(wp), allocatable :: values(:)     !! shape (sweep)
+      logical, allocatable :: known(:)       !! shape (sweep)
+   end type panel_line_t
+
+   !> Lines on one axis.
+   type :: panel_t
+      character(name_room) :: name = ''
+      character(label_room) :: note = ''     !! speed of the input, for rates
+      character(12) :: group = ''            !! one of `group_...`
+      real(wp) :: scale = 0.0_wp             !! what is large: changes below `flat` times it are rounding
+      type(panel_line_t), allocatable :: lines(:)
+   end type panel_t
+
+   !> Deviations of the output over the sweep, within the tolerances of the dimensions.
+   type :: band_t
+      integer :: components = 0
+      real(wp), allocatable :: square(:, :)  !! shape (sweep, components): root-sum-square
+      real(wp), allocatable :: worst(:, :)   !! the same shape: worst case
+      logical, allocatable :: known(:)       !! shape (sweep)
+   end type band_t
+
+contains
+
+   !> Velocity and acceleration of the output of a linkage of dyads, by time, for the speed of the group RATES (1 without it).
+   subroutine add_rate_panels(set, problem, dimensions, size_of, panels)
+      type(data_set_t), intent(in) :: set
+      type(problem_t), intent(inout) :: problem    !! its inputs are the sweep
+      type(dimensions_t), intent(in) :: dimensions
+      real(wp), intent(in) :: size_of              !! of the linkage
+      type(panel_t), allocatable, intent(inout) :: panels(:)
+      type(data_set_t), allocatable :: output_only
+      type(rate_study_t), allocatable :: rates
+      logical, allocatable :: known(:)
+      integer :: order, n
+
+      allocate (output_only, source=set)
+      output_only%ktheta = 0
+      allocate (rates)
+      call find_rates(output_only, problem, dimensions, rates)
+      known = rates%motion%closed .and. rates%dead == 0
+      do order = 1, 2
+         select case (problem%motion)
+         case (motion_point, motion_pose)
+            call begin_panel(head_of(order, 'the output point', .false.), group_rates, size_of*unit(order), panels)
+            n = size(panels)
+            call add_line('x', rates%by_time(order, 1, :), known, panels(n))
+            call add_line('y', rates%by_time(order, 2, :), known, panels(n))
+            if (problem%motion == motion_point) cycle
+            call begin_panel(head_of(order, 'the pose', .true.), group_rates, unit(order), panels)
+            call add_line('', rates%by_time(order, 3, :), known, panels(n + 1))
+         case (motion_angle)
+            call begin_panel(head_of(order, 'the output', .true.), group_rates, unit(order), panels)
+            call add_line('', rates%by_time(order, 1, :), known, panels(size(panels)))
+         case (motion_distance)
+            call begin_panel(head_of(order, 'the distance', .false.), group_rates, size_of*unit(order), panels)
+            call add_line('', rates%by_time(order, 1, :), known, panels(size(panels)))
+         case default
+            call begin_panel(head_of(order, 'the slide', .false.), group_rates, size_of*unit(order), panels)
+            call add_line('', rates%by_time(order, 1, :), known, panels(size(panels)))
+         end select
+      end do
+
+      do n = 1, size(panels)
+         panels(n)%note = note_of(set, problem%mechanism%sliding_input)
+      end do
+
+   contains
+
+      pure real(wp) function unit(order)
+         integer, intent(in) :: order
+
+         unit = unit_of(set, problem%mechanism%sliding_input, size_of, order)
+      end function unit
+   end subroutine add_rate_panels
+
+   !> All outputs of a sketch of dyads but the first, which the scene has, and rates of all, over the sweep.
+   subroutine add_sketch_panels(set, delt, size_of, panels)
+      type(data_set_t), intent(in) :: set
+      real(wp), intent(in) :: delt(:)              !! increments of the sweep
+      real(wp), intent(in) :: size_of              !! of the linkage
+      type(panel_t), allocatable, intent(inout) :: panels(:)
+      type(data_set_t), allocatable :: swept
+      type(chain_study_t), allocatable :: study
+
+      allocate (swept, source=set)
+      swept%ikin = 0
+      swept%ndes = size(delt)
+      swept%delt = delt
+      allocate (study)
+      call study_chain(swept, set%speed, set%accel, study)
+      if (study%sound) call add_study_panels(set, study, 2, size_of, panels)
+   end subroutine add_sketch_panels
+
+   !> Outputs of a sketch from number `first` on, then velocities and accelerations of all.
+   subroutine add_study_panels(set, study, first, size_of, panels)
+      type(data_set_t), intent(in) :: set
+      type(chain_study_t), intent(in) :: study     !! over the sweep
+      integer, intent(in) :: first                 !! output whose values are not shown yet
+      real(wp), intent(in) :: size_of
+      type(panel_t), allocatable, intent(inout) :: panels(:)
+      logical, allocatable :: known(:)
+      real(wp) :: scale
+      integer :: k, c, n, order, column
+      logical :: sliding
+
+      sliding = set%sketch%drives(1)%kind /= drive_turns
+      do order = 0, 2
+         known = study%motion%closed
+         if (order > 0) known = known .and. .not. study%motion%dead
+         column = 0
+         do k = 1, min(most_outputs, size(set%sketch%outputs))
+            associate (output => set%sketch%outputs(k))
+               column = column + columns_of(output)
+               if (order == 0 .and. k < first) cycle
+               if (order > 0 .and. output%kind == output_ratio) cycle
+               if (order == 0) then
+                  call begin_panel(trim(output%name), group_position, &
+                                   merge(full_turn, size_of, any(output%kind == [output_angle, output_between])), panels)
+                  if (output%kind == output_ratio) panels(size(panels))%scale = 1.0_wp
+               else
+                  scale = unit_of(set, sliding, size_of, order)
+                  if (.not. any(output%kind == [output_angle, output_between])) scale = scale*size_of
+                  call begin_panel(head_of(order, trim(output%name), any(output%kind == [output_angle, output_between])), &
+                                   group_rates, scale, panels)
+                  panels(size(panels))%note = note_of(set, sliding)
+               end if
+               n = size(panels)
+               do c = 1, columns_of(output)
+                  associate (name => study%names(column - columns_of(output) + c))
+                     call add_line(trim(name(len_trim(output%name) + 2:)), &
+                                   study%values(column - columns_of(output) + c, order, :), known, panels(n))
+                  end associate
+               end do
+            end associate
+         end do
+      end do
+   end subroutine add_study_panels
+
+   !> What a rate of order 1 or 2 is measured by: of an angle, or of a length in units of the linkage.
+   pure real(wp) function unit_of(set, sliding, size_of, order) result(unit)
+      type(data_set_t), intent(in) :: set
+      logical, intent(in) :: sliding
+      real(wp), intent(in) :: size_of
+      integer, intent(in) :: order
+      real(wp) :: turning
+
+      turning = 1.0_wp
+      if (sliding .and. size_of > 0.0_wp) turning = 1.0_wp/size_of
+      unit = abs(set%speed)*turning
+      if (order == 2) unit = unit**2 + abs(set%accel)*turning
+   end function unit_of
+
+   pure function head_of(order, what, angular) result(name)
+      integer, intent(in) :: order
+      character(*), intent(in) :: what
+      logical, intent(in) :: angular
+      character(:), allocatable :: name
+
+      name = trim(merge('velocity    ', 'acceleration', order == 1))//' of '//what
+      if (angular) name = name//trim(merge(', rad/s   ', ', rad/s**2', order == 1))
+   end function head_of
+
+   !> How fast the input moves.
+   pure function note_of(set, sliding) result(note)
+      type(data_set_t), intent(in) :: set
+      logical, intent(in) :: sliding
+      character(label_room) :: note
+
+      note = 'input '//short_number(set%speed, 4)//trim(merge(' length/s', ' rad/s   ', sliding))
+   end function note_of
+
+   !> Bands of the output where the sweep closes. `found` is false if there are no tolerances or it closes nowhere.
+   subroutine find_band(set, mechanism, dimensions, delt, closed, band, found)
+      type(data_set_t), intent(in) :: set
+      type(mechanism_t), intent(in) :: mechanism
+      type(dimensions_t), intent(in) :: dimensions
+      real(wp), intent(in) :: delt(:)              !! increments of the sweep
+      logical, intent(in) :: closed(:)
+      type(band_t), intent(out) :: band
+      logical, intent(out) :: found
+      type(data_set_t), allocatable :: swept
+      type(deviating_t), allocatable :: deviating
+      type(tolerance_t), allocatable :: linear
+      type(output_kind_t) :: kind
+      integer, allocatable :: at(:)
+      integer :: i
+
+      found = set%tolerances .and. any(closed)
+      if (.not. found) return
+      at = pack([(i, i=1, size(delt))], closed)
+      allocate (swept, source=set)
+      swept%ikin = 0
+      swept%ktheta = 0
+      swept%ndes = size(at)
+      swept%delt = delt(at)
+      allocate (deviating, linear)
+      call find_tolerances(swept, mechanism, dimensions, deviating, linear, found)
+      if (found) found = size(linear%tolerance) > 0
+      if (.not. found) return
+      kind = linear%kind
+      band%components = kind%components
+      allocate (band%square(size(delt), kind%components), band%worst(size(delt), kind%components), source=0.0_wp)
+      allocate (band%known(size(delt)), source=.false.)
+      band%square(at, :) = linear%square
+      band%worst(at, :) = linear%worst
+      band%known(at) = .not. linear%dead
+   end subroutine find_band
+
+   subroutine begin_panel(name, group, scale, panels)
+      character(*), intent(in) :: name, group
+      real(wp), intent(in) :: scale
+      type(panel_t), allocatable, intent(inout) :: panels(:)
+      type(panel_t), allocatable :: more(:)
+      integer :: i
+
+      allocate (more(size(panels) + 1))
+      do i = 1, size(panels)
+         more(i) = panels(i)
+      end do
+      associate (last => more(size(more)))
+         last%name = name
+         last%group = group
+         last%scale = scale
+         allocate (last%lines(0))
+      end associate
+      call move_alloc(more, panels)
+   end subroutine begin_panel
+
+   !> Append a line. Rates that are absurdly large stand beside a dead point; they would flatten all others.
+   subroutine add_line(label, values, known, panel)
+      character(*), intent(in) :: label
+      real(wp), intent(in) :: values(:)
+      logical, intent(in) :: known(:)
+      type(panel_t), intent(inout) :: panel
+      type(panel_line_t), allocatable :: more(:)
+      integer :: i
+
+      allocate (more(size(panel%lines) + 1))
+      do i = 1, size(panel%lines)
+         more(i) = panel%lines(i)
+      end do
+      associate (last => more(size(more)))
+         last%label = label
+         last%values = values
+         last%known = known .and. abs(values) < huge(1.0_wp)
+         if (panel%group == group_rates) last%known = last%known .and. abs(values) <= absurd*max(panel%scale, tiny(1.0_wp))
+      end associate
+      call move_alloc(more, panel%lines)
+   end subroutine add_line
+end module psalm_panels
