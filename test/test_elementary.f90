@@ -4,6 +4,7 @@ program test_elementary
    use psalm_angles, only: unit_vector, degrees_of, arc_sine
    use psalm_elementary, only: hypotenuse, fractional_power
    use psalm_kinds, only: wp, i8
+   use psalm_quad, only: unit_vector_quad, root => sqrt
    implicit none (type, external)
    integer, parameter :: qp = selected_real_kind(33)
    real(qp), parameter :: degree = 3.14159265358979323846264338327950288419716939937511_qp/180.0_qp
@@ -23,6 +24,7 @@ program test_elementary
    call sines()
    call directions()
    call others()
+   call quadruple()
    call t%report()
 
 contains
@@ -194,4 +196,31 @@ contains
                      .and. abs(hypotenuse(3.0e307_wp, 4.0e307_wp) - 5.0e307_wp) <= spacing(5.0e307_wp), 'hypotenuses')
       call t%is_true(abs(fractional_power(7.0_wp, 0.0_wp) - 1.0_wp) <= 0.0_wp, 'the power 0')
    end subroutine others
+
+   !> The suite's own functions in quadruple precision.
+   subroutine quadruple()
+      integer, parameter :: count = 20000
+      real(qp), parameter :: allowed = 9.0_qp     !! units; those of the reference's angle, up to 6.3 radians, are most of it
+      real(qp) :: turned, x, y, value, worst(3)
+      integer :: i
+
+      worst = 0.0_qp
+      do i = 1, count
+         turned = (real(drawn(), qp) - 0.5_qp + real(i, qp)*epsilon(1.0_qp))*1000.0_qp
+         call unit_vector_quad(turned, x, y)
+         value = mod(turned, 360.0_qp)*degree
+         worst(1) = max(worst(1), abs(x - cos(value)), abs(y - sin(value)))
+         value = scale(real(drawn(), qp) + real(i, qp)*epsilon(1.0_qp), modulo(7*i, 32000) - 16000)
+         worst(2) = max(worst(2), abs(root(value)/sqrt(value) - 1.0_qp))
+         call unit_vector_quad(scale(turned, 40 + modulo(i, 400)), x, y)
+         value = mod(scale(turned, 40 + modulo(i, 400)), 360.0_qp)*degree
+         worst(3) = max(worst(3), abs(x - cos(value)), abs(y - sin(value)))
+      end do
+      call t%is_true(worst(1) <= allowed*epsilon(1.0_qp), 'quadruple precision: cosine and sine')
+      call t%is_true(worst(2) <= 2.0_qp*epsilon(1.0_qp), 'quadruple precision: square root')
+      call t%is_true(worst(3) <= allowed*epsilon(1.0_qp), 'quadruple precision: cosine and sine after many turns')
+      call unit_vector_quad(-630.0_qp, x, y)
+      call t%is_true(abs(x) <= 0.0_qp .and. abs(y - 1.0_qp) <= 0.0_qp, 'quadruple precision: a quarter of a turn is exact')
+      call t%is_true(root(-1.0_qp) <= 0.0_qp .and. root(0.0_qp) <= 0.0_qp, 'quadruple precision: no root of what is not positive')
+   end subroutine quadruple
 end program test_elementary

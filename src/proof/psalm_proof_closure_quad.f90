@@ -3,6 +3,7 @@ module psalm_proof_closure_quad
    use psalm_proof_groups_quad, only: numbers_t, models_t, evaluate
    use psalm_proof_pieces, only: piece_closes, piece_opens, piece_undecided
    use psalm_proof_plan, only: proof_plan_t
+   use psalm_quad, only: sqrt
    use psalm_taylor_quad, only: rk, lanes, degree, eps, up
    implicit none (type, external)
    private

@@ -3,6 +3,7 @@ module psalm_proof_groups_quad
    use psalm_dyad_kind, only: assur_prp, assur_ppr, assur_rpp, assur_rpr, assur_rpr_guide_first, assur_rrp, assur_prr, assur_rrr
    use psalm_plan, only: root_crank, root_frame
    use psalm_proof_plan, only: proof_plan_t, proof_step_t, least_sine, measures_of
+   use psalm_quad, only: sqrt
    use psalm_taylor_quad, only: rk, lanes, degree, eps, up, down, smallest, rounding, pair_rounding, norm_of, pair_norm_of, &
                            pair_length, multiply, multiply_twice, range_of, reciprocal, square_root, turn_crank
    implicit none (type, external)

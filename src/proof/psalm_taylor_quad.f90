@@ -1,6 +1,6 @@
 !> Taylor models in quadruple precision, one box at a time: what is too narrow for the working precision.
 module psalm_taylor_quad
-   use psalm_quad, only: rk => qp, unit_vector => unit_vector_quad
+   use psalm_quad, only: rk => qp, sqrt, unit_vector => unit_vector_quad
    implicit none (type, external)
    private
    public :: rk, lanes, degree, eps, up, down, smallest, rounding, pair_rounding
