@@ -18,7 +18,8 @@ program balm
    use psalm_text, only: text_t
    implicit none (type, external)
    character(*), parameter :: nl = new_line('a')
-   character(*), parameter :: endings(*) = [character(10) :: '.svg', '.html', '.dxf', '.gp', '.png', '.pdf', '.edit.html']
+   character(*), parameter :: endings(*) = [character(10) :: '.svg', '.html', '.dxf', '.flat.dxf', '.gp', '.png', '.pdf', &
+                                           '.edit.html']
    type(arguments_t) :: arguments
    logical :: finished
    integer :: code, i
@@ -27,7 +28,7 @@ program balm
       'usage: balm [options] [CASE.nml ...]'//nl// &
       '       balm --edit [options] [CASE.nml ...]'//nl// &
       nl//'Pictures of each case: CASE.svg, the linkage at its reference position with joints and output at every'//nl// &
-      'position; CASE.html, a page on which it moves; CASE.dxf for CAD. Further cases of a file get CASE.2.svg and'//nl// &
+      'position; CASE.html, a page on which it moves; CASE.dxf for CAD (&DXF). Further cases get CASE.2.svg and'//nl// &
       'so on; the page has them all. The linkage is drawn as given, no search is made: for its result draw CASE.dev7.'//nl// &
       nl//'  --edit            the drawing board instead: CASE.edit.html, a page on which the sketch of a case is'//nl// &
       '                    changed and saved; without a case sketch.edit.html, empty'//nl// &

@@ -181,13 +181,74 @@ def compare_dxf(law, stem, case, joints, blocks):
     links = {layer.dxf.name for layer in document.layers if layer.dxf.name.startswith("LINK_")}
     moving = {b for b in bodies if not case["bodies"][b]["frame"]}
     check(law + "DXF: a layer for each link", len(links) >= len(moving))
-    drawn = {line.dxf.layer for line in space.query("LINE") if line.dxf.layer.startswith("LINK_")}
+    plates = space.query("POLYLINE").filter(lambda line: line.dxf.layer != "OUTPUT")
+    drawn = {line.dxf.layer for line in [*space.query("LINE"), *plates] if line.dxf.layer.startswith("LINK_")}
+    hulls = [b["hull"] for b in case["bodies"] if b["hull"] and not b["frame"]]
+    if "0" not in row["closed"]:
+        check(law + "DXF: plates are closed", all(line.is_closed for line in plates) and
+              sorted(len(line) for line in plates) == sorted(map(len, hulls)), "%s %s" % ([len(p) for p in plates], hulls))
     check(law + "DXF: lines lie on layers of links", drawn <= links and (len(drawn) == len(moving) or "0" in row["closed"]))
     if case["motion"] == "point" and len(blocks) > 1:
         k = blocks[1][0].index("actual_x")
         theirs = [(float(r[k]), float(r[k + 1])) for r in blocks[1][1] if r[1] == "1"]
-        ours = [(v.dxf.location.x, v.dxf.location.y) for line in space.query("POLYLINE") for v in line.vertices]
+        ours = [(v.dxf.location.x, v.dxf.location.y) for line in space.query('POLYLINE[layer=="OUTPUT"]') for v in line.vertices]
         check(law + "DXF: the path is that of device 9", ours == theirs)
+
+
+def outline_area(line):
+    """Area within a closed polyline of straight pieces and arcs."""
+    vertices = [(v.dxf.location.x, v.dxf.location.y, v.dxf.bulge) for v in line.vertices]
+    area = 0.0
+    for (x1, y1, bulge), (x2, y2, _) in zip(vertices, vertices[1:] + vertices[:1]):
+        angle, chord = 4 * math.atan(bulge), math.hypot(x2 - x1, y2 - y1)
+        area += (x1 * y2 - x2 * y1) / 2
+        if bulge:
+            radius = chord / 2 / math.sin(angle / 2)
+            area += radius ** 2 / 2 * (angle - math.sin(angle))
+    return area
+
+
+def test_cutting():
+    """The group DXF: units, pins, a position of its own, outlines of links by their width, every link laid flat."""
+    source = os.path.join(DATA, "laser_cut_lift.nml")
+    code, _, errors = balm("--quiet", "--output-dir", ".", source)
+    check("cutting: is drawn", code == 0, errors)
+    drawing, flat = ezdxf.readfile("laser_cut_lift.dxf"), ezdxf.readfile("laser_cut_lift.flat.dxf")
+    check("cutting: no faults, millimetres", all(not d.audit().errors and d.header["$INSUNITS"] == 4 for d in (drawing, flat)))
+    case = page_data("laser_cut_lift.html")[0]
+    names = [joint["name"] for joint in case["joints"]]
+    at = next(i for i, v in enumerate(case["prescribed"]["delt"]) if v == 40)
+    row, space = case["prescribed"], drawing.modelspace()
+    place = {name: (row["x"][j][at], row["y"][j][at]) for j, name in enumerate(names) if name}
+    pins = {(c.dxf.center.x, c.dxf.center.y): c.dxf.radius for c in space.query("CIRCLE")}
+    check("cutting: pins of their size at the position of INCREM", set(pins) == {v for k, v in place.items() if k != "P"} and set(pins.values()) == {3.0}, "%s %s" % (pins, place))
+    far = lambda a, b: math.dist(place[a], place[b])
+    bar = lambda a, b: 18 * far(a, b) + math.pi * 81
+    plate = lambda a, b, c: (abs((place[b][0] - place[a][0]) * (place[c][1] - place[a][1]) - (place[b][1] - place[a][1]) * (place[c][0] - place[a][0])) / 2 +
+                             9 * (far(a, b) + far(b, c) + far(c, a)) + math.pi * 81)
+    areas = {"LINK_CRANK": bar("A", "B"), "LINK_ROCKER": bar("C", "D"), "LINK_COUPLER": plate("B", "C", "P"), "FRAME": bar("A", "D")}
+    moving = {layer: area for layer, area in areas.items() if layer != "FRAME"}
+    for law, document, wanted in (("assembled", drawing, moving), ("flat", flat, areas)):
+        lines = [line for line in document.modelspace().query("POLYLINE") if line.dxf.layer in areas]
+        ours = {line.dxf.layer: outline_area(line) for line in lines}
+        check("cutting, %s: outlines by the user's names, with the area of a bar or plate with round ends" % law, len(lines) == len(wanted) and
+              ours.keys() == wanted.keys() and all(near(ours[k], v, 1e-9) for k, v in wanted.items()), "%s %s" % (ours, wanted))
+    holes = [(c.dxf.center.x, c.dxf.center.y, c.dxf.radius) for c in flat.modelspace().query('CIRCLE[layer=="HOLES"]')]
+    texts = {(round(t.dxf.insert.x - 1.6 * 3, 6), round(t.dxf.insert.y - 1.6 * 3, 6)): t.dxf.text for t in flat.modelspace().query('TEXT[layer=="NAMES"]')}
+    spots = [(texts[round(x, 6), round(y, 6)], x, y) for x, y, _ in holes]
+    pairs = sorted((abs(y1 - y2) < 1e-9, a, b, math.hypot(x1 - x2, y1 - y2)) for i, (a, x1, y1) in enumerate(spots) for b, x2, y2 in spots[i + 1:]
+                   if (a + b in ("AB", "BC", "AD", "CD", "DA", "DC", "BA", "CB")) and near(math.hypot(x1 - x2, y1 - y2), far(a, b), 1e-12))
+    check("cutting, flat: holes of each link are as far apart as its joints", len(pairs) == 4 and all(r == 3.0 for *_, r in holes) and len(holes) == 8, str(spots))
+    check("cutting, flat: links lie along their longest line and apart", sum(level for level, *_ in pairs) >= 3 and
+          len({round(min(v.dxf.location.y for v in line.vertices), 6) for line in flat.modelspace().query("POLYLINE")}) == 4)
+    write("pinned.nml", changed(read(source), "INCREM=40.0", "POSITN=5"))
+    balm("--quiet", "pinned.nml")
+    check("cutting: POSITN is the number of a position", {(c.dxf.center.x, c.dxf.center.y) for c in ezdxf.readfile("pinned.dxf").modelspace().query("CIRCLE")} == set(pins))
+    for old, new, words in (("'MM'", "'YARDS'", "error: &DXF UNITS: must be 'MM'"), ("PIN=6.0", "PIN=60.0", "a pin must be thinner"),
+                            ("INCREM=40.0", "POSITN=8", "&DXF POSITN: must be from 0 to 7"), ("FLAT=1", "POSITN=2", "leave one out")):
+        write("wrong.nml", changed(read(source), old, new))
+        code, _, errors = balm("--quiet", "wrong.nml")
+        check("cutting: %s is refused" % new, code == 2 and "wrong.nml:11: " in errors and words in errors, errors)
 
 
 def split_blocks(blocks, cases):
@@ -927,6 +988,7 @@ PARTS = {
     "short_messages": test_messages_are_short,
     "flat_curves": test_flat_curves,
     "rate_curves": test_rate_curves,
+    "cutting": test_cutting,
     "chains": test_chains,
     "pages": test_pages,
     "board": test_board,

@@ -13,6 +13,7 @@ module psalm_data_set
    use psalm_exact_group, only: exact_group_t, read_exact_group
    use psalm_friction_group, only: friction_group_t, read_friction_group
    use psalm_drives_group, only: read_drives_group
+   use psalm_dxf_group, only: dxf_group_t, read_dxf_group
    use psalm_drive_group, only: drive_group_t, hill_group_t, read_drive_group, read_hill_group
    use psalm_group_table, only: everything, program_of, program_reads, is_users, nearest_group
    use psalm_group, only: group_t, read_flag, check_flags, check_range, out_of, required
@@ -138,6 +139,7 @@ module psalm_data_set
       type(cam_group_t) :: cam             !! CAM (this and the next are read for calm only)
       type(cam_group_t) :: cam2            !! CAM2: of a second drive
       type(exact_group_t) :: exact         !! EXACT (read for psalm only)
+      type(dxf_group_t) :: dxf             !! DXF (read for balm only)
       character(:), allocatable :: others  !! the groups that device 7 keeps as they are
       character(:), allocatable :: skipped !! the groups that this program does not read, with those that do; empty: none
       type(origins_t) :: origins           !! where every value was written
@@ -241,11 +243,11 @@ contains
       integer, parameter :: links = 1, method = 2, limits = 3, search = 4, constr = 5, toler = 6, rates = 7, chain = 8, &
                             drives = 9, outputs = 10, masses = 11, loads = 12, spring = 13, frictn = 14, motor = 15, &
                             vibr = 16, estim = 17, drivel = 18, hill = 19, balanc = 20, cam = 21, sprngs = 22, &
-                            clear = 23, cam2 = 24, exact = 25
+                            clear = 23, cam2 = 24, exact = 25, dxf = 26
       character(*), parameter :: names(*) = [character(name_length) :: 'LINKS', 'METHOD', 'LIMITS', 'SEARCH', 'CONSTR', &
                                              'TOLER', 'RATES', 'CHAIN', 'DRIVES', 'OUTPUTS', 'MASSES', 'LOADS', 'SPRING', &
                                              'FRICTN', 'MOTOR', 'VIBR', 'ESTIM', 'DRIVEL', 'HILL', 'BALANC', &
-                                             'CAM', 'SPRNGS', 'CLEAR', 'CAM2', 'EXACT']
+                                             'CAM', 'SPRNGS', 'CLEAR', 'CAM2', 'EXACT', 'DXF']
       type(group_t), allocatable :: groups(:)      ! large: they would fill a small stack
       type(diagnostics_t) :: unused
       logical :: shape_known, sketch_sound
@@ -318,6 +320,11 @@ contains
       if (set%cam2%given .and. .not. set%sketch%given) call out_of(groups(cam2), 'NSEG', &
          'a second cam needs a second drive, which a sketch can have (&CHAIN, &DRIVES)', findings)
       call read_exact_group(groups(exact), set%exact, findings)
+      call read_dxf_group(groups(dxf), merge(359/max(1, abs(set%ikin)) + 1, set%ndes, set%ikin /= 0), set%dxf, findings)
+      if (set%dxf%anywhere .and. set%sketch%given) then
+         if (count(.not. set%sketch%drives%geared) > 1) call out_of(groups(dxf), 'INCREM', &
+            'of several drives there is no one increment; give the number of a position in POSITN', findings)
+      end if
       ! where there are errors the group may stand under a misspelt name
       if (size(set%masses%mass) > 0 .and. .not. (set%rates_given .or. findings%failed())) then
          call findings%warning('there is no group &RATES: the input is taken to move at '// &

@@ -56,6 +56,7 @@ contains
       call choose_output(set%sketch, own, scene)
       call trace_chain(set%sketch, own, feet, scene, scene%prescribed)
       call trace_chain(set%sketch, sweep, feet, scene, scene%sweep)
+      if (set%dxf%anywhere) call trace_chosen(set, feet, scene)
       call tell_open(set%sketch, own, scene%prescribed)
       call tell_open(set%sketch, sweep, scene%sweep)
       scene%prescribed%violated = .not. all(scene%prescribed%closed)
@@ -70,6 +71,23 @@ contains
       if (count(.not. set%sketch%drives%geared) == 1) &
          call add_study_panels(set, sweep, size(set%sketch%outputs) + 1, maxval(scene%high - scene%low), scene%panels)
    end subroutine make_chain_scene
+
+   !> The position that the group DXF asks for by its increment.
+   subroutine trace_chosen(set, feet, scene)
+      type(data_set_t), intent(in) :: set
+      type(foot_t), intent(in) :: feet(:)
+      type(scene_t), intent(inout) :: scene
+      type(data_set_t), allocatable :: other
+      type(chain_study_t), allocatable :: study
+
+      allocate (other, source=set)
+      other%ikin = 0
+      other%ndes = 1
+      other%delt = [set%dxf%increment]
+      allocate (study)
+      call study_chain(other, 1.0_wp, 0.0_wp, study)
+      call trace_chain(set%sketch, study, feet, scene, scene%chosen)
+   end subroutine trace_chosen
 
    !> The prescribed position nearest to the drawing that closes; the first if none does.
    pure integer function nearest_to_drawing(study) result(place)

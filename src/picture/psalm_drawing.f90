@@ -2,7 +2,7 @@
 module psalm_drawing
    use psalm_curves, only: write_curves
    use psalm_data_set, only: data_set_t
-   use psalm_dxf, only: write_dxf
+   use psalm_dxf, only: write_dxf, write_flat_dxf
    use psalm_page, only: write_page
    use psalm_picture_study, only: pictured_t
    use psalm_source, only: line_t
@@ -45,6 +45,11 @@ contains
          call text%add('run '//mark)
          call write_dxf(cases(k)%scene, text)
          call put(ending(k, '.dxf'))
+         if (.not. cases(k)%scene%dxf%flat) cycle
+         call text%add('999')
+         call text%add('run '//mark)
+         call write_flat_dxf(cases(k)%scene, text)
+         call put(ending(k, '.flat.dxf'))
       end do
       call write_page(cases%scene, text)
       call add_comment()

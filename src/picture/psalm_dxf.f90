@@ -1,37 +1,52 @@
-!> A scene as DXF (release 12, ASCII): one layer for each link, joints as circles, the output path as a polyline.
+!> A scene as DXF (release 12, ASCII): the linkage at one position, and its links laid flat.
+!>
+!> One layer for each link, under the user's name where it has one; plates are closed, joints are circles, the output path is a
+!> polyline. Geometry is that of the computation, in machine axes; of a link laid flat, along its own longest line.
 module psalm_dxf
+   use psalm_dxf_text, only: dxf_t, layer_length
+   use psalm_elementary, only: hypotenuse
    use psalm_kinds, only: wp
+   use psalm_link_outline, only: outline_t, outline_of, spine_of
    use psalm_output_kind, only: motion_point, motion_angle
    use psalm_scene, only: scene_t
-   use psalm_text, only: text_t, full_precision, to_text
+   use psalm_text, only: text_t, to_text, upper_case
+   use psalm_trace, only: row_t
    implicit none (type, external)
    private
-   public :: write_dxf
+   public :: write_dxf, write_flat_dxf
 
-   real(wp), parameter :: circle_part = 0.008_wp !! radius of a joint's circle, part of the view
+   real(wp), parameter :: circle_part = 0.008_wp !! radius of a joint's circle, part of the view, where PIN is not given
+   real(wp), parameter :: gap_part = 0.04_wp     !! between links laid flat, part of the view
+   real(wp), parameter :: away = 1.6_wp, height = 2.5_wp !! of a letter: place from its joint, height, radii of the circle
    integer, parameter :: colours = 6             !! CAD colours 1 to 6 in turn
+   character(*), parameter :: fit = 'ABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-$' !! for a layer's name in release 12
 
 contains
 
-   !> Append the drawing: the linkage at the reference position, in machine axes.
+   !> Append the drawing: the linkage at the position chosen, the reference position unless the group DXF says otherwise.
    subroutine write_dxf(scene, text)
       type(scene_t), intent(in) :: scene
       type(text_t), intent(inout) :: text
+      type(dxf_t) :: drawing
+      type(row_t), allocatable :: row
+      character(layer_length), allocatable :: layers(:)
       real(wp) :: radius
+      integer :: at, b
 
-      radius = circle_part*maxval(scene%high - scene%low)
-      call group(0, 'SECTION')
-      call group(2, 'HEADER')
-      call group(9, '$ACADVER')
-      call group(1, 'AC1009')
-      call group(9, '$EXTMIN')
-      call place(scene%low(1), scene%low(2))
-      call group(9, '$EXTMAX')
-      call place(scene%high(1), scene%high(2))
-      call group(0, 'ENDSEC')
-      call add_tables()
-      call group(0, 'SECTION')
-      call group(2, 'ENTITIES')
+      call choose_position(scene, row, at)
+      layers = layer_names(scene)
+      radius = radius_of(scene)
+      call drawing%add_layer('FRAME', 8)
+      do b = 1, size(scene%bodies)
+         if (.not. scene%bodies(b)%frame) call drawing%add_layer(layers(b), modulo(b - 1, colours) + 1)
+      end do
+      call drawing%add_layer('JOINTS', 7)
+      call drawing%add_layer('OUTPUT', 1)
+      call drawing%add_layer('DESIRED', 5)
+      call drawing%add_layer('SLIDES', 9)
+      if (allocated(scene%edges)) call drawing%add_layer('ENVELOPE', 3)
+      call drawing%begin(scene%low, scene%high, scene%dxf%unit)
+      call add_plates()
       call add_bars()
       call add_slides()
       call add_joints()
@@ -39,236 +54,162 @@ contains
       call add_wishes()
       if (allocated(scene%wheels)) call add_wheels()
       if (allocated(scene%edges)) call add_envelope()
-      call group(0, 'ENDSEC')
-      call group(0, 'EOF')
+      call drawing%finish()
+      call text%add_text(drawing%text%content())
 
    contains
 
-      subroutine group(code, value)
-         integer, intent(in) :: code
-         character(*), intent(in) :: value
+      !> Closed outlines of the moving links: of plates through their joints, or of all links by their width.
+      subroutine add_plates()
+         integer, allocatable :: spine(:)
+         type(outline_t) :: outline
+         integer :: k
 
-         call text%add(to_text(code))
-         call text%add(value)
-      end subroutine group
-
-      subroutine place(x, y)
-         real(wp), intent(in) :: x, y
-
-         call group(10, full_precision(x))
-         call group(20, full_precision(y))
-         call group(30, '0.0')
-      end subroutine place
-
-      subroutine add_tables()
-         integer :: b
-
-         call group(0, 'SECTION')
-         call group(2, 'TABLES')
-         call group(0, 'TABLE')
-         call group(2, 'LTYPE')
-         call group(70, '1')
-         call group(0, 'LTYPE')
-         call group(2, 'CONTINUOUS')
-         call group(70, '0')
-         call group(3, 'Solid line')
-         call group(72, '65')
-         call group(73, '0')
-         call group(40, '0.0')
-         call group(0, 'ENDTAB')
-         call group(0, 'TABLE')
-         call group(2, 'LAYER')
-         call group(70, to_text(size(scene%bodies) + merge(6, 5, allocated(scene%edges))))
-         call layer('FRAME', 8)
-         do b = 1, size(scene%bodies)
-            if (.not. scene%bodies(b)%frame) call layer(layer_of(b), modulo(b - 1, colours) + 1)
+         do k = 1, size(scene%bodies)
+            if (.not. has_outline(scene, k)) cycle
+            associate (joints => scene%bodies(k)%joints)
+               if (.not. all(row%known(joints, at))) cycle
+               spine = spine_of(row%x(joints, at), row%y(joints, at))
+               if (size(spine) < 3 .and. scene%dxf%width <= 0.0_wp) cycle
+               outline = outline_of(row%x(joints(spine), at), row%y(joints(spine), at), 0.5_wp*scene%dxf%width)
+               if (scene%dxf%width > 0.0_wp) then
+                  call drawing%polyline(layers(k), outline%x, outline%y, .true., outline%bulge)
+               else
+                  call drawing%polyline(layers(k), outline%x, outline%y, .true.)
+               end if
+            end associate
          end do
-         call layer('JOINTS', 7)
-         call layer('OUTPUT', 1)
-         call layer('DESIRED', 5)
-         call layer('SLIDES', 9)
-         if (allocated(scene%edges)) call layer('ENVELOPE', 3)
-         call group(0, 'ENDTAB')
-         call group(0, 'ENDSEC')
-      end subroutine add_tables
+      end subroutine add_plates
 
-      subroutine layer(name, colour)
-         character(*), intent(in) :: name
-         integer, intent(in) :: colour
-
-         call group(0, 'LAYER')
-         call group(2, name)
-         call group(70, '0')
-         call group(62, to_text(colour))
-         call group(6, 'CONTINUOUS')
-      end subroutine layer
-
-      !> Links are numbered as they come; the frame is one.
-      function layer_of(body) result(name)
-         integer, intent(in) :: body
-         character(:), allocatable :: name
-
-         if (body == 0) then
-            name = 'SLIDES'
-         else if (scene%bodies(body)%frame) then
-            name = 'FRAME'
-         else
-            name = 'LINK_'//to_text(count(.not. scene%bodies(:body)%frame))
-         end if
-      end function layer_of
-
-      subroutine line(name, x1, y1, x2, y2)
-         character(*), intent(in) :: name
-         real(wp), intent(in) :: x1, y1, x2, y2
-
-         call group(0, 'LINE')
-         call group(8, name)
-         call place(x1, y1)
-         call group(11, full_precision(x2))
-         call group(21, full_precision(y2))
-         call group(31, '0.0')
-      end subroutine line
-
+      !> Lines of the links, but those that are sides of a plate or covered by its width.
       subroutine add_bars()
-         integer :: b
+         integer :: k
 
-         associate (row => scene%prescribed, i => scene%reference)
-            do b = 1, size(scene%bars)
-               associate (bar => scene%bars(b))
-                  if (bar%start == bar%finish) cycle
-                  if (.not. (row%known(bar%start, i) .and. row%known(bar%finish, i))) cycle
-                  call line(layer_of(bar%body), row%x(bar%start, i), row%y(bar%start, i), row%x(bar%finish, i), &
-                            row%y(bar%finish, i))
-               end associate
-            end do
-         end associate
+         do k = 1, size(scene%bars)
+            associate (bar => scene%bars(k))
+               if (bar%start == bar%finish) cycle
+               if (.not. (row%known(bar%start, at) .and. row%known(bar%finish, at))) cycle
+               if (bar%slide == 0 .and. bar%body > 0) then
+                  if (is_side(bar%body, bar%start, bar%finish)) cycle
+                  if (scene%dxf%width > 0.0_wp .and. has_outline(scene, bar%body)) cycle
+               end if
+               if (bar%body == 0) then
+                  call drawing%line('SLIDES', row%x(bar%start, at), row%y(bar%start, at), row%x(bar%finish, at), &
+                                    row%y(bar%finish, at))
+               else
+                  call drawing%line(layers(bar%body), row%x(bar%start, at), row%y(bar%start, at), row%x(bar%finish, at), &
+                                    row%y(bar%finish, at))
+               end if
+            end associate
+         end do
       end subroutine add_bars
+
+      !> True if two joints follow each other round a plate that is drawn.
+      logical function is_side(body, start, finish)
+         integer, intent(in) :: body, start, finish
+         integer, allocatable :: spine(:)
+         integer :: k
+
+         is_side = .false.
+         if (.not. has_outline(scene, body)) return
+         associate (joints => scene%bodies(body)%joints)
+            if (.not. all(row%known(joints, at))) return
+            spine = spine_of(row%x(joints, at), row%y(joints, at))
+            if (size(spine) < 3) return
+            spine = joints(spine)
+         end associate
+         do k = 1, size(spine)
+            associate (a => spine(k), b => spine(modulo(k, size(spine)) + 1))
+               is_side = is_side .or. (a == start .and. b == finish) .or. (a == finish .and. b == start)
+            end associate
+         end do
+      end function is_side
 
       !> The rail of each slide.
       subroutine add_slides()
          real(wp) :: x, y, ux, uy
          integer :: s
 
-         associate (row => scene%prescribed, i => scene%reference)
-            do s = 1, size(scene%slides)
-               associate (slide => scene%slides(s))
-                  if (.not. (row%known(slide%guide, i) .and. row%known(slide%block, i))) cycle
-                  x = row%x(slide%guide, i)
-                  y = row%y(slide%guide, i)
-                  ux = slide%sense*row%ux(s, i)
-                  uy = slide%sense*row%uy(s, i)
-                  call line('SLIDES', x + slide%low*ux, y + slide%low*uy, x + slide%high*ux, y + slide%high*uy)
-               end associate
-            end do
-         end associate
+         do s = 1, size(scene%slides)
+            associate (slide => scene%slides(s))
+               if (.not. (row%known(slide%guide, at) .and. row%known(slide%block, at))) cycle
+               x = row%x(slide%guide, at)
+               y = row%y(slide%guide, at)
+               ux = slide%sense*row%ux(s, at)
+               uy = slide%sense*row%uy(s, at)
+               call drawing%line('SLIDES', x + slide%low*ux, y + slide%low*uy, x + slide%high*ux, y + slide%high*uy)
+            end associate
+         end do
       end subroutine add_slides
 
       subroutine add_joints()
          integer :: j
 
-         associate (row => scene%prescribed, i => scene%reference)
-            do j = 1, size(scene%joints)
-               if (len(scene%joints(j)%name) == 0 .or. .not. row%known(j, i)) cycle
-               call group(0, 'CIRCLE')
-               call group(8, 'JOINTS')
-               call place(row%x(j, i), row%y(j, i))
-               call group(40, full_precision(radius))
-               call group(0, 'TEXT')
-               call group(8, 'JOINTS')
-               call place(row%x(j, i) + 1.6_wp*radius, row%y(j, i) + 1.6_wp*radius)
-               call group(40, full_precision(2.5_wp*radius))
-               call group(1, scene%joints(j)%name)
-            end do
-         end associate
+         do j = 1, size(scene%joints)
+            if (len(scene%joints(j)%name) == 0 .or. .not. row%known(j, at)) cycle
+            if (scene%joints(j)%turning .or. scene%joints(j)%slides) then
+               call drawing%circle('JOINTS', row%x(j, at), row%y(j, at), radius)
+            else
+               call drawing%point('JOINTS', row%x(j, at), row%y(j, at))
+            end if
+            call drawing%words('JOINTS', row%x(j, at) + away*radius, row%y(j, at) + away*radius, height*radius, &
+                               scene%joints(j)%name)
+         end do
       end subroutine add_joints
 
       !> The output point at the prescribed positions: a point each, and a polyline through each run of closed ones. With
       !> MOTION 1 a line along the direction of the output arc at each position.
       subroutine add_path()
-         integer :: i
-         logical :: open
+         integer :: i, first
 
-         associate (row => scene%prescribed)
+         associate (every => scene%prescribed)
             if (scene%motion == motion_angle) then
-               do i = 1, row%n
-                  if (row%closed(i)) call line('OUTPUT', row%x(scene%output_base, i), row%y(scene%output_base, i), &
-                                               row%aim(1, i), row%aim(2, i))
+               do i = 1, every%n
+                  if (every%closed(i)) call drawing%line('OUTPUT', every%x(scene%output_base, i), &
+                                                         every%y(scene%output_base, i), every%aim(1, i), every%aim(2, i))
                end do
             end if
-            do i = 1, row%n
-               if (.not. row%known(scene%output, i)) cycle
+            do i = 1, every%n
+               if (.not. every%known(scene%output, i)) cycle
                if (allocated(scene%meshes) .and. i /= scene%reference) cycle
-               call group(0, 'POINT')
-               call group(8, 'OUTPUT')
-               call place(row%x(scene%output, i), row%y(scene%output, i))
+               call drawing%point('OUTPUT', every%x(scene%output, i), every%y(scene%output, i))
             end do
          end associate
          if (allocated(scene%meshes)) return   ! the way through a grid is no path
-         associate (row => scene%sweep)
-            open = .false.
-            do i = 1, row%n
-               if (row%known(scene%output, i)) then
-                  if (.not. open) call begin_polyline('OUTPUT', all(row%known(scene%output, :)) .and. .not. scene%sliding)
-                  open = .true.
-                  call vertex('OUTPUT', row%x(scene%output, i), row%y(scene%output, i))
-               else if (open) then
-                  call group(0, 'SEQEND')
-                  open = .false.
+         associate (sweep => scene%sweep)
+            first = 1
+            do i = 1, sweep%n
+               if (.not. sweep%known(scene%output, i)) then
+                  first = i + 1
+                  cycle
                end if
+               if (i < sweep%n) then
+                  if (sweep%known(scene%output, i + 1)) cycle
+               end if
+               call drawing%polyline('OUTPUT', sweep%x(scene%output, first:i), sweep%y(scene%output, first:i), &
+                                     all(sweep%known(scene%output, :)) .and. .not. scene%sliding)
             end do
-            if (open) call group(0, 'SEQEND')
          end associate
       end subroutine add_path
-
-      subroutine begin_polyline(name, ring)
-         character(*), intent(in) :: name
-         logical, intent(in) :: ring
-
-         call group(0, 'POLYLINE')
-         call group(8, name)
-         call group(66, '1')
-         call place(0.0_wp, 0.0_wp)
-         call group(70, merge('1', '0', ring))
-      end subroutine begin_polyline
-
-      subroutine vertex(name, x, y)
-         character(*), intent(in) :: name
-         real(wp), intent(in) :: x, y
-
-         call group(0, 'VERTEX')
-         call group(8, name)
-         call place(x, y)
-      end subroutine vertex
 
       !> Pitch circles of gear wheels.
       subroutine add_wheels()
          integer :: w
 
-         associate (row => scene%prescribed, i => scene%reference)
-            do w = 1, size(scene%wheels)
-               associate (wheel => scene%wheels(w))
-                  if (.not. row%known(wheel%centre, i)) cycle
-                  call group(0, 'CIRCLE')
-                  call group(8, layer_of(wheel%body))
-                  call place(row%x(wheel%centre, i), row%y(wheel%centre, i))
-                  call group(40, full_precision(wheel%radius))
-               end associate
-            end do
-         end associate
+         do w = 1, size(scene%wheels)
+            associate (wheel => scene%wheels(w))
+               if (row%known(wheel%centre, at)) call drawing%circle(layers(wheel%body), row%x(wheel%centre, at), &
+                                                                    row%y(wheel%centre, at), wheel%radius)
+            end associate
+         end do
       end subroutine add_wheels
 
       !> What the output reaches: a polyline for each drive and each of the ends of the others.
       subroutine add_envelope()
-         integer :: e, i
+         integer :: e
 
          do e = 1, size(scene%edges)
-            associate (edge => scene%edges(e))
-               call begin_polyline('ENVELOPE', .false.)
-               do i = 1, size(edge%x)
-                  call vertex('ENVELOPE', edge%x(i), edge%y(i))
-               end do
-               call group(0, 'SEQEND')
-            end associate
+            call drawing%polyline('ENVELOPE', scene%edges(e)%x, scene%edges(e)%y, .false.)
          end do
       end subroutine add_envelope
 
@@ -276,18 +217,204 @@ contains
          integer :: i
 
          if (.not. scene%desired) return
-         associate (row => scene%prescribed)
-            do i = 1, row%n
-               if (scene%motion /= motion_point .and. .not. row%closed(i)) cycle
+         associate (every => scene%prescribed)
+            do i = 1, every%n
+               if (scene%motion /= motion_point .and. .not. every%closed(i)) cycle
                if (scene%motion == motion_angle) then
-                  call line('DESIRED', row%x(scene%output_base, i), row%y(scene%output_base, i), row%wish(1, i), row%wish(2, i))
+                  call drawing%line('DESIRED', every%x(scene%output_base, i), every%y(scene%output_base, i), &
+                                    every%wish(1, i), every%wish(2, i))
                else
-                  call group(0, 'POINT')
-                  call group(8, 'DESIRED')
-                  call place(row%wish(1, i), row%wish(2, i))
+                  call drawing%point('DESIRED', every%wish(1, i), every%wish(2, i))
                end if
             end do
          end associate
       end subroutine add_wishes
    end subroutine write_dxf
+
+   !> Append the links laid flat, one above the other, the frame first: each along its longest line, with its outline, its holes,
+   !> its rails and its name. For cutting and for dimensions.
+   subroutine write_flat_dxf(scene, text)
+      type(scene_t), intent(in) :: scene
+      type(text_t), intent(inout) :: text
+      type(dxf_t) :: drawing
+      type(row_t), allocatable :: row
+      type(outline_t), allocatable :: outlines(:)
+      character(layer_length), allocatable :: layers(:)
+      integer, allocatable :: order(:)
+      real(wp) :: origin(2, size(scene%bodies)), along(2, size(scene%bodies)), shift(2, size(scene%bodies))
+      real(wp) :: radius, gap, top, widest
+      integer :: at, b, k
+
+      call choose_position(scene, row, at)
+      layers = layer_names(scene)
+      radius = radius_of(scene)
+      gap = max(gap_part*maxval(scene%high - scene%low), scene%dxf%width)
+      order = [pack([(b, b=1, size(scene%bodies))], scene%bodies%frame), pack([(b, b=1, size(scene%bodies))], &
+                                                                              .not. scene%bodies%frame)]
+      allocate (outlines(size(scene%bodies)))
+      top = 0.0_wp
+      widest = 0.0_wp
+      do k = 1, size(order)
+         b = order(k)
+         if (.not. all(row%known(scene%bodies(b)%joints, at))) cycle
+         call drawing%add_layer(layers(b), merge(8, modulo(b - 1, colours) + 1, scene%bodies(b)%frame))
+         call lay_flat(b)
+      end do
+      call drawing%add_layer('HOLES', 7)
+      call drawing%add_layer('POINTS', 1)
+      call drawing%add_layer('SLIDES', 9)
+      call drawing%add_layer('NAMES', 7)
+      call drawing%begin([0.0_wp, 0.0_wp], [widest, max(top - gap, 0.0_wp)], scene%dxf%unit)
+      do k = 1, size(order)
+         if (allocated(outlines(order(k))%x)) call draw_link(order(k))
+      end do
+      call drawing%finish()
+      call text%add_text(drawing%text%content())
+
+   contains
+
+      !> Axes of a link's drawing and its place above those before it.
+      subroutine lay_flat(b)
+         integer, intent(in) :: b
+         integer, allocatable :: spine(:)
+         real(wp) :: flat(2, size(scene%bodies(b)%joints)), farthest, length
+         integer :: i, m
+
+         associate (joints => scene%bodies(b)%joints)
+            along(:, b) = [1.0_wp, 0.0_wp]
+            origin(:, b) = [row%x(joints(1), at), row%y(joints(1), at)]
+            farthest = 0.0_wp
+            do i = 1, size(joints)
+               do m = i + 1, size(joints)
+                  length = hypotenuse(row%x(joints(m), at) - row%x(joints(i), at), row%y(joints(m), at) - row%y(joints(i), at))
+                  if (length <= farthest) cycle
+                  farthest = length
+                  origin(:, b) = [row%x(joints(i), at), row%y(joints(i), at)]
+                  along(:, b) = ([row%x(joints(m), at), row%y(joints(m), at)] - origin(:, b))/length
+               end do
+            end do
+            shift(:, b) = 0.0_wp
+            do i = 1, size(joints)
+               flat(:, i) = turned(b, row%x(joints(i), at), row%y(joints(i), at))
+            end do
+            spine = spine_of(flat(1, :), flat(2, :))
+            outlines(b) = outline_of(flat(1, spine), flat(2, spine), max(0.5_wp*scene%dxf%width, 0.0_wp))
+            associate (half => max(0.5_wp*scene%dxf%width, radius))
+               shift(:, b) = [half - minval(flat(1, :)), top + half - minval(flat(2, :))]
+               top = top + maxval(flat(2, :)) - minval(flat(2, :)) + 2.0_wp*half + gap
+               widest = max(widest, maxval(flat(1, :)) - minval(flat(1, :)) + 2.0_wp*half)
+            end associate
+            outlines(b)%x = outlines(b)%x + shift(1, b)
+            outlines(b)%y = outlines(b)%y + shift(2, b)
+         end associate
+      end subroutine lay_flat
+
+      !> A place of a link in its drawing.
+      function turned(b, x, y) result(place)
+         integer, intent(in) :: b
+         real(wp), intent(in) :: x, y
+         real(wp) :: place(2)
+
+         associate (from => [x, y] - origin(:, b), u => along(:, b))
+            place = [dot_product(from, u), u(1)*from(2) - u(2)*from(1)] + shift(:, b)
+         end associate
+      end function turned
+
+      subroutine draw_link(b)
+         integer, intent(in) :: b
+         real(wp) :: place(2), ends(2, 2), u(2)
+         integer :: i, s
+
+         associate (joints => scene%bodies(b)%joints, outline => outlines(b))
+            if (size(outline%x) == 2 .and. scene%dxf%width <= 0.0_wp) then
+               if (size(joints) > 1) call drawing%line(layers(b), outline%x(1), outline%y(1), outline%x(2), outline%y(2))
+            else if (scene%dxf%width > 0.0_wp) then
+               call drawing%polyline(layers(b), outline%x, outline%y, .true., outline%bulge)
+            else
+               call drawing%polyline(layers(b), outline%x, outline%y, .true.)
+            end if
+            do i = 1, size(joints)
+               place = turned(b, row%x(joints(i), at), row%y(joints(i), at))
+               if (scene%joints(joints(i))%turning) then
+                  call drawing%circle('HOLES', place(1), place(2), radius)
+               else
+                  call drawing%point('POINTS', place(1), place(2))
+               end if
+               if (len(scene%joints(joints(i))%name) > 0) &
+                  call drawing%words('NAMES', place(1) + away*radius, place(2) + away*radius, height*radius, &
+                                     scene%joints(joints(i))%name)
+            end do
+            do s = 1, size(scene%slides)
+               associate (slide => scene%slides(s))
+                  if (scene%bars(slide%bar)%body /= b .or. .not. row%known(slide%guide, at)) cycle
+                  u = slide%sense*[row%ux(s, at), row%uy(s, at)]
+                  ends(:, 1) = turned(b, row%x(slide%guide, at) + slide%low*u(1), row%y(slide%guide, at) + slide%low*u(2))
+                  ends(:, 2) = turned(b, row%x(slide%guide, at) + slide%high*u(1), row%y(slide%guide, at) + slide%high*u(2))
+                  call drawing%line('SLIDES', ends(1, 1), ends(2, 1), ends(1, 2), ends(2, 2))
+               end associate
+            end do
+            ! beyond the arc at the end
+            call drawing%words('NAMES', maxval(outline%x) + 0.5_wp*scene%dxf%width + 2.0_wp*radius, &
+                               0.5_wp*(minval(outline%y) + maxval(outline%y)), height*radius, trim(layers(b)))
+         end associate
+      end subroutine draw_link
+   end subroutine write_flat_dxf
+
+   !> The position that is drawn.
+   subroutine choose_position(scene, row, at)
+      type(scene_t), intent(in) :: scene
+      type(row_t), allocatable, intent(out) :: row
+      integer, intent(out) :: at
+
+      at = scene%reference
+      if (scene%chosen%n > 0) then
+         allocate (row, source=scene%chosen)
+         at = 1
+         return
+      end if
+      if (scene%dxf%position > 0) at = min(scene%dxf%position, scene%prescribed%n)
+      allocate (row, source=scene%prescribed)
+   end subroutine choose_position
+
+   !> Radius of the pins.
+   pure real(wp) function radius_of(scene) result(radius)
+      type(scene_t), intent(in) :: scene
+
+      radius = circle_part*maxval(scene%high - scene%low)
+      if (scene%dxf%pin > 0.0_wp) radius = 0.5_wp*scene%dxf%pin
+   end function radius_of
+
+   !> True if a link is drawn with its outline: a moving one, of a plate or with a width. Cylinders change their length.
+   pure logical function has_outline(scene, body)
+      type(scene_t), intent(in) :: scene
+      integer, intent(in) :: body
+      integer :: k
+
+      has_outline = .not. scene%bodies(body)%frame .and. size(scene%bodies(body)%joints) > 0
+      do k = 1, size(scene%bars)
+         if (scene%bars(k)%body == body .and. scene%bars(k)%cylinder) has_outline = .false.
+      end do
+   end function has_outline
+
+   !> Layers of the links: FRAME, LINK_ and the user's name if a layer can be called so, else LINK_ and a number as they come.
+   pure function layer_names(scene) result(names)
+      type(scene_t), intent(in) :: scene
+      character(layer_length) :: names(size(scene%bodies))
+      integer :: b
+
+      do b = 1, size(scene%bodies)
+         if (scene%bodies(b)%frame) then
+            names(b) = 'FRAME'
+            cycle
+         end if
+         names(b) = 'LINK_'//to_text(count(.not. scene%bodies(:b)%frame))
+      end do
+      do b = 1, size(scene%bodies)
+         if (scene%bodies(b)%frame .or. .not. allocated(scene%bodies(b)%name)) cycle
+         associate (name => 'LINK_'//upper_case(scene%bodies(b)%name))
+            if (len(name) > layer_length .or. verify(name, fit) > 0 .or. any(names == name)) cycle
+            names(b) = name
+         end associate
+      end do
+   end function layer_names
 end module psalm_dxf

@@ -6,6 +6,7 @@ module psalm_scene
    use psalm_clearance_scene, only: clearance_scene_t
    use psalm_constraint_group, only: region_t
    use psalm_data_set, only: data_set_t
+   use psalm_dxf_group, only: dxf_group_t
    use psalm_dyad_kind, only: direction_known, form_of, form_t
    use psalm_error, only: problem_t, make_problem
    use psalm_force_model, only: forces_wanted
@@ -18,6 +19,7 @@ module psalm_scene
    use psalm_panels, only: panel_t, band_t, add_rate_panels, add_sketch_panels, find_band
    use psalm_parts, only: joint_t, bar_t, body_t, slide_t, pair_t, wheel_t, curve_t, drive_part_t, edge_t, find_slides, &
                           convex_hull
+   use psalm_sketch, only: output_point, output_pose, output_x, output_y
    use psalm_status, only: finding_t, level_error
    use psalm_sweep, only: sweep_inputs, sweep_sense
    use psalm_dimensions, only: dimensions_t
@@ -54,6 +56,8 @@ module psalm_scene
       integer :: output = 0, output_base = 0              !! joints: the output point, where the output arc begins
       integer :: output_slide = 0                         !! MOTION 3: the slide
       type(row_t) :: prescribed, sweep
+      type(row_t) :: chosen                               !! one more position, for DXF; n is 0 if there is none
+      type(dxf_group_t) :: dxf
       real(wp) :: pointer = 0.0_wp                        !! drawn length of the output arc with MOTION 1
       integer :: reference = 1                            !! prescribed position nearest to the reference position
       real(wp) :: low(2) = 0.0_wp, high(2) = 1.0_wp       !! corners of the view
@@ -83,6 +87,7 @@ contains
       integer :: i
 
       scene%title = set%title
+      scene%dxf = set%dxf
       scene%file = set%file(index(set%file, '/', back=.true.) + 1:)
       allocate (scene%errors(0), scene%warnings(0), scene%joints(0), scene%bars(0), scene%bodies(0))
       allocate (scene%slides(0), scene%pairs(0), scene%regions(0), scene%breaches(0), scene%panels(0))
@@ -150,6 +155,7 @@ contains
       call own%set_inputs(sweep_inputs(own))
       call whole%set_inputs(own%delt)
       call trace_row(own, whole, dimensions, scene%slides, scene%output_slide, .false., scene%sweep)
+      if (set%dxf%anywhere) call trace_chosen(set, own, whole, dimensions, scene)
       call merge_joints(scene, size(mechanism%points) + 1, place)
       scene%drawn = place
       call make_bars(mechanism, dimensions, place, scene)
@@ -167,6 +173,21 @@ contains
       call widen_view(scene)
       call add_curves(set, mechanism, dimensions, own, scene)
    end subroutine make_scene
+
+   !> The position that the group DXF asks for by its increment.
+   subroutine trace_chosen(set, own, whole, dimensions, scene)
+      type(data_set_t), intent(in) :: set
+      type(problem_t), intent(in) :: own, whole   !! with the inputs of the sweep
+      type(dimensions_t), intent(in) :: dimensions
+      type(scene_t), intent(inout) :: scene
+      type(problem_t), allocatable :: one, every  ! large: they would fill a small stack
+
+      allocate (one, source=own)
+      allocate (every, source=whole)
+      call one%set_inputs([set%dxf%increment])
+      call every%set_inputs([set%dxf%increment])
+      call trace_row(one, every, dimensions, scene%slides, scene%output_slide, .false., scene%chosen)
+   end subroutine trace_chosen
 
    !> Rates of the output, further outputs of a sketch, bands of tolerance. `own` has the inputs of the sweep.
    subroutine add_curves(set, mechanism, dimensions, own, scene)
@@ -343,6 +364,7 @@ contains
       kept = kept(:count)
       call keep(scene%prescribed)
       call keep(scene%sweep)
+      if (scene%chosen%n > 0) call keep(scene%chosen)
       allocate (scene%joints(count))
       scene%output = place(joints)
       do k = 1, size(scene%slides)
@@ -476,6 +498,12 @@ contains
             end do
          end associate
       end do
+      ! the output point is the end of no arc
+      if (size(set%sketch%outputs) == 0 .or. len(scene%joints(scene%output)%name) > 0) return
+      associate (output => set%sketch%outputs(1))
+         if (any(output%kind == [output_point, output_x, output_y, output_pose])) &
+            scene%joints(scene%output)%name = trim(set%sketch%joint_name(output%joints(1)))
+      end associate
 
    contains
 
