@@ -13,7 +13,7 @@ program test_proof_cost
 
    character(18), parameter :: names(*) = [character(18) :: 'needle', 'dwell', 'dyad1_crank_rocker', 'dyad4_slider_crank']
    integer, parameter :: most_boxes = 40      !! of closure with wide margins over a full turn
-   integer, parameter :: most_extreme_boxes = 100 !! of each extreme
+   integer, parameter :: most_extreme_boxes = 10 !! of each extreme
    type(checks_t) :: t
    integer :: k
 

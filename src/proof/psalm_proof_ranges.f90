@@ -1,8 +1,10 @@
 !> How far things go while a linkage moves, proven: transmission angles, slides, the output point; and how large deviations of
 !> the lengths may be.
 !>
-!> Extremes are found in the working precision; the places that may hold them are looked at again in quadruple precision.
+!> Extremes are found in the working precision; places whose brackets would show in what is printed are looked at again in
+!> quadruple precision.
 module psalm_proof_ranges
+   use psalm_angles, only: degrees_of
    use psalm_kinds, only: wp
    use psalm_proof, only: proof_t, subject_t, rounded, piece_closes, piece_opens, cause_too_short, cause_link
    use psalm_proof_closure, only: piece_t, find_pieces
@@ -14,15 +16,21 @@ module psalm_proof_ranges
    implicit none (type, external)
    private
    public :: extreme_t, prove_extremes, prove_tolerance
-   public :: extreme_angle, extreme_slide, extreme_x, extreme_y
+   public :: extreme_angle, extreme_slide, extreme_x, extreme_y, extreme_output, extreme_distance, extreme_ratio
 
    integer, parameter :: extreme_angle = 1   !! transmission angle of a loop, degrees: between its links, or link and slide's normal
    integer, parameter :: extreme_slide = 2   !! a varying length
    integer, parameter :: extreme_x = 3       !! co-ordinates of the output point
    integer, parameter :: extreme_y = 4
+   integer, parameter :: extreme_output = 5  !! angle of the output; one that swings through 360 goes on beyond it
+   integer, parameter :: extreme_distance = 6 !! of the output point from the origin
+   integer, parameter :: extreme_ratio = 7   !! velocity ratio: rate of the output by the input, radians or lengths
 
    integer, parameter :: most_boxes = 4000, most_fine_boxes = 1000
    integer, parameter :: first_boxes = 8, most_halvings = 12
+   real(wp), parameter :: enough = 1.0e-13_wp  !! width of a bracket, of 1 or the value in the longest arc
+   real(wp), parameter :: narrow = 1.0e-9_wp   !! a bracket narrower than this does not show
+   real(wp), parameter :: straight = 180.0_wp
    real(qp), parameter :: degrees = 57.295779513082320876798154814105170332_qp !! of a radian
 
    !> Least and greatest value of a quantity over what closes, each bracketed.
@@ -46,39 +54,77 @@ contains
       integer, intent(out) :: boxes(2)                   !! evaluated in working and in quadruple precision
       type(quantity_t), allocatable :: quantities(:)
       type(place_t), allocatable :: places(:)
-      type(fine_place_t), allocatable :: fine(:)
       type(greatest_t), allocatable :: greatest(:)
-      type(fine_greatest_t), allocatable :: fine_greatest(:)
       integer :: i
 
       call list_quantities(subject, extremes, quantities)
       boxes = 0
       if (size(extremes) == 0) return
-      call list_places(proof, size(quantities), places)
-      allocate (greatest(size(quantities)), fine_greatest(size(quantities)))
-      call find_greatest(subject%plan, subject%numbers, quantities, most_boxes, subject%models, places, greatest, boxes(1))
-      allocate (fine(size(places)))
-      do i = 1, size(places)
-         fine(i)%from = real(places(i)%from, qp)
-         fine(i)%to = real(places(i)%to, qp)
-         fine(i)%quantity = places(i)%quantity
-         fine(i)%certain = places(i)%certain
-      end do
-      call find_fine_greatest(subject%plan, subject%fine_numbers, quantities, most_fine_boxes, subject%fine_models, fine, &
-                              fine_greatest, boxes(2))
+      call list_places(proof, places)
+      allocate (greatest(size(quantities)))
+      call find_greatest(subject%plan, subject%numbers, quantities, enough, most_boxes, subject%models, places, greatest, boxes(1))
       do i = 1, size(extremes)
-         call put_together(subject, quantities(2*i), fine_greatest(2*i - 1:2*i), real(greatest(2*i - 1:2*i)%low, qp), extremes(i))
+         call put_together(subject, quantities(2*i), greatest(2*i - 1:2*i), extremes(i))
       end do
+      if (any(is_wide(extremes))) call look_again(subject, quantities, places, greatest, extremes, boxes(2))
    end subroutine prove_extremes
+
+   !> True for brackets that show in the digits printed.
+   elemental logical function is_wide(extreme)
+      type(extreme_t), intent(in) :: extreme
+
+      is_wide = extreme%found .and. (wide(extreme%least_low, extreme%least_high) .or. &
+                                     wide(extreme%greatest_low, extreme%greatest_high))
+
+   contains
+
+      pure logical function wide(low, high)
+         real(wp), intent(in) :: low, high
+
+         wide = high - low > narrow*max(abs(low), abs(high), 1.0_wp)
+      end function wide
+   end function is_wide
+
+   !> Look in quadruple precision at the places that hold extremes whose brackets are wide.
+   subroutine look_again(subject, quantities, places, greatest, extremes, boxes)
+      type(subject_t), intent(inout) :: subject
+      type(quantity_t), intent(in) :: quantities(:)
+      type(place_t), intent(in) :: places(:)             !! what may hold them
+      type(greatest_t), intent(in) :: greatest(:)
+      type(extreme_t), intent(inout) :: extremes(:)
+      integer, intent(out) :: boxes
+      type(fine_place_t), allocatable :: fine(:)
+      type(fine_greatest_t) :: fine_greatest(size(quantities))
+      integer :: i, n
+
+      allocate (fine(size(places)))
+      n = 0
+      do i = 1, size(places)
+         if (.not. is_wide(extremes((places(i)%quantity + 1)/2))) cycle
+         n = n + 1
+         fine(n)%from = real(places(i)%from, qp)
+         fine(n)%to = real(places(i)%to, qp)
+         fine(n)%quantity = places(i)%quantity
+         fine(n)%certain = places(i)%certain
+      end do
+      fine = fine(:n)
+      call find_fine_greatest(subject%plan, subject%fine_numbers, quantities, real(enough, qp), most_fine_boxes, &
+                              subject%fine_models, fine, fine_greatest, boxes)
+      do i = 1, size(extremes)
+         if (is_wide(extremes(i))) call put_fine_together(subject, quantities(2*i), fine_greatest(2*i - 1:2*i), &
+                                                          real(greatest(2*i - 1:2*i)%low, qp), extremes(i))
+      end do
+   end subroutine look_again
 
    !> What there is to be looked at: of each extreme the least value, then the greatest.
    subroutine list_quantities(subject, extremes, quantities)
       type(subject_t), intent(in) :: subject
       type(extreme_t), allocatable, intent(out) :: extremes(:)
       type(quantity_t), allocatable, intent(out) :: quantities(:)
-      integer :: k, slot
+      type(extreme_t) :: list(subject%plan%nmeasures + 2*size(subject%plan%steps) + 2)
+      integer :: kinds(size(list)), which(size(list)), k, n, slot
 
-      allocate (extremes(0), quantities(0))
+      n = 0
       associate (plan => subject%plan)
          do k = 1, plan%nmeasures
             ! of two links the measure that grows with the angle between them, of link and slide likewise
@@ -102,58 +148,100 @@ contains
             end associate
          end do
       end associate
-      if (size(subject%output_path) == 0) return
-      call add(extreme_t(extreme_x), quantity_point, 1)
-      call add(extreme_t(extreme_y), quantity_point, 2)
+      if (size(subject%output_path) > 0) then
+         call add(extreme_t(extreme_x), quantity_point, 1)
+         call add(extreme_t(extreme_y), quantity_point, 2)
+      end if
+      extremes = list(:n)
+      allocate (quantities(2*n))
+      do k = 1, n
+         quantities(2*k - 1:2*k)%kind = kinds(k)
+         quantities(2*k - 1:2*k)%which = which(k)
+         quantities(2*k - 1)%sense = -1
+         quantities(2*k)%sense = 1
+         if (kinds(k) /= quantity_point) cycle
+         quantities(2*k - 1)%path = subject%output_path
+         quantities(2*k)%path = subject%output_path
+      end do
 
    contains
 
-      subroutine add(extreme, kind, which)
+      subroutine add(extreme, kind, number)
          type(extreme_t), intent(in) :: extreme
-         integer, intent(in) :: kind, which
-         type(quantity_t) :: quantity
+         integer, intent(in) :: kind, number
 
-         quantity%kind = kind
-         quantity%which = which
-         if (kind == quantity_point) quantity%path = subject%output_path
-         extremes = [extremes, extreme]
-         quantity%sense = -1
-         quantities = [quantities, quantity]
-         quantity%sense = 1
-         quantities = [quantities, quantity]
+         n = n + 1
+         list(n) = extreme
+         kinds(n) = kind
+         which(n) = number
       end subroutine add
    end subroutine list_quantities
 
-   !> The range of each quantity, in boxes: what closes, and what is undecided.
-   pure subroutine list_places(proof, quantities, places)
+   !> The range in boxes, for all quantities: what closes, and what is undecided.
+   pure subroutine list_places(proof, places)
       type(proof_t), intent(in) :: proof
-      integer, intent(in) :: quantities
       type(place_t), allocatable, intent(out) :: places(:)
-      type(place_t) :: place
-      real(wp) :: step
-      integer :: i, j, k, boxes
+      integer :: parts(size(proof%limits)), i, j, n
 
-      allocate (places(0))
-      do i = 1, size(proof%limits)
+      do i = 1, size(parts)
+         parts(i) = 0
          associate (limit => proof%limits(i))
-            if (limit%kind == piece_opens) cycle
-            place%certain = limit%kind == piece_closes
-            boxes = max(1, ceiling(real(first_boxes, wp)*(limit%to - limit%from)/(proof%to - proof%from)))
-            step = (limit%to - limit%from)/real(boxes, wp)
-            do j = 1, boxes
-               place%from = limit%from + step*real(j - 1, wp)
-               place%to = merge(limit%to, limit%from + step*real(j, wp), j == boxes)
-               do k = 1, quantities
-                  place%quantity = k
-                  places = [places, place]
-               end do
+            if (limit%kind /= piece_opens) &
+               parts(i) = max(1, ceiling(real(first_boxes, wp)*(limit%to - limit%from)/(proof%to - proof%from)))
+         end associate
+      end do
+      allocate (places(sum(parts)))
+      n = 0
+      do i = 1, size(parts)
+         associate (limit => proof%limits(i))
+            do j = 1, parts(i)
+               n = n + 1
+               places(n)%certain = limit%kind == piece_closes
+               places(n)%from = limit%from + (limit%to - limit%from)*(real(j - 1, wp)/real(parts(i), wp))
+               places(n)%to = limit%to
+               if (j > 1) places(n - 1)%to = places(n)%from
             end do
          end associate
       end do
    end subroutine list_places
 
    !> Brackets of one extreme in the user's unit.
-   subroutine put_together(subject, quantity, greatest, known, extreme)
+   pure subroutine put_together(subject, quantity, greatest, extreme)
+      type(subject_t), intent(in) :: subject
+      type(quantity_t), intent(in) :: quantity
+      type(greatest_t), intent(in) :: greatest(2)        !! of the negative, of the quantity itself
+      type(extreme_t), intent(inout) :: extreme
+
+      extreme%found = all(greatest%found)
+      if (.not. extreme%found) return
+      extreme%least_low = in_unit(-greatest(1)%high, -1)
+      extreme%least_high = in_unit(-greatest(1)%low, 1)
+      extreme%greatest_low = in_unit(greatest(2)%low, -1)
+      extreme%greatest_high = in_unit(greatest(2)%high, 1)
+      extreme%least_at = greatest(1)%at
+      extreme%greatest_at = greatest(2)%at
+
+   contains
+
+      !> A value in degrees or the user's length, rounded down or up.
+      pure real(wp) function in_unit(value, way)
+         real(wp), intent(in) :: value
+         integer, intent(in) :: way
+         real(wp), parameter :: slack = 16.0_wp*epsilon(1.0_wp)
+         real(wp) :: square
+
+         if (extreme%kind /= extreme_angle) then
+            in_unit = value/subject%numbers%scale      ! a power of two
+            return
+         end if
+         square = value/real(whole_of(subject, quantity, extreme), wp)*(1.0_wp + real(way, wp)*slack) + real(way, wp)*tiny(1.0_wp)
+         square = min(max(square, 0.0_wp), 1.0_wp)
+         in_unit = min(2.0_wp*degrees_of(sqrt(1.0_wp - square), sqrt(square))*(1.0_wp + real(way, wp)*slack), straight)
+      end function in_unit
+   end subroutine put_together
+
+   !> The same after the second look.
+   pure subroutine put_fine_together(subject, quantity, greatest, known, extreme)
       type(subject_t), intent(in) :: subject
       type(quantity_t), intent(in) :: quantity
       type(fine_greatest_t), intent(in) :: greatest(2)   !! of the negative, of the quantity itself
@@ -161,8 +249,6 @@ contains
       type(extreme_t), intent(inout) :: extreme
       real(qp) :: low(2), high(2)
 
-      extreme%found = all(greatest%high > -0.001_qp*huge(1.0_wp)) .and. all(known > -0.001_qp*huge(1.0_wp))
-      if (.not. extreme%found) return
       ! what was known before the second look is still true
       low = max(greatest%low, known)
       high = max(greatest%high, low)
@@ -170,37 +256,45 @@ contains
       extreme%least_high = in_unit(-low(1), 1)
       extreme%greatest_low = in_unit(low(2), -1)
       extreme%greatest_high = in_unit(high(2), 1)
-      extreme%least_at = real(greatest(1)%at, wp)
-      extreme%greatest_at = real(greatest(2)%at, wp)
+      if (greatest(1)%low > known(1)) extreme%least_at = real(greatest(1)%at, wp)
+      if (greatest(2)%low > known(2)) extreme%greatest_at = real(greatest(2)%at, wp)
 
    contains
 
-      !> A value in degrees or the user's length, rounded down or up.
-      real(wp) function in_unit(value, way)
+      pure real(wp) function in_unit(value, way)
          real(qp), intent(in) :: value
          integer, intent(in) :: way
-         real(qp) :: sine, whole
-         integer :: k
+         real(qp) :: sine
 
          if (extreme%kind /= extreme_angle) then
             in_unit = rounded(value/real(subject%numbers%scale, qp), way)
             return
          end if
-         do k = 1, size(subject%plan%steps)
-            associate (step => subject%plan%steps(k), length => subject%fine_numbers%length)
-               if (.not. step%dyad .or. step%loop /= extreme%loop) cycle
-               if (subject%plan%cause_of(quantity%which) == cause_link) then
-                  whole = 2.0_qp*length(merge(step%q, step%p, subject%plan%slot(step%p) > 0))
-               else
-                  whole = 4.0_qp*length(step%p)*length(step%q)
-               end if
-            end associate
-         end do
          ! the rounding of the library's function is far below that of the working precision
-         sine = sqrt(min(max(value/whole, 0.0_qp), 1.0_qp))
-         in_unit = rounded(2.0_qp*asin(sine)*degrees*(1.0_qp + real(way, qp)*1.0e-30_qp), way)
+         sine = sqrt(min(max(value/whole_of(subject, quantity, extreme), 0.0_qp), 1.0_qp))
+         in_unit = min(rounded(2.0_qp*asin(sine)*degrees*(1.0_qp + real(way, qp)*1.0e-30_qp), way), straight)
       end function in_unit
-   end subroutine put_together
+   end subroutine put_fine_together
+
+   !> What the measure of a transmission angle would be at 180 degrees.
+   pure real(qp) function whole_of(subject, quantity, extreme) result(whole)
+      type(subject_t), intent(in) :: subject
+      type(quantity_t), intent(in) :: quantity
+      type(extreme_t), intent(in) :: extreme
+      integer :: k
+
+      whole = 1.0_qp
+      do k = 1, size(subject%plan%steps)
+         associate (step => subject%plan%steps(k), length => subject%fine_numbers%length)
+            if (.not. step%dyad .or. step%loop /= extreme%loop) cycle
+            if (subject%plan%cause_of(quantity%which) == cause_link) then
+               whole = 2.0_qp*length(merge(step%q, step%p, subject%plan%slot(step%p) > 0))
+            else
+               whole = 4.0_qp*length(step%p)*length(step%q)
+            end if
+         end associate
+      end do
+   end function whole_of
 
    !> How much all lengths may deviate, together, so that the linkage is still proven to close over the range.
    !>
