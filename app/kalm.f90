@@ -16,7 +16,7 @@ program kalm
    use psalm_machine_study, only: machine_study_t, find_machine
    use psalm_mark, only: mark_t
    use psalm_preparation, only: demand_t, prepared_t, prepare
-   use psalm_proof_study, only: proof_study_t, study_proof
+   use psalm_proof_study, only: proof_study_t, study_proof, proof_wanted, no_proof
    use psalm_rate_study, only: rate_study_t, find_rates
    use psalm_report, only: most_summarised, report_proof, report_rates, report_summary
    use psalm_source, only: line_t
@@ -106,9 +106,9 @@ contains
       if (allocated(forces) .and. (set%sketch%given .or. arguments%json)) &
          call add_force_columns(forces, devices%tables(size(devices%tables)))
       call report_rates(set, problem, rates, devices, forces, machine)
-      if (set%iproof > 0) then
+      if (proof_wanted(set, .false.) /= no_proof) then
          allocate (proof)
-         call study_proof(problem, prepared%given, set%iproof, proof)
+         call study_proof(problem, prepared%given, proof_wanted(set, .false.), set%dwell, proof)
          call report_proof(set, proof, devices)
       end if
       if (arguments%quiet .or. devices%summarised == most_summarised) return

@@ -19,7 +19,7 @@ program psalm
    use psalm_kinds, only: wp
    use psalm_mark, only: mark_t
    use psalm_preparation, only: prepared_t, prepare, threads_for, threads_wanted
-   use psalm_proof_study, only: proof_study_t, study_proof
+   use psalm_proof_study, only: proof_study_t, study_proof, proof_wanted, no_proof
    use psalm_report, only: most_summarised, begin_search_report, report_search, report_analysis, report_found, &
                            report_tolerances, report_violations, report_summary, report_proof
    use psalm_search_log, only: search_log_t, begin_log
@@ -164,9 +164,9 @@ contains
          call study_tolerances(final, problem%mechanism, dimensions, threads, stop, tolerances)
          call report_tolerances(set, tolerances, devices)
       end if
-      if (set%iproof > 0) then
+      if (proof_wanted(set, prepared%parameters%has_search()) /= no_proof) then
          allocate (proof)
-         call study_proof(problem, dimensions, set%iproof, proof)
+         call study_proof(problem, dimensions, proof_wanted(set, prepared%parameters%has_search()), set%dwell, proof)
          call report_proof(set, proof, devices)
       end if
       call report_violations(set, problem, analysis, devices)

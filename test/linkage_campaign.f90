@@ -8,8 +8,8 @@ module linkage_campaign
    use psalm_kinds, only: wp, full_turn
    use psalm_plan, only: root_crank, root_frame, origin
    use psalm_proof, only: proof_t, limit_t, subject_t, ready_subject, prove_closure, touch_exact, piece_closes, piece_undecided
-   use psalm_proof_groups, only: evaluate
    use psalm_proof_plan, only: proof_plan_t, proof_step_t, complete_plan
+   use psalm_proof_rates, only: rate_models_t, prepare_rates, evaluate_rates
    use psalm_quad, only: qp, unit_vector_quad
    use psalm_taylor, only: lanes
    use psalm_xoshiro, only: xoshiro_t
@@ -101,16 +101,22 @@ contains
       same = before%kind == after%kind .and. before%loop == after%loop .and. before%cause == after%cause
    end function same
 
-   !> Count directions and slides that lie outside their models over random boxes.
+   !> Count directions and slides, and the rates of both, that lie outside their models over random boxes.
+   !>
+   !> The rates by differences of the solver's angles and lengths.
    subroutine check_models(mode, first, linkages, outside, inside)
       integer, intent(in) :: mode, first, linkages
       integer, intent(out) :: outside, inside
       integer, parameter :: samples = 3
+      real(qp), parameter :: step = 1.0e-9_qp      !! degrees or length
+      real(wp), parameter :: coarse = 1.0e-11_wp   !! error of a difference, relative to the rate or 1
+      type(rate_models_t) :: rates
       type(xoshiro_t) :: stream
       type(drawn_t) :: drawn
       type(subject_t) :: subject
       real(wp) :: m(lanes), r(lanes)
-      real(qp) :: directions(room), lengths(room), s, x, y
+      real(qp), dimension(room) :: directions, lengths, before, before_length, after, after_length
+      real(qp) :: s, x, y, at, rate, unit
       integer :: n, i, j, k
 
       outside = 0
@@ -123,21 +129,37 @@ contains
             m(i) = uniform(stream, 0.0_wp, merge(4.0_wp, full_turn, drawn%plan%sliding_input))
             r(i) = merge(0.2_wp, 22.5_wp, drawn%plan%sliding_input)*10.0_wp**uniform(stream, -8.0_wp, 0.0_wp)
          end do
-         call evaluate(subject%plan, subject%numbers, m, r, subject%models)
+         call prepare_rates(subject%plan, subject%numbers, rates)
+         call evaluate_rates(subject%plan, subject%numbers, m, r, rates)
+         unit = merge(1.0_qp, radians, drawn%plan%sliding_input)
          do i = 1, lanes
             do j = 1, samples
                s = real(uniform(stream, -1.0_wp, 1.0_wp), qp)
-               if (least_margin(drawn, real(m(i), qp) + s*real(r(i), qp), directions, lengths) <= 0.0_qp) cycle
+               at = real(m(i), qp) + s*real(r(i), qp)
+               if (least_margin(drawn, at, directions, lengths) <= 0.0_qp) cycle
                do k = root_crank + 1, drawn%plan%nroots
                   call unit_vector_quad(directions(k), x, y)
-                  associate (models => subject%models)
+                  associate (models => rates%base)
                      call judge(abs(cmplx(value_at(models%root(i, :, 1, k)) - x, value_at(models%root(i, :, 2, k)) - y, qp)), &
                                 models%root_e(i, k))
                   end associate
                end do
                do k = 1, drawn%plan%nlengths
-                  call judge(abs(value_at(subject%models%slide(i, :, k)) - lengths(k)*real(subject%numbers%scale, qp)), &
-                             subject%models%slide_e(i, k))
+                  call judge(abs(value_at(rates%base%slide(i, :, k)) - lengths(k)*real(subject%numbers%scale, qp)), &
+                             rates%base%slide_e(i, k))
+               end do
+               if (least_margin(drawn, at - step, before, before_length) <= 1.0e-4_qp) cycle
+               if (least_margin(drawn, at + step, after, after_length) <= 1.0e-4_qp) cycle
+               do k = root_crank + 1, drawn%plan%nroots
+                  rate = after(k) - before(k)
+                  rate = (rate - 360.0_qp*anint(rate/360.0_qp))*radians/(2.0_qp*step*unit)
+                  call judge(abs(value_at(rates%turn(i, :, k)) - rate), &
+                             rates%turn_e(i, k) + coarse*(1.0_wp + real(abs(rate), wp)))
+               end do
+               do k = 1, drawn%plan%nlengths
+                  rate = (after_length(k) - before_length(k))*real(subject%numbers%scale, qp)/(2.0_qp*step*unit)
+                  call judge(abs(value_at(rates%slide(i, :, k)) - rate), &
+                             rates%slide_e(i, k) + coarse*(1.0_wp + real(abs(rate), wp)))
                end do
             end do
          end do

@@ -46,7 +46,12 @@ fi
 if part published; then
 # published listings
 status 1 'needle: two iterations do not converge' "$psalm" needle.nml
-same 'needle: device 6 is the published listing' out "$ref/needle-results.lst"
+sed '/^ LIMITS OF MOTION/,$d' out >published.lst
+same 'needle: device 6 is the published listing' published.lst "$ref/needle-results.lst"
+check 'needle: the motion of what a search found is proven after it' grep -qx '   CLOSES FOR EVERY INPUT OF THE RANGE' out
+changed needle.nml 's/IPLOT=1/IPLOT=1, IPROOF=0/' >unproven.nml
+"$psalm" --quiet unproven.nml >out 2>/dev/null
+same 'IPROOF=0: the published listing and nothing else' out "$ref/needle-results.lst"
 changed needle.dev8 '1s/.*/*** PSALM, DEC. 1976 ***/' '/^ JOINT OF THE UNDETERMINED/,$d' >dev8
 cat "$ref/needle-input.lst" "$ref/needle-setup.lst" >want8
 same 'needle: device 8 is the published listing' dev8 want8

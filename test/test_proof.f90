@@ -11,6 +11,8 @@ program test_proof
    use psalm_plan, only: plan_t, make_plan
    use psalm_proof, only: proof_t, subject_t, prepare_subject, bind_subject, prove_closure, piece_closes, piece_opens, &
                           piece_undecided, cause_too_short, cause_difference, cause_guide, cause_link, touch_exact
+   use psalm_output_kind, only: motion_angle
+   use psalm_proof_motion, only: movement_t, dead_point_t, prove_movement, mover_output, mover_turning
    use psalm_proof_ranges, only: extreme_t, prove_extremes, prove_tolerance
    use psalm_quad, only: qp, unit_vector_quad
    use psalm_taylor, only: lanes, degree, multiply, range_of, reciprocal, square_root, turn_crank, norm_of, rounding
@@ -120,6 +122,7 @@ contains
       call holds(extremes(2), 55.435241336673324_wp, 91.9525_wp, 135.85560262535641_wp, 271.9525_wp, 'loop 2')
       call holds(extremes(3), 62.013712565713751_wp, 165.465584877_wp, 111.17352686010631_wp, 266.072665573_wp, 'loop 3')
       call holds(extremes(4), 78.870740311878348_wp, 334.454869784_wp, 85.867085518809795_wp, 157.893040857_wp, 'loop 4')
+      call check_movement(subject)
       ! a crank-rocker: the sum of crank and frame is 18.88391998183876 short of the links, which four deviations close
       call load_case('dyad1_crank_rocker', problem, set)
       call four_bar([30.0_wp, 60.0_wp, 68.88391998183876_wp, 80.0_wp])
@@ -132,6 +135,48 @@ contains
       call t%is_true(tolerance >= 18.88391998183876_wp/4.0_wp - 0.01_wp, 'a tolerance is proven that is hardly less')
    end subroutine check_extremes
 
+   !> Rates and dead points of the needle linkage, computed in 50 digits, and the strokes of a crank-rocker.
+   subroutine check_movement(subject)
+      type(subject_t), intent(inout) :: subject
+      type(movement_t) :: movement
+      type(dead_point_t), allocatable :: own(:)
+      real(wp), parameter :: dead_of_p(4) = [7.8084731752614_wp, 87.578210292501_wp, 147.79448573772_wp, 260.03221795726_wp]
+      real(wp), parameter :: dead_of_q(4) = [11.798387991037_wp, 50.39894978684_wp, 156.37903747427_wp, 312.9502531781_wp]
+      real(wp), parameter :: least = -0.0881349872442579_wp, greatest = 0.097646273426758_wp
+
+      call prove_movement(subject, proof, 0.0_wp, movement)
+      own = pack(movement%dead, movement%dead%kind == mover_turning .and. movement%dead%loop == 4)
+      call t%equal_integer(count(movement%dead%kind == mover_turning), 22, 'the needle linkage has 22 dead points of its links')
+      call are_at(own(:size(own)/2), dead_of_p, 'needle linkage, first link of loop 4')
+      call are_at(own(size(own)/2 + 1:), dead_of_q, 'needle linkage, second link of loop 4')
+      ! as the output
+      subject%output_motion = motion_angle
+      subject%output_arc = problem%mechanism%groups(4)%members(2)
+      call prove_movement(subject, proof, 0.0_wp, movement)
+      call are_at(pack(movement%dead, movement%dead%kind == mover_output), dead_of_q, 'needle linkage, the same as output')
+      associate (ratio => movement%ratio)
+         call t%is_true(ratio(1)%low <= least .and. least <= ratio(1)%high .and. ratio(2)%low <= greatest .and. &
+                        greatest <= ratio(2)%high, 'extremes of a velocity ratio')
+         call t%is_true(maxval(ratio%high - ratio%low) <= 1.0e-11_wp, 'extremes of a velocity ratio: brackets are narrow')
+         call t%is_true(abs(ratio(1)%at - 191.4524007_wp) <= 1.0e-6_wp .and. abs(ratio(2)%at - 118.4596521_wp) <= 1.0e-6_wp, &
+                        'places of the extremes of a velocity ratio')
+      end associate
+      call t%is_true(.not. movement%has_time_ratio, 'an output with four dead points has no time ratio')
+   end subroutine check_movement
+
+   !> Dead points that reverse lie in narrow brackets round given inputs, and no others.
+   subroutine are_at(dead, inputs, what)
+      type(dead_point_t), intent(in) :: dead(:)
+      real(wp), intent(in) :: inputs(:)
+      character(*), intent(in) :: what
+      real(wp), parameter :: digits = 2.0e-12_wp, narrow = 1.0e-9_wp !! degrees: of the inputs given; of the brackets
+
+      call t%equal_integer(size(dead), size(inputs), what//': number of dead points')
+      if (size(dead) /= size(inputs)) return
+      call t%is_true(all(dead%reverses .and. dead%low <= inputs + digits .and. dead%high >= inputs - digits .and. &
+                         dead%high - dead%low <= narrow), what//': brackets of dead points')
+   end subroutine are_at
+
    type(plan_t) function plan_of()
       plan_of = make_plan(problem%mechanism, problem%motion, everything=.true., all_roots=.false.)
    end function plan_of
@@ -141,7 +186,7 @@ contains
       type(extreme_t), intent(in) :: extreme
       real(wp), intent(in) :: least, least_at, greatest, greatest_at
       character(*), intent(in) :: what
-      real(wp), parameter :: narrow = 6.0e-14_wp, near = 2.0e-6_wp  !! degrees; an extreme is flat
+      real(wp), parameter :: narrow = 1.0e-10_wp, near = 2.0e-6_wp  !! degrees; an extreme is flat
 
       call t%is_true(extreme%least_low <= least .and. least <= extreme%least_high .and. extreme%least_high - extreme%least_low &
                      <= narrow, what//': least transmission angle')

@@ -40,7 +40,7 @@ module psalm_data_set
    implicit none (type, external)
    private
    public :: data_set_t, read_data_sets, read_data_set_text
-   public :: title_columns, default_niter
+   public :: title_columns, default_niter, proof_by_default
 
    integer, parameter :: original_arcs = 100      !! entries of the thesis's arc arrays: fillers up to here are usual
    integer, parameter :: most_loops = 100000      !! above this NLOOP is taken for a slip of the pen
@@ -54,6 +54,7 @@ module psalm_data_set
    character(name_length), parameter :: written_by_muscle(*) = [character(name_length) :: 'MASSES', 'SPRING', 'BALANC', 'SPRNGS']
    integer, parameter :: title_columns = 72        !! of a title, at most
    integer, parameter :: default_niter = 2         !! the thesis's: enough to look at the start of a search
+   integer, parameter :: proof_by_default = -1 !! IPROOF was not given: the result of a search is proven
 
    !> Everything the user can say to `psalm`. Angles in degrees, lengths in the user's one unit.
    type :: data_set_t
@@ -97,7 +98,8 @@ module psalm_data_set
       real(wp) :: stepin = 0.001_wp
       integer :: ktheta = 0
       integer :: icond = 0                         !! condition number of every position on device 9
-      integer :: iproof = 0                        !! prove the motion: 1 over a full turn, 2 over the range of the inputs
+      integer :: iproof = proof_by_default         !! prove the motion: 1 over a full turn, 2 over the range of the inputs, 0 not
+      real(wp) :: dwell = 0.0_wp                   !! amount that the output may move in a dwell, degrees or length; 0: none
       integer :: nviol = 30
       integer :: nprint = 100, nprt = 20
       integer :: iplot = 0
@@ -885,7 +887,9 @@ contains
       call read_flag(group, 'KTHETA', set%ktheta, findings)
       call read_flag(group, 'ICOND', set%icond, findings)
       call group%get_integer('IPROOF', set%iproof, findings)
-      call check_range(group, 'IPROOF', set%iproof, 0, 2, findings)
+      if (group%given('IPROOF')) call check_range(group, 'IPROOF', set%iproof, 0, 2, findings)
+      call group%get_real('DWELL', set%dwell, findings)
+      if (set%dwell < 0.0_wp) call out_of(group, 'DWELL', 'must not be negative', findings)
       call group%get_integer('NVIOL', set%nviol, findings)
       call check_range(group, 'NVIOL', set%nviol, 0, huge(1), findings)
       call group%get_integer('NPRINT', set%nprint, findings)

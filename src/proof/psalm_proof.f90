@@ -38,8 +38,10 @@ module psalm_proof
       type(models_t) :: models
       type(fine_numbers_t) :: fine_numbers
       type(fine_models_t) :: fine_models
+      integer :: output_motion = -1             !! MOTION; -1: there is no output
       integer, allocatable :: output_path(:)    !! steps to the output point; empty: the output is none
-      integer :: output_arc = 0                 !! the arc that the output arc hangs on
+      integer :: output_arc = 0                 !! the arc that the output arc hangs on, or that is the output
+      real(wp) :: output_x = 1.0_wp, output_y = 0.0_wp !! unit vector of the output arc from its root
    end type subject_t
 
    !> A part of the range and what is proven of it.
@@ -84,10 +86,12 @@ contains
       integer :: n, base
 
       allocate (subject%output_path(0))
-      kind = output_kind(mechanism%outputs(1)%motion)
-      if (.not. kind%has_point) return
+      subject%output_motion = mechanism%outputs(1)%motion
+      kind = output_kind(subject%output_motion)
       n = size(plan%root)
       base = mechanism%outputs(1)%arc
+      subject%output_arc = base
+      if (.not. kind%has_point) return
       pivot%arc = n + 1
       pivot%fixed = .true.
       tip%arc = n + 2
@@ -98,7 +102,6 @@ contains
          subject%output_path = [size(proof%steps) + 1, path_of(proof, plan%output_point), size(proof%steps) + 2]
          proof%steps = [proof%steps, pivot, tip]
       end associate
-      subject%output_arc = base
    end subroutine add_output
 
    !> Put the numbers of a linkage in. Cosines are formed in quadruple precision from the degrees as given.
@@ -106,7 +109,7 @@ contains
       type(plan_t), intent(in) :: plan
       type(dimensions_t), intent(in) :: dimensions
       type(subject_t), intent(inout) :: subject
-      real(qp) :: angle(size(plan%root))
+      real(qp) :: angle(size(plan%root)), x, y
       integer :: k, n, b
 
       angle = 0.0_qp
@@ -116,6 +119,9 @@ contains
          if (plan%takes_gama(n)) angle(n) = real(dimensions%gama(n), qp)
          if (b > 0) angle(n) = angle(n) + angle(b) + right_angle*real(plan%quarter(n), qp)
       end do
+      call unit_vector_quad(angle(subject%output_arc) + real(dimensions%outang, qp), x, y)
+      subject%output_x = real(x, wp)
+      subject%output_y = real(y, wp)
       if (size(subject%output_path) == 0) then
          call take_numbers(dimensions%arcl, angle, subject)
       else

@@ -3,7 +3,7 @@
 !> Numbers of the data set have as many digits as it takes to read the same bits back. The vertices stand in comment lines,
 !> so that `psalm` reads the file as a case; as device 4 it supplies vertices.
 module psalm_data_set_text
-   use psalm_data_set, only: data_set_t
+   use psalm_data_set, only: data_set_t, proof_by_default
    use psalm_kinds, only: wp
    use psalm_output_kind, only: output_kind_t, output_kind
    use psalm_dimensions, only: dimensions_t
@@ -90,7 +90,8 @@ contains
          call text%add(' &LIMITS TOGGLE='//full_precision(set%toggle)//',')
       end if
       if (set%icond /= 0) call text%add('  ICOND=1,')
-      if (set%iproof /= 0) call text%add('  IPROOF='//to_text(set%iproof)//',')
+      if (set%iproof /= proof_by_default) call text%add('  IPROOF='//to_text(set%iproof)//',')
+      if (set%dwell > 0.0_wp) call text%add('  DWELL='//full_precision(set%dwell)//',')
       call text%add('  KTHETA='//to_text(set%ktheta)//', IPLOT='//to_text(set%iplot)//', LAST='//to_text(set%last)//' &END')
       call text%add_text(set%others)
 

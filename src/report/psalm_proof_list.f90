@@ -5,14 +5,15 @@ module psalm_proof_list
    use psalm_kinds, only: wp, dp
    use psalm_proof, only: proof_t, limit_t, touch_exact, piece_closes, piece_opens, piece_undecided, cause_too_short, &
                           cause_difference, cause_guide, cause_link, cause_parallel
-   use psalm_proof_ranges, only: extreme_t, extreme_angle, extreme_slide, extreme_x
+   use psalm_proof_motion, only: movement_t, dead_point_t, mover_output, mover_turning
+   use psalm_proof_ranges, only: extreme_t, extreme_angle, extreme_slide, extreme_x, extreme_y, extreme_output, extreme_distance
    use psalm_proof_study, only: proof_study_t
    use psalm_text, only: text_t, full_precision, general, to_text
    implicit none (type, external)
    private
    public :: list_proof, write_proof, describe_proof
 
-   integer, parameter :: value_columns = 17
+   integer, parameter :: value_columns = 17, list_columns = 110
    real(wp), parameter :: certain = 1.0e-9_wp       !! relative width of a bracket that is told as one number
 
    integer, parameter :: width = 16, decimals = 12  !! of an angle
@@ -45,6 +46,7 @@ contains
          end if
       end associate
       call list_extremes(study, text)
+      call list_movement(study, text)
    end subroutine list_proof
 
    !> Deviations of the lengths for which the proof still holds.
@@ -121,10 +123,103 @@ contains
          columns = 'SLIDE, LOOP '//to_text(extreme%loop)//', ARC '//to_text(extreme%place)
       case (extreme_x)
          columns = 'OUTPUT POINT, X'
-      case default
+      case (extreme_y)
          columns = 'OUTPUT POINT, Y'
+      case (extreme_output)
+         columns = 'OUTPUT ANGLE'
+      case (extreme_distance)
+         columns = 'DISTANCE OF THE OUTPUT POINT'
+      case default
+         columns = 'VELOCITY RATIO'
       end select
    end function extreme_name
+
+   !> Strokes of the output, dead points, dwells.
+   subroutine list_movement(study, text)
+      type(proof_study_t), intent(in) :: study
+      type(text_t), intent(inout) :: text
+      integer :: i, first
+
+      associate (movement => study%movement)
+         if (movement%turns_fully) call text%add('   THE OUTPUT TURNS FULLY')
+         if (movement%has_output .and. movement%is_angle .and. .not. movement%turns_fully) &
+            call text%add('   SWING OF THE OUTPUT AT MOST '//shown(movement%output(2)%high - movement%output(1)%low, 1))
+         if (movement%has_ratio .and. .not. movement%ratio_bounded) call text%add('   VELOCITY RATIO NOT BOUNDED')
+         if (movement%has_time_ratio) call text%add('   TIME RATIO AT LEAST '//shown(movement%time_ratio%low, -1))
+         do i = 1, size(movement%dwells)
+            associate (dwell => movement%dwells(i))
+               call text%add('   DWELL, OUTPUT WITHIN '//short(study%dwell)//' OF ITS VALUE AT '//short(dwell%at)//': '// &
+                             trim(adjustl(end_text(dwell%from, 1, study%proof%turns)))//' TO '// &
+                             trim(adjustl(end_text(dwell%to, -1, study%proof%turns))))
+            end associate
+         end do
+         if (study%dwell > 0.0_wp .and. movement%has_ratio .and. size(movement%dwells) == 0) &
+            call text%add('   NO DWELL: THE OUTPUT HAS NO DEAD POINT')
+         first = 1
+         do i = 1, size(movement%dead)
+            if (i < size(movement%dead)) then
+               if (same_mover(movement%dead(i), movement%dead(i + 1))) cycle
+            end if
+            call list_dead_points(movement%dead(first:i), study%proof, text)
+            first = i + 1
+         end do
+      end associate
+   end subroutine list_movement
+
+   pure logical function same_mover(one, other)
+      type(dead_point_t), intent(in) :: one, other
+
+      same_mover = one%kind == other%kind .and. one%loop == other%loop .and. one%place == other%place
+   end function same_mover
+
+   !> Dead points of one link, slide or output.
+   subroutine list_dead_points(dead, proof, text)
+      type(dead_point_t), intent(in) :: dead(:)
+      type(proof_t), intent(in) :: proof
+      type(text_t), intent(inout) :: text
+      character(*), parameter :: margin = '     '
+      character(:), allocatable :: line, item
+      integer :: i
+
+      line = '   DEAD POINTS OF '//mover_name(dead(1))//':'
+      do i = 1, size(dead)
+         if (dead(i)%high - dead(i)%low > certain*max(1.0_wp, abs(dead(i)%low))) then
+            item = ' PERHAPS BETWEEN '//place_of(dead(i)%low, proof%turns)//' AND '//place_of(dead(i)%high, proof%turns)
+         else
+            item = ' '//short(0.5_wp*(dead(i)%low + dead(i)%high))
+            if (.not. dead(i)%reverses) item = item//' (NO REVERSAL)'
+         end if
+         if (i < size(dead)) item = item//','
+         if (len(line) + len(item) > list_columns) then
+            call text%add(line)
+            line = margin
+         end if
+         line = line//item
+      end do
+      call text%add(line)
+   end subroutine list_dead_points
+
+   pure function mover_name(dead) result(name)
+      type(dead_point_t), intent(in) :: dead
+      character(:), allocatable :: name
+
+      if (dead%kind == mover_output) then
+         name = 'THE OUTPUT'
+      else
+         name = 'LOOP '//to_text(dead%loop)//', ARC '//to_text(dead%place)//', '// &
+                trim(merge('ITS TURNING', 'ITS LENGTH ', dead%kind == mover_turning))
+      end if
+   end function mover_name
+
+   !> An input in a line of words.
+   function place_of(input, turns) result(text)
+      real(wp), intent(in) :: input
+      logical, intent(in) :: turns
+      character(:), allocatable :: text
+
+      text = short(input)
+      if (.not. turns) text = full_precision(input)
+   end function place_of
 
    !> Eight digits of a number, rounded down (-1) or up (+1).
    function shown(value, way) result(text)
@@ -302,8 +397,10 @@ contains
       character(9), parameter :: kinds(3) = ['closes   ', 'opens    ', 'undecided']
       character(11), parameter :: causes(0:5) = ['none       ', 'too_short  ', 'difference ', 'guide      ', 'link       ', &
                                                  'parallel   ']
-      character(18), parameter :: quantities(4) = ['transmission_angle', 'slide             ', 'output_x          ', &
-                                                   'output_y          ']
+      character(18), parameter :: quantities(7) = ['transmission_angle', 'slide             ', 'output_x          ', &
+                                                   'output_y          ', 'output_angle      ', 'output_distance   ', &
+                                                   'velocity_ratio    ']
+      character(7), parameter :: movers(3) = ['output ', 'turning', 'sliding']
       integer :: i
 
       if (text%length > 0) then
@@ -319,7 +416,7 @@ contains
                           to_text(limit%loop)//' '//trim(causes(limit%cause)))
          end associate
       end do
-      if (count(study%extremes%found) == 0) return
+      if (count(study%extremes%found) == 0) return ! nothing closes, nothing moves
       call text%add()
       call text%add()
       call text%add('# block extremes')
@@ -332,6 +429,18 @@ contains
                           full_precision(extreme%least_low)//' '//full_precision(extreme%least_high)//' '// &
                           full_precision(extreme%least_at)//' '//full_precision(extreme%greatest_low)//' '// &
                           full_precision(extreme%greatest_high)//' '//full_precision(extreme%greatest_at))
+         end associate
+      end do
+      if (size(study%movement%dead) == 0) return
+      call text%add()
+      call text%add()
+      call text%add('# block dead_points')
+      call text%add('# quantity loop arc low high reverses')
+      call text%add('# '//title)
+      do i = 1, size(study%movement%dead)
+         associate (dead => study%movement%dead(i))
+            call text%add(trim(movers(dead%kind))//' '//to_text(dead%loop)//' '//to_text(dead%place)//' '// &
+                          full_precision(dead%low)//' '//full_precision(dead%high)//' '//merge('1', '0', dead%reverses))
          end associate
       end do
    end subroutine write_proof

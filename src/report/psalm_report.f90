@@ -332,7 +332,7 @@ contains
       type(devices_t), intent(inout) :: devices
 
       if (study%empty) then
-         call devices%remark(set, 'IPROOF proves the motion between the inputs, but all inputs are the same')
+         if (set%iproof > 0) call devices%remark(set, 'IPROOF proves the motion between the inputs, but all inputs are the same')
          return
       end if
       call list_proof(study, devices%six)

@@ -1,6 +1,6 @@
 !> A sketch as text that can be read again.
 module psalm_sketch_text
-   use psalm_data_set, only: data_set_t
+   use psalm_data_set, only: data_set_t, proof_by_default
    use psalm_kinds, only: wp
    use psalm_output_kind, only: output_kind_t, output_kind
    use psalm_sketch, only: sketch_t, drive_stretches, output_angle, output_between, output_distance, output_point, &
@@ -95,7 +95,8 @@ contains
       if (set%tangle_given) line = line//' TANGLE='//full_precision(set%tangle)//','
       line = line//' TOGGLE='//full_precision(set%toggle)//','
       if (set%icond /= 0) line = line//' ICOND=1,'
-      if (set%iproof /= 0) line = line//' IPROOF='//to_text(set%iproof)//','
+      if (set%iproof /= proof_by_default) line = line//' IPROOF='//to_text(set%iproof)//','
+      if (set%dwell > 0.0_wp) line = line//' DWELL='//full_precision(set%dwell)//','
       call text%add(line)
       call text%add('  KTHETA='//to_text(set%ktheta)//', IPLOT='//to_text(set%iplot)//', LAST='//to_text(set%last)//' &END')
       call text%add_text(set%others)

@@ -3,16 +3,20 @@
 !> Data in, results out: nothing is printed or worded here.
 module psalm_proof_study
    use psalm_angles, only: within_turn
+   use psalm_constraint_group, only: range_inputs, range_turn
+   use psalm_data_set, only: data_set_t, proof_by_default
    use psalm_dimensions, only: dimensions_t
    use psalm_error, only: problem_t
    use psalm_kinds, only: wp, full_turn
    use psalm_plan, only: plan_t, make_plan
    use psalm_proof, only: proof_t, subject_t, prepare_subject, bind_subject, prove_closure, piece_closes
-   use psalm_proof_ranges, only: extreme_t, prove_extremes, prove_tolerance
+   use psalm_proof_motion, only: movement_t, span_t, prove_movement
+   use psalm_proof_ranges, only: extreme_t, prove_extremes, prove_tolerance, extreme_output, extreme_distance, extreme_ratio
    implicit none (type, external)
    private
-   public :: proof_study_t, study_proof, proof_of_turn, proof_of_inputs
+   public :: proof_study_t, study_proof, proof_wanted, no_proof, proof_of_turn, proof_of_inputs
 
+   integer, parameter :: no_proof = 0
    integer, parameter :: proof_of_turn = 1   !! IPROOF: over a full turn (a sliding input: over the range of the inputs)
    integer, parameter :: proof_of_inputs = 2 !! IPROOF: over the range of the prescribed inputs
 
@@ -23,6 +27,8 @@ module psalm_proof_study
       logical :: full_turn = .false.         !! the range is a full turn, whose end is its beginning
       type(proof_t) :: proof
       type(extreme_t), allocatable :: extremes(:)
+      type(movement_t) :: movement           !! dead points, velocity ratio, strokes, dwells
+      real(wp) :: dwell = 0.0_wp             !! amount of a dwell, degrees or length; 0: none are looked for
       real(wp) :: tolerance = 0.0_wp         !! deviations of all lengths for which it is proven to close over the range
       real(wp) :: largest_tried = 0.0_wp     !! larger ones were not tried
       integer, allocatable :: circuit(:)     !! by prescribed position: number of the part that closes without a gap; 0: none
@@ -33,11 +39,24 @@ module psalm_proof_study
 
 contains
 
+   !> What IPROOF asks for; without it the result of a search is proven, and what IRANGE of &CONSTR speaks of.
+   pure integer function proof_wanted(set, searched)
+      type(data_set_t), intent(in) :: set
+      logical, intent(in) :: searched              !! the linkage is the result of a search
+
+      proof_wanted = set%iproof
+      if (set%iproof /= proof_by_default) return
+      proof_wanted = merge(proof_of_inputs, no_proof, searched)
+      if (set%constr%given .and. set%constr%irange == range_inputs) proof_wanted = proof_of_inputs
+      if (set%constr%given .and. set%constr%irange == range_turn) proof_wanted = proof_of_turn
+   end function proof_wanted
+
    !> Prove the motion of a linkage. Every loop is looked at, wanted by the output or not.
-   subroutine study_proof(problem, dimensions, range, study)
+   subroutine study_proof(problem, dimensions, range, dwell, study)
       type(problem_t), intent(in) :: problem
       type(dimensions_t), intent(in) :: dimensions
       integer, intent(in) :: range                 !! one of `proof_of_...`
+      real(wp), intent(in) :: dwell                !! amount of a dwell; 0: none are looked for
       type(proof_study_t), intent(out) :: study
       type(subject_t), allocatable :: subject
       type(plan_t) :: plan
@@ -59,12 +78,44 @@ contains
       call bind_subject(plan, dimensions, subject)
       call prove_closure(subject, from, to, study%proof)
       call prove_extremes(subject, study%proof, study%extremes, boxes)
+      study%dwell = dwell
+      call prove_movement(subject, study%proof, dwell, study%movement)
+      call add_output(study)
       if (study%proof%closes_everywhere()) then
          study%largest_tried = part_of_longest*maxval(dimensions%arcl)
          call prove_tolerance(subject, from, to, study%largest_tried, study%tolerance)
       end if
       call place_positions(dimensions%crnki + problem%delt, study)
    end subroutine study_proof
+
+   !> Extremes of the output and of its rate beside the others.
+   subroutine add_output(study)
+      type(proof_study_t), intent(inout) :: study
+
+      associate (movement => study%movement)
+         if (movement%has_output .and. .not. movement%turns_fully) &
+            call add(merge(extreme_output, extreme_distance, movement%is_angle), movement%output)
+         if (movement%has_ratio .and. movement%ratio_bounded) call add(extreme_ratio, movement%ratio)
+      end associate
+
+   contains
+
+      subroutine add(kind, spans)
+         integer, intent(in) :: kind
+         type(span_t), intent(in) :: spans(2)
+         type(extreme_t) :: extreme
+
+         extreme%kind = kind
+         extreme%found = .true.
+         extreme%least_low = spans(1)%low
+         extreme%least_high = spans(1)%high
+         extreme%least_at = spans(1)%at
+         extreme%greatest_low = spans(2)%low
+         extreme%greatest_high = spans(2)%high
+         extreme%greatest_at = spans(2)%at
+         study%extremes = [study%extremes, extreme]
+      end subroutine add
+   end subroutine add_output
 
    !> Which part of the range that closes without a gap holds each prescribed position.
    pure subroutine place_positions(inputs, study)
