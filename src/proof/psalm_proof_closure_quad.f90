@@ -1,4 +1,4 @@
-!> Where a linkage closes, proven by branch and bound in quadruple precision.
+!> Where a linkage closes, proven by branch and bound in quadruple precision, as in `psalm_proof_closure`.
 module psalm_proof_closure_quad
    use psalm_proof_groups_quad, only: numbers_t, models_t, evaluate
    use psalm_proof_pieces, only: piece_closes, piece_opens, piece_undecided

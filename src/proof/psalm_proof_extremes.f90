@@ -1,4 +1,4 @@
-!> Extremes of a motion, proven by branch and bound in the working precision.
+!> Extremes of a motion, all quantities at once, proven by branch and bound in the working precision.
 !>
 !> The procedures are in `proof_extremes.inc`; `psalm_proof_extremes_quad` is the same in quadruple precision.
 module psalm_proof_extremes

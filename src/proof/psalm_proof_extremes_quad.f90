@@ -1,4 +1,4 @@
-!> Extremes of a motion, proven by branch and bound in quadruple precision.
+!> Extremes of a motion, all quantities at once, proven by branch and bound in quadruple precision.
 module psalm_proof_extremes_quad
    use psalm_proof_groups_quad, only: numbers_t, models_t, evaluate
    use psalm_proof_plan, only: proof_plan_t
