@@ -14,6 +14,8 @@ import tempfile
 import ezdxf
 import numpy
 from playwright.sync_api import sync_playwright
+from scipy.interpolate import BSpline
+from scipy.optimize import brentq, minimize
 
 TOP = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 BIN = os.path.abspath(sys.argv[1])
@@ -461,6 +463,232 @@ def searches(place):
         check(run.code == 2 and words in run.error, "search refused: " + words, run.error)
 
 
+def knuckle(place):
+    """A law that rests at a dead point: the equal-legged knuckle in closed form, passed and turned back at; what is refused."""
+    equal = data("knuckle_press", ("100.0,120.0", "100.0,100.0"), ("OUT0=210.0", "OUT0=185.0"), ("220.0,210.0,220.0,210.0", "200.0,185.0,200.0,185.0"),
+                 ("ALFMAX=30.0", "ALFMAX=80.0"))
+    run = Run(equal, place)
+    check(run.code == 0 and run.listing.count("THE INPUT PASSES AT") == 2, "knuckle: the dead point is passed twice", run.error)
+    a, t = math.sqrt(15/400), numpy.radians(run.columns["cam_angle"])
+    # 200 - y = 15 cos(t)^2 = 400 sin(d/2)^2: sin(d/2) = -a cos t, smooth all the way
+
+    def arcs(s):
+        """2 asin(s) by the angle, s with three derivatives."""
+        g = numpy.sqrt(1 - s[0]**2)
+        f1, f2, f3 = 2/g, 2*s[0]/g**3, 2/g**3 + 6*s[0]**2/g**5
+        return [2*numpy.arcsin(s[0]), f1*s[1], f2*s[1]**2 + f1*s[2], f3*s[1]**3 + 3*f2*s[1]*s[2] + f1*s[3]]
+
+    want = arcs([-a*numpy.cos(t), a*numpy.sin(t), a*numpy.cos(t), -a*numpy.sin(t)])
+    got = [numpy.radians(run.columns["input"] - 270)] + [run.columns["input%d" % k] for k in (1, 2, 3)]
+    for k, tolerance in enumerate((1e-13, 1e-12, 1e-10, 5e-8)):
+        close(numpy.abs(got[k] - want[k]).max(), 0.0, tolerance, "knuckle passed: derivative %d of the input" % k)
+    check(run.blocks["extremes"].count(["dead_point_passed"] + next(r for r in run.blocks["extremes"] if r[0] == "dead_point_passed")[1:]) >= 1
+          and abs(run.extremes["dead_point_passed"][0] - 270) < 1e-9, "knuckle: device 9 has the dead point", run.blocks["extremes"])
+    # degree 7 has no acceleration there: it turns back, or passes where that is wished
+    turning = equal.replace("4*'HARMONIC'", "4*'POLY4567'")
+    run = Run(turning, place)
+    check(run.code == 0 and run.listing.count("THE INPUT TURNS BACK AT") == 2, "knuckle: the input turns back", run.error)
+    rise = slice(1, 90)
+    u = 1 - run.columns["cam_angle"][rise]/90
+    p = numpy.polynomial.Polynomial([35, -84, 70, -20])*(15/400)
+    g = [p.deriv(k)(u) if k else p(u) for k in range(4)]
+    r = [numpy.sqrt(g[0])]
+    r.append(g[1]/2/r[0])
+    r.append((g[2]/2 - r[1]**2)/r[0])
+    r.append((g[3]/2 - 3*r[1]*r[2])/r[0])
+    s = [u*u*r[0], 2*u*r[0] + u*u*r[1], 2*r[0] + 4*u*r[1] + u*u*r[2], 6*r[1] + 6*u*r[2] + u*u*r[3]]
+    want = arcs([s[k]*(-2/math.pi)**k for k in range(4)])
+    got = [numpy.radians(run.columns["input"][rise] - 270)] + [run.columns["input%d" % k][rise] for k in (1, 2, 3)]
+    for k, tolerance in enumerate((1e-13, 1e-12, 1e-10, 1e-6)):
+        close(numpy.abs(got[k] + want[k]).max(), 0.0, tolerance, "knuckle turned back at: derivative %d of the input" % k)
+    check(max(run.columns["input"]) <= 270 + 1e-9, "knuckle: the other side is not entered", max(run.columns["input"]))
+    run = Run(turning.replace("NSEG=4", "KDEAD=1, NSEG=4"), place)
+    check(run.code == 0 and run.listing.count("THE INPUT PASSES AT") == 2 and max(run.columns["input"]) > 290, "knuckle: KDEAD=1 passes", run.error)
+    # resting at the dead point
+    run = Run(turning.replace("NSEG=4, SEGEND=90.0,180.0,270.0,360.0", "NSEG=4, SEGEND=90.0,180.0,270.0,360.0").replace(
+        "200.0,185.0,200.0,185.0", "200.0,200.0,185.0,185.0").replace("4*'POLY4567'", "'POLY4567','DWELL','POLY4567','DWELL'"), place)
+    inside = (run.columns["cam_angle"] > 90) & (run.columns["cam_angle"] < 180)
+    check(run.code == 0 and numpy.abs(run.columns["input"][inside] - 270).max() < 1e-12 and not run.columns["input1"][inside].any(),
+          "knuckle: a dwell at the dead point", run.error)
+    for old, new, words in (("4*'HARMONIC'", "4*'MODTRAP'", "the acceleration of the input would be infinite"),
+                            ("4*'HARMONIC'", "'HARMONIC','POLY4567','HARMONIC','HARMONIC'", "the velocity of the input would jump"),
+                            ("SEGEND=90.0,180.0,270.0,360.0", "SEGEND=90.0,170.0,270.0,360.0", "the velocity of the input would jump"),
+                            ("200.0,185.0,200.0,185.0", "200.0,185.0,199.0,185.0", "more often one way than back"),
+                            ("SEGOUT=200.0,185.0,200.0", "SEGOUT=200.01,185.0,200.01", "is beyond reach: the linkage gives")):
+        bad = Run(equal.replace(old, new), place)
+        check(bad.code == 2 and words in bad.error and not bad.table, "knuckle refused: " + words, bad.error)
+    # forwards by psalm, legs of unequal length
+    run = Run(data("knuckle_press"), place)
+    check(run.code == 0, "knuckle press: exit status", run.error)
+    law = data("knuckle_press").split(" &CAM")[0]
+    with open(os.path.join(place, "forward.nml"), "w", encoding="utf-8") as out:
+        out.write(law.replace("NDES=1, DELT=0.0", "NDES=360, DELT=" + ",\n".join("%.17g" % (q - 258.0) for q in run.columns["input"])))
+    subprocess.run([os.path.join(BIN, "psalm"), "forward.nml"], cwd=place, capture_output=True, text=True, timeout=300, check=False)
+    forward = [float(line.split()[2]) for line in open(os.path.join(place, "forward.dev9"), encoding="utf-8") if line[0] not in "#\n"]
+    close(numpy.abs(numpy.array(forward) - run.columns["output"]).max(), 0.0, 1e-12*220, "knuckle press: psalm runs forwards to the law")
+
+
+def fits(place):
+    """Tables with errors by least squares: against a solution by scipy, its tolerance, bounds, what is refused."""
+    run = Run(data("measured_table", ("TABTOL=0.15", "NPIECE=9, NPOINT=720")), place)
+    text = data("measured_table").replace("\n", "").replace(" ", "")
+    at, values = (numpy.array([float(w) for w in re.search(item + "=([-0-9.,]+),[A-Z]", text).group(1).split(",")]) for item in ("TABANG", "TABOUT"))
+
+    def basis(degrees, pieces, order=0):
+        h, columns = 2*math.pi/pieces, numpy.zeros((len(degrees), pieces))
+        for j in range(-5, pieces):
+            one = BSpline.basis_element((j + numpy.arange(7))*h, extrapolate=False)
+            columns[:, (j + 5) % pieces] += numpy.nan_to_num((one.derivative(order) if order else one)(numpy.radians(degrees) + 1e-13))
+        return columns
+
+    control, degree = numpy.linalg.lstsq(basis(at, 9), values, rcond=None)[0], math.pi/180
+    for k in range(4):
+        want = basis(run.columns["cam_angle"], 9, k) @ control*(degree if k else 1)
+        close(numpy.abs(want - run.columns["output%d" % k if k else "output"]).max(), 0.0, 1e-9, "least squares: derivative %d" % k)
+    told = re.search(r"(\d+) PIECES; FROM THE TABLE'S POINTS AT MOST\s+(\S+), ROOT OF MEAN SQUARE\s+(\S+)", run.listing.replace("D-", "E-"))
+    miss = basis(at, 9) @ control - values
+    check(told is not None and abs(float(told.group(2)) - numpy.abs(miss).max()) < 1e-6 and abs(float(told.group(3)) - math.sqrt((miss**2).mean())) < 1e-6,
+          "least squares: residuals are told", run.listing[:900])
+    # the fewest pieces within the tolerance
+    run = Run(data("measured_table"), place)
+    pieces, most = re.search(r"(\d+) PIECES; FROM THE TABLE'S POINTS AT MOST\s+(\S+),", run.listing).groups()
+    wanted = next(m for m in range(6, 30) if numpy.abs(basis(at, m) @ numpy.linalg.lstsq(basis(at, m), values, rcond=None)[0] - values).max() <= 0.15)
+    check(int(pieces) == wanted and float(most) <= 0.15, "least squares: the fewest pieces", (pieces, wanted))
+    # bounds: kept everywhere, and no other curve that keeps them is nearer (by another solver, bounds at many places)
+    free = run.columns
+    run = Run(data("measured_table", ("TABTOL=0.15", "NPIECE=9, NPOINT=2880, VELMAX=12.0, ACCMAX=16.0")), place)
+    check(numpy.abs(free["output1"]).max() > 12.5*degree and numpy.abs(free["output2"]).max() > 17*degree, "least squares: without bounds they are exceeded",
+          (numpy.abs(free["output1"]).max(), numpy.abs(free["output2"]).max()))
+    peaks = numpy.abs(run.columns["output1"]).max()/degree, numpy.abs(run.columns["output2"]).max()/degree
+    check(run.code == 0 and peaks[0] <= 12*(1 + 1e-6) and peaks[1] <= 16*(1 + 1e-6) and peaks[1] > 15.9, "least squares: bounds are kept", peaks)
+    grid = numpy.arange(288)*360/288
+    rows = numpy.vstack([basis(grid, 9, 1)/12, basis(grid, 9, 2)/16])
+    a = basis(at, 9)
+    best = minimize(lambda c: ((a @ c - values)**2).sum(), control, jac=lambda c: 2*a.T @ (a @ c - values), method="SLSQP", options={"ftol": 1e-12, "maxiter": 300},
+                    constraints=[{"type": "ineq", "fun": lambda c: numpy.concatenate([1 - rows @ c, 1 + rows @ c]), "jac": lambda c: numpy.vstack([-rows, rows])}])
+    ours = ((numpy.interp(at, numpy.append(run.columns["cam_angle"], 360), numpy.append(run.columns["output"], run.columns["output"][0])) - values)**2).sum()
+    check(best.success and abs(ours/best.fun - 1) < 0.02, "least squares: no nearer curve within the bounds", (ours, best.fun))
+    # a point of great weight is met
+    weights = "TABWT=89*1.0,1.0e9"
+    run = Run(data("measured_table", ("TABTOL=0.15", "NPIECE=9, " + weights)), place)
+    exact = Run(data("measured_table", ("TABTOL=0.15", "NPIECE=9, NPOINT=3600, " + weights)), place)
+    close(exact.at(at[-1])["output"], values[-1], 1e-8, "least squares: a point of great weight is met")
+    for old, new, words in (("TABTOL=0.15", "TABTOL=0.02", "no fit by least squares stays so near the points; the best misses one by"),
+                            ("TABTOL=0.15", "NPIECE=80", "too few points"), ("TABTOL=0.15", "NPIECE=5", "NPIECE"), ("TABTOL=0.15, ", "", "NPIECE: missing"),
+                            ("'LSQ'", "'NEAR'", "there is no fit 'NEAR'"), ("TABFIT='LSQ'", "NPIECE=9", "is of TABFIT='LSQ' only"),
+                            ("TABTOL=0.15", "NPIECE=9, TABWT=-1.0", "a weight must not be negative"), ("TABTOL=0.15", "NPIECE=9, VELMAX=-1.0", "must not be negative")):
+        bad = Run(data("measured_table", (old, new)), place)
+        check(bad.code == 2 and words in bad.error, "fit refused: " + words, bad.error)
+
+
+def nearest(points, place):
+    """Least distance of a place from a curve through points, between them by a parabola."""
+    square = numpy.abs(points - place)**2
+    k = min(max(int(square.argmin()), 1), len(points) - 2)
+    before, here, after = square[k - 1:k + 2]
+    return math.sqrt(here - (after - before)**2/8/(before - 2*here + after))
+
+
+def closed(points):
+    return numpy.concatenate([points, points[:3]])
+
+
+def two_rollers(place):
+    """Play of conjugate cams against follower and profiles moved by hand; one profile under two rollers against its own points."""
+    run = Run(data("conjugate_cams", ("NSEG=4", "NPOINT=1440, NSEG=4")), place)
+    check(run.code == 0 and "PLAY AT THE FIRST ROLLER, LEAST" in run.listing, "conjugate cams: play", run.error)
+    second = numpy.array([[float(w) for w in row] for row in run.blocks["cam_2"]])
+    column = {name: second[:, k] for k, name in enumerate(run.names)}
+    play = {float(a): float(b) for a, b in run.blocks["play_2"]}
+    extremes = {row[0]: (float(row[1]), float(row[2])) for row in run.blocks["extremes_2"]}
+    check(abs(extremes["play_most"][0] - max(play.values())) < 1e-5 and abs(extremes["play_least"][0] - min(play.values())) < 1e-5,
+          "conjugate cams: least and greatest play", extremes)
+    for angle in (40, 205, 330):
+        ways = []
+        for table, error, turn in ((run.columns, 0.02, 0.0), (column, -0.01, 100.0)):
+            profile, centre = (table[k + "_x"] + 1j*table[k + "_y"] for k in ("profile", "cutter"))
+            worn = closed(profile - error*(centre - profile)/10)*numpy.exp(1j*math.radians(angle))
+
+            def gap(extra, worn=worn, turn=turn):
+                return nearest(worn, 80 + 70*numpy.exp(1j*math.radians(run.at(angle)["input"] + turn + extra))) - 10
+            ways.append(brentq(gap, -0.5, 0.5, xtol=1e-13))
+        # the arm may go to either cam: one turns it down, the other up
+        close(play[angle], 70*math.radians(ways[0] - ways[1])*(1 if ways[0]*0.02 > 0 else -1), 2e-5, "conjugate cams: play at %d" % angle)
+    # a yoke: the law is completed, the breadth is constant
+    run = Run(data("yoke"), place)
+    half = run.columns["output"][:180] + run.columns["output"][180:]
+    gap = numpy.array([[float(w) for w in row] for row in run.blocks["second_roller"]])
+    check(run.code == 0 and numpy.abs(half - 20).max() < 1e-12, "yoke: outputs half a turn apart", run.error)
+    close(numpy.abs(gap[:, 1]).max(), 0.0, 1e-10, "yoke: both rollers touch")
+    close(numpy.abs(gap[:, 2] - 180).max(), 0.0, 1e-6, "yoke: half a turn later")
+    for changes, code, words in ((("RROLL2=10.0", "RROLL2=9.9, CLEAR=0.11"), 0, ""), (("RROLL2=10.0", "RROLL2=9.9, CLEAR=0.05"), 1, "more than CLEAR"),
+                                 (("RROLL2=10.0", "RROLL2=10.1"), 1, "does not fit")):
+        run = Run(data("yoke", changes), place)
+        check(run.code == code and words in run.error, "yoke: " + changes[1], run.error)
+    # a second roller on another link, and a law that does not suit it
+    run = Run(data("swinging_roller", ("RCUT=10.0", "RCUT=10.0, NPOINT=1440, KPAIR=1, NFOL2K=-1, FOLLK2=70.0, FOLAN2=-80.0, RROLL2=9.0")), place)
+    points = closed(run.columns["profile_x"] + 1j*run.columns["profile_y"])
+    gap = numpy.array([[float(w) for w in row] for row in run.blocks["second_roller"]])
+    worst = max(abs(nearest(points, complex(x, y)*numpy.exp(-1j*math.radians(a))) - 9 - g) for a, g, _, x, y in gap[::37])
+    close(worst, 0.0, 2e-6, "second roller: its gap")
+    check(run.code == 1 and abs(run.extremes["gap_least"][0] - gap[:, 1].min()) < 1e-3, "second roller: least gap", run.extremes["gap_least"])
+    for name, old, new, words in (("yoke", "KPAIR=1", "KPAIR=1, KTRACK=1", "runs on the same profile"), ("yoke", "KPAIR=1", "KPAIR=1, NFOL2K=9", "there is no arc 9"),
+                                  ("yoke", "KPAIR=1, ", "NFOL2P=1, ", "KPAIR=1"), ("yoke", "180.0, OUT0", "170.0, OUT0", "must end at 180, for KHALF=1"),
+                                  ("yoke", "KHALF=1", "KHALF=1, VARY='SEGEND 1', VARLOW=20, VARHI=40", "of half a turn"),
+                                  ("conjugate_cams", "KCONJ=1, ", "", "is of conjugate cams"), ("yoke", "KPAIR=1", "KPAIR=1, KFOL=2", "KFOL=1")):
+        bad = Run(data(name, (old, new)), place)
+        check(bad.code == 2 and words in bad.error and not bad.table, "two rollers refused: " + words, bad.error)
+
+
+def sliding(place):
+    """A cam that slides: envelope, curvature and pressure angle from the motion of the roller alone; drawing, program, page."""
+    run = Run(data("wedge_cam", ("NSEG=5", "NPOINT=3601, KGCODE=1, TOLCUT=0.001, NSEG=5")), place)
+    check(run.code == 0 and run.table[-1][0] == 360, "sliding cam: exit status", run.error)
+    table = run.columns
+    roller = 80 + 70*numpy.exp(1j*numpy.radians(table["input"]))
+    close(numpy.abs(roller - table["roller_x"] - 1j*table["roller_y"]).max(), 0.0, 1e-12, "sliding cam: the roller is on its arm")
+    # from the cam: the point (10, -30) at the beginning is its origin
+    seen = roller - complex(10, -30) - 200*table["cam_angle"]/360
+    profile = table["profile_x"] + 1j*table["profile_y"]
+    cutter = table["cutter_x"] + 1j*table["cutter_y"]
+    close(numpy.abs(numpy.abs(profile - seen) - 8).max(), 0.0, 1e-12, "sliding cam: the roller touches")
+    close(numpy.abs(numpy.abs(profile - cutter) - 6).max(), 0.0, 1e-12, "sliding cam: the cutter touches")
+    check(min(numpy.abs(seen - p).min() for p in profile[::40]) > 8 - 1e-5, "sliding cam: nothing of it is inside the roller")
+    check((profile.imag < seen.imag).all(), "sliding cam: it lies below the roller")
+    inside = slice(800, 1300)
+    one, two = numpy.gradient(profile, 2e-3)[inside], numpy.gradient(numpy.gradient(profile, 2e-3), 2e-3)[inside]
+    bend = -(one.conj()*two).imag/numpy.abs(one)**3*numpy.sign(one.real)
+    close(numpy.abs(1/table["rho"][inside] - bend).max(), 0.0, 2e-4*numpy.abs(bend).max(), "sliding cam: curvature")
+    push = (seen - profile)/numpy.abs(seen - profile)
+    travel = 1j*(roller - 80)/70
+    sine = (push*travel.conj())
+    close(numpy.abs(numpy.abs(table["alpha"]) - numpy.degrees(numpy.arctan(numpy.abs(sine.imag/sine.real)))).max(), 0.0, 1e-9, "sliding cam: pressure angle")
+    close(run.extremes["greatest_height"][0], profile.imag.max(), 1e-6, "sliding cam: height")
+    drawing, lines = read_dxf(place)
+    check(not drawing.audit().errors and not any(p.is_closed for p in drawing.modelspace().query("POLYLINE")), "sliding cam: its curves are open")
+    worst = max(distance_to_arcs(complex(p), lines["CUTTER"][0]) for p in cutter[::90])
+    check(worst <= run.extremes["cutter_deviation"][0]*(1 + 1e-6) <= 0.001*(1 + 1e-6), "sliding cam: cutter path", worst)
+    code = [line for line in open(os.path.join(place, "case.calm.nc"), encoding="utf-8").read().split("\n") if re.match("G[0123] ", line)]
+    last = {w[0]: float(w[1:]) for w in code[-1].split()}
+    close(abs(complex(last["X"], last["Y"]) - cutter[-1]), 0.0, 1e-5, "sliding cam: the program ends where the path does")
+    # across a crooked way nothing changes but the axes
+    crooked = Run(data("wedge_cam", ("CAMDIR=0.0", "CAMDIR=90.0"), ("ORIGLK=80.0, ORIGNG=0.0", "ORIGLK=80.0, ORIGNG=90.0"), ("CRNKI=180.0", "CRNKI=270.0"),
+                       ("OUT0=180.0, SEGOUT=180.0,164.0,164.0,172.0,172.0", "OUT0=270.0, SEGOUT=270.0,254.0,254.0,262.0,262.0"),
+                       ("GAMA=3*0.0,180.0", "GAMA=3*0.0,270.0"), ("XCAM=10.0, YCAM=-30.0", "XCAM=30.0, YCAM=10.0")), place)
+    turned = crooked.columns["profile_x"] + 1j*crooked.columns["profile_y"]
+    check(crooked.code == 0, "sliding cam, turned: exit status", crooked.error)
+    if len(turned):
+        close(abs(turned[-1] - 1j*profile[-1]), 0.0, 1e-9, "sliding cam, turned: its end")
+    for old, new, words in (("KCAM=2", "KCAM=3", "KCAM"), ("CAMLEN=200.0, ", "", "CAMLEN: missing"), ("CAMLEN=200.0", "CAMLEN=-1.0", "must be above 0"),
+                            ("KCAM=2, ", "", "is of a cam that slides"), ("KCAM=2", "KCAM=2, KFOL=2", "needs a roller or a knife edge"),
+                            ("KCAM=2", "KCAM=2, KTURN=-1", "does not turn"), ("KCAM=2", "KCAM=2, KHALF=1", "no other half"),
+                            ("KCAM=2", "KCAM=2, VARY='XCAM', VARLOW=0, VARHI=9", "has no base circle")):
+        bad = Run(data("wedge_cam", (old, new)), place)
+        check(bad.code == 2 and words in bad.error and not bad.table, "sliding cam refused: " + words, bad.error)
+    bad = Run(data("five_bar_cams").replace(" &CAM ", " &CAM KCAM=2, CAMLEN=50.0, "), place)
+    check(bad.code == 2 and "a table is of a cam that turns" in bad.error, "sliding cam refused: a table", bad.error)
+
+
 def rough_table(place):
     """A table of rounded numbers is told of; with its tolerance it is smooth."""
     t = 2*numpy.pi*numpy.arange(180)/180
@@ -549,8 +777,8 @@ def pages(place):
              "--disable-component-update", "--disable-sync"]
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=shutil.which("chromium"), args=flags)
-        for name in ("needle_cam", "flat_swinging"):
-            run = Run(data(name, ("&CAM", "&CAM NPOINT=24,")), place)
+        for name in ("needle_cam", "flat_swinging", "wedge_cam"):
+            run = Run(data(name, ("&CAM", "&CAM NPOINT=%d," % (25 if name == "wedge_cam" else 24))), place)
             complaints, requests = [], []
             page = browser.new_page()
             page.on("console", lambda m, c=complaints: m.type in ("error", "warning") and c.append(m.text))
@@ -588,7 +816,8 @@ def pages(place):
 def main():
     with tempfile.TemporaryDirectory() as place:
         for part in (reference_cams, linkage_backwards, laws, violations, bad_input, table_for_others, cutting, pairs_of_cams,
-                     centres, forces, two_cams, geared, pages, searches, rough_table):
+                     centres, forces, two_cams, geared, pages, searches, rough_table, knuckle, fits,
+                     two_rollers, sliding):
             part(place)
     print("%d passed, %d failed" % (passed, failed))
     return 1 if failed else 0

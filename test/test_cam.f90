@@ -19,6 +19,7 @@ program test_cam
    use psalm_output_kind, only: motion_pose
    use psalm_periodic_spline, only: periodic_spline, quintic_hermite, septic_hermite
    use psalm_rates, only: rates_t, prepare_rates, differentiate, output_rates, highest_order
+   use psalm_spline_fit, only: basis_of, fit_spline
    implicit none (type, external)
    type(checks_t) :: t
 
@@ -26,6 +27,7 @@ program test_cam
    call law_derivatives()
    call laws_that_cannot_be()
    call splines()
+   call fits()
    call polynomials()
    call flat_face_of_a_circle()
    call interference()
@@ -209,6 +211,50 @@ contains
       end do
    end subroutine splines
 
+   !> The basis is a partition of unity, nowhere negative; a curve of the basis is found again; a constant keeps any bounds.
+   subroutine fits()
+      integer, parameter :: n = 40, m = 8
+      real(wp) :: basis(0:5, 0:5), control(m), at(n), values(n), pieces(0:5, m), u, row(0:5), worst
+      integer :: degree, i, j, piece
+      logical :: found
+
+      do degree = 3, 5, 2
+         associate (b => basis(0:degree, 0:degree))
+            b = basis_of(degree)
+            do i = 0, 4
+               u = 0.25_wp*real(i, wp)
+               row(:degree) = [(derivative(b(:, j), 0, u), j=1, degree + 1)]
+               call t%close_to(sum(row(:degree)), 1.0_wp, 1.0e-15_wp, 'basis: its sum is 1')
+               call t%is_true(all(row(:degree) >= 0.0_wp), 'basis: nowhere negative')
+            end do
+         end associate
+      end do
+      control = [1.0_wp, -2.0_wp, 0.5_wp, 3.0_wp, 2.5_wp, -1.0_wp, 0.0_wp, 4.0_wp]
+      do i = 1, n
+         at(i) = full_turn*(real(i - 1, wp) + 0.3_wp*real(modulo(i, 3), wp))/real(n, wp)
+         piece = int(at(i)*real(m, wp)/full_turn)
+         u = at(i)*real(m, wp)/full_turn - real(piece, wp)
+         values(i) = sum([(control(1 + modulo(piece + j, m))*derivative(basis(:, j), 0, u), j=0, 5)])
+      end do
+      call fit_spline(at, values, [(real(modulo(i, 4) + 1, wp), i=1, n)], full_turn, 5, [0.0_wp, 0.0_wp], pieces, found)
+      call t%is_true(found, 'fit: found')
+      worst = 0.0_wp
+      do i = 1, m
+         do j = 0, 5
+            u = sum([(control(1 + modulo(i - 1 + piece, m))*derivative(basis(:, piece), j, 0.0_wp), piece=0, 5)])
+            worst = max(worst, abs(derivative(pieces(:, i), j, 0.0_wp) - u))
+         end do
+      end do
+      call t%close_to(worst, 0.0_wp, 1.0e-9_wp, 'fit: a curve of the basis is found again')
+      call fit_spline(at, values, [(1.0_wp, i=1, n)], full_turn, 5, [1.0e-3_wp, 1.0e-5_wp], pieces, found)
+      worst = maxval(abs([((derivative(pieces(:, i), 1, 0.02_wp*real(j, wp))*real(m, wp)/full_turn, i=1, m), j=0, 50)]))
+      call t%is_true(found .and. worst <= 1.0e-3_wp*(1.0_wp + 1.0e-6_wp), 'fit: a narrow bound of the slope is kept')
+      worst = maxval(abs([((derivative(pieces(:, i), 2, 0.02_wp*real(j, wp))*(real(m, wp)/full_turn)**2, i=1, m), j=0, 50)]))
+      call t%is_true(worst <= 1.0e-5_wp*(1.0_wp + 1.0e-6_wp), 'fit: a narrow bound of the second derivative is kept')
+      call fit_spline(at(:5), values(:5), [(1.0_wp, i=1, 5)], full_turn, 5, [0.0_wp, 0.0_wp], pieces, found)
+      call t%is_true(.not. found, 'fit: too few points')
+   end subroutine fits
+
    !> Derivative of a polynomial by its own variable.
    pure real(wp) function derivative(c, order, u) result(d)
       real(wp), intent(in) :: c(:)
@@ -285,7 +331,7 @@ contains
          centres(i) = 60.0_wp*cmplx(c, s, wp)
          tangent(i) = (0.0_wp, 1.0_wp)*cmplx(c, s, wp)
       end do
-      call near_pairs(contour, centres, tangent, 10.0_wp, pairs)
+      call near_pairs(contour, centres, tangent, 10.0_wp, .false., pairs)
       call t%equal_integer(size(pairs), 0, 'a circle under a roller: no pair to look at')
       ! an oval of Cassini with a waist narrower than the rollers that stand on both of its sides
       do k = 1, 2
@@ -297,7 +343,7 @@ contains
             tangent(i) = d/abs(d)
          end do
          contour = centres + (0.0_wp, 1.0_wp)*tangent*10.0_wp
-         call near_pairs(contour, centres, tangent, 10.0_wp, pairs)
+         call near_pairs(contour, centres, tangent, 10.0_wp, .false., pairs)
          call t%is_true(size(pairs) > 0 .eqv. k == 1, 'rollers on both sides of a waist meet where it is narrow')
       end do
       ! a quadratic is fitted exactly

@@ -2,7 +2,7 @@
 'use strict';
 
 globalThis.calm = (() => {
-  const FORMAT = 1;              // of the data, as in psalm_cam_page.f90
+  const FORMAT = 2;              // of the data, as in psalm_cam_page.f90
   const ROUND = 2 * Math.PI;
   const SECONDS = 6;             // of a turn at speed 1
   const COLOURS = ['paper', 'ink', 'soft', 'line', 'panel', 'accent', 'actual', 'bad', 'badband', 'frame', 'ghost', 'good',
@@ -12,6 +12,7 @@ globalThis.calm = (() => {
   const data = JSON.parse(document.getElementById('data').textContent);
   const element = (id) => document.getElementById(id);
   const state = { angle: 0, playing: false, shown: 0, last: 0 };
+  const slides = data.cams.some((cam) => cam.turn === 0); // then the rows go from one end to the other
   const pens = {};
   let view = null;               // scale and place of the machine
   let box = null;                // place of the curves
@@ -21,6 +22,10 @@ globalThis.calm = (() => {
   /** A row at a cam angle between its frames; a number stands for a row that does not change. */
   function at(row, angle) {
     if (typeof row === 'number') return row;
+    if (slides) {
+      const place = Math.min(Math.max(angle, 0), 360) / 360 * (row.length - 1), i = Math.min(Math.floor(place), row.length - 2);
+      return row[i] + (place - i) * (row[i + 1] - row[i]);
+    }
     const step = 360 / row.length, place = ((angle % 360) + 360) % 360 / step;
     const i = Math.floor(place) % row.length, share = place - Math.floor(place);
     return row[i] + share * (row[(i + 1) % row.length] - row[i]);
@@ -34,6 +39,7 @@ globalThis.calm = (() => {
 
   /** A point of a cam in machine axes. */
   function turned(cam, x, y, angle) {
+    if (slides) return [cam.centre[0] + x + angle * cam.slide[0], cam.centre[1] + y + angle * cam.slide[1]];
     const a = cam.turn * angle * Math.PI / 180, c = Math.cos(a), s = Math.sin(a);
     return [cam.centre[0] + c * x - s * y, cam.centre[1] + s * x + c * y];
   }
@@ -82,12 +88,12 @@ globalThis.calm = (() => {
       pen.fillStyle = colour;
       pen.fill();
       pen.globalAlpha = 1;
-    } else path(pen, outline(cam, 'profile', angle), true);
+    } else path(pen, slides ? outline(cam, 'profile', angle).slice(0, -2) : outline(cam, 'profile', angle), !slides);
     pen.strokeStyle = colour;
     pen.lineWidth = 2;
     pen.stroke();
     if (element('pitch').checked && !cam.flat) {
-      path(pen, outline(cam, 'pitch', angle), true);
+      path(pen, outline(cam, 'pitch', angle), !slides);
       pen.setLineDash([6, 4]);
       pen.strokeStyle = pens.ghost;
       pen.lineWidth = 1;
@@ -95,11 +101,12 @@ globalThis.calm = (() => {
       pen.setLineDash([]);
     }
     if (element('cutter').checked) {
-      path(pen, outline(cam, 'cutter', angle), true);
+      path(pen, outline(cam, 'cutter', angle), !slides);
       pen.strokeStyle = pens.good;
       pen.lineWidth = 1;
       pen.stroke();
     }
+    if (slides) return;
     // a mark that turns with the cam, and the shaft
     const rim = turned(cam, entry(cam.profile_x, 0), entry(cam.profile_y, 0), angle);
     path(pen, [cam.centre, rim], false);
@@ -131,6 +138,14 @@ globalThis.calm = (() => {
       pen.stroke();
     } else {
       circle(pen, c, Math.max(view.k * cam.roller, 2));
+      pen.fillStyle = pens.paper;
+      pen.fill();
+      pen.stroke();
+    }
+    if (cam.second > 0) {
+      path(pen, [point(cam, 'second_arm', angle), point(cam, 'second', angle)], false);
+      pen.stroke();
+      circle(pen, point(cam, 'second', angle), view.k * cam.second);
       pen.fillStyle = pens.paper;
       pen.fill();
       pen.stroke();
@@ -243,8 +258,8 @@ globalThis.calm = (() => {
       pen.strokeStyle = pens.accent;
       pen.lineWidth = 1.5;
       pen.beginPath();
-      for (let i = 0; i <= n; i += 1) {
-        const x = across(360 * i / n), y = up(entry(row, i % n));
+      for (let i = 0; i < n + (slides ? 0 : 1); i += 1) {
+        const x = across(360 * i / (slides ? Math.max(n - 1, 1) : n)), y = up(entry(row, i % n));
         if (i) pen.lineTo(x, y); else pen.moveTo(x, y);
       }
       if (n === 1) pen.lineTo(across(360), up(entry(row, 0)));
@@ -317,9 +332,14 @@ globalThis.calm = (() => {
     canvas.addEventListener('pointercancel', () => { held = null; });
   }
 
-  /** The pointer's angle about the first shaft; the cam turns with it. */
+  /** The pointer's angle about the first shaft, or its place along the slide; the cam moves with it. */
   function dragCam(event, held) {
     const cam = data.cams[state.shown];
+    if (slides) {
+      const [dx, dy] = cam.slide, place = (event.offsetX * dx - event.offsetY * dy) / view.k / (dx * dx + dy * dy);
+      if (held !== null) turnTo(Math.min(360, Math.max(0, state.angle + place - held)));
+      return place;
+    }
     const now = Math.atan2(-(event.offsetY - Y(cam.centre[1])), event.offsetX - X(cam.centre[0])) * 180 / Math.PI;
     if (held !== null) turnTo(state.angle + cam.turn * (((now - held + 540) % 360) - 180));
     return now;

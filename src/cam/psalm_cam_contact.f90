@@ -8,7 +8,7 @@
 module psalm_cam_contact
    use psalm_cam_group, only: cam_group_t
    use psalm_cam_trace, only: cam_trace_t
-   use psalm_cam_profile, only: cam_points_t
+   use psalm_cam_profile, only: cam_axes_t, cam_points_t
    use psalm_error, only: problem_t
    use psalm_force_model, only: force_model_t
    use psalm_kinds, only: wp, pi
@@ -32,14 +32,14 @@ module psalm_cam_contact
 contains
 
    !> Force and stress at the states of a trace. `problem` is left at their inputs.
-   subroutine find_contact(cam, model, problem, states, points, roller, sense, contact)
+   subroutine find_contact(cam, model, problem, states, points, roller, axes, contact)
       type(cam_group_t), intent(in) :: cam
       type(force_model_t), intent(in) :: model
       type(problem_t), intent(inout) :: problem
       type(cam_trace_t), intent(in) :: states
       type(cam_points_t), intent(in) :: points
       real(wp), intent(in) :: roller             !! radius; 0: flat or a knife edge
-      real(wp), intent(in) :: sense              !! +1: the cam turns anticlockwise
+      type(cam_axes_t), intent(in) :: axes
       type(contact_t), intent(out) :: contact
       type(reduced_t) :: reduced
       complex(wp) :: push, force, by_input
@@ -103,7 +103,7 @@ contains
 
          slip_of = real(conjg(points%tangent(i)*points%machine(i))* &
                         (states%c(1, i) + cmplx(0.0_wp, states%turning(1, i), wp)*place_of(i) &
-                         - cmplx(0.0_wp, sense, wp)*(points%profile(i)*points%machine(i))), wp)
+                         - axes%velocity(points%profile(i)*points%machine(i))), wp)
       end function slip_of
    end subroutine find_contact
 

@@ -49,9 +49,11 @@ contains
       radius = merge(shape%cutter, shape%roller, of_cutter)
       if (.not. radius > 0.0_wp) return
       ! without doubles: the end of a piece is the beginning of the next
-      kept = pack([(i, i=1, size(samples%angle))], [samples%piece(2:) == samples%piece(:size(samples%piece) - 1), .false.])
+      kept = pack([(i, i=1, size(samples%angle))], [samples%piece(2:) == samples%piece(:size(samples%piece) - 1), &
+                                                           shape%axes%slides])
       centres = centres_of(samples%points, of_cutter)
-      call near_pairs(samples%points%profile(kept), centres(kept), samples%points%tangent(kept), radius, pairs)
+      call near_pairs(samples%points%profile(kept), centres(kept), samples%points%tangent(kept), radius, shape%axes%slides, &
+                      pairs)
       do k = 1, size(pairs)
          a = samples%angle(kept(pairs(k)%at))
          b = samples%angle(kept(pairs(k)%by))
@@ -62,10 +64,18 @@ contains
          end do
          depth = radius - distance_of(a, b)
          if (depth <= max(rounding, relative_rounding*radius) .or. depth <= found%depth) cycle
-         found = interference_t(depth, modulo(a, full_turn), modulo(b, full_turn))
+         found = interference_t(depth, within(a), within(b))
       end do
 
    contains
+
+      !> An angle of the turn; of a cam that slides one between its ends.
+      elemental real(wp) function within(angle)
+         real(wp), intent(in) :: angle
+
+         within = modulo(angle, full_turn)
+         if (shape%axes%slides) within = min(max(angle, 0.0_wp), full_turn)
+      end function within
 
       !> The least distance near two cam angles, by a quadratic through three by three of them.
       subroutine refine(a, b, step)
@@ -78,7 +88,7 @@ contains
          real(wp) :: angle(6), square(-1:1, -1:1), move(2)
          integer :: i, k
 
-         angle = modulo([a - step, a, a + step, b - step, b, b + step], full_turn)
+         angle = within([a - step, a, a + step, b - step, b, b + step])
          call measure(shape, angle, shape%motion%law%piece_at(angle), states, points, possible)
          m = centres_of(points, of_cutter)
          do k = -1, 1
@@ -100,7 +110,7 @@ contains
          complex(wp) :: line
          real(wp) :: angle(2)
 
-         angle = modulo([a, b], full_turn)
+         angle = within([a, b])
          call measure(shape, angle, shape%motion%law%piece_at(angle), states, points, possible)
          m = centres_of(points, of_cutter)
          line = points%profile(1) - m(2)
@@ -139,11 +149,12 @@ contains
    end function fit_least
 
    !> Pairs of a point and a centre that may be nearer than the radius between the samples, the nearest of their neighbourhood each.
-   !> The samples are a closed curve, without doubles.
-   pure subroutine near_pairs(contour, centres, tangent, radius, pairs)
+   !> The samples are a closed curve, without doubles, or an open one.
+   pure subroutine near_pairs(contour, centres, tangent, radius, open, pairs)
       complex(wp), intent(in) :: contour(:), centres(:) !! shape (n): of one and the same cam angle
       complex(wp), intent(in) :: tangent(:)             !! unit vectors of both
       real(wp), intent(in) :: radius
+      logical, intent(in) :: open
       type(pair_t), allocatable, intent(out) :: pairs(:)
       integer :: behind(size(centres)), ahead(size(centres)) !! samples about each that the touching circle cannot meet
       complex(wp), allocatable :: middle(:, :)
@@ -153,8 +164,8 @@ contains
 
       n = size(centres)
       allocate (pairs(0))
-      call find_reach(tangent, behind, ahead)
-      limit = radius + 0.5_wp*(longest_step(contour) + longest_step(centres))
+      call find_reach(tangent, open, behind, ahead)
+      limit = radius + 0.5_wp*(longest_step(contour, open) + longest_step(centres, open))
       blocks = (n + block_length - 1)/block_length
       allocate (middle(2, blocks), round(2, blocks))
       do b = 1, blocks
@@ -197,20 +208,21 @@ contains
    end subroutine near_pairs
 
    !> Samples ahead and behind of each before the curve has turned by a right angle.
-   pure subroutine find_reach(tangent, behind, ahead)
+   pure subroutine find_reach(tangent, open, behind, ahead)
       complex(wp), intent(in) :: tangent(:)
+      logical, intent(in) :: open
       integer, intent(out) :: behind(:), ahead(:)
       integer :: n, i
 
       n = size(tangent)
       do i = 1, n
          ahead(i) = 0
-         do while (ahead(i) < n - 1)
+         do while (ahead(i) < merge(n - i, n - 1, open))
             if (real(conjg(tangent(i))*tangent(1 + modulo(i + ahead(i), n)), wp) <= 0.0_wp) exit
             ahead(i) = ahead(i) + 1
          end do
          behind(i) = 0
-         do while (behind(i) < n - 1)
+         do while (behind(i) < merge(i - 1, n - 1, open))
             if (real(conjg(tangent(i))*tangent(1 + modulo(i - 2 - behind(i), n)), wp) <= 0.0_wp) exit
             behind(i) = behind(i) + 1
          end do
@@ -223,11 +235,13 @@ contains
       size_of = sqrt(real(z, wp)**2 + aimag(z)**2)
    end function size_of
 
-   pure real(wp) function longest_step(points) result(step)
+   pure real(wp) function longest_step(points, open) result(step)
       complex(wp), intent(in) :: points(:)
+      logical, intent(in) :: open
       integer :: i
 
-      step = size_of(points(1) - points(size(points)))
+      step = 0.0_wp
+      if (.not. open) step = size_of(points(1) - points(size(points)))
       do i = 2, size(points)
          step = max(step, size_of(points(i) - points(i - 1)))
       end do

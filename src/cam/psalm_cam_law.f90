@@ -4,14 +4,15 @@
 !> Source: Oldham (1977), 9.3.2, with the seven zones of any trigonometric law in one formula; derivation in doc/theory.md.
 module psalm_cam_law
    use psalm_angles, only: unit_vector
-   use psalm_cam_group, only: cam_group_t
+   use psalm_cam_group, only: cam_group_t, fit_least_squares, most_pieces
    use psalm_cam_kind, only: law_dwell, law_ramp, law_poly345, law_poly4567, law_poly, has_zones, zone_count
    use psalm_kinds, only: wp, full_turn, radians_per_degree, right_angle
    use psalm_periodic_spline, only: periodic_spline, quintic_hermite, septic_hermite
+   use psalm_spline_fit, only: fit_spline
    implicit none (type, external)
    private
    public :: law_t, segment_t, joint_t, make_law, highest_law_order
-   public :: law_made, law_velocity_jumps, law_singular, law_jerk_jumps
+   public :: law_made, law_velocity_jumps, law_singular, law_jerk_jumps, law_points_missing, law_misses
 
    integer, parameter :: highest_law_order = 5, highest_power = 7
    integer, parameter :: cells = 64                  !! of a piece, where extremes of a polynomial are looked for
@@ -19,6 +20,8 @@ module psalm_cam_law
    real(wp), parameter :: settled = 1.0e-10_wp       !! relative jump that is rounding
 
    integer, parameter :: law_made = 0, law_velocity_jumps = 1, law_singular = 2, law_jerk_jumps = 3 !! how the making ended
+   integer, parameter :: law_points_missing = 4 !! a table has too few points for the pieces of its fit
+   integer, parameter :: law_misses = 5         !! the fit does not stay within TABTOL
 
    integer, parameter :: wave_polynomial = 0, wave_up = 1, wave_down = 2
 
@@ -51,8 +54,10 @@ module psalm_cam_law
       integer :: state = law_made
       integer :: faulty = 0                          !! segment that cannot be made, or at whose end the velocity jumps
       real(wp) :: lag = 0.0_wp, inertia = 0.0_wp     !! flexible drive: the law is y + lag y' + inertia y''
+      real(wp) :: residual = 0.0_wp, mean_residual = 0.0_wp !! of a table: largest, and root of the mean square
    contains
       procedure :: evaluate
+      procedure :: evaluate_from_rest
       procedure :: piece_at
       procedure :: joints
       procedure :: greatest
@@ -88,7 +93,7 @@ contains
          integer, intent(in) :: state
 
          joints = law%joints()
-         do k = 1, size(joints)
+         do k = merge(2, 1, cam%slides), size(joints)
             if (abs(joints(k)%jump(0)) <= settled*law%greatest(0) .and. abs(joints(k)%jump(1)) <= settled*law%greatest(1)) cycle
             law%state = state
             law%faulty = law%pieces(modulo(k - 2, size(joints)) + 1)%segment
@@ -99,33 +104,94 @@ contains
    subroutine add_table(cam, law)
       type(cam_group_t), intent(in) :: cam
       type(law_t), intent(inout) :: law
-      real(wp), allocatable :: c(:, :)
+      real(wp), allocatable :: c(:, :), at(:)
       type(piece_t) :: piece
       logical :: found
       integer :: k, n
 
       n = size(cam%table)
-      call periodic_spline(cam%table_at, cam%table, full_turn, cam%degree, cam%table_tolerance, c, found)
       allocate (law%segments(1))
       law%segments(1)%finish = full_turn
       law%segments(1)%from = cam%table(1)
       law%segments(1)%to = cam%table(1)
-      if (.not. found) then
-         law%state = law_singular
-         law%faulty = 1
-         return
+      law%faulty = 1
+      if (cam%fit == fit_least_squares) then
+         call fit_table(cam, law, c)
+         if (law%state /= law_made) return
+         n = size(c, 2)
+         at = [(full_turn*real(k - 1, wp)/real(n, wp), k=1, n)]
+      else
+         call periodic_spline(cam%table_at, cam%table, full_turn, cam%degree, cam%table_tolerance, c, found)
+         if (.not. found) then
+            law%state = law_singular
+            return
+         end if
+         at = cam%table_at
       end if
+      law%faulty = 0
       deallocate (law%pieces)
       allocate (law%pieces(n))
       do k = 1, n
-         piece%start = cam%table_at(k)
+         piece%start = at(k)
          piece%width = full_turn - piece%start
-         if (k < n) piece%width = cam%table_at(k + 1) - piece%start
+         if (k < n) piece%width = at(k + 1) - piece%start
          piece%c(0:cam%degree) = c(:, k)
          piece%segment = 1
          law%pieces(k) = piece
       end do
+      call find_residuals(cam, law)
    end subroutine add_table
+
+   !> The fit by least squares of as many pieces as are wanted, or of the fewest that stay within the tolerance.
+   subroutine fit_table(cam, law, c)
+      type(cam_group_t), intent(in) :: cam
+      type(law_t), intent(inout) :: law
+      real(wp), allocatable, intent(out) :: c(:, :)
+      type(law_t) :: trial
+      integer :: m, k, first, last
+      logical :: found, once
+
+      first = cam%pieces
+      last = cam%pieces
+      if (cam%pieces == 0) then
+         first = cam%degree + 1
+         last = min(size(cam%table), most_pieces)
+      end if
+      once = .false.
+      do m = first, last
+         if (allocated(c)) deallocate (c)
+         allocate (c(0:cam%degree, m))
+         call fit_spline(cam%table_at, cam%table, cam%weight, full_turn, cam%degree, &
+                         [cam%most_velocity*radians_per_degree, cam%most_acceleration*radians_per_degree**2], c, found)
+         if (.not. found) exit
+         allocate (trial%pieces(m))
+         do k = 1, m
+            trial%pieces(k) = piece_t(start=full_turn*real(k - 1, wp)/real(m, wp), width=full_turn/real(m, wp))
+            trial%pieces(k)%c(0:cam%degree) = c(:, k)
+         end do
+         call find_residuals(cam, trial)
+         deallocate (trial%pieces)
+         if (.not. once .or. trial%residual < law%residual) law%residual = trial%residual
+         once = .true.
+         if (.not. cam%table_tolerance > 0.0_wp .or. trial%residual <= cam%table_tolerance) return
+      end do
+      law%state = merge(law_misses, law_points_missing, once)
+   end subroutine fit_table
+
+   !> How far a table's points are from the law.
+   subroutine find_residuals(cam, law)
+      type(cam_group_t), intent(in) :: cam
+      type(law_t), intent(inout) :: law
+      real(wp) :: miss(size(cam%table)), y(0:highest_law_order)
+      integer :: k
+
+      do k = 1, size(miss)
+         y = law%evaluate(cam%table_at(k), law%piece_at(cam%table_at(k)))
+         miss(k) = y(0) - cam%table(k)
+      end do
+      law%residual = maxval(abs(miss), cam%weight > 0.0_wp)
+      law%mean_residual = sqrt(sum(miss**2, cam%weight > 0.0_wp)/real(count(cam%weight > 0.0_wp), wp))
+   end subroutine find_residuals
 
    subroutine add_segments(cam, law)
       type(cam_group_t), intent(in) :: cam
@@ -150,12 +216,19 @@ contains
          associate (s => law%segments(k))
             speed(k) = (s%to - s%from)/((s%finish - s%start)*radians_per_degree)
             before = modulo(k - 2, n) + 1
+            if (cam%slides .and. k == 1) cycle
             if (cam%law(before) /= law_ramp) speed(before) = speed(k)
          end associate
       end do
       speed(0) = speed(n)
       accel(0) = accel(n)
       jerk(0) = jerk(n)
+      if (cam%slides) then
+         ! nothing goes before the beginning
+         speed(0) = 0.0_wp
+         accel(0) = 0.0_wp
+         jerk(0) = 0.0_wp
+      end if
       do k = 1, n
          associate (s => law%segments(k))
             width = s%finish - s%start
@@ -355,6 +428,52 @@ contains
          end do
       end if
    end function evaluate
+
+   !> The same beside an end of a piece at which the motion rests, none of its digits lost to the value there: the value is
+   !> counted from the end, and the derivatives there vanish below the order `first`. The law of a rigid drive.
+   pure function evaluate_from_rest(self, angle, piece, at_end, first) result(y)
+      class(law_t), intent(in) :: self
+      real(wp), intent(in) :: angle              !! degrees
+      integer, intent(in) :: piece
+      logical, intent(in) :: at_end              !! of the piece; else at its start
+      integer, intent(in) :: first
+      real(wp) :: y(0:highest_law_order)
+      real(wp), parameter :: w = right_angle*radians_per_degree  !! by u
+      type(piece_t) :: beside
+      real(wp) :: u, c, s, binomial
+      integer :: order, power
+
+      associate (p => self%pieces(piece))
+         u = (angle - p%start)/p%width
+         if (at_end) u = (angle - (p%start + p%width))/p%width
+         if (p%wave == wave_polynomial) then
+            beside%c = p%c
+            if (at_end) then
+               beside%c = 0.0_wp
+               do power = 0, highest_power
+                  binomial = 1.0_wp
+                  do order = 0, power
+                     beside%c(order) = beside%c(order) + binomial*p%c(power)
+                     binomial = binomial*real(power - order, wp)/real(order + 1, wp)
+                  end do
+               end do
+            end if
+            beside%c(:first - 1) = 0.0_wp
+            y = of_piece(beside, u)
+         else
+            ! at rest with an acceleration: the beginning of a quarter cosine, or the end of a quarter sine
+            call unit_vector(right_angle*u, c, s)
+            associate (a => p%c(2))
+               y = [0.0_wp, a*s/w, a*c, -a*w*s, -a*w**2*c, a*w**3*s]
+               call unit_vector(0.5_wp*right_angle*u, c, s)
+               y(0) = 2.0_wp*a*(s/w)**2
+            end associate
+         end if
+         do order = 1, highest_law_order
+            y(order) = y(order)/(p%width*radians_per_degree)**order
+         end do
+      end associate
+   end function evaluate_from_rest
 
    !> Cut pieces in two at further angles; the motion stays the same.
    pure subroutine cut_at(self, angles)

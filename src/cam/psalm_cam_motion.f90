@@ -1,51 +1,42 @@
 !> What a cam has to do to a linkage: from the law of the output back to the input, and on to the follower.
 !>
 !> The wanted output y(th) is solved for the input q by Newton's method inside a bracket, all cam angles at once, on the stretch
-!> round the reference position where every loop closes and the output rises or falls all the way. Derivatives follow from those
-!> of the linkage in closed form, to the third order; the follower from the linkage's own pose. Nothing here knows what the
-!> follower touches. Source: Oldham (1977), 9.3.2; derivation in doc/theory.md.
+!> round the reference position where every loop closes and the output rises or falls all the way; and on the stretches beyond
+!> dead points at which the law rests. Derivatives follow from those of the linkage in closed form, to the third order; the
+!> follower from the linkage's own pose. Nothing here knows what the follower touches.
+!> Source: Oldham (1977), 9.3.2; derivation in doc/theory.md.
 module psalm_cam_motion
    use psalm_angles, only: nearest_difference
    use psalm_cam_group, only: cam_group_t, roller_t
    use psalm_cam_chain, only: cam_chain_t
    use psalm_cam_law, only: law_t, highest_law_order
+   use psalm_cam_passage, only: ways_t, plan_ways, next_dead_point, solve_near, no_point
+   use psalm_cam_stretch, only: mover_t, followed_t, stretch_t, find_stretch
    use psalm_cam_trace, only: cam_trace_t, clear_trace, fault_none, fault_reach, fault_dead_point, fault_open
    use psalm_dimensions, only: dimensions_t
-   use psalm_error, only: problem_t, new_problem
+   use psalm_error, only: new_problem
    use psalm_kinds, only: wp, radians_per_degree
    use psalm_mechanism, only: mechanism_t, output_t
    use psalm_output_kind, only: motion_pose
    use psalm_parameters, only: parameters_t
-   use psalm_rates, only: rates_t, prepare_rates, differentiate, output_rates, is_dead, highest_order
+   use psalm_rates, only: highest_order
    implicit none (type, external)
    private
    public :: cam_motion_t, prepare_cam_motion, chained_motion
 
-   integer, parameter :: scan_steps = 720                !! to either side of the reference position
-   real(wp), parameter :: scan_degrees = 0.5_wp
-   integer, parameter :: bisections = 60, most_iterations = 60
+   integer, parameter :: most_iterations = 60
    real(wp), parameter :: at_rest = 64.0_wp*epsilon(1.0_wp) !! squared ratio of slopes below which the output stands still
    real(wp), parameter :: settled = 4.0_wp*epsilon(1.0_wp)
-
-   !> A problem and its derivatives at a row of inputs.
-   type :: mover_t
-      type(problem_t) :: problem
-      type(rates_t) :: rates
-      integer :: prepared = 0                        !! positions
-   contains
-      procedure :: move
-   end type mover_t
 
    type :: cam_motion_t
       type(law_t) :: law
       logical :: of_output = .true.                  !! the law is that of the output, else of the input
       logical :: angular = .false.                   !! and that is an angle
-      logical :: turning_input = .true.
-      integer :: component = 1                       !! of the output
+      type(followed_t) :: what                       !! the output's component, and units
       type(mover_t), allocatable :: output, follower
       real(wp) :: reference = 0.0_wp                 !! CRNKI
       real(wp), allocatable :: q(:), f(:)            !! the stretch: inputs that rise, outputs there
-      real(wp) :: steepest = 0.0_wp                  !! greatest slope of the output on it
+      type(ways_t) :: ways                           !! this stretch and those beyond its dead points
       type(cam_chain_t), allocatable :: chain        !! of a sketch solved in the poses of its links, in place of all this
    contains
       procedure :: trace
@@ -65,21 +56,25 @@ contains
 
       motion%law = law
       motion%of_output = cam%of_output
-      motion%turning_input = .not. mechanism%sliding_input
+      motion%what%turning_input = .not. mechanism%sliding_input
       motion%reference = given%crnki
       allocate (motion%q(0), motion%f(0))
       allocate (motion%follower)
       call make_follower(cam, cam%roller, mechanism, given, parameters, motion%follower)
-      motion%angular = motion%turning_input
+      motion%angular = motion%what%turning_input
       if (.not. cam%of_output) return
       allocate (motion%output)
       call new_problem(mechanism, given, parameters, [0.0_wp], .false., motion%output%problem)
       call motion%output%problem%want_derivatives(.false.)
       associate (kind => motion%output%problem%output%kind)
-         motion%component = min(cam%axis, kind%components)
-         motion%angular = kind%angle == motion%component
+         motion%what%component = min(cam%axis, kind%components)
+         motion%what%angular = kind%angle == motion%what%component
       end associate
-      call find_stretch(motion)
+      motion%angular = motion%what%angular
+      call find_stretch(motion%output, motion%what, motion%reference, motion%ways%stretches(0))
+      motion%q = motion%ways%stretches(0)%q
+      motion%f = motion%ways%stretches(0)%f
+      call plan_ways(cam, motion%output, motion%what, motion%law, motion%ways)
    end subroutine prepare_cam_motion
 
    !> The motion of a sketch that is solved in the poses of its links.
@@ -114,131 +109,6 @@ contains
       call mover%problem%want_derivatives(.false.)
    end subroutine make_follower
 
-   !> Move to inputs (degrees or length, not increments): values and derivatives of all components; `shut` where all
-   !> loops close and have derivatives.
-   subroutine move(self, inputs, orders, value, d, shut, direction)
-      class(mover_t), intent(inout) :: self
-      real(wp), intent(in) :: inputs(:)              !! shape (n)
-      integer, intent(in) :: orders                  !! 2 or 3
-      real(wp), intent(out) :: value(:, :)           !! shape (components, n): angles in a turn
-      real(wp), intent(out) :: d(:, :, :)            !! shape (3, components, n)
-      logical, intent(out) :: shut(:)                !! shape (n)
-      complex(wp), intent(out), optional :: direction(:) !! shape (n): of the output arc
-      integer :: block, offset, m, i, c, loop
-
-      associate (problem => self%problem)
-         if (self%prepared /= size(inputs)) then
-            call problem%set_inputs(inputs - problem%given%crnki)
-            call problem%bind(problem%given)
-            call prepare_rates(problem, self%rates)
-            self%prepared = size(inputs)
-         else
-            call problem%move_inputs(inputs - problem%given%crnki)
-         end if
-         shut = .true.
-         do block = 1, problem%blocks()
-            call problem%solve_block(block, offset, m)
-            call problem%output_of(m)
-            call differentiate(problem, self%rates, m, orders)
-            do i = 1, m
-               do loop = 1, problem%mechanism%nloop
-                  if (problem%linkage%step_of_loop(loop) == 0) cycle
-                  if (.not. problem%linkage%closes(i, loop)) shut(offset + i) = .false.
-                  if (is_dead(problem, self%rates, loop, i)) shut(offset + i) = .false.
-               end do
-               do c = 1, size(value, 1)
-                  value(c, offset + i) = problem%output%actual(c, i, problem%linkage)
-               end do
-               call output_rates(problem, self%rates, i, orders, d(:, :, offset + i))
-               if (present(direction)) direction(offset + i) = cmplx(problem%linkage%store%v(i, problem%linkage%direction(1)), &
-                                                                  problem%linkage%store%v(i, problem%linkage%direction(2)), wp)
-            end do
-         end do
-      end associate
-   end subroutine move
-
-   !> The stretch of inputs round the reference position, its ends by bisection.
-   subroutine find_stretch(motion)
-      type(cam_motion_t), intent(inout) :: motion
-      real(wp), allocatable :: q(:), f(:)
-      logical, allocatable :: good(:)
-      real(wp) :: step, sense, ends(2), at_ends(2)
-      integer :: k, first, last, middle
-
-      middle = scan_steps + 1
-      step = scan_degrees
-      if (.not. motion%turning_input) step = 2.0_wp*max(sum(motion%output%problem%given%arcl), &
-                                                        abs(motion%reference))/real(scan_steps, wp)
-      q = [(motion%reference + step*real(k, wp), k=-scan_steps, scan_steps)]
-      allocate (f(size(q)), good(size(q)))
-      sense = 0.0_wp
-      call judge(q, f, good)
-      if (.not. good(middle)) return
-      first = middle
-      do while (first > 1)
-         if (.not. good(first - 1)) exit
-         first = first - 1
-      end do
-      last = middle
-      do while (last < size(q))
-         if (.not. good(last + 1)) exit
-         last = last + 1
-      end do
-      ends = [q(first), q(last)]
-      at_ends = [f(first), f(last)]
-      if (first > 1) call narrow(q(first), q(first - 1), ends(1), at_ends(1))
-      if (last < size(q)) call narrow(q(last), q(last + 1), ends(2), at_ends(2))
-      motion%q = [ends(1), q(first:last), ends(2)]
-      motion%f = [at_ends(1), f(first:last), at_ends(2)]
-      if (motion%angular) then
-         do k = 2, size(motion%f)
-            motion%f(k) = motion%f(k - 1) + nearest_difference(motion%f(k), motion%f(k - 1))
-         end do
-      end if
-
-   contains
-
-      !> Outputs, and whether each input belongs to the stretch as far as it can be seen from there.
-      subroutine judge(inputs, output, belongs)
-         real(wp), intent(in) :: inputs(:)
-         real(wp), intent(out) :: output(:)
-         logical, intent(out) :: belongs(:)
-         real(wp) :: value(motion%output%problem%output%kind%components, size(inputs))
-         real(wp) :: d(highest_order, size(value, 1), size(inputs))
-         logical :: shut(size(inputs))
-
-         call motion%output%move(inputs, 2, value, d, shut)
-         output = value(motion%component, :)
-         associate (slope => d(1, motion%component, :))
-            if (size(inputs) > 1 .and. shut(min(middle, size(inputs)))) sense = sign(1.0_wp, slope(middle))
-            belongs = shut .and. sense*slope > 0.0_wp
-            if (any(belongs)) motion%steepest = max(motion%steepest, maxval(abs(slope), belongs))
-         end associate
-      end subroutine judge
-
-      !> The last input that belongs, between one that does and one that does not.
-      subroutine narrow(inside, outside, input, output)
-         real(wp), intent(in) :: inside, outside
-         real(wp), intent(inout) :: input, output
-         real(wp) :: low, high, one(1)
-         logical :: belongs(1)
-         integer :: i
-
-         low = inside
-         high = outside
-         do i = 1, bisections
-            call judge([0.5_wp*(low + high)], one, belongs)
-            if (belongs(1)) then
-               low = 0.5_wp*(low + high)
-               output = one(1)
-            else
-               high = 0.5_wp*(low + high)
-            end if
-         end do
-         input = low
-      end subroutine narrow
-   end subroutine find_stretch
-
    !> True if the output can be followed round the reference position.
    pure logical function has_stretch(self)
       class(cam_motion_t), intent(in) :: self
@@ -268,53 +138,89 @@ contains
          states%y(1:3, i) = y(1:3)*unit
       end do
       if (self%of_output) then
-         call invert(self, states)
+         call invert(self, piece, states)
       else
          states%q = states%y
       end if
       call follow(self, states)
    end subroutine trace
 
-   !> Inputs that give the outputs wanted.
-   subroutine invert(motion, states)
+   !> Inputs that give the outputs wanted: where the law rests at a dead point, next to dead points, and elsewhere.
+   subroutine invert(motion, piece, states)
       type(cam_motion_t), intent(inout) :: motion
+      integer, intent(in) :: piece(:)                !! of the law
+      type(cam_trace_t), intent(inout) :: states
+      integer :: point(size(piece)), i
+      integer, allocatable :: near(:), far(:)
+      real(wp) :: distance(size(piece))
+      real(wp), allocatable :: q(:, :)
+      logical :: at_end(size(piece))
+      logical, allocatable :: shut(:)
+
+      point = no_point
+      do i = 1, size(piece)
+         call next_dead_point(motion%ways, motion%law, motion%what, states%angle(i), piece(i), point(i), distance(i), at_end(i))
+      end do
+      associate (resting => motion%ways%rests(motion%law%pieces(piece)%segment))
+         near = pack([(i, i=1, size(piece))], point /= no_point)
+         far = pack([(i, i=1, size(piece))], point == no_point .and. resting == no_point)
+         do i = 1, size(piece)
+            if (resting(i) /= no_point) states%q(0, i) = motion%ways%points(resting(i))%q
+         end do
+      end associate
+      if (size(far) > 0) call invert_far(motion, piece, far, states)
+      if (size(near) == 0) return
+      allocate (q(0:3, size(near)), shut(size(near)))
+      call solve_near(motion%ways, motion%law, motion%output, motion%what, states%angle(near), piece(near), point(near), &
+                      at_end(near), distance(near), q, shut)
+      states%q(:, near) = q
+      do i = 1, size(near)
+         if (.not. shut(i)) states%fault(near(i)) = fault_open
+      end do
+   end subroutine invert
+
+   !> Inputs away from dead points, by Newton's method in brackets.
+   subroutine invert_far(motion, piece, list, states)
+      type(cam_motion_t), intent(inout) :: motion
+      integer, intent(in) :: piece(:), list(:)       !! which of the states
       type(cam_trace_t), intent(inout) :: states
       real(wp), allocatable :: low(:), high(:), q(:), value(:, :), d(:, :, :), slope(:), before(:)
       logical, allocatable :: shut(:)
-      real(wp) :: step, miss, scale, unit, input_unit
-      integer :: n, i, k, count, components, rising
+      integer, allocatable :: on(:)
+      real(wp) :: step, miss, unit, input_unit
+      integer :: n, i, k, components
       logical :: moving
 
-      n = size(states%angle)
+      n = size(list)
       components = motion%output%problem%output%kind%components
       allocate (low(n), high(n), q(n), value(components, n), d(highest_order, components, n), slope(n), shut(n), before(n))
-      unit = merge(radians_per_degree, 1.0_wp, motion%angular)
-      input_unit = merge(radians_per_degree, 1.0_wp, motion%turning_input)
-      count = size(motion%q)
-      rising = merge(1, -1, motion%f(count) > motion%f(1))
-      scale = maxval(abs(motion%f))
+      unit = motion%what%output_unit()
+      input_unit = motion%what%input_unit()
+      on = motion%ways%on(motion%law%pieces(piece(list))%segment)
       do i = 1, n
-         k = bracket(states%y(0, i))
-         if (k == 0) then
-            states%fault(i) = fault_reach
-            k = merge(1, count - 1, real(rising, wp)*(states%y(0, i) - motion%f(1)) < 0.0_wp)
-         end if
-         low(i) = motion%q(k)
-         high(i) = motion%q(k + 1)
-         step = motion%f(k + 1) - motion%f(k)
-         q(i) = low(i)
-         if (abs(step) > 0.0_wp) q(i) = low(i) + (high(i) - low(i))*min(max((states%y(0, i) - motion%f(k))/step, 0.0_wp), 1.0_wp)
+         associate (stretch => motion%ways%stretches(on(i)), wanted => states%y(0, list(i)))
+            k = bracket(stretch, wanted)
+            if (k == 0) then
+               states%fault(list(i)) = fault_reach
+               k = merge(1, size(stretch%q) - 1, sense_of(stretch)*(wanted - stretch%f(1)) < 0.0_wp)
+            end if
+            low(i) = stretch%q(k)
+            high(i) = stretch%q(k + 1)
+            step = stretch%f(k + 1) - stretch%f(k)
+            q(i) = low(i)
+            if (abs(step) > 0.0_wp) q(i) = low(i) + (high(i) - low(i))*min(max((wanted - stretch%f(k))/step, 0.0_wp), 1.0_wp)
+         end associate
       end do
       before = huge(before)
       do k = 1, most_iterations
          call motion%output%move(q, 2, value, d, shut)
          moving = .false.
          do i = 1, n
-            if (states%fault(i) == fault_reach) cycle
-            miss = states%y(0, i) - value(motion%component, i)
-            if (motion%angular) miss = nearest_difference(states%y(0, i), value(motion%component, i))
-            slope(i) = d(1, motion%component, i)
-            if (real(rising, wp)*miss > 0.0_wp) then
+            if (states%fault(list(i)) == fault_reach) cycle
+            miss = states%y(0, list(i)) - value(motion%what%component, i)
+            if (motion%angular) miss = nearest_difference(states%y(0, list(i)), value(motion%what%component, i))
+            slope(i) = d(1, motion%what%component, i)
+            if (sense_of(motion%ways%stretches(on(i)))*miss > 0.0_wp) then
                low(i) = max(low(i), q(i))
             else
                high(i) = min(high(i), q(i))
@@ -334,42 +240,52 @@ contains
          if (.not. moving) exit
       end do
       call motion%output%move(q, highest_order, value, d, shut)
-      states%q(0, :) = q
+      states%q(0, list) = q
       do i = 1, n
-         associate (f => d(:, motion%component, i), y => states%y(1:3, i), dq => states%q(1:3, i))
-            if (states%fault(i) /= fault_none) cycle
-            if (.not. shut(i)) states%fault(i) = fault_open
-            if ((f(1)/motion%steepest)**2 < at_rest) states%fault(i) = fault_dead_point
-            if (states%fault(i) /= fault_none) cycle
+         associate (f => d(:, motion%what%component, i), y => states%y(1:3, list(i)), dq => states%q(1:3, list(i)), &
+                    fault => states%fault(list(i)))
+            if (fault /= fault_none) cycle
+            if (.not. shut(i)) fault = fault_open
+            if ((f(1)/motion%ways%stretches(on(i))%steepest)**2 < at_rest) fault = fault_dead_point
+            if (fault /= fault_none) cycle
             dq(1) = y(1)/f(1)
             dq(2) = (y(2) - f(2)*dq(1)**2)/f(1)
             dq(3) = (y(3) - 3.0_wp*f(2)*dq(1)*dq(2) - f(3)*dq(1)**3)/f(1)
          end associate
       end do
+   end subroutine invert_far
 
-   contains
+   !> +1 where the output of a stretch rises with the input, else -1.
+   pure real(wp) function sense_of(stretch)
+      type(stretch_t), intent(in) :: stretch
 
-      !> The interval of the stretch in which an output lies; 0: none.
-      pure integer function bracket(wanted)
-         real(wp), intent(in) :: wanted
-         integer :: from, to, middle
+      sense_of = merge(1.0_wp, -1.0_wp, stretch%f(size(stretch%f)) > stretch%f(1))
+   end function sense_of
 
-         bracket = 0
-         from = 1
-         to = count
-         if (real(rising, wp)*(wanted - motion%f(1)) < -at_rest*scale) return
-         if (real(rising, wp)*(wanted - motion%f(count)) > at_rest*scale) return
-         do while (to - from > 1)
-            middle = (from + to)/2
-            if (real(rising, wp)*(wanted - motion%f(middle)) >= 0.0_wp) then
-               from = middle
-            else
-               to = middle
-            end if
-         end do
-         bracket = from
-      end function bracket
-   end subroutine invert
+   !> The interval of a stretch in which an output lies; 0: none.
+   pure integer function bracket(stretch, wanted)
+      type(stretch_t), intent(in) :: stretch
+      real(wp), intent(in) :: wanted
+      real(wp) :: rising, rounding
+      integer :: from, to, middle
+
+      bracket = 0
+      from = 1
+      to = size(stretch%q)
+      rising = sense_of(stretch)
+      rounding = at_rest*maxval(abs(stretch%f))
+      if (rising*(wanted - stretch%f(1)) < -rounding) return
+      if (rising*(wanted - stretch%f(to)) > rounding) return
+      do while (to - from > 1)
+         middle = (from + to)/2
+         if (rising*(wanted - stretch%f(middle)) >= 0.0_wp) then
+            from = middle
+         else
+            to = middle
+         end if
+      end do
+      bracket = from
+   end function bracket
 
    !> The follower at the inputs found, by the chain rule.
    subroutine follow(motion, states)

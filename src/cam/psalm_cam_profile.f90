@@ -1,22 +1,28 @@
-!> Shape of a disc cam from the motion of its follower: pitch curve, profile, cutter centre, curvature, pressure angle.
+!> Shape of a cam from the motion of its follower: pitch curve, profile, cutter centre, curvature, pressure angle.
 !>
 !> Points are complex numbers. The cam turns about O by sense*th; seen from it the roller's centre c draws the pitch curve
 !> z = (c - O) exp(-i sense th), and profile and cutter path are its parallels. A flat face with normal direction b at
 !> distance h from O envelops the profile. Everything is in closed form from two derivatives of the follower's
-!> motion. Source: Oldham (1977), 9.3.2; derivation in doc/theory.md.
+!> motion. A cam that slides by X(th) has z = c - O - X, and all else is the same.
+!> Source: Oldham (1977), 9.3.2; derivation in doc/theory.md.
 module psalm_cam_profile
    use psalm_angles, only: unit_vector, angles_of
    use psalm_cam_trace, only: cam_trace_t
    use psalm_elementary, only: hypotenuse
-   use psalm_kinds, only: wp, right_angle
+   use psalm_kinds, only: wp, radians_per_degree, right_angle
    implicit none (type, external)
    private
-   public :: cam_axes_t, cam_points_t, roller_profile, flat_profile, side_of_centre
+   public :: cam_axes_t, cam_points_t, roller_profile, flat_profile, side_of_centre, in_machine
 
-   !> Where the cam turns.
+   !> Where the cam turns, or how it slides.
    type :: cam_axes_t
       complex(wp) :: centre = (0.0_wp, 0.0_wp)       !! O
       real(wp) :: sense = 1.0_wp                     !! +1: anticlockwise
+      logical :: slides = .false.
+      complex(wp) :: way = (0.0_wp, 0.0_wp)          !! of a cam that slides, by radian of cam; `centre` is where its origin begins
+   contains
+      procedure :: relative
+      procedure :: velocity
    end type cam_axes_t
 
    !> The cam at a row of cam angles; points in cam axes.
@@ -36,19 +42,57 @@ module psalm_cam_profile
 
 contains
 
+   !> The follower's point and its first two derivatives as seen from the cam, still along machine axes.
+   pure subroutine relative(self, angle, c, w, z1, z2)
+      class(cam_axes_t), intent(in) :: self
+      real(wp), intent(in) :: angle                  !! of the cam, degrees
+      complex(wp), intent(in) :: c(0:)               !! the point and its derivatives, machine axes
+      complex(wp), intent(out) :: w, z1, z2
+      complex(wp) :: j
+
+      w = c(0) - self%centre
+      if (self%slides) then
+         w = w - self%way*(angle*radians_per_degree)
+         z1 = c(1) - self%way
+         z2 = c(2)
+         return
+      end if
+      j = cmplx(0.0_wp, self%sense, wp)
+      z1 = c(1) - j*w
+      z2 = c(2) - 2.0_wp*(j*c(1)) - w
+   end subroutine relative
+
+   !> Velocity of a point of the cam by radians of cam; `from_centre` along machine axes.
+   elemental complex(wp) function velocity(self, from_centre)
+      class(cam_axes_t), intent(in) :: self
+      complex(wp), intent(in) :: from_centre
+
+      velocity = cmplx(0.0_wp, self%sense, wp)*from_centre
+      if (self%slides) velocity = self%way
+   end function velocity
+
+   !> A point of the cam in machine axes; `machine` as `cam_points_t` has it.
+   elemental complex(wp) function in_machine(axes, angle, point, machine)
+      type(cam_axes_t), intent(in) :: axes
+      real(wp), intent(in) :: angle                  !! of the cam, degrees
+      complex(wp), intent(in) :: point, machine
+
+      in_machine = axes%centre + point*machine
+      if (axes%slides) in_machine = in_machine + axes%way*(angle*radians_per_degree)
+   end function in_machine
+
    !> +1 if the cam's centre lies to the left of the pitch curve's sense, else -1. The trace covers one turn.
    pure real(wp) function side_of_centre(states, axes) result(side)
       type(cam_trace_t), intent(in) :: states
       type(cam_axes_t), intent(in) :: axes
-      complex(wp) :: w, v
+      complex(wp) :: w, v, unused
       real(wp) :: total, before, now, dth
       integer :: i
 
       total = 0.0_wp
       before = 0.0_wp
       do i = 1, size(states%angle)
-         w = states%c(0, i) - axes%centre
-         v = states%c(1, i) - cmplx(0.0_wp, axes%sense, wp)*w
+         call axes%relative(states%angle(i), states%c(:, i), w, v, unused)
          now = aimag(conjg(v)*(-w))
          if (i > 1) then
             dth = states%angle(i) - states%angle(i - 1)
@@ -66,19 +110,16 @@ contains
       real(wp), intent(in) :: side                   !! eps: +1 centre to the left of the pitch curve
       real(wp), intent(in) :: roller, cutter         !! radii
       type(cam_points_t), intent(out) :: points
-      complex(wp) :: w, z1, z2, n, e, push, f, j
+      complex(wp) :: w, z1, z2, n, e, push, f
       real(wp) :: speed, ec, es, across(size(states%angle)), along(size(states%angle)), size_f
       integer :: i
 
       call make_room(size(states%angle), points)
-      j = cmplx(0.0_wp, axes%sense, wp)
       do i = 1, size(states%angle)
-         call unit_vector(-axes%sense*states%angle(i), ec, es)
+         call unit_vector(merge(0.0_wp, -axes%sense*states%angle(i), axes%slides), ec, es)
          e = cmplx(ec, es, wp)
          points%machine(i) = conjg(e)
-         w = states%c(0, i) - axes%centre
-         z1 = states%c(1, i) - j*w               ! in machine axes: relative to the cam
-         z2 = states%c(2, i) - 2.0_wp*(j*states%c(1, i)) - w
+         call axes%relative(states%angle(i), states%c(:, i), w, z1, z2)
          speed = hypotenuse(real(z1, wp), aimag(z1))
          n = (0.0_wp, 1.0_wp)*z1/speed
          points%bend(i) = side*aimag(conjg(z1)*z2)/speed**3

@@ -1,16 +1,18 @@
 !> A cam as a whole: motion, follower and shape at any cam angles, and the extremes of everything over a turn.
 module psalm_cam_shape
+   use psalm_angles, only: unit_vector
    use psalm_cam_group, only: cam_group_t, follower_flat
    use psalm_cam_motion, only: cam_motion_t
    use psalm_cam_profile, only: cam_axes_t, cam_points_t, roller_profile, flat_profile, side_of_centre
    use psalm_cam_trace, only: cam_trace_t, fault_none
    use psalm_elementary, only: hypotenuse
-   use psalm_kinds, only: wp, full_turn
+   use psalm_kinds, only: wp, full_turn, radians_per_degree
    implicit none (type, external)
    private
    public :: cam_shape_t, extreme_t, samples_t, measure, sample_turn, settle_side, find_extreme, greatest_of
    public :: measure_pressure, measure_convex, measure_concave, measure_base, measure_outer, measure_excursion_low, &
-             measure_excursion_high, measure_face_low, measure_face_high, measure_output, measure_input, measures
+             measure_excursion_high, measure_face_low, measure_face_high, measure_output, measure_input, measures, upward, &
+             table_angles
 
    integer, parameter :: samples_of_turn = 7200, fewest_of_piece = 16
    integer, parameter :: samples_of_chain = 1800     !! of a sketch solved in the poses of its links, which takes longer
@@ -127,8 +129,14 @@ contains
       type(cam_shape_t), intent(inout) :: shape
       type(cam_group_t), intent(in) :: cam
       type(cam_trace_t), intent(in) :: states
+      real(wp) :: c, s
 
       shape%axes = cam_axes_t(cmplx(cam%x, cam%y, wp), real(cam%turn, wp))
+      if (cam%slides) then
+         call unit_vector(cam%direction, c, s)
+         shape%axes%slides = .true.
+         shape%axes%way = (cam%travel/(full_turn*radians_per_degree))*cmplx(c, s, wp)
+      end if
       shape%flat = cam%kind == follower_flat
       shape%side = side_of_centre(states, shape%axes)
       if (cam%side /= 0) shape%side = real(cam%side, wp)
@@ -168,13 +176,32 @@ contains
       end select
    end function values_of
 
-   !> Of the profile from the centre; of a roller's cam along the line to the roller.
+   !> Unit vector out of the body of a cam that slides, square to its way.
+   pure complex(wp) function upward(shape) result(up)
+      type(cam_shape_t), intent(in) :: shape
+
+      up = cmplx(0.0_wp, shape%side, wp)*shape%axes%way/hypotenuse(real(shape%axes%way, wp), aimag(shape%axes%way))
+   end function upward
+
+   !> Even cam angles: n of a turn; of a cam that slides from one end to the other.
+   pure function table_angles(shape, n) result(angle)
+      type(cam_shape_t), intent(in) :: shape
+      integer, intent(in) :: n
+      real(wp) :: angle(n)
+      integer :: k
+
+      angle = [(full_turn*real(k - 1, wp)/real(n - merge(1, 0, shape%axes%slides), wp), k=1, n)]
+   end function table_angles
+
+   !> Of the profile from the centre; of a roller's cam along the line to the roller; of a cam that slides its height.
    pure function distance(points, shape) result(r)
       type(cam_points_t), intent(in) :: points
       type(cam_shape_t), intent(in) :: shape
       real(wp) :: r(size(points%pitch))
 
-      if (shape%flat) then
+      if (shape%axes%slides) then
+         r = real(conjg(upward(shape))*points%pitch, wp) - shape%roller
+      else if (shape%flat) then
          ! of the face: h
          r = real(conjg(points%normal)*points%profile, wp)
       else
@@ -244,6 +271,6 @@ contains
          end if
          inner = [high - golden*(high - low), low + golden*(high - low)]
       end do
-      if (extreme%angle >= full_turn) extreme%angle = extreme%angle - full_turn
+      if (extreme%angle >= full_turn .and. .not. shape%axes%slides) extreme%angle = extreme%angle - full_turn
    end subroutine find_extreme
 end module psalm_cam_shape

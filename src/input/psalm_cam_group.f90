@@ -11,13 +11,18 @@ module psalm_cam_group
    implicit none (type, external)
    private
    public :: variation_t, vary_item, goal_base, goal_outer, goal_alpha, goal_rho, goal_accel, goal_stress, goal_names
-   public :: cam_group_t, roller_t, read_cam_group, follower_roller, follower_flat
+   public :: cam_group_t, roller_t, read_cam_group, follower_roller, follower_flat, fit_spline, fit_least_squares, most_pieces
 
    integer, parameter :: most_segments = 200, most_in_table = 2000, most_points = 100000, fewest_points = 12
    integer, parameter :: fewest_in_table = 6
    integer, parameter :: most_numbers = 1000   !! above this KAXIS is taken for a slip of the pen
    real(wp), parameter :: steel_modulus = 206.0e9_wp, steel_poisson = 0.3_wp
    integer, parameter :: follower_roller = 1, follower_flat = 2  !! KFOL
+   integer, parameter :: fit_spline = 1              !! TABFIT: a knot at every point
+   integer, parameter :: fit_least_squares = 2       !! equal pieces, by least squares
+   integer, parameter :: most_pieces = 200           !! of such a fit
+   character(*), parameter :: fit_names(2) = [character(6) :: 'SPLINE', 'LSQ']
+   real(wp), parameter :: half_turn = 0.5_wp*full_turn
 
    !> A roller, or a point of a flat face, on the arc that carries the follower.
    type :: roller_t
@@ -59,7 +64,13 @@ module psalm_cam_group
       real(wp), allocatable :: table_at(:), table(:) !! TABANG, TABOUT
       integer :: degree = 5                    !! KTAB
       real(wp) :: table_tolerance = 0.0_wp     !! TABTOL
+      integer :: fit = fit_spline              !! TABFIT
+      integer :: pieces = 0                    !! NPIECE: of a fit by least squares; 0: the fewest within TABTOL
+      real(wp), allocatable :: weight(:)       !! TABWT
+      real(wp) :: most_velocity = 0.0_wp, most_acceleration = 0.0_wp !! VELMAX, ACCMAX by radians of cam; 0: not limited
       logical :: of_output = .true.            !! KOUT=1
+      logical :: half = .false.                !! KHALF=1: SEGEND and the rest were given for half a turn
+      logical :: through = .false.             !! KDEAD=1: a dead point at which the law has no acceleration is passed too
       integer :: axis = 1                      !! KAXIS: component of the output
       ! follower
       integer :: arc = 1, loop = 1             !! NFOLLK, NFOLLP
@@ -73,9 +84,16 @@ module psalm_cam_group
       logical :: cutter_given = .false.
       real(wp) :: x = 0.0_wp, y = 0.0_wp       !! XCAM, YCAM
       integer :: turn = 1                      !! KTURN
+      logical :: slides = .false.              !! KCAM=2: the cam slides
+      real(wp) :: direction = 0.0_wp           !! CAMDIR: of its way, degrees
+      real(wp) :: travel = 0.0_wp              !! CAMLEN: that way while the cam angle goes from 0 to 360
       integer :: side = 0                      !! KSIDE
       logical :: conjugate = .false.           !! KCONJ
-      type(roller_t) :: second                 !! FOLLK2, FOLAN2, RROLL2: roller of the conjugate cam
+      type(roller_t) :: second                 !! FOLLK2, FOLAN2, RROLL2: roller of the conjugate cam, or second roller
+      real(wp) :: errors(2) = 0.0_wp           !! CAMERR: what is missing on the profiles of cam and conjugate
+      logical :: pair = .false.                !! KPAIR: the second roller runs on the same profile
+      integer :: second_arc = 1, second_loop = 1 !! NFOL2K, NFOL2P
+      logical :: second_from_start = .false.   !! NFOL2K < 0
       logical :: track = .false.               !! KTRACK
       real(wp) :: clearance = 0.0_wp           !! CLEAR: of the roller in the track
       ! forces
@@ -117,6 +135,8 @@ contains
       call read_segments(group, cam, findings)
       call read_table(group, cam, findings)
       call read_follower(group, ilink, cam, findings)
+      call read_pair(group, ilink, cam, findings)
+      call read_slide(group, cam, findings)
       call read_joints(group, sketch, cam, findings)
       call read_variations(group, cam, findings)
       call group%get_real('ALFMAX', cam%pressure_angle, findings)
@@ -144,9 +164,19 @@ contains
       type(diagnostics_t), intent(inout) :: findings
       character(:), allocatable :: names(:)
       real(wp), allocatable :: zones(:)
-      integer :: n, k, last(2), zones_given
+      integer :: n, k, last(2), zones_given, half, slides
+      real(wp) :: whole
 
       n = 0
+      half = 0
+      slides = 1
+      call read_flag(group, 'KHALF', half, findings)
+      cam%half = half == 1
+      whole = merge(half_turn, full_turn, cam%half)
+      call group%get_integer('KCAM', slides, findings)
+      call check_range(group, 'KCAM', slides, 1, 2, findings)
+      cam%slides = slides == 2
+      if (cam%slides .and. cam%half) call out_of(group, 'KHALF', 'a cam that slides has no other half of its turn', findings)
       call group%get_integer('NSEG', n, findings)
       group%count_missing = .not. group%given('NSEG')
       call check_range(group, 'NSEG', n, 0, most_segments, findings)
@@ -214,9 +244,14 @@ contains
             return
          end if
       end do
-      if (abs(cam%finish(n) - full_turn) > 0.0_wp) call out_of(group, 'SEGEND', 'the last segment must end at 360', findings, n)
-      if (group%given('SEGOUT') .and. abs(cam%output(n) - cam%start) > 0.0_wp) call out_of(group, 'SEGOUT', &
-         'the last segment must end where the first begins, at OUT0', findings, n)
+      if (abs(cam%finish(n) - whole) > 0.0_wp) call out_of(group, 'SEGEND', 'the last segment must end at '// &
+                                                          trim(merge('180, for KHALF=1', '360             ', cam%half)), &
+                                                          findings, n)
+      if (cam%half) then
+         call add_complement(cam)
+      else if (group%given('SEGOUT') .and. abs(cam%output(n) - cam%start) > 0.0_wp .and. .not. cam%slides) then
+         call out_of(group, 'SEGOUT', 'the last segment must end where the first begins, at OUT0', findings, n)
+      end if
 
    contains
 
@@ -239,6 +274,69 @@ contains
       end function all_laws
    end subroutine read_segments
 
+   !> The other half of the turn: the sum of the outputs half a turn apart stays the same.
+   pure subroutine add_complement(cam)
+      type(cam_group_t), intent(inout) :: cam
+      real(wp) :: zones(zone_count, 2*size(cam%finish))
+      integer :: n
+
+      n = size(cam%finish)
+      zones(:, :n) = cam%zones
+      zones(:, n + 1:) = cam%zones
+      cam%zones = zones
+      cam%output = [cam%output, cam%start + cam%output(n) - cam%output]
+      cam%finish = [cam%finish, half_turn + cam%finish]
+      cam%law = [cam%law, cam%law]
+      cam%velocity = [cam%velocity, -cam%velocity]
+      cam%acceleration = [cam%acceleration, -cam%acceleration]
+      cam%jerk = [cam%jerk, -cam%jerk]
+   end subroutine add_complement
+
+   !> How the curve of a table of n points is to be found.
+   subroutine read_fit(group, n, cam, findings)
+      type(group_t), intent(inout) :: group
+      integer, intent(in) :: n
+      type(cam_group_t), intent(inout) :: cam
+      type(diagnostics_t), intent(inout) :: findings
+      character(:), allocatable :: name
+
+      name = trim(fit_names(fit_spline))
+      call group%get_word('TABFIT', name, findings)
+      cam%fit = findloc(fit_names == upper_case(name), .true., dim=1)
+      if (cam%fit == 0) then
+         call out_of(group, 'TABFIT', "there is no fit '"//name//"'; it is SPLINE or LSQ", findings)
+         cam%fit = fit_spline
+      end if
+      call group%get_integer('NPIECE', cam%pieces, findings)
+      call group%get_reals('TABWT', cam%weight, findings)
+      call refuse_unless(cam%weight >= 0.0_wp, group, 'TABWT', 'a weight must not be negative', findings)
+      if (n > 0 .and. .not. any(cam%weight > 0.0_wp)) call out_of(group, 'TABWT', 'no point has a weight', findings)
+      call group%get_real('VELMAX', cam%most_velocity, findings)
+      call refuse_unless([cam%most_velocity >= 0.0_wp], group, 'VELMAX', 'must not be negative', findings)
+      call group%get_real('ACCMAX', cam%most_acceleration, findings)
+      call refuse_unless([cam%most_acceleration >= 0.0_wp], group, 'ACCMAX', 'must not be negative', findings)
+      if (cam%fit == fit_spline) then
+         call only_of_fit('NPIECE')
+         call only_of_fit('TABWT')
+         call only_of_fit('VELMAX')
+         call only_of_fit('ACCMAX')
+         return
+      end if
+      if (group%given('NPIECE')) then
+         call check_range(group, 'NPIECE', cam%pieces, cam%degree + 1, min(n, most_pieces), findings)
+      else if (.not. cam%table_tolerance > 0.0_wp) then
+         call required(group, 'NPIECE', 'missing; TABFIT=''LSQ'' needs the number of pieces, or the tolerance TABTOL')
+      end if
+
+   contains
+
+      subroutine only_of_fit(item)
+         character(*), intent(in) :: item
+
+         if (group%given(item)) call out_of(group, item, 'is of TABFIT=''LSQ'' only', findings)
+      end subroutine only_of_fit
+   end subroutine read_fit
+
    subroutine read_table(group, cam, findings)
       type(group_t), intent(inout) :: group
       type(cam_group_t), intent(inout) :: cam
@@ -250,13 +348,16 @@ contains
       if (group%given('NTAB')) call check_range(group, 'NTAB', n, fewest_in_table, most_in_table, findings)
       n = min(max(n, 0), most_in_table)
       allocate (cam%table_at(n), cam%table(n), source=0.0_wp)
+      allocate (cam%weight(n), source=1.0_wp)
       call group%get_reals('TABANG', cam%table_at, findings, last=last(1))
       call group%get_reals('TABOUT', cam%table, findings, last=last(2))
       call group%get_integer('KTAB', cam%degree, findings)
       if (cam%degree /= 3 .and. cam%degree /= 5) call out_of(group, 'KTAB', 'the degree of the spline is 5 or 3', findings)
       call group%get_real('TABTOL', cam%table_tolerance, findings)
       if (cam%table_tolerance < 0.0_wp) call out_of(group, 'TABTOL', 'must not be negative', findings)
+      call read_fit(group, n, cam, findings)
       if (n == 0) return
+      if (cam%slides) call out_of(group, 'NTAB', 'a table is of a cam that turns', findings)
       if (size(cam%finish) > 0) then
          call out_of(group, 'NTAB', 'a table is the law of the whole turn: leave NSEG out, or NTAB', findings)
          return
@@ -314,6 +415,8 @@ contains
       end if
       if (cam%goal == goal_stress .and. .not. (cam%speed > 0.0_wp .and. cam%width > 0.0_wp)) call out_of(group, 'GOAL', &
          'stress needs CAMRPM and CAMWID', findings)
+      if (n > 0 .and. cam%slides .and. (cam%goal == goal_base .or. cam%goal == goal_outer)) call out_of(group, 'GOAL', &
+         'a cam that slides has no base circle: make something else least', findings)
       if (n > 0 .and. any(given < n)) call out_of(group, 'VARY', 'each number that varies needs bounds, VARLOW and VARHI', findings)
       do k = 1, n
          associate (one => cam%variations(k))
@@ -343,6 +446,8 @@ contains
                if (one%item == of_zones .and. (one%zone < 1 .or. one%zone > zone_count)) state = 1
                if (word == 'SEGEND' .and. one%segment == size(cam%finish)) state = 1
             end if
+            if (cam%half .and. one%item >= first_of_segments) call out_of(group, 'VARY', "'"//trim(names(k))// &
+               "': a segment of half a turn (KHALF) cannot vary", findings, k)
             if (state /= 0) then
                call out_of(group, 'VARY', "'"//trim(names(k))//"': there is no such segment or zone to vary", findings, k)
             else if (word == 'TZONE') then
@@ -386,6 +491,65 @@ contains
          call out_of(group, 'FOLJNT', 'FOLLK and the direction of a face are counted from a line: name two joints', findings)
    end subroutine read_joints
 
+   !> A second roller on the same profile, on an arc of its own; errors of the profiles of conjugate cams.
+   subroutine read_pair(group, ilink, cam, findings)
+      type(group_t), intent(inout) :: group
+      integer, intent(in) :: ilink(:, :)
+      type(cam_group_t), intent(inout) :: cam
+      type(diagnostics_t), intent(inout) :: findings
+      integer :: pair
+      logical :: there
+
+      pair = 0
+      call read_flag(group, 'KPAIR', pair, findings)
+      cam%pair = pair == 1
+      cam%second_arc = merge(-cam%arc, cam%arc, cam%from_start)
+      cam%second_loop = cam%loop
+      call group%get_integer('NFOL2K', cam%second_arc, findings)
+      call group%get_integer('NFOL2P', cam%second_loop, findings)
+      cam%second_from_start = cam%second_arc < 0
+      cam%second_arc = abs(cam%second_arc)
+      call group%get_reals('CAMERR', cam%errors, findings)
+      if (group%given('CAMERR') .and. .not. cam%conjugate) call out_of(group, 'CAMERR', 'is of conjugate cams (KCONJ=1)', findings)
+      if (.not. cam%pair) then
+         if (group%given('NFOL2K')) call out_of(group, 'NFOL2K', 'is of two rollers on one profile (KPAIR=1)', findings)
+         if (group%given('NFOL2P')) call out_of(group, 'NFOL2P', 'is of two rollers on one profile (KPAIR=1)', findings)
+         return
+      end if
+      if (cam%conjugate .or. cam%track) call out_of(group, 'KPAIR', &
+         'the second roller runs on the same profile, on a conjugate cam (KCONJ), or there is a track (KTRACK)', findings)
+      if (cam%kind == follower_flat) call out_of(group, 'KPAIR', 'two rollers on one profile: KFOL=1', findings)
+      if (size(ilink) == 0) return
+      there = cam%second_loop >= 1 .and. cam%second_loop <= size(ilink, 2) .and. cam%second_arc >= 1 &
+              .and. cam%second_arc <= size(ilink, 1)
+      if (there) there = ilink(cam%second_arc, cam%second_loop) /= 0
+      if (.not. there) call out_of(group, 'NFOL2K', 'there is no arc '//to_text(cam%second_arc)//' in loop '// &
+                                   to_text(cam%second_loop), findings)
+   end subroutine read_pair
+
+   !> The way of a cam that slides.
+   subroutine read_slide(group, cam, findings)
+      type(group_t), intent(inout) :: group
+      type(cam_group_t), intent(inout) :: cam
+      type(diagnostics_t), intent(inout) :: findings
+
+      call group%get_real('CAMDIR', cam%direction, findings)
+      call group%get_real('CAMLEN', cam%travel, findings)
+      if (.not. cam%slides) then
+         if (group%given('CAMDIR')) call out_of(group, 'CAMDIR', 'is of a cam that slides (KCAM=2)', findings)
+         if (group%given('CAMLEN')) call out_of(group, 'CAMLEN', 'is of a cam that slides (KCAM=2)', findings)
+         return
+      end if
+      if (.not. group%given('CAMLEN')) then
+         call required(group, 'CAMLEN', 'missing; the way of the cam while the law goes from 0 to 360')
+      else if (.not. cam%travel > 0.0_wp) then
+         call out_of(group, 'CAMLEN', 'must be above 0; turn CAMDIR by 180 instead', findings)
+      end if
+      if (cam%kind == follower_flat) call out_of(group, 'KFOL', 'a cam that slides needs a roller or a knife edge', findings)
+      if (cam%pair) call out_of(group, 'KPAIR', 'a cam that slides has one roller, or a track or a conjugate', findings)
+      if (group%given('KTURN')) call out_of(group, 'KTURN', 'a cam that slides does not turn', findings)
+   end subroutine read_slide
+
    subroutine read_follower(group, ilink, cam, findings)
       type(group_t), intent(inout) :: group
       integer, intent(in) :: ilink(:, :)
@@ -396,6 +560,9 @@ contains
       of_output = 1
       call read_flag(group, 'KOUT', of_output, findings)
       cam%of_output = of_output == 1
+      of_output = 0
+      call read_flag(group, 'KDEAD', of_output, findings)
+      cam%through = of_output == 1
       call group%get_integer('KAXIS', cam%axis, findings)
       call check_range(group, 'KAXIS', cam%axis, 1, most_numbers, findings)
       call group%get_integer('NFOLLK', cam%arc, findings)

@@ -80,10 +80,11 @@ contains
          integer :: i
 
          second = trim(merge('_2', '  ', study%part%cam == 2))
-         if (.not. study%shape%flat) call curve('PITCH'//second, study%paths(path_pitch), study%points%pitch)
+         if (.not. study%shape%flat) call curve('PITCH'//second, study%paths(path_pitch), study%points%pitch, &
+                                                 study%shape%axes%slides)
          call curve(trim(merge('PROFILE  ', 'PROFILE_2', study%part%role == role_cam .and. study%part%cam == 1)), &
-                    study%paths(path_profile), study%points%profile)
-         call curve('CUTTER'//second, study%paths(path_cutter), study%points%cutter)
+                    study%paths(path_profile), study%points%profile, study%shape%axes%slides)
+         call curve('CUTTER'//second, study%paths(path_cutter), study%points%cutter, study%shape%axes%slides)
          at = study%points%pitch(1)
          if (study%shape%flat) then
             call line('FOLLOWER_0', at + study%points%tangent(1)*(study%shape%roller + abs(at)), &
@@ -91,10 +92,9 @@ contains
          else if (study%shape%roller > 0.0_wp) then
             call circle('FOLLOWER_0', at, study%shape%roller)
          end if
-         if (study%part%role /= role_cam) return
+         if (study%part%role /= role_cam .or. study%shape%flat) return
          do i = 1, size(study%centres)
-            if (size(study%centres(i)%corners) > 0 .and. .not. study%shape%flat) call polygon(study%centres(i)%corners - &
-                                                                                          study%shape%axes%centre)
+            if (size(study%centres(i)%corners) > 0) call polygon(study%centres(i)%corners - study%shape%axes%centre)
          end do
       end subroutine add_cam
 
@@ -186,22 +186,24 @@ contains
          call group(40, full_precision(radius))
       end subroutine circle
 
-      !> A closed polyline: arcs, or where there are none the points of the table.
-      subroutine curve(name, path, points)
+      !> A polyline, closed unless the cam slides: arcs, or where there are none the points of the table.
+      subroutine curve(name, path, points, open)
          character(*), intent(in) :: name
          type(cam_path_t), intent(in) :: path
          complex(wp), intent(in) :: points(:)
+         logical, intent(in) :: open
          integer :: i
 
          call group(0, 'POLYLINE')
          call group(8, name)
          call group(66, '1')
          call place(-offset)
-         call group(70, '1')
+         call group(70, trim(merge('0', '1', open)))
          if (path%found) then
             do i = 1, size(path%arcs)
                call vertex(name, path%arcs(i)%start, path%arcs(i)%bulge)
             end do
+            if (open) call vertex(name, path%arcs(size(path%arcs))%finish, 0.0_wp)
          else
             do i = 1, size(points)
                call vertex(name, points(i), 0.0_wp)

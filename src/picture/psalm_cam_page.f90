@@ -1,17 +1,18 @@
 !> Cams as one self-contained HTML page: the page's text is part of the program, the scene goes into it as JSON.
 module psalm_cam_page
+   use psalm_cam_profile, only: in_machine
    use psalm_cam_page_text, only: cam_page_text, title_mark, data_mark
    use psalm_cam_scene, only: cam_scene_t, cam_part_t
    use psalm_cam_shape, only: extreme_t, measure_base, measure_outer, measure_pressure, measure_convex, measure_concave
    use psalm_cam_study, only: cam_study_t, role_cam, role_conjugate
-   use psalm_kinds, only: wp
+   use psalm_kinds, only: wp, radians_per_degree
    use psalm_markup, only: json_text, short_number, xml_text
    use psalm_text, only: text_t, to_text
    implicit none (type, external)
    private
    public :: write_cam_page
 
-   integer, parameter :: cam_format = 1          !! of the data; web/cam.js expects the same
+   integer, parameter :: cam_format = 2          !! of the data; web/cam.js expects the same
    integer, parameter :: digits_shown = 7
 
 contains
@@ -94,14 +95,21 @@ contains
          if (after) call text%add_text(',')
          call text%add_text('{"name":"'//name_of(study)//'","drives":'//truth(study%part%role == role_cam)//',"centre":['// &
                             number(shape%axes%centre%re)//','//number(shape%axes%centre%im)//'],"turn":'// &
-                            number(shape%axes%sense)//',"flat":'//truth(shape%flat)//',"roller":'// &
+                            number(merge(0.0_wp, shape%axes%sense, shape%axes%slides))//',"slide":['// &
+                            number(real(shape%axes%way, wp)*radians_per_degree)//','// &
+                            number(aimag(shape%axes%way)*radians_per_degree)//'],"flat":'//truth(shape%flat)//',"roller":'// &
                             number(merge(0.0_wp, shape%roller, shape%flat))//',"limit":'//number(study%cam%pressure_angle)//',')
          call add_points('profile', part%profile)
          call add_points('pitch', part%pitch)
          call add_points('cutter', part%cutter)
          call add_points('follower', states%c(0, :))
          call add_points('arm', part%arm)
-         call add_points('contact', shape%axes%centre + points%profile*points%machine)
+         call add_points('contact', in_machine(shape%axes, states%angle, points%profile, points%machine))
+         if (size(part%second) > 0) then
+            call text%add_text('"second":'//number(study%other%roller)//',')
+            call add_points('second', part%second)
+            call add_points('second_arm', part%second_arm)
+         end if
          call add_points('normal', points%normal*points%machine)
          call add_row('y', states%y(0, :), text)
          call text%add_text(',')
@@ -115,8 +123,8 @@ contains
          call text%add_text(',')
          call add_row('bend', 1.0_wp/points%radius, text)
          call text%add_text(',"facts":[')
-         call add_fact('base radius', study%extremes(measure_base), .false.)
-         call add_fact('outer radius', study%extremes(measure_outer), .true.)
+         call add_fact(trim(merge('least height', 'base radius ', shape%axes%slides)), study%extremes(measure_base), .false.)
+         call add_fact(trim(merge('greatest height', 'outer radius   ', shape%axes%slides)), study%extremes(measure_outer), .true.)
          call add_fact('largest pressure angle', study%extremes(measure_pressure), .true.)
          call add_fact('least convex radius', study%extremes(measure_convex), .true.)
          call add_fact('least hollow radius', study%extremes(measure_concave), .true.)

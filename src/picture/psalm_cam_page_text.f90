@@ -239,7 +239,7 @@ module psalm_cam_page_text
    "'use strict';"//nl// &
    ''//nl// &
    'globalThis.calm = (() => {'//nl// &
-   '  const FORMAT = 1;              // of the data, as in psalm_cam_page.f90'//nl// &
+   '  const FORMAT = 2;              // of the data, as in psalm_cam_page.f90'//nl// &
    '  const ROUND = 2 * Math.PI;'//nl// &
    '  const SECONDS = 6;             // of a turn at speed 1'//nl// &
    "  const COLOURS = ['paper', 'ink', 'soft', 'line', 'panel', 'accent', 'actual', 'bad', 'badband', 'frame', 'ghost', 'go"// &
@@ -250,6 +250,7 @@ module psalm_cam_page_text
    "  const data = JSON.parse(document.getElementById('data').textContent);"//nl// &
    '  const element = (id) => document.getElementById(id);'//nl// &
    '  const state = { angle: 0, playing: false, shown: 0, last: 0 };'//nl// &
+   '  const slides = data.cams.some((cam) => cam.turn === 0); // then the rows go from one end to the other'//nl// &
    '  const pens = {};'//nl// &
    '  let view = null;               // scale and place of the machine'//nl// &
    '  let box = null;                // place of the curves'//nl// &
@@ -260,6 +261,11 @@ module psalm_cam_page_text
    '  /** A row at a cam angle between its frames; a number stands for a row that does not change. */'//nl// &
    '  function at(row, angle) {'//nl// &
    "    if (typeof row === 'number') return row;"//nl// &
+   '    if (slides) {'//nl// &
+   '      const place = Math.min(Math.max(angle, 0), 360) / 360 * (row.length - 1), i = Math.min(Math.floor(place), row.len'// &
+   'gth - 2);'//nl// &
+   '      return row[i] + (place - i) * (row[i + 1] - row[i]);'//nl// &
+   '    }'//nl// &
    '    const step = 360 / row.length, place = ((angle % 360) + 360) % 360 / step;'//nl// &
    '    const i = Math.floor(place) % row.length, share = place - Math.floor(place);'//nl// &
    '    return row[i] + share * (row[(i + 1) % row.length] - row[i]);'//nl// &
@@ -273,6 +279,7 @@ module psalm_cam_page_text
    ''//nl// &
    '  /** A point of a cam in machine axes. */'//nl// &
    '  function turned(cam, x, y, angle) {'//nl// &
+   '    if (slides) return [cam.centre[0] + x + angle * cam.slide[0], cam.centre[1] + y + angle * cam.slide[1]];'//nl// &
    '    const a = cam.turn * angle * Math.PI / 180, c = Math.cos(a), s = Math.sin(a);'//nl// &
    '    return [cam.centre[0] + c * x - s * y, cam.centre[1] + s * x + c * y];'//nl// &
    '  }'//nl// &
@@ -312,24 +319,24 @@ module psalm_cam_page_text
    '    for (let i = 0; i < n; i += 1) points.push(turned(cam, entry(xs, i), entry(ys, i), angle));'//nl// &
    '    return points;'//nl// &
    '  }'//nl// &
-   ''//nl// &
+   ''//nl
+
+   character(*), parameter :: part_4 = &
    '  function drawCam(pen, cam, number) {'//nl// &
    "    const { angle } = state, colour = pens['link' + (number + 1) % 8];"//nl// &
    "    pen.lineJoin = 'round';"//nl// &
    "    if (cam.drives || cam.name.startsWith('conjugate')) {"//nl// &
    "      path(pen, outline(cam, 'profile', angle), true);"//nl// &
-   '      pen.globalAlpha = 0.18;'//nl
-
-   character(*), parameter :: part_4 = &
+   '      pen.globalAlpha = 0.18;'//nl// &
    '      pen.fillStyle = colour;'//nl// &
    '      pen.fill();'//nl// &
    '      pen.globalAlpha = 1;'//nl// &
-   "    } else path(pen, outline(cam, 'profile', angle), true);"//nl// &
+   "    } else path(pen, slides ? outline(cam, 'profile', angle).slice(0, -2) : outline(cam, 'profile', angle), !slides);"//nl// &
    '    pen.strokeStyle = colour;'//nl// &
    '    pen.lineWidth = 2;'//nl// &
    '    pen.stroke();'//nl// &
    "    if (element('pitch').checked && !cam.flat) {"//nl// &
-   "      path(pen, outline(cam, 'pitch', angle), true);"//nl// &
+   "      path(pen, outline(cam, 'pitch', angle), !slides);"//nl// &
    '      pen.setLineDash([6, 4]);'//nl// &
    '      pen.strokeStyle = pens.ghost;'//nl// &
    '      pen.lineWidth = 1;'//nl// &
@@ -337,11 +344,12 @@ module psalm_cam_page_text
    '      pen.setLineDash([]);'//nl// &
    '    }'//nl// &
    "    if (element('cutter').checked) {"//nl// &
-   "      path(pen, outline(cam, 'cutter', angle), true);"//nl// &
+   "      path(pen, outline(cam, 'cutter', angle), !slides);"//nl// &
    '      pen.strokeStyle = pens.good;'//nl// &
    '      pen.lineWidth = 1;'//nl// &
    '      pen.stroke();'//nl// &
    '    }'//nl// &
+   '    if (slides) return;'//nl// &
    '    // a mark that turns with the cam, and the shaft'//nl// &
    '    const rim = turned(cam, entry(cam.profile_x, 0), entry(cam.profile_y, 0), angle);'//nl// &
    '    path(pen, [cam.centre, rim], false);'//nl// &
@@ -377,6 +385,14 @@ module psalm_cam_page_text
    '      pen.fill();'//nl// &
    '      pen.stroke();'//nl// &
    '    }'//nl// &
+   '    if (cam.second > 0) {'//nl// &
+   "      path(pen, [point(cam, 'second_arm', angle), point(cam, 'second', angle)], false);"//nl// &
+   '      pen.stroke();'//nl// &
+   "      circle(pen, point(cam, 'second', angle), view.k * cam.second);"//nl// &
+   '      pen.fillStyle = pens.paper;'//nl// &
+   '      pen.fill();'//nl// &
+   '      pen.stroke();'//nl// &
+   '    }'//nl// &
    '    // the push of the cam'//nl// &
    '    const long = 46 / view.k;'//nl// &
    '    path(pen, [contact, [contact[0] + long * normal[0], contact[1] + long * normal[1]]], false);'//nl// &
@@ -406,7 +422,9 @@ module psalm_cam_page_text
    '      pen.fill();'//nl// &
    '      pen.globalAlpha = 1;'//nl// &
    '    });'//nl// &
-   '    for (const [from, to, body, slide] of data.bars) {'//nl// &
+   '    for (const [from, to, body, slide] of data.bars) {'//nl
+
+   character(*), parameter :: part_5 = &
    '      if (body >= 0 && data.bodies[body].frame) continue;'//nl// &
    '      path(pen, [joint(from, angle), joint(to, angle)], false);'//nl// &
    '      pen.strokeStyle = slide >= 0 ? pens.frame : colour(body);'//nl// &
@@ -421,9 +439,7 @@ module psalm_cam_page_text
    '        pen.moveTo(X(p[0]), Y(p[1]));'//nl// &
    '        pen.lineTo(X(p[0]) - 8, Y(p[1]) + 13);'//nl// &
    '        pen.lineTo(X(p[0]) + 8, Y(p[1]) + 13);'//nl// &
-   '        pen.closePath();'//nl
-
-   character(*), parameter :: part_5 = &
+   '        pen.closePath();'//nl// &
    '        pen.strokeStyle = pens.frame;'//nl// &
    '        pen.lineWidth = 1.5;'//nl// &
    '        pen.stroke();'//nl// &
@@ -490,8 +506,8 @@ module psalm_cam_page_text
    '      pen.strokeStyle = pens.accent;'//nl// &
    '      pen.lineWidth = 1.5;'//nl// &
    '      pen.beginPath();'//nl// &
-   '      for (let i = 0; i <= n; i += 1) {'//nl// &
-   '        const x = across(360 * i / n), y = up(entry(row, i % n));'//nl// &
+   '      for (let i = 0; i < n + (slides ? 0 : 1); i += 1) {'//nl// &
+   '        const x = across(360 * i / (slides ? Math.max(n - 1, 1) : n)), y = up(entry(row, i % n));'//nl// &
    '        if (i) pen.lineTo(x, y); else pen.moveTo(x, y);'//nl// &
    '      }'//nl// &
    '      if (n === 1) pen.lineTo(across(360), up(entry(row, 0)));'//nl// &
@@ -510,7 +526,9 @@ module psalm_cam_page_text
    '    pen.strokeStyle = pens.actual;'//nl// &
    '    pen.lineWidth = 1;'//nl// &
    '    pen.beginPath();'//nl// &
-   '    pen.moveTo(across(state.angle), gap);'//nl// &
+   '    pen.moveTo(across(state.angle), gap);'//nl
+
+   character(*), parameter :: part_6 = &
    '    pen.lineTo(across(state.angle), h - 24);'//nl// &
    '    pen.stroke();'//nl// &
    '    pen.fillStyle = pens.soft;'//nl// &
@@ -525,9 +543,7 @@ module psalm_cam_page_text
    '    drawMachine();'//nl// &
    '    drawCurves();'//nl// &
    '    const cam = data.cams[state.shown];'//nl// &
-   "    element('facts').textContent = 'cam angle ' + state.angle.toFixed(1) + '\u00b0, pressure angle ' +"//nl
-
-   character(*), parameter :: part_6 = &
+   "    element('facts').textContent = 'cam angle ' + state.angle.toFixed(1) + '\u00b0, pressure angle ' +"//nl// &
    "      at(cam.alpha, state.angle).toFixed(1) + '\u00b0';"//nl// &
    "    if (document.activeElement !== element('angle')) element('angle').value = state.angle;"//nl// &
    '  }'//nl// &
@@ -567,9 +583,14 @@ module psalm_cam_page_text
    "    canvas.addEventListener('pointercancel', () => { held = null; });"//nl// &
    '  }'//nl// &
    ''//nl// &
-   "  /** The pointer's angle about the first shaft; the cam turns with it. */"//nl// &
+   "  /** The pointer's angle about the first shaft, or its place along the slide; the cam moves with it. */"//nl// &
    '  function dragCam(event, held) {'//nl// &
    '    const cam = data.cams[state.shown];'//nl// &
+   '    if (slides) {'//nl// &
+   '      const [dx, dy] = cam.slide, place = (event.offsetX * dx - event.offsetY * dy) / view.k / (dx * dx + dy * dy);'//nl// &
+   '      if (held !== null) turnTo(Math.min(360, Math.max(0, state.angle + place - held)));'//nl// &
+   '      return place;'//nl// &
+   '    }'//nl// &
    '    const now = Math.atan2(-(event.offsetY - Y(cam.centre[1])), event.offsetX - X(cam.centre[0])) * 180 / Math.PI;'//nl// &
    '    if (held !== null) turnTo(state.angle + cam.turn * (((now - held + 540) % 360) - 180));'//nl// &
    '    return now;'//nl// &
@@ -609,7 +630,9 @@ module psalm_cam_page_text
    '        if (by) turnTo(state.angle + by);'//nl// &
    "        else if (event.key === ' ') play(!state.playing);"//nl// &
    '        else return;'//nl// &
-   '        event.preventDefault();'//nl// &
+   '        event.preventDefault();'//nl
+
+   character(*), parameter :: part_7 = &
    '      });'//nl// &
    '    }'//nl// &
    '    const repaint = () => { readColours(); draw(); };'//nl// &
@@ -631,6 +654,6 @@ contains
    pure function cam_page_text() result(text)
       character(:), allocatable :: text
 
-      text = part_1//part_2//part_3//part_4//part_5//part_6
+      text = part_1//part_2//part_3//part_4//part_5//part_6//part_7
    end function cam_page_text
 end module psalm_cam_page_text

@@ -1,32 +1,35 @@
 !> What pictures show of cams: their outlines, the linkage and the followers at even cam angles of one turn.
 module psalm_cam_scene
    use psalm_cam_profile, only: cam_points_t
-   use psalm_cam_shape, only: cam_shape_t, measure
+   use psalm_cam_shape, only: cam_shape_t, measure, table_angles, upward
    use psalm_cam_study, only: cam_study_t, role_cam
    use psalm_cam_trace, only: cam_trace_t
    use psalm_chain_scene, only: make_chain_scene
    use psalm_data_set, only: data_set_t
-   use psalm_kinds, only: wp, full_turn
+   use psalm_kinds, only: wp, full_turn, radians_per_degree
    use psalm_preparation, only: prepared_t
    use psalm_scene, only: scene_t, make_scene
    use psalm_status, only: finding_t
    implicit none (type, external)
    private
-   public :: cam_scene_t, cam_part_t, make_cam_scene, frames
+   public :: cam_scene_t, cam_part_t, make_cam_scene
 
-   integer, parameter :: frames = 360            !! cam angles at which everything is shown
+   integer, parameter :: frames = 360            !! cam angles of a turn at which everything is shown
+   real(wp), parameter :: body = 0.12_wp         !! least height of the body of a cam that slides, of its length
    integer, parameter :: finer = 2               !! points of an outline from one to the next
 
    !> One cam with its follower.
    type :: cam_part_t
-      complex(wp), allocatable :: profile(:), pitch(:), cutter(:) !! shape (finer*frames): in axes of the cam
+      complex(wp), allocatable :: profile(:), pitch(:), cutter(:) !! in axes of the cam; the profile of a
+                                                                  !! cam that slides goes on round its body
       type(cam_trace_t) :: states                !! shape (frames)
       type(cam_points_t) :: points
       complex(wp), allocatable :: arm(:)         !! shape (frames): where the follower hangs on its link
+      complex(wp), allocatable :: second(:), second_arm(:) !! the same of a second roller on the same profile
    end type cam_part_t
 
    type :: cam_scene_t
-      real(wp), allocatable :: angle(:)          !! shape (frames): degrees
+      real(wp), allocatable :: angle(:)          !! degrees
       type(cam_part_t), allocatable :: parts(:)  !! as the studies
       type(scene_t) :: linkage                   !! its prescribed positions are the frames
       complex(wp) :: low = (0.0_wp, 0.0_wp), high = (0.0_wp, 0.0_wp) !! corners of what cams and linkage ever reach
@@ -40,9 +43,9 @@ contains
       type(prepared_t), intent(in) :: prepared
       type(cam_study_t), intent(in) :: studies(:)
       type(cam_scene_t), intent(out) :: scene
-      integer :: k, i
+      integer :: k
 
-      scene%angle = [(full_turn*real(i - 1, wp)/real(frames, wp), i=1, frames)]
+      scene%angle = table_angles(studies(1)%shape, frames + merge(1, 0, studies(1)%shape%axes%slides))
       allocate (scene%parts(size(studies)))
       do k = 1, size(studies)
          call make_part(studies(k), scene%angle, scene%parts(k))
@@ -59,17 +62,31 @@ contains
       type(cam_trace_t) :: states
       type(cam_points_t) :: points
       logical, allocatable :: possible(:)
-      real(wp) :: fine(finer*size(angle))
-      integer :: i
+      type(cam_trace_t) :: second
+      complex(wp) :: up, low
+      real(wp), allocatable :: fine(:)
 
       allocate (shape, source=study%shape)
-      fine = [(full_turn*real(i - 1, wp)/real(size(fine), wp), i=1, size(fine))]
+      fine = table_angles(shape, finer*size(angle) - merge(finer - 1, 0, shape%axes%slides))
       call measure(shape, fine, shape%motion%law%piece_at(fine), states, points, possible)
       part%profile = points%profile
       part%pitch = points%pitch
       part%cutter = points%cutter
       call measure(shape, angle, shape%motion%law%piece_at(angle), part%states, part%points, possible)
       part%arm = part%states%c(0, :) - study%cam%roller%distance*part%states%direction
+      if (shape%axes%slides) then
+         up = upward(shape)
+         low = up*(minval(real(conjg(up)*part%profile, wp)) - body*maxval(abs(part%profile - part%profile(1))))
+         associate (last => part%profile(size(part%profile)), first => part%profile(1))
+            part%profile = [part%profile, low + last - up*real(conjg(up)*last, wp), low + first - up*real(conjg(up)*first, wp)]
+         end associate
+      end if
+      allocate (part%second(0), part%second_arm(0))
+      if (.not. allocated(study%other)) return
+      shape = study%other
+      call shape%motion%trace(angle, shape%motion%law%piece_at(angle), second)
+      part%second = second%c(0, :)
+      part%second_arm = second%c(0, :) - study%cam%second%distance*second%direction
    end subroutine make_part
 
    !> The linkage at the inputs that the cams give.
@@ -80,11 +97,12 @@ contains
       type(cam_scene_t), intent(inout) :: scene
       type(data_set_t), allocatable :: posed     ! large: it would fill a small stack
       type(finding_t) :: none(0)
-      integer :: k
+      integer :: k, n
 
       allocate (posed, source=set)
       posed%ikin = 0
-      posed%ndes = frames
+      n = size(scene%angle)
+      posed%ndes = n
       posed%desired = .false.
       posed%masses%given = .false.
       posed%loads%given = .false.
@@ -92,8 +110,7 @@ contains
       posed%friction%given = .false.
       posed%constr%given = .false.
       deallocate (posed%desx, posed%desy, posed%desang, posed%xmult, posed%ymult, posed%anmult)
-      allocate (posed%desx(frames), posed%desy(frames), posed%desang(frames), posed%xmult(frames), posed%ymult(frames), &
-                posed%anmult(frames), source=0.0_wp)
+      allocate (posed%desx(n), posed%desy(n), posed%desang(n), posed%xmult(n), posed%ymult(n), posed%anmult(n), source=0.0_wp)
       if (allocated(studies(1)%shape%motion%chain)) then
          posed%crnki = posed%crnki_of_drawing
          posed%delt = scene%parts(1)%states%q(0, :)
@@ -122,6 +139,12 @@ contains
             reach = maxval(abs(scene%parts(k)%profile))
             low = min(low, [o%re, o%im] - reach, [minval(c%re), minval(c%im)] - r)
             high = max(high, [o%re, o%im] + reach, [maxval(c%re), maxval(c%im)] + r)
+         end associate
+         if (.not. studies(k)%shape%axes%slides) cycle
+         associate (o => studies(k)%shape%axes%centre, x => studies(k)%shape%axes%way*(full_turn*radians_per_degree), &
+                    p => scene%parts(k)%profile, c => scene%parts(k)%states%c(0, :), r => studies(k)%shape%roller)
+            low = [minval([o%re + p%re, o%re + x%re + p%re, c%re - r]), minval([o%im + p%im, o%im + x%im + p%im, c%im - r])]
+            high = [maxval([o%re + p%re, o%re + x%re + p%re, c%re + r]), maxval([o%im + p%im, o%im + x%im + p%im, c%im + r])]
          end associate
       end do
       associate (row => scene%linkage%prescribed)

@@ -27,6 +27,7 @@ contains
       type(text_t), intent(inout) :: text
       complex(wp) :: middle, offset
       real(wp) :: scale, reach, height, size_of_scene(2), shown
+      logical :: ends                                !! the cam slides: its curves have two ends
       integer :: k, i
 
       middle = 0.5_wp*(scene%low + scene%high)
@@ -58,9 +59,9 @@ contains
       do k = 1, size(studies)
          associate (part => scene%parts(k), shape => studies(k)%shape, role => studies(k)%part%role)
             offset = shape%axes%centre
-            call outline(trim(merge('wall   ', 'profile', role == role_outer_wall)), part%profile)
-            if (.not. shape%flat .and. role /= role_outer_wall) call outline('pitch', part%pitch)
-            if (role /= role_outer_wall) call outline('cutter', part%cutter)
+            call outline(trim(merge('wall   ', 'profile', role == role_outer_wall)), part%profile, .true.)
+            if (.not. shape%flat .and. role /= role_outer_wall) call outline('pitch', part%pitch, .not. shape%axes%slides)
+            if (role /= role_outer_wall) call outline('cutter', part%cutter, .not. shape%axes%slides)
             call line('shaft', cmplx(-0.08_wp*reach, 0.0_wp, wp), cmplx(0.08_wp*reach, 0.0_wp, wp))
             call line('shaft', cmplx(0.0_wp, -0.08_wp*reach, wp), cmplx(0.0_wp, 0.08_wp*reach, wp))
             if (shape%flat) then
@@ -69,6 +70,10 @@ contains
             else if (role /= role_outer_wall) then
                call line('follower', part%arm(1) - offset, part%states%c(0, 1) - offset)
                call circle('follower', part%states%c(0, 1) - offset, max(shape%roller, 2.0_wp/scale))
+               if (size(part%second) > 0) then
+                  call line('follower', part%second_arm(1) - offset, part%second(1) - offset)
+                  call circle('follower', part%second(1) - offset, max(studies(k)%other%roller, 2.0_wp/scale))
+               end if
             end if
          end associate
       end do
@@ -110,17 +115,18 @@ contains
          numbers = short_number(real(point, wp))//' '//short_number(aimag(point))
       end function pair
 
-      !> A closed curve through the points of the table.
-      subroutine outline(class, points)
+      !> A curve through the points of the table.
+      subroutine outline(class, points, closed)
          character(*), intent(in) :: class
          complex(wp), intent(in) :: points(:)
+         logical, intent(in) :: closed
          integer :: i
 
          call text%add('<path class="'//class//'" d="M'//pair(points(1) + offset))
          do i = 2, size(points)
             call text%add('L'//pair(points(i) + offset))
          end do
-         call text%add('Z"/>')
+         call text%add(trim(merge('Z"/>', '"/> ', closed)))
       end subroutine outline
 
       subroutine line(class, from, to)
@@ -148,6 +154,7 @@ contains
          real(wp) :: limits(2)
          integer :: order
 
+         ends = study%shape%axes%slides
          do order = 0, 3
             call curve(drawn + order + 1, adjustl(prefix//names(order)), part%states%y(order, :), [real(wp) ::])
          end do
@@ -184,8 +191,8 @@ contains
          call text%add('<text x="'//px(margin)//'" y="'//px(top - 7.0_wp)//'">'//trim(name)//': '//px(minval(values))//' to '// &
                        px(maxval(values))//'</text>')
          call text%add('<path class="curve" d="')
-         do i = 1, size(values) + 1
-            x = margin + (width - 2.0_wp*margin)*real(i - 1, wp)/real(size(values), wp)
+         do i = 1, size(values) + merge(0, 1, ends)
+            x = margin + (width - 2.0_wp*margin)*real(i - 1, wp)/real(size(values) - merge(1, 0, ends), wp)
             call text%add(merge('M', 'L', i == 1)//px(x)//' '// &
                           px(height_of(values(modulo(i - 1, size(values)) + 1), top, low, high)))
          end do

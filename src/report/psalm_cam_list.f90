@@ -1,5 +1,6 @@
 !> A cam in the listing and on device 9.
 module psalm_cam_list
+   use psalm_cam_group, only: fit_least_squares
    use psalm_cam_kind, only: law_names
    use psalm_cam_shape, only: extreme_t, measure_pressure, measure_convex, measure_concave, measure_base, measure_outer, &
                               measure_excursion_low, measure_excursion_high, measure_face_low, measure_face_high, &
@@ -42,8 +43,8 @@ contains
          end if
          call text%add()
          call text%add(' CAM'//repeat(' ', 42)//'VALUE   AT CAM ANGLE')
-         call show('BASE RADIUS', e(measure_base))
-         call show('OUTER RADIUS', e(measure_outer))
+         call show(trim(merge('LEAST HEIGHT', 'BASE RADIUS ', study%shape%axes%slides)), e(measure_base))
+         call show(trim(merge('GREATEST HEIGHT', 'OUTER RADIUS   ', study%shape%axes%slides)), e(measure_outer))
          call show('LEAST CONVEX RADIUS OF CURVATURE', e(measure_convex))
          call show('LEAST HOLLOW RADIUS OF CURVATURE', e(measure_concave))
          call show('LARGEST PRESSURE ANGLE', e(measure_pressure))
@@ -61,6 +62,7 @@ contains
          call show('OUTPUT, LARGEST SECOND DERIVATIVE', e(measure_output + 1))
          call show('INPUT, LARGEST FIRST DERIVATIVE', e(measure_input))
          call show('INPUT, LARGEST SECOND DERIVATIVE', e(measure_input + 1))
+         call list_slack()
          call list_centres(study, text)
          associate (path => study%paths(path_cutter))
             if (path%found) then
@@ -90,7 +92,11 @@ contains
                                 general(s%peak(1))//general(s%peak(2))//merge('       INFINITE', general(s%peak(3)), s%steps))
                end associate
             end do
+            if (size(cam%table) > 0 .and. (cam%table_tolerance > 0.0_wp .or. cam%fit == fit_least_squares)) &
+               call text%add(' '//to_text(size(law%pieces))//' PIECES; FROM THE TABLE''S POINTS AT MOST'// &
+                             general(law%residual)//', ROOT OF MEAN SQUARE'//general(law%mean_residual))
             do k = 1, size(study%joints)
+               if (study%shape%axes%slides .and. k == 1) cycle
                if (abs(study%joints(k)%jump(2)) <= rounding*law%greatest(2)) cycle
                call text%add(' STEP OF ACCELERATION AT'//general(study%joints(k)%at)//' DEGREES:'// &
                              general(study%joints(k)%jump(2)))
@@ -99,9 +105,27 @@ contains
                call text%add(' THE LINKAGE GIVES OUTPUTS'//general(minval(study%shape%motion%f))//' TO'// &
                              general(maxval(study%shape%motion%f))//' FOR INPUTS'//general(study%shape%motion%q(1))//' TO'// &
                              general(study%shape%motion%q(size(study%shape%motion%q))))
+               do k = 1, size(study%shape%motion%ways%passages)
+                  associate (one => study%shape%motion%ways%passages(k))
+                     call text%add(' AT THE DEAD POINT OF INPUT'//general(one%q)//', OUTPUT'//general(one%f)//', THE INPUT '// &
+                                   trim(merge('PASSES    ', 'TURNS BACK', one%passed))//' AT'//general(one%angle)//' DEGREES')
+                  end associate
+               end do
             end if
          end associate
       end subroutine list_law
+
+      !> Play of conjugate cams, or gap under a second roller.
+      subroutine list_slack()
+         if (allocated(study%play)) then
+            call show('PLAY AT THE FIRST ROLLER, LEAST', study%least_slack)
+            call show('PLAY AT THE FIRST ROLLER, MOST', study%most_slack)
+            if (study%least_slack%value < 0.0_wp) call text%add(' BELOW 0: BOTH ROLLERS PRESS')
+         else if (allocated(study%second)) then
+            call show('GAP UNDER THE SECOND ROLLER, LEAST', study%least_slack)
+            call show('GAP UNDER THE SECOND ROLLER, MOST', study%most_slack)
+         end if
+      end subroutine list_slack
 
       function name_of(k) result(name)
          integer, intent(in) :: k
@@ -198,6 +222,8 @@ contains
       if (study%stressed) call text%add(' THE CONTACT STRESS EXCEEDS PHERTZ')
       if (study%steep) call text%add(' THE PRESSURE ANGLE EXCEEDS ALFMAX')
       if (study%sharp) call text%add(' THE RADIUS OF CURVATURE IS LESS THAN RHOMIN')
+      if (study%tight) call text%add(' THE SECOND ROLLER DOES NOT FIT')
+      if (study%loose) call text%add(' THE SECOND ROLLER HAS MORE PLAY THAN CLEAR')
       if (study%face_short) call text%add(' THE FACE IS SHORTER THAN THE WAY OF THE CONTACT')
    end subroutine list_faults
 
@@ -223,8 +249,15 @@ contains
       call text%add('# block extremes'//suffix)
       call text%add('# what value cam_angle')
       associate (e => study%extremes)
-         call put('base_radius', e(measure_base))
-         call put('outer_radius', e(measure_outer))
+         call put(trim(merge('least_height', 'base_radius ', study%shape%axes%slides)), e(measure_base))
+         call put(trim(merge('greatest_height', 'outer_radius   ', study%shape%axes%slides)), e(measure_outer))
+         if (allocated(study%play)) then
+            call put('play_least', study%least_slack)
+            call put('play_most', study%most_slack)
+         else if (allocated(study%second)) then
+            call put('gap_least', study%least_slack)
+            call put('gap_most', study%most_slack)
+         end if
          call put('rho_convex', e(measure_convex))
          call put('rho_concave', e(measure_concave))
          call put('alpha', e(measure_pressure))
@@ -244,6 +277,13 @@ contains
          do k = 0, 2
             call put('input'//to_text(k + 1), e(measure_input + k))
          end do
+         if (allocated(study%shape%motion%ways%passages)) then
+            do k = 1, size(study%shape%motion%ways%passages)
+               associate (one => study%shape%motion%ways%passages(k))
+                  call put('dead_point_'//trim(merge('passed', 'turned', one%passed)), extreme_t(one%q, one%angle, .true.))
+               end associate
+            end do
+         end if
          do k = 1, 2
             if (study%shape%flat) exit
             if (size(study%centres(k)%corners) == 0) cycle
@@ -259,6 +299,28 @@ contains
          if (study%roller%depth > 0.0_wp) call put('crossing_depth', extreme_t(study%roller%depth, study%roller%at, .true.))
          if (study%cutter%depth > 0.0_wp) call put('gouge_depth', extreme_t(study%cutter%depth, study%cutter%at, .true.))
       end associate
+      if (allocated(study%play)) then
+         call text%add()
+         call text%add()
+         call text%add('# block play'//suffix)
+         call text%add('# cam_angle play')
+         do i = 1, size(study%angle)
+            call text%add(full_precision(study%angle(i))//' '//full_precision(study%play(i)))
+         end do
+      end if
+      if (allocated(study%second)) then
+         call text%add()
+         call text%add()
+         call text%add('# block second_roller'//suffix)
+         call text%add('# cam_angle gap lag roller_x roller_y')
+         do i = 1, size(study%angle)
+            associate (c => study%second_states%c(0, i))
+               call text%add(full_precision(study%angle(i))//' '//full_precision(study%second%gap(i))//' '// &
+                             full_precision(study%second%lag(i))//' '//full_precision(real(c, wp))//' '// &
+                             full_precision(aimag(c)))
+            end associate
+         end do
+      end if
       if (.not. allocated(study%contact)) return
       if (.not. study%contact%known) return
       associate (fine => study%fine)

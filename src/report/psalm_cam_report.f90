@@ -88,6 +88,10 @@ contains
       if (study%steep) call devices%remark(set, 'the pressure angle,'//general(study%extremes(measure_pressure)%value)// &
                                            ' degrees, exceeds ALFMAX')
       if (study%sharp) call devices%remark(set, 'the radius of curvature is less than RHOMIN')
+      if (study%tight) call devices%remark(set, 'the second roller does not fit: the gap is'//general(study%least_slack%value)// &
+                                           ' at'//general(study%least_slack%angle)//' degrees')
+      if (study%loose) call devices%remark(set, 'the second roller has a gap of'//general(study%most_slack%value)//' at'// &
+                                           general(study%most_slack%angle)//' degrees, more than CLEAR')
       if (study%face_short) call devices%remark(set, 'the face is shorter than the way of the contact')
    end subroutine remark_faults
 end module psalm_cam_report

@@ -6,13 +6,15 @@ module psalm_cam_study
    use psalm_cam_group, only: cam_group_t, follower_flat
    use psalm_cam_interference, only: interference_t, find_interference
    use psalm_cam_law, only: law_t, joint_t, make_law, law_made, law_velocity_jumps, law_jerk_jumps, &
-                           highest_law_order
+                           law_points_missing, law_misses, highest_law_order
    use psalm_cam_motion, only: chained_motion, prepare_cam_motion
+   use psalm_cam_pair, only: gap_t, find_gap, greatest_in, least_in, play_of
+   use psalm_cam_passage, only: ways_t, ways_found, ways_jump, ways_infinite, ways_end
    use psalm_cam_paths, only: cam_path_t, find_paths, path_pitch, path_profile, path_cutter
    use psalm_cam_profile, only: cam_points_t
    use psalm_cam_shape, only: cam_shape_t, extreme_t, samples_t, measure, sample_turn, find_extreme, measures, measure_pressure, &
                               measure_convex, measure_concave, measure_base, measure_excursion_low, &
-                              measure_face_low, measure_face_high
+                              measure_face_low, measure_face_high, table_angles, upward
    use psalm_cam_trace, only: cam_trace_t, fault_none, fault_reach, fault_dead_point
    use psalm_closure, only: closure_t, state_t
    use psalm_data_set, only: data_set_t
@@ -32,6 +34,7 @@ module psalm_cam_study
    integer, parameter :: way_rise = 1, way_return = 2, way_dwell = 3 !! the follower leaves the cam's centre, comes back, rests
    integer, parameter :: role_cam = 1, role_conjugate = 2, role_outer_wall = 3 !! what of a case a study is of
    real(wp), parameter :: rounding = 1.0e-9_wp   !! by which a cutter may seem to exceed a hollow
+   real(wp), parameter :: fit = 1.0e-9_wp        !! part of the cam's size by which a second roller may seem not to fit
    integer, parameter :: most_of_table = 8000    !! places where a table's derivatives are looked at
    integer, parameter :: coarse_table = 4        !! changes of sign of the third derivative to each of the first
    integer, parameter :: sharpenings = 3         !! of the polygon of centres at the smallest cam: each squares the error
@@ -69,6 +72,12 @@ module psalm_cam_study
       type(contact_t), allocatable :: contact        !! at the angles of the table; not allocated: no CAMRPM
       type(contact_t), allocatable :: fine           !! and at those of the samples
       logical :: lost = .false., stressed = .false., jammed = .false. !! contact is lost at this speed; PHERTZ is not kept; friction
+      real(wp), allocatable :: play(:)               !! of conjugate cams with CAMERR, at the angles of the table
+      type(gap_t), allocatable :: second             !! roller on the same profile, at those angles
+      type(cam_trace_t) :: second_states             !! and what it does
+      type(cam_shape_t), allocatable :: other        !! and its motion
+      type(extreme_t) :: least_slack, most_slack     !! of the play, or of the gap
+      logical :: tight = .false., loose = .false.    !! the second roller does not fit, or with more than CLEAR
       real(wp), allocatable :: flanks(:, :)          !! shape (2, changes): cam angles where the flank changes, jerk of the input
       real(wp) :: least_base = 0.0_wp                !! of a flat face: base radius with which the profile is just convex
       logical :: steep = .false., sharp = .false., face_short = .false. !! ALFMAX, RHOMIN, WFACE are not kept
@@ -84,7 +93,7 @@ contains
 
       is_violating = self%undercut .or. self%gouge .or. self%roller%depth > 0.0_wp .or. self%cutter%depth > 0.0_wp .or. &
                      self%steep .or. self%sharp .or. self%face_short .or. self%lost .or. self%stressed .or. &
-                     self%jammed
+                     self%jammed .or. self%tight .or. self%loose
    end function is_violating
 
    !> Errors: no cam, a law that cannot be made or whose velocity jumps, outputs out of reach, dead points, a linkage that does not
@@ -128,11 +137,34 @@ contains
                           'its distance from the arc''s end', findings)
             return
          end if
+         if (set%cam%pair .and. k == 1) then
+            call check_second(set, prepared, samples, findings)
+            if (findings%failed()) return
+         end if
          first = findloc(samples%possible, .false., dim=1)
          if (first > 0) call complain(set, k, 'KFOL', 'the flat face turns with the cam at'//general(samples%angle(first))// &
                                       ' degrees: it touches nowhere', findings)
       end do
    end subroutine check_cam
+
+   !> The linkage that carries the second roller closes at every cam angle.
+   subroutine check_second(set, prepared, samples, findings)
+      type(data_set_t), intent(in) :: set
+      type(prepared_t), intent(in) :: prepared
+      type(samples_t), intent(in) :: samples
+      type(diagnostics_t), intent(inout) :: findings
+      type(cam_shape_t), allocatable :: shape     ! large: it would fill a small stack
+      type(cam_trace_t) :: states
+      integer :: first
+
+      allocate (shape)
+      call make_shape(set, prepared, part_t(role=role_conjugate), shape, findings)
+      if (findings%failed()) return
+      call shape%motion%trace(samples%angle, samples%piece, states)
+      first = findloc(states%fault /= fault_none, .true., dim=1)
+      if (first > 0) call complain(set, 1, 'NFOL2K', 'the linkage that carries the second roller does not close, or is at a '// &
+                                   'dead point, at'//general(samples%angle(first))//' degrees', findings)
+   end subroutine check_second
 
    !> A table whose third derivative changes its sign much more often than its slope is coarse.
    subroutine judge_table(set, cam, findings)
@@ -232,10 +264,37 @@ contains
                                    group='METHOD', item='CRNKI')
                return
             end if
+            if (shape%motion%ways%state /= ways_found) then
+               call refuse_ways(set, shape%motion%ways, findings)
+               return
+            end if
          end if
       end if
       call set_radii(cam, shape)
    end subroutine make_shape
+
+   !> Why a law cannot rest at a dead point as it is to.
+   subroutine refuse_ways(set, ways, findings)
+      type(data_set_t), intent(in) :: set
+      type(ways_t), intent(in) :: ways
+      type(diagnostics_t), intent(inout) :: findings
+      character(:), allocatable :: place
+
+      place = 'the law rests at a dead point of the linkage at'//general(ways%faulty_at)//' degrees, and '
+      select case (ways%state)
+      case (ways_jump)
+         call complain(set, 1, 'LAW', place//'the velocity of the input would jump: the acceleration of the law must be the '// &
+                       'same on both sides, or nothing on both (POLY4567)', findings)
+      case (ways_infinite)
+         call complain(set, 1, 'LAW', place//'the acceleration of the input would be infinite: the law must come and go '// &
+                       'with an acceleration (HARMONIC, SEGACC), or without one and without jerk (POLY4567)', findings)
+      case (ways_end)
+         call complain(set, 1, 'SEGOUT', place//'beyond it the linkage does not move', findings)
+      case default
+         call complain(set, 1, 'KDEAD', 'after a turn of the cam the input is not where it was: the law passes a dead point '// &
+                       'more often one way than back', findings)
+      end select
+   end subroutine refuse_ways
 
    !> True if the linkage is solved in the poses of its links.
    pure logical function is_chained(set)
@@ -281,6 +340,18 @@ contains
             return
          end if
       end do
+      if (any(cams%slides)) then
+         k = findloc(cams%slides, .true., dim=1)
+         call complain(set, k, 'KCAM', 'a cam that slides takes dyads and one drive on the frame, with the follower on an '// &
+                       'arc', findings)
+         return
+      end if
+      if (any(cams%pair)) then
+         k = findloc(cams%pair, .true., dim=1)
+         call complain(set, k, 'KPAIR', 'a second roller on the same profile takes dyads and one drive on the frame, with the '// &
+                       'follower on an arc', findings)
+         return
+      end if
       if (cam%speed > 0.0_wp) then
          call complain(set, part%cam, 'CAMRPM', 'forces take dyads and one drive on the frame, with the follower on an '// &
                        'arc', findings)
@@ -303,6 +374,16 @@ contains
          call findings%error('segment '//to_text(law%faulty)//': at its end the acceleration or the jerk jumps, and the law of '// &
                              'a flexible drive takes both into the cam: POLY4567, or a table, is smooth enough', &
                              line=set%origins%line(group_of(cam), 'LAW', max(1, law%faulty)), group=group_of(cam), item='CAMFRQ')
+         return
+      end if
+      if (law%state == law_points_missing) then
+         call complain(set, cam, 'NPIECE', 'the table has too few points, or too wide gaps between them, for pieces so short', &
+                       findings)
+         return
+      end if
+      if (law%state == law_misses) then
+         call complain(set, cam, 'TABTOL', 'no fit by least squares stays so near the points; the best misses one by'// &
+                       general(law%residual), findings)
          return
       end if
       if (law%state /= law_velocity_jumps) then
@@ -353,8 +434,8 @@ contains
                           ' while its input goes from'//general(motion%q(1))//' to'//general(motion%q(size(motion%q))), findings)
          case (fault_dead_point)
             call complain(set, cam, 'KOUT', 'the output stands still at'//general(samples%angle(first))//' degrees while the '// &
-                          'input ('//trim(adjustl(general(states%q(0, first))))//') moves: a dead point; to drive through it '// &
-                          'give the law of the input, KOUT=0', findings)
+                          'input ('//trim(adjustl(general(states%q(0, first))))//') moves: a dead point; the law may rest '// &
+                          'at it where a segment ends; to drive through it give the law of the input, KOUT=0', findings)
          case default
             call complain(set, cam, 'NFOLLK', 'the linkage that carries the follower does not close, or is at a dead point, at'// &
                           general(samples%angle(first))//' degrees (input'//general(states%q(0, first))//')', findings)
@@ -389,7 +470,12 @@ contains
       end if
       if (part%role == role_conjugate) then
          cam%roller = cam%second
-         cam%side = 0
+         if (.not. cam%slides) cam%side = 0
+         if (cam%pair) then
+            cam%arc = cam%second_arc
+            cam%loop = cam%second_loop
+            cam%from_start = cam%second_from_start
+         end if
       end if
       if (cam%track) then
          cam%roller%radius = cam%roller%radius + 0.5_wp*cam%clearance
@@ -469,7 +555,7 @@ contains
          study%joints = law%joints()
          call sample_turn(study%shape, cam, samples)
          if (part%role == role_outer_wall) call turn_side(cam, study%shape, samples)
-         study%angle = [(full_turn*real(k - 1, wp)/real(cam%points, wp), k=1, cam%points)]
+         study%angle = table_angles(study%shape, cam%points)
          call measure(study%shape, study%angle, law%piece_at(study%angle), study%states, study%points, possible)
          allocate (all_segments(size(law%segments)), source=.true.)
          do k = 1, measures
@@ -482,13 +568,63 @@ contains
                call find_interference(study%shape, samples, .false., study%roller)
                call find_interference(study%shape, samples, .true., study%cutter)
             end if
-            call find_centres(cam, study, samples)
+            if (cam%slides) then
+               allocate (study%centres(1)%corners(0), study%centres(2)%corners(0))
+            else
+               call find_centres(cam, study, samples)
+            end if
          end if
          call find_paths(study%shape, samples, cam%tolerance, study%paths)
          call judge_limits(study)
+         if (part%role == role_conjugate .and. any(abs(cam%errors) > 0.0_wp)) call find_play(set, prepared, study)
+         if (part%role == role_cam .and. cam%pair) call find_second(set, prepared, samples, study)
          if (cam%speed > 0.0_wp .and. part%role == role_cam) call find_forces(set, prepared, samples, study)
       end associate
    end subroutine find_cam
+
+   !> The play that errors of the profiles leave between a cam and its conjugate, which is studied.
+   subroutine find_play(set, prepared, study)
+      type(data_set_t), intent(in) :: set
+      type(prepared_t), intent(in) :: prepared
+      type(cam_study_t), intent(inout) :: study
+      type(cam_shape_t), allocatable :: first     ! large: it would fill a small stack
+      type(samples_t) :: samples
+      type(cam_trace_t) :: states
+      type(cam_points_t) :: points
+      type(diagnostics_t) :: unused
+      logical, allocatable :: possible(:)
+      type(part_t) :: part
+
+      allocate (first)
+      part = part_t(cam=study%part%cam)
+      call make_shape(set, prepared, part, first, unused)
+      call sample_turn(first, cam_of_part(set, part), samples)
+      call measure(first, study%angle, first%motion%law%piece_at(study%angle), states, points, possible)
+      study%play = play_of(study%cam%errors(1), study%cam%errors(2), points%pressure, study%points%pressure, &
+                           abs(states%by_input), abs(study%states%by_input))
+      study%least_slack = least_in(study%play, study%angle)
+      study%most_slack = greatest_in(study%play, study%angle)
+   end subroutine find_play
+
+   !> The second roller on the same profile.
+   subroutine find_second(set, prepared, samples, study)
+      type(data_set_t), intent(in) :: set
+      type(prepared_t), intent(in) :: prepared
+      type(samples_t), intent(in) :: samples
+      type(cam_study_t), intent(inout) :: study
+      type(diagnostics_t) :: unused
+
+      allocate (study%other, study%second)
+      call make_shape(set, prepared, part_t(study%part%cam, role_conjugate), study%other, unused)
+      call study%other%motion%trace(study%angle, study%other%motion%law%piece_at(study%angle), study%second_states)
+      call find_gap(study%shape, samples, study%states, study%points, study%second_states, study%other%roller, study%second)
+      study%least_slack = least_in(study%second%gap, study%angle)
+      study%most_slack = greatest_in(study%second%gap, study%angle)
+      associate (fits => fit*maxval(abs(study%points%profile)))
+         study%tight = study%least_slack%value < -fits
+         study%loose = study%most_slack%value > study%cam%clearance + fits
+      end associate
+   end subroutine find_second
 
    !> Forces at the samples of a cam.
    subroutine find_sampled_contact(set, prepared, cam, shape, samples, contact)
@@ -506,7 +642,7 @@ contains
       allocate (problem)
       call new_problem(prepared%mechanism, prepared%given, prepared%parameters, [0.0_wp], .true., problem)
       call find_contact(cam, model, problem, samples%states, samples%points, merge(0.0_wp, shape%roller, shape%flat), &
-                        shape%axes%sense, contact)
+                        shape%axes, contact)
    end subroutine find_sampled_contact
 
    !> Forces at the table's angles, and at the samples for what is extreme.
@@ -524,8 +660,8 @@ contains
       allocate (problem, study%contact, study%fine)
       call new_problem(prepared%mechanism, prepared%given, prepared%parameters, [0.0_wp], .true., problem)
       roller = merge(0.0_wp, study%shape%roller, study%shape%flat)
-      call find_contact(study%cam, model, problem, samples%states, samples%points, roller, study%shape%axes%sense, study%fine)
-      call find_contact(study%cam, model, problem, study%states, study%points, roller, study%shape%axes%sense, study%contact)
+      call find_contact(study%cam, model, problem, samples%states, samples%points, roller, study%shape%axes, study%fine)
+      call find_contact(study%cam, model, problem, study%states, study%points, roller, study%shape%axes, study%contact)
       study%lost = any(study%fine%force < 0.0_wp) .and. .not. (study%cam%conjugate .or. study%cam%track)
       study%jammed = study%fine%jams
       if (study%cam%conjugate .or. study%cam%track) call find_flanks(study, samples)
@@ -567,6 +703,10 @@ contains
             last = findloc(segment == k, .true., dim=1, back=.true.)
             here = abs(samples%states%c(0, first) - o)
             there = abs(samples%states%c(0, last) - o)
+            if (study%shape%axes%slides) then
+               here = real(conjg(upward(study%shape))*samples%states%c(0, first), wp)
+               there = real(conjg(upward(study%shape))*samples%states%c(0, last), wp)
+            end if
             if (maxval(abs(samples%states%y(1, first:last))) > 0.0_wp) &
                study%segments(k)%way = merge(way_rise, way_return, there > here)
          end do

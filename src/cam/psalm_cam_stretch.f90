@@ -1,0 +1,246 @@
+!> A linkage moved along its input, and the stretches on which its output rises or falls all the way.
+!>
+!> A stretch ends where a loop opens, or at a dead point of the output: there F' = 0, and another stretch begins beyond. Near a dead
+!> point F - F* and F' are had from the second and third derivatives at both ends of the way to it (Hermite's quadrature), so that
+!> none of their digits is lost to the values at the dead point. Source: derivation in doc/theory.md.
+module psalm_cam_stretch
+   use psalm_angles, only: nearest_difference
+   use psalm_error, only: problem_t
+   use psalm_kinds, only: wp, radians_per_degree
+   use psalm_rates, only: rates_t, prepare_rates, differentiate, output_rates, is_dead, highest_order
+   implicit none (type, external)
+   private
+   public :: mover_t, followed_t, stretch_t, dead_point_t, find_stretch, find_dead_point, rise_from
+
+   integer, parameter :: scan_steps = 720                !! to either side of where a stretch is looked for
+   real(wp), parameter :: scan_degrees = 0.5_wp
+   integer, parameter :: bisections = 60
+   real(wp), parameter :: part_of_stretch = 1.0e-3_wp    !! step for the fourth derivative at a dead point
+   real(wp), parameter :: near_slope = 2.0e-3_wp         !! part of the stretch next to a dead point where F' is had by quadrature
+
+   !> A problem and its derivatives at a row of inputs.
+   type :: mover_t
+      type(problem_t) :: problem
+      type(rates_t) :: rates
+      integer :: prepared = 0                        !! positions
+   contains
+      procedure :: move
+   end type mover_t
+
+   !> What of a mover is followed, and in which units.
+   type :: followed_t
+      integer :: component = 1                       !! of the output
+      logical :: angular = .false.                   !! that is an angle
+      logical :: turning_input = .true.
+   contains
+      procedure :: input_unit
+      procedure :: output_unit
+   end type followed_t
+
+   !> Inputs that rise, outputs there, without steps of a turn; no entries: there is none.
+   type :: stretch_t
+      real(wp), allocatable :: q(:), f(:)            !! the user's units
+      real(wp) :: steepest = 0.0_wp                  !! greatest slope of the output
+      logical :: dead(2) = .false.                   !! at its lower and upper end the output stands still, and no loop opens
+   end type stretch_t
+
+   !> A dead point of the output.
+   type :: dead_point_t
+      logical :: found = .false.
+      real(wp) :: q = 0.0_wp, f = 0.0_wp             !! input and output there, the user's units
+      real(wp) :: d(2:4) = 0.0_wp                    !! derivatives of the output, radians or length
+      real(wp) :: extent = 0.0_wp                    !! of the stretch that ends there, radians or length
+   end type dead_point_t
+
+contains
+
+   !> Radians of a degree, or 1 of a length.
+   pure real(wp) function input_unit(self)
+      class(followed_t), intent(in) :: self
+
+      input_unit = merge(radians_per_degree, 1.0_wp, self%turning_input)
+   end function input_unit
+
+   pure real(wp) function output_unit(self)
+      class(followed_t), intent(in) :: self
+
+      output_unit = merge(radians_per_degree, 1.0_wp, self%angular)
+   end function output_unit
+
+   !> Move to inputs (degrees or length, not increments): values and derivatives of all components; `shut` where all
+   !> loops close and have derivatives.
+   subroutine move(self, inputs, orders, value, d, shut, direction)
+      class(mover_t), intent(inout) :: self
+      real(wp), intent(in) :: inputs(:)              !! shape (n)
+      integer, intent(in) :: orders                  !! 2 or 3
+      real(wp), intent(out) :: value(:, :)           !! shape (components, n): angles in a turn
+      real(wp), intent(out) :: d(:, :, :)            !! shape (3, components, n)
+      logical, intent(out) :: shut(:)                !! shape (n)
+      complex(wp), intent(out), optional :: direction(:) !! shape (n): of the output arc
+      integer :: block, offset, m, i, c, loop
+
+      associate (problem => self%problem)
+         if (self%prepared /= size(inputs)) then
+            call problem%set_inputs(inputs - problem%given%crnki)
+            call problem%bind(problem%given)
+            call prepare_rates(problem, self%rates)
+            self%prepared = size(inputs)
+         else
+            call problem%move_inputs(inputs - problem%given%crnki)
+         end if
+         shut = .true.
+         do block = 1, problem%blocks()
+            call problem%solve_block(block, offset, m)
+            call problem%output_of(m)
+            call differentiate(problem, self%rates, m, orders)
+            do i = 1, m
+               do loop = 1, problem%mechanism%nloop
+                  if (problem%linkage%step_of_loop(loop) == 0) cycle
+                  if (.not. problem%linkage%closes(i, loop)) shut(offset + i) = .false.
+                  if (is_dead(problem, self%rates, loop, i)) shut(offset + i) = .false.
+               end do
+               do c = 1, size(value, 1)
+                  value(c, offset + i) = problem%output%actual(c, i, problem%linkage)
+               end do
+               call output_rates(problem, self%rates, i, orders, d(:, :, offset + i))
+               if (present(direction)) direction(offset + i) = cmplx(problem%linkage%store%v(i, problem%linkage%direction(1)), &
+                                                                  problem%linkage%store%v(i, problem%linkage%direction(2)), wp)
+            end do
+         end do
+      end associate
+   end subroutine move
+
+   !> The stretch of inputs about `start`, its ends by bisection. Angles go on from `near`, if it is given.
+   subroutine find_stretch(mover, what, start, stretch, near)
+      type(mover_t), intent(inout) :: mover
+      type(followed_t), intent(in) :: what
+      real(wp), intent(in) :: start                  !! input to begin with
+      type(stretch_t), intent(out) :: stretch
+      real(wp), intent(in), optional :: near         !! output there, but for turns
+      real(wp), allocatable :: q(:), f(:)
+      logical, allocatable :: good(:)
+      real(wp) :: step, sense, ends(2), at_ends(2)
+      integer :: k, first, last, middle
+
+      allocate (stretch%q(0), stretch%f(0))
+      middle = scan_steps + 1
+      step = scan_degrees
+      if (.not. what%turning_input) step = 2.0_wp*max(sum(mover%problem%given%arcl), abs(start))/real(scan_steps, wp)
+      q = [(start + step*real(k, wp), k=-scan_steps, scan_steps)]
+      allocate (f(size(q)), good(size(q)))
+      sense = 0.0_wp
+      call judge(q, f, good)
+      if (.not. good(middle)) return
+      first = middle
+      do while (first > 1)
+         if (.not. good(first - 1)) exit
+         first = first - 1
+      end do
+      last = middle
+      do while (last < size(q))
+         if (.not. good(last + 1)) exit
+         last = last + 1
+      end do
+      ends = [q(first), q(last)]
+      at_ends = [f(first), f(last)]
+      if (first > 1) call narrow(q(first), q(first - 1), ends(1), at_ends(1), stretch%dead(1))
+      if (last < size(q)) call narrow(q(last), q(last + 1), ends(2), at_ends(2), stretch%dead(2))
+      stretch%q = [ends(1), q(first:last), ends(2)]
+      stretch%f = [at_ends(1), f(first:last), at_ends(2)]
+      if (.not. what%angular) return
+      do k = 2, size(stretch%f)
+         stretch%f(k) = stretch%f(k - 1) + nearest_difference(stretch%f(k), stretch%f(k - 1))
+      end do
+      if (.not. present(near)) return
+      k = middle - first + 2
+      stretch%f = stretch%f + (near - stretch%f(k) + nearest_difference(stretch%f(k), near))
+
+   contains
+
+      !> Outputs, and whether each input belongs to the stretch as far as it can be seen from there.
+      subroutine judge(inputs, output, belongs, closes)
+         real(wp), intent(in) :: inputs(:)
+         real(wp), intent(out) :: output(:)
+         logical, intent(out) :: belongs(:)
+         logical, intent(out), optional :: closes(:)
+         real(wp) :: value(mover%problem%output%kind%components, size(inputs))
+         real(wp) :: d(highest_order, size(value, 1), size(inputs))
+         logical :: shut(size(inputs))
+
+         call mover%move(inputs, 2, value, d, shut)
+         output = value(what%component, :)
+         associate (slope => d(1, what%component, :))
+            if (size(inputs) > 1 .and. shut(min(middle, size(inputs)))) sense = sign(1.0_wp, slope(middle))
+            belongs = shut .and. sense*slope > 0.0_wp
+            if (any(belongs)) stretch%steepest = max(stretch%steepest, maxval(abs(slope), belongs))
+         end associate
+         if (present(closes)) closes = shut
+      end subroutine judge
+
+      !> The last input that belongs, between one that does and one that does not; `dead` if beyond it the loops still close.
+      subroutine narrow(inside, outside, input, output, dead)
+         real(wp), intent(in) :: inside, outside
+         real(wp), intent(inout) :: input, output
+         logical, intent(out) :: dead
+         real(wp) :: low, high, one(1)
+         logical :: belongs(1), closes(1)
+         integer :: i
+
+         low = inside
+         high = outside
+         dead = .false.
+         do i = 1, bisections
+            call judge([0.5_wp*(low + high)], one, belongs, closes)
+            if (belongs(1)) then
+               low = 0.5_wp*(low + high)
+               output = one(1)
+            else
+               high = 0.5_wp*(low + high)
+               dead = closes(1)
+            end if
+         end do
+         input = low
+      end subroutine narrow
+   end subroutine find_stretch
+
+   !> The dead point at the lower (1) or upper (2) end of a stretch. Not found where the output has no second derivative there, or a
+   !> loop opens.
+   subroutine find_dead_point(mover, what, stretch, which, point)
+      type(mover_t), intent(inout) :: mover
+      type(followed_t), intent(in) :: what
+      type(stretch_t), intent(in) :: stretch
+      integer, intent(in) :: which
+      type(dead_point_t), intent(out) :: point
+      real(wp) :: value(mover%problem%output%kind%components, 3), d(highest_order, size(value, 1), 3), step
+      logical :: shut(3)
+      integer :: last
+
+      if (.not. stretch%dead(which)) return
+      last = size(stretch%q)
+      point%q = stretch%q(merge(1, last, which == 1))
+      point%f = stretch%f(merge(1, last, which == 1))
+      point%extent = (stretch%q(last) - stretch%q(1))*what%input_unit()
+      step = part_of_stretch*point%extent
+      call mover%move(point%q + [-step, 0.0_wp, step]/what%input_unit(), highest_order, value, d, shut)
+      associate (f => d(:, what%component, :))
+         if (.not. all(shut) .or. .not. abs(f(2, 2))*point%extent > stretch%steepest*part_of_stretch) return
+         ! what bisection left
+         point%q = point%q - f(1, 2)/f(2, 2)/what%input_unit()
+         point%d = [f(2, 2), f(3, 2), 0.5_wp*(f(3, 3) - f(3, 1))/step]
+      end associate
+      point%found = .true.
+   end subroutine find_dead_point
+
+   !> F - F* and F' at the distance d from a dead point, from the derivatives there and here.
+   elemental subroutine rise_from(point, distance, derivative, second, third, rise, slope)
+      type(dead_point_t), intent(in) :: point
+      real(wp), intent(in) :: distance               !! radians or length
+      real(wp), intent(in) :: derivative, second, third !! of the output here
+      real(wp), intent(out) :: rise, slope
+
+      slope = derivative
+      if (abs(distance) < near_slope*point%extent) slope = distance*(0.5_wp*(point%d(2) + second) + &
+                                                                    distance*(point%d(3) - third)/12.0_wp)
+      rise = distance*(0.5_wp*slope + distance*(0.1_wp*(point%d(2) - second) + distance*(point%d(3) + third)/120.0_wp))
+   end subroutine rise_from
+end module psalm_cam_stretch
