@@ -100,10 +100,10 @@ def main():
 
 Measured by `bench/paths`, time of the processor, one thread, the search that `SOLVER='LSQ', ORDER=2` makes of `data/paths/` and
 `data/path18_free.nml`: a four-bar whose crank turns fully visits points in their order, with the crank going either way; nine
-dimensions and every input are sought, in the assembly of the data set. One setting for all, no first guess, 20 seeds. Reached: a linkage
+dimensions and every input are sought, in both assemblies together. One setting for all, no first guess, 20 seeds. Reached: a linkage
 within 1 per cent of the best sum of squares of all runs, or with errors below a millionth of the path's size (exact). A lot is 64
-random linkages, of which one is finished; it is one start of psalm. At most 250 lots were drawn for a seed; median and worst are those
-of the seeds that reach it.
+random linkages, of which one is finished; it is one start of psalm (which keeps the assembly of the data set). At most 500 lots were
+drawn for a seed; median and worst are those of the seeds that reach it.
 
 | problem | points | best sum of squares | RMS error, of the path's size | seeds that reach it | median, s | worst, s | ms a lot |
 | --- | --- | --- | --- | --- | --- | --- | --- |""")

@@ -137,7 +137,7 @@ contains
          best%error = huge(1.0_wp)
          do lot = 1, 100
             call random%use_stream(lot)
-            call search_lot(path, random, room, visit)
+            call search_lot([path], random, room, visit)
             if (visit%worst > 1.0e-6_wp .or. visit%error > best%error) cycle
             best = visit
             if (best%error*path%size**2 < 1.001_wp*known) exit
@@ -169,7 +169,7 @@ contains
       kept = 0
       do lot = 1, 12
          call random%use_stream(lot)
-         call search_lot(path, random, room, visit)
+         call search_lot([path], random, room, visit)
          if (visit%worst > 1.0e-6_wp) cycle
          kept = kept + 1
          call trace_coupler(visit, [(real(i, wp), i=1, 360)], e, v)

@@ -1,8 +1,8 @@
 !> Paths without prescribed timing: how soon the best four-bar is found.
 !>
 !> A row of a table for each case: points, best sum of squares, RMS error over the size of the path, seeds that reach it, median and
-!> worst time, time of a lot of random linkages. Lots are drawn with the crank going either way in turn, from no first guess, with
-!> one setting for all. Reached: within 1 per cent of the best sum of all runs, or errors below a millionth of the path's size.
+!> worst time, time of a lot of random linkages. Both assemblies are searched together, with the crank going either way, from no first
+!> guess, with one setting for all. Reached: within 1 per cent of the best sum of all runs, or errors below a millionth of the path's size.
 module bench_paths
    use, intrinsic :: iso_fortran_env, only: output_unit
    use psalm_cases, only: read_cases
@@ -16,7 +16,7 @@ module bench_paths
    private
    public :: measure_path
 
-   integer, parameter :: seeds = 20, lots_at_first = 25, most_lots = 250
+   integer, parameter :: seeds = 20, lots_at_first = 25, most_lots = 500, ways = 4
    real(wp), parameter :: within = 1.01_wp, exact = 1.0e-6_wp
    real(wp), parameter :: any_angle = 1.0_wp         !! cosine of the least transmission angle
    real(wp), parameter :: kept = 1.0e-6_wp           !! relative violation below which a bound is kept
@@ -29,18 +29,19 @@ contains
       character(*), intent(in) :: file
       type(data_set_t), allocatable :: sets(:)
       type(diagnostics_t) :: findings
-      type(path_t) :: path(2)
+      type(path_t) :: path(ways)
       type(path_room_t) :: room
       type(visit_t) :: visit
       type(xoshiro_t) :: random
       real(wp), allocatable :: value(:, :)
       real(wp) :: best, goal, spent, begun, ended, took(seeds), unit
-      integer :: done(seeds), seed, n, reached, first
+      integer :: done(seeds), seed, n, reached, first, way
 
       call read_cases(file, sets, findings)
       n = sets(1)%ndes
-      call make_path(sets(1), 1.0_wp, path(1), room)
-      call make_path(sets(1), -1.0_wp, path(2), room)
+      do way = 1, ways
+         call make_path(sets(1), merge(1.0_wp, -1.0_wp, mod(way, 2) == 1), merge(1.0_wp, -1.0_wp, way <= ways/2), path(way), room)
+      end do
       unit = path(1)%size**2*path(1)%weight_scale
       allocate (visit%t(n), source=0.0_wp)
       best = huge(1.0_wp)
@@ -79,9 +80,7 @@ contains
             do lot = done(seed) + 1, until
                if (until > lots_at_first .and. minval(value(:, seed)) <= goal) exit
                call random%use_stream(lot)
-               associate (way => path(1 + mod(lot, 2)))
-                  call search_lot(way, random, room, visit)
-               end associate
+               call search_lot(path, random, room, visit)
                done(seed) = lot
                if (visit%worst <= kept) value(lot, seed) = visit%error*unit
             end do
@@ -93,9 +92,9 @@ contains
 
    !> Points and bounds of a data set: four lengths, coupler point and pivot come first among the variables. With the crank going
    !> the other way the mirror image is searched.
-   subroutine make_path(set, sense, path, room)
+   subroutine make_path(set, sense, side, path, room)
       type(data_set_t), intent(in) :: set
-      real(wp), intent(in) :: sense
+      real(wp), intent(in) :: sense, side            !! of the crank, the coupler's: +1 or -1
       type(path_t), intent(out) :: path
       type(path_room_t), intent(out) :: room
       integer, parameter :: ground = 4
@@ -103,7 +102,7 @@ contains
 
       associate (n => set%ndes)
          call prepare_path(set%desx(:n), sense*set%desy(:n), spread(1.0_wp, 1, n), set%oplow(of), set%ophigh(of), any_angle, &
-                           sense, path, room)
+                           sense*side, path, room)
       end associate
    end subroutine make_path
 

@@ -4,8 +4,8 @@
 !> Notation and what is eliminated: `psalm_path_fit`.
 module psalm_free_path
    use psalm_elementary, only: fractional_power
-   use psalm_kinds, only: wp, full_turn
-   use psalm_path_descent, only: descend, put_in_order, retime, nearest_g
+   use psalm_kinds, only: wp, full_turn, half_turn
+   use psalm_path_descent, only: descend, put_in_order, retime, nearest_g, least_sigma, largest_q
    use psalm_path_fit, only: path_t, visit_t, path_room_t, trace_coupler, fit_linear, error_of, find_violations, rows_most, samples
    use psalm_xoshiro, only: xoshiro_t
    implicit none (type, external)
@@ -13,6 +13,8 @@ module psalm_free_path
    public :: search_lot
 
    integer, parameter :: short = 32, medium = 4      !! descents of a lot; one is finished
+   integer, parameter :: short_steps = 8, medium_steps = 40, final_steps = 1000 !! of a descent: valleys at a bound are long
+   real(wp), parameter :: at_corners = 0.8_wp        !! part of the samples that pass a change point at a corner of the path
    real(wp), parameter :: ridge = 1.0e-7_wp          !! a sample's curve may be a point
    real(wp), parameter :: loose = 0.003_wp, firm = 0.0003_wp !! weights of violations, of the points' number, while errors are large
    real(wp), parameter :: inside = 1.0e-6_wp         !! relative distance from a bound that is aimed at
@@ -20,11 +22,15 @@ module psalm_free_path
 contains
 
    !> A random shape with random inputs.
+   !>
+   !> Where a path has corners its best linkage often passes a change point there, for only at one has its curve a corner too; most
+   !> samples are drawn so.
    subroutine draw(path, random, visit)
       type(path_t), intent(in) :: path
       type(xoshiro_t), intent(inout) :: random
       type(visit_t), intent(inout) :: visit
       real(wp) :: lengths(4), gap(path%n)
+      integer :: k
 
       do
          lengths = [ratio(10.0_wp), ratio(10.0_wp), ratio(10.0_wp), ratio(10.0_wp)]
@@ -38,14 +44,38 @@ contains
          exit
       end do
       visit%side = path%side
-      if (uniform() < 0.5_wp) then
-         call draw_spread(gap)
-      else
+      if (uniform() < at_corners) then
          call draw_jumps(gap)
+         call follow(gap, 0.0_wp, visit%t)
+         k = a_corner()
+         if (uniform() < 0.5_wp) then
+            visit%sigma = least_sigma
+            visit%t = visit%t + (half_turn - visit%t(k))
+         else
+            visit%q = sign(largest_q, uniform() - 0.5_wp)
+            visit%t = visit%t - visit%t(k)
+         end if
+      else
+         if (uniform() < 0.5_wp) then
+            call draw_spread(gap)
+         else
+            call draw_jumps(gap)
+         end if
+         call follow(gap, uniform()*full_turn, visit%t)
       end if
-      call follow(gap, uniform()*full_turn, visit%t)
 
    contains
+
+      !> A point, the sooner the sharper the path turns there.
+      integer function a_corner()
+         real(wp) :: left
+
+         left = uniform()
+         do a_corner = 1, path%n - 1
+            left = left - path%corner(a_corner)
+            if (left < 0.0_wp) exit
+         end do
+      end function a_corner
 
       function uniform() result(deviate)
          real(wp) :: deviate
@@ -91,7 +121,7 @@ contains
          gap = span*gap/max(sum(gap), tiny(1.0_wp))
       end subroutine draw_spread
 
-      !> Runs in which the inputs follow the chords, with jumps between them.
+      !> Runs in which the inputs follow the chords, with jumps between them, half of these at corners.
       subroutine draw_jumps(gap)
          real(wp), intent(out) :: gap(:)
          logical :: jump(size(gap))
@@ -101,7 +131,13 @@ contains
          jump = .false.
          jump(size(gap)) = .true.                    ! the way back
          do breaks = 1, 1 + int(3.0_wp*uniform())
-            jump(1 + min(int(real(size(gap), wp)*uniform()), size(gap) - 1)) = .true.
+            if (uniform() < 0.5_wp) then
+               k = 1 + min(int(real(size(gap), wp)*uniform()), size(gap) - 1)
+            else
+               k = a_corner()                        ! behind it, or before it
+               if (uniform() < 0.5_wp) k = 1 + modulo(k - 2, size(gap))
+            end if
+            jump(k) = .true.
          end do
          pace = 1.0_wp
          do k = 1, size(gap)
@@ -132,18 +168,21 @@ contains
       end function share
    end subroutine draw
 
-   !> One lot: samples, short descents of the better half, longer ones of the best, and the best finished.
-   subroutine search_lot(path, random, room, best)
-      type(path_t), intent(in) :: path
+   !> One lot: samples, short descents of the better half, longer ones of the best, and the best finished. Of several paths, to be
+   !> followed in other directions or by other assemblies, each sample takes one at random.
+   subroutine search_lot(paths, random, room, best)
+      type(path_t), intent(in) :: paths(:)           !! as many points in each
       type(xoshiro_t), intent(inout) :: random
       type(path_room_t), intent(inout) :: room
       type(visit_t), intent(inout) :: best           !! finished; `worst` tells whether the bounds are kept
-      real(wp) :: amount(rows_most), many
+      real(wp) :: amount(rows_most), many, deviate
       integer :: i, count, order(samples)
 
-      many = real(path%n, wp)
+      many = real(paths(1)%n, wp)
       do i = 1, samples
-         associate (visit => room%lot(i))
+         call random%next(deviate)
+         associate (visit => room%lot(i), path => paths(1 + min(int(deviate*real(size(paths), wp)), size(paths) - 1)))
+            visit%way = 1 + min(int(deviate*real(size(paths), wp)), size(paths) - 1)
             call draw(path, random, visit)
             call put_in_order(visit%t, room)
             call trace_coupler(visit, visit%t, room%e, room%v)
@@ -154,12 +193,12 @@ contains
       end do
       call rank(samples, short)
       do i = 1, short
-         call improve(room%lot(order(i)), 8, 8, 1.0e-3_wp, loose*many, 0.0_wp)
+         call improve(room%lot(order(i)), short_steps, short_steps, 1.0e-3_wp, loose*many, 0.0_wp)
          room%score(order(i)) = room%lot(order(i))%error + loose*many*room%lot(order(i))%violation
       end do
       call rank(short, medium)
       do i = 1, medium
-         call improve(room%lot(order(i)), 40, 20, 1.0e-3_wp, firm*many, 0.0_wp)
+         call improve(room%lot(order(i)), medium_steps, medium_steps/2, 1.0e-3_wp, firm*many, 0.0_wp)
          room%score(order(i)) = room%lot(order(i))%error + firm*many*room%lot(order(i))%violation
       end do
       call rank(medium, 1)
@@ -188,24 +227,31 @@ contains
          integer, intent(in) :: first, second
          real(wp), intent(in) :: gain, weight, margin
 
-         call descend(path, first, gain, weight, margin, visit, room)
-         room%copy = visit
-         call retime(path, room%copy, room)
-         call descend(path, second, gain, weight, margin, room%copy, room)
+         associate (path => paths(visit%way))
+            call descend(path, first, gain, weight, margin, visit, room)
+            room%copy = visit
+            call retime(path, room%copy, room)
+            call descend(path, second, gain, weight, margin, room%copy, room)
+         end associate
          if (room%copy%error + weight*room%copy%violation < visit%error + weight*visit%violation) visit = room%copy
       end subroutine improve
 
       !> To the end: the weight of violations follows the error, until every bound is kept.
       subroutine finish(visit)
          type(visit_t), intent(inout) :: visit
-         real(wp) :: base
+         real(wp) :: base, before
          integer :: k
 
          base = max(visit%error, 1.0e-9_wp*many)
-         call improve(visit, 60, 30, 1.0e-5_wp, 30.0_wp*base, 0.0_wp)
+         call improve(visit, final_steps, final_steps/2, 1.0e-5_wp, 30.0_wp*base, 0.0_wp)
+         do k = 1, 3
+            before = visit%error + 30.0_wp*base*visit%violation
+            call improve(visit, final_steps/2, final_steps/2, 1.0e-5_wp, 30.0_wp*base, 0.0_wp)
+            if (visit%error + 30.0_wp*base*visit%violation > 0.99_wp*before) exit
+         end do
          do k = 2, 10, 2
             base = max(visit%error, 1.0e-9_wp*many)
-            call descend(path, 60, 1.0e-7_wp, base*10.0_wp**k, inside, visit, room)
+            call descend(paths(visit%way), final_steps/2, 1.0e-7_wp, base*10.0_wp**k, inside, visit, room)
             if (visit%worst < inside) exit
          end do
       end subroutine finish

@@ -245,7 +245,7 @@ contains
       real(wp) :: lengths(6)
 
       associate (visit => starts%visit, path => starts%path)
-         call search_lot(path, random, starts%room, visit)
+         call search_lot([path], random, starts%room, visit)
          call trace_coupler(visit, visit%t, e, v)
          points = path%size*(visit%z0 + path%centre + visit%w1*e + visit%w2*v)
          lengths = path%size*lengths_of(path, visit)

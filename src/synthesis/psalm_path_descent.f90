@@ -5,11 +5,11 @@
 module psalm_path_descent
    use psalm_kinds, only: wp, degrees_per_radian, full_turn
    use psalm_linear, only: solve_positive
-   use psalm_path_fit, only: path_t, visit_t, path_room_t, trace_coupler, fit_linear, find_violations, weigh, square, dot, &
-                             unknowns, shape_g, shape_s, shape_q, rows_most, places
+   use psalm_path_fit, only: path_t, visit_t, path_room_t, trace_at, halve, fit_linear, find_violations, weigh, square, dot, &
+                             unknowns, lanes, column_turn, column_miss, shape_g, shape_s, shape_q, rows_most, places
    implicit none (type, external)
    private
-   public :: descend, put_in_order, retime, nearest_g
+   public :: descend, put_in_order, retime, nearest_g, least_sigma, largest_q
 
    real(wp), parameter :: largest_g = 148.0_wp, largest_sigma = 1100.0_wp !! exp(5) and exp(7): the box is bounded
    real(wp), parameter :: nearest_g = 1.0e-6_wp      !! to 1, where ground and crank are equal
@@ -32,7 +32,8 @@ contains
       integer :: iteration, groups, small
       logical :: fresh, solved
 
-      call trace_coupler(visit, visit%t, room%e, room%v)
+      call halve(visit%t, room%half)
+      call trace_at(visit, room%half, room%e, room%v)
       call weigh(path, room%e, room%v, margin, visit)
       merit = visit%error + weight*visit%violation
       damping = 1.0e-3_wp
@@ -46,7 +47,8 @@ contains
          if (solved) then
             call take_step(visit, room, step, groups, damping, room%next)
             call put_in_order(room%next%t, room)
-            call trace_coupler(room%next, room%next%t, room%e, room%v)
+            call halve(room%next%t, room%half_next)
+            call trace_at(room%next, room%half_next, room%e, room%v)
             room%other%z0 = room%next%z0
             room%other%w1 = room%next%w1
             room%other%w2 = room%next%w2
@@ -66,6 +68,7 @@ contains
             small = merge(small + 1, 0, merit - trial < gain*merit)
             merit = trial
             visit = room%next
+            room%half = room%half_next
             damping = max(0.2_wp*damping, 1.0e-12_wp)
             raise = 2.0_wp
             fresh = .true.
@@ -87,45 +90,57 @@ contains
       type(path_room_t), intent(inout) :: room
       real(wp), intent(out) :: h(unknowns, unknowns), slope(unknowns)
       integer, intent(out) :: groups
-      real(wp) :: amount(rows_most), rows(unknowns, rows_most), w
-      complex(wp) :: j(unknowns), miss, turn
+      real(wp) :: amount(rows_most), rows(unknowns, rows_most), products(lanes, unknowns), re(lanes), im(lanes), wr, wi
+      complex(wp) :: j
       integer :: k, a, m, count, group
 
-      call trace_coupler(visit, visit%t, room%e, room%v, room%turn, room%grow)
+      call trace_at(visit, room%half, room%e, room%v, room%turn, room%grow)
       call pool(visit, path, room, groups)
-      h = 0.0_wp
-      slope = 0.0_wp
+      products = 0.0_wp
       room%b(:, :groups) = 0.0_wp
-      room%c(:groups) = 0.0_wp
-      room%r(:groups) = 0.0_wp
-      j(1) = (1.0_wp, 0.0_wp)
-      j(2) = (0.0_wp, 1.0_wp)
+      re = 0.0_wp
+      im = 0.0_wp
+      re(1) = 1.0_wp
+      im(2) = 1.0_wp
       do k = 1, path%n
-         w = path%weight(k)
-         group = room%group(k)
-         j(3) = room%e(k)
-         j(4) = j(2)*room%e(k)
-         j(5) = room%v(k)
-         j(6) = j(2)*room%v(k)
+         re(3) = real(room%e(k), wp)
+         im(3) = aimag(room%e(k))
+         re(4) = -im(3)
+         im(4) = re(3)
+         re(5) = real(room%v(k), wp)
+         im(5) = aimag(room%v(k))
+         re(6) = -im(5)
+         im(6) = re(5)
          do m = 1, 3
-            j(6 + m) = visit%w2*room%grow(k, m)
+            j = visit%w2*room%grow(k, m)
+            re(6 + m) = real(j, wp)
+            im(6 + m) = aimag(j)
          end do
-         miss = visit%z0 + visit%w1*room%e(k) + visit%w2*room%v(k) - path%point(k)
-         turn = visit%w1*j(4) + visit%w2*room%turn(k)
+         j = visit%w1*cmplx(re(4), im(4), wp) + visit%w2*room%turn(k)
+         re(column_turn) = real(j, wp)
+         im(column_turn) = aimag(j)
+         j = visit%z0 + visit%w1*room%e(k) + visit%w2*room%v(k) - path%point(k)
+         re(column_miss) = real(j, wp)
+         im(column_miss) = aimag(j)
          do a = 1, unknowns
-            do m = 1, a
-               h(m, a) = h(m, a) + w*dot(j(m), j(a))
+            wr = path%weight(k)*re(a)
+            wi = path%weight(k)*im(a)
+            !$omp simd
+            do m = 1, lanes
+               products(m, a) = products(m, a) + (wr*re(m) + wi*im(m))
             end do
-            slope(a) = slope(a) + w*dot(j(a), miss)
-            room%b(a, group) = room%b(a, group) + w*dot(j(a), turn)
          end do
-         room%c(group) = room%c(group) + w*square(turn)
-         room%r(group) = room%r(group) + w*dot(turn, miss)
+         group = room%group(k)
+         wr = path%weight(k)*re(column_turn)
+         wi = path%weight(k)*im(column_turn)
+         room%b(:, group) = room%b(:, group) + (wr*re + wi*im)
       end do
+      h = products(:unknowns, :)
+      slope = products(column_miss, :)
       call find_violations(path, visit, margin, count, amount, rows)
       do k = 1, count
          do a = 1, unknowns
-            h(:a, a) = h(:a, a) + weight*rows(a, k)*rows(:a, k)
+            h(:, a) = h(:, a) + weight*rows(a, k)*rows(:, k)
          end do
          slope = slope + weight*amount(k)*rows(:, k)
       end do
@@ -171,38 +186,44 @@ contains
       integer, intent(in) :: groups
       real(wp), intent(out) :: step(unknowns)
       logical, intent(out) :: solved
-      real(wp) :: matrix(unknowns, unknowns), right(unknowns), over, most
-      logical :: free(unknowns)
-      integer :: k, a, kept(unknowns), n
+      real(wp) :: matrix(lanes, unknowns), right(unknowns), over, part, most
+      logical :: held(unknowns)
+      integer :: k, a, m
 
-      matrix = h
+      matrix(:unknowns, :) = h
+      matrix(unknowns + 1:, :) = 0.0_wp              ! not used
       right = -slope
       do a = 1, unknowns
          matrix(a, a) = h(a, a)*(1.0_wp + damping) + tiny(1.0_wp)**0.5_wp
       end do
       do k = 1, groups
-         if (.not. room%c(k) > 0.0_wp) cycle
-         over = 1.0_wp/(room%c(k)*(1.0_wp + damping))
+         if (.not. room%b(column_turn, k) > 0.0_wp) cycle
+         over = 1.0_wp/(room%b(column_turn, k)*(1.0_wp + damping))
          do a = 1, unknowns
-            matrix(:a, a) = matrix(:a, a) - (over*room%b(a, k))*room%b(:a, k)
+            part = over*room%b(a, k)
+            !$omp simd
+            do m = 1, lanes
+               matrix(m, a) = matrix(m, a) - part*room%b(m, k)
+            end do
          end do
-         right = right + (over*room%r(k))*room%b(:, k)
+         right = right + (over*room%b(column_miss, k))*room%b(:unknowns, k)
       end do
-      free = .true.
-      free(shape_g) = .not. ((visit%g >= largest_g .and. right(shape_g) > 0.0_wp) .or. &
-                             (visit%g <= 1.0_wp/largest_g .and. right(shape_g) < 0.0_wp))
-      free(shape_s) = .not. ((visit%sigma <= least_sigma .and. right(shape_s) < 0.0_wp) .or. &
-                             (visit%sigma >= largest_sigma .and. right(shape_s) > 0.0_wp))
-      free(shape_q) = .not. ((visit%q <= -largest_q .and. right(shape_q) < 0.0_wp) .or. &
-                             (visit%q >= largest_q .and. right(shape_q) > 0.0_wp))
-      n = count(free)
-      kept(:n) = pack([(a, a=1, unknowns)], free)
-      step = 0.0_wp
-      call solve_positive(matrix(kept(:n), kept(:n)), right(kept(:n)), step(:n), solved)
+      held = .false.
+      held(shape_g) = (visit%g >= largest_g .and. right(shape_g) > 0.0_wp) .or. &
+                      (visit%g <= 1.0_wp/largest_g .and. right(shape_g) < 0.0_wp)
+      held(shape_s) = (visit%sigma <= least_sigma .and. right(shape_s) < 0.0_wp) .or. &
+                      (visit%sigma >= largest_sigma .and. right(shape_s) > 0.0_wp)
+      held(shape_q) = (visit%q <= -largest_q .and. right(shape_q) < 0.0_wp) .or. &
+                      (visit%q >= largest_q .and. right(shape_q) > 0.0_wp)
+      do a = shape_g, unknowns
+         if (.not. held(a)) cycle
+         matrix(:, a) = 0.0_wp
+         matrix(a, :) = 0.0_wp
+         matrix(a, a) = 1.0_wp
+         right(a) = 0.0_wp
+      end do
+      call solve_positive(matrix(:unknowns, :), right, step, solved)
       if (.not. solved) return
-      right = step
-      step = 0.0_wp
-      step(kept(:n)) = right(:n)
       most = max(abs(step(shape_g)), abs(step(shape_q)), abs(step(shape_s))/1.5_wp)
       if (most > 1.0_wp) step = step/most
    end subroutine solve_step
@@ -229,9 +250,11 @@ contains
       next%sigma = min(max(visit%sigma*factor(step(shape_s)), least_sigma), largest_sigma)
       next%q = min(max(visit%q + step(shape_q), -largest_q), largest_q)
       next%side = visit%side
+      next%way = visit%way
       do k = 1, groups
          turn(k) = 0.0_wp
-         if (room%c(k) > 0.0_wp) turn(k) = -(room%r(k) + sum(room%b(:, k)*step))/(room%c(k)*(1.0_wp + damping))
+         if (room%b(column_turn, k) > 0.0_wp) &
+            turn(k) = -(room%b(column_miss, k) + sum(room%b(:unknowns, k)*step))/(room%b(column_turn, k)*(1.0_wp + damping))
          turn(k) = min(max(turn(k), -1.0_wp), 1.0_wp)*degrees_per_radian
       end do
       next%t = visit%t + turn(room%group)
@@ -304,47 +327,39 @@ contains
       type(visit_t), intent(inout) :: visit
       type(path_room_t), intent(inout) :: room
       real(wp), parameter :: place_step = full_turn/real(places, wp)
-      real(wp) :: near(3), total, best
-      integer :: from(3), begun, i, k, place, best_from
-      complex(wp) :: at
+      real(wp) :: near(3), total, best, x, y
+      integer :: from(3), begun, i, k
 
-      call trace_coupler(visit, [(place_step*real(k, wp), k=0, places - 1)], room%e_round, room%v_round)
+      call trace_at(visit, room%half_round, room%e_round, room%v_round)
       do k = 1, places
-         at = visit%z0 + visit%w1*room%e_round(k) + visit%w2*room%v_round(k)
-         do i = 1, path%n
-            room%cost(k, i) = path%weight(i)*square(at - path%point(i))
+         room%e_round(k) = visit%z0 + visit%w1*room%e_round(k) + visit%w2*room%v_round(k)
+      end do
+      do i = 1, path%n
+         do k = 1, places
+            x = real(room%e_round(k), wp) - real(path%point(i), wp)
+            y = aimag(room%e_round(k)) - aimag(path%point(i))
+            room%cost(k, i) = path%weight(i)*(x*x + y*y)
          end do
+         room%cost(places + 1:, i) = room%cost(:places, i)
       end do
       near = huge(near)
       from = 0
       do k = 1, places
-         associate (here => room%cost(k, 1))
-            if (here > room%cost(1 + modulo(k - 2, places), 1) .or. here > room%cost(1 + modulo(k, places), 1)) cycle
+         associate (here => room%cost(k + 1, 1))
+            if (here > room%cost(k, 1) .or. here > room%cost(k + 2, 1)) cycle
             i = maxloc(near, dim=1)
             if (here >= near(i)) cycle
             near(i) = here
-            from(i) = k
+            from(i) = k + 1
          end associate
       end do
       best = huge(best)
-      best_from = 0
       do begun = 1, 3
          if (from(begun) == 0) cycle
          call go_round(from(begun), total)
          if (total >= best) cycle
          best = total
-         best_from = from(begun)
-      end do
-      if (best_from == 0) return
-      call go_round(best_from, total)
-      k = places
-      do i = path%n, 1, -1
-         do while (k > 1)
-            if (room%least(k - 1, i) > room%least(k, i)) exit
-            k = k - 1
-         end do
-         place = best_from + k - 1
-         visit%t(i) = place_step*real(place - 1, wp)
+         call read_back(from(begun))
       end do
 
    contains
@@ -359,11 +374,26 @@ contains
          do m = 2, path%n
             before = huge(before)
             do j = 1, places
-               before = min(before, room%least(j, m - 1) + room%cost(1 + modulo(start + j - 2, places), m))
+               before = min(before, room%least(j, m - 1) + room%cost(start + j - 1, m))
                room%least(j, m) = before
             end do
          end do
          total = room%least(places, path%n)
       end subroutine go_round
+
+      !> The timing of the least sum just found.
+      subroutine read_back(start)
+         integer, intent(in) :: start
+         integer :: m, place
+
+         place = places
+         do m = path%n, 1, -1
+            do while (place > 1)
+               if (room%least(place - 1, m) > room%least(place, m)) exit
+               place = place - 1
+            end do
+            visit%t(m) = place_step*real(start + place - 2, wp)
+         end do
+      end subroutine read_back
    end subroutine retime
 end module psalm_path_descent

@@ -10,21 +10,25 @@
 !> position ever fails to close. Angles are in degrees. Source of the elimination: Golub and Pereyra (1973).
 module psalm_path_fit
    use psalm_angles, only: unit_vector
-   use psalm_kinds, only: wp
+   use psalm_kinds, only: wp, full_turn
    implicit none (type, external)
    private
-   public :: path_t, visit_t, path_room_t, prepare_path, trace_coupler, fit_linear, error_of, lengths_of, find_violations, weigh
+   public :: path_t, visit_t, path_room_t, prepare_path, trace_coupler, trace_at, halve, fit_linear, error_of, &
+             lengths_of, find_violations, weigh
    public :: square, dot
    public :: at_ground, at_crank, at_coupler, at_follower, at_point, at_pivot
-   public :: unknowns, shape_g, shape_s, shape_q, rows_most, places, samples
+   public :: unknowns, shape_g, shape_s, shape_q, column_turn, column_miss, lanes, rows_most, places, samples
 
    ! lengths that have bounds
    integer, parameter :: at_ground = 1, at_crank = 2, at_coupler = 3, at_follower = 4, at_point = 5, at_pivot = 6
    integer, parameter :: unknowns = 9                !! z0, w1, w2 (two each), then ln g, ln sigma, q
    integer, parameter :: shape_g = 7, shape_s = 8, shape_q = 9
+   integer, parameter :: column_turn = 10, column_miss = 11 !! of the normal equations: dP/dt, what a point is missed by
+   integer, parameter :: lanes = 12                  !! columns, rounded up for the processor
    integer, parameter :: rows_most = 14              !! bounds, both sides, and two transmission angles
    integer, parameter :: places = 96                 !! of the crank when a timing is looked for
    integer, parameter :: samples = 64                !! of a lot
+   real(wp), parameter :: least_corner = 1.0e-3_wp   !! of a straight way, in 1 - cosine of the turn
    real(wp), parameter :: singular = 1.0e-14_wp      !! relative determinant below which e and v say the same
 
    !> What is to be visited, scaled to a mean radius of 1 about the mean.
@@ -33,6 +37,7 @@ module psalm_path_fit
       complex(wp), allocatable :: point(:)           !! shape (n)
       real(wp), allocatable :: weight(:)             !! shape (n), their mean is 1
       real(wp), allocatable :: chord(:)              !! shape (n): to the next point, the last one's to the first
+      real(wp), allocatable :: corner(:)             !! shape (n): how sharply the way, taken as a ring, turns there; sum 1
       complex(wp) :: centre = (0.0_wp, 0.0_wp)       !! mean of the points given, in their unit
       real(wp) :: size = 1.0_wp                      !! what they were divided by
       real(wp) :: weight_scale = 1.0_wp              !! what the weights were divided by
@@ -44,6 +49,7 @@ module psalm_path_fit
 
    !> A linkage that visits the points.
    type :: visit_t
+      integer :: way = 1                             !! which of several paths, in other directions or assemblies
       real(wp) :: g = 2.0_wp, sigma = 1.2_wp, q = 0.0_wp, side = 1.0_wp
       complex(wp) :: z0 = (0.0_wp, 0.0_wp), w1 = (1.0_wp, 0.0_wp), w2 = (0.0_wp, 0.0_wp)
       real(wp), allocatable :: t(:)                  !! shape (n), rising, degrees from the ground line
@@ -56,12 +62,14 @@ module psalm_path_fit
    type :: path_room_t
       complex(wp), allocatable :: e(:), v(:), turn(:) !! shape (n): e, v, dv/dt
       complex(wp), allocatable :: grow(:, :)         !! shape (n, 3): dv by ln g, ln sigma, q
-      real(wp), allocatable :: b(:, :), c(:), r(:)   !! shapes (9, groups), (groups), (groups): what inputs meet
+      real(wp), allocatable :: b(:, :)               !! shape (lanes, groups): products of dP/dt with all columns
       integer, allocatable :: group(:)               !! shape (n): inputs that move as one
       real(wp), allocatable :: level(:), mass(:)     !! shape (n): pooling
       integer, allocatable :: last(:)
-      complex(wp), allocatable :: e_round(:), v_round(:) !! shape (places)
-      real(wp), allocatable :: cost(:, :), least(:, :) !! shape (places, n)
+      complex(wp), allocatable :: half(:), half_next(:) !! shape (n): unit vectors at half the inputs
+      complex(wp), allocatable :: e_round(:), v_round(:), half_round(:) !! shape (places)
+      real(wp), allocatable :: cost(:, :)            !! shape (2*places, n): the turn twice
+      real(wp), allocatable :: least(:, :)           !! shape (places, n)
       type(visit_t), allocatable :: lot(:)           !! shape (samples)
       real(wp), allocatable :: score(:)              !! shape (samples)
       type(visit_t) :: now, next, other, copy
@@ -88,14 +96,20 @@ contains
       path%point = path%point/path%size
       path%centre = path%centre/path%size
       path%chord = sqrt(square(cshift(path%point, 1) - path%point))
+      associate (to => cshift(path%point, 1) - path%point, from => path%point - cshift(path%point, -1))
+         path%corner = 1.0_wp - dot(from, to)/max(sqrt(square(from)*square(to)), tiny(1.0_wp)**0.25_wp) + least_corner
+      end associate
+      path%corner = path%corner/sum(path%corner)
       path%low = low/path%size
       path%high = min(high/path%size, sqrt(huge(1.0_wp)))
       path%cosine = cosine
       path%side = side
       associate (n => path%n)
-         allocate (room%e(n), room%v(n), room%turn(n), room%grow(n, 3), room%b(unknowns, n), room%c(n), room%r(n), room%group(n), &
-                   room%level(n), room%mass(n), room%last(n), room%e_round(places), room%v_round(places), room%cost(places, n), &
-                   room%least(places, n), room%lot(samples), room%score(samples))
+         allocate (room%e(n), room%v(n), room%turn(n), room%grow(n, 3), room%b(lanes, n), room%group(n), &
+                   room%level(n), room%mass(n), room%last(n), room%e_round(places), room%v_round(places), room%cost(2*places, n), &
+                   room%least(places, n), room%half(n), room%half_next(n), room%half_round(places), &
+                   room%lot(samples), room%score(samples))
+         call halve([(full_turn*(real(i, wp)/real(places, wp)), i=0, places - 1)], room%half_round)
          do i = 1, samples
             allocate (room%lot(i)%t(n), source=0.0_wp)
          end do
@@ -126,21 +140,50 @@ contains
       complex(wp), intent(out) :: e(:), v(:)         !! shape (size(t))
       complex(wp), intent(out), optional :: turn(:)  !! dv/dt, per radian
       complex(wp), intent(out), optional :: grow(:, :) !! shape (size(t), 3): by ln g, ln sigma, q
-      complex(wp), parameter :: i = (0.0_wp, 1.0_wp)
+      complex(wp) :: half(size(t))
+
+      call halve(t, half)
+      call trace_at(shape, half, e, v, turn, grow)
+   end subroutine trace_coupler
+
+   !> Unit vectors at half the inputs: the slow part of a trace, kept where the same inputs are traced twice.
+   pure subroutine halve(t, half)
+      real(wp), intent(in) :: t(:)                   !! degrees
+      complex(wp), intent(out) :: half(:)            !! shape (size(t))
+      real(wp) :: c, s
+      integer :: k
+
+      do k = 1, size(t)
+         call unit_vector(0.5_wp*t(k), c, s)
+         half(k) = cmplx(c, s, wp)
+      end do
+   end subroutine halve
+
+   !> The same as `trace_coupler`, from the unit vectors at half the inputs.
+   pure subroutine trace_at(shape, half, e, v, turn, grow)
+      type(visit_t), intent(in) :: shape
+      complex(wp), intent(in) :: half(:)
+      complex(wp), intent(out) :: e(:), v(:)         !! shape (size(half))
+      complex(wp), intent(out), optional :: turn(:), grow(:, :) !! as `trace_coupler` has them
       complex(wp) :: h, bend
-      real(wp) :: c, s, cc, ss, d2, x, y, a, r, sd, over, x1, y1, d1, sd1, ax, rx
-      integer :: k, m
+      real(wp) :: c, s, cc, ss, d2, x, y, a, r, sd, over, ax, rx, above, below, out_x, out_y, d1
+      integer :: k
 
       associate (g => shape%g, sigma => shape%sigma, q => shape%q)
          sd = sigma*q*(g - 1.0_wp)*(g + 1.0_wp)
-         do k = 1, size(t)
-            call unit_vector(0.5_wp*t(k), c, s)
+         out_x = (sigma - 1.0_wp)*(sigma + 1.0_wp)
+         out_y = (1.0_wp - q)*(1.0_wp + q)
+         above = (g + 1.0_wp)**2
+         below = (g - 1.0_wp)**2
+         do k = 1, size(half)
+            c = real(half(k), wp)
+            s = aimag(half(k))
             cc = 4.0_wp*g*c*c
             ss = 4.0_wp*g*s*s
             e(k) = cmplx((c - s)*(c + s), 2.0_wp*c*s, wp)
-            d2 = max((g - 1.0_wp)**2 + ss, tiny(1.0_wp)**0.25_wp)
-            x = (g + 1.0_wp)**2*(sigma - 1.0_wp)*(sigma + 1.0_wp) + cc
-            y = (g - 1.0_wp)**2*(1.0_wp - q)*(1.0_wp + q) + ss
+            d2 = max(below + ss, tiny(1.0_wp)**0.25_wp)
+            x = above*out_x + cc
+            y = below*out_y + ss
             over = 0.5_wp/d2
             a = 0.5_wp + sd*over
             r = shape%side*sqrt(x*y)*over
@@ -154,33 +197,16 @@ contains
             d1 = 4.0_wp*g*s*c
             ax = -sd*d1*2.0_wp*over*over
             rx = r*(-d1*x + d1*y - 2.0_wp*d1*over)
-            turn(k) = -i*e(k)*bend + h*cmplx(ax, rx, wp)
-            do m = 1, 3
-               select case (m)
-               case (1)
-                  d1 = 2.0_wp*g*(g - 1.0_wp) + ss
-                  x1 = 2.0_wp*g*(g + 1.0_wp)*(sigma - 1.0_wp)*(sigma + 1.0_wp) + cc
-                  y1 = 2.0_wp*g*(g - 1.0_wp)*(1.0_wp - q)*(1.0_wp + q) + ss
-                  sd1 = 2.0_wp*sigma*q*g*g
-               case (2)
-                  d1 = 0.0_wp
-                  x1 = 2.0_wp*(g + 1.0_wp)**2*sigma**2
-                  y1 = 0.0_wp
-                  sd1 = sd
-               case default
-                  d1 = 0.0_wp
-                  x1 = 0.0_wp
-                  y1 = -2.0_wp*q*(g - 1.0_wp)**2
-                  sd1 = sigma*(g - 1.0_wp)*(g + 1.0_wp)
-               end select
-               ax = over*(sd1 - sd*d1*2.0_wp*over)
-               rx = r*(x1*x + y1*y - 2.0_wp*d1*over)
-               grow(k, m) = h*cmplx(ax, rx, wp)
-               if (m == 1) grow(k, m) = grow(k, m) + g*bend
-            end do
+            turn(k) = cmplx(aimag(e(k)), -real(e(k), wp), wp)*bend + h*cmplx(ax, rx, wp)
+            d1 = 2.0_wp*g*(g - 1.0_wp) + ss
+            ax = over*(2.0_wp*sigma*q*g*g - sd*d1*2.0_wp*over)
+            rx = r*((2.0_wp*g*(g + 1.0_wp)*out_x + cc)*x + (2.0_wp*g*(g - 1.0_wp)*out_y + ss)*y - 2.0_wp*d1*over)
+            grow(k, 1) = h*cmplx(ax, rx, wp) + g*bend
+            grow(k, 2) = h*cmplx(over*sd, r*(2.0_wp*above*sigma**2)*x, wp)
+            grow(k, 3) = h*cmplx(over*sigma*(g - 1.0_wp)*(g + 1.0_wp), -r*(2.0_wp*q*below)*y, wp)
          end do
       end associate
-   end subroutine trace_coupler
+   end subroutine trace_at
 
    !> The best z0, w1, w2 of a shape and its inputs.
    pure subroutine fit_linear(path, e, v, visit, slack)
