@@ -13,11 +13,14 @@ program psalm
    use psalm_check_list, only: list_input
    use psalm_data_set, only: data_set_t
    use psalm_devices, only: devices_t, header_of
-   use psalm_error, only: problem_t, make_problem
+   use psalm_error, only: problem_t, inputs_of, make_problem
    use psalm_exact_report, only: report_exact
    use psalm_exact_study, only: exact_study_t, check_exact, find_exact
+   use psalm_family_list, only: report_family
+   use psalm_family_study, only: family_t, find_family
    use psalm_kinds, only: wp
    use psalm_mark, only: mark_t
+   use psalm_mechanism, only: mechanism_t
    use psalm_preparation, only: prepared_t, prepare, threads_for, threads_wanted
    use psalm_proof_study, only: proof_study_t, study_proof, proof_wanted, no_proof
    use psalm_report, only: most_summarised, begin_search_report, report_search, report_analysis, report_found, &
@@ -123,6 +126,7 @@ contains
       if (set%sketch%given .and. .not. set%wants_search()) call run_sketch(set, devices)
       if (allocated(set%no_loops)) then
          if (set%wants_search()) call run_chain_search(set, devices, monitor)
+         if (set%sweep%given) call run_family(set, prepared%mechanism, prepared%given, devices)
          if (arguments%assemblies) call run_assemblies(set, devices)
          if (arguments%links) call devices%remark(set, 'device 7 has the sketch: there are no equivalent &LINKS, for it has '// &
                                                   set%no_loops)
@@ -149,7 +153,7 @@ contains
       if (arguments%links .and. set%sketch%given) then
          allocate (by_loops, source=set)
          by_loops%sketch%given = .false.
-         if (set%constr%given .or. set%masses%given .or. set%loads%given .or. set%springs%given) then
+         if (set%constr%given .or. set%masses%given .or. set%loads%given .or. set%springs%given .or. set%sweep%given) then
             by_loops%others = ''
             call devices%remark(set, 'device 7 has &LINKS without the groups that call joints by their names')
          end if
@@ -164,6 +168,7 @@ contains
          call study_tolerances(final, problem%mechanism, dimensions, threads, stop, tolerances)
          call report_tolerances(set, tolerances, devices)
       end if
+      if (set%sweep%given) call run_family(set, problem%mechanism, dimensions, devices)
       if (proof_wanted(set, prepared%parameters%has_search()) /= no_proof) then
          allocate (proof)
          call study_proof(problem, dimensions, proof_wanted(set, prepared%parameters%has_search()), set%dwell, proof)
@@ -175,6 +180,21 @@ contains
       if (monitor%active) call write_standard_error(nl)
       stopped = signals%asked()
    end subroutine run_case
+
+   !> The output for several settings of an adjustable dimension.
+   subroutine run_family(set, mechanism, dimensions, devices)
+      type(data_set_t), intent(in) :: set
+      type(mechanism_t), intent(in) :: mechanism
+      type(dimensions_t), intent(in) :: dimensions   !! of a linkage described by its loops
+      type(devices_t), intent(inout) :: devices
+      type(family_t), allocatable :: family
+      logical :: found
+
+      allocate (family)
+      found = .false.
+      if (.not. allocated(set%no_loops)) call find_family(set, mechanism, dimensions, inputs_of(set), family, found)
+      call report_family(set, family, found, devices)
+   end subroutine run_family
 
    !> All linkages that meet points, poses or a function exactly.
    subroutine run_exact(set, devices)

@@ -3,6 +3,7 @@
 
 usage: test/laws.py PROGRAM_DIRECTORY. Last line: N passed, N failed.
 """
+import math
 import os
 import re
 import sys
@@ -42,6 +43,90 @@ def with_items(text, group, items):
 def without(text, item):
     """The text without an item and its values, if it has them."""
     return re.sub(r"\b%s *=[^=]*?(?=,?\s*(\b[A-Z]\w*(\(\S*\))? *=|&END))" % item, "", text).replace(", ,", ",")
+
+
+def block(device, name):
+    """Columns of a named block of device 9."""
+    text = read(device).split("# block %s\n" % name)[1].split("\n\n")[0].splitlines()
+    names = text[0].split()[1:]
+    values = [list(map(float, line.split())) for line in text[1:] if line.strip()]
+    return {n: [row[i] for row in values] for i, n in enumerate(names)}
+
+
+def test_family():
+    """Each curve of a family is the analysis with that dimension; of a sketch that of the same linkage with that exact length."""
+    rocker = case("dyad1_crank_rocker")
+    write("family.nml", rocker + " &SWEEP SWLINK=3, SWLOOP=1, SWLOW=78.0, SWHIGH=90.0, NSWEEP=4 &END\n")
+    check("family: exit status", psalm("--quiet", "family.nml")[0] == 0)
+    family = block("family.dev9", "sweep")
+    alone = []
+    for length in (78.0, 82.0, 86.0, 90.0):
+        write("alone.nml", changed(rocker, "120.0,80.0", "120.0,%.1f" % length))
+        psalm("--quiet", "alone.nml")
+        alone += [float(row["actual"]) for row in rows("alone.dev9")]
+    check("family: each curve is an analysis", len(alone) == 96 and all(
+        abs((a - b + 180) % 360 - 180) < 1e-9 for a, b in zip(family["OUTPUT"], alone)))
+    check("family: settings", sorted(set(family["setting"])) == [78.0, 82.0, 86.0, 90.0])
+    sketch = case("adjustable_stroke")
+    write("family.nml", sketch)
+    code, listing, errors = psalm("--quiet", "family.nml")
+    check("family of a sketch: exit status", code == 0, errors)
+    family = block("family.dev9", "sweep")
+    # the pin E at 70 along the line from D, in the drawing itself; the rod keeps its length
+    length = math.dist((95.5, 80.36), (120.0, 0.0))
+    moved = [120.0 + 70.0 * (95.5 - 120.0) / length, 70.0 * 80.36 / length]
+    write("alone.nml", changed(changed(changed(sketch, "95.5,230.0", "%r,230.0" % moved[0]), "80.36,95.0", "%r,95.0" % moved[1]), "LNK='A D'",
+                                "LENP='E F', LENV=%r, LNK='A D'" % math.dist((95.5, 80.36), (230.0, 95.0))))
+    psalm("--quiet", "alone.nml")
+    theirs = [float(row["actual"]) for row in rows("alone.dev9")]
+    ours = [v for v, setting in zip(family["slide_S1"], family["setting"]) if setting == 70.0]
+    # a slide's length counts from where its foot was drawn
+    check("family of a sketch: each curve is the analysis of a drawing with that length", len(ours) == len(theirs) == 24 and
+          all(abs((a - ours[0]) - (b - theirs[0])) < 1e-9 for a, b in zip(ours, theirs)), str(list(zip(ours, theirs))[:3]))
+    check("family: the listing has the strokes", re.search(r"^ STROKE +\d", listing, re.M))
+    for old, new, words in (("SWJNT='D E'", "SWJNT='A E'", "belong to no link together"), ("SWJNT='D E'", "SWJNT='D G'", "no joint is called 'G'"),
+                            ("SWHIGH=100.0", "SWHIGH=50.0", "must be above SWLOW"), ("SWJNT='D E'", "SWLINK=3", "of a sketch a length is swept"),
+                            ("NSWEEP=5", "NSWEEP=1", "must be from 2 to 99"), ("SWLOW=60.0, ", "", "the lowest setting")):
+        write("wrong.nml", changed(sketch, old, new))
+        code, _, errors = psalm("--quiet", "wrong.nml")
+        check("family: %s is refused" % (new or "no SWLOW"), code == 2 and words in errors and "wrong.nml:14" in errors, errors)
+
+
+def test_adjustment():
+    """What an adjustable member leaves, from differences of analyses and normal equations of one unknown."""
+    rocker, lengths, tol, h = case("dyad1_crank_rocker"), [40.0, 120.0, 80.0, 130.0], 0.1, 1e-4
+    write("adjust.nml", rocker + " &TOLER TOLARC=4*0.1, ADJUST=1, OUTTOL=0.05 &END\n")
+    _, listing, _ = psalm("--quiet", "adjust.nml")
+    found = block("adjust.dev9", "adjustment")
+
+    def outputs(values):
+        write("alone.nml", changed(rocker, "ARCL=40.0,120.0,80.0,130.0", "ARCL=" + ",".join(map(repr, values))))
+        psalm("--quiet", "alone.nml")
+        return [float(row["actual"]) for row in rows("alone.dev9")]
+
+    effect = []
+    for i in range(4):
+        above, below = (outputs([v + (h * side if k == i else 0.0) for k, v in enumerate(lengths)]) for side in (1, -1))
+        effect.append([tol * (((a - b + 180) % 360) - 180) / (2 * h) for a, b in zip(above, below)])
+    for k, arc in enumerate(found["arc"]):
+        v = int(arc) - 1
+        unit = [e / tol for e in effect[v]]
+        square, worst, travel = [0.0] * len(unit), [0.0] * len(unit), [tol]
+        for i in range(4):
+            if i == v:
+                continue
+            setting = sum(a * b for a, b in zip(unit, effect[i])) / sum(a * a for a in unit)
+            rest = [e - setting * u for e, u in zip(effect[i], unit)]
+            square, worst = [s + r * r for s, r in zip(square, rest)], [w + abs(r) for w, r in zip(worst, rest)]
+            travel.append(abs(setting))
+        ours = (max(square) ** 0.5, max(worst), sum(t * t for t in travel) ** 0.5, sum(travel))
+        theirs = [found[n][k] for n in ("left_root_sum_square", "left_worst_case", "travel_root_sum_square", "travel_worst_case")]
+        check("adjustment: arc %d by differences" % arc, all(abs(a - b) < 1e-5 * max(abs(b), 0.01) for a, b in zip(ours, theirs)), "%s %s" % (ours, theirs))
+    check("adjustment: the best comes first, all four are there", sorted(found["arc"]) == [1, 2, 3, 4] and
+          found["left_root_sum_square"] == sorted(found["left_root_sum_square"]))
+    words = [line.split()[-1] for line in listing.split("ONE MEMBER ADJUSTED")[1].splitlines()[4:9]]
+    right = ["ALWAYS" if worst <= 0.05 else "RSS" if left <= 0.05 else "NO" for left, worst in zip(found["left_root_sum_square"], found["left_worst_case"])]
+    check("adjustment: whether the output's tolerance is kept", words[1:] == right, "%s %s" % (words, right))
 
 
 def test_desired():
@@ -209,6 +294,8 @@ def main(programs):
         test_time()
         test_margins()
         test_open_rates()
+        test_family()
+        test_adjustment()
         os.chdir("/")
     print("%d passed, %d failed" % (picture_tools.passed, picture_tools.failed))
     return picture_tools.failed > 0

@@ -868,6 +868,14 @@ def test_rate_curves():
           any(name.startswith("acceleration of shock") for name in panels), errors + str(list(panels)))
     check("outputs of a sketch of dyads: those of CASE.csv", all(near(panels[name]["lines"][0]["values"][i], float(row[name]), 1e-7, 1.0)
           for name in ("rise", "shock", "leverage") for i, row in zip(at, rows)))
+    stroke = os.path.join(DATA, "adjustable_stroke.nml")
+    psalm("--quiet", "--output-dir", ".", stroke)
+    code, _, errors = balm("--quiet", "--curves", "--output-dir", ".", stroke)
+    scene = page_data("adjustable_stroke.html")[0]
+    panel = next((panel for panel in scene["panels"] if panel["name"] == "slide_S1 by length D E"), {"lines": []})
+    family = [line.split() for line in read("adjustable_stroke.dev9").split("# block sweep\n")[1].splitlines()[1:]]
+    check("family: a line for each setting, that of psalm", code == 0 and [line["label"] for line in panel["lines"]] == ["60", "70", "80", "90", "100"] and all(
+        near(line["values"][15 * i], float(family[24 * k + i][3]), 1e-7, 1.0) for k, line in enumerate(panel["lines"]) for i in range(24)), errors)
     check("links of a sketch have the user's names", {body.get("name") for body in case["bodies"]} == {"frame", "chainstay", "seatstay", "rocker"})
 
 

@@ -33,6 +33,7 @@ module psalm_data_set
    use psalm_spring_design_group, only: spring_design_group_t, read_spring_design_group
    use psalm_spring_group, only: spring_group_t, read_spring_group
    use psalm_status, only: diagnostics_t
+   use psalm_sweep_group, only: sweep_group_t, read_sweep_group
    use psalm_system, only: memory_to_be_had
    use psalm_text, only: text_t, to_text
    use psalm_wish_items, only: read_wishes
@@ -112,6 +113,8 @@ module psalm_data_set
       real(wp) :: tolout = 0.0_wp, toloua = 0.0_wp !! of OUTLK, OUTANG
       real(wp) :: tolorl = 0.0_wp, tolora = 0.0_wp !! of ORIGLK, ORIGNG
       real(wp) :: tolcrk = 0.0_wp                  !! of CRNKI
+      logical :: adjusted = .false.                !! ADJUST=1: every dimension as the adjustable one
+      real(wp) :: outtol = 0.0_wp                  !! of the output; 0: not given
       integer :: ntrial = 0                        !! linkages of the Monte-Carlo sample
       real(wp) :: tollen = 0.0_wp, tolang = 0.0_wp !! of all lengths, of all angles
       ! RATES (read for kalm only)
@@ -142,6 +145,7 @@ module psalm_data_set
       type(cam_group_t) :: cam2            !! CAM2: of a second drive
       type(exact_group_t) :: exact         !! EXACT (read for psalm only)
       type(dxf_group_t) :: dxf             !! DXF (read for balm only)
+      type(sweep_group_t) :: sweep         !! SWEEP (read for psalm and balm only)
       character(:), allocatable :: others  !! the groups that device 7 keeps as they are
       character(:), allocatable :: skipped !! the groups that this program does not read, with those that do; empty: none
       type(origins_t) :: origins           !! where every value was written
@@ -245,11 +249,11 @@ contains
       integer, parameter :: links = 1, method = 2, limits = 3, search = 4, constr = 5, toler = 6, rates = 7, chain = 8, &
                             drives = 9, outputs = 10, masses = 11, loads = 12, spring = 13, frictn = 14, motor = 15, &
                             vibr = 16, estim = 17, drivel = 18, hill = 19, balanc = 20, cam = 21, sprngs = 22, &
-                            clear = 23, cam2 = 24, exact = 25, dxf = 26
+                            clear = 23, cam2 = 24, exact = 25, dxf = 26, sweep = 27
       character(*), parameter :: names(*) = [character(name_length) :: 'LINKS', 'METHOD', 'LIMITS', 'SEARCH', 'CONSTR', &
                                              'TOLER', 'RATES', 'CHAIN', 'DRIVES', 'OUTPUTS', 'MASSES', 'LOADS', 'SPRING', &
                                              'FRICTN', 'MOTOR', 'VIBR', 'ESTIM', 'DRIVEL', 'HILL', 'BALANC', &
-                                             'CAM', 'SPRNGS', 'CLEAR', 'CAM2', 'EXACT', 'DXF']
+                                             'CAM', 'SPRNGS', 'CLEAR', 'CAM2', 'EXACT', 'DXF', 'SWEEP']
       type(group_t), allocatable :: groups(:)      ! large: they would fill a small stack
       type(diagnostics_t) :: unused
       logical :: shape_known, sketch_sound
@@ -327,6 +331,9 @@ contains
          if (count(.not. set%sketch%drives%geared) > 1) call out_of(groups(dxf), 'INCREM', &
             'of several drives there is no one increment; give the number of a position in POSITN', findings)
       end if
+      call read_sweep_group(groups(sweep), set%ilink, set%sketch, set%sweep, findings)
+      if (set%sweep%given .and. set%sketch%given .and. set%wants_search()) call out_of(groups(sweep), 'SWJNT', &
+         'a sketch is swept in an analysis: search without this group, and add it to device 7', findings)
       ! where there are errors the group may stand under a misspelt name
       if (size(set%masses%mass) > 0 .and. .not. (set%rates_given .or. findings%failed())) then
          call findings%warning('there is no group &RATES: the input is taken to move at '// &
@@ -590,7 +597,7 @@ contains
       type(diagnostics_t), intent(inout) :: findings
       real(wp), allocatable :: reals(:)
       real(wp) :: of_lengths, of_angles
-      integer :: n
+      integer :: n, adjust
 
       n = set%nloop*set%maxarc
       allocate (set%tolarc(set%maxarc, set%nloop), set%tolgam(set%maxarc, set%nloop), source=0.0_wp)
@@ -616,6 +623,15 @@ contains
       call group%get_real('TOLCRK', set%tolcrk, findings)
       set%tollen = of_lengths
       set%tolang = of_angles
+      adjust = 0
+      call group%get_integer('ADJUST', adjust, findings)
+      call check_range(group, 'ADJUST', adjust, 0, 1, findings)
+      set%adjusted = adjust == 1
+      call group%get_real('OUTTOL', set%outtol, findings)
+      if (set%outtol < 0.0_wp) call out_of(group, 'OUTTOL', 'is the largest deviation of the output to either side; not negative', &
+                                           findings)
+      if (set%adjusted .and. set%motion == motion_pose) call out_of(group, 'ADJUST', &
+         'the deviations of a pose are lengths and angles; ask for its point or its angle', findings)
       call group%get_integer('NTRIAL', set%ntrial, findings)
       call check_range(group, 'NTRIAL', set%ntrial, 0, most_trials, findings)
       if (any(set%tolarc >= set%arcl .and. set%arcl > 0.0_wp)) then

@@ -68,8 +68,8 @@ contains
       call make_curves(set%sketch, own, sweep, scene)
       call make_envelope(set%sketch, own, scene)
       ! the way through a grid has no speed, nor has one from position to position without one
-      if (count(.not. set%sketch%drives%geared) == 1) &
-         call add_study_panels(set, sweep, size(set%sketch%outputs) + 1, maxval(scene%high - scene%low), scene%panels)
+      if (count(.not. set%sketch%drives%geared) > 1) return
+      call add_study_panels(set, sweep, size(set%sketch%outputs) + 1, maxval(scene%high - scene%low), scene%panels)
    end subroutine make_chain_scene
 
    !> The position that the group DXF asks for by its increment.

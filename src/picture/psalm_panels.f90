@@ -6,8 +6,9 @@ module psalm_panels
    use psalm_chain_study, only: chain_study_t, study_chain
    use psalm_data_set, only: data_set_t
    use psalm_error, only: problem_t
+   use psalm_family_study, only: family_t, find_family
    use psalm_kinds, only: wp, full_turn
-   use psalm_markup, only: short_number
+   use psalm_markup, only: sentence_case, short_number
    use psalm_mechanism, only: mechanism_t
    use psalm_dimensions, only: dimensions_t
    use psalm_output_kind, only: output_kind_t, motion_angle, motion_distance, motion_point, motion_pose
@@ -16,7 +17,7 @@ module psalm_panels
    use psalm_tolerance, only: deviating_t, tolerance_t, find_tolerances
    implicit none (type, external)
    private
-   public :: panel_t, band_t, add_rate_panels, add_sketch_panels, add_study_panels, find_band, flat
+   public :: panel_t, band_t, add_rate_panels, add_sketch_panels, add_study_panels, add_family_panels, find_band, flat
    public :: group_position, group_rates, group_tolerance
 
    integer, parameter :: name_room = 96      !! characters of a panel's name
@@ -167,6 +168,35 @@ contains
          end do
       end do
    end subroutine add_study_panels
+
+   !> The outputs for several settings of the dimension of the group SWEEP, a line for each.
+   subroutine add_family_panels(set, mechanism, dimensions, delt, size_of, panels)
+      type(data_set_t), intent(in) :: set
+      type(mechanism_t), intent(in) :: mechanism
+      type(dimensions_t), intent(in) :: dimensions
+      real(wp), intent(in) :: delt(:)              !! increments of the sweep
+      real(wp), intent(in) :: size_of              !! of the linkage
+      type(panel_t), allocatable, intent(inout) :: panels(:)
+      type(family_t), allocatable :: family
+      logical :: found
+      integer :: c, k
+
+      allocate (family)
+      call find_family(set, mechanism, dimensions, delt, family, found)
+      if (.not. found) return
+      do c = 1, min(most_outputs, size(family%numbers))
+         if (set%sketch%given) then
+            call begin_panel(trim(family%numbers(c))//' by length '//family%name(len('LENGTH ') + 1:), group_position, &
+                             merge(full_turn, size_of, family%angle(c)), panels)
+         else
+            call begin_panel(trim(sentence_case(trim(family%numbers(c))//' by '//family%name)), group_position, &
+                             merge(full_turn, size_of, family%angle(c)), panels)
+         end if
+         do k = 1, size(family%setting)
+            call add_line(short_number(family%setting(k), 5), family%actual(:, c, k), family%closed(:, k), panels(size(panels)))
+         end do
+      end do
+   end subroutine add_family_panels
 
    !> What a rate of order 1 or 2 is measured by: of an angle, or of a length in units of the linkage.
    pure real(wp) function unit_of(set, sliding, size_of, order) result(unit)

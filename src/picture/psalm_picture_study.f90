@@ -8,7 +8,7 @@ module psalm_picture_study
    use psalm_finale, only: describe_violation
    use psalm_markup, only: strings_t, add_string
    use psalm_preparation, only: demand_t, prepared_t, prepare
-   use psalm_scene, only: scene_t, make_scene, message_scene
+   use psalm_scene, only: scene_t, add_curves, make_scene, message_scene
    use psalm_source, only: line_t
    use psalm_status, only: diagnostics_t, finding_t, level_error
    use psalm_text, only: to_text
@@ -66,6 +66,7 @@ contains
          each%nguess = sets(k)%nguess
          if (prepared%ready) then
             call make_scene(each, prepared%mechanism, prepared%given, prepared%parameters, own, cases(k)%scene)
+            if (cases(k)%scene%sound) call add_curves(each, prepared%mechanism, prepared%given, prepared%parameters, cases(k)%scene)
             if (each%vibration%given .and. cases(k)%scene%sound) call add_vibration(each, prepared, cases(k)%scene)
             if (each%clearance%given .and. cases(k)%scene%sound) call add_clearance(each, prepared, cases(k)%scene)
             if (each%ndes < sets(k)%ndes) call look_at_all_positions(sets(k), prepared, cases(k)%undrawn)

@@ -16,7 +16,7 @@ module psalm_scene
    use psalm_margins, only: margin_t, inspector_t, prepare_inspector, inspect, is_violated
    use psalm_markup, only: strings_t, add_string, sentence_case
    use psalm_output_kind, only: motion_point, motion_angle, motion_distance, motion_slide, motion_pose
-   use psalm_panels, only: panel_t, band_t, add_rate_panels, add_sketch_panels, find_band
+   use psalm_panels, only: panel_t, band_t, add_family_panels, add_rate_panels, add_sketch_panels, find_band
    use psalm_parts, only: joint_t, bar_t, body_t, slide_t, pair_t, wheel_t, curve_t, drive_part_t, edge_t, find_slides, &
                           convex_hull
    use psalm_sketch, only: output_point, output_pose, output_x, output_y
@@ -29,7 +29,7 @@ module psalm_scene
    use psalm_vibration_scene, only: vibration_scene_t
    implicit none (type, external)
    private
-   public :: scene_t, make_scene, message_scene, choose_view, find_rails, motion_number
+   public :: scene_t, make_scene, add_curves, message_scene, choose_view, find_rails, motion_number
 
    integer, parameter :: motion_number = -1      !! output of a sketch that has no place of its own
 
@@ -171,7 +171,6 @@ contains
       call find_wishes(scene, scene%prescribed)
       call find_wishes(scene, scene%sweep)
       call widen_view(scene)
-      call add_curves(set, mechanism, dimensions, own, scene)
    end subroutine make_scene
 
    !> The position that the group DXF asks for by its increment.
@@ -189,13 +188,14 @@ contains
       call trace_row(one, every, dimensions, scene%slides, scene%output_slide, .false., scene%chosen)
    end subroutine trace_chosen
 
-   !> Rates of the output, further outputs of a sketch, bands of tolerance. `own` has the inputs of the sweep.
-   subroutine add_curves(set, mechanism, dimensions, own, scene)
+   !> Rates of the output, further outputs of a sketch, bands of tolerance, a family of curves, over the sweep of a sound scene.
+   subroutine add_curves(set, mechanism, dimensions, parameters, scene)
       type(data_set_t), intent(in) :: set
       type(mechanism_t), intent(in) :: mechanism
       type(dimensions_t), intent(in) :: dimensions
-      type(problem_t), intent(inout) :: own
+      type(parameters_t), intent(in) :: parameters
       type(scene_t), intent(inout) :: scene
+      type(problem_t), allocatable :: own     ! large: it would fill a small stack
       type(band_t), allocatable :: band
       real(wp) :: size_of
       logical :: found
@@ -208,8 +208,12 @@ contains
          if (size(set%sketch%outputs) > 0) scene%output_label = trim(set%sketch%outputs(1)%name)
          call add_sketch_panels(set, scene%sweep%delt, size_of, scene%panels)
       else
+         allocate (own)
+         call make_problem(set, mechanism, dimensions, parameters, own)
+         call own%set_inputs(scene%sweep%delt)
          call add_rate_panels(set, own, dimensions, size_of, scene%panels)
       end if
+      if (set%sweep%given) call add_family_panels(set, mechanism, dimensions, scene%sweep%delt, size_of, scene%panels)
    end subroutine add_curves
 
    !> Directions and desired places of the output belong into the view too, counterweights and springs.

@@ -1,5 +1,6 @@
 !> Results of studies become texts of the devices, remarks for standard error and the exit status. Nothing is computed here.
 module psalm_report
+   use psalm_adjustment_list, only: list_adjustments, write_adjustment_block
    use psalm_analysis, only: analysis_t
    use psalm_check_list, only: list_arcs, list_reference_joints, list_setup
    use psalm_data_set, only: data_set_t, title_columns, default_niter
@@ -357,6 +358,10 @@ contains
       if (result%is_violating()) call devices%note_violation()
       call list_tolerances(result%linear, result%sample, devices%six)
       call plot_tolerances(set%title, result%linear, result%sample, devices%nine)
+      if (allocated(result%adjustments)) then
+         call list_adjustments(result%linear, result%adjustments, set%outtol, devices%six)
+         call write_adjustment_block(result%linear, result%adjustments, devices%nine)
+      end if
       if (any(result%linear%dead)) call devices%remark(set, 'dead point at position '// &
          to_text(findloc(result%linear%dead, .true., dim=1))//': effects of tolerances are infinite there')
       if (result%sample%trials < result%trials) call devices%remark(set, &

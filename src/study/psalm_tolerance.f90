@@ -5,6 +5,7 @@
 !> out to threads in chunks, whose random numbers are streams of their own: the same bits for any number of threads.
 !> Source: Oldham (1977), section 8.2.5 and chapter 1.
 module psalm_tolerance
+   use psalm_adjustment, only: adjustment_t, find_adjustments
    use psalm_data_set, only: data_set_t
    use psalm_error, only: problem_t, motion_t, inputs_of, new_problem
    use psalm_stop, only: stop_t
@@ -64,6 +65,7 @@ module psalm_tolerance
       logical :: closes = .false.                  !! the nominal linkage closes everywhere; else there is nothing more
       type(tolerance_t) :: linear
       type(sample_t) :: sample
+      type(adjustment_t), allocatable :: adjustments(:) !! ADJUST=1 and no dead point
       integer :: trials = 0                        !! linkages of the sample that were asked for
       logical :: out_of_time = .false.             !! MAXTIME passed
    contains
@@ -88,6 +90,9 @@ contains
       result%trials = set%ntrial
       allocate (deviating)
       call find_tolerances(set, mechanism, dimensions, deviating, result%linear, result%closes)
+      if (result%closes .and. set%adjusted) then
+         if (.not. any(result%linear%dead)) result%adjustments = find_adjustments(result%linear%effect, result%linear%tolerance)
+      end if
       if (.not. result%closes .or. set%ntrial == 0) return
       call draw_sample(deviating, result%linear, set%ntrial, set%istart, threads, result%sample, limited)
       result%out_of_time = limited%late()

@@ -1,0 +1,111 @@
+!> The group SWEEP: one dimension that is adjustable, over its range; the outputs are a family of curves.
+module psalm_sweep_group
+   use psalm_group, only: group_t, check_range, out_of, required
+   use psalm_kinds, only: wp
+   use psalm_sketch, only: sketch_t
+   use psalm_sketch_names, only: meant
+   use psalm_status, only: diagnostics_t
+   use psalm_text, only: shortened, to_text
+   implicit none (type, external)
+   private
+   public :: sweep_group_t, read_sweep_group
+   public :: swept_length, swept_angle, swept_outlk, swept_outang, swept_origlk, swept_origng, swept_crnki
+
+   integer, parameter :: swept_length = 1, swept_angle = 2, swept_outlk = 3, swept_outang = 4, swept_origlk = 5, &
+                         swept_origng = 6, swept_crnki = 7
+   character(6), parameter :: words(*) = ['LENGTH', 'ANGLE ', 'OUTLK ', 'OUTANG', 'ORIGLK', 'ORIGNG', 'CRNKI ']
+   integer, parameter :: most_settings = 99
+
+   type :: sweep_group_t
+      logical :: given = .false.
+      integer :: what = swept_length         !! SWHAT: one of `swept_...`
+      integer :: arc = 0, loop = 0           !! SWLINK, SWLOOP
+      integer :: joints(2) = 0               !! SWJNT, of a sketch: the ends of the length
+      real(wp) :: low = 0.0_wp, high = 0.0_wp !! SWLOW, SWHIGH
+      integer :: settings = 5                !! NSWEEP
+   end type sweep_group_t
+
+contains
+
+   !> Read the group. Errors: arcs and joints that are not there, two joints without a link in common, an empty range.
+   subroutine read_sweep_group(group, ilink, sketch, sweep, findings)
+      type(group_t), intent(inout) :: group
+      integer, intent(in) :: ilink(:, :)     !! ILINK, shape (maxarc, nloop)
+      type(sketch_t), intent(in) :: sketch
+      type(sweep_group_t), intent(inout) :: sweep
+      type(diagnostics_t), intent(inout) :: findings
+      character(:), allocatable :: word, names(:)
+
+      sweep%given = group%line > 0
+      word = 'LENGTH'
+      call group%get_word('SWHAT', word, findings)
+      call group%get_integer('SWLINK', sweep%arc, findings)
+      call group%get_integer('SWLOOP', sweep%loop, findings)
+      call group%get_texts('SWJNT', names, findings)
+      call group%get_real('SWLOW', sweep%low, findings)
+      call group%get_real('SWHIGH', sweep%high, findings)
+      call group%get_integer('NSWEEP', sweep%settings, findings)
+      if (.not. sweep%given) return
+      call check_range(group, 'NSWEEP', sweep%settings, 2, most_settings, findings)
+      if (.not. group%given('SWLOW')) call required(group, 'SWLOW', 'missing; the lowest setting')
+      if (.not. group%given('SWHIGH')) call required(group, 'SWHIGH', 'missing; the highest setting')
+      if (group%given('SWLOW') .and. group%given('SWHIGH') .and. .not. sweep%low < sweep%high) &
+         call out_of(group, 'SWHIGH', 'must be above SWLOW', findings)
+      sweep%what = findloc(words == word, .true., dim=1)
+      if (sweep%what == 0) call out_of(group, 'SWHAT', "must be 'LENGTH', 'ANGLE', 'OUTLK', 'OUTANG', 'ORIGLK', 'ORIGNG' or "// &
+                                       "'CRNKI'; found '"//word//"'", findings)
+      if (any(sweep%what == [swept_length, swept_outlk]) .and. group%given('SWLOW') .and. .not. sweep%low > 0.0_wp) &
+         call out_of(group, 'SWLOW', 'a length must be above 0', findings)
+      if (sketch%given) then
+         call of_sketch()
+         return
+      end if
+      if (size(names) > 0) call out_of(group, 'SWJNT', 'joints have names in a sketch (&CHAIN) only; give SWLINK and SWLOOP', &
+                                       findings)
+      if (all(sweep%what /= [swept_length, swept_angle])) return
+      if (sweep%loop < 1 .or. sweep%loop > size(ilink, 2)) then
+         call out_of(group, 'SWLOOP', 'there is no loop '//to_text(sweep%loop), findings)
+      else if (sweep%arc < 1 .or. sweep%arc > size(ilink, 1)) then
+         call out_of(group, 'SWLINK', 'there is no arc '//to_text(sweep%arc), findings)
+      else if (ilink(sweep%arc, sweep%loop) == 0) then
+         call out_of(group, 'SWLINK', 'loop '//to_text(sweep%loop)//' has no arc '//to_text(sweep%arc), findings)
+      end if
+
+   contains
+
+      subroutine of_sketch()
+         character(:), allocatable :: pair
+         integer :: blank, l
+
+         if (sweep%what /= swept_length .or. group%given('SWLINK') .or. group%given('SWLOOP')) then
+            call out_of(group, merge('SWLINK', 'SWHAT ', group%given('SWLINK')), 'of a sketch a length is swept, between two '// &
+                        "joints of a link: SWJNT='A B'", findings)
+            return
+         end if
+         if (size(names) /= 1) then
+            call required(group, 'SWJNT', "the two joints of the length are expected, SWJNT='A B'")
+            return
+         end if
+         pair = trim(adjustl(names(1)))
+         blank = index(pair, ' ')
+         if (blank == 0) then
+            call out_of(group, 'SWJNT', "two joints are expected, as 'A B'; found '"//shortened(pair)//"'", findings)
+            return
+         end if
+         sweep%joints = [find(pair(:blank - 1)), find(trim(adjustl(pair(blank:))))]
+         if (any(sweep%joints == 0) .or. .not. sketch%sound) return
+         do l = 1, size(sketch%links)
+            if (sketch%has_joint(l, sweep%joints(1)) .and. sketch%has_joint(l, sweep%joints(2))) return
+         end do
+         call out_of(group, 'SWJNT', "joints '"//pair//"' belong to no link together", findings)
+      end subroutine of_sketch
+
+      integer function find(name)
+         character(*), intent(in) :: name
+
+         find = sketch%joint_called(name)
+         if (find == 0 .and. sketch%sound) call out_of(group, 'SWJNT', "no joint is called '"//shortened(name)//"'"// &
+                                                       meant(name, sketch%joint_name), findings)
+      end function find
+   end subroutine read_sweep_group
+end module psalm_sweep_group

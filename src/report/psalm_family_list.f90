@@ -1,0 +1,112 @@
+!> A family of curves in the listing and on device 9.
+module psalm_family_list
+   use psalm_data_set, only: data_set_t
+   use psalm_devices, only: devices_t
+   use psalm_family_study, only: family_t
+   use psalm_kinds, only: wp
+   use psalm_text, only: text_t, full_precision, general, to_text, upper_case
+   implicit none (type, external)
+   private
+   public :: report_family
+
+   integer, parameter :: in_a_row = 6   !! settings of a table
+
+contains
+
+   !> The family in the listing and on device 9; a remark on settings that do not close everywhere.
+   subroutine report_family(set, family, found, devices)
+      type(data_set_t), intent(in) :: set
+      type(family_t), intent(in) :: family
+      logical, intent(in) :: found               !! there is one
+      type(devices_t), intent(inout) :: devices
+      integer :: k, open
+
+      if (.not. found) then
+         call devices%remark(set, 'no family of curves: the dimension of &SWEEP cannot be set by itself: a sliding arc, or '// &
+                             'joints of a sketch that no arc of its loops joins (device 8 has the loops)')
+         call devices%note_violation()
+         return
+      end if
+      call list_family(family, devices%six)
+      call write_family_block(family, devices%nine)
+      open = count([(.not. all(family%closed(:, k)), k=1, size(family%setting))])
+      if (open == 0) return
+      call devices%remark(set, 'the linkage does not close everywhere at '//to_text(open)//' of '// &
+                          to_text(size(family%setting))//' settings of &SWEEP')
+      call devices%note_violation()
+   end subroutine report_family
+
+   !> Append a table of each number of the output: a row for each position, a column for each setting; below, its stroke.
+   subroutine list_family(family, text)
+      type(family_t), intent(in) :: family
+      type(text_t), intent(inout) :: text
+      character(:), allocatable :: line
+      integer :: c, first, last, i, k
+
+      call text%add()
+      call text%add(' FAMILY OF CURVES: THE OUTPUT FOR '//to_text(size(family%setting))//' SETTINGS OF '//upper_case(family%name))
+      do c = 1, size(family%numbers)
+         do first = 1, size(family%setting), in_a_row
+            last = min(first + in_a_row - 1, size(family%setting))
+            call text%add()
+            line = ' '//family%numbers(c)(:14)
+            do k = first, last
+               line = line//general(family%setting(k))
+            end do
+            call text%add(line)
+            do i = 1, size(family%input)
+               line = general(family%input(i))
+               do k = first, last
+                  if (family%closed(i, k)) then
+                     line = line//general(family%actual(i, c, k))
+                  else
+                     line = line//' DOES NOT CLOSE'
+                  end if
+               end do
+               call text%add(line)
+            end do
+            line = ' STROKE        '
+            do k = first, last
+               if (any(family%closed(:, k))) then
+                  line = line//general(maxval(family%actual(:, c, k), family%closed(:, k)) - &
+                                       minval(family%actual(:, c, k), family%closed(:, k)))
+               else
+                  line = line//'              -'
+               end if
+            end do
+            call text%add(line)
+         end do
+      end do
+   end subroutine list_family
+
+   !> A block of device 9: a row for each setting and position.
+   subroutine write_family_block(family, text)
+      type(family_t), intent(in) :: family
+      type(text_t), intent(inout) :: text
+      character(:), allocatable :: line
+      integer :: i, k, c
+
+      call text%add()
+      call text%add()
+      call text%add('# block sweep')
+      line = '# setting input closed'
+      do c = 1, size(family%numbers)
+         line = line//' '//trim(family%numbers(c))
+      end do
+      call text%add(line)
+      do k = 1, size(family%setting)
+         do i = 1, size(family%input)
+            line = full_precision(family%setting(k))//' '//full_precision(family%input(i))//' '// &
+                   merge('1', '0', family%closed(i, k))
+            do c = 1, size(family%numbers)
+               if (family%closed(i, k)) then
+                  line = line//' '//full_precision(family%actual(i, c, k))
+               else
+                  line = line//' NaN'
+               end if
+            end do
+            call text%add(line)
+         end do
+      end do
+   end subroutine write_family_block
+end module psalm_family_list
