@@ -13,7 +13,7 @@ module psalm_monodromy
    use psalm_xoshiro, only: xoshiro_t, purpose_starts
    implicit none (type, external)
    private
-   public :: generic_t, solve_generic, add_distinct, is_same, scale_problem, scale_solutions, orbit_key, swap_legs
+   public :: generic_t, solve_generic, add_distinct, is_same, near, scale_problem, scale_solutions, orbit_key, swap_legs
 
    integer, parameter :: most_idle = 8               !! loops that find nothing new before the search is given up
    real(wp), parameter :: near = 1.0e-6_wp           !! relative distance of two solutions that are one

@@ -3,24 +3,26 @@
 !> The solutions of a stored problem are followed to the one that is wanted. The stored points lie on a disturbed oval; the wanted
 !> ones are matched to them, in any order, turned, scaled and perhaps mirrored, so that the way is short. It begins at the stored
 !> problem with numbers and partners turned alike by one phase: a straight way between real problems would meet singular ones.
-!> A path that does not arrive is followed again with another phase. There are 1442 solutions but for exchange of the legs and
-!> cognates, so 1442 distinct ends are all. Sources: Alt (1923); Wampler, Morgan and Sommese (1992) for the number.
+!> A path that does not arrive, or ends where another one did (one of both has jumped), is followed again the same way with more
+!> care, at last in quadruple precision. If ends are missing then, all paths are followed by another way, whose phase is another.
+!> There are 1442 solutions but for exchange of the legs and cognates, so 1442 distinct ends are all. Sources: Alt
+!> (1923); Wampler, Morgan and Sommese (1992) for the number.
 module psalm_nine_points
+   use psalm_careful_tracking, only: track_carefully
    use psalm_kinds, only: wp
    use psalm_leg_lanes, only: path_t
    use psalm_leg_problem, only: kind_point, leg_data_t, make_problem, most_points, variables
    use psalm_monodromy, only: add_distinct, scale_problem, scale_solutions
    use psalm_nine_points_start, only: own_conjugates, start_line, start_points, stored
    use psalm_start_text, only: characters_a_number, decode
-   use psalm_tracker, only: polish, track, tracked_t
+   use psalm_tracker, only: polish, tracked_t
    implicit none (type, external)
    private
    public :: nine_points_t, solve_nine_points, nine_point_orbits, in_place
 
    integer, parameter :: nine_point_orbits = 1442    !! Wampler, Morgan and Sommese (1992)
-   integer, parameter :: most_passes = 6
-   real(wp), parameter :: phases(most_passes) = [0.7_wp, -0.7_wp, 0.55_wp, -0.85_wp, 0.85_wp, -0.6_wp] !! radians
-   real(wp), parameter :: careful = 2.0e-4_wp        !! largest prediction error of a later pass
+   integer, parameter :: most_passes = 3
+   real(wp), parameter :: phases(most_passes) = [0.7_wp, -0.7_wp, 0.55_wp] !! radians
 
    !> All solutions, in the coordinates in which they were followed.
    type :: nine_points_t
@@ -32,6 +34,10 @@ module psalm_nine_points
       logical :: mirrored = .false.                  !! after they were mirrored
       integer :: passes = 0
       integer :: steps = 0
+      integer :: precise = 0                         !! paths followed in quadruple precision
+      integer :: infinite = 0                        !! of these those that end at infinity
+   contains
+      procedure :: complete
    end type nine_points_t
 
 contains
@@ -45,9 +51,7 @@ contains
       complex(wp) :: wanted(0:most_points), turn
       type(leg_data_t) :: generic
       type(tracked_t) :: tracked
-      logical, allocatable :: doubtful(:), is_new(:)
-      integer, allocatable :: which(:)
-      integer :: pass, i
+      integer :: pass
 
       call match(points, found)
       call make_problem(spread(kind_point, 1, most_points), .false., .false., .false., found%path%problem)
@@ -63,33 +67,32 @@ contains
       found%path%to%d = found%factor*(wanted(1:) - wanted(0))
       found%path%to%dh = conjg(found%path%to%d)
       allocate (found%solutions(variables, 0))
-      doubtful = spread(.true., 1, nine_point_orbits)
       do pass = 1, most_passes
-         ! what did not arrive, or where another one did, goes again by another way; in the end all do
-         if (pass == most_passes) doubtful = .true.
          associate (phase => phases(1 + modulo(first_phase + pass - 2, most_passes)))
             turn = cmplx(cos(phase), sin(phase), wp)
          end associate
-         which = pack([(i, i=1, nine_point_orbits)], doubtful)
-         turned = starts(:, which)
+         turned = starts
          call scale_problem(found%path%problem, generic, turn, turn, found%path%from)
          call scale_solutions(found%path%problem, turn, turn, turned)
-         if (pass == 1) then
-            call track(found%path, turned, tracked)
-         else
-            call track(found%path, turned, tracked, careful)
-         end if
+         call track_carefully(found%path, turned, .true., tracked)
          found%steps = found%steps + tracked%steps
-         allocate (is_new(size(which)))
-         call add_distinct(found%path%problem, tracked%ends, tracked%arrived, .true., found%solutions, is_new)
-         doubtful(which) = .not. is_new
-         deallocate (is_new)
+         found%precise = found%precise + tracked%precise
+         found%infinite = max(found%infinite, tracked%infinite)
+         call add_distinct(found%path%problem, tracked%ends, tracked%arrived, .true., found%solutions)
          found%passes = pass
-         if (size(found%solutions, 2) >= nine_point_orbits) exit
+         if (found%complete()) exit
       end do
       allocate (found%left(size(found%solutions, 2)))
       call polish(found%path, found%solutions, found%left)
    end subroutine solve_nine_points
+
+   !> True if no end is missing.
+   pure logical function complete(self)
+      class(nine_points_t), intent(in) :: self
+
+      complete = allocated(self%solutions)
+      if (complete) complete = size(self%solutions, 2) + self%infinite >= nine_point_orbits
+   end function complete
 
    !> The stored solutions and the conjugates of those that come in pairs.
    pure subroutine load_starts(starts)

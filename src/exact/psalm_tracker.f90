@@ -27,9 +27,12 @@ module psalm_tracker
 
    !> How solutions ended.
    type :: tracked_t
-      complex(wp), allocatable :: ends(:, :)         !! shape (variables, count)
+      complex(wp), allocatable :: ends(:, :)         !! shape (variables, count); of one that did not arrive its last sound place
+      real(wp), allocatable :: reached(:)            !! shape (count): the t of that
       logical, allocatable :: arrived(:)             !! shape (count)
       integer :: steps = 0                           !! of all paths
+      integer :: precise = 0                         !! paths followed in quadruple precision (psalm_careful_tracking)
+      integer :: infinite = 0                        !! of these those that end at infinity
    end type tracked_t
 
 contains
@@ -50,8 +53,9 @@ contains
       integer, allocatable :: which_arrived(:)
       logical :: accepted
 
-      allocate (tracked%ends(variables, size(starts, 2)), source=(0.0_wp, 0.0_wp))
+      tracked%ends = starts
       allocate (tracked%arrived(size(starts, 2)), source=.false.)
+      allocate (tracked%reached(size(starts, 2)), source=1.0_wp)
       if (size(starts, 2) == 0) return
       allocate (work)
       allocate (past(lanes, state_size, remembered), past_tangent(lanes, state_size, remembered), z(lanes, state_size), &
@@ -98,8 +102,9 @@ contains
                   cycle
                end if
                t(l) = aimed(l)
+               tracked%ends(:, which(l)) = z(l, :variables)
+               tracked%reached(which(l)) = t(l)
                if (.not. t(l) > 0.0_wp) then
-                  tracked%ends(:, which(l)) = z(l, :variables)
                   tracked%arrived(which(l)) = .true.
                   call take_next(l)
                   cycle
@@ -117,6 +122,7 @@ contains
                past_tangent(l, :, 1) = tangent(l, :)
                past_t(l, 1) = t(l)
                known(l) = min(known(l) + 1, remembered)
+               if (h(l) < least_step) call take_next(l)
             else if (known(l) == 0) then
                call take_next(l)
             else
