@@ -5,12 +5,14 @@ program test_exact
    use psalm_burmester, only: curve_point_t, dyad_t, dyads_t, five_poses, four_poses_curve, pin_for_pivot, pivot_for_pin, &
                               polynomial_roots, slider_pin
    use psalm_defects, only: exact_linkage_t, verdict_t, cognates_of, judge, place_pins
-   use psalm_function_points, only: generators_t, generator_t, five_points, output_of, three_points
+   use psalm_function_points, only: generators_t, generator_t, five_points, four_points, output_of, three_points
    use psalm_kinds, only: wp, radians_per_degree
    use psalm_leg_problem, only: kind_pose, leg_problem_t, make_problem, variables
    use psalm_monodromy, only: generic_t, solve_generic
+   use psalm_six_bars, only: closing_links, find_stephenson, find_watt, most_links, six_bar_output, six_bar_t, six_bars_t
    use psalm_start_text, only: decode, encode
    use psalm_text, only: to_text
+   use psalm_wanted_function, only: function_kind, wanted_function_t
    implicit none (type, external)
    type(checks_t) :: t
    real(wp), parameter :: tight = 1.0e-11_wp
@@ -18,6 +20,7 @@ program test_exact
    call five()
    call four()
    call functions()
+   call six_bars()
    call counts()
    call cognates()
    call defects()
@@ -126,12 +129,57 @@ contains
       end do
       call t%is_true(sound > 0, 'functions: one stays in its assembly')
       call t%close_to(worst, 0.0_wp, 1.0e-10_wp, 'functions: five points are met')
+      ! four of the five with a zero line of a linkage known
+      call five_points(phi, psi, .false., found)
+      one = found%list(1)
+      do i = 1, 2
+         call four_points(phi(:4), psi(:4), .false., i == 2, merge(one%psi0, one%phi0, i == 2), found)
+         worst = huge(1.0_wp)
+         do k = 1, found%count
+            worst = min(worst, abs(found%list(k)%r2 - one%r2) + abs(found%list(k)%r3 - one%r3) + abs(found%list(k)%r4 - one%r4))
+         end do
+         call t%close_to(worst, 0.0_wp, 1.0e-9_wp, 'functions: four points and a zero line')
+      end do
       call three_points(phi(:3) + 1.0_wp, psi(:3) + 0.7_wp, one, exists)
       call t%is_true(exists, 'functions: three points')
       worst = 0.0_wp
       if (one%assembly /= 0) worst = error_at_points(one, phi(:3) + 1.0_wp, psi(:3) + 0.7_wp)
       call t%close_to(worst, 0.0_wp, 1.0e-10_wp, 'functions: three points are met')
    end subroutine functions
+
+   !> A driver whose two closing links are known from elsewhere, and searches over a coarse grid.
+   subroutine six_bars()
+      real(wp), parameter :: phi(5) = [10.0_wp, 32.0_wp, 55.0_wp, 78.0_wp, 100.0_wp]*radians_per_degree
+      real(wp), parameter :: psi(5) = [0.0_wp, 12.0_wp, 27.0_wp, 45.0_wp, 66.0_wp]*radians_per_degree
+      type(six_bar_t) :: links(most_links)
+      type(six_bars_t) :: found
+      type(wanted_function_t) :: wanted
+      real(wp) :: worst, got, sine
+      logical :: closes
+      integer :: count_of_links, i, k
+
+      call closing_links(generator_t(r2=0.4_wp, r3=1.1_wp, r4=0.9_wp, phi0=0.5_wp, assembly=1), (1.2_wp, -0.9_wp), phi, psi, &
+                         links, count_of_links, closes)
+      call t%is_true(closes, 'Stephenson III: the driver closes')
+      call t%equal_integer(count_of_links, 2, 'Stephenson III: two closing links')
+      call t%close_to(minval(abs(links(:2)%link - 0.634965126_wp)), 0.0_wp, 1.0e-8_wp, 'Stephenson III: one link')
+      call t%close_to(minval(abs(links(:2)%link - 3.03080461_wp)), 0.0_wp, 1.0e-7_wp, 'Stephenson III: the other')
+      call t%close_to(minval(abs(links(:2)%coupler_pin - (0.75866339_wp, -1.78243831_wp))), 0.0_wp, 1.0e-7_wp, &
+                      'Stephenson III: its pin on the coupler')
+      wanted%kind = function_kind('TABLE')
+      wanted%continuous = .false.
+      do k = 1, 2
+         if (k == 1) call find_stephenson(wanted, phi, psi, 2, 3, 1.0_wp, 100.0_wp, found)
+         if (k == 2) call find_watt(wanted, phi, psi, 3, 3, 1.0_wp, 100.0_wp, found)
+         call t%is_true(size(found%best) > 0, 'six-bars: some are found', to_text(found%sound))
+         worst = 0.0_wp
+         do i = 1, size(found%best)*size(phi)
+            call six_bar_output(found%best(1 + (i - 1)/size(phi)), phi(1 + modulo(i - 1, size(phi))), got, sine, closes)
+            worst = max(worst, abs(sin(0.5_wp*(got - psi(1 + modulo(i - 1, size(phi)))))))
+         end do
+         call t%close_to(worst, 0.0_wp, 1.0e-8_wp, 'six-bars: five points are met')
+      end do
+   end subroutine six_bars
 
    !> Largest error of a linkage at points.
    real(wp) function error_at_points(own, phi, psi)

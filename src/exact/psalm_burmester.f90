@@ -8,8 +8,8 @@ module psalm_burmester
    use psalm_kinds, only: wp, pi
    implicit none (type, external)
    private
-   public :: dyad_t, dyads_t, curve_point_t, five_poses, four_poses_curve, pivot_for_pin, pin_for_pivot, slider_pin, &
-             polynomial_roots
+   public :: dyad_t, dyads_t, curve_point_t, five_poses, four_poses_curve, centres_on_line, &
+             pivot_for_pin, pin_for_pivot, slider_pin, polynomial_roots
 
    integer, parameter :: unknowns = 7                !! u, x, a and the homogenising one, as real numbers
    integer, parameter :: most_dyads = 4
@@ -349,28 +349,15 @@ contains
       complex(wp), intent(in) :: d(3), g(3)
       complex(wp), intent(in) :: direction           !! of the ray, of modulus 1
       type(curve_point_t), intent(out) :: points(2)
-      complex(wp) :: pole, base(3, 3), along(3, 3), cubic(0:3), determinant(0:3)
-      real(wp) :: c(3), root, half, r(2)
+      complex(wp) :: pole
+      real(wp) :: cubic(0:3), c(3), root, half, r(2)
       integer :: j, k
 
       j = maxloc(abs(g), dim=1)
       if (.not. abs(g(j)) > 0.0_wp) return
       pole = -d(j)/g(j)
-      do j = 1, 3
-         base(j, 1) = g(j)*conjg(pole) - conjg(d(j))*(1.0_wp + g(j))
-         base(j, 2) = conjg(base(j, 1))
-         base(j, 3) = 2.0_wp*real(conjg(d(j))*pole, wp) - abs(d(j))**2
-         along(j, 1) = g(j)*conjg(direction)
-         along(j, 2) = conjg(along(j, 1))
-         along(j, 3) = 2.0_wp*real(conjg(d(j))*direction, wp)
-      end do
-      cubic = (0.0_wp, 0.0_wp)
-      do k = 1, 3
-         call three_linear(base(:, 1), along(:, 1), base(:, 2), along(:, 2), base(:, 3), along(:, 3), k, determinant)
-         cubic = cubic + determinant
-      end do
-      ! columns 1 and 2 are conjugate: the determinant is purely imaginary
-      c = aimag(cubic(1:3))
+      call centre_cubic(d, g, pole, direction, cubic)
+      c = cubic(1:)
       half = 0.5_wp*c(2)
       root = half**2 - c(1)*c(3)
       if (root < 0.0_wp) return
@@ -388,6 +375,65 @@ contains
          call pin_for_pivot(d, g, points(k)%dyad, points(k)%exists)
       end do
    end subroutine four_poses_curve
+
+   !> The cubic whose real zeros are the places, along a line, of the centre points of four poses.
+   pure subroutine centre_cubic(d, g, base_point, direction, cubic)
+      complex(wp), intent(in) :: d(3), g(3)
+      complex(wp), intent(in) :: base_point, direction !! of the line
+      real(wp), intent(out) :: cubic(0:3)            !! by rising powers
+      complex(wp) :: base(3, 3), along(3, 3), determinant(0:3)
+      integer :: j, k
+
+      do j = 1, 3
+         base(j, 1) = g(j)*conjg(base_point) - conjg(d(j))*(1.0_wp + g(j))
+         base(j, 2) = conjg(base(j, 1))
+         base(j, 3) = 2.0_wp*real(conjg(d(j))*base_point, wp) - abs(d(j))**2
+         along(j, 1) = g(j)*conjg(direction)
+         along(j, 2) = conjg(along(j, 1))
+         along(j, 3) = 2.0_wp*real(conjg(d(j))*direction, wp)
+      end do
+      cubic = 0.0_wp
+      do k = 1, 3
+         call three_linear(base(:, 1), along(:, 1), base(:, 2), along(:, 2), base(:, 3), along(:, 3), k, determinant)
+         ! columns 1 and 2 are conjugate: the determinant is purely imaginary
+         cubic = cubic + aimag(determinant)
+      end do
+   end subroutine centre_cubic
+
+   !> Dyads for four poses whose fixed pivot lies on a line, at most three; `degenerate`: the whole line is good.
+   pure subroutine centres_on_line(d, g, base_point, direction, dyads)
+      complex(wp), intent(in) :: d(3), g(3)
+      complex(wp), intent(in) :: base_point, direction !! of the line
+      type(dyads_t), intent(out) :: dyads
+      real(wp) :: cubic(0:3), place
+      complex(wp) :: roots(3)
+      type(dyad_t) :: dyad
+      integer :: degree, k
+      logical :: exists
+
+      call centre_cubic(d, g, base_point, direction, cubic)
+      degree = 3
+      do while (degree > 0)
+         if (abs(cubic(degree)) > dependent*maxval(abs(cubic))) exit
+         degree = degree - 1
+         dyads%infinite = dyads%infinite + 1
+      end do
+      dyads%degenerate = degree == 0 .and. .not. abs(cubic(0)) > 0.0_wp
+      if (degree == 0) return
+      call polynomial_roots(cmplx(cubic(:degree), 0.0_wp, wp), roots(:degree))
+      do k = 1, degree
+         if (abs(aimag(roots(k))) > real_part_only*(1.0_wp + abs(roots(k)))) then
+            dyads%imaginary = dyads%imaginary + 1
+            cycle
+         end if
+         place = real(roots(k), wp)
+         dyad%pivot = base_point + place*direction
+         call pin_for_pivot(d, g, dyad, exists)
+         if (.not. exists) cycle
+         dyads%count = dyads%count + 1
+         dyads%list(dyads%count) = dyad
+      end do
+   end subroutine centres_on_line
 
    !> The part of a determinant of linear polynomials that has its entry of the third column in row k.
    pure subroutine three_linear(a, da, b, db, c, dc, k, polynomial)

@@ -6,11 +6,11 @@
 !> slider takes up the poses s exp(-i phi) with the orientation -phi. Sources: Freudenstein (1954); Hartenberg and Denavit (1964),
 !> chapter 10.
 module psalm_function_points
-   use psalm_burmester, only: dyads_t, five_poses
+   use psalm_burmester, only: centres_on_line, dyads_t, five_poses
    use psalm_kinds, only: wp, pi
    implicit none (type, external)
    private
-   public :: generator_t, generators_t, five_points, three_points, output_of, assembly_of, most_generators
+   public :: generator_t, generators_t, five_points, four_points, three_points, output_of, assembly_of, most_generators
 
    integer, parameter :: most_generators = 3
    real(wp), parameter :: no_length = 1.0e-7_wp      !! of a link, over the frame
@@ -43,28 +43,85 @@ contains
       type(generators_t), intent(out) :: found
       complex(wp) :: p(5), turned(5)
       type(dyads_t) :: dyads
+
+      call poses_of(phi, psi, slides, p, turned)
+      call five_poses(p(2:) - p(1), turned(2:)/turned(1) - 1.0_wp, dyads)
+      call generators_of(phi, psi, slides, p(1), turned(1), dyads, found)
+   end subroutine five_points
+
+   !> All linkages through four points whose crank, or with `of_output` whose output link, has a given zero line: at most two, of a
+   !> slider-crank at most three. The centre points of the output link seen from the crank lie on the line through the crank's
+   !> pivot, which of a four-bar is one of them. Of a slider-crank psi is the travel and `of_output` must be false.
+   pure subroutine four_points(phi, psi, slides, of_output, zero, found)
+      real(wp), intent(in) :: phi(4), psi(4)         !! radians
+      logical, intent(in) :: slides, of_output
+      real(wp), intent(in) :: zero                   !! direction at 0, from the frame
+      type(generators_t), intent(out) :: found
+      complex(wp) :: p(4), turned(4)
+      real(wp) :: input(4), output(4), line
+      type(dyads_t) :: dyads
+      type(generator_t) :: own
+      integer :: k
+
+      input = phi
+      output = psi
+      line = zero
+      if (of_output) then
+         ! the linkage seen from the other side: mirrored, so that the frame lies as before
+         input = -psi
+         output = -phi
+         line = pi - zero
+      end if
+      call poses_of(input, output, slides, p, turned)
+      call centres_on_line(p(2:) - p(1), turned(2:)/turned(1) - 1.0_wp, -p(1), cmplx(cos(line), sin(line), wp), dyads)
+      call generators_of(input, output, slides, p(1), turned(1), dyads, found)
+      if (.not. of_output) return
+      do k = 1, found%count
+         own = found%list(k)
+         found%list(k)%r2 = own%r4
+         found%list(k)%r4 = own%r2
+         found%list(k)%phi0 = pi - own%psi0
+         found%list(k)%psi0 = pi - own%phi0
+         found%list(k)%assembly = assembly_of(found%list(k), phi, psi)
+      end do
+   end subroutine four_points
+
+   !> Poses of the output link seen from the crank: places, and turns as complex numbers.
+   pure subroutine poses_of(phi, psi, slides, p, turned)
+      real(wp), intent(in) :: phi(:), psi(:)
+      logical, intent(in) :: slides
+      complex(wp), intent(out) :: p(:), turned(:)
+
+      turned = cmplx(cos(phi), -sin(phi), wp)
+      p = turned
+      if (slides) then
+         p = psi*turned
+      else
+         turned = turned*cmplx(cos(psi), sin(psi), wp)
+      end if
+   end subroutine poses_of
+
+   !> Linkages of the dyads that lead the output link.
+   pure subroutine generators_of(phi, psi, slides, p, turned, dyads, found)
+      real(wp), intent(in) :: phi(:), psi(:)
+      logical, intent(in) :: slides
+      complex(wp), intent(in) :: p, turned           !! first pose
+      type(dyads_t), intent(in) :: dyads
+      type(generators_t), intent(out) :: found
       type(generator_t) :: one
       complex(wp) :: crank, output
       real(wp) :: length
       integer :: k
 
-      turned = cmplx(cos(phi), -sin(phi), wp)
-      p = turned
       length = 1.0_wp
-      if (slides) then
-         p = psi*turned
-         length = max(maxval(psi) - minval(psi), tiny(1.0_wp))
-      else
-         turned = turned*cmplx(cos(psi), sin(psi), wp)
-      end if
-      call five_poses(p(2:) - p(1), turned(2:)/turned(1) - 1.0_wp, dyads)
+      if (slides) length = max(maxval(psi) - minval(psi), tiny(1.0_wp))
       found%degenerate = dyads%degenerate
       found%imaginary = dyads%imaginary
       found%infinite = dyads%infinite
       do k = 1, dyads%count
-         crank = dyads%list(k)%pivot + p(1)
-         output = dyads%list(k)%pin/turned(1)
-         ! the frame itself is one of the four
+         crank = dyads%list(k)%pivot + p
+         output = dyads%list(k)%pin/turned
+         ! the frame itself is one of them
          if (abs(crank) < no_length*length .or. (.not. slides .and. abs(output) < no_length)) cycle
          one = generator_t(slides=slides, r2=abs(crank), phi0=atan2(aimag(crank), real(crank, wp)))
          if (slides) then
@@ -81,7 +138,7 @@ contains
          found%count = found%count + 1
          found%list(found%count) = one
       end do
-   end subroutine five_points
+   end subroutine generators_of
 
    !> The four-bar through three points whose zero lines are given, by Freudenstein's equation
    !> cos(phi - psi) = k1 cos(psi) - k2 cos(phi) + k3, k1 = 1/r2, k2 = 1/r4. Negative lengths are those of the opposite direction.

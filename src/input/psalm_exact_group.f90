@@ -6,13 +6,18 @@ module psalm_exact_group
    use psalm_text, only: to_text
    implicit none (type, external)
    private
-   public :: exact_group_t, read_exact_group, is_missing, kind_path, kind_motion, kind_function, exact_kinds
+   public :: exact_group_t, read_exact_group, is_missing, kind_path, kind_motion, kind_function, exact_kinds, &
+             six_bar_none, six_bar_stephenson, six_bar_watt
 
    integer, parameter :: kind_path = 1, kind_motion = 2, kind_function = 3
    character(*), parameter :: exact_kinds(3) = [character(8) :: 'PATH', 'MOTION', 'FUNCTION']
    character(*), parameter :: functions(*) = [character(7) :: 'LOG10', 'LN', 'EXP', 'SIN', 'COS', 'TAN', 'POWER']
-   integer, parameter :: most_points = 9, most_in_table = 200, fewest_in_table = 3, most_listed = 100000
+   integer, parameter :: most_points = 60, most_exact_points = 9, most_subsets = 100, most_in_table = 200, &
+                         fewest_in_table = 3, most_listed = 100000
    integer, parameter :: exact_in_table = 5          !! entries of a table that a linkage can meet exactly
+   integer, parameter :: six_bar_none = 1, six_bar_stephenson = 2, six_bar_watt = 3
+   character(*), parameter :: six_bars(3) = [character(10) :: 'NONE', 'STEPHENSON', 'WATT']
+   integer, parameter :: largest_grid = 12
    real(wp), parameter :: not_given = -huge(1.0_wp)
 
    type :: exact_group_t
@@ -33,6 +38,10 @@ module psalm_exact_group
       real(wp) :: zero_in = not_given, zero_out = not_given !! PHI0, PSI0, degrees
       real(wp) :: frame = 1.0_wp                     !! FRAME: length of a four-bar's frame
       real(wp) :: longest = 100.0_wp                 !! RLONG: longest link over the frame, of a slider over the travel
+      integer :: six_bar = six_bar_none              !! SIXBAR
+      integer :: grid = 6                            !! NGRID: values of each dimension of a six-bar's driver
+      real(wp) :: least_transmission = 20.0_wp       !! TRMIN, degrees: of a six-bar
+      integer :: subsets = 3                         !! NSUB: sets of nine of more points
       logical :: minimax = .false.                   !! MINIMAX
       logical :: certify = .false.                   !! CERTIFY
       integer :: listed = 10                         !! NBEST
@@ -83,6 +92,8 @@ contains
       code = 0
       call read_flag(group, 'CERTIFY', code, findings)
       exact%certify = code == 1
+      call group%get_integer('NSUB', exact%subsets, findings)
+      call check_range(group, 'NSUB', exact%subsets, 1, most_subsets, findings)
       call group%get_integer('NBEST', exact%listed, findings)
       call check_range(group, 'NBEST', exact%listed, 1, most_listed, findings)
    end subroutine read_exact_group
@@ -126,6 +137,9 @@ contains
       i = findloc(.not. is_missing(exact%angle) .and. .not. is_missing(exact%time), .true., dim=1)
       if (i > 1) call out_of(group, 'TIMP', 'point '//to_text(i)//' has an orientation and a crank angle; one of both is '// &
                              'possible', findings)
+      if (n > most_exact_points .and. (exact%kind /= kind_path .or. max(last(3), last(4)) > 0 .or. group%given('PIVOTS') .or. &
+                                       group%given('SLIDER'))) call out_of(group, 'XP', &
+         'more than 9 points are possible for a four-bar with points only (its linkages pass nine of them exactly)', findings, n)
       if (n < 2) return
       if (any(.not. is_missing(exact%angle(2:))) .and. is_missing(exact%angle(1))) call out_of(group, 'ANGP', &
          'orientations are counted from that of the first point, which is missing', findings)
@@ -137,6 +151,7 @@ contains
       type(group_t), intent(inout) :: group
       type(exact_group_t), intent(inout) :: exact
       type(diagnostics_t), intent(inout) :: findings
+      character(:), allocatable :: word
       real(wp) :: phi(most_in_table), psi(most_in_table)
       integer :: n, last, i
 
@@ -150,6 +165,16 @@ contains
       call group%get_real('PSI0', exact%zero_out, findings)
       call group%get_real('FRAME', exact%frame, findings)
       call group%get_real('RLONG', exact%longest, findings)
+      word = trim(six_bars(six_bar_none))
+      call group%get_word('SIXBAR', word, findings)
+      exact%six_bar = findloc(six_bars == word, .true., dim=1)
+      if (exact%six_bar == 0) then
+         call out_of(group, 'SIXBAR', "must be 'STEPHENSON' or 'WATT'; found '"//word//"'", findings)
+         exact%six_bar = six_bar_none
+      end if
+      call group%get_integer('NGRID', exact%grid, findings)
+      call check_range(group, 'NGRID', exact%grid, 2, largest_grid, findings)
+      call group%get_real('TRMIN', exact%least_transmission, findings)
       phi = not_given
       psi = not_given
       call group%get_reals('PHI', phi, findings, last=n)
@@ -159,6 +184,8 @@ contains
       if (.not. exact%frame > 0.0_wp) call out_of(group, 'FRAME', 'must be above 0', findings)
       if (.not. exact%longest > 1.0_wp) call out_of(group, 'RLONG', 'must be above 1', findings)
       if (.not. exact%given .or. exact%kind /= kind_function) return
+      if (exact%six_bar /= six_bar_none .and. (exact%slider .or. exact%minimax)) call out_of(group, 'SIXBAR', &
+         'a six-bar here has no slider and meets points (MINIMAX=0)', findings)
       if (allocated(exact%function_name) .eqv. n > 0) then
          call out_of(group, 'FUNC', "KIND='FUNCTION' needs either FUNC, a name, or PHI and PSI, a table", findings)
          return
@@ -191,8 +218,16 @@ contains
          'needs FUNC or a table of more than 5 points', findings)
       if (n == 3 .and. (is_missing(exact%zero_in) .or. is_missing(exact%zero_out))) call out_of(group, 'PHI', &
          'three points need both zero lines, PHI0 and PSI0', findings)
-      if (n == 4) call out_of(group, 'PHI', 'four points leave infinitely many linkages; give 3 with both zero lines, or 5', &
-                              findings, n)
+      if (exact%six_bar /= six_bar_none) then
+         if (n /= exact_in_table) call out_of(group, 'PHI', 'a six-bar is made for 5 points', findings, n)
+         return
+      end if
+      if (n == 4) then
+         if (is_missing(exact%zero_in) .eqv. is_missing(exact%zero_out)) call out_of(group, 'PHI', &
+            'four points leave infinitely many linkages; give one of both zero lines, PHI0 or PSI0, or 5 points', findings, n)
+         if (exact%slider .and. .not. is_missing(exact%zero_out)) call out_of(group, 'PSI0', &
+            'four points of a slider-crank need the zero line of the crank, PHI0', findings)
+      end if
       if (n == 3 .and. exact%slider) call out_of(group, 'PHI', 'three points with zero lines are for four-bars; give 5', &
                                                 findings, n)
    end subroutine read_function

@@ -4,10 +4,12 @@ module psalm_exact_report
    use psalm_defects, only: class_names
    use psalm_devices, only: devices_t, header_of
    use psalm_exact_group, only: exact_kinds
-   use psalm_exact_study, only: exact_study_t, way_burmester, way_curves, way_generators, way_minimax, way_nine
-   use psalm_exact_text, only: write_generator, write_linkage
+   use psalm_exact_study, only: exact_study_t, way_burmester, way_curves, way_generators, way_legs, way_minimax, way_nine, &
+                                way_six_bars, way_subsets
+   use psalm_exact_text, only: write_generator, write_linkage, write_six_bar
    use psalm_function_points, only: generator_t
    use psalm_kinds, only: wp, degrees_per_radian
+   use psalm_six_bars, only: six_bar_joints
    use psalm_text, only: text_t, full_precision, general, to_text
    implicit none (type, external)
    private
@@ -33,6 +35,10 @@ contains
          call report_generators(set, study, devices)
       case (way_minimax)
          call report_minimax(set, study, devices)
+      case (way_six_bars)
+         call report_six_bars(set, study, devices)
+      case (way_subsets)
+         call report_subsets(set, study, devices)
       case default
          call report_linkages(set, study, devices)
       end select
@@ -43,15 +49,19 @@ contains
       type(exact_study_t), intent(in) :: study
       character(:), allocatable :: text
       character(:), allocatable :: what
+      integer :: at_infinity
 
+      ! of dyads those are among the ends
+      at_infinity = merge(study%infinite, 0, study%way == way_nine .or. study%way == way_legs)
       what = 'ends'
       if (study%way == way_burmester) what = 'dyads'
       if (study%degenerate) then
          text = 'degenerate: the poses or points leave infinitely many linkages'
       else if (study%complete) then
          text = 'complete: '//to_text(study%ends)//' of '//to_text(study%expected)//' '//what//' distinct'
+         if (at_infinity > 0) text = text//', '//to_text(at_infinity)//' at infinity'
       else if (study%expected > 0) then
-         text = 'not complete: '//to_text(study%expected - study%ends)//' of '//to_text(study%expected)//' '//what// &
+         text = 'not complete: '//to_text(study%expected - study%ends - at_infinity)//' of '//to_text(study%expected)//' '//what// &
                 ' missing (at infinity or singular)'
       else
          text = 'the number of ends is not known for these conditions; '//to_text(study%ends)//' of '//to_text(study%generic)// &
@@ -79,7 +89,8 @@ contains
             line = '  '//to_text(study%real_ends)//' real, '//to_text(study%linkages)//' linkages'
             if (study%way == way_nine) line = '  '//to_text(study%real_ends)//' real, with their cognates '// &
                                               to_text(study%linkages)//' linkages'
-            if (study%infinite > 0) line = line//'; '//to_text(study%infinite)//' with a pivot at infinity'
+            if (study%infinite > 0 .and. study%way == way_burmester) line = line//'; '//to_text(study%infinite)// &
+                                                                          ' with a pivot at infinity'
             call six%add(line)
             if (study%examined) call add_certificate(study, six)
             if (set%exact%certify .and. .not. study%examined) call devices%remark(set, &
@@ -230,6 +241,94 @@ contains
          end do
       end subroutine samples
    end subroutine report_minimax
+
+   !> Four-bars refined over more points than can be met.
+   subroutine report_subsets(set, study, devices)
+      type(data_set_t), intent(in) :: set
+      type(exact_study_t), intent(in) :: study
+      type(devices_t), intent(inout) :: devices
+      integer :: i, shown
+      character(:), allocatable :: line
+
+      associate (found => study%subsets, six => devices%six)
+         call six%add('  '//to_text(found%sets)//' sets of nine points, '//to_text(found%complete)//' of them with all '// &
+                      'four-bars; '//to_text(found%starts)//' starts with a turning crank')
+         shown = size(found%results)
+         if (shown == 0) then
+            call devices%remark(set, 'no four-bar through nine of these points has a crank that turns')
+            call devices%note_violation()
+            return
+         end if
+         call six%add()
+         call six%add('  RANK ORDER   DISTANCE RMS   BEFORE REFINED   TRANSMISSION   LONGEST LINK    SENSITIVITY')
+         do i = 1, shown
+            associate (r => found%results(i))
+               call six%add(repeat(' ', 6 - min(5, len(to_text(i))))//to_text(i)//word(r%verdict%order, 6)//general(r%after)// &
+                            '  '//general(r%before)//general(r%verdict%transmission)//general(r%verdict%longest)// &
+                            general(r%verdict%sensitivity))
+            end associate
+         end do
+         call begin_block(set, devices%nine, 'rank order distance before transmission longest sensitivity ax ay bx by cx cy dx dy')
+         do i = 1, shown
+            associate (r => found%results(i), l => found%results(i)%linkage)
+               line = to_text(i)//digit(r%verdict%order)//' '//full_precision(r%after)//' '//full_precision(r%before)//' '// &
+                      full_precision(r%verdict%transmission)//' '//full_precision(r%verdict%longest)//' '// &
+                      full_precision(r%verdict%sensitivity)
+               call devices%nine%add(line//pair(l%a)//pair(l%b)//pair(l%c(1))//pair(l%d(1)))
+               call devices%seven%add('! rank '//to_text(i)//': distance '//trim(adjustl(general(r%after))))
+               call write_linkage(title_of(set, i), l, set%exact, merge(set%last, 0, i == shown), devices%seven)
+            end associate
+         end do
+      end associate
+   end subroutine report_subsets
+
+   !> Six-bars: joints at the first point.
+   subroutine report_six_bars(set, study, devices)
+      type(data_set_t), intent(in) :: set
+      type(exact_study_t), intent(in) :: study
+      type(devices_t), intent(inout) :: devices
+      complex(wp) :: joints(7)
+      character(:), allocatable :: line, row
+      integer :: i, k, shown
+
+      associate (found => study%six_bars, six => devices%six)
+         call six%add('  '//to_text(found%drivers)//' drivers close, '//to_text(found%linkages)//' closing linkages, '// &
+                      to_text(found%sound)//' stay assembled on one branch')
+         shown = size(found%best)
+         if (shown == 0) then
+            call devices%remark(set, 'no six-bar of this grid meets the points with this transmission angle')
+            call devices%note_violation()
+            return
+         end if
+         call six%add()
+         call six%add('  RANK   TRANSMISSION   LONGEST LINK     ERROR (DEG)')
+         do k = 1, shown
+            associate (one => found%best(k))
+               call six%add(repeat(' ', 6 - min(5, len(to_text(k))))//to_text(k)//general(one%transmission)// &
+                            general(one%longest)//' '//general(one%error*degrees_per_radian))
+            end associate
+         end do
+         call six%add()
+         call six%add('  RANK  JOINTS C, D, E, G, H: X, Y')
+         call begin_block(set, devices%nine, 'rank transmission longest error cx cy dx dy ex ey gx gy hx hy')
+         do k = 1, shown
+            joints = set%exact%frame*six_bar_joints(found%best(k), study%phi(1))
+            line = repeat(' ', 6 - min(5, len(to_text(k))))//to_text(k)
+            row = to_text(k)//' '//full_precision(found%best(k)%transmission)//' '//full_precision(found%best(k)%longest)//' '// &
+                  full_precision(found%best(k)%error*degrees_per_radian)
+            do i = 3, size(joints)
+               line = line//general(real(joints(i), wp))//general(aimag(joints(i)))
+               row = row//pair(joints(i))
+            end do
+            call six%add(line)
+            call devices%nine%add(row)
+            call devices%seven%add('! rank '//to_text(k)//': least transmission angle '// &
+                                   trim(adjustl(general(found%best(k)%transmission)))//' degrees')
+            call write_six_bar(title_of(set, k), found%best(k)%watt, joints, study%phi, &
+                               merge(set%last, 0, k == shown), devices%seven)
+         end do
+      end associate
+   end subroutine report_six_bars
 
    function title_of(set, rank) result(title)
       type(data_set_t), intent(in) :: set

@@ -8,7 +8,7 @@ module psalm_exact_text
    use psalm_text, only: text_t, full_precision, to_text
    implicit none (type, external)
    private
-   public :: write_linkage, write_generator
+   public :: write_linkage, write_generator, write_six_bar
 
    integer, parameter :: line_room = 100            !! columns of a line of values
 
@@ -90,6 +90,30 @@ contains
       call text%add(' &END')
       call text%add(' &LIMITS TANGLE=90.0, LAST='//to_text(last)//' &END')
    end subroutine write_generator
+
+   !> Append a six-bar, drawn at the first input: A, B, C, D, third fixed pivot E, G on the link that the driver moves, H on the
+   !> output link.
+   subroutine write_six_bar(title, watt, joints, phi, last, text)
+      character(*), intent(in) :: title
+      logical, intent(in) :: watt
+      complex(wp), intent(in) :: joints(7)
+      real(wp), intent(in) :: phi(:)                 !! radians
+      integer, intent(in) :: last
+      type(text_t), intent(inout) :: text
+
+      call text%add(title)
+      call text%add(" &CHAIN JNT='A','B','C','D','E','G','H',")
+      call numbers('JX=', real(joints, wp), text)
+      call numbers('JY=', aimag(joints), text)
+      call text%add("  LNAME='frame','crank','coupler','follower','link','output',")
+      call text%add("  LNK='A B E','A C',"//merge("'C D','B D G',", "'C D G','B D',", watt)//"'G H','E H' &END")
+      call text%add(" &DRIVES DRIVE='A', DBASE='frame', DLINK='crank' &END")
+      call text%add(" &OUTPUTS OUTPUT='angle output' &END")
+      call text%add(' &METHOD NDES='//to_text(size(phi))//',')
+      call numbers('DELT=', (phi - phi(1))*degrees_per_radian, text)
+      call text%add(' &END')
+      call text%add(' &LIMITS TANGLE=90.0, LAST='//to_text(last)//' &END')
+   end subroutine write_six_bar
 
    !> Append an item of several numbers.
    subroutine numbers(head, values, text)

@@ -1,11 +1,13 @@
 !> All linkages that meet points, poses, timed points or a function exactly. Data in, results out.
 module psalm_exact_study
    use psalm_burmester, only: curve_point_t, dyad_t, dyads_t, five_poses, four_poses_curve
+   use psalm_careful_tracking, only: track_carefully
    use psalm_certificate, only: certificate_t, certify
    use psalm_data_set, only: data_set_t
    use psalm_defects, only: exact_linkage_t, verdict_t, cognates_of, judge, place_pins, with_other_driver
-   use psalm_exact_group, only: exact_group_t, is_missing, kind_function, kind_motion
-   use psalm_function_points, only: generators_t, five_points, three_points
+   use psalm_exact_group, only: exact_group_t, is_missing, kind_function, kind_motion, six_bar_none, six_bar_watt
+   use psalm_exact_subsets, only: find_by_subsets, subset_study_t
+   use psalm_function_points, only: generators_t, five_points, four_points, three_points
    use psalm_kinds, only: wp, pi, radians_per_degree
    use psalm_leg_lanes, only: path_t
    use psalm_leg_problem, only: absolute, at_a, at_ah, at_b, at_bh, at_x, at_y, kind_point, kind_pose, kind_timed, leg_data_t, &
@@ -14,21 +16,22 @@ module psalm_exact_study
    use psalm_minimax, only: approximation_t, approximate
    use psalm_monodromy, only: add_distinct, generic_t, scale_problem, scale_solutions, solve_generic
    use psalm_nine_points, only: in_place, nine_point_orbits, nine_points_t, solve_nine_points
+   use psalm_six_bars, only: six_bars_t, find_stephenson, find_watt
    use psalm_status, only: diagnostics_t
    use psalm_text, only: to_text
-   use psalm_tracker, only: polish, track, tracked_t
+   use psalm_tracker, only: polish, tracked_t
    use psalm_wanted_function, only: wanted_function_t, function_kind, function_table
    use psalm_xoshiro, only: xoshiro_t, purpose_starts
    implicit none (type, external)
    private
    public :: exact_study_t, exact_result_t, check_exact, find_exact, way_burmester, way_curves, way_legs, way_nine, &
-             way_generators, way_minimax
+             way_generators, way_minimax, way_six_bars, way_subsets
 
    !> How the linkages are found.
-   integer, parameter :: way_burmester = 1, way_curves = 2, way_legs = 3, way_nine = 4, way_generators = 5, way_minimax = 6
+   integer, parameter :: way_burmester = 1, way_curves = 2, way_legs = 3, way_nine = 4, way_generators = 5, way_minimax = 6, &
+                         way_six_bars = 7, way_subsets = 8
    integer, parameter :: seed = 1                    !! of the generic problem and of the phases
    integer, parameter :: most_passes = 4
-   real(wp), parameter :: careful = 1.0e-5_wp        !! largest prediction error of a later pass
    integer, parameter :: rays = 200                  !! of the curves of four poses
    real(wp), parameter :: real_within = 1.0e-6_wp    !! of a number and the conjugate of its partner, over the largest
    real(wp), parameter :: on_circle = 1.0e-7_wp      !! distance of points from a circle or line, over their size
@@ -81,6 +84,8 @@ module psalm_exact_study
       real(wp), allocatable :: phi(:), psi(:)        !! their points, radians; of a slider psi is the travel
       type(wanted_function_t) :: wanted
       type(approximation_t), allocatable :: approximations(:)
+      type(six_bars_t) :: six_bars
+      type(subset_study_t) :: subsets
       logical :: examined = .false.                  !! there is a certificate
       type(certificate_t) :: certificate
       integer :: too_long = 0                        !! optima with a link that is too long
@@ -104,6 +109,10 @@ contains
          p = cmplx(exact%x, exact%y, wp)
          if (size(p) < 2) then
             call complain('XP', 'one point does not ask for anything; give at least two')
+            return
+         end if
+         if (size(p) > most_points + 1) then
+            if (lie_on_circle(p)) call complain('XP', 'the points lie on one circle or line: one link draws it')
             return
          end if
          do i = 1, size(p)
@@ -269,6 +278,10 @@ contains
          else if (exact%kind == kind_motion .and. size(exact%x) == 4 .and. .not. (exact%slider .or. exact%crank_pivot .or. &
                                                                                  exact%follower_pivot)) then
             call find_on_curves(exact, study)
+         else if (size(exact%x) > most_points + 1) then
+            study%way = way_subsets
+            call find_by_subsets(cmplx(exact%x, exact%y, wp), exact%subsets, exact%closed, exact%longest, exact%listed, &
+                                 study%subsets)
          else if (size(exact%x) == most_points + 1 .and. all(is_missing(exact%angle(2:)) .and. is_missing(exact%time(2:)))) then
             call find_nine_points(exact, study)
          else
@@ -483,7 +496,8 @@ contains
       p = cmplx(exact%x, exact%y, wp)
       call solve_nine_points(p, 1, found)
       study%ends = size(found%solutions, 2)
-      study%complete = study%ends == study%expected
+      study%infinite = found%infinite
+      study%complete = found%complete()
       study%passes = found%passes
       allocate (own(variables, study%ends), turns(most_points, study%ends), partners(most_points, study%ends), likely(study%ends))
       first = p(found%order(0) - 1)
@@ -564,20 +578,17 @@ contains
          call scale_problem(problem, generic%data, l, m, turned)
          call scale_solutions(problem, l, m, starts)
          path%from = turned
-         if (pass == 1) then
-            call track(path, starts, tracked)
-         else
-            call track(path, starts, tracked, careful)
-         end if
+         call track_carefully(path, starts, .false., tracked)
+         study%infinite = max(study%infinite, tracked%infinite)
          call add_distinct(problem, tracked%ends, tracked%arrived, .false., found)
          study%passes = pass
-         if (size(found, 2) >= study%generic) exit
-         if (pass > 2 .and. size(found, 2) == before) exit
+         if (size(found, 2) + study%infinite >= study%generic) exit
+         if (pass > 1 .and. size(found, 2) == before) exit
       end do
       allocate (left(size(found, 2)))
       call polish(path, found, left)
       study%ends = size(found, 2)
-      study%complete = study%ends == study%generic .and. study%generic == study%expected
+      study%complete = study%ends + study%infinite == study%generic .and. study%generic == study%expected
       first = cmplx(exact%x(1), exact%y(1), wp)
       do i = 1, study%ends
          v = found(:, i)
@@ -675,10 +686,25 @@ contains
       end if
       study%phi = phi
       study%psi = psi
+      if (exact%six_bar /= six_bar_none) then
+         study%way = way_six_bars
+         if (exact%six_bar == six_bar_watt) then
+            call find_watt(study%wanted, phi, psi, 2*exact%grid, exact%listed, exact%least_transmission, exact%longest, &
+                           study%six_bars)
+         else
+            call find_stephenson(study%wanted, phi, psi, exact%grid, exact%listed, exact%least_transmission, exact%longest, &
+                                 study%six_bars)
+         end if
+         return
+      end if
       select case (size(phi))
       case (5)
          call five_points(phi, psi, exact%slider, study%generators)
          study%expected = 3
+      case (4)
+         call four_points(phi, psi, exact%slider, is_missing(exact%zero_in), &
+                          radians_per_degree*merge(exact%zero_out, exact%zero_in, is_missing(exact%zero_in)), study%generators)
+         study%expected = merge(3, 2, exact%slider)
       case default
          call three_points(phi + exact%zero_in*radians_per_degree, psi + exact%zero_out*unit, study%generators%list(1), exists)
          study%generators%list(1)%phi0 = study%generators%list(1)%phi0 + exact%zero_in*radians_per_degree
