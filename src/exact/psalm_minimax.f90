@@ -17,9 +17,10 @@ module psalm_minimax
 
    integer, parameter :: unknowns = 5, alternations = unknowns + 1
    integer, parameter :: node_sets = 25              !! sets of five nodes that starts come from
-   integer, parameter :: coarse = 401, fine = 2001   !! points at which the error is looked at
-   integer, parameter :: in_program = 81             !! points of a linear program
-   integer, parameter :: most_exchanges = 40, most_halvings = 60, most_programs = 60
+   integer, parameter :: coarse = 201, fine = 2001   !! points at which the error is looked at
+   integer, parameter :: in_program = 61             !! points of a linear program
+   integer, parameter :: most_exchanges = 40, most_halvings = 30
+   integer, parameter :: few_programs = 5, many_programs = 60 !! linear programs of a start: at first, and where nothing was found
    integer, parameter :: seed = 1
    real(wp), parameter :: spread_of_nodes = 0.45_wp  !! of a node about Chebyshev's, over the distance of neighbours
    real(wp), parameter :: wanted_level = 1.0e-9_wp   !! relative excess of the largest error over the levelled one
@@ -51,31 +52,37 @@ contains
       type(wanted_function_t) :: target
       type(xoshiro_t) :: random
       real(wp) :: nodes(unknowns)
-      integer :: set, sense, k, last
+      integer :: set, sense, k, last, programs, sweep
 
       allocate (found(0))
-      too_long = 0
-      call random%seed(seed, purpose_starts)
-      if (wanted%slides) then
-         ! a linear scale may have no exact linkage at all: begin from a symmetric one as well
-         target = wanted
-         call improve(target, symmetric_slider(wanted), longest, one)
-         call keep(one, longest, found, too_long)
-      end if
-      last = node_sets
-      if (.not. wanted%continuous) last = max(node_sets, 2*size(wanted%table_input))
-      do set = 1, last
-         call choose_nodes(wanted, set, random, nodes)
-         ! a slider-crank turned by half a turn is that of the other sense
-         do sense = 1, merge(1, -1, wanted%slides), -2
-            target = wanted
-            target%sense = sense
-            call five_points(target%input_at(nodes), target%output_at(nodes), wanted%slides, starts)
-            do k = 1, starts%count
-               call improve(target, starts%list(k), longest, one)
-               call keep(one, longest, found, too_long)
+      target = wanted
+      call target%prepare()
+      do sweep = 1, 2
+         ! many starts end in the same optimum: none is worth long work until all have failed
+         programs = merge(few_programs, many_programs, sweep == 1)
+         too_long = 0
+         call random%seed(seed, purpose_starts)
+         if (wanted%slides) then
+            ! a linear scale may have no exact linkage at all: begin from a symmetric one as well
+            target%sense = wanted%sense
+            call improve(target, symmetric_slider(wanted), longest, programs, one)
+            call keep(one, longest, found, too_long)
+         end if
+         last = node_sets
+         if (.not. wanted%continuous) last = max(node_sets, 2*size(wanted%table_input))
+         do set = 1, last
+            call choose_nodes(wanted, set, random, nodes)
+            ! a slider-crank turned by half a turn is that of the other sense
+            do sense = 1, merge(1, -1, wanted%slides), -2
+               target%sense = sense
+               call five_points(target%input_at(nodes), target%output_at(nodes), wanted%slides, starts)
+               do k = 1, starts%count
+                  call improve(target, starts%list(k), longest, programs, one)
+                  call keep(one, longest, found, too_long)
+               end do
             end do
          end do
+         if (size(found) > 0) exit
       end do
    end subroutine approximate
 
@@ -139,10 +146,11 @@ contains
    end subroutine keep
 
    !> From an exact linkage to the nearest optimum.
-   subroutine improve(wanted, start, longest, one)
+   subroutine improve(wanted, start, longest, programs, one)
       type(wanted_function_t), intent(in) :: wanted
       type(generator_t), intent(in) :: start
       real(wp), intent(in) :: longest                !! a link that grows beyond it ends the search
+      integer, intent(in) :: programs                !! linear programs at most
       type(approximation_t), intent(out) :: one
       real(wp) :: q(unknowns), largest, at(alternations), trust
       integer :: assembly, round
@@ -159,9 +167,10 @@ contains
          if (largest > hopeless) cycle
          trust = first_trust
          levelled = .false.
-         do round = 1, most_programs
+         do round = 0, programs
             call exchange(wanted, assembly, coarse, q, largest, at, levelled)
             if (levelled .or. longest_of(q, assembly, start%slides) > longest) exit
+            if (round == programs) exit
             call linear_program(wanted, assembly, q, largest, trust, gained)
             if (.not. gained) exit
          end do

@@ -43,10 +43,11 @@ module psalm_nine_points
 contains
 
    !> Follow the stored solutions to nine points.
-   subroutine solve_nine_points(points, first_phase, found)
+   subroutine solve_nine_points(points, first_phase, found, passes)
       complex(wp), intent(in) :: points(0:most_points)
       integer, intent(in) :: first_phase             !! which of the phases begins, from 1
       type(nine_points_t), intent(out) :: found
+      integer, intent(in), optional :: passes        !! at most; more ways are tried where ends are missing
       complex(wp), allocatable :: starts(:, :), turned(:, :)
       complex(wp) :: wanted(0:most_points), turn
       type(leg_data_t) :: generic
@@ -81,6 +82,9 @@ contains
          call add_distinct(found%path%problem, tracked%ends, tracked%arrived, .true., found%solutions)
          found%passes = pass
          if (found%complete()) exit
+         if (present(passes)) then
+            if (pass >= passes) exit
+         end if
       end do
       allocate (found%left(size(found%solutions, 2)))
       call polish(found%path, found%solutions, found%left)

@@ -19,9 +19,12 @@ module psalm_wanted_function
       real(wp) :: swing_out = 1.0_wp                 !! radians of the output, or travel
       integer :: sense = 1                           !! of the output
       logical :: slides = .false.                    !! the output is a travel
+      logical :: prepared = .false.                  !! both of these are known
+      real(wp) :: at_low = 0.0_wp, at_high = 0.0_wp  !! values at both ends of the range
       logical :: continuous = .true.                 !! false: only the entries of the table are wanted
       real(wp), allocatable :: table_input(:), table_output(:) !! radians; of a slide the travel
    contains
+      procedure :: prepare
       procedure :: value_at
       procedure :: input_at
       procedure :: output_at
@@ -37,6 +40,16 @@ contains
 
       function_kind = findloc(function_names == name, .true., dim=1)
    end function function_kind
+
+   !> Keep what every evaluation needs; not necessary.
+   pure subroutine prepare(self)
+      class(wanted_function_t), intent(inout) :: self
+
+      if (.not. self%continuous) return
+      self%at_low = self%value_at(self%low)
+      self%at_high = self%value_at(self%high)
+      self%prepared = .true.
+   end subroutine prepare
 
    !> y of x.
    elemental real(wp) function value_at(self, x)
@@ -77,8 +90,13 @@ contains
       integer :: i
 
       if (self%continuous) then
-         first = self%value_at(self%low)
-         last = self%value_at(self%high)
+         if (self%prepared) then
+            first = self%at_low
+            last = self%at_high
+         else
+            first = self%value_at(self%low)
+            last = self%value_at(self%high)
+         end if
          output_at = real(self%sense, wp)*self%swing_out* &
                      (self%value_at(self%low + place*(self%high - self%low)) - first)/(last - first)
       else
