@@ -1,11 +1,14 @@
 !> Cost of exact synthesis on one thread; bench/exact compiles it with the modules of src/exact and writes doc/exact.md.
 program exact
    use psalm_burmester, only: dyads_t, five_poses
+   use psalm_certificate, only: certificate_t, certify
    use psalm_kinds, only: wp, pi, radians_per_degree
-   use psalm_leg_problem, only: kind_point, kind_pose, kind_timed, leg_problem_t, make_problem
+   use psalm_leg_problem, only: kind_point, kind_pose, kind_timed, leg_data_t, leg_problem_t, make_problem, most_points, turns_of, &
+                                variables
    use psalm_minimax, only: approximation_t, approximate
    use psalm_monodromy, only: generic_t, solve_generic
-   use psalm_nine_points, only: nine_point_orbits, nine_points_t, solve_nine_points
+   use psalm_nine_points, only: in_place, nine_point_orbits, nine_points_t, solve_nine_points
+   use psalm_six_bars, only: find_stephenson, find_watt, six_bars_t
    use psalm_wanted_function, only: function_kind, wanted_function_t
    use psalm_xoshiro, only: purpose_starts, xoshiro_t
    implicit none (type, external)
@@ -16,8 +19,10 @@ program exact
    call random%seed(seed, purpose_starts)
    print '(a)', '# Exact synthesis, measured', '', 'Written by `bench/exact`: one thread, time of the processor.', ''
    call measure_nine_points()
+   call measure_certificate()
    call measure_poses()
    call measure_functions()
+   call measure_six_bars()
    call measure_rows()
 
 contains
@@ -70,6 +75,65 @@ contains
       print '(a,f0.3,a,f0.3,a)', 'Mean ', total/real(problems, wp), ' s, longest ', longest, ' s.'
       print '(a)', ''
    end subroutine measure_nine_points
+
+   !> Krawczyk's test of all ends of one problem.
+   subroutine measure_certificate()
+      complex(wp), parameter :: p(0:8) = [(0.25_wp, 0.0_wp), (0.52_wp, 0.1_wp), (0.8_wp, 0.7_wp), (1.2_wp, 1.0_wp), &
+                                          (1.4_wp, 1.3_wp), (1.1_wp, 1.48_wp), (0.7_wp, 1.4_wp), &
+                                          (0.2_wp, 1.0_wp), (0.02_wp, 0.4_wp)]
+      real(wp), parameter :: within = 1.0e-6_wp
+      type(nine_points_t) :: found
+      type(leg_data_t) :: data
+      type(certificate_t) :: certificate
+      complex(wp), allocatable :: own(:, :), turns(:, :), partners(:, :)
+      logical, allocatable :: likely(:)
+      complex(wp) :: first
+      real(wp) :: from, to
+      integer :: i, n
+
+      call solve_nine_points(p, 1, found)
+      n = size(found%solutions, 2)
+      allocate (own(variables, n), turns(most_points, n), partners(most_points, n), likely(n))
+      first = p(found%order(0) - 1)
+      data%d = p(found%order(1:) - 1) - first
+      data%dh = conjg(data%d)
+      do i = 1, n
+         own(:, i) = in_place(found, found%solutions(:, i))
+         call turns_of(found%path%problem, data, own(:, i), turns(:, i), partners(:, i))
+         likely(i) = maxval(abs(own(2::2, i) - conjg(own(1::2, i)))) < within*maxval(abs(own(:, i)))
+      end do
+      call cpu_time(from)
+      call certify(first, p(found%order(1:) - 1), own, turns, partners, likely, certificate)
+      call cpu_time(to)
+      print '(a,i0,a,i0,a,i0,a,f0.2,a)', 'Certificate of the nine points of data/exact/nine_points.nml: ', certificate%proven, &
+         ' of 1442 ends exist, ', certificate%apart, ' apart from all others, ', certificate%real_ones, ' real; ', to - from, ' s.'
+      print '(a)', ''
+   end subroutine measure_certificate
+
+   !> Six-bars through five points of a function.
+   subroutine measure_six_bars()
+      real(wp), parameter :: phi(5) = radians_per_degree*[10.0_wp, 32.0_wp, 55.0_wp, 78.0_wp, 100.0_wp]
+      real(wp), parameter :: psi(5) = radians_per_degree*[0.0_wp, 12.0_wp, 27.0_wp, 45.0_wp, 66.0_wp]
+      integer, parameter :: grid = 6, kept = 10
+      real(wp), parameter :: least_angle = 20.0_wp, longest = 10.0_wp
+      type(wanted_function_t) :: wanted
+      type(six_bars_t) :: found
+      real(wp) :: from, to
+      integer :: k
+
+      wanted%continuous = .false.
+      print '(a)', '## Six-bars through five points of a function', ''
+      print '(a)', '| kind | drivers | closing linkages | on one branch | s |', '| --- | --- | --- | --- | --- |'
+      do k = 1, 2
+         call cpu_time(from)
+         if (k == 1) call find_stephenson(wanted, phi, psi, grid, kept, least_angle, longest, found)
+         if (k == 2) call find_watt(wanted, phi, psi, 2*grid, kept, least_angle, longest, found)
+         call cpu_time(to)
+         print '(3a,i0,a,i0,a,i0,a,f0.2,a)', '| ', merge('Stephenson III', 'Watt II       ', k == 1), ' | ', found%drivers, ' | ', &
+            found%linkages, ' | ', found%sound, ' | ', to - from, ' |'
+      end do
+      print '(a)', ''
+   end subroutine measure_six_bars
 
    subroutine measure_poses()
       type(dyads_t) :: dyads
