@@ -388,6 +388,7 @@ contains
    subroutine hold_default_bounds(worker, candidate)
       class(worker_t), intent(inout) :: worker
       type(candidate_t), intent(inout) :: candidate
+      type(candidate_t) :: held
       real(wp), allocatable :: low(:), high(:), values(:)
 
       associate (merit => worker%merit)
@@ -400,11 +401,15 @@ contains
          values = min(max(values, merit%low), merit%high)
          if (merit%free) merit%delt = candidate%x(merit%core + 1:)
          if (merit%has_range) call set_range(merit, [real(wp) ::])
-         call improve(worker, fine, 1, values, candidate)
-         call unwind(worker%set, worker%problem, worker%first, values)
-         candidate%x = merit%point(values, merit%delt)
+         held = candidate
+         call improve(worker, fine, 1, values, held)
          merit%low = low
          merit%high = high
+         ! a search that had to end before it began knows nothing of the linkage within the bounds
+         if (worker%stop%waiting()) return
+         call unwind(worker%set, worker%problem, worker%first, values)
+         candidate = held
+         candidate%x = merit%point(values, merit%delt)
       end associate
    end subroutine hold_default_bounds
 
