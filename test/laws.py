@@ -25,12 +25,15 @@ def kalm(*arguments):
 
 
 def rows(device, block=0):
-    """Rows of a block of device 9, as dictionaries of strings."""
-    blocks = []
+    """Rows of a block of positions of device 9, as dictionaries of strings."""
+    blocks, positions = [], False
     for line in read(device).splitlines():
         if line.startswith("# input"):
             blocks.append((line.split()[1:], []))
-        elif line.strip() and not line.startswith("#"):
+            positions = True
+        elif line.startswith("# block "):
+            positions = False
+        elif positions and line.strip() and not line.startswith("#"):
             blocks[-1][1].append(dict(zip(blocks[-1][0], line.split())))
     return blocks[block][1]
 
@@ -222,7 +225,7 @@ def margins_of(text):
     """Constraint and numbers of every line of the list of margins."""
     write("margins.nml", text)
     out = psalm("--quiet", "margins.nml")[1]
-    part = out[out.index(" MARGINS OF THE CONSTRAINTS"):].splitlines()[2:]
+    part = out[out.index(" MARGINS OF THE CONSTRAINTS"):].split(" LIMITS OF MOTION")[0].splitlines()[2:]
     return [(line[:46].strip(), line[46:].split()) for line in part if line.strip()]
 
 

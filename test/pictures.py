@@ -26,12 +26,15 @@ DYADS = ("RRR", "RPR", "RRP", "PRR", "RPP", "PPR", "PRP")
 
 
 def device9(name):
-    """Blocks of a device 9 file: (names, rows of strings)."""
-    blocks = []
+    """Blocks of positions of a device 9 file: (names, rows of strings)."""
+    blocks, positions = [], False
     for line in read(name).splitlines():
         if line.startswith("# input"):
             blocks.append((line[2:].split(), []))
-        elif line.strip() and not line.startswith("#"):
+            positions = True
+        elif line.startswith("# block "):
+            positions = False
+        elif positions and line.strip() and not line.startswith("#"):
             blocks[-1][1].append(line.split())
     return blocks
 

@@ -210,6 +210,8 @@ def compare(linkage, folder):
     worst = 0.0
     with open(os.path.join(folder, 'slides.dev9')) as file:
         for line in file:
+            if line.startswith('# block '):
+                break
             if line.startswith('#') or not line.strip():
                 continue
             words = line.split()
