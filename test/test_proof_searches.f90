@@ -1,0 +1,125 @@
+!> Linkages found by searches: what the search says of them, by looking at its inputs, against what is proven.
+!>
+!> An argument is the number of searches of each problem, a second one the first seed.
+program test_proof_searches
+   use cases, only: load_case
+   use check, only: checks_t
+   use psalm_constraint_group, only: range_turn
+   use psalm_data_set, only: data_set_t
+   use psalm_dimensions, only: dimensions_t
+   use psalm_error, only: problem_t
+   use psalm_kinds, only: wp, full_turn, right_angle
+   use psalm_margins, only: inspector_t, margin_t, prepare_inspector, inspect, is_violated, margin_angle
+   use psalm_plan, only: plan_t, make_plan
+   use psalm_proof, only: proof_t, subject_t, prepare_subject, bind_subject, prove_closure
+   use psalm_proof_ranges, only: extreme_t, extreme_angle, prove_extremes
+   use psalm_search, only: result_t, search_many
+   use psalm_stop, only: stop_t
+   implicit none (type, external)
+
+   character(*), parameter :: problems(3) = [character(15) :: 'paths/line6', 'paths/ellipse10', 'paths/ten10']
+   integer, parameter :: starts = 6, kept = 6
+   real(wp), parameter :: near = 1.0e-4_wp       !! degrees, to which a margin looked for is found
+   type(checks_t) :: t
+   integer :: k, seed, found, agree, at_limit, open, margins_off
+
+   found = 0
+   agree = 0
+   at_limit = 0
+   open = 0
+   margins_off = 0
+   do k = 1, size(problems)
+      do seed = argument(2, 1), argument(2, 1) + argument(1, 1) - 1
+         call search_and_prove(trim(problems(k)), seed)
+      end do
+   end do
+   if (command_argument_count() > 0) print '(5(a,i0))', 'linkages found ', found, ', verdicts that agree ', agree, &
+      ', at their limit within rounding ', at_limit, ', open though found sound ', open, ', margins that differ ', margins_off
+   call t%is_true(found >= 5, 'searches find linkages')
+   call t%equal_integer(agree + at_limit, found, 'searches and proofs agree')
+   call t%equal_integer(margins_off, 0, 'margins that a search lists lie in their proven brackets')
+   call t%report()
+
+contains
+
+   subroutine search_and_prove(name, seed)
+      character(*), intent(in) :: name
+      integer, intent(in) :: seed
+      type(problem_t) :: problem
+      type(data_set_t), target :: set
+      type(result_t) :: result
+      type(stop_t) :: never
+      type(inspector_t) :: inspector
+      type(subject_t) :: subject
+      type(dimensions_t) :: dimensions
+      type(plan_t) :: plan
+      real(wp), allocatable :: none(:, :)
+      integer :: i
+
+      call load_case(name, problem, set)
+      set%istart = seed
+      set%search%nstart = starts
+      set%search%nbest = kept
+      set%constr%irange = range_turn
+      allocate (none(size(problem%parameters%variables), 0))
+      call search_many(set, problem, problem%parameters%first_values(problem%given), none, 1, never, result)
+      call prepare_inspector(set, problem, .true., inspector)
+      plan = make_plan(problem%mechanism, problem%motion, everything=.false., all_roots=.false.)
+      call prepare_subject(problem%mechanism, plan, subject)
+      do i = 1, size(result%best)
+         dimensions = problem%given
+         call problem%parameters%apply(result%best(i)%values, dimensions)
+         call bind_subject(plan, dimensions, subject)
+         call compare(inspector, subject, dimensions, result%best(i)%delt, set%tangle)
+      end do
+   end subroutine search_and_prove
+
+   !> Verdicts and margins of one linkage that a search holds for sound.
+   subroutine compare(inspector, subject, dimensions, delt, tangle)
+      type(inspector_t), intent(inout) :: inspector
+      type(subject_t), intent(inout) :: subject
+      type(dimensions_t), intent(in) :: dimensions
+      real(wp), intent(in) :: delt(:), tangle
+      type(margin_t), allocatable :: margins(:)
+      type(extreme_t), allocatable :: extremes(:)
+      type(proof_t) :: proof
+      real(wp) :: least, room
+      integer :: boxes(2), i, k
+      logical :: sound
+
+      found = found + 1
+      call inspect(inspector, dimensions, delt, margins)
+      sound = .not. any(is_violated(margins))
+      call prove_closure(subject, 0.0_wp, full_turn, proof)
+      call prove_extremes(subject, proof, extremes, boxes)
+      ! how near the worst angle is to its limit
+      least = huge(least)
+      do i = 1, size(extremes)
+         if (extremes(i)%kind /= extreme_angle) cycle
+         room = min(extremes(i)%least_low - (right_angle - tangle), right_angle + tangle - extremes(i)%greatest_high)
+         least = min(least, room)
+         do k = 1, size(margins)
+            if (margins(k)%kind /= margin_angle .or. margins(k)%which /= extremes(i)%loop) cycle
+            if (abs(margins(k)%margin - room) > near) margins_off = margins_off + 1
+         end do
+      end do
+      if (proof%closes_everywhere() .eqv. sound) then
+         agree = agree + 1
+      else if (sound .and. abs(least) <= near) then
+         at_limit = at_limit + 1
+      else
+         open = open + 1
+      end if
+   end subroutine compare
+
+   !> An argument of the command line that is a number.
+   integer function argument(number, default)
+      integer, intent(in) :: number, default
+      character(20) :: text
+      integer :: status
+
+      call get_command_argument(number, text)
+      read (text, *, iostat=status) argument
+      if (status /= 0) argument = default
+   end function argument
+end program test_proof_searches
