@@ -31,6 +31,8 @@ check() { local law=$1; shift; if "$@" >/dev/null 2>&1; then ok; else bad "$law"
 status() { local want=$1 law=$2; shift 2; "$@" >out 2>err; local got=$?
     if [ $got -eq "$want" ]; then ok; else bad "$law: exit status $got instead of $want"; fi; }
 said() { if grep -qF -- "$2" err; then ok; else bad "$1: standard error lacks '$2' ($(head -c 300 err))"; fi; }
+# The published listing of the needle linkage, after which the proof of its motion comes.
+published() { sed '/^ LIMITS OF MOTION/,$d' out >published.lst; same "$1" published.lst "$ref/needle-results.lst"; }
 same() { if diff -bwB "$2" "$3" >/dev/null; then ok; else bad "$1"; diff -bwB "$2" "$3" | head -5; fi; }
 cd "$work" || exit 1
 data="$top/data" ref="$top/data/reference"
@@ -46,8 +48,7 @@ fi
 if part published; then
 # published listings
 status 1 'needle: two iterations do not converge' "$psalm" needle.nml
-sed '/^ LIMITS OF MOTION/,$d' out >published.lst
-same 'needle: device 6 is the published listing' published.lst "$ref/needle-results.lst"
+published 'needle: device 6 is the published listing'
 check 'needle: the motion of what a search found is proven after it' grep -qx '   CLOSES FOR EVERY INPUT OF THE RANGE' out
 changed needle.nml 's/IPLOT=1/IPLOT=1, IPROOF=0/' >unproven.nml
 "$psalm" --quiet unproven.nml >out 2>/dev/null
@@ -647,20 +648,20 @@ if part places; then
 # awkward places
 changed needle.nml 's/$/\r/' >crlf.nml
 "$psalm" --quiet crlf.nml >out
-same 'CRLF line ends' out "$ref/needle-results.lst"
+published 'CRLF line ends'
 printf '%s' "$(cat needle.nml)" >noend.nml
 "$psalm" --quiet noend.nml >out
-same 'no final line end' out "$ref/needle-results.lst"
+published 'no final line end'
 mkdir elsewhere && (cd elsewhere && "$psalm" --quiet ../needle.nml >../out)
-same 'from another directory' out "$ref/needle-results.lst"
+published 'from another directory'
 check 'devices lie beside the case' test ! -e elsewhere/needle.dev9
 "$psalm" --quiet --output-dir sub needle.nml >out
 check '--output-dir' test -s sub/needle.dev7
 (cd elsewhere && "$psalm" --quiet <../needle.nml >../out)
-same 'standard input' out "$ref/needle-results.lst"
+published 'standard input'
 check 'standard input: devices are called psalm' test -s elsewhere/psalm.dev9
 (cd elsewhere && cat ../needle.nml | "$psalm" --quiet - | cat >../out)
-same 'through pipes' out "$ref/needle-results.lst"
+published 'through pipes'
 cp needle.nml 'with blanks in it.nml'
 status 1 'a name with blanks' "$psalm" --quiet 'with blanks in it.nml'
 check 'a name with blanks: devices' test -s 'with blanks in it.dev9'

@@ -16,7 +16,8 @@ module psalm_proof_list
    integer, parameter :: value_columns = 17, list_columns = 110
    real(wp), parameter :: certain = 1.0e-9_wp       !! relative width of a bracket that is told as one number
 
-   integer, parameter :: width = 16, decimals = 12  !! of an angle
+   integer, parameter :: width = 16, decimals = 12  !! of an angle below 1000
+   integer, parameter :: most_digits = 40           !! of any
    real(wp), parameter :: narrow = 1.0e-12_wp       !! of the range: an end bracketed so is told as one number
 
 contains
@@ -370,7 +371,7 @@ contains
       integer, intent(in) :: way
       logical, intent(in) :: turns
       character(:), allocatable :: text
-      character(width) :: digits
+      character(most_digits) :: digits
       character(16) :: layout
       real(dp) :: shown, number
       integer :: i
@@ -379,14 +380,15 @@ contains
          text = full_precision(value)
          return
       end if
-      write (layout, '("(f",i0,".",i0,")")') width, decimals
+      write (layout, '("(f",i0,".",i0,")")') most_digits, decimals
       number = real(value, dp)
       do i = 0, 2
          write (digits, layout) number + real(way*i, dp)*10.0_dp**(-decimals)
          read (digits, *) shown
          if (real(way, dp)*(shown - number) >= 0.0_dp) exit
       end do
-      text = digits
+      text = trim(adjustl(digits))
+      text = repeat(' ', max(0, width - len(text)))//text
    end function end_text
 
    !> Device 9: every part of the range, the brackets too, with all digits.
