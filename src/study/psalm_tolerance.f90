@@ -116,7 +116,7 @@ contains
       type(tolerance_t), intent(out) :: result
       logical, intent(out) :: closes
       type(parameters_t) :: parameters
-      type(sensitivity_t) :: work
+      type(sensitivity_t), allocatable :: work   ! large: it would fill a small stack
       integer :: v, nvar, n
 
       result%dimensions = dimensions
@@ -135,6 +135,7 @@ contains
       do v = 1, nvar
          result%tolerance(v) = tolerance_of(set, parameters%variables(v))
       end do
+      allocate (work)
       call prepare_sensitivity(deviating%problem, work)
       call find_jacobian(deviating%problem, dimensions, work, result%effect)
       call find_dead(deviating%problem, dimensions, work, result%dead)
