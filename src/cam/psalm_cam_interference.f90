@@ -16,6 +16,7 @@ module psalm_cam_interference
    public :: interference_t, pair_t, find_interference, near_pairs, fit_least
 
    integer, parameter :: block_length = 32       !! samples that are compared at once
+   real(wp), parameter :: safely = 1.0e-9_wp     !! of a sine: a block may turn so near to a right angle
    integer, parameter :: refinements = 3         !! stencils of a pair, each finer
    real(wp), parameter :: finer = 0.05_wp        !! by this
    real(wp), parameter :: rounding = 1.0e-9_wp   !! depth that is none
@@ -177,7 +178,7 @@ contains
       do c = 1, blocks
          do b = 1, blocks
             gap = size_of(middle(1, b) - middle(2, c)) - round(1, b) - round(2, c)
-            if (gap >= limit) cycle
+            if (gap >= limit .or. is_within_reach(b, c)) cycle
             do k = (c - 1)*block_length + 1, min(c*block_length, n)
                do i = (b - 1)*block_length + 1, min(b*block_length, n)
                   if (modulo(k - i, n) <= ahead(i) .or. modulo(i - k, n) <= behind(i)) cycle
@@ -189,6 +190,24 @@ contains
       end do
 
    contains
+
+      !> All centres of block c belong to those that the touching circles of block b cannot meet.
+      pure logical function is_within_reach(b, c) result(within)
+         integer, intent(in) :: b, c
+         integer :: first(2), last(2), least(2)
+
+         first = ([b, c] - 1)*block_length + 1
+         last = min([b, c]*block_length, n)
+         least = [minval(ahead(first(1):last(1))), minval(behind(first(1):last(1)))]
+         if (b == c) then
+            within = minval(least) >= last(1) - first(1)
+            return
+         end if
+         ! no further than that, and not once round between first and last
+         within = modulo(last(2) - first(1), n) <= least(1) .and. modulo(first(2) - last(1), n) <= modulo(last(2) - first(1), n)
+         within = within .or. (modulo(last(1) - first(2), n) <= least(2) .and. &
+                               modulo(first(1) - last(2), n) <= modulo(last(1) - first(2), n))
+      end function is_within_reach
 
       !> Nearer than its eight neighbours.
       pure logical function is_least(i, k)
@@ -212,21 +231,57 @@ contains
       complex(wp), intent(in) :: tangent(:)
       logical, intent(in) :: open
       integer, intent(out) :: behind(:), ahead(:)
-      integer :: n, i
+      complex(wp), allocatable :: mean(:)            !! by block
+      real(wp), allocatable :: spread(:)             !! sine of the largest angle from it; above 1: the block turns too far
+      integer :: n, i, b, length
 
       n = size(tangent)
+      allocate (mean((n + block_length - 1)/block_length), spread((n + block_length - 1)/block_length))
+      do b = 1, size(mean)
+         associate (t => tangent((b - 1)*block_length + 1:min(b*block_length, n)))
+            mean(b) = sum(t)
+            spread(b) = 2.0_wp
+            if (.not. size_of(mean(b)) > 0.0_wp) cycle
+            mean(b) = mean(b)/size_of(mean(b))
+            if (all(real(conjg(mean(b))*t, wp) > 0.0_wp)) spread(b) = maxval(abs(aimag(conjg(mean(b))*t)))
+         end associate
+      end do
       do i = 1, n
          ahead(i) = 0
          do while (ahead(i) < merge(n - i, n - 1, open))
-            if (real(conjg(tangent(i))*tangent(1 + modulo(i + ahead(i), n)), wp) <= 0.0_wp) exit
-            ahead(i) = ahead(i) + 1
+            ! a whole block, or the next sample
+            length = whole(i, 1 + modulo(i + ahead(i), n), 1, merge(n - i, n - 1, open) - ahead(i))
+            if (length == 0) then
+               if (real(conjg(tangent(i))*tangent(1 + modulo(i + ahead(i), n)), wp) <= 0.0_wp) exit
+               length = 1
+            end if
+            ahead(i) = ahead(i) + length
          end do
          behind(i) = 0
          do while (behind(i) < merge(i - 1, n - 1, open))
-            if (real(conjg(tangent(i))*tangent(1 + modulo(i - 2 - behind(i), n)), wp) <= 0.0_wp) exit
-            behind(i) = behind(i) + 1
+            length = whole(i, 1 + modulo(i - 2 - behind(i), n), -1, merge(i - 1, n - 1, open) - behind(i))
+            if (length == 0) then
+               if (real(conjg(tangent(i))*tangent(1 + modulo(i - 2 - behind(i), n)), wp) <= 0.0_wp) exit
+               length = 1
+            end if
+            behind(i) = behind(i) + length
          end do
       end do
+
+   contains
+
+      !> Samples of the block that begins at `at`, or going back ends there, if none is a right angle from sample i; else 0.
+      pure integer function whole(i, at, way, most)
+         integer, intent(in) :: i, at, way, most
+         integer :: b, first, last
+
+         whole = 0
+         b = (at - 1)/block_length + 1
+         first = (b - 1)*block_length + 1
+         last = min(b*block_length, n)
+         if (at /= merge(first, last, way > 0) .or. last - first + 1 > most) return
+         if (real(conjg(tangent(i))*mean(b), wp) > spread(b) + safely) whole = last - first + 1
+      end function whole
    end subroutine find_reach
 
    pure real(wp) function size_of(z)

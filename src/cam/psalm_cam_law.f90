@@ -91,10 +91,12 @@ contains
 
       subroutine find_jumps(state)
          integer, intent(in) :: state
+         real(wp) :: rounding(0:1)
 
          joints = law%joints()
+         rounding = settled*[law%greatest(0), law%greatest(1)]
          do k = merge(2, 1, cam%slides), size(joints)
-            if (abs(joints(k)%jump(0)) <= settled*law%greatest(0) .and. abs(joints(k)%jump(1)) <= settled*law%greatest(1)) cycle
+            if (all(abs(joints(k)%jump(:1)) <= rounding)) cycle
             law%state = state
             law%faulty = law%pieces(modulo(k - 2, size(joints)) + 1)%segment
          end do

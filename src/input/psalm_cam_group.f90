@@ -154,6 +154,7 @@ contains
       code = 0
       call read_flag(group, 'KGCODE', code, findings)
       cam%code = code == 1
+      if (cam%code .and. .not. cam%cutter > 0.0_wp) call out_of(group, 'KGCODE', 'a program needs a cutter: give RCUT', findings)
       call group%get_integer('NPOINT', cam%points, findings)
       call check_range(group, 'NPOINT', cam%points, fewest_points, most_points, findings)
    end subroutine read_cam_group

@@ -79,6 +79,7 @@ contains
    contains
 
       subroutine list_law()
+         real(wp) :: greatest
          integer :: k
 
          associate (law => study%shape%motion%law, cam => study%cam)
@@ -95,9 +96,10 @@ contains
             if (size(cam%table) > 0 .and. (cam%table_tolerance > 0.0_wp .or. cam%fit == fit_least_squares)) &
                call text%add(' '//to_text(size(law%pieces))//' PIECES; FROM THE TABLE''S POINTS AT MOST'// &
                              general(law%residual)//', ROOT OF MEAN SQUARE'//general(law%mean_residual))
+            greatest = law%greatest(2)
             do k = 1, size(study%joints)
                if (study%shape%axes%slides .and. k == 1) cycle
-               if (abs(study%joints(k)%jump(2)) <= rounding*law%greatest(2)) cycle
+               if (abs(study%joints(k)%jump(2)) <= rounding*greatest) cycle
                call text%add(' STEP OF ACCELERATION AT'//general(study%joints(k)%at)//' DEGREES:'// &
                              general(study%joints(k)%jump(2)))
             end do

@@ -142,6 +142,12 @@ contains
             if (findings%failed()) return
          end if
          first = findloc(samples%possible, .false., dim=1)
+         if (shape%flat .and. first == 0) then
+            ! from slower than the cam to faster there is an angle at which it turns with it
+            associate (faster => samples%states%turning(1, :) > shape%axes%sense)
+               first = findloc(faster .neqv. faster(1), .true., dim=1)
+            end associate
+         end if
          if (first > 0) call complain(set, k, 'KFOL', 'the flat face turns with the cam at'//general(samples%angle(first))// &
                                       ' degrees: it touches nowhere', findings)
       end do
