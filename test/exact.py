@@ -129,6 +129,23 @@ def six_bars_meet(name, seven, folder, rows):
     check(len(blocks) == len(rows) and worst < 1e-6, name + ": five points by the analysis", worst)
 
 
+def turns_meet(name, seven, folder, angles, sound):
+    """The coupler has the wanted orientation at every pose: the crank's pin by its angle, the coupler point by the analysis."""
+    with open(seven, encoding="utf-8") as file:
+        cases = file.read().split("&CHAIN")[1:]
+    blocks = blocks_of(os.path.join(folder, name + "_again.dev9"))
+    worst = math.inf if len(cases) != len(blocks) else 0.0
+    for case, block, whole in zip(cases, blocks, sound):
+        x, y, turns = ([float(v) for v in re.search(item + r"=([-+0-9.eEdD,\s]+)", case)[1].replace("\n", "").strip().strip(",").split(",")]
+                       for item in ("JX", "JY", "DELT"))
+        pivot, pin = complex(x[0], y[0]), complex(x[-3], y[-3])
+        arms = [complex(row[2], row[3]) - pivot - (pin - pivot)*cmath.exp(1j*math.radians(t)) for row, t in zip(block, turns)]
+        for arm, angle in zip(arms, angles):
+            if whole:
+                worst = max(worst, abs(math.remainder(math.degrees(cmath.phase(arm/arms[0])) - angle + angles[0], 360.0)))
+    check(worst < 1e-7, name + ": the coupler has the wanted orientations", worst)
+
+
 def near(rows, wanted, columns):
     """True if a row has the wanted numbers in some columns, to nine decimals."""
     return any(all(abs(row[c] - w) < 2e-9*max(1, abs(w)) for c, w in zip(columns, wanted)) for row in rows)
@@ -178,10 +195,12 @@ def references(folder):
     for pivot in [(-1.485859267, .236551638), (-2.311955925, .819092137), (-.962026827, .819210284), (-.013529843, 4.745083104)]:
         check(sum(near([r], pivot, [8, 9]) or near([r], pivot, [10, 11]) for r in rows) == 3, "five poses: pivot %g" % pivot[0], rows)
     meets("poses", seven, folder, points_of("five_poses"), 2.5, [r[1] == 1 and r[3] == 1 for r in rows])
+    turns_meet("poses", seven, folder, [0.0, -95.0, 3.0, -88.0, 37.0], [r[1] == 1 and r[3] == 1 for r in rows])
 
     status, listing, rows, seven, _ = run("four", read("four_poses"), folder)
     check(len(rows) == 5 and all(r[1] == r[2] == r[3] == 1 for r in rows), "four poses: five without a defect", listing[:300])
     meets("four", seven, folder, points_of("four_poses"), 400.0, [True]*5)
+    turns_meet("four", seven, folder, [90.0, 76.5, 54.0, 3.0], [True]*5)
 
     status, listing, rows, seven, _ = run("five", read("five_points_pivots"), folder)
     check("complete: 33 of 36 ends distinct, 3 at infinity" in listing and "15 real" in listing, "five points and pivots (Morgan and Wampler)", listing[:300])
@@ -203,6 +222,7 @@ def references(folder):
     for bar in [(-3.25506353, 11.571450874, .008232213, .433895333), (-.351274657, 1.664669725, 1.473369911, 2.014370292)]:
         check(near(rows, bar, [8, 9, 10, 11]) or near(rows, bar, [10, 11, 8, 9]), "four poses, two points: a four-bar", bar)
     meets("mixed", seven, folder, points_of("poses_and_points"), 2.0, [r[1] == 1 and r[3] == 1 for r in rows])
+    turns_meet("mixed", seven, folder, [0.0, 20.0, -15.0, -40.0], [r[1] == 1 and r[3] == 1 for r in rows])
 
     status, listing, rows, seven, _ = run("slider", read("slider_poses"), folder)
     check("complete: 42 of 42 ends distinct" in listing, "slider-crank: complete", listing[:300])
@@ -253,6 +273,11 @@ def refused(folder):
         ("XP=%s, YP=%s" % (",".join("%.15f" % z.real for z in circle), ",".join("%.15f" % z.imag for z in circle)), 2, "one circle or line"),
         ("XP=0,1,2,3,4,5,6,7,8, YP=9*1", 2, "one circle or line"),
         ("XP=0,1,1,3,4,5,6,7,8, YP=0,2,2,1,5,3,2,8,7", 2, "points 2 and 3 coincide"),
+        ("XP=0,1,2,3,4,5,6,7,8,9,10,11, YP=12*1", 2, "one circle or line"),
+        ("XP=0,1,2,3,4,5,6,7,8,9, YP=0,2,1,1,5,3,2,8,7,6, TIMP=0,10", 2, "a four-bar with points only"),
+        ("KIND='MOTION', XP=0,1,2,3,4, YP=0,2,1,1,5, ANGP=5*10.0", 1, "degenerate"),
+        ("KIND='FUNCTION', SIXBAR='WATT', PHI=0,10,20, PSI=0,5,12", 2, "a six-bar is made for 5 points"),
+        ("KIND='FUNCTION', SIXBAR='JANSEN', PHI=0,10,20, PSI=0,5,12", 2, "must be 'STEPHENSON' or 'WATT'"),
         ("KIND='MOTION', XP=0,1,1,3,4, YP=0,2,2,1,5, ANGP=0,10,370,20,30", 2, "poses 2 and 3 are the same"),
         ("XP=0,1,2,3, YP=0,2,1,1", 2, "infinitely many pass; give more"),
         ("XP=0,1,2,3,4,5, YP=0,2,1,1,6,2, ANGP=0,1,2,3,4,9", 2, "none passes; give fewer"),
