@@ -15,7 +15,7 @@ module psalm_nine_points
    use psalm_monodromy, only: add_distinct, scale_problem, scale_solutions
    use psalm_nine_points_start, only: own_conjugates, start_line, start_points, stored
    use psalm_start_text, only: characters_a_number, decode
-   use psalm_tracker, only: polish, tracked_t
+   use psalm_tracker, only: polish, track, tracked_t
    implicit none (type, external)
    private
    public :: nine_points_t, solve_nine_points, nine_point_orbits, in_place
@@ -43,17 +43,20 @@ module psalm_nine_points
 contains
 
    !> Follow the stored solutions to nine points.
-   subroutine solve_nine_points(points, first_phase, found, passes)
+   subroutine solve_nine_points(points, first_phase, found, quick)
       complex(wp), intent(in) :: points(0:most_points)
       integer, intent(in) :: first_phase             !! which of the phases begins, from 1
       type(nine_points_t), intent(out) :: found
-      integer, intent(in), optional :: passes        !! at most; more ways are tried where ends are missing
+      logical, intent(in), optional :: quick         !! lost paths are left alone: some ends may be missing
       complex(wp), allocatable :: starts(:, :), turned(:, :)
       complex(wp) :: wanted(0:most_points), turn
       type(leg_data_t) :: generic
       type(tracked_t) :: tracked
       integer :: pass
+      logical :: lost_are_left
 
+      lost_are_left = .false.
+      if (present(quick)) lost_are_left = quick
       call match(points, found)
       call make_problem(spread(kind_point, 1, most_points), .false., .false., .false., found%path%problem)
       generic%d = start_points(1:) - start_points(0)
@@ -75,16 +78,17 @@ contains
          turned = starts
          call scale_problem(found%path%problem, generic, turn, turn, found%path%from)
          call scale_solutions(found%path%problem, turn, turn, turned)
-         call track_carefully(found%path, turned, .true., tracked)
+         if (lost_are_left) then
+            call track(found%path, turned, tracked)
+         else
+            call track_carefully(found%path, turned, .true., tracked)
+         end if
          found%steps = found%steps + tracked%steps
          found%precise = found%precise + tracked%precise
          found%infinite = max(found%infinite, tracked%infinite)
          call add_distinct(found%path%problem, tracked%ends, tracked%arrived, .true., found%solutions)
          found%passes = pass
-         if (found%complete()) exit
-         if (present(passes)) then
-            if (pass >= passes) exit
-         end if
+         if (found%complete() .or. lost_are_left) exit
       end do
       allocate (found%left(size(found%solutions, 2)))
       call polish(found%path, found%solutions, found%left)

@@ -71,7 +71,7 @@ contains
          call draw(p, size_of_path, random, chosen, drawn)
          if (.not. drawn) exit
          study%sets = study%sets + 1
-         call solve_nine_points(p(chosen), 1, found, passes=1)
+         call solve_nine_points(p(chosen), 1, found, quick=.true.)
          if (found%complete()) study%complete = study%complete + 1
          scores = huge(1.0_wp)
          do i = 1, size(found%solutions, 2)
