@@ -34,6 +34,7 @@ program psalm
    use psalm_system, only: finish_program, write_standard_error
    use psalm_text, only: to_text
    use psalm_tolerance, only: tolerances_t, study_tolerances
+   use psalm_type_search, only: shared_search_t, share_starts, shares_starts
    use psalm_dimensions, only: dimensions_t
    implicit none (type, external)
 
@@ -43,6 +44,7 @@ program psalm
    type(arguments_t), save :: arguments
    type(signals_t), save, target :: signals
    type(stop_t), save :: stop
+   type(shared_search_t), allocatable, save :: shared(:) !! cases of a file that share their starts; not allocated: none do
    logical, save :: finished
    integer, save :: code, i
 
@@ -65,7 +67,7 @@ program psalm
    if (finished) call finish_program(code)
    call stop%listen_to(signals)
    do i = 1, size(arguments%files)
-      call run_file(arguments, trim(arguments%files(i)), outputs, prepare_search, run_case, code)
+      call run_file(arguments, trim(arguments%files(i)), outputs, prepare_search, run_case, code, run_shared)
       if (signals%asked() .or. arguments%no_place) exit ! a signal came: what is left is not begun
       call signals%release()
    end do
@@ -96,6 +98,20 @@ contains
       if (.not. findings%failed()) call prepare(set, device4, prepared, findings)
    end subroutine prepare_search
 
+   !> The search of cases that share their starts.
+   subroutine run_shared(sets, prepared, devices)
+      type(data_set_t), intent(inout) :: sets(:)
+      type(prepared_t), intent(in) :: prepared(:)
+      type(devices_t), intent(inout) :: devices
+      integer :: first, threads, k
+
+      if (allocated(shared)) deallocate (shared)
+      first = findloc([(shares_starts(sets(k)), k=1, size(sets))], .true., dim=1)
+      if (first == 0) return
+      call take_threads(sets(first), threads, devices)
+      call share_starts(sets, prepared, threads, stop, shared)
+   end subroutine run_shared
+
    !> The studies of a case, and what they have to report.
    subroutine run_case(number, set, prepared, devices, stopped)
       integer, intent(in) :: number
@@ -116,8 +132,6 @@ contains
       type(search_log_t) :: log
       integer :: threads
 
-      associate (unused => number)
-      end associate
       if (set%exact%given) then
          call run_exact(set, devices)
          stopped = signals%asked()
@@ -142,7 +156,11 @@ contains
       dimensions = prepared%given
       if (prepared%parameters%has_search()) call begin_search_report(set, devices)
       call begin_log(set, monitor, log)
-      call synthesise(set, prepared%vertices, problem, threads, stop, dimensions, search, log)
+      if (has_shared(number)) then
+         call synthesise(set, prepared%vertices, problem, threads, stop, dimensions, search, log, shared(number)%found)
+      else
+         call synthesise(set, prepared%vertices, problem, threads, stop, dimensions, search, log)
+      end if
       if (prepared%parameters%has_search()) call report_search(set, search, log, devices)
       wanted = wanted_by(set)
       wanted%summary = .not. arguments%quiet .and. devices%summarised < most_summarised
@@ -195,6 +213,14 @@ contains
       if (.not. allocated(set%no_loops)) call find_family(set, mechanism, dimensions, inputs_of(set), family, found)
       call report_family(set, family, found, devices)
    end subroutine run_family
+
+   !> The search of a case was made together with that of others.
+   logical function has_shared(number)
+      integer, intent(in) :: number
+
+      has_shared = .false.
+      if (allocated(shared)) has_shared = shared(number)%takes_part
+   end function has_shared
 
    !> All linkages that meet points, poses or a function exactly.
    subroutine run_exact(set, devices)

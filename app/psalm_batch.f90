@@ -55,6 +55,15 @@ module psalm_batch
          type(devices_t), intent(inout) :: devices
          logical, intent(inout) :: stopped
       end subroutine study_case
+
+      !> What the cases of a file have in common.
+      subroutine study_cases(sets, prepared, devices)
+         import :: data_set_t, devices_t, prepared_t
+         implicit none (type, external)
+         type(data_set_t), intent(inout) :: sets(:)
+         type(prepared_t), intent(in) :: prepared(:) !! shape (cases)
+         type(devices_t), intent(inout) :: devices
+      end subroutine study_cases
    end interface
 
 contains
@@ -100,13 +109,14 @@ contains
    end subroutine run_files
 
    !> Run all cases of a file. Mistakes are told, and the exit status is raised.
-   subroutine run_file(arguments, file, outputs, prepare_it, study, code)
+   subroutine run_file(arguments, file, outputs, prepare_it, study, code, together)
       type(arguments_t), intent(inout) :: arguments
       character(*), intent(in) :: file
       type(outputs_t), intent(in) :: outputs
       procedure(prepare_case) :: prepare_it
       procedure(study_case) :: study
       integer, intent(inout) :: code                 !! exit status
+      procedure(study_cases), optional :: together   !! before the first case
       type(diagnostics_t) :: findings
       type(data_set_t), allocatable :: sets(:)
       type(prepared_t), allocatable :: prepared(:)
@@ -141,6 +151,7 @@ contains
       if (.not. ready) return
       devices%mark = mark%name()
       stopped = .false.
+      if (present(together)) call together(sets, prepared, devices)
       do k = 1, size(sets)
          call study(k, sets(k), prepared(k), devices, stopped)
          if (stopped) exit

@@ -1,6 +1,6 @@
 !> The group SEARCH: which search, from how many starts, for how long.
 module psalm_search_group
-   use psalm_group, only: group_t, check_range, out_of, read_flag
+   use psalm_group, only: group_t, check_range, out_of
    use psalm_kinds, only: wp
    use psalm_solver_kind, only: solver_kind_t, find_solver, solver_names, default_solver, plain_name, &
                                 family_simplex, family_unknown
@@ -10,6 +10,7 @@ module psalm_search_group
    private
    public :: search_group_t, read_search_group, most_search_threads
    public :: order_free, order_given, order_either
+   public :: ranking_none, ranking_common, ranking_shared
    public :: pareto_none, pareto_largest, pareto_angle, pareto_ratio, pareto_room, pareto_band
 
    integer, parameter :: most_starts = 1000000      !! above this a number is taken for a slip of the pen
@@ -19,6 +20,11 @@ module psalm_search_group
    integer, parameter :: order_free = 0             !! in any order
    integer, parameter :: order_given = 1            !! in their order, the input going the way of DELT
    integer, parameter :: order_either = 2           !! in their order, the input going either way
+
+   ! RANKING: cases of a file that are ranked together
+   integer, parameter :: ranking_none = 0           !! the case is not
+   integer, parameter :: ranking_common = 1         !! each is searched from all of its starts
+   integer, parameter :: ranking_shared = 2         !! the starts go to those that promise most
 
    ! PARETO: what is weighed against the objective
    integer, parameter :: pareto_none = 0
@@ -37,7 +43,7 @@ module psalm_search_group
       integer :: first = 1                 !! number of the first one; a restart continues with it
       integer :: nbest = 1                 !! linkages kept
       real(wp) :: differ = 0.05_wp         !! by how much a length, of itself, or an angle, in radians, makes a linkage another
-      integer :: ranking = 0               !! 1: linkages of all cases of the file that ask for it are ranked together
+      integer :: ranking = ranking_none    !! linkages of all cases of the file that ask for it are ranked together
       integer :: pareto = pareto_none      !! linkages kept are those unbeaten in the objective and this
       integer :: maxeval = 0               !! evaluations of each start; 0: as many as it takes
       real(wp) :: maxtime = 0.0_wp         !! seconds; 0: no limit
@@ -64,7 +70,8 @@ contains
       other = trim(pareto_names(pareto_none))
       call group%get_word('PARETO', other, findings)
       search%pareto = findloc(pareto_names, upper_case(trim(adjustl(other))), dim=1) - 1
-      call read_flag(group, 'RANKING', search%ranking, findings)
+      call group%get_integer('RANKING', search%ranking, findings)
+      call check_range(group, 'RANKING', search%ranking, ranking_none, ranking_shared, findings)
       call group%get_integer('MAXEVAL', search%maxeval, findings)
       call group%get_real('MAXTIME', search%maxtime, findings)
       call group%get_integer('THREADS', search%threads, findings)
@@ -86,7 +93,7 @@ contains
          if (search%nstart > 1) call other_solver('NSTART')
          if (search%nbest > 1) call other_solver('NBEST')
          if (search%pareto > pareto_none) call other_solver('PARETO')
-         if (search%ranking > 0) call other_solver('RANKING')
+         if (search%ranking > ranking_none) call other_solver('RANKING')
          if (search%first > 1) call other_solver('FIRST')
          if (search%maxeval > 0) call other_solver('MAXEVAL')
       end if

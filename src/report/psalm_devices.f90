@@ -30,6 +30,7 @@ module psalm_devices
       type(table_t), allocatable :: tables(:) !! for other programs, one a case; not allocated: none
       type(drawing_t), allocatable :: drawings(:) !! of the cases, by `add_drawing`
       type(ranking_entry_t), allocatable :: ranking(:) !! linkages of the cases so far that are ranked together; not allocated: none
+      type(text_t) :: shares  !! of the starts, of those of them that share these
       type(text_t) :: notes   !! remarks for standard error
       type(text_t) :: summary !! what the linkage does, for standard error
       integer :: summarised = 0          !! cases met by the summary

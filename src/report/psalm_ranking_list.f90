@@ -11,7 +11,7 @@ module psalm_ranking_list
    use psalm_text, only: text_t, general, lower_case, to_text
    implicit none (type, external)
    private
-   public :: ranking_entry_t, list_ranking, bounds_reached, add_to_ranking, list_common_ranking
+   public :: ranking_entry_t, list_ranking, bounds_reached, add_to_ranking, add_share, list_common_ranking
 
    character(*), parameter :: heads = &
       '      RMS ERROR  LARGEST ERROR  TRANSM. ANGLE LONGEST/SHORT.     ROOM WIDTH    ROOM HEIGHT TOLERANCE BAND'
@@ -105,9 +105,21 @@ contains
       call move_alloc(more, entries)
    end subroutine add_to_ranking
 
+   !> What a case that shares its starts with others had of them.
+   subroutine add_share(set, found, shares)
+      type(data_set_t), intent(in) :: set
+      type(result_t), intent(in) :: found
+      type(text_t), intent(inout) :: shares
+      character(:), allocatable :: count
+
+      count = to_text(found%starts)
+      call shares%add(repeat(' ', max(1, 8 - len(count)))//count//'   '//trim(adjustl(set%title)))
+   end subroutine add_share
+
    !> Append the ranking of several cases, the best first.
-   subroutine list_common_ranking(entries, text)
+   subroutine list_common_ranking(entries, shares, text)
       type(ranking_entry_t), intent(in) :: entries(:)
+      type(text_t), intent(in) :: shares                 !! by `add_share`; empty: each had its own
       type(text_t), intent(inout) :: text
       logical :: left(size(entries))
       integer :: place, i
@@ -124,6 +136,9 @@ contains
                           padded(turning(one%is))//'   '//trim(adjustl(one%title))//', '//to_text(one%rank))
          end associate
       end do
+      if (shares%length == 0) return
+      call text%add(' STARTS THAT EACH CASE HAD (RANKING=2: ALL FROM FEW, THE BETTER HALF FROM TWICE AS MANY, AND SO ON)')
+      call text%add_text(shares%content())
    end subroutine list_common_ranking
 
    pure function padded(words) result(column)

@@ -21,8 +21,9 @@ module psalm_report
    use psalm_proof_study, only: proof_study_t
    use psalm_rate_list, only: list_rates, list_all_rates, write_table, dead_words
    use psalm_rate_study, only: rate_study_t
-   use psalm_ranking_list, only: list_ranking, bounds_reached, add_to_ranking, list_common_ranking
+   use psalm_ranking_list, only: list_ranking, bounds_reached, add_to_ranking, add_share, list_common_ranking
    use psalm_search, only: result_t
+   use psalm_search_group, only: ranking_none, ranking_shared
    use psalm_search_log, only: search_log_t, log_beginning, log_starts
    use psalm_status, only: diagnostics_t
    use psalm_summary, only: summary_t
@@ -155,8 +156,9 @@ contains
       type(devices_t), intent(inout) :: devices
 
       if (size(search%ranked) > 0) call list_ranking(set, problem, search%found, search%ranked, devices%six)
-      if (set%search%ranking /= 0) call add_to_ranking(set, search%found, search%ranked, devices%ranking)
-      if (set%last /= 0 .and. allocated(devices%ranking)) call list_common_ranking(devices%ranking, devices%six)
+      if (set%search%ranking /= ranking_none) call add_to_ranking(set, search%found, search%ranked, devices%ranking)
+      if (set%search%ranking == ranking_shared) call add_share(set, search%found, devices%shares)
+      if (set%last /= 0 .and. allocated(devices%ranking)) call list_common_ranking(devices%ranking, devices%shares, devices%six)
       if (search%many) call note_default_bounds(set, problem, search%found, devices)
       call write_found(set, problem, dimensions, search%found, devices%seven)
    end subroutine report_found

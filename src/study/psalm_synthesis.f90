@@ -9,7 +9,7 @@ module psalm_synthesis
    use psalm_margins, only: inspector_t, prepare_inspector
    use psalm_ranking, only: ranked_t, rate_linkage, figure_of, unbeaten
    use psalm_search, only: found_t, result_t, search_many
-   use psalm_search_group, only: pareto_none
+   use psalm_search_group, only: pareto_none, ranking_none
    use psalm_simplx, only: simplex_t, search_simplex
    use psalm_solver, only: observer_t, search_state_t, stop_iterations, stop_small_objective, stop_interrupted
    use psalm_start, only: beginning_t, rules_of, start_simplex
@@ -54,7 +54,7 @@ contains
    !>
    !> `dimensions` becomes the best linkage found and stays what it was if none was; with free timing the inputs of `problem`
    !> become those of the best.
-   subroutine synthesise(set, vertices, problem, threads, stop, dimensions, result, observer)
+   subroutine synthesise(set, vertices, problem, threads, stop, dimensions, result, observer, found)
       type(data_set_t), intent(in) :: set
       real(wp), intent(in) :: vertices(:, :)       !! shape (nvar, any): supplied
       type(problem_t), intent(inout), target :: problem
@@ -63,6 +63,7 @@ contains
       type(dimensions_t), intent(inout) :: dimensions
       type(synthesis_t), intent(out) :: result
       class(observer_t), intent(inout), optional :: observer
+      type(result_t), intent(in), optional :: found !! what many starts led to, if they were made before
 
       allocate (result%found%best(0))
       allocate (result%ranked(0))
@@ -70,7 +71,7 @@ contains
       if (.not. set%search%solver%many_starts) then
          call search_with_simplex(set, vertices, problem, stop, dimensions, result, observer)
       else
-         call search_from_starts(set, vertices, problem, threads, stop, dimensions, result, observer)
+         call search_from_starts(set, vertices, problem, threads, stop, dimensions, result, observer, found)
       end if
    end subroutine synthesise
 
@@ -109,7 +110,7 @@ contains
       end select
    end subroutine search_with_simplex
 
-   subroutine search_from_starts(set, vertices, problem, threads, stop, dimensions, result, observer)
+   subroutine search_from_starts(set, vertices, problem, threads, stop, dimensions, result, observer, before)
       type(data_set_t), intent(in) :: set
       real(wp), intent(in) :: vertices(:, :)
       type(problem_t), intent(inout), target :: problem
@@ -118,9 +119,15 @@ contains
       type(dimensions_t), intent(inout) :: dimensions
       type(synthesis_t), intent(inout) :: result
       class(observer_t), intent(inout), optional :: observer
+      type(result_t), intent(in), optional :: before
 
       result%many = .true.
-      call search_many(set, problem, problem%parameters%first_values(dimensions), vertices, threads, stop, result%found, observer)
+      if (present(before)) then
+         result%found = before
+      else
+         call search_many(set, problem, problem%parameters%first_values(dimensions), vertices, threads, stop, result%found, &
+                          observer)
+      end if
       associate (found => result%found)
          if (size(found%best) > 0) then
             call problem%parameters%apply(found%best(1)%values, dimensions)
@@ -155,7 +162,7 @@ contains
       integer :: i
 
       if (size(result%found%best) == 0) return
-      if (set%search%nbest == 1 .and. set%search%pareto == pareto_none .and. set%search%ranking == 0) return
+      if (set%search%nbest == 1 .and. set%search%pareto == pareto_none .and. set%search%ranking == ranking_none) return
       deallocate (result%ranked)
       allocate (result%ranked(size(result%found%best)))
       allocate (inspector)
