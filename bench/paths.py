@@ -113,8 +113,8 @@ drawn for a seed; median and worst are those of the seeds that reach it.
 ## The same with SciPy
 
 SciPy %s, %g s of the processor for each: RMS error as a multiple of the best one above (of a millionth of the path's size where that is
-exact). The closed form is written in NumPy, the direction of the crank is the sign of a further unknown, bounds are those of the data set. One
-run of each was made: a spot check.
+exact). The closed form is written in NumPy, in one assembly, the direction of the crank is the sign of a further unknown, bounds are those of
+the data set. One run of each was made: a spot check.
 
 | problem | %s |
 | --- | --- | --- |""" % (scipy.__version__, seconds, " | ".join(solvers)))
