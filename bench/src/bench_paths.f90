@@ -1,8 +1,9 @@
 !> Paths without prescribed timing: how soon the best four-bar is found.
 !>
 !> A row of a table for each case: points, best sum of squares, RMS error over the size of the path, seeds that reach it, median and
-!> worst time, time of a lot of random linkages. Both assemblies are searched together, with the crank going either way, from no first
-!> guess, with one setting for all. Reached: within 1 per cent of the best sum of all runs, or errors below a millionth of the path's size.
+!> worst time, time of a lot of random linkages. Both assemblies are searched together, with the crank going either way, from no
+!> first guess, with one setting for all. Reached: within 1 per cent of the best sum of all runs, or errors below a millionth of the
+!> path's size.
 module bench_paths
    use, intrinsic :: iso_fortran_env, only: output_unit
    use psalm_cases, only: read_cases
