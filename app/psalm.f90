@@ -34,7 +34,7 @@ program psalm
    use psalm_system, only: finish_program, write_standard_error
    use psalm_text, only: to_text
    use psalm_tolerance, only: tolerances_t, study_tolerances
-   use psalm_type_search, only: shared_search_t, share_starts, shares_starts
+   use psalm_type_search, only: share_starts, shares_starts
    use psalm_dimensions, only: dimensions_t
    implicit none (type, external)
 
@@ -44,7 +44,6 @@ program psalm
    type(arguments_t), save :: arguments
    type(signals_t), save, target :: signals
    type(stop_t), save :: stop
-   type(shared_search_t), allocatable, save :: shared(:) !! cases of a file that share their starts; not allocated: none do
    logical, save :: finished
    integer, save :: code, i
 
@@ -101,15 +100,14 @@ contains
    !> The search of cases that share their starts.
    subroutine run_shared(sets, prepared, devices)
       type(data_set_t), intent(inout) :: sets(:)
-      type(prepared_t), intent(in) :: prepared(:)
+      type(prepared_t), intent(inout) :: prepared(:)
       type(devices_t), intent(inout) :: devices
       integer :: first, threads, k
 
-      if (allocated(shared)) deallocate (shared)
       first = findloc([(shares_starts(sets(k)), k=1, size(sets))], .true., dim=1)
       if (first == 0) return
       call take_threads(sets(first), threads, devices)
-      call share_starts(sets, prepared, threads, stop, shared)
+      call share_starts(sets, prepared, threads, stop)
    end subroutine run_shared
 
    !> The studies of a case, and what they have to report.
@@ -132,6 +130,8 @@ contains
       type(search_log_t) :: log
       integer :: threads
 
+      associate (unused => number)
+      end associate
       if (set%exact%given) then
          call run_exact(set, devices)
          stopped = signals%asked()
@@ -156,11 +156,7 @@ contains
       dimensions = prepared%given
       if (prepared%parameters%has_search()) call begin_search_report(set, devices)
       call begin_log(set, monitor, log)
-      if (has_shared(number)) then
-         call synthesise(set, prepared%vertices, problem, threads, stop, dimensions, search, log, shared(number)%found)
-      else
-         call synthesise(set, prepared%vertices, problem, threads, stop, dimensions, search, log)
-      end if
+      call synthesise(set, prepared%vertices, problem, threads, stop, dimensions, search, log, prepared%found)
       if (prepared%parameters%has_search()) call report_search(set, search, log, devices)
       wanted = wanted_by(set)
       wanted%summary = .not. arguments%quiet .and. devices%summarised < most_summarised
@@ -213,15 +209,6 @@ contains
       if (.not. allocated(set%no_loops)) call find_family(set, mechanism, dimensions, inputs_of(set), family, found)
       call report_family(set, family, found, devices)
    end subroutine run_family
-
-   !> The search of a case was made together with that of others.
-   logical function has_shared(number)
-      integer, intent(in) :: number
-
-      has_shared = .false.
-      if (allocated(shared)) has_shared = shared(number)%takes_part
-   end function has_shared
-
    !> All linkages that meet points, poses or a function exactly.
    subroutine run_exact(set, devices)
       type(data_set_t), intent(in) :: set

@@ -61,7 +61,7 @@ module psalm_batch
          import :: data_set_t, devices_t, prepared_t
          implicit none (type, external)
          type(data_set_t), intent(inout) :: sets(:)
-         type(prepared_t), intent(in) :: prepared(:) !! shape (cases)
+         type(prepared_t), intent(inout) :: prepared(:) !! shape (cases)
          type(devices_t), intent(inout) :: devices
       end subroutine study_cases
    end interface

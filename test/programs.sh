@@ -101,12 +101,12 @@ check 'a ranking of two cases: both are there' test "$(sed '1,/RANKING OF/d' out
 sed 's/RANKING=1/RANKING=2/' common_ranking.nml >shared.nml
 "$psalm" --quiet shared.nml >shared 2>err
 starts_of() { sed '1,/STARTS THAT EACH CASE HAD/d' shared | awk -v title="$1" '$0 ~ title { print $1 }'; }
-check 'shared starts: one of two cases has all, the other half' test "$({ starts_of FIVE; starts_of OTHER; } | sort | xargs)" = '25 50'
+check 'shared starts: one of two cases has all, the other half' test "$({ starts_of FOUR-BAR; starts_of OTHER; } | sort | xargs)" = '25 50'
 check 'shared starts: the best linkage is of the case that has all' grep -q "$(sed '1,/STARTS THAT EACH CASE HAD/d' shared |
     sed -n 's/^ *50 *//p'), 1\$" <(grep '^     1 ' <(sed '1,/RANKING OF ALL CASES/d' shared))
-sed -e "0,/NSTART=50/s//NSTART=$(starts_of FIVE)/" -e "/OTHER ASSEMBLY/,\$s/NSTART=50/NSTART=$(starts_of OTHER)/" common_ranking.nml >alone.nml
+sed -e "0,/NSTART=50/s//NSTART=$(starts_of FOUR-BAR)/" -e "/OTHER ASSEMBLY/,\$s/NSTART=50/NSTART=$(starts_of OTHER)/" common_ranking.nml >alone.nml
 "$psalm" --quiet alone.nml >alone 2>err
-check 'shared starts: each case has what it finds alone with as many' diff alone <(sed '/STARTS THAT EACH CASE HAD/,$d' shared)
+check 'shared starts: each case has what it finds alone with as many' diff alone <(sed '/STARTS THAT EACH CASE HAD/,+2d' shared)
 changed path5.nml "s/NBEST=5/DIFFER=2.0, PARETO='SIZE'/" >bad.nml
 status 2 'no such list of PARETO' "$psalm" bad.nml
 said 'no such list of PARETO' "&SEARCH PARETO: must be one of 'LARGEST'"

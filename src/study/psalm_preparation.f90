@@ -9,6 +9,7 @@ module psalm_preparation
    use psalm_setup, only: set_up
    use psalm_source, only: line_t
    use psalm_start, only: read_vertices
+   use psalm_search, only: result_t
    use psalm_status, only: diagnostics_t, level_warning
    use psalm_system, only: memory_to_be_had, threads_to_be_had
    use psalm_text, only: to_text
@@ -35,6 +36,7 @@ module psalm_preparation
       type(dimensions_t) :: given            !! the user's linkage
       type(parameters_t) :: parameters       !! dimensions that vary
       real(wp), allocatable :: vertices(:, :) !! shape (nvar, nguess): supplied for a search
+      type(result_t), allocatable :: found   !! what many starts led to, if the search was made before with that of other cases
       type(diagnostics_t) :: warnings        !! of SETUP, without the name of the file
       logical :: ready = .false.             !! no error was found
    end type prepared_t
