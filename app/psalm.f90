@@ -209,6 +209,7 @@ contains
       if (.not. allocated(set%no_loops)) call find_family(set, mechanism, dimensions, inputs_of(set), family, found)
       call report_family(set, family, found, devices)
    end subroutine run_family
+
    !> All linkages that meet points, poses or a function exactly.
    subroutine run_exact(set, devices)
       type(data_set_t), intent(in) :: set
