@@ -194,6 +194,8 @@ def run_psalm(programs, folder, name, text, *options):
     if done.returncode in (0, 1):
         with open(os.path.join(folder, name + ".dev9"), encoding="ascii") as file:
             for line in file:
+                if line.startswith("# block limits"):
+                    break
                 if line.strip() and not line.startswith("#"):
                     rows.append([float(v) for v in line.split()])
     return done, rows
