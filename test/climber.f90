@@ -42,11 +42,12 @@ contains
       call climb(self, candidate)
    end subroutine start
 
-   subroutine refine(self, candidate)
+   subroutine refine(self, thorough, candidate)
       class(climber_t), intent(inout) :: self
+      logical, intent(in) :: thorough
       type(candidate_t), intent(inout) :: candidate
 
-      self%solver%least_gain = 1.0e-9_wp
+      self%solver%least_gain = merge(1.0e-9_wp, 1.0e-5_wp, thorough)
       call climb(self, candidate)
    end subroutine refine
 

@@ -17,7 +17,7 @@ module psalm_multistart
    integer, parameter :: most_rounds = 8           !! results of the rounds before are shown to the starts of the next
    integer, parameter :: least_of_round = 16       !! starts
    integer, parameter :: least_refined = 8         !! results searched on, at least
-   integer, parameter :: most_refinements = 16     !! times further results are searched on, because those before became one
+   integer, parameter :: most_refinements = 64     !! times further results are searched on, because those before became one
 
    !> What one start led to.
    type :: candidate_t
@@ -27,7 +27,8 @@ module psalm_multistart
       logical :: done = .false.            !! the start was not cut short
       logical :: feasible = .false.        !! x obeys every constraint
       logical :: refused = .false.         !! the solver refuses the problem
-      logical :: refined = .false.         !! it was searched on
+      logical :: settled = .false.         !! it was searched on, so far that it shows where it leads
+      logical :: refined = .false.         !! to its end
    end type candidate_t
 
    !> A member of the team: works by itself, on memory of its own.
@@ -49,10 +50,11 @@ module psalm_multistart
       end subroutine start_i
 
       !> Search on from a result, more finely.
-      subroutine refine_i(self, candidate)
+      subroutine refine_i(self, thorough, candidate)
          import :: starter_t, candidate_t
          implicit none (type, external)
          class(starter_t), intent(inout) :: self
+         logical, intent(in) :: thorough                !! to the end
          type(candidate_t), intent(inout) :: candidate
       end subroutine refine_i
    end interface
@@ -125,13 +127,17 @@ contains
       left = candidates%feasible
       leader = 0
       if (self%refines .and. .not. stop%waiting()) then
-         call refine_all(team, best, candidates)
+         call refine_all(team, best, .true., candidates)
          leader = minloc(candidates%objective, dim=1, mask=left)
-         ! what differed may have become one: others are searched on in its place
+         ! what differed may have become one: others are searched on in its place, to the end if they still differ when settled
          do round = 1, most_refinements
             call keep_different(self, left, leader, candidates, best)
             if (all(candidates(best)%refined) .or. stop%waiting()) exit
-            call refine_all(team, pack(best, .not. candidates(best)%refined), candidates)
+            if (all(candidates(best)%settled)) then
+               call refine_all(team, pack(best, .not. candidates(best)%refined), .true., candidates)
+            else
+               call refine_all(team, pack(best, .not. candidates(best)%settled), .false., candidates)
+            end if
          end do
          if (.not. stop%waiting()) left = left .and. candidates%refined
       end if
@@ -139,20 +145,22 @@ contains
    end subroutine search
 
    !> Search on from some results.
-   subroutine refine_all(team, which, candidates)
+   subroutine refine_all(team, which, thorough, candidates)
       class(starter_t), intent(inout) :: team(:)
       integer, intent(in) :: which(:)
+      logical, intent(in) :: thorough                   !! to the end
       type(candidate_t), intent(inout) :: candidates(:)
       integer :: t, i
 
       !$omp parallel do num_threads(size(team)) schedule(static) private(i)
       do t = 1, size(team)
          do i = t, size(which), size(team)
-            call team(t)%refine(candidates(which(i)))
+            call team(t)%refine(thorough, candidates(which(i)))
          end do
       end do
       !$omp end parallel do
-      candidates(which)%refined = .true.
+      candidates(which)%settled = .true.
+      candidates(which)%refined = thorough
    end subroutine refine_all
 
    !> The starts of one member: from, from + step ... until.

@@ -19,6 +19,7 @@ module psalm_chain_synthesis
    public :: chain_found_t, chain_synthesis_t, synthesise_chain
 
    real(wp), parameter :: rough = 1.0e-5_wp      !! relative gain of a step that ends a start
+   real(wp), parameter :: settling = 1.0e-5_wp   !! of one that may be listed
    real(wp), parameter :: fine = 1.0e-10_wp      !! and of one that ends the search on the best
 
    !> A linkage found.
@@ -176,13 +177,14 @@ contains
       call improve(self, rough, number, candidate)
    end subroutine start
 
-   subroutine refine(self, candidate)
+   subroutine refine(self, thorough, candidate)
       class(chain_starter_t), intent(inout) :: self
+      logical, intent(in) :: thorough
       type(candidate_t), intent(inout) :: candidate
       type(candidate_t) :: finer
 
       finer = candidate
-      call improve(self, fine, 1, finer)
+      call improve(self, merge(fine, settling, thorough), 1, finer)
       candidate%evaluations = candidate%evaluations + finer%evaluations
       candidate%jacobians = candidate%jacobians + finer%jacobians
       if (.not. finer%feasible .or. finer%objective > candidate%objective) return

@@ -31,6 +31,7 @@ module psalm_search
    integer, parameter :: most_returns = 4          !! times a search goes back to work on what an inspection found
    real(wp), parameter :: rough = 1.0e-3_wp        !! relative gain of a step that ends the search of a start ...
    real(wp), parameter :: rough_free = 1.0e-5_wp   !! ... with free timing, whose valleys are long ...
+   real(wp), parameter :: settling = 1.0e-5_wp     !! ... that of further results that may be listed ...
    real(wp), parameter :: fine = 1.0e-9_wp         !! ... and that of the best, which are searched on
    real(wp), parameter :: wide = 10.0_wp           !! ratio of the bounds of a length above which ratios are drawn
    integer, parameter :: fineness = 5              !! near: by a half, a quarter ... a 32nd
@@ -357,8 +358,9 @@ contains
    end subroutine unwind
 
    !> Search on from what a start led to.
-   subroutine refine(self, candidate)
+   subroutine refine(self, thorough, candidate)
       class(worker_t), intent(inout) :: self
+      logical, intent(in) :: thorough
       type(candidate_t), intent(inout) :: candidate
       type(candidate_t) :: finer
       real(wp), allocatable :: values(:)
@@ -373,13 +375,13 @@ contains
       self%merit%evaluations = candidate%evaluations
       self%merit%jacobians = candidate%jacobians
       if (self%merit%has_range) call set_range(self%merit, [real(wp) ::])
-      call improve(self, fine, 1, values, finer)
+      call improve(self, merge(fine, settling, thorough), 1, values, finer)
       if (finer%feasible .and. finer%objective <= candidate%objective) then
          call unwind(self%set, self%problem, self%first, values)
          candidate%x = self%merit%point(values, self%merit%delt)
          candidate%objective = finer%objective
       end if
-      call hold_default_bounds(self, candidate)
+      if (thorough) call hold_default_bounds(self, candidate)
       candidate%evaluations = self%merit%evaluations
       candidate%jacobians = self%merit%jacobians
    end subroutine refine
