@@ -65,7 +65,7 @@ def text(family, gap, arm, turn, joint, p, q):
             f'  ARCL={CRANK!r},{first[2]},{CRANK - gap!r},0.0, 0.0,{arm!r},{p!r},{q!r},\n  {abs(frame)!r},\n'
             f'  GAMA=0.0,0.0,0.0,180.0,0.0, 0.0,{angle - 360.0*round(angle/360.0)!r},0.0,0.0,\n'
             f'  {math.degrees(cmath.phase(frame)) - 180.0!r}, NOUTLK=-3, NOUTLP=2 &END\n'
-            ' &METHOD MOTION=0, NDES=3, CRNKI=40.123, DELT=0.0,30.0,60.0 &END\n &LIMITS TANGLE=90.0, TOGGLE=0.0 &END\n'
+            ' &METHOD MOTION=0, NDES=3, CRNKI=40.123, DELT=0.0,30.0,60.0 &END\n &LIMITS TANGLE=90.0, TOGGLE=0.0, IPROOF=0 &END\n'
             ' &CONSTR IRANGE=2 &END\n')
 
 

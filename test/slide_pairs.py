@@ -124,7 +124,7 @@ class Linkage:
         return (f'SLIDES\n &LINKS NLOOP={len(self.loops)}, MAXARC={arcs},\n  ILINK={row(ilink)},\n  ILOOP={row(iloop)},\n'
                 f'  ARCL={row(arcl)},\n  GAMA={row(gama)},\n  NOUTLK={-(last.before + 2)}, NOUTLP={len(self.loops)} &END\n'
                 f' &METHOD MOTION=0, CRNKI={self.start!r}, NDES={len(stops)}, DELT={row(stops)} &END\n'
-                f' &LIMITS KTHETA=1, TOGGLE=0.0 &END\n &CONSTR IRANGE={2 if self.turn else 1} &END\n')
+                f' &LIMITS KTHETA=1, TOGGLE=0.0, IPROOF=0 &END\n &CONSTR IRANGE={2 if self.turn else 1} &END\n')
 
     def solve(self, input_angle):
         """Joint of p and q of the last loop, whether all loops close, sines between slides. None: a loop is open."""
