@@ -4,7 +4,7 @@ module check
    use psalm_status, only: diagnostics_t
    implicit none (type, external)
    private
-   public :: checks_t
+   public :: checks_t, number_argument
 
    type :: checks_t
       integer :: passed = 0, failed = 0
@@ -89,4 +89,15 @@ contains
       print '(i0,a,i0,a)', self%passed, ' passed, ', self%failed, ' failed'
       if (self%failed > 0) error stop 1
    end subroutine report
+
+   !> An argument of the command line that is a number, or its default.
+   integer function number_argument(number, default)
+      integer, intent(in) :: number, default
+      character(20) :: text
+      integer :: status
+
+      call get_command_argument(number, text)
+      read (text, *, iostat=status) number_argument
+      if (status /= 0) number_argument = default
+   end function number_argument
 end module check

@@ -2,7 +2,7 @@
 !>
 !> `bench/proof` gives arguments: the number of linkages, of points looked at in each part, and of the first linkage.
 program test_proof_campaign
-   use check, only: checks_t
+   use check, only: checks_t, number_argument
    use linkage_campaign, only: campaign, check_models, tally_t, draw_plain, draw_round
    implicit none (type, external)
    character(21), parameter :: names(3) = ['random dimensions    ', 'near a toggle        ', 'round dimensions     ']
@@ -12,9 +12,9 @@ program test_proof_campaign
    type(tally_t) :: tally
    integer :: linkages, points, first, mode, outside, inside
 
-   linkages = argument(1, 30)
-   points = argument(2, 4)
-   first = argument(3, 1)
+   linkages = number_argument(1, 30)
+   points = number_argument(2, 4)
+   first = number_argument(3, 1)
    if (command_argument_count() > 0) print '(a)', '| dimensions | linkages | close everywhere | ends | exact touches '// &
       '| needed quadruple precision | undecided | positions checked | untrue |', &
       '| --- | --- | --- | --- | --- | --- | --- | --- | --- |'
@@ -28,17 +28,4 @@ program test_proof_campaign
       if (mode == draw_plain) call t%equal_integer(tally%undecided, 0, trim(names(mode))//': nothing is left undecided')
    end do
    call t%report()
-
-contains
-
-   !> An argument of the command line that is a number.
-   integer function argument(number, default)
-      integer, intent(in) :: number, default
-      character(20) :: text
-      integer :: status
-
-      call get_command_argument(number, text)
-      read (text, *, iostat=status) argument
-      if (status /= 0) argument = default
-   end function argument
 end program test_proof_campaign

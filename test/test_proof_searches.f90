@@ -3,7 +3,7 @@
 !> An argument is the number of searches of each problem, a second one the first seed.
 program test_proof_searches
    use cases, only: load_case
-   use check, only: checks_t
+   use check, only: checks_t, number_argument
    use psalm_constraint_group, only: range_turn
    use psalm_data_set, only: data_set_t
    use psalm_dimensions, only: dimensions_t
@@ -29,7 +29,7 @@ program test_proof_searches
    open = 0
    margins_off = 0
    do k = 1, size(problems)
-      do seed = argument(2, 1), argument(2, 1) + argument(1, 1) - 1
+      do seed = number_argument(2, 1), number_argument(2, 1) + number_argument(1, 1) - 1
          call search_and_prove(trim(problems(k)), seed)
       end do
    end do
@@ -111,15 +111,4 @@ contains
          open = open + 1
       end if
    end subroutine compare
-
-   !> An argument of the command line that is a number.
-   integer function argument(number, default)
-      integer, intent(in) :: number, default
-      character(20) :: text
-      integer :: status
-
-      call get_command_argument(number, text)
-      read (text, *, iostat=status) argument
-      if (status /= 0) argument = default
-   end function argument
 end program test_proof_searches

@@ -5,7 +5,7 @@ module psalm_markup
    use psalm_text, only: full_precision, to_text
    implicit none (type, external)
    private
-   public :: clean_text, xml_text, json_text, gnuplot_text, number_or_null, short_number, sentence_case, wrapped, &
+   public :: clean_text, xml_text, json_text, gnuplot_text, number_or_null, short_or_null, short_number, sentence_case, wrapped, &
              strings_t, add_string
 
    integer, parameter :: significant = 9 !! digits of `short_number`
@@ -155,6 +155,16 @@ contains
       text = 'null'
       if (known .and. ieee_is_finite(value)) text = full_precision(value)
    end function number_or_null
+
+   !> Nine digits of a number, or `null` if it is not known.
+   pure function short_or_null(value, known) result(text)
+      real(wp), intent(in) :: value
+      logical, intent(in) :: known
+      character(:), allocatable :: text
+
+      text = 'null'
+      if (known) text = short_number(value)
+   end function short_or_null
 
    !> Nine significant digits, or as many as wanted, without needless zeros. What is no number is 0: a picture has no place for it.
    pure function short_number(value, wanted) result(text)

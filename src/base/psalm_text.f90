@@ -6,7 +6,8 @@ module psalm_text
    use psalm_kinds, only: wp, dp
    implicit none (type, external)
    private
-   public :: text_t, upper_case, lower_case, to_text, fixed, general, full_precision, edit_distance, nearest_name, shortened
+   public :: text_t, upper_case, lower_case, to_text, fixed, general, full_precision, number_or_nan, rank_column, edit_distance, &
+             nearest_name, shortened
 
    !> A text that grows by lines. Lines end with a line feed.
    type :: text_t
@@ -292,6 +293,25 @@ contains
          text = text(:len(text) - 3)//text(len(text) - 1:)
       end do
    end function full_precision
+
+   !> All digits of a number, or `NaN` if it is not known.
+   pure function number_or_nan(value, known) result(text)
+      real(wp), intent(in) :: value
+      logical, intent(in) :: known
+      character(:), allocatable :: text
+
+      text = 'NaN'
+      if (known) text = full_precision(value)
+   end function number_or_nan
+
+   !> A rank, ending in column 6 of a listing.
+   pure function rank_column(rank) result(column)
+      integer, intent(in) :: rank
+      character(:), allocatable :: column
+
+      column = to_text(rank)
+      column = repeat(' ', 6 - min(5, len(column)))//column
+   end function rank_column
 
    !> What a user wrote, short enough for a message.
    pure function shortened(written) result(text)

@@ -10,7 +10,7 @@ module psalm_curves
    use psalm_panel_curves, only: axis_range, panels_shown, plot_band_panel, plot_panels_of, write_band_table, write_panel_table
    use psalm_scene, only: scene_t
    use psalm_source, only: line_t
-   use psalm_text, only: text_t, full_precision, to_text
+   use psalm_text, only: text_t, full_precision, number_or_nan, to_text
    use psalm_trace, only: row_t
    implicit none (type, external)
    private
@@ -154,8 +154,8 @@ contains
             if (size(row%wanted) == 0) value = value + full_turn*anint((before - value)/full_turn)
             if (row%closed(i)) before = value
          end if
-         line = full_precision(along(scene, row, i))//' '//number(value, row%closed(i))//' '// &
-                number(row%actual_y(i), row%closed(i) .and. scene%motion == motion_point)
+         line = full_precision(along(scene, row, i))//' '//number_or_nan(value, row%closed(i))//' '// &
+                number_or_nan(row%actual_y(i), row%closed(i) .and. scene%motion == motion_point)
          if (size(row%wanted) > 0) then
             line = line//' '//full_precision(row%wanted(i))
             if (scene%motion == motion_point) then
@@ -163,12 +163,12 @@ contains
             else
                line = line//' NaN'
             end if
-            line = line//' '//number(row%error(i), row%closed(i))//' '//number(row%error_y(i), row%closed(i))
+            line = line//' '//number_or_nan(row%error(i), row%closed(i))//' '//number_or_nan(row%error_y(i), row%closed(i))
          else
             line = line//' NaN NaN NaN NaN'
          end if
          do loop = 1, scene%loops
-            if (scene%pairs(loop)%joint_type == assur_rrr) line = line//' '//number(row%angle(loop, i), row%sound(loop, i))
+            if (scene%pairs(loop)%joint_type == assur_rrr) line = line//' '//number_or_nan(row%angle(loop, i), row%sound(loop, i))
          end do
          call text%add(line)
       end do
@@ -419,13 +419,4 @@ contains
       end if
       name = trim(merge('input length         ', 'crank angle, degrees ', scene%sliding))
    end function input_name
-
-   pure function number(value, known) result(written)
-      real(wp), intent(in) :: value
-      logical, intent(in) :: known
-      character(:), allocatable :: written
-
-      written = 'NaN'
-      if (known) written = full_precision(value)
-   end function number
 end module psalm_curves

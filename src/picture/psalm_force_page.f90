@@ -3,7 +3,7 @@ module psalm_force_page
    use psalm_force_scene, only: force_scene_t, words_of_added
    use psalm_force_analysis, only: column_drive, column_fx, column_fy, column_moment
    use psalm_kinds, only: wp
-   use psalm_markup, only: json_text, short_number
+   use psalm_markup, only: json_text, short_number, short_or_null
    use psalm_text, only: text_t, to_text
    implicit none (type, external)
    private
@@ -89,11 +89,7 @@ contains
          call text%add_text(',"'//name//'":[')
          do i = 1, size(values)
             if (i > 1) call text%add_text(',')
-            if (forces%sweep%table%known(i)) then
-               call text%add_text(short_number(values(i)))
-            else
-               call text%add_text('null')
-            end if
+            call text%add_text(short_or_null(values(i), forces%sweep%table%known(i)))
          end do
          call text%add(']')
       end subroutine add_row

@@ -7,7 +7,7 @@ module psalm_page
    use psalm_kinds, only: wp, full_turn
    use psalm_output_kind, only: motion_point, motion_angle, motion_distance
    use psalm_labels, only: place_labels
-   use psalm_markup, only: xml_text, json_text, number_or_null, short_number, strings_t
+   use psalm_markup, only: xml_text, json_text, number_or_null, short_number, short_or_null, strings_t
    use psalm_page_text, only: page_text, title_mark, data_mark
    use psalm_panels, only: band_t, panel_t
    use psalm_parts, only: bar_t, body_t
@@ -264,11 +264,7 @@ contains
          end do
          call text%add('],"sweep":[')
          do k = 1, size(sweep)
-            if (scene%sweep%closed(k) .or. .not. closing) then
-               call text%add_text(comma(k)//short_number(sweep(k)))
-            else
-               call text%add_text(comma(k)//'null')
-            end if
+            call text%add_text(comma(k)//short_or_null(sweep(k), scene%sweep%closed(k) .or. .not. closing))
          end do
          call text%add(']}')
       end subroutine add_both
@@ -330,11 +326,7 @@ contains
 
       call text%add_text('[')
       do i = 1, size(values)
-         if (known(i)) then
-            call text%add_text(comma(i)//short_number(values(i)))
-         else
-            call text%add_text(comma(i)//'null')
-         end if
+         call text%add_text(comma(i)//short_or_null(values(i), known(i)))
       end do
       call text%add(']')
    end subroutine write_known
@@ -531,11 +523,7 @@ contains
 
          call text%add_text('[')
          do i = 1, row%n
-            if (row%other_known(loop, i)) then
-               call text%add_text(comma(i)//short_number(row%other(k, loop, i)))
-            else
-               call text%add_text(comma(i)//'null')
-            end if
+            call text%add_text(comma(i)//short_or_null(row%other(k, loop, i), row%other_known(loop, i)))
          end do
          call text%add_text(']')
       end subroutine add_places

@@ -5,7 +5,7 @@ module psalm_panel_curves
    use psalm_output_kind, only: motion_angle
    use psalm_panels, only: band_t, panel_t, flat
    use psalm_scene, only: scene_t
-   use psalm_text, only: text_t, full_precision, to_text
+   use psalm_text, only: text_t, full_precision, number_or_nan, to_text
    implicit none (type, external)
    private
    public :: axis_range, panels_shown, write_panel_table, plot_panels_of, write_band_table, plot_band_panel
@@ -48,7 +48,7 @@ contains
          line = full_precision(inputs(i))
          do p = 1, size(panels)
             do k = 1, size(panels(p)%lines)
-               line = line//' '//number(panels(p)%lines(k)%values(i), panels(p)%lines(k)%known(i))
+               line = line//' '//number_or_nan(panels(p)%lines(k)%values(i), panels(p)%lines(k)%known(i))
             end do
          end do
          call text%add(line)
@@ -139,14 +139,14 @@ contains
                value = value + full_turn*anint((before - value)/full_turn)
                if (scene%sweep%closed(i)) before = value
             end if
-            line = line//' '//number(value - scene%band%square(i, c), scene%band%known(i))//' '// &
-                   number(value + scene%band%square(i, c), scene%band%known(i))//' '// &
-                   number(value - scene%band%worst(i, c), scene%band%known(i))//' '// &
-                   number(value + scene%band%worst(i, c), scene%band%known(i))
+            line = line//' '//number_or_nan(value - scene%band%square(i, c), scene%band%known(i))//' '// &
+                   number_or_nan(value + scene%band%square(i, c), scene%band%known(i))//' '// &
+                   number_or_nan(value - scene%band%worst(i, c), scene%band%known(i))//' '// &
+                   number_or_nan(value + scene%band%worst(i, c), scene%band%known(i))
          end do
          do c = 1, min(2, scene%band%components)
-            line = line//' '//number(scene%band%square(i, c), scene%band%known(i))//' '// &
-                   number(scene%band%worst(i, c), scene%band%known(i))
+            line = line//' '//number_or_nan(scene%band%square(i, c), scene%band%known(i))//' '// &
+                   number_or_nan(scene%band%worst(i, c), scene%band%known(i))
          end do
          call text%add(line)
       end do
@@ -174,13 +174,4 @@ contains
       end do
       call text%add(line//'; set yrange [*:*]')
    end subroutine plot_band_panel
-
-   pure function number(value, known) result(written)
-      real(wp), intent(in) :: value
-      logical, intent(in) :: known
-      character(:), allocatable :: written
-
-      written = 'NaN'
-      if (known) written = full_precision(value)
-   end function number
 end module psalm_panel_curves

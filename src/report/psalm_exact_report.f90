@@ -10,7 +10,7 @@ module psalm_exact_report
    use psalm_function_points, only: generator_t
    use psalm_kinds, only: wp, degrees_per_radian
    use psalm_six_bars, only: six_bar_joints
-   use psalm_text, only: text_t, full_precision, general, to_text
+   use psalm_text, only: text_t, full_precision, general, rank_column, to_text
    implicit none (type, external)
    private
    public :: report_exact
@@ -111,7 +111,7 @@ contains
          call six%add('  RANK CIRCUIT ORDER BRANCH CRANK   TRANSMISSION   LONGEST LINK    SENSITIVITY        CLOSURE')
          do i = 1, shown
             associate (own => study%results(i)%verdict)
-               call six%add(repeat(' ', 6 - min(5, len(to_text(i))))//to_text(i)//word(own%circuit, 8)//word(own%order, 6)// &
+               call six%add(rank_column(i)//word(own%circuit, 8)//word(own%order, 6)// &
                             word(own%branch, 7)//word(own%crank, 6)//general(own%transmission)//general(own%longest)// &
                             general(own%sensitivity)//general(study%results(i)%closure))
             end associate
@@ -121,7 +121,7 @@ contains
                       '            D X            D Y')
          do i = 1, shown
             associate (l => study%results(i)%linkage)
-               line = repeat(' ', 6 - min(5, len(to_text(i))))//to_text(i)//general(real(l%a, wp))//general(aimag(l%a))
+               line = rank_column(i)//general(real(l%a, wp))//general(aimag(l%a))
                if (l%slides) then
                   line = line//general(real(l%guide, wp))//general(aimag(l%guide))
                else
@@ -263,7 +263,7 @@ contains
          call six%add('  RANK ORDER   DISTANCE RMS   BEFORE REFINED   TRANSMISSION   LONGEST LINK    SENSITIVITY')
          do i = 1, shown
             associate (r => found%results(i))
-               call six%add(repeat(' ', 6 - min(5, len(to_text(i))))//to_text(i)//word(r%verdict%order, 6)//general(r%after)// &
+               call six%add(rank_column(i)//word(r%verdict%order, 6)//general(r%after)// &
                             '  '//general(r%before)//general(r%verdict%transmission)//general(r%verdict%longest)// &
                             general(r%verdict%sensitivity))
             end associate
@@ -304,7 +304,7 @@ contains
          call six%add('  RANK   TRANSMISSION   LONGEST LINK     ERROR (DEG)')
          do k = 1, shown
             associate (one => found%best(k))
-               call six%add(repeat(' ', 6 - min(5, len(to_text(k))))//to_text(k)//general(one%transmission)// &
+               call six%add(rank_column(k)//general(one%transmission)// &
                             general(one%longest)//' '//general(one%error*degrees_per_radian))
             end associate
          end do
@@ -313,7 +313,7 @@ contains
          call begin_block(set, devices%nine, 'rank transmission longest error cx cy dx dy ex ey gx gy hx hy')
          do k = 1, shown
             joints = set%exact%frame*six_bar_joints(found%best(k), study%phi(1))
-            line = repeat(' ', 6 - min(5, len(to_text(k))))//to_text(k)
+            line = rank_column(k)
             row = to_text(k)//' '//full_precision(found%best(k)%transmission)//' '//full_precision(found%best(k)%longest)//' '// &
                   full_precision(found%best(k)%error*degrees_per_radian)
             do i = 3, size(joints)
@@ -360,7 +360,7 @@ contains
 
       scale = merge(1.0_wp, frame, one%slides)
       zero = merge(-one%psi0, one%psi0*degrees_per_radian, one%slides)
-      line = repeat(' ', 6 - min(5, len(to_text(rank))))//to_text(rank)//general(scale*one%r2)//general(scale*one%r3)// &
+      line = rank_column(rank)//general(scale*one%r2)//general(scale*one%r3)// &
              general(scale*one%r4)//general(one%phi0*degrees_per_radian)//general(zero)
    end function numbers_of
 

@@ -8,7 +8,7 @@ module psalm_ranking_list
    use psalm_search, only: result_t
    use psalm_search_group, only: pareto_none, pareto_largest, pareto_angle, pareto_ratio, pareto_room, pareto_band
    use psalm_summary_text, only: plain_number
-   use psalm_text, only: text_t, general, lower_case, to_text
+   use psalm_text, only: text_t, general, lower_case, rank_column, to_text
    implicit none (type, external)
    private
    public :: ranking_entry_t, list_ranking, bounds_reached, add_to_ranking, add_share, list_common_ranking
@@ -46,14 +46,14 @@ contains
       do i = 1, size(ranked)
          line = to_text(found%best(i)%start)
          if (found%best(i)%start < 0) line = 'SUPPLIED '//to_text(-found%best(i)%start)
-         call text%add(place_of(i)//general(found%best(i)%objective)//general(ranked(i)%angle_margin)// &
+         call text%add(rank_column(i)//general(found%best(i)%objective)//general(ranked(i)%angle_margin)// &
                        general(ranked(i)%length_margin)//general(ranked(i)%longest_arc)//general(found%best(i)%distance)// &
                        '   '//line)
       end do
       call text%add('  RANK'//heads//'   CRANK')
       do i = 1, size(ranked)
          associate (one => ranked(i))
-            call text%add(place_of(i)//quality(one)//'   '//turning(one))
+            call text%add(rank_column(i)//quality(one)//'   '//turning(one))
          end associate
       end do
       call text%add(' LINKAGES DIFFER WHERE A LENGTH DOES BY MORE THAN '//plain_number(percent*set%search%differ)// &
@@ -132,7 +132,7 @@ contains
          i = minloc(entries%objective, dim=1, mask=left)
          left(i) = .false.
          associate (one => entries(i))
-            call text%add(place_of(place)//general(one%objective)//quality(one%is)//'   '// &
+            call text%add(rank_column(place)//general(one%objective)//quality(one%is)//'   '// &
                           padded(turning(one%is))//'   '//trim(adjustl(one%title))//', '//to_text(one%rank))
          end associate
       end do
@@ -180,14 +180,6 @@ contains
       end do
       if (len(words) > 0) words = 'at the bound that holds where none is given: '//words//'; set LIMVAL, OPLOW and OPHIGH'
    end function bounds_reached
-
-   pure function place_of(i) result(column)
-      integer, intent(in) :: i
-      character(:), allocatable :: column
-
-      column = to_text(i)
-      column = repeat(' ', 6 - min(5, len(column)))//column
-   end function place_of
 
    !> A number in its column, `none` if it is not known; a band at a dead point is infinite.
    pure function number(value, known) result(column)

@@ -9,7 +9,7 @@ module psalm_rate_list
    use psalm_kinds, only: wp
    use psalm_output_kind, only: motion_point, motion_pose
    use psalm_rate_study, only: rate_study_t, arc_rates_t, output_at_origin, highest_order
-   use psalm_text, only: text_t, full_precision, general, to_text
+   use psalm_text, only: text_t, full_precision, general, number_or_nan, to_text
    use psalm_mechanism, only: mechanism_t
    implicit none (type, external)
    private
@@ -211,7 +211,7 @@ contains
          known = rates%motion%closed(k) .and. rates%dead(k) == 0
          do order = 1, highest_order
             do c = 1, size(values, 2)
-               line = line//' '//value_or_nan(values(order, c), known)
+               line = line//' '//number_or_nan(values(order, c), known)
             end do
          end do
       end subroutine add_values
@@ -227,13 +227,4 @@ contains
          words = 'DEAD POINT OF LOOP '//to_text(dead)//': RATES ARE INFINITE'
       end if
    end function dead_words
-
-   pure function value_or_nan(value, known) result(text)
-      real(wp), intent(in) :: value
-      logical, intent(in) :: known
-      character(:), allocatable :: text
-
-      text = 'NaN'
-      if (known) text = full_precision(value)
-   end function value_or_nan
 end module psalm_rate_list

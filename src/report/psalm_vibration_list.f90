@@ -7,7 +7,7 @@ module psalm_vibration_list
    use psalm_kinds, only: wp, pi, full_turn
    use psalm_link_place, only: place_t
    use psalm_stability, only: boundaries_t
-   use psalm_text, only: text_t, full_precision, general, to_text
+   use psalm_text, only: text_t, full_precision, general, number_or_nan, to_text
    use psalm_vibration_group, only: beam_t
    use psalm_vibration_study, only: vibration_study_t, harmonics_listed
    implicit none (type, external)
@@ -233,7 +233,7 @@ contains
          call begin_block('speeds', 'speed amplitude stable', text)
          do k = 1, size(study%speeds)
             associate (row => study%speeds(k))
-               call text%add(full_precision(row%speed)//' '//value_or_nan(row%amplitude, row%known)//merge(' 1', ' 0', row%stable))
+               call text%add(full_precision(row%speed)//' '//number_or_nan(row%amplitude, row%known)//merge(' 1', ' 0', row%stable))
             end associate
          end do
       end if
@@ -297,15 +297,6 @@ contains
 
       line = columns([real(value, wp), aimag(value)])
    end function complex_columns
-
-   pure function value_or_nan(value, known) result(text)
-      real(wp), intent(in) :: value
-      logical, intent(in) :: known
-      character(:), allocatable :: text
-
-      text = 'NaN'
-      if (known) text = full_precision(value)
-   end function value_or_nan
 
    ! ---- estimates ---------------------------------------------------------------------------------------------------
 
@@ -447,7 +438,7 @@ contains
       call begin_block('drive_speeds', 'speed amplitude stable', text)
       do i = 1, size(study%speeds)
          associate (row => study%speeds(i))
-            call text%add(full_precision(row%speed)//' '//value_or_nan(row%amplitude, row%known)//merge(' 1', ' 0', row%stable))
+            call text%add(full_precision(row%speed)//' '//number_or_nan(row%amplitude, row%known)//merge(' 1', ' 0', row%stable))
          end associate
       end do
    end subroutine plot_drive

@@ -59,8 +59,8 @@ contains
             if (.not. allocated(prepared(k)%found)) allocate (prepared(k)%found)
             call make_problem(set, prepared(k)%mechanism, prepared(k)%given, prepared(k)%parameters, problem)
             call problem%set_threads(threads)
-            call search_many(set, problem, prepared(k)%parameters%first_values(prepared(k)%given), prepared(k)%vertices, threads, &
-                             stop, prepared(k)%found)
+            call search_many(set, problem, prepared(k)%parameters%first_values(prepared(k)%given), prepared(k)%vertices, &
+                             threads, stop, prepared(k)%found)
             best(k) = huge(best)
             if (size(prepared(k)%found%best) > 0) best(k) = prepared(k)%found%best(1)%objective
             deallocate (set, problem)
