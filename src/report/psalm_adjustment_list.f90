@@ -1,6 +1,7 @@
 !> What one adjustable member leaves of the deviations, in the listing and on device 9.
 module psalm_adjustment_list
    use psalm_adjustment, only: adjustment_t
+   use psalm_block, only: begin_block
    use psalm_parameters, only: name_of
    use psalm_text, only: text_t, full_precision, general, to_text
    use psalm_tolerance, only: tolerance_t
@@ -63,10 +64,8 @@ contains
       type(text_t), intent(inout) :: text
       integer :: k
 
-      call text%add()
-      call text%add()
-      call text%add('# block adjustment')
-      call text%add('# loop arc kind travel_root_sum_square travel_worst_case left_root_sum_square left_worst_case position')
+      call begin_block('adjustment', &
+                       'loop arc kind travel_root_sum_square travel_worst_case left_root_sum_square left_worst_case position', text)
       do k = 1, size(list)
          associate (one => list(k), variable => linear%variables(list(k)%variable))
             call text%add(to_text(variable%loop)//' '//to_text(variable%arc)//' '//to_text(variable%kind)//' '// &

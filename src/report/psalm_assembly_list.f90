@@ -1,6 +1,7 @@
 !> All assemblies of a sketch in words and numbers: the listing, and a block of device 9.
 module psalm_assembly_list
    use psalm_assembly_study, only: assembly_study_t
+   use psalm_block, only: begin_block
    use psalm_data_set, only: data_set_t
    use psalm_devices, only: devices_t
    use psalm_sketch, only: frame_link
@@ -46,14 +47,11 @@ contains
             if (found%dead(k)) call devices%six%add('         AT A DEAD POINT: TWO ASSEMBLIES MEET HERE')
          end do
          call devices%six%add('  * AS DRAWN')
-         call devices%nine%add()
-         call devices%nine%add()
-         call devices%nine%add('# block assemblies')
-         line = '# number drawn dead'
+         line = 'number drawn dead'
          do j = 1, size(sketch%joint_name)
             line = line//' '//trim(sketch%joint_name(j))//'.x '//trim(sketch%joint_name(j))//'.y'
          end do
-         call devices%nine%add(line)
+         call begin_block('assemblies', line, devices%nine)
          do k = 1, size(found%states)
             line = to_text(k)//' '//merge('1', '0', k == 1)//' '//merge('1', '0', found%dead(k))
             do j = 1, size(sketch%joint_name)

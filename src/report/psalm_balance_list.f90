@@ -3,6 +3,7 @@ module psalm_balance_list
    use psalm_balance_group, only: form_body, form_disc, form_point, measure_force, measure_mass, measure_names, order_mass, &
                                   order_moment
    use psalm_balance_study, only: balance_study_t, outcome_t, weight_t, channel_force, channel_moment, channel_torque
+   use psalm_block, only: begin_block
    use psalm_data_set, only: data_set_t
    use psalm_kinds, only: wp
    use psalm_text, only: text_t, full_precision, general, to_text
@@ -261,7 +262,7 @@ contains
       integer :: k
 
       if (study%feasible .and. size(study%designs) > 0) then
-         call begin('designs', 'design mass force moment torque')
+         call begin_block('designs', 'design mass force moment torque', text)
          do k = 1, size(study%designs)
             associate (of => study%designs(k))
                call text%add(to_text(k)//' '//full_precision(of%total)//' '//full_precision(of%loads(channel_force)%rms)//' '// &
@@ -270,7 +271,7 @@ contains
          end do
       end if
       if (size(study%budgets) > 0) then
-         call begin('budgets', 'mass force bound mass_needed')
+         call begin_block('budgets', 'mass force bound mass_needed', text)
          do k = 1, size(study%budgets)
             associate (of => study%budgets(k))
                call text%add(full_precision(of%second)//' '//full_precision(of%first)//' '//full_precision(of%bound)//' '// &
@@ -279,25 +280,12 @@ contains
          end do
       end if
       if (.not. allocated(study%front)) return
-      call begin('front', 'first second bound mass_needed')
+      call begin_block('front', 'first second bound mass_needed', text)
       do k = 1, size(study%front)
          associate (of => study%front(k))
             call text%add(full_precision(of%first)//' '//full_precision(of%second)//' '//full_precision(of%bound)//' '// &
                           full_precision(of%total))
          end associate
       end do
-
-   contains
-
-      subroutine begin(name, columns)
-         character(*), intent(in) :: name, columns
-
-         if (text%length > 0) then
-            call text%add()
-            call text%add()
-         end if
-         call text%add('# block '//name)
-         call text%add('# '//columns)
-      end subroutine begin
    end subroutine plot_balance
 end module psalm_balance_list

@@ -1,5 +1,6 @@
 !> A cam in the listing and on device 9.
 module psalm_cam_list
+   use psalm_block, only: begin_block
    use psalm_cam_group, only: fit_least_squares
    use psalm_cam_kind, only: law_names
    use psalm_cam_shape, only: extreme_t, measure_pressure, measure_convex, measure_concave, measure_base, measure_outer, &
@@ -234,6 +235,7 @@ contains
       type(cam_study_t), intent(in) :: study
       character(*), intent(in) :: suffix             !! of the names of the blocks; empty for the first cam
       type(text_t), intent(inout) :: text
+      logical :: forces
       integer :: i, k
 
       if (text%length > 0) then
@@ -246,10 +248,7 @@ contains
       do i = 1, size(study%angle)
          call text%add(row(study, i, ' '))
       end do
-      call text%add()
-      call text%add()
-      call text%add('# block extremes'//suffix)
-      call text%add('# what value cam_angle')
+      call begin_block('extremes'//suffix, 'what value cam_angle', text)
       associate (e => study%extremes)
          call put(trim(merge('least_height', 'base_radius ', study%shape%axes%slides)), e(measure_base))
          call put(trim(merge('greatest_height', 'outer_radius   ', study%shape%axes%slides)), e(measure_outer))
@@ -301,20 +300,29 @@ contains
          if (study%roller%depth > 0.0_wp) call put('crossing_depth', extreme_t(study%roller%depth, study%roller%at, .true.))
          if (study%cutter%depth > 0.0_wp) call put('gouge_depth', extreme_t(study%cutter%depth, study%cutter%at, .true.))
       end associate
+      forces = .false.
+      if (allocated(study%contact)) forces = study%contact%known
+      if (forces) then
+         associate (fine => study%fine)
+            call put('force_least', extreme_t(minval(fine%force), 0.0_wp, .true.))
+            call put('force_most', extreme_t(maxval(fine%force), 0.0_wp, .true.))
+            call put('stress', extreme_t(maxval(fine%stress), 0.0_wp, maxval(fine%stress) > 0.0_wp))
+            call put('contact_lost_rpm', extreme_t(fine%lost_speed, fine%lost_at, fine%lost_speed > 0.0_wp))
+         end associate
+         if (allocated(study%flanks)) then
+            do k = 1, size(study%flanks, 2)
+               call put('flank_change_jerk', extreme_t(study%flanks(2, k), study%flanks(1, k), .true.))
+            end do
+         end if
+      end if
       if (allocated(study%play)) then
-         call text%add()
-         call text%add()
-         call text%add('# block play'//suffix)
-         call text%add('# cam_angle play')
+         call begin_block('play'//suffix, 'cam_angle play', text)
          do i = 1, size(study%angle)
             call text%add(full_precision(study%angle(i))//' '//full_precision(study%play(i)))
          end do
       end if
       if (allocated(study%second)) then
-         call text%add()
-         call text%add()
-         call text%add('# block second_roller'//suffix)
-         call text%add('# cam_angle gap lag roller_x roller_y')
+         call begin_block('second_roller'//suffix, 'cam_angle gap lag roller_x roller_y', text)
          do i = 1, size(study%angle)
             associate (c => study%second_states%c(0, i))
                call text%add(full_precision(study%angle(i))//' '//full_precision(study%second%gap(i))//' '// &
@@ -323,23 +331,8 @@ contains
             end associate
          end do
       end if
-      if (.not. allocated(study%contact)) return
-      if (.not. study%contact%known) return
-      associate (fine => study%fine)
-         call put('force_least', extreme_t(minval(fine%force), 0.0_wp, .true.))
-         call put('force_most', extreme_t(maxval(fine%force), 0.0_wp, .true.))
-         call put('stress', extreme_t(maxval(fine%stress), 0.0_wp, maxval(fine%stress) > 0.0_wp))
-         call put('contact_lost_rpm', extreme_t(fine%lost_speed, fine%lost_at, fine%lost_speed > 0.0_wp))
-      end associate
-      if (allocated(study%flanks)) then
-         do k = 1, size(study%flanks, 2)
-            call put('flank_change_jerk', extreme_t(study%flanks(2, k), study%flanks(1, k), .true.))
-         end do
-      end if
-      call text%add()
-      call text%add()
-      call text%add('# block contact'//suffix)
-      call text%add('# cam_angle force stress   (N, Pa)')
+      if (.not. forces) return
+      call begin_block('contact'//suffix, 'cam_angle force stress   (N, Pa)', text)
       do i = 1, size(study%angle)
          call text%add(full_precision(study%angle(i))//' '//full_precision(study%contact%force(i))//' '// &
                        full_precision(study%contact%stress(i)))

@@ -1,13 +1,14 @@
 !> What a sketch does, as texts: the listing, the table of device 9, the table for other programs.
 module psalm_chain_list
    use psalm_assur_order, only: assur_order_t
+   use psalm_block, only: begin_block
    use psalm_data_set, only: data_set_t
    use psalm_force_list, only: force_names_line, force_values_line
    use psalm_force_study, only: force_study_t
    use psalm_kinds, only: wp
    use psalm_sketch, only: sketch_t, drive_turns
    use psalm_table, only: table_t
-   use psalm_text, only: text_t, full_precision, general, to_text, upper_case
+   use psalm_text, only: text_t, full_precision, general, number_or_nan, to_text, upper_case
    implicit none (type, external)
    private
    public :: list_chain, list_groups, write_chain_table, write_drive_block, fill_chain_table
@@ -147,25 +148,19 @@ contains
       character(:), allocatable :: line
       integer :: k, d, n
 
-      call text%add()
-      call text%add()
-      call text%add('# block drives')
-      line = '# position'
+      line = 'position'
       do n = 1, size(names)
          do d = 1, size(by_drive, 2)
             line = line//' '//trim(names(n))//'/'//input_name(set%sketch, d)
          end do
       end do
-      call text%add(line)
+      call begin_block('drives', line, text)
       do k = 1, size(closed)
          line = to_text(k)
          do n = 1, size(names)
             do d = 1, size(by_drive, 2)
-               if (closed(k) .and. .not. dead(k) .and. by_drive(n, d, k) < huge(1.0_wp)) then
-                  line = line//' '//full_precision(by_drive(n, d, k))
-               else
-                  line = line//' NaN'
-               end if
+               line = line//' '// &
+                      number_or_nan(by_drive(n, d, k), closed(k) .and. .not. dead(k) .and. by_drive(n, d, k) < huge(1.0_wp))
             end do
          end do
          call text%add(line)

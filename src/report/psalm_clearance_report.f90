@@ -1,5 +1,6 @@
 !> A joint with clearance in the listing, on device 9, in remarks and in the exit status. Nothing is computed here.
 module psalm_clearance_report
+   use psalm_block, only: begin_block
    use psalm_clearance_study, only: clearance_study_t, flypast_of_joint_t, verdict_kept, verdict_lost
    use psalm_data_set, only: data_set_t
    use psalm_devices, only: devices_t
@@ -197,21 +198,20 @@ contains
       type(text_t), intent(inout) :: text
       integer :: k
 
-      call text%add('# block minima')
-      call text%add('# input load rate m0 eps h1 h2 h3 kept')
+      call begin_block('minima', 'input load rate m0 eps h1 h2 h3 kept', text)
       do k = 1, size(study%minima)
          associate (m => study%minima(k))
             call text%add(row([m%input, m%load, m%rate, m%mass, m%h3, m%h1, m%h2, m%h3])// &
                           merge(' 1', ' 0', m%verdict == verdict_kept))
          end associate
       end do
-      call begin_block('following', 'input lag force')
+      call begin_block('following', 'input lag force', text)
       if (study%followed) then
          do k = 1, size(study%input)
             call text%add(row([study%input(k), study%lag(k), study%force(k)]))
          end do
       end if
-      call begin_block('flight', 't_loss duration gi vn vt index impulse')
+      call begin_block('flight', 't_loss duration gi vn vt index impulse', text)
       do k = 1, size(study%minima)
          associate (m => study%minima(k))
             if (m%verdict /= verdict_lost .or. .not. m%flight%ok) cycle
@@ -219,7 +219,7 @@ contains
                                m%impulse]))
          end associate
       end do
-      call begin_block('cycle', 'input fx fy m_uu m_uv m_vv')
+      call begin_block('cycle', 'input fx fy m_uu m_uv m_vv', text)
       do k = 1, size(study%cycle%input)
          call text%add(row([study%cycle%input(k), study%cycle%force(:, k), study%load%tensor(:, k)]))
       end do
@@ -227,20 +227,11 @@ contains
 
    contains
 
-      subroutine begin_block(name, names)
-         character(*), intent(in) :: name, names
-
-         call text%add()
-         call text%add()
-         call text%add('# block '//name)
-         call text%add('# '//names)
-      end subroutine begin_block
-
       subroutine plot_chart()
          integer :: i, j, n
 
          associate (chart => study%chart)
-            call begin_block('threshold', 'h3 h2 from to minimum')
+            call begin_block('threshold', 'h3 h2 from to minimum', text)
             do n = 1, size(chart%h3)
                do i = 1, size(chart%h2)
                   do j = 1, size(chart%lines(i, n)%ranges)
@@ -250,7 +241,7 @@ contains
                   end do
                end do
             end do
-            call begin_block('chart', 'h3 h2 h1 minimum index')
+            call begin_block('chart', 'h3 h2 h1 minimum index', text)
             do n = 1, size(chart%h3)
                do i = 1, size(chart%h2)
                   do j = 1, size(chart%h1)

@@ -1,5 +1,6 @@
 !> Exact linkages in words: listing, device 7 with a case for each, device 9 with the block exact.
 module psalm_exact_report
+   use psalm_block, only: begin_block
    use psalm_data_set, only: data_set_t, title_columns
    use psalm_defects, only: class_names
    use psalm_devices, only: devices_t, header_of
@@ -132,7 +133,7 @@ contains
             end associate
          end do
       end associate
-      call begin_block(set, devices%nine, &
+      call begin_list(set, devices%nine, &
                        'rank circuit order branch crank transmission longest sensitivity ax ay bx by cx cy dx dy')
       do i = 1, shown
          associate (r => study%results(i))
@@ -181,7 +182,7 @@ contains
       end if
       call devices%six%add()
       call devices%six%add(head_of(study%wanted%slides)//'  ASSEMBLY')
-      call begin_block(set, devices%nine, 'rank assembly r2 r3 r4 phi0 psi0')
+      call begin_list(set, devices%nine, 'rank assembly r2 r3 r4 phi0 psi0')
       do k = 1, study%generators%count
          associate (one => study%generators%list(k))
             call devices%six%add(numbers_of(k, one, set%exact%frame)//'  '//assembly_word(one%assembly))
@@ -213,7 +214,7 @@ contains
       end if
       call devices%six%add()
       call devices%six%add(head_of(study%wanted%slides)//'          ERROR  SENSE  ALTERNATES')
-      call begin_block(set, devices%nine, 'rank error sense alternates r2 r3 r4 phi0 psi0')
+      call begin_list(set, devices%nine, 'rank error sense alternates r2 r3 r4 phi0 psi0')
       do k = 1, shown
          associate (best => study%approximations(k))
             call devices%six%add(numbers_of(k, best%linkage, set%exact%frame)//general(best%error)//'     '// &
@@ -268,7 +269,7 @@ contains
                             general(r%verdict%sensitivity))
             end associate
          end do
-         call begin_block(set, devices%nine, 'rank order distance before transmission longest sensitivity ax ay bx by cx cy dx dy')
+         call begin_list(set, devices%nine, 'rank order distance before transmission longest sensitivity ax ay bx by cx cy dx dy')
          do i = 1, shown
             associate (r => found%results(i), l => found%results(i)%linkage)
                line = to_text(i)//digit(r%verdict%order)//' '//full_precision(r%after)//' '//full_precision(r%before)//' '// &
@@ -310,7 +311,7 @@ contains
          end do
          call six%add()
          call six%add('  RANK  JOINTS C, D, E, G, H: X, Y')
-         call begin_block(set, devices%nine, 'rank transmission longest error cx cy dx dy ex ey gx gy hx hy')
+         call begin_list(set, devices%nine, 'rank transmission longest error cx cy dx dy ex ey gx gy hx hy')
          do k = 1, shown
             joints = set%exact%frame*six_bar_joints(found%best(k), study%phi(1))
             line = rank_column(k)
@@ -373,19 +374,14 @@ contains
    end function row_of
 
    !> Begin a block of device 9.
-   subroutine begin_block(set, nine, columns)
+   subroutine begin_list(set, nine, columns)
       type(data_set_t), intent(in) :: set
       type(text_t), intent(inout) :: nine
       character(*), intent(in) :: columns
 
-      if (nine%length > 0) then
-         call nine%add()
-         call nine%add()
-      end if
-      call nine%add('# block exact')
-      call nine%add('# '//columns)
+      call begin_block('exact', columns, nine)
       call nine%add('# '//set%title)
-   end subroutine begin_block
+   end subroutine begin_list
 
    function word(sound, width) result(text)
       logical, intent(in) :: sound

@@ -1,10 +1,11 @@
 !> A family of curves in the listing and on device 9.
 module psalm_family_list
+   use psalm_block, only: begin_block
    use psalm_data_set, only: data_set_t
    use psalm_devices, only: devices_t
    use psalm_family_study, only: family_t
    use psalm_kinds, only: wp
-   use psalm_text, only: text_t, full_precision, general, to_text, upper_case
+   use psalm_text, only: text_t, full_precision, general, number_or_nan, to_text, upper_case
    implicit none (type, external)
    private
    public :: report_family
@@ -86,24 +87,17 @@ contains
       character(:), allocatable :: line
       integer :: i, k, c
 
-      call text%add()
-      call text%add()
-      call text%add('# block sweep')
-      line = '# setting input closed'
+      line = 'setting input closed'
       do c = 1, size(family%numbers)
          line = line//' '//trim(family%numbers(c))
       end do
-      call text%add(line)
+      call begin_block('sweep', line, text)
       do k = 1, size(family%setting)
          do i = 1, size(family%input)
             line = full_precision(family%setting(k))//' '//full_precision(family%input(i))//' '// &
                    merge('1', '0', family%closed(i, k))
             do c = 1, size(family%numbers)
-               if (family%closed(i, k)) then
-                  line = line//' '//full_precision(family%actual(i, c, k))
-               else
-                  line = line//' NaN'
-               end if
+               line = line//' '//number_or_nan(family%actual(i, c, k), family%closed(i, k))
             end do
             call text%add(line)
          end do

@@ -2,6 +2,7 @@
 !>
 !> Ends are rounded inwards: what is printed stays true.
 module psalm_proof_list
+   use psalm_block, only: begin_block
    use psalm_kinds, only: wp, dp
    use psalm_proof, only: proof_t, limit_t, touch_exact, piece_closes, piece_opens, piece_undecided, cause_too_short, &
                           cause_difference, cause_guide, cause_link, cause_parallel
@@ -405,12 +406,7 @@ contains
       character(7), parameter :: movers(3) = ['output ', 'turning', 'sliding']
       integer :: i
 
-      if (text%length > 0) then
-         call text%add()
-         call text%add()
-      end if
-      call text%add('# block limits')
-      call text%add('# kind from to loop cause')
+      call begin_block('limits', 'kind from to loop cause', text)
       call text%add('# '//title)
       do i = 1, size(study%proof%limits)
          associate (limit => study%proof%limits(i))
@@ -419,10 +415,7 @@ contains
          end associate
       end do
       if (count(study%extremes%found) == 0) return ! nothing closes, nothing moves
-      call text%add()
-      call text%add()
-      call text%add('# block extremes')
-      call text%add('# quantity loop arc least_low least_high least_at greatest_low greatest_high greatest_at')
+      call begin_block('extremes', 'quantity loop arc least_low least_high least_at greatest_low greatest_high greatest_at', text)
       call text%add('# '//title)
       do i = 1, size(study%extremes)
          associate (extreme => study%extremes(i))
@@ -434,10 +427,7 @@ contains
          end associate
       end do
       if (size(study%movement%dead) == 0) return
-      call text%add()
-      call text%add()
-      call text%add('# block dead_points')
-      call text%add('# quantity loop arc low high reverses')
+      call begin_block('dead_points', 'quantity loop arc low high reverses', text)
       call text%add('# '//title)
       do i = 1, size(study%movement%dead)
          associate (dead => study%movement%dead(i))

@@ -1,5 +1,6 @@
 !> Springs that were found: in the listing, on device 9, as JSON and as the group SPRING.
 module psalm_spring_list
+   use psalm_block, only: begin_block
    use psalm_data_set, only: data_set_t
    use psalm_kinds, only: wp
    use psalm_link_place, only: place_t
@@ -96,8 +97,8 @@ contains
       integer :: k, c
 
       if (study%found) then
-         call begin('spring_load', 'input'//repeat(' before', size(study%load_before, 2))// &
-                    repeat(' after', size(study%load_after, 2)))
+         call begin_block('spring_load', 'input'//repeat(' before', size(study%load_before, 2))// &
+                          repeat(' after', size(study%load_after, 2)), text)
          do k = 1, size(study%input)
             line = full_precision(study%input(k))
             do c = 1, size(study%load_before, 2)
@@ -110,7 +111,7 @@ contains
          end do
       end if
       if (.not. allocated(study%phases)) return
-      call begin('spring_phases', 'phase ratio real stiffness x1 y1 x2 y2')
+      call begin_block('spring_phases', 'phase ratio real stiffness x1 y1 x2 y2', text)
       do k = 1, size(study%phases)
          associate (of => study%phases(k))
             call text%add(full_precision(of%phase)//' '//full_precision(of%ratio)//' '//merge('1', '0', of%real)//' '// &
@@ -118,19 +119,6 @@ contains
                           ' '//full_precision(of%at(1, 2))//' '//full_precision(of%at(2, 2)))
          end associate
       end do
-
-   contains
-
-      subroutine begin(name, columns)
-         character(*), intent(in) :: name, columns
-
-         if (text%length > 0) then
-            call text%add()
-            call text%add()
-         end if
-         call text%add('# block '//name)
-         call text%add('# '//columns)
-      end subroutine begin
    end subroutine plot_springs
 
    !> The members `springs` and `spring_load` of a case's object.

@@ -1,5 +1,6 @@
 !> Vibration of links, flexible drives and Hill's equation in the listing and on device 9.
 module psalm_vibration_list
+   use psalm_block, only: begin_block
    use psalm_data_set, only: data_set_t
    use psalm_drive_study, only: drive_study_t, hill_study_t, inertia_t, matters
    use psalm_estimate_study, only: estimate_t, verdict_rigid, verdict_closer, harmonics_estimated, stubby
@@ -267,18 +268,6 @@ contains
                        columns(unit*[hill%y(i)/many, hill%y1(i), hill%y2(i)*many]))
       end do
    end subroutine plot_response
-
-   subroutine begin_block(name, names, text)
-      character(*), intent(in) :: name, names
-      type(text_t), intent(inout) :: text
-
-      if (text%length > 0) then
-         call text%add()
-         call text%add()
-      end if
-      call text%add('# block '//name)
-      call text%add('# '//names)
-   end subroutine begin_block
 
    pure function columns(values) result(line)
       real(wp), intent(in) :: values(:)
