@@ -22,7 +22,7 @@ balm.curves = (() => {
 
   // ---- axes ---------------------------------------------------------------------------------------------------------
 
-  /** Round numbers from a to b, about `count`; with `angles` steps that divide a turn. */
+  /** Round numbers from a to b, about `count`, at least two; with `angles` steps that divide a turn. */
   function ticks(a, b, count, angles = false) {
     const low = Math.min(a, b), high = Math.max(a, b), rough = (high - low) / count || 1;
     const power = 10 ** Math.floor(Math.log10(rough));
@@ -31,7 +31,8 @@ balm.curves = (() => {
     const list = [];
     for (let v = Math.ceil(low / step - 1e-9) * step; v <= high + 1e-9 * step; v += step)
       list.push(Math.abs(v) < 1e-9 * step ? 0 : v);
-    return list;
+    // one number gives no scale
+    return list.length < 2 && high > low ? ticks(a, b, 2 * count, angles) : list;
   }
 
   /** Ends of an axis for values from low to high on a linkage of the given size; rounding is not magnified. */

@@ -186,6 +186,7 @@ globalThis.results = [];
   // ---- axes ---------------------------------------------------------------------------------------------------------
 
   check('ticks are round', same(curves.ticks(0.3, 4.7, 5), [1, 2, 3, 4]) && same(curves.ticks(-7, 7, 3), [-5, 0, 5]));
+  check('ticks are two at least', same(curves.ticks(-0.3, 0.9, 1), [0, 0.5]));
   check('ticks of a turn divide it', same(curves.ticks(0, 360, 4, true), [0, 90, 180, 270, 360]));
   check('ticks of a falling input', same(curves.ticks(90, 0, 3, true), [0, 30, 60, 90]));
   check('an axis takes its values', same(curves.axisRange(3, 5, 100), [3, 5]));

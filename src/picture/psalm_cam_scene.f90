@@ -137,6 +137,7 @@ contains
       do k = 1, size(studies)
          associate (o => studies(k)%shape%axes%centre, c => scene%parts(k)%states%c(0, :), r => studies(k)%shape%roller)
             reach = maxval(abs(scene%parts(k)%profile))
+            if (.not. studies(k)%shape%flat) reach = max(reach, maxval(abs(c - o))) ! the pitch curve
             low = min(low, [o%re, o%im] - reach, [minval(c%re), minval(c%im)] - r)
             high = max(high, [o%re, o%im] + reach, [maxval(c%re), maxval(c%im)] + r)
          end associate

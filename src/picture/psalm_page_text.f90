@@ -1539,7 +1539,7 @@ module psalm_page_text
    '  // ---- axes --------------------------------------------------------------------------------------------------------'// &
    '-'//nl// &
    ''//nl// &
-   '  /** Round numbers from a to b, about `count`; with `angles` steps that divide a turn. */'//nl// &
+   '  /** Round numbers from a to b, about `count`, at least two; with `angles` steps that divide a turn. */'//nl// &
    '  function ticks(a, b, count, angles = false) {'//nl// &
    '    const low = Math.min(a, b), high = Math.max(a, b), rough = (high - low) / count || 1;'//nl// &
    '    const power = 10 ** Math.floor(Math.log10(rough));'//nl// &
@@ -1548,7 +1548,8 @@ module psalm_page_text
    '    const list = [];'//nl// &
    '    for (let v = Math.ceil(low / step - 1e-9) * step; v <= high + 1e-9 * step; v += step)'//nl// &
    '      list.push(Math.abs(v) < 1e-9 * step ? 0 : v);'//nl// &
-   '    return list;'//nl// &
+   '    // one number gives no scale'//nl// &
+   '    return list.length < 2 && high > low ? ticks(a, b, 2 * count, angles) : list;'//nl// &
    '  }'//nl// &
    ''//nl// &
    '  /** Ends of an axis for values from low to high on a linkage of the given size; rounding is not magnified. */'//nl// &
@@ -1560,10 +1561,10 @@ module psalm_page_text
    '    return [middle - AROUND * size, middle + AROUND * size];'//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  /** Least and greatest of all values of a panel that are seen from `from` to `to`. */'//nl// &
-   '  function extent(panel, from, to) {'//nl
+   '  /** Least and greatest of all values of a panel that are seen from `from` to `to`. */'//nl
 
    character(*), parameter :: part_16 = &
+   '  function extent(panel, from, to) {'//nl// &
    '    let low = Infinity, high = -Infinity;'//nl// &
    '    const see = (t, v) => {'//nl// &
    '      if (!isFinite(v) || t < from - 1e-6 || t > to + 1e-6) return;'//nl// &
@@ -1669,10 +1670,10 @@ module psalm_page_text
    '    plot = { w, h, u, left: 58 * u, right: w - 18 * u, from, to: Math.max(to, from + 1e-9), panels: panelsOf(c) };'//nl// &
    '    plot.x = (t) => plot.left + (t - plot.from) / (plot.to - plot.from) * (plot.right - plot.left);'//nl// &
    '    g.clearRect(0, 0, w, h);'//nl// &
-   "    g.font = 11 * u + 'px system-ui, sans-serif';"//nl// &
-   '    const each = (h - 34 * u) / plot.panels.length;'//nl
+   "    g.font = 11 * u + 'px system-ui, sans-serif';"//nl
 
    character(*), parameter :: part_17 = &
+   '    const each = (h - 34 * u) / plot.panels.length;'//nl// &
    '    plot.panels.forEach((panel, i) => {'//nl// &
    '      panel.top = i * each + 20 * u;'//nl// &
    '      panel.bottom = (i + 1) * each - 8 * u;'//nl// &
@@ -1772,10 +1773,10 @@ module psalm_page_text
    '    g.strokeStyle = colour;'//nl// &
    '    g.lineWidth = (dotted ? 1 : 1.6) * plot.u;'//nl// &
    '    g.setLineDash(dotted ? [2, 3] : []);'//nl// &
-   '    g.beginPath();'//nl// &
-   '    let down = false;'//nl
+   '    g.beginPath();'//nl
 
    character(*), parameter :: part_18 = &
+   '    let down = false;'//nl// &
    '    for (let i = 0; i < values.length; i++) {'//nl// &
    '      if (!isFinite(values[i])) { down = false; continue; }'//nl// &
    '      if (down) g.lineTo(plot.x(i), panel.y(values[i])); else g.moveTo(plot.x(i), panel.y(values[i]));'//nl// &
@@ -1874,10 +1875,10 @@ module psalm_page_text
    '  function layOut(c) {'//nl// &
    '    const v = c.vibration, panels = [];'//nl// &
    '    if (v && v.speeds.some(([, a]) => a !== null)) panels.push(drawSpeeds);'//nl// &
-   '    if (v && v.chart.length) panels.push(drawChart);'//nl// &
-   '    box.hidden = !panels.length;'//nl
+   '    if (v && v.chart.length) panels.push(drawChart);'//nl
 
    character(*), parameter :: part_19 = &
+   '    box.hidden = !panels.length;'//nl// &
    '    if (box.hidden) return;'//nl// &
    "    canvas.style.height = HEIGHT + 'px';"//nl// &
    "    const [w, h] = balm.drawing.fit(canvas), g = canvas.getContext('2d'), each = w / panels.length;"//nl// &
@@ -1978,10 +1979,10 @@ module psalm_page_text
    '    g.restore();'//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  return { begin, layOut };'//nl// &
-   '})();'//nl
+   '  return { begin, layOut };'//nl
 
    character(*), parameter :: part_20 = &
+   '})();'//nl// &
    '</script>'//nl// &
    '<script>'//nl// &
    '// Words: what the linkage does at the position shown, what is wrong there, the messages of a case, names of arcs.'//nl// &
@@ -2081,10 +2082,10 @@ module psalm_page_text
    '    const link = bar.body >= 0 && c.bodies[bar.body].name;'//nl// &
    "    return (link ? 'link ' + link : bar.loop ? 'loop ' + bar.loop + ', arc ' + bar.arc : 'output arc') +"//nl// &
    "      ': length ' + short(Number(length.toPrecision(6))) + ', angle ' + angle.toFixed(2) + '\u00b0' +"//nl// &
-   "      (bar.others ? ' (also ' + bar.others + ')' : '');"//nl// &
-   '  }'//nl
+   "      (bar.others ? ' (also ' + bar.others + ')' : '');"//nl
 
    character(*), parameter :: part_21 = &
+   '  }'//nl// &
    ''//nl// &
    '  /** The tip at a point of a box of the given width and height; without words it goes. */'//nl// &
    '  function tip(words, x, y, box) {'//nl// &
@@ -2184,10 +2185,10 @@ module psalm_page_text
    '    drag = { x: event.clientX, y: event.clientY, moved: false };'//nl// &
    '    if (event.isTrusted && canvas.setPointerCapture) canvas.setPointerCapture(event.pointerId);'//nl// &
    '  }'//nl// &
-   ''//nl// &
-   '  /** The crank turns by the angle the pointer turns about its pivot, the slide moves by as much as the pointer. */'//nl
+   ''//nl
 
    character(*), parameter :: part_22 = &
+   '  /** The crank turns by the angle the pointer turns about its pivot, the slide moves by as much as the pointer. */'//nl// &
    '  function pull(event) {'//nl// &
    "    if (!drag) { if (event.pointerType !== 'touch') hover(event); return; }"//nl// &
    '    const c = shown(), s = c.sweep, { t } = balm.state, box = balm.drawing.canvas.getBoundingClientRect();'//nl// &
@@ -2290,10 +2291,10 @@ module psalm_page_text
    "    if (!(event.key in actions) || (event.key === ' ' && button)) return;"//nl// &
    '    event.preventDefault();'//nl// &
    '    actions[event.key]();'//nl// &
-   '  }'//nl// &
-   ''//nl
+   '  }'//nl
 
    character(*), parameter :: part_23 = &
+   ''//nl// &
    '  /** Everything that listens; `refresh` is called where the picture must be laid out anew. */'//nl// &
    '  function begin(refresh) {'//nl// &
    '    const { state } = balm, picture = balm.drawing.canvas, curves = balm.curves.canvas;'//nl// &
@@ -2403,11 +2404,11 @@ module psalm_page_text
    "        '"" text-anchor=""' + anchor + '"">' + escaped(text) + '</text>');"//nl// &
    '    }'//nl// &
    '    text(title) {'//nl// &
-   '      // the name of the format, in two for it looks like an address'//nl// &
-   "      return '<svg xmlns=""http:/' + '/www.w3.org/2000/svg"" width=""' + this.width + '"" height=""' + this.height + '"// &
-   """ viewBox=""0 0 ' + this.width + ' ' +"//nl
+   '      // the name of the format, in two for it looks like an address'//nl
 
    character(*), parameter :: part_24 = &
+   "      return '<svg xmlns=""http:/' + '/www.w3.org/2000/svg"" width=""' + this.width + '"" height=""' + this.height + '"// &
+   """ viewBox=""0 0 ' + this.width + ' ' +"//nl// &
    "        this.height + '"">\n<title>' + escaped(title) + '</title>\n' + this.parts.join('\n') + '\n</svg>\n';"//nl// &
    '    }'//nl// &
    '  }'//nl// &
@@ -2507,10 +2508,10 @@ module psalm_page_text
    '(() => {'//nl// &
    '  const { scene, drawing, curves, charts, messages, controls, save } = balm;'//nl// &
    '  const $ = (id) => document.getElementById(id);'//nl// &
-   "  const cases = scene.read($('data').textContent);"//nl// &
-   '  const state = {'//nl
+   "  const cases = scene.read($('data').textContent);"//nl
 
    character(*), parameter :: part_25 = &
+   '  const state = {'//nl// &
    '    c: 0,                   // case shown'//nl// &
    '    t: 0,                   // place on its sweep'//nl// &
    '    playing: false,'//nl// &
@@ -2609,10 +2610,10 @@ module psalm_page_text
    "    $('group').value = state.group;"//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  /** The joints that move, by their names. */'//nl// &
-   '  function offerPaths(c) {'//nl
+   '  /** The joints that move, by their names. */'//nl
 
    character(*), parameter :: part_26 = &
+   '  function offerPaths(c) {'//nl// &
    '    state.paths.clear();'//nl// &
    '    const named = c.joints.map((joint, j) => [joint, j]).filter(([joint]) => joint.name && !joint.fixed);'//nl// &
    "    $('pathbox').hidden = !named.length || Boolean(c.meshes);"//nl// &
@@ -2711,10 +2712,10 @@ module psalm_page_text
    '    },'//nl// &
    '  };'//nl// &
    '  Object.defineProperties(balm, Object.getOwnPropertyDescriptors(api));'//nl// &
-   '  start();'//nl// &
-   '})();'//nl
+   '  start();'//nl
 
    character(*), parameter :: part_27 = &
+   '})();'//nl// &
    '</script>'//nl// &
    '</body>'//nl// &
    '</html>'//nl
