@@ -725,6 +725,8 @@ def test_curves():
     check("curves: exit status", code == 0, errors)
     check("curves: PNG and PDF", read_bytes("needle_search.png")[:4] == b"\x89PNG" and read_bytes("needle_search.pdf")[:5] == b"%PDF-")
     script = read("needle_search.gp")
+    terminals = re.findall("^set terminal .*", script, re.M)
+    check("curves: an underscore in a name is no subscript", len(terminals) == 2 and all(" noenhanced " in line for line in terminals), terminals)
     lines = re.search(r"\$progress << END\n(.*?)END", script, re.S).group(1).splitlines()
     best = [float(l.split()[1]) for l in lines]
     told = re.findall(r"ITERATION \d+ +BEST +(\S+)", read("needle_search.dev1"))

@@ -53,13 +53,14 @@ contains
       call input_axis(scene, low, high, text)
       do pass = 1, 2
          if (pass == 1) then
-            call text%add('set terminal pngcairo size 1000,'//to_text(panels*panel_height + 40)//' font "sans,10"')
+            call text%add('set terminal pngcairo noenhanced size 1000,'//to_text(panels*panel_height + 40)//' font "sans,10"')
             call text%add('set output '//gnuplot_text(name//'.png'))
          else
-            call text%add('set terminal pdfcairo size 21cm,'//short_number(7.0_wp*real(panels, wp) + 0.8_wp)//'cm font "sans,9"')
+            call text%add('set terminal pdfcairo noenhanced size 21cm,'//short_number(7.0_wp*real(panels, wp) + 0.8_wp)// &
+                          'cm font "sans,9"')
             call text%add('set output '//gnuplot_text(name//'.pdf'))
          end if
-         call text%add('set multiplot layout '//to_text(panels)//',1 title '//gnuplot_text(trim(scene%title))//' noenhanced')
+         call text%add('set multiplot layout '//to_text(panels)//',1 title '//gnuplot_text(trim(scene%title)))
          call add_bands(scene, low, high, text)
          call plot_panels(scene, errors, angles, steps, starts, low, high, text)
          call text%add('unset multiplot')

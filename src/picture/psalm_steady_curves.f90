@@ -73,13 +73,14 @@ contains
       call text%add('set grid; set key outside right top; set lmargin 12; set rmargin 22; set format y "%g"')
       do pass = 1, 2
          if (pass == 1) then
-            call text%add('set terminal pngcairo size 1000,'//to_text(panels*panel_height + 40)//' font "sans,10"')
+            call text%add('set terminal pngcairo noenhanced size 1000,'//to_text(panels*panel_height + 40)//' font "sans,10"')
             call text%add('set output '//gnuplot_text(name//'.png'))
          else
-            call text%add('set terminal pdfcairo size 21cm,'//short_number(8.0_wp*real(panels, wp) + 0.8_wp)//'cm font "sans,9"')
+            call text%add('set terminal pdfcairo noenhanced size 21cm,'//short_number(8.0_wp*real(panels, wp) + 0.8_wp)// &
+                          'cm font "sans,9"')
             call text%add('set output '//gnuplot_text(name//'.pdf'))
          end if
-         call text%add('set multiplot layout '//to_text(panels)//',1 title '//gnuplot_text(trim(set%title))//' noenhanced')
+         call text%add('set multiplot layout '//to_text(panels)//',1 title '//gnuplot_text(trim(set%title)))
          if (allocated(study%vibration)) call plot_vibration(set, study%vibration, text)
          if (allocated(study%drive)) then
             if (study%drive%found) call plot_drive(study%drive, text)
