@@ -626,6 +626,9 @@ def two_rollers(place):
     check(run.code == 0 and numpy.abs(half - 20).max() < 1e-12, "yoke: outputs half a turn apart", run.error)
     close(numpy.abs(gap[:, 1]).max(), 0.0, 1e-10, "yoke: both rollers touch")
     close(numpy.abs(gap[:, 2] - 180).max(), 0.0, 1e-6, "yoke: half a turn later")
+    run = Run(data("yoke", ("RCUT=10.0", "RCUT=10.0, CAMRPM=300.0, CAMWID=10.0")), place)
+    check("force_most" in run.extremes and all(len(row) == 5 for row in run.blocks["second_roller"]), "yoke: forces stand with the extremes",
+          sorted(run.extremes))
     for changes, code, words in ((("RROLL2=10.0", "RROLL2=9.9, CLEAR=0.11"), 0, ""), (("RROLL2=10.0", "RROLL2=9.9, CLEAR=0.05"), 1, "more than CLEAR"),
                                  (("RROLL2=10.0", "RROLL2=10.1"), 1, "does not fit")):
         run = Run(data("yoke", changes), place)
