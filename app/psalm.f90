@@ -14,8 +14,8 @@ program psalm
    use psalm_data_set, only: data_set_t
    use psalm_devices, only: devices_t, header_of
    use psalm_error, only: problem_t, inputs_of, make_problem
-   use psalm_exact_report, only: report_exact
-   use psalm_exact_study, only: exact_study_t, check_exact, find_exact
+   use psalm_exact_run, only: run_exact
+   use psalm_exact_study, only: check_exact
    use psalm_family_list, only: report_family
    use psalm_family_study, only: family_t, find_family
    use psalm_kinds, only: wp
@@ -209,17 +209,6 @@ contains
       if (.not. allocated(set%no_loops)) call find_family(set, mechanism, dimensions, inputs_of(set), family, found)
       call report_family(set, family, found, devices)
    end subroutine run_family
-
-   !> All linkages that meet points, poses or a function exactly.
-   subroutine run_exact(set, devices)
-      type(data_set_t), intent(in) :: set
-      type(devices_t), intent(inout) :: devices
-      type(exact_study_t), allocatable :: study
-
-      allocate (study)
-      call find_exact(set, study)
-      call report_exact(set, study, devices)
-   end subroutine run_exact
 
    !> A search over a sketch that has no loops, then the study of what it found.
    subroutine run_chain_search(set, devices, monitor)

@@ -1,7 +1,7 @@
 !> Cost of exact synthesis on one thread; bench/exact compiles it with the modules of src/exact and writes doc/exact.md.
 program exact
    use psalm_burmester, only: dyads_t, five_poses
-   use psalm_certificate, only: certificate_t, certify
+   use psalm_certificate, only: certificate_t, certify_legs
    use psalm_kinds, only: wp, pi, radians_per_degree
    use psalm_leg_problem, only: kind_point, kind_pose, kind_timed, leg_data_t, leg_problem_t, make_problem, most_points, turns_of, &
                                 variables
@@ -103,7 +103,8 @@ contains
          likely(i) = maxval(abs(own(2::2, i) - conjg(own(1::2, i)))) < within*maxval(abs(own(:, i)))
       end do
       call cpu_time(from)
-      call certify(first, p(found%order(1:) - 1), own, turns, partners, likely, certificate)
+      call certify_legs(found%path%problem, p(found%order - 1), [(0.0_wp, i=0, most_points)], [first, first], own, turns, partners, &
+                        likely, .true., certificate)
       call cpu_time(to)
       print '(a,i0,a,i0,a,i0,a,f0.2,a)', 'Certificate of the nine points of data/exact/nine_points.nml: ', certificate%proven, &
          ' of 1442 ends exist, ', certificate%apart, ' apart from all others, ', certificate%real_ones, ' real; ', to - from, ' s.'

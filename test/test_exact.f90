@@ -4,6 +4,7 @@ program test_exact
    use psalm_angles, only: unit_vector
    use psalm_burmester, only: curve_point_t, dyad_t, dyads_t, five_poses, four_poses_curve, pin_for_pivot, pivot_for_pin, &
                               polynomial_roots, slider_pin
+   use psalm_certificate, only: certificate_t, certify_poses
    use psalm_defects, only: exact_linkage_t, verdict_t, cognates_of, judge, place_pins
    use psalm_function_points, only: generators_t, generator_t, five_points, four_points, output_of, three_points
    use psalm_kinds, only: wp, radians_per_degree
@@ -22,6 +23,7 @@ program test_exact
    call functions()
    call six_bars()
    call counts()
+   call certificates()
    call cognates()
    call defects()
    call texts()
@@ -215,6 +217,42 @@ contains
       call t%close_to(real(sum(roots), wp), 6.0_wp, 1.0e-12_wp, 'roots of a cubic: 1, 2, 3')
       call t%close_to(minval(abs(roots - 2.0_wp)), 0.0_wp, 1.0e-12_wp, 'roots of a cubic: 2')
    end subroutine counts
+
+   !> Krawczyk's test of the dyads of five poses: it holds for those there are, not for what is none, nor where two are one.
+   subroutine certificates()
+      real(wp), parameter :: angle(0:4) = [0.0_wp, -95.0_wp, 3.0_wp, -88.0_wp, 37.0_wp]
+      complex(wp) :: d(4), g(4), ends(4, 6), p(0:4)
+      type(dyads_t) :: dyads
+      type(certificate_t) :: certificate
+
+      call poses(d, g)
+      p = [(0.0_wp, 0.0_wp), d]
+      call five_poses(d, g, dyads)
+      ends(:, :4) = dyads%ends
+      call certify_poses(p, angle, ends(:, :4), spread(.true., 1, 4), certificate)
+      call t%is_true(certificate%holds(), 'certificate: four dyads')
+      call t%equal_integer(certificate%real_ones, 4, 'certificate: all of them real')
+      ends(:, 5) = ends(:, 2)
+      ends(:, 6) = [(3.0_wp, 1.0_wp), (3.0_wp, -1.0_wp), (-7.0_wp, 5.0_wp), (-7.0_wp, -5.0_wp)]
+      call certify_poses(p, angle, ends, spread(.true., 1, 6), certificate)
+      call t%equal_integer(certificate%proven, 5, 'certificate: not of what is no solution')
+      call t%equal_integer(certificate%apart, 3, 'certificate: the same twice is not apart')
+      ! poses whose orientations are mirrored have two real dyads and two that are not
+      d = conjg(d)
+      d(1) = d(1) + (0.9_wp, 0.4_wp)
+      p = [(0.0_wp, 0.0_wp), d]
+      call five_poses(d, g, dyads)
+      call t%is_true(dyads%imaginary > 0, 'five poses with dyads that are not real')
+      call certify_poses(p, angle, dyads%ends, spread(.false., 1, 4), certificate)
+      call t%equal_integer(certificate%proven, 4, 'certificate: of those that are not real too')
+      call t%equal_integer(certificate%not_real, dyads%imaginary, 'certificate: they are not real')
+      ! two poses that are one leave a curve of dyads
+      d(2) = d(1)
+      g(2) = g(1)
+      p = [(0.0_wp, 0.0_wp), d]
+      call certify_poses(p, [angle(0), angle(1), angle(1), angle(3), angle(4)], dyads%ends, spread(.false., 1, 4), certificate)
+      call t%equal_integer(certificate%proven, 0, 'certificate: nothing where a whole curve is good')
+   end subroutine certificates
 
    !> A crank-rocker at eight crank angles.
    subroutine crank_rocker(one)

@@ -9,7 +9,12 @@ module psalm_burmester
    implicit none (type, external)
    private
    public :: dyad_t, dyads_t, curve_point_t, five_poses, four_poses_curve, centres_on_line, &
-             pivot_for_pin, pin_for_pivot, slider_pin, polynomial_roots
+             pivot_for_pin, pin_for_pivot, slider_pin, slider_circle, guide_of, inverted, polynomial_roots
+   public :: dyad_turns, dyad_slides, dyad_swings
+
+   integer, parameter :: dyad_turns = 1              !! a link from a fixed pivot to a pin of the body
+   integer, parameter :: dyad_slides = 2             !! a pin of the body moves along a fixed line
+   integer, parameter :: dyad_swings = 3             !! a line of the body goes through a fixed pivot
 
    integer, parameter :: unknowns = 7                !! u, x, a and the homogenising one, as real numbers
    integer, parameter :: most_dyads = 4
@@ -23,16 +28,22 @@ module psalm_burmester
    type :: dyad_t
       complex(wp) :: pivot = (0.0_wp, 0.0_wp)        !! fixed, from the reference point in the first pose
       complex(wp) :: pin = (0.0_wp, 0.0_wp)          !! on the body, from the reference point in the first pose
+      integer :: kind = dyad_turns                   !! one of `dyad_...`
+      complex(wp) :: guide = (1.0_wp, 0.0_wp)        !! direction of the line, of modulus 1; of the body's in the first pose
    end type dyad_t
 
    !> All dyads for five poses.
    type :: dyads_t
       integer :: count = 0                           !! real ones
       type(dyad_t) :: list(most_dyads)
-      integer :: infinite = 0                        !! real ones with the pivot at infinity: a pin on a straight line
+      integer :: infinite = 0                        !! real ones with pivot or pin at infinity
+      integer :: sliding = 0                         !! of these those that are a line: a pin on one or a pivot on one of the body
+      type(dyad_t) :: lines(most_dyads)
       integer :: imaginary = 0                       !! those that are not real
       logical :: degenerate = .false.                !! the poses leave more than finitely many
       real(wp) :: residual = 0.0_wp                  !! largest of the equations, over the square of the size
+      complex(wp) :: ends(4, most_dyads) = (0.0_wp, 0.0_wp) !! pin, pivot and their partners (x, xh, a, ah), the real ones first,
+                                                     !! then those that are not
    end type dyads_t
 
    !> A point of the curves of four poses.
@@ -50,7 +61,7 @@ contains
       ! a fixed rotation, so that no solution lies at infinity of the chart but by chance
       real(wp), parameter :: c1 = 0.6_wp, s1 = 0.8_wp, c2 = 5.0_wp/13.0_wp, s2 = 12.0_wp/13.0_wp
       real(wp) :: basis(unknowns, 3), turned(unknowns, 3), conic(6, 2), size, along(3), h
-      complex(wp) :: scaled(4), p(4), q(4), quartic(0:4)
+      complex(wp) :: scaled(4), p(4), q(4), quartic(0:4), imaginary(4, most_dyads)
       type(dyad_t) :: dyad
       integer :: i, k
       logical :: full
@@ -80,12 +91,14 @@ contains
          if (abs(aimag(p(i))) > real_part_only*(1.0_wp + abs(p(i))) .or. &
              abs(aimag(q(i))) > real_part_only*(1.0_wp + abs(q(i)))) then
             dyads%imaginary = dyads%imaginary + 1
+            imaginary(:, dyads%imaginary) = size*imaginary_dyad(turned, p(i), q(i))
             cycle
          end if
          along = [real(p(i), wp), real(q(i), wp), 1.0_wp]
          h = sum(turned(7, :)*along)
          if (abs(h) <= at_infinity*maxval(abs(turned(1, :)*along(1)) + abs(turned(2, :)*along(2)) + abs(along))) then
             dyads%infinite = dyads%infinite + 1
+            call add_line(turned, along, size, dyads)
             cycle
          end if
          dyad%pin = cmplx(sum(turned(3, :)*along), sum(turned(4, :)*along), wp)/h
@@ -99,8 +112,50 @@ contains
          if (k <= dyads%count) cycle
          dyads%count = dyads%count + 1
          dyads%list(dyads%count) = dyad_t(pivot=dyad%pivot*size, pin=dyad%pin*size)
+         associate (own => dyads%list(dyads%count))
+            dyads%ends(:, dyads%count) = [own%pin, conjg(own%pin), own%pivot, conjg(own%pivot)]
+         end associate
       end do
+      dyads%ends(:, dyads%count + 1:dyads%count + dyads%imaginary) = imaginary(:, :dyads%imaginary)
    end subroutine five_poses
+
+   !> Add what a dyad is whose homogenising number vanishes, and with it pin or pivot: conj(a) x = 0.
+   pure subroutine add_line(basis, along, size, dyads)
+      real(wp), intent(in) :: basis(unknowns, 3), along(3)
+      real(wp), intent(in) :: size                   !! length by which the poses were divided
+      type(dyads_t), intent(inout) :: dyads
+      real(wp) :: v(unknowns)
+      complex(wp) :: u, x, a
+      type(dyad_t) :: line
+
+      v = along(1)*basis(:, 1) + along(2)*basis(:, 2) + along(3)*basis(:, 3)
+      u = cmplx(v(1), v(2), wp)
+      x = cmplx(v(3), v(4), wp)
+      a = cmplx(v(5), v(6), wp)
+      if (max(abs(x), abs(a)) <= at_infinity*maxval(abs(v))) return
+      if (abs(a) > abs(x)) then
+         line%kind = dyad_slides
+         line%pin = size*u/conjg(a)
+         line%guide = (0.0_wp, 1.0_wp)*a/abs(a)
+      else
+         line%kind = dyad_swings
+         line%pivot = size*conjg(u/x)
+         line%guide = (0.0_wp, 1.0_wp)*x/abs(x)
+      end if
+      dyads%sliding = dyads%sliding + 1
+      dyads%lines(dyads%sliding) = line
+   end subroutine add_line
+
+   !> Pin, pivot and their partners of a common point of the conics that is not real.
+   pure function imaginary_dyad(basis, p, q) result(legs)
+      real(wp), intent(in) :: basis(unknowns, 3)
+      complex(wp), intent(in) :: p, q
+      complex(wp) :: legs(4), v(unknowns)
+
+      v = p*basis(:, 1) + q*basis(:, 2) + basis(:, 3)
+      legs = [v(3) + (0.0_wp, 1.0_wp)*v(4), v(3) - (0.0_wp, 1.0_wp)*v(4), v(5) + (0.0_wp, 1.0_wp)*v(6), &
+              v(5) - (0.0_wp, 1.0_wp)*v(6)]/v(7)
+   end function imaginary_dyad
 
    !> The vectors (u, x, a, h) that are good for all poses: the last columns of Q of the transposed equations, by Householder's
    !> reflections with column pivoting. `full` false: the equations depend on each other.
@@ -511,36 +566,66 @@ contains
       z = cmplx((sum(q1*right) - mix*y)/n1, y, wp)
    end subroutine two_unknowns
 
-   !> The one point of the body that is on a straight line in four poses (PR): the circles of points that are so in two triples of
+   !> The circle of the points of the body that are on a straight line in three poses, one of them the first:
+   !> level |x|**2 + 2 Re(conj(centre) x) + offset = 0. It goes through the pole of the first two.
+   pure subroutine slider_circle(d, g, level, centre, offset)
+      complex(wp), intent(in) :: d(2), g(2)
+      real(wp), intent(out) :: level, offset
+      complex(wp), intent(out) :: centre
+
+      ! Im(conj(d1 + x g1) (d2 + x g2))
+      level = aimag(conjg(g(1))*g(2))
+      centre = 0.5_wp*conjg((0.0_wp, -1.0_wp)*(conjg(d(1))*g(2) - conjg(d(2))*g(1)))
+      offset = aimag(conjg(d(1))*d(2))
+   end subroutine slider_circle
+
+   !> The one point of the body that is on a straight line in four poses: the circles of points that are so in two triples of
    !> them meet in the pole of the poses they share and in this point. Source: Bottema and Roth (1979), chapter 8.
    pure subroutine slider_pin(d, g, pin, exists)
       complex(wp), intent(in) :: d(3), g(3)
       complex(wp), intent(out) :: pin
       logical, intent(out) :: exists
       complex(wp) :: pole, centre(2), line
-      real(wp) :: rows(2, 4), level, offset
-      integer :: j, k
+      real(wp) :: level(2), offset(2)
+      integer :: k
 
       pin = (0.0_wp, 0.0_wp)
       exists = all(abs(g) > 0.0_wp)
       if (.not. exists) return
-      ! Im(conj(d1 + x g1) (dj + x gj)) = 0 is a circle: level |x|**2 + 2 Re(conj(centre) x) + offset
       do k = 1, 2
-         j = k + 1
-         level = aimag(conjg(g(1))*g(j))
-         centre(k) = 0.5_wp*conjg((0.0_wp, -1.0_wp)*(conjg(d(1))*g(j) - conjg(d(j))*g(1)))
-         offset = aimag(conjg(d(1))*d(j))
-         rows(k, :) = [level, real(centre(k), wp), aimag(centre(k)), offset]
+         call slider_circle(d([1, k + 1]), g([1, k + 1]), level(k), centre(k), offset(k))
       end do
       ! the radical line holds the pole, and its other point is wanted
       pole = -d(1)/g(1)
-      line = rows(2, 1)*centre(1) - rows(1, 1)*centre(2)
-      exists = abs(line) > 0.0_wp
+      line = level(2)*centre(1) - level(1)*centre(2)
+      exists = abs(line) > dependent*(abs(level(2)*centre(1)) + abs(level(1)*centre(2)))
       if (.not. exists) return
       line = line*(0.0_wp, 1.0_wp)/abs(line)
-      k = maxloc(abs(rows(:, 1)), dim=1)
-      exists = abs(rows(k, 1)) > 0.0_wp
+      k = maxloc(abs(level), dim=1)
+      exists = abs(level(k)) > 0.0_wp
       if (.not. exists) return
-      pin = pole - 2.0_wp*real(conjg(line)*(pole + centre(k)/rows(k, 1)), wp)*line
+      pin = pole - 2.0_wp*real(conjg(line)*(pole + centre(k)/level(k)), wp)*line
    end subroutine slider_pin
+
+   !> Direction of the line on which a point of the body is in all poses, as far as that can be told from the poses farthest apart.
+   pure complex(wp) function guide_of(d, g, pin) result(guide)
+      complex(wp), intent(in) :: d(:), g(:)
+      complex(wp), intent(in) :: pin
+      complex(wp) :: along(size(d))
+      integer :: k
+
+      along = d + g*pin
+      k = maxloc(abs(along), dim=1)
+      guide = (1.0_wp, 0.0_wp)
+      if (abs(along(k)) > 0.0_wp) guide = along(k)/abs(along(k))
+   end function guide_of
+
+   !> The fixed plane seen from the body: a pivot on a line of the body is a pin on a line of these poses.
+   pure subroutine inverted(d, g, inverse_d, inverse_g)
+      complex(wp), intent(in) :: d(:), g(:)
+      complex(wp), intent(out) :: inverse_d(:), inverse_g(:)
+
+      inverse_g = 1.0_wp/(1.0_wp + g) - 1.0_wp
+      inverse_d = -d/(1.0_wp + g)
+   end subroutine inverted
 end module psalm_burmester

@@ -1,110 +1,334 @@
-!> The proof that solutions of a nine-point problem exist, are distinct and are real: Krawczyk's test in discs.
+!> The proof that solutions exist, are distinct and are real: Krawczyk's test, in extended precision where double fails.
 !>
-!> For a solution v of 24 numbers (both legs, eight turns and partners), Y the inverse of its matrix, and radii r:
-!>    |Y F(v)| + |I - Y J| r + |Y| rad(J) r < r   in every number
-!> says that exactly one solution lies in the discs |w - v| <= r. If numbers and partners of v are conjugate and the data are
-!> real, that solution is. F is evaluated in extended precision with a bound of its rounding. Source: Krawczyk (1969); Rump (1999)
-!> for discs; Breiding, Rose and Timme (2023) for the test of reality.
+!> What is certified are the equations of psalm_leg_problem for the numbers of the data set as they stand there: displacements,
+!> turns and pivots are formed from them in quadruple precision. Solutions are apart if in one number their discs are; of nine
+!> points, where a solution stands for its cognates too, in the sum of the three pivots.
 module psalm_certificate
    use psalm_kinds, only: wp
-   use psalm_leg_problem, only: at_a, at_ah, at_b, at_bh, at_x, at_xh, at_y, at_yh, most_points, variables
+   use psalm_krawczyk, only: examine
+   use psalm_krawczyk_extended, only: examine_extended => examine
+   use psalm_leg_problem, only: at_a, at_ah, at_b, at_bh, at_x, at_xh, at_y, at_yh, kind_pose, kind_timed, leg_problem_t, &
+                                most_points, variables
+   use psalm_product_sums, only: product_sums_t
+   use psalm_quad, only: qp, unit_vector_quad
    implicit none (type, external)
    private
-   public :: certificate_t, certify
+   public :: certificate_t, certify_legs, certify_poses, certify_generators
 
-   integer, parameter :: unknowns = variables + 2*most_points
-   !> A kind of at least 18 digits: that of x87 where there is one.
-   integer, parameter :: xp = merge(wp, selected_real_kind(18), precision(1.0_wp) >= 18)
-   real(wp), parameter :: width = 3.0_wp             !! radius over the bound of the correction
-   real(wp), parameter :: least = 1.0e-15_wp         !! of a radius, over the number
-   real(wp), parameter :: rounding = 2.0e-14_wp      !! of products of 24 x 24 matrices, relative
+   !> Places of the numbers behind those of the legs; point j is j places on. f is the crank's turn less 1.
+   integer, parameter :: at_g = variables, at_gh = at_g + most_points, at_d = at_gh + most_points, at_dh = at_d + most_points, &
+                         at_f = at_dh + most_points, at_fh = at_f + most_points, places = at_fh + most_points
+   integer, parameter :: leg = 4                      !! numbers of a leg
+   integer, parameter :: corrections = 2              !! steps of Newton's method before the test
+   integer, parameter :: more_corrections = 4         !! in extended precision
+   real(wp), parameter :: rounding = 2.0e-14_wp       !! of the sum of the pivots, relative
    real(wp), parameter :: outward = 1.0_wp + 1.0e-10_wp !! that covers the rounding of bounds themselves
-   integer, parameter :: forms = 3                   !! cognates that are tried
-   integer, parameter :: corrections = 2             !! steps of Newton's method before the test
 
    type :: certificate_t
+      integer :: examined = 0                        !! solutions
       integer :: proven = 0                          !! solutions that exist
       integer :: apart = 0                           !! of these those whose discs meet no other's
       integer :: real_ones = 0                       !! proven to be real
       integer :: not_real = 0                        !! proven not to be
+   contains
+      procedure :: holds
    end type certificate_t
 
 contains
 
-   !> Examine solutions with differences (x, xh, a, ah, u, uh, s, sh) and their turns. `d` displacements, exactly as given.
-   subroutine certify(first, points, solutions, turns, partners, likely_real, certificate)
-      complex(wp), intent(in) :: first               !! point that displacements are counted from
-      complex(wp), intent(in) :: points(most_points) !! the others
-      complex(wp), intent(in) :: solutions(:, :)     !! shape (variables, count)
-      complex(wp), intent(in) :: turns(:, :), partners(:, :) !! g and gh, shape (most_points, count)
-      logical, intent(in) :: likely_real(:)          !! shape (count)
-      type(certificate_t), intent(out) :: certificate
-      complex(xp) :: d(most_points)
-      complex(wp) :: v(unknowns), w(unknowns), key(size(solutions, 2)), key_partner(size(solutions, 2))
-      real(wp) :: r(unknowns), radius(size(solutions, 2)), radius_partner(size(solutions, 2))
-      logical :: sound(size(solutions, 2)), holds
-      integer :: i, form
+   !> True if all that were examined exist and are distinct.
+   elemental logical function holds(self)
+      class(certificate_t), intent(in) :: self
 
-      d = cmplx(points, kind=xp) - cmplx(first, kind=xp)
-      sound = .false.
-      do i = 1, size(solutions, 2)
-         w = [solutions(:, i), turns(:, i), partners(:, i)]
-         do form = 1, forms
-            ! of three cognates one is best conditioned
-            if (form == 2) w = cognate_of(points - first, w)
-            if (form == 3) w = cognate_of(points - first, with_legs_exchanged([solutions(:, i), turns(:, i), partners(:, i)]))
-            v = w
-            call test(d, corrections, v, r, holds)
-            if (holds) exit
-         end do
-         sound(i) = holds
-         if (.not. holds) cycle
-         certificate%proven = certificate%proven + 1
-         call third_pivot(v([at_x, at_a, at_y, at_b]), r([at_x, at_a, at_y, at_b]), key(i), radius(i))
-         call third_pivot(v([at_xh, at_ah, at_yh, at_bh]), r([at_xh, at_ah, at_yh, at_bh]), key_partner(i), radius_partner(i))
-         if (likely_real(i)) then
-            w = v
-            w(2:variables:2) = conjg(w(1:variables:2))
-            w(variables + most_points + 1:) = conjg(w(variables + 1:variables + most_points))
-            call test(d, 0, w, r, holds)
-            if (holds) certificate%real_ones = certificate%real_ones + 1
-         else if (any(abs(v(2:variables:2) - conjg(v(1:variables:2))) > outward*(r(2:variables:2) + r(1:variables:2)))) then
-            certificate%not_real = certificate%not_real + 1
+      holds = self%examined > 0 .and. self%proven == self%examined .and. self%apart == self%examined
+   end function holds
+
+   !> Examine solutions of a problem of two legs, from the first point. With `orbits`, nine points, each stands for all that
+   !> exchange of the legs and cognates make of it.
+   subroutine certify_legs(problem, points, degrees, pivots, solutions, turns, partners, likely_real, orbits, certificate)
+      type(leg_problem_t), intent(in) :: problem
+      complex(wp), intent(in) :: points(0:)          !! shape (0:problem%points), as given
+      real(wp), intent(in) :: degrees(0:)            !! likewise: of poses the orientation, of timed points the crank angle
+      complex(wp), intent(in) :: pivots(2)           !! the fixed ones as given, if they are
+      complex(wp), intent(in) :: solutions(:, :)     !! shape (variables, count)
+      complex(wp), intent(in) :: turns(:, :), partners(:, :) !! g and gh, shape (points, count)
+      logical, intent(in) :: likely_real(:)          !! shape (count)
+      logical, intent(in) :: orbits
+      type(certificate_t), intent(out) :: certificate
+      type(product_sums_t) :: sums
+      complex(qp) :: numbers(places)
+      complex(wp), allocatable :: starts(:, :)
+      integer, allocatable :: unknown(:), keys(:)
+      integer :: j, n
+
+      n = problem%points
+      numbers = (0.0_qp, 0.0_qp)
+      unknown = problem%free(:problem%unknowns)
+      keys = unknown
+      do j = 1, n
+         numbers(at_d + j) = cmplx(points(j), kind=qp) - cmplx(points(0), kind=qp)
+         numbers(at_dh + j) = conjg(numbers(at_d + j))
+         if (problem%kind(j) == kind_pose) call set_turn(real(degrees(j), qp) - real(degrees(0), qp), numbers(at_g + j), &
+                                                         numbers(at_gh + j))
+         if (problem%kind(j) == kind_timed) call set_turn(real(degrees(j), qp) - real(degrees(0), qp), numbers(at_f + j), &
+                                                          numbers(at_fh + j))
+         if (problem%kind(j) /= kind_pose) unknown = [unknown, at_g + j, at_gh + j]
+      end do
+      if (problem%crank_given) numbers(at_a) = cmplx(pivots(1), kind=qp) - cmplx(points(0), kind=qp)
+      if (problem%follower_given) numbers(at_b) = cmplx(pivots(2), kind=qp) - &
+                                                  cmplx(merge(pivots(1), points(0), problem%differences), kind=qp)
+      numbers(at_ah) = conjg(numbers(at_a))
+      numbers(at_bh) = conjg(numbers(at_b))
+      call sums%begin(places, unknown)
+      do j = 1, n
+         select case (problem%kind(j))
+         case (kind_timed)
+            call add_crank(at_x, at_a, at_g + j, at_f + j, at_d + j, sums)
+            call add_crank(at_xh, at_ah, at_gh + j, at_fh + j, at_dh + j, sums)
+         case default
+            call add_leg(at_x, j, sums)
+         end select
+         if (problem%slides) then
+            call add_slide(j, sums)
+         else if (problem%differences) then
+            call add_difference(j, sums)
+         else
+            call add_leg(at_y, j, sums)
+         end if
+         if (problem%kind(j) /= kind_pose) call add_modulus(j, sums)
+      end do
+      allocate (starts(size(unknown), size(solutions, 2)))
+      do j = 1, size(unknown)
+         if (unknown(j) <= at_g) then
+            starts(j, :) = solutions(unknown(j), :)
+         else if (unknown(j) <= at_gh) then
+            starts(j, :) = turns(unknown(j) - at_g, :)
+         else
+            starts(j, :) = partners(unknown(j) - at_gh, :)
          end if
       end do
-      call count_apart(sound, key, radius, key_partner, radius_partner, certificate%apart)
-   end subroutine certify
+      call examine_all(sums, numbers, partners_of(sums, unknown, problem%slides), starts, likely_real, sums%place(keys), &
+                       orbits, 0, certificate)
+   end subroutine certify_legs
 
-   !> The same four-bar with its legs exchanged.
-   pure function with_legs_exchanged(v) result(other)
-      complex(wp), intent(in) :: v(unknowns)
-      complex(wp) :: other(unknowns)
+   !> Examine the dyads of five poses.
+   subroutine certify_poses(points, degrees, dyads, likely_real, certificate)
+      complex(wp), intent(in) :: points(0:)          !! shape (0:4), as given
+      real(wp), intent(in) :: degrees(0:)
+      complex(wp), intent(in) :: dyads(:, :)         !! x, xh, a, ah from the first point, shape (4, count)
+      logical, intent(in) :: likely_real(:)          !! shape (count)
+      type(certificate_t), intent(out) :: certificate
+      complex(qp) :: numbers(places)
+      integer :: j
 
-      other = v
-      other(:at_ah) = v(:at_ah) + v(at_y:variables)
-      other(at_y:variables) = -v(at_y:variables)
-   end function with_legs_exchanged
-
-   !> The cognate that keeps pivot a.
-   pure function cognate_of(d, v) result(other)
-      complex(wp), intent(in) :: d(most_points), v(unknowns)
-      complex(wp) :: other(unknowns)
-      integer :: i
-
-      other(at_x) = v(at_a) - v(at_x)
-      other(at_xh) = v(at_ah) - v(at_xh)
-      other(at_a) = v(at_a)
-      other(at_ah) = v(at_ah)
-      other(at_y) = other(at_x)*v(at_x)/v(at_y)
-      other(at_yh) = other(at_xh)*v(at_xh)/v(at_yh)
-      other(at_b) = -v(at_b)*v(at_x)/v(at_y)
-      other(at_bh) = -v(at_bh)*v(at_xh)/v(at_yh)
-      ! its coupler turns with the crank
-      do i = 1, most_points
-         other(variables + i) = -(d(i) + v(variables + i)*v(at_x))/other(at_x)
-         other(variables + most_points + i) = -(conjg(d(i)) + v(variables + most_points + i)*v(at_xh))/other(at_xh)
+      numbers = (0.0_qp, 0.0_qp)
+      do j = 1, ubound(points, 1)
+         numbers(at_d + j) = cmplx(points(j), kind=qp) - cmplx(points(0), kind=qp)
+         call set_turn(real(degrees(j), qp) - real(degrees(0), qp), numbers(at_g + j), numbers(at_gh + j))
       end do
-   end function cognate_of
+      call examine_dyads(ubound(points, 1), numbers, dyads, likely_real, 0, certificate)
+   end subroutine certify_poses
+
+   !> Examine the dyads of the output link seen from the crank, for five points of a function: one of a four-bar is the frame, which
+   !> is not counted.
+   subroutine certify_generators(phi, psi, slides, dyads, likely_real, frame, certificate)
+      real(wp), intent(in) :: phi(0:), psi(0:)       !! radians; of a slider-crank psi is the travel
+      logical, intent(in) :: slides
+      complex(wp), intent(in) :: dyads(:, :)         !! x, xh, a, ah from the first point, shape (4, count)
+      logical, intent(in) :: likely_real(:)          !! shape (count)
+      integer, intent(in) :: frame                   !! which of them is the frame; 0: none
+      type(certificate_t), intent(out) :: certificate
+      complex(qp) :: numbers(places), input(0:ubound(phi, 1)), turned(0:ubound(phi, 1))
+      integer :: j
+
+      numbers = (0.0_qp, 0.0_qp)
+      input = cmplx(cos(real(phi, qp)), -sin(real(phi, qp)), qp)
+      turned = input
+      if (.not. slides) turned = input*cmplx(cos(real(psi, qp)), sin(real(psi, qp)), qp)
+      if (slides) input = real(psi, qp)*input
+      do j = 1, ubound(phi, 1)
+         numbers(at_d + j) = input(j) - input(0)
+         numbers(at_g + j) = turned(j)*conjg(turned(0)) - 1.0_qp
+         numbers(at_gh + j) = conjg(numbers(at_g + j))
+      end do
+      call examine_dyads(ubound(phi, 1), numbers, dyads, likely_real, frame, certificate)
+   end subroutine certify_generators
+
+   subroutine examine_dyads(poses, given, dyads, likely_real, frame, certificate)
+      integer, intent(in) :: poses                   !! beyond the first
+      complex(qp), intent(in) :: given(places)
+      complex(wp), intent(in) :: dyads(:, :)
+      logical, intent(in) :: likely_real(:)
+      integer, intent(in) :: frame
+      type(certificate_t), intent(out) :: certificate
+      complex(qp) :: numbers(places)
+      type(product_sums_t) :: sums
+      integer, parameter :: unknown(leg) = [at_x, at_xh, at_a, at_ah]
+      integer :: j
+
+      numbers = given
+      call sums%begin(places, unknown)
+      do j = 1, poses
+         numbers(at_dh + j) = conjg(numbers(at_d + j))
+         call add_leg(at_x, j, sums)
+      end do
+      call examine_all(sums, numbers, partners_of(sums, unknown, .false.), dyads, likely_real, unknown, .false., frame, certificate)
+   end subroutine examine_dyads
+
+   ! ---- the equations -------------------------------------------------------------------------------------------------
+
+   !> exp(i angle) - 1 and its conjugate, without loss where the angle is small.
+   subroutine set_turn(degrees, g, gh)
+      real(qp), intent(in) :: degrees
+      complex(qp), intent(out) :: g, gh
+      real(qp) :: c, s
+
+      call unit_vector_quad(0.5_qp*degrees, c, s)
+      g = 2.0_qp*s*cmplx(-s, c, qp)
+      gh = conjg(g)
+   end subroutine set_turn
+
+   !> (ah - dh) x g + (a - d) xh gh + (ah - xh) d + (a - x) dh - d dh.
+   subroutine add_leg(first, j, sums)
+      integer, intent(in) :: first, j                !! place of the leg's first number; point
+      type(product_sums_t), intent(inout) :: sums
+
+      associate (x => first, xh => first + 1, a => first + 2, ah => first + 3, g => at_g + j, gh => at_gh + j, d => at_d + j, &
+                 dh => at_dh + j)
+         call sums%next_equation()
+         call sums%add(1, [ah, x, g])
+         call sums%add(-1, [dh, x, g])
+         call sums%add(1, [a, xh, gh])
+         call sums%add(-1, [d, xh, gh])
+         call sums%add(1, [ah, d])
+         call sums%add(-1, [xh, d])
+         call sums%add(1, [a, dh])
+         call sums%add(-1, [x, dh])
+         call sums%add(-1, [d, dh])
+      end associate
+   end subroutine add_leg
+
+   !> The equation of leg b less that of leg a, in the differences of their numbers.
+   subroutine add_difference(j, sums)
+      integer, intent(in) :: j
+      type(product_sums_t), intent(inout) :: sums
+
+      associate (g => at_g + j, gh => at_gh + j, d => at_d + j, dh => at_dh + j)
+         call sums%next_equation()
+         call sums%add(1, [at_ah, at_y, g])
+         call sums%add(-1, [dh, at_y, g])
+         call sums%add(1, [at_bh, at_x, g])
+         call sums%add(1, [at_bh, at_y, g])
+         call sums%add(1, [at_a, at_yh, gh])
+         call sums%add(-1, [d, at_yh, gh])
+         call sums%add(1, [at_b, at_xh, gh])
+         call sums%add(1, [at_b, at_yh, gh])
+         call sums%add(1, [at_bh, d])
+         call sums%add(-1, [at_yh, d])
+         call sums%add(1, [at_b, dh])
+         call sums%add(-1, [at_y, dh])
+      end associate
+   end subroutine add_difference
+
+   !> A slider: d + y g - w (dh + yh gh).
+   subroutine add_slide(j, sums)
+      integer, intent(in) :: j
+      type(product_sums_t), intent(inout) :: sums
+
+      call sums%next_equation()
+      call sums%add(1, [at_d + j])
+      call sums%add(1, [at_y, at_g + j])
+      call sums%add(-1, [at_b, at_dh + j])
+      call sums%add(-1, [at_b, at_yh, at_gh + j])
+   end subroutine add_slide
+
+   !> A crank whose turn is given: x g - (x - a) f + d.
+   subroutine add_crank(x, a, g, f, d, sums)
+      integer, intent(in) :: x, a, g, f, d
+      type(product_sums_t), intent(inout) :: sums
+
+      call sums%next_equation()
+      call sums%add(1, [x, g])
+      call sums%add(-1, [x, f])
+      call sums%add(1, [a, f])
+      call sums%add(1, [d])
+   end subroutine add_crank
+
+   !> g gh + g + gh.
+   subroutine add_modulus(j, sums)
+      integer, intent(in) :: j
+      type(product_sums_t), intent(inout) :: sums
+
+      call sums%next_equation()
+      call sums%add(1, [at_g + j, at_gh + j])
+      call sums%add(1, [at_g + j])
+      call sums%add(1, [at_gh + j])
+   end subroutine add_modulus
+
+   !> Which unknown is the partner of each; of a slide's direction, itself.
+   pure function partners_of(sums, unknown, slides) result(partner)
+      type(product_sums_t), intent(in) :: sums
+      integer, intent(in) :: unknown(:)
+      logical, intent(in) :: slides
+      integer :: partner(size(unknown)), k
+
+      do k = 1, size(unknown)
+         if (unknown(k) > at_gh) then
+            partner(k) = sums%place(unknown(k) - most_points)
+         else if (unknown(k) > at_g) then
+            partner(k) = sums%place(unknown(k) + most_points)
+         else if (slides .and. unknown(k) == at_b) then
+            partner(k) = k
+         else
+            ! a number stands at an odd place, its partner behind it
+            partner(k) = sums%place(unknown(k) + merge(1, -1, modulo(unknown(k), 2) == 1))
+         end if
+      end do
+   end function partners_of
+
+   ! ---- the test ------------------------------------------------------------------------------------------------------
+
+   subroutine examine_all(sums, numbers, partner, starts, likely_real, keys, orbits, uncounted, certificate)
+      type(product_sums_t), intent(in) :: sums
+      complex(qp), intent(in) :: numbers(places)
+      integer, intent(in) :: partner(:)              !! shape (unknowns)
+      complex(wp), intent(in) :: starts(:, :)        !! shape (unknowns, count)
+      logical, intent(in) :: likely_real(:)
+      integer, intent(in) :: keys(:)                 !! unknowns in which solutions are compared
+      logical, intent(in) :: orbits                  !! they are compared in the sum of the pivots
+      integer, intent(in) :: uncounted               !! a solution that is none of those wanted; 0: there is none
+      type(certificate_t), intent(out) :: certificate
+      complex(wp) :: v(size(starts, 1))
+      complex(wp), allocatable :: key(:, :)
+      real(wp) :: r(size(starts, 1))
+      real(wp), allocatable :: radius(:, :)
+      logical :: sound(size(starts, 2)), is_real, is_not
+      integer :: i, n
+
+      n = merge(2, size(keys), orbits)
+      allocate (key(n, size(starts, 2)), source=(0.0_wp, 0.0_wp))
+      allocate (radius(n, size(starts, 2)), source=0.0_wp)
+      certificate%examined = size(starts, 2) - merge(1, 0, uncounted > 0)
+      do i = 1, size(starts, 2)
+         call examine(sums, numbers, partner, starts(:, i), corrections, likely_real(i), v, r, sound(i), is_real, is_not)
+         if (.not. sound(i) .or. (likely_real(i) .and. .not. is_real)) &
+            call examine_extended(sums, numbers, partner, starts(:, i), more_corrections, likely_real(i), v, r, sound(i), is_real, &
+                                  is_not)
+         if (.not. sound(i)) cycle
+         if (orbits) then
+            call third_pivot(v([at_x, at_a, at_y, at_b]), r([at_x, at_a, at_y, at_b]), key(1, i), radius(1, i))
+            call third_pivot(v([at_xh, at_ah, at_yh, at_bh]), r([at_xh, at_ah, at_yh, at_bh]), key(2, i), radius(2, i))
+         else
+            key(:, i) = v(keys)
+            radius(:, i) = r(keys)
+         end if
+         if (i == uncounted) cycle
+         certificate%proven = certificate%proven + 1
+         if (is_real) certificate%real_ones = certificate%real_ones + 1
+         if (is_not) certificate%not_real = certificate%not_real + 1
+      end do
+      call count_apart(sound, key, radius, uncounted, certificate%apart)
+   end subroutine examine_all
 
    !> Three times a plus s less s x/u: sum of the three pivots, which exchange of the legs and cognates leave alone; with its disc.
    pure subroutine third_pivot(legs, r, key, radius)
@@ -125,11 +349,12 @@ contains
       radius = outward*radius
    end subroutine third_pivot
 
-   !> Solutions whose disc, or that of the partners, meets no other's.
-   pure subroutine count_apart(sound, key, radius, key_partner, radius_partner, apart)
-      logical, intent(in) :: sound(:)
-      complex(wp), intent(in) :: key(:), key_partner(:)
-      real(wp), intent(in) :: radius(:), radius_partner(:)
+   !> Solutions of which some disc meets none of each other's.
+   pure subroutine count_apart(sound, key, radius, uncounted, apart)
+      logical, intent(in) :: sound(:)                !! shape (count): with discs
+      complex(wp), intent(in) :: key(:, :)           !! shape (numbers, count)
+      real(wp), intent(in) :: radius(:, :)
+      integer, intent(in) :: uncounted
       integer, intent(out) :: apart
       logical :: meets(size(sound))
       integer :: i, k
@@ -139,245 +364,14 @@ contains
          if (.not. sound(i)) cycle
          do k = i + 1, size(sound)
             if (.not. sound(k)) cycle
-            if (abs(real(key(i) - key(k), wp)) > radius(i) + radius(k)) cycle
-            if (abs(key(i) - key(k)) > outward*(radius(i) + radius(k))) cycle
-            if (abs(key_partner(i) - key_partner(k)) > outward*(radius_partner(i) + radius_partner(k))) cycle
+            if (abs(real(key(1, i) - key(1, k), wp)) > outward*(radius(1, i) + radius(1, k))) cycle
+            if (any(abs(key(:, i) - key(:, k)) > outward*(radius(:, i) + radius(:, k)))) cycle
             meets(i) = .true.
             meets(k) = .true.
          end do
       end do
       apart = count(sound .and. .not. meets)
+      if (uncounted == 0) return
+      if (sound(uncounted) .and. .not. meets(uncounted)) apart = apart - 1
    end subroutine count_apart
-
-   !> Correct a solution some times and test it. `r` are the radii of the discs.
-   subroutine test(d, steps, v, r, holds)
-      complex(xp), intent(in) :: d(most_points)
-      integer, intent(in) :: steps
-      complex(wp), intent(inout) :: v(unknowns)
-      real(wp), intent(out) :: r(unknowns)
-      logical, intent(out) :: holds
-      complex(wp) :: j(unknowns, unknowns), y(unknowns, unknowns), f(unknowns), rest(unknowns)
-      real(wp) :: bound(unknowns), size_of_j(unknowns, unknowns), spread(unknowns), b(unknowns)
-      real(wp) :: reached(unknowns), of_rest(unknowns)
-      integer :: k, l, m
-
-      do k = 0, steps
-         call evaluate(d, v, f, bound)
-         call matrix_of(d, v, j)
-         call invert(j, y, holds)
-         if (.not. holds) return
-         rest = (0.0_wp, 0.0_wp)
-         do l = 1, unknowns
-            rest = rest + y(:, l)*f(l)
-         end do
-         if (k < steps) v = v - rest
-      end do
-      b = abs(rest)
-      do l = 1, unknowns
-         b = b + abs(y(:, l))*(bound(l) + rounding*abs(f(l)))
-      end do
-      r = width*b + least*abs(v)
-      call radii_of(d, v, r, size_of_j)
-      ! what the discs of the entries do to r, and the rounding of the products
-      spread = 0.0_wp
-      do l = 1, unknowns
-         spread = spread + (size_of_j(:, l) + rounding*abs(j(:, l)))*r(l)
-      end do
-      of_rest = 0.0_wp
-      do l = 1, unknowns
-         rest = (0.0_wp, 0.0_wp)
-         do m = 1, unknowns
-            if (abs(real(j(m, l), wp)) + abs(aimag(j(m, l))) > 0.0_wp) rest = rest + y(:, m)*j(m, l)
-         end do
-         rest(l) = rest(l) - 1.0_wp
-         of_rest = of_rest + abs(rest)*r(l)
-      end do
-      reached = b + of_rest
-      do l = 1, unknowns
-         reached = reached + abs(y(:, l))*spread(l)
-      end do
-      holds = all(outward*reached < r)
-   end subroutine test
-
-   !> The equations in extended precision, rounded, and a bound of the error.
-   pure subroutine evaluate(d, v, f, bound)
-      complex(xp), intent(in) :: d(most_points)
-      complex(wp), intent(in) :: v(unknowns)
-      complex(wp), intent(out) :: f(unknowns)
-      real(wp), intent(out) :: bound(unknowns)
-      complex(xp), parameter :: nothing = (0.0_xp, 0.0_xp)
-      integer, parameter :: roundings = 80           !! more than meet in a term, its differences and the sum
-      complex(xp) :: x, xh, a, ah, u, uh, s, sh, g, gh, dh, terms(6)
-      real(xp) :: sizes
-      integer :: i
-
-      x = cmplx(v(at_x), kind=xp)
-      xh = cmplx(v(at_xh), kind=xp)
-      a = cmplx(v(at_a), kind=xp)
-      ah = cmplx(v(at_ah), kind=xp)
-      u = cmplx(v(at_y), kind=xp)
-      uh = cmplx(v(at_yh), kind=xp)
-      s = cmplx(v(at_b), kind=xp)
-      sh = cmplx(v(at_bh), kind=xp)
-      do i = 1, most_points
-         g = cmplx(v(variables + i), kind=xp)
-         gh = cmplx(v(variables + most_points + i), kind=xp)
-         dh = conjg(d(i))
-         terms = [(ah - dh)*x*g, (a - d(i))*xh*gh, (ah - xh)*d(i), (a - x)*dh, -d(i)*dh, nothing]
-         f(3*i - 2) = cmplx(sum(terms), kind=wp)
-         sizes = (abs(ah) + abs(d(i)))*abs(x)*abs(g) + (abs(a) + abs(d(i)))*abs(xh)*abs(gh) + &
-                 (abs(ah) + abs(xh) + abs(a) + abs(x) + abs(d(i)))*abs(d(i))
-         bound(3*i - 2) = real(sizes, wp)
-         terms = [(ah - dh)*u*g, sh*(x + u)*g, (a - d(i))*uh*gh, s*(xh + uh)*gh, (sh - uh)*d(i), (s - u)*dh]
-         f(3*i - 1) = cmplx(sum(terms), kind=wp)
-         sizes = ((abs(ah) + abs(d(i)))*abs(u) + abs(sh)*(abs(x) + abs(u)))*abs(g) + &
-                 ((abs(a) + abs(d(i)))*abs(uh) + abs(s)*(abs(xh) + abs(uh)))*abs(gh) + &
-                 (abs(sh) + abs(uh) + abs(s) + abs(u))*abs(d(i))
-         bound(3*i - 1) = real(sizes, wp)
-         f(3*i) = cmplx(g*gh + g + gh, kind=wp)
-         bound(3*i) = real(abs(g)*abs(gh) + abs(g) + abs(gh), wp)
-      end do
-      bound = outward*(real(roundings, wp)*real(epsilon(1.0_xp), wp)*bound + epsilon(1.0_wp)*abs(f))
-   end subroutine evaluate
-
-   !> Derivatives of the equations.
-   pure subroutine matrix_of(data, v, j)
-      complex(xp), intent(in) :: data(most_points)
-      complex(wp), intent(in) :: v(unknowns)
-      complex(wp), intent(out) :: j(unknowns, unknowns)
-      complex(wp) :: d, dh
-      integer :: i, k, at_g, at_gh
-
-      j = (0.0_wp, 0.0_wp)
-      associate (x => v(at_x), xh => v(at_xh), a => v(at_a), ah => v(at_ah), u => v(at_y), uh => v(at_yh), s => v(at_b), &
-                 sh => v(at_bh))
-         do i = 1, most_points
-            at_g = variables + i
-            at_gh = variables + most_points + i
-            k = 3*i - 2
-            d = cmplx(data(i), kind=wp)
-            dh = conjg(d)
-            j(k, at_x) = (ah - dh)*v(at_g) - dh
-            j(k, at_xh) = (a - d)*v(at_gh) - d
-            j(k, at_a) = xh*v(at_gh) + dh
-            j(k, at_ah) = x*v(at_g) + d
-            j(k, at_g) = (ah - dh)*x
-            j(k, at_gh) = (a - d)*xh
-            j(k + 1, at_x) = sh*v(at_g)
-            j(k + 1, at_xh) = s*v(at_gh)
-            j(k + 1, at_a) = uh*v(at_gh)
-            j(k + 1, at_ah) = u*v(at_g)
-            j(k + 1, at_y) = (ah + sh - dh)*v(at_g) - dh
-            j(k + 1, at_yh) = (a + s - d)*v(at_gh) - d
-            j(k + 1, at_b) = (xh + uh)*v(at_gh) + dh
-            j(k + 1, at_bh) = (x + u)*v(at_g) + d
-            j(k + 1, at_g) = (ah - dh)*u + sh*(x + u)
-            j(k + 1, at_gh) = (a - d)*uh + s*(xh + uh)
-            j(k + 2, at_g) = v(at_gh) + 1.0_wp
-            j(k + 2, at_gh) = v(at_g) + 1.0_wp
-         end do
-      end associate
-   end subroutine matrix_of
-
-   !> Radii of the derivatives over the discs, with the rounding of their centres.
-   pure subroutine radii_of(data, v, r, radius)
-      complex(xp), intent(in) :: data(most_points)
-      complex(wp), intent(in) :: v(unknowns)
-      real(wp), intent(in) :: r(unknowns)
-      real(wp), intent(out) :: radius(unknowns, unknowns)
-      real(wp) :: d, m(unknowns)
-      integer :: i, k, at_g, at_gh
-
-      radius = 0.0_wp
-      m = abs(v)
-      do i = 1, most_points
-         at_g = variables + i
-         at_gh = variables + most_points + i
-         k = 3*i - 2
-         d = real(abs(data(i)), wp)*outward
-         radius(k, at_x) = times(m(at_ah) + d, r(at_ah), m(at_g), r(at_g)) + rounding*d
-         radius(k, at_xh) = times(m(at_a) + d, r(at_a), m(at_gh), r(at_gh)) + rounding*d
-         radius(k, at_a) = times(m(at_xh), r(at_xh), m(at_gh), r(at_gh)) + rounding*d
-         radius(k, at_ah) = times(m(at_x), r(at_x), m(at_g), r(at_g)) + rounding*d
-         radius(k, at_g) = times(m(at_ah) + d, r(at_ah), m(at_x), r(at_x))
-         radius(k, at_gh) = times(m(at_a) + d, r(at_a), m(at_xh), r(at_xh))
-         radius(k + 1, at_x) = times(m(at_bh), r(at_bh), m(at_g), r(at_g))
-         radius(k + 1, at_xh) = times(m(at_b), r(at_b), m(at_gh), r(at_gh))
-         radius(k + 1, at_a) = times(m(at_yh), r(at_yh), m(at_gh), r(at_gh))
-         radius(k + 1, at_ah) = times(m(at_y), r(at_y), m(at_g), r(at_g))
-         radius(k + 1, at_y) = times(m(at_ah) + m(at_bh) + d, r(at_ah) + r(at_bh), m(at_g), r(at_g)) + rounding*d
-         radius(k + 1, at_yh) = times(m(at_a) + m(at_b) + d, r(at_a) + r(at_b), m(at_gh), r(at_gh)) + rounding*d
-         radius(k + 1, at_b) = times(m(at_xh) + m(at_yh), r(at_xh) + r(at_yh), m(at_gh), r(at_gh)) + rounding*d
-         radius(k + 1, at_bh) = times(m(at_x) + m(at_y), r(at_x) + r(at_y), m(at_g), r(at_g)) + rounding*d
-         radius(k + 1, at_g) = times(m(at_ah) + d, r(at_ah), m(at_y), r(at_y)) + &
-                               times(m(at_bh), r(at_bh), m(at_x) + m(at_y), r(at_x) + r(at_y))
-         radius(k + 1, at_gh) = times(m(at_a) + d, r(at_a), m(at_yh), r(at_yh)) + &
-                                times(m(at_b), r(at_b), m(at_xh) + m(at_yh), r(at_xh) + r(at_yh))
-         radius(k + 2, at_g) = r(at_gh) + rounding
-         radius(k + 2, at_gh) = r(at_g) + rounding
-      end do
-   end subroutine radii_of
-
-   !> Radius of the product of two discs, and of the rounding of its centre.
-   elemental real(wp) function times(p, rp, q, rq)
-      real(wp), intent(in) :: p, rp, q, rq           !! moduli and radii
-
-      times = p*rq + q*rp + rp*rq + epsilon(1.0_wp)*8.0_wp*p*q
-   end function times
-
-   !> Inverse by elimination with partial pivoting, rows scaled.
-   pure subroutine invert(matrix, inverse, regular)
-      complex(wp), intent(in) :: matrix(unknowns, unknowns)
-      complex(wp), intent(out) :: inverse(unknowns, unknowns)
-      logical, intent(out) :: regular
-      complex(wp) :: m(unknowns, unknowns), row(unknowns), factor
-      real(wp) :: size_of(unknowns), column(unknowns)
-      integer :: order(unknowns), k, p, i, hold
-
-      ! transposed: rows of the matrix lie together
-      m = transpose(matrix)
-      do k = 1, unknowns
-         column(k) = 1.0_wp/max(maxval(abs(real(m(k, :), wp)) + abs(aimag(m(k, :)))), tiny(1.0_wp))
-         m(k, :) = m(k, :)*column(k)
-      end do
-      do k = 1, unknowns
-         size_of(k) = 1.0_wp/max(maxval(abs(real(m(:, k), wp)) + abs(aimag(m(:, k)))), tiny(1.0_wp))
-         m(:, k) = m(:, k)*size_of(k)
-         order(k) = k
-      end do
-      ! Gauss and Jordan in place
-      do k = 1, unknowns
-         p = k - 1 + maxloc(abs(real(m(k, k:), wp)) + abs(aimag(m(k, k:))), dim=1)
-         regular = abs(real(m(k, p), wp)) + abs(aimag(m(k, p))) > 0.0_wp
-         if (.not. regular) then
-            inverse = (0.0_wp, 0.0_wp)
-            return
-         end if
-         row = m(:, p)
-         m(:, p) = m(:, k)
-         m(:, k) = row
-         hold = order(p)
-         order(p) = order(k)
-         order(k) = hold
-         factor = 1.0_wp/m(k, k)
-         m(k, k) = (1.0_wp, 0.0_wp)
-         m(:, k) = m(:, k)*factor
-         do i = 1, unknowns
-            if (i == k) cycle
-            factor = m(k, i)
-            m(k, i) = (0.0_wp, 0.0_wp)
-            m(:, i) = m(:, i) - factor*m(:, k)
-         end do
-      end do
-      ! columns go back to where the rows came from
-      do k = 1, unknowns
-         inverse(:, order(k)) = m(k, :)
-      end do
-      do k = 1, unknowns
-         inverse(k, :) = inverse(k, :)*column(k)
-      end do
-      do k = 1, unknowns
-         inverse(:, k) = inverse(:, k)*size_of(k)
-      end do
-   end subroutine invert
 end module psalm_certificate

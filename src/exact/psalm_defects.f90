@@ -9,7 +9,8 @@ module psalm_defects
    use psalm_kinds, only: wp, pi, half_turn, right_angle
    implicit none (type, external)
    private
-   public :: exact_linkage_t, verdict_t, judge, with_other_driver, cognates_of, crank_angles, classes, class_names, place_pins
+   public :: exact_linkage_t, verdict_t, judge, with_other_driver, change_of_lengths, cognates_of, crank_angles, classes, &
+             class_names, place_pins
 
    integer, parameter :: classes = 5
    !> Of the linkages in the order in which they are ranked.
@@ -19,10 +20,11 @@ module psalm_defects
 
    !> A four-bar or slider-crank and its places at all points.
    type :: exact_linkage_t
-      logical :: slides = .false.
+      logical :: slides = .false.                    !! in place of the follower a slider on a fixed line holds the coupler's pin
+      logical :: swings = .false.                    !! or a line of the coupler slides in a block that turns about b
       complex(wp) :: a = (0.0_wp, 0.0_wp), b = (0.0_wp, 0.0_wp) !! fixed pivots; of a slider b is not used
-      complex(wp) :: guide = (1.0_wp, 0.0_wp)        !! direction of the slide
-      complex(wp), allocatable :: p(:), c(:), d(:)   !! coupler point and both pins at every point
+      complex(wp) :: guide = (1.0_wp, 0.0_wp)        !! direction of the slide, of the coupler's line at the first point
+      complex(wp), allocatable :: p(:), c(:), d(:)   !! coupler point and both pins at every point; of a block d is b
       complex(wp), allocatable :: turn(:)            !! of the coupler from the first point
    end type exact_linkage_t
 
@@ -44,6 +46,7 @@ contains
 
       one%c = one%p + one%turn*(c - one%p(1))
       one%d = one%p + one%turn*(d - one%p(1))
+      if (one%swings) one%d = one%b
    end subroutine place_pins
 
    !> The same four-bar driven at the other fixed pivot.
@@ -93,6 +96,10 @@ contains
          call judge_slider(one, closed, verdict)
          lengths = [abs(one%c(1) - one%a), abs(one%d(1) - one%c(1)), abs(one%p(1) - one%c(1)), &
                     abs(aimag(conjg(one%guide)*(one%d(1) - one%a)))]
+      else if (one%swings) then
+         call judge_block(one, closed, verdict)
+         lengths = [abs(one%c(1) - one%a), abs(one%b - one%a), abs(one%p(1) - one%c(1)), &
+                    abs(aimag(conjg(one%guide)*(one%b - one%c(1))))]
       else
          call judge_four_bar(one, closed, verdict)
          lengths = [abs(one%c(1) - one%a), abs(one%d(1) - one%c(1)), abs(one%d(1) - one%b), abs(one%b - one%a)]
@@ -120,7 +127,6 @@ contains
       type(verdict_t), intent(inout) :: verdict
       integer, parameter :: crank = 1, coupler = 2, follower = 3, frame = 4
       real(wp) :: r(4), along(ubound(one%p, 1)), limit, cosine
-      complex(wp) :: relative(ubound(one%p, 1))
       logical :: far(ubound(one%p, 1)), near(ubound(one%p, 1))
       integer :: shortest, n, i
 
@@ -129,12 +135,11 @@ contains
       shortest = minloc(r, dim=1)
       far = aimag(conjg(one%c - one%d)*(one%b - one%d)) > 0.0_wp
       near = aimag(conjg(one%c - one%a)*(one%b - one%a)) > 0.0_wp
-      relative = (one%c - one%a)/(one%b - one%a)
       if (2.0_wp*(minval(r) + maxval(r)) < sum(r)) then
          verdict%crank = shortest == crank .or. shortest == frame
          if (verdict%crank) then
             verdict%circuit = all(far .eqv. far(1))
-            along = arguments(relative)
+            along = arguments((one%c - one%a)/(one%b - one%a))
          else
             verdict%circuit = all(near .eqv. near(1))
             if (shortest == follower) along = arguments(one%b - one%d)
@@ -143,10 +148,7 @@ contains
          verdict%order = in_order(along, 2.0_wp*pi, closed)
       else
          verdict%circuit = .true.
-         ! the crank swings to both sides of the frame's line, to where coupler and follower are stretched or folded
-         if (abs(r(frame) - r(crank)) < abs(r(coupler) - r(follower)) .or. &
-             abs(r(frame) - r(crank)) > r(coupler) + r(follower)) relative = -relative
-         along = arguments(relative)
+         along = arguments(swing_of(one))
          limit = 2.0_wp*pi
          where (.not. far) along = limit - along
          verdict%order = in_order(along, 2.0_wp*limit, closed .or. any(far .neqv. far(1)))
@@ -181,9 +183,9 @@ contains
       offset = aimag(conjg(one%guide)*(one%d(1) - one%a))
       ahead = real(conjg(one%guide)*(one%d - one%c), wp) > 0.0_wp
       verdict%crank = crank + abs(offset) < rod
-      relative = (one%c - one%a)*conjg(one%guide)
       if (verdict%crank) then
          verdict%circuit = all(ahead .eqv. ahead(1))
+         relative = (one%c - one%a)*conjg(one%guide)
          along = arguments(relative)
          verdict%order = in_order(along, 2.0_wp*pi, closed)
          across = crank + abs(offset)
@@ -191,12 +193,11 @@ contains
       else
          ! a rod too short swings the crank about the side of the slide, or where it is short of both sides stays on one of them
          verdict%circuit = .true.
-         if (abs(offset) <= rod .and. crank + rod >= abs(offset) .and. crank - abs(offset) > rod) then
+         if (has_two_sides(crank, rod, offset)) then
+            relative = (one%c - one%a)*conjg(one%guide)
             verdict%circuit = all(real(relative, wp) > 0.0_wp) .or. all(real(relative, wp) < 0.0_wp)
-         else
-            relative = relative*cmplx(0.0_wp, -sign(1.0_wp, offset), wp)
          end if
-         along = arguments(relative)
+         along = arguments(swing_of(one))
          where (.not. ahead) along = 2.0_wp*pi - along
          verdict%order = in_order(along, 4.0_wp*pi, closed .or. any(ahead .neqv. ahead(1)))
          verdict%transmission = right_angle
@@ -207,6 +208,88 @@ contains
       end if
       verdict%branch = verdict%circuit .and. all(ahead .eqv. ahead(1))
    end subroutine judge_slider
+
+   !> True if a crank that rocks does so on one side of the pivot, seen along the slide, or on the other, but not across.
+   pure logical function has_two_sides(crank, rod, offset)
+      real(wp), intent(in) :: crank, rod, offset
+
+      has_two_sides = abs(offset) <= rod .and. crank + rod >= abs(offset) .and. crank - abs(offset) > rod
+   end function has_two_sides
+
+   !> The coupler's line goes through a block: it closes where the crank's pin is no nearer to b than the line.
+   pure subroutine judge_block(one, closed, verdict)
+      type(exact_linkage_t), intent(in) :: one
+      logical, intent(in) :: closed
+      type(verdict_t), intent(inout) :: verdict
+      real(wp) :: crank, frame, offset, along(ubound(one%p, 1)), nearest
+      logical :: ahead(ubound(one%p, 1))
+
+      crank = abs(one%c(1) - one%a)
+      frame = abs(one%b - one%a)
+      offset = abs(aimag(conjg(one%guide)*(one%b - one%c(1))))
+      ahead = real(conjg(one%guide*one%turn)*(one%b - one%c), wp) > 0.0_wp
+      verdict%crank = abs(frame - crank) > offset
+      if (verdict%crank) then
+         verdict%circuit = all(ahead .eqv. ahead(1))
+         along = arguments((one%c - one%a)/(one%b - one%a))
+         verdict%order = in_order(along, 2.0_wp*pi, closed)
+         nearest = abs(frame - crank)
+      else
+         ! the crank swings about the side turned away from b; where it ends, both ways of the line through the block meet
+         verdict%circuit = .true.
+         along = arguments(swing_of(one))
+         where (.not. ahead) along = 2.0_wp*pi - along
+         verdict%order = in_order(along, 4.0_wp*pi, closed .or. any(ahead .neqv. ahead(1)))
+         nearest = minval(abs(one%b - one%c))
+      end if
+      verdict%branch = verdict%circuit .and. all(ahead .eqv. ahead(1))
+      verdict%transmission = acute(offset/nearest)
+   end subroutine judge_block
+
+   !> Places of a crank that rocks, turned so that its swing does not pass the direction of -1.
+   pure function swing_of(one) result(relative)
+      type(exact_linkage_t), intent(in) :: one
+      complex(wp) :: relative(ubound(one%p, 1))
+      real(wp) :: crank, coupler, follower, frame, offset
+
+      crank = abs(one%c(1) - one%a)
+      coupler = abs(one%d(1) - one%c(1))
+      if (one%slides) then
+         offset = aimag(conjg(one%guide)*(one%d(1) - one%a))
+         relative = (one%c - one%a)*conjg(one%guide)
+         if (has_two_sides(crank, coupler, offset)) then
+            if (real(relative(1), wp) < 0.0_wp) relative = -relative
+         else
+            ! about the side of the slide
+            relative = relative*cmplx(0.0_wp, -sign(1.0_wp, offset), wp)
+         end if
+         return
+      end if
+      relative = (one%c - one%a)/(one%b - one%a)
+      if (one%swings) then
+         relative = -relative
+         return
+      end if
+      follower = abs(one%d(1) - one%b)
+      frame = abs(one%b - one%a)
+      ! to both sides of the frame's line, to where coupler and follower are stretched or folded
+      if (abs(frame - crank) < abs(coupler - follower) .or. abs(frame - crank) > coupler + follower) relative = -relative
+   end function swing_of
+
+   !> Largest change of a length that is to be constant over the points.
+   pure real(wp) function change_of_lengths(one)
+      type(exact_linkage_t), intent(in) :: one
+
+      change_of_lengths = maxval(abs(abs(one%c - one%a) - abs(one%c(1) - one%a)))
+      if (one%slides) then
+         change_of_lengths = max(change_of_lengths, maxval(abs(aimag(conjg(one%guide)*(one%d - one%d(1))))))
+      else if (one%swings) then
+         change_of_lengths = max(change_of_lengths, maxval(abs(aimag(conjg(one%guide*one%turn)*(one%b - one%c)) - &
+                                                               aimag(conjg(one%guide)*(one%b - one%c(1))))))
+      else
+         change_of_lengths = max(change_of_lengths, maxval(abs(abs(one%d - one%b) - abs(one%d(1) - one%b))))
+      end if
+   end function change_of_lengths
 
    !> Arguments of complex numbers, radians.
    elemental real(wp) function arguments(z)
@@ -259,6 +342,8 @@ contains
       unit_coupler = coupler/abs(coupler)
       if (one%slides) then
          reaction = (0.0_wp, 1.0_wp)*one%guide
+      else if (one%swings) then
+         reaction = (0.0_wp, 1.0_wp)*one%guide*one%turn(i)
       else
          reaction = (one%d(i) - one%b)/abs(one%d(i) - one%b)
       end if
@@ -266,6 +351,8 @@ contains
       pin = [(1.0_wp, 0.0_wp), (0.0_wp, 1.0_wp), unit_crank, unit_coupler, ((0.0_wp, 0.0_wp), k=5, dimensions)]
       own = [(1.0_wp, 0.0_wp), (0.0_wp, 1.0_wp), unit_crank, (0.0_wp, 0.0_wp), unit_coupler, (0.0_wp, 1.0_wp)*unit_coupler, &
              ((0.0_wp, 0.0_wp), k=7, dimensions)]
+      ! a line has no length
+      if (one%swings) pin(4) = (0.0_wp, 0.0_wp)
       own_right = 0.0_wp
       own_right(7) = 1.0_wp
       if (.not. one%slides) own_right(8:) = [real(reaction, wp), aimag(reaction)]
@@ -286,17 +373,26 @@ contains
       end if
    end function variance_at
 
-   !> Angles of the crank at all points from the first, degrees: in the order of the points where they go one way, else each the
-   !> nearest to the one before.
+   !> Angles of the crank at all points from the first, degrees. Of a crank that turns: in the order of the points where they go one
+   !> way, else each the nearest to the one before. Of one that rocks: within its swing.
    pure function crank_angles(one, closed) result(degrees)
       type(exact_linkage_t), intent(in) :: one
       logical, intent(in) :: closed
       real(wp) :: degrees(ubound(one%p, 1))
+      type(verdict_t) :: verdict
       complex(wp) :: step
       real(wp) :: up(ubound(one%p, 1)), down(ubound(one%p, 1))
       integer :: i, n
 
       n = ubound(one%p, 1)
+      call judge(one, closed, verdict)
+      if (.not. verdict%crank .and. verdict%circuit) then
+         associate (swing => swing_of(one))
+            degrees = degrees_of(real(swing, wp), aimag(swing))
+         end associate
+         degrees = degrees - degrees(1)
+         return
+      end if
       degrees(1) = 0.0_wp
       up(1) = 0.0_wp
       down(1) = 0.0_wp

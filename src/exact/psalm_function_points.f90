@@ -32,6 +32,8 @@ module psalm_function_points
       integer :: imaginary = 0                       !! roots that are not real
       integer :: infinite = 0
       logical :: degenerate = .false.
+      type(dyads_t) :: dyads                         !! of the output link seen from the crank
+      integer :: frame = 0                           !! which of them is the frame
    end type generators_t
 
 contains
@@ -118,11 +120,15 @@ contains
       found%degenerate = dyads%degenerate
       found%imaginary = dyads%imaginary
       found%infinite = dyads%infinite
+      found%dyads = dyads
       do k = 1, dyads%count
          crank = dyads%list(k)%pivot + p
          output = dyads%list(k)%pin/turned
          ! the frame itself is one of them
-         if (abs(crank) < no_length*length .or. (.not. slides .and. abs(output) < no_length)) cycle
+         if (abs(crank) < no_length*length .or. (.not. slides .and. abs(output) < no_length)) then
+            found%frame = k
+            cycle
+         end if
          one = generator_t(slides=slides, r2=abs(crank), phi0=atan2(aimag(crank), real(crank, wp)))
          if (slides) then
             one%psi0 = -real(output, wp)

@@ -27,7 +27,8 @@ module psalm_exact_group
       real(wp), allocatable :: angle(:), time(:)     !! ANGP, TIMP, degrees; see `is_missing`
       logical :: crank_pivot = .false., follower_pivot = .false. !! PIVOTS: the first two, the last two numbers were given
       real(wp) :: pivots(4) = not_given
-      logical :: slider = .false.                    !! SLIDER
+      logical :: slider = .false.                    !! SLIDER=1: a pin on a fixed line in place of the follower
+      logical :: block = .false.                     !! SLIDER=2: a line of the coupler through a fixed pivot
       logical :: closed = .false.                    !! CLOSED: the last point is followed by the first
       character(:), allocatable :: function_name     !! FUNC; not allocated: PHI and PSI, or no function
       real(wp) :: low = 1.0_wp, high = 2.0_wp        !! FXLOW, FXHIGH
@@ -80,8 +81,12 @@ contains
           (any(is_missing(exact%pivots(3:))) .neqv. all(is_missing(exact%pivots(3:))))) call out_of(group, 'PIVOTS', &
          "is x and y of the crank's fixed pivot, then of the follower's; one that is free is left out: PIVOTS=,,3.0,4.0", findings)
       code = 0
-      call read_flag(group, 'SLIDER', code, findings)
+      call group%get_integer('SLIDER', code, findings)
+      call check_range(group, 'SLIDER', code, 0, 2, findings)
       exact%slider = code == 1
+      exact%block = code == 2
+      if (exact%block .and. exact%kind /= kind_motion) call out_of(group, 'SLIDER', &
+         "SLIDER=2, a line of the coupler through a fixed pivot, is for poses (KIND='MOTION')", findings)
       code = merge(1, 0, exact%kind == kind_path .and. count(is_missing(exact%time)) == size(exact%time))
       call read_flag(group, 'CLOSED', code, findings)
       exact%closed = code == 1

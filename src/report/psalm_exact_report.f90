@@ -2,19 +2,21 @@
 module psalm_exact_report
    use psalm_block, only: begin_block
    use psalm_data_set, only: data_set_t, title_columns
-   use psalm_defects, only: class_names
+   use psalm_defects, only: class_names, exact_linkage_t
    use psalm_devices, only: devices_t, header_of
    use psalm_exact_group, only: exact_kinds
-   use psalm_exact_study, only: exact_study_t, way_burmester, way_curves, way_generators, way_legs, way_minimax, way_nine, &
-                                way_six_bars, way_subsets
+   use psalm_exact_study, only: exact_study_t, results_of, way_burmester, way_curves, way_generators, way_legs, way_minimax, &
+                                way_nine, way_six_bars, way_subsets
    use psalm_exact_text, only: write_generator, write_linkage, write_six_bar
    use psalm_function_points, only: generator_t
    use psalm_kinds, only: wp, degrees_per_radian
    use psalm_six_bars, only: six_bar_joints
-   use psalm_text, only: text_t, full_precision, general, rank_column, to_text
+   use psalm_text, only: text_t, full_precision, general, number_or_nan, rank_column, to_text
    implicit none (type, external)
    private
-   public :: report_exact
+   public :: report_exact, write_case, shown_of
+
+   integer, parameter :: samples = 21                !! positions of a generator with the least largest error
 
 contains
 
@@ -31,6 +33,8 @@ contains
       call devices%eight%add(header_of('PSALM', devices%mark))
       call devices%eight%add(' '//set%title)
       call devices%eight%add(' &EXACT asks for linkages; there is no linkage to set up')
+      if (set%exact%certify .and. .not. study%examined) call devices%remark(set, &
+         'CERTIFY examines complete lists of solutions; there is none here')
       select case (study%way)
       case (way_generators)
          call report_generators(set, study, devices)
@@ -43,7 +47,40 @@ contains
       case default
          call report_linkages(set, study, devices)
       end select
+      if (allocated(study%proofs) .and. results_of(study) > 0) call report_proofs(set, study, devices)
    end subroutine report_exact
+
+   !> What is proven of the motion of the results listed.
+   subroutine report_proofs(set, study, devices)
+      type(data_set_t), intent(in) :: set
+      type(exact_study_t), intent(in) :: study
+      type(devices_t), intent(inout) :: devices
+      character(:), allocatable :: line
+      integer :: i, unproven
+
+      call devices%six%add()
+      call devices%six%add('  PROVEN OVER THE MOTION, CRANK ANGLES FROM THE FIRST POSITION')
+      call devices%six%add('  RANK TURNS FULLY  CLOSES BETWEEN    CLOSES FROM             TO   TRANSMISSION')
+      call begin_block('exact_proof', 'rank turns closes from to transmission', devices%nine)
+      call devices%nine%add('# '//set%title)
+      unproven = 0
+      do i = 1, shown_of(set, study)
+         associate (own => study%proofs(i))
+            if (.not. own%closes) unproven = unproven + 1
+            if (own%known) then
+               line = rank_column(i)//word(own%turns, 12)//word(own%closes, 16)//general(own%from)//general(own%to)
+               if (own%transmits) line = line//general(own%transmission)
+               call devices%six%add(line)
+               call devices%nine%add(to_text(i)//digit(own%turns)//digit(own%closes)//' '//full_precision(own%from)//' '// &
+                                     full_precision(own%to)//' '//number_or_nan(own%transmission, own%transmits))
+            else
+               call devices%six%add(rank_column(i)//'  nothing: the positions lie in different assemblies')
+            end if
+         end associate
+      end do
+      if (unproven > 0) call devices%remark(set, to_text(unproven)//' of the linkages listed are not proven to close '// &
+                                            'between the positions')
+   end subroutine report_proofs
 
    !> The verdict on the list: how many there can be, how many were found, whether that is all.
    function sentence_of(study) result(text)
@@ -60,6 +97,10 @@ contains
          text = 'degenerate: the poses or points leave infinitely many linkages'
       else if (study%complete) then
          text = 'complete: '//to_text(study%ends)//' of '//to_text(study%expected)//' '//what//' distinct'
+         if (study%examined .and. study%certificate%holds()) then
+            text = text//', certified'
+            if (study%certificate%examined < study%ends) text = text//' but those with a pivot at infinity'
+         end if
          if (at_infinity > 0) text = text//', '//to_text(at_infinity)//' at infinity'
       else if (study%expected > 0) then
          text = 'not complete: '//to_text(study%expected - study%ends - at_infinity)//' of '//to_text(study%expected)//' '//what// &
@@ -74,17 +115,13 @@ contains
       type(data_set_t), intent(in) :: set
       type(exact_study_t), intent(in) :: study
       type(devices_t), intent(inout) :: devices
-      character(:), allocatable :: line, title
+      character(:), allocatable :: line
+      complex(wp) :: far(2)
       integer :: i, k, shown
 
       associate (six => devices%six)
          if (study%way == way_curves) then
-            if (study%degenerate) then
-               call six%add('  degenerate: the curves of the four poses cannot be drawn from a pole')
-            else
-               call six%add('  four poses leave curves of pivots: '//to_text(study%ends)//' points of them, '// &
-                            to_text(study%linkages)//' four-bars, the best are listed')
-            end if
+            call add_curves(set, study, six)
          else
             call six%add('  '//sentence_of(study))
             line = '  '//to_text(study%real_ends)//' real, '//to_text(study%linkages)//' linkages'
@@ -94,15 +131,13 @@ contains
                                                                           ' with a pivot at infinity'
             call six%add(line)
             if (study%examined) call add_certificate(study, six)
-            if (set%exact%certify .and. .not. study%examined) call devices%remark(set, &
-               'CERTIFY examines nine points; it says nothing here')
             do k = 1, size(class_names)
                i = count(study%results%verdict%class == k)
                if (i > 0) call six%add('  '//repeat(' ', 6 - len(to_text(i)))//to_text(i)//' '//trim(class_names(k)))
             end do
          end if
          if (.not. study%complete .and. study%way /= way_curves) call devices%remark(set, sentence_of(study))
-         shown = min(size(study%results), set%exact%listed)
+         shown = shown_of(set, study)
          if (shown == 0) then
             call devices%remark(set, 'no real linkage passes these points')
             call devices%note_violation()
@@ -123,13 +158,10 @@ contains
          do i = 1, shown
             associate (l => study%results(i)%linkage)
                line = rank_column(i)//general(real(l%a, wp))//general(aimag(l%a))
-               if (l%slides) then
-                  line = line//general(real(l%guide, wp))//general(aimag(l%guide))
-               else
-                  line = line//general(real(l%b, wp))//general(aimag(l%b))
-               end if
-               call six%add(line//general(real(l%c(1), wp))//general(aimag(l%c(1)))//general(real(l%d(1), wp))// &
-                            general(aimag(l%d(1))))
+               far = far_side(l)
+               line = line//general(real(far(1), wp))//general(aimag(far(1)))
+               call six%add(line//general(real(l%c(1), wp))//general(aimag(l%c(1)))//general(real(far(2), wp))// &
+                            general(aimag(far(2))))
             end associate
          end do
       end associate
@@ -140,19 +172,64 @@ contains
             line = to_text(i)//digit(r%verdict%circuit)//digit(r%verdict%order)//digit(r%verdict%branch)//digit(r%verdict%crank)// &
                    ' '//full_precision(r%verdict%transmission)//' '//full_precision(r%verdict%longest)//' '// &
                    full_precision(r%verdict%sensitivity)//pair(r%linkage%a)
-            if (r%linkage%slides) then
-               line = line//pair(r%linkage%guide)
-            else
-               line = line//pair(r%linkage%b)
-            end if
-            call devices%nine%add(line//pair(r%linkage%c(1))//pair(r%linkage%d(1)))
-            title = ', RANK '//to_text(i)
-            title = trim(set%title(:min(len(set%title), title_columns - len(title))))//title
+            far = far_side(r%linkage)
+            call devices%nine%add(line//pair(far(1))//pair(r%linkage%c(1))//pair(far(2)))
             call devices%seven%add('! rank '//to_text(i)//': '//trim(class_names(r%verdict%class)))
-            call write_linkage(title, r%linkage, set%exact, merge(set%last, 0, i == shown), devices%seven)
+            call write_case(set, study, i, merge(set%last, 0, i == shown), devices%seven)
          end associate
       end do
    end subroutine report_linkages
+
+   !> What is listed under B and D: pivot and pin; of a slider the direction of the slide and the pin, of a block its pivot and
+   !> the direction of the coupler's line.
+   pure function far_side(one) result(far)
+      type(exact_linkage_t), intent(in) :: one
+      complex(wp) :: far(2)
+
+      far = [one%b, one%d(1)]
+      if (one%slides) far(1) = one%guide
+      if (one%swings) far(2) = one%guide
+   end function far_side
+
+   !> What the curves of three or four poses leave.
+   subroutine add_curves(set, study, six)
+      type(data_set_t), intent(in) :: set
+      type(exact_study_t), intent(in) :: study
+      type(text_t), intent(inout) :: six
+      character(:), allocatable :: what
+      complex(wp) :: place
+
+      what = merge('slider-cranks                 ', 'cranks with a swinging block  ', set%exact%slider)
+      what = trim(what)
+      if (study%degenerate) then
+         if ((set%exact%slider .or. set%exact%block) .and. study%lines == 0) then
+            call six%add('  degenerate: no single point is on a straight line in these poses, or a whole line of them')
+         else if (size(set%exact%x) == 3) then
+            call six%add('  degenerate: no pin goes with this pivot')
+         else
+            call six%add('  degenerate: the curves of the four poses cannot be drawn from a pole')
+         end if
+      else if (study%lines == 0) then
+         call six%add('  four poses leave curves of pivots: '//to_text(study%ends)//' points of them, '// &
+                      to_text(study%linkages)//' four-bars, the best are listed')
+      else if (study%lines == 1) then
+         place = cmplx(set%exact%x(1), set%exact%y(1), wp)
+         if (set%exact%slider) then
+            place = place + study%line%pin
+            call six%add('  one point of the body is on a straight line in four poses:'//general(real(place, wp))// &
+                         general(aimag(place)))
+         else
+            place = place + study%line%pivot
+            call six%add('  one fixed point is on a straight line of the body in four poses:'//general(real(place, wp))// &
+                         general(aimag(place)))
+         end if
+         call six%add('  and curves of pivots: '//to_text(study%ends)//' points of them, '//to_text(study%linkages)//' '// &
+                      what//', the best are listed')
+      else
+         call six%add('  three poses and a pivot leave a circle of slides: '//to_text(study%lines)//' points of it, '// &
+                      to_text(study%linkages)//' '//what//', the best are listed')
+      end if
+   end subroutine add_curves
 
    !> What Krawczyk's test proves.
    subroutine add_certificate(study, six)
@@ -160,9 +237,10 @@ contains
       type(text_t), intent(inout) :: six
 
       associate (c => study%certificate)
-         call six%add('  certified: '//to_text(c%proven)//' of '//to_text(study%ends)//' exist, '//to_text(c%apart)// &
+         call six%add('  certified: '//to_text(c%proven)//' of '//to_text(c%examined)//' exist, '//to_text(c%apart)// &
                       ' apart from all others; '//to_text(c%real_ones)//' of '//to_text(study%real_ends)//' are real, '// &
                       to_text(c%not_real)//' are not')
+         if (.not. c%holds()) call six%add('  of the others nothing is proven: they are singular, or nearly so')
       end associate
    end subroutine add_certificate
 
@@ -173,8 +251,8 @@ contains
       integer :: k
 
       call devices%six%add('  '//sentence_of(study))
-      if (set%exact%certify) call devices%remark(set, 'CERTIFY examines nine points; it says nothing here')
       call devices%six%add('  '//to_text(study%real_ends)//' real')
+      if (study%examined) call add_certificate(study, devices%six)
       if (study%generators%count == 0) then
          call devices%remark(set, 'no real linkage passes these points')
          call devices%note_violation()
@@ -188,8 +266,7 @@ contains
             call devices%six%add(numbers_of(k, one, set%exact%frame)//'  '//assembly_word(one%assembly))
             call devices%nine%add(to_text(k)//' '//to_text(one%assembly)//row_of(one))
             call devices%seven%add('! rank '//to_text(k)//': assembly '//assembly_word(one%assembly))
-            call write_generator(title_of(set, k), one, set%exact%frame, study%phi, study%psi, &
-                                 merge(set%last, 0, k == study%generators%count), devices%seven)
+            call write_case(set, study, k, merge(set%last, 0, k == study%generators%count), devices%seven)
          end associate
       end do
    end subroutine report_generators
@@ -200,13 +277,11 @@ contains
       type(devices_t), intent(inout) :: devices
       character(:), allocatable :: unit
       integer :: k, shown
-      integer, parameter :: points = 21              !! of a case on device 7
-      real(wp) :: phi(points), psi(points)
 
       unit = trim(merge('per cent of the travel', 'degrees               ', study%wanted%slides))
       call devices%six%add('  largest error least: '//to_text(size(study%approximations))//' local optima; errors in '//unit)
       if (study%too_long > 0) call devices%six%add('  '//to_text(study%too_long)//' starts ran to links longer than RLONG')
-      shown = min(size(study%approximations), set%exact%listed)
+      shown = shown_of(set, study)
       if (shown == 0) then
          call devices%remark(set, 'no linkage was found whose errors alternate')
          call devices%note_violation()
@@ -221,26 +296,10 @@ contains
                                  merge('+', '-', best%sense > 0)//'  '//word(best%alternates, 10))
             call devices%nine%add(to_text(k)//' '//full_precision(best%error)//' '//to_text(best%sense)//digit(best%alternates)// &
                                   row_of(best%linkage))
-            call samples(best%sense, phi, psi)
             call devices%seven%add('! rank '//to_text(k)//': largest error '//trim(adjustl(general(best%error, 'E')))//' '//unit)
-            call write_generator(title_of(set, k), best%linkage, set%exact%frame, phi, psi, &
-                                 merge(set%last, 0, k == shown), devices%seven)
+            call write_case(set, study, k, merge(set%last, 0, k == shown), devices%seven)
          end associate
       end do
-
-   contains
-
-      !> Inputs and outputs of a case.
-      subroutine samples(sense, inputs, outputs)
-         integer, intent(in) :: sense
-         real(wp), intent(out) :: inputs(points), outputs(points)
-         integer :: i
-
-         do i = 1, points
-            inputs(i) = study%wanted%input_at(real(i - 1, wp)/real(points - 1, wp))
-            outputs(i) = study%wanted%output_at(real(i - 1, wp)/real(points - 1, wp))*real(sense*study%wanted%sense, wp)
-         end do
-      end subroutine samples
    end subroutine report_minimax
 
    !> Four-bars refined over more points than can be met.
@@ -254,7 +313,7 @@ contains
       associate (found => study%subsets, six => devices%six)
          call six%add('  '//to_text(found%sets)//' sets of nine points, '//to_text(found%complete)//' of them with all '// &
                       'four-bars; '//to_text(found%starts)//' starts with a turning crank')
-         shown = size(found%results)
+         shown = shown_of(set, study)
          if (shown == 0) then
             call devices%remark(set, 'no four-bar through nine of these points has a crank that turns')
             call devices%note_violation()
@@ -277,7 +336,7 @@ contains
                       full_precision(r%verdict%sensitivity)
                call devices%nine%add(line//pair(l%a)//pair(l%b)//pair(l%c(1))//pair(l%d(1)))
                call devices%seven%add('! rank '//to_text(i)//': distance '//trim(adjustl(general(r%after))))
-               call write_linkage(title_of(set, i), l, set%exact, merge(set%last, 0, i == shown), devices%seven)
+               call write_case(set, study, i, merge(set%last, 0, i == shown), devices%seven)
             end associate
          end do
       end associate
@@ -295,7 +354,7 @@ contains
       associate (found => study%six_bars, six => devices%six)
          call six%add('  '//to_text(found%drivers)//' drivers close, '//to_text(found%linkages)//' closing linkages, '// &
                       to_text(found%sound)//' stay assembled on one branch')
-         shown = size(found%best)
+         shown = shown_of(set, study)
          if (shown == 0) then
             call devices%remark(set, 'no six-bar of this grid meets the points with this transmission angle')
             call devices%note_violation()
@@ -325,11 +384,51 @@ contains
             call devices%nine%add(row)
             call devices%seven%add('! rank '//to_text(k)//': least transmission angle '// &
                                    trim(adjustl(general(found%best(k)%transmission)))//' degrees')
-            call write_six_bar(title_of(set, k), found%best(k)%watt, joints, study%phi, &
-                               merge(set%last, 0, k == shown), devices%seven)
+            call write_case(set, study, k, merge(set%last, 0, k == shown), devices%seven)
          end do
       end associate
    end subroutine report_six_bars
+
+   !> How many results are listed.
+   pure integer function shown_of(set, study)
+      type(data_set_t), intent(in) :: set
+      type(exact_study_t), intent(in) :: study
+
+      shown_of = min(results_of(study), set%exact%listed)
+   end function shown_of
+
+   !> Append a result as a case with a sketch.
+   subroutine write_case(set, study, rank, last, text)
+      type(data_set_t), intent(in) :: set
+      type(exact_study_t), intent(in) :: study
+      integer, intent(in) :: rank, last              !! LAST of the case
+      type(text_t), intent(inout) :: text
+      character(:), allocatable :: title
+      real(wp) :: phi(samples), psi(samples)
+      integer :: i
+
+      title = title_of(set, rank)
+      select case (study%way)
+      case (way_generators)
+         call write_generator(title, study%generators%list(rank), set%exact%frame, study%phi, study%psi, last, text)
+      case (way_minimax)
+         associate (best => study%approximations(rank))
+            do i = 1, samples
+               phi(i) = study%wanted%input_at(real(i - 1, wp)/real(samples - 1, wp))
+               psi(i) = study%wanted%output_at(real(i - 1, wp)/real(samples - 1, wp))*real(best%sense*study%wanted%sense, wp)
+            end do
+            call write_generator(title, best%linkage, set%exact%frame, phi, psi, last, text)
+         end associate
+      case (way_six_bars)
+         associate (one => study%six_bars%best(rank))
+            call write_six_bar(title, one%watt, set%exact%frame*six_bar_joints(one, study%phi(1)), study%phi, last, text)
+         end associate
+      case (way_subsets)
+         call write_linkage(title, study%subsets%results(rank)%linkage, set%exact, last, text)
+      case default
+         call write_linkage(title, study%results(rank)%linkage, set%exact, last, text)
+      end select
+   end subroutine write_case
 
    function title_of(set, rank) result(title)
       type(data_set_t), intent(in) :: set

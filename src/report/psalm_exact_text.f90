@@ -33,6 +33,14 @@ contains
          call text%add("  NSLIDE=1, SLNK='frame', SLNK2='slider', SLX="//full_precision(real(one%d(1), wp))//', SLY='// &
                        full_precision(aimag(one%d(1)))//',')
          call text%add('  SLANG='//full_precision(degrees_of(real(one%guide, wp), aimag(one%guide)))//' &END')
+      else if (one%swings) then
+         call text%add(" &CHAIN JNT='A','B','C','P',")
+         call numbers('JX=', real([one%a, one%b, one%c(1), one%p(1)], wp), text)
+         call numbers('JY=', aimag([one%a, one%b, one%c(1), one%p(1)]), text)
+         call text%add("  LNAME='frame','crank','coupler','block', LNK='A B','A C','C P','B',")
+         call text%add("  NSLIDE=1, SLNK='coupler', SLNK2='block', SLX="//full_precision(real(one%b, wp))//', SLY='// &
+                       full_precision(aimag(one%b))//',')
+         call text%add('  SLANG='//full_precision(degrees_of(real(one%guide, wp), aimag(one%guide)))//' &END')
       else
          call text%add(" &CHAIN JNT='A','B','C','D','P',")
          call numbers('JX=', real([one%a, one%b, one%c(1), one%d(1), one%p(1)], wp), text)

@@ -1,10 +1,11 @@
 !> All linkages that meet points, poses, timed points or a function exactly. Data in, results out.
 module psalm_exact_study
-   use psalm_burmester, only: curve_point_t, dyad_t, dyads_t, five_poses, four_poses_curve
+   use psalm_burmester, only: curve_point_t, dyad_slides, dyad_swings, dyad_t, dyads_t, five_poses, four_poses_curve, guide_of, &
+                              inverted, pin_for_pivot, slider_circle, slider_pin
    use psalm_careful_tracking, only: track_carefully
-   use psalm_certificate, only: certificate_t, certify
+   use psalm_certificate, only: certificate_t, certify_generators, certify_legs, certify_poses
    use psalm_data_set, only: data_set_t
-   use psalm_defects, only: exact_linkage_t, verdict_t, cognates_of, judge, place_pins, with_other_driver
+   use psalm_defects, only: change_of_lengths, exact_linkage_t, verdict_t, cognates_of, judge, place_pins, with_other_driver
    use psalm_exact_group, only: exact_group_t, is_missing, kind_function, kind_motion, six_bar_none, six_bar_watt
    use psalm_exact_subsets, only: find_by_subsets, subset_study_t
    use psalm_function_points, only: generators_t, five_points, four_points, three_points
@@ -24,7 +25,8 @@ module psalm_exact_study
    use psalm_xoshiro, only: xoshiro_t, purpose_starts
    implicit none (type, external)
    private
-   public :: exact_study_t, exact_result_t, check_exact, find_exact, way_burmester, way_curves, way_legs, way_nine, &
+   public :: exact_study_t, exact_result_t, exact_proof_t, check_exact, find_exact, rank_proven, results_of, &
+             stays_assembled, tries, way_burmester, way_curves, way_legs, way_nine, &
              way_generators, way_minimax, way_six_bars, way_subsets
 
    !> How the linkages are found.
@@ -33,6 +35,7 @@ module psalm_exact_study
    integer, parameter :: seed = 1                    !! of the generic problem and of the phases
    integer, parameter :: most_passes = 4
    integer, parameter :: rays = 200                  !! of the curves of four poses
+   integer, parameter :: tries = 5                   !! results looked at for each that is to be proven
    real(wp), parameter :: real_within = 1.0e-6_wp    !! of a number and the conjugate of its partner, over the largest
    real(wp), parameter :: on_circle = 1.0e-7_wp      !! distance of points from a circle or line, over their size
    real(wp), parameter :: coincident = 1.0e-9_wp     !! distance of two points that are one, over the size of all
@@ -68,6 +71,16 @@ module psalm_exact_study
       real(wp) :: closure = 0.0_wp                   !! largest change of a length over the points, over the size of the path
    end type exact_result_t
 
+   !> What is proven of the motion of a result.
+   type :: exact_proof_t
+      logical :: known = .false.                     !! it was looked at
+      logical :: turns = .false.                     !! it closes at every crank angle
+      logical :: closes = .false.                    !! it closes at every crank angle between the positions
+      real(wp) :: from = 0.0_wp, to = 0.0_wp         !! it closes from here to there, degrees from the first position
+      logical :: transmits = .false.                 !! there is a transmission angle: not where a coupler slides in a block
+      real(wp) :: transmission = 0.0_wp              !! its least value, degrees: over the turn, else between the positions
+   end type exact_proof_t
+
    type :: exact_study_t
       integer :: way = way_legs
       integer :: expected = 0                        !! solutions of a generic problem; 0: not known
@@ -88,7 +101,10 @@ module psalm_exact_study
       type(subset_study_t) :: subsets
       logical :: examined = .false.                  !! there is a certificate
       type(certificate_t) :: certificate
+      integer :: lines = 0                           !! curves: slides found, of four poses 1 at most
+      type(dyad_t) :: line                           !! the first of these, from the first point
       integer :: too_long = 0                        !! optima with a link that is too long
+      type(exact_proof_t), allocatable :: proofs(:)  !! of the first results; not allocated: none were asked for
    end type exact_study_t
 
 contains
@@ -128,12 +144,17 @@ contains
                return
             end do
          end do
-         if (exact%slider .and. exact%follower_pivot) then
-            call complain('PIVOTS', 'a slider has no fixed pivot; leave the follower''s out')
+         if ((exact%slider .or. exact%block) .and. exact%follower_pivot) then
+            if (exact%slider) call complain('PIVOTS', 'a slider has no fixed pivot; leave the follower''s out')
+            if (exact%block) call complain('PIVOTS', 'the pivot of the block is found; leave the follower''s out')
             return
          end if
-         if (exact%kind == kind_motion .and. size(p) == 4 .and. .not. (exact%slider .or. exact%crank_pivot .or. &
-                                                                      exact%follower_pivot)) return
+         if (leaves_curves(exact)) return
+         if (exact%block) then
+            call complain('SLIDER', "a line of the coupler through a fixed pivot (SLIDER=2) is found for four poses, or for "// &
+                          "three with the crank's pivot; five poses have one without being asked if they are those of one")
+            return
+         end if
          call problem_of(exact, problem)
          if (problem%is_square()) then
             if (all(problem%kind(:problem%points) == kind_point) .and. .not. problem%crank_given .and. &
@@ -159,6 +180,16 @@ contains
          call findings%error(message, line=set%origins%line('EXACT', item, 1), group='EXACT', item=item)
       end subroutine complain
    end subroutine check_exact
+
+   !> True if the poses leave curves of pivots: four, or three for a given crank's pivot and a slide.
+   pure logical function leaves_curves(exact)
+      type(exact_group_t), intent(in) :: exact
+
+      leaves_curves = exact%kind == kind_motion .and. .not. exact%follower_pivot
+      if (.not. leaves_curves) return
+      leaves_curves = size(exact%x) == 4 .and. .not. exact%crank_pivot
+      if (exact%slider .or. exact%block) leaves_curves = leaves_curves .or. (size(exact%x) == 3 .and. exact%crank_pivot)
+   end function leaves_curves
 
    !> Largest distance of points from the first.
    pure real(wp) function span_of(p)
@@ -275,8 +306,7 @@ contains
          else if (exact%kind == kind_motion .and. size(exact%x) == 5 .and. .not. (exact%slider .or. exact%crank_pivot .or. &
                                                                                  exact%follower_pivot)) then
             call find_by_dyads(exact, study)
-         else if (exact%kind == kind_motion .and. size(exact%x) == 4 .and. .not. (exact%slider .or. exact%crank_pivot .or. &
-                                                                                 exact%follower_pivot)) then
+         else if (leaves_curves(exact)) then
             call find_on_curves(exact, study)
          else if (size(exact%x) > most_points + 1) then
             study%way = way_subsets
@@ -327,12 +357,19 @@ contains
          do k = i + 1, dyads%count
             call add_pair(p, g, dyads%list(i), dyads%list(k), exact%closed, study%results)
          end do
+         do k = 1, dyads%sliding
+            call add_pair(p, g, dyads%list(i), dyads%lines(k), exact%closed, study%results)
+         end do
       end do
       study%linkages = size(study%results)
       call rank(study%results)
+      i = dyads%count + dyads%imaginary
+      if (.not. exact%certify .or. dyads%degenerate) return
+      study%examined = .true.
+      call certify_poses(p, exact%angle, dyads%ends(:, :i), [(k <= dyads%count, k=1, i)], study%certificate)
    end subroutine find_by_dyads
 
-   !> Add the four-bar of two dyads, with the better driver.
+   !> Add the linkage of two dyads, the first of which turns; a four-bar with the better driver.
    subroutine add_pair(p, g, first, second, closed, results)
       complex(wp), intent(in) :: p(:), g(:)          !! shapes (poses), (poses - 1)
       type(dyad_t), intent(in) :: first, second
@@ -344,6 +381,10 @@ contains
       one%turn = [(1.0_wp, 0.0_wp), 1.0_wp + g]
       one%a = p(1) + first%pivot
       one%b = p(1) + second%pivot
+      one%slides = second%kind == dyad_slides
+      one%swings = second%kind == dyad_swings
+      one%guide = second%guide
+      if (one%slides) one%b = p(1) + second%pin
       call place_pins(p(1) + first%pin, p(1) + second%pin, one)
       call add_result(one, .true., closed, results)
    end subroutine add_pair
@@ -359,21 +400,14 @@ contains
 
       own%linkage = one
       call judge(own%linkage, closed, own%verdict)
-      if (either .and. .not. one%slides) then
+      if (either .and. .not. (one%slides .or. one%swings)) then
          other%linkage = with_other_driver(one)
          call judge(other%linkage, closed, other%verdict)
          if (is_better(other%verdict, own%verdict)) own = other
       end if
       span = span_of(one%p)
-      associate (l => own%linkage)
-         own%closure = maxval(abs(abs(l%c - l%a) - abs(l%c(1) - l%a)))
-         if (l%slides) then
-            own%closure = max(own%closure, maxval(abs(aimag(conjg(l%guide)*(l%d - l%d(1))))))
-         else
-            own%closure = max(own%closure, maxval(abs(abs(l%d - l%b) - abs(l%d(1) - l%b))))
-         end if
-         if (span > 0.0_wp) own%closure = own%closure/span
-      end associate
+      own%closure = change_of_lengths(own%linkage)
+      if (span > 0.0_wp) own%closure = own%closure/span
       allocate (more(size(results) + 1))
       more(:size(results)) = results
       more(size(more)) = own
@@ -413,18 +447,69 @@ contains
       end do
    end subroutine rank
 
-   !> Four poses: pairs of points of both curves.
+   !> Poses that leave curves: pairs of their points, or of one and of a line.
    subroutine find_on_curves(exact, study)
       type(exact_group_t), intent(in) :: exact
       type(exact_study_t), intent(inout) :: study
-      complex(wp) :: p(4), d(3), g(3), direction
-      type(curve_point_t) :: points(2), all_points(2*rays)
+      complex(wp) :: p(size(exact%x)), d(size(exact%x) - 1), g(size(exact%x) - 1)
+      type(dyad_t) :: cranks(2*rays), lines(2*rays)
       type(exact_result_t), allocatable :: one(:), kept(:)
       type(exact_result_t) :: held
-      integer :: i, k, n
+      integer :: i, k, n, m
 
       study%way = way_curves
       call poses_of(exact, p, d, g)
+      m = 0
+      if (exact%slider .or. exact%block) call find_lines(exact%block, d, g, lines, m)
+      study%lines = m
+      if (m > 0) study%line = lines(1)
+      if (size(p) == 4) then
+         call sample_curve(d, g, cranks, n)
+      else
+         cranks(1)%pivot = cmplx(exact%pivots(1), exact%pivots(2), wp) - p(1)
+         call pin_for_pivot(d, g, cranks(1), study%complete)
+         n = merge(1, 0, study%complete)
+      end if
+      study%ends = n
+      study%degenerate = n == 0 .or. ((exact%slider .or. exact%block) .and. m == 0)
+      allocate (kept(0))
+      do i = 1, n
+         if (exact%slider .or. exact%block) then
+            do k = 1, m
+               call try(cranks(i), lines(k))
+            end do
+         else
+            do k = i + 1, n
+               call try(cranks(i), cranks(k))
+            end do
+         end if
+      end do
+      study%results = kept
+
+   contains
+
+      !> Keep a linkage if it is among the best.
+      subroutine try(first, second)
+         type(dyad_t), intent(in) :: first, second
+
+         if (allocated(one)) deallocate (one)
+         allocate (one(0))
+         call add_pair(p, g, first, second, exact%closed, one)
+         study%linkages = study%linkages + 1
+         held = one(1)
+         call keep_best(held, tries*exact%listed, kept)
+      end subroutine try
+   end subroutine find_on_curves
+
+   !> Points of the curves of four poses on even rays through a pole.
+   subroutine sample_curve(d, g, dyads, n)
+      complex(wp), intent(in) :: d(3), g(3)
+      type(dyad_t), intent(out) :: dyads(2*rays)
+      integer, intent(out) :: n
+      complex(wp) :: direction
+      type(curve_point_t) :: points(2)
+      integer :: i, k
+
       n = 0
       do i = 1, rays
          associate (angle => pi*(real(i, wp) - 0.5_wp)/real(rays, wp))
@@ -434,24 +519,56 @@ contains
          do k = 1, 2
             if (.not. points(k)%exists) cycle
             n = n + 1
-            all_points(n) = points(k)
+            dyads(n) = points(k)%dyad
          end do
       end do
-      study%degenerate = n == 0
-      study%ends = n
-      allocate (kept(0))
-      do i = 1, n
-         do k = i + 1, n
-            if (allocated(one)) deallocate (one)
-            allocate (one(0))
-            call add_pair(p, g, all_points(i)%dyad, all_points(k)%dyad, exact%closed, one)
-            study%linkages = study%linkages + 1
-            held = one(1)
-            call keep_best(held, exact%listed, kept)
-         end do
+   end subroutine sample_curve
+
+   !> Pins on a line, or pivots on a line of the body: of four poses the one there is, of three poses points of a circle.
+   subroutine find_lines(swings, d, g, lines, n)
+      logical, intent(in) :: swings
+      complex(wp), intent(in) :: d(:), g(:)          !! shape (2) or (3)
+      type(dyad_t), intent(out) :: lines(2*rays)
+      integer, intent(out) :: n
+      complex(wp) :: own_d(size(d)), own_g(size(g)), centre, pin
+      real(wp) :: level, offset, radius, angle
+      logical :: exists
+      integer :: k
+
+      n = 0
+      own_d = d
+      own_g = g
+      if (swings) call inverted(d, g, own_d, own_g)
+      if (size(d) == 3) then
+         call slider_pin(own_d, own_g, pin, exists)
+         if (exists) call add(pin)
+         return
+      end if
+      call slider_circle(own_d, own_g, level, centre, offset)
+      if (.not. abs(level) > 0.0_wp) return
+      radius = abs(centre/level)**2 - offset/level
+      if (.not. radius > 0.0_wp) return
+      do k = 1, 2*rays
+         angle = pi*(real(k, wp) - 0.5_wp)/real(rays, wp)
+         call add(-centre/level + sqrt(radius)*cmplx(cos(angle), sin(angle), wp))
       end do
-      study%results = kept
-   end subroutine find_on_curves
+
+   contains
+
+      subroutine add(place)
+         complex(wp), intent(in) :: place
+
+         n = n + 1
+         lines(n)%guide = guide_of(own_d, own_g, place)
+         if (swings) then
+            lines(n)%kind = dyad_swings
+            lines(n)%pivot = place
+         else
+            lines(n)%kind = dyad_slides
+            lines(n)%pin = place
+         end if
+      end subroutine add
+   end subroutine find_lines
 
    !> Put a result into a list of the best, in their order.
    pure subroutine keep_best(one, most, kept)
@@ -531,7 +648,8 @@ contains
       call rank(study%results)
       if (.not. exact%certify) return
       study%examined = .true.
-      call certify(first, p(found%order(1:) - 1), own, turns, partners, likely, study%certificate)
+      call certify_legs(found%path%problem, p(found%order - 1), [(0.0_wp, i=0, most_points)], [(first, i=1, 2)], own, turns, &
+                        partners, likely, .true., study%certificate)
    end subroutine find_nine_points
 
    !> True if numbers and partners are conjugate.
@@ -553,9 +671,11 @@ contains
       type(xoshiro_t) :: random
       type(exact_linkage_t) :: one
       complex(wp), allocatable :: starts(:, :), found(:, :)
-      complex(wp) :: v(variables), legs(variables), g(most_points), gh(most_points), l, m, first
+      complex(wp), allocatable :: turns(:, :), partners(:, :)
+      complex(wp) :: v(variables), legs(variables), l, m, first
+      logical, allocatable :: likely(:)
       real(wp), allocatable :: left(:)
-      real(wp) :: size_of_all
+      real(wp) :: size_of_all, degrees(size(exact%x))
       integer :: i, pass, before
 
       study%way = way_legs
@@ -590,20 +710,25 @@ contains
       study%ends = size(found, 2)
       study%complete = study%ends + study%infinite == study%generic .and. study%generic == study%expected
       first = cmplx(exact%x(1), exact%y(1), wp)
+      allocate (likely(study%ends), source=.false.)
+      allocate (turns(most_points, study%ends), partners(most_points, study%ends), source=(0.0_wp, 0.0_wp))
       do i = 1, study%ends
          v = found(:, i)
+         call turns_of(problem, path%to, v, turns(:problem%points, i), partners(:problem%points, i))
          if (problem%slides) v(at_bh) = conjg(v(at_b))
          if (problem%slides) then
             if (abs(abs(v(at_b)) - 1.0_wp) > real_within) cycle
          end if
          if (.not. is_real(v)) cycle
+         likely(i) = .true.
          study%real_ends = study%real_ends + 1
          legs = absolute(problem, v)
          ! of two solutions with exchanged legs one is enough
          if (problem%is_symmetric() .and. comes_second(legs)) cycle
-         call turns_of(problem, path%to, v, g(:problem%points), gh(:problem%points))
          one%p = cmplx(exact%x, exact%y, wp)
-         one%turn = [(1.0_wp, 0.0_wp), (1.0_wp + g(:problem%points))/abs(1.0_wp + g(:problem%points))]
+         associate (turn => 1.0_wp + turns(:problem%points, i))
+            one%turn = [(1.0_wp, 0.0_wp), turn/abs(turn)]
+         end associate
          one%a = first + size_of_all*legs(at_a)
          one%b = first + size_of_all*legs(at_b)
          one%slides = problem%slides
@@ -617,6 +742,14 @@ contains
       end do
       study%linkages = size(study%results)
       call rank(study%results)
+      if (.not. exact%certify) return
+      study%examined = .true.
+      call scale_solutions(problem, cmplx(size_of_all, kind=wp), cmplx(size_of_all, kind=wp), found)
+      degrees = 0.0_wp
+      where (.not. is_missing(exact%angle)) degrees = exact%angle
+      if (any(problem%kind == kind_timed)) where (.not. is_missing(exact%time)) degrees = exact%time
+      call certify_legs(problem, cmplx(exact%x, exact%y, wp), degrees, cmplx(exact%pivots(1::2), exact%pivots(2::2), wp), found, &
+                        turns, partners, likely, .false., study%certificate)
    end subroutine find_by_legs
 
    !> True for one of two solutions that are each other's with exchanged legs.
@@ -645,6 +778,99 @@ contains
          end do
       end associate
    end function expected_of
+
+   ! ---- what is proven ------------------------------------------------------------------------------------------------
+
+   !> How many results there are.
+   pure integer function results_of(study)
+      type(exact_study_t), intent(in) :: study
+
+      select case (study%way)
+      case (way_generators)
+         results_of = study%generators%count
+      case (way_minimax)
+         results_of = size(study%approximations)
+      case (way_six_bars)
+         results_of = size(study%six_bars%best)
+      case (way_subsets)
+         results_of = size(study%subsets%results)
+      case default
+         results_of = size(study%results)
+      end select
+   end function results_of
+
+   !> True if a result meets all that is wanted in the assembly of its first position.
+   pure logical function stays_assembled(study, number)
+      type(exact_study_t), intent(in) :: study
+      integer, intent(in) :: number
+
+      select case (study%way)
+      case (way_generators)
+         stays_assembled = study%generators%list(number)%assembly /= 0
+      case (way_minimax, way_six_bars, way_subsets)
+         stays_assembled = .true.
+      case default
+         stays_assembled = study%results(number)%verdict%branch
+      end select
+   end function stays_assembled
+
+   !> Take what is proven of the first results, and put those that are proven to close between the positions before the others. A
+   !> rocking crank's transmission angle, so far that at the points, is the proven one from now on.
+   pure subroutine rank_proven(proofs, study)
+      type(exact_proof_t), intent(in) :: proofs(:)   !! shape (results looked at)
+      type(exact_study_t), intent(inout) :: study
+      integer :: order(results_of(study)), i, k, n
+
+      n = size(proofs)
+      if (allocated(study%results)) then
+         do i = 1, min(n, size(study%results))
+            associate (verdict => study%results(i)%verdict)
+               if (proofs(i)%closes .and. proofs(i)%transmits .and. .not. verdict%crank) &
+                  verdict%transmission = proofs(i)%transmission
+            end associate
+         end do
+      end if
+      do i = 1, size(order)
+         k = i
+         do while (k > 1)
+            if (.not. goes_before(i, order(k - 1))) exit
+            order(k) = order(k - 1)
+            k = k - 1
+         end do
+         order(k) = i
+      end do
+      study%proofs = [proofs, [(exact_proof_t(), i=n + 1, size(order))]]
+      study%proofs = study%proofs(order)
+      select case (study%way)
+      case (way_generators)
+         study%generators%list(:size(order)) = study%generators%list(order)
+      case (way_minimax)
+         study%approximations = study%approximations(order)
+      case (way_six_bars)
+         study%six_bars%best = study%six_bars%best(order)
+      case (way_subsets)
+         study%subsets%results = study%subsets%results(order)
+      case default
+         study%results = study%results(order)
+      end select
+
+   contains
+
+      !> True if the first result is to stand before the second, which is before it now.
+      pure logical function goes_before(first, second)
+         integer, intent(in) :: first, second
+         logical :: closes(2)
+
+         closes = .false.
+         if (first <= n) closes(1) = proofs(first)%closes
+         if (second <= n) closes(2) = proofs(second)%closes
+         goes_before = closes(1) .and. .not. closes(2)
+         if (all(closes) .and. allocated(study%results)) then
+            if (size(study%results) == size(order)) goes_before = is_better(study%results(first)%verdict, &
+                                                                            study%results(second)%verdict)
+         end if
+      end function goes_before
+   end subroutine rank_proven
 
    ! ---- functions -----------------------------------------------------------------------------------------------------
 
@@ -701,6 +927,14 @@ contains
       case (5)
          call five_points(phi, psi, exact%slider, study%generators)
          study%expected = 3
+         if (exact%certify .and. .not. study%generators%degenerate) then
+            study%examined = .true.
+            associate (dyads => study%generators%dyads)
+               call certify_generators(phi, psi, exact%slider, dyads%ends(:, :dyads%count + dyads%imaginary), &
+                                       [(node <= dyads%count, node=1, dyads%count + dyads%imaginary)], study%generators%frame, &
+                                       study%certificate)
+            end associate
+         end if
       case (4)
          call four_points(phi, psi, exact%slider, is_missing(exact%zero_in), &
                           radians_per_degree*merge(exact%zero_out, exact%zero_in, is_missing(exact%zero_in)), study%generators)

@@ -14,7 +14,7 @@ module psalm_proof_study
    use psalm_proof_ranges, only: extreme_t, prove_extremes, prove_tolerance, extreme_output, extreme_distance, extreme_ratio
    implicit none (type, external)
    private
-   public :: proof_study_t, study_proof, proof_wanted, no_proof, proof_of_turn, proof_of_inputs
+   public :: proof_study_t, study_proof, study_closure, proof_wanted, no_proof, proof_of_turn, proof_of_inputs
 
    integer, parameter :: no_proof = 0
    integer, parameter :: proof_of_turn = 1   !! IPROOF: over a full turn (a sliding input: over the range of the inputs)
@@ -59,6 +59,25 @@ contains
       real(wp), intent(in) :: dwell                !! amount of a dwell; 0: none are looked for
       type(proof_study_t), intent(out) :: study
       type(subject_t), allocatable :: subject
+
+      allocate (subject)
+      call study_closure(problem, dimensions, range, study, subject)
+      if (study%empty) return
+      study%dwell = dwell
+      call prove_movement(subject, study%proof, dwell, study%movement)
+      call add_output(study)
+      if (.not. study%proof%closes_everywhere()) return
+      study%largest_tried = part_of_longest*maxval(dimensions%arcl)
+      call prove_tolerance(subject, study%proof%from, study%proof%to, study%largest_tried, study%tolerance)
+   end subroutine study_proof
+
+   !> Prove where a linkage closes, and how far its transmission angles, slides and output point go there.
+   subroutine study_closure(problem, dimensions, range, study, subject)
+      type(problem_t), intent(in) :: problem
+      type(dimensions_t), intent(in) :: dimensions
+      integer, intent(in) :: range                 !! one of `proof_of_...`
+      type(proof_study_t), intent(out) :: study
+      type(subject_t), intent(out) :: subject      !! what was proven, ready for more
       type(plan_t) :: plan
       real(wp) :: from, to
       integer :: boxes(2)
@@ -73,20 +92,12 @@ contains
       study%empty = .not. from < to
       if (study%empty) return
       plan = make_plan(problem%mechanism, problem%motion, everything=.true., all_roots=.false.)
-      allocate (subject)
       call prepare_subject(problem%mechanism, plan, subject)
       call bind_subject(plan, dimensions, subject)
       call prove_closure(subject, from, to, study%proof)
       call prove_extremes(subject, study%proof, study%extremes, boxes)
-      study%dwell = dwell
-      call prove_movement(subject, study%proof, dwell, study%movement)
-      call add_output(study)
-      if (study%proof%closes_everywhere()) then
-         study%largest_tried = part_of_longest*maxval(dimensions%arcl)
-         call prove_tolerance(subject, from, to, study%largest_tried, study%tolerance)
-      end if
       call place_positions(dimensions%crnki + problem%delt, study)
-   end subroutine study_proof
+   end subroutine study_closure
 
    !> Extremes of the output and of its rate beside the others.
    subroutine add_output(study)

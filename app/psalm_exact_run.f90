@@ -1,0 +1,134 @@
+!> All linkages that &EXACT asks for: found, proven over their motion where IPROOF asks for it, reported.
+module psalm_exact_run
+   use psalm_cases, only: read_case_text
+   use psalm_data_set, only: data_set_t
+   use psalm_devices, only: devices_t
+   use psalm_error, only: problem_t, make_problem
+   use psalm_exact_report, only: report_exact, write_case
+   use psalm_exact_study, only: exact_proof_t, exact_study_t, find_exact, rank_proven, results_of, stays_assembled, &
+                                tries
+   use psalm_kinds, only: wp, full_turn, half_turn
+   use psalm_preparation, only: prepared_t, prepare
+   use psalm_proof, only: piece_closes, subject_t
+   use psalm_proof_ranges, only: extreme_angle
+   use psalm_proof_study, only: proof_study_t, study_closure, proof_of_inputs, proof_of_turn
+   use psalm_source, only: line_t
+   use psalm_status, only: diagnostics_t
+   use psalm_text, only: text_t
+   implicit none (type, external)
+   private
+   public :: run_exact
+
+contains
+
+   !> Find, prove and report. `set` has passed `check_exact`.
+   subroutine run_exact(set, devices)
+      type(data_set_t), intent(in) :: set
+      type(devices_t), intent(inout) :: devices
+      type(exact_study_t), allocatable :: study
+
+      allocate (study)
+      call find_exact(set, study)
+      if (set%iproof > 0) call prove(set, study)
+      call report_exact(set, study, devices)
+   end subroutine run_exact
+
+   !> Look at results in their order until as many are proven as are listed.
+   subroutine prove(set, study)
+      type(data_set_t), intent(in) :: set
+      type(exact_study_t), intent(inout) :: study
+      type(exact_proof_t) :: proofs(min(results_of(study), tries*set%exact%listed))
+      integer :: i, n
+
+      n = 0
+      do i = 1, size(proofs)
+         if (n == set%exact%listed) exit
+         if (stays_assembled(study, i)) call prove_one(set, study, i, proofs(i))
+         if (proofs(i)%closes) n = n + 1
+      end do
+      call rank_proven(proofs(:i - 1), study)
+   end subroutine prove
+
+   !> The motion of one result: of the numbers that its case on device 7 has.
+   subroutine prove_one(set, study, number, proof)
+      type(data_set_t), intent(in) :: set
+      type(exact_study_t), intent(in) :: study
+      integer, intent(in) :: number
+      type(exact_proof_t), intent(out) :: proof
+      type(text_t) :: text
+      type(data_set_t), allocatable :: sets(:)
+      type(prepared_t), allocatable :: prepared
+      type(problem_t), allocatable :: problem
+      type(proof_study_t), allocatable :: turn, way
+      type(subject_t), allocatable :: subject
+      type(diagnostics_t) :: findings
+      type(line_t) :: none(0)
+
+      call write_case(set, study, number, 1, text)
+      call read_case_text(text%content(), 'device 7', sets, findings, 'psalm')
+      if (findings%failed()) return
+      if (sets(1)%nloop == 0) return
+      allocate (prepared, problem, turn, way, subject)
+      call prepare(sets(1), none, prepared, findings)
+      if (.not. prepared%ready) return
+      call make_problem(sets(1), prepared%mechanism, prepared%given, prepared%parameters, problem)
+      call study_closure(problem, prepared%given, proof_of_inputs, way, subject)
+      if (way%empty) return
+      proof%known = .true.
+      proof%closes = way%proof%closes_everywhere()
+      proof%from = minval(problem%delt)
+      proof%to = maxval(problem%delt)
+      if (proof%closes) call take_least_angle(way, proof)
+      if (set%iproof == proof_of_turn) then
+         call study_closure(problem, prepared%given, proof_of_turn, turn, subject)
+         proof%turns = turn%proof%closes_everywhere()
+         if (proof%turns) then
+            proof%closes = .true.
+            call take_least_angle(turn, proof)
+            proof%from = 0.0_wp
+            proof%to = full_turn
+         else
+            call take_part(turn, prepared%given%crnki, proof)
+         end if
+      else if (.not. proof%closes) then
+         call take_part(way, prepared%given%crnki, proof)
+      end if
+   end subroutine prove_one
+
+   !> Least of all transmission angles, from 0 to 90 degrees.
+   pure subroutine take_least_angle(study, proof)
+      type(proof_study_t), intent(in) :: study
+      type(exact_proof_t), intent(inout) :: proof
+      integer :: i
+
+      proof%transmission = half_turn
+      do i = 1, size(study%extremes)
+         associate (own => study%extremes(i))
+            if (own%kind /= extreme_angle .or. .not. own%found) cycle
+            proof%transmits = .true.
+            proof%transmission = min(proof%transmission, own%least_low, half_turn - own%greatest_high)
+         end associate
+      end do
+   end subroutine take_least_angle
+
+   !> The part of the range that closes and holds the first position.
+   pure subroutine take_part(study, first, proof)
+      type(proof_study_t), intent(in) :: study
+      real(wp), intent(in) :: first                  !! crank angle of the first position
+      type(exact_proof_t), intent(inout) :: proof
+      integer :: part, last
+
+      proof%from = 0.0_wp
+      proof%to = 0.0_wp
+      part = study%circuit(1)
+      if (part == 0) return
+      associate (limits => study%proof%limits)
+         last = size(limits)
+         proof%from = limits(part)%from - first
+         proof%to = limits(part)%to - first
+         ! a part that goes on over the end of the turn
+         if (study%full_turn .and. part == 1 .and. last > 1 .and. limits(last)%kind == piece_closes) &
+            proof%from = limits(last)%from - full_turn - first
+      end associate
+   end subroutine take_part
+end module psalm_exact_run
