@@ -5,7 +5,8 @@ module psalm_exact_run
    use psalm_devices, only: devices_t
    use psalm_error, only: problem_t, make_problem
    use psalm_exact_report, only: report_exact, write_case
-   use psalm_exact_study, only: exact_proof_t, exact_study_t, find_exact, rank_proven, results_of, stays_assembled, &
+   use psalm_exact_results, only: exact_proof_t
+   use psalm_exact_study, only: exact_study_t, find_exact, rank_proven, results_of, stays_assembled, &
                                 tries
    use psalm_kinds, only: wp, full_turn, half_turn
    use psalm_preparation, only: prepared_t, prepare

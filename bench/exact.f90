@@ -103,8 +103,8 @@ contains
          likely(i) = maxval(abs(own(2::2, i) - conjg(own(1::2, i)))) < within*maxval(abs(own(:, i)))
       end do
       call cpu_time(from)
-      call certify_legs(found%path%problem, p(found%order - 1), [(0.0_wp, i=0, most_points)], [first, first], own, turns, partners, &
-                        likely, .true., certificate)
+      call certify_legs(found%path%problem, p(found%order - 1), [(0.0_wp, i=0, most_points)], [first, first], own, turns, &
+                        partners, likely, .true., certificate)
       call cpu_time(to)
       print '(a,i0,a,i0,a,i0,a,f0.2,a)', 'Certificate of the nine points of data/exact/nine_points.nml: ', certificate%proven, &
          ' of 1442 ends exist, ', certificate%apart, ' apart from all others, ', certificate%real_ones, ' real; ', to - from, ' s.'

@@ -418,11 +418,17 @@ contains
       if (root < 0.0_wp) return
       root = sign(sqrt(root), half)
       if (.not. abs(half + root) > 0.0_wp) return
+      r = 0.0_wp
       r(1) = -c(1)/(half + root)
       points(1)%exists = .true.
       if (abs(c(3)) > 0.0_wp) then
          r(2) = -(half + root)/c(3)
          points(2)%exists = .true.
+      end if
+      if (half < 0.0_wp) then
+         ! a branch is that of one sign of the root: it goes on from ray to ray
+         r = r([2, 1])
+         points%exists = points([2, 1])%exists
       end if
       do k = 1, 2
          if (.not. points(k)%exists) cycle

@@ -5,6 +5,7 @@ module psalm_drawing
    use psalm_dxf, only: write_dxf, write_flat_dxf
    use psalm_page, only: write_page
    use psalm_picture_study, only: pictured_t
+   use psalm_pole_svg, only: write_pole_svg
    use psalm_source, only: line_t
    use psalm_steady_curves, only: steady_panels, write_steady_curves
    use psalm_steady_study, only: steady_study_t
@@ -32,12 +33,17 @@ contains
       character(*), intent(in) :: mark         !! of the run
       type(picture_t), allocatable, intent(out) :: pictures(:)
       type(text_t) :: text
+      integer, allocatable :: linkages(:)
       integer :: k
 
       allocate (pictures(0))
       if (size(cases) == 0) return
       do k = 1, size(cases)
-         call write_svg(cases(k)%scene, assemblies, text)
+         if (allocated(cases(k)%poles)) then
+            call write_pole_svg(cases(k)%poles, text)
+         else
+            call write_svg(cases(k)%scene, assemblies, text)
+         end if
          call add_comment()
          call put(ending(k, '.svg'))
          if (.not. cases(k)%scene%sound) cycle
@@ -51,7 +57,10 @@ contains
          call write_flat_dxf(cases(k)%scene, text)
          call put(ending(k, '.flat.dxf'))
       end do
-      call write_page(cases%scene, text)
+      ! four poses do not move
+      linkages = pack([(k, k=1, size(cases))], [(.not. allocated(cases(k)%poles), k=1, size(cases))])
+      if (size(linkages) == 0) return
+      call write_page(cases(linkages)%scene, text)
       call add_comment()
       call put('.html')
 

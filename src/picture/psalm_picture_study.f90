@@ -5,8 +5,10 @@ module psalm_picture_study
    use psalm_data_set, only: data_set_t
    use psalm_devices, only: most_told
    use psalm_error, only: problem_t, motion_t, make_problem
+   use psalm_exact_study, only: check_exact, leaves_curves
    use psalm_finale, only: describe_violation
    use psalm_markup, only: strings_t, add_string
+   use psalm_pole_scene, only: pole_scene_t, make_pole_scene, poses_drawn
    use psalm_preparation, only: demand_t, prepared_t, prepare
    use psalm_scene, only: scene_t, add_curves, make_scene, message_scene
    use psalm_source, only: line_t
@@ -23,6 +25,7 @@ module psalm_picture_study
    !> One case as it is to be drawn.
    type :: pictured_t
       type(scene_t) :: scene
+      type(pole_scene_t), allocatable :: poles    !! in place of a linkage: four poses of &EXACT
       type(strings_t), allocatable :: undrawn(:)  !! first violations at all positions, where not all are drawn
    end type pictured_t
 
@@ -48,6 +51,15 @@ contains
          noted = diagnostics_t()
          noted%file = sets(k)%file
          if (any(own%level == level_error)) then
+            call message_scene(sets(k), own, cases(k)%scene)
+            cycle
+         end if
+         if (sets(k)%exact%given) then
+            call add_poles(sets(k), noted, cases(k))
+            own = [own, finding_list(noted)]
+            do i = 1, noted%count
+               call findings%add(noted%list(i))
+            end do
             call message_scene(sets(k), own, cases(k)%scene)
             cycle
          end if
@@ -99,6 +111,27 @@ contains
          if (findings%count > 0) list = findings%list(:findings%count)
       end function finding_list
    end subroutine make_scenes
+
+   !> The curves of four poses; whatever else &EXACT asks for is linkages, which psalm finds.
+   subroutine add_poles(set, noted, case)
+      type(data_set_t), intent(in) :: set
+      type(diagnostics_t), intent(inout) :: noted
+      type(pictured_t), intent(inout) :: case
+      logical :: drawn
+
+      if (.not. (leaves_curves(set%exact) .and. size(set%exact%x) == poses_drawn)) then
+         call noted%error('asks the program psalm for linkages; use the cases of its device 7 (of &EXACT balm draws four poses)', &
+                          line=set%title_line, group='EXACT')
+         return
+      end if
+      call check_exact(set, noted)
+      if (noted%failed()) return
+      allocate (case%poles)
+      call make_pole_scene(set, case%poles, drawn)
+      if (drawn) return
+      deallocate (case%poles)
+      call noted%error('degenerate: these poses have no curves that can be drawn', line=set%title_line, group='EXACT')
+   end subroutine add_poles
 
    !> The link that the group VIBR names; a case that ssics refuses is drawn without.
    subroutine add_vibration(set, prepared, scene)

@@ -47,8 +47,28 @@ contains
       case default
          call report_linkages(set, study, devices)
       end select
+      if (allocated(study%curve)) call add_curve_points(set, study, devices%nine)
       if (allocated(study%proofs) .and. results_of(study) > 0) call report_proofs(set, study, devices)
    end subroutine report_exact
+
+   !> Points of the curves of four poses: fixed pivot and, in the first pose, pin.
+   subroutine add_curve_points(set, study, nine)
+      type(data_set_t), intent(in) :: set
+      type(exact_study_t), intent(in) :: study
+      type(text_t), intent(inout) :: nine
+      complex(wp) :: first
+      integer :: i
+
+      first = cmplx(set%exact%x(1), set%exact%y(1), wp)
+      call begin_block('exact_curves', 'ray branch ax ay cx cy', nine)
+      call nine%add('# '//set%title)
+      do i = 1, size(study%curve)
+         associate (own => study%curve(i))
+            call nine%add(full_precision(own%ray)//' '//to_text(own%branch)//pair(first + own%dyad%pivot)// &
+                          pair(first + own%dyad%pin))
+         end associate
+      end do
+   end subroutine add_curve_points
 
    !> What is proven of the motion of the results listed.
    subroutine report_proofs(set, study, devices)
@@ -202,31 +222,31 @@ contains
       what = merge('slider-cranks                 ', 'cranks with a swinging block  ', set%exact%slider)
       what = trim(what)
       if (study%degenerate) then
-         if ((set%exact%slider .or. set%exact%block) .and. study%lines == 0) then
+         if ((set%exact%slider .or. set%exact%block) .and. size(study%lines) == 0) then
             call six%add('  degenerate: no single point is on a straight line in these poses, or a whole line of them')
          else if (size(set%exact%x) == 3) then
             call six%add('  degenerate: no pin goes with this pivot')
          else
             call six%add('  degenerate: the curves of the four poses cannot be drawn from a pole')
          end if
-      else if (study%lines == 0) then
+      else if (size(study%lines) == 0) then
          call six%add('  four poses leave curves of pivots: '//to_text(study%ends)//' points of them, '// &
                       to_text(study%linkages)//' four-bars, the best are listed')
-      else if (study%lines == 1) then
+      else if (size(study%lines) == 1) then
          place = cmplx(set%exact%x(1), set%exact%y(1), wp)
          if (set%exact%slider) then
-            place = place + study%line%pin
+            place = place + study%lines(1)%pin
             call six%add('  one point of the body is on a straight line in four poses:'//general(real(place, wp))// &
                          general(aimag(place)))
          else
-            place = place + study%line%pivot
+            place = place + study%lines(1)%pivot
             call six%add('  one fixed point is on a straight line of the body in four poses:'//general(real(place, wp))// &
                          general(aimag(place)))
          end if
          call six%add('  and curves of pivots: '//to_text(study%ends)//' points of them, '//to_text(study%linkages)//' '// &
                       what//', the best are listed')
       else
-         call six%add('  three poses and a pivot leave a circle of slides: '//to_text(study%lines)//' points of it, '// &
+         call six%add('  three poses and a pivot leave a circle of slides: '//to_text(size(study%lines))//' points of it, '// &
                       to_text(study%linkages)//' '//what//', the best are listed')
       end if
    end subroutine add_curves

@@ -1,12 +1,12 @@
 !> All linkages that meet points, poses, timed points or a function exactly. Data in, results out.
 module psalm_exact_study
-   use psalm_burmester, only: curve_point_t, dyad_slides, dyad_swings, dyad_t, dyads_t, five_poses, four_poses_curve, guide_of, &
-                              inverted, pin_for_pivot, slider_circle, slider_pin
+   use psalm_burmester, only: dyad_t, dyads_t, five_poses, pin_for_pivot
    use psalm_careful_tracking, only: track_carefully
    use psalm_certificate, only: certificate_t, certify_generators, certify_legs, certify_poses
    use psalm_data_set, only: data_set_t
-   use psalm_defects, only: change_of_lengths, exact_linkage_t, verdict_t, cognates_of, judge, place_pins, with_other_driver
+   use psalm_defects, only: exact_linkage_t, cognates_of, place_pins
    use psalm_exact_group, only: exact_group_t, is_missing, kind_function, kind_motion, six_bar_none, six_bar_watt
+   use psalm_exact_results, only: exact_proof_t, exact_result_t, add_result, is_better, judged, pair_of, rank, span_of
    use psalm_exact_subsets, only: find_by_subsets, subset_study_t
    use psalm_function_points, only: generators_t, five_points, four_points, three_points
    use psalm_kinds, only: wp, pi, radians_per_degree
@@ -17,6 +17,7 @@ module psalm_exact_study
    use psalm_minimax, only: approximation_t, approximate
    use psalm_monodromy, only: add_distinct, generic_t, scale_problem, scale_solutions, solve_generic
    use psalm_nine_points, only: in_place, nine_point_orbits, nine_points_t, solve_nine_points
+   use psalm_pole_curves, only: curve_sample_t, find_lines, find_pairs, sample_curve
    use psalm_six_bars, only: six_bars_t, find_stephenson, find_watt
    use psalm_status, only: diagnostics_t
    use psalm_text, only: to_text
@@ -25,7 +26,7 @@ module psalm_exact_study
    use psalm_xoshiro, only: xoshiro_t, purpose_starts
    implicit none (type, external)
    private
-   public :: exact_study_t, exact_result_t, exact_proof_t, check_exact, find_exact, rank_proven, results_of, &
+   public :: exact_study_t, check_exact, find_exact, poses_of, leaves_curves, rank_proven, results_of, &
              stays_assembled, tries, way_burmester, way_curves, way_legs, way_nine, &
              way_generators, way_minimax, way_six_bars, way_subsets
 
@@ -34,7 +35,6 @@ module psalm_exact_study
                          way_six_bars = 7, way_subsets = 8
    integer, parameter :: seed = 1                    !! of the generic problem and of the phases
    integer, parameter :: most_passes = 4
-   integer, parameter :: rays = 200                  !! of the curves of four poses
    integer, parameter :: tries = 5                   !! results looked at for each that is to be proven
    real(wp), parameter :: real_within = 1.0e-6_wp    !! of a number and the conjugate of its partner, over the largest
    real(wp), parameter :: on_circle = 1.0e-7_wp      !! distance of points from a circle or line, over their size
@@ -64,23 +64,6 @@ module psalm_exact_study
       row_t(5, 0, 0, y, y, n, 62), row_t(3, 1, 0, y, y, n, 14), row_t(1, 2, 0, y, y, n, 2), row_t(3, 0, 1, y, y, n, 14), &
       row_t(1, 0, 2, y, y, n, 2)]
 
-   !> A linkage found.
-   type :: exact_result_t
-      type(exact_linkage_t) :: linkage
-      type(verdict_t) :: verdict
-      real(wp) :: closure = 0.0_wp                   !! largest change of a length over the points, over the size of the path
-   end type exact_result_t
-
-   !> What is proven of the motion of a result.
-   type :: exact_proof_t
-      logical :: known = .false.                     !! it was looked at
-      logical :: turns = .false.                     !! it closes at every crank angle
-      logical :: closes = .false.                    !! it closes at every crank angle between the positions
-      real(wp) :: from = 0.0_wp, to = 0.0_wp         !! it closes from here to there, degrees from the first position
-      logical :: transmits = .false.                 !! there is a transmission angle: not where a coupler slides in a block
-      real(wp) :: transmission = 0.0_wp              !! its least value, degrees: over the turn, else between the positions
-   end type exact_proof_t
-
    type :: exact_study_t
       integer :: way = way_legs
       integer :: expected = 0                        !! solutions of a generic problem; 0: not known
@@ -101,8 +84,8 @@ module psalm_exact_study
       type(subset_study_t) :: subsets
       logical :: examined = .false.                  !! there is a certificate
       type(certificate_t) :: certificate
-      integer :: lines = 0                           !! curves: slides found, of four poses 1 at most
-      type(dyad_t) :: line                           !! the first of these, from the first point
+      type(curve_sample_t), allocatable :: curve(:)  !! four poses: points of the curves, from the first pose's
+      type(dyad_t), allocatable :: lines(:)          !! curves: slides found, of four poses 1 at most, from the first pose's point
       integer :: too_long = 0                        !! optima with a link that is too long
       type(exact_proof_t), allocatable :: proofs(:)  !! of the first results; not allocated: none were asked for
    end type exact_study_t
@@ -190,13 +173,6 @@ contains
       leaves_curves = size(exact%x) == 4 .and. .not. exact%crank_pivot
       if (exact%slider .or. exact%block) leaves_curves = leaves_curves .or. (size(exact%x) == 3 .and. exact%crank_pivot)
    end function leaves_curves
-
-   !> Largest distance of points from the first.
-   pure real(wp) function span_of(p)
-      complex(wp), intent(in) :: p(:)
-
-      span_of = maxval(abs(p - p(1)))
-   end function span_of
 
    !> True if points lie on one circle or line, as far as rounding tells.
    pure logical function lie_on_circle(p)
@@ -355,10 +331,10 @@ contains
       study%complete = .not. dyads%degenerate .and. study%ends == study%expected
       do i = 1, dyads%count
          do k = i + 1, dyads%count
-            call add_pair(p, g, dyads%list(i), dyads%list(k), exact%closed, study%results)
+            call add_result(pair_of(p, g, dyads%list(i), dyads%list(k), exact%closed), study%results)
          end do
          do k = 1, dyads%sliding
-            call add_pair(p, g, dyads%list(i), dyads%lines(k), exact%closed, study%results)
+            call add_result(pair_of(p, g, dyads%list(i), dyads%lines(k), exact%closed), study%results)
          end do
       end do
       study%linkages = size(study%results)
@@ -369,231 +345,32 @@ contains
       call certify_poses(p, exact%angle, dyads%ends(:, :i), [(k <= dyads%count, k=1, i)], study%certificate)
    end subroutine find_by_dyads
 
-   !> Add the linkage of two dyads, the first of which turns; a four-bar with the better driver.
-   subroutine add_pair(p, g, first, second, closed, results)
-      complex(wp), intent(in) :: p(:), g(:)          !! shapes (poses), (poses - 1)
-      type(dyad_t), intent(in) :: first, second
-      logical, intent(in) :: closed
-      type(exact_result_t), allocatable, intent(inout) :: results(:)
-      type(exact_linkage_t) :: one
-
-      one%p = p
-      one%turn = [(1.0_wp, 0.0_wp), 1.0_wp + g]
-      one%a = p(1) + first%pivot
-      one%b = p(1) + second%pivot
-      one%slides = second%kind == dyad_slides
-      one%swings = second%kind == dyad_swings
-      one%guide = second%guide
-      if (one%slides) one%b = p(1) + second%pin
-      call place_pins(p(1) + first%pin, p(1) + second%pin, one)
-      call add_result(one, .true., closed, results)
-   end subroutine add_pair
-
-   !> Add a linkage; with `either` it is driven where that is better.
-   subroutine add_result(one, either, closed, results)
-      type(exact_linkage_t), intent(in) :: one
-      logical, intent(in) :: either, closed
-      type(exact_result_t), allocatable, intent(inout) :: results(:)
-      type(exact_result_t), allocatable :: more(:)
-      type(exact_result_t) :: own, other
-      real(wp) :: span
-
-      own%linkage = one
-      call judge(own%linkage, closed, own%verdict)
-      if (either .and. .not. (one%slides .or. one%swings)) then
-         other%linkage = with_other_driver(one)
-         call judge(other%linkage, closed, other%verdict)
-         if (is_better(other%verdict, own%verdict)) own = other
-      end if
-      span = span_of(one%p)
-      own%closure = change_of_lengths(own%linkage)
-      if (span > 0.0_wp) own%closure = own%closure/span
-      allocate (more(size(results) + 1))
-      more(:size(results)) = results
-      more(size(more)) = own
-      call move_alloc(more, results)
-   end subroutine add_result
-
-   !> True if the first is to be ranked before the second: class, then transmission angle, longest link, sensitivity.
-   pure logical function is_better(first, second)
-      type(verdict_t), intent(in) :: first, second
-
-      if (first%class /= second%class) then
-         is_better = first%class < second%class
-      else if (abs(first%transmission - second%transmission) > 0.0_wp) then
-         is_better = first%transmission > second%transmission
-      else if (abs(first%longest - second%longest) > 0.0_wp) then
-         is_better = first%longest < second%longest
-      else
-         is_better = first%sensitivity < second%sensitivity
-      end if
-   end function is_better
-
-   !> Put results in their order.
-   pure subroutine rank(results)
-      type(exact_result_t), intent(inout) :: results(:)
-      type(exact_result_t) :: one
-      integer :: i, k
-
-      do i = 2, size(results)
-         one = results(i)
-         k = i
-         do while (k > 1)
-            if (.not. is_better(one%verdict, results(k - 1)%verdict)) exit
-            results(k) = results(k - 1)
-            k = k - 1
-         end do
-         results(k) = one
-      end do
-   end subroutine rank
-
    !> Poses that leave curves: pairs of their points, or of one and of a line.
    subroutine find_on_curves(exact, study)
       type(exact_group_t), intent(in) :: exact
       type(exact_study_t), intent(inout) :: study
       complex(wp) :: p(size(exact%x)), d(size(exact%x) - 1), g(size(exact%x) - 1)
-      type(dyad_t) :: cranks(2*rays), lines(2*rays)
-      type(exact_result_t), allocatable :: one(:), kept(:)
-      type(exact_result_t) :: held
-      integer :: i, k, n, m
+      type(dyad_t), allocatable :: cranks(:)
+      type(dyad_t) :: one
+      logical :: exists
 
       study%way = way_curves
       call poses_of(exact, p, d, g)
-      m = 0
-      if (exact%slider .or. exact%block) call find_lines(exact%block, d, g, lines, m)
-      study%lines = m
-      if (m > 0) study%line = lines(1)
+      allocate (study%lines(0))
+      if (exact%slider .or. exact%block) call find_lines(exact%block, d, g, study%lines)
       if (size(p) == 4) then
-         call sample_curve(d, g, cranks, n)
+         call sample_curve(d, g, 0, study%curve)
+         cranks = study%curve%dyad
       else
-         cranks(1)%pivot = cmplx(exact%pivots(1), exact%pivots(2), wp) - p(1)
-         call pin_for_pivot(d, g, cranks(1), study%complete)
-         n = merge(1, 0, study%complete)
+         one%pivot = cmplx(exact%pivots(1), exact%pivots(2), wp) - p(1)
+         call pin_for_pivot(d, g, one, exists)
+         cranks = pack([one], [exists])
       end if
-      study%ends = n
-      study%degenerate = n == 0 .or. ((exact%slider .or. exact%block) .and. m == 0)
-      allocate (kept(0))
-      do i = 1, n
-         if (exact%slider .or. exact%block) then
-            do k = 1, m
-               call try(cranks(i), lines(k))
-            end do
-         else
-            do k = i + 1, n
-               call try(cranks(i), cranks(k))
-            end do
-         end if
-      end do
-      study%results = kept
-
-   contains
-
-      !> Keep a linkage if it is among the best.
-      subroutine try(first, second)
-         type(dyad_t), intent(in) :: first, second
-
-         if (allocated(one)) deallocate (one)
-         allocate (one(0))
-         call add_pair(p, g, first, second, exact%closed, one)
-         study%linkages = study%linkages + 1
-         held = one(1)
-         call keep_best(held, tries*exact%listed, kept)
-      end subroutine try
+      study%ends = size(cranks)
+      study%degenerate = size(cranks) == 0 .or. ((exact%slider .or. exact%block) .and. size(study%lines) == 0)
+      if (study%degenerate) return
+      call find_pairs(p, g, cranks, study%lines, exact%closed, tries*exact%listed, study%results, study%linkages)
    end subroutine find_on_curves
-
-   !> Points of the curves of four poses on even rays through a pole.
-   subroutine sample_curve(d, g, dyads, n)
-      complex(wp), intent(in) :: d(3), g(3)
-      type(dyad_t), intent(out) :: dyads(2*rays)
-      integer, intent(out) :: n
-      complex(wp) :: direction
-      type(curve_point_t) :: points(2)
-      integer :: i, k
-
-      n = 0
-      do i = 1, rays
-         associate (angle => pi*(real(i, wp) - 0.5_wp)/real(rays, wp))
-            direction = cmplx(cos(angle), sin(angle), wp)
-         end associate
-         call four_poses_curve(d, g, direction, points)
-         do k = 1, 2
-            if (.not. points(k)%exists) cycle
-            n = n + 1
-            dyads(n) = points(k)%dyad
-         end do
-      end do
-   end subroutine sample_curve
-
-   !> Pins on a line, or pivots on a line of the body: of four poses the one there is, of three poses points of a circle.
-   subroutine find_lines(swings, d, g, lines, n)
-      logical, intent(in) :: swings
-      complex(wp), intent(in) :: d(:), g(:)          !! shape (2) or (3)
-      type(dyad_t), intent(out) :: lines(2*rays)
-      integer, intent(out) :: n
-      complex(wp) :: own_d(size(d)), own_g(size(g)), centre, pin
-      real(wp) :: level, offset, radius, angle
-      logical :: exists
-      integer :: k
-
-      n = 0
-      own_d = d
-      own_g = g
-      if (swings) call inverted(d, g, own_d, own_g)
-      if (size(d) == 3) then
-         call slider_pin(own_d, own_g, pin, exists)
-         if (exists) call add(pin)
-         return
-      end if
-      call slider_circle(own_d, own_g, level, centre, offset)
-      if (.not. abs(level) > 0.0_wp) return
-      radius = abs(centre/level)**2 - offset/level
-      if (.not. radius > 0.0_wp) return
-      do k = 1, 2*rays
-         angle = pi*(real(k, wp) - 0.5_wp)/real(rays, wp)
-         call add(-centre/level + sqrt(radius)*cmplx(cos(angle), sin(angle), wp))
-      end do
-
-   contains
-
-      subroutine add(place)
-         complex(wp), intent(in) :: place
-
-         n = n + 1
-         lines(n)%guide = guide_of(own_d, own_g, place)
-         if (swings) then
-            lines(n)%kind = dyad_swings
-            lines(n)%pivot = place
-         else
-            lines(n)%kind = dyad_slides
-            lines(n)%pin = place
-         end if
-      end subroutine add
-   end subroutine find_lines
-
-   !> Put a result into a list of the best, in their order.
-   pure subroutine keep_best(one, most, kept)
-      type(exact_result_t), intent(in) :: one
-      integer, intent(in) :: most
-      type(exact_result_t), allocatable, intent(inout) :: kept(:)
-      type(exact_result_t), allocatable :: more(:)
-      integer :: place, n
-
-      n = size(kept)
-      if (n == most) then
-         if (.not. is_better(one%verdict, kept(n)%verdict)) return
-         n = n - 1
-      end if
-      place = n + 1
-      do while (place > 1)
-         if (.not. is_better(one%verdict, kept(place - 1)%verdict)) exit
-         place = place - 1
-      end do
-      allocate (more(n + 1))
-      more(:place - 1) = kept(:place - 1)
-      more(place) = one
-      more(place + 1:) = kept(place:n)
-      call move_alloc(more, kept)
-   end subroutine keep_best
 
    !> Nine points: the stored problem, then all cognates of what is real.
    subroutine find_nine_points(exact, study)
@@ -639,9 +416,9 @@ contains
          one%d = p + turn*legs(at_y)
          one%turn = [turn/turn(0)]
          call cognates_of(one, others)
-         call add_result(one, .true., exact%closed, study%results)
+         call add_result(judged(one, .true., exact%closed), study%results)
          do k = 1, 2
-            call add_result(others(k), .true., exact%closed, study%results)
+            call add_result(judged(others(k), .true., exact%closed), study%results)
          end do
       end do
       study%linkages = size(study%results)
@@ -737,8 +514,8 @@ contains
             one%guide = sqrt(legs(at_b)/abs(legs(at_b)))
             one%b = one%d(1)
          end if
-         call add_result(one, .not. (problem%crank_given .or. problem%follower_given) .and. &
-                         all(problem%kind(:problem%points) /= kind_timed), exact%closed, study%results)
+         call add_result(judged(one, .not. (problem%crank_given .or. problem%follower_given) .and. &
+                                all(problem%kind(:problem%points) /= kind_timed), exact%closed), study%results)
       end do
       study%linkages = size(study%results)
       call rank(study%results)
