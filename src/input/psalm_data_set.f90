@@ -40,6 +40,7 @@ module psalm_data_set
    use psalm_vibration_group, only: vibration_group_t, estimate_group_t, read_vibration_group, read_estimate_group
    implicit none (type, external)
    private
+   public :: bytes_of_position
    public :: data_set_t, read_data_sets, read_data_set_text
    public :: title_columns, default_niter, proof_by_default
 
@@ -47,7 +48,7 @@ module psalm_data_set
    integer, parameter :: most_loops = 100000      !! above this NLOOP is taken for a slip of the pen
    integer, parameter :: most_arcs = 10000000     !! likewise NLOOP times MAXARC
    integer, parameter :: most_positions = 10000000 !! likewise NDES
-   integer(int64), parameter :: bytes_of_position = 10*storage_size(1.0_wp)/8 !! seven arrays, and copies on the way
+   integer(int64), parameter :: bytes_of_position = 10*storage_size(1.0_wp)/8 !! of a data set: seven arrays, and copies on the way
    integer, parameter :: largest_istart = 999999999 !! nine digits
    integer, parameter :: most_trials = 1000000000  !! likewise NTRIAL
    real(wp), parameter :: fastest = 1.0e30_wp      !! likewise SPEED and ACCEL

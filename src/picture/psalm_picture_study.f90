@@ -2,7 +2,7 @@
 module psalm_picture_study
    use psalm_chain_scene, only: make_chain_scene
    use psalm_clearance_scene, only: clearance_scene_t, make_clearance_scene
-   use psalm_data_set, only: data_set_t
+   use psalm_data_set, only: data_set_t, bytes_of_position
    use psalm_devices, only: most_told
    use psalm_error, only: problem_t, motion_t, make_problem
    use psalm_exact_study, only: check_exact, leaves_curves
@@ -13,6 +13,7 @@ module psalm_picture_study
    use psalm_scene, only: scene_t, add_curves, make_scene, message_scene
    use psalm_source, only: line_t
    use psalm_status, only: diagnostics_t, finding_t, level_error
+   use psalm_system, only: memory_to_be_had
    use psalm_text, only: to_text
    use psalm_vibration_scene, only: vibration_scene_t, make_vibration_scene
    implicit none (type, external)
@@ -65,6 +66,12 @@ contains
          end if
          if (allocated(sets(k)%no_loops)) then
             call make_chain_scene(sets(k), own, cases(k)%scene)
+            cycle
+         end if
+         ! a copy of the data set is to be had, or the assignment would end the program
+         if (.not. memory_to_be_had(2*bytes_of_position*sets(k)%ndes)) then
+            call findings%trouble('not enough memory for NDES='//to_text(sets(k)%ndes)//' positions')
+            call message_scene(sets(k), own, cases(k)%scene)
             cycle
          end if
          each = sets(k)
