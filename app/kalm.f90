@@ -5,7 +5,8 @@ program kalm
    use psalm_check_list, only: list_input
    use psalm_case_table, only: report_case_table
    use psalm_chain_force_study, only: find_chain_forces
-   use psalm_chain_report, only: report_chain, report_chain_table
+   use psalm_chain_proof_study, only: chain_proof_t, study_chain_proof
+   use psalm_chain_report, only: report_chain, report_chain_proof, report_chain_table
    use psalm_chain_study, only: chain_study_t, study_chain
    use psalm_data_set, only: data_set_t
    use psalm_devices, only: devices_t, header_of
@@ -121,6 +122,7 @@ contains
       type(data_set_t), intent(in) :: set
       type(devices_t), intent(inout) :: devices
       type(chain_study_t), allocatable :: study
+      type(chain_proof_t), allocatable :: proof
       type(force_study_t), allocatable :: forces     ! an absent argument unless the case asks for them
       integer, parameter :: accelerations = 2
 
@@ -134,5 +136,9 @@ contains
          call add_force_columns(forces, devices%tables(size(devices%tables)))
       end if
       call report_chain('KALM', set, study, accelerations, devices, forces)
+      if (proof_wanted(set, .false.) == no_proof .or. .not. study%sound) return
+      allocate (proof)
+      call study_chain_proof(set, study, proof_wanted(set, .false.), proof)
+      call report_chain_proof(set, study, proof, devices)
    end subroutine run_sketch
 end program kalm

@@ -6,7 +6,8 @@ program psalm
    use psalm_console, only: arguments_t, progress_t, begin, device4_of, show_findings
    use psalm_analysis, only: analysis_t, wanted_t, analyse, wanted_by
    use psalm_case_table, only: report_case_table
-   use psalm_chain_report, only: report_chain, report_chain_table
+   use psalm_chain_proof_study, only: chain_proof_t, study_chain_proof
+   use psalm_chain_report, only: report_chain, report_chain_proof, report_chain_table
    use psalm_chain_search_list, only: report_chain_search
    use psalm_chain_synthesis, only: chain_synthesis_t, synthesise_chain
    use psalm_chain_study, only: chain_study_t, study_chain
@@ -229,7 +230,7 @@ contains
          return
       end if
       call report_chain_search(set, search, devices)
-      if (size(search%best) > 0) call run_sketch(search%drawn, devices)
+      if (size(search%best) > 0) call run_sketch(search%drawn, devices, searched=.true.)
    end subroutine run_chain_search
 
    !> Every way in which the links of a sketch can be put together.
@@ -248,15 +249,24 @@ contains
    end subroutine run_assemblies
 
    !> All outputs and joints of a sketch; one without loops has nothing else.
-   subroutine run_sketch(set, devices)
+   subroutine run_sketch(set, devices, searched)
       type(data_set_t), intent(in) :: set
       type(devices_t), intent(inout) :: devices
+      logical, intent(in), optional :: searched      !! it is the result of a search
       type(chain_study_t), allocatable :: study
+      type(chain_proof_t), allocatable :: proof
+      integer :: range
 
       allocate (study)
       call study_chain(set, 1.0_wp, 0.0_wp, study)
       call report_chain_table(set, study, 0, devices)
-      if (allocated(set%no_loops)) call report_chain('PSALM', set, study, 0, devices)
+      if (.not. allocated(set%no_loops)) return
+      call report_chain('PSALM', set, study, 0, devices)
+      range = proof_wanted(set, present(searched))
+      if (range == no_proof .or. .not. study%sound) return
+      allocate (proof)
+      call study_chain_proof(set, study, range, proof)
+      call report_chain_proof(set, study, proof, devices)
    end subroutine run_sketch
 
    !> Threads for a case, which take no signals. With a search or a sample there is something to lose: then signals wait until it

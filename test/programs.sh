@@ -187,6 +187,16 @@ status 1 'IPROOF in kalm' "$bin/kalm" dwell_gap.nml
 check 'IPROOF: kalm says the same' sh -c "sed -n '/LIMITS OF MOTION/,\$p' out >gap.kalm; sed -n '/LIMITS OF MOTION/,\$p' gap.lst | cmp - gap.kalm"
 check 'IPROOF: extremes are rounded outwards' grep -qE '^   TRANSMISSION ANGLE, LOOP 1 +52\.060246 .* 96\.456002 ' out
 check 'IPROOF: the block of extremes' grep -qE '^transmission_angle 1 0 5\.20602469431[0-9]+E\+01 ' dwell_gap.kalm.dev9
+status 0 'IPROOF of a geared five-bar' "$psalm" geared_five_bar.nml
+check 'IPROOF of a geared five-bar: the listing' grep -qx '   CLOSES FOR EVERY INPUT OF THE RANGE WITHOUT A DEAD POINT, AS DRAWN' out
+changed geared_five_bar.nml 's/IPROOF=2/IPROOF=1/' >five.nml
+status 1 'IPROOF=1: a geared five-bar that does not turn' "$psalm" five.nml
+said 'IPROOF=1: a geared five-bar' 'the linkage is not proven to close over the whole range'
+check 'IPROOF=1: the dead point' grep -qx '     DEAD POINT OF LINKS ROD1, ROD2: THE INPUT GOES NO FURTHER THAN 351.8810214[0-9]*' out
+check 'IPROOF=1: both blocks of device 9' sh -c "grep -q '^unreached 3.518810214' five.dev9 && grep -q '^point_C.x 0 0 ' five.dev9"
+sed -n '/LIMITS OF MOTION/,$p' out >five.lst
+status 1 'IPROOF of a geared five-bar in kalm' "$bin/kalm" five.nml
+check 'IPROOF of a geared five-bar: kalm says the same' sh -c "sed -n '/LIMITS OF MOTION/,\$p' out | cmp - five.lst"
 changed dwell_gap.nml 's/IPROOF=1/IPROOF=2/' >inputs.nml
 status 0 'IPROOF=2: the range of the inputs closes' "$psalm" inputs.nml
 check 'IPROOF=2: the listing says so' grep -qx '   CLOSES FOR EVERY INPUT OF THE RANGE' out

@@ -2,8 +2,8 @@
 !>
 !> A position is reached from the nearest one that is known, along a straight line of the inputs: a step is predicted by
 !> velocity and acceleration and corrected by Newton's method. It is halved unless the first correction is small against the
-!> prediction and no group's determinant has changed its sign: without both, Newton's method jumps to another assembly. Where
-!> steps become too small the linkage stands at a dead point, the end of its range.
+!> prediction, the prediction itself is short and no group's determinant has changed its sign: without these, Newton's method jumps
+!> to another assembly. Where steps become too small the linkage stands at a dead point, the end of its range.
 !> Source: Allgower and Georg (1990), chapter 6, for the control of steps.
 module psalm_chain_motion
    use psalm_closure, only: closure_t, state_t, matrix_of, most_orders, place_points, residuals, solve_group, rank_lost
@@ -11,11 +11,12 @@ module psalm_chain_motion
    use psalm_kinds, only: wp
    implicit none (type, external)
    private
-   public :: chain_motion_t, follow, differentiate, advance, try_step, senses
+   public :: chain_motion_t, follow, nearest_known, differentiate, advance, try_step, senses
    public :: least_step, first_step, easy
 
    real(wp), parameter :: trusted = 0.15_wp        !! first correction against the prediction
    real(wp), parameter :: easy = 0.01_wp           !! below this the next step is doubled
+   real(wp), parameter :: farthest = 0.3_wp        !! of the drawing's size, radians: longer predictions are not believed
    real(wp), parameter :: least_step = 1.0e-9_wp   !! of the way
    real(wp), parameter :: first_step = 0.25_wp
 
@@ -31,15 +32,18 @@ contains
 
    !> Positions at all inputs, each with its rates.
    !>
-   !> `rate(d, o)` is the derivative of order o of input d by the parameter that all rates are by.
-   subroutine follow(closure, start, inputs, rate, motion)
+   !> `rate(d, o)` is the derivative of order o of input d by the parameter that all rates are by. With `turn` inputs that differ
+   !> by it are the same, and what is not reached forwards may be reached backwards from the drawing.
+   subroutine follow(closure, start, inputs, rate, motion, turn)
       type(closure_t), intent(in) :: closure
       type(state_t), intent(in) :: start           !! at the drawing
       real(wp), intent(in) :: inputs(:, :)         !! shape (drives, positions): from the drawing, radians or length
       real(wp), intent(in) :: rate(:, :, :)        !! shape (drives, most_orders, positions)
       type(chain_motion_t), intent(out) :: motion
-      integer :: k, i, best
-      real(wp) :: distance, nearest
+      real(wp), intent(in), optional :: turn(:)    !! shape (drives)
+      type(state_t) :: back
+      integer :: k, best, stopped_by
+      logical :: reached, waiting(size(inputs, 2))
 
       associate (n => size(inputs, 2))
          allocate (motion%closed(n), motion%dead(n), source=.false.)
@@ -47,27 +51,52 @@ contains
          allocate (motion%states(n))
       end associate
       do k = 1, size(inputs, 2)
-         best = 0
-         nearest = sum(inputs(:, k)**2)
-         do i = k - 1, 1, -1
-            if (.not. motion%closed(i)) cycle
-            distance = sum((inputs(:, k) - inputs(:, i))**2)
-            if (distance >= nearest) cycle
-            best = i
-            nearest = distance
-         end do
+         best = nearest_known(inputs, motion%closed, k)
          if (best == 0) then
             motion%states(k) = start
          else
             motion%states(k) = motion%states(best)
          end if
          call advance(closure, inputs(:, k), motion%states(k), motion%closed(k), motion%group(k))
-         if (motion%closed(k)) then
-            motion%states(k)%input(:, 1:) = rate(:, :, k)
-            call differentiate(closure, most_orders, motion%states(k), motion%dead(k))
-         end if
+      end do
+      if (present(turn)) then
+         back = start
+         waiting = .not. motion%closed .and. inputs(1, :) > 0.0_wp .and. inputs(1, :) < turn(1)
+         do while (any(waiting))
+            k = maxloc(inputs(1, :), dim=1, mask=waiting)
+            waiting(k) = .false.
+            call advance(closure, inputs(:, k) - turn, back, reached, stopped_by)
+            if (.not. reached) exit
+            motion%states(k) = back
+            motion%closed(k) = .true.
+            motion%group(k) = 0
+         end do
+      end if
+      do k = 1, size(inputs, 2)
+         if (.not. motion%closed(k)) cycle
+         motion%states(k)%input(:, 1:) = rate(:, :, k)
+         call differentiate(closure, most_orders, motion%states(k), motion%dead(k))
       end do
    end subroutine follow
+
+   !> Of the positions before one that close the nearest, the latest of equals; 0: the drawing is nearer.
+   pure integer function nearest_known(inputs, closed, position) result(best)
+      real(wp), intent(in) :: inputs(:, :)         !! shape (drives, positions): from the drawing
+      logical, intent(in) :: closed(:)             !! shape (positions)
+      integer, intent(in) :: position
+      real(wp) :: distance, nearest
+      integer :: i
+
+      best = 0
+      nearest = sum(inputs(:, position)**2)
+      do i = position - 1, 1, -1
+         if (.not. closed(i)) cycle
+         distance = sum((inputs(:, position) - inputs(:, i))**2)
+         if (distance >= nearest) cycle
+         best = i
+         nearest = distance
+      end do
+   end function nearest_known
 
    !> From a position to another; `group` tells which one stopped it.
    subroutine advance(closure, target, state, reached, group)
@@ -156,7 +185,7 @@ contains
             if (size(factors%q, 1) == size(factors%q, 2)) sound = sound .and. factors%sense == sense(group)
             first = first/max(predicted, 1.0e-7_wp*closure%size)
             worst = max(worst, first)
-            sound = sound .and. first < trusted
+            sound = sound .and. first < trusted .and. predicted < farthest*closure%size
             if (.not. sound) return
          end associate
       end do

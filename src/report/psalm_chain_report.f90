@@ -1,6 +1,8 @@
 !> What the study of a sketch has to report, on all devices.
 module psalm_chain_report
    use psalm_chain_list, only: list_chain, list_groups, write_chain_table, write_drive_block, fill_chain_table
+   use psalm_chain_proof_list, only: list_chain_proof, write_chain_proof, links_of_group
+   use psalm_chain_proof_study, only: chain_proof_t
    use psalm_chain_study, only: chain_study_t, name_room
    use psalm_closure, only: most_orders
    use psalm_data_set, only: data_set_t
@@ -9,10 +11,10 @@ module psalm_chain_report
    use psalm_force_study, only: force_study_t
    use psalm_kinds, only: wp
    use psalm_sketch_text, only: write_sketch
-   use psalm_text, only: general, to_text
+   use psalm_text, only: general, lower_case, to_text
    implicit none (type, external)
    private
-   public :: report_chain, report_chain_table
+   public :: report_chain, report_chain_table, report_chain_proof
 
 contains
 
@@ -79,6 +81,32 @@ contains
                                   number(maxval(study%values(n, 0, :), mask=study%motion%closed)))
       end do
    end subroutine report_chain
+
+   !> What is proven of the motion: listing, device 9, remarks and exit status.
+   subroutine report_chain_proof(set, study, proof, devices)
+      type(data_set_t), intent(in) :: set
+      type(chain_study_t), intent(in) :: study
+      type(chain_proof_t), intent(in) :: proof
+      type(devices_t), intent(inout) :: devices
+
+      if (proof%braced > 0) then
+         if (set%iproof <= 0) return
+         call devices%note_violation()
+         call devices%remark(set, 'IPROOF proves nothing where more constraints hold the links than are needed: '// &
+                             lower_case(links_of_group(study, proof%braced)))
+         return
+      end if
+      if (proof%empty) then
+         if (set%iproof > 0) call devices%remark(set, 'IPROOF proves the motion between the inputs, but the drives do not move')
+         return
+      end if
+      call list_chain_proof(study, proof, devices%six)
+      call write_chain_proof(set%title, study, proof, devices%nine)
+      if (.not. proof%complete .or. proof%strayed > 0) call devices%note_violation()
+      if (.not. proof%complete) call devices%remark(set, 'the linkage is not proven to close over the whole range')
+      if (proof%strayed > 0) call devices%remark(set, to_text(proof%strayed)//' positions were found in another assembly than '// &
+                                                 'the motion from the drawing leads to')
+   end subroutine report_chain_proof
 
    pure function number(value) result(text)
       real(wp), intent(in) :: value

@@ -13,6 +13,7 @@ module psalm_proof_list
    implicit none (type, external)
    private
    public :: list_proof, write_proof, describe_proof
+   public :: shown, short, end_text
 
    integer, parameter :: value_columns = 17, list_columns = 110
    real(wp), parameter :: certain = 1.0e-9_wp       !! relative width of a bracket that is told as one number

@@ -107,7 +107,6 @@ contains
       if (set%ktheta /= 0 .and. .not. (set%masses%given .or. set%loads%given .or. set%springs%given)) &
          call refuse('LIMITS', 'KTHETA', 'the list of all arcs')
       if (set%icond /= 0) call refuse('LIMITS', 'ICOND', 'the condition number')
-      if (set%iproof > 0) call refuse('LIMITS', 'IPROOF', 'the proof of the motion')
       if (set%iplot /= 0) call refuse('LIMITS', 'IPLOT', 'the sweep of every degree')
       if (set%motor%given) call refuse('MOTOR', '', 'motion from torque')
 

@@ -4,13 +4,13 @@ module psalm_chain_study
    use psalm_chain_outputs, only: column_name, output_at, unwrap
    use psalm_closure, only: closure_t, state_t, most_orders
    use psalm_data_set, only: data_set_t
-   use psalm_kinds, only: wp, radians_per_degree
+   use psalm_kinds, only: wp, full_turn, radians_per_degree
    use psalm_sketch, only: drive_turns, output_angle, output_pose, output_ratio, columns_of
    use psalm_sketch_case, only: assemble_sketch
    use psalm_status, only: diagnostics_t
    implicit none (type, external)
    private
-   public :: chain_study_t, study_chain, inputs_of_drives, name_room
+   public :: chain_study_t, study_chain, inputs_of_drives, turn_repeats, name_room
 
    integer, parameter :: name_room = 48   !! characters of a column's name
 
@@ -57,7 +57,12 @@ contains
             rate(d, 1, :) = drives(d)%speed
             rate(d, 2, :) = drives(d)%accel
          end do
-         call follow(study%closure, study%start, inputs, rate, study%motion)
+         if (turn_repeats(set)) then
+            call follow(study%closure, study%start, inputs, rate, study%motion, full_turn*radians_per_degree* &
+                        [(merge(drives(d)%ratio, 1.0_wp, drives(d)%geared), d=1, size(drives))])
+         else
+            call follow(study%closure, study%start, inputs, rate, study%motion)
+         end if
          numbers = 0
          do k = 1, size(outputs)
             numbers = numbers + columns_of(outputs(k))
@@ -143,6 +148,19 @@ contains
          inputs(d, :) = inputs(d, :)*unit_of(set%sketch%drives(d)%kind)
       end do
    end function inputs_of_drives
+
+   !> True if after a turn of the first drive all drives stand as before.
+   pure logical function turn_repeats(set)
+      type(data_set_t), intent(in) :: set
+      integer :: d
+
+      turn_repeats = set%sketch%drives(1)%kind == drive_turns
+      do d = 2, size(set%sketch%drives)
+         associate (drive => set%sketch%drives(d))
+            turn_repeats = turn_repeats .and. drive%geared .and. drive%kind == drive_turns .and. drive%ratio == anint(drive%ratio)
+         end associate
+      end do
+   end function turn_repeats
 
    !> Radians a degree for a drive that turns, else 1.
    pure real(wp) function unit_of(kind)

@@ -1,0 +1,225 @@
+!> What is proven of the motion of a sketch in the poses of its links, in the listing and on device 9.
+module psalm_chain_proof_list
+   use psalm_block, only: begin_block
+   use psalm_chain_proof_study, only: chain_proof_t, place_on
+   use psalm_chain_study, only: chain_study_t, name_room
+   use psalm_kinds, only: wp
+   use psalm_proof_list, only: end_text, shown, short
+   use psalm_sketch, only: sketch_t, drive_turns
+   use psalm_text, only: text_t, full_precision, general, number_or_nan, to_text, upper_case
+   implicit none (type, external)
+   private
+   public :: list_chain_proof, write_chain_proof, links_of_group
+
+   integer, parameter :: value_columns = 17
+   real(wp), parameter :: certain = 1.0e-9_wp       !! relative width of a bracket that is told as one number
+
+contains
+
+   !> The limits of motion.
+   subroutine list_chain_proof(study, proof, text)
+      type(chain_study_t), intent(in) :: study
+      type(chain_proof_t), intent(in) :: proof
+      type(text_t), intent(inout) :: text
+      logical :: turns
+      integer :: k
+
+      turns = first_turns(study)
+      call text%add()
+      if (proof%one_drive) then
+         call text%add(' LIMITS OF MOTION, PROVEN FOR INPUTS '//short(proof%from)//' TO '//short(proof%to)//' FROM THE DRAWING')
+      else
+         call text%add(' LIMITS OF MOTION, PROVEN ALONG STRAIGHT LINES OF THE INPUTS BETWEEN THE POSITIONS')
+      end if
+      if (proof%complete) then
+         if (proof%full_turn) then
+            call text%add('   CLOSES FOR EVERY INPUT WITHOUT A DEAD POINT; THE INPUT TURNS FULLY')
+            call text%add(trim(merge('   AFTER A TURN THE LINKAGE STANDS AS DRAWN              ', &
+                                     '   AFTER A TURN THE LINKAGE DOES NOT STAND AS DRAWN AGAIN', proof%returns)))
+         else
+            call text%add('   CLOSES FOR EVERY INPUT OF THE RANGE WITHOUT A DEAD POINT, AS DRAWN')
+         end if
+      else
+         do k = 1, size(proof%legs)
+            if (proof%one_drive) then
+               call list_leg(k)
+            else
+               call list_line(k)
+            end if
+         end do
+      end if
+      if (proof%strayed > 0) call text%add('   '//to_text(proof%strayed)//' POSITIONS ARE NOT THOSE THIS MOTION LEADS TO')
+      call list_reaches(study, proof, turns, text)
+
+   contains
+
+      !> One way of a single drive.
+      subroutine list_leg(k)
+         integer, intent(in) :: k
+         real(wp) :: far
+         integer :: way
+
+         far = place_on(proof, k, proof%legs(k)%reached, turns)
+         way = merge(-1, 1, proof%legs(k)%to(1) > 0.0_wp)
+         call text%add('   CLOSES FROM THE DRAWING TO '//trim(adjustl(end_text(far, way, turns))))
+         if (proof%legs(k)%complete) return
+         if (proof%legs(k)%turns_back) then
+            far = place_on(proof, k, proof%legs(k)%dead_high, turns)
+            call text%add('     DEAD POINT OF '//links_of_group(study, proof%group(k))//': THE INPUT GOES NO FURTHER THAN '// &
+                          trim(adjustl(end_text(far, -way, turns))))
+         else
+            call text%add('     UNDECIDED BEYOND IT: '//links_of_group(study, proof%group(k))//' AT OR NEAR A DEAD POINT')
+         end if
+      end subroutine list_leg
+
+      !> One line of several drives.
+      subroutine list_line(k)
+         integer, intent(in) :: k
+
+         if (proof%legs(k)%complete) return
+         if (proof%legs(k)%turns_back) then
+            call text%add('   DEAD POINT ON THE WAY TO POSITION '//to_text(proof%position(k))//', AFTER '// &
+                          trim(adjustl(end_text(proof%legs(k)%dead_high, 1, .true.)))//' OF THE WAY AT MOST: '// &
+                          links_of_group(study, proof%group(k)))
+         else
+            call text%add('   UNDECIDED ON THE WAY TO POSITION '//to_text(proof%position(k))//', AFTER '// &
+                          trim(adjustl(end_text(proof%legs(k)%reached, -1, .true.)))//' OF THE WAY: '// &
+                          links_of_group(study, proof%group(k))//' AT OR NEAR A DEAD POINT')
+         end if
+      end subroutine list_line
+   end subroutine list_chain_proof
+
+   !> Least and greatest values of the outputs.
+   subroutine list_reaches(study, proof, turns, text)
+      type(chain_study_t), intent(in) :: study
+      type(chain_proof_t), intent(in) :: proof
+      logical, intent(in) :: turns
+      type(text_t), intent(inout) :: text
+      character(34) :: name
+      integer :: n
+
+      if (.not. any(proof%reaches%bounded)) return
+      call text%add('   QUANTITY                                      LEAST             AT         GREATEST             AT')
+      do n = 1, size(proof%reaches)
+         associate (reach => proof%reaches(n))
+            if (.not. reach%bounded) cycle
+            name = upper_case(trim(study%names(n)))
+            call text%add('   '//name//column(shown(reach%low(1), -1))//place(1)//column(shown(reach%high(2), 1))//place(2))
+            if (is_wide(reach%low(1), reach%high(1))) call text%add('     LEAST NOT ABOVE '//shown(reach%high(1), 1))
+            if (is_wide(reach%low(2), reach%high(2))) call text%add('     GREATEST NOT BELOW '//shown(reach%low(2), -1))
+         end associate
+      end do
+
+   contains
+
+      function place(which) result(columns)
+         integer, intent(in) :: which
+         character(15) :: columns
+
+         columns = general(place_on(proof, proof%reaches(n)%leg(which), proof%reaches(n)%way(which), turns))
+      end function place
+
+      pure function column(words) result(columns)
+         character(*), intent(in) :: words
+         character(value_columns) :: columns
+
+         columns = words
+         columns = adjustr(columns)
+      end function column
+
+      pure logical function is_wide(low, high)
+         real(wp), intent(in) :: low, high
+
+         is_wide = high - low > certain*max(abs(low), abs(high), 1.0_wp)
+      end function is_wide
+   end subroutine list_reaches
+
+   pure logical function first_turns(study)
+      type(chain_study_t), intent(in) :: study
+
+      first_turns = study%closure%sketch%drives(1)%kind == drive_turns
+   end function first_turns
+
+   !> The links of a group, in capitals.
+   pure function links_of_group(study, group) result(words)
+      type(chain_study_t), intent(in) :: study
+      integer, intent(in) :: group
+      character(:), allocatable :: words
+      integer :: k
+
+      words = 'LINKS'
+      associate (links => study%closure%groups(group)%links)
+         if (size(links) == 1) words = 'LINK'
+         do k = 1, size(links)
+            words = words//' '//upper_case(trim(study%closure%sketch%links(links(k))%name))
+            if (k < size(links)) words = words//','
+         end do
+      end associate
+   end function links_of_group
+
+   !> Device 9: the parts of the range; the brackets of the outputs.
+   subroutine write_chain_proof(title, study, proof, text)
+      character(*), intent(in) :: title
+      type(chain_study_t), intent(in) :: study
+      type(chain_proof_t), intent(in) :: proof
+      type(text_t), intent(inout) :: text
+      character(name_room) :: name
+      logical :: turns
+      integer :: n, k, i
+
+      turns = first_turns(study)
+      call begin_block('limits', 'kind from to loop cause', text)
+      call text%add('# '//title)
+      do k = 1, size(proof%legs)
+         associate (leg => proof%legs(k))
+            if (leg%reached > 0.0_wp) call row('closes', 0.0_wp, leg%reached, 0, 'none')
+            if (leg%turns_back) then
+               call row('undecided', leg%reached, leg%dead_high, proof%group(k), 'dead_point')
+               call row('unreached', leg%dead_high, 1.0_wp, proof%group(k), 'dead_point')
+            else if (.not. leg%complete) then
+               call row('undecided', leg%reached, 1.0_wp, proof%group(k), 'dead_point')
+            end if
+         end associate
+      end do
+      if (.not. any(proof%reaches%bounded)) return
+      call begin_block('extremes', 'quantity loop arc least_low least_high least_at greatest_low greatest_high greatest_at', text)
+      call text%add('# '//title)
+      do n = 1, size(proof%reaches)
+         associate (reach => proof%reaches(n))
+            name = study%names(n)
+            do i = 1, len_trim(name)
+               if (name(i:i) == ' ') name(i:i) = '-'
+            end do
+            call text%add(trim(name)//' 0 0 '//known(reach%low(1))//known(reach%high(1))//known_place(1)//known(reach%low(2))// &
+                          known(reach%high(2))//known_place(2))
+         end associate
+      end do
+
+   contains
+
+      subroutine row(kind, from, to, loop, cause)
+         character(*), intent(in) :: kind, cause
+         real(wp), intent(in) :: from, to
+         integer, intent(in) :: loop
+
+         call text%add(kind//' '//full_precision(place_on(proof, k, from, turns))//' '// &
+                       full_precision(place_on(proof, k, to, turns))//' '//to_text(loop)//' '//cause)
+      end subroutine row
+
+      function known(value) result(words)
+         real(wp), intent(in) :: value
+         character(:), allocatable :: words
+
+         words = number_or_nan(value, proof%reaches(n)%bounded)//' '
+      end function known
+
+      function known_place(which) result(words)
+         integer, intent(in) :: which
+         character(:), allocatable :: words
+
+         words = number_or_nan(0.0_wp, .false.)//' '
+         if (proof%reaches(n)%bounded) &
+            words = full_precision(place_on(proof, proof%reaches(n)%leg(which), proof%reaches(n)%way(which), turns))//' '
+      end function known_place
+   end subroutine write_chain_proof
+end module psalm_chain_proof_list

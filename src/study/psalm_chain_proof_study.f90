@@ -1,0 +1,231 @@
+!> What is proven of the motion of a sketch in the poses of its links.
+!>
+!> One drive (others may be geared to it) goes from the drawing to both ends of its range; several go from position to position, as
+!> the positions are found. Data in, results out: nothing is printed or worded here.
+module psalm_chain_proof_study
+   use psalm_chain_motion, only: nearest_known
+   use psalm_chain_study, only: chain_study_t, inputs_of_drives, turn_repeats
+   use psalm_closure, only: closure_t, state_t, matrix_of
+   use psalm_data_set, only: data_set_t
+   use psalm_dense, only: factors_t, factorise
+   use psalm_kinds, only: wp, full_turn, degrees_per_radian, radians_per_degree
+   use psalm_proof_chain, only: chain_tubes_t, leg_t, reach_t, start_tubes, cover_leg, stands_as_drawn, &
+                               compare_state, bracket_outputs
+   use psalm_proof_study, only: proof_of_turn
+   use psalm_proof_tube, only: in_one_group
+   use psalm_sketch, only: drive_turns
+   implicit none (type, external)
+   private
+   public :: chain_proof_t, study_chain_proof, place_on
+
+   !> Parts of the motion and what is proven of them.
+   type :: chain_proof_t
+      logical :: empty = .false.             !! all inputs are those of the drawing: nothing moves
+      integer :: braced = 0                  !! a group with more equations than unknowns, of which nothing can be proven; 0: none
+      logical :: one_drive = .true.          !! from and to are inputs of the first drive; else numbers of positions
+      logical :: full_turn = .false.
+      logical :: returns = .false.           !! after it the linkage stands as drawn
+      logical :: complete = .false.          !! everything asked for is proven to close
+      real(wp) :: from = 0.0_wp, to = 0.0_wp !! what is asked for: degrees or length from the drawing, or positions
+      type(leg_t), allocatable :: legs(:)
+      integer, allocatable :: group(:)       !! by leg: of one that is not complete the group nearest to a dead point where it ends
+      integer, allocatable :: position(:)    !! by leg, of several drives: where it ends
+      type(reach_t), allocatable :: reaches(:) !! by number of all outputs
+      integer :: strayed = 0                 !! positions found in another assembly than the proven motion leads to
+      integer :: tubes = 0
+   end type chain_proof_t
+
+contains
+
+   !> Prove the motion of a sketch over a full turn of its first drive, or over its positions.
+   subroutine study_chain_proof(set, study, range, proof)
+      type(data_set_t), intent(in) :: set
+      type(chain_study_t), intent(in) :: study
+      integer, intent(in) :: range           !! one of `proof_of_...`
+      type(chain_proof_t), intent(out) :: proof
+      type(chain_tubes_t), allocatable :: tubes
+      real(wp), allocatable :: inputs(:, :)
+      type(closure_t) :: whole
+      logical :: sound, begun
+      integer :: g, k
+
+      associate (closure => study%closure, drives => set%sketch%drives)
+         do g = 1, size(closure%groups)
+            if (closure%groups(g)%equations > 3*size(closure%groups(g)%links)) proof%braced = g
+         end do
+         if (proof%braced > 0) return
+         inputs = inputs_of_drives(set, .true.)
+         do k = 2, size(drives)
+            if (.not. drives(k)%geared .and. allocated(drives(k)%delt)) proof%one_drive = .false.
+            ! with a phase the drawing is on no line of the first drive
+            if (drives(k)%geared .and. abs(drives(k)%phase) > 0.0_wp) proof%one_drive = .false.
+         end do
+         proof%full_turn = proof%one_drive .and. range == proof_of_turn .and. drives(1)%kind == drive_turns
+         if (proof%one_drive) then
+            call find_both_ways(set, inputs, proof)
+         else
+            call find_lines(inputs, study%motion%closed, proof)
+         end if
+         proof%empty = size(proof%legs) == 0
+         if (proof%empty) return
+         allocate (tubes)
+         call in_one_group(closure, whole)
+         call start_tubes(whole, study%start, size(proof%legs), tubes, sound)
+         proof%complete = sound
+         do k = 1, size(proof%legs)
+            if (proof%full_turn .and. k == 2) then
+               if (proof%complete) then
+                  proof%legs = proof%legs(:1)
+                  exit
+               end if
+               ! what is left of the turn
+               proof%legs(2)%to = -(1.0_wp - proof%legs(1)%reached)*proof%legs(1)%to
+            end if
+            begun = sound
+            if (proof%legs(k)%after > 0) begun = proof%legs(proof%legs(k)%after)%complete
+            if (begun) call cover_leg(whole, set%sketch%outputs, k, proof%legs(k), tubes)
+            proof%complete = proof%complete .and. proof%legs(k)%complete
+         end do
+         if (proof%full_turn .and. proof%complete) proof%returns = stands_as_drawn(whole, tubes, 1)
+         proof%tubes = tubes%count
+         call compare_positions(study, whole, inputs, tubes, proof)
+         call find_blame(study, tubes, proof)
+         call bracket_outputs(whole, set%sketch%outputs, tubes, proof%reaches)
+      end associate
+   end subroutine study_chain_proof
+
+   !> Count the positions that are not on the motion that is proven to lead to them.
+   subroutine compare_positions(study, whole, inputs, tubes, proof)
+      type(chain_study_t), intent(in) :: study
+      type(closure_t), intent(in) :: whole   !! in one group
+      real(wp), intent(in) :: inputs(:, :)   !! shape (drives, positions)
+      type(chain_tubes_t), intent(in) :: tubes
+      type(chain_proof_t), intent(inout) :: proof
+      type(state_t) :: state
+      real(wp) :: way
+      integer :: k, leg
+      logical :: same
+
+      do k = 1, size(inputs, 2)
+         if (.not. study%motion%closed(k)) cycle
+         state = study%motion%states(k)
+         leg = 0
+         way = 1.0_wp
+         same = .true.
+         if (proof%one_drive) then
+            ! where the position has really been reached from the drawing, backwards perhaps
+            do leg = size(proof%legs), 1, -1
+               way = state%input(1, 0)/proof%legs(leg)%to(1)
+               if (way < 0.0_wp) cycle
+               if (proof%legs(leg)%turns_back) same = way <= proof%legs(leg)%dead_high
+               if (way <= proof%legs(leg)%reached) exit
+            end do
+         else if (any(proof%position == k)) then
+            leg = findloc(proof%position, k, dim=1)
+            if (.not. proof%legs(leg)%complete) leg = 0
+         end if
+         if (leg > 0) call compare_state(whole, tubes, leg, way, state, same)
+         if (.not. same) proof%strayed = proof%strayed + 1
+      end do
+   end subroutine compare_positions
+
+   !> Of the legs that are not complete the group whose matrix is nearest to a singular one where the proof ends.
+   subroutine find_blame(study, tubes, proof)
+      type(chain_study_t), intent(in) :: study
+      type(chain_tubes_t), intent(in) :: tubes
+      type(chain_proof_t), intent(inout) :: proof
+      type(factors_t) :: factors
+      real(wp) :: least
+      integer :: k, g, i, last
+
+      allocate (proof%group(size(proof%legs)), source=0)
+      do k = 1, size(proof%legs)
+         if (proof%legs(k)%complete) cycle
+         last = 0
+         do i = 1, tubes%count
+            if (tubes%parts(i)%leg == k) last = i
+         end do
+         least = huge(1.0_wp)
+         do g = 1, size(study%closure%groups)
+            if (size(study%closure%groups(g)%links) == 0) cycle
+            if (last > 0) then
+               call factorise(matrix_of(study%closure, tubes%parts(last)%tube%state, g), factors)
+            else
+               call factorise(matrix_of(study%closure, study%start, g), factors)
+            end if
+            if (factors%reciprocal_condition >= least) cycle
+            least = factors%reciprocal_condition
+            proof%group(k) = g
+         end do
+      end do
+   end subroutine find_blame
+
+   !> One drive: from the drawing to both ends.
+   subroutine find_both_ways(set, inputs, proof)
+      type(data_set_t), intent(in) :: set
+      real(wp), intent(in) :: inputs(:, :)   !! shape (drives, positions)
+      type(chain_proof_t), intent(inout) :: proof
+      real(wp) :: ends(2), unit
+      integer :: k, d
+
+      unit = merge(degrees_per_radian, 1.0_wp, set%sketch%drives(1)%kind == drive_turns)
+      ends = [max(0.0_wp, maxval(inputs(1, :))), min(0.0_wp, minval(inputs(1, :)))]
+      if (proof%full_turn) ends = [full_turn*radians_per_degree, -full_turn*radians_per_degree]
+      proof%from = merge(0.0_wp, ends(2)*unit, proof%full_turn)
+      proof%to = merge(full_turn, ends(1)*unit, proof%full_turn)
+      allocate (proof%legs(0))
+      do k = 1, 2
+         if (abs(ends(k)) <= 0.0_wp) cycle
+         ! one turn on a geared drive stands elsewhere: backwards is no part of the turn
+         if (k == 2 .and. proof%full_turn .and. .not. turn_repeats(set)) cycle
+         proof%legs = [proof%legs, leg_t(from=[(0.0_wp, d=1, size(inputs, 1))], to=[(0.0_wp, d=1, size(inputs, 1))])]
+         associate (leg => proof%legs(size(proof%legs)), drives => set%sketch%drives)
+            leg%to(1) = ends(k)
+            do d = 2, size(drives)
+               if (.not. drives(d)%geared) cycle
+               leg%to(d) = drives(d)%ratio*ends(k)*merge(degrees_per_radian, 1.0_wp, drives(1)%kind == drive_turns) &
+                           *merge(radians_per_degree, 1.0_wp, drives(d)%kind == drive_turns)
+            end do
+         end associate
+      end do
+   end subroutine find_both_ways
+
+   !> Several drives: from the nearest position that is known, as the positions are found.
+   subroutine find_lines(inputs, closed, proof)
+      real(wp), intent(in) :: inputs(:, :)   !! shape (drives, positions)
+      logical, intent(in) :: closed(:)
+      type(chain_proof_t), intent(inout) :: proof
+      integer :: leg_to(size(closed)), k, before, d
+
+      leg_to = 0
+      allocate (proof%legs(0), proof%position(0))
+      proof%from = 1.0_wp
+      proof%to = real(size(closed), wp)
+      do k = 1, size(closed)
+         before = nearest_known(inputs, closed, k)
+         if (before == 0) then
+            if (all(abs(inputs(:, k)) <= 0.0_wp)) cycle
+            proof%legs = [proof%legs, leg_t(from=[(0.0_wp, d=1, size(inputs, 1))], to=inputs(:, k))]
+         else
+            proof%legs = [proof%legs, leg_t(from=inputs(:, before), to=inputs(:, k), after=leg_to(before))]
+         end if
+         proof%position = [proof%position, k]
+         leg_to(k) = size(proof%legs)
+      end do
+   end subroutine find_lines
+
+   !> A place on a leg as it is told: the first drive's input, or between positions.
+   pure real(wp) function place_on(proof, leg, way, turns) result(place)
+      type(chain_proof_t), intent(in) :: proof
+      integer, intent(in) :: leg
+      real(wp), intent(in) :: way            !! part of it
+      logical, intent(in) :: turns           !! the first drive turns
+
+      if (proof%one_drive) then
+         place = proof%legs(leg)%from(1) + way*(proof%legs(leg)%to(1) - proof%legs(leg)%from(1))
+         if (turns) place = place*degrees_per_radian
+      else
+         place = real(proof%position(leg) - 1, wp) + way
+      end if
+   end function place_on
+end module psalm_chain_proof_study

@@ -1,0 +1,289 @@
+!> The motion of sketches proven by tubes: ends against closed forms, extremes against the proof by dyads and against samples.
+program test_proof_tube
+   use check, only: checks_t
+   use psalm_cases, only: read_case_text
+   use psalm_chain_proof_study, only: chain_proof_t, study_chain_proof, place_on
+   use psalm_chain_study, only: chain_study_t, study_chain
+   use psalm_data_set, only: data_set_t
+   use psalm_kinds, only: wp, degrees_per_radian, radians_per_degree
+   use psalm_proof_study, only: proof_of_inputs, proof_of_turn
+   use psalm_status, only: diagnostics_t
+   use psalm_text, only: full_precision, to_text
+   implicit none (type, external)
+   character(*), parameter :: nl = new_line('a')
+   type(checks_t) :: t
+
+   call rocker()
+   call crank()
+   call geared()
+   call change_point()
+   call triads()
+   call cylinders()
+   call braced()
+   call t%report()
+
+contains
+
+   !> Study a sketch given as a text and prove its motion.
+   subroutine prove(text, range, s, proof)
+      character(*), intent(in) :: text
+      integer, intent(in) :: range
+      type(chain_study_t), intent(out) :: s
+      type(chain_proof_t), intent(out) :: proof
+      type(data_set_t), allocatable :: sets(:)
+      type(diagnostics_t) :: findings
+      integer :: i
+
+      call read_case_text(text, 'test', sets, findings, 'psalm')
+      do i = 1, findings%count
+         call t%is_true(.false., 'the sketch is sound', findings%list(i)%render())
+      end do
+      if (findings%failed()) error stop 'a sketch of the test cannot be read'
+      call study_chain(sets(1), 1.0_wp, 0.0_wp, s)
+      call study_chain_proof(sets(1), s, range, proof)
+   end subroutine prove
+
+   !> A bracket holds a value and is narrow.
+   subroutine holds(low, high, value, width, law)
+      real(wp), intent(in) :: low, high, value, width
+      character(*), intent(in) :: law
+
+      call t%is_true(low <= value .and. value <= high .and. high - low <= width, law, &
+                     full_precision(low)//' to '//full_precision(high)//', '//full_precision(value))
+   end subroutine holds
+
+   !> A four-bar whose crank cannot turn: its dead points, by the law of cosines, both ways from the drawing.
+   subroutine rocker()
+      type(chain_study_t) :: s
+      type(chain_proof_t) :: proof
+      real(wp), parameter :: a = 4.0_wp, d = 6.0_wp, reach = 7.0_wp !! crank, frame, coupler 3 and rocker 4 in one line
+      real(wp) :: crank, end_of_crank, far(2), drawn
+
+      call prove('DOUBLE ROCKER'//nl//" &CHAIN JNT='A','B','C','D', JX=0.0,2.4,5.0,6.0, JY=0.0,3.2,3.9,0.0, "// &
+                 "LNK='A D','A B','B C','C D', LENP='A B','B C','C D','A D', LENV=4.0,3.0,4.0,6.0 &END"//nl// &
+                 " &DRIVES DRIVE='A' &END &OUTPUTS OUTPUT='angle D C' &END &METHOD NDES=2, DELT=0.0,5.0 &END"//nl, &
+                 proof_of_turn, s, proof)
+      drawn = acos(0.6_wp)*degrees_per_radian
+      end_of_crank = acos((a**2 + d**2 - reach**2)/(2.0_wp*a*d))*degrees_per_radian
+      call t%is_true(.not. proof%complete .and. size(proof%legs) == 2, 'double rocker: does not turn')
+      call t%is_true(all(proof%legs%turns_back), 'double rocker: both ends are dead points')
+      if (size(proof%legs) /= 2) return
+      far(1) = place_on(proof, 1, proof%legs(1)%dead_high, .true.)
+      crank = place_on(proof, 1, proof%legs(1)%reached, .true.)
+      call holds(crank, far(1), end_of_crank - drawn, 1.0e-8_wp, 'double rocker: where the links stretch')
+      ! the other way the coupler and the rocker stretch below the frame
+      far(2) = place_on(proof, 2, proof%legs(2)%dead_high, .true.)
+      crank = place_on(proof, 2, proof%legs(2)%reached, .true.)
+      call holds(far(2), crank, -end_of_crank - drawn, 1.0e-8_wp, 'double rocker: where they stretch below')
+   end subroutine rocker
+
+   !> A crank-rocker: extremes of the rocker at the crank's dead points, closed forms.
+   subroutine crank()
+      type(chain_study_t) :: s
+      type(chain_proof_t) :: proof
+      real(wp) :: value, at
+
+      call prove('CRANK-ROCKER'//nl//" &CHAIN JNT='A','B','C','D', JX=0.0,0.0,5.0,6.0, JY=0.0,2.0,4.9,0.0, "// &
+                 "LNK='A D','A B','B C','C D', LENP='A B','B C','C D','A D', LENV=2.0,6.0,5.0,6.0 &END"//nl// &
+                 " &DRIVES DRIVE='A' &END &OUTPUTS OUTPUT='angle D C','distance A C' &END &METHOD NDES=2, DELT=0.0,5.0 &END"//nl, &
+                 proof_of_turn, s, proof)
+      call t%is_true(proof%complete .and. proof%returns, 'crank-rocker: turns fully and stands as drawn')
+      if (.not. all(proof%reaches%bounded)) return
+      value = 180.0_wp - acos((36.0_wp + 25.0_wp - 64.0_wp)/60.0_wp)*degrees_per_radian
+      call holds(proof%reaches(1)%low(1), proof%reaches(1)%high(1), value, 1.0e-8_wp, 'crank-rocker: least angle of the rocker')
+      value = 180.0_wp - acos((36.0_wp + 25.0_wp - 16.0_wp)/60.0_wp)*degrees_per_radian
+      call holds(proof%reaches(1)%low(2), proof%reaches(1)%high(2), value, 1.0e-8_wp, 'crank-rocker: greatest angle')
+      call holds(proof%reaches(2)%low(1), proof%reaches(2)%high(1), 4.0_wp, 1.0e-9_wp, 'crank-rocker: A C least, q - crank')
+      call holds(proof%reaches(2)%low(2), proof%reaches(2)%high(2), 8.0_wp, 1.0e-9_wp, 'crank-rocker: A C greatest, q + crank')
+      at = place_on(proof, proof%reaches(1)%leg(2), proof%reaches(1)%way(2), .true.)
+      ! crank against the coupler, rocker and frame: 90 at the drawing
+      value = 180.0_wp + acos((16.0_wp + 36.0_wp - 25.0_wp)/48.0_wp)*degrees_per_radian - 90.0_wp
+      call t%close_to(at, value, 1.0e-3_wp, 'crank-rocker: where it is greatest')
+      call holds_samples(s, proof, 'crank-rocker')
+   end subroutine crank
+
+   !> Two geared cranks: the rods stretch where their ends are as far apart as both are long.
+   subroutine geared()
+      type(chain_study_t) :: s
+      type(chain_proof_t) :: proof
+      real(wp) :: low, high, middle
+      integer :: i
+
+      call prove(five_bar('0.5', 'NDES=3, DELT=0.0,20.0,340.0'), proof_of_turn, s, proof)
+      low = 340.0_wp
+      high = 358.0_wp
+      do i = 1, 80
+         middle = 0.5_wp*(low + high)
+         if (gap(middle) > 0.0_wp) low = middle
+         if (gap(middle) <= 0.0_wp) high = middle
+      end do
+      call t%is_true(size(proof%legs) == 1 .and. proof%legs(1)%turns_back, 'geared five-bar: one end, forwards')
+      call holds(place_on(proof, 1, proof%legs(1)%reached, .true.), place_on(proof, 1, proof%legs(1)%dead_high, .true.), low, &
+                 1.0e-8_wp, 'geared five-bar: where the rods stretch')
+      call t%is_true(proof%strayed == 0, 'geared five-bar: all positions are on this motion')
+      ! wheels of one size: every turn is like the first
+      call prove(five_bar('1.0', 'NDES=2, DELT=0.0,20.0'), proof_of_turn, s, proof)
+      call t%is_true(proof%complete .and. proof%returns, 'five-bar, ratio 1: stands as drawn after a turn')
+      call prove(five_bar('0.25', 'NDES=3, DELT=0.0,50.0,-100.0'), proof_of_inputs, s, proof)
+      call t%is_true(proof%complete .and. .not. proof%full_turn, 'five-bar, ratio 1/4: closes over the range asked for')
+   end subroutine geared
+
+   !> How much longer the rods are than the distance of their ends.
+   real(wp) function gap(turn)
+      real(wp), intent(in) :: turn             !! degrees of the first crank
+      complex(wp) :: b, g
+
+      b = cmplx(3.0_wp, 50.0_wp, wp)*cmplx(cos(turn*radians_per_degree), sin(turn*radians_per_degree), wp)
+      g = cmplx(5.0_wp, 49.0_wp, wp)*cmplx(cos(0.5_wp*turn*radians_per_degree), sin(0.5_wp*turn*radians_per_degree), wp) + 80.0_wp
+      gap = hypot(37.0_wp, 40.0_wp) + hypot(45.0_wp, 41.0_wp) - abs(b - g)
+   end function gap
+
+   function five_bar(ratio, method) result(text)
+      character(*), intent(in) :: ratio, method
+      character(:), allocatable :: text
+
+      text = 'GEARED FIVE-BAR'//nl//" &CHAIN JNT='A','B','C','G','E', JX=0.0,3.0,40.0,85.0,80.0, JY=0.0,50.0,90.0,49.0,0.0,"// &
+             " LNAME='frame','crank1','rod1','rod2','crank2', LNK='A E','A B','B C','C G','G E' &END"//nl// &
+             " &DRIVES DRIVE='A','E', RATIO=0.0,"//ratio//" &END &OUTPUTS OUTPUT='point C' &END &METHOD "//method//' &END'//nl
+   end function five_bar
+
+   !> A parallelogram: at 0 all links lie in one line, and nothing tells how it goes on.
+   subroutine change_point()
+      type(chain_study_t) :: s
+      type(chain_proof_t) :: proof
+
+      call prove('PARALLELOGRAM'//nl//" &CHAIN JNT='A','B','C','D', JX=0.0,0.0,4.0,4.0, JY=0.0,2.0,2.0,0.0, "// &
+                 "LNK='A D','A B','B C','C D' &END &DRIVES DRIVE='A' &END &OUTPUTS OUTPUT='point C' &END"//nl// &
+                 ' &METHOD NDES=2, DELT=0.0,5.0 &END'//nl, proof_of_turn, s, proof)
+      call t%is_true(.not. proof%complete .and. .not. any(proof%legs%turns_back), 'parallelogram: neither closes nor turns back')
+      call holds(place_on(proof, 1, proof%legs(1)%reached, .true.), 90.0_wp, 90.0_wp, 1.0e-3_wp, 'parallelogram: up to one line')
+      call holds(-90.0_wp, place_on(proof, 2, proof%legs(2)%reached, .true.), -90.0_wp, 1.0e-3_wp, 'parallelogram: and back')
+   end subroutine change_point
+
+   !> Random groups of four: brackets hold all samples, and no sample is found beyond a dead point.
+   subroutine triads()
+      type(chain_study_t) :: s
+      type(chain_proof_t) :: proof
+      character(:), allocatable :: text
+      real(wp) :: x(7), y(7)
+      integer :: n, i, closing, turning, sampled
+      integer, parameter :: linkages = 12
+
+      closing = 0
+      turning = 0
+      sampled = 0
+      call seed_reals()
+      do n = 1, linkages
+         call random_number(x)
+         call random_number(y)
+         x = 0.1_wp*x + [0.0_wp, 0.0_wp, 1.15_wp, 0.98_wp, 1.0_wp, 1.2_wp, 1.06_wp]
+         y = 0.1_wp*y + [-0.3_wp, 0.0_wp, 0.0_wp, 0.3_wp, 0.9_wp, 1.0_wp, 1.4_wp]
+         text = 'TRIAD '//to_text(n)//nl//" &CHAIN JNT='O','A','B','C','P','Q','R', JX="
+         do i = 1, 7
+            text = text//full_precision(x(i))//','
+         end do
+         text = text//nl//' JY='
+         do i = 1, 7
+            text = text//full_precision(y(i))//','
+         end do
+         text = text//nl//" LNK='O B C','O A','A P','B Q','C R','P Q R' &END &DRIVES DRIVE='O' &END"//nl// &
+                " &OUTPUTS OUTPUT='pose P P Q','distance P C','between P Q O A' &END &METHOD IKIN=3 &END"//nl
+         call prove(text, proof_of_turn, s, proof)
+         if (proof%complete) closing = closing + 1
+         turning = turning + count(proof%legs%turns_back)
+         call holds_samples(s, proof, 'triad '//to_text(n))
+         sampled = sampled + count(s%motion%closed)
+         call t%is_true(proof%strayed == 0, 'triad '//to_text(n)//': no position elsewhere', to_text(proof%strayed))
+         call t%is_true(all(s%motion%closed .eqv. within(s, proof)), 'triad '//to_text(n)//': positions close where proven')
+      end do
+      call t%is_true(turning >= linkages, 'triads: most stop at dead points', to_text(turning)//' of '//to_text(linkages))
+      call t%is_true(sampled >= 20*linkages, 'triads: there are samples', to_text(sampled))
+   end subroutine triads
+
+   !> Positions that are proven to be reached, forwards or backwards from the drawing.
+   function within(s, proof) result(inside)
+      type(chain_study_t), intent(in) :: s
+      type(chain_proof_t), intent(in) :: proof
+      logical :: inside(size(s%motion%closed))
+
+      inside = s%inputs(1, :) <= place_on(proof, 1, proof%legs(1)%reached, .true.)
+      if (size(proof%legs) < 2) return
+      inside = inside .or. s%inputs(1, :) >= 360.0_wp + place_on(proof, 2, proof%legs(2)%reached, .true.)
+   end function within
+
+   !> Three cylinders, from position to position; a line on which one cannot go on.
+   subroutine cylinders()
+      type(chain_study_t) :: s
+      type(chain_proof_t) :: proof
+
+      call prove(arm('0.1,0.2,-0.1', '0.0,0.1,0.1', '0.1,0.0,-0.1'), proof_of_inputs, s, proof)
+      call t%is_true(proof%complete .and. .not. proof%one_drive .and. size(proof%legs) == 3, 'three cylinders: proven')
+      call t%is_true(proof%strayed == 0, 'three cylinders: the positions are on it')
+      call holds_samples(s, proof, 'three cylinders')
+      call prove(arm('0.1,0.2,2.6', '0.0,0.1,0.1', '0.1,0.0,-0.1'), proof_of_inputs, s, proof)
+      call t%is_true(.not. proof%complete .and. count(proof%legs%complete) == 2, 'three cylinders: one line is not proven')
+      call t%is_true(proof%legs(3)%turns_back, 'three cylinders: a dead point on it')
+
+   end subroutine cylinders
+
+   function arm(first, second, third) result(text)
+      character(*), intent(in) :: first, second, third
+      character(:), allocatable :: text
+
+      text = 'EXCAVATOR ARM'//nl//" &CHAIN JNT='A','B','C','D','E','F','G','H','I','J','K','T',"//nl// &
+             ' JX=0.0,0.5,2.6,2.9,5.2,4.6,5.0,6.0,6.6,6.3,5.9,7.0, JY=1.5,1.0,3.4,3.9,3.2,3.9,3.7,1.9,1.6,2.3,2.4,0.5,'//nl// &
+             " LNK='A B','A C D E','E F G H K','H J','J I','K I T' &END"//nl// &
+             " &DRIVES DRIVE='B C','D F','G J', DELT2="//second//', DELT3='//third//' &END'//nl// &
+             " &OUTPUTS OUTPUT='point T','angle K T' &END &METHOD NDES=3, DELT="//first//' &END'//nl
+   end function arm
+
+   !> More constraints than are needed prove nothing.
+   subroutine braced()
+      type(chain_study_t) :: s
+      type(chain_proof_t) :: proof
+
+      call prove('THREE PARALLEL CRANKS'//nl//" &CHAIN JNT='A','B','C','D','E','F', JX=0.0,0.0,4.0,4.0,2.0,2.0, "// &
+                 "JY=0.0,2.0,2.0,0.0,0.0,2.0, KOVER=1, LNK='A D E','A B','B C F','C D','E F' &END"//nl// &
+                 " &DRIVES DRIVE='A' &END &OUTPUTS OUTPUT='point C' &END &METHOD NDES=2, DELT=0.0,5.0 &END"//nl, &
+                 proof_of_turn, s, proof)
+      call t%is_true(proof%braced > 0, 'three parallel cranks: superfluous constraints are told')
+   end subroutine braced
+
+   !> Every position found that is on the proven motion lies within the brackets, and they are not much wider than the samples.
+   subroutine holds_samples(s, proof, what)
+      type(chain_study_t), intent(in) :: s
+      type(chain_proof_t), intent(in) :: proof
+      character(*), intent(in) :: what
+      real(wp) :: least, greatest, slack, row(size(s%motion%closed))
+      logical :: inside(size(s%motion%closed))
+      integer :: n
+
+      inside = s%motion%closed
+      if (proof%full_turn) inside = inside .and. within(s, proof)
+      do n = 1, size(proof%reaches)
+         if (.not. proof%reaches(n)%bounded) cycle
+         row = s%values(n, 0, :)
+         if (what(:2) == 'tr' .and. (n == 3 .or. n == 5)) then
+            ! angles, as far from the drawing's as less than half a turn
+            row = row - 360.0_wp*anint((row - 0.5_wp*(proof%reaches(n)%low(1) + proof%reaches(n)%high(2)))/360.0_wp)
+         end if
+         least = minval(row, mask=inside)
+         greatest = maxval(row, mask=inside)
+         slack = 1.0e-12_wp*max(1.0_wp, abs(least), abs(greatest))
+         call t%is_true(proof%reaches(n)%low(1) <= least + slack .and. proof%reaches(n)%high(2) >= greatest - slack, &
+                        what//': number '//to_text(n)//' stays in its brackets', &
+                        full_precision(least)//' '//full_precision(greatest)//' in '//full_precision(proof%reaches(n)%low(1))// &
+                        ' '//full_precision(proof%reaches(n)%high(2)))
+      end do
+   end subroutine holds_samples
+
+   !> The same numbers in every run.
+   subroutine seed_reals()
+      integer, allocatable :: seed(:)
+      integer :: n, i
+
+      call random_seed(size=n)
+      seed = [(41*i + 7, i=1, n)]
+      call random_seed(put=seed)
+   end subroutine seed_reals
+end program test_proof_tube
