@@ -66,15 +66,21 @@ contains
 
    !> Each class of Grashof, with the shortest link at each place; a change point by exact sums.
    subroutine kinds()
-      call t%equal_integer(kind_of_four_bar(1.0_wp, 3.0_wp, 2.5_wp, 3.0_wp), kind_crank_rocker, 'shortest crank')
-      call t%equal_integer(kind_of_four_bar(3.0_wp, 1.0_wp, 2.5_wp, 3.0_wp), kind_double_rocker, 'shortest coupler')
-      call t%equal_integer(kind_of_four_bar(3.0_wp, 2.5_wp, 1.0_wp, 3.0_wp), kind_rocker_crank, 'shortest follower')
-      call t%equal_integer(kind_of_four_bar(3.0_wp, 2.5_wp, 3.0_wp, 1.0_wp), kind_double_crank, 'shortest frame')
-      call t%equal_integer(kind_of_four_bar(1.0_wp, 2.0_wp, 2.0_wp, 3.5_wp), kind_triple_rocker, 'not of Grashof')
-      call t%equal_integer(kind_of_four_bar(1.0_wp, 2.0_wp, 2.0_wp, 3.0_wp), kind_change_point, 'sums are equal')
-      call t%equal_integer(kind_of_four_bar(1.1_wp, 2.2_wp, 2.2_wp, 3.3_wp), kind_change_point, 'equal but for rounding')
-      call t%equal_integer(kind_of_four_bar(1.0_wp, 2.0_wp, 2.0_wp, 3.0_wp - 1.0e-9_wp), kind_crank_rocker, 'just of Grashof')
-      call t%equal_integer(kind_of_four_bar(1.0_wp, 2.0_wp, 2.0_wp, 3.0_wp + 1.0e-9_wp), kind_triple_rocker, 'just not')
+      call t%equal_integer(kind_of_four_bar(1.0_wp, 3.0_wp, 2.5_wp, 3.0_wp, .false.), kind_crank_rocker, 'shortest crank')
+      call t%equal_integer(kind_of_four_bar(3.0_wp, 1.0_wp, 2.5_wp, 3.0_wp, .false.), kind_double_rocker, 'shortest coupler')
+      call t%equal_integer(kind_of_four_bar(3.0_wp, 2.5_wp, 1.0_wp, 3.0_wp, .false.), kind_rocker_crank, 'shortest follower')
+      call t%equal_integer(kind_of_four_bar(3.0_wp, 2.5_wp, 3.0_wp, 1.0_wp, .false.), kind_double_crank, 'shortest frame')
+      call t%equal_integer(kind_of_four_bar(1.0_wp, 2.0_wp, 2.0_wp, 3.5_wp, .false.), kind_triple_rocker, 'not of Grashof')
+      call t%equal_integer(kind_of_four_bar(1.0_wp, 2.0_wp, 2.0_wp, 3.0_wp, .false.), kind_change_point, 'sums are equal')
+      call t%equal_integer(kind_of_four_bar(1.1_wp, 2.2_wp, 2.2_wp, 3.3_wp, .false.), kind_change_point, 'equal but for rounding')
+      call t%equal_integer(kind_of_four_bar(1.0_wp, 2.0_wp, 2.0_wp, 3.0_wp - 1.0e-9_wp, .false.), kind_crank_rocker, 'just of Grashof')
+      call t%equal_integer(kind_of_four_bar(1.0_wp, 2.0_wp, 2.0_wp, 3.0_wp + 1.0e-9_wp, .false.), kind_triple_rocker, 'just not')
+      call t%equal_integer(kind_of_four_bar(1.0_wp, 2.0_wp, 2.0_wp, 3.0_wp, .true.), kind_change_point, 'exactly equal')
+      call t%equal_integer(kind_of_four_bar(1.0_wp, 2.0_wp, 2.0_wp, nearest(3.0_wp, -1.0_wp), .true.), kind_crank_rocker, &
+                           'the next number below')
+      call t%equal_integer(kind_of_four_bar(1.0_wp, 2.0_wp, 2.0_wp, nearest(3.0_wp, 1.0_wp), .true.), kind_triple_rocker, &
+                           'the next number above')
+      call t%equal_integer(kind_of_four_bar(2.0_wp, 2.0_wp, 2.0_wp, 2.0_wp, .true.), kind_change_point, 'a rhombus')
    end subroutine kinds
 
    subroutine sum_up(problem, summary)

@@ -562,10 +562,10 @@ module psalm_board_text
    "n""},"//nl// &
    "  {""name"": ""geared_five_bar"", ""text"": ""! A five-bar whose two cranks are geared to each other on fixed centres: "// &
    "the second turns half as fast as the first. Such linkages draw\n! curves that no four-bar has. The gears are a ratio be"// &
-   "tween two drives.\n! Output: path of C.\nGEARED FIVE-BAR\n &CHAIN JNT='A','B','C','G','E', JX=0.0,3.0,40.0,85.0,80.0, J"// &
-   "Y=0.0,50.0,90.0,49.0,0.0,\n  LNAME='frame','crank1','rod1','rod2','crank2', LNK='A E','A B','B C','C G','G E' &END\n &D"// &
-   "RIVES DRIVE='A','E', RATIO=0.0,0.5 &END\n &OUTPUTS OUTPUT='point C' &END\n &METHOD NDES=7, DELT=-30.0,-20.0,-10.0,0.0,1"// &
-   "0.0,20.0,30.0 &END\n""},"//nl// &
+   "tween two drives.\n! Output: path of C, proven over the range of the inputs (IPROOF).\nGEARED FIVE-BAR\n &CHAIN JNT='A'"// &
+   ",'B','C','G','E', JX=0.0,3.0,40.0,85.0,80.0, JY=0.0,50.0,90.0,49.0,0.0,\n  LNAME='frame','crank1','rod1','rod2','crank2"// &
+   "', LNK='A E','A B','B C','C G','G E' &END\n &DRIVES DRIVE='A','E', RATIO=0.0,0.5 &END\n &OUTPUTS OUTPUT='point C' &END\"// &
+   "n &METHOD NDES=7, DELT=-30.0,-20.0,-10.0,0.0,10.0,20.0,30.0 &END\n &LIMITS IPROOF=2 &END\n""},"//nl// &
    "  {""name"": ""scissors_lift"", ""text"": ""! A scissors lift raised by a cylinder between its two arms: the drive floa"// &
    "ts, neither of its ends is on the frame. The cylinder is\n! named by its two joints; its stroke counts from the drawing"// &
    " (metres). Both shoes roll, one on the floor and one below the deck.\n! Output: height of the deck, and the leverage of"// &

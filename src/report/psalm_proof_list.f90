@@ -9,7 +9,8 @@ module psalm_proof_list
    use psalm_proof_motion, only: movement_t, dead_point_t, mover_output, mover_turning
    use psalm_proof_ranges, only: extreme_t, extreme_angle, extreme_slide, extreme_x, extreme_y, extreme_output, extreme_distance
    use psalm_proof_study, only: proof_study_t
-   use psalm_text, only: text_t, full_precision, general, to_text
+   use psalm_summary_text, only: name_of_kind
+   use psalm_text, only: text_t, full_precision, general, to_text, upper_case
    implicit none (type, external)
    private
    public :: list_proof, write_proof, describe_proof
@@ -48,6 +49,9 @@ contains
             call list_circuits(study, text)
          end if
       end associate
+      do i = 1, size(study%kinds)
+         call text%add('   LOOP '//to_text(study%kinds(i)%loop)//': '//upper_case(name_of_kind(study%kinds(i)%kind)))
+      end do
       call list_extremes(study, text)
       call list_movement(study, text)
    end subroutine list_proof

@@ -7,7 +7,7 @@ module psalm_summary_text
    use psalm_text, only: text_t, to_text
    implicit none (type, external)
    private
-   public :: write_summary, plain_number
+   public :: write_summary, plain_number, name_of_kind
 
    integer, parameter :: most_listed = 4     !! of ranges, kinds or inputs on one line
    integer, parameter :: label_columns = 20
@@ -82,6 +82,7 @@ contains
       words = words//and_more(size(kinds))
    end function kind_words
 
+   !> What a loop is, in words.
    pure function name_of_kind(kind) result(name)
       integer, intent(in) :: kind
       character(:), allocatable :: name

@@ -12,6 +12,7 @@ module psalm_proof_study
    use psalm_proof, only: proof_t, subject_t, prepare_subject, bind_subject, prove_closure, piece_closes
    use psalm_proof_motion, only: movement_t, span_t, prove_movement
    use psalm_proof_ranges, only: extreme_t, prove_extremes, prove_tolerance, extreme_output, extreme_distance, extreme_ratio
+   use psalm_summary, only: loop_kind_t, kinds_of
    implicit none (type, external)
    private
    public :: proof_study_t, study_proof, study_closure, proof_wanted, no_proof, proof_of_turn, proof_of_inputs
@@ -27,6 +28,7 @@ module psalm_proof_study
       logical :: full_turn = .false.         !! the range is a full turn, whose end is its beginning
       type(proof_t) :: proof
       type(extreme_t), allocatable :: extremes(:)
+      type(loop_kind_t), allocatable :: kinds(:) !! of loops that are a four-bar, by the lengths exactly as given
       type(movement_t) :: movement           !! dead points, velocity ratio, strokes, dwells
       real(wp) :: dwell = 0.0_wp             !! amount of a dwell, degrees or length; 0: none are looked for
       real(wp) :: tolerance = 0.0_wp         !! deviations of all lengths for which it is proven to close over the range
@@ -58,11 +60,15 @@ contains
       integer, intent(in) :: range                 !! one of `proof_of_...`
       real(wp), intent(in) :: dwell                !! amount of a dwell; 0: none are looked for
       type(proof_study_t), intent(out) :: study
+      type(problem_t), allocatable :: bound
       type(subject_t), allocatable :: subject
 
       allocate (subject)
       call study_closure(problem, dimensions, range, study, subject)
       if (study%empty) return
+      allocate (bound, source=problem)
+      call bound%bind(dimensions)
+      study%kinds = kinds_of(bound, dimensions, .true.)
       study%dwell = dwell
       call prove_movement(subject, study%proof, dwell, study%movement)
       call add_output(study)

@@ -7,6 +7,7 @@ module psalm_summary
    use psalm_angles, only: arc_sine, nearest_difference, within_turn
    use psalm_dyad_kind, only: assur_prr, assur_rrp, assur_rrr, form_of, form_t
    use psalm_elementary, only: hypotenuse
+   use psalm_exact_sum, only: sign_of_sum
    use psalm_error, only: problem_t, motion_t
    use psalm_kinds, only: wp, full_turn, right_angle
    use psalm_output_kind, only: motion_point, motion_angle, motion_pose
@@ -17,7 +18,7 @@ module psalm_summary
    use psalm_mechanism, only: mechanism_t
    implicit none (type, external)
    private
-   public :: summary_t, loop_kind_t, span_t, summarise, kind_of_four_bar
+   public :: summary_t, loop_kind_t, span_t, summarise, kinds_of, kind_of_four_bar
    public :: kind_none, kind_crank_rocker, kind_double_crank, kind_double_rocker, kind_rocker_crank, kind_triple_rocker, &
              kind_change_point, kind_slider_turning, kind_slider_swinging
 
@@ -117,7 +118,7 @@ contains
       end associate
       if (problem%motion /= motion_angle) summary%unbounded = max(-summary%output%low, summary%output%high, &
          -summary%output_y%low, summary%output_y%high) > far*maxval(dimensions%arcl)
-      summary%kinds = kinds_of(fine%problem, dimensions)
+      summary%kinds = kinds_of(fine%problem, dimensions, .false.)
 
    contains
 
@@ -518,9 +519,12 @@ contains
    end function input_of
 
    !> Loops that are a four-bar or a slider-crank driven at the input crank.
-   function kinds_of(problem, dimensions) result(kinds)
+   !>
+   !> `exactly`: four-bars of four lengths as given alone, of which no rounding is forgiven.
+   function kinds_of(problem, dimensions, exactly) result(kinds)
       type(problem_t), intent(in) :: problem       !! bound to the dimensions
       type(dimensions_t), intent(in) :: dimensions
+      logical, intent(in) :: exactly
       type(loop_kind_t), allocatable :: kinds(:)
       real(wp) :: crank, frame, x, y, c, s, across, link
       integer :: loop, p, q, a
@@ -535,12 +539,14 @@ contains
             if (p < 2) cycle
             if (any(plan%root([(mechanism%seq(loop, a), a=1, p - 1)]) /= root_crank)) cycle
             if (any(plan%root([(mechanism%seq(loop, a), a=q + 1, mechanism%loops(loop)%arcs)]) /= root_frame)) cycle
+            if (exactly .and. (p /= 2 .or. q /= mechanism%loops(loop)%arcs - 1 .or. mechanism%groups(loop)%kind /= assur_rrr)) cycle
             call sum_of_arcs(loop, 1, p - 1, crank, x, y)
             call sum_of_arcs(loop, q + 1, mechanism%loops(loop)%arcs, frame, x, y)
             link = dimensions%arcl(mechanism%seq(loop, p))
             select case (mechanism%groups(loop)%kind)
             case (assur_rrr)
-               kinds = [kinds, loop_kind_t(loop, kind_of_four_bar(crank, link, dimensions%arcl(mechanism%seq(loop, q)), frame))]
+               kinds = [kinds, loop_kind_t(loop, kind_of_four_bar(crank, link, dimensions%arcl(mechanism%seq(loop, q)), frame, &
+                                                                  exactly))]
             case (assur_rrp)
                c = problem%linkage%x(mechanism%seq(loop, q))
                s = problem%linkage%y(mechanism%seq(loop, q))
@@ -572,13 +578,22 @@ contains
    end function kinds_of
 
    !> Kind of a four-bar by the rule of Grashof: shortest and longest link against the other two.
-   pure integer function kind_of_four_bar(crank, coupler, follower, frame) result(kind)
+   pure integer function kind_of_four_bar(crank, coupler, follower, frame, exactly) result(kind)
       real(wp), intent(in) :: crank, coupler, follower, frame   !! lengths; the input turns the crank
-      real(wp) :: links(4), excess
+      logical, intent(in) :: exactly                            !! else sums equal but for rounding are equal
+      real(wp) :: links(4), signs(4), excess
 
       links = [crank, coupler, follower, frame]
-      excess = 2.0_wp*(minval(links) + maxval(links)) - sum(links)
-      if (abs(excess) <= rounding*sum(links)) then
+      if (exactly) then
+         signs = -1.0_wp
+         signs(minloc(links, dim=1)) = 1.0_wp
+         signs(maxloc(links, dim=1, back=.true.)) = 1.0_wp
+         excess = real(sign_of_sum(signs*links), wp)
+      else
+         excess = 2.0_wp*(minval(links) + maxval(links)) - sum(links)
+         if (abs(excess) <= rounding*sum(links)) excess = 0.0_wp
+      end if
+      if (abs(excess) <= 0.0_wp) then
          kind = kind_change_point
       else if (excess > 0.0_wp) then
          kind = kind_triple_rocker
