@@ -109,7 +109,7 @@ contains
       call report_rates(set, problem, rates, devices, forces, machine)
       if (proof_wanted(set, .false.) /= no_proof) then
          allocate (proof)
-         call study_proof(problem, prepared%given, proof_wanted(set, .false.), set%dwell, proof)
+         call study_proof(set, problem, prepared%given, proof_wanted(set, .false.), proof)
          call report_proof(set, proof, devices)
       end if
       if (arguments%quiet .or. devices%summarised == most_summarised) return

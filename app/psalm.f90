@@ -186,7 +186,7 @@ contains
       if (set%sweep%given) call run_family(set, problem%mechanism, dimensions, devices)
       if (proof_wanted(set, prepared%parameters%has_search()) /= no_proof) then
          allocate (proof)
-         call study_proof(problem, dimensions, proof_wanted(set, prepared%parameters%has_search()), set%dwell, proof)
+         call study_proof(set, problem, dimensions, proof_wanted(set, prepared%parameters%has_search()), proof)
          call report_proof(set, proof, devices)
       end if
       call report_violations(set, problem, analysis, devices)

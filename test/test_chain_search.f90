@@ -208,6 +208,14 @@ contains
                 'the joint that it is for is missing')
       call told(" &END &DRIVES DRIVE='A' &END &METHOD NDES=1, DELT=0.0 &END &CONSTR NREGN=1, RKIND=3, RJNT='Q', "// &
                 'RPLACE=0.,0.,1.,0. &END', "no joint is called 'Q'")
+      call told(" &END &DRIVES DRIVE='A' &END &METHOD NDES=1, DELT=0.0 &END &CONSTR NSEG=1, SJNT='A Q' &END", &
+                "no joint is called 'Q'")
+      call told(" &END &DRIVES DRIVE='A' &END &METHOD NDES=1, DELT=0.0 &END &CONSTR NSEG=1, SJNT='A' &END", &
+                "two joints are expected, as 'A B'; found 'A'")
+      call told(" &END &DRIVES DRIVE='A' &END &METHOD NDES=1, DELT=0.0 &END &CONSTR NSEG=2, SJNT='A D' &END", &
+                'the two joints between which it lies are missing')
+      call told(" &END &DRIVES DRIVE='A' &END &METHOD NDES=1, DELT=0.0 &END &CONSTR NSEG=1, SLINK=1,2, SLOOP=1,1 &END", &
+                'the joints of a sketch are named, SJNT')
       call told(" &END &DRIVES DRIVE='A' &END &METHOD NDES=1, DELT=0.0 &END &CONSTR IRANGE=2 &END", 'a proof between the positions')
    end subroutine refused
 

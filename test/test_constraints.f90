@@ -4,12 +4,12 @@ program test_constraints
    use cases, only: load_case, names
    use check, only: checks_t
    use psalm_constraint_group, only: region_t, region_box, region_half_plane, region_circle, range_turn, range_inputs, &
-                                     range_positions
+                                     range_positions, segment_t, every_segment
    use psalm_data_set, only: data_set_t
    use psalm_error, only: problem_t
    use psalm_kinds, only: wp, degrees_per_radian
    use psalm_margins, only: inspector_t, margin_t, prepare_inspector, inspect, is_violated, margin_angle, margin_slides, &
-                            margin_region
+                            margin_clearance
    use psalm_merit, only: merit_t, prepare_merit, put_in_order
    use psalm_nlp, only: normal_equations_t
    use psalm_solver_kind, only: find_solver
@@ -205,14 +205,19 @@ contains
       integer :: v, variant, n
       real(wp), parameter :: h = 1.0e-5_wp, weight = 3.0_wp
 
-      do variant = 1, 4
-         if (variant <= 2) then
+      do variant = 1, 6
+         if (variant <= 2 .or. variant > 4) then
             call load_case('path18', problem, set)
             deallocate (set%constr%regions)
             allocate (set%constr%regions(2))
             set%constr%regions(1) = region_t(region_circle, .true., [0.3_wp, 0.6_wp, 0.2_wp, 0.0_wp], 0, 0)
             set%constr%regions(2) = region_t(region_box, .false., [-2.0_wp, 0.0_wp, 2.0_wp, 2.0_wp], 2, 1)
             set%tangle = 20.0_wp
+            if (variant > 4) then
+               call make_links_wide(set)
+               ! no two links in one line, where the nearer side changes
+               call problem%move_inputs(problem%delt + 3.7_wp)
+            end if
          else
             ! two slides, out of their limits and past parallel
             call load_case('dyad8_tangent_mechanism', problem, set, vary=.true.)
@@ -220,7 +225,8 @@ contains
             call problem%move_inputs(problem%delt + 43.3_wp)
          end if
          set%ifree = merge(1, 0, mod(variant, 2) == 1)
-         set%constr%irange = merge(range_positions, merge(range_turn, range_inputs, variant <= 2), mod(variant, 2) == 1)
+         set%constr%irange = merge(range_turn, range_inputs, variant <= 2 .or. variant > 4)
+         if (mod(variant, 2) == 1) set%constr%irange = range_positions
          values = problem%parameters%first_values(problem%given)
          call prepare_merit(set, problem, values, merit)
          x = merit%point(values, merit%delt)
@@ -242,6 +248,21 @@ contains
       end do
 
    end subroutine gradients
+
+   !> The crank and a wall of the frame, the coupler and a post, and a box for both: all too near each other.
+   subroutine make_links_wide(set)
+      type(data_set_t), intent(inout) :: set
+
+      set%constr%segments = [segment_t([1, 0], [1, 1], [0, 0], 0.05_wp, 0.0_wp, 0), &
+                             segment_t([1, 0], [1, 0], [0, 0], 0.1_wp, 0.2_wp, 0), &
+                             segment_t([2, 3], [1, 1], [0, 0], 0.1_wp, 0.0_wp, 0), &
+                             segment_t([0, 3], [1, 1], [0, 0], 0.3_wp, 0.1_wp, 0)]
+      set%constr%regions(1)%segment = every_segment
+      set%constr%regions(2)%clearance = 0.1_wp
+      set%constr%regions = [set%constr%regions, &
+                            region_t(region_circle, .false., [0.2_wp, 0.3_wp, 0.1_wp, 0.0_wp], segment=2, clearance=0.05_wp), &
+                            region_t(region_box, .false., [0.1_wp, 0.1_wp, 0.4_wp, 0.5_wp], segment=every_segment)]
+   end subroutine make_links_wide
 
    !> Merit and constraints with one unknown changed: a dimension or an input.
    subroutine change(merit, x, v, by, weight, total, each)
@@ -299,7 +320,7 @@ contains
       set%constr%regions(1) = region_t(region_circle, .true., [0.0_wp, 0.0_wp, 0.5_wp*a, 0.0_wp], 1, 1)
       call prepare_inspector(set, problem, .true., inspector)
       call inspect(inspector, problem%given, problem%delt, margins)
-      margins = pack(margins, margins%kind == margin_region)
+      margins = pack(margins, margins%kind == margin_clearance)
       call t%close_to(margins(1)%margin, -0.5_wp*a, 1.0e-12_wp, 'the crank pin is half a crank outside its circle')
       call t%is_true(is_violated(margins(1)), 'and that is a violation')
 
@@ -324,7 +345,7 @@ contains
       end associate
       call prepare_inspector(set, problem, .true., inspector)
       call inspect(inspector, problem%given, problem%delt, margins)
-      margins = pack(margins, margins%kind == margin_region)
+      margins = pack(margins, margins%kind == margin_clearance)
       call t%equal_integer(size(margins), 1, 'one margin for a box')
       call t%close_to(margins(1)%margin, -1.0e-4_wp, 1.0e-7_wp, 'a short trespass over one edge, running along another')
    end subroutine box_of_slider
@@ -445,7 +466,7 @@ contains
          end associate
          call prepare_inspector(set, problem, .true., inspector)
          call inspect(inspector, problem%given, problem%delt, margins)
-         margins = pack(margins, margins%kind == margin_region)
+         margins = pack(margins, margins%kind == margin_clearance)
          call t%close_to(margins(1)%margin, -depth(i), 1.0e-12_wp, 'depth of a slider in a region')
          call t%is_true(is_violated(margins(1)) .eqv. i == 2, 'a violation only beyond rounding')
       end do

@@ -35,6 +35,7 @@ program test_input
    call wrong_topology()
    call wrong_references()
    call wrong_regions()
+   call wrong_segments()
    call wrong_notation()
    call warnings()
    call t%report()
@@ -425,7 +426,25 @@ contains
       call wrong_constr('NREGN=1, RKIND=3, RPLACE=0.,1.,2.,0., RLINK=5, RLOOP=1', 'negative for the joint at its start); found 5')
       call wrong_constr('NREGN=1, RKIND=3, RPLACE=0.,1.,2.,0., RLOOP=1', 'the number of an arc is expected')
       call wrong_constr('IRANGE=3', 'must be from 0 to 2')
+      call wrong_constr('NREGN=1, RKIND=3, RPLACE=0.,1.,2.,0., RCLEAR=-1.', 'a least distance is at least 0')
+      call wrong_constr('NREGN=1, RKIND=3, RPLACE=0.,1.,2.,0., RSEG=1', 'the number of a segment is expected')
+      call wrong_constr('NREGN=1, RKIND=3, RPLACE=0.,1.,2.,0., RSEG=-1', 'there are no segments; give NSEG')
+      call wrong_constr('NSEG=1, SLINK=-1,1, SLOOP=2*1, NREGN=1, RKIND=3, RPLACE=0.,1.,2.,0., RSEG=1, RLINK=1, RLOOP=1', &
+                        'cannot be for a joint too')
    end subroutine wrong_regions
+
+   !> Links with a width that cannot be meant.
+   subroutine wrong_segments()
+      call wrong_constr('SLINK=-1,1, SLOOP=1,1', 'links as segments are given, but not their number NSEG')
+      call wrong_constr('NSEG=101', 'NSEG')
+      call wrong_constr('NSEG=1, SLINK=1,1, SLOOP=1,1', 'its two points are one')
+      call wrong_constr('NSEG=1, SLINK=1,2, SLOOP=0,1', 'arc 1 is named, but not its loop')
+      call wrong_constr('NSEG=1, SLINK=-1,1, SLOOP=1,2', 'there is no loop 2')
+      call wrong_constr('NSEG=1, SLINK=-1,5, SLOOP=1,1', 'negative for the joint at its start); found 5')
+      call wrong_constr('NSEG=1, SLINK=-1,1, SLOOP=1,1, SWIDTH=-2.', 'a width is at least 0')
+      call wrong_constr('NSEG=1, SLINK=-1,1, SLOOP=1,1, SCLEAR=-2.', 'a least distance is at least 0')
+      call wrong_constr("NSEG=1, SLINK=-1,1, SLOOP=1,1, SJNT='A B'", 'joints have names in a sketch (&CHAIN) only')
+   end subroutine wrong_segments
 
    subroutine wrong_constr(items, words)
       character(*), intent(in) :: items, words

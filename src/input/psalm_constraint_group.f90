@@ -1,36 +1,41 @@
-!> The group CONSTR: where closure and transmission angles must hold, and where joints must not go.
+!> The group CONSTR: where closure and transmission angles must hold, and where joints and links must not go.
 module psalm_constraint_group
    use psalm_group, only: group_t, check_range, out_of
    use psalm_kinds, only: wp
+   use psalm_segment_items, only: segment_t, read_segments
    use psalm_sketch, only: sketch_t
    use psalm_sketch_names, only: meant
    use psalm_status, only: diagnostics_t
    use psalm_text, only: shortened, to_text
    implicit none (type, external)
    private
-   public :: constraint_group_t, region_t, read_constraint_group
-   public :: range_positions, range_inputs, range_turn, region_box, region_half_plane, region_circle
+   public :: constraint_group_t, region_t, segment_t, read_constraint_group
+   public :: range_positions, range_inputs, range_turn, region_box, region_half_plane, region_circle, every_segment
 
    integer, parameter :: range_positions = 0   !! IRANGE: at the prescribed positions
    integer, parameter :: range_inputs = 1      !! from the lowest to the highest prescribed input
    integer, parameter :: range_turn = 2        !! over a full turn of the crank
    integer, parameter :: region_box = 1, region_half_plane = 2, region_circle = 3 !! RKIND
+   integer, parameter :: every_segment = -1    !! RSEG: for each link
    integer, parameter :: most_regions = 1000   !! above this NREGN is taken for a slip of the pen
    integer, parameter :: numbers_of_region = 4
 
-   !> A region of the machine plane that a joint must keep out of, or stay inside of.
+   !> A region of the machine plane that a joint or a link must keep out of, or stay inside of.
    type :: region_t
       integer :: kind = region_box
       logical :: stay_inside = .false.    !! the outside is forbidden
       real(wp) :: at(numbers_of_region) = 0.0_wp !! two corners; point and angle of the edge; centre, radius
       integer :: arc = 0, loop = 0        !! the joint: finish of the arc (of arc 0: the input pivot); loop 0: output point
       integer :: joint = 0                !! the joint of a sketch
+      integer :: segment = 0              !! for this link and no joint; `every_segment`
+      real(wp) :: clearance = 0.0_wp      !! least distance from what is forbidden
    end type region_t
 
    type :: constraint_group_t
       logical :: given = .false.          !! the group was given
       integer :: irange = range_positions
       type(region_t), allocatable :: regions(:)
+      type(segment_t), allocatable :: segments(:)
    end type constraint_group_t
 
 contains
@@ -42,8 +47,8 @@ contains
       type(sketch_t), intent(in) :: sketch   !! its joints are called by their names
       type(constraint_group_t), intent(inout) :: constr
       type(diagnostics_t), intent(inout) :: findings
-      integer, allocatable :: kinds(:), links(:), loops(:)
-      real(wp), allocatable :: numbers(:)
+      integer, allocatable :: kinds(:), links(:), loops(:), segments(:)
+      real(wp), allocatable :: numbers(:), distances(:)
       character(:), allocatable :: names(:)
       type(diagnostics_t) :: unused
       integer :: n, r, given
@@ -51,14 +56,17 @@ contains
       constr%given = group%line > 0
       call group%get_integer('IRANGE', constr%irange, findings)
       call check_range(group, 'IRANGE', constr%irange, range_positions, range_turn, findings)
+      call read_segments(group, nloop, maxarc, sketch, constr%segments, findings)
       n = 0
       call group%get_integer('NREGN', n, findings)
       call check_range(group, 'NREGN', n, 0, most_regions, findings)
       n = min(max(n, 0), most_regions)
-      allocate (constr%regions(n), kinds(n), links(n), loops(n))
+      allocate (constr%regions(n), kinds(n), links(n), loops(n), segments(n))
       kinds = 0
       links = 0
       loops = 0
+      segments = 0
+      allocate (distances(n), source=0.0_wp)
       allocate (numbers(numbers_of_region*n), source=0.0_wp)
       if (n == 0 .and. (group%given('RKIND') .or. group%given('RPLACE'))) then
          call findings%error('regions are given, but not their number NREGN', line=group%line, group='CONSTR', item='NREGN')
@@ -80,6 +88,9 @@ contains
             region%loop = loops(r)
             region%arc = links(r)
             if (links(r) < 0) region%arc = -links(r) - 1
+            region%segment = segments(r)
+            region%clearance = distances(r)
+            if (distances(r) < 0.0_wp) call wrong('RCLEAR', 'a least distance is at least 0', r)
             select case (region%kind)
             case (region_box)
                if (region%at(1) == region%at(3) .or. region%at(2) == region%at(4)) call wrong('RPLACE', 'the box has no extent', r)
@@ -93,7 +104,9 @@ contains
                call wrong('RKIND', '1 (box), 2 (half-plane), 3 (circle) is expected, negative: outside forbidden; found '// &
                           to_text(kinds(r)), r)
             end select
-            if (sketch%given) then
+            if (region%segment /= 0) then
+               call check_segment(region, r)
+            else if (sketch%given) then
                call find_joint(region, r)
             else if (region%loop == 0 .and. links(r) /= 0) then
                call wrong('RLOOP', 'arc '//to_text(links(r))//' is named, but not its loop', r)
@@ -124,6 +137,23 @@ contains
          end if
       end subroutine find_joint
 
+      !> A region for a link is for no joint.
+      subroutine check_segment(region, which)
+         type(region_t), intent(in) :: region
+         integer, intent(in) :: which
+
+         if (region%segment < every_segment .or. region%segment > size(constr%segments)) then
+            call wrong('RSEG', 'the number of a segment is expected (-1: every segment, 0: a joint); found '// &
+                       to_text(region%segment)//', and NSEG is '//to_text(size(constr%segments)), which)
+         else if (region%segment == every_segment .and. size(constr%segments) == 0) then
+            call wrong('RSEG', 'there are no segments; give NSEG', which)
+         else if (links(which) /= 0 .or. region%loop /= 0) then
+            call wrong('RLINK', 'it is for a segment (RSEG) and cannot be for a joint too', which)
+         else if (which <= size(names)) then
+            if (len_trim(names(which)) > 0) call wrong('RJNT', 'it is for a segment (RSEG) and cannot be for a joint too', which)
+         end if
+      end subroutine check_segment
+
       subroutine read_places(told)
          type(diagnostics_t), intent(inout) :: told
 
@@ -131,6 +161,8 @@ contains
          call group%get_integers('RLINK', links, told)
          call group%get_integers('RLOOP', loops, told)
          call group%get_texts('RJNT', names, told)
+         call group%get_integers('RSEG', segments, told)
+         call group%get_reals('RCLEAR', distances, told)
          call group%get_reals('RPLACE', numbers, told, numbers_of_region, last=given)
       end subroutine read_places
 

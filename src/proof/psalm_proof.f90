@@ -40,6 +40,7 @@ module psalm_proof
       type(fine_models_t) :: fine_models
       integer :: output_motion = -1             !! MOTION; -1: there is no output
       integer, allocatable :: output_path(:)    !! steps to the output point; empty: the output is none
+      integer :: pivot = 0, tip = 0             !! steps: from the machine's origin to the input pivot, the output arc; 0: none
       integer :: output_arc = 0                 !! the arc that the output arc hangs on, or that is the output
       real(wp) :: output_x = 1.0_wp, output_y = 0.0_wp !! unit vector of the output arc from its root
    end type subject_t
@@ -67,23 +68,26 @@ module psalm_proof
 contains
 
    !> Make a topology ready.
-   pure subroutine prepare_subject(mechanism, plan, subject)
+   pure subroutine prepare_subject(mechanism, plan, subject, placed)
       type(mechanism_t), intent(in) :: mechanism
       type(plan_t), intent(in) :: plan       !! of the same mechanism; what is not in it is not proven
       type(subject_t), intent(out) :: subject
+      logical, intent(in), optional :: placed !! places of points in the machine are asked for, whatever the output
 
       call make_proof_plan(mechanism, plan, subject%plan)
-      call add_output(mechanism, plan, subject)
+      call add_output(mechanism, plan, placed, subject)
    end subroutine prepare_subject
 
    !> The way to the output point: an arc from the machine's origin to the input pivot, the plan's arcs, the output arc.
-   pure subroutine add_output(mechanism, plan, subject)
+   pure subroutine add_output(mechanism, plan, placed, subject)
       type(mechanism_t), intent(in) :: mechanism
       type(plan_t), intent(in) :: plan
+      logical, intent(in), optional :: placed
       type(subject_t), intent(inout) :: subject
       type(output_kind_t) :: kind
       type(proof_step_t) :: pivot, tip
       integer :: n, base
+      logical :: wanted
 
       allocate (subject%output_path(0))
       subject%output_motion = mechanism%outputs(1)%motion
@@ -91,7 +95,9 @@ contains
       n = size(plan%root)
       base = mechanism%outputs(1)%arc
       subject%output_arc = base
-      if (.not. kind%has_point) return
+      wanted = kind%has_point
+      if (present(placed)) wanted = wanted .or. placed
+      if (.not. wanted) return
       pivot%arc = n + 1
       pivot%fixed = .true.
       tip%arc = n + 2
@@ -99,7 +105,9 @@ contains
       associate (proof => subject%plan)
          proof%root = [proof%root, root_frame, plan%root(base)]
          proof%slot = [proof%slot, 0, 0]
-         subject%output_path = [size(proof%steps) + 1, path_of(proof, plan%output_point), size(proof%steps) + 2]
+         subject%pivot = size(proof%steps) + 1
+         subject%tip = size(proof%steps) + 2
+         if (kind%has_point) subject%output_path = [subject%pivot, path_of(proof, plan%output_point), subject%tip]
          proof%steps = [proof%steps, pivot, tip]
       end associate
    end subroutine add_output
@@ -122,7 +130,7 @@ contains
       call unit_vector_quad(angle(subject%output_arc) + real(dimensions%outang, qp), x, y)
       subject%output_x = real(x, wp)
       subject%output_y = real(y, wp)
-      if (size(subject%output_path) == 0) then
+      if (subject%pivot == 0) then
          call take_numbers(dimensions%arcl, angle, subject)
       else
          call take_numbers([dimensions%arcl, dimensions%origlk, dimensions%outlk], [angle, real(dimensions%origng, qp), &

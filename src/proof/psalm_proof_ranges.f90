@@ -15,7 +15,7 @@ module psalm_proof_ranges
    use psalm_quad, only: qp
    implicit none (type, external)
    private
-   public :: extreme_t, prove_extremes, prove_tolerance
+   public :: extreme_t, prove_extremes, prove_tolerance, list_places
    public :: extreme_angle, extreme_slide, extreme_x, extreme_y, extreme_output, extreme_distance, extreme_ratio
 
    integer, parameter :: extreme_angle = 1   !! transmission angle of a loop, degrees: between its links, or link and slide's normal

@@ -1,18 +1,19 @@
 !> How far the linkage is inside its constraints, for the listing.
 module psalm_margin_list
-   use psalm_constraint_group, only: range_positions, range_inputs, region_t
+   use psalm_clearances, only: clearance_t, list_clearances
+   use psalm_constraint_group, only: range_positions, range_inputs
    use psalm_data_set, only: data_set_t
    use psalm_error, only: problem_t
    use psalm_kinds, only: wp
    use psalm_angles, only: within_turn
    use psalm_margins, only: margin_t, is_violated, margin_angle, margin_slides, margin_guide, margin_offset, &
-                             margin_region, margin_bound
+                             margin_clearance, margin_bound
    use psalm_text, only: text_t, general, to_text
    use psalm_dimensions, only: dimensions_t
    use psalm_parameters, only: name_of
    implicit none (type, external)
    private
-   public :: list_margins, describe_margin
+   public :: list_margins, describe_margin, name_of_clearance
 
    integer, parameter :: name_columns = 44   !! width of a constraint's name
 
@@ -74,6 +75,8 @@ contains
       type(problem_t), intent(in) :: problem
       type(margin_t), intent(in) :: margin
       character(:), allocatable :: name
+      type(clearance_t), allocatable :: clearances(:)
+      integer, allocatable :: joints(:, :)
 
       select case (margin%kind)
       case (margin_angle)
@@ -84,8 +87,9 @@ contains
          name = 'GUIDE AND TOGGLE, LOOP '//to_text(margin%which)
       case (margin_offset)
          name = 'OFFSET AND TOGGLE, LOOP '//to_text(margin%which)
-      case (margin_region)
-         name = 'REGION '//to_text(margin%which)//', '//joint_name(set%constr%regions(margin%which))
+      case (margin_clearance)
+         call list_clearances(set%constr, problem%mechanism, problem%given%outlk <= 0.0_wp, clearances, joints)
+         name = name_of_clearance(set, clearances(margin%which))
       case (margin_bound)
          name = 'BOUND, '//name_of(problem%parameters%variables(margin%which))
       case default
@@ -93,13 +97,48 @@ contains
       end select
    end function name_of_margin
 
-   pure function joint_name(region) result(name)
-      type(region_t), intent(in) :: region
+   !> What keeps apart from what.
+   pure function name_of_clearance(set, clearance) result(name)
+      type(data_set_t), intent(in) :: set
+      type(clearance_t), intent(in) :: clearance
       character(:), allocatable :: name
 
-      name = 'OUTPUT POINT'
-      if (region%loop == 0) return
-      name = 'FINISH OF ARC '//to_text(region%arc)//' IN LOOP '//to_text(region%loop)
-      if (region%arc == 0) name = 'INPUT PIVOT'
-   end function joint_name
+      if (clearance%region == 0) then
+         name = 'LINKS '//segment_name(clearance%segments(1))//' AND '//segment_name(clearance%segments(2))
+      else if (clearance%segments(1) > 0) then
+         name = 'REGION '//to_text(clearance%region)//', LINK '//segment_name(clearance%segments(1))
+      else
+         name = 'REGION '//to_text(clearance%region)//', '//joint_name()
+      end if
+
+   contains
+
+      !> Number of a segment, and its joints as the user calls them.
+      pure function segment_name(number) result(words)
+         integer, intent(in) :: number
+         character(:), allocatable :: words
+
+         words = to_text(number)
+         if (.not. set%sketch%given) return
+         associate (joints => set%constr%segments(number)%joints)
+            words = trim(set%sketch%joint_name(joints(1)))//'-'//trim(set%sketch%joint_name(joints(2)))
+         end associate
+      end function segment_name
+
+      pure function joint_name() result(words)
+         character(:), allocatable :: words
+
+         associate (region => clearance%shape)
+            if (set%sketch%given) then
+               words = 'JOINT '//trim(set%sketch%joint_name(region%joint))
+            else if (region%loop == 0) then
+               words = 'OUTPUT POINT'
+            else if (region%arc == 0) then
+               words = 'INPUT PIVOT'
+            else
+               words = 'FINISH OF ARC '//to_text(region%arc)//' IN LOOP '//to_text(region%loop)
+            end if
+         end associate
+      end function joint_name
+   end function name_of_clearance
 end module psalm_margin_list

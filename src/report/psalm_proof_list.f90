@@ -3,12 +3,14 @@
 !> Ends are rounded inwards: what is printed stays true.
 module psalm_proof_list
    use psalm_block, only: begin_block
+   use psalm_data_set, only: data_set_t
    use psalm_kinds, only: wp, dp
+   use psalm_margin_list, only: name_of_clearance
    use psalm_proof, only: proof_t, limit_t, touch_exact, piece_closes, piece_opens, piece_undecided, cause_too_short, &
                           cause_difference, cause_guide, cause_link, cause_parallel
    use psalm_proof_motion, only: movement_t, dead_point_t, mover_output, mover_turning
    use psalm_proof_ranges, only: extreme_t, extreme_angle, extreme_slide, extreme_x, extreme_y, extreme_output, extreme_distance
-   use psalm_proof_study, only: proof_study_t
+   use psalm_proof_study, only: proof_study_t, kept_t
    use psalm_summary_text, only: name_of_kind
    use psalm_text, only: text_t, full_precision, general, to_text, upper_case
    implicit none (type, external)
@@ -17,6 +19,7 @@ module psalm_proof_list
    public :: shown, short, end_text
 
    integer, parameter :: value_columns = 17, list_columns = 110
+   integer, parameter :: name_columns = 39, number_columns = 15
    real(wp), parameter :: certain = 1.0e-9_wp       !! relative width of a bracket that is told as one number
 
    integer, parameter :: width = 16, decimals = 12  !! of an angle below 1000
@@ -26,7 +29,8 @@ module psalm_proof_list
 contains
 
    !> Append the limits of motion.
-   subroutine list_proof(study, text)
+   subroutine list_proof(set, study, text)
+      type(data_set_t), intent(in) :: set
       type(proof_study_t), intent(in) :: study
       type(text_t), intent(inout) :: text
       integer :: i
@@ -54,7 +58,53 @@ contains
       end do
       call list_extremes(study, text)
       call list_movement(study, text)
+      call list_kept(set, study, text)
    end subroutine list_proof
+
+   !> Clearances over what closes.
+   subroutine list_kept(set, study, text)
+      type(data_set_t), intent(in) :: set
+      type(proof_study_t), intent(in) :: study
+      type(text_t), intent(inout) :: text
+      character(name_columns) :: name
+      character(value_columns) :: least
+      character(number_columns) :: at, asked
+      integer :: i
+
+      if (count(study%kept%nearest%found) == 0) return
+      call text%add('   CLEARANCE                                       AT LEAST             AT            ASKED')
+      do i = 1, size(study%kept)
+         associate (kept => study%kept(i), nearest => study%kept(i)%nearest)
+            if (.not. nearest%found) cycle
+            name = name_of_clearance(set, kept%clearance)
+            least = shown(nearest%low, -1)
+            if (nearest%low <= -huge(1.0_wp)) least = 'NOT BOUNDED'
+            at = general(nearest%at)
+            asked = general(kept%clearance%asked)
+            call text%add('   '//name//adjustr(least)//at//'  '//adjustr(asked)//'  '//verdict(kept))
+            if (nearest%high - nearest%low > certain*max(abs(nearest%low), abs(nearest%high), 1.0_wp)) &
+               call text%add('     AT MOST '//shown(nearest%high, 1))
+         end associate
+      end do
+
+   contains
+
+      !> What is proven of a clearance.
+      pure function verdict(kept) result(words)
+         type(kept_t), intent(in) :: kept
+         character(:), allocatable :: words
+
+         if (kept%clearance%region == 0 .and. kept%nearest%high + kept%clearance%reach < 0.0_wp) then
+            words = 'BROKEN, THE LINKS CROSS'
+         else if (kept%is_broken) then
+            words = 'BROKEN'
+         else if (kept%nearest%low >= kept%clearance%asked) then
+            words = 'KEPT'
+         else
+            words = 'NOT PROVEN'
+         end if
+      end function verdict
+   end subroutine list_kept
 
    !> Deviations of the lengths for which the proof still holds.
    subroutine list_tolerance(study, text)
@@ -405,10 +455,6 @@ contains
       character(9), parameter :: kinds(3) = ['closes   ', 'opens    ', 'undecided']
       character(11), parameter :: causes(0:5) = ['none       ', 'too_short  ', 'difference ', 'guide      ', 'link       ', &
                                                  'parallel   ']
-      character(18), parameter :: quantities(7) = ['transmission_angle', 'slide             ', 'output_x          ', &
-                                                   'output_y          ', 'output_angle      ', 'output_distance   ', &
-                                                   'velocity_ratio    ']
-      character(7), parameter :: movers(3) = ['output ', 'turning', 'sliding']
       integer :: i
 
       call begin_block('limits', 'kind from to loop cause', text)
@@ -419,6 +465,31 @@ contains
                           to_text(limit%loop)//' '//trim(causes(limit%cause)))
          end associate
       end do
+      call write_ranges(title, study, text)
+      if (count(study%kept%nearest%found) == 0) return
+      call begin_block('clearance', 'region link other low high at asked', text)
+      call text%add('# '//title)
+      do i = 1, size(study%kept)
+         associate (clearance => study%kept(i)%clearance, nearest => study%kept(i)%nearest)
+            if (.not. nearest%found) cycle
+            call text%add(to_text(clearance%region)//' '//to_text(clearance%segments(1))//' '//to_text(clearance%segments(2))// &
+                          ' '//full_precision(nearest%low)//' '//full_precision(nearest%high)//' '// &
+                          full_precision(nearest%at)//' '//full_precision(clearance%asked))
+         end associate
+      end do
+   end subroutine write_proof
+
+   !> Device 9: extremes and dead points.
+   subroutine write_ranges(title, study, text)
+      character(*), intent(in) :: title
+      type(proof_study_t), intent(in) :: study
+      type(text_t), intent(inout) :: text
+      character(18), parameter :: quantities(7) = ['transmission_angle', 'slide             ', 'output_x          ', &
+                                                   'output_y          ', 'output_angle      ', 'output_distance   ', &
+                                                   'velocity_ratio    ']
+      character(7), parameter :: movers(3) = ['output ', 'turning', 'sliding']
+      integer :: i
+
       if (count(study%extremes%found) == 0) return ! nothing closes, nothing moves
       call begin_block('extremes', 'quantity loop arc least_low least_high least_at greatest_low greatest_high greatest_at', text)
       call text%add('# '//title)
@@ -440,5 +511,5 @@ contains
                           full_precision(dead%low)//' '//full_precision(dead%high)//' '//merge('1', '0', dead%reverses))
          end associate
       end do
-   end subroutine write_proof
+   end subroutine write_ranges
 end module psalm_proof_list

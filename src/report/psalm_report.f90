@@ -338,11 +338,13 @@ contains
          if (set%iproof > 0) call devices%remark(set, 'IPROOF proves the motion between the inputs, but all inputs are the same')
          return
       end if
-      call list_proof(study, devices%six)
+      call list_proof(set, study, devices%six)
       call write_proof(set%title, study, devices%nine)
       if (.not. study%is_violating()) return
       call devices%note_violation()
-      call devices%remark(set, describe_proof(study))
+      if (study%is_open()) call devices%remark(set, describe_proof(study))
+      if (any(study%kept%is_broken)) call devices%remark(set, to_text(count(study%kept%is_broken))//' of '// &
+         to_text(size(study%kept))//' clearances are proven to be less than asked; see the end of the listing')
    end subroutine report_proof
 
    ! ---- tolerances --------------------------------------------------------------------------------------------------

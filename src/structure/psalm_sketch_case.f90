@@ -60,7 +60,7 @@ contains
       call fill_regions(loops, closure%sketch, set, findings)
    end subroutine resolve_sketch
 
-   !> The joints of regions as ends of arcs, or as the output point.
+   !> The joints of regions and of links as ends of arcs, or as the output point.
    subroutine fill_regions(loops, sketch, set, findings)
       type(loops_t), intent(in) :: loops
       type(sketch_t), intent(in) :: sketch
@@ -71,21 +71,38 @@ contains
       if (.not. set%constr%given) return
       do r = 1, size(set%constr%regions)
          associate (region => set%constr%regions(r))
-            if (is_output(region%joint)) cycle
-            do k = 1, size(loops%arcs)
-               if (all(loops%arcs(k)%ends /= region%joint)) cycle
-               region%loop = loops%arcs(k)%loop
-               region%arc = loops%arcs(k)%place
-               if (loops%arcs(k)%ends(2) /= region%joint) region%arc = region%arc - 1
-               exit
+            if (region%segment == 0) call place(region%joint, region%loop, region%arc, 'region '//to_text(r), 'RJNT', r)
+         end associate
+      end do
+      do r = 1, size(set%constr%segments)
+         associate (segment => set%constr%segments(r))
+            do k = 1, 2
+               call place(segment%joints(k), segment%loops(k), segment%arcs(k), 'segment '//to_text(r), 'SJNT', r)
             end do
-            if (region%loop == 0) call findings%error('region '//to_text(r)//': joint '//trim(sketch%joint_name(region%joint))// &
-               ' is neither a joint of the loops nor the first output; put point '//trim(sketch%joint_name(region%joint))// &
-               ' first in &OUTPUTS', line=set%origins%line('CONSTR', 'RJNT', r), group='CONSTR', item='RJNT')
          end associate
       end do
 
    contains
+
+      subroutine place(joint, loop, arc, whose, item, which)
+         integer, intent(in) :: joint
+         integer, intent(inout) :: loop, arc
+         character(*), intent(in) :: whose, item
+         integer, intent(in) :: which
+         integer :: n
+
+         if (is_output(joint)) return
+         do n = 1, size(loops%arcs)
+            if (all(loops%arcs(n)%ends /= joint)) cycle
+            loop = loops%arcs(n)%loop
+            arc = loops%arcs(n)%place
+            if (loops%arcs(n)%ends(2) /= joint) arc = arc - 1
+            return
+         end do
+         call findings%error(whose//': joint '//trim(sketch%joint_name(joint))//' is neither a joint of the loops nor the '// &
+                             'first output; put point '//trim(sketch%joint_name(joint))//' first in &OUTPUTS', &
+                             line=set%origins%line('CONSTR', item, which), group='CONSTR', item=item)
+      end subroutine place
 
       logical function is_output(joint)
          integer, intent(in) :: joint

@@ -2,26 +2,40 @@
 !>
 !> Data in, results out: nothing is printed or worded here.
 module psalm_proof_study
-   use psalm_angles, only: within_turn
-   use psalm_constraint_group, only: range_inputs, range_turn
+   use psalm_angles, only: unit_vector, within_turn
+   use psalm_clearances, only: clearance_t, list_clearances, find_corners
+   use psalm_constraint_group, only: range_inputs, range_positions, range_turn, region_box, region_half_plane, region_circle
    use psalm_data_set, only: data_set_t, proof_by_default
    use psalm_dimensions, only: dimensions_t
    use psalm_error, only: problem_t
    use psalm_kinds, only: wp, full_turn
+   use psalm_output_kind, only: motion_point
    use psalm_plan, only: plan_t, make_plan
    use psalm_proof, only: proof_t, subject_t, prepare_subject, bind_subject, prove_closure, piece_closes
+   use psalm_proof_clearance, only: path_t, keeping_t, nearest_t, prove_clearance, apart_from_link, apart_from_corners, &
+                                    within_edges, within_circle
    use psalm_proof_motion, only: movement_t, span_t, prove_movement
+   use psalm_proof_plan, only: path_of
    use psalm_proof_ranges, only: extreme_t, prove_extremes, prove_tolerance, extreme_output, extreme_distance, extreme_ratio
    use psalm_summary, only: loop_kind_t, kinds_of
    implicit none (type, external)
    private
-   public :: proof_study_t, study_proof, study_closure, proof_wanted, no_proof, proof_of_turn, proof_of_inputs
+   public :: proof_study_t, kept_t, study_proof, study_closure, proof_wanted, no_proof, proof_of_turn, proof_of_inputs
 
    integer, parameter :: no_proof = 0
    integer, parameter :: proof_of_turn = 1   !! IPROOF: over a full turn (a sliding input: over the range of the inputs)
    integer, parameter :: proof_of_inputs = 2 !! IPROOF: over the range of the prescribed inputs
 
    real(wp), parameter :: part_of_longest = 0.1_wp !! of the longest arc: the largest deviation tried
+
+   real(wp), parameter :: touching = 1.0e-9_wp     !! of the longest arc: less below what is asked is rounding
+
+   !> A clearance asked for, and what is proven of it.
+   type :: kept_t
+      type(clearance_t) :: clearance
+      type(nearest_t) :: nearest
+      logical :: is_broken = .false.         !! proven: less than asked
+   end type kept_t
 
    type :: proof_study_t
       logical :: empty = .false.             !! all inputs are the same: there is no range
@@ -35,8 +49,10 @@ module psalm_proof_study
       real(wp) :: largest_tried = 0.0_wp     !! larger ones were not tried
       integer, allocatable :: circuit(:)     !! by prescribed position: number of the part that closes without a gap; 0: none
       integer :: circuits = 0                !! such parts that hold prescribed positions
+      type(kept_t), allocatable :: kept(:)   !! clearances asked for in &CONSTR
    contains
       procedure :: is_violating
+      procedure :: is_open
    end type proof_study_t
 
 contains
@@ -54,27 +70,46 @@ contains
    end function proof_wanted
 
    !> Prove the motion of a linkage. Every loop is looked at, wanted by the output or not.
-   subroutine study_proof(problem, dimensions, range, dwell, study)
+   subroutine study_proof(set, problem, dimensions, range, study)
+      type(data_set_t), intent(in) :: set
       type(problem_t), intent(in) :: problem
       type(dimensions_t), intent(in) :: dimensions
       integer, intent(in) :: range                 !! one of `proof_of_...`
-      real(wp), intent(in) :: dwell                !! amount of a dwell; 0: none are looked for
       type(proof_study_t), intent(out) :: study
       type(problem_t), allocatable :: bound
       type(subject_t), allocatable :: subject
+      type(plan_t) :: plan
+      type(clearance_t), allocatable :: clearances(:)
+      integer, allocatable :: joints(:, :)
+      integer :: i
 
+      call list_clearances(set%constr, problem%mechanism, dimensions%outlk <= 0.0_wp, clearances, joints)
+      ! asked for at the prescribed positions only, and no proof either
+      if (set%constr%irange == range_positions .and. set%iproof == proof_by_default) deallocate (clearances, joints)
+      if (.not. allocated(clearances)) allocate (clearances(0), joints(2, 0))
       allocate (subject)
-      call study_closure(problem, dimensions, range, study, subject)
+      call begin_proof(problem, dimensions, range, joints, size(clearances) > 0, study, subject, plan)
       if (study%empty) return
       allocate (bound, source=problem)
       call bound%bind(dimensions)
       study%kinds = kinds_of(bound, dimensions, .true.)
-      study%dwell = dwell
-      call prove_movement(subject, study%proof, dwell, study%movement)
+      study%dwell = set%dwell
+      call prove_movement(subject, study%proof, set%dwell, study%movement)
       call add_output(study)
-      if (.not. study%proof%closes_everywhere()) return
-      study%largest_tried = part_of_longest*maxval(dimensions%arcl)
-      call prove_tolerance(subject, study%proof%from, study%proof%to, study%largest_tried, study%tolerance)
+      if (study%proof%closes_everywhere()) then
+         study%largest_tried = part_of_longest*maxval(dimensions%arcl)
+         call prove_tolerance(subject, study%proof%from, study%proof%to, study%largest_tried, study%tolerance)
+      end if
+      deallocate (study%kept)
+      allocate (study%kept(size(clearances)))
+      do i = 1, size(clearances)
+         associate (kept => study%kept(i))
+            kept%clearance = clearances(i)
+            call prove_clearance(subject, study%proof, keeping_of(subject, plan, clearances(i)), kept%nearest)
+            kept%is_broken = kept%nearest%found .and. &
+                             kept%nearest%high < clearances(i)%asked - touching*maxval(dimensions%arcl)
+         end associate
+      end do
    end subroutine study_proof
 
    !> Prove where a linkage closes, and how far its transmission angles, slides and output point go there.
@@ -85,9 +120,24 @@ contains
       type(proof_study_t), intent(out) :: study
       type(subject_t), intent(out) :: subject      !! what was proven, ready for more
       type(plan_t) :: plan
+
+      call begin_proof(problem, dimensions, range, reshape([integer ::], [2, 0]), .false., study, subject, plan)
+   end subroutine study_closure
+
+   !> Closure and extremes; the subject and the plan know the joints given.
+   subroutine begin_proof(problem, dimensions, range, joints, placed, study, subject, plan)
+      type(problem_t), intent(in) :: problem
+      type(dimensions_t), intent(in) :: dimensions
+      integer, intent(in) :: range                 !! one of `proof_of_...`
+      integer, intent(in) :: joints(:, :)          !! shape (2, joints): loop and arc, as `make_plan` has them
+      logical, intent(in) :: placed                !! places in the machine are asked for, that of the output point too
+      type(proof_study_t), intent(out) :: study
+      type(subject_t), intent(out) :: subject
+      type(plan_t), intent(out) :: plan
       real(wp) :: from, to
       integer :: boxes(2)
 
+      allocate (study%kept(0))
       study%full_turn = range == proof_of_turn .and. .not. problem%mechanism%sliding_input
       from = 0.0_wp
       to = full_turn
@@ -97,13 +147,68 @@ contains
       end if
       study%empty = .not. from < to
       if (study%empty) return
-      plan = make_plan(problem%mechanism, problem%motion, everything=.true., all_roots=.false.)
-      call prepare_subject(problem%mechanism, plan, subject)
+      plan = make_plan(problem%mechanism, merge(motion_point, problem%motion, placed), everything=.true., all_roots=.false., &
+                       joints=joints)
+      call prepare_subject(problem%mechanism, plan, subject, placed)
       call bind_subject(plan, dimensions, subject)
       call prove_closure(subject, from, to, study%proof)
       call prove_extremes(subject, study%proof, study%extremes, boxes)
       call place_positions(dimensions%crnki + problem%delt, study)
-   end subroutine study_closure
+   end subroutine begin_proof
+
+   !> A clearance with the ways to its points.
+   pure type(keeping_t) function keeping_of(subject, plan, clearance) result(keeping)
+      type(subject_t), intent(in) :: subject
+      type(plan_t), intent(in) :: plan             !! with the joints of the clearances
+      type(clearance_t), intent(in) :: clearance
+      real(wp) :: c, s
+      integer :: k
+
+      do k = 1, 2
+         keeping%ends(k) = way_to(clearance%points(k))
+      end do
+      keeping%reach = clearance%reach
+      if (clearance%region == 0) then
+         keeping%kind = apart_from_link
+         do k = 1, 2
+            keeping%others(k) = way_to(clearance%points(2 + k))
+         end do
+         return
+      end if
+      associate (region => clearance%shape)
+         select case (region%kind)
+         case (region_box)
+            call find_corners(region, keeping%corner, keeping%corners)
+            keeping%kind = merge(within_edges, apart_from_corners, region%stay_inside)
+            ! from lower left to lower right and so on: what is inside lies to the left
+            keeping%normal = reshape([0.0_wp, 1.0_wp, -1.0_wp, 0.0_wp, 0.0_wp, -1.0_wp, 1.0_wp, 0.0_wp], shape(keeping%normal))
+         case (region_half_plane)
+            call unit_vector(region%at(3), c, s)
+            keeping%kind = within_edges
+            keeping%corners = 1
+            keeping%corner(:, 1) = region%at(:2)
+            keeping%normal(:, 1) = merge(-1.0_wp, 1.0_wp, region%stay_inside)*[s, -c]
+         case (region_circle)
+            keeping%kind = merge(within_circle, apart_from_corners, region%stay_inside)
+            keeping%corners = 1
+            keeping%corner(:, 1) = region%at(:2)
+            keeping%radius = region%at(3)
+         end select
+      end associate
+
+   contains
+
+      !> Steps to a point; 0: the output point.
+      pure type(path_t) function way_to(point) result(path)
+         integer, intent(in) :: point
+
+         if (point == 0) then
+            path%steps = [subject%pivot, path_of(subject%plan, plan%output_point), subject%tip]
+         else
+            path%steps = [subject%pivot, path_of(subject%plan, plan%joint_points(point))]
+         end if
+      end function way_to
+   end function keeping_of
 
    !> Extremes of the output and of its rate beside the others.
    subroutine add_output(study)
@@ -160,11 +265,18 @@ contains
       study%circuits = count
    end subroutine place_positions
 
-   !> True unless the linkage is proven to close over the whole range.
+   !> True unless the linkage is proven to close over the whole range and no clearance is proven to be less than asked.
    pure logical function is_violating(self)
       class(proof_study_t), intent(in) :: self
 
-      is_violating = .not. self%empty
-      if (is_violating) is_violating = .not. self%proof%closes_everywhere()
+      is_violating = self%is_open() .or. any(self%kept%is_broken)
    end function is_violating
+
+   !> True unless the linkage is proven to close over the whole range.
+   pure logical function is_open(self)
+      class(proof_study_t), intent(in) :: self
+
+      is_open = .not. self%empty
+      if (is_open) is_open = .not. self%proof%closes_everywhere()
+   end function is_open
 end module psalm_proof_study

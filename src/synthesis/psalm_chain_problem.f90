@@ -9,13 +9,12 @@ module psalm_chain_problem
    use psalm_chain_motion, only: chain_motion_t, follow, differentiate, try_step, senses, easy, first_step, least_step
    use psalm_chain_outputs, only: output_at
    use psalm_closure, only: closure_t, state_t, most_orders, matrix_of, place_points
-   use psalm_constraint_group, only: region_t
+   use psalm_clearances, only: clearance_t, list_sketch_clearances, find_depth, points_of_clearance
    use psalm_data_set, only: data_set_t
    use psalm_dense, only: factors_t, factorise
    use psalm_error, only: desired_of
    use psalm_kinds, only: wp, full_turn, half_turn, radians_per_degree, degrees_per_radian
    use psalm_nlp, only: plain_nlp_t
-   use psalm_regions, only: find_region_depth
    use psalm_sketch, only: sketch_t, output_t, variation_t, columns_of, frame_link, most_wished, drive_turns, output_angle, &
                            output_between, output_pose, output_ratio, vary_angle, vary_input, vary_length, vary_place
    use psalm_text, only: to_text
@@ -53,7 +52,7 @@ module psalm_chain_problem
       logical, allocatable :: ratio(:)        !! shape (numbers): it is a ratio of rates
       integer, allocatable :: ratio_of(:, :)  !! shape (2, numbers): the numbers whose rates it is of
       integer :: highest = 0                  !! derivative that is prescribed
-      type(region_t), allocatable :: regions(:)
+      type(clearance_t), allocatable :: clearances(:) !! their points are joints of the sketch
       real(wp), allocatable :: margin(:)      !! shape (groups): how far from a dead point each must keep
    contains
       procedure :: residuals_at
@@ -102,10 +101,9 @@ contains
       end do
       problem%core = size(problem%first)
       call take_wishes(set, problem)
-      allocate (problem%regions(0))
-      if (set%constr%given) problem%regions = set%constr%regions
+      call list_sketch_clearances(set%constr, set%sketch, problem%clearances)
       problem%margin = least_margin*margins_of(closure, start)
-      problem%inequalities = 1 + (size(problem%margin) + size(problem%regions))*size(inputs, 2)
+      problem%inequalities = 1 + (size(problem%margin) + size(problem%clearances))*size(inputs, 2)
       problem%has_gradient = .true.
       problem%is_sum_of_squares = .true.
       problem%scale = [(change_of(v), v=1, problem%core)]
@@ -628,7 +626,7 @@ contains
       end do
    end function margins_of
 
-   !> The first: that every position is reached; then at each position the margin of each group and each region.
+   !> The first: that every position is reached; then at each position the margin of each group and each clearance.
    subroutine constraints_at(self, x, c, slopes)
       class(chain_problem_t), intent(in) :: self
       real(wp), intent(in) :: x(:)                   !! shape (core)
@@ -644,7 +642,7 @@ contains
       if (present(slopes)) slopes = 0.0_wp
       if (.not. reached) return
       c(1) = -self%drawn%size
-      n = size(self%margin) + size(self%regions)
+      n = size(self%margin) + size(self%clearances)
       do k = 1, size(self%inputs, 2)
          m = 1 + (k - 1)*n
          call values_of(self, closure, motion%states(k), c(m + 1:m + n))
@@ -660,15 +658,19 @@ contains
       class(chain_problem_t), intent(in) :: self
       type(closure_t), intent(in) :: closure
       type(state_t), intent(in) :: state
-      real(wp), intent(out) :: c(:)                  !! shape (groups + regions)
-      real(wp) :: gx, gy
-      integer :: n
+      real(wp), intent(out) :: c(:)                  !! shape (groups + clearances)
+      real(wp) :: at(2, points_of_clearance), unused(2, points_of_clearance)
+      integer :: n, k
 
       c(:size(self%margin)) = self%drawn%size*(self%margin - margins_of(closure, state))
-      do n = 1, size(self%regions)
-         associate (at => state%joint(self%regions(n)%joint, 0))
-            call find_region_depth(self%regions(n), at%re, at%im, c(size(self%margin) + n), gx, gy)
-         end associate
+      do n = 1, size(self%clearances)
+         do k = 1, points_of_clearance
+            ! a region has two points only
+            associate (joint => state%joint(max(self%clearances(n)%points(k), 1), 0))
+               at(:, k) = [joint%re, joint%im]
+            end associate
+         end do
+         call find_depth(self%clearances(n), at, c(size(self%margin) + n), unused)
       end do
    end subroutine values_of
 

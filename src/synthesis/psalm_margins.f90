@@ -5,14 +5,15 @@
 !> everything is looked at again, in steps that shrink towards the dead point by the same ratio as far as numbers go.
 module psalm_margins
    use psalm_angles, only: arc_sine
-   use psalm_constraint_group, only: region_t, range_positions, range_turn, region_box
+   use psalm_clearances, only: clearance_t, list_clearances, find_depth, points_of_clearance
+   use psalm_constraint_group, only: range_positions, range_turn, region_box
    use psalm_data_set, only: data_set_t
    use psalm_dyad_kind, only: assur_prp, assur_prr, assur_rpr, assur_rpr_guide_first, assur_rrp, assur_rrr
    use psalm_error, only: problem_t
    use psalm_kinds, only: wp, degrees_per_radian, right_angle
    use psalm_merit, only: constraint_inputs
    use psalm_output_kind, only: motion_point
-   use psalm_regions, only: find_region_depth, edge_distance, box_edges, region_joints, joint_of_region
+   use psalm_regions, only: edge_distance, box_edges
    use psalm_rpr, only: guide_of
    use psalm_rrp, only: link_of
    use psalm_station, only: station_t, prepare_station, evaluate_station
@@ -21,13 +22,13 @@ module psalm_margins
    implicit none (type, external)
    private
    public :: margin_t, inspector_t, prepare_inspector, inspect, is_violated
-   public :: margin_angle, margin_slides, margin_guide, margin_offset, margin_region, margin_bound, margin_length
+   public :: margin_angle, margin_slides, margin_guide, margin_offset, margin_clearance, margin_bound, margin_length
 
    integer, parameter :: margin_angle = 1    !! transmission angle of a link pair inside its limits, degrees
    integer, parameter :: margin_slides = 2   !! angle between two slides inside its limits, degrees
    integer, parameter :: margin_guide = 3    !! distance over guide and TOGGLE, length
    integer, parameter :: margin_offset = 4   !! link over offset and TOGGLE, length
-   integer, parameter :: margin_region = 5   !! distance from a forbidden region, length
+   integer, parameter :: margin_clearance = 5 !! distance of joints and links, over what is asked, length
    integer, parameter :: margin_bound = 6    !! variable inside its bounds, its own unit
    integer, parameter :: margin_length = 7   !! a variable length, length
    integer, parameter :: steps_of_range = 720, steps_of_lens = 16, lenses = 3
@@ -45,7 +46,7 @@ module psalm_margins
    !> The least margin of one constraint.
    type :: margin_t
       integer :: kind = 0
-      integer :: which = 0                   !! loop, region or variable
+      integer :: which = 0                   !! loop, clearance or variable
       real(wp) :: margin = huge(1.0_wp)      !! negative: violated
       real(wp) :: delt = 0.0_wp              !! input increment where it is least
       real(wp) :: unit = 1.0_wp              !! what counts as much, for rounding
@@ -65,8 +66,7 @@ module psalm_margins
       logical :: everywhere = .false.        !! the range is a full turn
       real(wp) :: tangle = right_angle, slide_angle = right_angle
       real(wp) :: size = 1.0_wp              !! longest given arc: what rounding is measured by
-      type(region_t), allocatable :: regions(:)
-      integer, allocatable :: joint(:)       !! by region
+      type(clearance_t), allocatable :: clearances(:)
       logical :: bounded = .false.
       real(wp), allocatable :: low(:), high(:)
    end type inspector_t
@@ -82,7 +82,7 @@ contains
       type(problem_t), allocatable :: plain
       integer, allocatable :: joints(:, :)
       real(wp), allocatable :: inputs(:)
-      integer :: r, nvar
+      integer :: nvar
 
       nvar = size(problem%parameters%variables)
       inspector%irange = set%constr%irange
@@ -92,18 +92,13 @@ contains
       inspector%tangle = set%tangle
       inspector%slide_angle = problem%slide_angle
       inspector%size = maxval(problem%given%arcl)
-      inspector%regions = set%constr%regions
-      joints = region_joints(inspector%regions)
-      allocate (inspector%joint(size(inspector%regions)), source=0)
-      do r = 1, size(inspector%regions)
-         inspector%joint(r) = joint_of_region(inspector%regions(r), joints)
-      end do
+      call list_clearances(set%constr, problem%mechanism, problem%given%outlk <= 0.0_wp, inspector%clearances, joints)
       allocate (plain, source=problem)
       allocate (inspector%fine, inspector%lens, inspector%zoom)
       plain%tangle = right_angle
       plain%slide_angle = right_angle
       if (.not. toggle) plain%toggle = 0.0_wp
-      if (size(inspector%regions) > 0) plain%motion = motion_point
+      if (size(inspector%clearances) > 0) plain%motion = motion_point
       inputs = problem%delt
       if (inspector%irange /= range_positions) then
          inputs = [inputs, constraint_inputs(inspector%irange, problem, problem%delt, steps_of_range, 0)]
@@ -157,14 +152,16 @@ contains
                call add(margin_slides, loop, 0)
             end select
          end do
-         do r = 1, size(inspector%regions)
-            if (inspector%regions(r)%kind == region_box .and. inspector%regions(r)%stay_inside) then
-               do edge = 1, box_edges
-                  call add(margin_region, r, edge)
-               end do
-            else
-               call add(margin_region, r, 0)
-            end if
+         do r = 1, size(inspector%clearances)
+            associate (clearance => inspector%clearances(r))
+               if (clearance%region > 0 .and. clearance%shape%kind == region_box .and. clearance%shape%stay_inside) then
+                  do edge = 1, box_edges
+                     call add(margin_clearance, r, edge)
+                  end do
+               else
+                  call add(margin_clearance, r, 0)
+               end if
+            end associate
          end do
          if (inspector%irange /= range_positions) then
             inspector%lens%problem%side = fine%problem%side
@@ -457,22 +454,24 @@ contains
       type(station_t), intent(in) :: station
       integer, intent(in) :: i
       type(margin_t), intent(in) :: margin
-      real(wp) :: x, y, gx, gy
+      real(wp) :: at(2, points_of_clearance), unused(2, points_of_clearance)
+      integer :: k
 
       select case (margin%kind)
-      case (margin_region)
-         associate (r => margin%which, j => inspector%joint(margin%which))
-            if (j == 0) then
-               x = station%out(i, 1)
-               y = station%out(i, 2)
-            else
-               x = station%joints(i, 1, j)
-               y = station%joints(i, 2, j)
-            end if
+      case (margin_clearance)
+         associate (clearance => inspector%clearances(margin%which))
+            do k = 1, points_of_clearance
+               if (clearance%points(k) == 0) then
+                  at(:, k) = station%out(i, 1:2)
+               else
+                  at(:, k) = station%joints(i, :, clearance%points(k))
+               end if
+            end do
             if (margin%edge > 0) then
-               value = edge_distance(inspector%regions(r), margin%edge, x, y)
+               value = max(edge_distance(clearance%shape, margin%edge, at(1, 1), at(2, 1)), &
+                           edge_distance(clearance%shape, margin%edge, at(1, 2), at(2, 2))) + clearance%reach + clearance%asked
             else
-               call find_region_depth(inspector%regions(r), x, y, value, gx, gy)
+               call find_depth(clearance, at, value, unused)
             end if
          end associate
          value = -value

@@ -1,19 +1,19 @@
 !> Linkage synthesis as an optimisation problem: errors and violated constraints of a linkage, past closing too, with their
 !> derivatives.
 !>
-!> The merit is the objective plus a weight times the squared violations of closure, transmission angles, TOGGLE and forbidden
-!> regions, at the prescribed positions and, if asked for, over the whole range of the input. With free timing (IFREE) every
+!> The merit is the objective plus a weight times the squared violations of closure, transmission angles, TOGGLE and clearances,
+!> at the prescribed positions and, if asked for, over the whole range of the input. With free timing (IFREE) every
 !> input position is a local unknown; it meets only its own position's errors.
 module psalm_merit
    use psalm_angles, only: unit_vector
-   use psalm_constraint_group, only: region_t, range_positions, range_turn
+   use psalm_clearances, only: clearance_t, list_clearances, find_depth, points_of_clearance
+   use psalm_constraint_group, only: range_positions, range_turn
    use psalm_data_set, only: data_set_t
    use psalm_dyad_kind, only: assur_prp, assur_rrr, form_of, form_t
    use psalm_error, only: problem_t
    use psalm_kinds, only: wp, degrees_per_radian, full_turn, right_angle
    use psalm_nlp, only: nlp_t, normal_equations_t
    use psalm_output_kind, only: motion_point, motion_angle
-   use psalm_regions, only: find_region_depth, region_joints, joint_of_region
    use psalm_search_group, only: order_free
    use psalm_start, only: random_limits
    use psalm_station, only: station_t, prepare_station, evaluate_station, linearise_station
@@ -41,9 +41,8 @@ module psalm_merit
       type(problem_t), allocatable :: final          !! with the user's limits: what counts in the end
       type(dimensions_t) :: dimensions
       real(wp), allocatable :: limit(:)              !! by loop: of abs(k)
-      type(region_t), allocatable :: regions(:)
-      integer, allocatable :: joint(:)               !! by region: its joint of that station, 0: output point
-      real(wp) :: size = 1.0_wp                      !! of the linkage: makes depths in regions comparable
+      type(clearance_t), allocatable :: clearances(:) !! their points are joints of that station
+      real(wp) :: size = 1.0_wp                      !! of the linkage: makes lengths comparable
       integer :: irange = range_positions
       logical :: free = .false.                      !! free timing
       logical :: ordered = .false.                   !! free timing: inputs go one way
@@ -77,7 +76,7 @@ contains
       type(problem_t), allocatable :: plain
       integer, allocatable :: joints(:, :)
       real(wp) :: cosine, sine, unused, reach
-      integer :: nvar, n, loop, r
+      integer :: nvar, n, loop
 
       nvar = size(problem%parameters%variables)
       n = problem%positions
@@ -99,7 +98,6 @@ contains
       allocate (merit%late(n), source=0.0_wp)
       merit%delt = problem%delt
       merit%irange = set%constr%irange
-      merit%regions = set%constr%regions
       merit%dimensions = problem%given
       merit%size = max(maxval(problem%given%arcl), tiny(1.0_wp)**0.25_wp)
       allocate (plain, source=problem)
@@ -111,12 +109,8 @@ contains
       merit%floor = sum(merit%main%problem%weight(:n, 1))*(epsilon(1.0_wp)*merit%size)**2
       merit%small = max(1.0e-2_wp*sum(merit%main%problem%weight(:n, 1)) &
                         *merge(1.0_wp, merit%size, problem%motion == motion_angle)**2, sqrt(tiny(1.0_wp)))
-      merit%has_range = merit%irange /= range_positions .or. size(merit%regions) > 0
-      joints = region_joints(merit%regions)
-      allocate (merit%joint(size(merit%regions)), source=0)
-      do r = 1, size(merit%regions)
-         merit%joint(r) = joint_of_region(merit%regions(r), joints)
-      end do
+      call list_clearances(set%constr, problem%mechanism, problem%given%outlk <= 0.0_wp, merit%clearances, joints)
+      merit%has_range = merit%irange /= range_positions .or. size(merit%clearances) > 0
       if (merit%has_range) then
          plain%motion = motion_point
          call prepare_station(plain, constraint_inputs(merit%irange, problem, problem%delt, range_steps, extra_positions), &
@@ -295,16 +289,16 @@ contains
    !> Sum of the squared violations of the linkage last looked at.
    pure real(wp) function squared_violations(merit) result(total)
       class(merit_t), intent(in) :: merit
-      real(wp) :: depth, gx, gy
+      real(wp) :: depth, pull(2, points_of_clearance)
       integer :: i, r
 
       total = squared_angles(merit%main, merit%limit)
       if (order_weighs(merit)) total = total + sum(max(merit%late, 0.0_wp)**2)
       if (.not. merit%has_range) return
       total = total + squared_angles(merit%range, merit%limit)
-      do r = 1, size(merit%regions)
+      do r = 1, size(merit%clearances)
          do i = 1, merit%range%problem%positions
-            call depth_at(merit, r, i, depth, gx, gy)
+            call depth_at(merit, r, i, depth, pull)
             total = total + max(depth, 0.0_wp)**2
          end do
       end do
@@ -321,22 +315,27 @@ contains
       end do
    end function squared_angles
 
-   !> Depth in region r at position i of the station over the range, in sizes of the linkage, and its gradient by the point.
-   pure subroutine depth_at(merit, r, i, depth, gx, gy)
+   !> How far short clearance r falls at position i of the station over the range, in sizes of the linkage, and its gradient by
+   !> its points.
+   pure subroutine depth_at(merit, r, i, depth, pull)
       class(merit_t), intent(in) :: merit
       integer, intent(in) :: r, i
-      real(wp), intent(out) :: depth, gx, gy
+      real(wp), intent(out) :: depth, pull(:, :)
+      real(wp) :: at(2, points_of_clearance)
+      integer :: k
 
-      if (merit%joint(r) == 0) then
-         call find_region_depth(merit%regions(r), merit%range%out(i, 1), merit%range%out(i, 2), depth, gx, gy)
-      else
-         associate (joint => merit%range%joints(i, :, merit%joint(r)))
-            call find_region_depth(merit%regions(r), joint(1), joint(2), depth, gx, gy)
+      do k = 1, points_of_clearance
+         associate (joint => merit%clearances(r)%points(k))
+            if (joint == 0) then
+               at(:, k) = merit%range%out(i, 1:2)
+            else
+               at(:, k) = merit%range%joints(i, :, joint)
+            end if
          end associate
-      end if
+      end do
+      call find_depth(merit%clearances(r), at, depth, pull)
       depth = depth/merit%size + slack
-      gx = gx/merit%size
-      gy = gy/merit%size
+      pull = pull/merit%size
    end subroutine depth_at
 
    !> Gradient and matrices of the normal equations: J^T W r and J^T W J of errors and violations.
@@ -345,7 +344,7 @@ contains
       real(wp), intent(in) :: x(:), weight
       type(normal_equations_t), intent(inout) :: equations
       integer :: i, r, a, b
-      real(wp) :: depth, gx, gy
+      real(wp) :: depth, pull(2, points_of_clearance)
       real(wp) :: row(self%core)
 
       call put_in(self, x)
@@ -366,14 +365,14 @@ contains
             self%range%problem%side = self%main%problem%side
             call linearise_station(self%range, self%dimensions)
             call add_angles(self%range, self%limit, nvar, weight, equations)
-            do r = 1, size(self%regions)
+            do r = 1, size(self%clearances)
                do i = 1, self%range%problem%positions
-                  call depth_at(self, r, i, depth, gx, gy)
+                  call depth_at(self, r, i, depth, pull)
                   if (depth <= 0.0_wp) cycle
-                  row = slope(self, r, i, gx, gy, 1, nvar)
+                  row = slope(self, r, i, pull, 1, nvar)
                   call add_row(equations, weight, depth, row)
                   if (self%range%timed) call add_timing(equations, i, weight, depth, row, &
-                                                         sum(slope(self, r, i, gx, gy, nvar + 1, nvar + 1)))
+                                                         sum(slope(self, r, i, pull, nvar + 1, nvar + 1)))
                end do
             end do
          end if
@@ -385,18 +384,26 @@ contains
       end associate
    end subroutine linearise
 
-   !> Derivatives of a region's depth by the variables `from` to `to`.
-   pure function slope(merit, r, i, gx, gy, from, to) result(row)
+   !> Derivatives of a clearance's shortfall by the variables `from` to `to`.
+   pure function slope(merit, r, i, pull, from, to) result(row)
       class(merit_t), intent(in) :: merit
       integer, intent(in) :: r, i, from, to
-      real(wp), intent(in) :: gx, gy
+      real(wp), intent(in) :: pull(:, :)
       real(wp) :: row(to - from + 1)
+      integer :: k
 
-      if (merit%joint(r) == 0) then
-         row = gx*merit%range%dout(i, from:to, 1) + gy*merit%range%dout(i, from:to, 2)
-      else
-         row = gx*merit%range%djoints(i, 1, merit%joint(r), from:to) + gy*merit%range%djoints(i, 2, merit%joint(r), from:to)
-      end if
+      row = 0.0_wp
+      do k = 1, points_of_clearance
+         if (all(abs(pull(:, k)) <= 0.0_wp)) cycle
+         associate (joint => merit%clearances(r)%points(k))
+            if (joint == 0) then
+               row = row + pull(1, k)*merit%range%dout(i, from:to, 1) + pull(2, k)*merit%range%dout(i, from:to, 2)
+            else
+               row = row + pull(1, k)*merit%range%djoints(i, 1, joint, from:to) &
+                     + pull(2, k)*merit%range%djoints(i, 2, joint, from:to)
+            end if
+         end associate
+      end do
    end function slope
 
    !> Errors of one co-ordinate at all positions. Only the upper triangle of the matrix is added to.
@@ -489,7 +496,7 @@ contains
       real(wp), intent(out) :: objective
       logical, intent(out) :: feasible
       integer :: loop, i, r
-      real(wp) :: depth, gx, gy
+      real(wp) :: depth, pull(2, points_of_clearance)
 
       call put_in(self, x)
       if (self%free) call self%final%move_inputs(x(self%core + 1:))
@@ -502,9 +509,9 @@ contains
       if (.not. (feasible .and. self%has_range)) return
       call look_over_range(self)
       feasible = all(self%range%closed) .and. keeps_limits(self%range, self%limit)
-      do r = 1, size(self%regions)
+      do r = 1, size(self%clearances)
          do i = 1, self%range%problem%positions
-            call depth_at(self, r, i, depth, gx, gy)
+            call depth_at(self, r, i, depth, pull)
             if (depth > slack) feasible = .false.
          end do
       end do
@@ -530,7 +537,7 @@ contains
       count_constraints = of_station(self%main)
       if (order_weighs(self)) count_constraints = count_constraints + size(self%late)
       if (self%has_range) count_constraints = count_constraints + of_station(self%range) &
-                                            + size(self%regions)*self%range%problem%positions
+                                            + size(self%clearances)*self%range%problem%positions
 
    contains
 
@@ -558,7 +565,7 @@ contains
       real(wp), intent(in) :: x(:)                   !! shape (nvar, or nvar + positions)
       real(wp), intent(out) :: values(:)             !! shape (count_constraints)
       real(wp), intent(out), optional :: slopes(:, :) !! shape (nvar, or nvar + positions; count_constraints)
-      real(wp) :: depth, gx, gy
+      real(wp) :: depth, pull(2, points_of_clearance)
       integer :: next, r, i, nvar
 
       if (present(slopes)) then
@@ -587,14 +594,14 @@ contains
       end if
       if (.not. self%has_range) return
       call of_station(self%range)
-      do r = 1, size(self%regions)
+      do r = 1, size(self%clearances)
          do i = 1, self%range%problem%positions
-            call depth_at(self, r, i, depth, gx, gy)
+            call depth_at(self, r, i, depth, pull)
             next = next + 1
             values(next) = depth
             if (.not. present(slopes)) cycle
-            slopes(:nvar, next) = slope(self, r, i, gx, gy, 1, nvar)
-            if (self%range%timed) slopes(nvar + i, next) = sum(slope(self, r, i, gx, gy, nvar + 1, nvar + 1))
+            slopes(:nvar, next) = slope(self, r, i, pull, 1, nvar)
+            if (self%range%timed) slopes(nvar + i, next) = sum(slope(self, r, i, pull, nvar + 1, nvar + 1))
          end do
       end do
 

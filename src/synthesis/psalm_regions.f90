@@ -9,7 +9,7 @@ module psalm_regions
    use psalm_mechanism, only: mechanism_t
    implicit none (type, external)
    private
-   public :: find_region_depth, edge_distance, box_edges, region_joints, joint_of_region, check_regions
+   public :: find_region_depth, edge_distance, box_edges, check_regions
 
    integer, parameter :: box_edges = 4     !! left, lower, right, upper
 
@@ -35,7 +35,7 @@ contains
 
    !> How deep a point is where it must not be (negative: how far it is from there), [length], and its gradient.
    !>
-   !> Box: distance to the nearest edge line; half-plane: what lies left of its edge; circle: radial distance.
+   !> Half-plane: what lies left of its edge. Staying inside of a box is staying on the right side of each of its edges.
    pure subroutine find_region_depth(region, x, y, depth, gx, gy)
       type(region_t), intent(in) :: region
       real(wp), intent(in) :: x, y            !! point, machine axes
@@ -49,6 +49,15 @@ contains
       case (region_box)
          outside = [(edge_distance(region, i, x, y), i=1, box_edges)]
          depth = -maxval(outside)
+         ux = max(outside(1), outside(3))
+         uy = max(outside(2), outside(4))
+         if (.not. region%stay_inside .and. ux > 0.0_wp .and. uy > 0.0_wp) then
+            ! the corner is nearest
+            depth = -hypotenuse(ux, uy)
+            gx = merge(-1.0_wp, 1.0_wp, outside(3) > outside(1))*(ux/(-depth))
+            gy = merge(-1.0_wp, 1.0_wp, outside(4) > outside(2))*(uy/(-depth))
+            return
+         end if
          select case (maxloc(outside, dim=1))
          case (1)
             gx = 1.0_wp
@@ -82,37 +91,13 @@ contains
       gy = -gy
    end subroutine find_region_depth
 
-   !> Joints the regions speak of, each once. Shape of the result: (2, joints), loop and arc.
-   pure function region_joints(regions) result(joints)
-      type(region_t), intent(in) :: regions(:)
-      integer, allocatable :: joints(:, :)
-      integer :: r
-
-      allocate (joints(2, 0))
-      do r = 1, size(regions)
-         if (regions(r)%loop == 0 .or. joint_of_region(regions(r), joints) > 0) cycle
-         joints = reshape([joints, [regions(r)%loop, regions(r)%arc]], [2, size(joints, 2) + 1])
-      end do
-   end function region_joints
-
-   !> Which of the joints a region speaks of; 0: the output point.
-   pure integer function joint_of_region(region, joints)
-      type(region_t), intent(in) :: region
-      integer, intent(in) :: joints(:, :)     !! shape (2, joints)
-      integer :: j
-
-      joint_of_region = 0
-      do j = 1, size(joints, 2)
-         if (region%loop > 0 .and. joints(1, j) == region%loop .and. joints(2, j) == region%arc) joint_of_region = j
-      end do
-   end function joint_of_region
-
-   !> Errors of the group that only the topology shows: joints that are not there, a full turn of an input that slides.
+   !> Errors of the group that only the topology shows: joints of regions and links that are not there, a full turn of an input
+   !> that slides.
    subroutine check_regions(constr, mechanism, findings)
       type(constraint_group_t), intent(in) :: constr
       type(mechanism_t), intent(in) :: mechanism
       type(diagnostics_t), intent(inout) :: findings
-      integer :: r
+      integer :: r, k
 
       if (constr%irange == range_turn .and. mechanism%sliding_input) then
          call findings%error('IRANGE=2 needs a turning input; use IRANGE=1', group='CONSTR', item='IRANGE')
@@ -124,6 +109,17 @@ contains
                call findings%error('region '//to_text(r)//': loop '//to_text(region%loop)//' has '// &
                                    to_text(mechanism%loops(region%loop)%arcs)//' arcs only', group='CONSTR', item='RLINK')
             end if
+         end associate
+      end do
+      do r = 1, size(constr%segments)
+         associate (segment => constr%segments(r))
+            do k = 1, 2
+               if (segment%loops(k) < 1) cycle
+               if (segment%arcs(k) > mechanism%loops(segment%loops(k))%arcs) then
+                  call findings%error('segment '//to_text(r)//': loop '//to_text(segment%loops(k))//' has '// &
+                                      to_text(mechanism%loops(segment%loops(k))%arcs)//' arcs only', group='CONSTR', item='SLINK')
+               end if
+            end do
          end associate
       end do
    end subroutine check_regions
