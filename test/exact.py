@@ -299,6 +299,47 @@ def curves_drawn(folder):
     check(done.returncode == 2 and "of &EXACT balm draws four poses" in done.stderr, "five poses: balm says what it draws", done.stderr)
 
 
+def guided(folder):
+    """Six-bars of a chain and two links: the links keep their lengths in all poses, by the poses alone; psalm's analysis comes to all
+    poses where the six-bar is said to, and where not, it does not."""
+    status, listing, rows, seven, _ = run("guided", read("guided_six_bar"), folder)
+    check(status == 0 and "27 six-bars, 3 of them" in listing and len(rows) == 5, "six-bars of a chain", listing[:300])
+    places = [complex(*p) for p in points_of("guided_six_bar")]
+    turns = [cmath.exp(1j*math.radians(t - 90.0)) for t in (90.0, 76.5, 54.0, 31.0, 3.0)]
+    a, b, c = -150 + 250j, -200 - 60j, 60 - 120j
+
+    def circles(p, q, left):
+        """The elbow between two pins."""
+        r, s, far = abs(b - a), abs(c - b), abs(q - p)
+        share = (r*r - s*s + far*far)/(2*far)
+        return p + (q - p)/far*complex(share, left*math.sqrt(r*r - share*share))
+    side = 1 if ((c - a).conjugate()*(b - a)).imag > 0 else -1
+    moved = []
+    for p, t in zip(places, turns):
+        end = p + t*(c - places[0])
+        elbow = circles(a, end, side)
+        crank, arm = (elbow - a)/(b - a), (end - elbow)/(c - b)
+        moved.append([lambda z: z, lambda z, e=crank: a + e*(z - a), lambda z, e=arm, o=elbow: o + e*(z - b), lambda z, e=t, o=p: o + e*(z - places[0])])
+    for r in rows:
+        from1, to1, from2, to2 = (int(v) for v in r[4:8])
+        g, w, h, k = (complex(r[i], r[i + 1]) for i in (8, 10, 12, 14))
+        worst = 0.0
+        for body in moved:
+            one, other = body[from1](g), body[to1](w)
+            ends = body + [lambda z, o=one, e=(other - one)/(w - g): o + e*(z - g)]
+            worst = max(worst, abs(abs(other - one) - abs(w - g)), abs(abs(ends[from2](h) - ends[to2](k)) - abs(h - k)))
+        check(worst < 1e-9*400, "six-bars of a chain: links keep their lengths", (worst, r[:8]))
+    again = seven.replace(".dev7", "_again.nml")
+    with open(seven, encoding="utf-8") as file, open(again, "w", encoding="utf-8") as copy:
+        copy.write(file.read())
+    subprocess.run([os.path.join(BIN, "psalm"), again], capture_output=True, text=True, timeout=60)
+    blocks = blocks_of(again.replace(".nml", ".dev9"))
+    check(len(blocks) == len(rows), "six-bars of a chain: a block for each", len(blocks))
+    for r, block in zip(rows, blocks):
+        away = max(math.inf if q[1] != 1 else abs(complex(q[2], q[3]) - p) for q, p in zip(block, places))
+        check((away < 1e-9*400) == (r[1] == 1), "six-bars of a chain: the analysis comes to the poses, or not", (r[:2], away))
+
+
 def nine_points(folder):
     status, listing, rows, seven, _ = run("nine", read("nine_points"), folder)
     check(status == 0 and "complete: 1442 of 1442 ends distinct, certified" in listing, "nine points: complete", listing[:300])
@@ -437,6 +478,10 @@ def refused(folder):
         ("KIND='FUNCTION', FUNC='LOG10', FXLOW=-1.0", 2, "a logarithm needs x above 0"),
         ("KIND='FUNCTION', PHI=0,10,20,30, PSI=0,5,12,30", 2, "four points leave infinitely many"),
         ("KIND='FUNCTION', PHI=0,10,20,30, PSI=0,5,12,30, PHI0=20.0, PSI0=30.0", 2, "give one of both zero lines"),
+        ("KIND='MOTION', XP=0,1,2,3,4, YP=0,2,1,1,3, ANGP=0,10,30,40,50, ARM=1,2,3,4", 2, "x and y of three joints"),
+        ("KIND='MOTION', XP=0,1,2,3, YP=0,2,1,1, ANGP=0,10,30,40, ARM=1,2,3,4,5,6", 2, "carries a body through five poses"),
+        ("KIND='MOTION', XP=0,1,2,3,40, YP=0,2,1,1,3, ANGP=0,10,30,40,50, ARM=1,2,3,4,5,3", 2, "the chain does not reach pose 2"),
+        ("KIND='MOTION', XP=0,1,2,3,4, YP=0,2,1,1,3, ANGP=5*10.0, ARM=1,8,3,1,5,9", 1, None),
         ("SLIDER=3, XP=0,1", 2, "must be from 0 to 2"),
         ("SLIDER=2, XP=0,1,2,3,4,5,6,7, YP=0,2,1,1,6,2,3,8", 2, "is for poses"),
         ("KIND='MOTION', SLIDER=2, XP=0,1,2, YP=0,2,1, ANGP=0,10,30", 2, "or for three with the crank's pivot"),
@@ -466,6 +511,7 @@ with tempfile.TemporaryDirectory() as where:
     references(where)
     lines(where)
     curves_drawn(where)
+    guided(where)
     refused(where)
     others(where)
 print("%d passed, %d failed" % (passed, failed))

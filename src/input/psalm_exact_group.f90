@@ -41,6 +41,8 @@ module psalm_exact_group
       real(wp) :: longest = 100.0_wp                 !! RLONG: longest link over the frame, of a slider over the travel
       integer :: six_bar = six_bar_none              !! SIXBAR
       integer :: grid = 6                            !! NGRID: values of each dimension of a six-bar's driver
+      logical :: has_arm = .false.                   !! ARM was given
+      real(wp) :: arm(6) = not_given                 !! ARM: joints of a chain in the first pose
       real(wp) :: least_transmission = 20.0_wp       !! TRMIN, degrees: of a six-bar
       integer :: subsets = 3                         !! NSUB: sets of nine of more points
       logical :: minimax = .false.                   !! MINIMAX
@@ -90,6 +92,7 @@ contains
       code = merge(1, 0, exact%kind == kind_path .and. count(is_missing(exact%time)) == size(exact%time))
       call read_flag(group, 'CLOSED', code, findings)
       exact%closed = code == 1
+      call read_arm(group, exact, findings)
       call read_function(group, exact, findings)
       code = 0
       call read_flag(group, 'MINIMAX', code, findings)
@@ -151,6 +154,23 @@ contains
       if (any(.not. is_missing(exact%time(2:))) .and. is_missing(exact%time(1))) call out_of(group, 'TIMP', &
          'crank angles are counted from that of the first point, which is missing', findings)
    end subroutine read_points
+
+   !> The joints of the chain of a six-bar that leads a body.
+   subroutine read_arm(group, exact, findings)
+      type(group_t), intent(inout) :: group
+      type(exact_group_t), intent(inout) :: exact
+      type(diagnostics_t), intent(inout) :: findings
+      integer :: last
+
+      call group%get_reals('ARM', exact%arm, findings, last=last)
+      exact%has_arm = last > 0
+      if (.not. exact%has_arm) return
+      if (last < size(exact%arm) .or. any(is_missing(exact%arm))) call out_of(group, 'ARM', &
+         'is x and y of three joints in the first pose: fixed pivot, elbow, joint with the body', findings)
+      if (exact%kind /= kind_motion .or. size(exact%x) /= exact_in_table .or. exact%slider .or. exact%block .or. &
+          exact%crank_pivot .or. exact%follower_pivot) call out_of(group, 'ARM', &
+         "carries a body through five poses: KIND='MOTION', no SLIDER, no PIVOTS", findings)
+   end subroutine read_arm
 
    subroutine read_function(group, exact, findings)
       type(group_t), intent(inout) :: group

@@ -6,9 +6,10 @@ module psalm_exact_report
    use psalm_devices, only: devices_t, header_of
    use psalm_exact_group, only: exact_kinds
    use psalm_exact_study, only: exact_study_t, results_of, way_burmester, way_curves, way_generators, way_legs, way_minimax, &
-                                way_nine, way_six_bars, way_subsets
-   use psalm_exact_text, only: write_generator, write_linkage, write_six_bar
+                                way_guided, way_nine, way_six_bars, way_subsets
+   use psalm_exact_text, only: write_generator, write_guided, write_linkage, write_six_bar
    use psalm_function_points, only: generator_t
+   use psalm_guided_six_bars, only: body_names
    use psalm_kinds, only: wp, degrees_per_radian
    use psalm_six_bars, only: six_bar_joints
    use psalm_text, only: text_t, full_precision, general, number_or_nan, rank_column, to_text
@@ -44,6 +45,8 @@ contains
          call report_six_bars(set, study, devices)
       case (way_subsets)
          call report_subsets(set, study, devices)
+      case (way_guided)
+         call report_guided(set, study, devices)
       case default
          call report_linkages(set, study, devices)
       end select
@@ -94,7 +97,7 @@ contains
                call devices%nine%add(to_text(i)//digit(own%turns)//digit(own%closes)//' '//full_precision(own%from)//' '// &
                                      full_precision(own%to)//' '//number_or_nan(own%transmission, own%transmits))
             else
-               call devices%six%add(rank_column(i)//'  nothing: the positions lie in different assemblies')
+               call devices%six%add(rank_column(i)//'  nothing: different assemblies at the positions, or no loops of dyads')
             end if
          end associate
       end do
@@ -445,10 +448,76 @@ contains
          end associate
       case (way_subsets)
          call write_linkage(title, study%subsets%results(rank)%linkage, set%exact, last, text)
+      case (way_guided)
+         call write_guided(title, study%guided%list(rank), set%exact, last, text)
       case default
          call write_linkage(title, study%results(rank)%linkage, set%exact, last, text)
       end select
    end subroutine write_case
+
+   !> Six-bars of a chain and two links: between which bodies, and their joints in the first pose.
+   subroutine report_guided(set, study, devices)
+      type(data_set_t), intent(in) :: set
+      type(exact_study_t), intent(in) :: study
+      type(devices_t), intent(inout) :: devices
+      complex(wp) :: first
+      character(:), allocatable :: line, row
+      integer :: k, i, shown
+
+      associate (found => study%guided, six => devices%six)
+         call six%add('  '//to_text(found%pairs)//' six-bars, '//to_text(found%sound)// &
+                      ' of them come from the first pose to all others')
+         shown = shown_of(set, study)
+         if (found%sound == 0) then
+            call devices%remark(set, 'no six-bar of this chain comes from the first pose to all others')
+            call devices%note_violation()
+         end if
+         if (shown == 0) return
+         first = cmplx(set%exact%x(1), set%exact%y(1), wp)
+         call six%add()
+         call six%add('  RANK SOUND   FASTEST LINK   LONGEST LINK  FIRST LINK     SECOND LINK')
+         do k = 1, shown
+            associate (one => found%list(k))
+               call six%add(rank_column(k)//word(one%sound, 6)//general(one%fastest)//general(one%longest)//'  '// &
+                            between(one%links(1)%from, one%links(1)%to)//'  '//between(one%links(2)%from, one%links(2)%to))
+            end associate
+         end do
+         call six%add()
+         call six%add('  RANK  ENDS OF BOTH LINKS G, W AND H, K: X, Y')
+         call begin_list(set, devices%nine, 'rank sound fastest longest from1 to1 from2 to2 gx gy wx wy hx hy kx ky')
+         do k = 1, shown
+            associate (one => found%list(k))
+               line = rank_column(k)
+               row = to_text(k)//digit(one%sound)//' '//full_precision(one%fastest)//' '//full_precision(one%longest)
+               do i = 1, 2
+                  row = row//' '//to_text(one%links(i)%from)//' '//to_text(one%links(i)%to)
+               end do
+               do i = 1, 2
+                  associate (g => first + one%links(i)%pivot, w => first + one%links(i)%pin)
+                     line = line//general(real(g, wp))//general(aimag(g))//general(real(w, wp))//general(aimag(w))
+                     row = row//pair(g)//pair(w)
+                  end associate
+               end do
+               call six%add(line)
+               call devices%nine%add(row)
+            end associate
+            line = '! rank '//to_text(k)
+            if (.not. found%list(k)%sound) line = line//': it does not come to all poses'
+            call devices%seven%add(line)
+            call write_case(set, study, k, merge(set%last, 0, k == shown), devices%seven)
+         end do
+      end associate
+
+   contains
+
+      !> Two bodies as a column.
+      pure function between(from, to) result(column)
+         integer, intent(in) :: from, to
+         character(13) :: column
+
+         column = trim(body_names(from))//' - '//trim(body_names(to))
+      end function between
+   end subroutine report_guided
 
    function title_of(set, rank) result(title)
       type(data_set_t), intent(in) :: set

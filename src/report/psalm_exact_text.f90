@@ -4,11 +4,12 @@ module psalm_exact_text
    use psalm_defects, only: crank_angles, exact_linkage_t
    use psalm_exact_group, only: exact_group_t, kind_motion
    use psalm_function_points, only: generator_t, output_of
+   use psalm_guided_six_bars, only: guided_t
    use psalm_kinds, only: wp, degrees_per_radian
    use psalm_text, only: text_t, full_precision, to_text
    implicit none (type, external)
    private
-   public :: write_linkage, write_generator, write_six_bar
+   public :: write_linkage, write_generator, write_six_bar, write_guided
 
    integer, parameter :: line_room = 100            !! columns of a line of values
 
@@ -122,6 +123,43 @@ contains
       call text%add(' &END')
       call text%add(' &LIMITS TANGLE=90.0, LAST='//to_text(last)//' &END')
    end subroutine write_six_bar
+
+   !> Append a six-bar that leads a body, drawn at the first pose: the chain A, B, C with the point P of the body, the ends G and W
+   !> of the first link, H and K of the second.
+   subroutine write_guided(title, one, exact, last, text)
+      character(*), intent(in) :: title
+      type(guided_t), intent(in) :: one
+      type(exact_group_t), intent(in) :: exact
+      integer, intent(in) :: last
+      type(text_t), intent(inout) :: text
+      complex(wp) :: first, joints(8)
+      character(16) :: of_body(0:4)
+      integer :: i
+
+      first = cmplx(exact%x(1), exact%y(1), wp)
+      joints(:4) = [cmplx(exact%arm(1::2), exact%arm(2::2), wp), first]
+      of_body = [character(16) :: 'A', 'A B', 'B C', 'C P', 'G W']
+      do i = 1, 2
+         associate (own => one%links(i))
+            joints(2*i + 3:2*i + 4) = first + [own%pivot, own%pin]
+            of_body(own%from) = trim(of_body(own%from))//' '//merge('G', 'H', i == 1)
+            of_body(own%to) = trim(of_body(own%to))//' '//merge('W', 'K', i == 1)
+         end associate
+      end do
+      call text%add(title)
+      call text%add(" &CHAIN JNT='A','B','C','P','G','W','H','K',")
+      call numbers('JX=', real(joints, wp), text)
+      call numbers('JY=', aimag(joints), text)
+      call text%add("  LNAME='frame','crank','arm','body','link','last',")
+      call text%add("  LNK='"//trim(of_body(0))//"','"//trim(of_body(1))//"','"//trim(of_body(2))//"','"//trim(of_body(3))// &
+                    "','"//trim(of_body(4))//"','H K' &END")
+      call text%add(" &DRIVES DRIVE='A', DBASE='frame', DLINK='crank' &END")
+      call text%add(" &OUTPUTS OUTPUT='point P','angle body' &END")
+      call text%add(' &METHOD NDES='//to_text(size(one%crank))//',')
+      call numbers('DELT=', one%crank*degrees_per_radian, text)
+      call text%add(' &END')
+      call text%add(' &LIMITS TANGLE=90.0, LAST='//to_text(last)//' &END')
+   end subroutine write_guided
 
    !> Append an item of several numbers.
    subroutine numbers(head, values, text)

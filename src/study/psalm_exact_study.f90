@@ -9,6 +9,7 @@ module psalm_exact_study
    use psalm_exact_results, only: exact_proof_t, exact_result_t, add_result, is_better, judged, pair_of, rank, span_of
    use psalm_exact_subsets, only: find_by_subsets, subset_study_t
    use psalm_function_points, only: generators_t, five_points, four_points, three_points
+   use psalm_guided_six_bars, only: arm_t, guided_study_t, find_guided, place_arm, poses_guided
    use psalm_kinds, only: wp, pi, radians_per_degree
    use psalm_leg_lanes, only: path_t
    use psalm_leg_problem, only: absolute, at_a, at_ah, at_b, at_bh, at_x, at_y, kind_point, kind_pose, kind_timed, leg_data_t, &
@@ -28,11 +29,12 @@ module psalm_exact_study
    private
    public :: exact_study_t, check_exact, find_exact, poses_of, leaves_curves, rank_proven, results_of, &
              stays_assembled, tries, way_burmester, way_curves, way_legs, way_nine, &
-             way_generators, way_minimax, way_six_bars, way_subsets
+             way_generators, way_minimax, way_six_bars, way_subsets, &
+             way_guided
 
    !> How the linkages are found.
    integer, parameter :: way_burmester = 1, way_curves = 2, way_legs = 3, way_nine = 4, way_generators = 5, way_minimax = 6, &
-                         way_six_bars = 7, way_subsets = 8
+                         way_six_bars = 7, way_subsets = 8, way_guided = 9
    integer, parameter :: seed = 1                    !! of the generic problem and of the phases
    integer, parameter :: most_passes = 4
    integer, parameter :: tries = 5                   !! results looked at for each that is to be proven
@@ -82,6 +84,7 @@ module psalm_exact_study
       type(approximation_t), allocatable :: approximations(:)
       type(six_bars_t) :: six_bars
       type(subset_study_t) :: subsets
+      type(guided_study_t) :: guided
       logical :: examined = .false.                  !! there is a certificate
       type(certificate_t) :: certificate
       type(curve_sample_t), allocatable :: curve(:)  !! four poses: points of the curves, from the first pose's
@@ -132,6 +135,12 @@ contains
             if (exact%block) call complain('PIVOTS', 'the pivot of the block is found; leave the follower''s out')
             return
          end if
+         if (exact%has_arm) then
+            call check_arm(exact, i)
+            if (i > 0) call complain('ARM', 'the chain does not reach pose '//to_text(i)//': make its links longer, or its '// &
+                                     'elbow less straight')
+            return
+         end if
          if (leaves_curves(exact)) return
          if (exact%block) then
             call complain('SLIDER', "a line of the coupler through a fixed pivot (SLIDER=2) is found for four poses, or for "// &
@@ -163,6 +172,20 @@ contains
          call findings%error(message, line=set%origins%line('EXACT', item, 1), group='EXACT', item=item)
       end subroutine complain
    end subroutine check_exact
+
+   !> First pose that the chain of six-bars does not reach, 0 if there is none.
+   subroutine check_arm(exact, pose)
+      type(exact_group_t), intent(in) :: exact
+      integer, intent(out) :: pose
+      type(arm_t) :: arm
+      complex(wp) :: p(poses_guided), d(poses_guided - 1), g(poses_guided - 1)
+
+      call poses_of(exact, p, d, g)
+      associate (joints => cmplx(exact%arm(1::2), exact%arm(2::2), wp) - p(1))
+         call place_arm(d, g, joints(1), joints(2), joints(3), arm)
+      end associate
+      pose = arm%out_of_reach
+   end subroutine check_arm
 
    !> True if the poses leave curves of pivots: four, or three for a given crank's pivot and a slide.
    pure logical function leaves_curves(exact)
@@ -279,6 +302,8 @@ contains
       associate (exact => set%exact)
          if (exact%kind == kind_function) then
             call find_generators(exact, study)
+         else if (exact%has_arm) then
+            call find_six_bars_of_arm(exact, study)
          else if (exact%kind == kind_motion .and. size(exact%x) == 5 .and. .not. (exact%slider .or. exact%crank_pivot .or. &
                                                                                  exact%follower_pivot)) then
             call find_by_dyads(exact, study)
@@ -371,6 +396,21 @@ contains
       if (study%degenerate) return
       call find_pairs(p, g, cranks, study%lines, exact%closed, tries*exact%listed, study%results, study%linkages)
    end subroutine find_on_curves
+
+   !> Six-bars that lead a body: a chain and two links.
+   subroutine find_six_bars_of_arm(exact, study)
+      type(exact_group_t), intent(in) :: exact
+      type(exact_study_t), intent(inout) :: study
+      type(arm_t) :: arm
+      complex(wp) :: p(poses_guided), d(poses_guided - 1), g(poses_guided - 1)
+
+      study%way = way_guided
+      call poses_of(exact, p, d, g)
+      associate (joints => cmplx(exact%arm(1::2), exact%arm(2::2), wp) - p(1))
+         call place_arm(d, g, joints(1), joints(2), joints(3), arm)
+      end associate
+      call find_guided(arm, span_of(p), exact%listed, study%guided)
+   end subroutine find_six_bars_of_arm
 
    !> Nine points: the stored problem, then all cognates of what is real.
    subroutine find_nine_points(exact, study)
@@ -571,6 +611,8 @@ contains
          results_of = size(study%six_bars%best)
       case (way_subsets)
          results_of = size(study%subsets%results)
+      case (way_guided)
+         results_of = size(study%guided%list)
       case default
          results_of = size(study%results)
       end select
@@ -584,6 +626,8 @@ contains
       select case (study%way)
       case (way_generators)
          stays_assembled = study%generators%list(number)%assembly /= 0
+      case (way_guided)
+         stays_assembled = study%guided%list(number)%sound
       case (way_minimax, way_six_bars, way_subsets)
          stays_assembled = .true.
       case default
@@ -627,6 +671,8 @@ contains
          study%six_bars%best = study%six_bars%best(order)
       case (way_subsets)
          study%subsets%results = study%subsets%results(order)
+      case (way_guided)
+         study%guided%list = study%guided%list(order)
       case default
          study%results = study%results(order)
       end select
