@@ -2,10 +2,10 @@
 !>
 !> Violated constraints enter as squares whose weight grows until they vanish; a search may pass through points that violate
 !> them and come back. Bounds: values stop at them, and a value that wants to pass its bound is held there.
-!> Source of the method: Levenberg (1944), Marquardt (1963), the damping of Nielsen (1999).
+!> Source of the method: Levenberg (1944), Marquardt (1963), the damping of Nielsen (1999); of linear unknowns, Golub and Pereyra (1973).
 !>
 !> Local unknowns are eliminated one by one (a division each) before the equations of the core ones are solved. What the
-!> problem projects is projected after every step.
+!> problem projects is projected after every step; unknowns that enter residuals linearly are then given their best values.
 module psalm_least_squares
    use psalm_kinds, only: wp
    use psalm_linear, only: solve_positive, along_columns
@@ -88,7 +88,7 @@ contains
       type(stop_t), intent(in) :: stop
       integer, intent(out) :: reason                !! one of `stop_...`
       real(wp) :: trial(size(x)), turn(problem%local)
-      real(wp) :: step(problem%core), right(problem%core), damped(problem%core, problem%core)
+      real(wp) :: step(problem%core), moved(problem%core), right(problem%core), damped(problem%core, problem%core)
       real(wp) :: bend(problem%core, problem%core), before(problem%core)
       real(wp) :: total, trial_total, damping, growth, gain, promised
       logical :: held(problem%core), sound, slow, free
@@ -133,6 +133,8 @@ contains
                                   /damped_edge(equations, damping)
             end if
             call problem%project(trial)
+            turn = trial(core + 1:) - x(core + 1:)
+            call problem%fit_linear(trial)
             call weigh(problem, trial, weight, trial_total)
          end if
          if (trial_total < total) then
@@ -140,13 +142,13 @@ contains
             promised = -2.0_wp*dot_product(equations%gradient, step) - dot_product(step, along_columns(equations%matrix, step))
             if (slow) promised = promised - dot_product(step, along_columns(bend, step))
             if (free) then
-               turn = trial(core + 1:) - x(core + 1:)
                promised = promised - 2.0_wp*dot_product(equations%edge_gradient + along_columns(equations%border, step), turn) &
                           - sum(equations%edge*turn**2)
             end if
             gain = 2.0_wp
             if (total - trial_total < 2.0_wp*promised) gain = (total - trial_total)/promised
             idle = merge(idle + 1, 0, total - trial_total <= least_gain*total)
+            moved = trial(:core) - x(:core)
             x = trial
             slow = .not. free .and. total - trial_total < slow_gain*total
             total = trial_total
@@ -158,7 +160,7 @@ contains
             growth = 2.0_wp
             before = equations%gradient
             call problem%linearise(x, weight, equations)
-            call learn_bend(equations%matrix, step, equations%gradient - before, bend)
+            call learn_bend(equations%matrix, moved, equations%gradient - before, bend)
          else if (slow) then
             slow = .false.
             damping = damping*growth

@@ -16,7 +16,6 @@ module psalm_multistart
    real(wp), parameter :: alike = 0.1_wp           !! relative difference below which two results are one to draw near
    integer, parameter :: most_rounds = 8           !! results of the rounds before are shown to the starts of the next
    integer, parameter :: least_of_round = 16       !! starts
-   integer, parameter :: least_refined = 8         !! results searched on, at least
    integer, parameter :: most_refinements = 64     !! times further results are searched on, because those before became one
 
    !> What one start led to.
@@ -66,6 +65,7 @@ module psalm_multistart
       integer :: first = 1                 !! number of the first of these
       integer :: kept = 1                  !! results kept
       logical :: refines = .false.         !! the best are searched on
+      integer :: refined = 8               !! how many, at least
       logical, allocatable :: compared(:)  !! shape (unknowns): those that tell two results to draw near apart
       real(wp) :: small = 0.0_wp           !! objectives below it are alike
       ! two of the results kept are one if no unknown differs by more than both of these
@@ -74,6 +74,8 @@ module psalm_multistart
       real(wp), allocatable :: period(:)   !! shape (unknowns): of unknowns that repeat themselves; 0: it does not
    contains
       procedure :: search
+      procedure :: make_all
+      procedure :: finish
       procedure :: number_of
    end type multistart_t
 
@@ -87,8 +89,21 @@ contains
       number_of = merge(-i, self%first + i - self%supplied - 1, i <= self%supplied)
    end function number_of
 
-   !> Make all starts. `best` are the places of the results kept, the best first.
+   !> Make all starts and search on from the best. `best` are the places of the results kept, the best first.
    subroutine search(self, team, stop, candidates, best, observer)
+      class(multistart_t), intent(in) :: self
+      class(starter_t), intent(inout) :: team(:)        !! one for each thread
+      type(stop_t), intent(in) :: stop                  !! asked before every start
+      type(candidate_t), allocatable, intent(out) :: candidates(:) !! shape (supplied + starts)
+      integer, allocatable, intent(out) :: best(:)
+      class(observer_t), intent(inout), optional :: observer !! told by the first of the team
+
+      call self%make_all(team, stop, candidates, best, observer)
+      call self%finish(team, stop, candidates, best)
+   end subroutine search
+
+   !> Make all starts. `best` are the places of the best results to search on from, the best first.
+   subroutine make_all(self, team, stop, candidates, best, observer)
       class(multistart_t), intent(in) :: self
       class(starter_t), intent(inout) :: team(:)        !! one for each thread
       type(stop_t), intent(in) :: stop                  !! asked before every start
@@ -97,8 +112,7 @@ contains
       class(observer_t), intent(inout), optional :: observer !! told by the first of the team
       type(search_state_t) :: state
       real(wp), allocatable :: elite(:, :)
-      logical, allocatable :: left(:)
-      integer :: t, i, round, rounds, before, until, leader
+      integer :: t, i, round, rounds, before, until
 
       allocate (candidates(self%supplied + self%starts), best(0))
       state%limit = size(candidates)
@@ -122,8 +136,20 @@ contains
          !$omp end parallel do
          before = until
          deallocate (elite)
-         call rank(self, max(least_refined, self%kept), candidates, best)
+         call rank(self, max(self%refined, self%kept), candidates, best)
       end do
+   end subroutine make_all
+
+   !> Search on from the best of the starts that were made, as far as that is wanted.
+   subroutine finish(self, team, stop, candidates, best)
+      class(multistart_t), intent(in) :: self
+      class(starter_t), intent(inout) :: team(:)        !! one for each thread
+      type(stop_t), intent(in) :: stop                  !! asked now and then
+      type(candidate_t), intent(inout) :: candidates(:)
+      integer, allocatable, intent(inout) :: best(:)    !! by `make_all`; becomes the places of the results kept
+      logical, allocatable :: left(:)
+      integer :: round, leader
+
       left = candidates%feasible
       leader = 0
       if (self%refines .and. .not. stop%waiting()) then
@@ -142,7 +168,7 @@ contains
          if (.not. stop%waiting()) left = left .and. candidates%refined
       end if
       call keep_different(self, left, leader, candidates, best)
-   end subroutine search
+   end subroutine finish
 
    !> Search on from some results.
    subroutine refine_all(team, which, thorough, candidates)

@@ -57,6 +57,7 @@ module psalm_nlp
       procedure :: constrain
       procedure(accept_i), deferred :: accept
       procedure :: project
+      procedure :: fit_linear
       procedure :: settle
       procedure :: search_box
       procedure :: unknowns
@@ -182,6 +183,15 @@ contains
       associate (unused => self, unchanged => x)
       end associate
    end subroutine project
+
+   !> Give the unknowns that enter residuals linearly their best values for those of the others. By itself a problem has none.
+   subroutine fit_linear(self, x)
+      class(nlp_t), intent(inout) :: self
+      real(wp), intent(inout) :: x(:)                !! shape (core + local)
+
+      associate (unused => self, unchanged => x)
+      end associate
+   end subroutine fit_linear
 
    !> Make x obey, and give its objective. With `towards`, a point that obeys, it moves there by quarters until it does.
    subroutine settle(self, x, objective, feasible, towards)

@@ -1,8 +1,8 @@
 !> Which linkage? Cases that want the same output share their starts by what they promise.
 !>
 !> Successive halving: all cases are searched from few starts, the better half of them, by the best objective, from twice as many,
-!> and so on until one is left, which has all of its starts. A case is searched afresh each time: what is kept of it is what
-!> it would find alone with as many starts as its last round had.
+!> and so on until one is left, which has all of its starts. A case is searched afresh each time; only the starts of its last round
+!> are searched on from, when all rounds are over. What is kept of a case is what it would find alone with as many starts.
 !>
 !> Source: Jamieson and Talwalkar, Non-stochastic best arm identification and hyperparameter optimization (2016).
 module psalm_type_search
@@ -10,12 +10,19 @@ module psalm_type_search
    use psalm_error, only: problem_t, make_problem
    use psalm_kinds, only: wp
    use psalm_preparation, only: prepared_t
-   use psalm_search, only: search_many
+   use psalm_search, only: search_t
    use psalm_search_group, only: ranking_shared
    use psalm_stop, only: stop_t
    implicit none (type, external)
    private
    public :: shares_starts, share_starts
+
+   integer, parameter :: fewest_starts = 4      !! of a round: less says nothing about a kind of linkage
+
+   !> A case in the running.
+   type :: contender_t
+      type(search_t), allocatable :: search     !! the starts of its last round are made
+   end type contender_t
 
 contains
 
@@ -29,19 +36,19 @@ contains
    !> Search all cases that share their starts: `found` of those that take part becomes what their last round led to, NSTART what it
    !> had. When the host asks for the end, the rounds so far count.
    subroutine share_starts(sets, prepared, threads, stop)
-      type(data_set_t), intent(inout) :: sets(:)
+      type(data_set_t), intent(inout), target :: sets(:)
       type(prepared_t), intent(inout) :: prepared(:) !! shape (cases)
       integer, intent(in) :: threads
       type(stop_t), intent(in) :: stop             !! asked now and then
-      type(data_set_t), allocatable :: set
+      type(contender_t) :: contenders(size(sets))
       type(problem_t), allocatable :: problem
       real(wp) :: best(size(sets))
       logical :: left(size(sets))
-      integer :: rounds, round, k, starts(size(sets))
+      integer :: rounds, round, k, most(size(sets))
 
+      most = sets%search%nstart
       do k = 1, size(sets)
          left(k) = shares_starts(sets(k)) .and. prepared(k)%parameters%has_search()
-         starts(k) = sets(k)%search%nstart
       end do
       rounds = 1
       do while (2**(rounds - 1) < count(left))
@@ -52,22 +59,23 @@ contains
          do k = 1, size(sets)
             if (.not. left(k)) cycle
             if (round > 1 .and. stop%waiting()) exit
-            allocate (set, source=sets(k))
-            allocate (problem)
-            set%search%nstart = max(1, sets(k)%search%nstart/2**(rounds - round))
-            starts(k) = set%search%nstart
-            if (.not. allocated(prepared(k)%found)) allocate (prepared(k)%found)
-            call make_problem(set, prepared(k)%mechanism, prepared(k)%given, prepared(k)%parameters, problem)
+            if (allocated(contenders(k)%search)) deallocate (contenders(k)%search)
+            allocate (contenders(k)%search, problem)
+            sets(k)%search%nstart = min(most(k), max(fewest_starts, most(k)/2**(rounds - round)))
+            call make_problem(sets(k), prepared(k)%mechanism, prepared(k)%given, prepared(k)%parameters, problem)
             call problem%set_threads(threads)
-            call search_many(set, problem, prepared(k)%parameters%first_values(prepared(k)%given), prepared(k)%vertices, &
-                             threads, stop, prepared(k)%found)
-            best(k) = huge(best)
-            if (size(prepared(k)%found%best) > 0) best(k) = prepared(k)%found%best(1)%objective
-            deallocate (set, problem)
+            call contenders(k)%search%make_starts(sets(k), problem, prepared(k)%parameters%first_values(prepared(k)%given), &
+                                                  prepared(k)%vertices, threads, stop)
+            best(k) = contenders(k)%search%least_objective()
+            deallocate (problem)
          end do
          call keep_better_half(best, left)
       end do
-      sets%search%nstart = starts
+      do k = 1, size(sets)
+         if (.not. allocated(contenders(k)%search)) cycle
+         if (.not. allocated(prepared(k)%found)) allocate (prepared(k)%found)
+         call contenders(k)%search%finish(prepared(k)%found)
+      end do
    end subroutine share_starts
 
    !> Of those left the better half, rounded up; of equals the first.

@@ -3,10 +3,10 @@
 !>
 !> Notation and what is eliminated: `psalm_path_fit`.
 module psalm_free_path
-   use psalm_elementary, only: fractional_power
    use psalm_kinds, only: wp, full_turn, half_turn
    use psalm_path_descent, only: descend, put_in_order, retime, nearest_g, least_sigma, largest_q
    use psalm_path_fit, only: path_t, visit_t, path_room_t, trace_coupler, fit_linear, error_of, find_violations, rows_most, samples
+   use psalm_timing_draw, only: draw_spread, draw_jumps, draw_corner, draw_ratio, follow, uniform
    use psalm_xoshiro, only: xoshiro_t
    implicit none (type, external)
    private
@@ -33,7 +33,9 @@ contains
       integer :: k
 
       do
-         lengths = [ratio(10.0_wp), ratio(10.0_wp), ratio(10.0_wp), ratio(10.0_wp)]
+         do k = 1, size(lengths)
+            lengths(k) = draw_ratio(random, 10.0_wp)
+         end do
          associate (ground => lengths(1), crank => lengths(2), coupler => lengths(3), follower => lengths(4))
             if (coupler + follower < ground + crank .or. abs(coupler - follower) > abs(ground - crank)) cycle
             visit%g = ground/crank
@@ -44,128 +46,25 @@ contains
          exit
       end do
       visit%side = path%side
-      if (uniform() < at_corners) then
-         call draw_jumps(gap)
+      if (uniform(random) < at_corners) then
+         call draw_jumps(path, random, gap)
          call follow(gap, 0.0_wp, visit%t)
-         k = a_corner()
-         if (uniform() < 0.5_wp) then
+         k = draw_corner(path, random)
+         if (uniform(random) < 0.5_wp) then
             visit%sigma = least_sigma
             visit%t = visit%t + (half_turn - visit%t(k))
          else
-            visit%q = sign(largest_q, uniform() - 0.5_wp)
+            visit%q = sign(largest_q, uniform(random) - 0.5_wp)
             visit%t = visit%t - visit%t(k)
          end if
       else
-         if (uniform() < 0.5_wp) then
-            call draw_spread(gap)
+         if (uniform(random) < 0.5_wp) then
+            call draw_spread(path, random, gap)
          else
-            call draw_jumps(gap)
+            call draw_jumps(path, random, gap)
          end if
-         call follow(gap, uniform()*full_turn, visit%t)
+         call follow(gap, uniform(random)*full_turn, visit%t)
       end if
-
-   contains
-
-      !> A point, the sooner the sharper the path turns there.
-      integer function a_corner()
-         real(wp) :: left
-
-         left = uniform()
-         do a_corner = 1, path%n - 1
-            left = left - path%corner(a_corner)
-            if (left < 0.0_wp) exit
-         end do
-      end function a_corner
-
-      function uniform() result(deviate)
-         real(wp) :: deviate
-
-         call random%next(deviate)
-      end function uniform
-
-      !> One to `most`, its logarithm uniform (in steps of 1/4096: the power is made by roots).
-      real(wp) function ratio(most)
-         real(wp), intent(in) :: most
-
-         ratio = fractional_power(most, real(int(4096.0_wp*uniform()), wp)/4096.0_wp)
-      end function ratio
-
-      !> Inputs that rise by these gaps.
-      subroutine follow(gap, first, t)
-         real(wp), intent(in) :: gap(:), first
-         real(wp), intent(out) :: t(:)
-         integer :: k
-
-         t(1) = first
-         do k = 2, size(t)
-            t(k) = t(k - 1) + gap(k - 1)
-         end do
-      end subroutine follow
-
-      !> Even or by the chords, over a part of the turn.
-      subroutine draw_spread(gap)
-         real(wp), intent(out) :: gap(:)
-         real(wp) :: span
-         integer :: k
-
-         span = full_turn*(0.2_wp + 0.8_wp*uniform())
-         if (uniform() < 0.5_wp) then
-            gap = path%chord + 1.0e-3_wp
-         else
-            do k = 1, size(gap)
-               ! spaces between sorted deviates: shares of deviates of the exponential kind, here by a power of even ones
-               gap(k) = share()
-            end do
-         end if
-         gap(size(gap)) = 0.0_wp
-         gap = span*gap/max(sum(gap), tiny(1.0_wp))
-      end subroutine draw_spread
-
-      !> Runs in which the inputs follow the chords, with jumps between them, half of these at corners.
-      subroutine draw_jumps(gap)
-         real(wp), intent(out) :: gap(:)
-         logical :: jump(size(gap))
-         real(wp) :: pace, runs, jumps, part
-         integer :: k, breaks
-
-         jump = .false.
-         jump(size(gap)) = .true.                    ! the way back
-         do breaks = 1, 1 + int(3.0_wp*uniform())
-            if (uniform() < 0.5_wp) then
-               k = 1 + min(int(real(size(gap), wp)*uniform()), size(gap) - 1)
-            else
-               k = a_corner()                        ! behind it, or before it
-               if (uniform() < 0.5_wp) k = 1 + modulo(k - 2, size(gap))
-            end if
-            jump(k) = .true.
-         end do
-         pace = 1.0_wp
-         do k = 1, size(gap)
-            if (jump(k)) then
-               gap(k) = share()
-               ! near a normal deviate's exponential: between a quarter and four
-               pace = 0.25_wp*ratio(16.0_wp)
-            else
-               gap(k) = pace*(path%chord(k) + 1.0e-3_wp)
-            end if
-         end do
-         runs = max(sum(gap, mask=.not. jump), tiny(1.0_wp))
-         jumps = sum(gap, mask=jump)
-         part = 0.02_wp*ratio(35.0_wp)
-         where (jump)
-            gap = full_turn*(1.0_wp - part)*gap/jumps
-         else where
-            gap = full_turn*part*gap/runs
-         end where
-      end subroutine draw_jumps
-
-      !> A positive deviate, small ones often: (1 - u)/u, cut.
-      real(wp) function share()
-         real(wp) :: u
-
-         u = uniform()
-         share = min((1.0_wp - u)/u, 20.0_wp) + 1.0e-3_wp
-      end function share
    end subroutine draw
 
    !> One lot: samples, short descents of the better half, longer ones of the best, and the best finished. Of several paths, to be

@@ -7,11 +7,12 @@
 module psalm_merit
    use psalm_angles, only: unit_vector
    use psalm_clearances, only: clearance_t, list_clearances, find_depth, points_of_clearance
-   use psalm_constraint_group, only: range_positions, range_turn
+   use psalm_constraint_group, only: range_positions, range_inputs, range_turn
    use psalm_data_set, only: data_set_t
    use psalm_dyad_kind, only: assur_prp, assur_rrr, form_of, form_t
    use psalm_error, only: problem_t
    use psalm_kinds, only: wp, degrees_per_radian, full_turn, right_angle
+   use psalm_linear_unknowns, only: linear_unknowns_t, prepare_linear_unknowns, solve_linear_unknowns
    use psalm_nlp, only: nlp_t, normal_equations_t
    use psalm_output_kind, only: motion_point, motion_angle
    use psalm_search_group, only: order_free
@@ -21,9 +22,10 @@ module psalm_merit
    use psalm_parameters, only: variable_length, variable_outlk
    implicit none (type, external)
    private
-   public :: merit_t, prepare_merit, put_in_order, constraint_inputs, set_range, range_steps, extra_positions
+   public :: merit_t, prepare_merit, eliminate_linear, put_in_order, constraint_inputs, set_range, range_steps, extra_positions
 
    integer, parameter :: range_steps = 120           !! steps the range of the input is looked at in
+   integer, parameter :: most_few = 40               !! places of it at which derivatives are found alone
    integer, parameter :: extra_positions = 8         !! further inputs where a violation was found between the steps
    real(wp), parameter :: slack = 1.0e-7_wp          !! constraints are aimed this far inside their limits
    real(wp), parameter :: longest = 1.0e4_wp         !! times the longest given arc: no variable length grows beyond it
@@ -37,6 +39,7 @@ module psalm_merit
       ! in memory of their own, for objects this large fill a small stack
       type(station_t), allocatable :: main           !! the prescribed positions
       type(station_t), allocatable :: range          !! where else constraints hold: over the range of the inputs
+      type(station_t), allocatable :: few            !! those of them where constraints are violated, if they are few
       logical :: has_range = .false.                 !! there are such places
       type(problem_t), allocatable :: final          !! with the user's limits: what counts in the end
       type(dimensions_t) :: dimensions
@@ -54,6 +57,7 @@ module psalm_merit
       real(wp) :: reach = full_turn                  !! how far it moves an input
       real(wp), allocatable :: late(:)               !! shape (positions): how far each input is past the next, radians or sizes
       real(wp), allocatable :: delt(:)               !! shape (positions): input increments
+      type(linear_unknowns_t), allocatable :: linear !! dimensions that are solved for after every step, where it is asked for
    contains
       procedure :: point
       procedure :: measure
@@ -62,6 +66,7 @@ module psalm_merit
       procedure :: constrain
       procedure :: accept
       procedure :: project
+      procedure :: fit_linear
       procedure :: search_box
    end type merit_t
 
@@ -115,6 +120,10 @@ contains
          plain%motion = motion_point
          call prepare_station(plain, constraint_inputs(merit%irange, problem, problem%delt, range_steps, extra_positions), &
                               merit%free .and. merit%irange == range_positions, joints, .true., merit%range)
+         if (size(merit%clearances) == 0 .and. merit%range%problem%positions > most_few .and. .not. merit%range%timed) then
+            allocate (merit%few)
+            call prepare_station(plain, merit%range%problem%delt(:most_few), .false., joints, .true., merit%few)
+         end if
       end if
       merit%low = spread(-huge(1.0_wp), 1, nvar)
       merit%high = -merit%low
@@ -343,9 +352,7 @@ contains
       class(merit_t), intent(inout) :: self
       real(wp), intent(in) :: x(:), weight
       type(normal_equations_t), intent(inout) :: equations
-      integer :: i, r, a, b
-      real(wp) :: depth, pull(2, points_of_clearance)
-      real(wp) :: row(self%core)
+      integer :: r, a, b
 
       call put_in(self, x)
       call linearise_station(self%main, self%dimensions)
@@ -355,27 +362,13 @@ contains
          do r = 1, size(main%out, 2)
             call add_errors(nvar, main%problem%weight(:n, r), main%out(:, r), main%dout(:, :, r), equations)
          end do
-         call add_angles(main, self%limit, nvar, weight, equations)
+         call add_angles(main, self%limit, size(main%k, 1), nvar, weight, equations)
          if (order_weighs(self)) then
             associate (pull => (weight*self%sense/unit_of_input(self))*max(self%late, 0.0_wp))
                equations%edge_gradient = equations%edge_gradient + pull - cshift(pull, -1)
             end associate
          end if
-         if (self%has_range) then
-            self%range%problem%side = self%main%problem%side
-            call linearise_station(self%range, self%dimensions)
-            call add_angles(self%range, self%limit, nvar, weight, equations)
-            do r = 1, size(self%clearances)
-               do i = 1, self%range%problem%positions
-                  call depth_at(self, r, i, depth, pull)
-                  if (depth <= 0.0_wp) cycle
-                  row = slope(self, r, i, pull, 1, nvar)
-                  call add_row(equations, weight, depth, row)
-                  if (self%range%timed) call add_timing(equations, i, weight, depth, row, &
-                                                         sum(slope(self, r, i, pull, nvar + 1, nvar + 1)))
-               end do
-            end do
-         end if
+         if (self%has_range) call add_range(self, weight, equations)
          do a = 1, nvar
             do b = 1, a - 1
                equations%matrix(a, b) = equations%matrix(b, a)
@@ -383,6 +376,45 @@ contains
          end do
       end associate
    end subroutine linearise
+
+   !> What is violated over the range. Where nothing is, no derivatives are needed.
+   subroutine add_range(merit, weight, equations)
+      class(merit_t), intent(inout) :: merit
+      real(wp), intent(in) :: weight
+      type(normal_equations_t), intent(inout) :: equations
+      integer :: i, r
+      real(wp) :: depth, pull(2, points_of_clearance)
+      real(wp) :: row(merit%core)
+      logical, allocatable :: violated(:)
+
+      call look_over_range(merit)
+      if (size(merit%clearances) == 0 .and. .not. squared_angles(merit%range, merit%limit) > 0.0_wp) return
+      if (allocated(merit%few)) then
+         violated = [(any(abs(merit%range%k(i, :)) > merit%limit), i=1, size(merit%range%k, 1))]
+         if (count(violated) <= most_few) then
+            ! of the places not needed the last one is taken again
+            associate (places => pack([(i, i=1, size(violated))], violated))
+               call merit%few%problem%move_inputs(merit%range%problem%delt(places([(min(i, size(places)), i=1, most_few)])))
+            end associate
+            merit%few%problem%side = merit%main%problem%side
+            call linearise_station(merit%few, merit%dimensions)
+            call add_angles(merit%few, merit%limit, count(violated), merit%core, weight, equations)
+            return
+         end if
+      end if
+      call linearise_station(merit%range, merit%dimensions)
+      call add_angles(merit%range, merit%limit, size(merit%range%k, 1), merit%core, weight, equations)
+      do r = 1, size(merit%clearances)
+         do i = 1, merit%range%problem%positions
+            call depth_at(merit, r, i, depth, pull)
+            if (depth <= 0.0_wp) cycle
+            row = slope(merit, r, i, pull, 1, merit%core)
+            call add_row(equations, weight, depth, row)
+            if (merit%range%timed) call add_timing(equations, i, weight, depth, row, &
+                                                    sum(slope(merit, r, i, pull, merit%core + 1, merit%core + 1)))
+         end do
+      end do
+   end subroutine add_range
 
    !> Derivatives of a clearance's shortfall by the variables `from` to `to`.
    pure function slope(merit, r, i, pull, from, to) result(row)
@@ -445,9 +477,10 @@ contains
    end function product_of
 
    !> Violations of closure, transmission angles, angles between slides and TOGGLE at the positions of a station.
-   subroutine add_angles(station, limit, nvar, weight, equations)
+   subroutine add_angles(station, limit, positions, nvar, weight, equations)
       type(station_t), intent(in) :: station
       real(wp), intent(in) :: limit(:)               !! shape (loops)
+      integer, intent(in) :: positions               !! of the station that count, the first ones
       integer, intent(in) :: nvar
       real(wp), intent(in) :: weight
       type(normal_equations_t), intent(inout) :: equations
@@ -455,7 +488,7 @@ contains
       integer :: loop, i
 
       do loop = 1, size(limit)
-         do i = 1, size(station%k, 1)
+         do i = 1, positions
             over = abs(station%k(i, loop)) - limit(loop)
             if (over <= 0.0_wp) cycle
             over = sign(over, station%k(i, loop))
@@ -635,6 +668,32 @@ contains
 
       if (self%ordered) call put_in_order(x(self%core + 1:), self%sense, self%span)
    end subroutine project
+
+   !> From now on solve for the dimensions that enter the output linearly, where the linkage has them.
+   !>
+   !> Not where constraints hold in a part of the turn that hangs on free inputs: it would turn with them.
+   subroutine eliminate_linear(merit)
+      class(merit_t), intent(inout) :: merit
+
+      if (size(merit%clearances) > 0 .or. (merit%free .and. merit%irange == range_inputs)) return
+      allocate (merit%linear)
+      call prepare_linear_unknowns(merit%final, merit%free, merit%low, merit%high, merit%linear)
+      if (.not. merit%linear%applies) deallocate (merit%linear)
+   end subroutine eliminate_linear
+
+   !> Give these dimensions their best values.
+   subroutine fit_linear(self, x)
+      class(merit_t), intent(inout) :: self
+      real(wp), intent(inout) :: x(:)                !! shape (nvar + positions)
+      real(wp) :: delt(self%final%positions)
+      logical :: solved
+
+      if (.not. allocated(self%linear)) return
+      delt = self%delt
+      if (self%free) delt = x(self%core + 1:)
+      call solve_linear_unknowns(self%linear, self%low, self%high, x(:self%core), delt, solved)
+      x(self%core + 1:) = delt(:self%local)
+   end subroutine fit_linear
 
    !> Where a global search looks: the box that random linkages are drawn from, and inputs within `reach`.
    subroutine search_box(self, x, low, high)

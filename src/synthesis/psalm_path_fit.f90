@@ -13,7 +13,7 @@ module psalm_path_fit
    use psalm_kinds, only: wp, full_turn
    implicit none (type, external)
    private
-   public :: path_t, visit_t, path_room_t, prepare_path, trace_coupler, trace_at, halve, fit_linear, error_of, &
+   public :: path_t, visit_t, path_room_t, set_points, prepare_path, trace_coupler, trace_at, halve, fit_linear, error_of, &
              lengths_of, find_violations, weigh
    public :: square, dot
    public :: at_ground, at_crank, at_coupler, at_follower, at_point, at_pivot
@@ -86,20 +86,7 @@ contains
       type(path_room_t), intent(out) :: room
       integer :: i
 
-      path%n = size(x)
-      path%weight_scale = sum(weight)/real(path%n, wp)
-      path%weight = weight/path%weight_scale
-      path%point = cmplx(x, y, wp)
-      path%centre = sum(path%weight*path%point)/real(path%n, wp)
-      path%point = path%point - path%centre
-      path%size = sqrt(sum(path%weight*square(path%point))/real(path%n, wp))
-      path%point = path%point/path%size
-      path%centre = path%centre/path%size
-      path%chord = sqrt(square(cshift(path%point, 1) - path%point))
-      associate (to => cshift(path%point, 1) - path%point, from => path%point - cshift(path%point, -1))
-         path%corner = 1.0_wp - dot(from, to)/max(sqrt(square(from)*square(to)), tiny(1.0_wp)**0.25_wp) + least_corner
-      end associate
-      path%corner = path%corner/sum(path%corner)
+      call set_points(x, y, weight, path)
       path%low = low/path%size
       path%high = min(high/path%size, sqrt(huge(1.0_wp)))
       path%cosine = cosine
@@ -119,6 +106,27 @@ contains
          room%copy = room%lot(1)
       end associate
    end subroutine prepare_path
+
+   !> Scale points.
+   subroutine set_points(x, y, weight, path)
+      real(wp), intent(in) :: x(:), y(:), weight(:)  !! shape (n), in order
+      type(path_t), intent(out) :: path
+
+      path%n = size(x)
+      path%weight_scale = sum(weight)/real(path%n, wp)
+      path%weight = weight/path%weight_scale
+      path%point = cmplx(x, y, wp)
+      path%centre = sum(path%weight*path%point)/real(path%n, wp)
+      path%point = path%point - path%centre
+      path%size = sqrt(sum(path%weight*square(path%point))/real(path%n, wp))
+      path%point = path%point/path%size
+      path%centre = path%centre/path%size
+      path%chord = sqrt(square(cshift(path%point, 1) - path%point))
+      associate (to => cshift(path%point, 1) - path%point, from => path%point - cshift(path%point, -1))
+         path%corner = 1.0_wp - dot(from, to)/max(sqrt(square(from)*square(to)), tiny(1.0_wp)**0.25_wp) + least_corner
+      end associate
+      path%corner = path%corner/sum(path%corner)
+   end subroutine set_points
 
    elemental real(wp) function square(z)
       complex(wp), intent(in) :: z

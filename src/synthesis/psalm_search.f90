@@ -5,14 +5,15 @@
 !> from a stream of its own.
 module psalm_search
    use psalm_constr, only: constraints_t, make_constraints, constrain
-   use psalm_constraint_group, only: range_positions
+   use psalm_constraint_group, only: range_positions, range_turn
    use psalm_data_set, only: data_set_t
    use psalm_elementary, only: fractional_power
    use psalm_error, only: problem_t
    use psalm_free_start, only: free_start_t, prepare_free_start, make_free_start
    use psalm_kinds, only: wp, degrees_per_radian, full_turn, right_angle
    use psalm_margins, only: inspector_t, margin_t, prepare_inspector, inspect, is_violated
-   use psalm_merit, only: merit_t, prepare_merit, set_range, extra_positions
+   use psalm_lot, only: draw_lot
+   use psalm_merit, only: merit_t, prepare_merit, eliminate_linear, set_range, extra_positions
    use psalm_multistart, only: candidate_t, multistart_t, starter_t
    use psalm_nlp, only: repair_count_t
    use psalm_search_group, only: order_either, pareto_none
@@ -25,7 +26,7 @@ module psalm_search
    use psalm_xoshiro, only: xoshiro_t, purpose_starts
    implicit none (type, external)
    private
-   public :: found_t, result_t, start_record_t, search_many
+   public :: found_t, result_t, start_record_t, search_t, search_many
 
    real(wp), parameter :: least_value = 1.0e-3_wp  !! of the first linkage: smaller ones do not tell relative changes
    integer, parameter :: most_returns = 4          !! times a search goes back to work on what an inspection found
@@ -36,6 +37,7 @@ module psalm_search
    real(wp), parameter :: wide = 10.0_wp           !! ratio of the bounds of a length above which ratios are drawn
    integer, parameter :: fineness = 5              !! near: by a half, a quarter ... a 32nd
    real(wp), parameter :: negligible = 1.0e-2_wp   !! of the longest given arc: such lengths tell no linkages apart by their ratio
+   integer, parameter :: few_refined = 3           !! results of lots searched on, at least: most of the work is done there
    integer, parameter :: most_weighed = 100        !! linkages that a list of PARETO is chosen from, at least
    real(wp), parameter :: worth_it = 1.0e-6_wp     !! relative gain for which another timing is tried
 
@@ -85,6 +87,7 @@ module psalm_search
       type(free_start_t), allocatable :: free_start(:) !! shape (2): the same
       real(wp) :: sense = 1.0_wp                  !! of DELT
       integer :: way = 1                          !! 1: the input goes the way of DELT, 2: the other way
+      logical :: lots = .false.                   !! starts are the best of lots of random linkages
       class(solver_t), allocatable :: solver
       type(stop_t) :: stop
       type(xoshiro_t) :: random
@@ -92,6 +95,25 @@ module psalm_search
       procedure :: start => one_start
       procedure :: refine
    end type worker_t
+
+   !> A search whose starts are made at one time and which is finished at another.
+   type :: search_t
+      private
+      ! by its base class: what compilers make of taking a whole worker apart is then made once
+      class(starter_t), allocatable :: team(:)
+      type(candidate_t), allocatable :: candidates(:)
+      integer, allocatable :: best(:)             !! places of the best
+      logical :: free = .false.                   !! free timing
+      logical, allocatable :: by_default(:)       !! as `result_t` has them
+      real(wp), allocatable :: low(:), high(:), first(:)
+      real(wp), allocatable :: delt(:)            !! shape (positions): those given
+      type(multistart_t) :: rules
+      type(stop_t) :: ending
+   contains
+      procedure :: make_starts
+      procedure :: least_objective
+      procedure :: finish
+   end type search_t
 
 contains
 
@@ -105,54 +127,96 @@ contains
       type(stop_t), intent(in) :: stop          !! asked now and then
       type(result_t), intent(out) :: result
       class(observer_t), intent(inout), optional :: observer
-      type(worker_t), allocatable :: team(:)
-      type(candidate_t), allocatable :: candidates(:)
-      integer, allocatable :: best(:)
-      type(multistart_t) :: rules
-      type(stop_t) :: ending
-      integer :: t, i
+      type(search_t), allocatable :: search     ! in memory of its own: it would fill a small stack
 
-      ending = stop
-      call ending%limit_time(set%search%maxtime)
-      rules%supplied = size(supplied, 2)
-      rules%starts = set%search%nstart
-      rules%first = set%search%first
-      rules%kept = set%search%nbest
-      if (set%search%pareto /= pareto_none) rules%kept = max(rules%kept, most_weighed)
-      rules%refines = set%search%solver%refines
-      rules%small = set%fmin
-      allocate (team(min(max(1, threads), rules%supplied + rules%starts)))
-      do t = 1, size(team)
-         call prepare_worker(set, problem, first, supplied, ending, team(t))
-      end do
-      rules%compared = [is_length(problem), spread(.false., 1, team(1)%merit%local)]
-      call tell_apart(set, problem, team(1)%merit, rules)
-      result%by_default = team(1)%merit%by_default
-      result%low = team(1)%merit%default_low
-      result%high = team(1)%merit%default_high
-      call rules%search(team, ending, candidates, best, observer)
-      result%starts = count(candidates%done)
-      result%feasible = count(candidates%feasible)
-      result%refused = any(candidates%refused)
-      i = findloc(candidates(rules%supplied + 1:)%done, .false., dim=1)
-      if (i > 0) result%next = set%search%first + i - 1
-      result%interrupted = ending%requested()
-      result%out_of_time = ending%late() .and. .not. result%interrupted
-      result%evaluations = sum(candidates%evaluations)
-      result%jacobians = sum(candidates%jacobians)
-      call record_starts(rules, candidates, result%log)
-      allocate (result%best(size(best)))
-      do i = 1, size(best)
-         associate (found => result%best(i), candidate => candidates(best(i)))
-            found%values = candidate%x(:size(first))
-            found%delt = problem%delt
-            if (team(1)%merit%free) found%delt = candidate%x(size(first) + 1:)
-            found%objective = candidate%objective
-            found%start = rules%number_of(best(i))
-            found%distance = maxval(abs(found%values - first)/max(abs(first), least_value))
-         end associate
-      end do
+      allocate (search)
+      call search%make_starts(set, problem, first, supplied, threads, stop, observer)
+      call search%finish(result)
    end subroutine search_many
+
+   !> Make all starts; the best are not searched on from.
+   subroutine make_starts(self, set, problem, first, supplied, threads, stop, observer)
+      class(search_t), intent(inout) :: self
+      type(data_set_t), intent(in), target :: set !! must live until the search is finished
+      type(problem_t), intent(in) :: problem
+      real(wp), intent(in) :: first(:)          !! shape (nvar)
+      real(wp), intent(in) :: supplied(:, :)    !! shape (nvar, supplied)
+      integer, intent(in) :: threads
+      type(stop_t), intent(in) :: stop          !! asked now and then
+      class(observer_t), intent(inout), optional :: observer
+      type(worker_t), allocatable :: team(:)
+      integer :: t
+
+      self%ending = stop
+      call self%ending%limit_time(set%search%maxtime)
+      self%rules%supplied = size(supplied, 2)
+      self%rules%starts = set%search%nstart
+      self%rules%first = set%search%first
+      self%rules%kept = set%search%nbest
+      if (set%search%pareto /= pareto_none) self%rules%kept = max(self%rules%kept, most_weighed)
+      self%rules%refines = set%search%solver%refines
+      self%rules%small = set%fmin
+      allocate (team(min(max(1, threads), self%rules%supplied + self%rules%starts)))
+      do t = 1, size(team)
+         call prepare_worker(set, problem, first, supplied, self%ending, team(t))
+      end do
+      associate (merit => team(1)%merit)
+         self%rules%compared = [is_length(problem), spread(.false., 1, merit%local)]
+         call tell_apart(set, problem, merit, self%rules)
+         if (team(1)%lots) self%rules%refined = few_refined
+         self%free = merit%free
+         self%by_default = merit%by_default
+         self%low = merit%default_low
+         self%high = merit%default_high
+      end associate
+      self%first = first
+      self%delt = problem%delt
+      call move_alloc(team, self%team)
+      call self%rules%make_all(self%team, self%ending, self%candidates, self%best, observer)
+   end subroutine make_starts
+
+   !> Objective of the best linkage so far; huge if there is none.
+   pure real(wp) function least_objective(self)
+      class(search_t), intent(in) :: self
+
+      least_objective = huge(least_objective)
+      if (size(self%best) > 0) least_objective = self%candidates(self%best(1))%objective
+   end function least_objective
+
+   !> Search on from the best starts, and tell what was found.
+   subroutine finish(self, result)
+      class(search_t), intent(inout) :: self    !! its starts are made
+      type(result_t), intent(out) :: result
+      integer :: i
+
+      call self%rules%finish(self%team, self%ending, self%candidates, self%best)
+      associate (candidates => self%candidates, ending => self%ending, first => self%first)
+         result%by_default = self%by_default
+         result%low = self%low
+         result%high = self%high
+         result%starts = count(candidates%done)
+         result%feasible = count(candidates%feasible)
+         result%refused = any(candidates%refused)
+         i = findloc(candidates(self%rules%supplied + 1:)%done, .false., dim=1)
+         if (i > 0) result%next = self%rules%first + i - 1
+         result%interrupted = ending%requested()
+         result%out_of_time = ending%late() .and. .not. result%interrupted
+         result%evaluations = sum(candidates%evaluations)
+         result%jacobians = sum(candidates%jacobians)
+         call record_starts(self%rules, candidates, result%log)
+         allocate (result%best(size(self%best)))
+         do i = 1, size(self%best)
+            associate (found => result%best(i), candidate => candidates(self%best(i)))
+               found%values = candidate%x(:size(first))
+               found%delt = self%delt
+               if (self%free) found%delt = candidate%x(size(first) + 1:)
+               found%objective = candidate%objective
+               found%start = self%rules%number_of(self%best(i))
+               found%distance = maxval(abs(found%values - first)/max(abs(first), least_value))
+            end associate
+         end do
+      end associate
+   end subroutine finish
 
    !> What makes two linkages different: a length that differs by DIFFER of itself, an angle that differs by DIFFER radians; inputs
    !> of free timing do not.
@@ -203,6 +267,9 @@ contains
          if (worker%merit%free) call prepare_timing(problem, worker%merit, worker%timing(way))
          if (set%search%solver%refines) call prepare_free_start(problem, worker%merit, worker%free_start(way))
       end do
+      if (set%search%solver%refines .and. .not. worker%free_start(1)%applies) call eliminate_linear(worker%merit)
+      worker%lots = allocated(worker%merit%linear) .and. worker%merit%free .and. worker%merit%ordered .and. &
+                    worker%merit%irange == range_turn
       if (worker%merit%irange /= range_positions) call prepare_inspector(set, problem, .true., worker%inspector)
    end subroutine prepare_worker
 
@@ -246,7 +313,7 @@ contains
       real(wp), intent(in) :: elite(:, :)              !! shape (unknowns, any): the best linkages of the rounds before
       type(candidate_t), intent(inout) :: candidate
       type(repair_count_t) :: counts
-      real(wp), allocatable :: values(:), home(:)
+      real(wp), allocatable :: values(:), home(:), x(:)
       real(wp) :: objective
       logical :: closes
       integer :: before
@@ -254,6 +321,10 @@ contains
       if (goes_either_way(self)) call go(self, merge(2, 1, number > 1 .and. mod(number/2, 2) == 1))
       if (number > 1 .and. self%free_start(1)%applies) then
          call start_freely(self, number, candidate)
+         return
+      end if
+      if (number > 1 .and. self%lots) then
+         call start_with_lot(self, number, candidate)
          return
       end if
       before = 0
@@ -282,12 +353,44 @@ contains
       self%merit%delt = self%problem%delt
       if (self%merit%has_range) call set_range(self%merit, [real(wp) ::])
       if (self%merit%free .and. number /= 1) call retime(self, values)
+      if (number > 1) then
+         x = self%merit%point(values, self%merit%delt)
+         call self%merit%fit_linear(x)
+         values = x(:self%merit%core)
+         if (self%merit%free) self%merit%delt = x(self%merit%core + 1:)
+      end if
       call improve(self, merge(rough_free, rough, self%merit%free), number, values, candidate)
-      call unwind(self%set, self%problem, self%first, values)
-      candidate%x = self%merit%point(values, self%merit%delt)
-      candidate%evaluations = before + self%merit%evaluations
-      candidate%jacobians = self%merit%jacobians
+      call put_down(self, values, before, candidate)
    end subroutine one_start
+
+   !> The best linkage of a lot whose proportions and inputs alone are drawn, improved.
+   subroutine start_with_lot(self, number, candidate)
+      class(worker_t), intent(inout) :: self
+      integer, intent(in) :: number
+      type(candidate_t), intent(inout) :: candidate
+      real(wp) :: values(size(self%first))
+
+      self%merit%evaluations = 0
+      self%merit%jacobians = 0
+      call self%random%use_stream(number)
+      call draw_lot(self%problem, self%merit, self%timing, merge(2, 1, goes_either_way(self)), [self%sense, -self%sense], &
+                    self%solver, self%stop, self%set%istart + number, self%random, values, self%way)
+      call improve(self, rough_free, number, values, candidate)
+      call put_down(self, values, 0, candidate)
+   end subroutine start_with_lot
+
+   !> The linkage of a start, and what it cost.
+   subroutine put_down(worker, values, before, candidate)
+      class(worker_t), intent(inout) :: worker
+      real(wp), intent(inout) :: values(:)
+      integer, intent(in) :: before                    !! evaluations made before those that the merit has counted
+      type(candidate_t), intent(inout) :: candidate
+
+      call unwind(worker, values)
+      candidate%x = worker%merit%point(values, worker%merit%delt)
+      candidate%evaluations = before + worker%merit%evaluations
+      candidate%jacobians = worker%merit%jacobians
+   end subroutine put_down
 
    !> The best linkage of a lot of random four-bars that visit the points; what is refined of them is decided later.
    subroutine start_freely(self, number, candidate)
@@ -311,10 +414,7 @@ contains
          call inspect(self%inspector, self%merit%dimensions, self%merit%delt, margins, hasty=.true.)
          candidate%feasible = .not. any(is_violated(margins))
       end if
-      call unwind(self%set, self%problem, self%first, values)
-      candidate%x = self%merit%point(values, self%merit%delt)
-      candidate%evaluations = self%merit%evaluations
-      candidate%jacobians = self%merit%jacobians
+      call put_down(self, values, 0, candidate)
    end subroutine start_freely
 
    !> Turn a random linkage within the box into one near a given one: every value within 1/2**fineness of itself, or of a right
@@ -341,20 +441,21 @@ contains
       end do
    end subroutine draw_near
 
-   !> Angles without bounds are told within half a turn of the first ones.
-   pure subroutine unwind(set, problem, first, values)
-      type(data_set_t), intent(in) :: set
-      type(problem_t), intent(in) :: problem
-      real(wp), intent(in) :: first(:)
+   !> Angles without bounds are told within half a turn of the first ones; so are those that solving for linear unknowns turns, as far
+   !> as their bounds allow.
+   pure subroutine unwind(worker, values)
+      class(worker_t), intent(in) :: worker
       real(wp), intent(inout) :: values(:)
+      real(wp) :: near(size(values))
       logical :: turns(size(values))
 
-      if (set%limval /= 0) return
-      associate (kind => problem%parameters%variables%kind)
+      if (worker%set%limval /= 0 .and. .not. allocated(worker%merit%linear)) return
+      associate (kind => worker%problem%parameters%variables%kind)
          turns = kind == variable_gama .or. kind == variable_outang .or. kind == variable_origng .or. &
-                 (kind == variable_crnki .and. .not. problem%mechanism%sliding_input)
+                 (kind == variable_crnki .and. .not. worker%problem%mechanism%sliding_input)
       end associate
-      where (turns) values = values - full_turn*anint((values - first)/full_turn)
+      near = values - full_turn*anint((values - worker%first)/full_turn)
+      where (turns .and. near >= worker%merit%low .and. near <= worker%merit%high) values = near
    end subroutine unwind
 
    !> Search on from what a start led to.
@@ -377,7 +478,7 @@ contains
       if (self%merit%has_range) call set_range(self%merit, [real(wp) ::])
       call improve(self, merge(fine, settling, thorough), 1, values, finer)
       if (finer%feasible .and. finer%objective <= candidate%objective) then
-         call unwind(self%set, self%problem, self%first, values)
+         call unwind(self, values)
          candidate%x = self%merit%point(values, self%merit%delt)
          candidate%objective = finer%objective
       end if
@@ -409,7 +510,7 @@ contains
          merit%high = high
          ! a search that had to end before it began knows nothing of the linkage within the bounds
          if (worker%stop%waiting()) return
-         call unwind(worker%set, worker%problem, worker%first, values)
+         call unwind(worker, values)
          candidate = held
          candidate%x = merit%point(values, merit%delt)
       end associate

@@ -1,0 +1,169 @@
+!> Dimensions of a linkage that its output point hangs on linearly, solved for: place, size and direction of the whole, and the
+!> output point on its link.
+!>
+!> Let J(t) be the joint that carries the output's link and u(t) the vector of unit length along OUTLK with OUTANG=0, in the complex
+!> plane, computed with the pivot at the origin and any size and direction of the linkage. Then
+!>
+!>    P(t) = z0 + w1 J(t) + w2 u(t),
+!>
+!> and for given proportions and inputs the best z0, w1, w2 solve a least-squares problem. Written back, z0 is ORIGLK at ORIGNG; all
+!> lengths are multiplied by abs(w1); the angles of the frame and the inputs, free ones or CRNKI, are turned by its argument; w2
+!> over that turn is OUTLK at OUTANG. No dyad is solved again. Whether the dimensions that vary allow it is tried on the given
+!> linkage: enlarged and turned, it must move as the given one does. Source of the elimination: Golub and Pereyra (1973).
+module psalm_linear_unknowns
+   use psalm_angles, only: degrees_of, unit_vector
+   use psalm_dimensions, only: dimensions_t
+   use psalm_error, only: problem_t
+   use psalm_kinds, only: wp, full_turn
+   use psalm_mechanism, only: body_frame
+   use psalm_output_kind, only: motion_point
+   use psalm_parameters, only: variable_length, variable_outlk, variable_outang, variable_origlk, variable_origng, &
+                               variable_gama, variable_crnki
+   use psalm_path_fit, only: path_t, visit_t, set_points, fit_linear, square
+   use psalm_station, only: station_t, prepare_station, evaluate_station
+   implicit none (type, external)
+   private
+   public :: linear_unknowns_t, prepare_linear_unknowns, solve_linear_unknowns
+
+   integer, parameter :: fewest = 4                  !! points: three are met by any proportions
+   real(wp), parameter :: trial_size = 1.25_wp, trial_turn = 37.0_wp !! of the linkage that is tried; degrees
+   real(wp), parameter :: alike = 1.0e-9_wp          !! relative: it moves as the given one does
+   real(wp), parameter :: least_change = 1.0e-6_wp   !! of the size, and its inverse the largest: beyond, J says nothing
+
+   type :: linear_unknowns_t
+      logical :: applies = .false.
+      type(path_t) :: path                           !! the points
+      type(visit_t) :: fit
+      type(station_t), allocatable :: station        !! the linkage at its prescribed positions
+      type(dimensions_t) :: dimensions
+      logical :: free = .false.                      !! the inputs turn, else CRNKI
+      integer :: outlk = 0, outang = 0, origlk = 0, origng = 0 !! variables
+      logical, allocatable :: grows(:), turns(:)     !! shape (nvar): lengths, angles of the frame
+      complex(wp), allocatable :: joint(:), arm(:)   !! shape (positions): J, u
+   end type linear_unknowns_t
+
+contains
+
+   !> See whether it applies, and get ready. `low` and `high` are bounds of the variables.
+   subroutine prepare_linear_unknowns(problem, free, low, high, linear)
+      type(problem_t), intent(in) :: problem         !! with desired values
+      logical, intent(in) :: free                    !! free timing
+      real(wp), intent(in) :: low(:), high(:)        !! shape (nvar)
+      type(linear_unknowns_t), intent(out) :: linear
+      complex(wp), allocatable :: joint(:), arm(:)
+      real(wp), allocatable :: values(:)
+      real(wp) :: c, s, far
+      integer :: n, v
+
+      n = problem%positions
+      if (n < fewest .or. problem%motion /= motion_point .or. problem%mechanism%sliding_input) return
+      if (any(abs(problem%weight(:n, 1) - problem%weight(:n, 2)) > 0.0_wp) .or. .not. any(problem%weight(:n, 1) > 0.0_wp)) return
+      associate (variables => problem%parameters%variables)
+         linear%outlk = findloc(variables%kind, variable_outlk, dim=1)
+         linear%outang = findloc(variables%kind, variable_outang, dim=1)
+         linear%origlk = findloc(variables%kind, variable_origlk, dim=1)
+         linear%origng = findloc(variables%kind, variable_origng, dim=1)
+         if (min(linear%outlk, linear%outang, linear%origlk, linear%origng) == 0) return
+         linear%grows = variables%kind == variable_length
+         linear%turns = [(variables(v)%kind == variable_gama, v=1, size(variables))]
+         do v = 1, size(variables)
+            if (linear%turns(v)) then
+               ! one that hangs on another arc of the frame turns with that
+               associate (arc => problem%mechanism%arcs(variables(v)%n))
+                  linear%turns(v) = arc%body == body_frame .and. arc%reference == 0
+               end associate
+            end if
+            if (variables(v)%kind == variable_crnki) linear%turns(v) = .not. free
+         end do
+         if (.not. (free .or. any(variables%kind == variable_crnki))) return
+      end associate
+      linear%turns(linear%outang) = .true.
+      linear%turns(linear%origng) = .true.
+      if (any(linear%turns .and. high - low < full_turn)) return
+      linear%turns(linear%outang) = .false.
+      linear%turns(linear%origng) = .false.
+      call set_points(problem%wanted(:n, 1), problem%wanted(:n, 2), problem%weight(:n, 1), linear%path)
+      allocate (linear%station)
+      allocate (linear%joint(n), linear%arm(n), source=(0.0_wp, 0.0_wp))
+      call prepare_station(problem, problem%delt, .false., reshape([integer ::], [2, 0]), .false., linear%station)
+      linear%station%leading = n
+      linear%dimensions = problem%given
+      linear%free = free
+      values = problem%parameters%first_values(problem%given)
+      call look(linear, values, problem%delt)
+      joint = linear%joint
+      arm = linear%arm
+      where (linear%grows) values = trial_size*values
+      where (linear%turns) values = values + trial_turn
+      call look(linear, values, problem%delt + merge(trial_turn, 0.0_wp, free))
+      call unit_vector(trial_turn, c, s)
+      far = sqrt(maxval(square(linear%joint)))
+      linear%applies = all(square(linear%joint - trial_size*cmplx(c, s, wp)*joint) <= (alike*far)**2) .and. &
+                       all(square(linear%arm - cmplx(c, s, wp)*arm) <= alike**2)
+   end subroutine prepare_linear_unknowns
+
+   !> J and u of a linkage.
+   subroutine look(linear, values, delt)
+      type(linear_unknowns_t), intent(inout) :: linear
+      real(wp), intent(in) :: values(:), delt(:)     !! shapes (nvar), (positions)
+      real(wp) :: bare(size(values))
+
+      bare = values
+      bare([linear%outlk, linear%outang, linear%origlk, linear%origng]) = 0.0_wp
+      call linear%station%problem%move_inputs(delt)
+      call see(linear%joint)
+      bare(linear%outlk) = 1.0_wp
+      call see(linear%arm)
+      linear%arm = linear%arm - linear%joint
+
+   contains
+
+      subroutine see(points)
+         complex(wp), intent(out) :: points(:)
+
+         call linear%station%problem%parameters%apply(bare, linear%dimensions)
+         call evaluate_station(linear%station, linear%dimensions)
+         points = cmplx(linear%station%out(:, 1), linear%station%out(:, 2), wp)
+      end subroutine see
+   end subroutine look
+
+   !> Put the best place, size, direction and output point in. Nothing is changed where they would violate a bound.
+   subroutine solve_linear_unknowns(linear, low, high, values, delt, solved)
+      type(linear_unknowns_t), intent(inout) :: linear
+      real(wp), intent(in) :: low(:), high(:)        !! shape (nvar)
+      real(wp), intent(inout) :: values(:)           !! shape (nvar)
+      real(wp), intent(inout) :: delt(:)             !! shape (positions): input increments; changed where timing is free
+      logical, intent(out) :: solved
+      complex(wp) :: w1, w2, z0
+      real(wp) :: trial(size(values)), growth, turn
+      integer :: v
+
+      call look(linear, values, delt)
+      call fit_linear(linear%path, linear%joint, linear%arm, linear%fit, 0.0_wp)
+      w1 = linear%path%size*linear%fit%w1
+      w2 = linear%path%size*linear%fit%w2
+      z0 = linear%path%size*(linear%fit%z0 + linear%path%centre)
+      growth = sqrt(square(w1))
+      solved = growth > least_change .and. growth < 1.0_wp/least_change
+      if (.not. solved) return
+      turn = degrees_of(real(w1, wp), aimag(w1))
+      w2 = w2*conjg(w1)/growth
+      trial = values
+      where (linear%grows) trial = growth*values
+      where (linear%turns) trial = values + turn
+      trial(linear%origlk) = sqrt(square(z0))
+      trial(linear%origng) = degrees_of(real(z0, wp), aimag(z0))
+      trial(linear%outlk) = sqrt(square(w2))
+      trial(linear%outang) = degrees_of(real(w2, wp), aimag(w2))
+      do v = 1, size(trial)
+         if (.not. (linear%turns(v) .or. v == linear%origng .or. v == linear%outang)) cycle
+         trial(v) = trial(v) - full_turn*anint((trial(v) - values(v))/full_turn)
+         if (trial(v) < low(v)) trial(v) = trial(v) + full_turn
+         if (trial(v) > high(v)) trial(v) = trial(v) - full_turn
+      end do
+      solved = all(trial >= low .and. trial <= high)
+      if (.not. solved) return
+      values = trial
+      if (linear%free) delt = delt + turn
+   end subroutine solve_linear_unknowns
+end module psalm_linear_unknowns

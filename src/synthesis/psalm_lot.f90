@@ -1,0 +1,195 @@
+!> A lot of random linkages that visit points with free timing: short descents of the better ones, longer ones of the best.
+!>
+!> It serves linkages of any dyads whose place, size, direction and output point are solved for (`psalm_linear_unknowns`): only their
+!> proportions and the inputs are drawn. Strict halving of cheap descents does more than good first linkages. Lots are independent
+!> of each other. A four-bar has faster ones (`psalm_free_path`).
+module psalm_lot
+   use psalm_kinds, only: wp, full_turn
+   use psalm_mechanism, only: arc_crank
+   use psalm_merit, only: merit_t, set_range
+   use psalm_error, only: problem_t
+   use psalm_parameters, only: variable_length, variable_outlk, variable_origlk, variable_crnki
+   use psalm_path_fit, only: square
+   use psalm_solver, only: solver_t, ending_t
+   use psalm_station, only: evaluate_station
+   use psalm_stop, only: stop_t
+   use psalm_timing, only: timing_t, find_timing
+   use psalm_timing_draw, only: draw_spread, draw_jumps, draw_ratio, follow, uniform
+   use psalm_xoshiro, only: xoshiro_t
+   implicit none (type, external)
+   private
+   public :: draw_lot
+
+   integer, parameter :: samples = 64, short = 16, medium = 3 !! of a lot; the best one is handed on
+   integer, parameter :: tries = 16                  !! of proportions with which the linkage closes all the way
+   integer, parameter :: short_steps = 8, medium_steps = 40 !! evaluations of a descent
+   real(wp), parameter :: gain = 1.0e-3_wp           !! relative, of a step that ends a descent
+   real(wp), parameter :: longest = 10.0_wp          !! ratio of the lengths drawn
+   real(wp), parameter :: of_crank = 0.5_wp          !! cranks are short: more linkages turn
+   real(wp), parameter :: loose = 0.01_wp            !! weight of violations against errors as large as the path
+
+   !> A linkage on trial.
+   type :: trial_t
+      real(wp), allocatable :: x(:)
+      real(wp) :: score = huge(1.0_wp)
+      integer :: way = 1
+   end type trial_t
+
+contains
+
+   !> Draw a lot. The inputs go one of the ways that `timing` is prepared for; the merit is left as the best needs it.
+   subroutine draw_lot(problem, merit, timing, ways, senses, solver, stop, seed, random, values, way)
+      type(problem_t), intent(in) :: problem
+      type(merit_t), intent(inout) :: merit          !! linear unknowns are eliminated
+      type(timing_t), intent(inout) :: timing(:)     !! shape (2)
+      integer, intent(in) :: ways                    !! 1: one way only, the first
+      real(wp), intent(in) :: senses(2)              !! of the inputs, either way
+      class(solver_t), intent(inout) :: solver
+      type(stop_t), intent(in) :: stop
+      integer, intent(in) :: seed                    !! of the solver
+      type(xoshiro_t), intent(inout) :: random
+      real(wp), intent(out) :: values(:)             !! shape (nvar)
+      integer, intent(out) :: way
+      type(trial_t) :: lot(samples), copy
+      integer :: i, order(samples), most
+
+      most = solver%most_evaluations
+      solver%seed = seed
+      solver%least_gain = gain
+      if (merit%has_range) call set_range(merit, [real(wp) ::])
+      do i = 1, samples
+         lot(i)%way = 1
+         if (ways > 1 .and. uniform(random) < 0.5_wp) lot(i)%way = 2
+         call draw_proportions(problem, merit, timing(lot(i)%way), random, values)
+         call draw_inputs(merit, senses(lot(i)%way), random)
+         lot(i)%x = merit%point(values, merit%delt)
+         merit%sense = senses(lot(i)%way)
+         call merit%fit_linear(lot(i)%x)
+         call judge(lot(i))
+      end do
+      order = [(i, i=1, samples)]
+      call rank(samples, short)
+      do i = 1, short
+         call descend_twice(lot(order(i)), short_steps)
+      end do
+      call rank(short, medium)
+      do i = 1, medium
+         call descend_twice(lot(order(i)), medium_steps)
+      end do
+      call rank(medium, 1)
+      associate (best => lot(order(1)))
+         values = best%x(:merit%core)
+         merit%delt = best%x(merit%core + 1:)
+         way = best%way
+         merit%sense = senses(way)
+      end associate
+      solver%most_evaluations = most
+
+   contains
+
+      !> Errors in sizes of the path, and violations.
+      subroutine judge(one)
+         type(trial_t), intent(inout) :: one
+         real(wp) :: objective, violation
+
+         call merit%measure(one%x, objective, violation)
+         associate (path => merit%linear%path)
+            one%score = objective/(path%weight_scale*path%size**2) + loose*real(path%n, wp)*violation
+         end associate
+      end subroutine judge
+
+      !> The best `wanted` of the first `among` in the order so far.
+      subroutine rank(among, wanted)
+         integer, intent(in) :: among, wanted
+         integer :: k, m, swap
+
+         do k = 1, wanted
+            m = k - 1 + minloc(lot(order(k:among))%score, dim=1)
+            swap = order(k)
+            order(k) = order(m)
+            order(m) = swap
+         end do
+      end subroutine rank
+
+      !> Descend, then from a better timing too; the better is kept.
+      subroutine descend_twice(one, steps)
+         type(trial_t), intent(inout) :: one
+         integer, intent(in) :: steps
+
+         merit%sense = senses(one%way)
+         call descend(one, steps)
+         copy = one
+         call problem%parameters%apply(copy%x(:merit%core), merit%dimensions)
+         call find_timing(timing(copy%way), merit, copy%x(merit%core + 1:))
+         call descend(copy, steps)
+         if (copy%score < one%score) one = copy
+      end subroutine descend_twice
+
+      subroutine descend(one, steps)
+         type(trial_t), intent(inout) :: one
+         integer, intent(in) :: steps
+         type(ending_t) :: ending
+
+         solver%most_evaluations = steps
+         call solver%minimise(merit, one%x, stop, ending)
+         call judge(one)
+      end subroutine descend
+   end subroutine draw_lot
+
+   !> Random proportions: the first with which the linkage closes all the way, or what comes nearest to it.
+   subroutine draw_proportions(problem, merit, timing, random, values)
+      type(problem_t), intent(in) :: problem
+      type(merit_t), intent(inout) :: merit
+      type(timing_t), intent(inout) :: timing
+      type(xoshiro_t), intent(inout) :: random
+      real(wp), intent(out) :: values(:)             !! shape (nvar)
+      real(wp) :: trial(size(values)), open, least
+      integer :: i, v
+
+      least = huge(least)
+      values = problem%parameters%first_values(problem%given)
+      do i = 1, tries
+         do v = 1, size(values)
+            associate (variable => problem%parameters%variables(v))
+               select case (variable%kind)
+               case (variable_length)
+                  trial(v) = merit%linear%path%size*draw_ratio(random, longest)
+                  if (problem%mechanism%arcs(variable%n)%kind == arc_crank) trial(v) = of_crank*trial(v)
+               case (variable_outlk)
+                  trial(v) = merit%linear%path%size
+               case (variable_origlk)
+                  trial(v) = merit%linear%path%size*sqrt(square(merit%linear%path%centre))
+               case (variable_crnki)
+                  trial(v) = values(v)
+               case default
+                  trial(v) = full_turn*uniform(random)
+               end select
+            end associate
+         end do
+         trial = min(max(trial, merit%low), merit%high)
+         call problem%parameters%apply(trial, merit%dimensions)
+         call evaluate_station(timing%path, merit%dimensions)
+         open = sum(max(abs(timing%path%k) - 1.0_wp, 0.0_wp)**2)
+         if (open >= least) cycle
+         least = open
+         values = trial
+         if (.not. least > 0.0_wp) exit
+      end do
+   end subroutine draw_proportions
+
+   !> Random inputs, in order, into the merit.
+   subroutine draw_inputs(merit, sense, random)
+      type(merit_t), intent(inout) :: merit
+      real(wp), intent(in) :: sense
+      type(xoshiro_t), intent(inout) :: random
+      real(wp) :: gap(merit%local)
+
+      if (uniform(random) < 0.5_wp) then
+         call draw_spread(merit%linear%path, random, gap)
+      else
+         call draw_jumps(merit%linear%path, random, gap)
+      end if
+      call follow(gap, full_turn*uniform(random), merit%delt)
+      merit%delt = sense*merit%delt
+   end subroutine draw_inputs
+end module psalm_lot
