@@ -9,6 +9,7 @@ globalThis.board = globalThis.board || {};
 board.motion = (() => {
   const ROUNDS = 40;             // of Newton's method
   const TRUSTED = 0.15;          // first correction against the prediction: beyond it the step is halved
+  const FARTHEST = 0.3;          // of the drawing's size: a longer prediction is halved too
   const EASY = 0.01;             // below it the next step is doubled
   const LEAST_STEP = 1e-7;       // of the way
   const RANK_LOST = 1e-11;       // least pivot against the largest
@@ -251,7 +252,7 @@ board.motion = (() => {
         for (let i = 0; i < n; i++) pose[i + 3] += step * (i % 3 === 2 ? x[i] / mech.size : x[i]);
         const predicted = Math.max(1e-7 * mech.size, step * Math.max(0, ...x.map(Math.abs)));
         const { closed, sign, full, first } = correct(mech, pose, inputs);
-        if (closed && full && sign === now.sign && first < TRUSTED * predicted) {
+        if (closed && full && sign === now.sign && first < TRUSTED * predicted && predicted < FARTHEST * mech.size) {
           way = way + step >= 1 ? 1 : way + step;
           now = { pose, inputs, sign, dead: false };
           if (first < EASY * predicted) step *= 2;

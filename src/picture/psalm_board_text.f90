@@ -927,12 +927,13 @@ module psalm_board_text
    'board.motion = (() => {'//nl// &
    "  const ROUNDS = 40;             // of Newton's method"//nl// &
    '  const TRUSTED = 0.15;          // first correction against the prediction: beyond it the step is halved'//nl// &
+   "  const FARTHEST = 0.3;          // of the drawing's size: a longer prediction is halved too"//nl// &
    '  const EASY = 0.01;             // below it the next step is doubled'//nl// &
    '  const LEAST_STEP = 1e-7;       // of the way'//nl// &
-   '  const RANK_LOST = 1e-11;       // least pivot against the largest'//nl// &
-   '  const RADIAN = Math.PI / 180;'//nl
+   '  const RANK_LOST = 1e-11;       // least pivot against the largest'//nl
 
    character(*), parameter :: part_9 = &
+   '  const RADIAN = Math.PI / 180;'//nl// &
    ''//nl// &
    '  // ---- linear algebra ----------------------------------------------------------------------------------------------'// &
    '-'//nl// &
@@ -1038,10 +1039,10 @@ module psalm_board_text
    '] };'//nl// &
    '    });'//nl// &
    '    const rows = [];'//nl// &
-   "    of.forEach((links, j) => links.slice(1).forEach((b) => rows.push({ kind: 'pin', a: links[0], b, j })));"//nl// &
-   "    slides.forEach((s, i) => rows.push({ kind: 'same', a: s.a, b: s.b, i }, { kind: 'line', a: s.a, b: s.b, i }));"//nl
+   "    of.forEach((links, j) => links.slice(1).forEach((b) => rows.push({ kind: 'pin', a: links[0], b, j })));"//nl
 
    character(*), parameter :: part_10 = &
+   "    slides.forEach((s, i) => rows.push({ kind: 'same', a: s.a, b: s.b, i }, { kind: 'line', a: s.a, b: s.b, i }));"//nl// &
    "    sketch.gears.forEach((g, i) => rows.push({ kind: 'gear', a: index.get(g.wheels[0]), b: index.get(g.wheels[1]),"//nl// &
    '      c: index.get(g.carrier), ratio: -g.teeth[0] / g.teeth[1], i }));'//nl// &
    '    const drives = [];'//nl// &
@@ -1146,10 +1147,10 @@ module psalm_board_text
    '      if (!step.x || step.x.some((v) => !isFinite(v))) return { closed: false };'//nl// &
    '      ({ sign, full } = step);'//nl// &
    '      const length = Math.max(0, ...step.x.map(Math.abs));'//nl// &
-   '      if (round === 1) first = length;'//nl// &
-   '      if (length > 10 * mech.size) return { closed: false };'//nl
+   '      if (round === 1) first = length;'//nl
 
    character(*), parameter :: part_11 = &
+   '      if (length > 10 * mech.size) return { closed: false };'//nl// &
    '      for (let i = 0; i < n; i++) pose[i + 3] += i % 3 === 2 ? step.x[i] / mech.size : step.x[i];'//nl// &
    '      if (length <= 4e-16 * mech.size || (round > 3 && length >= 0.5 * before && length < 1e-9 * mech.size)) break;'//nl// &
    '      before = length;'//nl// &
@@ -1190,7 +1191,7 @@ module psalm_board_text
    '        for (let i = 0; i < n; i++) pose[i + 3] += step * (i % 3 === 2 ? x[i] / mech.size : x[i]);'//nl// &
    '        const predicted = Math.max(1e-7 * mech.size, step * Math.max(0, ...x.map(Math.abs)));'//nl// &
    '        const { closed, sign, full, first } = correct(mech, pose, inputs);'//nl// &
-   '        if (closed && full && sign === now.sign && first < TRUSTED * predicted) {'//nl// &
+   '        if (closed && full && sign === now.sign && first < TRUSTED * predicted && predicted < FARTHEST * mech.size) {'//nl// &
    '          way = way + step >= 1 ? 1 : way + step;'//nl// &
    '          now = { pose, inputs, sign, dead: false };'//nl// &
    '          if (first < EASY * predicted) step *= 2;'//nl// &
@@ -1253,10 +1254,10 @@ module psalm_board_text
    '      let best = known[0];'//nl// &
    '      for (const one of known) if (away(one.inputs, inputs) < away(best.inputs, inputs)) best = one;'//nl// &
    '      const state = advance(mech, best, inputs);'//nl// &
-   '      if (state) known.push(state);'//nl// &
-   '      return state;'//nl
+   '      if (state) known.push(state);'//nl
 
    character(*), parameter :: part_12 = &
+   '      return state;'//nl// &
    '    });'//nl// &
    '  }'//nl// &
    ''//nl// &
@@ -1372,10 +1373,10 @@ module psalm_board_text
    ")));"//nl// &
    '    for (let grown = true; grown;) {'//nl// &
    '      grown = false;'//nl// &
-   '      sketch.links.forEach((link, i) => {'//nl// &
-   '        if (reached.has(i) || ![...reached].some((k) => touch[i](sketch.links[k]) || touch[k](link))) return;'//nl
+   '      sketch.links.forEach((link, i) => {'//nl
 
    character(*), parameter :: part_13 = &
+   '        if (reached.has(i) || ![...reached].some((k) => touch[i](sketch.links[k]) || touch[k](link))) return;'//nl// &
    '        reached.add(i);'//nl// &
    '        grown = true;'//nl// &
    '      });'//nl// &
@@ -1487,10 +1488,10 @@ module psalm_board_text
    '    const digits = Math.max(0, 2 - Math.floor(Math.log10(step)));'//nl// &
    '    return [x, y].map((v) => { const r = Number((Math.round(v / step) * step).toFixed(Math.min(20, digits))); return r '// &
    '=== 0 ? 0 : r; });'//nl// &
-   '  }'//nl// &
-   ''//nl
+   '  }'//nl
 
    character(*), parameter :: part_14 = &
+   ''//nl// &
    '  // ---- picture -----------------------------------------------------------------------------------------------------'// &
    '-'//nl// &
    ''//nl// &
@@ -1596,10 +1597,10 @@ module psalm_board_text
    '    trace(round);'//nl// &
    '    g.stroke();'//nl// &
    '    if (round.length > 2) g.fill();'//nl// &
-   '    g.globalAlpha = 1;'//nl// &
-   '    g.lineWidth = 2.4;'//nl
+   '    g.globalAlpha = 1;'//nl
 
    character(*), parameter :: part_15 = &
+   '    g.lineWidth = 2.4;'//nl// &
    '    trace(round);'//nl// &
    '    g.stroke();'//nl// &
    '  }'//nl// &
@@ -1702,10 +1703,10 @@ module psalm_board_text
    '    const { selection, hover, wrong } = board.state, chosen = selection && selection.joint === joint.name;'//nl// &
    '    if (board.inFrame(joint.name)) {'//nl// &
    '      g.strokeStyle = pens.ink;'//nl// &
-   '      g.fillStyle = pens.paper;'//nl// &
-   '      g.lineWidth = 1.8;'//nl
+   '      g.fillStyle = pens.paper;'//nl
 
    character(*), parameter :: part_16 = &
+   '      g.lineWidth = 1.8;'//nl// &
    '      g.beginPath();'//nl// &
    '      g.moveTo(x, y);'//nl// &
    '      g.lineTo(x - 12, y + 19);'//nl// &
@@ -1805,10 +1806,10 @@ module psalm_board_text
    '    line(x1, y1, x2, y2);'//nl// &
    '    g.setLineDash([]);'//nl// &
    '    for (const [x, y] of [[x1, y1], [x2, y2]]) {'//nl// &
-   '      g.beginPath();'//nl// &
-   '      g.arc(x, y, 6, 0, ROUND);'//nl
+   '      g.beginPath();'//nl
 
    character(*), parameter :: part_17 = &
+   '      g.arc(x, y, 6, 0, ROUND);'//nl// &
    '      g.stroke();'//nl// &
    '    }'//nl// &
    '    g.fillStyle = pens.accent;'//nl// &
@@ -1915,10 +1916,10 @@ module psalm_board_text
    '    let at = 0;'//nl// &
    "    const s = text.replace(/,/g, '.').replace(/\s/g, '');"//nl// &
    '    const sum = () => {'//nl// &
-   '      let v = product();'//nl// &
-   "      while (s[at] === '+' || s[at] === '-') v = s[at++] === '+' ? v + product() : v - product();"//nl
+   '      let v = product();'//nl
 
    character(*), parameter :: part_18 = &
+   "      while (s[at] === '+' || s[at] === '-') v = s[at++] === '+' ? v + product() : v - product();"//nl// &
    '      return v;'//nl// &
    '    };'//nl// &
    '    const product = () => {'//nl// &
@@ -2027,10 +2028,10 @@ module psalm_board_text
    "        const [p, q] = [at.get(a), at.get(b)], length = Math.hypot(q[0] - p[0], q[1] - p[1]), label = a + ' ' + b;"//nl// &
    '        const exact = board.state.sketch.lengths.find((l) => l.joints.includes(a) && l.joints.includes(b));'//nl// &
    '        const fix = (value) => edit((sketch) => {'//nl// &
-   '          sketch.lengths = sketch.lengths.filter((l) => !(l.joints.includes(a) && l.joints.includes(b)));'//nl// &
-   '          if (value > 0) sketch.lengths.push({ joints: [a, b], value });'//nl
+   '          sketch.lengths = sketch.lengths.filter((l) => !(l.joints.includes(a) && l.joints.includes(b)));'//nl
 
    character(*), parameter :: part_19 = &
+   '          if (value > 0) sketch.lengths.push({ joints: [a, b], value });'//nl// &
    '          board.relax(sketch);'//nl// &
    '        });'//nl// &
    "        parts.push(row(label, numberField('length ' + label, exact ? exact.value : length, (value) => value > 0 ? fix(v"// &
@@ -2149,10 +2150,10 @@ module psalm_board_text
    '    const links = sketch.links.map((l) => item(l.name, { link: l.name }, s && s.link === l.name));'//nl// &
    '    const slides = sketch.slides.map((l) => item(l.name, { slide: l.name }, s && s.slide === l.name));'//nl// &
    "    const parts = [head('Joints'), make('div', { class: 'list' }, ...joints), head('Links'), make('div', { class: 'list"// &
-   "' }, ...links)];"//nl// &
-   "    if (slides.length) parts.push(head('Slides'), make('div', { class: 'list' }, ...slides));"//nl
+   "' }, ...links)];"//nl
 
    character(*), parameter :: part_20 = &
+   "    if (slides.length) parts.push(head('Slides'), make('div', { class: 'list' }, ...slides));"//nl// &
    "    const place = field('new joint at x y', '', (text) => {"//nl// &
    '      const at = text.split(/[\s;]+/).map(valueOf);'//nl// &
    '      if (at.length !== 2 || !at.every(isFinite)) return false;'//nl// &
@@ -2261,10 +2262,10 @@ module psalm_board_text
    '</script>'//nl// &
    '<script>'//nl// &
    '// Tools of the drawing board: pointer (mouse, pen, fingers), wheel, keys, buttons.'//nl// &
-   "'use strict';"//nl// &
-   ''//nl
+   "'use strict';"//nl
 
    character(*), parameter :: part_21 = &
+   ''//nl// &
    'board.tools = (() => {'//nl// &
    '  const { view } = board;'//nl// &
    '  const $ = (id) => document.getElementById(id);'//nl// &
@@ -2374,10 +2375,10 @@ module psalm_board_text
    '  }'//nl// &
    ''//nl// &
    '  /** Positions for drives that have none: a turn of a crank alone, else a few steps. */'//nl// &
-   '  function choosePositions(sketch) {'//nl// &
-   '    const only = sketch.drives.length === 1, xs = sketch.joints.map((j) => j.x), ys = sketch.joints.map((j) => j.y);'//nl
+   '  function choosePositions(sketch) {'//nl
 
    character(*), parameter :: part_22 = &
+   '    const only = sketch.drives.length === 1, xs = sketch.joints.map((j) => j.x), ys = sketch.joints.map((j) => j.y);'//nl// &
    '    const size = Math.max(Math.max(...xs) - Math.min(...xs), Math.max(...ys) - Math.min(...ys));'//nl// &
    '    const stroke = Number((size / 60).toPrecision(1)), steps = (by) => [0, 1, 2, 3, 4, 5, 6].map((k) => Number((k * by)'// &
    '.toPrecision(12)));'//nl// &
@@ -2482,10 +2483,10 @@ module psalm_board_text
    '    if (state.pending) { state.pending.to = target(state.pending, at); state.hover = at.hit; view.draw(); }'//nl// &
    '    if (!press) {'//nl// &
    "      if (event.pointerType !== 'touch') { state.hover = at.hit; view.canvas.style.cursor = cursor(at.hit); view.draw()"// &
-   "; }"//nl// &
-   '      return;'//nl
+   "; }"//nl
 
    character(*), parameter :: part_23 = &
+   '      return;'//nl// &
    '    }'//nl// &
    '    if (!press.moved && Math.hypot(at.x - press.x, at.y - press.y) < (at.touch ? TOUCH_CLICK : CLICK)) return;'//nl// &
    "    if (!press.moved) { press.moved = true; if (press.tool === 'select' && !press.pan) board.begin(); }"//nl// &
@@ -2593,10 +2594,10 @@ module psalm_board_text
    '      const joint = board.linkOf(hit.link).joints.find(board.inFrame);'//nl// &
    '      if (joint) drive({ joint });'//nl// &
    '    }'//nl// &
-   '  }'//nl// &
-   ''//nl
+   '  }'//nl
 
    character(*), parameter :: part_24 = &
+   ''//nl// &
    '  function cancel() {'//nl// &
    "    if (press && press.moved && press.tool === 'select' && !press.pan) board.end();"//nl// &
    '    press = null;'//nl// &
@@ -2710,10 +2711,10 @@ module psalm_board_text
    "      const one = board.examples[Number($('examples').value)];"//nl// &
    "      if (one) board.load(one.text, one.name + '.nml');"//nl// &
    "      $('examples').value = '';"//nl// &
-   '    });'//nl// &
-   "    $('grid').addEventListener('change', () => { board.state.grid = $('grid').value; view.draw(); });"//nl
+   '    });'//nl
 
    character(*), parameter :: part_25 = &
+   "    $('grid').addEventListener('change', () => { board.state.grid = $('grid').value; view.draw(); });"//nl// &
    "    $('speed').addEventListener('input', () => { board.state.speed = Number($('speed').value); });"//nl// &
    '  }'//nl// &
    ''//nl// &
@@ -2815,10 +2816,10 @@ module psalm_board_text
    '        rows.push({ i, k, u: [dx / d, dy / d] });'//nl// &
    '        right.push(value - d);'//nl// &
    '      }'//nl// &
-   '      if (Math.max(...right.map(Math.abs)) < 1e-13 * Math.max(...lengths.map((l) => l.value))) return;'//nl// &
-   '      const dot = (p, q) => p.u[0] * q.u[0] + p.u[1] * q.u[1];'//nl
+   '      if (Math.max(...right.map(Math.abs)) < 1e-13 * Math.max(...lengths.map((l) => l.value))) return;'//nl
 
    character(*), parameter :: part_26 = &
+   '      const dot = (p, q) => p.u[0] * q.u[0] + p.u[1] * q.u[1];'//nl// &
    '      const gram = rows.map((p) => rows.map((q) => dot(p, q) * ((p.i === q.i) * ease[p.i] + (p.k === q.k) * ease[p.k] -'//nl// &
    '        (p.i === q.k) * ease[p.i] - (p.k === q.i) * ease[p.k])));'//nl// &
    '      const { x } = solver.eliminate(gram, right);'//nl// &
@@ -2924,10 +2925,10 @@ module psalm_board_text
    "      if (!start) tell('The links do not meet: with the exact lengths they cannot be put together near the drawing.');"//nl// &
    "      else if (start.dead) tell('The linkage stands at a dead point in the drawing, where two assemblies meet: draw it "// &
    "in another position.');"//nl// &
-   '      else {'//nl// &
-   '        state.motion.sweep = sweepOf(mech, start, rough ? COARSE : FINE);'//nl
+   '      else {'//nl
 
    character(*), parameter :: part_27 = &
+   '        state.motion.sweep = sweepOf(mech, start, rough ? COARSE : FINE);'//nl// &
    '        state.live = start;'//nl// &
    '        state.t = state.motion.sweep.home;'//nl// &
    '      }'//nl// &
@@ -3031,10 +3032,10 @@ module psalm_board_text
    '    return { x, y, u, bx: x + along * u[0], by: y + along * u[1] };'//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  /** Pairs of joints whose distances give the shape of a link. */'//nl// &
-   '  function sides({ joints }) {'//nl
+   '  /** Pairs of joints whose distances give the shape of a link. */'//nl
 
    character(*), parameter :: part_28 = &
+   '  function sides({ joints }) {'//nl// &
    '    return joints.flatMap((b, i) => joints.slice(Math.max(0, i - 2), i).map((a) => [a, b]));'//nl// &
    '  }'//nl// &
    ''//nl// &
@@ -3136,10 +3137,10 @@ module psalm_board_text
    '  }'//nl// &
    ''//nl// &
    '  function open(file) {'//nl// &
-   '    file.text().then((source) => {'//nl// &
-   '      try {'//nl
+   '    file.text().then((source) => {'//nl
 
    character(*), parameter :: part_29 = &
+   '      try {'//nl// &
    '        load(source, file.name);'//nl// &
    '      } catch (error) {'//nl// &
    '        if (!(error instanceof notation.Mistake)) throw error;'//nl// &
