@@ -34,7 +34,7 @@ ALIEN_WORDS = re.compile(rb"Fortran runtime|At line \d+ of file|[Bb]acktrace|Err
                          rb"libgomp:|runtime error:|AddressSanitizer|LeakSanitizer|terminate called|Segmentation|Aborted|"
                          rb"IEEE_[A-Z]|\bSTOP\b")
 NO_NUMBER = re.compile(rb"(?<![\w.])[-+]?(?:NaN|Inf|Infinity)(?![\w.])|\*{4,}")
-PROMISED = re.compile(r"case(\.kalm)?\.(dev[12789]|csv)|case(\.\d+)?\.(svg|html|dxf)|case\.nml")
+PROMISED = re.compile(r"case(\.kalm)?\.(dev[12789]|csv)|case(\.\d+)?\.(svg|html|(?:flat\.)?dxf)|case\.nml")
 # items that say how much is to be done: a valid large value would be a long run, no fault
 WORK = {"NITER", "NSTART", "NTRIAL", "NBEST", "MAXEVAL", "FIRST", "MAXTIME"}
 INTEGERS = ["0", "1", "-1", "2", "3", "-2", "7", "12", "99", "100", "1000", "-1000", "32768", "65536", "2147483647", "2147483648",

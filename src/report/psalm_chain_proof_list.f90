@@ -4,15 +4,12 @@ module psalm_chain_proof_list
    use psalm_chain_proof_study, only: chain_proof_t, place_on
    use psalm_chain_study, only: chain_study_t, name_room
    use psalm_kinds, only: wp
-   use psalm_proof_list, only: end_text, shown, short
+   use psalm_proof_list, only: list_range, head_of_ranges, end_text, short
    use psalm_sketch, only: sketch_t, drive_turns
-   use psalm_text, only: text_t, full_precision, general, number_or_nan, to_text, upper_case
+   use psalm_text, only: text_t, full_precision, number_or_nan, to_text, upper_case
    implicit none (type, external)
    private
    public :: list_chain_proof, write_chain_proof, links_of_group
-
-   integer, parameter :: value_columns = 17
-   real(wp), parameter :: certain = 1.0e-9_wp       !! relative width of a bracket that is told as one number
 
 contains
 
@@ -95,43 +92,17 @@ contains
       type(chain_proof_t), intent(in) :: proof
       logical, intent(in) :: turns
       type(text_t), intent(inout) :: text
-      character(34) :: name
       integer :: n
 
       if (.not. any(proof%reaches%bounded)) return
-      call text%add('   QUANTITY                                      LEAST             AT         GREATEST             AT')
+      call text%add(head_of_ranges)
       do n = 1, size(proof%reaches)
          associate (reach => proof%reaches(n))
-            if (.not. reach%bounded) cycle
-            name = upper_case(trim(study%names(n)))
-            call text%add('   '//name//column(shown(reach%low(1), -1))//place(1)//column(shown(reach%high(2), 1))//place(2))
-            if (is_wide(reach%low(1), reach%high(1))) call text%add('     LEAST NOT ABOVE '//shown(reach%high(1), 1))
-            if (is_wide(reach%low(2), reach%high(2))) call text%add('     GREATEST NOT BELOW '//shown(reach%low(2), -1))
+            if (reach%bounded) call list_range(upper_case(trim(study%names(n))), reach%low, reach%high, &
+                                               [place_on(proof, reach%leg(1), reach%way(1), turns), &
+                                                place_on(proof, reach%leg(2), reach%way(2), turns)], text)
          end associate
       end do
-
-   contains
-
-      function place(which) result(columns)
-         integer, intent(in) :: which
-         character(15) :: columns
-
-         columns = general(place_on(proof, proof%reaches(n)%leg(which), proof%reaches(n)%way(which), turns))
-      end function place
-
-      pure function column(words) result(columns)
-         character(*), intent(in) :: words
-         character(value_columns) :: columns
-
-         columns = words
-         columns = adjustr(columns)
-      end function column
-
-      pure logical function is_wide(low, high)
-         real(wp), intent(in) :: low, high
-
-         is_wide = high - low > certain*max(abs(low), abs(high), 1.0_wp)
-      end function is_wide
    end subroutine list_reaches
 
    pure logical function first_turns(study)

@@ -16,9 +16,11 @@ module psalm_proof_list
    implicit none (type, external)
    private
    public :: list_proof, write_proof, describe_proof
-   public :: shown, short, end_text
+   public :: list_range, head_of_ranges, short, end_text
 
-   integer, parameter :: value_columns = 17, list_columns = 110
+   integer, parameter :: quantity_columns = 34, value_columns = 17, place_columns = 15, list_columns = 110
+   character(*), parameter :: head_of_ranges = &
+      '   QUANTITY                                      LEAST             AT         GREATEST             AT'
    integer, parameter :: name_columns = 39, number_columns = 15
    real(wp), parameter :: certain = 1.0e-9_wp       !! relative width of a bracket that is told as one number
 
@@ -123,55 +125,47 @@ contains
       integer :: i
 
       if (count(study%extremes%found) == 0) return
-      call text%add('   QUANTITY                                      LEAST             AT         GREATEST             AT')
+      call text%add(head_of_ranges)
       do i = 1, size(study%extremes)
          associate (extreme => study%extremes(i))
-            if (.not. extreme%found) cycle
-            call text%add('   '//extreme_name(extreme)//bracket(extreme%least_low, extreme%least_high, -1)// &
-                          place_text(extreme%least_at)//bracket(extreme%greatest_low, extreme%greatest_high, 1)// &
-                          place_text(extreme%greatest_at))
-            if (is_wide(extreme%least_low, extreme%least_high)) &
-               call text%add('     LEAST NOT ABOVE '//shown(extreme%least_high, 1))
-            if (is_wide(extreme%greatest_low, extreme%greatest_high)) &
-               call text%add('     GREATEST NOT BELOW '//shown(extreme%greatest_low, -1))
+            if (extreme%found) call list_range(extreme_name(extreme), [extreme%least_low, extreme%greatest_low], &
+                                               [extreme%least_high, extreme%greatest_high], &
+                                               [extreme%least_at, extreme%greatest_at], text)
          end associate
       end do
+   end subroutine list_extremes
+
+   !> Least and greatest value of a quantity, each by the outer end of its bracket, rounded outwards, and where it is.
+   subroutine list_range(name, low, high, at, text)
+      character(*), intent(in) :: name
+      real(wp), intent(in) :: low(2), high(2)  !! brackets of the least, of the greatest value
+      real(wp), intent(in) :: at(2)            !! inputs, or positions
+      type(text_t), intent(inout) :: text
+      character(quantity_columns) :: padded
+      character(value_columns) :: least, greatest
+      character(place_columns) :: places(2)
+
+      padded = name
+      least = shown(low(1), -1)
+      greatest = shown(high(2), 1)
+      places(1) = general(at(1))
+      places(2) = general(at(2))
+      call text%add('   '//padded//adjustr(least)//places(1)//adjustr(greatest)//places(2))
+      if (is_wide(low(1), high(1))) call text%add('     LEAST NOT ABOVE '//shown(high(1), 1))
+      if (is_wide(low(2), high(2))) call text%add('     GREATEST NOT BELOW '//shown(low(2), -1))
 
    contains
-
-      !> The outer end of a bracket, rounded outwards.
-      function bracket(low, high, way) result(columns)
-         real(wp), intent(in) :: low, high
-         integer, intent(in) :: way
-         character(value_columns) :: columns
-
-         columns = adjustr(pad(shown(merge(low, high, way < 0), way)))
-      end function bracket
 
       pure logical function is_wide(low, high)
          real(wp), intent(in) :: low, high
 
          is_wide = high - low > certain*max(abs(low), abs(high), 1.0_wp)
       end function is_wide
-
-      pure function pad(words) result(columns)
-         character(*), intent(in) :: words
-         character(value_columns) :: columns
-
-         columns = words
-      end function pad
-
-      pure function place_text(input) result(columns)
-         real(wp), intent(in) :: input
-         character(15) :: columns
-
-         columns = general(input)
-      end function place_text
-   end subroutine list_extremes
+   end subroutine list_range
 
    pure function extreme_name(extreme) result(columns)
       type(extreme_t), intent(in) :: extreme
-      character(34) :: columns
+      character(quantity_columns) :: columns
 
       select case (extreme%kind)
       case (extreme_angle)
