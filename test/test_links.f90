@@ -22,6 +22,7 @@ program test_links
    call touching()
    call solved_by_hand()
    call stretched_and_folded()
+   call worst_corner()
    call t%report()
 
 contains
@@ -188,6 +189,22 @@ contains
          call compare(set, problem, [least, arcl(2) - arcl(1)], 'crank and coupler in line')
       end associate
    end subroutine stretched_and_folded
+
+   !> A crank-rocker opens where crank and frame in line are as long as both links, all four off by a fourth of what is between them.
+   subroutine worst_corner()
+      type(data_set_t) :: set
+      type(problem_t) :: problem
+      type(proof_study_t), allocatable :: study
+      real(wp) :: exact
+
+      call load_case('dyad1_crank_rocker', problem, set)
+      exact = 0.25_wp*(problem%given%arcl(2) + problem%given%arcl(3) - problem%given%arcl(1) - problem%given%arcl(4))
+      set%iproof = proof_of_turn
+      allocate (study)
+      call study_proof(set, problem, problem%given, proof_of_turn, study)
+      call t%close_to(study%worst_corner, exact, 1.0e-9_wp*exact, 'the worst corner of a single loop')
+      call t%is_true(study%tolerance <= exact .and. study%tolerance > 0.99_wp*exact, 'what is proven comes near to it, from below')
+   end subroutine worst_corner
 
    !> Least clearances, proven and looked for, against known ones.
    subroutine compare(set, problem, least, what)

@@ -16,7 +16,7 @@ module psalm_proof_list
    implicit none (type, external)
    private
    public :: list_proof, write_proof, describe_proof
-   public :: list_range, head_of_ranges, short, end_text
+   public :: list_range, head_of_ranges, shown, short, end_text, cause_words, extreme_name, mover_name
 
    integer, parameter :: quantity_columns = 34, value_columns = 17, place_columns = 15, list_columns = 110
    character(*), parameter :: head_of_ranges = &
@@ -116,6 +116,8 @@ contains
       if (study%tolerance <= 0.0_wp) return
       call text%add('   PROVEN FOR DEVIATIONS OF ALL LENGTHS UP TO '//shown(study%tolerance, -1)// &
                     trim(merge(' (LARGER ONES NOT TRIED)', repeat(' ', 24), study%tolerance >= study%largest_tried)))
+      if (study%worst_corner > 0.0_wp) call text%add('   THE WORST COMBINATION, TO FIRST ORDER, OPENS IT AT '// &
+                                                     trim(adjustl(general(study%worst_corner))))
    end subroutine list_tolerance
 
    !> Least and greatest values over what closes.

@@ -7,9 +7,11 @@ module psalm_proof_study
    use psalm_constraint_group, only: range_inputs, range_positions, range_turn, region_box, region_half_plane, region_circle
    use psalm_data_set, only: data_set_t, proof_by_default
    use psalm_dimensions, only: dimensions_t
+   use psalm_dyad_kind, only: assur_rrr
    use psalm_error, only: problem_t
-   use psalm_kinds, only: wp, full_turn
+   use psalm_kinds, only: wp, full_turn, right_angle
    use psalm_output_kind, only: motion_point
+   use psalm_parameters, only: no_parameters
    use psalm_plan, only: plan_t, make_plan
    use psalm_proof, only: proof_t, subject_t, prepare_subject, bind_subject, prove_closure, piece_closes
    use psalm_proof_clearance, only: path_t, keeping_t, nearest_t, prove_clearance, apart_from_link, apart_from_corners, &
@@ -17,6 +19,7 @@ module psalm_proof_study
    use psalm_proof_motion, only: movement_t, span_t, prove_movement
    use psalm_proof_plan, only: path_of
    use psalm_proof_ranges, only: extreme_t, prove_extremes, prove_tolerance, extreme_output, extreme_distance, extreme_ratio
+   use psalm_station, only: station_t, prepare_station, linearise_station
    use psalm_summary, only: loop_kind_t, kinds_of
    implicit none (type, external)
    private
@@ -26,6 +29,7 @@ module psalm_proof_study
    integer, parameter :: proof_of_turn = 1   !! IPROOF: over a full turn (a sliding input: over the range of the inputs)
    integer, parameter :: proof_of_inputs = 2 !! IPROOF: over the range of the prescribed inputs
 
+   integer, parameter :: steps_of_corner = 360     !! of the range, for an estimate
    real(wp), parameter :: part_of_longest = 0.1_wp !! of the longest arc: the largest deviation tried
 
    real(wp), parameter :: touching = 1.0e-9_wp     !! of the longest arc: less below what is asked is rounding
@@ -47,6 +51,7 @@ module psalm_proof_study
       real(wp) :: dwell = 0.0_wp             !! amount of a dwell, degrees or length; 0: none are looked for
       real(wp) :: tolerance = 0.0_wp         !! deviations of all lengths for which it is proven to close over the range
       real(wp) :: largest_tried = 0.0_wp     !! larger ones were not tried
+      real(wp) :: worst_corner = 0.0_wp      !! deviations at which it opens in the worst combination, to first order; 0: not asked
       integer, allocatable :: circuit(:)     !! by prescribed position: number of the part that closes without a gap; 0: none
       integer :: circuits = 0                !! such parts that hold prescribed positions
       type(kept_t), allocatable :: kept(:)   !! clearances asked for in &CONSTR
@@ -99,6 +104,7 @@ contains
       if (study%proof%closes_everywhere()) then
          study%largest_tried = part_of_longest*maxval(dimensions%arcl)
          call prove_tolerance(subject, study%proof%from, study%proof%to, study%largest_tried, study%tolerance)
+         if (set%iproof /= proof_by_default) call estimate_corner(problem, dimensions, study)
       end if
       deallocate (study%kept)
       allocate (study%kept(size(clearances)))
@@ -155,6 +161,70 @@ contains
       call prove_extremes(subject, study%proof, study%extremes, boxes)
       call place_positions(dimensions%crnki + problem%delt, study)
    end subroutine begin_proof
+
+   !> The worst corner to first order: least over the range of what is left of a closure measure over the sum of its slopes.
+   subroutine estimate_corner(problem, dimensions, study)
+      type(problem_t), intent(in) :: problem
+      type(dimensions_t), intent(in) :: dimensions
+      type(proof_study_t), intent(inout) :: study
+      type(problem_t), allocatable :: plain        ! large: they would fill a small stack
+      type(station_t), allocatable :: station
+      integer :: n, loop, i
+
+      allocate (plain, station)
+      plain = problem
+      plain%tangle = right_angle
+      plain%slide_angle = right_angle
+      plain%toggle = 0.0_wp
+      plain%parameters = no_parameters(problem%mechanism)
+      do n = 1, size(problem%mechanism%arcs)
+         if (problem%mechanism%arcs(n)%representative == n .and. .not. problem%mechanism%slides(n) .and. &
+             dimensions%arcl(n) > 0.0_wp) call plain%parameters%vary_length(problem%mechanism, n)
+      end do
+      if (size(plain%parameters%variables) == 0) return
+      ! a joint that is asked for has every loop solved
+      call prepare_station(plain, [(study%proof%from - dimensions%crnki + (study%proof%to - study%proof%from) &
+                                    *(real(i, wp)/real(steps_of_corner, wp)), i=0, steps_of_corner)], .false., &
+                           reshape([1, 0], [2, 1]), .true., station)
+      call linearise_station(station, dimensions)
+      study%worst_corner = huge(1.0_wp)
+      do loop = 1, size(station%k, 2)
+         do i = 1, size(station%k, 1)
+            if (problem%mechanism%groups(loop)%kind == assur_rrr) then
+               call look_at_links()
+            else
+               call take(1.0_wp - abs(station%k(i, loop)), station%dk(i, loop, :))
+            end if
+         end do
+      end do
+
+   contains
+
+      subroutine take(g, slopes)
+         real(wp), intent(in) :: g, slopes(:)
+
+         if (sum(abs(slopes)) > 0.0_wp) study%worst_corner = min(study%worst_corner, g/sum(abs(slopes)))
+      end subroutine take
+
+      !> (p+q)**2 - d and d - (p-q)**2, which are nearer to linear than the cosine k; d = p**2 + q**2 - 2 p q k.
+      subroutine look_at_links()
+         real(wp), dimension(size(station%dk, 3)) :: dp, dq, dd
+         real(wp) :: d
+
+         associate (members => problem%mechanism%groups(loop)%members, k => station%k(i, loop))
+            associate (p => dimensions%arcl(members(1)), q => dimensions%arcl(members(2)))
+               dp = 0.0_wp
+               dq = 0.0_wp
+               where (plain%parameters%length_variable(members(1)) == [(n, n=1, size(dp))]) dp = 1.0_wp
+               where (plain%parameters%length_variable(members(2)) == [(n, n=1, size(dq))]) dq = 1.0_wp
+               d = p*p + q*q - 2.0_wp*p*q*k
+               dd = 2.0_wp*(p - q*k)*dp + 2.0_wp*(q - p*k)*dq - 2.0_wp*p*q*station%dk(i, loop, :)
+               call take((p + q)**2 - d, 2.0_wp*(p + q)*(dp + dq) - dd)
+               call take(d - (p - q)**2, dd - 2.0_wp*(p - q)*(dp - dq))
+            end associate
+         end associate
+      end subroutine look_at_links
+   end subroutine estimate_corner
 
    !> A clearance with the ways to its points.
    pure type(keeping_t) function keeping_of(subject, plan, clearance) result(keeping)
