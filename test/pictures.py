@@ -508,6 +508,38 @@ def test_other_unit():
               [(a, b) for a, b in zip(small, large) if not near(a, b * (other / 1e160), 1e-13, size)][:3])
 
 
+def test_proof():
+    """What is proven stands on picture and page: rings at the ends of what closes, links as wide as they are, the tightest clearance."""
+    balm("--quiet", "--output-dir", ".", os.path.join(DATA, "links_apart.nml"))
+    picture, case = Picture("links_apart.svg"), page_data("links_apart.html")[0]
+    proof, row, reference = case["proof"], case["prescribed"], case["reference"]
+    group = picture.root.find('.//%sg[@id="linkage"]' % SVG)
+    wide = [e for e in group.iter() if e.get("class") == "wide"]
+    check("links as segments are drawn", len(wide) == len(proof["wide"]) == 6, len(wide))
+    place = lambda key, j: row[key][j][reference] if isinstance(row[key][j], list) else row[key][j]
+    for element, link in zip(wide, proof["wide"]):
+        ends = [float(n) for n in re.findall(r"[-+]?\d\.\d+E[-+]\d+", element.get("d"))]
+        check("a link is drawn between its joints", all(near(a, b, 1e-12, 200.0) for a, b in zip(ends, (
+            place("x", link["from"]), place("y", link["from"]), place("x", link["to"]), place("y", link["to"])))), ends)
+        check("a link is as wide as it is", near(float(element.get("stroke-width")), link["width"], 1e-6, 10.0), element.get("stroke-width"))
+    tightest = [one for one in proof["near"] if one["tightest"]]
+    check("one clearance is the tightest", len(tightest) == 1, len(tightest))
+    mark, way = proof["marks"][tightest[0]["mark"]], tightest[0]["way"]
+    told = float(re.search(r"at least ([-\d.]+)", mark["text"])[1])
+    apart = math.hypot(way[2] - way[0], way[3] - way[1]) - 0.5 * sum(link["width"] for link in tightest[0]["links"])
+    check("the way between them is the clearance", mark["kind"] == "clearance" and near(apart, told, 1e-6, 1.0), (apart, told))
+    check("every clearance has a mark", len(proof["near"]) == sum(m["kind"] == "clearance" for m in proof["marks"]) == 14, len(proof["near"]))
+    balm("--quiet", "--output-dir", ".", os.path.join(DATA, "dwell_gap.nml"))
+    marks = page_data("dwell_gap.html")[0]["proof"]["marks"]
+    ends = [m["input"] for m in marks if m["kind"] == "opens"]
+    check("the ends of the gap are marked", len(ends) == 2 and near(ends[0], 285.69600625172651, 1e-12, 360.0) and
+          near(ends[1], 285.69701500315786, 1e-12, 360.0), ends)
+    rings = [e for e in Picture("dwell_gap.svg").root.iter() if e.get("class") == "proof opens"]
+    check("rings where it opens", len(rings) == 2, len(rings))
+    balm("--quiet", "--output-dir", ".", os.path.join(DATA, "wiper.nml"))
+    check("nothing is told as proven unasked", "proof" not in page_data("wiper.html")[0], "")
+
+
 def test_rails():
     """A slide's rail lies along the guide and reaches to its block; a closed linkage shows its output."""
     for name in PLAIN:
@@ -990,6 +1022,7 @@ PARTS = {
     "extreme_lengths": test_extreme_lengths,
     "other_unit": test_other_unit,
     "assemblies": test_assemblies,
+    "proof": test_proof,
     "rails": test_rails,
     "bodies": test_bodies,
     "regions": test_regions,

@@ -296,6 +296,11 @@ balm.curves = (() => {
     bands(g, c, x, 0, h);
     g.fillStyle = pens.accent;
     for (const t of c.at) if (t <= plot.to + 1e-9) g.fillRect(x(t) - 0.8, 2, 1.6, h - 4);
+    for (const { kind, t } of c.proof ? c.proof.marks : []) {
+      if (t === undefined || t < plot.from - 1e-9 || t > plot.to + 1e-9) continue;
+      g.fillStyle = kind === 'opens' ? pens.bad : kind === 'extreme' ? pens.actual : pens.warn;
+      g.fillRect(x(t) - 0.6, h / 2, 1.2, h / 2);
+    }
   }
 
   /** One frame: the cursor at t. */

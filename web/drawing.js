@@ -85,7 +85,36 @@ balm.drawing = (() => {
     if (c.meshes) drawReach(g, c.meshes);
     if (state.traces) for (const o of [c, ...shownOverlays()]) drawTraces(g, o, o === c ? 1 : 0.5);
     for (const j of state.paths) drawPathOf(g, c, j);
+    if (c.proof) drawProof(g, c.proof);
     drawScale(g);
+  }
+
+  const MARKS = { opens: 'bad', extreme: 'actual', dead: 'warn' };
+
+  /** What is proven: the tightest clearance of the motion, rings where the output is when something ends or stands still. */
+  function drawProof(g, { marks, near }) {
+    g.save();
+    g.lineCap = 'round';
+    for (const { links, way } of near.filter((one) => one.tightest)) {
+      g.strokeStyle = pens.warn;
+      g.globalAlpha = 0.3;
+      for (const { width, ends } of links) {
+        g.lineWidth = Math.max(view.k * width, 2 * view.u);
+        segment(g, ...ends);
+      }
+      g.globalAlpha = 1;
+      g.lineWidth = 1.6 * view.u;
+      segment(g, ...way);
+    }
+    g.lineWidth = 1.6 * view.u;
+    for (const { kind, output, at } of marks) {
+      if (!output || !at.every(isFinite)) continue;
+      g.strokeStyle = pens[MARKS[kind]];
+      g.beginPath();
+      g.arc(X(at[0]), Y(at[1]), 4.5 * view.u, 0, ROUND);
+      g.stroke();
+    }
+    g.restore();
   }
 
   // ---- what stands still --------------------------------------------------------------------------------------------
@@ -329,6 +358,7 @@ balm.drawing = (() => {
     }
     pen.lineJoin = pen.lineCap = 'round';
     drawRails(c, at);
+    if (c.proof && main) drawWide(c);
     drawPlates(c);
     if (balm.state.other && main) drawOthers(c, at);
     if (c.wheels) drawWheels(c);
@@ -341,6 +371,18 @@ balm.drawing = (() => {
       drawForces(c.forces, at);
     }
     if (c.clearance && main && balm.state.pin) drawPin(c, at);
+  }
+
+  /** Links that are segments with a width. */
+  function drawWide(c) {
+    pen.strokeStyle = pens.frame;
+    pen.globalAlpha = 0.28;
+    for (const { from, to, width } of c.proof.wide) {
+      if (!(width > 0) || ![c.px[from], c.py[from], c.px[to], c.py[to]].every(isFinite)) continue;
+      pen.lineWidth = view.k * width;
+      line(pen, c.px[from], c.py[from], c.px[to], c.py[to]);
+    }
+    pen.globalAlpha = 1;
   }
 
   /** Counterweights as discs to scale, springs between their ends. */

@@ -66,18 +66,20 @@ balm.messages = (() => {
       box.append(h, ul);
     };
     const plain = (text) => text;
-    const link = (violation) => {
+    const goTo = (text, t) => {
       const button = document.createElement('button');
       button.className = 'go';
       button.type = 'button';
-      button.textContent = violation.text;
-      button.addEventListener('click', () => balm.controls.go(c.at[violation.first]));
+      button.textContent = text;
+      button.addEventListener('click', () => balm.controls.go(t));
       return button;
     };
+    const link = (violation) => goTo(violation.text, c.at[violation.first]);
     part(c.sound ? 'Errors' : 'The input is wrong; there is no linkage to draw', c.errors, 'error', plain);
     if (c.sound) part('Closure and limits at the prescribed positions', c.prescribed.violations, 'error', link);
     part('Constraints', c.breaches, 'error', plain);
     part('Warnings', c.warnings, 'warning', plain);
+    if (c.proof) part('Proven', c.proof.marks, 'proof', mark => 't' in mark ? goTo(mark.text, mark.t) : mark.text);
   }
 
   /** Name, length and direction of a bar at t. */

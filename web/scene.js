@@ -65,6 +65,7 @@ balm.scene = (() => {
     c.px = new Float64Array(c.joints.length);   // joints as drawn last
     c.py = new Float64Array(c.joints.length);
     if (c.motion === 'angle') goOn(c);
+    if (c.proof) for (const mark of c.proof.marks) if ('input' in mark) mark.t = placeOf(c, mark.input);
     return c;
   }
 
@@ -124,6 +125,13 @@ balm.scene = (() => {
     const from = c.sweep.input[0], n = c.sweep.n;
     if (c.ring) return from + c.sense * t;
     return from + (c.sweep.input[n - 1] - from) * t / Math.max(1, n - 1);
+  }
+
+  /** Place of the sweep where an input is. */
+  function placeOf(c, input) {
+    const from = c.sweep.input[0], n = c.sweep.n;
+    if (c.ring) return modulo(c.sense * (input - from), 360);
+    return (input - from) / (c.sweep.input[n - 1] - from) * (n - 1);
   }
 
   /** Place t brought into the limits [from, to]; a whole turn begins anew. */

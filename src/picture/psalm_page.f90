@@ -11,6 +11,7 @@ module psalm_page
    use psalm_page_text, only: page_text, title_mark, data_mark
    use psalm_panels, only: band_t, panel_t
    use psalm_parts, only: bar_t, body_t
+   use psalm_proof_page, only: write_proof_data
    use psalm_scene, only: scene_t, motion_number
    use psalm_text, only: text_t, full_precision, to_text
    use psalm_trace, only: row_t
@@ -92,6 +93,10 @@ contains
          if (allocated(scene%clearance)) then
             call text%add_text(',"clearance":')
             call write_clearance_data(scene%clearance, scene%drawn(scene%clearance%point) - 1, text)
+         end if
+         if (allocated(scene%proof)) then
+            call text%add_text(',"proof":')
+            call write_proof_data(scene%proof, text)
          end if
          if (allocated(scene%forces)) then
             call text%add_text(',"forces":')

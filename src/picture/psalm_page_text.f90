@@ -522,6 +522,7 @@ module psalm_page_text
 
    character(*), parameter :: part_6 = &
    "    if (c.motion === 'angle') goOn(c);"//nl// &
+   "    if (c.proof) for (const mark of c.proof.marks) if ('input' in mark) mark.t = placeOf(c, mark.input);"//nl// &
    '    return c;'//nl// &
    '  }'//nl// &
    ''//nl// &
@@ -585,6 +586,13 @@ module psalm_page_text
    '    return from + (c.sweep.input[n - 1] - from) * t / Math.max(1, n - 1);'//nl// &
    '  }'//nl// &
    ''//nl// &
+   '  /** Place of the sweep where an input is. */'//nl// &
+   '  function placeOf(c, input) {'//nl// &
+   '    const from = c.sweep.input[0], n = c.sweep.n;'//nl// &
+   '    if (c.ring) return modulo(c.sense * (input - from), 360);'//nl// &
+   '    return (input - from) / (c.sweep.input[n - 1] - from) * (n - 1);'//nl// &
+   '  }'//nl// &
+   ''//nl// &
    '  /** Place t brought into the limits [from, to]; a whole turn begins anew. */'//nl// &
    '  function within(c, t, [from, to]) {'//nl// &
    '    return c.ring && to - from >= 360 ? modulo(t, 360) : Math.min(to, Math.max(from, t));'//nl// &
@@ -614,7 +622,9 @@ module psalm_page_text
    ''//nl// &
    '  /** Place of the next prescribed position in the direction `way`; beyond the last comes the first. */'//nl// &
    '  function prescribedNext(c, t, way) {'//nl// &
-   '    const list = [...c.at].sort((a, b) => a - b);'//nl// &
+   '    const list = [...c.at].sort((a, b) => a - b);'//nl
+
+   character(*), parameter :: part_7 = &
    '    const next = way > 0 ? list.find((at) => at > t + HERE) : list.findLast((at) => at < t - HERE);'//nl// &
    '    return next ?? (way > 0 ? list[0] : list.at(-1));'//nl// &
    '  }'//nl// &
@@ -622,9 +632,7 @@ module psalm_page_text
    '  /** The table of the sweep: names, and a row of numbers for each of its positions; what is not known is no number. */'//nl// &
    '  function table(c) {'//nl// &
    "    const s = c.sweep, names = ['input', 'closed'], columns = [Array.from({ length: s.n }, (_, i) => inputAt(c, i)),"//nl// &
-   '      Array.from(s.closed, Number)];'//nl
-
-   character(*), parameter :: part_7 = &
+   '      Array.from(s.closed, Number)];'//nl// &
    '    const add = (name, values) => { names.push(name); columns.push(values); };'//nl// &
    "    if (c.drives) for (const one of c.drives) add('drive ' + one.name, one.sweep);"//nl// &
    '    if (c.curves) for (const one of c.curves) add(one.name, one.sweep);'//nl// &
@@ -720,7 +728,9 @@ module psalm_page_text
    '  }'//nl// &
    ''//nl// &
    '  function readColours() {'//nl// &
-   '    const css = getComputedStyle(document.documentElement);'//nl// &
+   '    const css = getComputedStyle(document.documentElement);'//nl
+
+   character(*), parameter :: part_8 = &
    "    for (const name of COLOURS) pens[name] = css.getPropertyValue('--' + name).trim();"//nl// &
    '  }'//nl// &
    ''//nl// &
@@ -728,9 +738,7 @@ module psalm_page_text
    '  function fit(shown, ...copies) {'//nl// &
    '    const dpr = window.devicePixelRatio || 1, w = shown.clientWidth, h = shown.clientHeight;'//nl// &
    '    for (const one of [shown, ...copies]) {'//nl// &
-   '      one.width = Math.max(1, Math.round(w * dpr));'//nl
-
-   character(*), parameter :: part_8 = &
+   '      one.width = Math.max(1, Math.round(w * dpr));'//nl// &
    '      one.height = Math.max(1, Math.round(h * dpr));'//nl// &
    "      one.getContext('2d').setTransform(dpr, 0, 0, dpr, 0, 0);"//nl// &
    '    }'//nl// &
@@ -787,7 +795,37 @@ module psalm_page_text
    '    if (c.meshes) drawReach(g, c.meshes);'//nl// &
    '    if (state.traces) for (const o of [c, ...shownOverlays()]) drawTraces(g, o, o === c ? 1 : 0.5);'//nl// &
    '    for (const j of state.paths) drawPathOf(g, c, j);'//nl// &
+   '    if (c.proof) drawProof(g, c.proof);'//nl// &
    '    drawScale(g);'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   "  const MARKS = { opens: 'bad', extreme: 'actual', dead: 'warn' };"//nl// &
+   ''//nl// &
+   '  /** What is proven: the tightest clearance of the motion, rings where the output is when something ends or stands sti'// &
+   'll. */'//nl// &
+   '  function drawProof(g, { marks, near }) {'//nl// &
+   '    g.save();'//nl// &
+   "    g.lineCap = 'round';"//nl// &
+   '    for (const { links, way } of near.filter((one) => one.tightest)) {'//nl// &
+   '      g.strokeStyle = pens.warn;'//nl// &
+   '      g.globalAlpha = 0.3;'//nl// &
+   '      for (const { width, ends } of links) {'//nl// &
+   '        g.lineWidth = Math.max(view.k * width, 2 * view.u);'//nl// &
+   '        segment(g, ...ends);'//nl// &
+   '      }'//nl// &
+   '      g.globalAlpha = 1;'//nl// &
+   '      g.lineWidth = 1.6 * view.u;'//nl// &
+   '      segment(g, ...way);'//nl// &
+   '    }'//nl// &
+   '    g.lineWidth = 1.6 * view.u;'//nl// &
+   '    for (const { kind, output, at } of marks) {'//nl// &
+   '      if (!output || !at.every(isFinite)) continue;'//nl// &
+   '      g.strokeStyle = pens[MARKS[kind]];'//nl// &
+   '      g.beginPath();'//nl// &
+   '      g.arc(X(at[0]), Y(at[1]), 4.5 * view.u, 0, ROUND);'//nl// &
+   '      g.stroke();'//nl// &
+   '    }'//nl// &
+   '    g.restore();'//nl// &
    '  }'//nl// &
    ''//nl// &
    '  // ---- what stands still -------------------------------------------------------------------------------------------'// &
@@ -795,7 +833,9 @@ module psalm_page_text
    ''//nl// &
    '  /** What the output reaches over a grid of strokes: the meshes cover each other, so all are outlined, then filled as '// &
    'one. */'//nl// &
-   '  function drawReach(g, meshes) {'//nl// &
+   '  function drawReach(g, meshes) {'//nl
+
+   character(*), parameter :: part_9 = &
    '    g.beginPath();'//nl// &
    '    for (const m of meshes) {'//nl// &
    '      for (let i = 0; i < 8; i += 2) if (i) g.lineTo(X(m[i]), Y(m[i + 1])); else g.moveTo(X(m[0]), Y(m[1]));'//nl// &
@@ -832,9 +872,7 @@ module psalm_page_text
    '    g.restore();'//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  const outline = {'//nl
-
-   character(*), parameter :: part_9 = &
+   '  const outline = {'//nl// &
    '    box: (g, { at }) => g.rect(X(at[0]), Y(at[3]), view.k * (at[2] - at[0]), view.k * (at[3] - at[1])),'//nl// &
    '    circle: (g, { at }) => g.arc(X(at[0]), Y(at[1]), view.k * at[2], 0, ROUND),'//nl// &
    "    'half-plane'(g, { inside, at }) {"//nl// &
@@ -898,7 +936,9 @@ module psalm_page_text
    '    g.fillText(c.joints[j].name, X(mixed(s.x[j], [top, top, 0])), Y(mixed(s.y[j], [top, top, 0])) - 6 * view.u);'//nl// &
    "    g.textAlign = 'left';"//nl// &
    '  }'//nl// &
-   ''//nl// &
+   ''//nl
+
+   character(*), parameter :: part_10 = &
    '  function drawWay(g, c, j) {'//nl// &
    '    const s = c.sweep;'//nl// &
    '    g.beginPath();'//nl// &
@@ -935,9 +975,7 @@ module psalm_page_text
    '  function drawMarks(g, c) {'//nl// &
    '    const p = c.prescribed, x = p.x[c.output], y = p.y[c.output];'//nl// &
    '    for (let i = 0; i < p.n; i++) {'//nl// &
-   "      const closed = p.closed[i] === '1', at = [i, i, 0];"//nl
-
-   character(*), parameter :: part_10 = &
+   "      const closed = p.closed[i] === '1', at = [i, i, 0];"//nl// &
    '      if (closed) star(g, X(mixed(x, at)), Y(mixed(y, at)), 4.5 * view.u, c.ink || pens.actual);'//nl// &
    "      if (c.desired && (closed || c.motion === 'point')) diamond(g, X(p.wish_x[i]), Y(p.wish_y[i]));"//nl// &
    '    }'//nl// &
@@ -1001,7 +1039,9 @@ module psalm_page_text
    ''//nl// &
    '  // ---- what moves --------------------------------------------------------------------------------------------------'// &
    '-'//nl// &
-   ''//nl// &
+   ''//nl
+
+   character(*), parameter :: part_11 = &
    '  /** The linkage at the place t of its sweep, under it the cases laid over it. */'//nl// &
    '  function frame(c, t) {'//nl// &
    '    pen.clearRect(0, 0, view.w, view.h);'//nl// &
@@ -1038,9 +1078,8 @@ module psalm_page_text
    '      py[j] = Y(mixed(s.y[j], at));'//nl// &
    '    }'//nl// &
    "    pen.lineJoin = pen.lineCap = 'round';"//nl// &
-   '    drawRails(c, at);'//nl
-
-   character(*), parameter :: part_11 = &
+   '    drawRails(c, at);'//nl// &
+   '    if (c.proof && main) drawWide(c);'//nl// &
    '    drawPlates(c);'//nl// &
    '    if (balm.state.other && main) drawOthers(c, at);'//nl// &
    '    if (c.wheels) drawWheels(c);'//nl// &
@@ -1053,6 +1092,18 @@ module psalm_page_text
    '      drawForces(c.forces, at);'//nl// &
    '    }'//nl// &
    '    if (c.clearance && main && balm.state.pin) drawPin(c, at);'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  /** Links that are segments with a width. */'//nl// &
+   '  function drawWide(c) {'//nl// &
+   '    pen.strokeStyle = pens.frame;'//nl// &
+   '    pen.globalAlpha = 0.28;'//nl// &
+   '    for (const { from, to, width } of c.proof.wide) {'//nl// &
+   '      if (!(width > 0) || ![c.px[from], c.py[from], c.px[to], c.py[to]].every(isFinite)) continue;'//nl// &
+   '      pen.lineWidth = view.k * width;'//nl// &
+   '      line(pen, c.px[from], c.py[from], c.px[to], c.py[to]);'//nl// &
+   '    }'//nl// &
+   '    pen.globalAlpha = 1;'//nl// &
    '  }'//nl// &
    ''//nl// &
    '  /** Counterweights as discs to scale, springs between their ends. */'//nl// &
@@ -1091,7 +1142,9 @@ module psalm_page_text
    '  function drawSpringEnd(g, x, y, frame, footx, footy) {'//nl// &
    '    const r = 2.6 * view.u, width = g.lineWidth;'//nl// &
    '    g.beginPath();'//nl// &
-   '    if (frame) {'//nl// &
+   '    if (frame) {'//nl
+
+   character(*), parameter :: part_12 = &
    '      g.moveTo(x, y);'//nl// &
    '      g.lineTo(x - 2 * r, y + 3.5 * r);'//nl// &
    '      g.lineTo(x + 2 * r, y + 3.5 * r);'//nl// &
@@ -1142,9 +1195,7 @@ module psalm_page_text
    ''//nl// &
    '  function arrow(g, one, at, largest) {'//nl// &
    '    const u = view.u, x = X(mixed(one.x, at)), y = Y(mixed(one.y, at)), scale = LONGEST * u / (largest || 1);'//nl// &
-   '    const dx = scale * mixed(one.fx, at), dy = -scale * mixed(one.fy, at), length = Math.hypot(dx, dy);'//nl
-
-   character(*), parameter :: part_12 = &
+   '    const dx = scale * mixed(one.fx, at), dy = -scale * mixed(one.fy, at), length = Math.hypot(dx, dy);'//nl// &
    '    if (!(length > 1)) return;'//nl// &
    '    const head = Math.min(9 * u, 0.6 * length) / length;'//nl// &
    '    g.lineWidth = 2.2 * u;'//nl// &
@@ -1197,7 +1248,9 @@ module psalm_page_text
    ' * u, left: true },'//nl// &
    '      { x: wide, y: c.forces ? near + 150 * u : near }];'//nl// &
    '    let best = corners[0], least = Infinity;'//nl// &
-   '    for (const corner of corners) {'//nl// &
+   '    for (const corner of corners) {'//nl
+
+   character(*), parameter :: part_13 = &
    '      let covered = 0;'//nl// &
    '      for (let i = 0; i < c.sweep.n; i += 6) for (const bar of c.bars) for (const f of [0, 0.25, 0.5, 0.75, 1]) {'//nl// &
    '        const at = [i, i, 0], along = (v) => (1 - f) * mixed(v[bar.from], at) + f * mixed(v[bar.to], at);'//nl// &
@@ -1248,9 +1301,7 @@ module psalm_page_text
    '    g.arc(x, y, play, 0, ROUND);'//nl// &
    '    g.stroke();'//nl// &
    '    g.fillStyle = pens.ink;'//nl// &
-   '    g.beginPath();'//nl
-
-   character(*), parameter :: part_13 = &
+   '    g.beginPath();'//nl// &
    '    g.arc(x + play * ux, y + play * uy, 2.4 * u, 0, ROUND);'//nl// &
    '    g.fill();'//nl// &
    '    const reach = hole - play - 4 * u;'//nl// &
@@ -1301,7 +1352,9 @@ module psalm_page_text
    '      if (!body.hull.length || body.frame || !body.hull.every((j) => isFinite(c.px[j]))) return;'//nl// &
    '      g.globalAlpha = 0.16 * alpha;'//nl// &
    '      g.fillStyle = colourOf(c, b);'//nl// &
-   '      g.beginPath();'//nl// &
+   '      g.beginPath();'//nl
+
+   character(*), parameter :: part_14 = &
    '      for (const j of body.hull) g.lineTo(c.px[j], c.py[j]);'//nl// &
    '      g.closePath();'//nl// &
    '      g.fill();'//nl// &
@@ -1351,9 +1404,7 @@ module psalm_page_text
    '    return v && balm.state.bent && Math.min(v.from, v.to) === Math.min(bar.from, bar.to) &&'//nl// &
    '      Math.max(v.from, v.to) === Math.max(bar.from, bar.to);'//nl// &
    '  }'//nl// &
-   ''//nl
-
-   character(*), parameter :: part_14 = &
+   ''//nl// &
    '  /** The vibrating link, its deflection drawn larger; the straight one beside it, thin. */'//nl// &
    '  function drawBent(c, at) {'//nl// &
    '    const v = c.vibration, g = pen, x = c.px[v.from], y = c.py[v.from], dx = c.px[v.to] - x, dy = c.py[v.to] - y;'//nl// &
@@ -1405,7 +1456,9 @@ module psalm_page_text
    "    pen.lineCap = 'round';"//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  /** Pairs that do not meet: both arcs as far as they reach, dots between them. */'//nl// &
+   '  /** Pairs that do not meet: both arcs as far as they reach, dots between them. */'//nl
+
+   character(*), parameter :: part_15 = &
    '  function drawBroken(c, i) {'//nl// &
    '    const g = pen, px = c.px, py = c.py;'//nl// &
    '    for (const [loop, tip] of c.broken.get(i) || []) {'//nl// &
@@ -1455,9 +1508,7 @@ module psalm_page_text
    '      const ux = mixed(s.ux[i], at), uy = -mixed(s.uy[i], at);'//nl// &
    '      for (const side of [1, -1]) {'//nl// &
    '        g.moveTo(x, y);'//nl// &
-   '        g.lineTo(x + r * (ux - side * uy), y + r * (uy + side * ux));'//nl
-
-   character(*), parameter :: part_15 = &
+   '        g.lineTo(x + r * (ux - side * uy), y + r * (uy + side * ux));'//nl// &
    '        g.lineTo(x + r * (-ux - side * uy), y + r * (-uy + side * ux));'//nl// &
    '        g.closePath();'//nl// &
    '      }'//nl// &
@@ -1508,7 +1559,9 @@ module psalm_page_text
    ''//nl// &
    '  return { pens, begin, readColours, fit, sizeOf, linkColour, layOut, frame, picture, nearest, machine,'//nl// &
    '    get size() { return [view.w, view.h]; },'//nl// &
-   '    get canvas() { return canvas; }, get pen() { return pen; }, get scale() { return view.k; } };'//nl// &
+   '    get canvas() { return canvas; }, get pen() { return pen; }, get scale() { return view.k; } };'//nl
+
+   character(*), parameter :: part_16 = &
    '})();'//nl// &
    '</script>'//nl// &
    '<script>'//nl// &
@@ -1561,9 +1614,7 @@ module psalm_page_text
    '    return [middle - AROUND * size, middle + AROUND * size];'//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  /** Least and greatest of all values of a panel that are seen from `from` to `to`. */'//nl
-
-   character(*), parameter :: part_16 = &
+   '  /** Least and greatest of all values of a panel that are seen from `from` to `to`. */'//nl// &
    '  function extent(panel, from, to) {'//nl// &
    '    let low = Infinity, high = -Infinity;'//nl// &
    '    const see = (t, v) => {'//nl// &
@@ -1616,7 +1667,9 @@ module psalm_page_text
    "      put('position', { name: 'error (desired - actual)', size, zero: true, lines: [], points });"//nl// &
    '    }'//nl// &
    '    const named = s.angle.length <= 8;'//nl// &
-   "    const angle = (a, i) => ({ label: named ? (i ? '' : 'loop ') + a.loop : '', colour: linkColour(i),"//nl// &
+   "    const angle = (a, i) => ({ label: named ? (i ? '' : 'loop ') + a.loop : '', colour: linkColour(i),"//nl
+
+   character(*), parameter :: part_17 = &
    '      values: a.values });'//nl// &
    "    if (s.angle.length) put('position', { name: 'transmission angle, degrees', fixed: [0, 180], limits: c.limits,"//nl// &
    '      lines: s.angle.map(angle) });'//nl// &
@@ -1670,9 +1723,7 @@ module psalm_page_text
    '    plot = { w, h, u, left: 58 * u, right: w - 18 * u, from, to: Math.max(to, from + 1e-9), panels: panelsOf(c) };'//nl// &
    '    plot.x = (t) => plot.left + (t - plot.from) / (plot.to - plot.from) * (plot.right - plot.left);'//nl// &
    '    g.clearRect(0, 0, w, h);'//nl// &
-   "    g.font = 11 * u + 'px system-ui, sans-serif';"//nl
-
-   character(*), parameter :: part_17 = &
+   "    g.font = 11 * u + 'px system-ui, sans-serif';"//nl// &
    '    const each = (h - 34 * u) / plot.panels.length;'//nl// &
    '    plot.panels.forEach((panel, i) => {'//nl// &
    '      panel.top = i * each + 20 * u;'//nl// &
@@ -1722,7 +1773,9 @@ module psalm_page_text
    '    }'//nl// &
    '    if (panel.band) drawBand(g, panel);'//nl// &
    '    for (const one of panel.lines) drawCurve(g, panel, one);'//nl// &
-   '    for (const one of panel.points) drawPoints(g, panel, one);'//nl// &
+   '    for (const one of panel.points) drawPoints(g, panel, one);'//nl
+
+   character(*), parameter :: part_18 = &
    '    g.restore();'//nl// &
    '  }'//nl// &
    ''//nl// &
@@ -1773,9 +1826,7 @@ module psalm_page_text
    '    g.strokeStyle = colour;'//nl// &
    '    g.lineWidth = (dotted ? 1 : 1.6) * plot.u;'//nl// &
    '    g.setLineDash(dotted ? [2, 3] : []);'//nl// &
-   '    g.beginPath();'//nl
-
-   character(*), parameter :: part_18 = &
+   '    g.beginPath();'//nl// &
    '    let down = false;'//nl// &
    '    for (let i = 0; i < values.length; i++) {'//nl// &
    '      if (!isFinite(values[i])) { down = false; continue; }'//nl// &
@@ -1825,8 +1876,15 @@ module psalm_page_text
    '    const x = (t) => 8 + (t - plot.from) / (plot.to - plot.from) * (w - 16);'//nl// &
    '    g.clearRect(0, 0, w, h);'//nl// &
    '    bands(g, c, x, 0, h);'//nl// &
-   '    g.fillStyle = pens.accent;'//nl// &
+   '    g.fillStyle = pens.accent;'//nl
+
+   character(*), parameter :: part_19 = &
    '    for (const t of c.at) if (t <= plot.to + 1e-9) g.fillRect(x(t) - 0.8, 2, 1.6, h - 4);'//nl// &
+   '    for (const { kind, t } of c.proof ? c.proof.marks : []) {'//nl// &
+   '      if (t === undefined || t < plot.from - 1e-9 || t > plot.to + 1e-9) continue;'//nl// &
+   "      g.fillStyle = kind === 'opens' ? pens.bad : kind === 'extreme' ? pens.actual : pens.warn;"//nl// &
+   '      g.fillRect(x(t) - 0.6, h / 2, 1.2, h / 2);'//nl// &
+   '    }'//nl// &
    '  }'//nl// &
    ''//nl// &
    '  /** One frame: the cursor at t. */'//nl// &
@@ -1875,9 +1933,7 @@ module psalm_page_text
    '  function layOut(c) {'//nl// &
    '    const v = c.vibration, panels = [];'//nl// &
    '    if (v && v.speeds.some(([, a]) => a !== null)) panels.push(drawSpeeds);'//nl// &
-   '    if (v && v.chart.length) panels.push(drawChart);'//nl
-
-   character(*), parameter :: part_19 = &
+   '    if (v && v.chart.length) panels.push(drawChart);'//nl// &
    '    box.hidden = !panels.length;'//nl// &
    '    if (box.hidden) return;'//nl// &
    "    canvas.style.height = HEIGHT + 'px';"//nl// &
@@ -1923,7 +1979,9 @@ module psalm_page_text
    ''//nl// &
    '  /** Powers of ten, with 2 and 5 times them where there are few. */'//nl// &
    '  function decades(low, high) {'//nl// &
-   '    const list = [];'//nl// &
+   '    const list = [];'//nl
+
+   character(*), parameter :: part_20 = &
    '    for (let k = Math.floor(low); k <= high; k++) for (const m of high - low > 3 ? [1] : [1, 2, 5]) {'//nl// &
    '      const v = m * 10 ** k;'//nl// &
    '      if (Math.log10(v) >= low - 1e-9 && Math.log10(v) <= high + 1e-9) list.push(v);'//nl// &
@@ -1979,9 +2037,7 @@ module psalm_page_text
    '    g.restore();'//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  return { begin, layOut };'//nl
-
-   character(*), parameter :: part_20 = &
+   '  return { begin, layOut };'//nl// &
    '})();'//nl// &
    '</script>'//nl// &
    '<script>'//nl// &
@@ -2027,7 +2083,9 @@ module psalm_page_text
    "    if (near >= 0) parts.push('position ' + (near + 1));"//nl// &
    "    return parts.join(', ');"//nl// &
    '  }'//nl// &
-   ''//nl// &
+   ''//nl
+
+   character(*), parameter :: part_21 = &
    '  /** Facts and what is wrong at t. */'//nl// &
    '  function show(c, t) {'//nl// &
    "    const i = between(c, t)[0], wrong = c.wrong[i], open = c.status[i] === OPEN, alert = $('alert');"//nl// &
@@ -2054,18 +2112,20 @@ module psalm_page_text
    '      box.append(h, ul);'//nl// &
    '    };'//nl// &
    '    const plain = (text) => text;'//nl// &
-   '    const link = (violation) => {'//nl// &
+   '    const goTo = (text, t) => {'//nl// &
    "      const button = document.createElement('button');"//nl// &
    "      button.className = 'go';"//nl// &
    "      button.type = 'button';"//nl// &
-   '      button.textContent = violation.text;'//nl// &
-   "      button.addEventListener('click', () => balm.controls.go(c.at[violation.first]));"//nl// &
+   '      button.textContent = text;'//nl// &
+   "      button.addEventListener('click', () => balm.controls.go(t));"//nl// &
    '      return button;'//nl// &
    '    };'//nl// &
+   '    const link = (violation) => goTo(violation.text, c.at[violation.first]);'//nl// &
    "    part(c.sound ? 'Errors' : 'The input is wrong; there is no linkage to draw', c.errors, 'error', plain);"//nl// &
    "    if (c.sound) part('Closure and limits at the prescribed positions', c.prescribed.violations, 'error', link);"//nl// &
    "    part('Constraints', c.breaches, 'error', plain);"//nl// &
    "    part('Warnings', c.warnings, 'warning', plain);"//nl// &
+   "    if (c.proof) part('Proven', c.proof.marks, 'proof', mark => 't' in mark ? goTo(mark.text, mark.t) : mark.text);"//nl// &
    '  }'//nl// &
    ''//nl// &
    '  /** Name, length and direction of a bar at t. */'//nl// &
@@ -2082,9 +2142,7 @@ module psalm_page_text
    '    const link = bar.body >= 0 && c.bodies[bar.body].name;'//nl// &
    "    return (link ? 'link ' + link : bar.loop ? 'loop ' + bar.loop + ', arc ' + bar.arc : 'output arc') +"//nl// &
    "      ': length ' + short(Number(length.toPrecision(6))) + ', angle ' + angle.toFixed(2) + '\u00b0' +"//nl// &
-   "      (bar.others ? ' (also ' + bar.others + ')' : '');"//nl
-
-   character(*), parameter :: part_21 = &
+   "      (bar.others ? ' (also ' + bar.others + ')' : '');"//nl// &
    '  }'//nl// &
    ''//nl// &
    '  /** The tip at a point of a box of the given width and height; without words it goes. */'//nl// &
@@ -2127,7 +2185,9 @@ module psalm_page_text
    '  function go(t) {'//nl// &
    '    const c = shown();'//nl// &
    '    if (!c.sound) return;'//nl// &
-   '    balm.state.t = within(c, t, limits());'//nl// &
+   '    balm.state.t = within(c, t, limits());'//nl
+
+   character(*), parameter :: part_22 = &
    '    balm.draw();'//nl// &
    '    balm.messages.show(c, balm.state.t);'//nl// &
    "    if (Number($('time').value) !== balm.state.t) $('time').value = balm.state.t;"//nl// &
@@ -2185,9 +2245,7 @@ module psalm_page_text
    '    drag = { x: event.clientX, y: event.clientY, moved: false };'//nl// &
    '    if (event.isTrusted && canvas.setPointerCapture) canvas.setPointerCapture(event.pointerId);'//nl// &
    '  }'//nl// &
-   ''//nl
-
-   character(*), parameter :: part_22 = &
+   ''//nl// &
    '  /** The crank turns by the angle the pointer turns about its pivot, the slide moves by as much as the pointer. */'//nl// &
    '  function pull(event) {'//nl// &
    "    if (!drag) { if (event.pointerType !== 'touch') hover(event); return; }"//nl// &
@@ -2232,7 +2290,9 @@ module psalm_page_text
    '      if (away < least) [best, least] = [k, away];'//nl// &
    '    }'//nl// &
    '    if (best >= 0) go(best);'//nl// &
-   '  }'//nl// &
+   '  }'//nl
+
+   character(*), parameter :: part_23 = &
    ''//nl// &
    '  /** A tap names the arc it meets: a finger cannot point. */'//nl// &
    '  function release(event) {'//nl// &
@@ -2291,9 +2351,7 @@ module psalm_page_text
    "    if (!(event.key in actions) || (event.key === ' ' && button)) return;"//nl// &
    '    event.preventDefault();'//nl// &
    '    actions[event.key]();'//nl// &
-   '  }'//nl
-
-   character(*), parameter :: part_23 = &
+   '  }'//nl// &
    ''//nl// &
    '  /** Everything that listens; `refresh` is called where the picture must be laid out anew. */'//nl// &
    '  function begin(refresh) {'//nl// &
@@ -2337,7 +2395,9 @@ module psalm_page_text
    '  return { begin, go, setPlaying, limits, duration };'//nl// &
    '})();'//nl// &
    '</script>'//nl// &
-   '<script>'//nl// &
+   '<script>'//nl
+
+   character(*), parameter :: part_24 = &
    '// Out of the page: a frame as SVG or PNG, the table of the sweep, a film. All is made here, nothing is asked for.'//nl// &
    "'use strict';"//nl// &
    ''//nl// &
@@ -2404,9 +2464,7 @@ module psalm_page_text
    "        '"" text-anchor=""' + anchor + '"">' + escaped(text) + '</text>');"//nl// &
    '    }'//nl// &
    '    text(title) {'//nl// &
-   '      // the name of the format, in two for it looks like an address'//nl
-
-   character(*), parameter :: part_24 = &
+   '      // the name of the format, in two for it looks like an address'//nl// &
    "      return '<svg xmlns=""http:/' + '/www.w3.org/2000/svg"" width=""' + this.width + '"" height=""' + this.height + '"// &
    """ viewBox=""0 0 ' + this.width + ' ' +"//nl// &
    "        this.height + '"">\n<title>' + escaped(title) + '</title>\n' + this.parts.join('\n') + '\n</svg>\n';"//nl// &
@@ -2451,7 +2509,9 @@ module psalm_page_text
    '    const [canvas, g] = sheet(Math.min(2, window.devicePixelRatio || 1)), pieces = [];'//nl// &
    '    const at = (part) => from + (to - from) * (ring ? part % 1 : 1 - Math.abs(1 - 2 * part));'//nl// &
    '    balm.drawing.picture(c, at(0), g);'//nl// &
-   '    const recorder = new MediaRecorder(canvas.captureStream(RATE), { mimeType: type, videoBitsPerSecond: BITS });'//nl// &
+   '    const recorder = new MediaRecorder(canvas.captureStream(RATE), { mimeType: type, videoBitsPerSecond: BITS });'//nl
+
+   character(*), parameter :: part_25 = &
    "    recorder.addEventListener('dataavailable', (event) => pieces.push(event.data));"//nl// &
    '    return new Promise((done, failed) => {'//nl// &
    "      recorder.addEventListener('stop', () => done(new Blob(pieces, { type: type.split(';')[0] })));"//nl// &
@@ -2508,9 +2568,7 @@ module psalm_page_text
    '(() => {'//nl// &
    '  const { scene, drawing, curves, charts, messages, controls, save } = balm;'//nl// &
    '  const $ = (id) => document.getElementById(id);'//nl// &
-   "  const cases = scene.read($('data').textContent);"//nl
-
-   character(*), parameter :: part_25 = &
+   "  const cases = scene.read($('data').textContent);"//nl// &
    '  const state = {'//nl// &
    '    c: 0,                   // case shown'//nl// &
    '    t: 0,                   // place on its sweep'//nl// &
@@ -2553,7 +2611,9 @@ module psalm_page_text
    "    $('title').textContent = document.title = titleOf(c);"//nl// &
    "    $('stage').hidden = !c.sound;"//nl// &
    "    if (!c.sound) $('chartbox').hidden = true;"//nl// &
-   "    document.querySelector('.keys').hidden = !c.sound;"//nl// &
+   "    document.querySelector('.keys').hidden = !c.sound;"//nl
+
+   character(*), parameter :: part_26 = &
    '    messages.list(c);'//nl// &
    '    if (!c.sound) {'//nl// &
    '      nameCases();'//nl// &
@@ -2610,9 +2670,7 @@ module psalm_page_text
    "    $('group').value = state.group;"//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  /** The joints that move, by their names. */'//nl
-
-   character(*), parameter :: part_26 = &
+   '  /** The joints that move, by their names. */'//nl// &
    '  function offerPaths(c) {'//nl// &
    '    state.paths.clear();'//nl// &
    '    const named = c.joints.map((joint, j) => [joint, j]).filter(([joint]) => joint.name && !joint.fixed);'//nl// &
@@ -2655,7 +2713,9 @@ module psalm_page_text
    "      label.append(box, ' ' + (i + 1));"//nl// &
    "      $('overlays').append(label);"//nl// &
    '    });'//nl// &
-   "    $('chooser').hidden = $('overlays').hidden = cases.length < 2;"//nl// &
+   "    $('chooser').hidden = $('overlays').hidden = cases.length < 2;"//nl
+
+   character(*), parameter :: part_27 = &
    "    $('case').addEventListener('change', () => choose(Number($('case').value)));"//nl// &
    '  }'//nl// &
    ''//nl// &
@@ -2712,9 +2772,7 @@ module psalm_page_text
    '    },'//nl// &
    '  };'//nl// &
    '  Object.defineProperties(balm, Object.getOwnPropertyDescriptors(api));'//nl// &
-   '  start();'//nl
-
-   character(*), parameter :: part_27 = &
+   '  start();'//nl// &
    '})();'//nl// &
    '</script>'//nl// &
    '</body>'//nl// &

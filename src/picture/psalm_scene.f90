@@ -13,13 +13,14 @@ module psalm_scene
    use psalm_force_scene, only: force_scene_t, extent_of_weights, make_force_scene
    use psalm_kinds, only: wp
    use psalm_margin_list, only: describe_margin
-   use psalm_margins, only: margin_t, inspector_t, prepare_inspector, inspect, is_violated
+   use psalm_margins, only: margin_t, inspector_t, prepare_inspector, inspect, is_violated, margin_clearance
    use psalm_markup, only: strings_t, add_string, sentence_case
    use psalm_output_kind, only: motion_point, motion_angle, motion_distance, motion_slide, motion_pose
    use psalm_panels, only: panel_t, band_t, add_family_panels, add_rate_panels, add_sketch_panels, find_band
    use psalm_parts, only: joint_t, bar_t, body_t, slide_t, pair_t, wheel_t, curve_t, drive_part_t, edge_t, find_slides, &
                           convex_hull
    use psalm_sketch, only: output_point, output_pose, output_x, output_y
+   use psalm_proof_scene, only: proof_scene_t, make_proof_scene
    use psalm_status, only: finding_t, level_error
    use psalm_sweep, only: sweep_inputs, sweep_sense
    use psalm_dimensions, only: dimensions_t
@@ -64,6 +65,7 @@ module psalm_scene
       type(force_scene_t), allocatable :: forces          !! if the case has masses, loads or springs
       type(vibration_scene_t), allocatable :: vibration   !! if the case has a vibrating link
       type(clearance_scene_t), allocatable :: clearance   !! if the case has a joint with clearance
+      type(proof_scene_t), allocatable :: proof           !! if the motion is proven, or links have a width
       integer, allocatable :: drawn(:)                    !! by point of the mechanism: the joint that is drawn there
       type(panel_t), allocatable :: panels(:)             !! other curves over the sweep: rates, further outputs
       type(band_t), allocatable :: band                   !! of the output, if the dimensions have tolerances
@@ -124,6 +126,7 @@ contains
       type(scene_t), intent(out) :: scene
       type(problem_t), allocatable :: own, whole   ! large: they would fill a small stack
       integer, allocatable :: place(:)
+      logical :: proven
 
       call message_scene(set, findings, scene)
       if (size(scene%errors) > 0) return
@@ -171,6 +174,10 @@ contains
       call find_wishes(scene, scene%prescribed)
       call find_wishes(scene, scene%sweep)
       call widen_view(scene)
+      call make_problem(set, mechanism, dimensions, parameters, own)
+      allocate (scene%proof)
+      call make_proof_scene(set, own, dimensions, scene%drawn, scene%output, scene%proof, proven)
+      if (.not. proven) deallocate (scene%proof)
    end subroutine make_scene
 
    !> The position that the group DXF asks for by its increment.
@@ -322,8 +329,13 @@ contains
       call prepare_inspector(set, own, set%search%solver%many_starts, inspector)
       call inspect(inspector, dimensions, own%delt, margins)
       do i = 1, size(margins)
-         if (is_violated(margins(i))) &
+         if (.not. is_violated(margins(i))) cycle
+         if (margins(i)%kind == margin_clearance) then
+            ! the user's names of joints stay
+            call add_string(scene%breaches, 'violated: '//describe_margin(set, own, dimensions, margins(i), in_sentence=.true.))
+         else
             call add_string(scene%breaches, sentence_case('violated: '//describe_margin(set, own, dimensions, margins(i))))
+         end if
       end do
    end subroutine check_constraints
 

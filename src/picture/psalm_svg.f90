@@ -12,6 +12,7 @@ module psalm_svg
    use psalm_labels, only: place_labels
    use psalm_markup, only: xml_text, short_number, wrapped, strings_t, add_string
    use psalm_output_kind, only: motion_point, motion_angle, motion_distance, motion_slide
+   use psalm_proof_scene, only: near_t
    use psalm_scene, only: scene_t, motion_number
    use psalm_text, only: text_t, full_precision, to_text
    use psalm_trace, only: row_t
@@ -70,7 +71,7 @@ contains
       call text%add('<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 '//px(width)//' '//px(height)//'" width="'//px(width)// &
                     '" height="'//px(height)//'" role="img" aria-labelledby="title">')
       call text%add('<title id="title">'//xml_text(scene%title)//'</title>')
-      call write_style(allocated(scene%forces), text)
+      call write_style(allocated(scene%forces), allocated(scene%proof), text)
       if (allocated(scene%drives)) call write_chain_style(text)
       call text%add('<rect class="paper" width="'//px(width)//'" height="'//px(height)//'"/>')
       call text%add('<text class="head" x="28" y="36">'//xml_text(trim(scene%title))//'</text>')
@@ -100,8 +101,9 @@ contains
       if (unit /= 1.0_wp) attribute = ' data-unit="'//number(unit)//'"'
    end function data_unit
 
-   subroutine write_style(forces, text)
+   subroutine write_style(forces, proof, text)
       logical, intent(in) :: forces            !! there are forces to draw
+      logical, intent(in) :: proof             !! something is proven, or links have a width
       type(text_t), intent(inout) :: text
       character(*), parameter :: light(*) = [character(7) :: &
          '#1f6fb5', '#b5541c', '#2e8540', '#7b3fa0', '#a8740a', '#b0305f', '#16808a', '#5a6b1c']
@@ -123,6 +125,10 @@ contains
                     '.region{fill:#d3302f;fill-opacity:.09;stroke:#d3302f}.inside{fill:none}'// &
                     '.ghost{stroke:#9aa4ad}.broken{stroke:#d3302f}.actual{fill:#c62828;stroke:#c62828}.path{stroke:#c62828}'// &
                     '.desired{fill:none;stroke:#0b57d0}.axis{stroke:#14202b;fill:none}.direction{fill:none}')
+      if (proof) call text%add('.wide{stroke:#7d8994;stroke-opacity:.28;stroke-linecap:round;fill:none}'// &
+                           '.near{fill:none;stroke-linecap:round}'// &
+                    '.near .body{stroke:#8a5a00;stroke-opacity:.25}.near .way{stroke:#8a5a00}'// &
+                    '.proof{fill:none;stroke:#0b57d0}.proof.opens{stroke:#d3302f}.proof.dead{stroke:#8a5a00}')
       if (forces) call text%add('.mass circle{fill:#fff;stroke:#14202b}.mass path{fill:#14202b}'// &
                                 '.weight{fill:#5b6770;fill-opacity:.3;stroke:#37424b}'// &
                                 '.spring{fill:none;stroke:#8a5a00;stroke-linejoin:round}'// &
@@ -235,6 +241,7 @@ contains
       end if
       if (assemblies) call draw_ghosts(scene, k, text)
       call draw_rails(scene, k, text)
+      if (allocated(scene%proof)) call draw_wide_links(scene, k, text)
       call draw_plates(scene, k, text)
       if (allocated(scene%forces)) call draw_weights_and_springs(scene%forces, scene%reference, k, text)
       call draw_wheels(scene, k, text)
@@ -247,6 +254,7 @@ contains
       call draw_output(scene, k, text)
       call draw_symbols(scene, k, text)
       call draw_star(scene, k, text)
+      if (allocated(scene%proof)) call draw_marks(scene, k, text)
       if (allocated(scene%forces)) call draw_centres_and_loads(scene%forces, scene%reference, k, text)
    end subroutine draw_linkage
 
@@ -282,6 +290,62 @@ contains
          end associate
       end do
    end subroutine draw_regions
+
+   !> Links with a width where they are, and the tightest clearance of the motion: two links and the shortest way between them.
+   subroutine draw_wide_links(scene, k, text)
+      type(scene_t), intent(in) :: scene
+      real(wp), intent(in) :: k
+      type(text_t), intent(inout) :: text
+      integer :: i
+
+      associate (row => scene%prescribed, now => scene%reference, proof => scene%proof)
+         do i = 1, size(proof%wide)
+            associate (wide => proof%wide(i))
+               if (.not. all(row%known([wide%start, wide%finish], now))) cycle
+               call text%add('<path class="wide"'//stroke(wide%width*k, k)//' d="M'//point(row, wide%start, now)//'L'// &
+                             point(row, wide%finish, now)//'"/>')
+            end associate
+         end do
+         do i = 1, size(proof%near)
+            if (proof%near(i)%tightest) call draw_near(proof%near(i))
+         end do
+      end associate
+
+   contains
+
+      subroutine draw_near(near)
+         type(near_t), intent(in) :: near
+         integer :: n
+
+         call text%add('<g class="near"><title>'//xml_text(scene%proof%marks(near%mark)%text)//'</title>')
+         do n = 1, near%points/2
+            associate (a => near%ends(:, 2*n - 1), b => near%ends(:, 2*n))
+               call text%add('<path class="body"'//stroke(max(near%widths(n)*k, 2.0_wp), k)//' d="M'//pair(a(1), a(2))//'L'// &
+                             pair(b(1), b(2))//'"/>')
+            end associate
+         end do
+         call text%add('<path class="way"'//stroke(1.6_wp, k)//' d="M'//pair(near%way(1, 1), near%way(2, 1))//'L'// &
+                       pair(near%way(1, 2), near%way(2, 2))//'"/></g>')
+      end subroutine draw_near
+   end subroutine draw_wide_links
+
+   !> Where the output point is when the linkage opens (red), when it is at an extreme, and when it stands still.
+   subroutine draw_marks(scene, k, text)
+      type(scene_t), intent(in) :: scene
+      real(wp), intent(in) :: k
+      type(text_t), intent(inout) :: text
+      real(wp), parameter :: radius = 4.5_wp    !! pixels
+      integer :: i
+
+      do i = 1, size(scene%proof%marks)
+         associate (mark => scene%proof%marks(i))
+            if (.not. (mark%placed .and. mark%of_output)) cycle
+            call text%add('<circle class="proof '//mark%kind//'"'//stroke(1.6_wp, k)//' cx="'//full_precision(mark%at(1))// &
+                          '" cy="'//full_precision(mark%at(2))//'" r="'//short_number(radius/k)//'"><title>'// &
+                          xml_text(mark%text)//'</title></circle>')
+         end associate
+      end do
+   end subroutine draw_marks
 
    !> Every moving joint at every position.
    subroutine draw_traces(scene, k, text)
@@ -732,9 +796,28 @@ contains
       call take(scene%prescribed%words, 'e')
       call take(scene%breaches, 'e')
       call take(scene%warnings, 'w')
+      if (allocated(scene%proof)) call take_proof()
       if (told < all_of_them) call add_string(lines, 'wand '//to_text(all_of_them - told)//' more messages')
 
    contains
+
+      !> What of the proof concerns the whole range: where it closes, the tightest clearance.
+      subroutine take_proof()
+         type(strings_t), allocatable :: words(:)
+         integer :: i
+
+         allocate (words(0))
+         do i = 1, size(scene%proof%marks)
+            if (scene%proof%marks(i)%kind == 'range' .or. scene%proof%marks(i)%kind == 'opens') &
+               call add_string(words, scene%proof%marks(i)%text)
+         end do
+         do i = 1, size(scene%proof%near)
+            if (scene%proof%near(i)%tightest) call add_string(words, 'tightest: '// &
+                                                              scene%proof%marks(scene%proof%near(i)%mark)%text)
+         end do
+         all_of_them = all_of_them + size(words)
+         call take(words, 'p')
+      end subroutine take_proof
 
       subroutine take(messages, mark)
          type(strings_t), intent(in) :: messages(:)
@@ -764,12 +847,28 @@ contains
       do i = 1, size(lines)
          associate (line => lines(i)%text)
             indent = verify(line(2:), ' ') - 1
-            call text%add('<text class="'//trim(merge('error  ', 'warning', line(1:1) == 'e'))//'" x="'// &
+            call text%add('<text class="'//class_of_line(line)//'" x="'// &
                           px(28.0_wp + 6.0_wp*real(indent, wp))//'" y="'//px(top + line_height*real(i, wp))//'">'// &
                           xml_text(line(2 + indent:))//'</text>')
          end associate
       end do
       call text%add('</g>')
+
+   contains
+
+      pure function class_of_line(line) result(class)
+         character(*), intent(in) :: line
+         character(:), allocatable :: class
+
+         select case (line(1:1))
+         case ('e')
+            class = 'error'
+         case ('w')
+            class = 'warning'
+         case default
+            class = 'sub'
+         end select
+      end function class_of_line
    end subroutine draw_messages
 
    ! ---- numbers -----------------------------------------------------------------------------------------------------

@@ -3,6 +3,7 @@ module psalm_view
    use psalm_constraint_group, only: region_half_plane
    use psalm_force_scene, only: change_unit_of_forces
    use psalm_kinds, only: wp
+   use psalm_proof_scene, only: change_unit_of_proof
    use psalm_scene, only: scene_t
    use psalm_trace, only: row_t
    implicit none (type, external)
@@ -38,6 +39,7 @@ contains
       call change(scene%prescribed)
       call change(scene%sweep)
       if (allocated(scene%forces)) call change_unit_of_forces(scene%forces, unit)
+      if (allocated(scene%proof)) call change_unit_of_proof(scene%proof, unit)
       scene%bars%barrel = scene%bars%barrel/unit
       if (allocated(scene%wheels)) scene%wheels%radius = scene%wheels%radius/unit
       if (allocated(scene%meshes)) scene%meshes = scene%meshes/unit

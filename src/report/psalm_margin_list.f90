@@ -8,7 +8,7 @@ module psalm_margin_list
    use psalm_angles, only: within_turn
    use psalm_margins, only: margin_t, is_violated, margin_angle, margin_slides, margin_guide, margin_offset, &
                              margin_clearance, margin_bound
-   use psalm_text, only: text_t, general, to_text
+   use psalm_text, only: text_t, general, lower_case, to_text
    use psalm_dimensions, only: dimensions_t
    use psalm_parameters, only: name_of
    implicit none (type, external)
@@ -50,14 +50,15 @@ contains
    end subroutine list_margins
 
    !> A violated constraint in words.
-   function describe_margin(set, problem, dimensions, margin) result(text)
+   function describe_margin(set, problem, dimensions, margin, in_sentence) result(text)
       type(data_set_t), intent(in) :: set
       type(problem_t), intent(in) :: problem
       type(dimensions_t), intent(in) :: dimensions
       type(margin_t), intent(in) :: margin
+      logical, intent(in), optional :: in_sentence !! names of joints are the user's, the other words of a clearance small
       character(:), allocatable :: text
 
-      text = name_of_margin(set, problem, margin)//' by '//trim(adjustl(general(-margin%margin)))
+      text = name_of_margin(set, problem, margin, in_sentence)//' by '//trim(adjustl(general(-margin%margin)))
       if (margin%kind < margin_bound) text = text//' at input '//trim(adjustl(general(input_of(problem, dimensions, margin))))
    end function describe_margin
 
@@ -70,10 +71,11 @@ contains
       if (.not. problem%mechanism%sliding_input) input_of = within_turn(input_of)
    end function input_of
 
-   pure function name_of_margin(set, problem, margin) result(name)
+   pure function name_of_margin(set, problem, margin, in_sentence) result(name)
       type(data_set_t), intent(in) :: set
       type(problem_t), intent(in) :: problem
       type(margin_t), intent(in) :: margin
+      logical, intent(in), optional :: in_sentence
       character(:), allocatable :: name
       type(clearance_t), allocatable :: clearances(:)
       integer, allocatable :: joints(:, :)
@@ -89,7 +91,7 @@ contains
          name = 'OFFSET AND TOGGLE, LOOP '//to_text(margin%which)
       case (margin_clearance)
          call list_clearances(set%constr, problem%mechanism, problem%given%outlk <= 0.0_wp, clearances, joints)
-         name = name_of_clearance(set, clearances(margin%which))
+         name = name_of_clearance(set, clearances(margin%which), in_sentence)
       case (margin_bound)
          name = 'BOUND, '//name_of(problem%parameters%variables(margin%which))
       case default
@@ -98,22 +100,31 @@ contains
    end function name_of_margin
 
    !> What keeps apart from what.
-   pure function name_of_clearance(set, clearance) result(name)
+   pure function name_of_clearance(set, clearance, in_sentence) result(name)
       type(data_set_t), intent(in) :: set
       type(clearance_t), intent(in) :: clearance
+      logical, intent(in), optional :: in_sentence !! small letters, but for the names of joints
       character(:), allocatable :: name
 
       if (clearance%region == 0) then
-         name = 'LINKS '//segment_name(clearance%segments(1))//' AND '//segment_name(clearance%segments(2))
+         name = cased('LINKS ')//segment_name(clearance%segments(1))//cased(' AND ')//segment_name(clearance%segments(2))
       else if (clearance%segments(1) > 0) then
-         name = 'REGION '//to_text(clearance%region)//', LINK '//segment_name(clearance%segments(1))
+         name = cased('REGION ')//to_text(clearance%region)//cased(', LINK ')//segment_name(clearance%segments(1))
       else
-         name = 'REGION '//to_text(clearance%region)//', '//joint_name()
+         name = cased('REGION ')//to_text(clearance%region)//', '//joint_name()
       end if
 
    contains
 
-      !> Number of a segment, and its joints as the user calls them.
+      pure function cased(words) result(text)
+         character(*), intent(in) :: words
+         character(:), allocatable :: text
+
+         text = words
+         if (present(in_sentence)) text = lower_case(words)
+      end function cased
+
+      !> Number of a segment, or its joints as the user calls them.
       pure function segment_name(number) result(words)
          integer, intent(in) :: number
          character(:), allocatable :: words
@@ -130,13 +141,13 @@ contains
 
          associate (region => clearance%shape)
             if (set%sketch%given) then
-               words = 'JOINT '//trim(set%sketch%joint_name(region%joint))
+               words = cased('JOINT ')//trim(set%sketch%joint_name(region%joint))
             else if (region%loop == 0) then
-               words = 'OUTPUT POINT'
+               words = cased('OUTPUT POINT')
             else if (region%arc == 0) then
-               words = 'INPUT PIVOT'
+               words = cased('INPUT PIVOT')
             else
-               words = 'FINISH OF ARC '//to_text(region%arc)//' IN LOOP '//to_text(region%loop)
+               words = cased('FINISH OF ARC '//to_text(region%arc)//' IN LOOP '//to_text(region%loop))
             end if
          end associate
       end function joint_name

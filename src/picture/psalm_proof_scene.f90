@@ -1,0 +1,314 @@
+!> What pictures show of a proof of the motion: where it opens, extremes, dead points, the least clearances; and links with a width.
+module psalm_proof_scene
+   use psalm_clearances, only: clearance_t, list_clearances, find_depth, points_of_clearance
+   use psalm_data_set, only: data_set_t
+   use psalm_dimensions, only: dimensions_t
+   use psalm_error, only: problem_t
+   use psalm_kinds, only: wp
+   use psalm_margin_list, only: name_of_clearance
+   use psalm_mechanism, only: at_finish, pivot
+   use psalm_output_kind, only: motion_point
+   use psalm_proof, only: limit_t, piece_closes, piece_opens
+   use psalm_proof_list, only: cause_words, end_text, extreme_name, mover_name, shown, short
+   use psalm_proof_motion, only: mover_output
+   use psalm_proof_ranges, only: extreme_x, extreme_y, extreme_output, extreme_distance
+   use psalm_proof_study, only: proof_study_t, kept_t, study_proof, proof_wanted, no_proof
+   use psalm_station, only: station_t, prepare_station, evaluate_station
+   use psalm_text, only: lower_case, to_text
+   implicit none (type, external)
+   private
+   public :: proof_scene_t, mark_t, near_t, wide_t, make_proof_scene, change_unit_of_proof
+
+   real(wp), parameter :: certain = 1.0e-9_wp       !! a bracket of a dead point narrower than this, degrees or relative, is one
+
+   !> Something proven, at an input or of the whole range.
+   type :: mark_t
+      character(:), allocatable :: kind             !! opens, extreme, dead, clearance or range
+      character(:), allocatable :: text
+      logical :: placed = .false.                   !! it has an input
+      real(wp) :: input = 0.0_wp
+      logical :: of_output = .false.                !! it is the output point that has an extreme or stands still
+      real(wp) :: at(2) = 0.0_wp                    !! the output point there
+   end type mark_t
+
+   !> The least of a clearance: the shapes there and the shortest way between them.
+   type :: near_t
+      integer :: mark = 0                           !! its mark
+      integer :: points = 0                         !! of links: 2 or 4; a joint has 1
+      real(wp) :: ends(2, points_of_clearance) = 0.0_wp
+      real(wp) :: way(2, 2) = 0.0_wp
+      real(wp) :: widths(2) = 0.0_wp
+      logical :: tightest = .false.                 !! the least over what is asked
+   end type near_t
+
+   !> A link with a width.
+   type :: wide_t
+      integer :: start = 0, finish = 0              !! joints as drawn
+      real(wp) :: width = 0.0_wp
+   end type wide_t
+
+   type :: proof_scene_t
+      type(mark_t), allocatable :: marks(:)
+      type(near_t), allocatable :: near(:)
+      type(wide_t), allocatable :: wide(:)
+   end type proof_scene_t
+
+contains
+
+   !> What there is to show; `found` is false if nothing is proven of the case and no link has a width.
+   subroutine make_proof_scene(set, problem, dimensions, drawn, output, scene, found)
+      type(data_set_t), intent(in) :: set
+      type(problem_t), intent(in) :: problem        !! with the prescribed inputs
+      type(dimensions_t), intent(in) :: dimensions
+      integer, intent(in) :: drawn(:)               !! by point of the mechanism: the joint that is drawn there
+      integer, intent(in) :: output                 !! the joint that is the output point
+      type(proof_scene_t), intent(out) :: scene
+      logical, intent(out) :: found
+      type(proof_study_t), allocatable :: study
+      integer :: s
+
+      allocate (scene%marks(0), scene%near(0), scene%wide(size(set%constr%segments)))
+      do s = 1, size(scene%wide)
+         associate (segment => set%constr%segments(s))
+            scene%wide(s) = wide_t(joint_of(segment%loops(1), segment%arcs(1)), joint_of(segment%loops(2), segment%arcs(2)), &
+                                   segment%width)
+         end associate
+      end do
+      found = size(scene%wide) > 0
+      if (proof_wanted(set, .false.) == no_proof) return
+      allocate (study)
+      call study_proof(set, problem, dimensions, proof_wanted(set, .false.), study)
+      if (study%empty) return
+      found = .true.
+      call add_limits(study, scene)
+      call add_extremes(study, scene)
+      call add_clearances(set, study, scene)
+      call place_marks(set, problem, dimensions, study, scene)
+
+   contains
+
+      integer function joint_of(loop, arc)
+         integer, intent(in) :: loop, arc
+
+         if (loop == 0) then
+            joint_of = output
+         else if (arc == 0) then
+            joint_of = drawn(pivot)
+         else
+            joint_of = drawn(problem%mechanism%arcs(problem%mechanism%seq(loop, arc))%ends(at_finish))
+         end if
+      end function joint_of
+   end subroutine make_proof_scene
+
+   subroutine add_mark(scene, kind, text, input, of_output)
+      type(proof_scene_t), intent(inout) :: scene
+      character(*), intent(in) :: kind, text
+      real(wp), intent(in), optional :: input       !! absent: of the whole range
+      logical, intent(in), optional :: of_output
+      type(mark_t), allocatable :: more(:)
+      integer :: i
+
+      ! element by element, for texts of their own lengths
+      allocate (more(size(scene%marks) + 1))
+      do i = 1, size(scene%marks)
+         more(i) = scene%marks(i)
+      end do
+      associate (mark => more(size(more)))
+         mark%kind = kind
+         mark%text = text
+         mark%placed = present(input)
+         if (present(input)) mark%input = input
+         if (present(of_output)) mark%of_output = of_output
+      end associate
+      call move_alloc(more, scene%marks)
+   end subroutine add_mark
+
+   !> Where it closes and where not.
+   subroutine add_limits(study, scene)
+      type(proof_study_t), intent(in) :: study
+      type(proof_scene_t), intent(inout) :: scene
+      integer :: i
+
+      associate (proof => study%proof)
+         if (proof%closes_everywhere()) then
+            call add_mark(scene, 'range', 'proven: closes for every input from '//place(proof%from, 1)//' to '//place(proof%to, -1))
+            return
+         end if
+         do i = 1, size(proof%limits)
+            associate (limit => proof%limits(i))
+               select case (limit%kind)
+               case (piece_closes)
+                  call add_mark(scene, 'range', 'proven: closes from '//place(limit%from, 1)//' to '//place(limit%to, -1))
+               case (piece_opens)
+                  call add_mark(scene, 'opens', 'proven: opens at '//place(limit%from, 1)//', '//why(limit), limit%from, &
+                                .true.)
+                  call add_mark(scene, 'opens', 'proven: open up to '//place(limit%to, -1), limit%to, .true.)
+               case default
+                  if (is_between_two_of_a_kind(i)) call add_mark(scene, 'opens', 'undecided at '//short(limit%from)//', '// &
+                                                                 why(limit), limit%from, .true.)
+               end select
+            end associate
+         end do
+      end associate
+
+   contains
+
+      !> An end rounded up or down: what is said stays true.
+      function place(input, way) result(words)
+         real(wp), intent(in) :: input
+         integer, intent(in) :: way
+         character(:), allocatable :: words
+
+         words = trim(adjustl(end_text(input, way, study%proof%turns)))
+      end function place
+
+      function why(limit) result(words)
+         type(limit_t), intent(in) :: limit
+         character(:), allocatable :: words
+
+         words = 'loop '//to_text(limit%loop)//', '//lower_case(cause_words(limit%cause))
+      end function why
+
+      !> A bracket at an end of what closes is told by its neighbours.
+      logical function is_between_two_of_a_kind(i)
+         integer, intent(in) :: i
+
+         is_between_two_of_a_kind = i == 1 .or. i == size(study%proof%limits)
+         if (is_between_two_of_a_kind) return
+         associate (limits => study%proof%limits)
+            is_between_two_of_a_kind = limits(i - 1)%kind == limits(i + 1)%kind
+         end associate
+      end function is_between_two_of_a_kind
+   end subroutine add_limits
+
+   !> Extremes and dead points.
+   subroutine add_extremes(study, scene)
+      type(proof_study_t), intent(in) :: study
+      type(proof_scene_t), intent(inout) :: scene
+      character(:), allocatable :: name
+      logical :: of_output
+      integer :: i
+
+      do i = 1, size(study%extremes)
+         associate (extreme => study%extremes(i))
+            if (.not. extreme%found) cycle
+            name = lower_case(trim(extreme_name(extreme)))
+            of_output = any(extreme%kind == [extreme_x, extreme_y, extreme_output, extreme_distance])
+            call add_mark(scene, 'extreme', name//': at least '//shown(extreme%least_low, -1)//', at '// &
+                          short(extreme%least_at), extreme%least_at, of_output)
+            call add_mark(scene, 'extreme', name//': at most '//shown(extreme%greatest_high, 1)//', at '// &
+                          short(extreme%greatest_at), extreme%greatest_at, of_output)
+         end associate
+      end do
+      do i = 1, size(study%movement%dead)
+         associate (dead => study%movement%dead(i))
+            if (dead%high - dead%low > certain*max(1.0_wp, abs(dead%low))) cycle
+            call add_mark(scene, 'dead', 'dead point of '//lower_case(mover_name(dead))//', at '// &
+                          short(0.5_wp*(dead%low + dead%high)), 0.5_wp*(dead%low + dead%high), dead%kind == mover_output)
+         end associate
+      end do
+   end subroutine add_extremes
+
+   !> The least clearances.
+   subroutine add_clearances(set, study, scene)
+      type(data_set_t), intent(in) :: set
+      type(proof_study_t), intent(in) :: study
+      type(proof_scene_t), intent(inout) :: scene
+      character(:), allocatable :: words
+      integer :: i
+
+      do i = 1, size(study%kept)
+         associate (kept => study%kept(i), nearest => study%kept(i)%nearest)
+            if (.not. nearest%found) cycle
+            words = 'clearance, '//name_of_clearance(set, kept%clearance, .true.)//': at least '// &
+                    shown(nearest%low, -1)//', at '//short(nearest%at)
+            if (kept%clearance%asked > 0.0_wp) words = words//'; asked '//short(kept%clearance%asked)
+            if (kept%is_broken) words = words//', broken'
+            call add_mark(scene, 'clearance', words, nearest%at)
+         end associate
+      end do
+   end subroutine add_clearances
+
+   !> Where the output point is at the marks, and the links where they are nearest to something.
+   subroutine place_marks(set, problem, dimensions, study, scene)
+      type(data_set_t), intent(in) :: set
+      type(problem_t), intent(in) :: problem
+      type(dimensions_t), intent(in) :: dimensions
+      type(proof_study_t), intent(in) :: study
+      type(proof_scene_t), intent(inout) :: scene
+      type(problem_t), allocatable :: plain         ! large: they would fill a small stack
+      type(station_t), allocatable :: station
+      type(clearance_t), allocatable :: clearances(:)
+      type(near_t) :: near
+      integer, allocatable :: joints(:, :)
+      real(wp) :: depth, by(2, points_of_clearance), normal(2)
+      integer :: i, j, k, tightest
+
+      call list_clearances(set%constr, problem%mechanism, dimensions%outlk <= 0.0_wp, clearances, joints)
+      allocate (plain, source=problem)
+      allocate (station)
+      plain%motion = motion_point
+      call prepare_station(plain, scene%marks%input - dimensions%crnki, .false., joints, .false., station)
+      call evaluate_station(station, dimensions)
+      do i = 1, size(scene%marks)
+         scene%marks(i)%at = station%out(i, :2)
+      end do
+      tightest = 0
+      i = size(scene%marks) - count(study%kept%nearest%found)
+      do j = 1, size(study%kept)
+         if (.not. study%kept(j)%nearest%found) cycle
+         i = i + 1
+         associate (clearance => study%kept(j)%clearance)
+            do k = 1, points_of_clearance
+               if (clearance%points(k) == 0) then
+                  near%ends(:, k) = station%out(i, :2)
+               else
+                  near%ends(:, k) = station%joints(i, :, clearance%points(k))
+               end if
+            end do
+            near%mark = i
+            near%points = merge(1, merge(2, 4, clearance%region > 0), clearance%segments(1) == 0)
+            near%widths = 0.0_wp
+            do k = 1, 2
+               if (clearance%segments(k) > 0) near%widths(k) = set%constr%segments(clearance%segments(k))%width
+            end do
+            call find_depth(clearance, near%ends, depth, by)
+            normal = -(by(:, 1) + by(:, 2))
+            near%way(:, 1) = norm2(by(:, 1))*near%ends(:, 1) + norm2(by(:, 2))*near%ends(:, 2)
+            near%way(:, 2) = near%way(:, 1) - normal*(clearance%asked + clearance%reach - depth)
+         end associate
+         scene%near = [scene%near, near]
+         if (tightest == 0) tightest = j
+         if (room_of(study%kept(j)) < room_of(study%kept(tightest))) tightest = j
+         if (tightest == j) then
+            scene%near%tightest = .false.
+            scene%near(size(scene%near))%tightest = .true.
+         end if
+      end do
+
+   contains
+
+      pure real(wp) function room_of(kept)
+         type(kept_t), intent(in) :: kept
+
+         room_of = kept%nearest%low - kept%clearance%asked
+      end function room_of
+   end subroutine place_marks
+
+   !> Places and widths in another unit.
+   subroutine change_unit_of_proof(scene, unit)
+      type(proof_scene_t), intent(inout) :: scene
+      real(wp), intent(in) :: unit
+      integer :: i
+
+      do i = 1, size(scene%marks)
+         scene%marks(i)%at = scene%marks(i)%at/unit
+      end do
+      do i = 1, size(scene%near)
+         scene%near(i)%ends = scene%near(i)%ends/unit
+         scene%near(i)%way = scene%near(i)%way/unit
+         scene%near(i)%widths = scene%near(i)%widths/unit
+      end do
+      scene%wide%width = scene%wide%width/unit
+   end subroutine change_unit_of_proof
+end module psalm_proof_scene
