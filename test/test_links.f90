@@ -190,7 +190,7 @@ contains
       end associate
    end subroutine stretched_and_folded
 
-   !> A crank-rocker opens where crank and frame in line are as long as both links, all four off by a fourth of what is between them.
+   !> A crank-rocker opens where crank and frame in line are as long as both links: all four are off by a fourth of the difference.
    subroutine worst_corner()
       type(data_set_t) :: set
       type(problem_t) :: problem
