@@ -73,7 +73,8 @@ contains
       call t%equal_integer(kind_of_four_bar(1.0_wp, 2.0_wp, 2.0_wp, 3.5_wp, .false.), kind_triple_rocker, 'not of Grashof')
       call t%equal_integer(kind_of_four_bar(1.0_wp, 2.0_wp, 2.0_wp, 3.0_wp, .false.), kind_change_point, 'sums are equal')
       call t%equal_integer(kind_of_four_bar(1.1_wp, 2.2_wp, 2.2_wp, 3.3_wp, .false.), kind_change_point, 'equal but for rounding')
-      call t%equal_integer(kind_of_four_bar(1.0_wp, 2.0_wp, 2.0_wp, 3.0_wp - 1.0e-9_wp, .false.), kind_crank_rocker, 'just of Grashof')
+      call t%equal_integer(kind_of_four_bar(1.0_wp, 2.0_wp, 2.0_wp, 3.0_wp - 1.0e-9_wp, .false.), &
+                           kind_crank_rocker, 'just of Grashof')
       call t%equal_integer(kind_of_four_bar(1.0_wp, 2.0_wp, 2.0_wp, 3.0_wp + 1.0e-9_wp, .false.), kind_triple_rocker, 'just not')
       call t%equal_integer(kind_of_four_bar(1.0_wp, 2.0_wp, 2.0_wp, 3.0_wp, .true.), kind_change_point, 'exactly equal')
       call t%equal_integer(kind_of_four_bar(1.0_wp, 2.0_wp, 2.0_wp, nearest(3.0_wp, -1.0_wp), .true.), kind_crank_rocker, &
