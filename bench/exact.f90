@@ -2,13 +2,17 @@
 program exact
    use psalm_burmester, only: dyads_t, five_poses
    use psalm_certificate, only: certificate_t, certify_legs
+   use psalm_careful_tracking, only: track_carefully
+   use psalm_generic, only: generic_solutions
    use psalm_kinds, only: wp, pi, radians_per_degree
-   use psalm_leg_problem, only: kind_point, kind_pose, kind_timed, leg_data_t, leg_problem_t, make_problem, most_points, turns_of, &
-                                variables
+   use psalm_leg_lanes, only: path_t
+   use psalm_leg_problem, only: kind_point, kind_pose, kind_timed, leg_data_t, leg_problem_t, make_problem, most_points, &
+                                random_unit, turns_of, variables
    use psalm_minimax, only: approximation_t, approximate
-   use psalm_monodromy, only: generic_t, solve_generic
+   use psalm_monodromy, only: add_distinct, generic_t, scale_problem, scale_solutions, solve_generic
    use psalm_nine_points, only: in_place, nine_point_orbits, nine_points_t, solve_nine_points
    use psalm_six_bars, only: find_stephenson, find_watt, six_bars_t
+   use psalm_tracker, only: tracked_t
    use psalm_wanted_function, only: function_kind, wanted_function_t
    use psalm_xoshiro, only: purpose_starts, xoshiro_t
    implicit none (type, external)
@@ -226,6 +230,10 @@ contains
       call row('2 poses, 4 points', [kind_pose, kind_pose, kind_point, kind_point, kind_point, kind_point], .false., .false., &
                .false.)
       call row('slider-crank, 7 points', spread(kind_point, 1, 7), .true., .false., .false.)
+      print '(a)', '', '## Random problems of two legs, from the solutions that are kept', ''
+      print '(a)', '| beyond the first point | problems | ends | complete | s each |', '| --- | --- | --- | --- | --- |'
+      call asked('2 poses, 4 points', [kind_pose, kind_pose, kind_point, kind_point, kind_point, kind_point], .false., 402)
+      call asked('slider-crank, 7 points', spread(kind_point, 1, 7), .true., 558)
    end subroutine measure_rows
 
    subroutine row(name, kinds, slides, crank_given, follower_given)
@@ -242,4 +250,47 @@ contains
       call cpu_time(to)
       print '(3a,i0,a,i0,a,f0.2,a)', '| ', name, ' | ', size(generic%solutions, 2), ' | ', generic%loops, ' | ', to - from, ' |'
    end subroutine row
+
+   !> Random real problems: kept solutions loaded and followed.
+   subroutine asked(name, kinds, slides, expected)
+      character(*), intent(in) :: name
+      integer, intent(in) :: kinds(:), expected
+      logical, intent(in) :: slides
+      integer, parameter :: count = 20
+      type(path_t) :: path
+      type(generic_t) :: generic
+      type(leg_data_t) :: wanted
+      type(tracked_t) :: tracked
+      complex(wp), allocatable :: starts(:, :), found(:, :)
+      complex(wp) :: l, m
+      real(wp) :: from, to
+      integer :: k, i, complete
+
+      call make_problem(kinds, slides, .false., .false., path%problem)
+      complete = 0
+      call cpu_time(from)
+      do k = 1, count
+         wanted = leg_data_t()
+         do i = 1, size(kinds)
+            wanted%d(i) = cmplx(2.0_wp*deviate() - 1.0_wp, 2.0_wp*deviate() - 1.0_wp, wp)
+            wanted%dh(i) = conjg(wanted%d(i))
+            wanted%turn(i) = cmplx(0.0_wp, 2.0_wp*pi*deviate(), wp)
+         end do
+         call generic_solutions(path%problem, expected, generic)
+         l = random_unit(random)
+         m = random_unit(random)
+         starts = generic%solutions
+         call scale_problem(path%problem, generic%data, l, m, path%from)
+         call scale_solutions(path%problem, l, m, starts)
+         path%to = wanted
+         call track_carefully(path, starts, .false., tracked)
+         if (allocated(found)) deallocate (found)
+         allocate (found(variables, 0))
+         call add_distinct(path%problem, tracked%ends, tracked%arrived, .false., found)
+         if (size(found, 2) == expected) complete = complete + 1
+      end do
+      call cpu_time(to)
+      print '(3a,i0,a,i0,a,i0,a,f0.2,a)', '| ', name, ' | ', count, ' | ', expected, ' | ', complete, ' | ', &
+         (to - from)/real(count, wp), ' |'
+   end subroutine asked
 end program exact

@@ -419,6 +419,13 @@ def references(folder):
     if rows:
         meets("slider", seven, folder, points_of("slider_poses"), 1.3, [r[1] == 1 and r[3] == 1 for r in rows])
 
+    status, listing, rows, seven, _ = run("eight", read("eight_points_slider"), folder)
+    check("complete: 558 of 558 ends distinct, certified" in listing, "eight points by slider-cranks: complete", listing[:300])
+    # the one that the points are of, pin and line: crank 1 about 0, rod 2.7, line 0.35 above
+    own = [r for r in rows if abs(complex(r[8], r[9])) < 1e-6 and abs(abs(complex(r[12], r[13])) - 1) < 1e-6 and abs(r[15] - 0.35) < 1e-6]
+    check(len(own) == 1 and own[0][1] == own[0][2] == own[0][3] == own[0][4] == 1, "eight points by slider-cranks: the one they are of", rows)
+    meets("eight", seven, folder, points_of("eight_points_slider"), 2.0, [r[1] == 1 and r[3] == 1 for r in rows])
+
     status, listing, rows, seven, _ = run("log", read("log10"), folder)
     check(bool(rows) and abs(rows[0][1]/.00101822768 - 1) < 1e-6, "log10: least error", rows[:1])
     again = seven.replace(".dev7", "_again.nml")

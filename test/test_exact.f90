@@ -7,11 +7,12 @@ program test_exact
    use psalm_certificate, only: certificate_t, certify_poses
    use psalm_defects, only: exact_linkage_t, verdict_t, cognates_of, judge, place_pins
    use psalm_function_points, only: generators_t, generator_t, five_points, four_points, output_of, three_points
+   use psalm_generic, only: generic_solutions
    use psalm_kinds, only: wp, radians_per_degree
-   use psalm_leg_problem, only: kind_pose, leg_problem_t, make_problem, variables
+   use psalm_leg_problem, only: kind_point, kind_pose, leg_problem_t, make_problem, variables
    use psalm_monodromy, only: generic_t, solve_generic
    use psalm_six_bars, only: closing_links, find_stephenson, find_watt, most_links, six_bar_output, six_bar_t, six_bars_t
-   use psalm_start_text, only: decode, encode
+   use psalm_start_text, only: decode, decode_short, encode, encode_short
    use psalm_text, only: to_text
    use psalm_wanted_function, only: function_kind, wanted_function_t
    implicit none (type, external)
@@ -207,12 +208,22 @@ contains
       type(leg_problem_t) :: problem
       type(generic_t) :: generic
       complex(wp) :: roots(3)
+      integer :: k
 
       call make_problem([kind_pose, kind_pose, kind_pose, kind_pose], .false., .false., .false., problem)
       call t%is_true(problem%is_square(), 'five poses: as many conditions as dimensions')
+      call generic_solutions(problem, 12, generic)
+      call t%equal_integer(size(generic%solutions, 2), 12, 'five poses: twelve labelled solutions, none of them kept')
       call solve_generic(problem, 2, .false., 12, generic)
       call t%equal_integer(size(generic%solutions, 2), 12, 'five poses: twelve labelled solutions by monodromy')
       call t%equal_integer(size(generic%solutions, 1), variables, 'five poses: numbers of a solution')
+      call make_problem(spread(kind_point, 1, 7), .true., .false., .false., problem)
+      call generic_solutions(problem, 558, generic)
+      call t%equal_integer(size(generic%solutions, 2), 558, 'eight points by a slider-crank: 558 kept solutions')
+      call t%equal_integer(generic%loops, 0, 'eight points by a slider-crank: found without a loop')
+      call make_problem([kind_pose, kind_pose, (kind_point, k=1, 4)], .false., .false., .false., problem)
+      call generic_solutions(problem, 402, generic)
+      call t%equal_integer(size(generic%solutions, 2), 402, 'three poses and four points: 402 solutions of the kept ones')
       call polynomial_roots([(-6.0_wp, 0.0_wp), (11.0_wp, 0.0_wp), (-6.0_wp, 0.0_wp), (1.0_wp, 0.0_wp)], roots)
       call t%close_to(real(sum(roots), wp), 6.0_wp, 1.0e-12_wp, 'roots of a cubic: 1, 2, 3')
       call t%close_to(minval(abs(roots - 2.0_wp)), 0.0_wp, 1.0e-12_wp, 'roots of a cubic: 2')
@@ -333,6 +344,8 @@ contains
       do i = 1, size(values)
          call t%close_to(decode(encode(values(i)))/max(abs(values(i)), 1.0e-30_wp), values(i)/max(abs(values(i)), 1.0e-30_wp), &
                          2.0_wp**(-28), 'a number as text')
+         call t%close_to(decode_short(encode_short(values(i)))/max(abs(values(i)), 1.0e-30_wp), &
+                         values(i)/max(abs(values(i)), 1.0e-30_wp), 2.0_wp**(-22), 'a number as short text')
       end do
    end subroutine texts
 end program test_exact

@@ -9,6 +9,7 @@ module psalm_exact_study
    use psalm_exact_results, only: exact_proof_t, exact_result_t, add_result, is_better, judged, pair_of, rank, span_of
    use psalm_exact_subsets, only: find_by_subsets, subset_study_t
    use psalm_function_points, only: generators_t, five_points, four_points, three_points
+   use psalm_generic, only: generic_solutions
    use psalm_guided_six_bars, only: arm_t, guided_study_t, find_guided, place_arm, poses_guided
    use psalm_kinds, only: wp, pi, radians_per_degree
    use psalm_leg_lanes, only: path_t
@@ -16,7 +17,7 @@ module psalm_exact_study
                                 leg_problem_t, make_problem, most_points, random_unit, turns_of, variables
    use psalm_angles, only: unit_vector
    use psalm_minimax, only: approximation_t, approximate
-   use psalm_monodromy, only: add_distinct, generic_t, scale_problem, scale_solutions, solve_generic
+   use psalm_monodromy, only: add_distinct, generic_t, scale_problem, scale_solutions
    use psalm_nine_points, only: in_place, nine_point_orbits, nine_points_t, solve_nine_points
    use psalm_pole_curves, only: curve_sample_t, find_lines, find_pairs, sample_curve
    use psalm_six_bars, only: six_bars_t, find_stephenson, find_watt
@@ -35,7 +36,7 @@ module psalm_exact_study
    !> How the linkages are found.
    integer, parameter :: way_burmester = 1, way_curves = 2, way_legs = 3, way_nine = 4, way_generators = 5, way_minimax = 6, &
                          way_six_bars = 7, way_subsets = 8, way_guided = 9
-   integer, parameter :: seed = 1                    !! of the generic problem and of the phases
+   integer, parameter :: seed = 1                    !! of the phases
    integer, parameter :: most_passes = 4
    integer, parameter :: tries = 5                   !! results looked at for each that is to be proven
    real(wp), parameter :: real_within = 1.0e-6_wp    !! of a number and the conjugate of its partner, over the largest
@@ -498,7 +499,7 @@ contains
       study%way = way_legs
       call problem_of(exact, problem)
       study%expected = expected_of(problem)
-      call solve_generic(problem, seed, .false., study%expected, generic)
+      call generic_solutions(problem, study%expected, generic)
       study%generic = size(generic%solutions, 2)
       size_of_all = span_of(cmplx(exact%x, exact%y, wp))
       if (.not. size_of_all > 0.0_wp) size_of_all = 1.0_wp
