@@ -34,6 +34,7 @@ module psalm_search
    real(wp), parameter :: rough_free = 1.0e-5_wp   !! ... with free timing, whose valleys are long ...
    real(wp), parameter :: settling = 1.0e-5_wp     !! ... that of further results that may be listed ...
    real(wp), parameter :: fine = 1.0e-9_wp         !! ... and that of the best, which are searched on
+   integer, parameter :: short_descent = 20        !! evaluations that tell a good start where linear unknowns are solved for
    real(wp), parameter :: wide = 10.0_wp           !! ratio of the bounds of a length above which ratios are drawn
    integer, parameter :: fineness = 5              !! near: by a half, a quarter ... a 32nd
    real(wp), parameter :: negligible = 1.0e-2_wp   !! of the longest given arc: such lengths tell no linkages apart by their ratio
@@ -359,7 +360,11 @@ contains
          values = x(:self%merit%core)
          if (self%merit%free) self%merit%delt = x(self%merit%core + 1:)
       end if
-      call improve(self, merge(rough_free, rough, self%merit%free), number, values, candidate)
+      if (number > 1 .and. allocated(self%merit%linear) .and. .not. self%merit%free) then
+         call improve(self, rough, number, values, candidate, short_descent)
+      else
+         call improve(self, merge(rough_free, rough, self%merit%free), number, values, candidate)
+      end if
       call put_down(self, values, before, candidate)
    end subroutine one_start
 
@@ -441,8 +446,8 @@ contains
       end do
    end subroutine draw_near
 
-   !> Angles without bounds are told within half a turn of the first ones; so are those that solving for linear unknowns turns, as far
-   !> as their bounds allow.
+   !> Angles without bounds are told within half a turn of the first ones; so are those that solving for linear unknowns turns, as
+   !> far as their bounds allow.
    pure subroutine unwind(worker, values)
       class(worker_t), intent(in) :: worker
       real(wp), intent(inout) :: values(:)
@@ -536,12 +541,13 @@ contains
    end subroutine draw
 
    !> Improve, look for a better timing, inspect the range of the input; go back to work on what is found.
-   subroutine improve(worker, least_gain, number, found, candidate)
+   subroutine improve(worker, least_gain, number, found, candidate, most)
       class(worker_t), intent(inout) :: worker
       real(wp), intent(in) :: least_gain               !! of a step of least squares
       integer, intent(in) :: number
       real(wp), intent(inout) :: found(:)              !! shape (nvar): the linkage; its input increments are the merit's
       type(candidate_t), intent(inout) :: candidate
+      integer, intent(in), optional :: most            !! evaluations of each descent
       type(margin_t), allocatable :: margins(:)
       real(wp), allocatable :: extra(:), values(:), delt(:)
       real(wp) :: objective
@@ -589,8 +595,11 @@ contains
          type(ending_t) :: ending
          real(wp), allocatable :: point(:)
 
-         associate (most => worker%set%search%maxeval)
-            if (most > 0) worker%solver%most_evaluations = max(1, most - worker%merit%evaluations)
+         worker%solver%most_evaluations = 0
+         if (present(most)) worker%solver%most_evaluations = most
+         associate (limit => worker%set%search%maxeval)
+            if (limit > 0) worker%solver%most_evaluations = min(max(1, limit - worker%merit%evaluations), &
+                                                       merge(worker%solver%most_evaluations, huge(1), present(most)))
          end associate
          worker%solver%least_gain = least_gain
          worker%solver%seed = worker%set%istart + number
