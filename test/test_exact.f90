@@ -75,7 +75,7 @@ contains
    end subroutine five
 
    subroutine four()
-      complex(wp) :: d(4), g(4), pin, along
+      complex(wp) :: d(4), g(4), pin, along, moved(3)
       type(curve_point_t) :: points(2)
       type(dyad_t) :: dyad
       real(wp) :: worst, c, s
@@ -101,6 +101,12 @@ contains
       worst = maxval(abs(aimag(conjg(along)*(d(:3) + pin*g(:3)))))
       call t%is_true(exists, 'four poses: there is a pin on a line')
       call t%close_to(worst, 0.0_wp, tight, 'four poses: that pin moves on a line')
+      ! a pose with the orientation of the first one: its pole with that is at infinity
+      call slider_pin(d(:3), [(0.0_wp, 0.0_wp), g(2:3)], pin, exists)
+      moved = d(:3) + pin*[(0.0_wp, 0.0_wp), g(2:3)]
+      call t%is_true(exists, 'four poses, two of one orientation: there is a pin on a line')
+      call t%close_to(maxval(abs(aimag(conjg(moved(1))*moved))), 0.0_wp, tight, &
+                      'four poses, two of one orientation: it moves on a line')
       dyad%pin = (0.3_wp, -0.4_wp)
       call pivot_for_pin(d(:2), g(:2), dyad, exists)
       call t%close_to(change_of(d(:2), g(:2), dyad), 0.0_wp, tight, 'three poses: the pivot of a pin')

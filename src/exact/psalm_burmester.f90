@@ -593,16 +593,20 @@ contains
       logical, intent(out) :: exists
       complex(wp) :: pole, centre(2), line
       real(wp) :: level(2), offset(2)
-      integer :: k
+      integer :: k, shared
 
       pin = (0.0_wp, 0.0_wp)
-      exists = all(abs(g) > 0.0_wp)
+      ! other poses may have the orientation of the first one
+      shared = maxloc(abs(g), dim=1)
+      exists = abs(g(shared)) > 0.0_wp
       if (.not. exists) return
       do k = 1, 2
-         call slider_circle(d([1, k + 1]), g([1, k + 1]), level(k), centre(k), offset(k))
+         associate (own => 1 + modulo(shared + k - 1, 3))
+            call slider_circle(d([shared, own]), g([shared, own]), level(k), centre(k), offset(k))
+         end associate
       end do
       ! the radical line holds the pole, and its other point is wanted
-      pole = -d(1)/g(1)
+      pole = -d(shared)/g(shared)
       line = level(2)*centre(1) - level(1)*centre(2)
       exists = abs(line) > dependent*(abs(level(2)*centre(1)) + abs(level(1)*centre(2)))
       if (.not. exists) return

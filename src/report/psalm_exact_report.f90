@@ -50,7 +50,9 @@ contains
       case default
          call report_linkages(set, study, devices)
       end select
-      if (allocated(study%curve)) call add_curve_points(set, study, devices%nine)
+      if (allocated(study%curve)) then
+         if (size(study%curve) > 0) call add_curve_points(set, study, devices%nine)
+      end if
       if (allocated(study%proofs) .and. results_of(study) > 0) call report_proofs(set, study, devices)
    end subroutine report_exact
 
