@@ -71,7 +71,10 @@ balm.messages = (() => {
       button.className = 'go';
       button.type = 'button';
       button.textContent = text;
-      button.addEventListener('click', () => balm.controls.go(t));
+      button.addEventListener('click', () => {
+        if (c.limited && !balm.state.whole && t > c.range[1]) $('whole').click();   // it lies beyond the prescribed positions
+        balm.controls.go(t);
+      });
       return button;
     };
     const link = (violation) => goTo(violation.text, c.at[violation.first]);

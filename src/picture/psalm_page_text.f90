@@ -2117,7 +2117,11 @@ module psalm_page_text
    "      button.className = 'go';"//nl// &
    "      button.type = 'button';"//nl// &
    '      button.textContent = text;'//nl// &
-   "      button.addEventListener('click', () => balm.controls.go(t));"//nl// &
+   "      button.addEventListener('click', () => {"//nl// &
+   "        if (c.limited && !balm.state.whole && t > c.range[1]) $('whole').click();   // it lies beyond the prescribed po"// &
+   "sitions"//nl// &
+   '        balm.controls.go(t);'//nl// &
+   '      });'//nl// &
    '      return button;'//nl// &
    '    };'//nl// &
    '    const link = (violation) => goTo(violation.text, c.at[violation.first]);'//nl// &
@@ -2182,12 +2186,12 @@ module psalm_page_text
    '  }'//nl// &
    ''//nl// &
    '  /** Shows the place t of the sweep. */'//nl// &
-   '  function go(t) {'//nl// &
-   '    const c = shown();'//nl// &
-   '    if (!c.sound) return;'//nl// &
-   '    balm.state.t = within(c, t, limits());'//nl
+   '  function go(t) {'//nl
 
    character(*), parameter :: part_22 = &
+   '    const c = shown();'//nl// &
+   '    if (!c.sound) return;'//nl// &
+   '    balm.state.t = within(c, t, limits());'//nl// &
    '    balm.draw();'//nl// &
    '    balm.messages.show(c, balm.state.t);'//nl// &
    "    if (Number($('time').value) !== balm.state.t) $('time').value = balm.state.t;"//nl// &
@@ -2287,12 +2291,12 @@ module psalm_page_text
    '      const k = c.ring ? balm.scene.modulo(i, s.n) : i;'//nl// &
    "      if (k < 0 || k >= s.n || s.closed[k] === '0') continue;"//nl// &
    '      const away = Math.hypot(mixed(s.x[joint], [k, k, 0]) - mx, mixed(s.y[joint], [k, k, 0]) - my);'//nl// &
-   '      if (away < least) [best, least] = [k, away];'//nl// &
-   '    }'//nl// &
-   '    if (best >= 0) go(best);'//nl// &
-   '  }'//nl
+   '      if (away < least) [best, least] = [k, away];'//nl
 
    character(*), parameter :: part_23 = &
+   '    }'//nl// &
+   '    if (best >= 0) go(best);'//nl// &
+   '  }'//nl// &
    ''//nl// &
    '  /** A tap names the arc it meets: a finger cannot point. */'//nl// &
    '  function release(event) {'//nl// &
@@ -2392,12 +2396,12 @@ module psalm_page_text
    "    document.addEventListener('keydown', key);"//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  return { begin, go, setPlaying, limits, duration };'//nl// &
-   '})();'//nl// &
-   '</script>'//nl// &
-   '<script>'//nl
+   '  return { begin, go, setPlaying, limits, duration };'//nl
 
    character(*), parameter :: part_24 = &
+   '})();'//nl// &
+   '</script>'//nl// &
+   '<script>'//nl// &
    '// Out of the page: a frame as SVG or PNG, the table of the sweep, a film. All is made here, nothing is asked for.'//nl// &
    "'use strict';"//nl// &
    ''//nl// &
@@ -2506,12 +2510,12 @@ module psalm_page_text
    '  /** The whole motion once as a film of so many seconds; what is played in parts goes there and back. */'//nl// &
    '  function film(seconds) {'//nl// &
    '    const c = shown(), [from, to] = balm.controls.limits(), ring = c.ring && to - from >= 360, [type] = kindOfFilm();'//nl// &
-   '    const [canvas, g] = sheet(Math.min(2, window.devicePixelRatio || 1)), pieces = [];'//nl// &
-   '    const at = (part) => from + (to - from) * (ring ? part % 1 : 1 - Math.abs(1 - 2 * part));'//nl// &
-   '    balm.drawing.picture(c, at(0), g);'//nl// &
-   '    const recorder = new MediaRecorder(canvas.captureStream(RATE), { mimeType: type, videoBitsPerSecond: BITS });'//nl
+   '    const [canvas, g] = sheet(Math.min(2, window.devicePixelRatio || 1)), pieces = [];'//nl
 
    character(*), parameter :: part_25 = &
+   '    const at = (part) => from + (to - from) * (ring ? part % 1 : 1 - Math.abs(1 - 2 * part));'//nl// &
+   '    balm.drawing.picture(c, at(0), g);'//nl// &
+   '    const recorder = new MediaRecorder(canvas.captureStream(RATE), { mimeType: type, videoBitsPerSecond: BITS });'//nl// &
    "    recorder.addEventListener('dataavailable', (event) => pieces.push(event.data));"//nl// &
    '    return new Promise((done, failed) => {'//nl// &
    "      recorder.addEventListener('stop', () => done(new Blob(pieces, { type: type.split(';')[0] })));"//nl// &
@@ -2608,12 +2612,12 @@ module psalm_page_text
    "    $('case').value = String(i);"//nl// &
    '    // a case that is shown cannot be laid over itself'//nl// &
    "    for (const box of $('overlays').querySelectorAll('input')) box.disabled = Number(box.dataset.overlay) === i;"//nl// &
-   "    $('title').textContent = document.title = titleOf(c);"//nl// &
-   "    $('stage').hidden = !c.sound;"//nl// &
-   "    if (!c.sound) $('chartbox').hidden = true;"//nl// &
-   "    document.querySelector('.keys').hidden = !c.sound;"//nl
+   "    $('title').textContent = document.title = titleOf(c);"//nl
 
    character(*), parameter :: part_26 = &
+   "    $('stage').hidden = !c.sound;"//nl// &
+   "    if (!c.sound) $('chartbox').hidden = true;"//nl// &
+   "    document.querySelector('.keys').hidden = !c.sound;"//nl// &
    '    messages.list(c);'//nl// &
    '    if (!c.sound) {'//nl// &
    '      nameCases();'//nl// &
@@ -2710,12 +2714,12 @@ module psalm_page_text
    '        if (box.checked) state.overlays.add(i); else state.overlays.delete(i);'//nl// &
    '        refresh();'//nl// &
    '      });'//nl// &
-   "      label.append(box, ' ' + (i + 1));"//nl// &
-   "      $('overlays').append(label);"//nl// &
-   '    });'//nl// &
-   "    $('chooser').hidden = $('overlays').hidden = cases.length < 2;"//nl
+   "      label.append(box, ' ' + (i + 1));"//nl
 
    character(*), parameter :: part_27 = &
+   "      $('overlays').append(label);"//nl// &
+   '    });'//nl// &
+   "    $('chooser').hidden = $('overlays').hidden = cases.length < 2;"//nl// &
    "    $('case').addEventListener('change', () => choose(Number($('case').value)));"//nl// &
    '  }'//nl// &
    ''//nl// &
