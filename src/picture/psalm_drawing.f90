@@ -6,6 +6,7 @@ module psalm_drawing
    use psalm_page, only: write_page
    use psalm_picture_study, only: pictured_t
    use psalm_pole_svg, only: write_pole_svg
+   use psalm_scene, only: scene_t
    use psalm_source, only: line_t
    use psalm_steady_curves, only: steady_panels, write_steady_curves
    use psalm_steady_study, only: steady_study_t
@@ -33,6 +34,7 @@ contains
       character(*), intent(in) :: mark         !! of the run
       type(picture_t), allocatable, intent(out) :: pictures(:)
       type(text_t) :: text
+      type(scene_t), allocatable :: scenes(:)
       integer, allocatable :: linkages(:)
       integer :: k
 
@@ -60,7 +62,15 @@ contains
       ! four poses do not move
       linkages = pack([(k, k=1, size(cases))], [(.not. allocated(cases(k)%poles), k=1, size(cases))])
       if (size(linkages) == 0) return
-      call write_page(cases(linkages)%scene, text)
+      if (size(linkages) == size(cases)) then
+         call write_page(cases%scene, text)
+      else
+         allocate (scenes(size(linkages)))
+         do k = 1, size(linkages)
+            scenes(k) = cases(linkages(k))%scene
+         end do
+         call write_page(scenes, text)
+      end if
       call add_comment()
       call put('.html')
 
