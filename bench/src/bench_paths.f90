@@ -15,7 +15,7 @@ module bench_paths
    use psalm_xoshiro, only: xoshiro_t, purpose_starts
    implicit none (type, external)
    private
-   public :: measure_path
+   public :: measure_path, make_path, name_of
 
    integer, parameter :: seeds = 20, lots_at_first = 25, most_lots = 500, ways = 4
    real(wp), parameter :: within = 1.01_wp, exact = 1.0e-6_wp
