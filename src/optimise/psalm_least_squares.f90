@@ -2,7 +2,8 @@
 !>
 !> Violated constraints enter as squares whose weight grows until they vanish; a search may pass through points that violate
 !> them and come back. Bounds: values stop at them, and a value that wants to pass its bound is held there.
-!> Source of the method: Levenberg (1944), Marquardt (1963), the damping of Nielsen (1999); of linear unknowns, Golub and Pereyra (1973).
+!> Source of the method: Levenberg (1944), Marquardt (1963), the damping of Nielsen (1999); of linear unknowns, Golub and
+!> Pereyra (1973).
 !>
 !> Local unknowns are eliminated one by one (a division each) before the equations of the core ones are solved. What the
 !> problem projects is projected after every step; unknowns that enter residuals linearly are then given their best values.

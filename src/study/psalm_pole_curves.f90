@@ -4,11 +4,12 @@
 !> through the poles. They are sampled on even rays through one pole, which meet each in two points besides: two branches. Source:
 !> Burmester (1888); Bottema and Roth (1979), chapter 8.
 module psalm_pole_curves
+   use psalm_angles, only: unit_vector
    use psalm_burmester, only: curve_point_t, dyad_slides, dyad_swings, dyad_t, four_poses_curve, guide_of, inverted, &
                               slider_circle, slider_pin
    use psalm_defects, only: verdict_t
    use psalm_exact_results, only: exact_result_t, keep_best, pair_of
-   use psalm_kinds, only: wp, pi, half_turn
+   use psalm_kinds, only: wp, full_turn, half_turn
    implicit none (type, external)
    private
    public :: curve_sample_t, pole_map_t, branches, sample_curve, find_lines, find_pairs, map_pairs
@@ -40,6 +41,7 @@ contains
       integer, intent(in) :: count                   !! rays; 0: those of the search
       type(curve_sample_t), allocatable, intent(out) :: samples(:)
       type(curve_point_t) :: points(branches)
+      real(wp) :: ray, cosine, sine
       integer :: i, k, n, m
 
       n = merge(count, rays, count > 0)
@@ -47,12 +49,12 @@ contains
       m = 0
       do k = 1, branches
          do i = 1, n
-            associate (angle => pi*(real(i, wp) - 0.5_wp)/real(n, wp))
-               call four_poses_curve(d, g, cmplx(cos(angle), sin(angle), wp), points)
-            end associate
+            ray = half_turn*(real(i, wp) - 0.5_wp)/real(n, wp)
+            call unit_vector(ray, cosine, sine)
+            call four_poses_curve(d, g, cmplx(cosine, sine, wp), points)
             if (.not. points(k)%exists) cycle
             m = m + 1
-            samples(m)%ray = half_turn*(real(i, wp) - 0.5_wp)/real(n, wp)
+            samples(m)%ray = ray
             samples(m)%branch = k
             samples(m)%dyad = points(k)%dyad
          end do
@@ -66,7 +68,7 @@ contains
       complex(wp), intent(in) :: d(:), g(:)          !! shape (2) or (3)
       type(dyad_t), allocatable, intent(out) :: lines(:)
       complex(wp) :: own_d(size(d)), own_g(size(g)), centre, pin
-      real(wp) :: level, offset, square, angle
+      real(wp) :: level, offset, square, cosine, sine
       logical :: exists
       integer :: k
 
@@ -86,8 +88,8 @@ contains
       deallocate (lines)
       allocate (lines(branches*rays))
       do k = 1, size(lines)
-         angle = 2.0_wp*pi*(real(k, wp) - 0.5_wp)/real(size(lines), wp)
-         lines(k) = line_at(-centre/level + sqrt(square)*cmplx(cos(angle), sin(angle), wp))
+         call unit_vector(full_turn*(real(k, wp) - 0.5_wp)/real(size(lines), wp), cosine, sine)
+         lines(k) = line_at(-centre/level + sqrt(square)*cmplx(cosine, sine, wp))
       end do
 
    contains
