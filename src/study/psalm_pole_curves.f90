@@ -83,7 +83,8 @@ contains
       end if
       call slider_circle(own_d, own_g, level, centre, offset)
       if (.not. abs(level) > 0.0_wp) return
-      square = abs(centre/level)**2 - offset/level
+      pin = centre/level
+      square = pin%re**2 + pin%im**2 - offset/level
       if (.not. square > 0.0_wp) return
       deallocate (lines)
       allocate (lines(branches*rays))

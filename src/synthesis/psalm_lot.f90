@@ -1,8 +1,8 @@
 !> A lot of random linkages that visit points with free timing: short descents of the better ones, longer ones of the best.
 !>
 !> It serves linkages of any dyads whose place, size, direction and output point are solved for (`psalm_linear_unknowns`): only
-!> their proportions and the inputs are drawn. Strict halving of cheap descents does more than good first linkages. Lots are independent
-!> of each other. A four-bar has faster ones (`psalm_free_path`).
+!> their proportions and the inputs are drawn. Strict halving of cheap descents does more than good first linkages. Lots are
+!> independent of each other. A four-bar has faster ones (`psalm_free_path`).
 module psalm_lot
    use psalm_kinds, only: wp, full_turn
    use psalm_mechanism, only: arc_crank
