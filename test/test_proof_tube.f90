@@ -88,14 +88,14 @@ contains
                  " &DRIVES DRIVE='A' &END &OUTPUTS OUTPUT='angle D C','distance A C' &END &METHOD NDES=2, DELT=0.0,5.0 &END"//nl, &
                  proof_of_turn, s, proof)
       call t%is_true(proof%complete .and. proof%returns, 'crank-rocker: turns fully and stands as drawn')
-      if (.not. all(proof%reaches%bounded)) return
+      if (.not. all(proof%ranges%bounded)) return
       value = 180.0_wp - acos((36.0_wp + 25.0_wp - 64.0_wp)/60.0_wp)*degrees_per_radian
-      call holds(proof%reaches(1)%low(1), proof%reaches(1)%high(1), value, 1.0e-8_wp, 'crank-rocker: least angle of the rocker')
+      call holds(proof%ranges(1)%low(1), proof%ranges(1)%high(1), value, 1.0e-8_wp, 'crank-rocker: least angle of the rocker')
       value = 180.0_wp - acos((36.0_wp + 25.0_wp - 16.0_wp)/60.0_wp)*degrees_per_radian
-      call holds(proof%reaches(1)%low(2), proof%reaches(1)%high(2), value, 1.0e-8_wp, 'crank-rocker: greatest angle')
-      call holds(proof%reaches(2)%low(1), proof%reaches(2)%high(1), 4.0_wp, 1.0e-9_wp, 'crank-rocker: A C least, q - crank')
-      call holds(proof%reaches(2)%low(2), proof%reaches(2)%high(2), 8.0_wp, 1.0e-9_wp, 'crank-rocker: A C greatest, q + crank')
-      at = place_on(proof, proof%reaches(1)%leg(2), proof%reaches(1)%way(2), .true.)
+      call holds(proof%ranges(1)%low(2), proof%ranges(1)%high(2), value, 1.0e-8_wp, 'crank-rocker: greatest angle')
+      call holds(proof%ranges(2)%low(1), proof%ranges(2)%high(1), 4.0_wp, 1.0e-9_wp, 'crank-rocker: A C least, q - crank')
+      call holds(proof%ranges(2)%low(2), proof%ranges(2)%high(2), 8.0_wp, 1.0e-9_wp, 'crank-rocker: A C greatest, q + crank')
+      at = place_on(proof, proof%ranges(1)%leg(2), proof%ranges(1)%way(2), .true.)
       ! crank against the coupler, rocker and frame: 90 at the drawing
       value = 180.0_wp + acos((16.0_wp + 36.0_wp - 25.0_wp)/48.0_wp)*degrees_per_radian - 90.0_wp
       call t%close_to(at, value, 1.0e-3_wp, 'crank-rocker: where it is greatest')
@@ -120,7 +120,7 @@ contains
       call t%is_true(size(proof%legs) == 1 .and. proof%legs(1)%turns_back, 'geared five-bar: one end, forwards')
       call holds(place_on(proof, 1, proof%legs(1)%reached, .true.), place_on(proof, 1, proof%legs(1)%dead_high, .true.), low, &
                  1.0e-8_wp, 'geared five-bar: where the rods stretch')
-      call t%is_true(proof%strayed == 0, 'geared five-bar: all positions are on this motion')
+      call t%is_true(proof%misplaced == 0, 'geared five-bar: all positions are on this motion')
       ! wheels of one size: every turn is like the first
       call prove(five_bar('1.0', 'NDES=2, DELT=0.0,20.0'), proof_of_turn, s, proof)
       call t%is_true(proof%complete .and. proof%returns, 'five-bar, ratio 1: stands as drawn after a turn')
@@ -193,7 +193,7 @@ contains
          turning = turning + count(proof%legs%turns_back)
          call holds_samples(s, proof, 'triad '//to_text(n))
          sampled = sampled + count(s%motion%closed)
-         call t%is_true(proof%strayed == 0, 'triad '//to_text(n)//': no position elsewhere', to_text(proof%strayed))
+         call t%is_true(proof%misplaced == 0, 'triad '//to_text(n)//': no position elsewhere', to_text(proof%misplaced))
          call t%is_true(all(s%motion%closed .eqv. within(s, proof)), 'triad '//to_text(n)//': positions close where proven')
       end do
       call t%is_true(turning >= linkages, 'triads: most stop at dead points', to_text(turning)//' of '//to_text(linkages))
@@ -218,7 +218,7 @@ contains
 
       call prove(arm('0.1,0.2,-0.1', '0.0,0.1,0.1', '0.1,0.0,-0.1'), proof_of_inputs, s, proof)
       call t%is_true(proof%complete .and. .not. proof%one_drive .and. size(proof%legs) == 3, 'three cylinders: proven')
-      call t%is_true(proof%strayed == 0, 'three cylinders: the positions are on it')
+      call t%is_true(proof%misplaced == 0, 'three cylinders: the positions are on it')
       call holds_samples(s, proof, 'three cylinders')
       call prove(arm('0.1,0.2,2.6', '0.0,0.1,0.1', '0.1,0.0,-0.1'), proof_of_inputs, s, proof)
       call t%is_true(.not. proof%complete .and. count(proof%legs%complete) == 2, 'three cylinders: one line is not proven')
@@ -260,20 +260,20 @@ contains
 
       inside = s%motion%closed
       if (proof%full_turn) inside = inside .and. within(s, proof)
-      do n = 1, size(proof%reaches)
-         if (.not. proof%reaches(n)%bounded) cycle
+      do n = 1, size(proof%ranges)
+         if (.not. proof%ranges(n)%bounded) cycle
          row = s%values(n, 0, :)
          if (what(:2) == 'tr' .and. (n == 3 .or. n == 5)) then
             ! angles, as far from the drawing's as less than half a turn
-            row = row - 360.0_wp*anint((row - 0.5_wp*(proof%reaches(n)%low(1) + proof%reaches(n)%high(2)))/360.0_wp)
+            row = row - 360.0_wp*anint((row - 0.5_wp*(proof%ranges(n)%low(1) + proof%ranges(n)%high(2)))/360.0_wp)
          end if
          least = minval(row, mask=inside)
          greatest = maxval(row, mask=inside)
          slack = 1.0e-12_wp*max(1.0_wp, abs(least), abs(greatest))
-         call t%is_true(proof%reaches(n)%low(1) <= least + slack .and. proof%reaches(n)%high(2) >= greatest - slack, &
+         call t%is_true(proof%ranges(n)%low(1) <= least + slack .and. proof%ranges(n)%high(2) >= greatest - slack, &
                         what//': number '//to_text(n)//' stays in its brackets', &
-                        full_precision(least)//' '//full_precision(greatest)//' in '//full_precision(proof%reaches(n)%low(1))// &
-                        ' '//full_precision(proof%reaches(n)%high(2)))
+                        full_precision(least)//' '//full_precision(greatest)//' in '//full_precision(proof%ranges(n)%low(1))// &
+                        ' '//full_precision(proof%ranges(n)%high(2)))
       end do
    end subroutine holds_samples
 

@@ -5,6 +5,7 @@ module psalm_markup
    use psalm_text, only: full_precision, to_text
    implicit none (type, external)
    private
+   public :: truth, comma
    public :: clean_text, xml_text, json_text, gnuplot_text, number_or_null, short_or_null, short_number, sentence_case, wrapped, &
              strings_t, add_string
 
@@ -145,6 +146,23 @@ contains
       end do
       written = written//"'"
    end function gnuplot_text
+
+   !> A truth value of JSON.
+   pure function truth(value) result(word)
+      logical, intent(in) :: value
+      character(:), allocatable :: word
+
+      word = trim(merge('true ', 'false', value))
+   end function truth
+
+   !> What stands before the i-th element of a JSON list.
+   pure function comma(i) result(mark)
+      integer, intent(in) :: i
+      character(:), allocatable :: mark
+
+      mark = ','
+      if (i == 1) mark = ''
+   end function comma
 
    !> All digits of a number, or `null` if it is not known.
    pure function number_or_null(value, known) result(text)

@@ -6,7 +6,7 @@ module psalm_cam_page
    use psalm_cam_shape, only: extreme_t, measure_base, measure_outer, measure_pressure, measure_convex, measure_concave
    use psalm_cam_study, only: cam_study_t, role_cam, role_conjugate
    use psalm_kinds, only: wp, radians_per_degree
-   use psalm_markup, only: json_text, short_number, xml_text
+   use psalm_markup, only: json_text, short_number, xml_text, comma, truth
    use psalm_text, only: text_t, to_text
    implicit none (type, external)
    private
@@ -206,19 +206,4 @@ contains
          numbers = numbers//comma(i)//to_text(values(i))
       end do
    end function list
-
-   pure function truth(value) result(word)
-      logical, intent(in) :: value
-      character(:), allocatable :: word
-
-      word = trim(merge('true ', 'false', value))
-   end function truth
-
-   pure function comma(i) result(mark)
-      integer, intent(in) :: i
-      character(:), allocatable :: mark
-
-      mark = ','
-      if (i == 1) mark = ''
-   end function comma
 end module psalm_cam_page

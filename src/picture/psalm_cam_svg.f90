@@ -5,6 +5,7 @@ module psalm_cam_svg
    use psalm_cam_study, only: cam_study_t, role_cam, role_outer_wall
    use psalm_kinds, only: wp, full_turn
    use psalm_markup, only: xml_text, short_number
+   use psalm_svg_frame, only: begin_svg
    use psalm_text, only: text_t
    implicit none (type, external)
    private
@@ -36,10 +37,7 @@ contains
       shown = scale*size_of_scene(2) + 2.0_wp*margin
       reach = maxval(abs(studies(1)%points%profile))
       height = header + shown + real(panels, wp)*(panel + gap)*real(count(studies%part%role == role_cam), wp) + margin
-      call text%add('<?xml version="1.0" encoding="UTF-8"?>')
-      call text%add('<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 '//px(width)//' '//px(height)//'" width="'// &
-                    px(width)//'" height="'//px(height)//'" role="img" aria-labelledby="title">')
-      call text%add('<title id="title">'//xml_text(trim(title))//'</title>')
+      call begin_svg(title, width, height, text)
       call text%add('<style>svg{max-width:100%;height:auto}text{font:13px "DejaVu Sans",Verdana,Arial,sans-serif;fill:#14202b}'// &
                     '.head{font-size:18px;font-weight:bold}.tick{font-size:11px;fill:#56636f}path,circle{fill:none;'// &
                     'stroke:#14202b;vector-effect:non-scaling-stroke;stroke-linejoin:round}.profile{stroke-width:2.2;'// &

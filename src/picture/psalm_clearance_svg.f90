@@ -5,6 +5,7 @@ module psalm_clearance_svg
    use psalm_flypast_chart, only: chart_t
    use psalm_kinds, only: wp, pi, full_turn, radians_per_degree
    use psalm_markup, only: xml_text, short_number
+   use psalm_svg_frame, only: begin_svg
    use psalm_text, only: text_t, to_text
    implicit none (type, external)
    private
@@ -31,10 +32,7 @@ contains
       charts = 0
       if (allocated(study%chart%h3)) charts = size(study%chart%h3)
       height = header + 2.0_wp*(panel + gap) + gap + real(charts, wp)*chart_height + footer
-      call text%add('<?xml version="1.0" encoding="UTF-8"?>')
-      call text%add('<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 '//px(width)//' '//px(height)//'" width="'// &
-                    px(width)//'" height="'//px(height)//'" role="img" aria-labelledby="title">')
-      call text%add('<title id="title">'//xml_text(trim(title))//'</title>')
+      call begin_svg(title, width, height, text)
       call write_style(text)
       call text%add('<rect class="paper" width="'//px(width)//'" height="'//px(height)//'"/>')
       call text%add('<text class="head" x="28" y="34">'//xml_text(trim(title))//'</text>')

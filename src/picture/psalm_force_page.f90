@@ -3,7 +3,7 @@ module psalm_force_page
    use psalm_force_scene, only: force_scene_t, words_of_added
    use psalm_force_analysis, only: column_drive, column_fx, column_fy, column_moment
    use psalm_kinds, only: wp
-   use psalm_markup, only: json_text, short_number, short_or_null
+   use psalm_markup, only: json_text, short_number, short_or_null, comma, truth
    use psalm_text, only: text_t, to_text
    implicit none (type, external)
    private
@@ -33,14 +33,14 @@ contains
          end if
          call text%add_text(',"weights":[')
          do j = 1, size(forces%radius)
-            call text%add_text(separator(j)//'{"radius":'//short_number(forces%radius(j)))
+            call text%add_text(comma(j)//'{"radius":'//short_number(forces%radius(j)))
             call add_row('x', sweep%weight_at(1, :, j))
             call add_row('y', sweep%weight_at(2, :, j))
             call text%add('}')
          end do
          call text%add_text('],"springs":[')
          do j = 1, size(forces%torsional)
-            call text%add_text(separator(j)//'{"torsional":'//truth(forces%torsional(j))//',"frame":['// &
+            call text%add_text(comma(j)//'{"torsional":'//truth(forces%torsional(j))//',"frame":['// &
                                truth(forces%on_frame(1, j))//','//truth(forces%on_frame(2, j))//']')
             call add_row('x', sweep%spring_at(1, :, 1, j))
             call add_row('y', sweep%spring_at(2, :, 1, j))
@@ -55,14 +55,14 @@ contains
          call text%add_text(']')
          call text%add_text(',"centres":[')
          do j = 1, size(sweep%centre, 3)
-            call text%add_text(separator(j)//'{"link":'//json_text(trim(forces%links(j))))
+            call text%add_text(comma(j)//'{"link":'//json_text(trim(forces%links(j))))
             call add_row('x', sweep%centre(1, :, j))
             call add_row('y', sweep%centre(2, :, j))
             call text%add('}')
          end do
          call text%add_text('],"loads":[')
          do j = 1, size(sweep%load, 3)
-            call text%add_text(separator(j)//'{"number":'//to_text(j))
+            call text%add_text(comma(j)//'{"number":'//to_text(j))
             call add_row('x', sweep%load_at(1, :, j))
             call add_row('y', sweep%load_at(2, :, j))
             call add_row('fx', sweep%load(1, :, j))
@@ -71,7 +71,7 @@ contains
          end do
          call text%add_text('],"joints":[')
          do j = 1, size(forces%joints)
-            call text%add_text(separator(j)//'{"name":'//json_text(trim(forces%joints(j))))
+            call text%add_text(comma(j)//'{"name":'//json_text(trim(forces%joints(j))))
             call add_row('fx', sweep%joint(1, :, j))
             call add_row('fy', sweep%joint(2, :, j))
             call text%add('}')
@@ -94,19 +94,5 @@ contains
          call text%add(']')
       end subroutine add_row
 
-      pure function truth(value) result(word)
-         logical, intent(in) :: value
-         character(:), allocatable :: word
-
-         word = trim(merge('true ', 'false', value))
-      end function truth
-
-      pure function separator(i) result(mark)
-         integer, intent(in) :: i
-         character(:), allocatable :: mark
-
-         mark = ','
-         if (i == 1) mark = ''
-      end function separator
    end subroutine write_force_data
 end module psalm_force_page

@@ -7,7 +7,7 @@ module psalm_page
    use psalm_kinds, only: wp, full_turn
    use psalm_output_kind, only: motion_point, motion_angle, motion_distance
    use psalm_labels, only: place_labels
-   use psalm_markup, only: xml_text, json_text, number_or_null, short_number, short_or_null, strings_t
+   use psalm_markup, only: xml_text, json_text, number_or_null, short_number, short_or_null, strings_t, comma, truth
    use psalm_page_text, only: page_text, title_mark, data_mark
    use psalm_panels, only: band_t, panel_t
    use psalm_parts, only: bar_t, body_t
@@ -565,21 +565,6 @@ contains
          name = 'circle'
       end select
    end function region_name
-
-   pure function comma(i) result(text)
-      integer, intent(in) :: i
-      character(:), allocatable :: text
-
-      text = ','
-      if (i == 1) text = ''
-   end function comma
-
-   pure function truth(value) result(text)
-      logical, intent(in) :: value
-      character(:), allocatable :: text
-
-      text = trim(merge('true ', 'false', value))
-   end function truth
 
    pure function integers(values) result(text)
       integer, intent(in) :: values(:)

@@ -6,6 +6,7 @@ module psalm_pole_svg
    use psalm_markup, only: xml_text, short_number
    use psalm_pole_curves, only: branches
    use psalm_pole_scene, only: pole_scene_t, poses_drawn, rays_drawn
+   use psalm_svg_frame, only: begin_svg
    use psalm_text, only: text_t, to_text
    implicit none (type, external)
    private
@@ -38,10 +39,7 @@ contains
       width = 2.0_wp*margin + plane + gap + map_size
       if (.not. scene%has_map) width = narrow
       height = header + plane + footer
-      call text%add('<?xml version="1.0" encoding="UTF-8"?>')
-      call text%add('<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 '//px(width)//' '//px(height)//'" width="'// &
-                    px(width)//'" height="'//px(height)//'" role="img" aria-labelledby="title">')
-      call text%add('<title id="title">'//xml_text(trim(scene%title))//'</title>')
+      call begin_svg(scene%title, width, height, text)
       call write_style(text)
       call text%add('<rect class="paper" width="'//px(width)//'" height="'//px(height)//'"/>')
       call text%add('<text class="head" x="28" y="34">'//xml_text(trim(scene%title))//'</text>')

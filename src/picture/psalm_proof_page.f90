@@ -1,7 +1,7 @@
 !> What is proven of a motion, for the moving page.
 module psalm_proof_page
    use psalm_kinds, only: wp
-   use psalm_markup, only: json_text, short_number
+   use psalm_markup, only: json_text, short_number, comma, truth
    use psalm_proof_scene, only: proof_scene_t
    use psalm_text, only: text_t, full_precision, to_text
    implicit none (type, external)
@@ -56,18 +56,4 @@ contains
          list = list//comma(i)//full_precision(values(i))
       end do
    end function numbers
-
-   pure function comma(i) result(text)
-      integer, intent(in) :: i
-      character(:), allocatable :: text
-
-      text = trim(merge(' ', ',', i == 1))
-   end function comma
-
-   pure function truth(value) result(word)
-      logical, intent(in) :: value
-      character(:), allocatable :: word
-
-      word = trim(merge('true ', 'false', value))
-   end function truth
 end module psalm_proof_page

@@ -14,6 +14,7 @@ module psalm_svg
    use psalm_output_kind, only: motion_point, motion_angle, motion_distance, motion_slide
    use psalm_proof_scene, only: near_t
    use psalm_scene, only: scene_t, motion_number
+   use psalm_svg_frame, only: begin_svg, px => pixels
    use psalm_text, only: text_t, full_precision, to_text
    use psalm_trace, only: row_t
    use psalm_view, only: drawing_unit, change_unit, take_in_others
@@ -67,10 +68,7 @@ contains
       below = merge(46.0_wp, 8.0_wp, scene%sound)
       if (allocated(scene%forces)) below = below + height_of_polar_diagrams(scene%forces)
       height = foot + below + line_height*real(size(lines), wp) + 14.0_wp
-      call text%add('<?xml version="1.0" encoding="UTF-8"?>')
-      call text%add('<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 '//px(width)//' '//px(height)//'" width="'//px(width)// &
-                    '" height="'//px(height)//'" role="img" aria-labelledby="title">')
-      call text%add('<title id="title">'//xml_text(scene%title)//'</title>')
+      call begin_svg(scene%title, width, height, text)
       call write_style(allocated(scene%forces), allocated(scene%proof), text)
       if (allocated(scene%drives)) call write_chain_style(text)
       call text%add('<rect class="paper" width="'//px(width)//'" height="'//px(height)//'"/>')
@@ -895,13 +893,6 @@ contains
 
       attribute = ' stroke-width="'//short_number(pixels/k)//'"'
    end function stroke
-
-   pure function px(value) result(text)
-      real(wp), intent(in) :: value
-      character(:), allocatable :: text
-
-      text = short_number(real(nint(value*100.0_wp), wp)/100.0_wp)
-   end function px
 
    !> A number for people.
    pure function number(value) result(text)

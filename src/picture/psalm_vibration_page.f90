@@ -1,7 +1,7 @@
 !> A vibrating link as data of the moving page: its deflection over the sweep, amplitudes over speeds, the chart of stability.
 module psalm_vibration_page
    use psalm_kinds, only: wp
-   use psalm_markup, only: number_or_null, short_number
+   use psalm_markup, only: number_or_null, short_number, comma
    use psalm_steady_curves, only: shown_root, most_shown_modes
    use psalm_text, only: text_t, to_text
    use psalm_vibration_scene, only: vibration_scene_t
@@ -56,12 +56,4 @@ contains
          call text%add_text(']}')
       end associate
    end subroutine write_vibration_data
-
-   pure function comma(i) result(mark)
-      integer, intent(in) :: i
-      character(:), allocatable :: mark
-
-      mark = ','
-      if (i == 1) mark = ''
-   end function comma
 end module psalm_vibration_page

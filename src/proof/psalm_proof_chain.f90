@@ -9,13 +9,13 @@ module psalm_proof_chain
    use psalm_closure, only: closure_t, state_t, most_orders
    use psalm_elementary, only: hypotenuse
    use psalm_kinds, only: wp, degrees_per_radian
-   use psalm_proof_tube, only: tube_t, enclose, enclose_here, half_of, joins, reach_of, enclose_turn, turning_point, &
+   use psalm_proof_tube, only: tube_t, enclose, enclose_here, half_of, joins, prediction_at, enclose_turn, turning_point, &
                                leads_to, steepest, point_majorant, travel_majorant, rounding, degree
    use psalm_sketch, only: output_t, output_point, output_angle, output_distance, output_slide, output_between, output_pose, &
                            output_ratio, output_x, output_y, columns_of
    implicit none (type, external)
    private
-   public :: chain_tubes_t, leg_t, reach_t, start_tubes, cover_leg, stands_as_drawn, compare_state, bracket_outputs
+   public :: chain_tubes_t, leg_t, output_range_t, start_tubes, cover_leg, stands_as_drawn, is_on_motion, bracket_outputs
 
    real(wp), parameter :: first_r = 0.01_wp      !! of a line
    real(wp), parameter :: least_r = 1.0e-13_wp   !! shorter tubes are not tried
@@ -64,12 +64,12 @@ module psalm_proof_chain
    end type chain_tubes_t
 
    !> Least and greatest value of a number over what is proven, each bracketed.
-   type :: reach_t
+   type :: output_range_t
       logical :: bounded = .false.
       real(wp) :: low(2) = 0.0_wp, high(2) = 0.0_wp !! bracket of the least, of the greatest value
       integer :: leg(2) = 0
       real(wp) :: way(2) = 0.0_wp                !! where it is: part of the way of the leg
-   end type reach_t
+   end type output_range_t
 
 contains
 
@@ -116,7 +116,7 @@ contains
       r = first_r
       do while (leg%reached < 1.0_wp)
          r = min(r, 0.5_wp*(1.0_wp - leg%reached))
-         state = reach_of(before, end_of_before + r)
+         state = prediction_at(before, end_of_before + r)
          state%input(:, 0) = leg%from + (leg%reached + r)*(leg%to - leg%from)
          call enclose(closure, state, leg%reached + r, r, next)
          if (next%holds) next%holds = joins(closure, before, end_of_before, next, -r)
@@ -135,7 +135,7 @@ contains
          if (1.0_wp - leg%reached < least_r) leg%reached = 1.0_wp
          if (next%kappa < easy) r = longer*r
       end do
-      state = reach_of(before, end_of_before)
+      state = prediction_at(before, end_of_before)
       state%input(:, 0) = leg%to
       call enclose_here(closure, state, 1.0_wp, tubes%ends(number))
       leg%complete = tubes%ends(number)%holds
@@ -155,7 +155,7 @@ contains
 
       r = longest_turn*closure%size
       do try = 1, turns_tried
-         call enclose_turn(closure, reach_of(last, s), leg%to - leg%from, leg%reached, steepest(closure, last), r, turn)
+         call enclose_turn(closure, prediction_at(last, s), leg%to - leg%from, leg%reached, steepest(closure, last), r, turn)
          call turning_point(turn, turns, low, high)
          if (turns) turns = leads_to(closure, last, s, turn)
          ! the shorter the tube, the tighter, as long as the end of the last one is in it
@@ -184,29 +184,28 @@ contains
    end function stands_as_drawn
 
    !> True if a position, found at some part of the way of a leg that is proven there, is on the proven motion.
-   subroutine compare_state(closure, tubes, leg, way, state, same)
+   logical function is_on_motion(closure, tubes, leg, way, state)
       type(closure_t), intent(in) :: closure
       type(chain_tubes_t), intent(in) :: tubes
       integer, intent(in) :: leg
       real(wp), intent(in) :: way
       type(state_t), intent(in) :: state
-      logical, intent(out) :: same
       type(tube_t) :: here
       real(wp) :: s
       integer :: i
 
-      same = .false.
+      is_on_motion = .false.
       call enclose_here(closure, state, way, here)
       if (.not. here%holds) return
       do i = 1, tubes%count
          associate (part => tubes%parts(i))
             s = way - part%tube%middle
             if (part%leg /= leg .or. abs(s) > part%tube%r + least_r) cycle
-            same = joins(closure, part%tube, s, here, 0.0_wp)
-            if (same) return
+            is_on_motion = joins(closure, part%tube, s, here, 0.0_wp)
+            if (is_on_motion) return
          end associate
       end do
-   end subroutine compare_state
+   end function is_on_motion
 
    ! ---- outputs -----------------------------------------------------------------------------------------------------
 
@@ -432,38 +431,38 @@ contains
    end subroutine find_spans
 
    !> Brackets of the least and greatest value of every number over all tubes, which are halved where that helps.
-   subroutine bracket_outputs(closure, outputs, tubes, reaches)
+   subroutine bracket_outputs(closure, outputs, tubes, ranges)
       type(closure_t), intent(in) :: closure
       type(output_t), intent(in) :: outputs(:)
       type(chain_tubes_t), intent(inout) :: tubes
-      type(reach_t), allocatable, intent(out) :: reaches(:) !! shape (numbers of all outputs)
+      type(output_range_t), allocatable, intent(out) :: ranges(:) !! shape (numbers of all outputs)
       real(wp) :: unit
       integer :: n, halvings, at
       logical :: done
 
       if (tubes%count == 0) then
-         allocate (reaches(0))
+         allocate (ranges(0))
          return
       end if
-      allocate (reaches(size(tubes%parts(1)%spans)))
+      allocate (ranges(size(tubes%parts(1)%spans)))
       halvings = 0
-      do n = 1, size(reaches)
-         reaches(n)%bounded = is_bounded(n)
-         if (.not. reaches(n)%bounded) cycle
+      do n = 1, size(ranges)
+         ranges(n)%bounded = is_bounded(n)
+         if (.not. ranges(n)%bounded) cycle
          unit = merge(degrees_per_radian, closure%size, is_angle(outputs, n))
          do
-            call greatest(n, -1.0_wp, reaches(n)%low(1), reaches(n)%high(1), at)
-            reaches(n)%leg(1) = tubes%parts(at)%leg
-            reaches(n)%way(1) = tubes%parts(at)%spans(n)%low_at
-            if (reaches(n)%high(1) - reaches(n)%low(1) <= enough*unit) exit
+            call greatest(n, -1.0_wp, ranges(n)%low(1), ranges(n)%high(1), at)
+            ranges(n)%leg(1) = tubes%parts(at)%leg
+            ranges(n)%way(1) = tubes%parts(at)%spans(n)%low_at
+            if (ranges(n)%high(1) - ranges(n)%low(1) <= enough*unit) exit
             call split(at, done)
             if (done) exit
          end do
          do
-            call greatest(n, 1.0_wp, reaches(n)%low(2), reaches(n)%high(2), at)
-            reaches(n)%leg(2) = tubes%parts(at)%leg
-            reaches(n)%way(2) = tubes%parts(at)%spans(n)%high_at
-            if (reaches(n)%high(2) - reaches(n)%low(2) <= enough*unit) exit
+            call greatest(n, 1.0_wp, ranges(n)%low(2), ranges(n)%high(2), at)
+            ranges(n)%leg(2) = tubes%parts(at)%leg
+            ranges(n)%way(2) = tubes%parts(at)%spans(n)%high_at
+            if (ranges(n)%high(2) - ranges(n)%low(2) <= enough*unit) exit
             call split(at, done)
             if (done) exit
          end do

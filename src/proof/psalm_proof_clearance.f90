@@ -281,26 +281,36 @@ contains
       real(wp), intent(in) :: u(2, lanes)        !! unit vectors; 0: none is known
       real(wp), intent(out) :: low(lanes)
       real(wp), intent(out) :: s(lanes)          !! where the gap is least, about
-      real(wp) :: c(lanes, 0:degree), e(lanes), norm(lanes), first(lanes), last(lanes)
-      integer :: i, k, j
+      integer :: i, k
 
       low = huge(1.0_wp)
       s = 0.0_wp
       do k = 1, shapes%q
          do i = 1, shapes%p
-            associate (x => shapes%w(:, :, 1, i, k), y => shapes%w(:, :, 2, i, k))
-               do j = 0, degree
-                  c(:, j) = u(1, :)*shapes%w(:, j, 1, i, k) + u(2, :)*shapes%w(:, j, 2, i, k)
-               end do
-               call pair_norm_of(x, y, norm)
-            end associate
-            e = (shapes%e(:, i, k) + 8.0_wp*eps*norm)*up + smallest
-            call range_of(c, e, first, last)
-            call take_lowest(c, first, low, s)
+            call take_corner(shapes, i, k, u, low, s)
          end do
       end do
       where (abs(u(1, :)) + abs(u(2, :)) < 0.5_wp) low = -huge(1.0_wp)
    end subroutine bound_gap
+
+   !> Keep the lower of two bounds: the one kept and that of the way from one corner to another along a direction.
+   pure subroutine take_corner(shapes, i, k, u, low, s)
+      type(shapes_t), intent(in) :: shapes
+      integer, intent(in) :: i, k                !! the corners
+      real(wp), intent(in) :: u(2, lanes)
+      real(wp), intent(inout) :: low(lanes), s(lanes)
+      real(wp) :: c(lanes, 0:degree), norm(lanes), first(lanes), last(lanes)
+      integer :: j
+
+      associate (x => shapes%w(:, :, 1, i, k), y => shapes%w(:, :, 2, i, k))
+         do j = 0, degree
+            c(:, j) = u(1, :)*shapes%w(:, j, 1, i, k) + u(2, :)*shapes%w(:, j, 2, i, k)
+         end do
+         call pair_norm_of(x, y, norm)
+      end associate
+      call range_of(c, (shapes%e(:, i, k) + 8.0_wp*eps*norm)*up + smallest, first, last)
+      call take_lowest(c, first, low, s)
+   end subroutine take_corner
 
    !> Keep the lower of two bounds, and the place in the box where its polynomial is least.
    pure subroutine take_lowest(c, first, low, s)
@@ -397,20 +407,13 @@ contains
       type(keeping_t), intent(in) :: keeping
       type(shapes_t), intent(in) :: shapes
       real(wp), intent(out) :: low(lanes), s(lanes)
-      real(wp) :: c(lanes, 0:degree), e(lanes), norm(lanes), first(lanes), last(lanes)
       integer :: i, k
 
       low = huge(1.0_wp)
       s = 0.0_wp
       do k = 1, shapes%q
          do i = 1, shapes%p
-            associate (x => shapes%w(:, :, 1, i, k), y => shapes%w(:, :, 2, i, k))
-               c = keeping%normal(1, k)*x + keeping%normal(2, k)*y
-               call pair_norm_of(x, y, norm)
-            end associate
-            e = (shapes%e(:, i, k) + 8.0_wp*eps*norm)*up + smallest
-            call range_of(c, e, first, last)
-            call take_lowest(c, first, low, s)
+            call take_corner(shapes, i, k, spread(keeping%normal(:, k), 2, lanes), low, s)
          end do
       end do
    end subroutine bound_edges

@@ -21,7 +21,7 @@ module psalm_proof_tube
    use psalm_kinds, only: wp
    implicit none (type, external)
    private
-   public :: tube_t, in_one_group, enclose, enclose_here, half_of, joins, reach_of
+   public :: tube_t, in_one_group, enclose, enclose_here, half_of, joins, prediction_at
    public :: enclose_turn, turning_point, leads_to, steepest
    public :: majorant_of, point_majorant, travel_majorant, rounding, degree
 
@@ -258,7 +258,7 @@ contains
          if (abs(tube%way(2)) <= 0.0_wp) return
          if (round == turning_steps) exit
          shift = -tube%way(1)/tube%way(2)
-         tube%state = reach_of(tube, shift)
+         tube%state = prediction_at(tube, shift)
          tube%state%input(:, 0) = tube%state%input(:, 0) + 0.5_wp*shift**2*(tube%state%input(:, 2) &
                                                                            + shift*tube%state%input(:, 3)/3.0_wp)
          tube%way(0) = tube%way(0) + shift*(tube%way(1) + 0.5_wp*shift*(tube%way(2) + shift*tube%way(3)/3.0_wp))
@@ -362,7 +362,7 @@ contains
       real(wp), allocatable :: inverse(:, :), k(:, :)
       integer :: i
 
-      end_of_one = reach_of(one, s)
+      end_of_one = prediction_at(one, s)
       leads_to = .false.
       associate (links => closure%groups(1)%links, link => closure%groups(1)%links((turn%pinned + 2)/3))
          d = end_of_one%t(link, 0) - turn%state%t(link, 0)
@@ -378,7 +378,7 @@ contains
          end select
          open = open + rounding*(closure%size + abs(s_turn))
          if (.not. abs(s_turn) + open <= turn%r) return
-         of_turn = reach_of(turn, s_turn)
+         of_turn = prediction_at(turn, s_turn)
          f = rates(abs(turn%way(1:)), turn%r)
          distance = abs(one%middle + s - way_at(s_turn)) + f(1)*open + turn%off_way
          do i = 1, size(links)
@@ -426,13 +426,13 @@ contains
       real(wp) :: s
 
       s = 0.5_wp*whole%r*real(side, wp)
-      state = reach_of(whole, s)
+      state = prediction_at(whole, s)
       call enclose(closure, state, whole%middle + s, 0.5_wp*whole%r, half)
       if (half%holds) half%holds = joins(closure, whole, s, half, 0.0_wp)
    end subroutine half_of
 
    !> The prediction of a box at s from its middle.
-   pure function reach_of(tube, s) result(state)
+   pure function prediction_at(tube, s) result(state)
       type(tube_t), intent(in) :: tube
       real(wp), intent(in) :: s
       type(state_t) :: state
@@ -443,7 +443,7 @@ contains
          state%phi(:, 0) = m%phi(:, 0) + s*(m%phi(:, 1) + 0.5_wp*s*(m%phi(:, 2) + s*m%phi(:, 3)/3.0_wp))
          state%input(:, 0) = m%input(:, 0) + s*m%input(:, 1)
       end associate
-   end function reach_of
+   end function prediction_at
 
    !> True if the assembly of one tube at s from its middle is that of another at s from its own.
    logical function joins(closure, one, s, other, s_other)
@@ -456,8 +456,8 @@ contains
       real(wp), allocatable :: inverse(:, :), k(:, :)
       integer :: i
 
-      end_of_one = reach_of(one, s)
-      end_of_other = reach_of(other, s_other)
+      end_of_one = prediction_at(one, s)
+      end_of_other = prediction_at(other, s_other)
       distance = 0.0_wp
       associate (links => closure%groups(1)%links)
          do i = 1, size(links)

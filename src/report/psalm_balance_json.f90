@@ -4,7 +4,7 @@ module psalm_balance_json
    use psalm_data_set, only: data_set_t
    use psalm_kinds, only: wp
    use psalm_linear_loads, only: measure_t
-   use psalm_markup, only: json_text, number_or_null
+   use psalm_markup, only: json_text, number_or_null, comma, truth
    use psalm_text, only: text_t, to_text
    implicit none (type, external)
    private
@@ -138,19 +138,4 @@ contains
          words = words//'}'
       end function both
    end subroutine write_balance_json
-
-   pure function comma(k) result(mark)
-      integer, intent(in) :: k
-      character(:), allocatable :: mark
-
-      mark = ''
-      if (k > 1) mark = ','
-   end function comma
-
-   pure function truth(value) result(word)
-      logical, intent(in) :: value
-      character(:), allocatable :: word
-
-      word = trim(merge('true ', 'false', value))
-   end function truth
 end module psalm_balance_json

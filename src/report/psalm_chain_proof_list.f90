@@ -45,8 +45,8 @@ contains
             end if
          end do
       end if
-      if (proof%strayed > 0) call text%add('   '//to_text(proof%strayed)//' POSITIONS ARE NOT THOSE THIS MOTION LEADS TO')
-      call list_reaches(study, proof, turns, text)
+      if (proof%misplaced > 0) call text%add('   '//to_text(proof%misplaced)//' POSITIONS ARE NOT THOSE THIS MOTION LEADS TO')
+      call list_ranges(study, proof, turns, text)
 
    contains
 
@@ -87,23 +87,23 @@ contains
    end subroutine list_chain_proof
 
    !> Least and greatest values of the outputs.
-   subroutine list_reaches(study, proof, turns, text)
+   subroutine list_ranges(study, proof, turns, text)
       type(chain_study_t), intent(in) :: study
       type(chain_proof_t), intent(in) :: proof
       logical, intent(in) :: turns
       type(text_t), intent(inout) :: text
       integer :: n
 
-      if (.not. any(proof%reaches%bounded)) return
+      if (.not. any(proof%ranges%bounded)) return
       call text%add(head_of_ranges)
-      do n = 1, size(proof%reaches)
-         associate (reach => proof%reaches(n))
-            if (reach%bounded) call list_range(upper_case(trim(study%names(n))), reach%low, reach%high, &
-                                               [place_on(proof, reach%leg(1), reach%way(1), turns), &
-                                                place_on(proof, reach%leg(2), reach%way(2), turns)], text)
+      do n = 1, size(proof%ranges)
+         associate (one => proof%ranges(n))
+            if (one%bounded) call list_range(upper_case(trim(study%names(n))), one%low, one%high, &
+                                               [place_on(proof, one%leg(1), one%way(1), turns), &
+                                                place_on(proof, one%leg(2), one%way(2), turns)], text)
          end associate
       end do
-   end subroutine list_reaches
+   end subroutine list_ranges
 
    pure logical function first_turns(study)
       type(chain_study_t), intent(in) :: study
@@ -152,17 +152,17 @@ contains
             end if
          end associate
       end do
-      if (.not. any(proof%reaches%bounded)) return
+      if (.not. any(proof%ranges%bounded)) return
       call begin_block('extremes', 'quantity loop arc least_low least_high least_at greatest_low greatest_high greatest_at', text)
       call text%add('# '//title)
-      do n = 1, size(proof%reaches)
-         associate (reach => proof%reaches(n))
+      do n = 1, size(proof%ranges)
+         associate (one => proof%ranges(n))
             name = study%names(n)
             do i = 1, len_trim(name)
                if (name(i:i) == ' ') name(i:i) = '-'
             end do
-            call text%add(trim(name)//' 0 0 '//known(reach%low(1))//known(reach%high(1))//known_place(1)//known(reach%low(2))// &
-                          known(reach%high(2))//known_place(2))
+            call text%add(trim(name)//' 0 0 '//known(one%low(1))//known(one%high(1))//known_place(1)//known(one%low(2))// &
+                          known(one%high(2))//known_place(2))
          end associate
       end do
 
@@ -181,7 +181,7 @@ contains
          real(wp), intent(in) :: value
          character(:), allocatable :: words
 
-         words = number_or_nan(value, proof%reaches(n)%bounded)//' '
+         words = number_or_nan(value, proof%ranges(n)%bounded)//' '
       end function known
 
       function known_place(which) result(words)
@@ -189,8 +189,8 @@ contains
          character(:), allocatable :: words
 
          words = number_or_nan(0.0_wp, .false.)//' '
-         if (proof%reaches(n)%bounded) &
-            words = full_precision(place_on(proof, proof%reaches(n)%leg(which), proof%reaches(n)%way(which), turns))//' '
+         if (proof%ranges(n)%bounded) &
+            words = full_precision(place_on(proof, proof%ranges(n)%leg(which), proof%ranges(n)%way(which), turns))//' '
       end function known_place
    end subroutine write_chain_proof
 end module psalm_chain_proof_list

@@ -102,10 +102,10 @@ contains
       end if
       call list_chain_proof(study, proof, devices%six)
       call write_chain_proof(set%title, study, proof, devices%nine)
-      if (.not. proof%complete .or. proof%strayed > 0) call devices%note_violation()
+      if (.not. proof%complete .or. proof%misplaced > 0) call devices%note_violation()
       if (.not. proof%complete) call devices%remark(set, 'the linkage is not proven to close over the whole range')
-      if (proof%strayed > 0) call devices%remark(set, to_text(proof%strayed)//' positions were found in another assembly than '// &
-                                                 'the motion from the drawing leads to')
+      if (proof%misplaced > 0) call devices%remark(set, to_text(proof%misplaced)//' positions were found in another assembly '// &
+                                                   'than the motion from the drawing leads to')
    end subroutine report_chain_proof
 
    pure function number(value) result(text)

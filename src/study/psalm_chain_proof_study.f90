@@ -9,8 +9,8 @@ module psalm_chain_proof_study
    use psalm_data_set, only: data_set_t
    use psalm_dense, only: factors_t, factorise
    use psalm_kinds, only: wp, full_turn, degrees_per_radian, radians_per_degree
-   use psalm_proof_chain, only: chain_tubes_t, leg_t, reach_t, start_tubes, cover_leg, stands_as_drawn, &
-                               compare_state, bracket_outputs
+   use psalm_proof_chain, only: chain_tubes_t, leg_t, output_range_t, start_tubes, cover_leg, stands_as_drawn, &
+                               is_on_motion, bracket_outputs
    use psalm_proof_study, only: proof_of_turn
    use psalm_proof_tube, only: in_one_group
    use psalm_sketch, only: drive_turns
@@ -30,8 +30,8 @@ module psalm_chain_proof_study
       type(leg_t), allocatable :: legs(:)
       integer, allocatable :: group(:)       !! by leg: of one that is not complete the group nearest to a dead point where it ends
       integer, allocatable :: position(:)    !! by leg, of several drives: where it ends
-      type(reach_t), allocatable :: reaches(:) !! by number of all outputs
-      integer :: strayed = 0                 !! positions found in another assembly than the proven motion leads to
+      type(output_range_t), allocatable :: ranges(:) !! by number of all outputs
+      integer :: misplaced = 0               !! positions found in another assembly than the proven motion leads to
       integer :: tubes = 0
    end type chain_proof_t
 
@@ -89,8 +89,8 @@ contains
          if (proof%full_turn .and. proof%complete) proof%returns = stands_as_drawn(whole, tubes, 1)
          proof%tubes = tubes%count
          call compare_positions(study, whole, inputs, tubes, proof)
-         call find_blame(study, tubes, proof)
-         call bracket_outputs(whole, set%sketch%outputs, tubes, proof%reaches)
+         call find_singular_groups(study, tubes, proof)
+         call bracket_outputs(whole, set%sketch%outputs, tubes, proof%ranges)
       end associate
    end subroutine study_chain_proof
 
@@ -124,13 +124,13 @@ contains
             leg = findloc(proof%position, k, dim=1)
             if (.not. proof%legs(leg)%complete) leg = 0
          end if
-         if (leg > 0) call compare_state(whole, tubes, leg, way, state, same)
-         if (.not. same) proof%strayed = proof%strayed + 1
+         if (leg > 0) same = is_on_motion(whole, tubes, leg, way, state)
+         if (.not. same) proof%misplaced = proof%misplaced + 1
       end do
    end subroutine compare_positions
 
    !> Of the legs that are not complete the group whose matrix is nearest to a singular one where the proof ends.
-   subroutine find_blame(study, tubes, proof)
+   subroutine find_singular_groups(study, tubes, proof)
       type(chain_study_t), intent(in) :: study
       type(chain_tubes_t), intent(in) :: tubes
       type(chain_proof_t), intent(inout) :: proof
@@ -158,7 +158,7 @@ contains
             proof%group(k) = g
          end do
       end do
-   end subroutine find_blame
+   end subroutine find_singular_groups
 
    !> One drive: from the drawing to both ends.
    subroutine find_both_ways(set, inputs, proof)
