@@ -67,7 +67,7 @@ contains
                   line = line//encode_short(real(value, wp))//encode_short(aimag(value))
                end associate
             end do
-            print '(a)', "      '"//line//"'"//merge(']   ', ', & ', i == last)
+            print '(a)', "      '"//line//"'"//trim(merge(']  ', ', &', i == last))
          end do
       end do
    end subroutine write_tables

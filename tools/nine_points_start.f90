@@ -119,7 +119,7 @@ contains
                   line((2*k - 2)*characters_a_number + 1:2*k*characters_a_number) = encode(real(value, wp))//encode(aimag(value))
                end associate
             end do
-            print '(a)', "      '"//line//"'"//merge(']   ', ', & ', i == last)
+            print '(a)', "      '"//line//"'"//trim(merge(']  ', ', &', i == last))
          end do
       end do
       print '(a)', ''
