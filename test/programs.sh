@@ -197,6 +197,12 @@ check 'IPROOF=1: both blocks of device 9' sh -c "grep -q '^unreached 3.518810214
 sed -n '/LIMITS OF MOTION/,$p' out >five.lst
 status 1 'IPROOF of a geared five-bar in kalm' "$bin/kalm" five.nml
 check 'IPROOF of a geared five-bar: kalm says the same' sh -c "sed -n '/LIMITS OF MOTION/,\$p' out | cmp - five.lst"
+changed links_apart.nml 's/TANGLE=80.0/TANGLE=20.0/' >narrow.nml
+status 1 'IPROOF: a limit that is proven to be violated' "$psalm" narrow.nml
+said 'IPROOF: a limit' '1 of 2 margins are proven to be violated; see the end of the listing'
+check 'IPROOF: margins of dyads are proven' grep -qE '^   TRANSMISSION ANGLE, LOOP 1, DEGREES +-0\.80039[0-9]+ +170\.7067  VIOLATED$' out
+check 'IPROOF: the block of margins' grep -qE '^transmission_angle 1 -8\.0039[0-9]+E-01 -8\.0039[0-9]+E-01 ' narrow.dev9
+rm narrow.*
 changed dwell_gap.nml 's/IPROOF=1/IPROOF=2/' >inputs.nml
 status 0 'IPROOF=2: the range of the inputs closes' "$psalm" inputs.nml
 check 'IPROOF=2: the listing says so' grep -qx '   CLOSES FOR EVERY INPUT OF THE RANGE' out

@@ -5,7 +5,8 @@
 draws linkages of one to four loops, at least one of type 8 among their dyads, and judges each by `BIN/psalm` over a range of the
 input or a full turn. What is told sound is made to be only just so: a dimension, or the end of the range, is moved until psalm
 tells it violated, and bisected. LINKAGES of these (60) are looked at by the solver below at INPUTS inputs (2000): none may have an
-open loop there, and between two inputs the sine between two slides may not change its sign. The long run, about a quarter of an hour:
+open loop there, and between two inputs the sine between two slides may not change its sign. Margins that are proven must hold those
+that are looked for in their brackets. The long run, about a quarter of an hour:
 
     slide_pairs.py build/local/bin 1000 20000
 
@@ -79,7 +80,7 @@ class Linkage:
             found += [(loop, 'q')] if loop.kind in (1, 5) else []
         return found
 
-    def text(self):
+    def text(self, proof=0):
         arcs = max(loop.before for loop in self.loops) + 3
         ilink, iloop, arcl, gama = [], [], [], []
         for number, loop in enumerate(self.loops, 1):
@@ -124,7 +125,8 @@ class Linkage:
         return (f'SLIDES\n &LINKS NLOOP={len(self.loops)}, MAXARC={arcs},\n  ILINK={row(ilink)},\n  ILOOP={row(iloop)},\n'
                 f'  ARCL={row(arcl)},\n  GAMA={row(gama)},\n  NOUTLK={-(last.before + 2)}, NOUTLP={len(self.loops)} &END\n'
                 f' &METHOD MOTION=0, CRNKI={self.start!r}, NDES={len(stops)}, DELT={row(stops)} &END\n'
-                f' &LIMITS KTHETA=1, TOGGLE=0.0, IPROOF=0 &END\n &CONSTR IRANGE={2 if self.turn else 1} &END\n')
+                f' &LIMITS KTHETA=1, TOGGLE=0.0, IPROOF={proof} &END\n'
+                f' &CONSTR IRANGE={2 if self.turn else 1} &END\n')
 
     def solve(self, input_angle):
         """Joint of p and q of the last loop, whether all loops close, sines between slides. None: a loop is open."""
@@ -222,6 +224,41 @@ def compare(linkage, folder):
     return worst
 
 
+def margins(linkage, psalm, folder):
+    """What is wrong with proven margins: lists of those compared, and of those that the margins looked for refute."""
+    name = os.path.join(folder, 'slides.nml')
+    with open(name, 'w') as file:
+        file.write(linkage.text(proof=2 if linkage.turn is False else 1))
+    run = subprocess.run([psalm, '--quiet', '--output-dir', folder, name], capture_output=True, text=True)
+    looked_for, proven, last = {}, {}, None
+    for line in run.stdout.splitlines():
+        words = line.rsplit(None, 3) if line.endswith(('KEPT', 'VIOLATED')) else line.rsplit(None, 2)
+        if ', LOOP ' not in line or len(words) < 3:
+            if line.startswith('     AT MOST ') and last:
+                proven[last][1] = float(words[-1])
+            last = None
+            continue
+        key, value = words[0].strip(), words[1].replace('D', 'E')
+        if line.startswith('   '):
+            if line.endswith('KEPT'):
+                proven[key] = [float(value), None]
+                last = key
+        elif key.startswith(('TRANSMISSION', 'ANGLE', 'GUIDE', 'OFFSET')):
+            looked_for[key] = float(value)
+    if ' CLOSES FOR EVERY' not in run.stdout:
+        return 0, []
+    wrong = []
+    for key, value in looked_for.items():
+        if key not in proven:
+            wrong.append(f'{key}: not among the proven margins')
+            continue
+        low, high = proven[key]
+        slack = 6.0E-7*max(abs(value), 1.0) # seven digits are printed
+        if not low <= value + slack or not value <= (high or low) + slack + 1.0E-4:
+            wrong.append(f'{key}: {value} is not in the bracket {low}, {high}')
+    return len(looked_for), wrong
+
+
 def refuted(linkage, inputs):
     """The first input at which the solver finds the linkage open, or past parallel slides; None: sound."""
     signs = None
@@ -263,7 +300,7 @@ def main():
     psalm = os.path.join(sys.argv[1], 'psalm')
     wanted, inputs, seed = (int(a) for a in (sys.argv[2:] + ['60', '2000', '8'][len(sys.argv) - 2:])[:3])
     draw = random.Random(seed)
-    drawn = sound = tuned = turns = wrong = 0
+    drawn = sound = tuned = turns = wrong = compared = 0
     worst = 0.0
     with tempfile.TemporaryDirectory() as folder:
         while sound < wanted:
@@ -277,13 +314,18 @@ def main():
             if not judge(psalm, linkage, folder):
                 sys.exit('the tuned linkage is not sound')
             worst = max(worst, compare(linkage, folder))
+            more, differ = margins(linkage, psalm, folder)
+            compared += more
+            if differ:
+                wrong += 1
+                print('FAILED: margins\n', '\n'.join(differ), linkage.text(), sep='')
             at = refuted(linkage, inputs)
             if at is not None:
                 wrong += 1
                 print(f'FAILED: told sound, refuted at {at!r}\n{linkage.text()}')
     print(f'{drawn} linkages drawn, {sound} told sound ({turns} over a full turn, {tuned} only just), '
-          f'{wrong} refuted at {inputs} inputs; positions differ by {worst:.1e}')
-    good = wrong == 0 and worst < 1.0e-7
+          f'{wrong} refuted at {inputs} inputs; positions differ by {worst:.1e}; {compared} margins lie in their proven brackets')
+    good = wrong == 0 and worst < 1.0e-7 and compared > 0
     print(f'{int(good)} passed, {int(not good)} failed')
     sys.exit(0 if good else 1)
 

@@ -5,18 +5,20 @@
 !> quadruple precision.
 module psalm_proof_ranges
    use psalm_angles, only: degrees_of
-   use psalm_kinds, only: wp
-   use psalm_proof, only: proof_t, subject_t, rounded, piece_closes, piece_opens, cause_too_short, cause_link
+   use psalm_kinds, only: wp, right_angle
+   use psalm_proof, only: proof_t, subject_t, rounded, piece_closes, piece_opens, cause_too_short, cause_link, cause_parallel
    use psalm_proof_closure, only: piece_t, find_pieces
    use psalm_proof_extremes, only: place_t, greatest_t, find_greatest
    use psalm_proof_extremes_quad, only: fine_place_t => place_t, fine_greatest_t => greatest_t, find_fine_greatest => find_greatest
    use psalm_proof_groups, only: prepare_models
+   use psalm_proof_plan, only: least_sine
    use psalm_proof_quantity, only: quantity_t, quantity_measure, quantity_slide, quantity_point
    use psalm_quad, only: qp
    implicit none (type, external)
    private
    public :: extreme_t, prove_extremes, prove_tolerance, list_places
-   public :: extreme_angle, extreme_slide, extreme_x, extreme_y, extreme_output, extreme_distance, extreme_ratio
+   public :: extreme_angle, extreme_slide, extreme_x, extreme_y, extreme_output, extreme_distance, extreme_ratio, &
+             extreme_slides
 
    integer, parameter :: extreme_angle = 1   !! transmission angle of a loop, degrees: between its links, or link and slide's normal
    integer, parameter :: extreme_slide = 2   !! a varying length
@@ -25,12 +27,14 @@ module psalm_proof_ranges
    integer, parameter :: extreme_output = 5  !! angle of the output; one that swings through 360 goes on beyond it
    integer, parameter :: extreme_distance = 6 !! of the output point from the origin
    integer, parameter :: extreme_ratio = 7   !! velocity ratio: rate of the output by the input, radians or lengths
+   integer, parameter :: extreme_slides = 8  !! angle between two slides, 0 to 90 degrees
 
    integer, parameter :: most_boxes = 4000, most_fine_boxes = 1000
    integer, parameter :: first_boxes = 8, most_halvings = 12
    real(wp), parameter :: enough = 1.0e-13_wp  !! width of a bracket, of 1 or the value in the longest arc
    real(wp), parameter :: narrow = 1.0e-9_wp   !! a bracket narrower than this does not show
    real(wp), parameter :: straight = 180.0_wp
+   real(qp), parameter :: of_library = 1.0e-30_qp !! relative error of the arc sine, generously
    real(qp), parameter :: degrees = 57.295779513082320876798154814105170332_qp !! of a radian
 
    !> Least and greatest value of a quantity over what closes, each bracketed.
@@ -136,6 +140,8 @@ contains
                else if (plan%loop_of(k - 1) /= plan%loop_of(k)) then
                   call add(extreme_t(extreme_angle, plan%loop_of(k)), quantity_measure, k)
                end if
+            else if (plan%cause_of(k) == cause_parallel) then
+               call add(extreme_t(extreme_slides, plan%loop_of(k)), quantity_measure, k)
             end if
          end do
          do k = 1, size(plan%steps)
@@ -228,8 +234,13 @@ contains
          real(wp), intent(in) :: value
          integer, intent(in) :: way
          real(wp), parameter :: slack = 16.0_wp*epsilon(1.0_wp)
-         real(wp) :: square
+         real(wp) :: square, sine
 
+         if (extreme%kind == extreme_slides) then
+            sine = min(max((value + least_sine)*(1.0_wp + real(way, wp)*slack), 0.0_wp), 1.0_wp)
+            in_unit = min(degrees_of(sqrt((1.0_wp - sine)*(1.0_wp + sine)), sine)*(1.0_wp + real(way, wp)*slack), right_angle)
+            return
+         end if
          if (extreme%kind /= extreme_angle) then
             in_unit = value/subject%numbers%scale      ! a power of two
             return
@@ -266,13 +277,18 @@ contains
          integer, intent(in) :: way
          real(qp) :: sine
 
+         if (extreme%kind == extreme_slides) then
+            sine = min(max(value + real(least_sine, qp), 0.0_qp), 1.0_qp)
+            in_unit = min(rounded(asin(sine)*degrees*(1.0_qp + real(way, qp)*of_library), way), right_angle)
+            return
+         end if
          if (extreme%kind /= extreme_angle) then
             in_unit = rounded(value/real(subject%numbers%scale, qp), way)
             return
          end if
          ! the rounding of the library's function is far below that of the working precision
          sine = sqrt(min(max(value/whole_of(subject, quantity, extreme), 0.0_qp), 1.0_qp))
-         in_unit = min(rounded(2.0_qp*asin(sine)*degrees*(1.0_qp + real(way, qp)*1.0e-30_qp), way), straight)
+         in_unit = min(rounded(2.0_qp*asin(sine)*degrees*(1.0_qp + real(way, qp)*of_library), way), straight)
       end function in_unit
    end subroutine put_fine_together
 

@@ -13,7 +13,7 @@ module psalm_margin_list
    use psalm_parameters, only: name_of
    implicit none (type, external)
    private
-   public :: list_margins, describe_margin, name_of_clearance
+   public :: list_margins, describe_margin, name_of_clearance, name_of_limit
 
    integer, parameter :: name_columns = 44   !! width of a constraint's name
 
@@ -81,14 +81,8 @@ contains
       integer, allocatable :: joints(:, :)
 
       select case (margin%kind)
-      case (margin_angle)
-         name = 'TRANSMISSION ANGLE, LOOP '//to_text(margin%which)//', DEGREES'
-      case (margin_slides)
-         name = 'ANGLE BETWEEN THE SLIDES, LOOP '//to_text(margin%which)//', DEGREES'
-      case (margin_guide)
-         name = 'GUIDE AND TOGGLE, LOOP '//to_text(margin%which)
-      case (margin_offset)
-         name = 'OFFSET AND TOGGLE, LOOP '//to_text(margin%which)
+      case (margin_angle, margin_slides, margin_guide, margin_offset)
+         name = name_of_limit(margin)
       case (margin_clearance)
          call list_clearances(set%constr, problem%mechanism, problem%given%outlk <= 0.0_wp, clearances, joints)
          name = name_of_clearance(set, clearances(margin%which), in_sentence)
@@ -98,6 +92,23 @@ contains
          name = 'LENGTH, '//name_of(problem%parameters%variables(margin%which))
       end select
    end function name_of_margin
+
+   !> What a dyad is to keep.
+   pure function name_of_limit(margin) result(name)
+      type(margin_t), intent(in) :: margin
+      character(:), allocatable :: name
+
+      select case (margin%kind)
+      case (margin_angle)
+         name = 'TRANSMISSION ANGLE, LOOP '//to_text(margin%which)//', DEGREES'
+      case (margin_slides)
+         name = 'ANGLE BETWEEN THE SLIDES, LOOP '//to_text(margin%which)//', DEGREES'
+      case (margin_guide)
+         name = 'GUIDE AND TOGGLE, LOOP '//to_text(margin%which)
+      case default
+         name = 'OFFSET AND TOGGLE, LOOP '//to_text(margin%which)
+      end select
+   end function name_of_limit
 
    !> What keeps apart from what.
    pure function name_of_clearance(set, clearance, in_sentence) result(name)

@@ -5,11 +5,14 @@ module psalm_proof_list
    use psalm_block, only: begin_block
    use psalm_data_set, only: data_set_t
    use psalm_kinds, only: wp, dp
-   use psalm_margin_list, only: name_of_clearance
+   use psalm_margin_list, only: name_of_clearance, name_of_limit
+   use psalm_margins, only: margin_angle, margin_guide, margin_slides
+   use psalm_proven_margins, only: proven_margin_t
    use psalm_proof, only: proof_t, limit_t, touch_exact, piece_closes, piece_opens, piece_undecided, cause_too_short, &
                           cause_difference, cause_guide, cause_link, cause_parallel
    use psalm_proof_motion, only: movement_t, dead_point_t, mover_output, mover_turning
-   use psalm_proof_ranges, only: extreme_t, extreme_angle, extreme_slide, extreme_x, extreme_y, extreme_output, extreme_distance
+   use psalm_proof_ranges, only: extreme_t, extreme_angle, extreme_slide, extreme_x, extreme_y, extreme_output, extreme_distance, &
+                                 extreme_slides
    use psalm_proof_study, only: proof_study_t, kept_t
    use psalm_summary_text, only: name_of_kind
    use psalm_text, only: text_t, full_precision, general, to_text, upper_case
@@ -21,7 +24,7 @@ module psalm_proof_list
    integer, parameter :: quantity_columns = 34, value_columns = 17, place_columns = 15, list_columns = 110
    character(*), parameter :: head_of_ranges = &
       '   QUANTITY                                      LEAST             AT         GREATEST             AT'
-   integer, parameter :: name_columns = 39, number_columns = 15
+   integer, parameter :: name_columns = 39, limit_columns = 42, number_columns = 15
    real(wp), parameter :: certain = 1.0e-9_wp       !! relative width of a bracket that is told as one number
 
    integer, parameter :: width = 16, decimals = 12  !! of an angle below 1000
@@ -60,8 +63,47 @@ contains
       end do
       call list_extremes(study, text)
       call list_movement(study, text)
+      call list_proven_margins(study, text)
       call list_kept(set, study, text)
    end subroutine list_proof
+
+   !> Margins of the dyads, with the angle or length they keep inside their limits at least.
+   subroutine list_proven_margins(study, text)
+      type(proof_study_t), intent(in) :: study
+      type(text_t), intent(inout) :: text
+      character(limit_columns) :: name
+      character(value_columns) :: least
+      character(number_columns) :: at
+      integer :: i
+
+      if (size(study%margins) == 0) return
+      call text%add('   MARGIN                                             AT LEAST             AT')
+      do i = 1, size(study%margins)
+         associate (own => study%margins(i))
+            name = name_of_limit(own%margin)
+            least = shown(own%low, -1)
+            at = general(own%margin%delt)
+            call text%add('   '//name//adjustr(least)//at//'  '//verdict(own))
+            if (own%high - own%low > certain*max(abs(own%low), abs(own%high), 1.0_wp)) &
+               call text%add('     AT MOST '//shown(own%high, 1))
+         end associate
+      end do
+
+   contains
+
+      pure function verdict(own) result(words)
+         type(proven_margin_t), intent(in) :: own
+         character(:), allocatable :: words
+
+         if (own%is_broken) then
+            words = 'VIOLATED'
+         else if (own%low >= own%margin%least_allowed) then
+            words = 'KEPT'
+         else
+            words = 'NOT PROVEN'
+         end if
+      end function verdict
+   end subroutine list_proven_margins
 
    !> Clearances over what closes.
    subroutine list_kept(set, study, text)
@@ -182,6 +224,8 @@ contains
          columns = 'OUTPUT ANGLE'
       case (extreme_distance)
          columns = 'DISTANCE OF THE OUTPUT POINT'
+      case (extreme_slides)
+         columns = 'ANGLE BETWEEN THE SLIDES, LOOP '//to_text(extreme%loop)
       case default
          columns = 'VELOCITY RATIO'
       end select
@@ -462,6 +506,7 @@ contains
          end associate
       end do
       call write_ranges(title, study, text)
+      call write_margins(title, study, text)
       if (count(study%kept%nearest%found) == 0) return
       call begin_block('clearance', 'region link other low high at asked', text)
       call text%add('# '//title)
@@ -475,14 +520,43 @@ contains
       end do
    end subroutine write_proof
 
+   !> Device 9: least margins of the dyads.
+   subroutine write_margins(title, study, text)
+      character(*), intent(in) :: title
+      type(proof_study_t), intent(in) :: study
+      type(text_t), intent(inout) :: text
+      character(:), allocatable :: name
+      integer :: i
+
+      if (size(study%margins) == 0) return
+      call begin_block('margins', 'quantity loop low high at', text)
+      call text%add('# '//title)
+      do i = 1, size(study%margins)
+         associate (own => study%margins(i))
+            select case (own%margin%kind)
+            case (margin_angle)
+               name = 'transmission_angle'
+            case (margin_slides)
+               name = 'angle_of_slides'
+            case (margin_guide)
+               name = 'guide'
+            case default
+               name = 'offset'
+            end select
+            call text%add(name//' '//to_text(own%margin%which)//' '//full_precision(own%low)//' '//full_precision(own%high)//' '// &
+                          full_precision(own%margin%delt))
+         end associate
+      end do
+   end subroutine write_margins
+
    !> Device 9: extremes and dead points.
    subroutine write_ranges(title, study, text)
       character(*), intent(in) :: title
       type(proof_study_t), intent(in) :: study
       type(text_t), intent(inout) :: text
-      character(18), parameter :: quantities(7) = ['transmission_angle', 'slide             ', 'output_x          ', &
+      character(18), parameter :: quantities(8) = ['transmission_angle', 'slide             ', 'output_x          ', &
                                                    'output_y          ', 'output_angle      ', 'output_distance   ', &
-                                                   'velocity_ratio    ']
+                                                   'velocity_ratio    ', 'angle_of_slides   ']
       character(7), parameter :: movers(3) = ['output ', 'turning', 'sliding']
       integer :: i
 

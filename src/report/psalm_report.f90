@@ -343,6 +343,8 @@ contains
       if (.not. study%is_violating()) return
       call devices%note_violation()
       if (study%is_open()) call devices%remark(set, describe_proof(study))
+      if (any(study%margins%is_broken)) call devices%remark(set, to_text(count(study%margins%is_broken))//' of '// &
+         to_text(size(study%margins))//' margins are proven to be violated; see the end of the listing')
       if (any(study%kept%is_broken)) call devices%remark(set, to_text(count(study%kept%is_broken))//' of '// &
          to_text(size(study%kept))//' clearances are proven to be less than asked; see the end of the listing')
    end subroutine report_proof

@@ -18,6 +18,7 @@ module psalm_proof_study
                                     within_edges, within_circle
    use psalm_proof_motion, only: movement_t, span_t, prove_movement
    use psalm_proof_plan, only: path_of
+   use psalm_proven_margins, only: proven_margin_t, prove_margins
    use psalm_proof_ranges, only: extreme_t, prove_extremes, prove_tolerance, extreme_output, extreme_distance, extreme_ratio
    use psalm_station, only: station_t, prepare_station, linearise_station
    use psalm_summary, only: loop_kind_t, kinds_of
@@ -55,6 +56,7 @@ module psalm_proof_study
       integer, allocatable :: circuit(:)     !! by prescribed position: number of the part that closes without a gap; 0: none
       integer :: circuits = 0                !! such parts that hold prescribed positions
       type(kept_t), allocatable :: kept(:)   !! clearances asked for in &CONSTR
+      type(proven_margin_t), allocatable :: margins(:) !! of the dyads, where limits are asked for over this range
    contains
       procedure :: is_violating
       procedure :: is_open
@@ -106,6 +108,9 @@ contains
          call prove_tolerance(subject, study%proof%from, study%proof%to, study%largest_tried, study%tolerance)
          if (set%iproof /= proof_by_default) call estimate_corner(problem, dimensions, study)
       end if
+      if (study%proof%closes_everywhere() .and. covers_limits()) &
+         study%margins = prove_margins(bound, dimensions, set%tangle, merge(set%toggle, 0.0_wp, set%search%solver%many_starts), &
+                                       study%extremes)
       deallocate (study%kept)
       allocate (study%kept(size(clearances)))
       do i = 1, size(clearances)
@@ -116,6 +121,20 @@ contains
                              kept%nearest%high < clearances(i)%asked - touching*maxval(dimensions%arcl)
          end associate
       end do
+
+   contains
+
+      !> True if IRANGE asks for the limits over no more and no less than the range of the proof.
+      pure logical function covers_limits()
+         select case (set%constr%irange)
+         case (range_inputs)
+            covers_limits = range == proof_of_inputs .or. problem%mechanism%sliding_input
+         case (range_turn)
+            covers_limits = range == proof_of_turn .or. problem%mechanism%sliding_input
+         case default
+            covers_limits = .false.
+         end select
+      end function covers_limits
    end subroutine study_proof
 
    !> Prove where a linkage closes, and how far its transmission angles, slides and output point go there.
@@ -143,7 +162,7 @@ contains
       real(wp) :: from, to
       integer :: boxes(2)
 
-      allocate (study%kept(0))
+      allocate (study%kept(0), study%margins(0))
       study%full_turn = range == proof_of_turn .and. .not. problem%mechanism%sliding_input
       from = 0.0_wp
       to = full_turn
@@ -335,11 +354,11 @@ contains
       study%circuits = count
    end subroutine place_positions
 
-   !> True unless the linkage is proven to close over the whole range and no clearance is proven to be less than asked.
+   !> True unless the linkage is proven to close over the whole range and no limit or clearance is proven to be violated.
    pure logical function is_violating(self)
       class(proof_study_t), intent(in) :: self
 
-      is_violating = self%is_open() .or. any(self%kept%is_broken)
+      is_violating = self%is_open() .or. any(self%kept%is_broken) .or. any(self%margins%is_broken)
    end function is_violating
 
    !> True unless the linkage is proven to close over the whole range.

@@ -23,6 +23,7 @@ module psalm_margins
    private
    public :: margin_t, inspector_t, prepare_inspector, inspect, is_violated
    public :: margin_angle, margin_slides, margin_guide, margin_offset, margin_clearance, margin_bound, margin_length
+   public :: rounding, parallel
 
    integer, parameter :: margin_angle = 1    !! transmission angle of a link pair inside its limits, degrees
    integer, parameter :: margin_slides = 2   !! angle between two slides inside its limits, degrees
