@@ -1,6 +1,8 @@
 !> All linkages that &EXACT asks for: found, proven over their motion where IPROOF asks for it, reported.
 module psalm_exact_run
    use psalm_cases, only: read_case_text
+   use psalm_chain_proof_study, only: chain_proof_t, study_chain_proof
+   use psalm_chain_study, only: chain_study_t, study_chain
    use psalm_data_set, only: data_set_t
    use psalm_devices, only: devices_t
    use psalm_error, only: problem_t, make_problem
@@ -8,7 +10,7 @@ module psalm_exact_run
    use psalm_exact_results, only: exact_proof_t
    use psalm_exact_study, only: exact_study_t, find_exact, rank_proven, results_of, stays_assembled, &
                                 tries
-   use psalm_kinds, only: wp, full_turn, half_turn
+   use psalm_kinds, only: wp, degrees_per_radian, full_turn, half_turn
    use psalm_preparation, only: prepared_t, prepare
    use psalm_proof, only: piece_closes, subject_t
    use psalm_proof_ranges, only: extreme_angle
@@ -68,7 +70,10 @@ contains
       call write_case(set, study, number, 1, text)
       call read_case_text(text%content(), 'device 7', sets, findings, 'psalm')
       if (findings%failed()) return
-      if (sets(1)%nloop == 0) return
+      if (allocated(sets(1)%no_loops)) then
+         call prove_groups(set, sets(1), proof)
+         return
+      end if
       allocate (prepared, problem, turn, way, subject)
       call prepare(sets(1), none, prepared, findings)
       if (.not. prepared%ready) return
@@ -117,6 +122,7 @@ contains
       type(proof_study_t), intent(in) :: study
       real(wp), intent(in) :: first                  !! crank angle of the first position
       type(exact_proof_t), intent(inout) :: proof
+      real(wp) :: shift
       integer :: part, last
 
       proof%from = 0.0_wp
@@ -131,5 +137,47 @@ contains
          if (study%full_turn .and. part == 1 .and. last > 1 .and. limits(last)%kind == piece_closes) &
             proof%from = limits(last)%from - full_turn - first
       end associate
+      if (.not. study%full_turn) return
+      ! the first position is in it
+      shift = full_turn*real(ceiling(max(proof%from, 0.0_wp)/full_turn) - ceiling(max(-proof%to, 0.0_wp)/full_turn), wp)
+      proof%from = proof%from - shift
+      proof%to = proof%to - shift
    end subroutine take_part
+
+   !> The motion of a result with larger groups, from its first position, where it is drawn.
+   subroutine prove_groups(set, case, proof)
+      type(data_set_t), intent(in) :: set
+      type(data_set_t), intent(in) :: case           !! the result, a sketch
+      type(exact_proof_t), intent(inout) :: proof
+      type(chain_study_t), allocatable :: study
+      type(chain_proof_t), allocatable :: motion
+
+      allocate (study, motion)
+      call study_chain(case, 1.0_wp, 0.0_wp, study)
+      if (.not. study%sound) return
+      call study_chain_proof(case, study, proof_of_inputs, motion)
+      if (motion%empty .or. motion%braced > 0 .or. motion%misplaced > 0) return
+      proof%known = .true.
+      proof%closes = motion%complete
+      if (set%iproof == proof_of_turn) then
+         call study_chain_proof(case, study, proof_of_turn, motion)
+         proof%turns = motion%complete
+         proof%closes = proof%closes .or. proof%turns
+      end if
+      call take_legs(motion, proof)
+   end subroutine prove_groups
+
+   !> How far a motion is proven either way.
+   pure subroutine take_legs(motion, proof)
+      type(chain_proof_t), intent(in) :: motion
+      type(exact_proof_t), intent(inout) :: proof
+      real(wp) :: way
+      integer :: k
+
+      do k = 1, size(motion%legs)
+         way = motion%legs(k)%reached*motion%legs(k)%to(1)*degrees_per_radian
+         proof%from = min(proof%from, way)
+         proof%to = max(proof%to, way)
+      end do
+   end subroutine take_legs
 end module psalm_exact_run

@@ -340,6 +340,26 @@ def guided(folder):
         check((away < 1e-9*400) == (r[1] == 1), "six-bars of a chain: the analysis comes to the poses, or not", (r[:2], away))
 
 
+def guided_proofs(folder):
+    """What is proven of six-bars of a chain, with larger groups too, by the analysis just before and just beyond both ends."""
+    text = read("guided_six_bar").replace("&EXACT", "&LIMITS IPROOF=1 &END\n &EXACT", 1)
+    status, listing, _, seven, _ = run("proofs", text, folder)
+    rows = blocks_of(seven.replace(".dev7", ".dev9"))[-1]
+    check([r[:3] for r in rows] == [[1, 0, 1], [2, 0, 1], [3, 0, 1]], "six-bars of a chain: three are proven", (status, rows))
+    check(all(r[3] < 0.0 and r[4] > 57.040902322597 for r in rows), "six-bars of a chain: the positions are in what closes", rows)
+    check(math.isnan(rows[0][5]) and rows[1][5] > 2.1, "six-bars of a chain: one is of a larger group", rows)
+    with open(seven, encoding="utf-8") as file:
+        cases = file.read().split("! rank ")[1:]
+    for r, case in zip(rows, cases):
+        for inside, beyond in ((r[3] + 1e-6, r[3] - 1e-3), (r[4] - 1e-6, r[4] + 1e-3)):
+            path = os.path.join(folder, "ends.nml")
+            with open(path, "w", encoding="utf-8") as file:
+                file.write(re.sub(r"NDES=5,\s+DELT=[^&]*", "NDES=3, DELT=0.0,%.12f,%.12f " % (inside, beyond), case.split("\n", 1)[1]).replace("LAST=0", "LAST=1"))
+            subprocess.run([os.path.join(BIN, "psalm"), path], capture_output=True, text=True, timeout=60)
+            closed = [q[1] for q in blocks_of(path.replace(".nml", ".dev9"))[0]]
+            check(closed == [1, 1, 0], "six-bars of a chain: the ends of what closes", (r, closed))
+
+
 def nine_points(folder):
     status, listing, rows, seven, _ = run("nine", read("nine_points"), folder)
     check(status == 0 and "complete: 1442 of 1442 ends distinct, certified" in listing, "nine points: complete", listing[:300])
@@ -519,6 +539,7 @@ with tempfile.TemporaryDirectory() as where:
     lines(where)
     curves_drawn(where)
     guided(where)
+    guided_proofs(where)
     refused(where)
     others(where)
 print("%d passed, %d failed" % (passed, failed))

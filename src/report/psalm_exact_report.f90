@@ -99,7 +99,7 @@ contains
                call devices%nine%add(to_text(i)//digit(own%turns)//digit(own%closes)//' '//full_precision(own%from)//' '// &
                                      full_precision(own%to)//' '//number_or_nan(own%transmission, own%transmits))
             else
-               call devices%six%add(rank_column(i)//'  nothing: different assemblies at the positions, or no loops of dyads')
+               call devices%six%add(rank_column(i)//'  nothing: different assemblies at the positions')
             end if
          end associate
       end do
