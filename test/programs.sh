@@ -120,6 +120,14 @@ check 'LSQ: three listings' test "$(grep -c 'TOTAL ERROR' out)" -eq 3
 check 'LSQ: path of 18 points as good as the best published' awk '/TOTAL ERROR/ { getline; sub("D", "E"); v = $1 } END { exit !(v <= 0.00903) }' path18.lst
 check 'LSQ: free timing meets six points on a line' awk '/TOTAL ERROR/ { getline; sub("D", "E"); v = $1 } END { exit !(v < 1e-12) }' line6.lst
 at_most 'log10: as good as known' log10.lst 1.46e-4
+at_most 'slopes: values and slopes of a function' slopes.lst 8.27e-4
+cp slopes.dev7 slopes_found.nml
+status 0 'slopes: kalm reads what was found' "$bin/kalm" --quiet slopes_found.nml
+check 'slopes: the derivatives on device 9 are those of kalm' awk '
+    NR == FNR { if ($1 == "#") block = $2; else if (block == "derivatives;" && NF == 6) want[++n] = $3 " " $5
+                else if (block == "derivatives;" && NF == 10) want[++n] = $3 " " $7; next }
+    $1 + 0 > 0 && NF >= 7 { gsub("D", "E"); split(want[++m], w); v = NF == 7 ? $3 : $4; a = NF == 7 ? $4 : $6
+                if ((v - w[1])^2 + (a - w[2])^2 > 1e-9) bad = 1 } END { exit !(n == 7 && m == 7 && !bad) }' slopes.dev9 out
 at_most 'needle_wide: better than from nearby starts' needle_wide.lst 0.3968
 at_most 'brake_reaction_lsq: far better than published' brake_reaction_lsq.lst 1.0
 at_most 'dwell: better than its reference' dwell.lst 0.02

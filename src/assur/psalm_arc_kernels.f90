@@ -10,7 +10,7 @@ module psalm_arc_kernels
    use psalm_kinds, only: wp
    implicit none (type, external)
    private
-   public :: arc_vector, add_arc_rate, add_arc_change, difference
+   public :: arc_vector, add_arc_rate, add_arc_change, add_change_of_rate, difference
    public :: point_back, dyad_back, arc_back
    public :: invert_columns, solve_columns, quarter_turn_of_sum
    public :: turn_point_twice, turn_point_third, slide_point_twice
@@ -212,6 +212,42 @@ contains
          ty(i) = fy(i) + along*ey(i) + across*ex(i)
       end do
    end subroutine add_arc_change
+
+   !> t = f + factor * change of an arc's derivative of order 1 or 2 with one dimension.
+   !>
+   !> w1, w2, l1, l2 are the derivatives of the arc's angle and length by the input; h0, h1, h2 and g0, g1, g2 are the changes with
+   !> the dimension of angle and length and of these derivatives. For the part of a dyad's arc that is known, rows of the unknown
+   !> highest order hold zero. `dw` and `dl` are the rates of the arc's own fixed angle and length.
+   pure subroutine add_change_of_rate(n, order, factor, fx, fy, ex, ey, length, w1, w2, l1, l2, h0, h1, h2, g0, g1, g2, dw, dl, &
+                                      tx, ty)
+      integer, intent(in) :: n, order
+      real(wp), intent(in) :: factor, dw, dl
+      real(wp), intent(in) :: fx(n), fy(n), ex(n), ey(n), length(n)
+      real(wp), intent(in) :: w1(n), w2(n), l1(n), l2(n), h0(n), h1(n), h2(n), g0(n), g1(n), g2(n)
+      real(wp), intent(out) :: tx(n), ty(n)
+      real(wp) :: along, across, h, g
+      integer :: i
+
+      if (order == 1) then
+         do i = 1, n
+            h = h0(i) + dw
+            g = g0(i) + dl
+            along = factor*(g1(i) - w1(i)*h*length(i))
+            across = factor*(g*w1(i) + l1(i)*h + h1(i)*length(i))
+            tx(i) = fx(i) + along*ex(i) - across*ey(i)
+            ty(i) = fy(i) + along*ey(i) + across*ex(i)
+         end do
+      else
+         do i = 1, n
+            h = h0(i) + dw
+            g = g0(i) + dl
+            along = factor*(g2(i) - g*w1(i)**2 - 2.0_wp*l1(i)*w1(i)*h - (2.0_wp*w1(i)*h1(i) + w2(i)*h)*length(i))
+            across = factor*(2.0_wp*(g1(i)*w1(i) + l1(i)*h1(i)) + g*w2(i) + l2(i)*h + (h2(i) - w1(i)**2*h)*length(i))
+            tx(i) = fx(i) + along*ex(i) - across*ey(i)
+            ty(i) = fy(i) + along*ey(i) + across*ex(i)
+         end do
+      end if
+   end subroutine add_change_of_rate
 
    !> Reverse of a point step: what depends on the point t = f + arc is handed on to f, to the root and to the length.
    pure subroutine point_back(n, tx, ty, ex, ey, length, fx, fy, root, along)

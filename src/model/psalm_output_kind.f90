@@ -3,7 +3,7 @@ module psalm_output_kind
    implicit none (type, external)
    private
    public :: output_kind_t, output_kind
-   public :: motion_point, motion_angle, motion_distance, motion_slide, motion_pose, most_components
+   public :: motion_point, motion_angle, motion_distance, motion_slide, motion_pose, most_components, most_rates
 
    integer, parameter :: motion_point = 0     !! MOTION 0: x and y of the output point
    integer, parameter :: motion_angle = 1     !! MOTION 1: angle of the output arc
@@ -12,6 +12,7 @@ module psalm_output_kind
    integer, parameter :: motion_pose = 4      !! MOTION 4: x and y of the output point and angle of the output arc
 
    integer, parameter :: most_components = 3
+   integer, parameter :: most_rates = 2       !! orders of derivatives by the input that can be wanted
 
    !> What is the same for all outputs of a kind.
    type :: output_kind_t

@@ -42,6 +42,11 @@ module psalm_error
       real(wp), allocatable :: actual(:, :)        !! shape (positions, components): x and y, or angle, distance, length
       real(wp), allocatable :: error(:, :)         !! desired - actual; 0 without desired values
       real(wp) :: total = 0.0_wp                   !! objective over the closed positions
+      ! only where derivatives of the output by the input are wanted; of angles in radians
+      real(wp), allocatable :: rates(:, :, :)      !! shape (positions, components, orders): actual ones
+      real(wp), allocatable :: rate_error(:, :, :) !! the same shape: desired - actual; 0 where none is wanted
+      logical, allocatable :: has_rates(:)         !! it closes, and is not at a dead point
+      real(wp), allocatable :: part(:)             !! shape (0:orders): of the objective, values and derivatives
       type(violation_t), allocatable :: violations(:)
       type(crossing_t), allocatable :: crossings(:)
    end type motion_t
@@ -65,6 +70,9 @@ module psalm_error
       real(wp), allocatable :: wanted(:, :)        !! shape (positions, components): desired, points in machine co-ordinates
       real(wp), allocatable :: toward_x(:), toward_y(:) !! unit vectors of desired angles
       real(wp), allocatable :: weight(:, :)        !! shape as `wanted`: weights, 0 for padding
+      ! derivatives of the output by the input that are wanted; not allocated: none
+      real(wp), allocatable :: rate_wanted(:, :, :) !! shape (positions, components, orders): of angles in radians
+      real(wp), allocatable :: rate_weight(:, :, :) !! the same shape: weights, 0 where none is wanted
       real(wp), allocatable :: partial(:)          !! shape (blocks): objective of each
       integer, allocatable :: offending(:)         !! shape (blocks): lowest loop not accepted in each
       type(observable_t) :: output                 !! what the linkage is for
@@ -102,6 +110,9 @@ contains
       if (set%ikin /= 0 .or. .not. set%desired) return
       call desired_of(set, wanted, weight)
       call problem%set_desired(wanted, weight)
+      if (.not. allocated(set%rate_wanted)) return
+      problem%rate_wanted = set%rate_wanted
+      problem%rate_weight = set%rate_weight
    end subroutine make_problem
 
    !> A problem of a mechanism at given inputs, without desired values and without limits but that of closure.
@@ -187,6 +198,7 @@ contains
       self%positions = size(delt)
       self%delt = delt
       self%desired = .false.
+      if (allocated(self%rate_wanted)) deallocate (self%rate_wanted, self%rate_weight)
       call self%linkage%prepare(self%mechanism, self%plan, self%tangle, self%slide_angle, delt)
       call self%output%locate(self%motion, self%mechanism, self%plan, self%linkage)
       if (allocated(self%linkages)) deallocate (self%linkages)

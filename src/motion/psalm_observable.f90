@@ -39,6 +39,7 @@ module psalm_observable
       procedure :: actual
       procedure :: rates => rates_of_output
       procedure :: change => change_of_output
+      procedure :: change_of_rates
       procedure :: change_of_origin
       procedure :: seed
       procedure :: bound => bound_of_output
@@ -245,6 +246,76 @@ contains
          end do
       end associate
    end subroutine change_of_output
+
+   !> Change of the derivatives of the components by the input with a variable, at position `i` of the block, orders 1 and 2; of
+   !> an angle in radians.
+   !>
+   !> The output arc is an arc of fixed length: formulas of `psalm_arc_kernels`, `add_change_of_rate`. MOTION 2: zero on the origin.
+   subroutine change_of_rates(self, link, d, rates, i, variable, turn, unit, change)
+      class(observable_t), intent(in) :: self
+      type(linkage_t), intent(in) :: link
+      type(rows_t), intent(in) :: d(0:)              !! changes of the rows of the store, of their first and second derivatives
+      type(rows_t), intent(in) :: rates(:)           !! by order: derivatives of the rows of the store
+      integer, intent(in) :: i
+      integer, intent(in) :: variable                !! its kind
+      real(wp), intent(in) :: turn                   !! of the output arc's fixed angle with it
+      real(wp), intent(in) :: unit                   !! radians a unit of the variable is worth, or 1
+      real(wp), intent(out) :: change(:, :)          !! shape (components, 2)
+      complex(wp) :: e, p(0:2), dp(0:2)              ! unit vector of the output arc; point and its change, by order
+      real(wp) :: back, h(0:2), w1, w2, g, length, r(0:2), dr(0:2), x, y
+      integer :: order
+
+      change = 0.0_wp
+      back = 1.0_wp/link%scale
+      do order = 0, 2
+         h(order) = d(order)%v(i, self%root_x)
+      end do
+      if (self%kind%angle > 0) change(self%kind%angle, :) = h(1:)*unit
+      if (self%slide > 0) change(1, :) = [d(1)%v(i, self%slide), d(2)%v(i, self%slide)]*(back*unit)
+      if (.not. self%kind%has_point) return
+      h(0) = h(0) + turn
+      if (variable == variable_outang) h(0) = h(0) + 1.0_wp
+      g = merge(1.0_wp, 0.0_wp, variable == variable_outlk)
+      length = self%length
+      w1 = rates(1)%v(i, self%root_x)
+      w2 = rates(2)%v(i, self%root_x)
+      e = cmplx(self%c*link%store%v(i, self%root_x) - self%s*link%store%v(i, self%root_y), &
+                self%c*link%store%v(i, self%root_y) + self%s*link%store%v(i, self%root_x), wp)
+      dp(0) = e*cmplx(g, length*h(0), wp)
+      dp(1) = e*cmplx(-length*w1*h(0), g*w1 + length*h(1), wp)
+      dp(2) = e*cmplx(-g*w1**2 - length*(2.0_wp*w1*h(1) + w2*h(0)), g*w2 + length*(h(2) - w1**2*h(0)), wp)
+      do order = 0, 2
+         dp(order) = dp(order) + back*cmplx(d(order)%v(i, self%base_x), d(order)%v(i, self%base_y), wp)
+      end do
+      if (self%motion /= motion_distance) then
+         change(1, :) = real(dp(1:), wp)*unit
+         change(2, :) = aimag(dp(1:))*unit
+         return
+      end if
+      call self%change_of_origin(variable, x, y)
+      dp(0) = dp(0) + cmplx(x, y, wp)
+      call output_vector(self, link, i, x, y)
+      r(0) = hypotenuse(x, y)
+      if (r(0) <= at_origin*maxval(link%length)*back) return
+      p(0) = cmplx(x, y, wp)
+      p(1) = back*cmplx(rates(1)%v(i, self%base_x), rates(1)%v(i, self%base_y), wp) + e*cmplx(0.0_wp, length*w1, wp)
+      p(2) = back*cmplx(rates(2)%v(i, self%base_x), rates(2)%v(i, self%base_y), wp) + e*cmplx(-length*w1**2, length*w2, wp)
+      ! r r' = p.p', r r'' + r'**2 = p.p'' + p'.p', and their changes
+      dr(0) = dot(p(0), dp(0))/r(0)
+      r(1) = dot(p(0), p(1))/r(0)
+      dr(1) = (dot(dp(0), p(1)) + dot(p(0), dp(1)) - dr(0)*r(1))/r(0)
+      r(2) = (dot(p(0), p(2)) + dot(p(1), p(1)) - r(1)**2)/r(0)
+      dr(2) = (dot(dp(0), p(2)) + dot(p(0), dp(2)) + 2.0_wp*(dot(p(1), dp(1)) - r(1)*dr(1)) - dr(0)*r(2))/r(0)
+      change(1, :) = dr(1:)*unit
+
+   contains
+
+      pure real(wp) function dot(a, b)
+         complex(wp), intent(in) :: a, b
+
+         dot = a%re*b%re + a%im*b%im
+      end function dot
+   end subroutine change_of_rates
 
    !> Change of the distance from the origin where the point changes by (dx, dy).
    pure real(wp) function along_distance(self, link, i, dx, dy) result(change)

@@ -20,7 +20,8 @@ module psalm_sensitivity
                                variable_origng, variable_crnki
    implicit none (type, external)
    private
-   public :: sensitivity_t, prepare_sensitivity, find_jacobian, find_constraints, block_constraints, find_gradient
+   public :: sensitivity_t, prepare_sensitivity, find_jacobian, find_constraints, block_constraints, find_gradient, &
+             unit_of
 
    !> Room to work in, and which arcs each variable changes.
    type :: sensitivity_t

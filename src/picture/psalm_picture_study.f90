@@ -178,6 +178,7 @@ contains
       set%xmult = set%xmult(1::step)
       set%ymult = set%ymult(1::step)
       set%anmult = set%anmult(1::step)
+      if (allocated(set%rate_wanted)) deallocate (set%rate_wanted, set%rate_weight) ! no picture shows them
       call findings%warning('of '//to_text(set%ndes)//' positions '//to_text(size(set%delt))//' are drawn, one in '// &
                             to_text(step)//', and numbered so on the pictures', line=set%origins%line('METHOD', 'NDES', 1), &
                             group='METHOD', item='NDES')

@@ -5,12 +5,14 @@ module psalm_case_table
    use psalm_data_set, only: data_set_t
    use psalm_devices, only: devices_t
    use psalm_error, only: problem_t, motion_t
+   use psalm_kinds, only: wp
    use psalm_rate_study, only: rate_study_t
    implicit none (type, external)
    private
    public :: report_case_table
 
-   character(*), parameter :: of_rate(2) = ['.v', '.a']
+   character(*), parameter :: of_rate(2) = ['.v', '.a']               !! by time
+   character(*), parameter :: of_input(2) = ['.first ', '.second']    !! by the input, where they are wanted
 
 contains
 
@@ -39,6 +41,15 @@ contains
          if (.not. problem%desired) return
          do c = 1, kind%components
             call table%add('desired'//component(c), problem%wanted(:size(motion%input), c))
+         end do
+         if (.not. allocated(motion%rates)) return
+         do c = 1, kind%components
+            do o = 1, size(of_input)
+               if (.not. any(problem%rate_weight(:, c, o) > 0.0_wp)) cycle
+               call table%add('output'//component(c)//trim(of_input(o)), motion%rates(:, c, o), motion%has_rates)
+               call table%add('desired'//component(c)//trim(of_input(o)), problem%rate_wanted(:, c, o), &
+                              problem%rate_weight(:, c, o) > 0.0_wp)
+            end do
          end do
       end associate
 

@@ -8,6 +8,7 @@ module psalm_check_list
    use psalm_finale, only: angle_text, arc_table, list_reference, list_output_arc
    use psalm_kinds, only: wp
    use psalm_output_kind, only: output_kind_t, output_kind
+   use psalm_rate_items, only: rate_items
    use psalm_mechanism, only: mechanism_t, arc_crank, arc_determined, arc_slide
    use psalm_text, only: text_t, fixed, general, to_text
    implicit none (type, external)
@@ -94,6 +95,7 @@ contains
             call text%add(' WEIGHTING FACTORS FOR THE VALUES ABOVE')
             call rows(set%anmult)
          end if
+         if (allocated(set%rate_wanted)) call list_wanted_rates(kind%components)
       end if
       if (mechanism%sliding_input) then
          call text%add(' THE DESIRED INPUT LENGTH')
@@ -103,6 +105,24 @@ contains
       call rows(set%delt)
 
    contains
+
+      !> Derivatives by the input, under the names of their items.
+      subroutine list_wanted_rates(components)
+         integer, intent(in) :: components
+         integer :: c, which, order
+
+         do c = 1, components
+            which = merge(size(rate_items, 2), c, components == 1)
+            do order = 1, size(rate_items, 1)
+               if (.not. any(set%rate_weight(:, c, order) > 0.0_wp)) cycle
+               call text%add(' THE DESIRED '//trim(merge('FIRST ', 'SECOND', order == 1))//' DERIVATIVE BY THE INPUT, '// &
+                             trim(rate_items(order, which)))
+               call rows(set%rate_wanted(:, c, order))
+               call text%add(' WEIGHTING FACTORS FOR THE VALUES ABOVE, 0 WHERE NONE IS WANTED')
+               call rows(set%rate_weight(:, c, order))
+            end do
+         end do
+      end subroutine list_wanted_rates
 
       subroutine rows(values)
          real(wp), intent(in) :: values(:)

@@ -9,7 +9,7 @@ module psalm_finale
    use psalm_dyad_kind, only: form_of, form_t
    use psalm_error, only: problem_t, motion_t, violation_t, crossing_t
    use psalm_kinds, only: wp, full_turn
-   use psalm_output_kind, only: motion_point, motion_angle, motion_distance, motion_pose
+   use psalm_output_kind, only: motion_point, motion_angle, motion_distance, motion_pose, most_rates
    use psalm_plan, only: root_frame
    use psalm_dimensions, only: dimensions_t
    use psalm_mechanism, only: mechanism_t
@@ -240,6 +240,7 @@ contains
          end if
          call text%add(line)
       end do
+      if (allocated(motion%rates)) call list_wanted_rates(problem, motion, text)
       if (problem%desired) then
          if (all(motion%closed)) then
             call text%add(' TOTAL ERROR')
@@ -247,6 +248,10 @@ contains
             call text%add(' TOTAL ERROR OF THE POSITIONS THAT CLOSE')
          end if
          call text%add(general(motion%total))
+         if (allocated(motion%rates)) then
+            call text%add(' OF WHICH VALUES, FIRST DERIVATIVES, SECOND DERIVATIVES')
+            call text%add(general(motion%part(0))//general(motion%part(1))//general(motion%part(2)))
+         end if
       end if
       if (size(motion%violations) == 0) return
       call text%add()
@@ -255,6 +260,68 @@ contains
          call text%add(' '//describe_violation(problem, motion, motion%violations(i)))
       end do
    end subroutine list_motion
+
+   !> Derivatives by the input of the orders of which some are wanted: desired, actual, error.
+   subroutine list_wanted_rates(problem, motion, text)
+      type(problem_t), intent(in) :: problem
+      type(motion_t), intent(in) :: motion
+      type(text_t), intent(inout) :: text
+      character(*), parameter :: names(most_rates) = [character(6) :: 'FIRST', 'SECOND']
+      character(*), parameter :: blank = repeat(' ', 14)//'-'
+      character(:), allocatable :: line
+      integer :: order, i, c
+
+      do order = 1, most_rates
+         associate (wanted => problem%rate_weight(:, :, order) > 0.0_wp)
+            if (.not. any(wanted)) cycle
+            line = ' '//trim(names(order))//' DERIVATIVES BY THE INPUT'
+            line = line//', PER '//trim(merge('UNIT OF LENGTH', 'RADIAN        ', problem%mechanism%sliding_input))
+            if (order == 2) line = line//' SQUARED'
+            if (problem%output%kind%angle > 0) line = line//' (ANGLES IN RADIANS)'
+            call text%add()
+            call text%add(line)
+            line = merge('   INPUT LENGTH', '    CRANK ANGLE', problem%mechanism%sliding_input)
+            line = line//headings('DESIRED')//headings(' ACTUAL')//headings('  ERROR')
+            call text%add(line)
+            do i = 1, size(motion%input)
+               line = merge(general(motion%input(i)), angle_text(motion%input(i)), problem%mechanism%sliding_input)
+               do c = 1, size(wanted, 2)
+                  line = line//merge(general(problem%rate_wanted(i, c, order)), blank, wanted(i, c))
+               end do
+               if (.not. motion%closed(i)) then
+                  line = line//'   DOES NOT CLOSE'
+               else if (.not. motion%has_rates(i)) then
+                  line = line//'   DEAD POINT'
+               else
+                  do c = 1, size(wanted, 2)
+                     line = line//general(motion%rates(i, c, order))
+                  end do
+                  do c = 1, size(wanted, 2)
+                     line = line//merge(general(motion%rate_error(i, c, order)), blank, wanted(i, c))
+                  end do
+               end if
+               call text%add(line)
+            end do
+         end associate
+      end do
+
+   contains
+
+      !> One heading for each number of the output.
+      pure function headings(word) result(words)
+         character(7), intent(in) :: word
+         character(:), allocatable :: words
+
+         select case (problem%motion)
+         case (motion_point)
+            words = '      '//word//' X'//'      '//word//' Y'
+         case (motion_pose)
+            words = '      '//word//' X'//'      '//word//' Y'//'  '//word//' ANGLE'
+         case default
+            words = '        '//word
+         end select
+      end function headings
+   end subroutine list_wanted_rates
 
    !> An angle of 0 to 360 degrees; what would print as 360.0000 prints as zero.
    pure function angle_text(degrees) result(text)

@@ -5,11 +5,11 @@
 module psalm_plot_data
    use psalm_error, only: problem_t, motion_t
    use psalm_kinds, only: wp
-   use psalm_output_kind, only: output_kind_t, motion_pose
+   use psalm_output_kind, only: output_kind_t, motion_pose, most_rates
    use psalm_text, only: text_t, full_precision, general
    implicit none (type, external)
    private
-   public :: write_block
+   public :: write_block, write_rate_block
 
 contains
 
@@ -86,4 +86,54 @@ contains
          if (problem%motion == motion_pose) unit = 'length and degrees'
       end function unit_of_output
    end subroutine write_block
+
+   !> Append a block of the derivatives by the input that are wanted; `NaN` where there is none or none is wanted.
+   subroutine write_rate_block(title, problem, motion, text)
+      character(*), intent(in) :: title     !! of the case
+      type(problem_t), intent(in) :: problem
+      type(motion_t), intent(in) :: motion  !! with derivatives
+      type(text_t), intent(inout) :: text
+      character(*), parameter :: powers(most_rates) = [character(1) :: '', '2']
+      character(:), allocatable :: line, name
+      integer :: i, c, order
+
+      call text%add()
+      call text%add()
+      line = '# input closed'
+      do order = 1, most_rates
+         do c = 1, size(motion%rates, 2)
+            name = trim(problem%output%kind%suffix(c))//'_per_'//trim(merge('length', 'rad   ', problem%mechanism%sliding_input)) &
+                   //trim(powers(order))
+            line = line//' actual'//name//' desired'//name
+         end do
+      end do
+      call text%add(line)
+      call text%add('# '//title)
+      line = '# derivatives; by the input in '//trim(merge('length ', 'radians', problem%mechanism%sliding_input))
+      if (problem%output%kind%angle > 0) line = line//', of angles in radians'
+      call text%add(line)
+      do i = 1, size(motion%input)
+         call text%add_text(full_precision(motion%input(i))//merge(' 1', ' 0', motion%closed(i)))
+         do order = 1, most_rates
+            do c = 1, size(motion%rates, 2)
+               call add_number(motion%rates(i, c, order), motion%has_rates(i))
+               call add_number(problem%rate_wanted(i, c, order), problem%rate_weight(i, c, order) > 0.0_wp)
+            end do
+         end do
+         call text%add()
+      end do
+
+   contains
+
+      subroutine add_number(value, there)
+         real(wp), intent(in) :: value
+         logical, intent(in) :: there
+
+         if (there) then
+            call text%add_text(' '//full_precision(value))
+         else
+            call text%add_text(' NaN')
+         end if
+      end subroutine add_number
+   end subroutine write_rate_block
 end module psalm_plot_data

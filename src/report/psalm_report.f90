@@ -16,7 +16,7 @@ module psalm_report
    use psalm_machine_study, only: machine_study_t
    use psalm_margin_list, only: list_margins, describe_margin
    use psalm_margins, only: is_violated
-   use psalm_plot_data, only: write_block
+   use psalm_plot_data, only: write_block, write_rate_block
    use psalm_proof_list, only: list_proof, write_proof, describe_proof
    use psalm_proof_study, only: proof_study_t
    use psalm_rate_list, only: list_rates, list_all_rates, write_table, dead_words
@@ -266,6 +266,7 @@ contains
                call write_block(set%title, name, desired, .false., problem, analysis%sweep, text, analysis%sweep_condition)
          end if
       end associate
+      if (allocated(analysis%motion%rates)) call write_rate_block(set%title, problem, analysis%motion, text)
    end subroutine write_blocks
 
    !> Remarks and exit status where limits are violated, and on what makes the result doubtful.

@@ -1,7 +1,7 @@
-!> The summary of a run in words, for standard error: a title and at most nine lines a case.
+!> The summary of a run in words, for standard error: a title and at most eleven lines a case.
 module psalm_summary_text
    use psalm_kinds, only: wp, dp
-   use psalm_output_kind, only: motion_point, motion_angle, motion_distance
+   use psalm_output_kind, only: motion_point, motion_angle, motion_distance, most_rates
    use psalm_summary, only: summary_t, span_t, loop_kind_t, kind_crank_rocker, kind_double_crank, kind_double_rocker, &
                             kind_rocker_crank, kind_triple_rocker, kind_change_point, kind_slider_turning
    use psalm_text, only: text_t, to_text
@@ -21,6 +21,8 @@ contains
       character(*), intent(in) :: title
       type(summary_t), intent(in) :: summary
       type(text_t), intent(inout) :: text
+      character(*), parameter :: labels(most_rates) = [character(label_columns) :: 'First derivative', 'Second derivative']
+      integer :: order
 
       call text%add(trim(adjustl(title)))
       call add_line('Closes', closing_words(summary), text)
@@ -37,7 +39,26 @@ contains
       if (summary%compared > 0) call add_line('Error', 'RMS '//plain_number(summary%rms)//', largest '// &
          plain_number(summary%largest)//' '//unit_words(summary)//' at position '//to_text(summary%worst)//' (input '// &
          plain_number(summary%worst_input)//')', text)
+      do order = 1, size(summary%rates)
+         associate (errors => summary%rates(order))
+            if (errors%compared > 0) call add_line(labels(order), 'RMS error '//plain_number(errors%rms)//', largest '// &
+                                                   plain_number(errors%largest)//' '//unit_of_rate(summary, order)// &
+                                                   ' at position '//to_text(errors%worst), text)
+         end associate
+      end do
    end subroutine write_summary
+
+   !> What a derivative by the input is measured in.
+   pure function unit_of_rate(summary, order) result(words)
+      type(summary_t), intent(in) :: summary
+      integer, intent(in) :: order
+      character(:), allocatable :: words
+
+      words = 'length units per '
+      if (summary%motion == motion_angle) words = 'radians per '
+      words = words//trim(merge('length unit', 'radian     ', summary%sliding_input))
+      if (order > 1) words = words//' squared'
+   end function unit_of_rate
 
    subroutine add_line(label, words, text)
       character(*), intent(in) :: label, words

@@ -11,6 +11,7 @@ module psalm_analysis
    use psalm_margins, only: margin_t, inspector_t, prepare_inspector, inspect, is_violated
    use psalm_summary, only: summary_t, summarise
    use psalm_sweep, only: sweep_inputs
+   use psalm_wanted_rates, only: add_rates_to_motion
    use psalm_dimensions, only: dimensions_t
    use psalm_mechanism, only: mechanism_t, arc_crank, arc_link
    implicit none (type, external)
@@ -86,6 +87,7 @@ contains
 
       analysis%dimensions = dimensions
       call problem%analyse(dimensions, analysis%motion)
+      if (allocated(problem%rate_wanted)) call add_rates_to_motion(problem, dimensions, analysis%motion)
       if (wanted%conditions) analysis%condition = conditions(problem)
       if (wanted%arcs) then
          allocate (analysis%arcs)

@@ -12,10 +12,12 @@ module psalm_constr
    use psalm_nlp, only: nlp_t, repair_count_t, quarter, most_moves
    use psalm_dimensions, only: dimensions_t
    use psalm_parameters, only: variable_length, variable_outlk
+   use psalm_wanted_rates, only: wanted_rates_t, prepare_wanted_rates, find_wanted_rates, sum_of_rate_errors, all_rates_exist
    implicit none (type, external)
    private
    public :: constraints_t, vertex_problem_t, make_constraints, make_vertex_problem, constrain
 
+   real(wp), parameter :: without_rates = huge(1.0_wp)**0.25_wp !! objective where a derivative that is wanted is infinite
    integer, parameter :: repairs_per_loop = 4    !! repairs before a pair of loops that undo each other gives up
 
    !> Limits on the variables, and room to work in.
@@ -32,6 +34,7 @@ module psalm_constr
    type, extends(nlp_t) :: vertex_problem_t
       type(problem_t), pointer :: problem => null() !! the caller's
       type(constraints_t) :: constraints
+      type(wanted_rates_t), allocatable :: rates    !! derivatives of the output by the input, where they are wanted
    contains
       procedure :: measure
       procedure :: accept
@@ -68,6 +71,10 @@ contains
 
       search%problem => problem
       call make_constraints(set, problem, search%constraints)
+      if (allocated(problem%rate_wanted)) then
+         allocate (search%rates)
+         call prepare_wanted_rates(problem, .false., .false., search%rates)
+      end if
       search%core = size(problem%parameters%variables)
       search%low = spread(-huge(1.0_wp), 1, search%core)
       search%high = -search%low
@@ -100,7 +107,19 @@ contains
       call self%problem%evaluate(self%constraints%dimensions, objective, loop)
       self%evaluations = self%evaluations + 1
       feasible = loop == 0 .and. .not. any(x < self%low .or. x > self%high)
+      if (loop == 0) call add_rate_errors(self, objective)
    end subroutine accept
+
+   !> Add the errors of derivatives, where they are wanted, to the objective of the linkage just evaluated.
+   subroutine add_rate_errors(search, objective)
+      class(vertex_problem_t), intent(inout) :: search
+      real(wp), intent(inout) :: objective
+
+      if (.not. allocated(search%rates)) return
+      call find_wanted_rates(search%rates, search%constraints%dimensions)
+      objective = objective + sum_of_rate_errors(search%rates)
+      if (.not. all_rates_exist(search%rates)) objective = without_rates
+   end subroutine add_rate_errors
 
    !> Make a vertex obey.
    subroutine settle(self, x, objective, feasible, towards)
@@ -111,6 +130,7 @@ contains
       real(wp), intent(in), optional :: towards(:)
 
       call constrain(self%problem, self%constraints, x, objective, feasible, self%evaluations, self%counts, towards)
+      if (feasible) call add_rate_errors(self, objective)
    end subroutine settle
 
    !> Objective of a vertex, altered where the constraints demand it.

@@ -14,10 +14,12 @@ module psalm_merit
    use psalm_kinds, only: wp, degrees_per_radian, full_turn, right_angle
    use psalm_linear_unknowns, only: linear_unknowns_t, prepare_linear_unknowns, solve_linear_unknowns
    use psalm_nlp, only: nlp_t, normal_equations_t
-   use psalm_output_kind, only: motion_point, motion_angle
+   use psalm_output_kind, only: motion_point, motion_angle, most_rates
    use psalm_search_group, only: order_free
    use psalm_start, only: random_limits
    use psalm_station, only: station_t, prepare_station, evaluate_station, linearise_station
+   use psalm_wanted_rates, only: wanted_rates_t, prepare_wanted_rates, find_wanted_rates, differentiate_wanted_rates, &
+                                 sum_of_rate_errors, all_rates_exist
    use psalm_dimensions, only: dimensions_t
    use psalm_parameters, only: variable_length, variable_outlk
    implicit none (type, external)
@@ -41,6 +43,7 @@ module psalm_merit
       type(station_t), allocatable :: range          !! where else constraints hold: over the range of the inputs
       type(station_t), allocatable :: few            !! those of them where constraints are violated, if they are few
       logical :: has_range = .false.                 !! there are such places
+      type(wanted_rates_t), allocatable :: rates     !! derivatives of the output by the input, where they are wanted
       type(problem_t), allocatable :: final          !! with the user's limits: what counts in the end
       type(dimensions_t) :: dimensions
       real(wp), allocatable :: limit(:)              !! by loop: of abs(k)
@@ -114,6 +117,7 @@ contains
       merit%floor = sum(merit%main%problem%weight(:n, 1))*(epsilon(1.0_wp)*merit%size)**2
       merit%small = max(1.0e-2_wp*sum(merit%main%problem%weight(:n, 1)) &
                         *merge(1.0_wp, merit%size, problem%motion == motion_angle)**2, sqrt(tiny(1.0_wp)))
+      if (allocated(problem%rate_wanted)) call want_rates(problem, merit)
       call list_clearances(set%constr, problem%mechanism, problem%given%outlk <= 0.0_wp, merit%clearances, joints)
       merit%has_range = merit%irange /= range_positions .or. size(merit%clearances) > 0
       if (merit%has_range) then
@@ -154,6 +158,22 @@ contains
          if (problem%mechanism%groups(loop)%kind == assur_prp) merit%limit(loop) = 1.0_wp - sine - slack
       end do
    end subroutine prepare_merit
+
+   !> Derivatives of the output by the input are wanted too.
+   subroutine want_rates(problem, merit)
+      type(problem_t), intent(in) :: problem
+      class(merit_t), intent(inout) :: merit
+      real(wp) :: unit, weight
+
+      allocate (merit%rates)
+      call prepare_wanted_rates(problem, merit%free, .true., merit%rates)
+      ! what a derivative is compared with: a radian or the linkage's size, per radian or per size
+      unit = merge(1.0_wp, merit%size, problem%motion == motion_angle)
+      if (problem%mechanism%sliding_input) unit = unit/merit%size
+      weight = sum(problem%rate_weight)
+      merit%floor = merit%floor + weight*(epsilon(1.0_wp)*unit)**2
+      merit%small = max(merit%small, 1.0e-2_wp*weight*unit**2)
+   end subroutine want_rates
 
    !> Largest difference of desired values that are lengths; 0 if they are angles.
    pure real(wp) function extent_of_desired(problem) result(extent)
@@ -232,6 +252,7 @@ contains
       associate (values => x(:merit%core), delt => x(merit%core + 1:))
          if (merit%free) call merit%main%problem%move_inputs(delt)
          if (merit%has_range .and. merit%range%timed) call merit%range%problem%move_inputs(delt)
+         if (allocated(merit%rates) .and. merit%free) call merit%rates%problem%move_inputs(delt)
          if (order_weighs(merit)) merit%late = (merit%sense*(delt - cshift(delt, 1)) &
                                                 - [spread(0.0_wp, 1, size(delt) - 1), merit%span])/unit_of_input(merit)
          ! the variables of `final` are the user's; those of a station may have one more for the input
@@ -271,6 +292,7 @@ contains
 
       call put_in(merit, x)
       call evaluate_station(merit%main, merit%dimensions)
+      if (allocated(merit%rates)) call find_wanted_rates(merit%rates, merit%dimensions)
       if (merit%has_range) call look_over_range(merit)
    end subroutine see
 
@@ -293,6 +315,7 @@ contains
             sum_of_errors = sum_of_errors + sum(problem%weight(:n, c)*merit%main%out(:, c)**2)
          end do
       end associate
+      if (allocated(merit%rates)) sum_of_errors = sum_of_errors + sum_of_rate_errors(merit%rates)
    end function sum_of_errors
 
    !> Sum of the squared violations of the linkage last looked at.
@@ -352,7 +375,7 @@ contains
       class(merit_t), intent(inout) :: self
       real(wp), intent(in) :: x(:), weight
       type(normal_equations_t), intent(inout) :: equations
-      integer :: r, a, b
+      integer :: r, a, b, order
 
       call put_in(self, x)
       call linearise_station(self%main, self%dimensions)
@@ -362,6 +385,17 @@ contains
          do r = 1, size(main%out, 2)
             call add_errors(nvar, main%problem%weight(:n, r), main%out(:, r), main%dout(:, :, r), equations)
          end do
+         if (allocated(self%rates)) then
+            call differentiate_wanted_rates(self%rates, self%dimensions)
+            associate (rates => self%rates)
+               do order = 1, most_rates
+                  do r = 1, size(rates%miss, 2)
+                     call add_errors(nvar, rates%problem%rate_weight(:, r, order), rates%miss(:, r, order), &
+                                     rates%by(:, :, r, order), equations)
+                  end do
+               end do
+            end associate
+         end if
          call add_angles(main, self%limit, size(main%k, 1), nvar, weight, equations)
          if (order_weighs(self)) then
             associate (pull => (weight*self%sense/unit_of_input(self))*max(self%late, 0.0_wp))
@@ -536,6 +570,11 @@ contains
       call self%final%evaluate(self%dimensions, objective, loop)
       self%evaluations = self%evaluations + 1
       feasible = loop == 0
+      if (allocated(self%rates)) then
+         call find_wanted_rates(self%rates, self%dimensions)
+         objective = objective + sum_of_rate_errors(self%rates)
+         feasible = feasible .and. all_rates_exist(self%rates)
+      end if
       if (.not. feasible) return
       call evaluate_station(self%main, self%dimensions)
       feasible = keeps_limits(self%main, self%limit)
@@ -671,11 +710,12 @@ contains
 
    !> From now on solve for the dimensions that enter the output linearly, where the linkage has them.
    !>
-   !> Not where constraints hold in a part of the turn that hangs on free inputs: it would turn with them.
+   !> Not where constraints hold in a part of the turn that hangs on free inputs: it would turn with them; nor where derivatives are
+   !> wanted.
    subroutine eliminate_linear(merit)
       class(merit_t), intent(inout) :: merit
 
-      if (size(merit%clearances) > 0 .or. (merit%free .and. merit%irange == range_inputs)) return
+      if (size(merit%clearances) > 0 .or. (merit%free .and. merit%irange == range_inputs) .or. allocated(merit%rates)) return
       allocate (merit%linear)
       call prepare_linear_unknowns(merit%final, merit%free, merit%low, merit%high, merit%linear)
       if (.not. merit%linear%applies) deallocate (merit%linear)

@@ -10,7 +10,7 @@ module psalm_summary
    use psalm_exact_sum, only: sign_of_sum
    use psalm_error, only: problem_t, motion_t
    use psalm_kinds, only: wp, full_turn, right_angle
-   use psalm_output_kind, only: motion_point, motion_angle, motion_pose
+   use psalm_output_kind, only: motion_point, motion_angle, motion_pose, most_rates
    use psalm_plan, only: root_crank, root_frame
    use psalm_station, only: station_t, prepare_station, evaluate_station
    use psalm_sweep, only: sweep_sense
@@ -53,6 +53,13 @@ module psalm_summary
       integer :: kind = kind_none
    end type loop_kind_t
 
+   !> Errors of derivatives by the input that are wanted; of points the length of the difference, angles in radians.
+   type :: rate_errors_t
+      integer :: compared = 0                         !! positions at which one is wanted and exists
+      real(wp) :: rms = 0.0_wp, largest = 0.0_wp
+      integer :: worst = 0                            !! position of the largest
+   end type rate_errors_t
+
    type :: summary_t
       logical :: sliding_input = .false.
       integer :: motion = motion_point                !! MOTION: what the output is
@@ -72,6 +79,7 @@ module psalm_summary
       real(wp) :: rms = 0.0_wp, largest = 0.0_wp      !! errors there, unit of the output
       integer :: worst = 0                            !! position of the largest
       real(wp) :: worst_input = 0.0_wp
+      type(rate_errors_t) :: rates(most_rates)        !! of first and second derivatives by the input
    end type summary_t
 
 contains
@@ -92,6 +100,7 @@ contains
       ! of a pose the point is told
       summary%motion = merge(motion_point, problem%motion, problem%motion == motion_pose)
       call errors(problem, motion, summary)
+      if (allocated(motion%rates)) call errors_of_rates(problem, motion, summary%rates)
       plain = problem
       plain%tangle = right_angle
       plain%toggle = 0.0_wp
@@ -166,6 +175,29 @@ contains
       ! relative to the largest, for squares of extreme lengths overflow
       summary%rms = summary%largest*sqrt(sum((miss/summary%largest)**2, mask=motion%closed)/real(summary%compared, wp))
    end subroutine errors
+
+   !> The same of derivatives by the input, where they are wanted; of a pose those of its point.
+   pure subroutine errors_of_rates(problem, motion, rates)
+      type(problem_t), intent(in) :: problem
+      type(motion_t), intent(in) :: motion           !! with derivatives
+      type(rate_errors_t), intent(inout) :: rates(:) !! by order
+      real(wp), allocatable :: miss(:)
+      logical, allocatable :: counts(:)
+      integer :: order
+
+      do order = 1, size(rates)
+         counts = motion%has_rates .and. any(problem%rate_weight(:, :min(2, size(motion%rates, 2)), order) > 0.0_wp, dim=2)
+         rates(order)%compared = count(counts)
+         if (rates(order)%compared == 0) cycle
+         miss = abs(motion%rate_error(:, 1, order))
+         if (size(motion%rate_error, 2) > 1) miss = hypotenuse(motion%rate_error(:, 1, order), motion%rate_error(:, 2, order))
+         rates(order)%worst = maxloc(miss, dim=1, mask=counts)
+         rates(order)%largest = miss(rates(order)%worst)
+         if (rates(order)%largest <= 0.0_wp) cycle
+         rates(order)%rms = rates(order)%largest*sqrt(sum((miss/rates(order)%largest)**2, mask=counts) &
+                                                      /real(rates(order)%compared, wp))
+      end do
+   end subroutine errors_of_rates
 
    !> Least transmission angle where the linkage closes, and inputs between the steps at which it does not.
    subroutine least_angle(fine, lens, dimensions, summary, gaps)
