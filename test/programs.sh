@@ -122,6 +122,12 @@ check 'LSQ: free timing meets six points on a line' awk '/TOTAL ERROR/ { getline
 at_most 'log10: as good as known' log10.lst 1.46e-4
 at_most 'slopes: values and slopes of a function' slopes.lst 8.27e-4
 cp slopes.dev7 slopes_found.nml
+check 'slopes: desired, actual and error of second derivatives' grep -qE '^( +[0-9.]+){1} +0\.0 +0\.0( +-?[0-9.D-]+){4}$' \
+    <(sed '1,/SECOND DERIVATIVES BY THE INPUT, PER RADIAN SQUARED/d' slopes.lst)
+status 0 'slopes: once more' "$psalm" --json slopes.nml
+said 'slopes: the summary has first derivatives' 'First derivative    RMS error'
+said 'slopes: and second ones' 'length units per radian squared at position'
+check 'slopes: JSON has the derivatives that are desired' grep -q '"desired.y.first":\[0.0000000000000000E+00,null,null,' slopes.json
 status 0 'slopes: kalm reads what was found' "$bin/kalm" --quiet slopes_found.nml
 check 'slopes: the derivatives on device 9 are those of kalm' awk '
     NR == FNR { if ($1 == "#") block = $2; else if (block == "derivatives;" && NF == 6) want[++n] = $3 " " $5

@@ -9,6 +9,7 @@ program test_wanted_rates
    use psalm_chain_synthesis, only: chain_synthesis_t, synthesise_chain
    use psalm_data_set, only: data_set_t
    use psalm_data_set_text, only: write_data_set
+   use psalm_constr, only: vertex_problem_t, make_vertex_problem
    use psalm_dimensions, only: dimensions_t
    use psalm_error, only: problem_t, make_problem
    use psalm_kinds, only: wp, radians_per_degree
@@ -53,6 +54,7 @@ program test_wanted_rates
    call as_in_poses("'pose C coupler'", motion_pose)
    call scotch_yoke()
    call solvers()
+   call without_derivatives()
    call notation()
    call t%report()
 
@@ -285,6 +287,58 @@ contains
                          'a Scotch yoke: speed and acceleration')
       end do
    end subroutine scotch_yoke
+
+   !> A linkage at a dead point is refused where a derivative is wanted there; what is open has no derivatives.
+   subroutine without_derivatives()
+      type(data_set_t) :: set
+      type(diagnostics_t) :: findings
+      type(prepared_t) :: prepared
+      type(problem_t), target :: problem
+      type(merit_t) :: merit
+      type(analysis_t) :: analysis
+      type(line_t) :: none(0)
+      type(vertex_problem_t) :: vertex
+      real(wp), allocatable :: first(:)
+      real(wp) :: objective
+      logical :: feasible
+      integer :: k
+      character(*), parameter :: rest = '100.0,180.0, DESANG=3*100.0, IVA=0,1,1,0, MOTION=1, DVELANG=0.0,0.0', &
+         ending = ' &END &LIMITS TANGLE=90.0 &END'//nl
+      character(*), parameter :: last(2) = [character(4) :: ',', ',0.0']
+
+      do k = 1, 2
+         ! outstretched at 180 degrees: 120 + 50 = 40 + 130
+         call read_one(lengths('120.0,50.0')//rest//trim(last(k))//ending, set, findings)
+         call prepare(set, none, prepared, findings)
+         call make_problem(set, prepared%mechanism, prepared%given, prepared%parameters, problem)
+         first = problem%parameters%first_values(prepared%given)
+         call prepare_merit(set, problem, first, merit)
+         call merit%accept(merit%point(first, problem%delt), objective, feasible)
+         call t%is_true(feasible .eqv. k == 1, 'a dead point is accepted only where no derivative is wanted')
+         call make_vertex_problem(set, problem, vertex)
+         call vertex%accept(first, objective, feasible)
+         call t%is_true(objective < 1.0e9_wp .eqv. k == 1, 'the same by the simplex')
+         call analyse(set, problem, prepared%given, wanted_t(), analysis)
+         call t%is_true(all(analysis%motion%closed) .and. .not. analysis%motion%has_rates(3), 'it closes without derivatives')
+         call t%close_to(sum(analysis%motion%part), analysis%motion%total, 1.0e-14_wp, 'and what does not exist has no error')
+      end do
+      call read_one(lengths('110.0,50.0')//rest//',0.0'//ending, set, findings)
+      call prepare(set, none, prepared, findings)
+      call make_problem(set, prepared%mechanism, prepared%given, prepared%parameters, problem)
+      call analyse(set, problem, prepared%given, wanted_t(), analysis)
+      call t%is_true(.not. (analysis%motion%closed(3) .or. analysis%motion%has_rates(3)), 'open: no derivatives')
+      call t%close_to(maxval(abs(analysis%motion%rate_error(3, :, :))), 0.0_wp, 0.0_wp, 'and no error of them')
+   end subroutine without_derivatives
+
+   !> The case with other lengths, up to the last of its inputs.
+   function lengths(those) result(text)
+      character(*), intent(in) :: those
+      character(:), allocatable :: text
+      integer :: at
+
+      at = index(four_bar, '120.0,80.0')
+      text = four_bar(:at - 1)//those//four_bar(at + len('120.0,80.0'):index(four_bar, 'DELT=') + len('DELT=60.0,') - 1)
+   end function lengths
 
    !> Every way to search meets values and slopes of a known crank-rocker, two lengths of which are sought.
    subroutine solvers()

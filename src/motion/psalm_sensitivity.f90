@@ -21,7 +21,7 @@ module psalm_sensitivity
    implicit none (type, external)
    private
    public :: sensitivity_t, prepare_sensitivity, find_jacobian, find_constraints, block_constraints, find_gradient, &
-             unit_of
+             unit_of, clear_changes
 
    !> Room to work in, and which arcs each variable changes.
    type :: sensitivity_t
@@ -140,7 +140,7 @@ contains
                                        dout(offset + 1:offset + n, v, :))
             if (present(dk)) call change_of_constraints(problem, v, n, work, dk(offset + 1:offset + n, :, v))
             if (present(dp)) call change_of_joints(problem, v, n, work, dp(offset + 1:offset + n, :, :, v))
-            call clear(problem, v, m, work)
+            call clear_changes(problem, v, m, work%moves(:, v), work%rates%d(1))
          end do
       end do
    end subroutine find_jacobian
@@ -309,10 +309,11 @@ contains
    end function takes_direction
 
    !> Put the rows a variable has changed back to zero.
-   subroutine clear(problem, v, n, work)
+   subroutine clear_changes(problem, v, n, moves, d)
       type(problem_t), intent(in) :: problem
       integer, intent(in) :: v, n
-      type(sensitivity_t), intent(inout) :: work
+      logical, intent(in) :: moves(:)     !! shape (steps): the step's result changes with the variable
+      type(rows_t), intent(inout) :: d
       integer :: k
 
       associate (link => problem%linkage)
@@ -324,7 +325,7 @@ contains
             end if
          end if
          do k = 1, size(link%steps)
-            if (.not. work%moves(k, v)) cycle
+            if (.not. moves(k)) cycle
             if (problem%plan%steps(k)%kind == step_point) then
                call zero(link%steps(k)%to_x)
                call zero(link%steps(k)%to_y)
@@ -340,9 +341,9 @@ contains
       subroutine zero(row)
          integer, intent(in) :: row
 
-         work%rates%d(1)%v(1:n, row) = 0.0_wp
+         d%v(1:n, row) = 0.0_wp
       end subroutine zero
-   end subroutine clear
+   end subroutine clear_changes
 
    ! ---- backward ----------------------------------------------------------------------------------------------------
 

@@ -17,7 +17,7 @@ module psalm_wanted_rates
    use psalm_plan, only: step_point, root_crank
    use psalm_rates, only: prepare_rates, differentiate, form_frames, output_rates, is_dead, highest_order
    use psalm_rows, only: rows_t, make_rows, clear_rows
-   use psalm_sensitivity, only: sensitivity_t, prepare_sensitivity, unit_of
+   use psalm_sensitivity, only: sensitivity_t, prepare_sensitivity, unit_of, clear_changes
    implicit none (type, external)
    private
    public :: wanted_rates_t, prepare_wanted_rates, find_wanted_rates, differentiate_wanted_rates, sum_of_rate_errors, &
@@ -92,10 +92,10 @@ contains
          call wanted%problem%solve_block(block, offset, n)
          call rates_of_block(wanted, offset, n)
          call form_frames(wanted%problem, wanted%work%rates, padded(n), fixed_too=.true.)
+         do order = 0, most_rates
+            call clear_rows(wanted%change(order))
+         end do
          do v = 1, size(wanted%by, 2)
-            do order = 0, most_rates
-               call clear_rows(wanted%change(order))
-            end do
             call change_of(v, padded(n), wanted)
             associate (problem => wanted%problem)
                do i = 1, n
@@ -105,6 +105,9 @@ contains
                                                       problem%parameters%variables(v)%kind, &
                                                       wanted%work%turn(problem%mechanism%outputs(1)%arc, v), unit_of(problem, v), &
                                                       wanted%by(offset + i, v, :, :))
+               end do
+               do order = 0, most_rates
+                  call clear_changes(problem, v, padded(n), wanted%work%moves(:, v), wanted%change(order))
                end do
             end associate
          end do
