@@ -193,7 +193,9 @@ contains
    subroutine as_in_poses(output, motion)
       character(*), intent(in) :: output
       integer, intent(in) :: motion
-      type(data_set_t) :: set, in_poses
+      type(data_set_t) :: set, in_poses, again
+      type(text_t) :: text
+      real(wp) :: before
       type(diagnostics_t) :: findings
       type(prepared_t) :: prepared
       type(problem_t) :: problem
@@ -209,9 +211,12 @@ contains
          method = ' &METHOD NDES=5, DELT=0.0,20.0,40.0,60.0,80.0', &
          rest = " &SEARCH SOLVER='LSQ' &END &LIMITS TANGLE=89.0, TOGGLE=0.0 &END"//nl, &
          layout = '(1000(es23.15,","))'
-      character(1000) :: wishes(0:most_rates), x, y, angle
+      character(*), parameter :: items(0:most_rates, 3) = reshape([character(7) :: 'DESX', 'DVELX', 'DACCX', 'DESY', 'DVELY', &
+                                                                   'DACCY', 'DESANG', 'DVELANG', 'DACCANG'], [3, 3])
+      character(1000) :: wishes(0:most_rates), row
+      character(:), allocatable :: method_items
       character(:), allocatable :: sketch
-      integer :: order, c, columns
+      integer :: order, c, columns, which
 
       sketch = links//" VARY='A B','B C','C D','input'"//drive
       if (motion == motion_pose) sketch = links//" VARY='A B','B C','C D','place D','input'"//drive
@@ -222,32 +227,29 @@ contains
                     findings)
       call study_chain(set, 1.0_wp, 0.0_wp, other)
       columns = size(other%values, 1)
+      method_items = ''
       do order = 0, most_rates
-         write (wishes(order), layout) other%values(:, order, :)*merge(1.0_wp, 1.05_wp, order < 2)
+         other%values(:, order, :) = other%values(:, order, :)*merge(1.0_wp, 1.05_wp, order < 2)
+         write (wishes(order), layout) other%values(:, order, :)
+         do c = 1, columns
+            write (row, layout) other%values(c, order, :)
+            which = merge(size(items, 2), c, columns == 1)
+            method_items = method_items//' '//trim(items(order, which))//'='//trim(row)//nl
+            if (order == 1) method_items = method_items//' W'//items(1, which)(2:)//'=2.0'//nl
+            if (order == 2) method_items = method_items//' W'//items(2, which)(2:)//'=1.0,0.0,3.0,0.5,1.0'//nl
+         end do
       end do
-      write (x, layout) other%values(1, 0, :)
-      write (y, layout) other%values(min(2, columns), 0, :)
-      write (angle, layout) other%values(columns, 0, :)
       call read_one('BY POSES'//nl//" &CHAIN JNT='A','B','C','D','P', JX=0.0,-4.0,33.0,90.0,20.0, JY=0.0,31.0,82.0,5.0,95.0,"// &
                     sketch//' &OUTPUTS OUTPUT='//output//', DES1='//trim(wishes(0))//nl//' DVEL1='//trim(wishes(1))//nl// &
                     ' DACC1='//trim(wishes(2))//nl//' WVEL1=2.0, WACC1=1.0,0.0,3.0,0.5,1.0 &END'//nl//method//' &END'//nl//rest, &
                     in_poses, findings)
       call t%is_true(.not. findings%failed(), output//': a sketch with derivatives')
-      if (columns > 1) x = ', DESX='//trim(x)//nl//' DESY='//trim(y)
-      if (columns == 3) x = trim(x)//nl//' DESANG='//trim(angle)
-      if (columns == 1) x = ', DESANG='//trim(angle)
       call read_one('BY LOOPS'//nl//" &CHAIN JNT='A','B','C','D','P', JX=0.0,-4.0,33.0,90.0,20.0, JY=0.0,31.0,82.0,5.0,95.0,"// &
-                    sketch//' &OUTPUTS OUTPUT='//output//' &END'//nl//method//trim(x)//' &END'//nl//rest, set, findings)
+                    sketch//' &OUTPUTS OUTPUT='//output//' &END'//nl//method//','//nl//method_items//' &END'//nl//rest, set, &
+                    findings)
       call t%equal_integer(findings%count, 0, output//': its loops are read')
       call t%is_true(.not. allocated(set%no_loops), output//': a sketch with loops')
       call t%equal_integer(set%motion, motion, output//': what is wanted of its loops')
-      allocate (set%rate_wanted(set%ndes, columns, most_rates), set%rate_weight(set%ndes, columns, most_rates))
-      do order = 1, most_rates
-         do c = 1, columns
-            set%rate_wanted(:, c, order) = in_poses%sketch%outputs(1)%wishes(order)%values(c, :)
-            set%rate_weight(:, c, order) = in_poses%sketch%outputs(1)%wishes(order)%weights(c, :)
-         end do
-      end do
       call prepare(set, none, prepared, findings)
       call make_problem(set, prepared%mechanism, prepared%given, prepared%parameters, problem)
       dimensions = prepared%given
@@ -267,6 +269,20 @@ contains
       call analyse(set, problem, dimensions, wanted_t(), analysis)
       call t%close_to(analysis%motion%total/by_loops%found%best(1)%objective, 1.0_wp, 1.0e-9_wp, &
                       output//': the listing has the objective of the search')
+      ! device 7 holds the sketch that was found, with what is wanted of it
+      call write_data_set(set, problem, dimensions, text)
+      call read_one(text%content(), again, findings)
+      call t%equal_integer(findings%count, 0, output//': device 7 is read again')
+      call t%is_true(all(abs(again%rate_wanted - set%rate_wanted) <= 0.0_wp .and. abs(again%rate_weight - set%rate_weight) &
+                         <= 0.0_wp), output//': and wants the same')
+      ! &METHOD says the same to a sketch in poses
+      call read_one('IN POSES BY &METHOD'//nl//" &CHAIN JNT='A','B','C','D','P', JX=0.0,-4.0,33.0,90.0,20.0,"//nl// &
+                    ' JY=0.0,31.0,82.0,5.0,95.0,'//sketch//' &OUTPUTS OUTPUT='//output//', WGT1=0.0, DES1='// &
+                    to_text(5*columns)//'*0.0 &END'//nl//method//','//nl//method_items//' &END'//nl//rest, in_poses, findings)
+      call t%is_true(allocated(in_poses%no_loops), output//': once more in poses')
+      before = by_poses%first_objective
+      call synthesise_chain(in_poses, 1, stop, by_poses, findings)
+      call t%close_to(by_poses%first_objective/before, 1.0_wp, 1.0e-12_wp, output//': derivatives of &METHOD in poses')
    end subroutine as_in_poses
 
    !> A closed form: the travel of a Scotch yoke is r cos a, the squares of its speed and acceleration add up to that of r.

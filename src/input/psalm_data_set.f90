@@ -27,7 +27,7 @@ module psalm_data_set
    use psalm_outputs_group, only: read_outputs_group
    use psalm_namelist, only: case_text_t, read_case
    use psalm_origin, only: origins_t, name_length
-   use psalm_rate_items, only: read_rate_items, rate_items
+   use psalm_rate_items, only: read_rate_items
    use psalm_search_group, only: search_group_t, read_search_group
    use psalm_sketch, only: sketch_t, sketch_name, grid_digits, drive_turns, output_angle, output_distance, output_pose, output_slide
    use psalm_source, only: line_t, read_lines, split_lines
@@ -481,7 +481,7 @@ contains
       type(group_t), intent(in) :: method, toler, limits
       type(diagnostics_t), intent(inout) :: findings
       character(*), parameter :: of_method(*) = [character(name_length) :: 'IVA', 'IVG', 'ILKOUT', 'INGOUT', 'ICRK', 'IORIG']
-      integer :: i, k
+      integer :: i
 
       do i = 1, size(of_method)
          if (method%given(trim(of_method(i)))) call out_of(method, trim(of_method(i)), &
@@ -491,12 +491,6 @@ contains
       if (method%given('ORIGLK') .or. method%given('ORIGNG')) call out_of(method, merge('ORIGLK', 'ORIGNG', &
          method%given('ORIGLK')), &
          'places the first joint of &LINKS; a sketch has its own coordinates', findings)
-      do k = 1, size(rate_items, 2)
-         do i = 1, size(rate_items, 1)
-            if (method%given(trim(rate_items(i, k)))) call out_of(method, trim(rate_items(i, k)), &
-               'belongs to &LINKS; derivatives that are wanted of a sketch stand in &OUTPUTS, as DVEL1 and DACC1', findings)
-         end do
-      end do
       if (method%given('MOTION')) call out_of(method, 'MOTION', &
          'belongs to &LINKS; what is wanted of a sketch is said in &OUTPUTS', &
                                               findings)
@@ -851,8 +845,7 @@ contains
       call check_weights('XMULT', set%xmult)
       call check_weights('YMULT', set%ymult)
       call check_weights('ANMULT', set%anmult)
-      call read_rate_items(group, set%motion, merge(0, n, set%ikin /= 0 .or. set%sketch%given), set%rate_wanted, set%rate_weight, &
-                           findings)
+      call read_rate_items(group, set%motion, merge(0, n, set%ikin /= 0), set%rate_wanted, set%rate_weight, findings)
       if (allocated(set%rate_wanted) .and. .not. set%desired) call findings%error('derivatives are wanted beside values ('// &
          trim(merge('DESANG       ', 'DESX and DESY', kind%components == 1))//'), which are missing; where derivatives alone '// &
          'count, give the values weights of 0', line=group%line, group='METHOD')

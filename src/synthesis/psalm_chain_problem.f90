@@ -291,6 +291,13 @@ contains
             do c = 1, min(size(wanted, 2), columns_of(outputs(1)))
                problem%wanted(c, 0, :) = wanted(:, c)
                problem%weight(c, 0, :) = weight(:, c)
+               if (.not. allocated(set%rate_wanted)) cycle
+               do order = 1, most_wished
+                  where (set%rate_weight(:, c, order) > 0.0_wp)
+                     problem%wanted(c, order, :) = set%rate_wanted(:, c, order)
+                     problem%weight(c, order, :) = set%rate_weight(:, c, order)
+                  end where
+               end do
             end do
          end if
       end associate
