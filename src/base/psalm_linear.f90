@@ -23,6 +23,7 @@ contains
       real(wp), intent(out) :: solution(:)   !! shape (n)
       logical, intent(out) :: positive_definite
       real(dp) :: a(size(right), size(right)), b(size(right)) ! rows of the factor are columns of `a`
+      real(dp) :: pivot
       integer :: i, j, n
 
       n = size(right)
@@ -34,13 +35,14 @@ contains
       b = real(right, dp)
       do j = 1, n
          if (.not. a(j, j) > 0.0_dp) return
-         a(j, j) = sqrt(a(j, j))
-         a(j + 1:, j) = a(j + 1:, j)/a(j, j)
+         pivot = sqrt(a(j, j))
+         a(j:, j) = a(j:, j)/pivot
+         a(j, j) = pivot
          do i = j + 1, n
-            a(i:, i) = a(i:, i) - a(i, j)*a(i:, j)
+            call subtract(n - i + 1, a(i, j), a(i:, j), a(i:, i))
          end do
-         b(j) = b(j)/a(j, j)
-         b(j + 1:) = b(j + 1:) - b(j)*a(j + 1:, j)
+         b(j) = b(j)/pivot
+         call subtract(n - j, b(j), a(j + 1:, j), b(j + 1:))
       end do
       do j = n, 1, -1
          do i = j + 1, n
@@ -51,6 +53,15 @@ contains
       positive_definite = .true.
       solution = real(b, wp)
    end subroutine solve_positive
+
+   !> Take a multiple of one vector from another; as a procedure of its own no copy is made of what cannot overlap.
+   pure subroutine subtract(n, factor, x, y)
+      integer, intent(in) :: n
+      real(dp), intent(in) :: factor, x(n)
+      real(dp), intent(inout) :: y(n)
+
+      y = y - factor*x
+   end subroutine subtract
 
    !> Scalar products of a vector with the columns of a matrix; of a symmetric matrix its product with the vector.
    pure function along_columns(matrix, vector) result(products)

@@ -115,7 +115,7 @@ contains
    !>
    !> Output as the listing has it (angles in degrees); variables in their own units (degrees for angles). The linkage must
    !> close; at a dead point the derivatives are infinite and zero is given.
-   subroutine find_jacobian(problem, dimensions, work, dout, k, dk, dp)
+   subroutine find_jacobian(problem, dimensions, work, dout, k, dk, dp, solved, held, loops)
       type(problem_t), intent(inout) :: problem
       type(dimensions_t), intent(in) :: dimensions
       type(sensitivity_t), intent(inout) :: work
@@ -123,22 +123,40 @@ contains
       real(wp), intent(out), optional :: k(:, :)    !! shape (positions, nloop): as `find_constraints` has it
       real(wp), intent(out), optional :: dk(:, :, :) !! shape (positions, nloop, nvar): its derivatives
       real(wp), intent(out), optional :: dp(:, :, :, :) !! shape (positions, 2, joints, nvar): of the joints asked for
+      logical, intent(in), optional :: solved       !! the positions are one block, which still holds this linkage and its output
+      logical, intent(in), optional :: held(:)      !! shape (nvar): not wanted, zero is given
+      logical, intent(in), optional :: loops(:)     !! shape (nloop): dk of which is wanted; of the others zero is given
       integer :: block, offset, n, m, v
+      logical :: ready
 
-      call problem%bind(dimensions)
+      ready = .false.
+      if (present(solved)) ready = solved
+      if (.not. ready) call problem%bind(dimensions)
+      offset = 0
+      n = problem%positions
       do block = 1, problem%blocks()
-         call problem%solve_block(block, offset, n)
-         call problem%output_of(n)
+         if (.not. ready) then
+            call problem%solve_block(block, offset, n)
+            call problem%output_of(n)
+         end if
          m = padded(n)
          call form_frames(problem, work%rates, m, fixed_too=.true.)
          call clear_rows(work%rates%d(1))
          if (present(k)) call block_constraints(problem, n, k(offset + 1:offset + n, :))
          do v = 1, size(problem%parameters%variables)
+            if (present(held)) then
+               if (held(v)) then
+                  dout(offset + 1:offset + n, v, :) = 0.0_wp
+                  if (present(dk)) dk(offset + 1:offset + n, :, v) = 0.0_wp
+                  if (present(dp)) dp(offset + 1:offset + n, :, :, v) = 0.0_wp
+                  cycle
+               end if
+            end if
             call change_of(problem, v, m, work)
             call problem%output%change(problem%linkage, work%rates%d(1), n, problem%parameters%variables(v)%kind, &
                                        work%turn(problem%mechanism%outputs(1)%arc, v), unit_of(problem, v), &
                                        dout(offset + 1:offset + n, v, :))
-            if (present(dk)) call change_of_constraints(problem, v, n, work, dk(offset + 1:offset + n, :, v))
+            if (present(dk)) call change_of_constraints(problem, v, n, work, dk(offset + 1:offset + n, :, v), loops)
             if (present(dp)) call change_of_joints(problem, v, n, work, dp(offset + 1:offset + n, :, :, v))
             call clear_changes(problem, v, m, work%moves(:, v), work%rates%d(1))
          end do
@@ -174,11 +192,12 @@ contains
    end subroutine block_constraints
 
    !> Change of the constraints with a variable.
-   subroutine change_of_constraints(problem, v, n, work, dk)
+   subroutine change_of_constraints(problem, v, n, work, dk, loops)
       type(problem_t), intent(in) :: problem
       integer, intent(in) :: v, n
       type(sensitivity_t), intent(in) :: work
       real(wp), intent(out) :: dk(:, :)             !! shape (n, nloop)
+      logical, intent(in), optional :: loops(:)     !! shape (nloop): those wanted
       integer :: loop
 
       do loop = 1, problem%mechanism%nloop
@@ -186,6 +205,9 @@ contains
          associate (step => problem%linkage%step_of_loop(loop), link => problem%linkage)
             if (step == 0) cycle
             if (.not. work%moves(step, v)) cycle
+            if (present(loops)) then
+               if (.not. loops(loop)) cycle
+            end if
             associate (dyad => link%steps(step)%dyad)
                call change_of_closure(n, dyad, link%store, work%rates%d(1), problem%toggle*link%scale, problem%side(loop), &
                                       unit_of(problem, v), &

@@ -21,6 +21,7 @@ module psalm_least_squares
    integer, parameter :: rough_iterations = 400      !! the same where the search is a rough one
    real(wp), parameter :: rough = 1.0e-6_wp          !! least gain of such a search
    integer, parameter :: most_iterations = 5000      !! for one weight of the violations
+   integer, parameter :: between_questions = 8       !! iterations until it is asked again whether the search is to stop
    integer, parameter :: weights = 6                 !! weights of the violations tried, each 100 times the one before
    real(wp), parameter :: weight_step = 100.0_wp
    integer, parameter :: most_idle = 4               !! steps of too small a gain in a row that end the search
@@ -108,7 +109,9 @@ contains
          reason = stop_evaluations
          if (problem%evaluations >= last) return
          reason = stop_interrupted
-         if (stop%waiting()) return
+         if (mod(iteration, between_questions) == 1) then
+            if (stop%waiting()) return
+         end if
          ! a value at its bound that wants to pass it is held
          held = (x(:core) <= problem%low .and. equations%gradient > 0.0_wp) .or. &
                 (x(:core) >= problem%high .and. equations%gradient < 0.0_wp)

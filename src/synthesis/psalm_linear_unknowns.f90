@@ -20,7 +20,7 @@ module psalm_linear_unknowns
    use psalm_parameters, only: variable_length, variable_outlk, variable_outang, variable_origlk, variable_origng, &
                                variable_gama, variable_crnki
    use psalm_path_fit, only: path_t, visit_t, set_points, fit_linear, square
-   use psalm_station, only: station_t, prepare_station, evaluate_station
+   use psalm_station, only: station_t, prepare_station, evaluate_station, evaluate_output
    implicit none (type, external)
    private
    public :: linear_unknowns_t, prepare_linear_unknowns, solve_linear_unknowns
@@ -111,20 +111,12 @@ contains
       bare = values
       bare([linear%outlk, linear%outang, linear%origlk, linear%origng]) = 0.0_wp
       call linear%station%problem%move_inputs(delt)
-      call see(linear%joint)
-      bare(linear%outlk) = 1.0_wp
-      call see(linear%arm)
-      linear%arm = linear%arm - linear%joint
-
-   contains
-
-      subroutine see(points)
-         complex(wp), intent(out) :: points(:)
-
-         call linear%station%problem%parameters%apply(bare, linear%dimensions)
-         call evaluate_station(linear%station, linear%dimensions)
-         points = cmplx(linear%station%out(:, 1), linear%station%out(:, 2), wp)
-      end subroutine see
+      call linear%station%problem%parameters%apply(bare, linear%dimensions)
+      call evaluate_station(linear%station, linear%dimensions)
+      linear%joint = cmplx(linear%station%out(:, 1), linear%station%out(:, 2), wp)
+      linear%dimensions%outlk = 1.0_wp
+      call evaluate_output(linear%station, linear%dimensions)
+      linear%arm = cmplx(linear%station%out(:, 1), linear%station%out(:, 2), wp) - linear%joint
    end subroutine look
 
    !> Put the best place, size, direction and output point in. Nothing is changed where they would violate a bound.

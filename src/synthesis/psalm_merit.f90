@@ -17,14 +17,15 @@ module psalm_merit
    use psalm_output_kind, only: motion_point, motion_angle, most_rates
    use psalm_search_group, only: order_free
    use psalm_start, only: random_limits
-   use psalm_station, only: station_t, prepare_station, evaluate_station, linearise_station
+   use psalm_station, only: station_t, prepare_station, evaluate_station, linearise_station, exceeds
    use psalm_wanted_rates, only: wanted_rates_t, prepare_wanted_rates, find_wanted_rates, differentiate_wanted_rates, &
                                  sum_of_rate_errors, all_rates_exist
    use psalm_dimensions, only: dimensions_t
    use psalm_parameters, only: variable_length, variable_outlk
    implicit none (type, external)
    private
-   public :: merit_t, prepare_merit, eliminate_linear, put_in_order, constraint_inputs, set_range, range_steps, extra_positions
+   public :: merit_t, prepare_merit, eliminate_linear, hold, let_go, put_in_order
+   public :: constraint_inputs, set_range, range_steps, extra_positions
 
    integer, parameter :: range_steps = 120           !! steps the range of the input is looked at in
    integer, parameter :: most_few = 40               !! places of it at which derivatives are found alone
@@ -60,6 +61,7 @@ module psalm_merit
       real(wp) :: reach = full_turn                  !! how far it moves an input
       real(wp), allocatable :: late(:)               !! shape (positions): how far each input is past the next, radians or sizes
       real(wp), allocatable :: delt(:)               !! shape (positions): input increments
+      real(wp), allocatable :: seen(:)               !! the point that the prescribed positions were last looked at for
       type(linear_unknowns_t), allocatable :: linear !! dimensions that are solved for after every step, where it is asked for
    contains
       procedure :: point
@@ -293,6 +295,7 @@ contains
       call put_in(merit, x)
       call evaluate_station(merit%main, merit%dimensions)
       if (allocated(merit%rates)) call find_wanted_rates(merit%rates, merit%dimensions)
+      merit%seen = x
       if (merit%has_range) call look_over_range(merit)
    end subroutine see
 
@@ -343,6 +346,7 @@ contains
 
       total = 0.0_wp
       do loop = 1, size(limit)
+         if (.not. exceeds(size(station%k, 1), station%k(:, loop), limit(loop))) cycle
          total = total + sum(max(abs(station%k(:, loop)) - limit(loop), 0.0_wp)**2)
       end do
    end function squared_angles
@@ -376,9 +380,13 @@ contains
       real(wp), intent(in) :: x(:), weight
       type(normal_equations_t), intent(inout) :: equations
       integer :: r, a, b, order
+      logical :: seen
 
+      seen = self%main%solved .and. allocated(self%seen)
+      if (seen) seen = all(x <= self%seen .and. x >= self%seen)
       call put_in(self, x)
-      call linearise_station(self%main, self%dimensions)
+      call linearise_station(self%main, self%dimensions, seen, self%limit)
+      self%seen = x
       self%jacobians = self%jacobians + 1
       call equations%clear(self%core, self%local)
       associate (nvar => self%core, main => self%main, n => self%main%problem%positions)
@@ -388,6 +396,11 @@ contains
          if (allocated(self%rates)) then
             call differentiate_wanted_rates(self%rates, self%dimensions)
             associate (rates => self%rates)
+               if (allocated(main%held)) then
+                  do a = 1, nvar
+                     if (main%held(a)) rates%by(:, a, :, :) = 0.0_wp
+                  end do
+               end if
                do order = 1, most_rates
                   do r = 1, size(rates%miss, 2)
                      call add_errors(nvar, rates%problem%rate_weight(:, r, order), rates%miss(:, r, order), &
@@ -478,12 +491,15 @@ contains
       real(wp), intent(in), contiguous :: weight(:), error(:) !! shape (positions)
       real(wp), intent(in), contiguous :: d(:, :)    !! shape (positions, columns)
       type(normal_equations_t), intent(inout) :: equations
+      real(wp) :: weighted(size(error))
       integer :: a, b, i
 
       do a = 1, nvar
-         equations%gradient(a) = equations%gradient(a) + product_of(size(error), weight, error, d(:, a))
+         weighted = weight*error
+         equations%gradient(a) = equations%gradient(a) + product_of(size(error), weighted, d(:, a))
+         weighted = weight*d(:, a)
          do b = 1, a
-            equations%matrix(b, a) = equations%matrix(b, a) + product_of(size(error), weight, d(:, a), d(:, b))
+            equations%matrix(b, a) = equations%matrix(b, a) + product_of(size(error), weighted, d(:, b))
          end do
       end do
       if (size(equations%edge) == 0) return
@@ -492,21 +508,21 @@ contains
       end do
    end subroutine add_errors
 
-   !> Sum of weight*a*b in a fixed order: eight partial sums, so that it runs in vector lanes.
-   pure real(wp) function product_of(n, weight, a, b)
+   !> Sum of a*b in a fixed order: eight partial sums, so that it runs in vector lanes.
+   pure real(wp) function product_of(n, a, b)
       integer, intent(in) :: n
-      real(wp), intent(in) :: weight(n), a(n), b(n)
+      real(wp), intent(in) :: a(n), b(n)
       integer, parameter :: lanes = 8
       real(wp) :: part(lanes)
       integer :: i
 
       part = 0.0_wp
       do i = 1, n - lanes + 1, lanes
-         part = part + weight(i:i + lanes - 1)*a(i:i + lanes - 1)*b(i:i + lanes - 1)
+         part = part + a(i:i + lanes - 1)*b(i:i + lanes - 1)
       end do
       product_of = ((part(1) + part(2)) + (part(3) + part(4))) + ((part(5) + part(6)) + (part(7) + part(8)))
       do i = n - modulo(n, lanes) + 1, n
-         product_of = product_of + weight(i)*a(i)*b(i)
+         product_of = product_of + a(i)*b(i)
       end do
    end function product_of
 
@@ -522,6 +538,7 @@ contains
       integer :: loop, i
 
       do loop = 1, size(limit)
+         if (.not. exceeds(positions, station%k(:, loop), limit(loop))) cycle
          do i = 1, positions
             over = abs(station%k(i, loop)) - limit(loop)
             if (over <= 0.0_wp) cycle
@@ -577,6 +594,7 @@ contains
       end if
       if (.not. feasible) return
       call evaluate_station(self%main, self%dimensions)
+      self%seen = x
       feasible = keeps_limits(self%main, self%limit)
       if (.not. (feasible .and. self%has_range)) return
       call look_over_range(self)
@@ -643,6 +661,7 @@ contains
       if (present(slopes)) then
          call put_in(self, x)
          call linearise_station(self%main, self%dimensions)
+         self%seen = x
          if (self%has_range) then
             self%range%problem%side = self%main%problem%side
             call linearise_station(self%range, self%dimensions)
@@ -721,6 +740,28 @@ contains
       if (.not. merit%linear%applies) deallocate (merit%linear)
    end subroutine eliminate_linear
 
+   !> From now on these variables stay what they are: they are no unknowns of least squares.
+   subroutine hold(merit, held)
+      class(merit_t), intent(inout) :: merit
+      logical, intent(in) :: held(:)                 !! shape (nvar)
+
+      merit%main%held = [held, spread(.false., 1, merit%main%columns - size(held))]
+      if (merit%has_range) merit%range%held = [held, spread(.false., 1, merit%range%columns - size(held))]
+      if (allocated(merit%few)) merit%few%held = held
+   end subroutine hold
+
+   !> All of them vary again.
+   subroutine let_go(merit)
+      class(merit_t), intent(inout) :: merit
+
+      if (allocated(merit%main%held)) deallocate (merit%main%held)
+      if (merit%has_range) then
+         if (allocated(merit%range%held)) deallocate (merit%range%held)
+      end if
+      if (.not. allocated(merit%few)) return
+      if (allocated(merit%few%held)) deallocate (merit%few%held)
+   end subroutine let_go
+
    !> Give these dimensions their best values.
    subroutine fit_linear(self, x)
       class(merit_t), intent(inout) :: self
@@ -728,7 +769,7 @@ contains
       real(wp) :: delt(self%final%positions)
       logical :: solved
 
-      if (.not. allocated(self%linear)) return
+      if (.not. allocated(self%linear) .or. allocated(self%main%held)) return
       delt = self%delt
       if (self%free) delt = x(self%core + 1:)
       call solve_linear_unknowns(self%linear, self%low, self%high, x(:self%core), delt, solved)
