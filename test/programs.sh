@@ -137,6 +137,8 @@ check 'slopes: the derivatives on device 9 are those of kalm' awk '
 at_most 'needle_wide: better than from nearby starts' needle_wide.lst 0.3968
 at_most 'brake_reaction_lsq: far better than published' brake_reaction_lsq.lst 1.0
 at_most 'dwell: better than its reference' dwell.lst 0.02
+at_most 'few positions first: the dwell as good as known' dwell_few.lst 2.98e-3
+at_most 'dyad by dyad: the same' dwell_dyads.lst 2.98e-3
 at_most 'slider_linear: as good as known' slider_linear.lst 3.3e-8
 at_most 'path5: as good as known' path5.lst 7.5e-7
 at_most 'striking: as good as known' striking.lst 0.043324
@@ -396,7 +398,26 @@ said 'regions without their number' 'regions are given, but not their number NRE
 changed region.nml 's/,3.0,3.0,2.5 &END/ \&END/' >bad.nml
 status 2 'too few numbers for the regions' "$psalm" bad.nml
 said 'too few numbers for the regions' 'four numbers are expected for each of 2 regions; found 4'
-for item in NSTART=2 NBEST=2 FIRST=2 MAXEVAL=9 PARETO="'ROOM'"; do
+for item in NFEW IDYAD; do
+    way='few positions first'
+    test $item = NFEW || way='dyad by dyad'
+    changed dwell_few.nml "s/'LSQ', NFEW=7/'LD_SLSQP', $item=1/" >bad.nml
+    status 2 "$item with an algorithm of NLopt" "$psalm" bad.nml
+    said "$item with an algorithm of NLopt" "&SEARCH $item: $way is for SOLVER="
+    changed path18_free.nml "s/'LSQ',/'LSQ', $item=1,/" >bad.nml
+    status 2 "$item with free timing" "$psalm" bad.nml
+    said "$item with free timing" "&SEARCH $item: $way needs prescribed timing"
+    { cat quick_return.nml; echo " &SEARCH SOLVER='LSQ', $item=1 &END"; } >bad.nml
+    status 2 "$item without a search" "$psalm" bad.nml
+    said "$item without a search" "&SEARCH $item: $way is a way to search, but no dimension may vary"
+done
+changed dwell_few.nml "s/NFEW=7/NFEW=26/" >bad.nml
+status 2 'NFEW: all positions' "$psalm" bad.nml
+said 'NFEW: all positions' '&SEARCH NFEW: must be less than the number of positions, NDES=26'
+changed path18.nml "s/NSTART=200/IDYAD=1, NSTART=2/" >bad.nml
+status 2 'IDYAD: one dyad' "$psalm" bad.nml
+said 'IDYAD: one dyad' '&SEARCH IDYAD: all dimensions that vary belong to one dyad'
+for item in NSTART=2 NBEST=2 FIRST=2 MAXEVAL=9 IDYAD=1 PARETO="'ROOM'"; do
     { cat needle_search.nml; echo " &SEARCH $item &END"; } >bad.nml
     status 2 "the simplex and $item" "$psalm" bad.nml
     said "the simplex and $item" "&SEARCH ${item%=*}: the simplex makes one search"

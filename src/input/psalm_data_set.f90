@@ -310,6 +310,7 @@ contains
       if (set%ifree /= 0 .and. set%ikin == 0 .and. .not. set%wants_search()) then
          call out_of(groups(method), 'IFREE', 'free timing is a part of a search, but no dimension may vary', findings)
       end if
+      call check_ways(groups(search), set, findings)
       call read_constraint_group(groups(constr), set%nloop, set%maxarc, set%sketch, set%constr, findings)
       call read_tolerances(groups(toler), set, findings)
       call read_rates(groups(rates), set, findings)
@@ -350,6 +351,33 @@ contains
          call set%origins%append(groups(i)%origins)
       end do
    end subroutine read_set
+
+   !> Ways of searching that need other items.
+   subroutine check_ways(group, set, findings)
+      type(group_t), intent(in) :: group             !! SEARCH
+      type(data_set_t), intent(in) :: set
+      type(diagnostics_t), intent(inout) :: findings
+      logical :: varies
+
+      varies = set%wants_search()
+      if (set%sketch%given) varies = size(set%sketch%variations) > 0
+      if (set%search%few > 0) then
+         if (.not. varies) then
+            call out_of(group, 'NFEW', 'few positions first is a way to search, but no dimension may vary', findings)
+         else if (set%ifree /= 0) then
+            call out_of(group, 'NFEW', 'few positions first needs prescribed timing: leave out NFEW, or IFREE of &METHOD', findings)
+         else if (set%search%few >= set%ndes) then
+            call out_of(group, 'NFEW', 'must be less than the number of positions, NDES='//to_text(set%ndes), findings)
+         end if
+      end if
+      if (set%search%by_dyads) then
+         if (.not. varies) then
+            call out_of(group, 'IDYAD', 'dyad by dyad is a way to search, but no dimension may vary', findings)
+         else if (set%ifree /= 0) then
+            call out_of(group, 'IDYAD', 'dyad by dyad needs prescribed timing: leave out IDYAD, or IFREE of &METHOD', findings)
+         end if
+      end if
+   end subroutine check_ways
 
    !> The drawing and what is wanted of it, which says what desired values are of.
    subroutine read_sketch(chain, outputs, set, sound, findings)

@@ -3,7 +3,7 @@ module psalm_search_group
    use psalm_group, only: group_t, check_range, out_of
    use psalm_kinds, only: wp
    use psalm_solver_kind, only: solver_kind_t, find_solver, solver_names, default_solver, plain_name, &
-                                family_simplex, family_unknown
+                                family_simplex, family_least_squares, family_unknown
    use psalm_status, only: diagnostics_t
    use psalm_text, only: nearest_name, upper_case
    implicit none (type, external)
@@ -49,6 +49,8 @@ module psalm_search_group
       real(wp) :: maxtime = 0.0_wp         !! seconds; 0: no limit
       integer :: threads = 0               !! 0: as the command line says
       integer :: order = order_given       !! free timing: how the points are visited
+      integer :: few = 0                   !! positions that the search begins with; 0: all
+      logical :: by_dyads = .false.        !! a start draws and improves one dyad's dimensions first
    end type search_group_t
 
 contains
@@ -59,6 +61,7 @@ contains
       type(search_group_t), intent(inout) :: search
       type(diagnostics_t), intent(inout) :: findings
       character(:), allocatable :: name, other
+      integer :: idyad
 
       search%given = group%line > 0
       name = default_solver
@@ -77,6 +80,12 @@ contains
       call group%get_integer('THREADS', search%threads, findings)
       call group%get_integer('ORDER', search%order, findings)
       call check_range(group, 'ORDER', search%order, order_free, order_either, findings)
+      call group%get_integer('NFEW', search%few, findings)
+      call check_range(group, 'NFEW', search%few, 0, huge(1), findings)
+      idyad = 0
+      call group%get_integer('IDYAD', idyad, findings)
+      call check_range(group, 'IDYAD', idyad, 0, 1, findings)
+      search%by_dyads = idyad == 1
       call check_range(group, 'NSTART', search%nstart, 1, most_starts, findings)
       call check_range(group, 'FIRST', search%first, 1, most_starts, findings)
       call check_range(group, 'NBEST', search%nbest, 1, most_starts, findings)
@@ -96,6 +105,11 @@ contains
          if (search%ranking > ranking_none) call other_solver('RANKING')
          if (search%first > 1) call other_solver('FIRST')
          if (search%maxeval > 0) call other_solver('MAXEVAL')
+         if (search%by_dyads) call other_solver('IDYAD')
+      else if (search%few > 0 .and. search%solver%family /= family_least_squares) then
+         call out_of(group, 'NFEW', "few positions first is for SOLVER='SIMPLEX' and 'LSQ'", findings)
+      else if (search%by_dyads .and. search%solver%family /= family_least_squares) then
+         call out_of(group, 'IDYAD', "dyad by dyad is for SOLVER='LSQ'", findings)
       end if
 
    contains

@@ -1,5 +1,8 @@
 !> Searches from many starts by a team of threads: each start improved by itself, the best and distinct results kept.
 !>
+!> Starts may be made in stages: all at the first, the better half of a round at the second, and so on; each stage knows more of the
+!> problem and is dearer. Source: successive halving, Jamieson and Talwalkar (2016).
+!>
 !> What a start leads to depends on its number and on the best results of the rounds before alone, and results are ranked
 !> afterwards: the same input gives the same answer for any number of threads (unless time runs out).
 module psalm_multistart
@@ -22,6 +25,7 @@ module psalm_multistart
    type :: candidate_t
       real(wp), allocatable :: x(:)        !! unknowns
       real(wp) :: objective = 0.0_wp
+      real(wp) :: promise = 0.0_wp         !! stages: the less it is the sooner the start goes on to the next
       integer :: evaluations = 0, jacobians = 0
       logical :: done = .false.            !! the start was not cut short
       logical :: feasible = .false.        !! x obeys every constraint
@@ -35,6 +39,7 @@ module psalm_multistart
    contains
       procedure(start_i), deferred :: start
       procedure(refine_i), deferred :: refine
+      procedure :: go_on
    end type starter_t
 
    abstract interface
@@ -66,6 +71,7 @@ module psalm_multistart
       integer :: kept = 1                  !! results kept
       logical :: refines = .false.         !! the best are searched on
       integer :: refined = 8               !! how many, at least
+      integer :: stages = 1                !! of a start
       logical, allocatable :: compared(:)  !! shape (unknowns): those that tell two results to draw near apart
       real(wp) :: small = 0.0_wp           !! objectives below it are alike
       ! two of the results kept are one if no unknown differs by more than both of these
@@ -80,6 +86,16 @@ module psalm_multistart
    end type multistart_t
 
 contains
+
+   !> Search on from what a start led to in the stage before. By itself a start has one stage.
+   subroutine go_on(self, stage, candidate)
+      class(starter_t), intent(inout) :: self
+      integer, intent(in) :: stage
+      type(candidate_t), intent(inout) :: candidate
+
+      associate (unused => self, unchanged => stage, same_candidate => candidate)
+      end associate
+   end subroutine go_on
 
    !> Number of the i-th start.
    pure integer function number_of(self, i)
@@ -134,11 +150,56 @@ contains
             end if
          end do
          !$omp end parallel do
+         call go_through_stages(self, team, before + 1, until, stop, candidates)
          before = until
          deallocate (elite)
          call rank(self, max(self%refined, self%kept), candidates, best)
       end do
    end subroutine make_all
+
+   !> Take the starts `from` to `until` through the stages after the first: of those left the better half by what they promise, and
+   !> the starts that were given.
+   subroutine go_through_stages(rules, team, from, until, stop, candidates)
+      type(multistart_t), intent(in) :: rules
+      class(starter_t), intent(inout) :: team(:)
+      integer, intent(in) :: from, until
+      type(stop_t), intent(in) :: stop
+      type(candidate_t), intent(inout) :: candidates(:)
+      integer, allocatable :: left(:)
+      integer :: stage, t, i
+
+      left = [(i, i=from, until)]
+      do stage = 2, rules%stages
+         left = better_half(rules, candidates, left)
+         !$omp parallel do num_threads(size(team)) schedule(static) private(i)
+         do t = 1, size(team)
+            do i = t, size(left), size(team)
+               ! one that is cut short is not done with
+               if (.not. stop%waiting()) call team(t)%go_on(stage, candidates(left(i)))
+               if (stop%waiting()) candidates(left(i))%done = .false.
+            end do
+         end do
+         !$omp end parallel do
+      end do
+   end subroutine go_through_stages
+
+   !> The half of some starts, rounded up, that promises most, and those that were given.
+   pure function better_half(rules, candidates, left) result(better)
+      type(multistart_t), intent(in) :: rules
+      type(candidate_t), intent(in) :: candidates(:)
+      integer, intent(in) :: left(:)                    !! places
+      integer, allocatable :: better(:)
+      logical :: chosen(size(left))
+      real(wp) :: promise(size(left))
+      integer :: i
+
+      promise = candidates(left)%promise
+      chosen = [(rules%number_of(left(i)) <= 1, i=1, size(left))]
+      do i = count(chosen) + 1, (size(left) + 1)/2
+         chosen(minloc(promise, dim=1, mask=.not. chosen)) = .true.
+      end do
+      better = pack(left, chosen)
+   end function better_half
 
    !> Search on from the best of the starts that were made, as far as that is wanted.
    subroutine finish(self, team, stop, candidates, best)

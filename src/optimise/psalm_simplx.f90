@@ -97,7 +97,7 @@ contains
    end subroutine minimise
 
    !> Improve the simplex until one of the criteria of convergence is met. On return `simplex%best` is the result.
-   subroutine search_simplex(rules, problem, simplex, stop, state, observer, last)
+   subroutine search_simplex(rules, problem, simplex, stop, state, observer, last, made)
       type(simplex_rules_t), intent(in) :: rules
       class(nlp_t), intent(inout) :: problem
       type(simplex_t), intent(inout) :: simplex
@@ -105,9 +105,11 @@ contains
       type(search_state_t), intent(out) :: state
       class(observer_t), intent(inout), optional :: observer
       integer, intent(in), optional :: last            !! evaluation to stop at
+      integer, intent(in), optional :: made            !! iterations made before, which count
       integer :: worst
 
       state%limit = rules%niter
+      if (present(made)) state%iteration = made
       do
          worst = maxloc(simplex%f, dim=1)
          simplex%best = minloc(simplex%f, dim=1)

@@ -87,6 +87,12 @@ contains
       else if (set%search%solver%global .and. any(result%problem%high >= huge(1.0_wp))) then
          call findings%error('this solver searches a box: give the bounds of all variables, VLOW and VHIGH of &CHAIN', &
                              line=set%origins%line('SEARCH', 'SOLVER'), group='SEARCH', item='SOLVER')
+      else if (set%search%few > 0) then
+         call findings%error('few positions first is for linkages that are traced in loops: leave NFEW out', &
+                             line=set%origins%line('SEARCH', 'NFEW'), group='SEARCH', item='NFEW')
+      else if (set%search%by_dyads) then
+         call findings%error('this sketch is not made of dyads: leave IDYAD out', line=set%origins%line('SEARCH', 'IDYAD'), &
+                             group='SEARCH', item='IDYAD')
       end if
       if (findings%failed()) return
       call result%problem%accept(result%problem%first, result%first_objective, result%first_feasible)

@@ -3,6 +3,7 @@ module psalm_preparation
    use, intrinsic :: iso_fortran_env, only: int64
    use psalm_chain_force_study, only: judge_chain_forces
    use psalm_data_set, only: data_set_t
+   use psalm_dyad_groups, only: dyads_of_variables
    use psalm_force_model, only: force_model_t, forces_wanted, make_force_model
    use psalm_kinds, only: wp
    use psalm_regions, only: check_regions
@@ -87,6 +88,11 @@ contains
          return
       end if
       call check_regions(set%constr, prepared%mechanism, own)
+      if (set%search%by_dyads .and. prepared%parameters%has_search()) then
+         if (maxval(dyads_of_variables(prepared%mechanism, prepared%parameters)) == 1) &
+            call own%error('all dimensions that vary belong to one dyad: leave IDYAD out', &
+                           line=set%origins%line('SEARCH', 'IDYAD'), group='SEARCH', item='IDYAD')
+      end if
       if (forces_wanted(set)) call make_force_model(set, prepared%mechanism, prepared%given, model, own)
       associate (nvar => size(prepared%parameters%variables))
          if (prepared%parameters%has_search() .and. set%nguess > 0) then

@@ -5,12 +5,13 @@ module psalm_synthesis
    use psalm_constr, only: vertex_problem_t, make_vertex_problem
    use psalm_data_set, only: data_set_t
    use psalm_error, only: problem_t
+   use psalm_few_positions, only: stage_sizes, positions_of_stage, take_positions
    use psalm_kinds, only: wp
    use psalm_margins, only: inspector_t, prepare_inspector
    use psalm_ranking, only: ranked_t, rate_linkage, figure_of, unbeaten
    use psalm_search, only: found_t, result_t, search_many
    use psalm_search_group, only: pareto_none, ranking_none
-   use psalm_simplx, only: simplex_t, search_simplex
+   use psalm_simplx, only: simplex_t, simplex_rules_t, search_simplex
    use psalm_solver, only: observer_t, search_state_t, stop_iterations, stop_small_objective, stop_interrupted
    use psalm_start, only: beginning_t, rules_of, start_simplex
    use psalm_stop, only: stop_t
@@ -32,6 +33,8 @@ module psalm_synthesis
    integer, parameter :: ended_time = 6            !! MAXTIME passed
    integer, parameter :: ended_on_request = 7      !! the host asked for the end
    integer, parameter :: ended_refused = 8         !! NLopt refuses the algorithm for this problem
+
+   real(wp), parameter :: near = 1.0e-2_wp         !! relative size of a simplex that goes on to more positions
 
    !> Results of a search.
    type :: synthesis_t
@@ -96,7 +99,8 @@ contains
       result%last = result%first
       limited = stop
       call limited%limit_time(set%search%maxtime)
-      call search_simplex(rules_of(set), search, result%last, limited, result%state, observer)
+      call search_few_positions(set, problem, search, limited, result, observer)
+      call search_simplex(rules_of(set), search, result%last, limited, result%state, observer, made=(result%state%iteration))
       call problem%parameters%apply(result%last%v(:, result%last%best), dimensions)
       select case (result%state%reason)
       case (stop_iterations)
@@ -109,6 +113,57 @@ contains
          result%ending = ended_converged
       end select
    end subroutine search_with_simplex
+
+   !> Search with few positions first, then with twice as many, as long as they are not all. Each simplex becomes the first of the
+   !> next stage.
+   subroutine search_few_positions(set, problem, search, stop, result, observer)
+      type(data_set_t), intent(in) :: set
+      type(problem_t), intent(in) :: problem
+      type(vertex_problem_t), intent(inout) :: search  !! all positions; counts up
+      type(stop_t), intent(in) :: stop
+      type(synthesis_t), intent(inout) :: result       !! `last` is a simplex that obeys; it still does afterwards
+      class(observer_t), intent(inout), optional :: observer
+      type(problem_t), allocatable, target :: part
+      type(vertex_problem_t) :: few
+      type(simplex_rules_t) :: rules
+      real(wp), allocatable :: haven(:)
+      integer :: stage
+
+      associate (sizes => stage_sizes(set%search%few, problem%positions))
+         if (size(sizes) == 1) return
+         rules = rules_of(set)
+         rules%small = max(rules%small, near)
+         haven = result%last%v(:, result%last%best)
+         do stage = 1, size(sizes) - 1
+            call take_positions(problem, positions_of_stage(problem, sizes(stage)), part)
+            call make_vertex_problem(set, part, few)
+            few%evaluations = search%evaluations
+            few%counts = search%counts
+            call settle_all(few, haven, result%last)
+            call search_simplex(rules, few, result%last, stop, result%state, observer, made=(result%state%iteration))
+            search%evaluations = few%evaluations
+            search%counts = few%counts
+         end do
+         call settle_all(search, haven, result%last)
+      end associate
+   end subroutine search_few_positions
+
+   !> Make every vertex obey at the positions of a problem, the best first: the others move towards it where they must.
+   subroutine settle_all(problem, haven, simplex)
+      type(vertex_problem_t), intent(inout) :: problem
+      real(wp), intent(in) :: haven(:)                 !! a linkage that obeys
+      type(simplex_t), intent(inout) :: simplex
+      integer :: k
+      logical :: reached
+
+      associate (best => simplex%best)
+         call problem%settle(simplex%v(:, best), simplex%f(best), reached, towards=haven)
+         do k = 1, size(simplex%f)
+            if (k /= best) call problem%settle(simplex%v(:, k), simplex%f(k), reached, towards=simplex%v(:, best))
+         end do
+      end associate
+      simplex%best = minloc(simplex%f, dim=1)
+   end subroutine settle_all
 
    subroutine search_from_starts(set, vertices, problem, threads, stop, dimensions, result, observer, before)
       type(data_set_t), intent(in) :: set

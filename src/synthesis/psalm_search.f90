@@ -7,13 +7,15 @@ module psalm_search
    use psalm_constr, only: constraints_t, make_constraints, constrain
    use psalm_constraint_group, only: range_positions, range_turn
    use psalm_data_set, only: data_set_t
+   use psalm_dyad_groups, only: dyads_of_variables
    use psalm_elementary, only: fractional_power
    use psalm_error, only: problem_t
+   use psalm_few_positions, only: stage_sizes, positions_of_stage, take_positions
    use psalm_free_start, only: free_start_t, prepare_free_start, make_free_start
    use psalm_kinds, only: wp, degrees_per_radian, full_turn, right_angle
    use psalm_margins, only: inspector_t, margin_t, prepare_inspector, inspect, is_violated
    use psalm_lot, only: draw_lot
-   use psalm_merit, only: merit_t, prepare_merit, eliminate_linear, set_range, extra_positions
+   use psalm_merit, only: merit_t, prepare_merit, eliminate_linear, hold, let_go, set_range, extra_positions
    use psalm_multistart, only: candidate_t, multistart_t, starter_t
    use psalm_nlp, only: repair_count_t
    use psalm_search_group, only: order_either, pareto_none
@@ -78,11 +80,18 @@ module psalm_search
    type, extends(starter_t) :: worker_t
       type(data_set_t), pointer :: set => null()  !! the caller's
       real(wp), allocatable :: first(:)           !! shape (nvar): the user's linkage
+      real(wp), allocatable :: home(:)            !! shape (nvar): the same, made to obey
+      logical :: closes = .false.                 !! it could be
+      integer :: spent = 0                        !! evaluations that took
       real(wp), allocatable :: supplied(:, :)     !! shape (nvar, supplied)
       ! allocated: together they would fill a small stack
       type(problem_t), allocatable :: problem
       type(constraints_t), allocatable :: constraints
       type(merit_t), allocatable :: merit
+      ! by its base class, as a team is
+      class(starter_t), allocatable :: few(:)     !! shape (stages - 1): who makes the stages of a start but its last
+      logical :: early = .false.                  !! this is one of those: some of the positions are looked at
+      integer, allocatable :: dyads(:)            !! shape (nvar): the dyad each variable belongs to
       type(timing_t), allocatable :: timing(:)    !! shape (2): with the input going the way of DELT, the other way
       type(inspector_t), allocatable :: inspector
       type(free_start_t), allocatable :: free_start(:) !! shape (2): the same
@@ -93,8 +102,10 @@ module psalm_search
       type(stop_t) :: stop
       type(xoshiro_t) :: random
    contains
-      procedure :: start => one_start
+      procedure :: start => start_in_stages
+      procedure :: go_on
       procedure :: refine
+      procedure :: stages
    end type worker_t
 
    !> A search whose starts are made at one time and which is finished at another.
@@ -160,11 +171,13 @@ contains
       allocate (team(min(max(1, threads), self%rules%supplied + self%rules%starts)))
       do t = 1, size(team)
          call prepare_worker(set, problem, first, supplied, self%ending, team(t))
+         call prepare_stages(set, problem, first, supplied, self%ending, team(t))
       end do
       associate (merit => team(1)%merit)
          self%rules%compared = [is_length(problem), spread(.false., 1, merit%local)]
          call tell_apart(set, problem, merit, self%rules)
          if (team(1)%lots) self%rules%refined = few_refined
+         self%rules%stages = team(1)%stages()
          self%free = merit%free
          self%by_default = merit%by_default
          self%low = merit%default_low
@@ -250,6 +263,8 @@ contains
       real(wp), intent(in) :: first(:), supplied(:, :)
       type(stop_t), intent(in) :: ending
       type(worker_t), intent(inout) :: worker
+      type(repair_count_t) :: counts
+      real(wp) :: objective
       integer :: way
 
       worker%set => set
@@ -259,6 +274,8 @@ contains
       allocate (worker%problem, source=problem)
       allocate (worker%constraints, worker%merit, worker%timing(2), worker%inspector, worker%free_start(2))
       call make_constraints(set, problem, worker%constraints)
+      worker%home = first
+      call constrain(worker%problem, worker%constraints, worker%home, objective, worker%closes, worker%spent, counts)
       call prepare_merit(set, problem, first, worker%merit)
       call new_solver(set%search%solver, worker%solver)
       call worker%random%seed(set%istart, purpose_starts)
@@ -269,10 +286,34 @@ contains
          if (set%search%solver%refines) call prepare_free_start(problem, worker%merit, worker%free_start(way))
       end do
       if (set%search%solver%refines .and. .not. worker%free_start(1)%applies) call eliminate_linear(worker%merit)
+      worker%dyads = dyads_of_variables(problem%mechanism, problem%parameters)
       worker%lots = allocated(worker%merit%linear) .and. worker%merit%free .and. worker%merit%ordered .and. &
                     worker%merit%irange == range_turn
       if (worker%merit%irange /= range_positions) call prepare_inspector(set, problem, .true., worker%inspector)
    end subroutine prepare_worker
+
+   !> Those who make the stages of a start but its last.
+   subroutine prepare_stages(set, problem, first, supplied, ending, worker)
+      type(data_set_t), intent(in), target :: set
+      type(problem_t), intent(in) :: problem
+      real(wp), intent(in) :: first(:), supplied(:, :)
+      type(stop_t), intent(in) :: ending
+      type(worker_t), intent(inout) :: worker
+      type(problem_t), allocatable :: part
+      integer :: stage
+
+      associate (sizes => stage_sizes(set%search%few, problem%positions))
+         allocate (worker_t :: worker%few(size(sizes) - 1))
+         select type (few => worker%few)
+         type is (worker_t)
+            do stage = 1, size(few)
+               call take_positions(problem, positions_of_stage(problem, sizes(stage)), part)
+               call prepare_worker(set, part, first, supplied, ending, few(stage))
+               few(stage)%early = .true.
+            end do
+         end select
+      end associate
+   end subroutine prepare_stages
 
    !> Points in their order may be visited with the input going either way.
    pure logical function goes_either_way(worker)
@@ -307,6 +348,81 @@ contains
       end do
    end subroutine record_starts
 
+   !> One start, or the first stage of it: few positions are looked at then.
+   subroutine start_in_stages(self, number, elite, candidate)
+      class(worker_t), intent(inout) :: self
+      integer, intent(in) :: number
+      real(wp), intent(in) :: elite(:, :)
+      type(candidate_t), intent(inout) :: candidate
+
+      if (self%early .or. self%stages() == 1) then
+         call one_start(self, number, elite, candidate)
+      else
+         call self%few(1)%start(number, elite, candidate)
+         call judge(self, candidate)
+      end if
+   end subroutine start_in_stages
+
+   !> Stages of a start.
+   pure integer function stages(self)
+      class(worker_t), intent(in) :: self
+
+      stages = 1
+      if (allocated(self%few)) stages = 1 + size(self%few)
+   end function stages
+
+   !> Improve what a start led to with the positions of the next stage; what does not obey is not taken if what was there does.
+   subroutine go_on(self, stage, candidate)
+      class(worker_t), intent(inout) :: self
+      integer, intent(in) :: stage
+      type(candidate_t), intent(inout) :: candidate
+      type(candidate_t) :: further
+      real(wp), allocatable :: values(:)
+
+      further%done = candidate%done
+      if (stage < self%stages()) then
+         further%x = candidate%x
+         further%evaluations = candidate%evaluations
+         further%jacobians = candidate%jacobians
+         call self%few(stage)%go_on(stage, further)
+         call judge(self, further)
+      else
+         values = candidate%x
+         self%merit%evaluations = candidate%evaluations
+         self%merit%jacobians = candidate%jacobians
+         if (self%merit%has_range) call set_range(self%merit, [real(wp) ::])
+         call improve(self, rough, 1, values, further)
+         call put_down(self, values, 0, further)
+      end if
+      if (further%feasible .or. self%early .or. .not. candidate%feasible) then
+         candidate = further
+      else
+         candidate%evaluations = further%evaluations
+         candidate%jacobians = further%jacobians
+      end if
+   end subroutine go_on
+
+   !> What a linkage that few positions led to is worth at all of them.
+   subroutine judge(worker, candidate)
+      class(worker_t), intent(inout) :: worker
+      type(candidate_t), intent(inout) :: candidate
+      type(margin_t), allocatable :: margins(:)
+      real(wp) :: violation
+
+      associate (merit => worker%merit)
+         merit%evaluations = candidate%evaluations
+         if (merit%has_range) call set_range(merit, [real(wp) ::])
+         call merit%measure(candidate%x, candidate%promise, violation)
+         candidate%promise = candidate%promise + max(candidate%promise, merit%small)*violation
+         call merit%accept(candidate%x, candidate%objective, candidate%feasible)
+         if (candidate%feasible .and. merit%irange /= range_positions) then
+            call inspect(worker%inspector, merit%dimensions, merit%delt, margins, hasty=.true.)
+            candidate%feasible = .not. any(is_violated(margins))
+         end if
+         candidate%evaluations = merit%evaluations
+      end associate
+   end subroutine judge
+
    !> One start: draw it, make it close where that is easy, improve it, inspect it.
    subroutine one_start(self, number, elite, candidate)
       class(worker_t), intent(inout) :: self
@@ -336,11 +452,11 @@ contains
                call draw_near(self%problem, elite(:nvar, 1 + mod(number/2, size(elite, 2))), low, high, &
                               1 + mod(number/4, fineness), values)
             end if
-            home = self%first
-            call constrain(self%problem, self%constraints, home, objective, closes, before, counts)
+            if (self%set%search%by_dyads) call draw_one_dyad(self, number, elite, values)
+            before = self%spent
             ! every other start keeps its own shape, closed or not; the others draw near the user's until they close
-            if (mod(number, 2) == 0 .and. closes) call constrain(self%problem, self%constraints, values, objective, closes, &
-                                                                 before, counts, towards=home)
+            if (mod(number, 2) == 0 .and. self%closes) call constrain(self%problem, self%constraints, values, objective, closes, &
+                                                                      before, counts, towards=self%home)
          else
             home = self%first
             if (number < 0) home = self%supplied(:, -number)
@@ -354,6 +470,11 @@ contains
       self%merit%delt = self%problem%delt
       if (self%merit%has_range) call set_range(self%merit, [real(wp) ::])
       if (self%merit%free .and. number /= 1) call retime(self, values)
+      if (number > 1 .and. self%set%search%by_dyads) then
+         call hold(self%merit, self%dyads /= dyad_of_start(self, number))
+         call improve(self, rough, number, values, candidate, short_descent)
+         call let_go(self%merit)
+      end if
       if (number > 1) then
          x = self%merit%point(values, self%merit%delt)
          call self%merit%fit_linear(x)
@@ -367,6 +488,29 @@ contains
       end if
       call put_down(self, values, before, candidate)
    end subroutine one_start
+
+   !> The dyad that a start draws: each in turn.
+   pure integer function dyad_of_start(worker, number)
+      class(worker_t), intent(in) :: worker
+      integer, intent(in) :: number
+
+      dyad_of_start = 1 + mod(number, maxval(worker%dyads))
+   end function dyad_of_start
+
+   !> Keep what was drawn for one dyad; the others become those of a linkage known: the given one, or one of the best so far.
+   pure subroutine draw_one_dyad(worker, number, elite, values)
+      class(worker_t), intent(in) :: worker
+      integer, intent(in) :: number
+      real(wp), intent(in) :: elite(:, :)              !! shape (unknowns, any)
+      real(wp), intent(inout) :: values(:)             !! shape (nvar): all were drawn
+      real(wp) :: known(size(values))
+      integer :: round
+
+      round = number/maxval(worker%dyads)
+      known = worker%home
+      if (size(elite, 2) > 0) known = elite(:size(values), 1 + mod(round, size(elite, 2)))
+      where (worker%dyads /= dyad_of_start(worker, number)) values = known
+   end subroutine draw_one_dyad
 
    !> The best linkage of a lot whose proportions and inputs alone are drawn, improved.
    subroutine start_with_lot(self, number, candidate)
@@ -556,6 +700,7 @@ contains
 
       allocate (extra(0))
       call run_solver(found, candidate%objective, candidate%feasible)
+      if (worker%early) return
       if (worker%merit%free .and. worker%set%search%solver%refines) then
          do round = 1, most_returns
             values = found
