@@ -134,6 +134,17 @@ check 'slopes: the derivatives on device 9 are those of kalm' awk '
                 else if (block == "derivatives;" && NF == 10) want[++n] = $3 " " $7; next }
     $1 + 0 > 0 && NF >= 7 { gsub("D", "E"); split(want[++m], w); v = NF == 7 ? $3 : $4; a = NF == 7 ? $4 : $6
                 if ((v - w[1])^2 + (a - w[2])^2 > 1e-9) bad = 1 } END { exit !(n == 7 && m == 7 && !bad) }' slopes.dev9 out
+cat >wished.nml <<'EOF'
+POSE AND ITS SPEED, IN THE POSES OF THE LINKS
+ &CHAIN JNT='A','B','C','D','P', JX=0.0,-4.0,33.0,90.0,20.0, JY=0.0,31.0,82.0,5.0,95.0, LNAME='frame','crank','coupler','rocker',
+  LNK='A D','A B','B C P','C D', VARY='A B','B C','place D' &END
+ &DRIVES DRIVE='A' &END &OUTPUTS OUTPUT='pose P coupler', DES1=20.0,95.0,54.0, 13.0,91.0,51.0, DVEL1=-13.0,-10.0,-0.2, -16.0,-16.0,0.0,
+  WVEL1=1.0,0.0 &END
+ &METHOD NDES=2, DELT=0.0,20.0 &END &SEARCH SOLVER='LSQ' &END
+EOF
+status 0 'derivatives of a sketch' "$psalm" --quiet wished.nml
+check 'derivatives of a sketch: what is desired and what became of it' test "$(grep -cE \
+    '^  POSE_P_COUPLER.(X|Y|ANGLE) +(VALUE +[12]|FIRST DERIVATIVE +1)( +-?[0-9.E+-]+){3}$' out)" -eq 9
 at_most 'needle_wide: better than from nearby starts' needle_wide.lst 0.3968
 at_most 'brake_reaction_lsq: far better than published' brake_reaction_lsq.lst 1.0
 at_most 'dwell: better than its reference' dwell.lst 0.02

@@ -283,6 +283,10 @@ contains
       before = by_poses%first_objective
       call synthesise_chain(in_poses, 1, stop, by_poses, findings)
       call t%close_to(by_poses%first_objective/before, 1.0_wp, 1.0e-12_wp, output//': derivatives of &METHOD in poses')
+      call t%is_true(allocated(by_poses%actual), output//': what it does is told')
+      if (.not. allocated(by_poses%actual)) return
+      call t%close_to(sum(by_poses%problem%weight*(by_poses%actual - by_poses%problem%wanted)**2)/by_poses%best(1)%objective, &
+                      1.0_wp, 1.0e-9_wp, output//': and its errors make the objective')
    end subroutine as_in_poses
 
    !> A closed form: the travel of a Scotch yoke is r cos a, the squares of its speed and acceleration add up to that of r.

@@ -59,6 +59,7 @@ module psalm_chain_problem
       procedure :: constraints_at
       procedure :: find_motion
       procedure :: find_values
+      procedure :: find_wished
       procedure :: dimensioned
       procedure :: shape_point
    end type chain_problem_t
@@ -575,6 +576,29 @@ contains
          deallocate (closure%point_rate)
       end subroutine along
    end subroutine find_values
+
+   !> What a linkage does of what is desired: values and derivatives by the first drive; those of a desired angle in its turn. Not
+   !> allocated where its positions cannot be reached.
+   subroutine find_wished(self, x, actual)
+      class(chain_problem_t), intent(in) :: self
+      real(wp), intent(in) :: x(:)
+      real(wp), allocatable, intent(out) :: actual(:, :, :) !! shape as `wanted`
+      type(closure_t) :: closure
+      type(chain_motion_t) :: motion
+      real(wp) :: values(size(self%wanted, 1), 0:most_orders)
+      integer :: k
+      logical :: reached
+
+      call self%find_motion(x, closure, motion, reached)
+      if (.not. reached) return
+      allocate (actual(size(self%wanted, 1), 0:most_wished, size(self%inputs, 2)))
+      do k = 1, size(self%inputs, 2)
+         call self%find_values(x, closure, motion%states(k), values)
+         actual(:, :, k) = values(:, :most_wished)
+         where (self%angle) actual(:, 0, k) = actual(:, 0, k) &
+                                              - full_turn*anint((actual(:, 0, k) - self%wanted(:, 0, k))/full_turn)
+      end do
+   end subroutine find_wished
 
    ! ---- the problem -------------------------------------------------------------------------------------------------
 
