@@ -141,7 +141,7 @@ contains
    !> A region is kept by the search.
    subroutine regions()
       type(data_set_t) :: set
-      type(diagnostics_t) :: findings
+      type(diagnostics_t) :: findings, refused, refused_too
       type(chain_synthesis_t) :: free, kept
       type(chain_study_t) :: study
       type(stop_t) :: stop
@@ -168,6 +168,13 @@ contains
       call study_chain(kept%drawn, 1.0_wp, 0.0_wp, study)
       call t%is_true(all([(study%motion%states(k)%joint(3, 0)%im, k=1, 4)] < edge + 1.0e-6_wp), 'C keeps below the edge')
       call t%is_true(kept%best(1)%objective < kept%first_objective, 'and comes nearer to what is wanted')
+      set%search%few = 2
+      call synthesise_chain(set, 1, stop, kept, refused)
+      call t%finds(refused, '&SEARCH NFEW: few positions first is for linkages that are traced in loops', 'NFEW is refused')
+      set%search%few = 0
+      set%search%by_dyads = .true.
+      call synthesise_chain(set, 1, stop, kept, refused_too)
+      call t%finds(refused_too, '&SEARCH IDYAD: this sketch is not made of dyads', 'IDYAD is refused')
    end subroutine regions
 
    !> Several drives, one of them a floating cylinder: what a linkage of known dimensions does is found again.
