@@ -160,6 +160,9 @@ contains
          character(:), allocatable :: words
 
          words = trim(adjustl(end_text(input, way, study%proof%turns)))
+         if (index(words, '.') == 0 .or. scan(words, 'DE') > 0) return
+         ! zeros at the end say nothing
+         words = words(:max(verify(words, '0', back=.true.), index(words, '.') + 1))
       end function place
 
       function why(limit) result(words)

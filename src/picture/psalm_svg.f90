@@ -813,9 +813,29 @@ contains
             if (scene%proof%near(i)%tightest) call add_string(words, 'tightest: '// &
                                                               scene%proof%marks(scene%proof%near(i)%mark)%text)
          end do
+         call name_rings(words)
          all_of_them = all_of_them + size(words)
          call take(words, 'p')
       end subroutine take_proof
+
+      !> What the rings on the path are; those that were told with their inputs need no more.
+      subroutine name_rings(words)
+         type(strings_t), allocatable, intent(inout) :: words(:)
+         logical :: extremes, standing
+         integer :: i
+
+         extremes = .false.
+         standing = .false.
+         do i = 1, size(scene%proof%marks)
+            associate (mark => scene%proof%marks(i))
+               if (.not. (mark%placed .and. mark%of_output)) cycle
+               extremes = extremes .or. mark%kind == 'extreme'
+               standing = standing .or. mark%kind == 'dead'
+            end associate
+         end do
+         if (extremes) call add_string(words, 'blue rings: the output is at an extreme')
+         if (standing) call add_string(words, 'brown rings: the output stands still')
+      end subroutine name_rings
 
       subroutine take(messages, mark)
          type(strings_t), intent(in) :: messages(:)
