@@ -4,7 +4,7 @@ program test_elementary
    use psalm_angles, only: unit_vector, degrees_of, arc_sine
    use psalm_elementary, only: hypotenuse, fractional_power
    use psalm_kinds, only: wp, i8
-   use psalm_quad, only: unit_vector_quad, root => sqrt
+   use psalm_quad, only: unit_vector_quad, arc_sine_quad, root => sqrt, modulus => abs, exponential => exp
    implicit none (type, external)
    integer, parameter :: qp = selected_real_kind(33)
    real(qp), parameter :: degree = 3.14159265358979323846264338327950288419716939937511_qp/180.0_qp
@@ -201,7 +201,8 @@ contains
    subroutine quadruple()
       integer, parameter :: count = 20000
       real(qp), parameter :: allowed = 9.0_qp     !! units; those of the reference's angle, up to 6.3 radians, are most of it
-      real(qp) :: turned, x, y, value, worst(3)
+      real(qp) :: turned, x, y, value, worst(6)
+      complex(qp) :: z
       integer :: i
 
       worst = 0.0_qp
@@ -215,10 +216,19 @@ contains
          call unit_vector_quad(scale(turned, 40 + modulo(i, 400)), x, y)
          value = mod(scale(turned, 40 + modulo(i, 400)), 360.0_qp)*degree
          worst(3) = max(worst(3), abs(x - cos(value)), abs(y - sin(value)))
+         z = cmplx((real(drawn(), qp) - 0.5_qp)*40.0_qp, (real(drawn(), qp) - 0.5_qp)*6.0_qp, qp)
+         worst(4) = max(worst(4), abs(modulus(z)/abs(z) - 1.0_qp))
+         worst(5) = max(worst(5), abs(exponential(z) - exp(z))/abs(exp(z)))
+         value = scale(real(drawn(), qp) + real(i, qp)*epsilon(1.0_qp), -modulo(i, 40))
+         if (value <= 1.0_qp) worst(6) = max(worst(6), abs(arc_sine_quad(value)*degree/asin(value) - 1.0_qp))
       end do
       call t%is_true(worst(1) <= allowed*epsilon(1.0_qp), 'quadruple precision: cosine and sine')
       call t%is_true(worst(2) <= 2.0_qp*epsilon(1.0_qp), 'quadruple precision: square root')
       call t%is_true(worst(3) <= allowed*epsilon(1.0_qp), 'quadruple precision: cosine and sine after many turns')
+      call t%is_true(worst(4) <= 2.0_qp*epsilon(1.0_qp), 'quadruple precision: modulus')
+      ! of the result: units of the exponent, up to 20
+      call t%is_true(worst(5) <= 40.0_qp*epsilon(1.0_qp), 'quadruple precision: exponential')
+      call t%is_true(worst(6) <= allowed*epsilon(1.0_qp), 'quadruple precision: arc sine')
       call unit_vector_quad(-630.0_qp, x, y)
       call t%is_true(abs(x) <= 0.0_qp .and. abs(y - 1.0_qp) <= 0.0_qp, 'quadruple precision: a quarter of a turn is exact')
       call t%is_true(root(-1.0_qp) <= 0.0_qp .and. root(0.0_qp) <= 0.0_qp, 'quadruple precision: no root of what is not positive')

@@ -5,7 +5,7 @@ module psalm_quad
    use, intrinsic :: iso_fortran_env, only: int64, real64, real128
    implicit none (type, external)
    private
-   public :: qp, unit_vector_quad, sqrt
+   public :: qp, unit_vector_quad, arc_sine_quad, sqrt, abs, exp
 
    integer, parameter :: qp = real128  !! quadruple precision
 
@@ -13,8 +13,19 @@ module psalm_quad
       module procedure square_root_quad
    end interface sqrt
 
+   interface abs
+      module procedure modulus_quad
+   end interface abs
+
+   interface exp
+      module procedure exponential_quad
+   end interface exp
+
    real(qp), parameter :: right_angle = 90.0_qp, full_turn = 360.0_qp
    real(qp), parameter :: radians_per_degree = 0.017453292519943295769236907684886127134_qp
+   real(qp), parameter :: degrees_per_radian = 57.295779513082320876798154814105170332_qp
+   real(qp), parameter :: log_of_two = 0.69314718055994530941723212145817656808_qp
+   integer, parameter :: terms_of_exponential = 27 !! the next of half the logarithm of 2 is 5e-43
    real(qp), parameter :: many_turns = full_turn*2.0_qp**52          !! their number still fits an integer
    !> (2 n + 1) 2 n, n = 1, 2 ..., and (2 n) (2 n - 1): what divides one term of the series of the sine and cosine by the one before
    integer :: n
@@ -95,4 +106,50 @@ contains
       root = 0.5_qp*(root + b/root)
       root = root*factor
    end function square_root_quad
+
+   !> Modulus of a complex number, to a few units of the last digit.
+   elemental real(qp) function modulus_quad(z) result(modulus)
+      complex(qp), intent(in) :: z
+      real(qp) :: long, short
+
+      long = max(abs(real(z, qp)), abs(aimag(z)))
+      short = min(abs(real(z, qp)), abs(aimag(z)))
+      modulus = long
+      if (short > 0.0_qp .and. long <= huge(long)) modulus = long*sqrt(1.0_qp + (short/long)**2)
+   end function modulus_quad
+
+   !> Exponential of a complex number of moderate size, to some units of the last digit.
+   elemental complex(qp) function exponential_quad(z) result(w)
+      complex(qp), intent(in) :: z
+      real(qp) :: rest, whole, x, y
+      integer :: doubled, k
+
+      doubled = nint(real(z, real64)/real(log_of_two, real64))
+      rest = real(z, qp) - real(doubled, qp)*log_of_two
+      whole = 1.0_qp
+      do k = terms_of_exponential, 1, -1
+         whole = 1.0_qp + whole*rest/real(k, qp)
+      end do
+      whole = scale(whole, doubled)
+      call unit_vector_quad(aimag(z)*degrees_per_radian, x, y)
+      w = cmplx(whole*x, whole*y, qp)
+   end function exponential_quad
+
+   !> Arc sine of a number from 0 to 1, in degrees, to some units of the last digit.
+   elemental real(qp) function arc_sine_quad(sine) result(degrees)
+      real(qp), intent(in) :: sine
+      real(qp) :: small_sine, x, y
+      integer :: k
+
+      ! above half of 1 by the half angle of what is left of 90 degrees
+      small_sine = sine
+      if (sine > 0.5_qp) small_sine = sqrt(0.5_qp*(1.0_qp - sine))
+      degrees = real(asin(real(small_sine, real64)), qp)*degrees_per_radian
+      ! 53 digits, 106, all
+      do k = 1, 2
+         call unit_vector_quad(degrees, x, y)
+         degrees = degrees + (small_sine - y)/x*degrees_per_radian
+      end do
+      if (sine > 0.5_qp) degrees = right_angle - 2.0_qp*degrees
+   end function arc_sine_quad
 end module psalm_quad

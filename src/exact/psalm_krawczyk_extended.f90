@@ -2,7 +2,7 @@
 module psalm_krawczyk_extended
    use psalm_kinds, only: wp
    use psalm_product_sums, only: most_factors, product_sums_t
-   use psalm_quad, only: qp
+   use psalm_quad, only: qp, abs
    implicit none (type, external)
    private
    public :: examine

@@ -8,7 +8,7 @@ module psalm_quad_path
    use psalm_leg_lanes, only: path_t
    use psalm_leg_problem, only: at_a, at_ah, at_b, at_bh, at_x, at_xh, at_y, at_yh, kind_pose, kind_timed, leg_data_t, &
                                 most_points, turns_of, variables
-   use psalm_quad, only: qp
+   use psalm_quad, only: qp, abs, exp
    implicit none (type, external)
    private
    public :: follow_precisely, path_arrived, path_stuck, path_to_infinity

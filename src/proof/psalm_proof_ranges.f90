@@ -13,7 +13,7 @@ module psalm_proof_ranges
    use psalm_proof_groups, only: prepare_models
    use psalm_proof_plan, only: least_sine
    use psalm_proof_quantity, only: quantity_t, quantity_measure, quantity_slide, quantity_point
-   use psalm_quad, only: qp
+   use psalm_quad, only: qp, arc_sine_quad, sqrt
    implicit none (type, external)
    private
    public :: extreme_t, prove_extremes, prove_tolerance, list_places
@@ -34,8 +34,7 @@ module psalm_proof_ranges
    real(wp), parameter :: enough = 1.0e-13_wp  !! width of a bracket, of 1 or the value in the longest arc
    real(wp), parameter :: narrow = 1.0e-9_wp   !! a bracket narrower than this does not show
    real(wp), parameter :: straight = 180.0_wp
-   real(qp), parameter :: of_library = 1.0e-30_qp !! relative error of the arc sine, generously
-   real(qp), parameter :: degrees = 57.295779513082320876798154814105170332_qp !! of a radian
+   real(qp), parameter :: of_arc_sine = 1.0e-30_qp !! relative error of the arc sine, generously
 
    !> Least and greatest value of a quantity over what closes, each bracketed.
    type :: extreme_t
@@ -279,16 +278,16 @@ contains
 
          if (extreme%kind == extreme_slides) then
             sine = min(max(value + real(least_sine, qp), 0.0_qp), 1.0_qp)
-            in_unit = min(rounded(asin(sine)*degrees*(1.0_qp + real(way, qp)*of_library), way), right_angle)
+            in_unit = min(rounded(arc_sine_quad(sine)*(1.0_qp + real(way, qp)*of_arc_sine), way), right_angle)
             return
          end if
          if (extreme%kind /= extreme_angle) then
             in_unit = rounded(value/real(subject%numbers%scale, qp), way)
             return
          end if
-         ! the rounding of the library's function is far below that of the working precision
+         ! its rounding is far below that of the working precision
          sine = sqrt(min(max(value/whole_of(subject, quantity, extreme), 0.0_qp), 1.0_qp))
-         in_unit = min(rounded(2.0_qp*asin(sine)*degrees*(1.0_qp + real(way, qp)*of_library), way), straight)
+         in_unit = min(rounded(2.0_qp*arc_sine_quad(sine)*(1.0_qp + real(way, qp)*of_arc_sine), way), straight)
       end function in_unit
    end subroutine put_fine_together
 
