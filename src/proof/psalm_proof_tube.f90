@@ -679,8 +679,8 @@ contains
             associate (a => rows(k)%links(1), b => rows(k)%links(2), n => rows(k)%which)
                select case (rows(k)%kind)
                case (row_pin)
-                  call add_pin(a)
-                  call add_pin(b)
+                  call add_pin(a, change)
+                  call add_pin(b, change)
                   m = m + 1
                case (row_angle, row_turn, row_gear)
                   ! these entries are constant
@@ -690,9 +690,9 @@ contains
                   associate (first => closure%sketch%slides(slide)%links(1), second => closure%sketch%slides(slide)%links(2))
                      z = travel_majorant(closure, tube, slide)
                      q = size_of(closure%slide_point(2, slide))
-                     call add(second, away_phi(first), q*(away_phi(first) + away_phi(second))/scale)
+                     call add(second, away_phi(first), q*(away_phi(first) + away_phi(second))/scale, change)
                      call add(first, away_phi(first), (z(0)*away_phi(first) + away_t(first) + away_t(second) &
-                                                       + q*away_phi(second))/scale)
+                                                       + q*away_phi(second))/scale, change)
                   end associate
                end select
             end associate
@@ -702,8 +702,9 @@ contains
 
    contains
 
-      pure subroutine add_pin(link)
+      pure subroutine add_pin(link, change)
          integer, intent(in) :: link
+         real(wp), intent(inout) :: change(:, :)
          complex(wp) :: p(0:most_orders)
          real(wp) :: by_turn, longer
          integer :: c
@@ -722,9 +723,10 @@ contains
          if (c /= tube%pinned) change(m:m + 1, c) = change(m:m + 1, c) + by_turn
       end subroutine add_pin
 
-      pure subroutine add(link, by_place, by_turn)
+      pure subroutine add(link, by_place, by_turn, change)
          integer, intent(in) :: link
          real(wp), intent(in) :: by_place, by_turn
+         real(wp), intent(inout) :: change(:, :)
          integer :: c
 
          c = 3*findloc(closure%groups(1)%links, link, dim=1)
