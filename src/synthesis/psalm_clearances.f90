@@ -19,7 +19,7 @@ module psalm_clearances
    !> One clearance.
    type :: clearance_t
       integer :: region = 0                    !! number of the region; 0: between two links
-      type(region_t) :: shape                  !! the region
+      type(region_t) :: shape = region_t()     !! the region
       integer :: segments(2) = 0               !! links; with a region the first; both 0: a joint
       integer :: points(points_of_clearance) = 0 !! two ends of the first (of a joint twice the same), then of the second link
       real(wp) :: reach = 0.0_wp               !! half the widths
