@@ -467,6 +467,7 @@ contains
       type(sketch_t), intent(in) :: sketch
       type(data_set_t), intent(inout) :: set
       type(diagnostics_t), intent(inout) :: findings
+      type(output_t) :: shown
       logical :: done
 
       done = .false.
@@ -484,7 +485,9 @@ contains
                                trim(sketch%joint_name(default_joint(sketch)))//' stands in its place', &
                                line=set%origins%line('OUTPUTS', 'OUTPUT', 1), group='OUTPUTS', item='OUTPUT')
       end if
-      call put_output(loops, state, sketch, output_t(kind=output_point, joints=[default_joint(sketch), 0, 0, 0]), set, done)
+      shown%kind = output_point
+      shown%joints(1) = default_joint(sketch)
+      call put_output(loops, state, sketch, shown, set, done)
    end subroutine fill_output
 
    !> The joint that is shown of a sketch without outputs.

@@ -18,7 +18,7 @@ module psalm_proven_margins
 
    !> Bracket of the least margin of a dyad.
    type :: proven_margin_t
-      type(margin_t) :: margin               !! kind and loop; the margin is not above `high`, at the input `delt`
+      type(margin_t) :: margin = margin_t()  !! kind and loop; the margin is not above `high`, at the input `delt`
       real(wp) :: low = 0.0_wp, high = 0.0_wp !! degrees or length
       logical :: is_broken = .false.         !! proven: violated
    end type proven_margin_t
