@@ -233,7 +233,8 @@ def stages(top, debug, release, quad):
     result += [Stage("Python", ["env", "PSALM_LIBRARY=" + release.library, "PYTHONPATH=python", python, "python/test_psalm.py", "data"])]
     if any(source.startswith("example/") for source in release.order):
         result += [Stage("examples", [os.path.join(test, "library.sh"), release.bin, release.examples])]
-    for name in ("laws", "manual", "narrow_places", "slide_pairs", "tables", "sketches", "ssics", "muscle", "calm"):
+    for name in ("laws", "manual", "narrow_places", "slide_pairs", "tables", "sketches", "ssics", "muscle", "calm",
+                 "exact", "bridge", "links"):
         result += [Stage(name.replace("_", " "), [python, os.path.join(test, name + ".py"), release.bin])]
     for name, pattern in (("files", r"\b(?:for test in \()([\w, ]+)\)"), ("summary", r"\b(?:for part in \()([\w, ]+)\)")):
         script = open(os.path.join(test, name + ".py"), encoding="utf-8").read()
