@@ -130,7 +130,9 @@ contains
       do k = terms_of_exponential, 1, -1
          whole = 1.0_qp + whole*rest/real(k, qp)
       end do
-      whole = scale(whole, doubled)
+      do k = 1, abs(doubled)
+         whole = whole*merge(2.0_qp, 0.5_qp, doubled > 0)
+      end do
       call unit_vector_quad(aimag(z)*degrees_per_radian, x, y)
       w = cmplx(whole*x, whole*y, qp)
    end function exponential_quad
