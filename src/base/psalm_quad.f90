@@ -146,9 +146,9 @@ contains
       ! above half of 1 by the half angle of what is left of 90 degrees
       small_sine = sine
       if (sine > 0.5_qp) small_sine = sqrt(0.5_qp*(1.0_qp - sine))
-      degrees = real(asin(real(small_sine, real64)), qp)*degrees_per_radian
-      ! 53 digits, 106, all
-      do k = 1, 2
+      degrees = small_sine*(1.0_qp + small_sine**2*(1.0_qp + small_sine**2*0.45_qp)/6.0_qp)*degrees_per_radian
+      ! the series is good for three digits; their number doubles, each time
+      do k = 1, 5
          call unit_vector_quad(degrees, x, y)
          degrees = degrees + (small_sine - y)/x*degrees_per_radian
       end do

@@ -90,8 +90,8 @@ contains
       type(dimensions_t), intent(in) :: dimensions
       type(motion_t), intent(in) :: motion
       type(summary_t), intent(out) :: summary
-      type(problem_t) :: plain
-      type(station_t) :: fine, lens
+      type(problem_t), allocatable :: plain          ! in memory of their own: they would fill a small stack
+      type(station_t), allocatable :: fine, lens
       type(summary_t) :: part
       real(wp), allocatable :: inputs(:), gaps(:)
       integer :: none(2, 0), i
@@ -101,7 +101,8 @@ contains
       summary%motion = merge(motion_point, problem%motion, problem%motion == motion_pose)
       call errors(problem, motion, summary)
       if (allocated(motion%rates)) call errors_of_rates(problem, motion, summary%rates)
-      plain = problem
+      allocate (fine, lens)
+      allocate (plain, source=problem)
       plain%tangle = right_angle
       plain%toggle = 0.0_wp
       inputs = [(real(i, wp)/real(steps, wp), i=0, steps)]
