@@ -11,16 +11,10 @@ import subprocess
 import sys
 import tempfile
 
+from tally import check, report
+
 TOP = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 NUMBER = re.compile(r"-?\d\.\d{16}E[-+]\d\d+")
-passed = failed = 0
-
-
-def check(law, good, detail=""):
-    global passed, failed
-    passed, failed = passed + bool(good), failed + (not good)
-    if not good:
-        print("FAILED: %s %s" % (law, detail), flush=True)
 
 
 def tables(name):
@@ -123,8 +117,7 @@ def main(directory):
         check("without outputs: rates of all joints", names == ["input", "closed"] + [
             j + c for j in "ABCD" for c in (".x", ".y", ".vx", ".vy", ".ax", ".ay")], str(names))
         os.chdir("/")
-    print("%d passed, %d failed" % (passed, failed))
-    return failed > 0
+    return report()
 
 
 if __name__ == "__main__":
