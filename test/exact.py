@@ -281,6 +281,10 @@ def curves_drawn(folder):
     scale = (places[3] - places[0])/(dots[3] - dots[0])
     drawn = [complex(float(x), -float(y)) for path in re.findall(r'class="centre" d="(M[^h"]+)"', picture) for x, y in re.findall(r"([-0-9.]+) ([-0-9.]+)", path)]
     check(len(drawn) > 100 and max(off(places[0] + scale*(z - dots[0])) for z in drawn) < 2e-3, "four poses: the curve in the picture", len(drawn))
+    poles = [dots[0] + ((places[i]*turns[k] - places[k]*turns[i])/(turns[k] - turns[i]) - places[0])/scale for i in range(4) for k in range(i)]
+    crosses = [complex(float(x) + 4, -float(y)) for x, y in re.findall(r'class="pole" d="M([-0-9.]+) ([-0-9.]+)h8', picture)]
+    check(len(crosses) > 4 and all(min(abs(z - p) for p in poles) < 0.3 for z in crosses if z.imag < -1), "four poses: the poles in the picture",
+          (poles, crosses))
     # the best linkage's place on the map has its colour
     best = rows[0]
     wanted = (1 if best[4] == 1 else 5) + sum(best[5] > level for level in (15, 30, 45))
@@ -448,20 +452,8 @@ def references(folder):
 
     status, listing, rows, seven, _ = run("log", read("log10"), folder)
     check(bool(rows) and abs(rows[0][1]/.00101822768 - 1) < 1e-6, "log10: least error", rows[:1])
-    again = seven.replace(".dev7", "_again.nml")
-    with open(seven, encoding="utf-8") as file, open(again, "w", encoding="utf-8") as copy:
-        copy.write(file.read())
-    done = subprocess.run([os.path.join(BIN, "psalm"), again], capture_output=True, text=True, timeout=60)
-    check(done.returncode in (0, 1), "log10: device 7 is a case", done.stderr)
-    block = blocks_of(again.replace(".nml", ".dev9"))[0]
-    # the error is levelled by the free zero line of the output
-    errors = []
-    for row in block:
-        place = (row[0] - block[0][0])/60.0
-        errors.append(math.remainder(row[2] + 60.0*math.log10(1.0 + place)/math.log10(2.0), 360.0))
-    middle = 0.5*(max(errors) + min(errors))
-    errors = [e - middle for e in errors]
-    check(0.9*.00101822768 < max(abs(e) for e in errors) <= .00101822768*(1 + 1e-6), "log10: error by the analysis", errors)
+    errors = generator_errors("log10", seven, rows, 60.0, 60.0, lambda place: math.log10(1.0 + place)/math.log10(2.0))
+    check(0.9*.00101822768 < errors <= .00101822768*(1 + 1e-6), "log10: error by the analysis", errors)
 
     status, listing, rows, seven, _ = run("inverse", read("inverse_slider"), folder)
     check(bool(rows) and abs(rows[0][1]/.0216501 - 1) < 5e-6, "1/x by a slider-crank: least error", rows[:1])
@@ -481,6 +473,49 @@ def references(folder):
     check("complete: 3 of 3 ends distinct, certified" in listing, "function points: verdict", listing)
     if rows:
         meets("points", seven, folder, points_of("function_points"), 1.0, [r[1] != 0 for r in rows])
+
+
+def generator_errors(name, seven, rows, swing_in, swing_out, wanted, places=None):
+    """Largest error of a function generator of device 7 by the analysis; `wanted` goes from 0 to 1. The free zero line of the
+    output levels it."""
+    again = seven.replace(".dev7", "_again.nml")
+    with open(seven, encoding="utf-8") as file, open(again, "w", encoding="utf-8") as copy:
+        copy.write(file.read())
+    done = subprocess.run([os.path.join(BIN, "psalm"), again], capture_output=True, text=True, timeout=60)
+    check(done.returncode in (0, 1), name + ": device 7 is a case", done.stderr)
+    block = blocks_of(again.replace(".nml", ".dev9"))[0]
+    errors = []
+    for row in block:
+        place = abs(row[0] - block[0][0])/swing_in
+        if places is None or any(abs(place - one) < 1e-9 for one in places):
+            errors.append(math.remainder(row[2] - rows[0][2]*swing_out*wanted(place), 360.0))
+    middle = errors[0] + 0.5*(max(math.remainder(e - errors[0], 360.0) for e in errors) +
+                              min(math.remainder(e - errors[0], 360.0) for e in errors))
+    return max(abs(math.remainder(e - middle, 360.0)) for e in errors)
+
+
+def functions(folder):
+    """The least largest error of every function, and of a table, is what the linkage has."""
+    for name, function, low, high, power in (
+            ("LN", math.log, 1.0, 3.0, ""), ("EXP", math.exp, 0.0, 1.0, ""), ("SIN", lambda x: math.sin(math.radians(x)), 0.0, 90.0, ""),
+            ("COS", lambda x: math.cos(math.radians(x)), 0.0, 90.0, ""), ("TAN", lambda x: math.tan(math.radians(x)), 0.0, 45.0, ""),
+            ("POWER", lambda x: x**1.5, 0.0, 2.0, "FPOWER=1.5, ")):
+        text = "%s\n &EXACT KIND='FUNCTION', FUNC='%s', %sFXLOW=%g, FXHIGH=%g, DPHI=70.0, DPSI=50.0, MINIMAX=1, NBEST=1 &END\n" % (
+            name, name, power, low, high)
+        status, listing, rows, seven, words = run("function", text, folder)
+        check(status == 0 and len(rows) == 1, name + ": found", words)
+        if rows:
+            error = generator_errors(name, seven, rows, 70.0, 50.0,
+                                     lambda place: (function(low + place*(high - low)) - function(low))/(function(high) - function(low)))
+            check(0.8*rows[0][1] < error <= rows[0][1]*(1 + 1e-6), name + ": error by the analysis", (error, rows[0][1]))
+    phi, psi = (0.0, 20.0, 40.0, 60.0, 80.0, 100.0), (0.0, 15.0, 35.0, 50.0, 70.0, 80.0)
+    status, listing, rows, seven, words = run("table", "TABLE\n &EXACT KIND='FUNCTION', PHI=%s, PSI=%s, MINIMAX=1 &END\n" % (
+        ",".join(map(str, phi)), ",".join(map(str, psi))), folder)
+    check(status == 0 and bool(rows), "table: found", words)
+    if rows:
+        places = [p/100.0 for p in phi]
+        error = generator_errors("table", seven, rows, 100.0, 80.0, lambda place: min(zip((abs(q - place) for q in places), psi))[1]/80.0, places)
+        check(abs(error/rows[0][1] - 1) < 1e-6, "table: error by the analysis", (error, rows[0][1]))
 
 
 def refused(folder):
@@ -556,6 +591,7 @@ def others(folder):
 with tempfile.TemporaryDirectory() as where:
     nine_points(where)
     references(where)
+    functions(where)
     lines(where)
     curves_drawn(where)
     guided(where)

@@ -107,15 +107,15 @@ contains
       root = root*factor
    end function square_root_quad
 
-   !> Modulus of a complex number, to a few units of the last digit.
+   !> Modulus of a complex number, to a few units of the last digit; not a number if that is none.
    elemental real(qp) function modulus_quad(z) result(modulus)
       complex(qp), intent(in) :: z
-      real(qp) :: long, short
+      real(qp) :: x, y
 
-      long = max(abs(real(z, qp)), abs(aimag(z)))
-      short = min(abs(real(z, qp)), abs(aimag(z)))
-      modulus = long
-      if (short > 0.0_qp .and. long <= huge(long)) modulus = long*sqrt(1.0_qp + (short/long)**2)
+      x = abs(real(z, qp))
+      y = abs(aimag(z))
+      modulus = x + y
+      if (min(x, y) > 0.0_qp .and. modulus <= huge(modulus)) modulus = max(x, y)*sqrt(1.0_qp + (min(x, y)/max(x, y))**2)
    end function modulus_quad
 
    !> Exponential of a complex number of moderate size, to some units of the last digit.

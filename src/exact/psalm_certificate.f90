@@ -10,7 +10,7 @@ module psalm_certificate
    use psalm_leg_problem, only: at_a, at_ah, at_b, at_bh, at_x, at_xh, at_y, at_yh, kind_pose, kind_timed, leg_problem_t, &
                                 most_points, variables
    use psalm_product_sums, only: product_sums_t
-   use psalm_quad, only: qp, unit_vector_quad
+   use psalm_quad, only: qp, exp, unit_vector_quad
    implicit none (type, external)
    private
    public :: certificate_t, certify_legs, certify_poses, certify_generators
@@ -142,9 +142,9 @@ contains
       integer :: j
 
       numbers = (0.0_qp, 0.0_qp)
-      input = cmplx(cos(real(phi, qp)), -sin(real(phi, qp)), qp)
+      input = exp(cmplx(0.0_wp, -phi, qp))
       turned = input
-      if (.not. slides) turned = input*cmplx(cos(real(psi, qp)), sin(real(psi, qp)), qp)
+      if (.not. slides) turned = input*exp(cmplx(0.0_wp, psi, qp))
       if (slides) input = real(psi, qp)*input
       do j = 1, ubound(phi, 1)
          numbers(at_d + j) = input(j) - input(0)

@@ -2,9 +2,9 @@
 !>
 !> Sources: Krawczyk (1969); Rump (1999) for discs; Breiding, Rose and Timme (2023) for the test of reality.
 module psalm_krawczyk
-   use psalm_kinds, only: wp
+   use psalm_kinds, only: wp, dp
    use psalm_product_sums, only: most_factors, product_sums_t
-   use psalm_quad, only: qp, abs
+   use psalm_quad, only: qp
    implicit none (type, external)
    private
    public :: examine

@@ -1,8 +1,8 @@
 !> Krawczyk's test in extended precision: for solutions whose equations are too badly conditioned for psalm_krawczyk.
 module psalm_krawczyk_extended
-   use psalm_kinds, only: wp
+   use psalm_kinds, only: wp, dp
    use psalm_product_sums, only: most_factors, product_sums_t
-   use psalm_quad, only: qp, abs
+   use psalm_quad, only: qp
    implicit none (type, external)
    private
    public :: examine

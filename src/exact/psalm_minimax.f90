@@ -106,6 +106,8 @@ contains
             call random%next(deviate)
             nodes(i) = nodes(i) + 2.0_wp*spread_of_nodes*(deviate - 0.5_wp)*(edge(i) - edge(i - 1))
          end do
+         ! the function need not be there beyond its range
+         nodes = min(max(nodes, 0.0_wp), 1.0_wp)
       end if
       if (wanted%continuous) return
       ! entries of a table: the nearest, each once

@@ -4,6 +4,7 @@
 !> freed of its turn by elimination with pivoting, whatever its kind, so that one text serves all of them. Predictor and corrector
 !> are those of psalm_tracker. Source: Bates, Hauenstein, Sommese and Wampler (2008) on adaptive precision.
 module psalm_quad_path
+   use psalm_elementary, only: fractional_power
    use psalm_kinds, only: wp
    use psalm_leg_lanes, only: path_t
    use psalm_leg_problem, only: at_a, at_ah, at_b, at_bh, at_x, at_xh, at_y, at_yh, kind_pose, kind_timed, leg_data_t, &
@@ -23,6 +24,7 @@ module psalm_quad_path
    real(qp), parameter :: converged = 1.0e-8_qp, contraction = 0.1_qp, slack = 1.0e-20_qp !! of the second correction
    real(qp), parameter :: settled = 1.0e-24_qp       !! correction of a start or an end
    real(qp), parameter :: caution = 0.9_qp, shortest = 0.3_qp, longest = 2.0_qp, after_refusal = 0.35_qp
+   real(qp), parameter :: most_in_hand = 1.0e3_qp    !! of an error over the one aimed at: no step grows more
    real(qp), parameter :: infinite = 1.0e12_qp, nearly_there = 1.0e-6_qp !! a number beyond the first at a t below the second
    real(qp), parameter :: loose_start = 1.0e-2_qp
    real(qp), parameter :: undetermined = 1.0e-4_qp   !! relative change of an end by the rounding of the data
@@ -85,7 +87,8 @@ contains
                return
             end if
             if (.not. t > 0.0_qp) exit
-            h = h*min(max(caution*(aimed_error/max(e(1), tiny(1.0_qp)))**(1.0_qp/6.0_qp), shortest), longest)
+            h = h*min(max(caution*real(fractional_power(real(min(aimed_error/max(e(1), tiny(1.0_qp)), most_in_hand), wp), &
+                                                        1.0_wp/6.0_wp), qp), shortest), longest)
             past(2:) = past(:remembered - 1)
             slope(2:) = slope(:remembered - 1)
             past_t(2:) = past_t(:remembered - 1)

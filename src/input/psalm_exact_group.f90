@@ -93,10 +93,10 @@ contains
       call read_flag(group, 'CLOSED', code, findings)
       exact%closed = code == 1
       call read_arm(group, exact, findings)
-      call read_function(group, exact, findings)
       code = 0
       call read_flag(group, 'MINIMAX', code, findings)
       exact%minimax = code == 1
+      call read_function(group, exact, findings)
       code = 0
       call read_flag(group, 'CERTIFY', code, findings)
       exact%certify = code == 1
@@ -142,7 +142,8 @@ contains
          if (i > 0) call out_of(group, 'ANGP', "KIND='MOTION' needs an orientation for every point; point "//to_text(i)// &
                                 " has none (KIND='PATH' has points with and without)", findings)
       end if
-      i = findloc(.not. is_missing(exact%angle) .and. .not. is_missing(exact%time), .true., dim=1)
+      ! the first point has the zero of both
+      i = 1 + findloc(.not. (is_missing(exact%angle(2:)) .or. is_missing(exact%time(2:))), .true., dim=1)
       if (i > 1) call out_of(group, 'TIMP', 'point '//to_text(i)//' has an orientation and a crank angle; one of both is '// &
                              'possible', findings)
       if (n > most_exact_points .and. (exact%kind /= kind_path .or. max(last(3), last(4)) > 0 .or. group%given('PIVOTS') .or. &

@@ -308,7 +308,7 @@ contains
          end associate
       end do
       allocate (character(longest) :: texts(highest))
-      texts = ''
+      texts(:) = ''   ! of the whole array it would give the elements no length
       do k = from, to
          associate (item => self%items(self%order(k)))
             call self%origins%mention(trim(self%name), name, item%line)

@@ -12,6 +12,8 @@ module psalm_exact_report
    use psalm_guided_six_bars, only: body_names
    use psalm_kinds, only: wp, degrees_per_radian
    use psalm_six_bars, only: six_bar_joints
+   use psalm_proof_list, only: shown
+   use psalm_proof_study, only: proof_of_turn
    use psalm_text, only: text_t, full_precision, general, number_or_nan, rank_column, to_text
    implicit none (type, external)
    private
@@ -80,7 +82,7 @@ contains
       type(data_set_t), intent(in) :: set
       type(exact_study_t), intent(in) :: study
       type(devices_t), intent(inout) :: devices
-      character(:), allocatable :: line
+      character(:), allocatable :: line, turns, turned
       integer :: i, unproven
 
       call devices%six%add()
@@ -93,10 +95,16 @@ contains
          associate (own => study%proofs(i))
             if (.not. own%closes) unproven = unproven + 1
             if (own%known) then
-               line = rank_column(i)//word(own%turns, 12)//word(own%closes, 16)//general(own%from)//general(own%to)
-               if (own%transmits) line = line//general(own%transmission)
+               turns = word(own%turns, 12)
+               turned = digit(own%turns)
+               if (set%iproof /= proof_of_turn) then   ! no other crank angles were looked at
+                  turns = repeat(' ', len(turns) - 1)//'-'
+                  turned = ' NaN'
+               end if
+               line = rank_column(i)//turns//word(own%closes, 16)//in_column(shown(own%from, 1))//in_column(shown(own%to, -1))
+               if (own%transmits) line = line//in_column(shown(own%transmission, -1))
                call devices%six%add(line)
-               call devices%nine%add(to_text(i)//digit(own%turns)//digit(own%closes)//' '//full_precision(own%from)//' '// &
+               call devices%nine%add(to_text(i)//turned//digit(own%closes)//' '//full_precision(own%from)//' '// &
                                      full_precision(own%to)//' '//number_or_nan(own%transmission, own%transmits))
             else
                call devices%six%add(rank_column(i)//'  nothing: different assemblies at the positions')
@@ -594,6 +602,15 @@ contains
          text = 'changes between the points'
       end select
    end function assembly_word
+
+   !> A number, rounded already, at the end of a column.
+   pure function in_column(number) result(text)
+      character(*), intent(in) :: number
+      character(15) :: text
+
+      text = number
+      text = adjustr(text)
+   end function in_column
 
    pure function digit(sound) result(text)
       logical, intent(in) :: sound
