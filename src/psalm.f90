@@ -35,7 +35,8 @@ module psalm
    use psalm_status, only: findings_t => diagnostics_t, finding_t, level_error, level_warning
    use psalm_stop, only: stop_t, stop_request_t
    use psalm_synthesis, only: synthesis_t, study_synthesis => synthesise, ended_unmade, ended_infeasible, ended_converged, &
-                              ended_small_objective, ended_iterations, ended_starts, ended_time, ended_on_request, ended_refused
+                              ended_small_objective, ended_iterations, ended_starts, ended_time, ended_on_request, ended_refused, &
+                              ended_without_rates
    use psalm_text, only: text_t, full_precision, lower_case, nearest_name, upper_case, to_text
    use psalm_tolerance, only: tolerances_t, study_tolerances
    use psalm_dimensions, only: dimensions_t
@@ -50,7 +51,7 @@ module psalm
    public :: analyse, analysis_t, wanted_t, motion_t, violation_t, margin_t
    public :: synthesise, synthesis_t, found_t, found_case
    public :: ended_unmade, ended_infeasible, ended_converged, ended_small_objective, ended_iterations, ended_starts, ended_time, &
-             ended_on_request, ended_refused
+             ended_on_request, ended_refused, ended_without_rates
    public :: find_rates, rate_study_t
    public :: find_forces, force_study_t
    public :: find_tolerances, tolerances_t

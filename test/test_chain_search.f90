@@ -174,7 +174,7 @@ contains
       set%search%few = 0
       set%search%by_dyads = .true.
       call synthesise_chain(set, 1, stop, kept, refused_too)
-      call t%finds(refused_too, '&SEARCH IDYAD: this sketch is not made of dyads', 'IDYAD is refused')
+      call t%finds(refused_too, '&SEARCH IDYAD: dyad by dyad is for linkages that are traced in loops', 'IDYAD is refused')
    end subroutine regions
 
    !> Several drives, one of them a floating cylinder: what a linkage of known dimensions does is found again.

@@ -2,6 +2,7 @@
 program test_ways
    use cases, only: load_case
    use check, only: checks_t
+   use psalm_constraint_group, only: range_positions
    use psalm_data_set, only: data_set_t
    use psalm_dyad_groups, only: dyads_of_variables
    use psalm_error, only: problem_t
@@ -24,6 +25,7 @@ program test_ways
    call dyads()
    call held()
    call stages_of_a_search()
+   call every_dyad()
    call stages_of_the_simplex()
    call t%report()
 
@@ -156,6 +158,39 @@ contains
       end do
    end subroutine stages_of_a_search
 
+   !> Dyad by dyad, hardly improved (MAXEVAL=1): both dyads are drawn by even starts, which are made to close, as by odd ones, which
+   !> are drawn near a good linkage once there are some.
+   subroutine every_dyad()
+      type(problem_t) :: problem
+      type(data_set_t) :: set
+      type(result_t) :: found
+      real(wp), allocatable :: home(:)
+      integer, allocatable :: dyads(:)
+      logical :: alone(2)
+      integer :: i, d
+
+      call load_case('dwell_dyads', problem, set)
+      set%constr%irange = range_positions
+      problem%tangle = 89.0_wp
+      set%search%nstart = 60
+      set%search%nbest = 60
+      set%search%maxeval = 1
+      set%search%differ = 1.0e-9_wp
+      call search(set, problem, 1, found)
+      home = problem%parameters%first_values(problem%given)
+      dyads = dyads_of_variables(problem%mechanism, problem%parameters)
+      alone = .false.
+      do i = 1, size(found%best)
+         if (modulo(found%best(i)%start, 2) == 1) cycle
+         associate (new => abs(found%best(i)%values - home) > 0.0_wp)
+            do d = 1, 2
+               if (any(new .and. dyads == d) .and. .not. any(new .and. dyads /= d)) alone(d) = .true.
+            end do
+         end associate
+      end do
+      call t%is_true(all(alone), 'even starts draw one dyad and the other')
+   end subroutine every_dyad
+
    subroutine search(set, problem, threads, result)
       type(data_set_t), intent(in) :: set
       type(problem_t), intent(in) :: problem
@@ -171,10 +206,10 @@ contains
    subroutine stages_of_the_simplex()
       type(problem_t) :: problem
       type(data_set_t) :: set
-      type(synthesis_t) :: result
-      type(dimensions_t) :: dimensions
+      type(synthesis_t) :: result, again
+      type(dimensions_t) :: dimensions, plain
       type(stop_t) :: never
-      real(wp) :: objective
+      real(wp) :: objective, before
       integer :: loop
 
       call load_case('needle_nelder_mead', problem, set)
@@ -185,6 +220,17 @@ contains
       call t%is_true(loop == 0, 'the simplex ends with a linkage that obeys at all positions')
       call t%is_true(abs(objective - result%state%best) <= 1.0e-12_wp*objective, 'whose objective is that of all positions')
       call t%is_true(objective < 2.0_wp, 'and lower than what the coefficients of the thesis reached')
+      set%search%few = 0
+      plain = problem%given
+      call synthesise(set, reshape([real(wp) ::], [size(problem%parameters%variables), 0]), problem, 1, never, plain, again)
+      call t%is_true(again%state%iteration > result%state%iteration, 'from fewer iterations than without')
       call t%is_true(result%state%iteration <= set%niter, 'the iterations of all stages count')
+      ! begun with what was found, one position first leads far away
+      problem%given = dimensions
+      before = objective
+      set%search%few = 1
+      call synthesise(set, reshape([real(wp) ::], [size(problem%parameters%variables), 0]), problem, 1, never, dimensions, again)
+      call problem%evaluate(dimensions, objective, loop)
+      call t%is_true(loop == 0 .and. objective <= before, 'what few positions lead to is no worse than the given linkage')
    end subroutine stages_of_the_simplex
 end program test_ways

@@ -29,7 +29,7 @@ module psalm_report
    use psalm_summary, only: summary_t
    use psalm_summary_text, only: write_summary
    use psalm_synthesis, only: synthesis_t, ended_infeasible, ended_small_objective, ended_iterations, ended_time, &
-                              ended_on_request
+                              ended_on_request, ended_without_rates
    use psalm_text, only: text_t, general, lower_case, to_text
    use psalm_tolerance, only: tolerances_t
    use psalm_tolerance_list, only: list_tolerances, plot_tolerances
@@ -97,6 +97,8 @@ contains
          reason = 'interrupted'//resume
       case (ended_small_objective)
          reason = 'the objective is below FMIN'
+      case (ended_without_rates)
+         reason = 'no linkage has the derivatives that are wanted: a position stands at a limit of closure with each that was tried'
       case default
          reason = 'the simplex has converged'
       end select

@@ -92,8 +92,8 @@ contains
          call findings%error('few positions first is for linkages that are traced in loops: leave NFEW out', &
                              line=set%origins%line('SEARCH', 'NFEW'), group='SEARCH', item='NFEW')
       else if (set%search%by_dyads) then
-         call findings%error('this sketch is not made of dyads: leave IDYAD out', line=set%origins%line('SEARCH', 'IDYAD'), &
-                             group='SEARCH', item='IDYAD')
+         call findings%error('dyad by dyad is for linkages that are traced in loops: leave IDYAD out', &
+                             line=set%origins%line('SEARCH', 'IDYAD'), group='SEARCH', item='IDYAD')
       end if
       if (findings%failed()) return
       call result%problem%accept(result%problem%first, result%first_objective, result%first_feasible)

@@ -2,7 +2,7 @@
 !>
 !> Data in, results out: nothing is printed or worded here. An observer may watch the search.
 module psalm_synthesis
-   use psalm_constr, only: vertex_problem_t, make_vertex_problem
+   use psalm_constr, only: vertex_problem_t, make_vertex_problem, without_rates
    use psalm_data_set, only: data_set_t
    use psalm_error, only: problem_t
    use psalm_few_positions, only: stage_sizes, positions_of_stage, take_positions
@@ -20,7 +20,7 @@ module psalm_synthesis
    private
    public :: synthesis_t, ranked_t, synthesise
    public :: ended_unmade, ended_infeasible, ended_converged, ended_small_objective, ended_iterations, ended_starts, ended_time, &
-             ended_on_request, ended_refused
+             ended_on_request, ended_refused, ended_without_rates
 
    ! how a search ended
    integer, parameter :: ended_unmade = 0          !! nothing varies: there was no search
@@ -33,6 +33,7 @@ module psalm_synthesis
    integer, parameter :: ended_time = 6            !! MAXTIME passed
    integer, parameter :: ended_on_request = 7      !! the host asked for the end
    integer, parameter :: ended_refused = 8         !! NLopt refuses the algorithm for this problem
+   integer, parameter :: ended_without_rates = 9   !! simplex; a derivative that is wanted is infinite with every linkage tried
 
    real(wp), parameter :: near = 1.0e-2_wp         !! relative size of a simplex that goes on to more positions
 
@@ -102,6 +103,10 @@ contains
       call search_few_positions(set, problem, search, limited, result, observer)
       call search_simplex(rules_of(set), search, result%last, limited, result%state, observer, made=(result%state%iteration))
       call problem%parameters%apply(result%last%v(:, result%last%best), dimensions)
+      if (result%last%f(result%last%best) >= without_rates) then
+         result%ending = ended_without_rates
+         return
+      end if
       select case (result%state%reason)
       case (stop_iterations)
          result%ending = ended_iterations
@@ -127,13 +132,15 @@ contains
       type(vertex_problem_t) :: few
       type(simplex_rules_t) :: rules
       real(wp), allocatable :: haven(:)
-      integer :: stage
+      real(wp) :: objective
+      integer :: stage, worst
 
       associate (sizes => stage_sizes(set%search%few, problem%positions))
          if (size(sizes) == 1) return
          rules = rules_of(set)
          rules%small = max(rules%small, near)
          haven = result%last%v(:, result%last%best)
+         objective = result%last%f(result%last%best)
          do stage = 1, size(sizes) - 1
             call take_positions(problem, positions_of_stage(problem, sizes(stage)), part)
             call make_vertex_problem(set, part, few)
@@ -145,6 +152,14 @@ contains
             search%counts = few%counts
          end do
          call settle_all(search, haven, result%last)
+      end associate
+      ! what few positions led to may be worse at all of them than what there was
+      associate (last => result%last)
+         if (last%f(last%best) <= objective) return
+         worst = maxloc(last%f, dim=1)
+         last%v(:, worst) = haven
+         last%f(worst) = objective
+         last%best = worst
       end associate
    end subroutine search_few_positions
 

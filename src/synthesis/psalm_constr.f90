@@ -15,7 +15,7 @@ module psalm_constr
    use psalm_wanted_rates, only: wanted_rates_t, prepare_wanted_rates, find_wanted_rates, sum_of_rate_errors, all_rates_exist
    implicit none (type, external)
    private
-   public :: constraints_t, vertex_problem_t, make_constraints, make_vertex_problem, constrain
+   public :: constraints_t, vertex_problem_t, make_constraints, make_vertex_problem, constrain, without_rates
 
    real(wp), parameter :: without_rates = huge(1.0_wp)**0.25_wp !! objective where a derivative that is wanted is infinite
    integer, parameter :: repairs_per_loop = 4    !! repairs before a pair of loops that undo each other gives up

@@ -91,6 +91,7 @@ module psalm_search
       ! by its base class, as a team is
       class(starter_t), allocatable :: few(:)     !! shape (stages - 1): who makes the stages of a start but its last
       logical :: early = .false.                  !! this is one of those: some of the positions are looked at
+      integer :: stage = 1                        !! MAXEVAL is allowed for each stage of a start so far
       integer, allocatable :: dyads(:)            !! shape (nvar): the dyad each variable belongs to
       type(timing_t), allocatable :: timing(:)    !! shape (2): with the input going the way of DELT, the other way
       type(inspector_t), allocatable :: inspector
@@ -304,12 +305,14 @@ contains
 
       associate (sizes => stage_sizes(set%search%few, problem%positions))
          allocate (worker_t :: worker%few(size(sizes) - 1))
+         worker%stage = size(sizes)
          select type (few => worker%few)
          type is (worker_t)
             do stage = 1, size(few)
                call take_positions(problem, positions_of_stage(problem, sizes(stage)), part)
                call prepare_worker(set, part, first, supplied, ending, few(stage))
                few(stage)%early = .true.
+               few(stage)%stage = stage
             end do
          end select
       end associate
@@ -449,7 +452,7 @@ contains
          if (number > 1) then
             call draw(self%random, low, high, low > 0.0_wp .and. high > wide*low .and. is_length(self%problem), number, values)
             if (size(elite, 2) > 0 .and. mod(number, 2) == 1) then
-               call draw_near(self%problem, elite(:nvar, 1 + mod(number/2, size(elite, 2))), low, high, &
+               call draw_near(self%problem, elite(:nvar, elite_of_start(self, number, size(elite, 2))), low, high, &
                               1 + mod(number/4, fineness), values)
             end if
             if (self%set%search%by_dyads) call draw_one_dyad(self, number, elite, values)
@@ -489,13 +492,22 @@ contains
       call put_down(self, values, before, candidate)
    end subroutine one_start
 
-   !> The dyad that a start draws: each in turn.
+   !> The dyad that a start draws: each in turn, for two starts, since every other start draws near a linkage known.
    pure integer function dyad_of_start(worker, number)
       class(worker_t), intent(in) :: worker
-      integer, intent(in) :: number
+      integer, intent(in) :: number                    !! above 1
 
-      dyad_of_start = 1 + mod(number, maxval(worker%dyads))
+      dyad_of_start = 1 + mod(number/2 - 1, maxval(worker%dyads))
    end function dyad_of_start
+
+   !> Which of the best linkages so far a start begins with or draws near; dyad by dyad the same for all of the dyads.
+   pure integer function elite_of_start(worker, number, known)
+      class(worker_t), intent(in) :: worker
+      integer, intent(in) :: number, known             !! the start, above 1; linkages, 1 at least
+
+      elite_of_start = 1 + mod(number/2, known)
+      if (worker%set%search%by_dyads) elite_of_start = 1 + mod((number/2 - 1)/maxval(worker%dyads), known)
+   end function elite_of_start
 
    !> Keep what was drawn for one dyad; the others become those of a linkage known: the given one, or one of the best so far.
    pure subroutine draw_one_dyad(worker, number, elite, values)
@@ -504,11 +516,9 @@ contains
       real(wp), intent(in) :: elite(:, :)              !! shape (unknowns, any)
       real(wp), intent(inout) :: values(:)             !! shape (nvar): all were drawn
       real(wp) :: known(size(values))
-      integer :: round
 
-      round = number/maxval(worker%dyads)
       known = worker%home
-      if (size(elite, 2) > 0) known = elite(:size(values), 1 + mod(round, size(elite, 2)))
+      if (size(elite, 2) > 0) known = elite(:size(values), elite_of_start(worker, number, size(elite, 2)))
       where (worker%dyads /= dyad_of_start(worker, number)) values = known
    end subroutine draw_one_dyad
 
@@ -742,7 +752,7 @@ contains
 
          worker%solver%most_evaluations = 0
          if (present(most)) worker%solver%most_evaluations = most
-         associate (limit => worker%set%search%maxeval)
+         associate (limit => int(min(real(worker%stage, wp)*real(worker%set%search%maxeval, wp), real(huge(1), wp))))
             if (limit > 0) worker%solver%most_evaluations = min(max(1, limit - worker%merit%evaluations), &
                                                        merge(worker%solver%most_evaluations, huge(1), present(most)))
          end associate
