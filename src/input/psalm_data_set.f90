@@ -27,9 +27,10 @@ module psalm_data_set
    use psalm_outputs_group, only: read_outputs_group
    use psalm_namelist, only: case_text_t, read_case
    use psalm_origin, only: origins_t, name_length
-   use psalm_rate_items, only: read_rate_items
+   use psalm_rate_items, only: gives_rates, read_rate_items
    use psalm_search_group, only: search_group_t, read_search_group
-   use psalm_sketch, only: sketch_t, sketch_name, grid_digits, drive_turns, output_angle, output_distance, output_pose, output_slide
+   use psalm_sketch, only: sketch_t, sketch_name, grid_digits, drive_turns, most_wished, output_angle, output_distance, &
+                           output_pose, output_slide
    use psalm_source, only: line_t, read_lines, split_lines
    use psalm_spring_design_group, only: spring_design_group_t, read_spring_design_group
    use psalm_spring_group, only: spring_group_t, read_spring_group
@@ -37,7 +38,7 @@ module psalm_data_set
    use psalm_sweep_group, only: sweep_group_t, read_sweep_group
    use psalm_system, only: memory_to_be_had
    use psalm_text, only: text_t, to_text
-   use psalm_wish_items, only: read_wishes
+   use psalm_wish_items, only: read_wishes, values_of
    use psalm_vibration_group, only: vibration_group_t, estimate_group_t, read_vibration_group, read_estimate_group
    implicit none (type, external)
    private
@@ -297,6 +298,7 @@ contains
       call fill_grid(groups(method), groups(drives), set, findings)
       if (groups(outputs)%line > 0 .and. set%ikin == 0) then
          call read_wishes(groups(outputs), set%ndes, set%sketch, findings)
+         call refuse_twice(groups(outputs), set, findings)
       else
          call read_wishes(groups(outputs), 0, set%sketch, unused)
       end if
@@ -362,7 +364,9 @@ contains
       varies = set%wants_search()
       if (set%sketch%given) varies = size(set%sketch%variations) > 0
       if (set%search%few > 0) then
-         if (.not. varies) then
+         if (set%ikin /= 0) then
+            call out_of(group, 'NFEW', 'few positions first is a way to search, but IKIN asks for an analysis', findings)
+         else if (.not. varies) then
             call out_of(group, 'NFEW', 'few positions first is a way to search, but no dimension may vary', findings)
          else if (set%ifree /= 0) then
             call out_of(group, 'NFEW', 'few positions first needs prescribed timing: leave out NFEW, or IFREE of &METHOD', findings)
@@ -371,7 +375,9 @@ contains
          end if
       end if
       if (set%search%by_dyads) then
-         if (.not. varies) then
+         if (set%ikin /= 0) then
+            call out_of(group, 'IDYAD', 'dyad by dyad is a way to search, but IKIN asks for an analysis', findings)
+         else if (.not. varies) then
             call out_of(group, 'IDYAD', 'dyad by dyad is a way to search, but no dimension may vary', findings)
          else if (set%ifree /= 0) then
             call out_of(group, 'IDYAD', 'dyad by dyad needs prescribed timing: leave out IDYAD, or IFREE of &METHOD', findings)
@@ -466,8 +472,9 @@ contains
          call findings%error('the grid NGRID of &DRIVES gives the positions; leave '//items(i)//' out', &
                              line=method%item_line(items(i)), group='METHOD', item=items(i))
       end do
-      if (set%desired) call findings%error('desired values need positions of their own, NDES and DELT, not a grid', &
-                                           line=drives%item_line('NGRID'), group='DRIVES', item='NGRID')
+      if (set%desired .or. gives_rates(method)) call findings%error( &
+         'desired values need positions of their own, NDES and DELT, not a grid', line=drives%item_line('NGRID'), group='DRIVES', &
+         item='NGRID')
       method%missing = pack(method%missing, method%missing%name /= 'NDES')
       where (counts == 0) counts = 1
       if (product(real(counts, wp)) > real(most_positions, wp)) then
@@ -503,6 +510,24 @@ contains
          stroke = (low*real(count - 1 - which, wp) + high*real(which, wp))/real(count - 1, wp)
       end function stroke
    end subroutine fill_grid
+
+   !> The first output has its desired values in one of the two groups.
+   subroutine refuse_twice(outputs, set, findings)
+      type(group_t), intent(in) :: outputs
+      type(data_set_t), intent(in) :: set
+      type(diagnostics_t), intent(inout) :: findings
+      logical :: twice
+      integer :: order
+
+      if (size(set%sketch%outputs) == 0) return
+      do order = 0, most_wished
+         if (.not. allocated(set%sketch%outputs(1)%wishes(order)%values)) cycle
+         twice = order == 0 .and. set%desired
+         if (order > 0 .and. allocated(set%rate_weight)) twice = any(set%rate_weight(:, :, order) > 0.0_wp)
+         if (twice) call out_of(outputs, trim(values_of(order))//'1', 'is given, and the same of the first output in &METHOD: '// &
+                                'leave one out', findings, 1)
+      end do
+   end subroutine refuse_twice
 
    !> Items that count arcs and loops have no meaning for a sketch.
    subroutine refuse_arcs(method, toler, limits, findings)
@@ -876,7 +901,9 @@ contains
       call read_rate_items(group, set%motion, merge(0, n, set%ikin /= 0), set%rate_wanted, set%rate_weight, findings)
       if (allocated(set%rate_wanted) .and. .not. set%desired) call findings%error('derivatives are wanted beside values ('// &
          trim(merge('DESANG       ', 'DESX and DESY', kind%components == 1))//'), which are missing; where derivatives alone '// &
-         'count, give the values weights of 0', line=group%line, group='METHOD')
+         'count, give the values weights of 0'//trim(merge('; with DES1 ... of &OUTPUTS give DVEL1 ... there', &
+                                                           repeat(' ', 48), set%sketch%given)), &
+         line=group%line, group='METHOD')
 
    contains
 

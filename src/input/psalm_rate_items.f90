@@ -9,7 +9,7 @@ module psalm_rate_items
    use psalm_text, only: to_text
    implicit none (type, external)
    private
-   public :: read_rate_items, rate_items, rate_weights
+   public :: rate_row_t, read_rate_items, wanted_rows, gives_rates
 
    integer, parameter :: in_x = 1, in_y = 2, in_other = 3
    !> Items by order and number: x, y, and what is no co-ordinate of a point.
@@ -18,7 +18,43 @@ module psalm_rate_items
    character(*), parameter :: rate_weights(most_rates, most_components) = reshape( &
       [character(7) :: 'WVELX', 'WACCX', 'WVELY', 'WACCY', 'WVELANG', 'WACCANG'], [most_rates, most_components])
 
+   !> Derivatives of one order of one component that are wanted somewhere.
+   type :: rate_row_t
+      character(len(rate_items)) :: item = '', weigher = '' !! names in &METHOD
+      integer :: component = 0, order = 0
+   end type rate_row_t
+
 contains
+
+   !> The rows that are wanted, as they are given.
+   pure function wanted_rows(weight) result(rows)
+      real(wp), intent(in) :: weight(:, :, :)      !! shape (positions, components, most_rates): 0 where none is wanted
+      type(rate_row_t), allocatable :: rows(:)
+      integer :: c, which, order
+
+      allocate (rows(0))
+      do c = 1, size(weight, 2)
+         which = merge(in_other, c, size(weight, 2) == 1)
+         do order = 1, most_rates
+            if (any(weight(:, c, order) > 0.0_wp)) &
+               rows = [rows, rate_row_t(rate_items(order, which), rate_weights(order, which), c, order)]
+         end do
+      end do
+   end function wanted_rows
+
+   !> Does a group give one of these items?
+   pure logical function gives_rates(group)
+      type(group_t), intent(in) :: group
+      integer :: order, which
+
+      gives_rates = .false.
+      do which = in_x, in_other
+         do order = 1, most_rates
+            gives_rates = gives_rates .or. group%given(trim(rate_items(order, which))) .or. &
+                          group%given(trim(rate_weights(order, which)))
+         end do
+      end do
+   end function gives_rates
 
    !> Read them. `wanted` and `weight` are allocated only if a derivative is given; what is not wanted has the weight 0.
    !>

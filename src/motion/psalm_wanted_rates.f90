@@ -179,6 +179,8 @@ contains
       allocate (wanted)
       call prepare_wanted_rates(problem, .false., .false., wanted)
       call find_wanted_rates(wanted, dimensions)
+      ! a loop that the output does not need may be open
+      wanted%exists = wanted%exists .and. motion%closed
       allocate (motion%part(0:most_rates))
       motion%part(0) = motion%total
       motion%rates = wanted%actual

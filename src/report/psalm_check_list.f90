@@ -8,7 +8,7 @@ module psalm_check_list
    use psalm_finale, only: angle_text, arc_table, list_reference, list_output_arc
    use psalm_kinds, only: wp
    use psalm_output_kind, only: output_kind_t, output_kind
-   use psalm_rate_items, only: rate_items
+   use psalm_rate_items, only: rate_row_t, wanted_rows
    use psalm_mechanism, only: mechanism_t, arc_crank, arc_determined, arc_slide
    use psalm_text, only: text_t, fixed, general, to_text
    implicit none (type, external)
@@ -95,7 +95,7 @@ contains
             call text%add(' WEIGHTING FACTORS FOR THE VALUES ABOVE')
             call rows(set%anmult)
          end if
-         if (allocated(set%rate_wanted)) call list_wanted_rates(kind%components)
+         if (allocated(set%rate_wanted)) call list_wanted_rates(wanted_rows(set%rate_weight))
       end if
       if (mechanism%sliding_input) then
          call text%add(' THE DESIRED INPUT LENGTH')
@@ -107,20 +107,18 @@ contains
    contains
 
       !> Derivatives by the input, under the names of their items.
-      subroutine list_wanted_rates(components)
-         integer, intent(in) :: components
-         integer :: c, which, order
+      subroutine list_wanted_rates(wanted)
+         type(rate_row_t), intent(in) :: wanted(:)
+         integer :: k
 
-         do c = 1, components
-            which = merge(size(rate_items, 2), c, components == 1)
-            do order = 1, size(rate_items, 1)
-               if (.not. any(set%rate_weight(:, c, order) > 0.0_wp)) cycle
-               call text%add(' THE DESIRED '//trim(merge('FIRST ', 'SECOND', order == 1))//' DERIVATIVE BY THE INPUT, '// &
-                             trim(rate_items(order, which)))
-               call rows(set%rate_wanted(:, c, order))
+         do k = 1, size(wanted)
+            associate (own => wanted(k))
+               call text%add(' THE DESIRED '//trim(merge('FIRST ', 'SECOND', own%order == 1))//' DERIVATIVE BY THE INPUT, '// &
+                             trim(own%item))
+               call rows(set%rate_wanted(:, own%component, own%order))
                call text%add(' WEIGHTING FACTORS FOR THE VALUES ABOVE, 0 WHERE NONE IS WANTED')
-               call rows(set%rate_weight(:, c, order))
-            end do
+               call rows(set%rate_weight(:, own%component, own%order))
+            end associate
          end do
       end subroutine list_wanted_rates
 

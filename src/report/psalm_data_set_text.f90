@@ -10,7 +10,7 @@ module psalm_data_set_text
    use psalm_dyad_kind, only: assur_prp
    use psalm_error, only: problem_t
    use psalm_finale, only: in_columns
-   use psalm_rate_items, only: rate_items, rate_weights
+   use psalm_rate_items, only: rate_row_t, wanted_rows
    use psalm_sketch_redraw, only: redraw_sketch
    use psalm_sketch_text, only: write_sketch
    use psalm_start, only: values_per_record
@@ -166,21 +166,17 @@ contains
             call real_row('DESANG=', set%desang)
             call real_row('ANMULT=', set%anmult)
          end if
-         if (allocated(set%rate_wanted)) call write_rates(kind%components)
+         if (allocated(set%rate_wanted)) call write_rates(wanted_rows(set%rate_weight))
       end subroutine write_positions
 
       !> Derivatives that are wanted; where none is, they weigh nothing.
-      subroutine write_rates(components)
-         integer, intent(in) :: components
-         integer :: c, which, order
+      subroutine write_rates(rows)
+         type(rate_row_t), intent(in) :: rows(:)
+         integer :: i
 
-         do c = 1, components
-            which = merge(size(rate_items, 2), c, components == 1)
-            do order = 1, size(rate_items, 1)
-               if (.not. any(set%rate_weight(:, c, order) > 0.0_wp)) cycle
-               call real_row(trim(rate_items(order, which))//'=', set%rate_wanted(:, c, order))
-               call real_row(trim(rate_weights(order, which))//'=', set%rate_weight(:, c, order))
-            end do
+         do i = 1, size(rows)
+            call real_row(trim(rows(i)%item)//'=', set%rate_wanted(:, rows(i)%component, rows(i)%order))
+            call real_row(trim(rows(i)%weigher)//'=', set%rate_weight(:, rows(i)%component, rows(i)%order))
          end do
       end subroutine write_rates
 

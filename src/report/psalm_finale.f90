@@ -242,7 +242,9 @@ contains
       end do
       if (allocated(motion%rates)) call list_wanted_rates(problem, motion, text)
       if (problem%desired) then
-         if (all(motion%closed)) then
+         if (all(motion%closed) .and. is_partial()) then
+            call text%add(' TOTAL ERROR WITHOUT THE DERIVATIVES AT DEAD POINTS')
+         else if (all(motion%closed)) then
             call text%add(' TOTAL ERROR')
          else
             call text%add(' TOTAL ERROR OF THE POSITIONS THAT CLOSE')
@@ -259,6 +261,15 @@ contains
       do i = 1, size(motion%violations)
          call text%add(' '//describe_violation(problem, motion, motion%violations(i)))
       end do
+
+   contains
+
+      !> True if a derivative that is wanted does not exist.
+      pure logical function is_partial()
+         is_partial = .false.
+         if (.not. allocated(motion%rates)) return
+         is_partial = any(.not. motion%has_rates .and. any(any(problem%rate_weight > 0.0_wp, dim=3), dim=2))
+      end function is_partial
    end subroutine list_motion
 
    !> Derivatives by the input of the orders of which some are wanted: desired, actual, error.

@@ -3,7 +3,7 @@ module psalm_sketch_text
    use psalm_data_set, only: data_set_t, proof_by_default
    use psalm_kinds, only: wp
    use psalm_output_kind, only: output_kind_t, output_kind
-   use psalm_rate_items, only: rate_items, rate_weights
+   use psalm_rate_items, only: rate_row_t, wanted_rows
    use psalm_sketch, only: sketch_t, drive_stretches, output_angle, output_between, output_distance, output_point, &
                            output_pose, output_ratio, output_slide, output_x, output_y, most_wished
    use psalm_text, only: text_t, full_precision, to_text
@@ -227,21 +227,17 @@ contains
             call numbers('DESANG=', set%desang)
             call numbers('ANMULT=', set%anmult)
          end if
-         if (allocated(set%rate_wanted)) call write_rates(kind%components)
+         if (allocated(set%rate_wanted)) call write_rates(wanted_rows(set%rate_weight))
       end subroutine write_desired
 
       !> Derivatives that are wanted of the first output; where none is, they weigh nothing.
-      subroutine write_rates(components)
-         integer, intent(in) :: components
-         integer :: c, which, order
+      subroutine write_rates(rows)
+         type(rate_row_t), intent(in) :: rows(:)
+         integer :: n
 
-         do c = 1, components
-            which = merge(size(rate_items, 2), c, components == 1)
-            do order = 1, size(rate_items, 1)
-               if (.not. any(set%rate_weight(:, c, order) > 0.0_wp)) cycle
-               call numbers(trim(rate_items(order, which))//'=', set%rate_wanted(:, c, order))
-               call numbers(trim(rate_weights(order, which))//'=', set%rate_weight(:, c, order))
-            end do
+         do n = 1, size(rows)
+            call numbers(trim(rows(n)%item)//'=', set%rate_wanted(:, rows(n)%component, rows(n)%order))
+            call numbers(trim(rows(n)%weigher)//'=', set%rate_weight(:, rows(n)%component, rows(n)%order))
          end do
       end subroutine write_rates
    end subroutine write_sketch

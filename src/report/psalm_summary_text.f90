@@ -55,7 +55,7 @@ contains
       character(:), allocatable :: words
 
       words = 'length units per '
-      if (summary%motion == motion_angle) words = 'radians per '
+      if (summary%motion == motion_angle .or. summary%rates(order)%of_angle) words = 'radians per '
       words = words//trim(merge('length unit', 'radian     ', summary%sliding_input))
       if (order > 1) words = words//' squared'
    end function unit_of_rate

@@ -58,6 +58,7 @@ module psalm_summary
       integer :: compared = 0                         !! positions at which one is wanted and exists
       real(wp) :: rms = 0.0_wp, largest = 0.0_wp
       integer :: worst = 0                            !! position of the largest
+      logical :: of_angle = .false.                   !! of the angle of a pose, of whose point none are wanted
    end type rate_errors_t
 
    type :: summary_t
@@ -177,21 +178,28 @@ contains
       summary%rms = summary%largest*sqrt(sum((miss/summary%largest)**2, mask=motion%closed)/real(summary%compared, wp))
    end subroutine errors
 
-   !> The same of derivatives by the input, where they are wanted; of a pose those of its point.
+   !> The same of derivatives by the input, where they are wanted; of a pose those of its point, or of its angle if those alone are.
    pure subroutine errors_of_rates(problem, motion, rates)
       type(problem_t), intent(in) :: problem
       type(motion_t), intent(in) :: motion           !! with derivatives
       type(rate_errors_t), intent(inout) :: rates(:) !! by order
       real(wp), allocatable :: miss(:)
       logical, allocatable :: counts(:)
-      integer :: order
+      integer :: order, angle
 
+      angle = size(motion%rates, 2)
       do order = 1, size(rates)
          counts = motion%has_rates .and. any(problem%rate_weight(:, :min(2, size(motion%rates, 2)), order) > 0.0_wp, dim=2)
+         rates(order)%of_angle = angle > 2 .and. .not. any(counts)
+         if (rates(order)%of_angle) counts = motion%has_rates .and. problem%rate_weight(:, angle, order) > 0.0_wp
          rates(order)%compared = count(counts)
          if (rates(order)%compared == 0) cycle
          miss = abs(motion%rate_error(:, 1, order))
-         if (size(motion%rate_error, 2) > 1) miss = hypotenuse(motion%rate_error(:, 1, order), motion%rate_error(:, 2, order))
+         if (rates(order)%of_angle) then
+            miss = abs(motion%rate_error(:, angle, order))
+         else if (angle > 1) then
+            miss = hypotenuse(motion%rate_error(:, 1, order), motion%rate_error(:, 2, order))
+         end if
          rates(order)%worst = maxloc(miss, dim=1, mask=counts)
          rates(order)%largest = miss(rates(order)%worst)
          if (rates(order)%largest <= 0.0_wp) cycle
