@@ -5,7 +5,7 @@ module psalm_proof_scene
    use psalm_dimensions, only: dimensions_t
    use psalm_error, only: problem_t
    use psalm_kinds, only: wp
-   use psalm_margin_list, only: name_of_clearance
+   use psalm_margin_list, only: name_of_clearance, name_of_limit
    use psalm_mechanism, only: at_finish, pivot
    use psalm_output_kind, only: motion_point
    use psalm_proof, only: limit_t, piece_closes, piece_opens
@@ -82,6 +82,7 @@ contains
       found = .true.
       call add_limits(study, scene)
       call add_extremes(study, scene)
+      call add_margins(study, scene)
       call add_clearances(set, study, scene)
       call place_marks(set, problem, dimensions, study, scene)
 
@@ -211,6 +212,23 @@ contains
          end associate
       end do
    end subroutine add_extremes
+
+   !> How far the dyads stay inside their limits.
+   subroutine add_margins(study, scene)
+      type(proof_study_t), intent(in) :: study
+      type(proof_scene_t), intent(inout) :: scene
+      character(:), allocatable :: words
+      integer :: i
+
+      do i = 1, size(study%margins)
+         associate (own => study%margins(i))
+            words = 'margin, '//lower_case(name_of_limit(own%margin))//': at least '//shown(own%low, -1)//', at '// &
+                    short(own%margin%delt)
+            if (own%is_broken) words = words//', violated'
+            call add_mark(scene, 'extreme', words, own%margin%delt)
+         end associate
+      end do
+   end subroutine add_margins
 
    !> The least clearances.
    subroutine add_clearances(set, study, scene)

@@ -59,7 +59,7 @@ module psalm_proof_motion
       logical :: is_angle = .false., turns_fully = .false.
       type(span_t) :: output(2)            !! least and greatest; an angle goes on beyond 360
       logical :: has_time_ratio = .false.
-      type(span_t) :: time_ratio           !! crank angle of the slower stroke over that of the faster one
+      real(wp) :: time_ratio = 0.0_wp      !! lower bound of the crank angle of the slower stroke over that of the faster one
       type(dwell_t), allocatable :: dwells(:)
    end type movement_t
 
@@ -411,13 +411,11 @@ contains
       low = (dead(2)%low - dead(1)%high)*(1.0_wp - rounding)
       high = (dead(2)%high - dead(1)%low)*(1.0_wp + rounding)
       if (low + high > full_turn) then
-         movement%time_ratio%low = low/(full_turn - low)*(1.0_wp - rounding)
-         movement%time_ratio%high = high/(full_turn - high)*(1.0_wp + rounding)
+         movement%time_ratio = low/(full_turn - low)*(1.0_wp - rounding)
       else
-         movement%time_ratio%low = (full_turn - high)/high*(1.0_wp - rounding)
-         movement%time_ratio%high = (full_turn - low)/low*(1.0_wp + rounding)
+         movement%time_ratio = (full_turn - high)/high*(1.0_wp - rounding)
       end if
-      movement%time_ratio%low = max(movement%time_ratio%low, 1.0_wp)
+      movement%time_ratio = max(movement%time_ratio, 1.0_wp)
       movement%has_time_ratio = .true.
    end subroutine find_time_ratio
 

@@ -242,7 +242,7 @@ contains
          if (movement%has_output .and. movement%is_angle .and. .not. movement%turns_fully) &
             call text%add('   SWING OF THE OUTPUT AT MOST '//shown(movement%output(2)%high - movement%output(1)%low, 1))
          if (movement%has_ratio .and. .not. movement%ratio_bounded) call text%add('   VELOCITY RATIO NOT BOUNDED')
-         if (movement%has_time_ratio) call text%add('   TIME RATIO AT LEAST '//shown(movement%time_ratio%low, -1))
+         if (movement%has_time_ratio) call text%add('   TIME RATIO AT LEAST '//shown(movement%time_ratio, -1))
          do i = 1, size(movement%dwells)
             associate (dwell => movement%dwells(i))
                call text%add('   DWELL, OUTPUT WITHIN '//short(study%dwell)//' OF ITS VALUE AT '//short(dwell%at)//': '// &

@@ -52,7 +52,7 @@ module psalm_proof_study
       real(wp) :: dwell = 0.0_wp             !! amount of a dwell, degrees or length; 0: none are looked for
       real(wp) :: tolerance = 0.0_wp         !! deviations of all lengths for which it is proven to close over the range
       real(wp) :: largest_tried = 0.0_wp     !! larger ones were not tried
-      real(wp) :: worst_corner = 0.0_wp      !! deviations at which it opens in the worst combination, to first order; 0: not asked
+      real(wp) :: worst_corner = 0.0_wp      !! deviations of the worst combination that opens it, first order; 0: none
       integer, allocatable :: circuit(:)     !! by prescribed position: number of the part that closes without a gap; 0: none
       integer :: circuits = 0                !! such parts that hold prescribed positions
       type(kept_t), allocatable :: kept(:)   !! clearances asked for in &CONSTR
@@ -108,9 +108,11 @@ contains
          call prove_tolerance(subject, study%proof%from, study%proof%to, study%largest_tried, study%tolerance)
          if (set%iproof /= proof_by_default) call estimate_corner(problem, dimensions, study)
       end if
-      if (study%proof%closes_everywhere() .and. covers_limits()) &
-         study%margins = prove_margins(bound, dimensions, set%tangle, merge(set%toggle, 0.0_wp, set%search%solver%many_starts), &
-                                       study%extremes)
+      if (study%proof%closes_everywhere() .and. covers_limits()) then
+         ! a clearance has every loop solved, as with `inspect`
+         study%margins = prove_margins(bound, dimensions, bound%linkage%step_of_loop > 0 .or. size(clearances) > 0, set%tangle, &
+                                       merge(set%toggle, 0.0_wp, set%search%solver%many_starts), study%extremes)
+      end if
       deallocate (study%kept)
       allocate (study%kept(size(clearances)))
       do i = 1, size(clearances)
@@ -130,7 +132,7 @@ contains
          case (range_inputs)
             covers_limits = range == proof_of_inputs .or. problem%mechanism%sliding_input
          case (range_turn)
-            covers_limits = range == proof_of_turn .or. problem%mechanism%sliding_input
+            covers_limits = range == proof_of_turn
          case default
             covers_limits = .false.
          end select
@@ -206,7 +208,7 @@ contains
                                     *(real(i, wp)/real(steps_of_corner, wp)), i=0, steps_of_corner)], .false., &
                            reshape([1, 0], [2, 1]), .true., station)
       call linearise_station(station, dimensions)
-      study%worst_corner = huge(1.0_wp)
+      study%worst_corner = huge(1.0_wp)   ! no measure depends on a length yet
       do loop = 1, size(station%k, 2)
          do i = 1, size(station%k, 1)
             if (problem%mechanism%groups(loop)%kind == assur_rrr) then
@@ -216,6 +218,8 @@ contains
             end if
          end do
       end do
+
+      if (study%worst_corner >= huge(1.0_wp)) study%worst_corner = 0.0_wp
 
    contains
 

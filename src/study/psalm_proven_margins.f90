@@ -25,9 +25,10 @@ module psalm_proven_margins
 
 contains
 
-   !> Margins of every dyad that the output hangs on, as `inspect` has them.
-   pure function prove_margins(problem, dimensions, tangle, toggle, extremes) result(margins)
+   !> Margins of every dyad that the output or a clearance hangs on, as `inspect` has them.
+   pure function prove_margins(problem, dimensions, needed, tangle, toggle, extremes) result(margins)
       type(problem_t), intent(in) :: problem        !! bound to the dimensions
+      logical, intent(in) :: needed(:)              !! shape (nloop): which dyads are wanted
       type(dimensions_t), intent(in) :: dimensions
       real(wp), intent(in) :: tangle                !! TANGLE, degrees
       real(wp), intent(in) :: toggle                !! TOGGLE where it is a constraint, else 0
@@ -42,7 +43,7 @@ contains
       do i = 1, ubound(extremes, 1)
          associate (extreme => extremes(i))
             if (.not. extreme%found .or. extreme%loop == 0) cycle
-            if (problem%linkage%step_of_loop(extreme%loop) == 0) cycle
+            if (.not. needed(extreme%loop)) cycle
             own = proven_margin_t()
             own%margin%which = extreme%loop
             own%margin%unit = 1.0_wp
