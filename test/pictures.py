@@ -710,6 +710,15 @@ def test_findings():
 
 
 NASTY = b"</script><script>alert(1)</script> & \"q\" 'x' \\u0041 <!-- \xc3\xa9 \xff\xc3 \x01\x1b ]]>"
+NASTY_NAMES = """A <b>&"x' TITLE
+ &CHAIN JNT='A<"','B&b','C','D','P]q', JX=0.0,10.0,60.0,75.0,50.0, JY=0.0,25.0,65.0,0.0,95.0,
+  LNAME='fr<ame','cr&ank','coup"ler','rock>er', LNK='A<" D','A<" B&b','B&b C P]q','C D' &END
+ &DRIVES DRIVE='A<"' &END
+ &OUTPUTS OUTPUT='point P]q' &END
+ &METHOD IKIN=15 &END
+ &LIMITS TANGLE=80.0 &END
+ &CONSTR IRANGE=2, NREGN=1, RKIND=3, RJNT='C', RPLACE=1000.0,0.0,10.0,0.0 &END
+"""
 
 
 def test_awkward():
@@ -720,6 +729,24 @@ def test_awkward():
     check("a nasty title: SVG", title.startswith("</script><script>alert(1)</script> & \"q\" 'x' \\u0041 <!-- \u00e9 \u00ff"), title)
     check("a nasty title: page", page_data("nasty.html")[0]["title"].startswith(title[:40]))
     check("a nasty title: curves", read_bytes("nasty.png")[:8] == b"\x89PNG\r\n\x1a\n" and read_bytes("nasty.pdf")[:5] == b"%PDF-")
+
+    write("names.nml", NASTY_NAMES)
+    code, _, errors = balm("--quiet", "names.nml")
+    check("nasty names: exit status", code == 0, errors)
+    letters = [e.text for e in ElementTree.parse("names.svg").getroot().iter(SVG + "text") if e.get("class") == "letter"]
+    check("nasty names: SVG", {'A<"', "B&b", "P]q"} <= set(letters), letters)
+    case = page_data("names.html")[0]
+    check("nasty names: page", "B&b" in json.dumps(case))
+    check("margins that are proven stand on the page",
+          any(m["text"].startswith("margin, transmission angle, loop 1") for m in case["proof"]["marks"]))
+
+    # the range of the inputs is kept where not all positions are drawn
+    delt = ",\n".join("%g" % (0.01 * i) for i in range(2001)) + ",350.0"
+    write("thin.nml", "RANGE\n &LINKS NLOOP=1, MAXARC=4, ILINK=1,-2,-3,4, ILOOP=1,0,0,1, ARCL=100.0,60.0,60.0,80.0, GAMA=3*0.0,180.0,\n"
+          " NOUTLK=-3, NOUTLP=1 &END\n &METHOD MOTION=0, NDES=2002, DELT=%s &END\n &LIMITS TANGLE=90.0 &END\n &CONSTR IRANGE=1 &END\n" % delt)
+    code, _, errors = balm("--quiet", "thin.nml")
+    marks = page_data("thin.html")[0]["proof"]["marks"]
+    check("many positions: the proof is of all of their range", any(m["kind"] == "opens" for m in marks), marks)
 
     write("empty.nml", "")
     code, _, errors = balm("empty.nml")
@@ -1039,7 +1066,7 @@ PARTS = {
     "pages": test_pages,
     "board": test_board,
 }
-NEEDED = {"pages": ["messages", "rate_curves"], "embedded": ["messages", "awkward"], "short_messages": ["messages", "regions"]}  # parts whose files another part uses
+NEEDED = {"pages": ["messages", "rate_curves", "awkward", "curves"], "embedded": ["messages", "awkward"], "short_messages": ["messages", "regions"]}  # parts whose files another part uses
 
 
 def main(arguments):

@@ -164,20 +164,28 @@ contains
       if (found) scene%clearance = clearance
    end subroutine add_clearance
 
-   !> Keep evenly chosen positions, as many as a picture can show.
+   !> Keep evenly chosen positions, as many as a picture can show, and those of the least and the greatest input, which are the
+   !> range.
    subroutine thin_out(set, findings)
       type(data_set_t), intent(inout) :: set
       type(diagnostics_t), intent(inout) :: findings
-      integer :: step
+      logical, allocatable :: keeps(:)
+      integer, allocatable :: kept(:)
+      integer :: step, i
 
       step = (set%ndes - 1)/most_drawn + 1
-      set%delt = set%delt(1::step)
-      set%desx = set%desx(1::step)
-      set%desy = set%desy(1::step)
-      set%desang = set%desang(1::step)
-      set%xmult = set%xmult(1::step)
-      set%ymult = set%ymult(1::step)
-      set%anmult = set%anmult(1::step)
+      allocate (keeps(set%ndes), source=.false.)
+      keeps(1::step) = .true.
+      keeps(minloc(set%delt, dim=1)) = .true.
+      keeps(maxloc(set%delt, dim=1)) = .true.
+      kept = pack([(i, i=1, set%ndes)], keeps)
+      set%delt = set%delt(kept)
+      set%desx = set%desx(kept)
+      set%desy = set%desy(kept)
+      set%desang = set%desang(kept)
+      set%xmult = set%xmult(kept)
+      set%ymult = set%ymult(kept)
+      set%anmult = set%anmult(kept)
       if (allocated(set%rate_wanted)) deallocate (set%rate_wanted, set%rate_weight) ! no picture shows them
       call findings%warning('of '//to_text(set%ndes)//' positions '//to_text(size(set%delt))//' are drawn, one in '// &
                             to_text(step)//', and numbered so on the pictures', line=set%origins%line('METHOD', 'NDES', 1), &

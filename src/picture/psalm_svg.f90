@@ -357,7 +357,7 @@ contains
       associate (row => scene%prescribed)
          do j = 1, size(scene%joints)
             if (scene%joints(j)%fixed .or. len(scene%joints(j)%name) == 0) cycle
-            call text%add('<path class="trace" data-joint="'//scene%joints(j)%name//'" d="')
+            call text%add('<path class="trace" data-joint="'//xml_text(scene%joints(j)%name)//'" d="')
             do i = 1, row%n
                if (row%known(j, i)) call text%add('M'//point(row, j, i)//'h0')
             end do
@@ -677,8 +677,8 @@ contains
          do j = 1, size(scene%joints)
             if (.not. row%known(j, i) .or. (len(scene%joints(j)%name) == 0 .and. .not. scene%joints(j)%slides)) cycle
             associate (joint => scene%joints(j))
-               start = '<g class="joint" data-joint="'//joint%name//'" transform="translate('//point(row, j, i)//') scale('// &
-                       short_number(merge(crowded, 1.0_wp, size(scene%joints) > many)/k)//')" stroke-width="1.6">'
+               start = '<g class="joint" data-joint="'//xml_text(joint%name)//'" transform="translate('//point(row, j, i)// &
+                       ') scale('//short_number(merge(crowded, 1.0_wp, size(scene%joints) > many)/k)//')" stroke-width="1.6">'
                if (joint%turning .and. joint%fixed) start = start//'<use href="#ground" class="symbol"/>'
                do s = 1, size(scene%slides)
                   if (scene%slides(s)%block /= j) cycle
@@ -725,7 +725,7 @@ contains
       do j = 1, size(scene%joints)
          if (at(1, j) < 0.0_wp) cycle
          call text%add('<text class="letter" x="'//px(at(1, j))//'" y="'//px(at(2, j) + 5.0_wp)//'">'// &
-                       scene%joints(j)%name//'</text>')
+                       xml_text(scene%joints(j)%name)//'</text>')
       end do
    end subroutine draw_letters
 
