@@ -3,6 +3,7 @@
 program test_chain_forces
    use chain_force_checks, only: t, laws, both_ways, rods, names_and_messages, text_of, chain_of, gears
    implicit none (type, external)
+   character(*), parameter :: nl = new_line('a')
    character(*), parameter :: posed(*) = [character(24) :: 'stephenson2_six_bar', 'scissors_lift', 'excavator', &
                                           'geared_five_bar', 'landing_gear'] !! solved in the poses of their links
    character(*), parameter :: looped(*) = [character(24) :: 'sketch_four_bar', 'sketch_slider_crank', 'jansen', 'watt_six_bar', &
@@ -20,6 +21,14 @@ program test_chain_forces
    end do
    call laws('64 dyads', chain_of(64), .true.)
    call both_ways('64 dyads', chain_of(64))
+   call both_ways('friction in pins', text_of('data/sketch_four_bar.nml')// &
+                  " &FRICTN NFRIC=4, FNAME='A','B','C','D', FMU=4*0.1, FRAD=8.,8.,8.,6. &END")
+   ! by loops the shoe is at the foot, which the frame carries
+   call both_ways('friction in a guide', "SLIDER-CRANK"//nl//" &CHAIN JNT='A','B','C', JX=0.0,0.0,136.0, JY=0.0,40.0,10.0, "// &
+                  "LNAME='frame','crank','rod','piston', LNK='A','A B','B C','C',"//nl// &
+                  " NSLIDE=1, SLNK='piston', SLNK2='frame', SLX=0.0, SLY=10.0, SLANG=0.0 &END"//nl// &
+                  " &DRIVES DRIVE='A' &END"//nl//" &OUTPUTS OUTPUT='point C' &END"//nl//' &METHOD IKIN=15 &END'//nl// &
+                  ' &LIMITS TANGLE=80.0 &END'//nl//" &FRICTN NFRIC=3, FNAME='B','C','S1', FMU=3*0.05, FRAD=5.,5.,40. &END")
    call rods()
    call names_and_messages()
    call t%report()

@@ -19,11 +19,11 @@ LIBRARIES = ["-lnlopt", "-llapack"]
 
 def setup_value(name):
     """A variable of scripts/setup, so that flags have one place."""
-    text = open(os.path.join(TOP, "scripts", "setup"), encoding="utf-8").read()
-    parts = re.findall(r'^%s\+?="(.*)"$' % name, text, re.M)
-    if not parts:
+    read = '. "$1" && printf %%s "$%s"' % name
+    value = subprocess.run(["bash", "-c", read, "bash", os.path.join(TOP, "scripts", "setup")], capture_output=True, check=True).stdout
+    if not value:
         raise SystemExit("scripts/setup has no " + name)
-    return "".join(parts).split()
+    return value.decode().split()
 
 
 def release_flags():
@@ -233,7 +233,7 @@ def stages(top, debug, release, quad):
     result += [Stage("Python", ["env", "PSALM_LIBRARY=" + release.library, "PYTHONPATH=python", python, "python/test_psalm.py", "data"])]
     if any(source.startswith("example/") for source in release.order):
         result += [Stage("examples", [os.path.join(test, "library.sh"), release.bin, release.examples])]
-    for name in ("laws", "manual", "narrow_places", "slide_pairs", "tables", "sketches", "ssics", "muscle", "calm",
+    for name in ("laws", "mistakes", "proofs", "manual", "narrow_places", "slide_pairs", "tables", "sketches", "ssics", "muscle", "calm",
                  "exact", "bridge", "links"):
         result += [Stage(name.replace("_", " "), [python, os.path.join(test, name + ".py"), release.bin])]
     for name, pattern in (("files", r"\b(?:for test in \()([\w, ]+)\)"), ("summary", r"\b(?:for part in \()([\w, ]+)\)")):

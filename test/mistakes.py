@@ -1,0 +1,163 @@
+#!/usr/bin/env python3
+"""Mistakes in data sets: each is refused with exit status 2, in the words of its group and item, and no table is written.
+
+usage: mistakes.py BIN   (directory with the programs). The last line is N passed, N failed.
+"""
+import os
+import subprocess
+import sys
+import tempfile
+
+from tally import check, report
+
+TOP = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
+BIN = os.path.abspath(sys.argv[1])
+
+SKETCH = """A SKETCH
+ &CHAIN JNT='A','B','C','D','P', JX=0.0,-4.0,33.0,90.0,20.0, JY=0.0,31.0,82.0,5.0,95.0,
+  LNAME='frame','crank','coupler','rocker', LNK='A D','A B','B C P','C D' &END
+ &DRIVES DRIVE='A' &END
+ &OUTPUTS OUTPUT='point P' &END
+ &METHOD NDES=2, DELT=0.0,5.0 &END
+"""
+GEARS = """A GEARED FIVE-BAR
+ &CHAIN JNT='A','B','C','D','E', JX=0.0,1.0,3.0,5.0,6.0, JY=0.0,2.0,4.0,2.0,0.0,
+  LNAME='frame','one','two','three','four', LNK='A E','A B','B C','C D','D E',
+  GEARA='one', GEARB='four', GCARR='frame', GTA=20.0, GTB=40.0 &END
+ &DRIVES DRIVE='A' &END
+ &OUTPUTS OUTPUT='point C' &END
+ &METHOD NDES=2, DELT=0.0,5.0 &END
+"""
+SLIDER = """A SLIDER-CRANK
+ &CHAIN JNT='A','B','C', JX=0.0,0.0,136.0, JY=0.0,40.0,10.0, LNAME='frame','crank','rod','piston', LNK='A','A B','B C','C',
+  NSLIDE=1, SLNK='frame', SLNK2='piston', SLX=0.0, SLY=10.0, SLANG=0.0 &END
+ &DRIVES DRIVE='A' &END
+ &OUTPUTS OUTPUT='point C' &END
+ &METHOD NDES=2, DELT=0.0,5.0 &END
+"""
+DRIVES = """TWO DRIVES
+ &CHAIN JNT='A','B','C','D','E', JX=0.0,1.0,3.0,5.0,6.0, JY=0.0,2.0,4.0,2.0,0.0,
+  LNAME='frame','one','two','three','four', LNK='A E','A B','B C','C D','D E' &END
+ &DRIVES DRIVE='A','E', DELT2=0.0,5.0 &END
+ &OUTPUTS OUTPUT='point C' &END
+ &METHOD NDES=2, DELT=0.0,5.0 &END
+"""
+FOUR_BAR = """A FOUR-BAR
+ &LINKS NLOOP=1, MAXARC=4, ILINK=1,-2,-3,4, ILOOP=1,0,0,1, ARCL=40.0,120.0,80.0,130.0, GAMA=3*0.0,180.0, NOUTLK=3, NOUTLP=1 &END
+ &METHOD MOTION=1, IKIN=30 &END
+ &LIMITS TANGLE=90.0 &END
+"""
+PATH = "POINTS\n &EXACT XP=0.0,1.0,2.0,3.0, YP=0.0,0.5,0.4,0.1 &END\n"
+POSES = "POSES\n &EXACT KIND='MOTION', XP=0.0,1.0,2.0,3.0,4.0, YP=0.0,0.5,0.4,0.1,0.0, ANGP=0.0,5.0,9.0,20.0,30.0 &END\n"
+TABLE = "TABLE\n &EXACT KIND='FUNCTION', PHI=0.0,20.0,40.0,60.0,80.0, PSI=0.0,15.0,35.0,50.0,70.0 &END\n"
+NAMED = "FUNCTION\n &EXACT KIND='FUNCTION', FUNC='POWER', FXLOW=1.0, FXHIGH=2.0, FPOWER=1.5, DPHI=60.0, DPSI=60.0 &END\n"
+
+# base, what is changed into what, what is said
+MISTAKES = [
+    # outputs
+    (SKETCH, "'point P'", "'point P','point P'", "&OUTPUTS OUTPUT: output 'point P' is given twice"),
+    (SKETCH, "'point P'", "'point P',' '", "output 2 is empty"),
+    (SKETCH, "'point P'", "'x P P'", "'x P P' names 2 joints; 1 are needed"),
+    (SKETCH, "'point P'", "'point'", "names 0 joints; 1 are needed"),
+    (SKETCH, "'point P'", "'between A B D'", "names 3 joints; 4 are needed"),
+    (SKETCH, "'point P'", "'between coupler rockr'", "no link is called 'rockr'; did you mean 'rocker'?"),
+    (SKETCH, "'point P'", "'pose P'", "'pose P rocker' names a joint and a link"),
+    (SKETCH, "'point P'", "'ratio one two'", "no output given before is called 'one'"),
+    (SKETCH, "'point P'", "'ratio one'", "'ratio wheel shock' names two outputs given before"),
+    (SKETCH, "'point P'", "'point P','angle B C','ratio point_P angle_B_C'", "output 'point_P' is not one number whose rate has a ratio"),
+    (SKETCH, "'point P'", "'P'", "'P' is no output; there are point, x, y, angle, distance, slide, between, pose, ratio: 'point P'"),
+    (SKETCH, "'point P'", "'rocker'", ": 'angle rocker'"),
+    (SLIDER, "'point C'", "'slide'", "'slide S1' names one slide"),
+    (SLIDER, "'point C'", "'slide S2'", "no slide is called 'S2'"),
+    (SLIDER, "'point C'", "'angle piston'", "link piston has fewer than two joints and so no direction"),
+    (SKETCH, "OUTPUT='point P'", "", "says what is wanted"),
+    # gears
+    (GEARS, "GEARB='four', ", "", "&CHAIN GEARB: names the second wheel of 0 gear pairs; GEARA names 1"),
+    (GEARS, "GCARR='frame', ", "", "&CHAIN GCARR: names the carrier of 0 gear pairs; GEARA names 1"),
+    (GEARS, ", GTB=40.0", "", "gear pair 1 needs the teeth of both wheels, GTA and GTB"),
+    (GEARS, "GEARB='four'", "GEARB='one'", "a gear pair has three different links"),
+    (GEARS, "GEARB='four'", "GEARB='three'", "link frame carries wheel three, but no joint pins them together"),
+    # what varies
+    (SKETCH, "'C D' &END", "'C D', VARY='A B',' ' &END", "variable 2 is empty"),
+    (SKETCH, "'C D' &END", "'C D', VARY='A' &END", "'A' names 1 joints, not 2; there are 'A B', 'angle A B A C', 'place D', 'input'"),
+    (SKETCH, "'C D' &END", "'C D', VARY='place P' &END", "'place P': the joint is not on the frame"),
+    (SKETCH, "'C D' &END", "'C D', VARY='A C' &END", "'A C': no link has all these joints"),
+    (SKETCH, "'C D' &END", "'C D', VARY='A B', VLOW=2.0, VHIGH=1.0 &END", "the lower bound of 'A B' is above its upper bound"),
+    (SKETCH, "'C D' &END", "'C D', VARY='place D', VLOW=2.0, VHIGH=3.0 &END", "2 values each (a place has two, x and y); found 1 and 1"),
+    # slides
+    (SLIDER, "NSLIDE=1", "NSLIDE=0", "&CHAIN SLNK: names links of slides, but NSLIDE=0"),
+    (SLIDER, "NSLIDE=1", "NSLIDE=2", "&CHAIN SLNK: names the first link of 1 slides; there are 2"),
+    (SLIDER, "NSLIDE=1", "NSLIDE=2", "&CHAIN SLNK2: names the second link of 1 slides; there are 2"),
+    (SLIDER, ", SLANG=0.0", "", "&CHAIN SLANG: is given for 0 slides; there are 1"),
+    (SLIDER, "NSLIDE=1", "NSLIDE=1, SNAME='A'", "both a joint and a slide are called A"),
+    (SLIDER, "SLNK2='piston'", "SLNK2='frame'", "slide S1 has link frame on both sides; name the link that it moves on"),
+    # drives
+    (DRIVES, ", DELT2=0.0,5.0", "", "&DRIVES DELT2: drive E needs its values, DELT2, or a RATIO to the first drive"),
+    (DRIVES, "DELT2=0.0,5.0", "DELT2=0.0,5.0, RATIO=0.0,2.0", "drive E has RATIO too; give one of both"),
+    (DRIVES, "DELT2=0.0,5.0", "DELT2=0.0,5.0, NGRID=3,3, DLOW=0.0,0.0, DHIGH=5.0,5.0", "the grid NGRID gives the positions of all drives"),
+    (DRIVES, "DELT2=0.0,5.0", "RATIO=0.0,2.0, NGRID=3,3, DLOW=0.0,0.0, DHIGH=5.0,5.0", "drive E follows the first by its RATIO; its NGRID is 0"),
+    (DRIVES, "DELT2=0.0,5.0", "DELT2=0.0,5.0, DSPEED=1.0,0.0", "the first drive has the speed of &RATES; its entry here is 0"),
+    (DRIVES, "DELT2=0.0,5.0", "RATIO=0.0,2.0, DSPEED=0.0,1.0", "drive E follows the first by its RATIO; its entry here is 0"),
+    (SKETCH, "DRIVE='A'", "DRIVE='A', DBASE='rocker'", "link rocker has no part in A, which the drive acts at"),
+    (SKETCH, "DRIVE='A'", "DRIVE='A', DBASE='crank', DLINK='crank'", "drive A has link crank on both sides"),
+    (SKETCH, "DRIVE='A'", "DRIVE='A C P'", "'A C P' is no drive: a joint, a slide, or the two joints of a cylinder"),
+    (SKETCH, "DRIVE='A'", "DRIVE='B C'", "cylinder 'B C' lies between two joints of link coupler, which holds them apart"),
+    # desired values of outputs
+    (SKETCH, "OUTPUT='point P'", "OUTPUT='point P', DES1=1.0,2.0,3.0", "NDES=2 positions of output point_P have 4 values, but only 3 given"),
+    (SKETCH, "OUTPUT='point P'", "OUTPUT='point P', DES1=4*1.0, WGT1=-1.0", "weights must not be negative"),
+    (SKETCH.replace("NDES=2, DELT=0.0,5.0", "NDES=3, DELT=0.0,5.0,9.0"), "OUTPUT='point P'", "OUTPUT='point P', DES1=6*1.0, WGT1=1.0,2.0",
+     "is one weight, or one for each of NDES=3 positions; found 2"),
+    (SKETCH, "OUTPUT='point P'", "OUTPUT='angle B C','angle C D','ratio angle_B_C angle_C_D', DVEL3=1.0,2.0",
+     "output ratio_angle_B_C_angle_C_D is a ratio of rates; of that no derivative can be prescribed"),
+    # sweeps
+    (FOUR_BAR, " &LIMITS", " &SWEEP SWHAT='WIDTH', SWLOW=1.0, SWHIGH=2.0 &END\n &LIMITS", "must be 'LENGTH', 'ANGLE', 'OUTLK'"),
+    (FOUR_BAR, " &LIMITS", " &SWEEP SWLINK=9, SWLOOP=1, SWLOW=1.0, SWHIGH=2.0 &END\n &LIMITS", "there is no arc 9"),
+    (FOUR_BAR, " &LIMITS", " &SWEEP SWLINK=2, SWLOOP=1, SWLOW=-1.0, SWHIGH=2.0 &END\n &LIMITS", "a length must be above 0"),
+    (FOUR_BAR.replace("MAXARC=4, ILINK=1,-2,-3,4, ILOOP=1,0,0,1", "MAXARC=5, ILINK=1,-2,-3,4,0, ILOOP=1,0,0,1,0"), " &LIMITS",
+     " &SWEEP SWLINK=5, SWLOOP=1, SWLOW=1.0, SWHIGH=2.0 &END\n &LIMITS", "loop 1 has no arc 5"),
+    (SKETCH, " &METHOD", " &SWEEP SWLOW=1.0, SWHIGH=2.0 &END\n &METHOD", "the two joints of the length are expected, SWJNT='A B'"),
+    (SKETCH, " &METHOD", " &SWEEP SWJNT='A', SWLOW=1.0, SWHIGH=2.0 &END\n &METHOD", "two joints are expected, as 'A B'; found 'A'"),
+    # exact synthesis
+    (PATH, "YP=0.0,0.5,0.4,0.1", "YP=0.0,0.5,0.4", "XP has 4 values, but YP has 3"),
+    (PATH, "YP=0.0,0.5,0.4,0.1", "YP=0.0,,0.4,0.1", "&EXACT YP: point 2 has no value"),
+    (PATH, "XP=", "PIVOTS=1.0, XP=", "is x and y of the crank's fixed pivot, then of the follower's"),
+    (PATH, "XP=", "ANGP=5*0.0, XP=", "XP has 4 values only"),
+    (PATH, "XP=", "ANGP=,1.0, XP=", "orientations are counted from that of the first point, which is missing"),
+    (PATH, "XP=", "TIMP=,1.0, XP=", "crank angles are counted from that of the first point, which is missing"),
+    (PATH, "XP=", "TIMP=0.0,1.0, ANGP=0.0,1.0, XP=", "point 2 has an orientation and a crank angle; one of both is possible"),
+    (POSES, "30.0 &END", ", &END", "KIND='MOTION' needs an orientation for every point; point 5 has none"),
+    (POSES, "30.0 &END", "30.0, ARM=0.0,1.0,2.0,3.0 &END", "is x and y of three joints in the first pose"),
+    (TABLE, "PHI=0.0,20.0,40.0,60.0,80.0, ", "", "KIND='FUNCTION' needs either FUNC, a name, or PHI and PSI, a table"),
+    (TABLE, "PHI=0.0,20.0,40.0,60.0,80.0", "PHI=0.0,20.0,40.0,60.0", "PHI has 4 values, but PSI has 5"),
+    (TABLE, "PHI=0.0,20.0,40.0,60.0,80.0", "PHI=0.0,,40.0,60.0,80.0", "a value of the table is missing"),
+    (TABLE, "PHI=0.0,20.0,40.0,60.0,80.0", "PHI=0.0,20.0,10.0,60.0,80.0", "entry 3: the inputs must rise"),
+    (TABLE, "80.0, PSI=0.0", "80.0,90.0, PSI=-9.0,0.0", "6 points cannot be met exactly; give 3 or 5, or MINIMAX=1"),
+    (TABLE, "80.0, PSI=0.0,15.0,35.0,50.0,70.0", "80.0, PSI=0.0,15.0,35.0,50.0,70.0, SIXBAR='WATT', SLIDER=1", "a six-bar here has no slider"),
+    (TABLE, ",80.0, PSI=0.0,15.0,35.0,50.0,70.0", ", PSI=0.0,15.0,35.0,50.0, SIXBAR='WATT'", "a six-bar is made for 5 points"),
+    (TABLE, ",80.0, PSI=0.0,15.0,35.0,50.0,70.0", ", PSI=0.0,15.0,35.0,50.0, MINIMAX=1", "needs FUNC or a table of more than 5 points"),
+    (TABLE, ",80.0, PSI=0.0,15.0,35.0,50.0,70.0", ", PSI=0.0,15.0,35.0,50.0, SLIDER=1, PSI0=3.0", "four points of a slider-crank need the zero line"),
+    (TABLE, ",60.0,80.0, PSI=0.0,15.0,35.0,50.0,70.0", ", PSI=0.0,15.0,35.0, PHI0=1.0, PSI0=2.0, SLIDER=1", "three points with zero lines are for four-bars"),
+    (NAMED, "'POWER'", "'POWR'", "there is no function 'POWR'; there are LOG10, LN, EXP, SIN, COS, TAN, POWER"),
+    (NAMED, "FXHIGH=2.0", "FXHIGH=1.0", "the range of x is empty: FXHIGH must be above FXLOW"),
+    (NAMED, "FXLOW=1.0", "FXLOW=-1.0", "this power needs x above 0"),
+    (NAMED, "DPSI=60.0", "DPSI=0.0", "&EXACT DPSI: must not be 0"),
+]
+
+
+def main():
+    with tempfile.TemporaryDirectory() as place:
+        name = os.path.join(place, "case.nml")
+        for base, old, new, said in MISTAKES:
+            text = base.replace(old, new)
+            check("something is changed", text != base, old)
+            with open(name, "w", encoding="utf-8") as file:
+                file.write(text)
+            done = subprocess.run([os.path.join(BIN, "psalm"), name], capture_output=True, text=True, check=False)
+            check("refused: " + said, done.returncode == 2, (done.returncode, done.stderr))
+            check("said: " + said, said in done.stderr, done.stderr)
+            check("nothing is written: " + said, os.listdir(place) == ["case.nml"], os.listdir(place))
+    return report()
+
+
+if __name__ == "__main__":
+    sys.exit(main())
