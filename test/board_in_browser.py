@@ -10,7 +10,7 @@ import shutil
 
 from playwright.sync_api import sync_playwright
 
-from page_in_browser import FLAGS, Page
+from page_in_browser import FLAGS, PATIENCE, Page
 from picture_tools import DATA, TOP, balm, check, psalm, read, write
 
 SAME = 1e-12   # part of the size of a drawing
@@ -141,8 +141,8 @@ def test_four_bar(browser, shots):
     check("four-bar: its path is wanted", board.sketch()["outputs"] == [{"kind": "point", "of": ["E"], "name": ""}])
     drawn = board.pixels("board")
     page.click("#play")
-    page.wait_for_timeout(300)
-    check("four-bar: it plays", board.ask("board.state.playing") and board.pixels("board") != drawn and board.ask("board.state.t") > 0)
+    page.wait_for_function("board.state.t > 5")
+    check("four-bar: it plays", board.ask("board.state.playing") and board.pixels("board") != drawn)
     if shots:
         page.screenshot(path=os.path.join(shots, "board.png"))
     page.click("#play")
@@ -340,6 +340,7 @@ def test_fingers(browser, shots):
             phone.page.screenshot(path=os.path.join(shots, "board_phone_%s.png" % scheme))
         phone.context.close()
     touch = browser.new_context(viewport={"width": 390, "height": 844}, has_touch=True)
+    touch.set_default_timeout(PATIENCE)
     page = touch.new_page()
     page.goto("file://" + BOARD)
     page.wait_for_timeout(150)

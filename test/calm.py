@@ -13,6 +13,7 @@ import tempfile
 
 import ezdxf
 import numpy
+from page_in_browser import FLAGS, PATIENCE
 from playwright.sync_api import sync_playwright
 from scipy.interpolate import BSpline
 from scipy.optimize import brentq, minimize
@@ -781,14 +782,13 @@ def geared(place):
 
 def pages(place):
     """The page in a browser: it turns, plays, the roller touches the profile, the linkage is at the inputs found."""
-    flags = ["--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking",
-             "--disable-component-update", "--disable-sync"]
     with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=shutil.which("chromium"), args=flags)
+        browser = playwright.chromium.launch(executable_path=shutil.which("chromium"), args=FLAGS)
         for name in ("needle_cam", "flat_swinging", "wedge_cam"):
             run = Run(data(name, ("&CAM", "&CAM NPOINT=%d," % (25 if name == "wedge_cam" else 24))), place)
             complaints, requests = [], []
             page = browser.new_page()
+            page.set_default_timeout(PATIENCE)
             page.on("console", lambda m, c=complaints: m.type in ("error", "warning") and c.append(m.text))
             page.on("pageerror", lambda e, c=complaints: c.append(str(e)))
             page.on("request", lambda r, c=requests: c.append(r.url))
@@ -805,8 +805,7 @@ def pages(place):
                 close(min(abs(complex(*p) - complex(*touch)) for p in rim), 0.0, 1e-3, "%s: the follower touches at %d" % (name, angle))
             check(page.evaluate("document.getElementById('machine').toDataURL()") != blank, name + ": the cam is seen to turn")
             page.click("#play")
-            page.wait_for_timeout(120)
-            check(page.evaluate("calm.state.angle") != 255, name + ": it plays")
+            page.wait_for_function("calm.state.angle !== 255")
             page.click("#play")
             page.locator("#machine").press("ArrowRight")
             check(page.locator("#extremes tbody tr").count() >= 4, name + ": table of extremes")
