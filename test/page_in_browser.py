@@ -148,7 +148,7 @@ def test_browser(browser, shots):
     shutil.copy(os.path.join(DATA, "hard", "chain64.nml"), "chain64.nml")
     balm("--quiet", "chain64.nml")
     large = Page(browser, "chain64.html")
-    large.ask("balm.frameTime(20, true)")
+    large.ask("balm.frameTime(20)")
     check("64 loops, 360 positions: the page has them all", large.ask("balm.cases[0].sweep.n") == 360 and not large.complaints,
           str(large.complaints))
     large.context.close()
