@@ -61,7 +61,7 @@ contains
       type(prepared_t), intent(in) :: prepared
       type(devices_t), intent(inout) :: devices
       logical, intent(inout) :: stopped
-      type(problem_t), allocatable :: problem    ! large: it would fill a small stack
+      class(problem_t), allocatable :: problem    ! large: it would fill a small stack
       type(clearance_study_t) :: study
       type(text_t) :: picture
 

@@ -71,9 +71,9 @@ contains
       type(devices_t), intent(inout) :: devices
       logical, intent(inout) :: stopped
       ! large: they would fill a small stack
-      type(problem_t), allocatable :: problem
-      type(data_set_t), allocatable :: set
-      type(prepared_t), allocatable :: prepared
+      class(problem_t), allocatable :: problem
+      class(data_set_t), allocatable :: set
+      class(prepared_t), allocatable :: prepared
       type(cam_search_t) :: search
       type(cam_study_t), allocatable :: studies(:)
       type(cam_scene_t), allocatable :: scene

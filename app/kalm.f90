@@ -74,7 +74,7 @@ contains
       type(prepared_t), intent(in) :: prepared
       type(devices_t), intent(inout) :: devices
       logical, intent(inout) :: stopped
-      type(problem_t), allocatable :: problem    ! large: it would fill a small stack
+      class(problem_t), allocatable :: problem    ! large: it would fill a small stack
       type(rate_study_t), allocatable :: rates
       type(force_study_t), allocatable :: forces     ! absent arguments unless the case asks for them
       type(machine_study_t), allocatable :: machine

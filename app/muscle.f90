@@ -60,7 +60,7 @@ contains
       type(prepared_t), intent(in) :: prepared
       type(devices_t), intent(inout) :: devices
       logical, intent(inout) :: stopped
-      type(problem_t), allocatable :: problem    ! large: it would fill a small stack
+      class(problem_t), allocatable :: problem    ! large: it would fill a small stack
       type(muscle_study_t), allocatable :: study
 
       associate (unused => stopped, also_unused => number)

@@ -120,12 +120,12 @@ contains
       logical, intent(inout) :: stopped
       type(progress_t), target :: monitor
       ! allocated: together they would fill a small stack
-      type(problem_t), allocatable :: problem
+      class(problem_t), allocatable :: problem
       type(synthesis_t), allocatable :: search
       type(analysis_t), allocatable :: analysis
       type(tolerances_t), allocatable :: tolerances
       type(proof_study_t), allocatable :: proof
-      type(data_set_t), allocatable :: final, by_loops
+      class(data_set_t), allocatable :: final, by_loops
       type(dimensions_t) :: dimensions
       type(wanted_t) :: wanted
       type(search_log_t) :: log

@@ -60,8 +60,8 @@ contains
       type(exact_proof_t), intent(out) :: proof
       type(text_t) :: text
       type(data_set_t), allocatable :: sets(:)
-      type(prepared_t), allocatable :: prepared
-      type(problem_t), allocatable :: problem
+      class(prepared_t), allocatable :: prepared
+      class(problem_t), allocatable :: problem
       type(proof_study_t), allocatable :: turn, way
       type(subject_t), allocatable :: subject
       type(diagnostics_t) :: findings

@@ -70,7 +70,7 @@ contains
       type(prepared_t), intent(in) :: prepared
       type(devices_t), intent(inout) :: devices
       logical, intent(inout) :: stopped
-      type(problem_t), allocatable :: problem    ! large: it would fill a small stack
+      class(problem_t), allocatable :: problem    ! large: it would fill a small stack
       type(steady_study_t) :: study
 
       associate (unused => stopped)

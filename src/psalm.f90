@@ -80,7 +80,7 @@ module psalm
       character(:), allocatable :: heading           !! title of a case made in memory
       type(loop_t), allocatable :: parts(:)          !! its loops
       type(item_t), allocatable :: items(:)          !! its other items
-      type(data_set_t), allocatable :: set           !! a case that was read
+      class(data_set_t), allocatable :: set           !! a case that was read
       type(findings_t) :: faults                     !! of the verbs that made it; told by every study
    contains
       procedure :: add_loop
@@ -571,8 +571,8 @@ contains
       type(wanted_t), intent(in), optional :: wanted      !! what is wanted besides the motion
       character(:), allocatable, intent(out), optional :: listing !! the listing of psalm
       type(wanted_t) :: all_wanted
-      type(data_set_t), allocatable :: set
-      type(problem_t), allocatable :: problem
+      class(data_set_t), allocatable :: set
+      class(problem_t), allocatable :: problem
       type(text_t) :: text
       logical :: ready
       integer :: i
@@ -602,8 +602,8 @@ contains
       integer, intent(in), optional :: threads            !! that share the work; default THREADS of the case, or 1
       type(stop_t), intent(in), optional :: stop          !! by which the host can end the search
       class(observer_t), intent(inout), optional :: monitor !! told of progress
-      type(data_set_t), allocatable :: set
-      type(problem_t), allocatable :: problem
+      class(data_set_t), allocatable :: set
+      class(problem_t), allocatable :: problem
       type(dimensions_t) :: dimensions
       type(stop_t) :: ending
       real(wp), allocatable :: none(:, :)
@@ -627,8 +627,8 @@ contains
       type(synthesis_t), intent(in) :: synthesis
       integer, intent(in), optional :: rank               !! 1, the best, if absent
       type(case_t) :: found
-      type(data_set_t), allocatable :: set
-      type(problem_t), allocatable :: problem
+      class(data_set_t), allocatable :: set
+      class(problem_t), allocatable :: problem
       type(dimensions_t) :: dimensions
       integer :: which
       logical :: ready
@@ -671,8 +671,8 @@ contains
       type(rate_study_t), intent(out) :: rates            !! empty if the case has errors
       type(findings_t), intent(inout) :: findings
       character(:), allocatable, intent(out), optional :: listing !! the listing of kalm
-      type(data_set_t), allocatable :: set
-      type(problem_t), allocatable :: problem
+      class(data_set_t), allocatable :: set
+      class(problem_t), allocatable :: problem
       type(text_t) :: text
       logical :: ready
 
@@ -698,8 +698,8 @@ contains
       type(findings_t), intent(inout) :: findings
       character(:), allocatable, intent(out), optional :: listing !! the part of kalm's listing
       real(wp), allocatable, intent(out), optional :: by_unit_mass(:, :, :, :)
-      type(data_set_t), allocatable :: set
-      type(problem_t), allocatable :: problem
+      class(data_set_t), allocatable :: set
+      class(problem_t), allocatable :: problem
       type(chain_study_t), allocatable :: chain
       type(text_t) :: text
       logical :: ready, posed
@@ -730,8 +730,8 @@ contains
       type(findings_t), intent(inout) :: findings
       integer, intent(in), optional :: threads            !! that share the work; default THREADS of the case, or 1
       type(stop_t), intent(in), optional :: stop          !! by which the host can end the sample
-      type(data_set_t), allocatable :: set
-      type(problem_t), allocatable :: problem
+      class(data_set_t), allocatable :: set
+      class(problem_t), allocatable :: problem
       type(stop_t) :: ending
       logical :: ready
 

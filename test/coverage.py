@@ -76,7 +76,7 @@ def main():
     tree = os.path.join(PLACE, "tree")
     workshop.copy_tree(tree)
     subprocess.run(["rm", "-rf", os.path.join(PLACE, "counters")], check=True)
-    flags = ["-O1", "--coverage"] + workshop.setup_value("release_flags")
+    flags = ["-O1", "--coverage"] + workshop.setup_value("plain_flags")
     build = workshop.Build(tree, os.path.join(tree, "build", "debug"), flags)
     build.all()
     everything, ran = measure(tree, build, options.quick)

@@ -35,7 +35,7 @@ run_example() { # run_example NAME: its output in $work/NAME
         (cd "$top" && "$built/$1") >"$work/$1"
         return
     fi
-    (cd "$top" && "$fpm" run --example "$1" --profile release --flag "$release_flags" 2>"$work/$1.log") |
+    (cd "$top" && "$fpm" run --example "$1" --flag "$release_flags" 2>"$work/$1.log") |
         grep -vE '^\[ *[0-9]+%\]|^Project|^ \+' >"$work/$1"
     return "${PIPESTATUS[0]}"
 }

@@ -27,15 +27,15 @@ def setup_value(name):
 
 
 def release_flags():
-    return ["-O3", "-funroll-loops"] + setup_value("release_flags")
+    return setup_value("release_flags")
 
 
 def quick_flags():
-    return ["-O1"] + setup_value("release_flags")
+    return ["-O1"] + setup_value("plain_flags")
 
 
 def quad_flags():
-    return ["-O1", "-DREAL128"] + setup_value("release_flags")
+    return ["-O1", "-DREAL128"] + setup_value("plain_flags")
 
 
 def check_flags():

@@ -44,7 +44,7 @@ contains
       integer, intent(in) :: points                  !! positions in a turn
       real(wp), intent(in) :: speed                  !! rad/s; what dampers feel
       type(joint_load_t), intent(out) :: load
-      type(problem_t), allocatable :: problem        ! large: it would fill a small stack
+      class(problem_t), allocatable :: problem        ! large: it would fill a small stack
       type(motion_t) :: motion
       type(rates_t) :: rates
       type(forces_t) :: forces

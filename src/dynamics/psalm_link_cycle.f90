@@ -110,7 +110,7 @@ contains
       integer, intent(in) :: points             !! positions in a turn
       real(wp), intent(in) :: sense             !! 1 or -1: of the turning of the crank
       type(link_cycle_t), intent(out) :: cycle_of
-      type(problem_t), allocatable :: problem   ! large: it would fill a small stack
+      class(problem_t), allocatable :: problem   ! large: it would fill a small stack
       type(force_model_t) :: own, bare
       type(rates_t) :: rates
       type(forces_t) :: forces
@@ -262,7 +262,7 @@ contains
       real(wp), intent(in) :: sense              !! 1 or -1: of the turning of the crank
       real(wp), allocatable, intent(out) :: inertia(:)
       type(link_cycle_t), intent(out) :: cycle_of !! where it does not turn
-      type(problem_t), allocatable :: problem
+      class(problem_t), allocatable :: problem
       type(rates_t) :: rates
       type(forces_t) :: forces
       real(wp) :: input(points)

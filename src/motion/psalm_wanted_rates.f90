@@ -173,7 +173,7 @@ contains
       type(problem_t), intent(in) :: problem       !! in which derivatives are wanted
       type(dimensions_t), intent(in) :: dimensions
       type(motion_t), intent(inout) :: motion
-      type(wanted_rates_t), allocatable :: wanted  ! in memory of its own: it would fill a small stack
+      class(wanted_rates_t), allocatable :: wanted  ! in memory of its own: it would fill a small stack
       integer :: order
 
       allocate (wanted)

@@ -58,7 +58,7 @@ contains
       type(cam_study_t), intent(in) :: study
       real(wp), intent(in) :: angle(:)
       type(cam_part_t), intent(out) :: part
-      type(cam_shape_t), allocatable :: shape    ! large: it would fill a small stack
+      class(cam_shape_t), allocatable :: shape    ! large: it would fill a small stack
       type(cam_trace_t) :: states
       type(cam_points_t) :: points
       logical, allocatable :: possible(:)
@@ -95,7 +95,7 @@ contains
       type(prepared_t), intent(in) :: prepared
       type(cam_study_t), intent(in) :: studies(:)
       type(cam_scene_t), intent(inout) :: scene
-      type(data_set_t), allocatable :: posed     ! large: it would fill a small stack
+      class(data_set_t), allocatable :: posed     ! large: it would fill a small stack
       type(finding_t) :: none(0)
       integer :: k, n
 

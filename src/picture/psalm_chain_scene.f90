@@ -77,7 +77,7 @@ contains
       type(data_set_t), intent(in) :: set
       type(foot_t), intent(in) :: feet(:)
       type(scene_t), intent(inout) :: scene
-      type(data_set_t), allocatable :: other
+      class(data_set_t), allocatable :: other
       type(chain_study_t), allocatable :: study
 
       allocate (other, source=set)
@@ -104,7 +104,7 @@ contains
       type(chain_study_t), intent(in) :: own
       type(scene_t), intent(inout) :: scene
       type(chain_study_t), allocatable, intent(out) :: sweep
-      type(data_set_t), allocatable :: other
+      class(data_set_t), allocatable :: other
       integer :: i, n, d, free
 
       allocate (other, source=set)

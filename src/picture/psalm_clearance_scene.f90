@@ -30,7 +30,7 @@ contains
       type(clearance_scene_t), intent(out) :: scene
       logical, intent(out) :: found
       type(data_set_t) :: alone
-      type(problem_t), allocatable :: problem    ! large: it would fill a small stack
+      class(problem_t), allocatable :: problem    ! large: it would fill a small stack
       type(clearance_study_t) :: study
       type(diagnostics_t) :: findings
       real(wp) :: place, part

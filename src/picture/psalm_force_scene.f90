@@ -44,7 +44,7 @@ contains
       type(dimensions_t), intent(in) :: dimensions
       real(wp), intent(in) :: sweep(:)                 !! increments of the input
       type(force_scene_t), intent(out) :: forces
-      type(problem_t), allocatable :: problem          ! large: it would fill a small stack
+      class(problem_t), allocatable :: problem          ! large: it would fill a small stack
       type(force_model_t) :: model
       type(diagnostics_t) :: unused
       type(motion_t) :: motion

@@ -61,7 +61,7 @@ contains
       type(dimensions_t), intent(in) :: dimensions
       real(wp), intent(in) :: size_of              !! of the linkage
       type(panel_t), allocatable, intent(inout) :: panels(:)
-      type(data_set_t), allocatable :: output_only
+      class(data_set_t), allocatable :: output_only
       type(rate_study_t), allocatable :: rates
       logical, allocatable :: known(:)
       integer :: order, n
@@ -112,7 +112,7 @@ contains
       real(wp), intent(in) :: delt(:)              !! increments of the sweep
       real(wp), intent(in) :: size_of              !! of the linkage
       type(panel_t), allocatable, intent(inout) :: panels(:)
-      type(data_set_t), allocatable :: swept
+      class(data_set_t), allocatable :: swept
       type(chain_study_t), allocatable :: study
 
       allocate (swept, source=set)
@@ -240,7 +240,7 @@ contains
       logical, intent(in) :: closed(:)
       type(band_t), intent(out) :: band
       logical, intent(out) :: found
-      type(data_set_t), allocatable :: swept
+      class(data_set_t), allocatable :: swept
       type(deviating_t), allocatable :: deviating
       type(tolerance_t), allocatable :: linear
       type(output_kind_t) :: kind

@@ -39,9 +39,9 @@ contains
       type(pictured_t), allocatable, intent(out) :: cases(:)
       type(finding_t), allocatable :: read(:), own(:)
       type(diagnostics_t) :: noted
-      type(data_set_t), allocatable :: each      ! large: it would fill a small stack
+      class(data_set_t), allocatable :: each      ! large: it would fill a small stack
       type(line_t) :: none(0)
-      type(prepared_t), allocatable :: prepared
+      class(prepared_t), allocatable :: prepared
       integer :: k, i
 
       allocate (cases(size(sets)), prepared)
@@ -198,7 +198,7 @@ contains
       type(data_set_t), intent(in) :: set
       type(prepared_t), intent(in) :: prepared
       type(strings_t), allocatable, intent(inout) :: words(:)
-      type(problem_t), allocatable :: problem    ! large: it would fill a small stack
+      class(problem_t), allocatable :: problem    ! large: it would fill a small stack
       type(motion_t) :: motion
       integer :: i
 

@@ -257,8 +257,8 @@ contains
       type(dimensions_t), intent(in) :: dimensions
       type(proof_study_t), intent(in) :: study
       type(proof_scene_t), intent(inout) :: scene
-      type(problem_t), allocatable :: plain         ! large: they would fill a small stack
-      type(station_t), allocatable :: station
+      class(problem_t), allocatable :: plain         ! large: they would fill a small stack
+      class(station_t), allocatable :: station
       type(clearance_t), allocatable :: clearances(:)
       type(near_t) :: near
       integer, allocatable :: joints(:, :)

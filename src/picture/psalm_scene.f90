@@ -124,7 +124,7 @@ contains
       type(parameters_t), intent(in) :: parameters
       type(finding_t), intent(in) :: findings(:)   !! of this case, SETUP's included
       type(scene_t), intent(out) :: scene
-      type(problem_t), allocatable :: own, whole   ! large: they would fill a small stack
+      class(problem_t), allocatable :: own, whole   ! large: they would fill a small stack
       integer, allocatable :: place(:)
       logical :: proven
 
@@ -186,7 +186,7 @@ contains
       type(problem_t), intent(in) :: own, whole   !! with the inputs of the sweep
       type(dimensions_t), intent(in) :: dimensions
       type(scene_t), intent(inout) :: scene
-      type(problem_t), allocatable :: one, every  ! large: they would fill a small stack
+      class(problem_t), allocatable :: one, every  ! large: they would fill a small stack
 
       allocate (one, source=own)
       allocate (every, source=whole)
@@ -202,7 +202,7 @@ contains
       type(dimensions_t), intent(in) :: dimensions
       type(parameters_t), intent(in) :: parameters
       type(scene_t), intent(inout) :: scene
-      type(problem_t), allocatable :: own     ! large: it would fill a small stack
+      class(problem_t), allocatable :: own     ! large: it would fill a small stack
       type(band_t), allocatable :: band
       real(wp) :: size_of
       logical :: found

@@ -37,7 +37,7 @@ contains
       type(vibration_scene_t), intent(out) :: scene
       logical, intent(out) :: found
       type(data_set_t) :: alone
-      type(problem_t), allocatable :: problem    ! large: it would fill a small stack
+      class(problem_t), allocatable :: problem    ! large: it would fill a small stack
       type(force_model_t) :: model
       type(diagnostics_t) :: findings
       type(periodic_t) :: q

@@ -54,7 +54,7 @@ contains
       type(problem_t), intent(in) :: problem
       type(dimensions_t), intent(in) :: dimensions
       type(text_t), intent(inout) :: text
-      type(data_set_t), allocatable :: drawn
+      class(data_set_t), allocatable :: drawn
       integer :: loop
       logical :: sound
 

@@ -184,7 +184,7 @@ contains
       type(dimensions_t), intent(in) :: dimensions
       type(result_t), intent(in) :: found
       type(text_t), intent(inout) :: text
-      type(data_set_t), allocatable :: one
+      class(data_set_t), allocatable :: one
       type(dimensions_t) :: each
       character(:), allocatable :: rank
       integer :: i

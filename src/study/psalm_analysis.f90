@@ -82,8 +82,8 @@ contains
       type(dimensions_t), intent(in) :: dimensions
       type(wanted_t), intent(in) :: wanted
       type(analysis_t), intent(out) :: analysis
-      type(inspector_t), allocatable :: inspector
-      type(problem_t), allocatable :: fine    ! large: it would fill a small stack
+      class(inspector_t), allocatable :: inspector
+      class(problem_t), allocatable :: fine    ! large: it would fill a small stack
 
       analysis%dimensions = dimensions
       call problem%analyse(dimensions, analysis%motion)
@@ -229,7 +229,7 @@ contains
       type(problem_t), intent(in) :: problem
       type(dimensions_t), intent(in) :: dimensions
       type(doubts_t), intent(inout) :: doubts
-      type(problem_t), allocatable :: at_reference
+      class(problem_t), allocatable :: at_reference
       integer, allocatable :: joints(:, :)
       integer :: loop, block, n
 

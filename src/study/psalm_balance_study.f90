@@ -180,7 +180,7 @@ contains
       type(problem_t), intent(in) :: given
       type(dimensions_t), intent(in) :: dimensions
       type(balance_study_t), intent(out) :: study
-      type(problem_t), allocatable :: problem      ! large: it would fill a small stack
+      class(problem_t), allocatable :: problem      ! large: it would fill a small stack
       type(force_model_t) :: model
       type(motion_t) :: motion
       type(force_table_t) :: table
@@ -396,7 +396,7 @@ contains
       type(force_model_t), intent(in) :: model
       real(wp), intent(in) :: anchor(:, :)
       type(force_balance_t), intent(out) :: balance
-      type(problem_t), allocatable :: finer
+      class(problem_t), allocatable :: finer
       type(body_motion_t) :: bodies
       type(motion_t) :: motion
       complex(wp), allocatable :: turning(:, :), place(:, :), imbalance(:)

@@ -42,8 +42,8 @@ module psalm_cam_search
    end type cam_search_t
 
    type, extends(nlp_t) :: cam_problem_t
-      type(data_set_t), allocatable :: set
-      type(prepared_t), allocatable :: prepared
+      class(data_set_t), allocatable :: set
+      class(prepared_t), allocatable :: prepared
       integer :: samples = coarse
       real(wp) :: worst = 1.0_wp                 !! objective of a cam that cannot be
       ! of the last point looked at
@@ -201,10 +201,10 @@ contains
    subroutine look(problem, x)
       class(cam_problem_t), intent(inout) :: problem
       real(wp), intent(in) :: x(:)
-      type(data_set_t), allocatable :: set
-      type(prepared_t), allocatable :: prepared
+      class(data_set_t), allocatable :: set
+      class(prepared_t), allocatable :: prepared
       type(cam_group_t) :: cam
-      type(cam_shape_t), allocatable :: shape     ! large: it would fill a small stack
+      class(cam_shape_t), allocatable :: shape     ! large: it would fill a small stack
       type(samples_t) :: samples
       type(diagnostics_t) :: findings
       type(contact_t) :: contact

@@ -75,7 +75,7 @@ module psalm_cam_study
       real(wp), allocatable :: play(:)               !! of conjugate cams with CAMERR, at the angles of the table
       type(gap_t), allocatable :: second             !! roller on the same profile, at those angles
       type(cam_trace_t) :: second_states             !! and what it does
-      type(cam_shape_t), allocatable :: other        !! and its motion
+      class(cam_shape_t), allocatable :: other        !! and its motion
       type(extreme_t) :: least_slack, most_slack     !! of the play, or of the gap
       logical :: tight = .false., loose = .false.    !! the second roller does not fit, or with more than CLEAR
       real(wp), allocatable :: flanks(:, :)          !! shape (2, changes): cam angles where the flank changes, jerk of the input
@@ -102,7 +102,7 @@ contains
       type(data_set_t), intent(in) :: set
       type(prepared_t), intent(in) :: prepared
       type(diagnostics_t), intent(inout) :: findings
-      type(cam_shape_t), allocatable :: shape     ! large: it would fill a small stack
+      class(cam_shape_t), allocatable :: shape     ! large: it would fill a small stack
       type(samples_t) :: samples
       integer :: first, k
 
@@ -159,7 +159,7 @@ contains
       type(prepared_t), intent(in) :: prepared
       type(samples_t), intent(in) :: samples
       type(diagnostics_t), intent(inout) :: findings
-      type(cam_shape_t), allocatable :: shape     ! large: it would fill a small stack
+      class(cam_shape_t), allocatable :: shape     ! large: it would fill a small stack
       type(cam_trace_t) :: states
       integer :: first
 
@@ -593,7 +593,7 @@ contains
       type(data_set_t), intent(in) :: set
       type(prepared_t), intent(in) :: prepared
       type(cam_study_t), intent(inout) :: study
-      type(cam_shape_t), allocatable :: first     ! large: it would fill a small stack
+      class(cam_shape_t), allocatable :: first     ! large: it would fill a small stack
       type(samples_t) :: samples
       type(cam_trace_t) :: states
       type(cam_points_t) :: points
@@ -642,7 +642,7 @@ contains
       type(contact_t), intent(out) :: contact
       type(force_model_t) :: model
       type(diagnostics_t) :: unused
-      type(problem_t), allocatable :: problem        ! large: it would fill a small stack
+      class(problem_t), allocatable :: problem        ! large: it would fill a small stack
 
       call make_force_model(set, prepared%mechanism, prepared%given, model, unused)
       allocate (problem)
@@ -659,7 +659,7 @@ contains
       type(cam_study_t), intent(inout) :: study
       type(force_model_t) :: model
       type(diagnostics_t) :: unused
-      type(problem_t), allocatable :: problem        ! large: it would fill a small stack
+      class(problem_t), allocatable :: problem        ! large: it would fill a small stack
       real(wp) :: roller
 
       call make_force_model(set, prepared%mechanism, prepared%given, model, unused)

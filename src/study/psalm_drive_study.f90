@@ -166,7 +166,7 @@ contains
       type(dimensions_t), intent(in) :: dimensions
       type(drive_study_t), intent(inout) :: study
       type(data_set_t) :: output_alone
-      type(problem_t), allocatable :: problem    ! large: it would fill a small stack
+      class(problem_t), allocatable :: problem    ! large: it would fill a small stack
       type(rate_study_t) :: rates
       type(periodic_t) :: swing, flexible, rigid
       real(wp), dimension(set%drive%points) :: d1, d2

@@ -38,7 +38,7 @@ contains
       logical, intent(out) :: found
       type(parameters_t) :: parameters
       type(dimensions_t) :: changed
-      type(problem_t), allocatable :: problem         ! large: it would fill a small stack
+      class(problem_t), allocatable :: problem         ! large: it would fill a small stack
       type(motion_t) :: motion
       type(output_kind_t) :: kind
       integer :: k, c, n

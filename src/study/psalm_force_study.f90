@@ -82,7 +82,7 @@ contains
       type(dimensions_t), intent(in) :: dimensions
       type(force_study_t), intent(out) :: study
       real(wp), allocatable, intent(inout), optional :: by_unit_mass(:, :, :, :) !! see `loads_of_unit_masses`
-      type(problem_t), allocatable :: problem      ! large: it would fill a small stack
+      class(problem_t), allocatable :: problem      ! large: it would fill a small stack
       type(motion_t) :: motion
       type(diagnostics_t) :: unused
       integer :: k

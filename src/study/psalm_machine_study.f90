@@ -40,7 +40,7 @@ contains
       type(problem_t), intent(in) :: given
       type(force_model_t), intent(in) :: model
       type(machine_study_t), intent(out) :: study
-      type(problem_t), allocatable :: problem      ! large: it would fill a small stack
+      class(problem_t), allocatable :: problem      ! large: it would fill a small stack
       type(machine_t), allocatable :: machine
       real(wp) :: degrees_of_node
       integer :: node

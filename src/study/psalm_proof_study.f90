@@ -83,7 +83,7 @@ contains
       type(dimensions_t), intent(in) :: dimensions
       integer, intent(in) :: range                 !! one of `proof_of_...`
       type(proof_study_t), intent(out) :: study
-      type(problem_t), allocatable :: bound
+      class(problem_t), allocatable :: bound
       type(subject_t), allocatable :: subject
       type(plan_t) :: plan
       type(clearance_t), allocatable :: clearances(:)
@@ -188,8 +188,8 @@ contains
       type(problem_t), intent(in) :: problem
       type(dimensions_t), intent(in) :: dimensions
       type(proof_study_t), intent(inout) :: study
-      type(problem_t), allocatable :: plain        ! large: they would fill a small stack
-      type(station_t), allocatable :: station
+      class(problem_t), allocatable :: plain        ! large: they would fill a small stack
+      class(station_t), allocatable :: station
       integer :: n, loop, i
 
       allocate (plain, station)

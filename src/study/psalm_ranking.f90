@@ -98,7 +98,7 @@ contains
       type(dimensions_t), intent(in) :: dimensions
       logical, intent(in) :: turn                  !! over the full turn of a crank
       real(wp), intent(out) :: width, height
-      type(station_t), allocatable :: station
+      class(station_t), allocatable :: station
       integer, allocatable :: joints(:, :)
       real(wp) :: from, to, low(2), high(2)
       integer :: i, c, loop, a
@@ -139,7 +139,7 @@ contains
       type(dimensions_t), intent(in) :: dimensions
       real(wp), intent(in) :: delt(:)              !! shape (positions)
       type(ranked_t), intent(inout) :: ranked
-      type(data_set_t), allocatable :: moved
+      class(data_set_t), allocatable :: moved
       type(deviating_t), allocatable :: deviating
       type(tolerance_t) :: linear
 

@@ -101,7 +101,7 @@ contains
       type(dimensions_t), intent(in) :: dimensions
       real(wp), intent(in) :: weights(:, :)        !! shape (4, bodies): added to the masses, about the references
       type(spring_study_t), intent(out) :: study
-      type(problem_t), allocatable :: problem      ! large: it would fill a small stack
+      class(problem_t), allocatable :: problem      ! large: it would fill a small stack
       type(force_model_t) :: model
       type(motion_t) :: motion
       type(force_table_t) :: table
@@ -199,7 +199,7 @@ contains
       type(force_model_t), intent(in) :: model
       type(found_spring_t), allocatable, intent(out) :: springs(:)
       type(spring_study_t), intent(inout) :: study
-      type(problem_t), allocatable :: problem
+      class(problem_t), allocatable :: problem
       type(motion_t) :: motion
       type(force_table_t) :: table
       type(body_motion_t) :: bodies

@@ -226,8 +226,8 @@ contains
       type(data_set_t), intent(in) :: set
       type(problem_t), intent(in) :: problem
       type(synthesis_t), intent(inout) :: result
-      type(inspector_t), allocatable :: inspector
-      type(problem_t), allocatable :: each
+      class(inspector_t), allocatable :: inspector
+      class(problem_t), allocatable :: each
       integer, allocatable :: chosen(:)
       integer :: i
 

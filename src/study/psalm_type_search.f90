@@ -41,7 +41,7 @@ contains
       integer, intent(in) :: threads
       type(stop_t), intent(in) :: stop             !! asked now and then
       type(contender_t) :: contenders(size(sets))
-      type(problem_t), allocatable :: problem
+      class(problem_t), allocatable :: problem
       real(wp) :: best(size(sets))
       logical :: left(size(sets))
       integer :: rounds, round, k, most(size(sets))

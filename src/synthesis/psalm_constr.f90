@@ -34,7 +34,7 @@ module psalm_constr
    type, extends(nlp_t) :: vertex_problem_t
       type(problem_t), pointer :: problem => null() !! the caller's
       type(constraints_t) :: constraints
-      type(wanted_rates_t), allocatable :: rates    !! derivatives of the output by the input, where they are wanted
+      class(wanted_rates_t), allocatable :: rates    !! derivatives of the output by the input, where they are wanted
    contains
       procedure :: measure
       procedure :: accept

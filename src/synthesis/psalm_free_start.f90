@@ -32,7 +32,7 @@ module psalm_free_start
       type(path_t) :: path
       type(path_room_t), allocatable :: room
       type(visit_t) :: visit
-      type(station_t), allocatable :: station        !! the user's linkage at the inputs of a visit
+      class(station_t), allocatable :: station        !! the user's linkage at the inputs of a visit
       integer :: of_length(6) = 0                    !! variables: lengths as `lengths_of` has them
       integer :: of_ground = 0, of_outang = 0, of_origng = 0 !! and angles
       real(wp) :: sense = 1.0_wp                     !! of the inputs; where they fall, the mirror image is searched

@@ -34,7 +34,7 @@ module psalm_linear_unknowns
       logical :: applies = .false.
       type(path_t) :: path                           !! the points
       type(visit_t) :: fit
-      type(station_t), allocatable :: station        !! the linkage at its prescribed positions
+      class(station_t), allocatable :: station        !! the linkage at its prescribed positions
       type(dimensions_t) :: dimensions
       logical :: free = .false.                      !! the inputs turn, else CRNKI
       integer :: outlk = 0, outang = 0, origlk = 0, origng = 0 !! variables

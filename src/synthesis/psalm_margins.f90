@@ -57,9 +57,9 @@ module psalm_margins
 
    type :: inspector_t
       ! in memory of their own, for objects this large fill a small stack
-      type(station_t), allocatable :: fine   !! prescribed positions, then the range
-      type(station_t), allocatable :: lens
-      type(station_t), allocatable :: zoom   !! round a narrow place
+      class(station_t), allocatable :: fine   !! prescribed positions, then the range
+      class(station_t), allocatable :: lens
+      class(station_t), allocatable :: zoom   !! round a narrow place
       integer :: places = 0                  !! narrow places looked into
       integer :: irange = range_positions
       integer :: prescribed = 0              !! positions
@@ -80,7 +80,7 @@ contains
       type(problem_t), intent(in) :: problem
       logical, intent(in) :: toggle                !! TOGGLE is a constraint, not only a distance of repair
       type(inspector_t), intent(out) :: inspector
-      type(problem_t), allocatable :: plain
+      class(problem_t), allocatable :: plain
       integer, allocatable :: joints(:, :)
       real(wp), allocatable :: inputs(:)
       integer :: nvar

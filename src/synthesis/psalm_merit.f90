@@ -40,12 +40,12 @@ module psalm_merit
    !> A problem made ready, with room to work in. One object serves one thread.
    type, extends(nlp_t) :: merit_t
       ! in memory of their own, for objects this large fill a small stack
-      type(station_t), allocatable :: main           !! the prescribed positions
-      type(station_t), allocatable :: range          !! where else constraints hold: over the range of the inputs
-      type(station_t), allocatable :: few            !! those of them where constraints are violated, if they are few
+      class(station_t), allocatable :: main           !! the prescribed positions
+      class(station_t), allocatable :: range          !! where else constraints hold: over the range of the inputs
+      class(station_t), allocatable :: few            !! those of them where constraints are violated, if they are few
       logical :: has_range = .false.                 !! there are such places
-      type(wanted_rates_t), allocatable :: rates     !! derivatives of the output by the input, where they are wanted
-      type(problem_t), allocatable :: final          !! with the user's limits: what counts in the end
+      class(wanted_rates_t), allocatable :: rates     !! derivatives of the output by the input, where they are wanted
+      class(problem_t), allocatable :: final          !! with the user's limits: what counts in the end
       type(dimensions_t) :: dimensions
       real(wp), allocatable :: limit(:)              !! by loop: of abs(k)
       type(clearance_t), allocatable :: clearances(:) !! their points are joints of that station
@@ -62,7 +62,7 @@ module psalm_merit
       real(wp), allocatable :: late(:)               !! shape (positions): how far each input is past the next, radians or sizes
       real(wp), allocatable :: delt(:)               !! shape (positions): input increments
       real(wp), allocatable :: seen(:)               !! the point that the prescribed positions were last looked at for
-      type(linear_unknowns_t), allocatable :: linear !! dimensions that are solved for after every step, where it is asked for
+      class(linear_unknowns_t), allocatable :: linear !! dimensions that are solved for after every step, where it is asked for
    contains
       procedure :: point
       procedure :: measure
@@ -83,7 +83,7 @@ contains
       type(problem_t), intent(in) :: problem        !! with desired values
       real(wp), intent(in) :: first(:)              !! shape (nvar)
       type(merit_t), intent(out) :: merit
-      type(problem_t), allocatable :: plain
+      class(problem_t), allocatable :: plain
       integer, allocatable :: joints(:, :)
       real(wp) :: cosine, sine, unused, reach
       integer :: nvar, n, loop

@@ -84,17 +84,17 @@ module psalm_search
       logical :: closes = .false.                 !! it could be
       integer :: spent = 0                        !! evaluations that took
       real(wp), allocatable :: supplied(:, :)     !! shape (nvar, supplied)
-      ! allocated: together they would fill a small stack
-      type(problem_t), allocatable :: problem
-      type(constraints_t), allocatable :: constraints
-      type(merit_t), allocatable :: merit
+      ! allocated, and by their classes: doc/architecture.md, where a large object stands
+      class(problem_t), allocatable :: problem
+      class(constraints_t), allocatable :: constraints
+      class(merit_t), allocatable :: merit
       ! by its base class, as a team is
       class(starter_t), allocatable :: few(:)     !! shape (stages - 1): who makes the stages of a start but its last
       logical :: early = .false.                  !! this is one of those: some of the positions are looked at
       integer :: stage = 1                        !! MAXEVAL is allowed for each stage of a start so far
       integer, allocatable :: dyads(:)            !! shape (nvar): the dyad each variable belongs to
       type(timing_t), allocatable :: timing(:)    !! shape (2): with the input going the way of DELT, the other way
-      type(inspector_t), allocatable :: inspector
+      class(inspector_t), allocatable :: inspector
       type(free_start_t), allocatable :: free_start(:) !! shape (2): the same
       real(wp) :: sense = 1.0_wp                  !! of DELT
       integer :: way = 1                          !! 1: the input goes the way of DELT, 2: the other way
@@ -300,7 +300,7 @@ contains
       real(wp), intent(in) :: first(:), supplied(:, :)
       type(stop_t), intent(in) :: ending
       type(worker_t), intent(inout) :: worker
-      type(problem_t), allocatable :: part
+      class(problem_t), allocatable :: part
       integer :: stage
 
       associate (sizes => stage_sizes(set%search%few, problem%positions))

@@ -91,8 +91,8 @@ contains
       type(dimensions_t), intent(in) :: dimensions
       type(motion_t), intent(in) :: motion
       type(summary_t), intent(out) :: summary
-      type(problem_t), allocatable :: plain          ! in memory of their own: they would fill a small stack
-      type(station_t), allocatable :: fine, lens
+      class(problem_t), allocatable :: plain          ! in memory of their own: they would fill a small stack
+      class(station_t), allocatable :: fine, lens
       type(summary_t) :: part
       real(wp), allocatable :: inputs(:), gaps(:)
       integer :: none(2, 0), i
