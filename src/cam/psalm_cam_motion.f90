@@ -105,6 +105,7 @@ contains
       dimensions = given
       dimensions%outlk = roller%distance
       dimensions%outang = roller%angle
+      allocate (mover%problem)
       call new_problem(posed, dimensions, parameters, [0.0_wp], .false., mover%problem)
       call mover%problem%want_derivatives(.false.)
    end subroutine make_follower

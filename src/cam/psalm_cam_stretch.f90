@@ -20,7 +20,7 @@ module psalm_cam_stretch
 
    !> A problem and its derivatives at a row of inputs.
    type :: mover_t
-      type(problem_t) :: problem
+      class(problem_t), allocatable :: problem
       type(rates_t) :: rates
       integer :: prepared = 0                        !! positions
    contains

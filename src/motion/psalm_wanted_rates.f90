@@ -25,7 +25,7 @@ module psalm_wanted_rates
 
    !> Room to work in, and the linkage looked at last.
    type :: wanted_rates_t
-      type(problem_t) :: problem                   !! finds everything that derivatives need
+      class(problem_t), allocatable :: problem     !! finds everything that derivatives need
       type(sensitivity_t) :: work                  !! its rates are those by the input
       type(rows_t) :: change(0:most_rates)         !! changes with one variable of positions, first and second derivatives
       logical, allocatable :: exists(:)            !! shape (positions): it closes, and is not at a dead point
@@ -45,7 +45,7 @@ contains
       type(variable_t) :: input
       integer :: order
 
-      wanted%problem = problem
+      allocate (wanted%problem, source=problem)
       if (allocated(wanted%problem%linkages)) deallocate (wanted%problem%linkages)
       if (timed) then
          input%kind = variable_crnki

@@ -29,7 +29,7 @@ contains
       real(wp), intent(in) :: sweep(:)           !! increments of the input, degrees
       type(clearance_scene_t), intent(out) :: scene
       logical, intent(out) :: found
-      type(data_set_t) :: alone
+      class(data_set_t), allocatable :: alone
       class(problem_t), allocatable :: problem    ! large: it would fill a small stack
       type(clearance_study_t) :: study
       type(diagnostics_t) :: findings
@@ -37,7 +37,7 @@ contains
       integer :: i, k, next, n
 
       found = .false.
-      alone = set
+      allocate (alone, source=set)
       alone%clearance%speeds = 0
       alone%clearance%radii = 0
       call check_clearance(alone, prepared, findings)

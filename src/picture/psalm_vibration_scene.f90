@@ -36,7 +36,7 @@ contains
       real(wp), intent(in) :: sweep(:)           !! increments of the input, degrees
       type(vibration_scene_t), intent(out) :: scene
       logical, intent(out) :: found
-      type(data_set_t) :: alone
+      class(data_set_t), allocatable :: alone
       class(problem_t), allocatable :: problem    ! large: it would fill a small stack
       type(force_model_t) :: model
       type(diagnostics_t) :: findings
@@ -45,7 +45,7 @@ contains
       integer :: j, n
 
       found = .false.
-      alone = set
+      allocate (alone, source=set)
       alone%estimates%given = .false.
       deallocate (alone%estimates%beams)
       allocate (alone%estimates%beams(0))

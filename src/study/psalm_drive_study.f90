@@ -165,7 +165,7 @@ contains
       type(problem_t), intent(in) :: given
       type(dimensions_t), intent(in) :: dimensions
       type(drive_study_t), intent(inout) :: study
-      type(data_set_t) :: output_alone
+      class(data_set_t), allocatable :: output_alone
       class(problem_t), allocatable :: problem    ! large: it would fill a small stack
       type(rate_study_t) :: rates
       type(periodic_t) :: swing, flexible, rigid
@@ -173,7 +173,7 @@ contains
       integer :: c, i, n
 
       allocate (problem, source=given)
-      output_alone = set
+      allocate (output_alone, source=set)
       output_alone%ktheta = 0
       call problem%set_inputs([(study%turn%sense*full_turn*real(i - 1, wp)/real(set%drive%points, wp), i=1, set%drive%points)])
       call find_rates(output_alone, problem, dimensions, rates)

@@ -33,8 +33,8 @@ module psalm_tolerance
    !> The linkage with every dimension that has a tolerance as a variable.
    type :: deviating_t
       private
-      type(problem_t) :: problem                   !! for derivatives
-      type(problem_t) :: lean                      !! the same, for positions alone
+      class(problem_t), allocatable :: problem     !! for derivatives
+      class(problem_t), allocatable :: lean        !! the same, for positions alone
    end type deviating_t
 
    !> The linear picture.
@@ -121,8 +121,9 @@ contains
 
       result%dimensions = dimensions
       parameters = deviating_dimensions(set, mechanism)
+      allocate (deviating%problem)
       call new_problem(mechanism, dimensions, parameters, inputs_of(set), set%ktheta /= 0, deviating%problem)
-      deviating%lean = deviating%problem
+      allocate (deviating%lean, source=deviating%problem)
       call deviating%problem%want_derivatives(.false.)
       call deviating%problem%analyse(dimensions, result%nominal)
       closes = all(result%nominal%closed)

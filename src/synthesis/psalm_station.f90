@@ -20,7 +20,7 @@ module psalm_station
 
    !> Positions and what is seen there. The last column of derivatives is that of the input where `timed`.
    type :: station_t
-      type(problem_t) :: problem                   !! closure only
+      class(problem_t), allocatable :: problem     !! closure only
       type(sensitivity_t) :: work
       logical :: timed = .false.                   !! every input position is a variable too
       integer :: leading = 0                       !! of the positions: they say on which side of each other two slides are to be;
@@ -55,7 +55,7 @@ contains
       integer :: n
 
       n = size(delt)
-      station%problem = problem
+      allocate (station%problem, source=problem)
       if (allocated(station%problem%linkages)) deallocate (station%problem%linkages)
       station%timed = timed
       if (timed) then

@@ -16,7 +16,7 @@ module psalm_timing
    real(wp), parameter :: never = 1.0e30_wp       !! cost of a position that does not close
 
    type :: timing_t
-      type(station_t) :: path
+      class(station_t), allocatable :: path
       real(wp), allocatable :: inputs(:)          !! shape (steps)
       real(wp), allocatable :: cost(:, :)         !! shape (steps, positions): weighted squared distance
       real(wp), allocatable :: least(:, :)        !! shape (steps, positions): of visits that end here or before
@@ -38,6 +38,7 @@ contains
       if (problem%mechanism%sliding_input) to = merit%sense*maxval(merit%sense*problem%delt)
       timing%inputs = [(from + (to - from)*(real(i, wp)/real(merge(steps - 1, steps, problem%mechanism%sliding_input), wp)), &
                         i=0, steps - 1)]
+      allocate (timing%path)
       call prepare_station(problem, timing%inputs, .false., reshape([integer ::], [2, 0]), .false., timing%path)
       allocate (timing%cost(steps, problem%positions), timing%least(steps, problem%positions), source=0.0_wp)
       allocate (timing%like(steps), source=1)
