@@ -42,6 +42,14 @@ DRIVES = """TWO DRIVES
  &OUTPUTS OUTPUT='point C' &END
  &METHOD NDES=2, DELT=0.0,5.0 &END
 """
+DYADS = """A FOUR-BAR AND THREE DYADS ON ITS COUPLER
+ &CHAIN JNT='A','B','C','D','P','E','F','G','H','K','L', JX=0.0,-4.0,33.0,90.0,20.0,50.0,80.0,-10.0,-40.0,60.0,95.0,
+  JY=0.0,31.0,82.0,5.0,95.0,130.0,90.0,130.0,90.0,150.0,110.0,
+  LNK='A D F H L','A B','B C P','C D','P E','E F','P G','G H','P K','K L' &END
+ &DRIVES DRIVE='A' &END
+ &OUTPUTS OUTPUT='angle K L' &END
+ &METHOD NDES=2, DELT=0.0,5.0, DESANG=1.0,2.0 &END
+"""
 FOUR_BAR = """A FOUR-BAR
  &LINKS NLOOP=1, MAXARC=4, ILINK=1,-2,-3,4, ILOOP=1,0,0,1, ARCL=40.0,120.0,80.0,130.0, GAMA=3*0.0,180.0, NOUTLK=3, NOUTLP=1 &END
  &METHOD MOTION=1, IKIN=30 &END
@@ -82,6 +90,8 @@ MISTAKES = [
     (SKETCH, "'C D' &END", "'C D', VARY='A' &END", "'A' names 1 joints, not 2; there are 'A B', 'angle A B A C', 'place D', 'input'"),
     (SKETCH, "'C D' &END", "'C D', VARY='place P' &END", "'place P': the joint is not on the frame"),
     (SKETCH, "'C D' &END", "'C D', VARY='A C' &END", "'A C': no link has all these joints"),
+    (DYADS, "'K L' &END", "'K L', VARY='C P' &END", "the length C P is no dimension of the loops; there are the lengths A B, B C, C D, D A, B P, P E, E F, F A, "
+     "P G, G H, H A, P K and 2 more, and the angles between them"),
     (SKETCH, "'C D' &END", "'C D', VARY='A B', VLOW=2.0, VHIGH=1.0 &END", "the lower bound of 'A B' is above its upper bound"),
     (SKETCH, "'C D' &END", "'C D', VARY='place D', VLOW=2.0, VHIGH=3.0 &END", "2 values each (a place has two, x and y); found 1 and 1"),
     # slides

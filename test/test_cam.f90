@@ -20,6 +20,7 @@ program test_cam
    use psalm_periodic_spline, only: periodic_spline, quintic_hermite, septic_hermite
    use psalm_rates, only: rates_t, prepare_rates, differentiate, output_rates, highest_order
    use psalm_spline_fit, only: basis_of, fit_spline
+   use psalm_xoshiro, only: xoshiro_t, purpose_sample
    implicit none (type, external)
    type(checks_t) :: t
 
@@ -31,6 +32,7 @@ program test_cam
    call polynomials()
    call flat_face_of_a_circle()
    call interference()
+   call pairs_without_blocks()
    call arcs_of_an_ellipse()
    call stress()
    call flexible_drive()
@@ -316,6 +318,88 @@ contains
                       'a flat face on a disc: centre of the wheel')
       call t%close_to(maxval(abs(points%pressure)), 0.0_wp, 0.0_wp, 'a flat face square to its travel: no pressure angle')
    end subroutine flat_face_of_a_circle
+
+   !> Samples are left out in blocks: the pairs are those that are found one by one.
+   subroutine pairs_without_blocks()
+      integer, parameter :: n = 333, shapes = 60
+      real(wp), parameter :: radius = 12.0_wp
+      type(xoshiro_t) :: random
+      type(pair_t), allocatable :: pairs(:)
+      complex(wp) :: contour(n), centres(n), tangent(n)
+      real(wp) :: phase, lobes(4), c, s, angle, r, dr, limit
+      integer :: i, k, m, o, shape, found, missing, length
+      logical :: open
+
+      call random%seed(5, purpose_sample)
+      found = 0
+      missing = 0
+      length = 0
+      do shape = 1, shapes
+         do m = 1, size(lobes)
+            call random%next(lobes(m))
+         end do
+         call random%next(phase)
+         open = mod(shape, 3) == 0
+         do i = 1, n
+            ! an open curve is two thirds of a turn
+            angle = full_turn*(phase + real(i, wp)/real(n, wp)*merge(2.0_wp/3.0_wp, 1.0_wp, open))
+            r = 40.0_wp
+            dr = 0.0_wp
+            do m = 1, size(lobes)
+               call unit_vector(angle*real(m + 1, wp), c, s)
+               r = r + 12.0_wp*lobes(m)*c
+               dr = dr - 12.0_wp*lobes(m)*s*real(m + 1, wp)
+            end do
+            call unit_vector(angle, c, s)
+            centres(i) = r*cmplx(c, s, wp)
+            tangent(i) = cmplx(dr, r, wp)*cmplx(c, s, wp)
+            tangent(i) = tangent(i)/abs(tangent(i))
+         end do
+         contour = centres + (0.0_wp, 1.0_wp)*tangent*radius
+         call near_pairs(contour, centres, tangent, radius, open, pairs)
+         length = length + size(pairs)
+         limit = radius + 0.5_wp*(longest(contour, open) + longest(centres, open))
+         do k = 1, n
+            do i = 1, n
+               if (abs(contour(i) - centres(k)) >= limit .or. turns_less(tangent, open, i, k, 1) .or. &
+                   turns_less(tangent, open, i, k, -1)) cycle
+               if (any([((abs(contour(1 + modulo(i - 1 + m, n)) - centres(1 + modulo(k - 1 + o, n))) < &
+                          abs(contour(i) - centres(k)), m=-1, 1), o=-1, 1)])) cycle
+               found = found + 1
+               if (.not. any(pairs%at == i .and. pairs%by == k)) missing = missing + 1
+            end do
+         end do
+      end do
+      call t%is_true(found > shapes, 'curves that come near to themselves: some pairs to look at')
+      call t%equal_integer(missing, 0, 'none is left out with its block')
+      call t%equal_integer(length, found, 'and none is there besides')
+   end subroutine pairs_without_blocks
+
+   !> From sample i to sample k the curve, going ahead (way 1) or back (-1), turns by less than a right angle all the way.
+   pure logical function turns_less(tangent, open, i, k, way)
+      complex(wp), intent(in) :: tangent(:)
+      logical, intent(in) :: open
+      integer, intent(in) :: i, k, way
+      integer :: at, n
+
+      n = size(tangent)
+      turns_less = .false.
+      at = i
+      do while (at /= k)
+         if (open .and. (at + way < 1 .or. at + way > n)) return
+         at = 1 + modulo(at - 1 + way, n)
+         if (real(conjg(tangent(i))*tangent(at), wp) <= 0.0_wp) return
+      end do
+      turns_less = .true.
+   end function turns_less
+
+   pure real(wp) function longest(points, open)
+      complex(wp), intent(in) :: points(:)
+      logical, intent(in) :: open
+
+      longest = maxval(abs(points(2:) - points(:size(points) - 1)))
+      if (.not. open) longest = max(longest, abs(points(1) - points(size(points))))
+   end function longest
 
    !> A circle under a roller: no pair may meet. A curve of centres that comes back beside itself: one does.
    subroutine interference()

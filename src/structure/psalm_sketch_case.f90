@@ -25,6 +25,8 @@ module psalm_sketch_case
    private
    public :: resolve_sketch, assemble_sketch
 
+   integer, parameter :: most_named = 12 !! lengths named in a message
+
 contains
 
    !> Give a case whose linkage is a sketch its loops. Cases without one are left as they are.
@@ -808,10 +810,11 @@ contains
                if (arc%same .or. arc%against .or. any(arc%ends > size(sketch%joint_name)) .or. arc%length == 0.0_wp) cycle
                if (any(arc%kind == [traced_slide, traced_actuator])) cycle
                told = told + 1
-               if (told > 12) cycle
+               if (told > most_named) cycle
                have = have//', '//line(arc%ends)
             end associate
          end do
+         if (told > most_named) have = have//' and '//to_text(told - most_named)//' more,'
          if (len(have) > 0) have = '; there are the lengths '//have(3:)//' and the angles between them'
          call findings%error(what//' is no dimension of the loops'//have, line=set%origins%line('CHAIN', 'VARY', which), &
                              group='CHAIN', item='VARY')
