@@ -64,6 +64,7 @@ contains
       motion%angular = motion%what%turning_input
       if (.not. cam%of_output) return
       allocate (motion%output)
+      allocate (motion%output%problem)
       call new_problem(mechanism, given, parameters, [0.0_wp], .false., motion%output%problem)
       call motion%output%problem%want_derivatives(.false.)
       associate (kind => motion%output%problem%output%kind)
