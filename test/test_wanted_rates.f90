@@ -16,6 +16,7 @@ program test_wanted_rates
    use psalm_merit, only: merit_t, prepare_merit
    use psalm_nlp, only: normal_equations_t
    use psalm_output_kind, only: motion_point, motion_angle, motion_distance, motion_pose, most_rates
+   use psalm_parameters, only: variable_length, variable_outlk, variable_origlk, variable_crnki
    use psalm_preparation, only: prepared_t, prepare
    use psalm_rates, only: rates_t, prepare_rates, differentiate, output_rates, highest_order
    use psalm_solver_kind, only: find_solver
@@ -44,6 +45,11 @@ program test_wanted_rates
    do k = 1, 7
       call changes('hard/carried_slides', n=k)
    end do
+   call of_any_size('needle', motion_angle)
+   call of_any_size('needle', motion_point)
+   call of_any_size('textile', motion_point)
+   call of_any_size('actuator_rapson_slide')
+   call of_any_size('dyad4_slider_crank')
    call gradient('needle', .false.)
    call gradient('needle', .true.)
    call gradient('textile', .true.)
@@ -59,6 +65,58 @@ program test_wanted_rates
    call t%report()
 
 contains
+
+   !> Lengths 2**300 times as long: the same digits but for the power of two that belongs to each derivative.
+   subroutine of_any_size(name, motion)
+      character(*), intent(in) :: name
+      integer, intent(in), optional :: motion
+      integer, parameter :: power = 300
+      type(problem_t) :: problem
+      type(data_set_t) :: set
+      type(wanted_rates_t) :: own, large
+      type(dimensions_t) :: dimensions
+      integer :: v, order, by_input, by_this, of_output
+      logical :: same
+
+      call load_case(name, problem, set, vary=.true., motion=motion)
+      call let_want(problem)
+      call prepare_wanted_rates(problem, .false., .true., own)
+      call differentiate_wanted_rates(own, problem%given)
+      dimensions = problem%given
+      dimensions%arcl = scale(dimensions%arcl, power)
+      dimensions%outlk = scale(dimensions%outlk, power)
+      dimensions%origlk = scale(dimensions%origlk, power)
+      if (problem%mechanism%sliding_input) then
+         dimensions%crnki = scale(dimensions%crnki, power)
+         call problem%set_inputs(scale(problem%delt(:problem%positions), power))
+         call let_want(problem)
+      end if
+      call prepare_wanted_rates(problem, .false., .true., large)
+      call differentiate_wanted_rates(large, dimensions)
+      of_output = merge(0, 1, problem%motion == motion_angle)
+      associate (kinds => problem%parameters%variables%kind)
+         do order = 1, most_rates
+            by_input = merge(order, 0, problem%mechanism%sliding_input)
+            same = all(abs(scale(large%actual(:, :, order), (by_input - of_output)*power) - own%actual(:, :, order)) <= 0.0_wp)
+            call t%is_true(same, name//': derivatives of lengths beyond the plain ones, order '//to_text(order))
+            same = .true.
+            do v = 1, size(kinds)
+               by_this = merge(1, 0, is_length(problem, kinds(v)))
+               same = same .and. all(abs(scale(large%by(:, v, :, order), (by_input + by_this - of_output)*power) - &
+                                         own%by(:, v, :, order)) <= 0.0_wp)
+            end do
+            call t%is_true(same, name//': their changes, order '//to_text(order))
+         end do
+      end associate
+   end subroutine of_any_size
+
+   pure logical function is_length(problem, kind)
+      type(problem_t), intent(in) :: problem
+      integer, intent(in) :: kind
+
+      is_length = any(kind == [variable_length, variable_outlk, variable_origlk]) .or. &
+                  (kind == variable_crnki .and. problem%mechanism%sliding_input)
+   end function is_length
 
    !> Changes of both derivatives with every variable, and with the input, where the next order of the rates is known.
    subroutine changes(name, motion, n)
