@@ -10,7 +10,7 @@ program test_proof
    use psalm_kinds, only: wp, full_turn
    use psalm_plan, only: plan_t, make_plan
    use psalm_proof, only: proof_t, subject_t, prepare_subject, bind_subject, prove_closure, piece_closes, piece_opens, &
-                          piece_undecided, cause_too_short, cause_difference, cause_guide, cause_link, touch_exact
+                          piece_undecided, cause_too_short, cause_difference, cause_guide, cause_link, touch_exact, touch_none
    use psalm_output_kind, only: motion_angle
    use psalm_proof_motion, only: movement_t, dead_point_t, prove_movement, mover_output, mover_turning
    use psalm_proof_ranges, only: extreme_t, prove_extremes, prove_tolerance
@@ -46,8 +46,19 @@ program test_proof
    call opens_between(200.249999007608_wp, 200.250000992392_wp, 1, cause_difference, 'kite with links of unequal length')
    call four_bar([30.0_wp, 60.0_wp, 68.88391998183876_wp, 80.0_wp])
    call t%is_true(proof%closes_everywhere(), 'a crank-rocker turns fully')
+   call four_bar([1.5_wp, 4.0_wp, nearest(3.5_wp, 1.0_wp), 6.0_wp])
+   call t%is_true(all(proof%limits%touch == touch_none), 'a length that is a digit too long makes no change point')
+   call four_bar([1.0_wp, 3.0_wp, nearest(3.0_wp, 1.0_wp), 1.0_wp])
+   call t%is_true(all(proof%limits%touch == touch_none), 'nor one in a kite')
+   call four_bar([1.0_wp, 2.0_wp, 3.0_wp, 2.0_wp])
+   call t%is_true(any(proof%limits%touch == touch_exact .and. proof%limits%cause == cause_difference), &
+                  'links that fold on the frame exactly are a change point')
    call load_case('dyad4_slider_crank', problem, set)
    dimensions = problem%given
+   dimensions%arcl(1:4) = [25.0_wp, 30.0_wp, 0.0_wp, 5.0_wp]
+   call prove_turn()
+   call t%is_true(any(proof%limits%kind == piece_undecided) .and. all(proof%limits%touch == touch_none), &
+                  'a rod that just reaches is not decided, and no change point of a four-bar')
    dimensions%arcl(1:4) = [25.0_wp, 29.999999999_wp, 0.0_wp, 5.0_wp]
    call prove_turn()
    call opens_between(269.99948753094754_wp, 270.00051246905246_wp, 1, cause_link, 'slider-crank, rod a little too short')
