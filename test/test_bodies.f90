@@ -8,6 +8,7 @@ program test_bodies
    use psalm_kinds, only: wp
    use psalm_mechanism, only: mechanism_t, body_frame, joint_prismatic, pivot
    use psalm_parameters, only: parameters_t
+   use psalm_pin_order, only: pin_order_t, order_by_pins
    use psalm_setup, only: set_up
    use psalm_status, only: diagnostics_t
    use psalm_text, only: to_text
@@ -22,6 +23,13 @@ program test_bodies
    integer :: i
 
    call known_joints()
+   call hangs('dyad1_crank_rocker', '0 1 2 1')
+   call hangs('dyad4_slider_crank', '0 1 2 3')
+   call hangs('dyad3_quick_return', '0 1 2 1')
+   ! the yoke slides on the block and on the frame, which is nearer; so does the last link of the tangent mechanism
+   call hangs('dyad6_scotch_yoke', '0 1 2 1*')
+   call hangs('dyad7_oldham_coupling', '0 1 2* 1')
+   call hangs('dyad8_tangent_mechanism', '0 1 2* 1*')
    call needle_bodies()
    call arc_on_determined_arc()
    call floating_arc()
@@ -49,6 +57,24 @@ contains
       call has('needle', 'IN R1-2 S1 R2-3 M1 R3-4 E1 R1-4 S2 R2-5 M2 R5-6 E2 R1-6 S3 R5-7 M3 R7-8 E3 R4-8 '// &
                'S4 R7-9 M4 R9-10 E4 R1-10')
    end subroutine known_joints
+
+   !> Links between each body and the frame, by the shortest way through pins; * through slides, for it has no pins to the frame.
+   subroutine hangs(name, wanted)
+      character(*), intent(in) :: name, wanted
+      type(problem_t) :: problem
+      type(data_set_t) :: set
+      type(pin_order_t) :: pins
+      character(:), allocatable :: words
+      integer :: b
+
+      call load_case(name, problem, set)
+      call order_by_pins(problem%mechanism, pins)
+      words = ''
+      do b = 1, size(pins%order)
+         words = words//' '//to_text(pins%order(b))//trim(merge('*', ' ', pins%adrift(b)))
+      end do
+      call t%equal_text(words(2:), wanted, 'links on the way to the frame of '//name)
+   end subroutine hangs
 
    subroutine has(name, wanted)
       character(*), intent(in) :: name, wanted

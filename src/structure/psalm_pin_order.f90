@@ -17,12 +17,11 @@ module psalm_pin_order
 
 contains
 
-   !> Breadth first from the frame, through pins; then, for links that these do not reach, through slides too.
+   !> Breadth first from the frame, through pins; then, for links that these do not reach, through slides too, the nearest to the frame first.
    subroutine order_by_pins(mechanism, pins)
       type(mechanism_t), intent(in) :: mechanism
       type(pin_order_t), intent(out) :: pins
-      integer :: point_order(size(mechanism%points)), j, b
-      logical :: more
+      integer :: point_order(size(mechanism%points)), j, b, nearest, least
 
       allocate (pins%order(size(mechanism%bodies)), source=-1)
       allocate (pins%anchor(size(mechanism%bodies)), source=0)
@@ -30,20 +29,24 @@ contains
       point_order = -1
       call spread_through_pins()
       pins%adrift = pins%order < 0
-      more = any(pins%order < 0)
-      do while (more)
-         more = .false.
+      do
+         nearest = 0
+         least = huge(1)
          do j = 1, size(mechanism%joints)
-            associate (first => mechanism%joints(j)%bodies(1), second => mechanism%joints(j)%bodies(2))
-               if (mechanism%joints(j)%kind == joint_revolute) cycle
-               if ((pins%order(first) < 0) .eqv. (pins%order(second) < 0)) cycle
-               if (pins%order(first) < 0) pins%order(first) = pins%order(second) + 1
-               if (pins%order(second) < 0) pins%order(second) = pins%order(first) + 1
-               more = .true.
+            if (mechanism%joints(j)%kind == joint_revolute) cycle
+            associate (orders => pins%order(mechanism%joints(j)%bodies))
+               if (count(orders < 0) /= 1) cycle
+               if (maxval(orders) < least) then
+                  nearest = j
+                  least = maxval(orders)
+               end if
             end associate
-            exit
          end do
-         if (more) call spread_through_pins()
+         if (nearest == 0) exit
+         associate (bodies => mechanism%joints(nearest)%bodies)
+            where (pins%order(bodies) < 0) pins%order(bodies) = least + 1
+         end associate
+         call spread_through_pins()
       end do
       do j = size(mechanism%joints), 1, -1
          if (mechanism%joints(j)%kind /= joint_revolute) cycle
