@@ -26,10 +26,13 @@ program test_bodies
    call hangs('dyad1_crank_rocker', '0 1 2 1')
    call hangs('dyad4_slider_crank', '0 1 2 3')
    call hangs('dyad3_quick_return', '0 1 2 1')
-   ! the yoke slides on the block and on the frame, which is nearer; so does the last link of the tangent mechanism
+   ! the yoke slides on the block and on the frame, which is nearer; the last link of the tangent mechanism is pinned to the block
+   ! and slides on the frame
    call hangs('dyad6_scotch_yoke', '0 1 2 1*')
    call hangs('dyad7_oldham_coupling', '0 1 2* 1')
    call hangs('dyad8_tangent_mechanism', '0 1 2* 1*')
+   call hangs('actuator_davis_steering', '0 1* 2* 1 2* 1')
+   call hangs('actuator_rapson_slide', '0 1* 2* 1')
    call needle_bodies()
    call arc_on_determined_arc()
    call floating_arc()
@@ -58,7 +61,7 @@ contains
                'S4 R7-9 M4 R9-10 E4 R1-10')
    end subroutine known_joints
 
-   !> Links between each body and the frame, by the shortest way through pins; * through slides, for it has no pins to the frame.
+   !> Links on the way to the frame, its own included, by the shortest way through pins; * through slides, for no pins lead there.
    subroutine hangs(name, wanted)
       character(*), intent(in) :: name, wanted
       type(problem_t) :: problem

@@ -17,11 +17,12 @@ module psalm_pin_order
 
 contains
 
-   !> Breadth first from the frame, through pins; then, for links that these do not reach, through slides too, the nearest to the frame first.
+   !> The shortest way from the frame through pins; for links that these do not reach, through slides too.
    subroutine order_by_pins(mechanism, pins)
       type(mechanism_t), intent(in) :: mechanism
       type(pin_order_t), intent(out) :: pins
-      integer :: point_order(size(mechanism%points)), j, b, nearest, least
+      integer :: point_order(size(mechanism%points)), j, b
+      logical :: more
 
       allocate (pins%order(size(mechanism%bodies)), source=-1)
       allocate (pins%anchor(size(mechanism%bodies)), source=0)
@@ -29,23 +30,20 @@ contains
       point_order = -1
       call spread_through_pins()
       pins%adrift = pins%order < 0
-      do
-         nearest = 0
-         least = huge(1)
+      more = any(pins%adrift)
+      do while (more)
+         more = .false.
          do j = 1, size(mechanism%joints)
             if (mechanism%joints(j)%kind == joint_revolute) cycle
-            associate (orders => pins%order(mechanism%joints(j)%bodies))
-               if (count(orders < 0) /= 1) cycle
-               if (maxval(orders) < least) then
-                  nearest = j
-                  least = maxval(orders)
-               end if
-            end associate
+            do b = 1, 2
+               associate (body => mechanism%joints(j)%bodies(b), other => mechanism%joints(j)%bodies(3 - b))
+                  if (.not. pins%adrift(body) .or. pins%order(other) < 0) cycle
+                  if (pins%order(body) >= 0 .and. pins%order(body) <= pins%order(other) + 1) cycle
+                  pins%order(body) = pins%order(other) + 1
+                  more = .true.
+               end associate
+            end do
          end do
-         if (nearest == 0) exit
-         associate (bodies => mechanism%joints(nearest)%bodies)
-            where (pins%order(bodies) < 0) pins%order(bodies) = least + 1
-         end associate
          call spread_through_pins()
       end do
       do j = size(mechanism%joints), 1, -1
