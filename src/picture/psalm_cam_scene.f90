@@ -83,7 +83,8 @@ contains
       end if
       allocate (part%second(0), part%second_arm(0))
       if (.not. allocated(study%other)) return
-      shape = study%other
+      deallocate (shape)
+      allocate (shape, source=study%other)
       call shape%motion%trace(angle, shape%motion%law%piece_at(angle), second)
       part%second = second%c(0, :)
       part%second_arm = second%c(0, :) - study%cam%second%distance*second%direction

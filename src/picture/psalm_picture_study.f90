@@ -68,13 +68,14 @@ contains
             call make_chain_scene(sets(k), own, cases(k)%scene)
             cycle
          end if
-         ! a copy of the data set is to be had, or the assignment would end the program
+         ! a copy of the data set is to be had, or the allocation would end the program
          if (.not. memory_to_be_had(2*bytes_of_position*sets(k)%ndes)) then
             call findings%trouble('not enough memory for NDES='//to_text(sets(k)%ndes)//' positions')
             call message_scene(sets(k), own, cases(k)%scene)
             cycle
          end if
-         each = sets(k)
+         if (allocated(each)) deallocate (each)
+         allocate (each, source=sets(k))
          each%nguess = 0
          call prepare(each, none, prepared, noted, demand)
          if (prepared%ready .and. each%ikin == 0 .and. each%ndes > most_drawn) call thin_out(each, noted)

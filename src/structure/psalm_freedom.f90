@@ -43,6 +43,7 @@ contains
       type(freedom_t) :: found
       type(graph_t) :: graph
       type(game_t) :: game
+      type(bracing_t) :: one
       logical, allocatable :: reached(:)
       integer :: i, k, total
       logical :: gathered
@@ -65,7 +66,8 @@ contains
             do k = 1, equation%count
                call gather(game, equation%nodes(:2), gathered, reached)
                if (.not. gathered) then
-                  found%braced = [found%braced, bracing_t(i, equation%count - k + 1, reached(:graph%links))]
+                  one = bracing_t(i, equation%count - k + 1, reached(:graph%links))
+                  found%braced = [found%braced, one]   ! of a constructor within a constructor gfortran 12 loses the memory
                   exit
                end if
                game%free(equation%nodes(1)) = game%free(equation%nodes(1)) - 1

@@ -165,6 +165,7 @@ contains
       type(data_set_t), intent(in) :: set
       real(wp), intent(in) :: inputs(:, :)   !! shape (drives, positions)
       type(chain_proof_t), intent(inout) :: proof
+      type(leg_t) :: leg
       real(wp) :: ends(2), unit
       integer :: k, d
 
@@ -178,15 +179,17 @@ contains
          if (abs(ends(k)) <= 0.0_wp) cycle
          ! one turn on a geared drive stands elsewhere: backwards is no part of the turn
          if (k == 2 .and. proof%full_turn .and. .not. turn_repeats(set)) cycle
-         proof%legs = [proof%legs, leg_t(from=[(0.0_wp, d=1, size(inputs, 1))], to=[(0.0_wp, d=1, size(inputs, 1))])]
-         associate (leg => proof%legs(size(proof%legs)), drives => set%sketch%drives)
-            leg%to(1) = ends(k)
+         leg%from = [(0.0_wp, d=1, size(inputs, 1))]
+         leg%to = leg%from
+         leg%to(1) = ends(k)
+         associate (drives => set%sketch%drives)
             do d = 2, size(drives)
                if (.not. drives(d)%geared) cycle
                leg%to(d) = drives(d)%ratio*ends(k)*merge(degrees_per_radian, 1.0_wp, drives(1)%kind == drive_turns) &
                            *merge(radians_per_degree, 1.0_wp, drives(d)%kind == drive_turns)
             end do
          end associate
+         proof%legs = [proof%legs, leg]   ! of a constructor within a constructor gfortran 12 loses the memory
       end do
    end subroutine find_both_ways
 
@@ -195,6 +198,7 @@ contains
       real(wp), intent(in) :: inputs(:, :)   !! shape (drives, positions)
       logical, intent(in) :: closed(:)
       type(chain_proof_t), intent(inout) :: proof
+      type(leg_t) :: leg
       integer :: leg_to(size(closed)), k, before, d
 
       leg_to = 0
@@ -205,10 +209,14 @@ contains
          before = nearest_known(inputs, closed, k)
          if (before == 0) then
             if (all(abs(inputs(:, k)) <= 0.0_wp)) cycle
-            proof%legs = [proof%legs, leg_t(from=[(0.0_wp, d=1, size(inputs, 1))], to=inputs(:, k))]
+            leg%from = [(0.0_wp, d=1, size(inputs, 1))]
+            leg%after = 0
          else
-            proof%legs = [proof%legs, leg_t(from=inputs(:, before), to=inputs(:, k), after=leg_to(before))]
+            leg%from = inputs(:, before)
+            leg%after = leg_to(before)
          end if
+         leg%to = inputs(:, k)
+         proof%legs = [proof%legs, leg]
          proof%position = [proof%position, k]
          leg_to(k) = size(proof%legs)
       end do

@@ -204,10 +204,12 @@ contains
       if (any(abs(nearest_difference(study%input, [(study%input(1) + real(k, wp)*step, k=0, n - 1)])) > even)) return
       if (abs(abs(step)*real(n, wp) - full_turn) > even*real(n, wp)) return
       associate (v => study%table%value)
-         study%harmonics = [harmonics_of('DRIVE', v(:, column_drive), study%input, highest), &
-                            harmonics_of('FRAME FX', v(:, column_fx), study%input, highest), &
-                            harmonics_of('FRAME FY', v(:, column_fy), study%input, highest), &
-                            harmonics_of('FRAME MOMENT', v(:, column_moment), study%input, highest)]
+         deallocate (study%harmonics)
+         allocate (study%harmonics(4))
+         study%harmonics(1) = harmonics_of('DRIVE', v(:, column_drive), study%input, highest)
+         study%harmonics(2) = harmonics_of('FRAME FX', v(:, column_fx), study%input, highest)
+         study%harmonics(3) = harmonics_of('FRAME FY', v(:, column_fy), study%input, highest)
+         study%harmonics(4) = harmonics_of('FRAME MOMENT', v(:, column_moment), study%input, highest)
       end associate
    end subroutine find_harmonics_of
 

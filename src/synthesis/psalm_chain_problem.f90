@@ -347,7 +347,7 @@ contains
       class(chain_problem_t), intent(in) :: self
       real(wp), intent(in) :: x(:)              !! shape (core)
       type(closure_t), intent(inout) :: closure
-      real(wp), intent(in), optional :: rate(:) !! shape (core)
+      real(wp), intent(in), optional :: rate(size(x))
       complex(wp) :: p(0:most_orders)
       integer :: k
 
@@ -368,7 +368,7 @@ contains
       class(chain_problem_t), intent(in) :: self
       integer, intent(in) :: link, joint
       real(wp), intent(in) :: x(:)              !! shape (core)
-      real(wp), intent(in), optional :: rate(:) !! shape (core)
+      real(wp), intent(in), optional :: rate(size(x))
       complex(wp) :: p(0:most_orders)
       complex(wp), parameter :: i = (0.0_wp, 1.0_wp)
       complex(wp) :: e
@@ -407,7 +407,7 @@ contains
       integer, intent(in) :: link, from, to
       real(wp), intent(in) :: x(:)
       real(wp), intent(out) :: angle(0:1)
-      real(wp), intent(in), optional :: rate(:)
+      real(wp), intent(in), optional :: rate(size(x))
       complex(wp) :: h
       integer :: k
 
