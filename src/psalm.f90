@@ -789,8 +789,8 @@ contains
    !> Data set and problem of a case; whatever is wrong is told.
    subroutine make_ready(case, set, problem, ready, findings, every_loop, posed)
       type(case_t), intent(in) :: case
-      type(data_set_t), allocatable, intent(out) :: set
-      type(problem_t), allocatable, intent(out) :: problem
+      class(data_set_t), allocatable, intent(out) :: set
+      class(problem_t), allocatable, intent(out) :: problem
       logical, intent(out) :: ready
       type(findings_t), intent(inout) :: findings
       logical, intent(in), optional :: every_loop         !! solve loops that the output does not depend on too

@@ -361,10 +361,10 @@ contains
          limit = radius + 0.5_wp*(longest(contour, open) + longest(centres, open))
          do k = 1, n
             do i = 1, n
-               if (abs(contour(i) - centres(k)) >= limit .or. turns_less(tangent, open, i, k, 1) .or. &
+               if (size_of(contour(i) - centres(k)) >= limit .or. turns_less(tangent, open, i, k, 1) .or. &
                    turns_less(tangent, open, i, k, -1)) cycle
-               if (any([((abs(contour(1 + modulo(i - 1 + m, n)) - centres(1 + modulo(k - 1 + o, n))) < &
-                          abs(contour(i) - centres(k)), m=-1, 1), o=-1, 1)])) cycle
+               if (any([((size_of(contour(1 + modulo(i - 1 + m, n)) - centres(1 + modulo(k - 1 + o, n))) < &
+                          size_of(contour(i) - centres(k)), m=-1, 1), o=-1, 1)])) cycle
                found = found + 1
                if (.not. any(pairs%at == i .and. pairs%by == k)) missing = missing + 1
             end do
@@ -393,12 +393,23 @@ contains
       turns_less = .true.
    end function turns_less
 
+   !> As the code under test has it: a distance within one rounding of a limit is to fall on the same side.
+   pure real(wp) function size_of(z)
+      complex(wp), intent(in) :: z
+
+      size_of = sqrt(real(z, wp)**2 + aimag(z)**2)
+   end function size_of
+
    pure real(wp) function longest(points, open)
       complex(wp), intent(in) :: points(:)
       logical, intent(in) :: open
+      integer :: i
 
-      longest = maxval(abs(points(2:) - points(:size(points) - 1)))
-      if (.not. open) longest = max(longest, abs(points(1) - points(size(points))))
+      longest = 0.0_wp
+      if (.not. open) longest = size_of(points(1) - points(size(points)))
+      do i = 2, size(points)
+         longest = max(longest, size_of(points(i) - points(i - 1)))
+      end do
    end function longest
 
    !> A circle under a roller: no pair may meet. A curve of centres that comes back beside itself: one does.

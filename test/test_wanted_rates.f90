@@ -93,6 +93,7 @@ contains
       end if
       call prepare_wanted_rates(problem, .false., .true., large)
       call differentiate_wanted_rates(large, dimensions)
+      call t%is_true(all(own%exists) .and. all(large%exists), name//': derivatives of lengths beyond the plain ones exist')
       of_output = merge(0, 1, problem%motion == motion_angle)
       associate (kinds => problem%parameters%variables%kind)
          do order = 1, most_rates

@@ -62,7 +62,7 @@ contains
    !> Errors at some of the positions are those that the whole problem has there.
    subroutine part_of_a_problem()
       type(problem_t) :: problem
-      type(problem_t), allocatable :: part
+      class(problem_t), allocatable :: part
       type(data_set_t) :: set
       integer, allocatable :: which(:)
       real(wp) :: miss(20, 1), miss_of_part(5, 1)

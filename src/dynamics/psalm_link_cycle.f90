@@ -291,7 +291,7 @@ contains
       type(problem_t), intent(in) :: given
       type(dimensions_t), intent(in) :: dimensions
       integer, intent(in) :: points
-      type(problem_t), allocatable, intent(out) :: problem
+      class(problem_t), allocatable, intent(out) :: problem
       real(wp), intent(out) :: input(:)          !! shape (points): degrees
       type(link_cycle_t), intent(inout) :: cycle_of
       type(motion_t) :: motion

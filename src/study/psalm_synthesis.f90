@@ -128,7 +128,7 @@ contains
       type(stop_t), intent(in) :: stop
       type(synthesis_t), intent(inout) :: result       !! `last` is a simplex that obeys; it still does afterwards
       class(observer_t), intent(inout), optional :: observer
-      type(problem_t), allocatable, target :: part
+      class(problem_t), allocatable, target :: part
       type(vertex_problem_t) :: few
       type(simplex_rules_t) :: rules
       real(wp), allocatable :: haven(:)

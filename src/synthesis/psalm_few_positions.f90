@@ -77,7 +77,7 @@ contains
    subroutine take_positions(problem, which, part)
       type(problem_t), intent(in) :: problem !! with desired values
       integer, intent(in) :: which(:)
-      type(problem_t), allocatable, intent(out) :: part
+      class(problem_t), allocatable, intent(out) :: part
 
       allocate (part, source=problem)
       call part%set_inputs(problem%delt(which))
