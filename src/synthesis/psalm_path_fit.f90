@@ -141,15 +141,21 @@ contains
       dot = real(a, wp)*real(b, wp) + aimag(a)*aimag(b)
    end function dot
 
-   !> e and v at inputs.
-   pure subroutine trace_coupler(shape, t, e, v)
+   !> e and v at inputs, and the derivatives of v where they are asked for.
+   pure subroutine trace_coupler(shape, t, e, v, turn, grow)
       type(visit_t), intent(in) :: shape
       real(wp), intent(in) :: t(:)                   !! degrees
       complex(wp), intent(out) :: e(:), v(:)         !! shape (size(t))
+      complex(wp), intent(out), optional :: turn(:)  !! dv/dt, per radian
+      complex(wp), intent(out), optional :: grow(:, :) !! shape (size(t), 3): by ln g, ln sigma, q; both or neither
       complex(wp) :: half(size(t))
 
       call halve(t, half)
-      call trace_at(shape, half, e, v)
+      if (present(turn) .and. present(grow)) then
+         call trace_at(shape, half, e, v, turn, grow)
+      else
+         call trace_at(shape, half, e, v)
+      end if
    end subroutine trace_coupler
 
    !> Unit vectors at half the inputs: the slow part of a trace, kept where the same inputs are traced twice.
@@ -170,8 +176,7 @@ contains
       type(visit_t), intent(in) :: shape
       complex(wp), intent(in) :: half(:)
       complex(wp), intent(out) :: e(:), v(:)         !! shape (size(half))
-      complex(wp), intent(out), optional :: turn(:)  !! dv/dt, per radian
-      complex(wp), intent(out), optional :: grow(:, :) !! shape (size(half), 3): of v by ln g, ln sigma, q
+      complex(wp), intent(out), optional :: turn(:), grow(:, :) !! as `trace_coupler` has them
       complex(wp) :: h, bend
       real(wp) :: c, s, cc, ss, d2, x, y, a, r, sd, over, ax, rx, above, below, out_x, out_y, d1
       integer :: k
