@@ -19,6 +19,7 @@ program psalm
    use psalm_exact_study, only: check_exact
    use psalm_family_list, only: report_family
    use psalm_family_study, only: family_t, find_family
+   use psalm_finale, only: mark_beyond
    use psalm_kinds, only: wp
    use psalm_mark, only: mark_t
    use psalm_mechanism, only: mechanism_t
@@ -192,6 +193,7 @@ contains
       call report_violations(set, problem, analysis, devices)
       if (allocated(analysis%summary)) call report_summary(set, analysis%summary, devices)
       if (arguments%assemblies) call run_assemblies(set, devices)
+      call mark_beyond(devices%published, devices%six)
       if (monitor%active) call write_standard_error(nl)
       stopped = signals%asked()
    end subroutine run_case

@@ -12,7 +12,7 @@ module psalm
    use psalm_cases, only: read_cases, read_case_text
    use psalm_data_set, only: data_set_t
    use psalm_error, only: problem_t, motion_t, violation_t, make_problem
-   use psalm_finale, only: in_columns, list_results, describe_violation
+   use psalm_finale, only: in_columns, list_results, mark_beyond, describe_violation
    use psalm_group_table, only: everything
    use psalm_kinds, only: wp
    use psalm_margin_list, only: describe_margin
@@ -575,7 +575,7 @@ contains
       class(problem_t), allocatable :: problem
       type(text_t) :: text
       logical :: ready
-      integer :: i
+      integer :: published, i
 
       if (present(wanted)) all_wanted = wanted
       call make_ready(case, set, problem, ready, findings, every_loop=all_wanted%arcs)
@@ -590,7 +590,8 @@ contains
          end do
       end if
       if (.not. present(listing)) return
-      call list_results(set, problem, analysis%dimensions, analysis%motion, text)
+      call list_results(set, problem, analysis%dimensions, analysis%motion, text, published)
+      call mark_beyond(published, text)
       listing = text%content()
    end subroutine analyse
 

@@ -114,6 +114,10 @@ contains
       call t%equal_integer(size(sets), 1, 'LAST=1: what follows is not read')
       call read_text(altered('ARCL=40.,120.', 'ARCL=,120.'))
       call t%is_true(findings%count == 0 .and. sets(1)%arcl(1, 1) <= 0.0_wp, 'null values leave the default')
+      call read_text(altered('MAXARC=4', 'MAXARC=+4.00'))
+      call t%is_true(findings%count == 0 .and. sets(1)%maxarc == 4, 'an integer with a decimal point and zeros')
+      call read_text(altered('MAXARC=4', 'MAXARC=4.'))
+      call t%is_true(findings%count == 0 .and. sets(1)%maxarc == 4, 'an integer with a decimal point')
    end subroutine notation
 
    subroutine capacities()
@@ -163,7 +167,9 @@ contains
       call wrong(altered('NLOOP=1,', ''), '&LINKS NLOOP: missing; this item is required')
       call wrong(altered('NLOOP=1', 'NLOOP=0'), 'must be from 1 to')
       call wrong(altered('NLOOP=1', 'NLOOP=2000000000'), 'must be from 1 to')
-      call wrong(altered('MAXARC=4', 'MAXARC=4.0'), 'an integer is expected, not a real')
+      call wrong(altered('MAXARC=4', 'MAXARC=4.5'), 'an integer is expected, not a real')
+      call wrong(altered('MAXARC=4', 'MAXARC=4.0E0'), 'an integer is expected, not a real')
+      call wrong(altered('MAXARC=4', 'MAXARC=4..'), 'an integer is expected')
       call wrong(altered('MAXARC=4', 'MAXARC=four'), 'an integer is expected')
       call wrong(altered('NOUTLK=3', 'NOUTLK=-2147483648'), 'the integer is too large')
       call wrong(altered('NDES=3', 'IVA=0,1, DESANG=3*9., NDES=3')//' &LIMITS LIMVAL=1, OPLOW=-9., OPHIGH=-1. &END'//nl, &

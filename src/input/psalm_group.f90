@@ -637,7 +637,8 @@ contains
       else
          associate (text => group%characters%buffer(value%first:value%first + value%length - 1))
             if (integer_asked) then
-               call parse_integer(text, whole, valid, reason)
+               call parse_integer(text(:digits_of_whole(text)), whole, valid, reason)
+               if (.not. valid .and. scan(text, '.') > 0) reason = 'an integer is expected, not a real with a fraction or exponent'
             else
                call parse_real(text, number, valid, reason)
             end if
@@ -646,6 +647,16 @@ contains
       if (.not. valid) call findings%error(reason//"; found '"//shortened(group%text_of(value))//"'", line=value%line, &
                                            group=trim(group%name), item=trim(item%name))
    end subroutine to_number
+
+   !> Characters of an integer without the decimal point and the zeros that may follow it: the thesis fills an array of integers
+   !> up by `76*0.0` (appendix B5.2). All characters of any other text.
+   pure integer function digits_of_whole(text)
+      character(*), intent(in) :: text
+
+      digits_of_whole = index(text, '.') - 1
+      if (digits_of_whole < 1) digits_of_whole = len(text)
+      if (verify(text(digits_of_whole + 2:), '0') > 0) digits_of_whole = len(text)
+   end function digits_of_whole
 
    pure function padded(name)
       character(*), intent(in) :: name

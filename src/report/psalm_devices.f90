@@ -23,6 +23,7 @@ module psalm_devices
       type(text_t) :: one     !! progress, random integers, violations
       type(text_t) :: two     !! limits of the initial simplex, generated coordinates
       type(text_t) :: six     !! results
+      integer :: published = 0 !! length of `six` up to the end of what the published listing has of the last case
       type(text_t) :: seven   !! vertices and data set
       type(text_t) :: eight   !! annotated input, intermediate arrays, all arcs
       type(text_t) :: nine    !! plotting data

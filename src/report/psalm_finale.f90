@@ -1,6 +1,7 @@
 !> FINALE writes the listing of the final linkage and its motion, device 6.
 !>
-!> Layout and numbers follow the published listing (Oldham 1977, figure 7.2), so that listings can be compared.
+!> Layout and numbers follow the published listing (Oldham 1977, figure 7.2), so that listings can be compared. A line of its own
+!> begins what that listing does not have.
 module psalm_finale
    use psalm_angles, only: unit_vector
    use psalm_data_set, only: data_set_t
@@ -16,20 +17,23 @@ module psalm_finale
    use psalm_text, only: text_t, fixed, general, to_text
    implicit none (type, external)
    private
-   public :: list_results, arc_table, in_columns, list_reference, list_output_arc, angle_text, describe_violation, describe_crossing
+   public :: list_results, arc_table, in_columns, list_reference, list_output_arc, angle_text, describe_violation, &
+             describe_crossing, mark_beyond
 
+   character(*), parameter :: beyond_line = ' *** BEYOND THE PUBLISHED LISTING ***'
    integer, parameter :: column = 10   !! width of a dimension
    real(wp), parameter :: nearly_full = 0.99_wp*full_turn !! below this no angle prints as 360.0000
 
 contains
 
-   !> Append the whole listing. `problem` is bound to `dimensions`.
-   subroutine list_results(set, problem, dimensions, motion, text)
+   !> Append the whole listing. `problem` is bound to `dimensions`. What else belongs to the case may be added before `mark_beyond`.
+   subroutine list_results(set, problem, dimensions, motion, text, published)
       type(data_set_t), intent(in) :: set
       type(problem_t), intent(in) :: problem
       type(dimensions_t), intent(in) :: dimensions
       type(motion_t), intent(in) :: motion
       type(text_t), intent(inout) :: text
+      integer, intent(out) :: published      !! length of `text` up to where the published listing ends
 
       call text%add(' '//set%title)
       call text%add()
@@ -41,7 +45,23 @@ contains
       call list_output_arc(set, text)
       call list_cartesian(set, problem, dimensions, text)
       call list_motion(problem, motion, text)
+      published = text%length
+      if (allocated(motion%rates)) call list_wanted_rates(problem, motion, text)
+      call list_violations(problem, motion, text)
    end subroutine list_results
+
+   !> Insert the line that begins what the published listing does not have, if there is any.
+   pure subroutine mark_beyond(published, text)
+      integer, intent(in) :: published       !! of `list_results`
+      type(text_t), intent(inout) :: text
+      character(:), allocatable :: whole
+
+      if (text%length == published) return
+      whole = text%content()
+      text%length = published
+      call text%add(beyond_line)
+      call text%add_text(whole(published + 1:))
+   end subroutine mark_beyond
 
    !> Lengths and angles of every arc of the results.
    subroutine list_dimensions(set, mechanism, dimensions, text)
@@ -199,7 +219,7 @@ contains
       if (problem%desired) line = line//'          ERROR'
    end function motion_headings
 
-   !> Desired, actual and error at every position; then the violations.
+   !> Desired, actual and error at every position, and their sum of squares.
    subroutine list_motion(problem, motion, text)
       type(problem_t), intent(in) :: problem
       type(motion_t), intent(in) :: motion
@@ -240,7 +260,6 @@ contains
          end if
          call text%add(line)
       end do
-      if (allocated(motion%rates)) call list_wanted_rates(problem, motion, text)
       if (problem%desired) then
          if (all(motion%closed) .and. is_partial()) then
             call text%add(' TOTAL ERROR WITHOUT THE DERIVATIVES AT DEAD POINTS')
@@ -250,17 +269,7 @@ contains
             call text%add(' TOTAL ERROR OF THE POSITIONS THAT CLOSE')
          end if
          call text%add(general(motion%total))
-         if (allocated(motion%rates)) then
-            call text%add(' OF WHICH VALUES, FIRST DERIVATIVES, SECOND DERIVATIVES')
-            call text%add(general(motion%part(0))//general(motion%part(1))//general(motion%part(2)))
-         end if
       end if
-      if (size(motion%violations) == 0) return
-      call text%add()
-      call text%add(' CONSTRAINTS VIOLATED')
-      do i = 1, size(motion%violations)
-         call text%add(' '//describe_violation(problem, motion, motion%violations(i)))
-      end do
 
    contains
 
@@ -272,7 +281,21 @@ contains
       end function is_partial
    end subroutine list_motion
 
-   !> Derivatives by the input of the orders of which some are wanted: desired, actual, error.
+   subroutine list_violations(problem, motion, text)
+      type(problem_t), intent(in) :: problem
+      type(motion_t), intent(in) :: motion
+      type(text_t), intent(inout) :: text
+      integer :: i
+
+      if (size(motion%violations) == 0) return
+      call text%add()
+      call text%add(' CONSTRAINTS VIOLATED')
+      do i = 1, size(motion%violations)
+         call text%add(' '//describe_violation(problem, motion, motion%violations(i)))
+      end do
+   end subroutine list_violations
+
+   !> Derivatives by the input of the orders of which some are wanted: desired, actual, error; what they add to the objective.
    subroutine list_wanted_rates(problem, motion, text)
       type(problem_t), intent(in) :: problem
       type(motion_t), intent(in) :: motion
@@ -315,6 +338,9 @@ contains
             end do
          end associate
       end do
+      call text%add()
+      call text%add(' OF THE TOTAL: VALUES, FIRST DERIVATIVES, SECOND DERIVATIVES')
+      call text%add(general(motion%part(0))//general(motion%part(1))//general(motion%part(2)))
 
    contains
 

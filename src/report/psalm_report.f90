@@ -218,7 +218,7 @@ contains
       type(devices_t), intent(inout) :: devices
       integer :: i
 
-      call list_results(set, problem, analysis%dimensions, analysis%motion, devices%six)
+      call list_results(set, problem, analysis%dimensions, analysis%motion, devices%six, devices%published)
       call list_setup(set, problem, devices%eight)
       if (len(set%skipped) > 0) call devices%eight%add(' GROUPS THAT PSALM DOES NOT READ: '//set%skipped)
       if (allocated(set%chosen)) call devices%eight%add_text(set%chosen)
