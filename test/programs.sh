@@ -193,6 +193,30 @@ check 'path18_free: the crank goes one way, within a turn' awk '/CRANK ANGLE  /{
     on && NF >= 7 { if (n++) { d = last - $1; if (d < 0) d += 360; sum += d } last = $1 } END { exit !(n == 18 && sum <= 360) }' path18_free.lst
 fi
 
+if part toggle; then
+# TOGGLE where it is given is a criterion, in an analysis too (appendix B4.1). A crank of 40 with an offset of 10: the link closes
+# from 50 on. A crank of 30 on a frame of 120: the guide may have 90
+slider() { changed dyad4_slider_crank.nml "s/40.0,140.0/40.0,$1/" "s/IPLOT=1/IPLOT=1$2/" >toggle.nml; }
+slider 50.05 ', TOGGLE=0.1'
+status 1 'TOGGLE violated by a link' "$psalm" --quiet toggle.nml
+check 'TOGGLE violated by a link: how much is left' grep -qF 'POSITION 19: LINK 2 CLOSES WITH 0.5000000D-01 TO SPARE, LESS THAN TOGGLE 0.1000000' out
+slider 50.1001 ', TOGGLE=0.1'
+status 0 'TOGGLE kept by a link' "$psalm" --quiet toggle.nml
+changed dyad4_slider_crank.nml 's/40.0,140.0/40.0,50.05/' >toggle.nml
+status 0 'TOGGLE that is not given is no criterion' "$psalm" --quiet toggle.nml
+cp toggle.dev7 toggle_again.nml
+status 0 'TOGGLE that is not given: device 7 does not give it either' "$psalm" --quiet toggle_again.nml
+changed dyad2_oscillating_cylinder.nml 's/30.0,0.0,15.0/30.0,0.0,89.95/' 's/IPLOT=1/IPLOT=1, TOGGLE=0.1/' >toggle.nml
+status 1 'TOGGLE violated by a guide' "$psalm" --quiet toggle.nml
+check 'TOGGLE violated by a guide: which' grep -qE 'GUIDE 3 CLOSES WITH 0\.5000000D-01 TO SPARE' out
+changed dyad2_oscillating_cylinder.nml 's/30.0,0.0,15.0/30.0,0.0,89.8999/' 's/IPLOT=1/IPLOT=1, TOGGLE=0.1/' >toggle.nml
+status 0 'TOGGLE kept by a guide' "$psalm" --quiet toggle.nml
+changed dyad4_slider_crank.nml 's/40.0,140.0/40.0,50.05/' 's/IPLOT=1/IPLOT=1, TOGGLE=0.1/' \
+    's/IKIN=15/NDES=3, DELT=0.0,180.0,270.0, DESANG=3*0.0, IVA=0,1, NITER=1000/' >toggle.nml
+status 0 'TOGGLE in a search by the simplex: the link is repaired' "$psalm" --quiet toggle.nml
+check 'TOGGLE in a search by the simplex: as short as it may be' awk '/ARRAY OF ARC LENGTHS/ { getline; getline; exit !($2 >= 50.099 && $2 < 50.2) }' out
+fi
+
 if part device7; then
 # device 7 is a data set that gives the same digits
 for f in needle_search suspension textile brake_reaction actuator_davis_steering dyad1_crank_rocker line6; do

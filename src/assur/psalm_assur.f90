@@ -53,27 +53,26 @@ contains
    end subroutine mark_unknowns
 
    !> Limits of the closure measure for the dyad's present lengths.
-   pure subroutine bind_dyad(dyad, cosine_lowest, sine_lowest)
+   pure subroutine bind_dyad(dyad, cosine_lowest, sine_lowest, toggle)
       type(dyad_t), intent(inout) :: dyad
       real(wp), intent(in) :: cosine_lowest        !! cosine of the smallest transmission angle allowed
       real(wp), intent(in) :: sine_lowest          !! sine of the smallest angle between two slides allowed
+      real(wp), intent(in) :: toggle               !! length to spare of a link or guide with a slide, scaled as the dyad's
 
       select case (dyad%kind)
       case (assur_rrr)
          call bind_rrr(dyad, cosine_lowest)
-         return
       case (assur_rpr, assur_rpr_guide_first)
-         call bind_rpr(dyad)
+         call bind_rpr(dyad, toggle)
       case (assur_rrp, assur_prr)
-         call bind_rrp(dyad)
+         call bind_rrp(dyad, toggle)
       case (assur_rpp, assur_ppr)
          call bind_rpp(dyad)
+         dyad%accepts_low = dyad%closes_low
+         dyad%accepts_high = dyad%closes_high
       case default
          call bind_prp(dyad, sine_lowest)
-         return
       end select
-      dyad%accepts_low = dyad%closes_low
-      dyad%accepts_high = dyad%closes_high
    end subroutine bind_dyad
 
    !> Unknowns and closure measure at `n` positions.
@@ -414,15 +413,15 @@ contains
    pure type(breach_t) function breach_of(dyad, measure, closes) result(breach)
       type(dyad_t), intent(in) :: dyad
       real(wp), intent(in) :: measure
-      logical, intent(in) :: closes                !! only the transmission angle is out of its limits
+      logical, intent(in) :: closes                !! only TANGLE or TOGGLE is violated
 
       select case (dyad%kind)
       case (assur_rrr)
          breach = breach_rrr(dyad, measure, closes)
       case (assur_rpr, assur_rpr_guide_first)
-         breach = breach_rpr(dyad, measure)
+         breach = breach_rpr(dyad, measure, closes)
       case (assur_rrp, assur_prr)
-         breach = breach_rrp(dyad, measure)
+         breach = breach_rrp(dyad, measure, closes)
       case default
          breach = breach_prp(measure, closes)
       end select

@@ -10,7 +10,7 @@ module psalm_dyad
    private
    public :: dyad_t, tip_t, breach_t
    public :: violation_none, violation_too_short, violation_too_long, violation_parallel, violation_angle_small, &
-             violation_angle_large, violation_undetermined, violation_slides
+             violation_angle_large, violation_undetermined, violation_slides, violation_toggle
    public :: least_square, no_distance, rounding
 
    integer, parameter :: violation_none = 0
@@ -21,6 +21,7 @@ module psalm_dyad
    integer, parameter :: violation_angle_large = 5  !! closes, but the transmission angle is too large
    integer, parameter :: violation_undetermined = 6 !! the outer joints coincide: no direction is determined
    integer, parameter :: violation_slides = 7       !! closes, but the angle between the slides is too small
+   integer, parameter :: violation_toggle = 8       !! closes, but with less length to spare than TOGGLE asks
 
    real(wp), parameter :: least_square = tiny(1.0_wp)**0.8_wp    !! guards a division; such a dyad is reported as open
    real(wp), parameter :: no_distance = 1.0e3_wp*epsilon(1.0_wp) !! of the links: outer joints so near each other coincide
@@ -50,7 +51,7 @@ module psalm_dyad
       real(wp) :: qx = 1.0_wp, qy = 0.0_wp          !! likewise q
       real(wp) :: closes_low = 0.0_wp, closes_high = 0.0_wp   !! limits of the measure (of two slides: of its amount): the dyad
                                                               !! can be assembled
-      real(wp) :: accepts_low = 0.0_wp, accepts_high = 0.0_wp !! and its transmission angle is within its limits
+      real(wp) :: accepts_low = 0.0_wp, accepts_high = 0.0_wp !! and is inside TANGLE or TOGGLE
    end type dyad_t
 
    !> How a dyad fails at one position.

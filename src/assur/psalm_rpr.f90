@@ -4,7 +4,7 @@
 !> closes while h is not shorter than the guide. Notes of `psalm_rrr` on kernels hold here too.
 module psalm_rpr
    use psalm_arc_kernels, only: least
-   use psalm_dyad, only: dyad_t, breach_t, violation_too_long, least_square, no_distance, rounding
+   use psalm_dyad, only: dyad_t, breach_t, violation_too_long, violation_toggle, least_square, no_distance, rounding
    use psalm_dyad_kind, only: assur_rpr
    use psalm_frames, only: frames_t, turned_column, invert, rows_of_arc
    use psalm_kinds, only: wp
@@ -26,13 +26,16 @@ contains
    end function guide_of
 
    !> Limits of the measure.
-   pure subroutine bind_rpr(dyad)
+   pure subroutine bind_rpr(dyad, toggle)
       type(dyad_t), intent(inout) :: dyad
+      real(wp), intent(in) :: toggle    !! to spare where the dyad is accepted, scaled as its lengths
       real(wp) :: guide
 
       guide = guide_of(dyad)
       dyad%closes_low = max(guide*guide*(1.0_wp - rounding), least_square)
       dyad%closes_high = huge(guide)
+      dyad%accepts_low = max((guide + toggle)**2*(1.0_wp - rounding), least_square)
+      dyad%accepts_high = dyad%closes_high
    end subroutine bind_rpr
 
    !> Direction and length of the slide.
@@ -137,12 +140,14 @@ contains
    end subroutine bounds_rpr
 
    !> What is wrong at a position whose measure is not accepted.
-   pure type(breach_t) function breach_rpr(dyad, measure) result(breach)
+   pure type(breach_t) function breach_rpr(dyad, measure, closes) result(breach)
       type(dyad_t), intent(in) :: dyad
       real(wp), intent(in) :: measure
+      logical, intent(in) :: closes    !! only less than TOGGLE is to spare
 
-      breach%kind = violation_too_long
+      breach%kind = merge(violation_toggle, violation_too_long, closes)
       breach%amount = guide_of(dyad) - sqrt(measure)
+      if (closes) breach%amount = max(-breach%amount, 0.0_wp)
       breach%is_length = .true.
    end function breach_rpr
 

@@ -4,7 +4,7 @@
 !> it is not longer than the link. Notes of `psalm_rrr` on kernels hold here too.
 module psalm_rrp
    use psalm_arc_kernels, only: least
-   use psalm_dyad, only: dyad_t, breach_t, violation_too_short, rounding
+   use psalm_dyad, only: dyad_t, breach_t, violation_too_short, violation_toggle, rounding
    use psalm_dyad_kind, only: assur_rrp
    use psalm_frames, only: frames_t, turned_column, invert, rows_of_arc
    use psalm_kinds, only: wp
@@ -27,11 +27,14 @@ contains
    end function link_of
 
    !> Limits of the measure.
-   pure subroutine bind_rrp(dyad)
+   pure subroutine bind_rrp(dyad, toggle)
       type(dyad_t), intent(inout) :: dyad
+      real(wp), intent(in) :: toggle    !! to spare where the dyad is accepted, scaled as its lengths
 
       dyad%closes_high = link_of(dyad)*(1.0_wp + rounding)
       dyad%closes_low = -dyad%closes_high
+      dyad%accepts_high = link_of(dyad)*(1.0_wp + rounding) - toggle
+      dyad%accepts_low = -dyad%accepts_high
    end subroutine bind_rrp
 
    !> Direction of the link and length of the slide.
@@ -164,12 +167,14 @@ contains
    end subroutine bounds_rrp
 
    !> What is wrong at a position whose measure is not accepted.
-   pure type(breach_t) function breach_rrp(dyad, measure) result(breach)
+   pure type(breach_t) function breach_rrp(dyad, measure, closes) result(breach)
       type(dyad_t), intent(in) :: dyad
       real(wp), intent(in) :: measure
+      logical, intent(in) :: closes    !! only less than TOGGLE is to spare
 
-      breach%kind = violation_too_short
+      breach%kind = merge(violation_toggle, violation_too_short, closes)
       breach%amount = abs(measure) - link_of(dyad)
+      if (closes) breach%amount = max(-breach%amount, 0.0_wp)
       breach%is_length = .true.
    end function breach_rrp
 

@@ -99,6 +99,7 @@ module psalm_data_set
       ! LIMITS
       real(wp) :: tangle = 50.0_wp, toggle = 0.1_wp
       logical :: tangle_given = .false.                !! then it holds for the angle between two slides too
+      logical :: toggle_given = .false.                !! then it is a criterion, else a distance that repairs leave
       integer :: limval = 0
       real(wp), allocatable :: oplow(:), ophigh(:) !! shape (values given, at least the number of variables)
       integer :: low_given = 0, high_given = 0     !! values given in OPLOW and in OPHIGH
@@ -956,6 +957,7 @@ contains
          call out_of(group, 'TANGLE', 'must lie between 0 and 90 degrees', findings)
       end if
       call group%get_real('TOGGLE', set%toggle, findings)
+      set%toggle_given = group%given('TOGGLE')
       if (set%toggle < 0.0_wp) call out_of(group, 'TOGGLE', 'must not be negative', findings)
       call read_flag(group, 'LIMVAL', set%limval, findings)
       room = 2*set%nloop*set%maxarc + 5

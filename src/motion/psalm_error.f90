@@ -6,7 +6,8 @@ module psalm_error
    use psalm_angles, only: unit_vector, within_turn
    use psalm_assur, only: breach_of, coincidence_of
    use psalm_data_set, only: data_set_t
-   use psalm_dyad, only: breach_t, violation_none, violation_angle_small, violation_undetermined, violation_slides
+   use psalm_dyad, only: breach_t, violation_none, violation_angle_small, violation_undetermined, violation_slides, &
+                         violation_toggle
    use psalm_dyad_kind, only: form_of, form_t
    use psalm_kinds, only: wp
    use psalm_linkage, only: linkage_t, padded
@@ -60,6 +61,7 @@ module psalm_error
       type(linkage_t), allocatable :: linkages(:)      !! one more linkage for each further thread
       integer :: motion = motion_point
       real(wp) :: tangle = 90.0_wp, toggle = 0.0_wp
+      real(wp) :: spare = 0.0_wp                !! TOGGLE where it was given: then it is a criterion
       real(wp) :: slide_angle = 90.0_wp            !! allowed deviation of the angle between two slides from 90 degrees
       real(wp), allocatable :: side(:)             !! by loop: +1 or -1, sign of the sine between two slides that is wanted
       integer :: positions = 0
@@ -105,6 +107,7 @@ contains
 
       problem%tangle = set%tangle
       if (set%tangle_given) problem%slide_angle = set%tangle
+      if (set%toggle_given) problem%spare = set%toggle
       call fill_problem(mechanism, dimensions, parameters, inputs_of(set), set%ktheta /= 0, problem)
       problem%toggle = set%toggle
       if (set%ikin /= 0 .or. .not. set%desired) return
@@ -184,7 +187,7 @@ contains
       integer, intent(in), optional :: joints(:, :) !! joints to be made, as `make_plan` has them
 
       self%plan = make_plan(self%mechanism, self%motion, everything, .true., joints)
-      call self%linkage%prepare(self%mechanism, self%plan, self%tangle, self%slide_angle, self%delt)
+      call self%linkage%prepare(self%mechanism, self%plan, self%tangle, self%slide_angle, self%spare, self%delt)
       call self%output%locate(self%motion, self%mechanism, self%plan, self%linkage)
       if (allocated(self%linkages)) call self%set_threads(size(self%linkages))
    end subroutine want_derivatives
@@ -199,7 +202,7 @@ contains
       self%delt = delt
       self%desired = .false.
       if (allocated(self%rate_wanted)) deallocate (self%rate_wanted, self%rate_weight)
-      call self%linkage%prepare(self%mechanism, self%plan, self%tangle, self%slide_angle, delt)
+      call self%linkage%prepare(self%mechanism, self%plan, self%tangle, self%slide_angle, self%spare, delt)
       call self%output%locate(self%motion, self%mechanism, self%plan, self%linkage)
       if (allocated(self%linkages)) deallocate (self%linkages)
       self%first = whole_blocks(self, delt, delt(size(delt)))
@@ -277,7 +280,7 @@ contains
       if (threads < 2 .or. self%blocks() < 2*threads) return
       allocate (self%linkages(threads))
       do t = 1, threads
-         call self%linkages(t)%prepare(self%mechanism, self%plan, self%tangle, self%slide_angle, self%delt)
+         call self%linkages(t)%prepare(self%mechanism, self%plan, self%tangle, self%slide_angle, self%spare, self%delt)
       end do
    end subroutine set_threads
 
@@ -547,7 +550,7 @@ contains
             if (old%kind == new%kind .and. old%last == position - 1) then
                old%last = position
                worse = new%amount > old%amount
-               if (new%kind == violation_angle_small .or. new%kind == violation_slides) worse = new%amount < old%amount
+               if (any(new%kind == [violation_angle_small, violation_slides, violation_toggle])) worse = new%amount < old%amount
                if (worse) then
                   old%amount = new%amount
                   old%worst = position

@@ -68,6 +68,7 @@ module psalm_linkage
       real(wp) :: reference_length = 0.0_wp      !! actuator's length at the reference position, user's unit
       real(wp) :: cosine_lowest = 0.0_wp         !! cosine of the smallest transmission angle allowed
       real(wp) :: sine_lowest = 0.0_wp           !! sine of the smallest angle between two slides allowed
+      real(wp) :: toggle = 0.0_wp                !! length to spare of a link or guide with a slide, user's unit
    contains
       procedure :: prepare
       procedure :: bind
@@ -83,12 +84,13 @@ module psalm_linkage
 contains
 
    !> Allocate storage and resolve every index of the plan.
-   subroutine prepare(self, mechanism, plan, tangle, slide_angle, delt)
+   subroutine prepare(self, mechanism, plan, tangle, slide_angle, toggle, delt)
       class(linkage_t), intent(out) :: self
       type(mechanism_t), intent(in) :: mechanism
       type(plan_t), intent(in) :: plan
       real(wp), intent(in) :: tangle    !! allowed deviation of a transmission angle from 90 degrees; 90: closure only
       real(wp), intent(in) :: slide_angle   !! the same for the angle between two slides
+      real(wp), intent(in) :: toggle    !! length to spare of a link or guide with a slide; 0: closure only
       real(wp), intent(in) :: delt(:)   !! input increments there will be
       real(wp) :: unused
       integer :: k, n, loop
@@ -107,6 +109,7 @@ contains
       if (self%sliding_input) self%largest_input = maxval(abs(delt))
       call unit_vector(right_angle - tangle, self%cosine_lowest, unused)
       call unit_vector(right_angle - slide_angle, unused, self%sine_lowest)
+      self%toggle = toggle
       if (mechanism%sliding_input) self%input_slot = plan%length_slot(1)
       do k = 1, size(plan%steps)
          associate (step => plan%steps(k), bound => self%steps(k))
@@ -357,7 +360,7 @@ contains
       dyad%py = self%y(dyad%arc_p)
       dyad%qx = self%x(dyad%arc_q)
       dyad%qy = self%y(dyad%arc_q)
-      call bind_dyad(dyad, self%cosine_lowest, self%sine_lowest)
+      call bind_dyad(dyad, self%cosine_lowest, self%sine_lowest, self%toggle*self%scale)
    end subroutine bind_lengths
 
    !> Positions of one block. After it, the store holds roots, points, slides and closure measures, finite numbers all of them.

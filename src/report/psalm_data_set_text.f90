@@ -86,10 +86,12 @@ contains
       call text%add(' &END')
       ! what was not given does not hold for two slides
       if (set%tangle_given .or. all(problem%mechanism%groups%kind /= assur_prp)) then
-         call text%add(' &LIMITS TANGLE='//full_precision(set%tangle)//', TOGGLE='//full_precision(set%toggle)//',')
+         call text%add(' &LIMITS TANGLE='//full_precision(set%tangle)//',')
       else
-         call text%add(' &LIMITS TOGGLE='//full_precision(set%toggle)//',')
+         call text%add(' &LIMITS')
       end if
+      ! what was not given is no criterion
+      if (set%toggle_given) call text%add('  TOGGLE='//full_precision(set%toggle)//',')
       if (set%icond /= 0) call text%add('  ICOND=1,')
       if (set%iproof /= proof_by_default) call text%add('  IPROOF='//to_text(set%iproof)//',')
       if (set%dwell > 0.0_wp) call text%add('  DWELL='//full_precision(set%dwell)//',')

@@ -6,8 +6,8 @@ module psalm_finale
    use psalm_angles, only: unit_vector
    use psalm_data_set, only: data_set_t
    use psalm_dyad, only: violation_too_short, violation_too_long, violation_parallel, violation_angle_small, &
-                         violation_angle_large, violation_undetermined, violation_slides
-   use psalm_dyad_kind, only: form_of, form_t
+                         violation_angle_large, violation_undetermined, violation_slides, violation_toggle
+   use psalm_dyad_kind, only: assur_rpr, assur_rpr_guide_first, form_of, form_t
    use psalm_error, only: problem_t, motion_t, violation_t, crossing_t
    use psalm_kinds, only: wp, full_turn
    use psalm_output_kind, only: motion_point, motion_angle, motion_distance, motion_pose, most_rates
@@ -423,6 +423,14 @@ contains
          text = text//'THE SLIDES ARE PARALLEL'
       case (violation_angle_small, violation_angle_large)
          text = text//'TRANSMISSION ANGLE '//amount()//', OUTSIDE 90 +- '//trim(adjustl(general(problem%tangle)))
+      case (violation_toggle)
+         select case (problem%mechanism%groups(violation%loop)%kind)
+         case (assur_rpr, assur_rpr_guide_first)
+            text = text//'GUIDE '//merge(q, p, form%slides(1))
+         case default
+            text = text//'LINK '//merge(p, q, form%slides(2))
+         end select
+         text = text//' CLOSES WITH '//amount()//' TO SPARE, LESS THAN TOGGLE '//trim(adjustl(general(problem%toggle)))
       case (violation_slides)
          text = text//'ANGLE BETWEEN THE SLIDES '//amount()//', OUTSIDE 90 +- '//trim(adjustl(general(problem%slide_angle)))
       end select

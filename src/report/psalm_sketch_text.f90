@@ -94,7 +94,7 @@ contains
       call text%add(' &END')
       line = ' &LIMITS'
       if (set%tangle_given) line = line//' TANGLE='//full_precision(set%tangle)//','
-      line = line//' TOGGLE='//full_precision(set%toggle)//','
+      if (set%toggle_given) line = line//' TOGGLE='//full_precision(set%toggle)//','
       if (set%icond /= 0) line = line//' ICOND=1,'
       if (set%iproof /= proof_by_default) line = line//' IPROOF='//to_text(set%iproof)//','
       if (set%dwell > 0.0_wp) line = line//' DWELL='//full_precision(set%dwell)//','

@@ -195,6 +195,7 @@ contains
       allocate (plain, station)
       plain = problem
       plain%tangle = right_angle
+      plain%spare = 0.0_wp
       plain%slide_angle = right_angle
       plain%toggle = 0.0_wp
       plain%parameters = no_parameters(problem%mechanism)

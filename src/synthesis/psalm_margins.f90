@@ -97,6 +97,7 @@ contains
       allocate (plain, source=problem)
       allocate (inspector%fine, inspector%lens, inspector%zoom)
       plain%tangle = right_angle
+      plain%spare = 0.0_wp
       plain%slide_angle = right_angle
       if (.not. toggle) plain%toggle = 0.0_wp
       if (size(inspector%clearances) > 0) plain%motion = motion_point

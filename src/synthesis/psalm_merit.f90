@@ -112,6 +112,7 @@ contains
       merit%size = max(maxval(problem%given%arcl), tiny(1.0_wp)**0.25_wp)
       allocate (plain, source=problem)
       plain%tangle = right_angle
+      plain%spare = 0.0_wp
       plain%slide_angle = right_angle
       call prepare_station(plain, problem%delt, merit%free, reshape([integer ::], [2, 0]), .true., merit%main)
       call copy_desired(problem, merit%main%problem)

@@ -105,6 +105,7 @@ contains
       allocate (fine, lens)
       allocate (plain, source=problem)
       plain%tangle = right_angle
+      plain%spare = 0.0_wp
       plain%toggle = 0.0_wp
       inputs = [(real(i, wp)/real(steps, wp), i=0, steps)]
       associate (low => minval(problem%delt), high => maxval(problem%delt))
