@@ -147,6 +147,18 @@ status 0 'LSQ: device 7 holds three cases' "$psalm" --quiet three.nml
 check 'LSQ: three listings' test "$(grep -c 'TOTAL ERROR' out)" -eq 3
 check 'LSQ: path of 18 points as good as the best published' awk '/TOTAL ERROR/ { getline; sub("D", "E"); v = $1 } END { exit !(v <= 0.00903) }' path18.lst
 check 'LSQ: free timing meets six points on a line' awk '/TOTAL ERROR/ { getline; sub("D", "E"); v = $1 } END { exit !(v < 1e-12) }' line6.lst
+check 'needle_table85: the published sum of squares, 0.47' awk '/TOTAL ERROR/ { getline; sub("D", "E"); exit !(sprintf("%.2f", $1) == "0.47") }' \
+    needle_table85.lst
+# table 8.1 and appendix D: the published linkage at the increments of the data set
+changed suspension.nml 's/530.0,125.0,425.0/496.9,170.2,429.2/' 's/OUTLK=60.0, OUTANG=400.0/OUTLK=44.6, OUTANG=420.0/' 's/IVA=3.1,0, ILKOUT=1, INGOUT=1,//' |
+    tee published81.nml | sed -e 's/MOTION=2/MOTION=0/' -e '/DESANG/d' >path81.nml
+status 0 'suspension: the published linkage' "$psalm" --quiet published81.nml
+check 'suspension: its error is 0.196 mm^2, its variation 0.3 mm' awk '/DESIRED DIST/ { on = 1; next } /TOTAL ERROR/ { getline; sum = $1; on = 0 }
+    on { if (!n++ || $3 < low) low = $3; if ($3 > high) high = $3 }
+    END { exit !(n == 26 && sum > 0.194 && sum < 0.198 && high - low > 0.25 && high - low < 0.35) }' out
+status 0 'suspension: the published linkage, its path' "$psalm" --quiet path81.nml
+check 'suspension: the wheel travels 227 mm' awk '/CRANK ANGLE  / { on = 1; next } /BEYOND/ { on = 0 }
+    on { if (!n++ || $3 < low) low = $3; if ($3 > high) high = $3 } END { exit !(n == 26 && high - low > 226.5 && high - low < 227.5) }' out
 at_most 'log10: as good as known' log10.lst 1.46e-4
 at_most 'slopes: values and slopes of a function' slopes.lst 8.27e-4
 cp slopes.dev7 slopes_found.nml
