@@ -1,4 +1,6 @@
 !> Cost of exact synthesis on one thread; bench/exact compiles it with the modules of src/exact and writes doc/exact.md.
+!>
+!> usage: exact [short]; short: one problem of each kind in place of many, no tables of six-bars and of generic problems
 program exact
    use psalm_burmester, only: dyads_t, five_poses
    use psalm_certificate, only: certificate_t, certify_legs
@@ -17,17 +19,27 @@ program exact
    use psalm_xoshiro, only: purpose_starts, xoshiro_t
    implicit none (type, external)
    type(xoshiro_t) :: random
-   integer, parameter :: problems = 200, pose_problems = 200000
+   integer :: problems = 200, pose_problems = 200000
    integer, parameter :: seed = 7
+   character(8) :: word
+   logical :: short
 
+   call get_command_argument(1, word)
+   short = word == 'short'
+   if (short) then
+      problems = 1
+      pose_problems = 1000
+   end if
    call random%seed(seed, purpose_starts)
    print '(a)', '# Exact synthesis, measured', '', 'Written by `bench/exact`: one thread, time of the processor.', ''
    call measure_nine_points()
    call measure_certificate()
    call measure_poses()
    call measure_functions()
-   call measure_six_bars()
-   call measure_rows()
+   if (.not. short) then
+      call measure_six_bars()
+      call measure_rows()
+   end if
 
 contains
 

@@ -14,7 +14,7 @@ def check(law, good, detail=""):
             sys.exit(1)
 
 
-def report():
+def report(skipped=0):
     """The last line of a test; returns its exit status."""
-    print("%d passed, %d failed" % (passed, failed))
+    print("%d passed, %d failed" % (passed, failed) + (", %d skipped" % skipped if skipped else ""))
     return int(failed > 0)

@@ -1,7 +1,8 @@
 !> Every solver on every data set, from a hundred starts each; and what an iteration of least squares costs.
 !>
 !> usage: account runs DIRECTORY SEEDS     set | solver | seed | objective (or -1: no linkage) | evaluations | seconds
-!>        account scaling DIRECTORY        positions | microseconds of a Jacobian | of an iteration of least squares
+!>        account scaling DIRECTORY [short]  positions | microseconds of a Jacobian | of an iteration of least squares;
+!>                                         short: the fewest positions only
 !>        account first DIRECTORY          needle linkage from the published start: least gain of a step | objective | ms
 program account
    use, intrinsic :: iso_fortran_env, only: int64
@@ -185,7 +186,7 @@ contains
       real(dp) :: begun, jacobian, iteration
       integer :: n, power, i, k, calls
 
-      do power = 0, 3
+      do power = 0, merge(0, 3, word == 'short')
          call load('needle_search', set, problem)
          n = 20*10**power
          associate (delt => [(problem%delt(1 + mod(i, 20)), i=0, n - 1)], &

@@ -7,7 +7,8 @@
 !>        bench pruning                ns per position: chain of 64 loops, output at the second | two loops alone
 !>        bench derivatives            linkage | with velocities and accelerations / positions alone | ns per dyad, position;
 !>                                     needle | us of an objective | us of a Jacobian | gradient / objective
-!>        bench forces                 linkage | dyads | positions | ns per dyad and position: motion | forces after it
+!>        bench forces [short]         linkage | dyads | positions | ns per dyad and position: motion | forces after it;
+!>                                     short: the fewest positions only
 !>        bench evaluate20, evaluate10240   ten evaluations of the needle linkage, for counting instructions
 !>        bench objective              positions | microseconds per evaluation | ns per dyad and position
 program bench
@@ -32,7 +33,7 @@ program bench
    case ('derivatives')
       call measure_derivatives()
    case ('forces')
-      call measure_forces()
+      call measure_forces(file == 'short')
    case ('evaluate20')
       call evaluate_needle(20)
    case ('evaluate10240')

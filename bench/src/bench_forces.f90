@@ -24,21 +24,23 @@ module bench_forces
 contains
 
    !> linkage | dyads | positions | ns per dyad and position of positions, velocities and accelerations | of forces after them
-   subroutine measure_forces()
+   subroutine measure_forces(short)
+      logical, intent(in) :: short                      !! the fewest positions only
       type(problem_t), allocatable :: problem
       type(data_set_t) :: set
-      integer :: k, m
+      integer :: k, m, most
 
+      most = merge(1, size(positions), short)
       do k = 1, size(names)
          if (index(names(k), 'hard/') == 1) cycle   ! arcs there hang on no joint: motion can be had, forces cannot
-         do m = 1, size(positions)
+         do m = 1, most
             if (allocated(problem)) deallocate (problem)
             allocate (problem)
             call load(k, positions(m), .true., problem, set=set)
             call measure(trim(titles(k)), set, problem)
          end do
       end do
-      do m = 1, size(positions)
+      do m = 1, most
          if (allocated(problem)) deallocate (problem)
          allocate (problem)
          call load_row(positions(m), set, problem)

@@ -130,25 +130,27 @@ contains
       type(c_ptr), value :: data
       type(task_t), pointer :: task
       real(c_double), pointer :: slope(:)
+      real(wp) :: u(n)                     ! NLopt's numbers in the kind of the build
       complex(wp) :: miss, turn
       real(wp) :: amount(rows_most), rows(unknowns, rows_most), by_input(n - unknowns - 1), by(unknowns), error, now
       real(wp) :: shares, part, turned
       integer :: k, m, count
 
       call c_f_pointer(data, task)
+      u = real(x, wp)
       associate (visit => task%visit, room => task%room, path => task%path)
          visit%side = path%side
-         visit%z0 = cmplx(x(1), x(2), wp)
-         visit%w1 = cmplx(x(3), x(4), wp)
-         visit%w2 = cmplx(x(5), x(6), wp)
-         visit%g = exp(x(shape_g))
-         visit%sigma = exp(x(shape_s))
-         visit%q = x(shape_q)
-         shares = max(sum(x(unknowns + 2:)), least_share)
+         visit%z0 = cmplx(u(1), u(2), wp)
+         visit%w1 = cmplx(u(3), u(4), wp)
+         visit%w2 = cmplx(u(5), u(6), wp)
+         visit%g = exp(u(shape_g))
+         visit%sigma = exp(u(shape_s))
+         visit%q = u(shape_q)
+         shares = max(sum(u(unknowns + 2:)), least_share)
          part = 0.0_wp
          do k = 1, path%n
-            visit%t(k) = x(unknowns + 1)*degrees_per_radian + full_turn*part/shares
-            part = part + x(unknowns + 1 + k)
+            visit%t(k) = u(unknowns + 1)*degrees_per_radian + full_turn*part/shares
+            part = part + u(unknowns + 1 + k)
          end do
          call trace_coupler(visit, visit%t, room%e, room%v, room%turn, room%grow)
          error = 0.0_wp
