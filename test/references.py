@@ -63,6 +63,24 @@ def published_listing(work):
                 and listing.index(beyond) < listing.index(" CONSTRAINTS VIOLATED"))
 
 
+def the_demo(work):
+    """scripts/demo without its build: it ends well and shows each of its steps."""
+    with open(os.path.join(top, "scripts", "demo"), encoding="utf-8") as f:
+        text = f.read()
+    build, here = '"$here/setup"\n', 'here=$(dirname "${BASH_SOURCE[0]}")'
+    tally.check("the demo builds first", text.count(build) == 2 and text.count(here) == 1)
+    path = os.path.join(work, "demo")
+    with open(path, "w", encoding="utf-8") as f:
+        f.write(text.replace(build, "", 1).replace(here, "here='%s'" % os.path.join(top, "scripts")))
+    done = subprocess.run(["bash", path], capture_output=True, text=True)
+    said = done.stdout + done.stderr
+    tally.check("the demo ends well", done.returncode == 0, said[-600:])
+    for words in ("       5.698467", "needle: equal to its reference", "CLOSES FOR EVERY INPUT OF THE RANGE", "STEADY CYCLE", "needle_lsq.html",
+                  "doc/manual.md"):
+        tally.check("the demo shows " + words.strip(), words in said)
+    tally.check("nothing in it is cut short", "NITER" not in said and "interrupted" not in said)
+
+
 def the_script(work):
     """What it notices."""
     listing = lines_of(references, "needle.lst")
@@ -118,6 +136,7 @@ def main():
     tally.check("every reference has its data set", not stray, stray)
     with tempfile.TemporaryDirectory() as work:
         published_listing(work)
+        the_demo(work)
         the_script(work)
     return tally.report()
 
