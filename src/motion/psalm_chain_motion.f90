@@ -3,7 +3,9 @@
 !> A position is reached from the nearest one that is known, along a straight line of the inputs: a step is predicted by
 !> velocity and acceleration and corrected by Newton's method. It is halved unless the first correction is small against the
 !> prediction, the prediction itself is short and no group's determinant has changed its sign: without these, Newton's method jumps
-!> to another assembly. Where steps become too small the linkage stands at a dead point, the end of its range.
+!> to another assembly. Where steps become too small the linkage stands at a dead point, the end of its range, or a link runs to
+!> infinity. With one input that end is found once for each side. With several inputs a straight way may meet a dead point that
+!> another way goes round: a position that is not reached is tried from the drawing and from the positions known later, too.
 !> Source: Allgower and Georg (1990), chapter 6, for the control of steps.
 module psalm_chain_motion
    use psalm_closure, only: closure_t, state_t, matrix_of, most_orders, place_points, residuals, solve_group, rank_lost
@@ -16,7 +18,9 @@ module psalm_chain_motion
 
    real(wp), parameter :: trusted = 0.15_wp        !! first correction against the prediction
    real(wp), parameter :: easy = 0.01_wp           !! below this the next step is doubled
-   real(wp), parameter :: farthest = 0.3_wp        !! of the drawing's size, radians: longer predictions are not believed
+   real(wp), parameter :: farthest = 0.3_wp        !! of the drawing's size, or of the distance gone, and radians: longer
+                                                   !! predictions are not believed
+   real(wp), parameter :: one_line = 1.0e-12_wp    !! deviation of inputs that change in proportion, of the largest
    real(wp), parameter :: least_step = 1.0e-9_wp   !! of the way
    real(wp), parameter :: first_step = 0.25_wp
 
@@ -42,15 +46,27 @@ contains
       type(chain_motion_t), intent(out) :: motion
       real(wp), intent(in), optional :: turn(:)    !! shape (drives)
       type(state_t) :: back
-      integer :: k, best, stopped_by
-      logical :: reached, waiting(size(inputs, 2))
+      real(wp) :: ends(2)                          !! inputs of drive 1 at which the way ends, below and above the drawing
+      integer :: k, best, stopped_by, side, stopped(2)
+      logical :: reached, waiting(size(inputs, 2)), line
 
       associate (n => size(inputs, 2))
          allocate (motion%closed(n), motion%dead(n), source=.false.)
          allocate (motion%group(n), source=0)
          allocate (motion%states(n))
       end associate
+      line = on_a_line(inputs)
+      stopped = 0
+      ends = 0.0_wp
       do k = 1, size(inputs, 2)
+         side = merge(2, 1, inputs(1, k) > 0.0_wp)
+         if (line .and. stopped(side) > 0) then
+            if (abs(inputs(1, k)) >= abs(ends(side))) then
+               motion%states(k) = motion%states(stopped(side))
+               motion%group(k) = motion%group(stopped(side))
+               cycle
+            end if
+         end if
          best = nearest_known(inputs, motion%closed, k)
          if (best == 0) then
             motion%states(k) = start
@@ -58,7 +74,12 @@ contains
             motion%states(k) = motion%states(best)
          end if
          call advance(closure, inputs(:, k), motion%states(k), motion%closed(k), motion%group(k))
+         if (motion%closed(k)) cycle
+         stopped(side) = k
+         ends(side) = inputs(1, k)
+         if (line .and. .not. abs(motion%states(k)%input(1, 0)) > abs(inputs(1, k))) ends(side) = motion%states(k)%input(1, 0)
       end do
+      if (.not. line) call try_other_ways(closure, start, inputs, motion)
       if (present(turn)) then
          back = start
          waiting = .not. motion%closed .and. inputs(1, :) > 0.0_wp .and. inputs(1, :) < turn(1)
@@ -78,6 +99,82 @@ contains
          call differentiate(closure, most_orders, motion%states(k), motion%dead(k))
       end do
    end subroutine follow
+
+   !> Try the positions that were not reached from the drawing, and from the nearest position of all that are known by now.
+   subroutine try_other_ways(closure, start, inputs, motion)
+      type(closure_t), intent(in) :: closure
+      type(state_t), intent(in) :: start
+      real(wp), intent(in) :: inputs(:, :)         !! shape (drives, positions)
+      type(chain_motion_t), intent(inout) :: motion
+      type(state_t) :: state
+      integer :: tried(size(inputs, 2)), k, best, group
+      logical :: more, reached
+
+      ! the position tried last; of those that began at the drawing there is nothing to be gained by beginning there again
+      do k = 1, size(inputs, 2)
+         tried(k) = 0
+         if (.not. motion%closed(k)) tried(k) = nearest_known(inputs, motion%closed, k)
+         if (motion%closed(k) .or. tried(k) == 0) cycle
+         state = start
+         call advance(closure, inputs(:, k), state, reached, group)
+         if (.not. reached) cycle
+         motion%states(k) = state
+         motion%closed(k) = .true.
+         motion%group(k) = 0
+      end do
+      more = any(motion%closed)
+      do while (more)
+         more = .false.
+         do k = 1, size(inputs, 2)
+            if (motion%closed(k)) cycle
+            best = nearest_of_all(inputs, motion%closed, k)
+            if (best == 0 .or. best == tried(k)) cycle
+            tried(k) = best
+            state = motion%states(best)
+            call advance(closure, inputs(:, k), state, reached, group)
+            if (.not. reached) cycle
+            motion%states(k) = state
+            motion%closed(k) = .true.
+            motion%group(k) = 0
+            more = .true.
+         end do
+      end do
+   end subroutine try_other_ways
+
+   !> True if all inputs change in proportion, as those of one drive and its gears do: all positions then lie on one way.
+   pure logical function on_a_line(inputs)
+      real(wp), intent(in) :: inputs(:, :)         !! shape (drives, positions)
+      integer :: k, most
+
+      on_a_line = .true.
+      if (size(inputs, 1) == 1) return
+      most = maxloc(abs(inputs(1, :)), dim=1)
+      on_a_line = abs(inputs(1, most)) > 0.0_wp
+      if (.not. on_a_line) return
+      do k = 1, size(inputs, 2)
+         on_a_line = on_a_line .and. all(abs(inputs(:, k) - inputs(1, k)/inputs(1, most)*inputs(:, most)) &
+                                         <= one_line*maxval(abs(inputs(:, most))))
+      end do
+   end function on_a_line
+
+   !> The nearest of all positions that close; 0: none does.
+   pure integer function nearest_of_all(inputs, closed, position) result(best)
+      real(wp), intent(in) :: inputs(:, :)         !! shape (drives, positions): from the drawing
+      logical, intent(in) :: closed(:)             !! shape (positions)
+      integer, intent(in) :: position
+      real(wp) :: distance, nearest
+      integer :: i
+
+      best = 0
+      nearest = huge(1.0_wp)
+      do i = 1, size(closed)
+         if (.not. closed(i)) cycle
+         distance = sum((inputs(:, position) - inputs(:, i))**2)
+         if (distance >= nearest) cycle
+         best = i
+         nearest = distance
+      end do
+   end function nearest_of_all
 
    !> Of the positions before one that close the nearest, the latest of equals; 0: the drawing is nearer.
    pure integer function nearest_known(inputs, closed, position) result(best)
@@ -155,7 +252,7 @@ contains
       logical, intent(out) :: sound
       integer, intent(out) :: group
       type(factors_t) :: factors
-      real(wp) :: predicted, first
+      real(wp) :: predicted, moved, turned, reach, first
       integer :: k
 
       worst = 0.0_wp
@@ -169,15 +266,20 @@ contains
       do group = 1, size(closure%groups)
          associate (links => closure%groups(group)%links)
             if (size(links) == 0) cycle
-            predicted = 0.0_wp
+            moved = 0.0_wp
+            turned = 0.0_wp
+            reach = closure%size
             do k = 1, size(links)
                associate (t => next%t(links(k), :), phi => next%phi(links(k), :))
-                  predicted = max(predicted, abs(t(2))*step + 0.5_wp*abs(t(3))*step**2, &
-                                  closure%size*(abs(phi(2))*step + 0.5_wp*abs(phi(3))*step**2))
+                  ! towards infinity a link moves by a part of the way that it has gone
+                  reach = max(reach, abs(t(1)))
+                  moved = max(moved, abs(t(2))*step + 0.5_wp*abs(t(3))*step**2)
+                  turned = max(turned, closure%size*(abs(phi(2))*step + 0.5_wp*abs(phi(3))*step**2))
                   next%t(links(k), 0) = t(1) + step*t(2) + 0.5_wp*step**2*t(3)
                   next%phi(links(k), 0) = phi(1) + step*phi(2) + 0.5_wp*step**2*phi(3)
                end associate
             end do
+            predicted = max(moved, turned)
             call solve_group(closure, group, next, sound, factors, first)
             if (.not. sound) return
             sense_next(group) = factors%sense
@@ -185,7 +287,7 @@ contains
             if (size(factors%q, 1) == size(factors%q, 2)) sound = sound .and. factors%sense == sense(group)
             first = first/max(predicted, 1.0e-7_wp*closure%size)
             worst = max(worst, first)
-            sound = sound .and. first < trusted .and. predicted < farthest*closure%size
+            sound = sound .and. first < trusted .and. moved < farthest*reach .and. turned < farthest*closure%size
             if (.not. sound) return
          end associate
       end do
