@@ -37,7 +37,7 @@ module psalm_data_set
    use psalm_status, only: diagnostics_t
    use psalm_sweep_group, only: sweep_group_t, read_sweep_group
    use psalm_system, only: memory_to_be_had
-   use psalm_text, only: text_t, to_text
+   use psalm_text, only: text_t, general, to_text
    use psalm_wish_items, only: read_wishes, values_of
    use psalm_vibration_group, only: vibration_group_t, estimate_group_t, read_vibration_group, read_estimate_group
    implicit none (type, external)
@@ -58,6 +58,7 @@ module psalm_data_set
    character(name_length), parameter :: written_by_muscle(*) = [character(name_length) :: 'MASSES', 'SPRING', 'BALANC', 'SPRNGS']
    integer, parameter :: title_columns = 72        !! of a title, at most
    integer, parameter :: default_niter = 2         !! the thesis's: enough to look at the start of a search
+   real(wp), parameter :: largest_machine = 20.0_wp !! metres: a larger one may have been drawn in millimetres
    integer, parameter :: proof_by_default = -1 !! IPROOF was not given: the result of a search is proven
 
    !> Everything the user can say to `psalm`. Angles in degrees, lengths in the user's one unit.
@@ -130,6 +131,7 @@ module psalm_data_set
       logical :: rates_given = .false.
       type(sketch_t) :: sketch             !! CHAIN, DRIVES, OUTPUTS
       real(wp) :: crnki_of_drawing = 0.0_wp !! CRNKI of the loops where the sketch's is 0
+      character(:), allocatable :: stand_in !! the joint that the listing shows for want of the first output; not allocated: none
       character(:), allocatable :: no_loops !! why it has no loops and is solved in the poses of its links; not allocated: it has
       character(sketch_name), allocatable :: end_names(:, :, :) !! shape (2, maxarc, nloop): joints at the ends of its arcs
       integer, allocatable :: link_of_arc(:, :)  !! shape (maxarc, nloop): the link of the sketch
@@ -349,11 +351,46 @@ contains
                                trim(merge('1 unit of length a second', '1 radian a second        ', sliding_input(set))), &
                                line=groups(masses)%line, group='MASSES', item='NMASS')
       end if
+      if (.not. findings%failed()) then
+         call doubt_units(groups(masses), set, findings)
+         call doubt_reference(groups(method), set, findings)
+      end if
       do i = 1, size(groups)
          if (groups(i)%line > 0) call groups(i)%finish(groups, findings)
          call set%origins%append(groups(i)%origins)
       end do
    end subroutine read_set
+
+   !> Masses on a linkage of many metres, where the unit of length is not said: it may be drawn in millimetres.
+   subroutine doubt_units(group, set, findings)
+      type(group_t), intent(in) :: group             !! MASSES
+      type(data_set_t), intent(in) :: set
+      type(diagnostics_t), intent(inout) :: findings
+      real(wp) :: extent
+
+      if (size(set%masses%mass) == 0 .or. group%given('UNITL')) return
+      extent = maxval(set%arcl)
+      if (set%sketch%given .and. size(set%sketch%x) > 0) extent = max(maxval(set%sketch%x) - minval(set%sketch%x), &
+                                                                      maxval(set%sketch%y) - minval(set%sketch%y))
+      if (extent <= largest_machine) return
+      call findings%warning('UNITL is missing: lengths are taken as metres, and this linkage is '//to_text(nint(extent))// &
+                            ' m large; if it is drawn in millimetres, set UNITL=0.001', line=group%line, group='MASSES', &
+                            item='UNITL')
+   end subroutine doubt_units
+
+   !> CRNKI of a sketch counts from the drawing, and DELT from there: who gives the crank's own angle turns it twice.
+   subroutine doubt_reference(group, set, findings)
+      type(group_t), intent(in) :: group             !! METHOD
+      type(data_set_t), intent(in) :: set
+      type(diagnostics_t), intent(inout) :: findings
+
+      if (.not. set%sketch%given .or. set%ikin /= 0 .or. .not. group%given('CRNKI') .or. set%wants_search()) return
+      if (size(set%delt) == 0) return
+      if (.not. abs(set%crnki) > 0.0_wp .or. .not. abs(set%delt(1)) > 0.0_wp) return
+      call findings%warning('CRNKI of a sketch counts from the drawing, and DELT from there: the first position is '// &
+                            trim(adjustl(general(set%crnki + set%delt(1))))//' from the drawing; leave CRNKI out if DELT is '// &
+                            'counted from the drawing', line=group%item_line('CRNKI'), group='METHOD', item='CRNKI')
+   end subroutine doubt_reference
 
    !> Ways of searching that need other items.
    subroutine check_ways(group, set, findings)
@@ -637,15 +674,21 @@ contains
       ! Hill's equation from tables needs no linkage
       if (program_reads(program, 'HILL') .and. any(case%groups(:case%count)%name == 'HILL') .and. &
           .not. (meant_links .or. meant_method)) return
-      if (.not. meant_links) call missing('LINKS')
-      if (.not. meant_method) call missing('METHOD')
+      if (case%count == 0) then
+         call findings%error('no group is in the case that begins here; a case is a title line, then groups, each as '// &
+                             '&METHOD IKIN=10 &END: a sketch (&CHAIN, &DRIVES, &OUTPUTS) or loops (&LINKS), and &METHOD', &
+                             line=case%line)
+         return
+      end if
+      if (.not. meant_links) call missing('LINKS', '; a linkage is described by a sketch (&CHAIN) or by its loops (&LINKS)')
+      if (.not. meant_method) call missing('METHOD', '; it says for which positions, &METHOD IKIN=10 &END for every 10 degrees')
 
    contains
 
-      subroutine missing(name)
-         character(*), intent(in) :: name
+      subroutine missing(name, what)
+         character(*), intent(in) :: name, what
 
-         call findings%error('the group is missing in the case that begins here', line=case%line, group=name)
+         call findings%error('the group is missing in the case that begins here'//what, line=case%line, group=name)
       end subroutine missing
    end subroutine refuse_unknown
 

@@ -60,6 +60,7 @@ module psalm_error
       type(linkage_t) :: linkage                   !! bound to the last dimensions evaluated
       type(linkage_t), allocatable :: linkages(:)      !! one more linkage for each further thread
       integer :: motion = motion_point
+      logical :: every_loop = .false.              !! of a sketch: no loop is left out
       real(wp) :: tangle = 90.0_wp, toggle = 0.0_wp
       real(wp) :: spare = 0.0_wp                !! TOGGLE where it was given: then it is a criterion
       real(wp) :: slide_angle = 90.0_wp            !! allowed deviation of the angle between two slides from 90 degrees
@@ -90,6 +91,7 @@ module psalm_error
       procedure :: evaluate
       procedure :: analyse
       procedure :: measure_of
+      procedure :: find_undetermined
       procedure :: deviations
       procedure :: output_of
    end type problem_t
@@ -108,6 +110,8 @@ contains
       problem%tangle = set%tangle
       if (set%tangle_given) problem%slide_angle = set%tangle
       if (set%toggle_given) problem%spare = set%toggle
+      ! of a sketch every link is meant, whatever the output
+      problem%every_loop = set%sketch%given
       call fill_problem(mechanism, dimensions, parameters, inputs_of(set), set%ktheta /= 0, problem)
       problem%toggle = set%toggle
       if (set%ikin /= 0 .or. .not. set%desired) return
@@ -130,13 +134,13 @@ contains
       call fill_problem(mechanism, dimensions, parameters, inputs, every_loop, problem)
    end subroutine new_problem
 
-   !> What `make_problem` and `new_problem` share; limits are set before.
-   subroutine fill_problem(mechanism, dimensions, parameters, inputs, every_loop, problem)
+   !> What `make_problem` and `new_problem` share; limits and `every_loop` are set before.
+   subroutine fill_problem(mechanism, dimensions, parameters, inputs, all_arcs, problem)
       type(mechanism_t), intent(in) :: mechanism
       type(dimensions_t), intent(in) :: dimensions
       type(parameters_t), intent(in) :: parameters
       real(wp), intent(in) :: inputs(:)
-      logical, intent(in) :: every_loop
+      logical, intent(in) :: all_arcs       !! solve every loop and find both directions of every link pair
       type(problem_t), intent(inout) :: problem
 
       problem%mechanism = mechanism
@@ -144,7 +148,8 @@ contains
       problem%parameters = parameters
       problem%motion = mechanism%outputs(1)%motion
       allocate (problem%side(mechanism%nloop), source=1.0_wp)
-      problem%plan = make_plan(mechanism, problem%motion, everything=every_loop, all_roots=.false.)
+      problem%plan = make_plan(mechanism, problem%motion, everything=problem%every_loop .or. all_arcs, &
+                               all_roots=all_arcs)
       call problem%set_inputs(inputs)
    end subroutine fill_problem
 
@@ -186,7 +191,7 @@ contains
       logical, intent(in) :: everything     !! solve every loop, wanted or not
       integer, intent(in), optional :: joints(:, :) !! joints to be made, as `make_plan` has them
 
-      self%plan = make_plan(self%mechanism, self%motion, everything, .true., joints)
+      self%plan = make_plan(self%mechanism, self%motion, everything .or. self%every_loop, .true., joints)
       call self%linkage%prepare(self%mechanism, self%plan, self%tangle, self%slide_angle, self%spare, self%delt)
       call self%output%locate(self%motion, self%mechanism, self%plan, self%linkage)
       if (allocated(self%linkages)) call self%set_threads(size(self%linkages))
@@ -587,6 +592,43 @@ contains
       coincides = .false.
       if (least >= 0.0_wp) coincides = self%linkage%store%v(i, self%linkage%measure(loop)) <= least**2
    end function coincides
+
+   !> Positions at which the outer joints of a dyad coincide, so that rounding decides whether it closes and where its links are.
+   !> A single position between others, a change point that is passed, is none.
+   subroutine find_undetermined(self, loop)
+      class(problem_t), intent(inout) :: self      !! bound
+      integer, intent(out) :: loop(:)              !! shape (positions): the first loop of such a dyad, 0: none
+      logical :: may_be(self%mechanism%nloop), single(size(loop))
+      integer :: block, offset, n, i, l, k
+
+      loop = 0
+      do l = 1, size(may_be)
+         may_be(l) = self%linkage%step_of_loop(l) > 0
+         if (may_be(l)) may_be(l) = coincidence(self, l) >= 0.0_wp
+      end do
+      if (.not. any(may_be)) return
+      do block = 1, self%blocks()
+         call self%solve_block(block, offset, n)
+         do l = size(may_be), 1, -1
+            if (.not. may_be(l)) cycle
+            do i = 1, n
+               if (.not. coincides(self, l, i)) cycle
+               loop(offset + i) = l
+               ! where a loop before is open its joints are nowhere
+               do k = 1, l - 1
+                  if (self%linkage%step_of_loop(k) == 0) cycle
+                  if (.not. self%linkage%closes(i, k)) loop(offset + i) = 0
+               end do
+            end do
+         end do
+      end do
+      associate (last => size(loop))
+         single = loop > 0
+         single(2:) = single(2:) .and. loop(:last - 1) == 0
+         single(:last - 1) = single(:last - 1) .and. loop(2:) == 0
+         where (single) loop = 0
+      end associate
+   end subroutine find_undetermined
 
    !> What is wrong with a loop at position `i` of the block, and by how much.
    pure type(violation_t) function violation_at(self, loop, i) result(violation)

@@ -111,9 +111,8 @@ contains
          else
             foot(2) = foot_of(slide_line(dyad%slide(2)), x, e, dyad%known(2))
             if (dyad%known(2) == frame_link .and. .not. last_guides()) then
-               ! the last frame arc guides the actuator: this slide has a guide of its own, without length
-               back(1)%from = foot(2)
-               back = [step_t(frame_link, foot(2), foot(2)), back]
+               ! the last frame arc guides the actuator and has no length: this slide has a guide of its own
+               back = [step_t(frame_link, foot(2), e), step_t(frame_link, e, e)]
             else if (dyad%known(2) == frame_link) then
                back(1)%from = foot(2)
             else

@@ -58,7 +58,7 @@ contains
       type(mechanism_t), intent(in) :: mechanism
       integer, intent(in) :: motion        !! MOTION
       logical, intent(in) :: everything    !! solve every loop, wanted or not
-      logical, intent(in) :: all_roots     !! find both directions of every link pair (derivatives need them)
+      logical, intent(in) :: all_roots     !! find both directions of every link pair (derivatives and tables need them)
       integer, intent(in), optional :: joints(:, :) !! shape (2, joints): loop and arc; the finish of the arc is wanted (arc 0:
                                            !! the input pivot); their loops must be solved
       type(plan_t) :: plan
@@ -87,7 +87,7 @@ contains
             plan%joint_points = [plan%joint_points, point]
          end do
       end if
-      call mark_roots(mechanism, everything .or. all_roots, plan)
+      call mark_roots(mechanism, all_roots, plan)
    end function make_plan
 
    !> A dyad need not find directions that nothing hangs on.

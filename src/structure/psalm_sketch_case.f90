@@ -30,9 +30,10 @@ module psalm_sketch_case
 contains
 
    !> Give a case whose linkage is a sketch its loops. Cases without one are left as they are.
-   subroutine resolve_sketch(set, findings)
+   subroutine resolve_sketch(set, findings, no_loops)
       type(data_set_t), intent(inout) :: set
       type(diagnostics_t), intent(inout) :: findings
+      character(*), intent(in), optional :: no_loops !! why it is to be solved in its poses, though loops were found
       type(closure_t) :: closure
       type(state_t) :: state
       type(loops_t) :: loops
@@ -42,7 +43,10 @@ contains
       call assemble_sketch(set, closure, state, sound, findings)
       if (.not. sound) return
       call make_loops(closure, state, loops)
-      if (loops%found .and. set%sketch%has_wishes()) then
+      if (loops%found .and. present(no_loops)) then
+         loops%found = .false.
+         loops%why = no_loops
+      else if (loops%found .and. set%sketch%has_wishes()) then
          loops%found = .false.
          loops%why = 'desired values of outputs (DES1 ...), which are compared in the poses'
       end if
@@ -477,20 +481,52 @@ contains
          call put_output(loops, state, sketch, sketch%outputs(1), set, done)
          if (done) return
          if (set%desired) then
-            call findings%error('the desired values of &METHOD are those of the first output, and '// &
-                                trim(sketch%outputs(1)%name)//' is none that has them; put a point, angle, distance from the '// &
-                                'origin, slide or pose first', line=set%origins%line('OUTPUTS', 'OUTPUT', 1), group='OUTPUTS', &
-                                item='OUTPUT')
+            call findings%error('the desired values of &METHOD are those of the first output, which '// &
+                                trim(sketch%outputs(1)%name)//' cannot be here; give its values as DES1 of &OUTPUTS, or put a '// &
+                                'point, angle, distance from the origin or slide first'//pose_of_arc(), &
+                                line=set%origins%line('OUTPUTS', 'OUTPUT', 1), group='OUTPUTS', item='OUTPUT')
             return
          end if
-         call findings%warning('the listing shows no output of the kind of '//trim(sketch%outputs(1)%name)//'; joint '// &
-                               trim(sketch%joint_name(default_joint(sketch)))//' stands in its place', &
+         set%stand_in = trim(sketch%joint_name(default_joint(sketch)))
+         call findings%warning('listing and summary cannot show '//trim(sketch%outputs(1)%name)//': they show joint '// &
+                               set%stand_in//'. The table (CSV) has '//trim(sketch%outputs(1)%name), &
                                line=set%origins%line('OUTPUTS', 'OUTPUT', 1), group='OUTPUTS', item='OUTPUT')
       end if
       shown%kind = output_point
       shown%joints(1) = default_joint(sketch)
       call put_output(loops, state, sketch, shown, set, done)
+
+   contains
+
+      !> The pose that the loops have: its line runs from an end of an arc to the joint.
+      function pose_of_arc() result(text)
+         character(:), allocatable :: text
+         integer :: from
+
+         text = ''
+         if (sketch%outputs(1)%kind /= output_pose .or. set%noutlk == 0) return
+         associate (joint => sketch%outputs(1)%joints(1))
+            from = end_of_output_arc(loops, set)
+            if (from == 0 .or. from == joint .or. from > size(sketch%joint_name)) return
+            text = "; or as 'pose "//trim(sketch%joint_name(joint))//' '//trim(sketch%joint_name(from))//' '// &
+                   trim(sketch%joint_name(joint))//"', the direction from "//trim(sketch%joint_name(from))//' to '// &
+                   trim(sketch%joint_name(joint))
+         end associate
+      end function pose_of_arc
    end subroutine fill_output
+
+   !> The point at which the output's own line begins; 0: the output is on no arc.
+   pure integer function end_of_output_arc(loops, set) result(point)
+      type(loops_t), intent(in) :: loops
+      type(data_set_t), intent(in) :: set
+      integer :: k
+
+      point = 0
+      do k = 1, size(loops%arcs)
+         if (loops%arcs(k)%loop /= set%noutlp .or. loops%arcs(k)%place /= abs(set%noutlk)) cycle
+         point = loops%arcs(k)%ends(merge(at_start, at_finish, set%noutlk < 0))
+      end do
+   end function end_of_output_arc
 
    !> The joint that is shown of a sketch without outputs.
    pure integer function default_joint(sketch) result(joint)

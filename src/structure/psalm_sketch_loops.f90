@@ -59,6 +59,12 @@ contains
          call dyads_in_order(closure, crank, order)
          do k = 1, size(order)
             call understand(closure, order(k), survey, dyad, valid)
+            if (valid .and. dyad%known(1) == dyad%known(2)) then
+               loops%why = 'a rigid triangle of links '//trim(sketch%links(dyad%known(1))%name)//', '// &
+                           trim(sketch%links(dyad%links(1))%name)//' and '//trim(sketch%links(dyad%links(2))%name)// &
+                           ', which move as one link (draw them as one)'
+               return
+            end if
             if (valid) call close_loop(closure, state, dyad, survey, loops, valid)
             if (.not. valid) then
                loops%why = 'a slide passed against its sense'

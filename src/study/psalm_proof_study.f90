@@ -174,7 +174,7 @@ contains
       end if
       study%empty = .not. from < to
       if (study%empty) return
-      plan = make_plan(problem%mechanism, merge(motion_point, problem%motion, placed), everything=.true., all_roots=.false., &
+      plan = make_plan(problem%mechanism, merge(motion_point, problem%motion, placed), everything=.true., all_roots=.true., &
                        joints=joints)
       call prepare_subject(problem%mechanism, plan, subject, placed)
       call bind_subject(plan, dimensions, subject)

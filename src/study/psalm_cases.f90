@@ -1,6 +1,7 @@
 !> The cases of a file, whichever way their linkages are described: what follows works on loops.
 module psalm_cases
    use psalm_data_set, only: data_set_t, read_data_sets, read_data_set_text
+   use psalm_loop_check, only: check_loops
    use psalm_mark, only: mark_t
    use psalm_sketch_case, only: resolve_sketch
    use psalm_status, only: diagnostics_t
@@ -41,7 +42,34 @@ contains
 
       if (findings%failed()) return
       do i = 1, size(sets)
-         call resolve_sketch(sets(i), findings)
+         if (sets(i)%sketch%given) call resolve(sets(i), findings)
       end do
    end subroutine resolve_all
+
+   !> The loops of a sketch, unless they do not give its joints at the drawing: then it is solved in its poses.
+   subroutine resolve(set, findings)
+      type(data_set_t), intent(inout) :: set
+      type(diagnostics_t), intent(inout) :: findings
+      class(data_set_t), allocatable :: as_read    ! large: it would fill a small stack
+      type(diagnostics_t) :: own
+      character(:), allocatable :: why
+      integer :: i
+
+      own%file = findings%file
+      allocate (as_read, source=set)
+      call resolve_sketch(set, own)
+      why = ''
+      if (.not. own%failed() .and. set%nloop > 0) call check_loops(set, why)
+      if (len(why) > 0) then
+         select type (as_read)
+         type is (data_set_t)
+            set = as_read
+         end select
+         call resolve_sketch(set, findings, why)
+         return
+      end if
+      do i = 1, own%count
+         call findings%add(own%list(i))
+      end do
+   end subroutine resolve
 end module psalm_cases
