@@ -10,7 +10,7 @@ module psalm_chain_group
    use psalm_sketch_names, only: take_name, find_joints, common_link
    use psalm_slide_items, only: read_slides
    use psalm_status, only: diagnostics_t
-   use psalm_text, only: lower_case, to_text
+   use psalm_text, only: lower_case, shortened, to_text
    use psalm_variation_items, only: read_variations
    implicit none (type, external)
    private
@@ -122,7 +122,7 @@ contains
       if (n == 0) call required(group, 'LNK', "lists the joints of each link, the frame first: LNK='A D','A B','B C','C D'")
       allocate (sketch%links(n), taken(0))
       if (size(names) > 0 .and. size(names) /= n .and. n > 0) then
-         call out_of(group, 'LNAME', 'names '//to_text(size(names))//' links, but LNK lists '//to_text(n), findings, size(names))
+         call miscounted()
          names = names(:0)
       end if
       do i = 1, n
@@ -155,6 +155,25 @@ contains
             'joint '//trim(sketch%joint_name(j))//' belongs to no link; add it to a link of LNK or leave '// &
                      'it out', findings, j)
       end do
+
+   contains
+
+      !> More or fewer names than links: what may have been forgotten.
+      subroutine miscounted()
+         character(:), allocatable :: text
+
+         text = 'names '//to_text(size(names))//' links, but LNK lists '//to_text(n)
+         if (size(names) == n + 1) then
+            text = text//"; each name needs an entry of LNK with the link's joints, the frame ("//trim(names(1))// &
+                   ') first: are the joints of one link missing there?'
+         else if (size(names) > n) then
+            text = text//"; each name needs an entry of LNK with the link's joints, the frame first"
+         else
+            text = text//"; the link of joints '"//shortened(trim(lists(size(names) + 1)))//"' has no name: name it, or "// &
+                   'leave it out if the others hold the linkage without it'
+         end if
+         call out_of(group, 'LNAME', text, findings, size(names))
+      end subroutine miscounted
    end subroutine read_links
 
    !> Exact lengths, where the drawing is rough.

@@ -2,10 +2,11 @@
 module psalm_drives_group
    use psalm_group, only: group_t, out_of, required
    use psalm_kinds, only: wp
-   use psalm_sketch, only: sketch_t, link_t, sketch_name, drive_turns, drive_slides, drive_stretches
+   use psalm_sketch, only: sketch_t, link_t, drive_t, sketch_name, frame_link, drive_turns, drive_slides, &
+                           drive_stretches
    use psalm_sketch_names, only: word_room, find_joints, meant, slide_names, words_of, link_named, common_link
    use psalm_status, only: diagnostics_t
-   use psalm_text, only: shortened, to_text
+   use psalm_text, only: lower_case, shortened, to_text
    implicit none (type, external)
    private
    public :: read_drives_group
@@ -53,9 +54,7 @@ contains
                else if (drive%joint > 0) then
                   drive%kind = drive_turns
                else
-                  call out_of(group, 'DRIVE', "no joint or slide is called '"//trim(words(1))//"'"// &
-                              meant(trim(words(1)), [character(sketch_name) :: sketch%joint_name, slide_names(sketch)]), &
-                                 findings, i)
+                  call unknown_drive(trim(words(1)))
                   cycle
                end if
                call find_links(valid)
@@ -214,6 +213,14 @@ contains
                   if (drive%link == 0) return
                end if
             end if
+            ! a link that is not there would make the other one, which is found from it, no link at all
+            if (drive%base > 0 .and. all(at /= drive%base)) then
+               call not_there('DBASE', drive%base, at)
+               return
+            else if (drive%link > 0 .and. all(at /= drive%link)) then
+               call not_there('DLINK', drive%link, at)
+               return
+            end if
             if (size(at) == 2) then
                if (drive%base == 0 .and. drive%link == 0) drive%base = minval(at)
                if (drive%base == 0) drive%base = sum(at) - drive%link
@@ -223,26 +230,75 @@ contains
                            ' links; say with DBASE and DLINK which of them the drive acts between', findings, i)
                return
             end if
-            if (all(at /= drive%base)) then
-               call not_there('DBASE', drive%base)
-            else if (all(at /= drive%link)) then
-               call not_there('DLINK', drive%link)
-            else if (drive%base == drive%link) then
+            if (drive%base == drive%link) then
                call out_of(group, 'DLINK', 'drive '//trim(drive%name)//' has link '//trim(sketch%links(drive%link)%name)// &
                            ' on both sides', findings, i)
             else
                valid = .true.
+               call doubt_crank(drive)
             end if
          end associate
       end subroutine find_links
 
-      subroutine not_there(item, link)
+      subroutine not_there(item, link, at)
          character(*), intent(in) :: item
          integer, intent(in) :: link
+         integer, intent(in) :: at(:)         !! links that are there
+         character(:), allocatable :: names
+         integer :: k
 
-         call out_of(group, item, 'link '//trim(sketch%links(link)%name)//' has no part in '//trim(sketch%drives(i)%name)// &
-                     ', which the drive acts at', findings, i)
+         names = trim(sketch%links(at(1))%name)
+         do k = 2, size(at)
+            names = names//trim(merge(' and', ',   ', k == size(at)))//' '//trim(sketch%links(at(k))%name)
+         end do
+         call out_of(group, item, 'link '//trim(sketch%links(link)%name)//' is not at '// &
+                     trim(merge('slide', 'joint', sketch%drives(i)%kind == drive_slides))//' '//trim(sketch%drives(i)%name)// &
+                     '; the links there are '//names, findings, i)
       end subroutine not_there
+
+      !> No joint or slide has this name. Where it is that of a link, the joint or slide of that link is meant.
+      subroutine unknown_drive(name)
+         character(*), intent(in) :: name
+         integer :: link, k
+
+         link = sketch%link_called(name)
+         if (link == 0) then
+            call out_of(group, 'DRIVE', "no joint or slide is called '"//name//"'"// &
+                        meant(name, [character(sketch_name) :: sketch%joint_name, slide_names(sketch)]), findings, i)
+            return
+         end if
+         do k = 1, size(sketch%links(link)%joints)
+            if (.not. sketch%has_joint(frame_link, sketch%links(link)%joints(k))) cycle
+            call out_of(group, 'DRIVE', "'"//name//"' is a link; a link is driven at a joint, here DRIVE='"// &
+                        trim(sketch%joint_name(sketch%links(link)%joints(k)))//"'", findings, i)
+            return
+         end do
+         do k = 1, size(sketch%slides)
+            if (all(sketch%slides(k)%links /= link)) cycle
+            call out_of(group, 'DRIVE', "'"//name//"' is a link; a link is driven at a slide, here DRIVE='"// &
+                        trim(sketch%slides(k)%name)//"'", findings, i)
+            return
+         end do
+         call out_of(group, 'DRIVE', "'"//name//"' is a link; name the joint or slide that moves it", findings, i)
+      end subroutine unknown_drive
+
+      !> A link that is called crank, at the pivot that is driven but not moved by the drive: LNK may begin with another link than
+      !> the frame, and then every name belongs to the next link.
+      subroutine doubt_crank(drive)
+         type(drive_t), intent(in) :: drive
+         integer :: crank
+
+         if (i > 1 .or. drive%kind /= drive_turns) return
+         do crank = 1, size(sketch%links)
+            if (lower_case(trim(sketch%links(crank)%name)) /= 'crank') cycle
+            if (any([drive%base, drive%link] == crank)) return
+            call findings%warning('drive '//trim(drive%name)//' turns link '//trim(sketch%links(drive%link)%name)// &
+                                  ' against '//trim(sketch%links(drive%base)%name)//', not the link called '// &
+                                  trim(sketch%links(crank)%name)//': is the frame the first link of LNK?', &
+                                  line=group%item_line('DRIVE'), group='DRIVES', item='DRIVE')
+            return
+         end do
+      end subroutine doubt_crank
 
       !> A link of two joints whose length is driven.
       subroutine add_cylinder(valid)

@@ -5,7 +5,7 @@ module psalm_search_group
    use psalm_solver_kind, only: solver_kind_t, find_solver, solver_names, default_solver, plain_name, &
                                 family_simplex, family_least_squares, family_unknown
    use psalm_status, only: diagnostics_t
-   use psalm_text, only: nearest_name, upper_case
+   use psalm_text, only: edit_distance, nearest_name, shortened, to_text, upper_case
    implicit none (type, external)
    private
    public :: search_group_t, read_search_group, most_search_threads
@@ -115,18 +115,27 @@ contains
    contains
 
       subroutine unknown_solver()
-         character(:), allocatable :: near, all_names
-         integer :: i
+         integer, parameter :: most_told = 6 ! of more than forty
+         character(:), allocatable :: near, others, written
+         integer, allocatable :: distance(:)
+         integer :: i, next
 
+         written = plain_name(name)
          associate (names => solver_names())
-            all_names = trim(names(1))
-            do i = 2, size(names)
-               all_names = all_names//', '//trim(names(i))
+            near = nearest_name(written, names)
+            distance = [(edit_distance(written, trim(names(i))), i=1, size(names))]
+            others = ''
+            do i = 1, most_told
+               next = minloc(distance, dim=1)
+               distance(next) = huge(1)
+               if (names(next) == near) cycle
+               others = others//', '//trim(names(next))
             end do
-            near = nearest_name(plain_name(name), names)
+            if (len(near) > 0) near = "did you mean '"//near//"'? "
+            call out_of(group, 'SOLVER', "no solver is called '"//shortened(written)//"'; "//near//'Others with like names are '// &
+                        others(3:)//'; usual ones are LSQ, SIMPLEX, LD_SLSQP and LN_COBYLA; the manual lists all '// &
+                        to_text(size(names)), findings)
          end associate
-         if (len(near) > 0) near = "did you mean '"//near//"'? "
-         call out_of(group, 'SOLVER', "no solver is called '"//plain_name(name)//"'; "//near//'There are '//all_names, findings)
       end subroutine unknown_solver
 
       subroutine other_solver(item)
