@@ -6,7 +6,8 @@ program kalm
    use psalm_case_table, only: report_case_table
    use psalm_chain_force_study, only: find_chain_forces
    use psalm_chain_proof_study, only: chain_proof_t, study_chain_proof
-   use psalm_chain_report, only: report_chain, report_chain_proof, report_chain_table
+   use psalm_chain_report, only: report_chain, report_chain_proof, report_chain_table, &
+                                 report_still_drives, report_unreached
    use psalm_chain_study, only: chain_study_t, study_chain
    use psalm_data_set, only: data_set_t
    use psalm_devices, only: devices_t, header_of
@@ -80,11 +81,12 @@ contains
       type(machine_study_t), allocatable :: machine
       type(proof_study_t), allocatable :: proof
       type(summary_t) :: summary
+      logical, allocatable :: reached(:)          ! positions of a sketch that are reached from the drawing
 
       associate (unused => stopped, also_unused => number)
       end associate
       if (allocated(set%no_loops)) then
-         call run_sketch(set, devices)
+         call run_sketch(set, devices, reached)
          return
       end if
       allocate (problem, rates)
@@ -100,13 +102,14 @@ contains
          end if
       end if
       if (set%sketch%given) then
-         call run_sketch(set, devices)
+         call run_sketch(set, devices, reached)
       else if (arguments%json) then
          call report_case_table(set, problem, rates%motion, devices, rates)
       end if
       if (allocated(forces) .and. (set%sketch%given .or. arguments%json)) &
          call add_force_columns(forces, devices%tables(size(devices%tables)))
       call report_rates(set, problem, rates, devices, forces, machine)
+      if (allocated(reached)) call report_unreached(set, reached, rates%motion%closed, devices)
       if (proof_wanted(set, .false.) /= no_proof) then
          allocate (proof)
          call study_proof(set, problem, prepared%given, proof_wanted(set, .false.), proof)
@@ -114,13 +117,18 @@ contains
       end if
       if (arguments%quiet .or. devices%summarised == most_summarised) return
       call summarise(problem, prepared%given, rates%motion, summary)
-      call report_summary(set, summary, devices)
+      if (allocated(reached)) then
+         call report_summary(set, summary, devices, reached)
+      else
+         call report_summary(set, summary, devices)
+      end if
    end subroutine run_case
 
    !> All outputs and joints of a sketch with their rates; one without loops has nothing else.
-   subroutine run_sketch(set, devices)
+   subroutine run_sketch(set, devices, reached)
       type(data_set_t), intent(in) :: set
       type(devices_t), intent(inout) :: devices
+      logical, allocatable, intent(out) :: reached(:) !! shape (positions): the table has values
       type(chain_study_t), allocatable :: study
       type(chain_proof_t), allocatable :: proof
       type(force_study_t), allocatable :: forces     ! an absent argument unless the case asks for them
@@ -129,6 +137,8 @@ contains
       allocate (study)
       call study_chain(set, set%speed, set%accel, study)
       call report_chain_table(set, study, accelerations, devices)
+      reached = study%motion%closed
+      call report_still_drives(set, devices)
       if (.not. allocated(set%no_loops)) return
       if (forces_wanted(set)) then
          allocate (forces)

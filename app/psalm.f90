@@ -7,7 +7,8 @@ program psalm
    use psalm_analysis, only: analysis_t, wanted_t, analyse, wanted_by
    use psalm_case_table, only: report_case_table
    use psalm_chain_proof_study, only: chain_proof_t, study_chain_proof
-   use psalm_chain_report, only: report_chain, report_chain_proof, report_chain_table
+   use psalm_chain_report, only: report_chain, report_chain_proof, report_chain_table, &
+                                 report_unreached
    use psalm_chain_search_list, only: report_chain_search
    use psalm_chain_synthesis, only: chain_synthesis_t, synthesise_chain
    use psalm_chain_study, only: chain_study_t, study_chain
@@ -130,6 +131,7 @@ contains
       type(dimensions_t) :: dimensions
       type(wanted_t) :: wanted
       type(search_log_t) :: log
+      logical, allocatable :: reached(:)  ! positions of a sketch that are reached from the drawing
       integer :: threads
 
       associate (unused => number)
@@ -139,7 +141,7 @@ contains
          stopped = signals%asked()
          return
       end if
-      if (set%sketch%given .and. .not. set%wants_search()) call run_sketch(set, devices)
+      if (set%sketch%given .and. .not. set%wants_search()) call run_sketch(set, devices, reached=reached)
       if (allocated(set%no_loops)) then
          if (set%wants_search()) call run_chain_search(set, devices, monitor)
          if (set%sweep%given) call run_family(set, prepared%mechanism, prepared%given, devices)
@@ -191,7 +193,12 @@ contains
          call report_proof(set, proof, devices)
       end if
       call report_violations(set, problem, analysis, devices)
-      if (allocated(analysis%summary)) call report_summary(set, analysis%summary, devices)
+      if (allocated(reached)) then
+         call report_unreached(set, reached, analysis%motion%closed, devices)
+         if (allocated(analysis%summary)) call report_summary(set, analysis%summary, devices, reached)
+      else
+         if (allocated(analysis%summary)) call report_summary(set, analysis%summary, devices)
+      end if
       if (arguments%assemblies) call run_assemblies(set, devices)
       call mark_beyond(devices%published, devices%six)
       if (monitor%active) call write_standard_error(nl)
@@ -251,10 +258,11 @@ contains
    end subroutine run_assemblies
 
    !> All outputs and joints of a sketch; one without loops has nothing else.
-   subroutine run_sketch(set, devices, searched)
+   subroutine run_sketch(set, devices, searched, reached)
       type(data_set_t), intent(in) :: set
       type(devices_t), intent(inout) :: devices
       logical, intent(in), optional :: searched      !! it is the result of a search
+      logical, allocatable, intent(out), optional :: reached(:) !! shape (positions): the table has values
       type(chain_study_t), allocatable :: study
       type(chain_proof_t), allocatable :: proof
       integer :: range
@@ -262,6 +270,7 @@ contains
       allocate (study)
       call study_chain(set, 1.0_wp, 0.0_wp, study)
       call report_chain_table(set, study, 0, devices)
+      if (present(reached)) reached = study%motion%closed
       if (.not. allocated(set%no_loops)) return
       call report_chain('PSALM', set, study, 0, devices)
       range = proof_wanted(set, present(searched))

@@ -1,12 +1,15 @@
 !> The cases of a file become scenes: what pictures show. Source: Oldham (1977), section 15.1.
 module psalm_picture_study
+   use psalm_chain_report, only: unreached_words
    use psalm_chain_scene, only: make_chain_scene
+   use psalm_chain_study, only: chain_study_t, study_chain
    use psalm_clearance_scene, only: clearance_scene_t, make_clearance_scene
    use psalm_data_set, only: data_set_t, bytes_of_position
    use psalm_devices, only: most_told
    use psalm_error, only: problem_t, motion_t, make_problem
    use psalm_exact_study, only: check_exact, leaves_curves
    use psalm_finale, only: describe_violation
+   use psalm_kinds, only: wp
    use psalm_markup, only: strings_t, add_string
    use psalm_pole_scene, only: pole_scene_t, make_pole_scene, poses_drawn
    use psalm_preparation, only: demand_t, prepared_t, prepare
@@ -89,6 +92,7 @@ contains
             if (cases(k)%scene%sound) call add_curves(each, prepared%mechanism, prepared%given, prepared%parameters, cases(k)%scene)
             if (each%vibration%given .and. cases(k)%scene%sound) call add_vibration(each, prepared, cases(k)%scene)
             if (each%clearance%given .and. cases(k)%scene%sound) call add_clearance(each, prepared, cases(k)%scene)
+            if (each%sketch%given .and. cases(k)%scene%sound) call add_unreached(each, cases(k)%scene)
             if (each%ndes < sets(k)%ndes) call look_at_all_positions(sets(k), prepared, cases(k)%undrawn)
          else
             call message_scene(each, own, cases(k)%scene)
@@ -119,6 +123,20 @@ contains
          if (findings%count > 0) list = findings%list(:findings%count)
       end function finding_list
    end subroutine make_scenes
+
+   !> A sketch of dyads is drawn by its loops: positions at which they close but which are not reached from the drawing.
+   subroutine add_unreached(set, scene)
+      type(data_set_t), intent(in) :: set
+      type(scene_t), intent(inout) :: scene
+      type(chain_study_t), allocatable :: study
+
+      allocate (study)
+      call study_chain(set, 1.0_wp, 0.0_wp, study)
+      if (.not. study%sound) return
+      if (size(scene%prescribed%closed) /= size(study%motion%closed)) return
+      if (any(scene%prescribed%closed .and. .not. study%motion%closed)) &
+         call add_string(scene%breaches, unreached_words(study%motion%closed, scene%prescribed%closed))
+   end subroutine add_unreached
 
    !> The curves of four poses; whatever else &EXACT asks for is linkages, which psalm finds.
    subroutine add_poles(set, noted, case)

@@ -54,6 +54,7 @@ contains
       type(row_t), intent(out) :: row
       type(motion_t) :: motion, points
       integer :: block, offset, n, i, k, joints, loops
+      integer, allocatable :: undetermined(:)   ! by position: a loop of whose dyad the outer joints coincide
 
       call own%analyse(dimensions, motion)
       row%n = own%positions
@@ -87,10 +88,12 @@ contains
       allocate (row%known(joints, row%n), row%sound(loops, row%n), row%broken(loops, row%n), source=.false.)
       allocate (row%ux(size(slides), row%n), row%uy(size(slides), row%n), source=0.0_wp)
       allocate (row%tip(4, loops, row%n), row%angle(loops, row%n), source=0.0_wp)
+      allocate (undetermined(row%n))
+      call whole%find_undetermined(undetermined)
       do block = 1, whole%blocks()
          call whole%solve_block(block, offset, n)
          do i = 1, n
-            call place_joints(whole, slides, i, offset + i, row)
+            call place_joints(whole, slides, i, offset + i, undetermined(offset + i), row)
          end do
       end do
       do k = 1, row%n
@@ -99,10 +102,11 @@ contains
    end subroutine trace_row
 
    !> Joints in the order of the mechanism's points: each from one before it.
-   subroutine place_joints(problem, slides, i, k, row)
+   subroutine place_joints(problem, slides, i, k, undetermined, row)
       type(problem_t), intent(in) :: problem
       type(slide_t), intent(in) :: slides(:)
       integer, intent(in) :: i, k       !! position of the block, of the row
+      integer, intent(in) :: undetermined !! a loop without directions at this position, 0: none
       type(row_t), intent(inout) :: row
       integer :: j, loop, p, q, s, start, finish
       real(wp) :: x, y, length
@@ -121,7 +125,7 @@ contains
                row%broken(loop, k) = row%known(start, k) .and. row%known(finish, k) .and. &
                                      is_known(problem, p, loop, row%sound(:, k)) .and. is_known(problem, q, loop, row%sound(:, k))
                if (row%broken(loop, k)) then
-                  row%sound(loop, k) = problem%linkage%closes(i, loop)
+                  row%sound(loop, k) = problem%linkage%closes(i, loop) .and. undetermined /= loop
                   row%broken(loop, k) = .not. row%sound(loop, k)
                end if
                row%known(j, k) = row%sound(loop, k)

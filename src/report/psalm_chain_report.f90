@@ -14,7 +14,8 @@ module psalm_chain_report
    use psalm_text, only: general, lower_case, to_text
    implicit none (type, external)
    private
-   public :: report_chain, report_chain_table, report_chain_proof
+   public :: report_chain, report_chain_table, report_chain_proof, report_unreached, report_still_drives, &
+             unreached_words
 
 contains
 
@@ -81,6 +82,45 @@ contains
                                   number(maxval(study%values(n, 0, :), mask=study%motion%closed)))
       end do
    end subroutine report_chain
+
+   !> Positions at which the loops close but which the linkage does not come to from the drawing: the table (CSV) has no values.
+   subroutine report_unreached(set, reached, closed, devices)
+      type(data_set_t), intent(in) :: set
+      logical, intent(in) :: reached(:)       !! shape (positions), in the poses
+      logical, intent(in) :: closed(:)        !! shape (positions), of the loops
+      type(devices_t), intent(inout) :: devices
+
+      if (all(reached)) return
+      call devices%note_violation()
+      if (any(closed .and. .not. reached)) call devices%remark(set, unreached_words(reached, closed))
+   end subroutine report_unreached
+
+   !> Which positions close but are not reached, in words.
+   pure function unreached_words(reached, closed) result(words)
+      logical, intent(in) :: reached(:), closed(:)   !! shape (positions)
+      character(:), allocatable :: words
+
+      words = 'at '//to_text(count(closed .and. .not. reached))//' of '//to_text(size(closed))//' positions, first position '// &
+              to_text(findloc(closed .and. .not. reached, .true., dim=1))//', the links can be put together, but the linkage '// &
+              'does not come there from the drawing without passing a dead point (closed is 0 in the table)'
+   end function unreached_words
+
+   !> Drives that change from position to position, but whose speed is 0: velocities and forces are those of a drive at rest.
+   subroutine report_still_drives(set, devices)
+      type(data_set_t), intent(in) :: set
+      type(devices_t), intent(inout) :: devices
+      integer :: d
+
+      do d = 2, size(set%sketch%drives)
+         associate (drive => set%sketch%drives(d))
+            if (drive%geared .or. .not. allocated(drive%delt)) cycle
+            if (abs(drive%speed) > 0.0_wp .or. abs(drive%accel) > 0.0_wp) cycle
+            if (maxval(drive%delt) <= minval(drive%delt)) cycle
+            call devices%remark(set, 'drive '//trim(drive%name)//' stands still in the velocities and forces: its DSPEED of '// &
+                                '&DRIVES is 0, though DELT'//to_text(d)//' changes')
+         end associate
+      end do
+   end subroutine report_still_drives
 
    !> What is proven of the motion: listing, device 9, remarks and exit status.
    subroutine report_chain_proof(set, study, proof, devices)

@@ -9,6 +9,7 @@ module psalm_finale
                          violation_angle_large, violation_undetermined, violation_slides, violation_toggle
    use psalm_dyad_kind, only: assur_rpr, assur_rpr_guide_first, form_of, form_t
    use psalm_error, only: problem_t, motion_t, violation_t, crossing_t
+   use psalm_input_text, only: list_sketch_notes
    use psalm_kinds, only: wp, full_turn
    use psalm_output_kind, only: motion_point, motion_angle, motion_distance, motion_pose, most_rates
    use psalm_plan, only: root_frame
@@ -37,6 +38,7 @@ contains
 
       call text%add(' '//set%title)
       call text%add()
+      call list_sketch_notes(set, text)
       call list_dimensions(set, problem%mechanism, dimensions, text)
       call list_reference(problem%mechanism, dimensions%crnki, text)
       call text%add(' POLAR CO-ORDINATES (LENGTH, ANGLE) OF')

@@ -4,7 +4,8 @@ module psalm_force_report
    use psalm_devices, only: devices_t, most_told
    use psalm_force_list, only: list_forces, list_joint_forces, list_shares, trouble_at
    use psalm_force_study, only: force_study_t
-   use psalm_text, only: general, to_text
+   use psalm_input_text, only: position_words
+   use psalm_text, only: to_text
    implicit none (type, external)
    private
    public :: report_forces
@@ -25,15 +26,15 @@ contains
       if (.not. forces%all_known()) call devices%note_violation()
       resting = pack([(k, k=1, size(forces%input))], [(forces%table%at_rest(k) .and. forces%table%known(k), &
                                                        k=1, size(forces%input))])
-      if (size(resting) > 0) call devices%remark(set, 'at '//to_text(size(resting))//' positions, first at input '// &
-                                                 trim(adjustl(general(forces%input(resting(1)))))// &
+      if (size(resting) > 0) call devices%remark(set, 'at '//to_text(size(resting))//' positions, first at '// &
+                                                 position_words(set, resting(1), forces%input(resting(1)))// &
                                                  ', a joint with friction does not move and has none')
       told = 0
       do k = 1, size(forces%input)
          if (forces%table%known(k) .or. .not. forces%table%closed(k)) cycle   ! what is open is told with the rates
          told = told + 1
-         if (told <= most_told) call devices%remark(set, trouble_at(forces, k)//' at position '//to_text(k)// &
-                                                    ', input '//trim(adjustl(general(forces%input(k)))))
+         if (told <= most_told) call devices%remark(set, trouble_at(forces, k)//' at '// &
+                                                    position_words(set, k, forces%input(k)))
       end do
       if (told > most_told) call devices%detail(set, 'and '//to_text(told - most_told)//' more positions without forces')
    end subroutine report_forces

@@ -6,6 +6,7 @@ module psalm_rate_list
    use psalm_finale, only: angle_text
    use psalm_force_list, only: force_names_line, force_values_line
    use psalm_force_study, only: force_study_t
+   use psalm_input_text, only: list_sketch_notes
    use psalm_kinds, only: wp
    use psalm_output_kind, only: motion_point, motion_pose
    use psalm_rate_study, only: rate_study_t, arc_rates_t, output_at_origin, highest_order
@@ -84,6 +85,7 @@ contains
 
       call text%add(' '//set%title)
       call text%add()
+      call list_sketch_notes(set, text)
       line = trim(merge('LENGTH/S', 'RAD/S   ', problem%mechanism%sliding_input))
       name = ''
       if (.not. set%rates_given) then

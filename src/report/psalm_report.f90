@@ -11,6 +11,7 @@ module psalm_report
    use psalm_finale, only: list_results, describe_violation, describe_crossing
    use psalm_force_report, only: report_forces
    use psalm_force_study, only: force_study_t
+   use psalm_input_text, only: position_words, zero_words
    use psalm_kinds, only: wp
    use psalm_machine_list, only: list_machine, cycle_words
    use psalm_machine_study, only: machine_study_t
@@ -314,21 +315,46 @@ contains
 
       if (.not. all(motion%closed)) call devices%remark(set, 'the linkage does not close at '// &
          to_text(count(.not. motion%closed))//' of '//to_text(size(motion%closed))//' positions')
+      if (size(motion%violations) > 0 .and. len(zero_words(set)) > 0) call devices%detail(set, zero_words(set))
       do i = 1, min(size(motion%violations), most_told)
          call devices%detail(set, describe_violation(problem, motion, motion%violations(i)))
       end do
    end subroutine report_open
 
    !> What the linkage does over the range of its input, in words, for the first cases of a file.
-   subroutine report_summary(set, summary, devices)
+   subroutine report_summary(set, summary, devices, reached)
       type(data_set_t), intent(in) :: set
       type(summary_t), intent(in) :: summary
       type(devices_t), intent(inout) :: devices
+      logical, intent(in), optional :: reached(:)  !! positions of a sketch that are reached from the drawing
+      character(:), allocatable :: special
 
       devices%summarised = devices%summarised + 1
-      call write_summary(set%title, summary, devices%summary)
+      special = ''
+      if (allocated(set%stand_in)) special = 'joint '//set%stand_in//', for '//trim(set%sketch%outputs(1)%name)// &
+                                             ' is in the table (CSV) only'
+      if (present(reached)) then
+         call write_summary(set%title, summary, devices%summary, zero_words(set), special, count(reached), size(reached), &
+                            coincident_words())
+      else
+         call write_summary(set%title, summary, devices%summary, zero_words(set), special, coincident=coincident_words())
+      end if
       if (devices%summarised == most_summarised .and. set%last == 0) &
          call devices%summary%add('Further cases of the file are not summarised')
+
+   contains
+
+      !> The outer joints of the dyad that is undetermined, by name if they have names.
+      function coincident_words() result(words)
+         character(:), allocatable :: words
+
+         words = 'the outer joints of loop '//to_text(summary%undetermined_loop)
+         if (summary%undetermined_loop == 0 .or. .not. allocated(set%end_names)) return
+         associate (first => set%end_names(1, summary%undetermined_arcs(1), summary%undetermined_loop), &
+                    second => set%end_names(2, summary%undetermined_arcs(2), summary%undetermined_loop))
+            if (len_trim(first) > 0 .and. len_trim(second) > 0) words = 'joints '//trim(first)//' and '//trim(second)
+         end associate
+      end function coincident_words
    end subroutine report_summary
 
    !> What is proven of the motion over the range of the input: listing, device 9, remarks and exit status.
@@ -404,8 +430,8 @@ contains
       do k = 1, size(rates%dead)
          if (rates%dead(k) == 0 .or. .not. rates%motion%closed(k)) cycle
          told = told + 1
-         if (told <= most_told) call devices%remark(set, lower_case(dead_words(rates%dead(k)))//' at position '//to_text(k)// &
-                                                    ', input '//trim(adjustl(general(rates%motion%input(k)))))
+         if (told <= most_told) call devices%remark(set, lower_case(dead_words(rates%dead(k)))//' at '// &
+                                                    position_words(set, k, rates%motion%input(k)))
       end do
       if (told > most_told) call devices%detail(set, 'and '//to_text(told - most_told)//' more dead points')
    end subroutine report_rates

@@ -1,4 +1,4 @@
-!> The summary of a run in words, for standard error: a title and at most eleven lines a case.
+!> The summary of a run in words, for standard error: a title and at most fourteen lines a case.
 module psalm_summary_text
    use psalm_kinds, only: wp, dp
    use psalm_output_kind, only: motion_point, motion_angle, motion_distance, most_rates
@@ -17,21 +17,41 @@ module psalm_summary_text
 contains
 
    !> Append the summary of a case.
-   subroutine write_summary(title, summary, text)
+   subroutine write_summary(title, summary, text, zero, special, reached, positions, coincident)
       character(*), intent(in) :: title
       type(summary_t), intent(in) :: summary
       type(text_t), intent(inout) :: text
+      character(*), intent(in), optional :: zero           !! from where the inputs count; empty: as always
+      character(*), intent(in), optional :: special        !! what is shown for want of the output; empty: the output is
+      character(*), intent(in), optional :: coincident     !! the joints that coincide where the linkage is undetermined
+      integer, intent(in), optional :: reached, positions  !! of a sketch: positions that are reached from the drawing, of so many
       character(*), parameter :: labels(most_rates) = [character(label_columns) :: 'First derivative', 'Second derivative']
+      character(:), allocatable :: words
       integer :: order
 
       call text%add(trim(adjustl(title)))
-      call add_line('Closes', closing_words(summary), text)
+      words = closing_words(summary)
+      if (present(reached) .and. present(positions)) then
+         if (reached < positions .and. summary%everywhere) words = ''
+         if (reached < positions) words = words//trim(merge('; ', '  ', len(words) > 0))//' '//to_text(reached)//' of '// &
+                                          to_text(positions)//' positions are reached from the drawing'
+      end if
+      call add_line('Closes', trim(adjustl(words)), text)
+      if (present(zero)) then
+         if (len(zero) > 0) call add_line('Inputs', zero(len('inputs here ') + 1:), text)
+      end if
+      if (summary%undetermined_loop > 0 .and. present(coincident)) call add_line('Undetermined', 'from input '// &
+         plain_number(summary%undetermined%low)//' to '//plain_number(summary%undetermined%high)//': '//coincident//' coincide', &
+                                                                                 text)
       if (size(summary%kinds) > 0) call add_line('Kind', kind_words(summary%kinds), text)
       if (summary%partial) call add_line('Prescribed', 'from input '//range_words(summary%prescribed)// &
                                          '; what follows is over this range', text)
       if (size(summary%closing) > 0) then
          if (summary%angle_loop > 0) call add_line('Transmission angle', 'at least '//plain_number(summary%angle)// &
             ' degrees, in loop '//to_text(summary%angle_loop)//' at input '//plain_number(summary%angle_input), text)
+         if (present(special)) then
+            if (len(special) > 0) call add_line('Output', special, text)
+         end if
          call add_output(summary, text)
          if (size(summary%reverses) > 0) call add_line('Dead points', 'the output reverses at '// &
                                                        listed(summary%reverses), text)

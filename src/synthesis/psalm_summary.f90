@@ -66,6 +66,9 @@ module psalm_summary
       integer :: motion = motion_point                !! MOTION: what the output is
       logical :: everywhere = .false.                 !! closes over the whole turn, or the whole range of a sliding input
       type(span_t), allocatable :: closing(:)         !! inputs from .. to, in the direction of the sweep
+      integer :: undetermined_loop = 0                !! loop of a dyad whose outer joints coincide over a range, 0: none
+      integer :: undetermined_arcs(2) = 0             !! places of its arcs in that loop
+      type(span_t) :: undetermined                    !! the first such range of inputs
       logical :: partial = .false.                    !! angle, output and dead points are those over the prescribed inputs only
       type(span_t) :: prescribed                      !! these inputs
       logical :: unbounded = .false.                  !! the output runs to infinity
@@ -140,24 +143,79 @@ contains
          logical, intent(in) :: turn        !! the row is a full turn: its end is its beginning
          type(summary_t), intent(inout) :: found
          real(wp), allocatable :: all_inputs(:)
+         integer, allocatable :: loops(:)   !! by input: the loop that is undetermined there
 
          allocate (found%reverses(0), found%closing(0))
          call prepare_station(plain, row, .false., none, .false., fine)
          call prepare_station(plain, row(:steps_of_lens + 1), .false., none, .false., lens)
-         call evaluate_station(fine, dimensions)
+         call look(fine, dimensions, loops)
          call least_angle(fine, lens, dimensions, found, gaps)
          if (size(gaps) > 0) then
             all_inputs = row
             call insert(gaps, all_inputs)
             call prepare_station(plain, all_inputs, .false., none, .false., fine)
-            call evaluate_station(fine, dimensions)
+            call look(fine, dimensions, loops)
             do i = 1, size(gaps)
                where (abs(all_inputs - gaps(i)) <= 0.0_wp) fine%closed = .false.
             end do
          end if
+         if (any(loops > 0)) call note_undetermined(fine, dimensions, loops, turn, found)
          call follow(fine, lens, dimensions, turn, found)
+         if (found%undetermined_loop > 0) call meet_ends(found)
       end subroutine sweep
    end subroutine summarise
+
+   !> See where it closes. Where the outer joints of a dyad coincide it does not: rounding would decide from step to step.
+   subroutine look(station, dimensions, loops)
+      type(station_t), intent(inout) :: station
+      type(dimensions_t), intent(in) :: dimensions
+      integer, allocatable, intent(out) :: loops(:) !! by position: the loop that is undetermined, 0: none
+
+      call evaluate_station(station, dimensions)
+      allocate (loops(size(station%closed)))
+      call station%problem%find_undetermined(loops)
+      station%closed = station%closed .and. loops == 0
+   end subroutine look
+
+   !> The first range of the sweep that is undetermined; of a turn it may begin before the end and go on at the beginning.
+   subroutine note_undetermined(fine, dimensions, loops, turn, summary)
+      type(station_t), intent(in) :: fine
+      type(dimensions_t), intent(in) :: dimensions
+      integer, intent(in) :: loops(:)
+      logical, intent(in) :: turn
+      type(summary_t), intent(inout) :: summary
+      integer :: n, begin, last, i
+
+      n = size(loops)
+      begin = findloc(loops > 0, .true., dim=1)
+      if (begin == 1 .and. turn .and. any(loops == 0)) &
+         begin = modulo(findloc(loops(:n - 1) > 0, .false., dim=1, back=.true.), n - 1) + 1
+      last = begin
+      do while (loops(modulo(last, n) + 1) > 0 .and. last < 2*n)
+         if (.not. turn .and. last == n) exit
+         last = last + 1
+      end do
+      last = modulo(last - 1, n) + 1
+      summary%undetermined_loop = loops(begin)
+      summary%undetermined_arcs = [(fine%problem%mechanism%place(i, loops(begin)), i=1, 2)]
+      summary%undetermined = span_t(input_of(fine%problem, dimensions, fine%problem%delt(begin)), &
+                                    input_of(fine%problem, dimensions, fine%problem%delt(last)))
+   end subroutine note_undetermined
+
+   !> An undetermined range begins and ends where a range that closes does.
+   pure subroutine meet_ends(summary)
+      type(summary_t), intent(inout) :: summary
+      real(wp), parameter :: step = full_turn/real(steps, wp)
+      integer :: i
+
+      if (summary%sliding_input) return
+      do i = 1, size(summary%closing)
+         associate (closing => summary%closing(i), range => summary%undetermined)
+            if (abs(nearest_difference(range%low, closing%high)) <= step) range%low = closing%high
+            if (abs(nearest_difference(range%high, closing%low)) <= step) range%high = closing%low
+         end associate
+      end do
+   end subroutine meet_ends
 
    !> Root mean square and largest error; of points their distance.
    pure subroutine errors(problem, motion, summary)
@@ -457,11 +515,16 @@ contains
          real(wp), intent(in) :: open, value
          real(wp), intent(inout) :: closed
          real(wp) :: beyond
-         integer :: round, j
+         logical :: undetermined         ! beyond the end joints coincide
+         integer :: round, j, loops(steps_of_lens + 1)
 
+         undetermined = .false.
          beyond = open
          do round = 1, lenses
             call aim(lens, dimensions, fine, closed, beyond)
+            call lens%problem%find_undetermined(loops)
+            if (round == 1) undetermined = loops(size(loops)) > 0
+            if (undetermined) lens%closed = lens%closed .and. loops == 0
             do j = 1, steps_of_lens
                if (.not. lens%closed(j + 1)) exit
             end do
