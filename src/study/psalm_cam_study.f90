@@ -359,8 +359,17 @@ contains
          return
       end if
       if (cam%speed > 0.0_wp) then
-         call complain(set, part%cam, 'CAMRPM', 'forces take dyads and one drive on the frame, with the follower on an '// &
-                       'arc', findings)
+         if (allocated(set%no_loops)) then
+            call complain(set, part%cam, 'CAMRPM', 'forces at the roller are computed for sketches of dyads with one drive on '// &
+                          'the frame, but this one has '//set%no_loops//'; leave CAMRPM out', findings)
+         else if (set%cam2%given) then
+            call complain(set, part%cam, 'CAMRPM', 'forces at the roller are computed for one cam, not for two; leave CAMRPM '// &
+                          'out', findings)
+         else
+            call complain(set, part%cam, 'CAMRPM', 'forces at the roller are computed for a follower that is an arc of the '// &
+                          'loops: give NFOLLK and NFOLLP (device 8 lists the loops chosen for the sketch) in place of FOLJNT, '// &
+                          'or leave CAMRPM out', findings)
+         end if
          return
       end if
       allocate (chain)
