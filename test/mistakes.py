@@ -108,7 +108,30 @@ MISTAKES = [
     (DRIVES, "DELT2=0.0,5.0", "RATIO=0.0,2.0, NGRID=3,3, DLOW=0.0,0.0, DHIGH=5.0,5.0", "drive E follows the first by its RATIO; its NGRID is 0"),
     (DRIVES, "DELT2=0.0,5.0", "DELT2=0.0,5.0, DSPEED=1.0,0.0", "the first drive has the speed of &RATES; its entry here is 0"),
     (DRIVES, "DELT2=0.0,5.0", "RATIO=0.0,2.0, DSPEED=0.0,1.0", "drive E follows the first by its RATIO; its entry here is 0"),
-    (SKETCH, "DRIVE='A'", "DRIVE='A', DBASE='rocker'", "link rocker has no part in A, which the drive acts at"),
+    (SKETCH, "DRIVE='A'", "DRIVE='A', DBASE='rocker'", "&DRIVES DBASE: link rocker is not at joint A; the links there are frame and crank"),
+    (SKETCH, "DRIVE='A'", "DRIVE='A', DLINK='rocker'", "&DRIVES DLINK: link rocker is not at joint A; the links there are frame and crank"),
+    (SKETCH, "DRIVE='A'", "DRIVE='A', DBASE='coupler', DLINK='rocker'", "link coupler is not at joint A; the links there are frame and crank"),
+    (SLIDER, "DRIVE='A'", "DRIVE='S1', DLINK='rod'", "link rod is not at slide S1; the links there are frame and piston"),
+    (SKETCH, "DRIVE='A'", "DRIVE='crank'", "'crank' is a link; a link is driven at a joint, here DRIVE='A'"),
+    (SLIDER, "DRIVE='A'", "DRIVE='piston'", "'piston' is a link; a link is driven at a slide, here DRIVE='S1'"),
+    (SKETCH, "DRIVE='A'", "DRIVE='coupler'", "'coupler' is a link; name the joint or slide that moves it"),
+    # counts of names: what may be missing
+    (SKETCH, "'A D',", "", "names 4 links, but LNK lists 3; each name needs an entry of LNK with the link's joints, the frame (frame) first: "
+     "are the joints of one link missing there?"),
+    (SKETCH, "'C D' &END", "'C D','P D' &END", "names 4 links, but LNK lists 5; the link of joints 'P D' has no name: name it, or leave it out "
+     "if the others hold the linkage without it"),
+    # desired values that the first output cannot have
+    (SKETCH, "OUTPUT='point P' &END\n &METHOD NDES=2, DELT=0.0,5.0", "OUTPUT='pose P coupler' &END\n &METHOD NDES=2, DELT=0.0,5.0, DESX=2*1.0, "
+     "DESY=2*1.0, DESANG=2*0.0", "the desired values of &METHOD are those of the first output, which pose_P_coupler cannot be here; give its "
+     "values as DES1 of &OUTPUTS, or put a point, angle, distance from the origin or slide first; or as 'pose P B P', the direction from B to P"),
+    # solvers
+    (FOUR_BAR, " &LIMITS", " &SEARCH SOLVER='LEASTSQ' &END\n &LIMITS", "no solver is called 'LEASTSQ'"),
+    (FOUR_BAR, " &LIMITS", " &SEARCH SOLVER='LEASTSQ' &END\n &LIMITS", "usual ones are LSQ, SIMPLEX, LD_SLSQP and LN_COBYLA; the manual lists all 4"),
+    # no data set at all
+    (SKETCH, SKETCH, '{"joints": {"A": [0, 0]}}\n', "no group is in the case that begins here; a case is a title line, then groups, each as "
+     "&METHOD IKIN=10 &END: a sketch (&CHAIN, &DRIVES, &OUTPUTS) or loops (&LINKS), and &METHOD"),
+    (FOUR_BAR, FOUR_BAR[FOUR_BAR.index(" &LINKS"):FOUR_BAR.index(" &METHOD")], "", "the group is missing in the case that begins here; a linkage "
+     "is described by a sketch (&CHAIN) or by its loops (&LINKS)"),
     (SKETCH, "DRIVE='A'", "DRIVE='A', DBASE='crank', DLINK='crank'", "drive A has link crank on both sides"),
     (SKETCH, "DRIVE='A'", "DRIVE='A C P'", "'A C P' is no drive: a joint, a slide, or the two joints of a cylinder"),
     (SKETCH, "DRIVE='A'", "DRIVE='B C'", "cylinder 'B C' lies between two joints of link coupler, which holds them apart"),
@@ -153,6 +176,42 @@ MISTAKES = [
     (NAMED, "DPSI=60.0", "DPSI=0.0", "&EXACT DPSI: must not be 0"),
 ]
 
+# program, base, what is changed into what, what is said; the run goes on
+DOUBTS = [
+    ("psalm", SKETCH, "LNK='A D','A B','B C P','C D'", "LNK='A B','B C P','C D','A D'",
+     "drive A turns link rocker against frame, not the link called crank: is the frame the first link of LNK?"),
+    ("psalm", SKETCH, "NDES=2, DELT=0.0,5.0", "CRNKI=112.0, NDES=2, DELT=112.0,142.0",
+     "CRNKI of a sketch counts from the drawing, and DELT from there: the first position is 224.0000 from the drawing"),
+    ("psalm", SKETCH, "'point P'", "'y C','point P'", "listing and summary cannot show y_C: they show joint P. The table (CSV) has y_C"),
+    ("psalm", SKETCH, "'point P'", "'y C','point P'", "  Output              joint P, for y_C is in the table (CSV) only"),
+    ("psalm", SKETCH, "'point P'", "'x P'", "  Inputs              count from the x axis; the drawing, input 0 of the table (CSV), is at 97.35"),
+    ("kalm", SKETCH, " &METHOD", " &RATES SPEED=1.0 &END\n &MASSES NMASS=1, MNAME='crank', MASS=1.0 &END\n &METHOD",
+     "&MASSES UNITL: UNITL is missing: lengths are taken as metres, and this linkage is 95 m large"),
+    ("kalm", DRIVES, " &METHOD", " &RATES SPEED=1.0 &END\n &METHOD",
+     "drive E stands still in the velocities and forces: its DSPEED of &DRIVES is 0, though DELT2 changes"),
+]
+# the same without reason
+SILENT = [
+    ("psalm", SKETCH, "NDES=2, DELT=0.0,5.0", "CRNKI=5.0, NDES=2, DELT=0.0,30.0", "CRNKI"),
+    ("psalm", SKETCH, "'point P'", "'point P','y C'", "cannot show"),
+    ("kalm", SKETCH, " &METHOD", " &RATES SPEED=1.0 &END\n &MASSES NMASS=1, MNAME='crank', MASS=1.0, UNITL=0.001 &END\n &METHOD", "UNITL"),
+    ("kalm", DRIVES, "DELT2=0.0,5.0", "DELT2=0.0,5.0, DSPEED=0.0,2.0", "stands still"),
+    ("kalm", DRIVES, "DELT2=0.0,5.0", "DELT2=5.0,5.0", "stands still"),
+]
+
+
+def doubts(place):
+    name = os.path.join(place, "case.nml")
+    for cases, wanted in ((DOUBTS, True), (SILENT, False)):
+        for program, base, old, new, said in cases:
+            text = base.replace(old, new)
+            check("something is changed", text != base, old)
+            with open(name, "w", encoding="utf-8") as file:
+                file.write(text)
+            done = subprocess.run([os.path.join(BIN, program), name], capture_output=True, text=True, check=False)
+            check("runs: " + said, done.returncode in (0, 1), (done.returncode, done.stderr))
+            check(("said: " if wanted else "not said: ") + said, (said in done.stderr) == wanted, done.stderr)
+
 
 def main():
     with tempfile.TemporaryDirectory() as place:
@@ -166,6 +225,9 @@ def main():
             check("refused: " + said, done.returncode == 2, (done.returncode, done.stderr))
             check("said: " + said, said in done.stderr, done.stderr)
             check("nothing is written: " + said, os.listdir(place) == ["case.nml"], os.listdir(place))
+        for written in os.listdir(place):
+            os.remove(os.path.join(place, written))
+        doubts(place)
     return report()
 
 

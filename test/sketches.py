@@ -5,13 +5,16 @@ usage: test/sketches.py PROGRAM_DIRECTORY [--count N]. Last line: N passed, N fa
 
 Random chains of dyads of every kind are written as sketches; psalm chooses loops and signs, and its output is compared with what
 Newton finds for the sketch itself, so are all joints in CASE.csv, and so is what the equivalent &LINKS of --links do.
-What a search finds is drawn anew on device 7: read again it must be the same linkage."""
+What a search finds is drawn anew on device 7: read again it must be the same linkage. Exit status, summary and table must agree
+whatever output is named first, and positions must not depend on those before them."""
 import argparse
 import cmath
 import csv
+import itertools
 import math
 import os
 import random
+import resource
 import subprocess
 import sys
 import tempfile
@@ -61,9 +64,11 @@ SEARCHES = {
 class Sketch:
     """Joints, links and slides; the first link is the frame, the second the driven one."""
 
-    def __init__(self, title):
-        self.title, self.joints, self.links, self.slides = title, {}, [["A"], ["A"]], []
-        self.joints["A"] = 0j
+    def __init__(self, title, sliding=False):
+        self.title, self.joints, self.links, self.slides, self.sliding = title, {}, [[], []], [], sliding
+        if not sliding:
+            self.joints["A"] = 0j
+            self.links = [["A"], ["A"]]
         self.extra = ""
 
     def joint(self, place, *links):
@@ -95,7 +100,7 @@ class Sketch:
                                                            ",".join("'%d'" % (s[1] + 1) for s in self.slides))
             text += "  SLX=%s,\n  SLY=%s,\n  SLANG=%s" % tuple(",".join(f(s) for s in self.slides) for f in (
                 lambda s: "%.3f" % s[2].real, lambda s: "%.3f" % s[2].imag, lambda s: "%.3f" % s[3]))
-        text += self.extra + " &END\n &DRIVES DRIVE='A', DBASE='1', DLINK='2' &END\n"
+        text += self.extra + " &END\n &DRIVES DRIVE='%s', DBASE='1', DLINK='2' &END\n" % ("S1" if self.sliding else "A")
         text += " &OUTPUTS OUTPUT='%s' &END\n" % output
         return text + " &METHOD NDES=%d, DELT=%s &END\n &LIMITS TANGLE=90.0, TOGGLE=0.0 &END\n" % (
             len(deltas), ",".join("%.3f" % d for d in deltas))
@@ -106,6 +111,9 @@ class Sketch:
         phi = [0.0] + [pose[3 * k + 2] for k in range(len(self.links) - 1)]
         place = lambda link, p: t[link] + cmath.exp(1j * phi[link]) * p
         rest = [phi[1] - turn]
+        if self.sliding:
+            a, b, p, angle = self.slides[0]
+            rest = [((place(b, p) - place(a, p)) * cmath.exp(-1j * math.radians(angle))).real - turn]
         for name, p in self.joints.items():
             at = [k for k, link in enumerate(self.links) if name in link]
             for other in at[1:]:
@@ -153,11 +161,14 @@ class Sketch:
         return complex(pose[3 * link - 3], pose[3 * link - 2]) + cmath.exp(1j * pose[3 * link - 1]) * self.joints[name]
 
 
-def random_sketch(source, dyads, number):
-    """A driven link and dyads hung on links that are there already."""
-    sketch = Sketch("RANDOM CHAIN %d" % number)
+def random_sketch(source, dyads, number, sliding=False):
+    """A driven link, on a pivot or a slide, and dyads on links that are there already."""
+    sketch = Sketch("RANDOM CHAIN %d" % number, sliding)
     spot = lambda: complex(source.uniform(-100, 100), source.uniform(-100, 100))
-    sketch.joints["A"] = complex(round(source.uniform(-20, 20), 3), round(source.uniform(-20, 20), 3))
+    if sliding:
+        sketch.slide(0, 1, spot(), source.uniform(0, 360))
+    else:
+        sketch.joints["A"] = complex(round(source.uniform(-20, 20), 3), round(source.uniform(-20, 20), 3))
     for k in range(dyads):
         kind = source.choice(KINDS)
         there = list(range(len(sketch.links)))
@@ -183,6 +194,121 @@ def random_sketch(source, dyads, number):
     last = source.randrange(max(2, len(sketch.links) - 2), len(sketch.links))
     output = sketch.joint(spot(), last)
     return sketch, output
+
+
+OPENS = """A SIX-BAR WHOSE SECOND LOOP OPENS
+ &CHAIN JNT='A','B','C','D','P','Q','F', JX=0.0,-10.0,60.0,80.0,40.0,60.0,75.0, JY=0.0,25.0,70.0,0.0,110.0,120.0,90.0,
+  LNAME='frame','crank','coupler','rocker','link','out', LNK='A D F','A B','B C P','C D','P Q','Q F' &END
+ &DRIVES DRIVE='A' &END
+ &OUTPUTS OUTPUT=%s &END
+ &METHOD %s &END
+ &LIMITS TANGLE=90.0 &END
+"""
+
+
+def one_verdict(programs):
+    """Exit status, summary and table agree, whatever output is named first, in all programs."""
+    outputs = ["angle rocker", "angle out", "point P"]
+    for method, opens in (("IKIN=10", True), ("NDES=3, DELT=-5.0,0.0,5.0", False)):
+        for first in range(3):
+            order = outputs[first:] + outputs[:first]
+            text = OPENS % (",".join("'%s'" % o for o in order), method)
+            for program in ("psalm", "kalm", "balm"):
+                with tempfile.TemporaryDirectory() as folder:
+                    name = os.path.join(folder, "case.nml")
+                    with open(name, "w", encoding="ascii") as file:
+                        file.write(text)
+                    done = subprocess.run([os.path.join(programs, program), name], capture_output=True, text=True, check=False)
+                    law = "%s, %s first, %s" % (program, order[0], method)
+                    yield law + ": exit status", done.returncode == opens, done.stderr
+                    if program == "balm":
+                        continue
+                    yield law + ": summary", ("full turn" in done.stderr) is False and (
+                        ("16 of 36" in done.stderr) == opens), done.stderr
+                    ending = ".csv" if program == "psalm" else ".kalm.csv"
+                    with open(os.path.join(folder, "case" + ending), encoding="ascii") as file:
+                        rows = list(csv.DictReader(file))
+                    yield law + ": table", (sum(row["closed"] == "1" for row in rows) == (16 if opens else 3)), len(rows)
+
+
+ORDER = """ONE POSITION AND OTHERS BEFORE IT
+ &CHAIN JNT='J1','J2','J3','J4','J5',
+  JX=-36.108897664860741,62.765956755840733,-41.192958481149347,44.172163605989724,-35.162362998769616,
+  JY=-63.093069650205322,-12.294557093576298,5.4324566557634153,-14.924227550985382,27.167443906773162,
+  LNAME='frame','crank','L2', LNK='J1 J3','J1 J2 J5','J3 J4' &END
+ &DRIVES DRIVE='J1','J5 J4', DBASE='frame','', DLINK='crank','', DELT2=%s &END
+ &OUTPUTS OUTPUT='angle L2' &END
+ &METHOD NDES=%d, DELT=%s &END
+ &LIMITS TANGLE=90.0 &END
+"""
+FAR = """SLIDES ON SLIDES THAT RUN TO INFINITY
+ &CHAIN JNT='J1','J2','J3','J4','J5','J6',
+  JX=1.0694518452964654,-0.57044566227058202,-0.32822739600596501,0.36528494185255106,1.284245538777639,-1.3065530300538815,
+  JY=0.44706411868187629,0.92462924661214574,1.4639554143903633,-0.28053230656787814,-0.62328476322110093,0.31870616410124875,
+  LNAME='frame','crank','L2','L3','L4','L5', LNK='J1 J5','J1 J2','J3','J3 J4','J4','J5 J6',
+  SLNK='crank','frame','L5', SLNK2='L2','L3','L4', SLX=-0.32822739600596501,-0.54264861198105785,0.36528494185255106,
+  SLY=1.4639554143903633,1.3125354492825996,-0.28053230656787814,
+  SLANG=25.364200871782259,-168.36806946338299,159.54557085944671 &END
+ &DRIVES DRIVE='J1', DBASE='frame', DLINK='crank' &END
+ &OUTPUTS OUTPUT='point J6' &END
+ &METHOD IKIN=10 &END
+ &LIMITS TANGLE=90.0 &END
+"""
+
+
+def one_way(programs):
+    """Whether a position closes depends on itself, not on those before it; and to find that none closes beyond an end is quick."""
+    wanted = [(-47.514153826251281, -15.529855673477563), (31.312365506532775, -28.593754279798169),
+              (36.49074920858142, -19.380525533525905)]
+    with tempfile.TemporaryDirectory() as folder:
+        angles = {}
+        for n, order in enumerate(itertools.permutations(range(3))):
+            rows = [wanted[k] for k in order]
+            text = ORDER % (",".join("%.15g" % r[1] for r in rows), 3, ",".join("%.15g" % r[0] for r in rows))
+            done, _ = run_psalm(programs, folder, "o%d" % n, text)
+            with open(os.path.join(folder, "o%d.csv" % n), encoding="ascii") as file:
+                table = list(csv.DictReader(file))
+            yield "order %s of three positions: all close" % (order,), done.returncode == 0, done.stderr
+            for k, row in zip(order, table):
+                value = float(row["angle_L2"] or "nan")
+                yield "order %s: the same place" % (order,), abs((value - angles.setdefault(k, value) + 180) % 360 - 180) < 1e-9, value
+        used = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
+        done, _ = run_psalm(programs, folder, "far", FAR)
+        used = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - used
+        yield "slides that run to infinity: quick", used < 2.0, used
+        with open(os.path.join(folder, "far.csv"), encoding="ascii") as file:
+            closed = [int(row["closed"]) for row in csv.DictReader(file)]
+        # the slide of the crank is parallel to that of the frame where 25.364 + input = -168.368 + 180 k
+        ends = [(-168.36806946338299 - 25.364200871782259 + 180 * k) % 360 for k in range(2)]
+        want = [int(not min(ends) < 10 * k < max(ends)) for k in range(36)]
+        yield "slides that run to infinity: the range between the two dead points", closed == want, closed
+
+
+RIGID = """A FOUR-BAR WHOSE CRANK IS A TRIANGLE OF THREE LINKS
+ &CHAIN JNT='A','B','C','D','E', JX=0.0,30.0,90.0,110.0,10.0, JY=0.0,10.0,70.0,0.0,30.0,
+  LNAME='frame','crank','brace one','brace two','coupler','rocker', LNK='A D','A B','A E','E B','B C','C D' &END
+ &DRIVES DRIVE='A', DBASE='frame', DLINK='crank' &END
+ &OUTPUTS OUTPUT='point C' &END
+ &METHOD IKIN=30 &END
+ &LIMITS TANGLE=90.0 &END
+""".replace("brace ", "brace_")
+
+
+def rigid_triangle(programs):
+    """Links that brace another one move with it: the same motion as without them."""
+    with tempfile.TemporaryDirectory() as folder:
+        tables = []
+        for name, text in (("with", RIGID), ("without", RIGID.replace(",'brace_one','brace_two'", "").replace(",'A E','E B'", "")
+                                             .replace(",'E', JX", ", JX").replace(",10.0, JY", ", JY").replace("0.0,30.0,\n", "0.0,\n"))):
+            done, _ = run_psalm(programs, folder, name, text)
+            yield "triangle, %s braces: runs" % name, done.returncode in (0, 1), done.stderr
+            with open(os.path.join(folder, name + ".csv"), encoding="ascii") as file:
+                tables.append(list(csv.DictReader(file)))
+        yield "triangle: rows", [r["closed"] for r in tables[0]] == [r["closed"] for r in tables[1]], tables
+        same = all(abs(float(a["C." + x]) - float(b["C." + x])) < 1e-9 for a, b in zip(*tables) if a["closed"] == "1" for x in "xy")
+        yield "triangle: the same places", same, tables
+        turned = all(abs(abs(complex(float(r["E.x"]), float(r["E.y"]))) - math.hypot(10, 30)) < 1e-9 for r in tables[0] if r["closed"] == "1")
+        yield "triangle: its tip keeps its distance", turned, tables[0]
 
 
 def run_psalm(programs, folder, name, text, *options):
@@ -251,6 +377,41 @@ def main():
             else:
                 failed += 1
                 told.append("%s: differs by %.2e" % (sketch.title, wrong))
+    # a drive that slides on the frame: listing and table, by loops where they exist
+    by_loops = 0
+    with tempfile.TemporaryDirectory() as folder:
+        number = 0
+        while number < arguments.count // 2:
+            sketch, output = random_sketch(source, source.randint(1, 3), number, sliding=True)
+            deltas = [0.0, 2.0, -3.0]
+            poses = [sketch.solve(d) for d in deltas]
+            if any(pose is None for pose in poses):
+                continue
+            number += 1
+            done, rows = run_psalm(arguments.programs, folder, "s%d" % number, sketch.text("point " + output, deltas))
+            wrong = 1.0
+            if done.returncode in (0, 1) and len(rows) == len(deltas):
+                by_loops += " ARRAY OF ARC LENGTHS" in done.stdout
+                wrong = max(abs(complex(row[2], row[3]) - sketch.place(pose, output)) / 100 for pose, row in zip(poses, rows))
+                with open(os.path.join(folder, "s%d.csv" % number), encoding="ascii") as file:
+                    for pose, row in zip(poses, csv.DictReader(file)):
+                        for name in sketch.joints:
+                            at = complex(float(row[name + ".x"]), float(row[name + ".y"]))
+                            wrong = max(wrong, abs(sketch.place(pose, name) - at) / 100)
+            worst = max(worst, wrong)
+            passed += wrong < 1e-11
+            failed += not wrong < 1e-11
+            if not wrong < 1e-11:
+                told.append("sliding drive: %s: differs by %.2e: %s" % (sketch.title, wrong, done.stderr[:300]))
+    if by_loops < arguments.count // 10:
+        failed += 1
+        told.append("sliding drives: only %d of %d were solved by loops" % (by_loops, number))
+    for say in (one_verdict, one_way, rigid_triangle):
+        for law, holds, got in say(arguments.programs):
+            passed += bool(holds)
+            failed += not holds
+            if not holds:
+                told.append("%s: %s" % (law, got))
     with tempfile.TemporaryDirectory() as folder:
         for name, text in SEARCHES.items():
             done, rows = run_psalm(arguments.programs, folder, name, text)

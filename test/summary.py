@@ -4,6 +4,8 @@ linkages whose first loop has no angle of transmission.
 usage: test/summary.py PROGRAM_DIRECTORY [PART]. Last line: N passed, N failed. With STOP_AT_FIRST=1 the first failure ends it.
 """
 import cmath
+import csv
+import json
 import math
 import os
 import pathlib
@@ -195,8 +197,38 @@ def second_loop(work):
     check("some of two loops open", opened > 3, opened)
 
 
+def coincident_joints(work):
+    """A scissors lift: at a right angle of its lower link joints C and D meet, and beyond it they stay together."""
+    text = (top / "data" / "scissors_turned.nml").read_text()
+    (work / "lift.nml").write_text(re.sub(r"NDES=11.*END", "IKIN=5 &END", text))
+    result = run("psalm", "lift.nml", work)
+    block = lines_of(result.stderr)[0]
+    check("scissors: exit status", result.returncode == 1, result.returncode)
+    ends = numbers(block["Closes"])
+    check("scissors: one range closes", close(ends[0], 270, 0.02) and close(ends[1], 90, 0.02) and "and" not in block["Closes"], block)
+    check("scissors: the joints are named", re.fullmatch(r"from input 90(\.\d+)? to 2(70|69\.9\d*): joints C and D coincide", block["Undetermined"]),
+          block)
+    rows = list(csv.DictReader((work / "lift.csv").open()))
+    start = math.degrees(math.atan2(60, 80))
+    check("scissors: the table agrees", all((row["closed"] == "1") == (math.cos(math.radians(start + float(row["input"]))) > 0) for row in rows),
+          [row["closed"] for row in rows])
+    # the page: the dyad is sound where its joints are apart, with no changes in between
+    run("balm", "lift.nml", work)
+    sweep = json.loads(re.search(r'id="data">(.*?)</script>', (work / "lift.html").read_text(), re.S).group(1))["cases"][0]["sweep"]
+    states = sweep["closed"]
+    changes = sum(a != b for a, b in zip(states, states[1:] + states[:1]))
+    check("scissors: the page has one range", changes == 2, changes)
+    angles = [loop["values"] for loop in sweep["angle"] if loop["loop"] == 2][0]
+    changes = sum((a is None) != (b is None) for a, b in zip(angles, angles[1:] + angles[:1]))
+    check("scissors: and the angle of the dyad has one", changes == 2, changes)
+    # within a range that closes nothing is said
+    (work / "lift.nml").write_text(text)
+    result = run("psalm", "lift.nml", work)
+    check("scissors: as drawn", result.returncode == 0, result.returncode)
+
+
 with tempfile.TemporaryDirectory() as name:
-    for part in (against_scan, second_loop, against_device_9):
+    for part in (against_scan, second_loop, coincident_joints, against_device_9):
         if sys.argv[2:] in ([], [part.__name__]):
             part(pathlib.Path(name))
 print(f"{passed} passed, {failed} failed")

@@ -144,7 +144,7 @@ contains
                  "'coupler','rocker','strut', LNK='A D','A B','B C P','C D','A C' &END", 'drive at A moves nothing')
       call wrong("'A D','A B'", "'A D P','A B'", 'braced twice')
       call wrong("DRIVE='A', DBASE='frame', DLINK='crank'", "DRIVE='P'", 'belongs to one link only')
-      call wrong("DLINK='crank'", "DLINK='rocker'", 'has no part in A')
+      call wrong("DLINK='crank'", "DLINK='rocker'", 'link rocker is not at joint A; the links there are frame and crank')
       call wrong("DLINK='crank'", "DLINK='cranck'", "did you mean 'crank'?")
       call wrong("'point P'", "'pint P'", 'is no output')
       call wrong("'point P'", "'point Q'", "no joint is called 'Q'")
