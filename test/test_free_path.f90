@@ -3,6 +3,7 @@ program test_free_path
    use check, only: checks_t
    use psalm_free_path, only: search_lot
    use psalm_kinds, only: wp, degrees_per_radian, full_turn
+   use psalm_path_angles, only: angle_limits, keep_angles
    use psalm_path_fit, only: path_t, path_room_t, visit_t, prepare_path, trace_coupler, fit_linear, lengths_of
    use psalm_xoshiro, only: xoshiro_t, purpose_starts
    implicit none (type, external)
@@ -20,6 +21,8 @@ program test_free_path
    call linear_unknowns()
    call searches()
    call transmission()
+   call shapes_at_the_limits()
+   call both_limits()
    call t%report()
 
 contains
@@ -181,6 +184,108 @@ contains
       end do
       call t%is_true(kept > 4, 'linkages with good transmission are found')
    end subroutine transmission
+
+   !> Shapes that keep a limit against the law of cosines, where the joints are nearest and farthest; slopes against differences.
+   subroutine shapes_at_the_limits()
+      type(path_t) :: path
+      type(visit_t) :: shape, more, less
+      type(xoshiro_t) :: random
+      real(wp) :: u(4), values(2), slopes(3, 2), after(2), before(2), unused(3, 2), coupler, follower, step, worst, steepest
+      integer :: k, m, moved
+
+      call random%seed(11, purpose_starts)
+      step = epsilon(1.0_wp)**(1.0_wp/3.0_wp)
+      worst = 0.0_wp
+      steepest = 0.0_wp
+      moved = 0
+      do k = 1, 500
+         do m = 1, 4
+            call random%next(u(m))
+         end do
+         path%cosine = 0.3_wp + 0.69_wp*u(4)
+         shape = visit_t(g=0.2_wp + 4.0_wp*u(1), sigma=1.0_wp + u(2)**3, q=2.0_wp*u(3) - 1.0_wp)
+         if (abs(shape%g - 1.0_wp) < 0.01_wp) cycle
+         less = shape
+         call keep_angles(path, shape)
+         if (abs(shape%sigma - less%sigma) + abs(shape%q - less%q) + abs(shape%g - less%g) > 0.0_wp) moved = moved + 1
+         coupler = 0.5_wp*((shape%g + 1.0_wp)*shape%sigma + (shape%g - 1.0_wp)*shape%q)
+         follower = 0.5_wp*((shape%g + 1.0_wp)*shape%sigma - (shape%g - 1.0_wp)*shape%q)
+         associate (cosines => [(coupler**2 + follower**2 - (shape%g - 1.0_wp)**2)/(2.0_wp*coupler*follower), &
+                                (coupler**2 + follower**2 - (shape%g + 1.0_wp)**2)/(2.0_wp*coupler*follower)])
+            worst = max(worst, maxval(abs(cosines)) - path%cosine)
+         end associate
+         more = shape
+         call keep_angles(path, more)
+         call t%is_true(abs(more%sigma - shape%sigma) + abs(more%q - shape%q) <= 1.0e-7_wp, 'what keeps them stays')
+         call angle_limits(path, shape, values, slopes)
+         do m = 1, 3
+            more = shape
+            less = shape
+            select case (m)
+            case (1)
+               more%g = shape%g*exp(step)
+               less%g = shape%g*exp(-step)
+            case (2)
+               more%sigma = shape%sigma*exp(step)
+               less%sigma = shape%sigma*exp(-step)
+            case default
+               more%q = shape%q + step
+               less%q = shape%q - step
+            end select
+            call angle_limits(path, more, after, unused)
+            call angle_limits(path, less, before, unused)
+            after = (after - before)/(2.0_wp*step)
+            steepest = max(steepest, maxval(abs(after - slopes(m, :))/(1.0_wp + abs(slopes(m, :)))))
+         end do
+      end do
+      call t%is_true(moved > 100, 'many shapes are moved to the limits')
+      call t%is_true(worst < 1.0e-12_wp, 'and keep them')
+      call t%is_true(steepest < 1.0e5_wp*step**2, 'slopes of the limits against differences')
+   end subroutine shapes_at_the_limits
+
+   !> Twenty points (`data/paths/yu20a_angle.nml`): with a least angle of 40 degrees the best known linkage is at the limit twice a
+   !> turn, its sum of squares found by other programs. A wider limit, from the same random numbers, is never worse.
+   subroutine both_limits()
+      type(path_t) :: paths(2)
+      type(path_room_t) :: room
+      type(visit_t) :: visit
+      type(xoshiro_t) :: random
+      real(wp), parameter :: points_x(20) = [-27.0_wp, -21.857_wp, -16.7_wp, -11.571_wp, -6.428_wp, -1.285_wp, 3.857_wp, 9.0_wp, &
+                                             15.0_wp, 20.0_wp, 27.2_wp, 29.2_wp, 28.0_wp, 22.7_wp, 15.0_wp, 5.0_wp, -10.0_wp, &
+                                             -22.0_wp, -28.0_wp, -29.0_wp]
+      real(wp), parameter :: points_y(20) = [1.0_wp, -3.214_wp, -7.428_wp, -11.642_wp, -15.857_wp, -20.071_wp, -24.285_wp, &
+                                             -28.5_wp, -29.9_wp, -30.0_wp, -25.0_wp, -20.0_wp, -10.0_wp, 2.0_wp, 10.6_wp, 16.5_wp, &
+                                             19.6_wp, 17.0_wp, 11.0_wp, 5.0_wp]
+      real(wp), parameter :: low(6) = [0.1_wp, 0.1_wp, 0.1_wp, 0.1_wp, 0.0_wp, 0.0_wp], high(6) = 500.0_wp
+      real(wp), parameter :: known = 1.4555_wp
+      integer, parameter :: least(*) = [60, 50, 45, 42, 40, 39, 38, 30, 10], asked = 40 ! degrees
+      real(wp) :: cosine
+      real(wp) :: found, before
+      integer :: seed, lot, k
+
+      allocate (visit%t(20), source=0.0_wp)
+      do seed = 1, 5
+         before = 0.5_wp*huge(before)
+         do k = 1, size(least)
+            if (seed > 1 .and. least(k) /= asked) cycle
+            cosine = cos(real(least(k), wp)/degrees_per_radian)
+            call prepare_path(points_x, points_y, spread(1.0_wp, 1, 20), low, high, cosine, 1.0_wp, paths(1), room)
+            call prepare_path(points_x, -points_y, spread(1.0_wp, 1, 20), low, high, cosine, -1.0_wp, paths(2), room)
+            call random%seed(seed, purpose_starts)
+            found = huge(found)
+            do lot = 1, 20
+               call random%use_stream(lot)
+               call search_lot(paths, random, room, visit)
+               if (visit%worst <= 1.0e-6_wp) found = min(found, visit%error*paths(1)%size**2)
+            end do
+            call t%is_true(found <= before*(1.0_wp + 1.0e-6_wp), 'a wider limit of the transmission angle is never worse')
+            before = found
+            if (least(k) /= asked) cycle
+            call t%is_true(found <= 1.01_wp*known, 'the best linkage at both limits is found')
+            call t%is_true(found >= 0.999_wp*known, 'and none beats the best known')
+         end do
+      end do
+   end subroutine both_limits
 
    subroutine near(got, want, tolerance, law)
       complex(wp), intent(in) :: got, want

@@ -6,10 +6,11 @@
 !> path's size.
 module bench_paths
    use, intrinsic :: iso_fortran_env, only: output_unit
+   use psalm_angles, only: unit_vector
    use psalm_cases, only: read_cases
    use psalm_data_set, only: data_set_t
    use psalm_free_path, only: search_lot
-   use psalm_kinds, only: wp
+   use psalm_kinds, only: wp, right_angle
    use psalm_path_fit, only: path_t, path_room_t, visit_t, prepare_path
    use psalm_status, only: diagnostics_t
    use psalm_xoshiro, only: xoshiro_t, purpose_starts
@@ -19,7 +20,7 @@ module bench_paths
 
    integer, parameter :: seeds = 20, lots_at_first = 25, most_lots = 500, ways = 4
    real(wp), parameter :: within = 1.01_wp, exact = 1.0e-6_wp
-   real(wp), parameter :: any_angle = 1.0_wp         !! cosine of the least transmission angle
+   real(wp), parameter :: slack = 1.0e-7_wp          !! of the cosine of the least transmission angle, as searches have it
    real(wp), parameter :: kept = 1.0e-6_wp           !! relative violation below which a bound is kept
    real(wp), parameter :: thousand = 1.0e3_wp
 
@@ -100,9 +101,12 @@ contains
       type(path_room_t), intent(out) :: room
       integer, parameter :: ground = 4
       integer, parameter :: of(6) = [ground, 1, 2, 3, 5, 6] !! among OPLOW and OPHIGH
+      real(wp) :: cosine, unused
 
+      call unit_vector(right_angle - set%tangle, cosine, unused)
+      if (set%tangle < right_angle) cosine = cosine - slack
       associate (n => set%ndes)
-         call prepare_path(set%desx(:n), sense*set%desy(:n), spread(1.0_wp, 1, n), set%oplow(of), set%ophigh(of), any_angle, &
+         call prepare_path(set%desx(:n), sense*set%desy(:n), spread(1.0_wp, 1, n), set%oplow(of), set%ophigh(of), cosine, &
                            sense*side, path, room)
       end associate
    end subroutine make_path

@@ -4,6 +4,7 @@
 !> Notation and what is eliminated: `psalm_path_fit`.
 module psalm_free_path
    use psalm_kinds, only: wp, full_turn, half_turn
+   use psalm_path_angles, only: limits_angle, keep_angles
    use psalm_path_descent, only: descend, put_in_order, retime, nearest_g, least_sigma, largest_q
    use psalm_path_fit, only: path_t, visit_t, path_room_t, trace_coupler, fit_linear, error_of, find_violations, rows_most, samples
    use psalm_timing_draw, only: draw_spread, draw_jumps, draw_corner, draw_ratio, follow, uniform
@@ -65,6 +66,7 @@ contains
          end if
          call follow(gap, uniform(random)*full_turn, visit%t)
       end if
+      if (limits_angle(path)) call keep_angles(path, visit)
    end subroutine draw
 
    !> One lot: samples, short descents of the better half, longer ones of the best, and the best finished. Of several paths, to be

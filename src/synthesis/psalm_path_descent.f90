@@ -5,6 +5,7 @@
 module psalm_path_descent
    use psalm_kinds, only: wp, degrees_per_radian, full_turn
    use psalm_linear, only: solve_positive
+   use psalm_path_angles, only: limits_angle, keep_angles, slide_along
    use psalm_path_fit, only: path_t, visit_t, path_room_t, trace_at, halve, fit_linear, find_violations, weigh, square, dot, &
                              unknowns, lanes, column_turn, column_miss, shape_g, shape_s, shape_q, rows_most, places
    implicit none (type, external)
@@ -43,9 +44,9 @@ contains
       do iteration = 1, steps
          if (fresh) call form_equations(path, weight, margin, visit, room, h, slope, groups)
          fresh = .false.
-         call solve_step(visit, room, h, slope, groups, damping, step, solved)
+         call solve_step(path, visit, room, h, slope, groups, damping, step, solved)
          if (solved) then
-            call take_step(visit, room, step, groups, damping, room%next)
+            call take_step(path, visit, room, step, groups, damping, room%next)
             call put_in_order(room%next%t, room)
             call halve(room%next%t, room%half_next)
             call trace_at(room%next, room%half_next, room%e, room%v)
@@ -178,8 +179,10 @@ contains
       end do
    end subroutine pool
 
-   !> The damped step of the nine unknowns; shape numbers that push against their box are held.
-   subroutine solve_step(visit, room, h, slope, groups, damping, step, solved)
+   !> The damped step of the nine unknowns; shape numbers that push against their box are held, and limits of the transmission angle
+   !> are kept, made linear.
+   subroutine solve_step(path, visit, room, h, slope, groups, damping, step, solved)
+      type(path_t), intent(in) :: path
       type(visit_t), intent(in) :: visit
       type(path_room_t), intent(in) :: room
       real(wp), intent(in) :: h(unknowns, unknowns), slope(unknowns), damping
@@ -223,13 +226,15 @@ contains
          right(a) = 0.0_wp
       end do
       call solve_positive(matrix(:unknowns, :), right, step, solved)
+      if (solved .and. limits_angle(path)) call slide_along(path, visit, matrix(:unknowns, :), held, step, solved)
       if (.not. solved) return
       most = max(abs(step(shape_g)), abs(step(shape_q)), abs(step(shape_s))/1.5_wp)
       if (most > 1.0_wp) step = step/most
    end subroutine solve_step
 
    !> Go that far. Factors exp(x) are taken as (1 + x/2)/(1 - x/2): a step is only true to its first order anyway.
-   subroutine take_step(visit, room, step, groups, damping, next)
+   subroutine take_step(path, visit, room, step, groups, damping, next)
+      type(path_t), intent(in) :: path
       type(visit_t), intent(in) :: visit
       type(path_room_t), intent(in) :: room
       real(wp), intent(in) :: step(unknowns), damping
@@ -249,6 +254,7 @@ contains
       end if
       next%sigma = min(max(visit%sigma*factor(step(shape_s)), least_sigma), largest_sigma)
       next%q = min(max(visit%q + step(shape_q), -largest_q), largest_q)
+      if (limits_angle(path)) call keep_angles(path, next)
       next%side = visit%side
       next%way = visit%way
       do k = 1, groups

@@ -25,7 +25,7 @@ module psalm_path_fit
    integer, parameter :: shape_g = 7, shape_s = 8, shape_q = 9
    integer, parameter :: column_turn = 10, column_miss = 11 !! of the normal equations: dP/dt, what a point is missed by
    integer, parameter :: lanes = 12                  !! columns, rounded up for the processor
-   integer, parameter :: rows_most = 14              !! bounds, both sides, and two transmission angles
+   integer, parameter :: rows_most = 12              !! bounds, both sides
    integer, parameter :: places = 96                 !! of the crank when a timing is looked for
    integer, parameter :: samples = 64                !! of a lot
    real(wp), parameter :: least_corner = 1.0e-3_wp   !! of a straight way, in 1 - cosine of the turn
@@ -292,7 +292,7 @@ contains
       integer, intent(out) :: count
       real(wp), intent(out) :: amount(rows_most)
       real(wp), intent(out), optional :: rows(unknowns, rows_most)
-      real(wp) :: lengths(6), both, difference, total, product, near, far, c
+      real(wp) :: lengths(6)
       integer :: k
 
       lengths = lengths_of(path, visit)
@@ -308,26 +308,6 @@ contains
             if (present(rows)) rows(:, count) = -slope_of_length(k)/path%low(k)
          end if
       end do
-      if (path%cosine >= 1.0_wp) return
-      associate (g => visit%g)
-         both = (g + 1.0_wp)*visit%sigma
-         difference = (g - 1.0_wp)*visit%q
-         total = 0.5_wp*(both**2 + difference**2)
-         product = max(0.5_wp*(both**2 - difference**2), tiny(1.0_wp)**0.25_wp)
-         near = (total - (g - 1.0_wp)**2)/product
-         far = (total - (g + 1.0_wp)**2)/product
-         c = path%cosine - margin
-         if (near > c) then
-            count = count + 1
-            amount(count) = near - c
-            if (present(rows)) rows(:, count) = slope_of_cosine(near, g - 1.0_wp)
-         end if
-         if (-far > c) then
-            count = count + 1
-            amount(count) = -far - c
-            if (present(rows)) rows(:, count) = -slope_of_cosine(far, g + 1.0_wp)
-         end if
-      end associate
 
    contains
 
@@ -368,17 +348,6 @@ contains
             slope(2) = aimag(from)/max(lengths(which), tiny(1.0_wp))
          end select
       end function slope_of_length
-
-      pure function slope_of_cosine(value, distance) result(slope)
-         real(wp), intent(in) :: value, distance     !! the cosine; of the outer joints, its sign that of its slope by g
-         real(wp) :: slope(unknowns), s1(3), d1(3)
-
-         s1 = [visit%g*visit%sigma, both, 0.0_wp]
-         d1 = [visit%g*visit%q, 0.0_wp, visit%g - 1.0_wp]
-         slope = 0.0_wp
-         slope(shape_g:) = (both*s1 + difference*d1 - value*(both*s1 - difference*d1))/product
-         slope(shape_g) = slope(shape_g) - 2.0_wp*distance*visit%g/product
-      end function slope_of_cosine
    end subroutine find_violations
 
    !> Error and violations of a visit whose linear unknowns are set.
