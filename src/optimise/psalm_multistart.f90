@@ -17,6 +17,7 @@ module psalm_multistart
    real(wp), parameter :: tie = 1.0e-6_wp          !! and of those that count as equal
    real(wp), parameter :: along_valley = 10.0_wp   !! times as much must results differ whose objectives are the same
    real(wp), parameter :: alike = 0.1_wp           !! relative difference below which two results are one to draw near
+   real(wp), parameter :: near = 0.05_wp           !! relative difference of objectives above which two results are not one
    integer, parameter :: most_rounds = 8           !! results of the rounds before are shown to the starts of the next
    integer, parameter :: least_of_round = 16       !! starts
    integer, parameter :: most_refinements = 64     !! times further results are searched on, because those before became one
@@ -40,6 +41,7 @@ module psalm_multistart
       procedure(start_i), deferred :: start
       procedure(refine_i), deferred :: refine
       procedure :: go_on
+      procedure :: are_one
    end type starter_t
 
    abstract interface
@@ -96,6 +98,16 @@ contains
       associate (unused => self, unchanged => stage, same_candidate => candidate)
       end associate
    end subroutine go_on
+
+   !> True if two results that differ in their unknowns are one all the same. By themselves they are not.
+   logical function are_one(self, a, b)
+      class(starter_t), intent(inout) :: self
+      type(candidate_t), intent(in) :: a, b             !! their objectives are near each other
+
+      are_one = .false.
+      associate (unused => self, first => a, second => b)
+      end associate
+   end function are_one
 
    !> Number of the i-th start.
    pure integer function number_of(self, i)
@@ -218,7 +230,7 @@ contains
          leader = minloc(candidates%objective, dim=1, mask=left)
          ! what differed may have become one: others are searched on in its place, to the end if they still differ when settled
          do round = 1, most_refinements
-            call keep_different(self, left, leader, candidates, best)
+            call keep_different(self, team(1), left, leader, candidates, best)
             if (all(candidates(best)%refined) .or. stop%waiting()) exit
             if (all(candidates(best)%settled)) then
                call refine_all(team, pack(best, .not. candidates(best)%refined), .true., candidates)
@@ -228,7 +240,7 @@ contains
          end do
          if (.not. stop%waiting()) left = left .and. candidates%refined
       end if
-      call keep_different(self, left, leader, candidates, best)
+      call keep_different(self, team(1), left, leader, candidates, best)
    end subroutine finish
 
    !> Search on from some results.
@@ -303,8 +315,9 @@ contains
    end subroutine rank
 
    !> Places of the results kept: the best, the best of those that differ from it, and so on.
-   pure subroutine keep_different(rules, eligible, leader, candidates, best)
+   subroutine keep_different(rules, member, eligible, leader, candidates, best)
       type(multistart_t), intent(in) :: rules
+      class(starter_t), intent(inout) :: member
       logical, intent(in) :: eligible(:)                !! shape (candidates)
       integer, intent(in) :: leader                     !! stands first unless another is better by more than rounding; 0: none
       type(candidate_t), intent(in) :: candidates(:)
@@ -322,7 +335,11 @@ contains
          best = [best, i]
          left(i) = .false.
          do k = 1, size(left)
-            if (left(k)) left(k) = differ(rules, candidates(i), candidates(k))
+            if (.not. left(k)) cycle
+            left(k) = differ(rules, candidates(i), candidates(k))
+            if (.not. left(k)) cycle
+            if (candidates(k)%objective - candidates(i)%objective <= near*max(candidates(i)%objective, rules%small)) &
+               left(k) = .not. member%are_one(candidates(i), candidates(k))
          end do
       end do
    end subroutine keep_different

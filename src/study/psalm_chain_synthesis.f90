@@ -21,6 +21,9 @@ module psalm_chain_synthesis
    real(wp), parameter :: rough = 1.0e-5_wp      !! relative gain of a step that ends a start
    real(wp), parameter :: settling = 1.0e-5_wp   !! of one that may be listed
    real(wp), parameter :: fine = 1.0e-10_wp      !! and of one that ends the search on the best
+   real(wp), parameter :: same_place = 1.0e-4_wp !! of the linkage's size: joints no farther apart are at one place
+   real(wp), parameter :: ridge = 1.0e-3_wp      !! relative rise of the objective that parts two valleys
+   integer, parameter :: steps_between = 8       !! in which the way from one linkage to another is looked at
 
    !> A linkage found.
    type :: chain_found_t
@@ -52,6 +55,7 @@ module psalm_chain_synthesis
       integer :: most = 0                        !! evaluations of a start
    contains
       procedure :: start
+      procedure :: are_one
       procedure :: refine
    end type chain_starter_t
 
@@ -160,6 +164,48 @@ contains
          starter%high(v) = problem%high(v)
       end do
    end subroutine prepare_starter
+
+   !> Two linkages are one if their joints are at the same places at the first position, or if no ridge of the objective lies
+   !> between them.
+   logical function are_one(self, a, b)
+      class(chain_starter_t), intent(inout) :: self
+      type(candidate_t), intent(in) :: a, b
+      complex(wp) :: first(size(self%problem%start%joint, 1)), second(size(first))
+      real(wp) :: other(size(a%x)), objective, violation
+      logical :: reached(2)
+      integer :: v, step
+
+      call find_joints(a%x, first, reached(1))
+      call find_joints(b%x, second, reached(2))
+      are_one = .false.
+      if (all(reached)) are_one = all(abs(first - second) <= same_place*self%problem%drawn%size)
+      if (are_one) return
+      other = b%x
+      do v = 1, size(other)
+         if (.not. any(self%problem%moved%of_angle == v)) cycle
+         other(v) = other(v) + full_turn*anint((a%x(v) - other(v))/full_turn)
+      end do
+      do step = 1, steps_between - 1
+         call self%problem%measure(a%x + (other - a%x)*(real(step, wp)/real(steps_between, wp)), objective, violation)
+         if (.not. objective + max(objective, self%problem%small)*violation <= &
+             (1.0_wp + ridge)*max(a%objective, b%objective)) return
+      end do
+      are_one = .true.
+
+   contains
+
+      subroutine find_joints(x, joints, reached)
+         real(wp), intent(in) :: x(:)
+         complex(wp), intent(out) :: joints(:)
+         logical, intent(out) :: reached
+         type(closure_t) :: closure
+         type(chain_motion_t) :: motion
+
+         joints = (0.0_wp, 0.0_wp)
+         call self%problem%find_motion(x, closure, motion, reached)
+         if (reached) joints = motion%states(1)%joint(:, 0)
+      end subroutine find_joints
+   end function are_one
 
    !> One start: the drawing, or a linkage drawn at random within the bounds, or within VAR of the drawing.
    subroutine start(self, number, elite, candidate)

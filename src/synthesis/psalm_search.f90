@@ -21,6 +21,7 @@ module psalm_search
    use psalm_search_group, only: order_either, pareto_none
    use psalm_solver, only: solver_t, ending_t, observer_t, stop_refused
    use psalm_solvers, only: new_solver
+   use psalm_station, only: station_t, prepare_station, evaluate_station
    use psalm_stop, only: stop_t
    use psalm_timing, only: timing_t, prepare_timing, find_timing
    use psalm_parameters, only: variable_length, variable_outlk, variable_origlk, variable_crnki, variable_gama, &
@@ -43,6 +44,10 @@ module psalm_search
    integer, parameter :: few_refined = 3           !! results of lots searched on, at least: most of the work is done there
    integer, parameter :: most_weighed = 100        !! linkages that a list of PARETO is chosen from, at least
    real(wp), parameter :: worth_it = 1.0e-6_wp     !! relative gain for which another timing is tried
+   real(wp), parameter :: alike = 1.0e-2_wp        !! relative difference of objectives of linkages that may be the same
+   real(wp), parameter :: same_place = 1.0e-4_wp   !! of the linkage's size: joints no farther apart are at one place
+   real(wp), parameter :: ridge = 1.0e-3_wp        !! relative rise of the objective that parts two valleys
+   integer, parameter :: steps_between = 8         !! in which the way from one linkage to another is looked at
 
    !> A linkage found.
    type :: found_t
@@ -88,6 +93,7 @@ module psalm_search
       class(problem_t), allocatable :: problem
       class(constraints_t), allocatable :: constraints
       class(merit_t), allocatable :: merit
+      class(station_t), allocatable :: places     !! where the joints of two linkages are compared
       ! by its base class, as a team is
       class(starter_t), allocatable :: few(:)     !! shape (stages - 1): who makes the stages of a start but its last
       logical :: early = .false.                  !! this is one of those: some of the positions are looked at
@@ -105,6 +111,7 @@ module psalm_search
    contains
       procedure :: start => start_in_stages
       procedure :: go_on
+      procedure :: are_one
       procedure :: refine
       procedure :: stages
    end type worker_t
@@ -254,6 +261,8 @@ contains
                rules%absolute(v) = set%search%differ*degrees_per_radian
                rules%period(v) = full_turn
             end if
+            ! with free timing the inputs take up what the reference input says
+            if (kind == variable_crnki .and. merit%free) rules%absolute(v) = huge(1.0_wp)
          end associate
       end do
    end subroutine tell_apart
@@ -425,6 +434,86 @@ contains
          candidate%evaluations = merit%evaluations
       end associate
    end subroutine judge
+
+   !> Two linkages are one if their joints are at the same places at the same inputs, whatever the numbers say (a pivot at a
+   !> negative distance, in the opposite direction), or if no ridge of the objective lies between them: one of them is then not yet
+   !> at the bottom of the valley that they share.
+   logical function are_one(self, a, b)
+      class(worker_t), intent(inout) :: self
+      type(candidate_t), intent(in) :: a, b
+      real(wp) :: between(size(a%x)), other(size(a%x)), objective, violation, highest
+      integer :: v, step
+
+      are_one = have_same_places(self, a, b)
+      if (are_one) return
+      associate (merit => self%merit)
+         other = b%x
+         do v = 1, merit%core
+            select case (self%problem%parameters%variables(v)%kind)
+            case (variable_gama, variable_outang, variable_origng)
+               other(v) = other(v) + full_turn*anint((a%x(v) - other(v))/full_turn)
+            end select
+         end do
+         if (merit%free) then
+            if (goes_either_way(self)) then
+               if (way_of(self, a%x) /= way_of(self, b%x)) return
+               call go(self, way_of(self, a%x))
+            end if
+            merit%delt = a%x(merit%core + 1:)
+         end if
+         if (merit%has_range) call set_range(merit, [real(wp) ::])
+         highest = (1.0_wp + ridge)*max(a%objective, b%objective)
+         do step = 1, steps_between - 1
+            between = a%x + (other - a%x)*(real(step, wp)/real(steps_between, wp))
+            call merit%fit_linear(between)
+            call merit%measure(between, objective, violation)
+            if (.not. objective + max(objective, merit%small)*violation <= highest) return
+         end do
+         are_one = .true.
+      end associate
+   end function are_one
+
+   !> Which way the input goes.
+   pure integer function way_of(worker, x)
+      class(worker_t), intent(in) :: worker
+      real(wp), intent(in) :: x(:)                     !! unknowns, inputs of free timing included
+
+      way_of = merge(1, 2, worker%sense*(x(size(x)) - x(worker%merit%core + 1)) >= 0.0_wp)
+   end function way_of
+
+   !> The joints of two linkages are at the same places, at two inputs.
+   logical function have_same_places(self, a, b) result(same)
+      class(worker_t), intent(inout) :: self
+      type(candidate_t), intent(in) :: a, b
+      integer, allocatable :: joints(:, :)
+      real(wp), allocatable :: first(:, :, :)
+      real(wp) :: delt(2), reference
+      logical :: closed(2)
+      integer :: loop, arc
+
+      same = .false.
+      if (abs(a%objective - b%objective) > alike*max(a%objective, b%objective)) return
+      associate (merit => self%merit, loops => self%problem%mechanism%loops)
+         delt = [self%problem%delt(1), self%problem%delt((size(self%problem%delt) + 1)/2)]
+         if (merit%free) delt = [a%x(merit%core + 1), a%x(merit%core + (merit%local + 1)/2)]
+         if (.not. allocated(self%places)) then
+            joints = reshape([((loop, arc, arc=1, loops(loop)%arcs), loop=1, size(loops))], [2, sum(loops%arcs)])
+            allocate (self%places)
+            call prepare_station(self%problem, delt, .false., joints, .false., self%places)
+         end if
+         call self%places%problem%move_inputs(delt)
+         call self%problem%parameters%apply(a%x(:merit%core), merit%dimensions)
+         reference = merit%dimensions%crnki
+         call evaluate_station(self%places, merit%dimensions)
+         first = self%places%joints
+         closed = self%places%closed
+         call self%problem%parameters%apply(b%x(:merit%core), merit%dimensions)
+         call self%places%problem%move_inputs(delt + (reference - merit%dimensions%crnki))
+         call evaluate_station(self%places, merit%dimensions)
+         same = all(closed .and. self%places%closed)
+         if (same) same = all(abs(self%places%joints - first) <= same_place*merit%size)
+      end associate
+   end function have_same_places
 
    !> One start: draw it, make it close where that is easy, improve it, inspect it.
    subroutine one_start(self, number, elite, candidate)
@@ -600,6 +689,25 @@ contains
       end do
    end subroutine draw_near
 
+   !> The input pivot at a positive distance, as far as the bounds allow: at a negative one it lies in the opposite direction.
+   pure subroutine turn_pivot(worker, values)
+      class(worker_t), intent(in) :: worker
+      real(wp), intent(inout) :: values(:)
+      integer :: distance, direction
+      real(wp) :: turned
+
+      associate (kind => worker%problem%parameters%variables%kind, low => worker%merit%low, high => worker%merit%high)
+         distance = findloc(kind, variable_origlk, dim=1)
+         direction = findloc(kind, variable_origng, dim=1)
+         if (min(distance, direction) == 0) return
+         if (values(distance) >= 0.0_wp .or. -values(distance) > high(distance)) return
+         turned = values(direction) + sign(0.5_wp*full_turn, worker%first(direction) - values(direction))
+         if (turned < low(direction) .or. turned > high(direction)) return
+         values(distance) = -values(distance)
+         values(direction) = turned
+      end associate
+   end subroutine turn_pivot
+
    !> Angles without bounds are told within half a turn of the first ones; so are those that solving for linear unknowns turns, as
    !> far as their bounds allow.
    pure subroutine unwind(worker, values)
@@ -608,6 +716,7 @@ contains
       real(wp) :: near(size(values))
       logical :: turns(size(values))
 
+      call turn_pivot(worker, values)
       if (worker%set%limval /= 0 .and. .not. allocated(worker%merit%linear)) return
       associate (kind => worker%problem%parameters%variables%kind)
          turns = kind == variable_gama .or. kind == variable_outang .or. kind == variable_origng .or. &
