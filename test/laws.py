@@ -265,8 +265,8 @@ def test_margins():
 
 
 def number(word):
-    """A number as Fortran writes it, with three digits of exponent and no letter."""
-    return float(re.sub(r"(?<=\d)([-+]\d{3})$", r"E\1", word))
+    """A number as Fortran writes it, with three digits of exponent and no letter, or with D."""
+    return float(re.sub(r"(?<=\d)([-+]\d{3})$", r"E\1", word.replace("D", "E")))
 
 
 def test_open_rates():
@@ -287,6 +287,153 @@ def test_open_rates():
     check("arcs of an open linkage: the loop is named", read("open.dev8").count("LOOP 1 DOES NOT CLOSE") == len(gone))
 
 
+SKETCH = """A SKETCH
+ &CHAIN JNT='A','B','C','D','P', JX=0.0,-10.0,60.0,80.0,40.0, JY=0.0,25.0,70.0,0.0,110.0,
+  LNAME='frame','crank','coupler','rocker', LNK='A D','A B','B C P','C D' &END
+ &DRIVES DRIVE='A' &END
+ &OUTPUTS OUTPUT='point P' &END
+ &METHOD IKIN=5 &END
+"""
+
+
+def test_least_angle():
+    """TRMIN is 90 less TANGLE, in &LIMITS or &CONSTR, of loops and of sketches; a sketch that is analysed has no limit of its own."""
+    write("plain.nml", SKETCH)
+    code, out, errors = psalm("plain.nml")
+    least = float(re.search(r"Transmission angle +at least ([0-9.]+)", errors).group(1))
+    check("a sketch has no limit unless it is asked for", code == 0 and "OUTSIDE" not in out and least < 40.0, (code, least))
+    for text, name in ((SKETCH, "sketch"), (without(case("dyad1_crank_rocker"), "TANGLE"), "loops")):
+        if name == "loops":
+            write("plain.nml", case("dyad1_crank_rocker"))
+            least = float(re.search(r"Transmission angle +at least ([0-9.]+)", psalm("plain.nml")[2]).group(1))
+        for asked in (math.floor(least), math.ceil(least)):
+            seen = []
+            for group, item in (("LIMITS", "TANGLE=%d" % (90 - asked)), ("LIMITS", "TRMIN=%d" % asked), ("CONSTR", "TRMIN=%d" % asked)):
+                if "&" + group in text:
+                    write("asked.nml", with_items(text, group, item))
+                else:
+                    write("asked.nml", text.rstrip() + "\n &%s %s &END\n" % (group, item))
+                code, out, errors = psalm("asked.nml")
+                seen.append((code, out.count("OUTSIDE") > 0))
+                if item[:2] == "TR":
+                    check(name + ": the margin names TRMIN", "TRANSMISSION ANGLE (TRMIN), LOOP 1, DEGREES" in out, out)
+                    check(name + ": the summary names it", "(TRMIN: %d)" % asked in errors, errors)
+                    check(name + ": so does a violation", code == 0 or "OUTSIDE TRMIN %d" % asked in out, out)
+                    margin = number(re.search(r"ANGLE \(TRMIN\).*DEGREES +(\S+)", out).group(1))
+                    check(name + ": margin, least angle", abs(margin - (least - asked)) < 0.3, (margin, least, asked))
+                    again = [line for line in read("asked.dev7").splitlines() if "TRMIN" in line]
+                    check(name + ": device 7 has it once", len(again) == 1, again)
+            check("%s: TRMIN=%d is TANGLE=%d" % (name, asked, 90 - asked), len(set(seen)) == 1, seen)
+            check("%s: %d degrees" % (name, asked), seen[0][0] == (asked > least), (seen, least))
+    search = changed(changed(SKETCH, "'C D' &END", "'C D', VARY='A B','B C','C D','B P' &END"), "IKIN=5",
+                     "NDES=3, DELT=0,30,60, DESX=40,25,10, DESY=110,104,95") + " &SEARCH SOLVER='LSQ', NSTART=20 &END\n"
+    for group, held in ((" &CONSTR TRMIN=40.0 &END\n", False), (" &CONSTR TRMIN=40.0, IRANGE=2 &END\n", True)):
+        write("search.nml", search + group)
+        code, out, errors = psalm("search.nml")
+        least = float(re.search(r"Transmission angle +at least ([0-9.]+)", errors).group(1))
+        check("TRMIN in a search: where it holds is said", ("holds at the prescribed positions only" in errors) != held, errors)
+        check("TRMIN in a search: it holds", code == 0 and (least >= 39.999 or not held), (code, least))
+        if held:
+            check("TRMIN in a search: proven", "ANGLE (TRMIN), LOOP 1" in out.split("AT LEAST")[1] and "KEPT" in out, out)
+
+
+def test_both_limits():
+    """The limit of the angle binds twice a turn in `data/paths/yu20a_angle.nml`: every seed finds the best linkage known, 1.4555."""
+    text = read(os.path.join(DATA, "paths", "yu20a_angle.nml"))
+    for seed in (1, 3, 5, 7):
+        write("both.nml", changed(text, "VAR=0.0", "VAR=0.0, ISTART=%d" % seed))
+        code, out, errors = psalm("--quiet", "both.nml")
+        found = number(re.search(r"RANK      OBJECTIVE.*\n +1 +(\S+)", out).group(1))
+        check("both limits, seed %d" % seed, code == 0 and abs(found/1.4555 - 1.0) < 0.01, (code, found))
+
+
+def test_one_linkage():
+    """One linkage is listed once: with its pivot at a negative distance, and with CRNKI beside free timing."""
+    text = """A PATH OF TEN POINTS
+ &CHAIN JNT='A','B','C','D','P', JX=0,-10,60,80,40, JY=0,25,70,0,110,
+  LNAME='frame','crank','coupler','rocker', LNK='A D','A B','B C P','C D',
+  VARY='A B','B C','C D','B P','angle B C B P','place D','place A','input' &END
+ &DRIVES DRIVE='A' &END
+ &OUTPUTS OUTPUT='point P' &END
+ &METHOD NDES=10, DELT=0,36,72,108,144,180,216,252,288,324,
+  DESX=20,35,50,60,62,55,42,28,18,15, DESY=100,98,99,104,112,120,124,122,116,108 &END
+ &SEARCH SOLVER='LSQ', NSTART=%d, NBEST=5 &END
+ &CONSTR IRANGE=2, NREGN=2, RKIND=-1,-1, RJNT='A','D', RPLACE=-40,-20,120,60, -40,-20,120,60 &END
+ &LIMITS TANGLE=50 &END
+"""
+    write("ten.nml", text % 100)
+    psalm("--quiet", "ten.nml")
+    titles = read("ten.dev7").split("\n &CHAIN")[1:]
+    drawn = []
+    for one in titles:
+        numbers = [[float(v) for v in re.split(r"[,\s]+", re.search(item + r"=([-+0-9.E,\s]+)", one).group(1).strip(", \n"))]
+                   for item in ("JX", "JY")]
+        drawn.append(list(zip(*numbers)))
+    check("ranked linkages", len(drawn) > 1, len(drawn))
+    for i, a in enumerate(drawn):
+        for b in drawn[:i]:
+            apart = max(math.dist(p, q) for p, q in zip(a, b))
+            check("ranked linkages have their joints at other places", apart > 0.01, (i, apart))
+
+
+def test_one_verdict():
+    """The summary says that a mechanism closes only where every loop does; CSV has it position by position."""
+    two = changed(changed(changed(SKETCH, "40.0, JY", "40.0,60.0,75.0, JY"), "'P', JX", "'P','Q','F', JX"), "0.0,110.0", "0.0,110.0,120.0,90.0")
+    two = changed(changed(two, "'frame','crank','coupler','rocker'", "'frame','crank','coupler','rocker','link','out'"),
+                  "'A D','A B','B C P','C D'", "'A D F','A B','B C P','C D','P Q','Q F'")
+    two = changed(two, "'point P'", "'angle rocker','angle out'")
+    write("two.nml", two)
+    code, out, errors = psalm("--json", "two.nml")
+    closed = [row.split(",") for row in read("two.csv").splitlines()]
+    column = closed[0].index("closed")
+    opens = any(row[column] == "0" for row in closed[1:])
+    said = re.search(r"  Closes +(.*)", errors).group(1)
+    check("one verdict: a loop opens", opens)
+    check("one verdict: the summary says so", "only" in said and "close everywhere" in said, said)
+    one = changed(two, "'angle rocker','angle out'", "'angle rocker'")
+    write("one.nml", one)
+    said = re.search(r"  Closes +(.*)", psalm("one.nml")[2]).group(1)
+    check("one verdict: though it is not asked for", "only" in said, said)
+
+
+def test_idle_items():
+    """Items without effect are named, and the result is that without them."""
+    samples = [(SKETCH, "IKIN=5", "IKIN=5, NDES=2, DELT=0.0,10.0", "NDES: (DELT, too) has no effect: IKIN asks for"),
+               (case("dyad1_crank_rocker"), "IKIN=15", "IKIN=15, DELT=0.0,10.0", "DELT: has no effect: IKIN asks for"),
+               (SKETCH, "IKIN=5", "NDES=2, DELT=0.0,10.0, DESANG=1.0,2.0", "DESANG: has no effect: the output is a point"),
+               (changed(SKETCH, "point P", "angle rocker"), "IKIN=5", "NDES=2, DELT=0.0,10.0, DESX=1.0,2.0",
+                "DESX: has no effect: the output is an angle"),
+               (SKETCH, " &METHOD", " &SEARCH SOLVER='LSQ', ORDER=2 &END\n &METHOD", "ORDER: has no effect: it is for free timing")]
+    for text, old, new, said in samples:
+        write("idle.nml", changed(text, old, new))
+        code, out, errors = psalm("idle.nml")
+        check("no effect: " + said, said in errors and code < 2, (code, errors))
+    write("plain.nml", SKETCH)
+    write("idle.nml", changed(SKETCH, "IKIN=5", "IKIN=5, NDES=2, DELT=0.0,10.0"))
+    check("no effect: the same listing", psalm("--quiet", "plain.nml")[1] == psalm("--quiet", "idle.nml")[1])
+
+
+def test_remedy():
+    """Where a length ends at a bound that holds by default, the remedy is that of sketches or of loops, and the ratio is told."""
+    wished = ",".join("%.4f" % (100.0 + 60.0*(n/10.0)**2) for n in range(11))
+    places = ",".join("%.1f" % (6.0*n) for n in range(11))
+    sketch = changed(changed(SKETCH, "'point P'", "'angle rocker'"), "IKIN=5", "NDES=11, DELT=%s, DESANG=%s" % (places, wished))
+    sketch = changed(sketch, "'C D' &END", "'C D', VARY='A B','B C','C D','input' &END")
+    for text, right, wrong in ((sketch, "set VLOW and VHIGH", "LIMVAL"), (None, "set LIMVAL, OPLOW and OPHIGH", "VLOW")):
+        if text is None:
+            text = changed(changed(case("dyad1_crank_rocker"), "IKIN=15", "NDES=11, DELT=%s, DESANG=%s, IVA=3*1, ICRK=1" % (
+                places, wished)), "TANGLE=70.0", "TANGLE=90.0")
+        write("bound.nml", text.rstrip() + "\n &SEARCH SOLVER='LSQ', NSTART=50 &END\n")
+        errors = psalm("bound.nml")[2]
+        told = [line for line in errors.splitlines() if "at the bound that holds where none is given" in line]
+        check("remedy: a length at a bound", len(told) == 1, errors)
+        check("remedy: " + right, right in errors and wrong not in errors, errors)
+        found = re.search(r"\(([0-9.]+), the longest arc is ([0-9.]+) times as long\)", errors)
+        lengths = [number(v) for v in re.search(r"ARRAY OF ARC LENGTHS.*\n.*\n +(.*)", psalm("--quiet", "bound.nml")[1]).group(1).split()]
+        if found:
+            check("remedy: the ratio", abs(max(lengths)/float(found.group(1))/float(found.group(2)) - 1.0) < 1e-3, (found.groups(), lengths))
+
+
 def main(programs):
     picture_tools.programs = os.path.abspath(programs)
     with tempfile.TemporaryDirectory() as work:
@@ -299,6 +446,12 @@ def main(programs):
         test_open_rates()
         test_family()
         test_adjustment()
+        test_least_angle()
+        test_both_limits()
+        test_one_linkage()
+        test_one_verdict()
+        test_idle_items()
+        test_remedy()
         os.chdir("/")
     print("%d passed, %d failed" % (picture_tools.passed, picture_tools.failed))
     return picture_tools.failed > 0

@@ -135,6 +135,13 @@ MISTAKES = [
     (SKETCH, "DRIVE='A'", "DRIVE='A', DBASE='crank', DLINK='crank'", "drive A has link crank on both sides"),
     (SKETCH, "DRIVE='A'", "DRIVE='A C P'", "'A C P' is no drive: a joint, a slide, or the two joints of a cylinder"),
     (SKETCH, "DRIVE='A'", "DRIVE='B C'", "cylinder 'B C' lies between two joints of link coupler, which holds them apart"),
+    # the limit of the transmission angle
+    (FOUR_BAR, "TANGLE=90.0", "TANGLE=90.0, TRMIN=40.0", "limit the same angle; leave one of them out"),
+    (FOUR_BAR, "TANGLE=90.0", "TRMIN=90.0", "&LIMITS TRMIN: is the least transmission angle: at least 0, less than 90 degrees"),
+    (FOUR_BAR, "TANGLE=90.0", "TRMIN=-1.0", "&LIMITS TRMIN: is the least transmission angle"),
+    (FOUR_BAR, " &LIMITS TANGLE=90.0", " &CONSTR TRMIN=40.0 &END\n &LIMITS TRMIN=40.0", "&CONSTR TRMIN: is given in &LIMITS too"),
+    (GEARS, " &METHOD", " &LIMITS TRMIN=40.0 &END\n &METHOD", "has no transmission angle"),
+    (GEARS, " &METHOD", " &CONSTR TRMIN=40.0 &END\n &METHOD", "&CONSTR TRMIN"),
     # desired values of outputs
     (SKETCH, "OUTPUT='point P'", "OUTPUT='point P', DES1=1.0,2.0,3.0", "NDES=2 positions of output point_P have 4 values, but only 3 given"),
     (SKETCH, "OUTPUT='point P'", "OUTPUT='point P', DES1=4*1.0, WGT1=-1.0", "weights must not be negative"),

@@ -1,7 +1,7 @@
 !> The group CONSTR: where closure and transmission angles must hold, and where joints and links must not go.
 module psalm_constraint_group
    use psalm_group, only: group_t, check_range, out_of
-   use psalm_kinds, only: wp
+   use psalm_kinds, only: wp, right_angle
    use psalm_segment_items, only: segment_t, read_segments
    use psalm_sketch, only: sketch_t
    use psalm_sketch_names, only: meant
@@ -9,7 +9,7 @@ module psalm_constraint_group
    use psalm_text, only: shortened, to_text
    implicit none (type, external)
    private
-   public :: constraint_group_t, region_t, segment_t, read_constraint_group
+   public :: constraint_group_t, region_t, segment_t, read_constraint_group, read_least_angle
    public :: range_positions, range_inputs, range_turn, region_box, region_half_plane, region_circle, every_segment
 
    integer, parameter :: range_positions = 0   !! IRANGE: at the prescribed positions
@@ -34,6 +34,8 @@ module psalm_constraint_group
    type :: constraint_group_t
       logical :: given = .false.          !! the group was given
       integer :: irange = range_positions
+      real(wp) :: least_angle = 0.0_wp    !! TRMIN: least transmission angle, degrees
+      logical :: gives_angle = .false.    !! TRMIN was given here
       type(region_t), allocatable :: regions(:)
       type(segment_t), allocatable :: segments(:)
    end type constraint_group_t
@@ -56,6 +58,8 @@ contains
       constr%given = group%line > 0
       call group%get_integer('IRANGE', constr%irange, findings)
       call check_range(group, 'IRANGE', constr%irange, range_positions, range_turn, findings)
+      call read_least_angle(group, constr%least_angle, findings)
+      constr%gives_angle = group%given('TRMIN')
       call read_segments(group, nloop, maxarc, sketch, constr%segments, findings)
       n = 0
       call group%get_integer('NREGN', n, findings)
@@ -174,4 +178,16 @@ contains
                      merge(numbers_of_region*(which - 1) + 1, which, item == 'RPLACE'))
       end subroutine wrong
    end subroutine read_constraint_group
+
+   !> TRMIN, the least transmission angle, of a group that has it.
+   subroutine read_least_angle(group, least, findings)
+      type(group_t), intent(inout) :: group
+      real(wp), intent(inout) :: least         !! degrees
+      type(diagnostics_t), intent(inout) :: findings
+
+      call group%get_real('TRMIN', least, findings)
+      if (.not. group%given('TRMIN')) return
+      if (least < 0.0_wp .or. least >= right_angle) call out_of(group, 'TRMIN', &
+         'is the least transmission angle: at least 0, less than 90 degrees', findings)
+   end subroutine read_least_angle
 end module psalm_constraint_group

@@ -4,12 +4,12 @@
 !> default and checked by itself. Source of items and defaults: Oldham (1977), appendix B.
 module psalm_data_set
    use, intrinsic :: iso_fortran_env, only: int64
-   use psalm_kinds, only: wp, full_turn, half_turn, radians_per_degree
+   use psalm_kinds, only: wp, full_turn, half_turn, radians_per_degree, right_angle
    use psalm_balance_group, only: balance_group_t, read_balance_group
    use psalm_cam_group, only: cam_group_t, read_cam_group
    use psalm_chain_group, only: read_chain_group
    use psalm_clearance_group, only: clearance_group_t, read_clearance_group
-   use psalm_constraint_group, only: constraint_group_t, read_constraint_group
+   use psalm_constraint_group, only: constraint_group_t, range_positions, read_constraint_group, read_least_angle
    use psalm_exact_group, only: exact_group_t, read_exact_group
    use psalm_friction_group, only: friction_group_t, read_friction_group
    use psalm_drives_group, only: read_drives_group
@@ -99,8 +99,9 @@ module psalm_data_set
       real(wp) :: fmin = 0.0_wp, small = 0.001_wp
       ! LIMITS
       real(wp) :: tangle = 50.0_wp, toggle = 0.1_wp
-      logical :: tangle_given = .false.                !! then it holds for the angle between two slides too
+      logical :: tangle_given = .false.                !! a limit was given: it holds for the angle between two slides too
       logical :: toggle_given = .false.                !! then it is a criterion, else a distance that repairs leave
+      logical :: trmin_given = .false.                 !! as the least transmission angle: TANGLE is 90 less TRMIN
       integer :: limval = 0
       real(wp), allocatable :: oplow(:), ophigh(:) !! shape (values given, at least the number of variables)
       integer :: low_given = 0, high_given = 0     !! values given in OPLOW and in OPHIGH
@@ -316,7 +317,9 @@ contains
          call out_of(groups(method), 'IFREE', 'free timing is a part of a search, but no dimension may vary', findings)
       end if
       call check_ways(groups(search), set, findings)
+      call report_idle_items(groups(method), groups(limits), groups(search), set, findings)
       call read_constraint_group(groups(constr), set%nloop, set%maxarc, set%sketch, set%constr, findings)
+      call settle_angle_limit(groups(limits), groups(constr), set, findings)
       call read_tolerances(groups(toler), set, findings)
       call read_rates(groups(rates), set, findings)
       call read_mass_group(groups(masses), set%ilink, set%sketch, set%masses, findings)
@@ -392,19 +395,47 @@ contains
                             'counted from the drawing', line=group%item_line('CRNKI'), group='METHOD', item='CRNKI')
    end subroutine doubt_reference
 
+   !> The limit of transmission angles: TANGLE, the deviation from 90 degrees, or TRMIN of &LIMITS or &CONSTR, the least angle.
+   !> A sketch that is analysed has a limit only if one is given.
+   subroutine settle_angle_limit(limits, constr, set, findings)
+      type(group_t), intent(inout) :: limits
+      type(group_t), intent(in) :: constr
+      type(data_set_t), intent(inout) :: set
+      type(diagnostics_t), intent(inout) :: findings
+      real(wp) :: least
+
+      least = set%constr%least_angle
+      call read_least_angle(limits, least, findings)
+      set%trmin_given = limits%given('TRMIN') .or. constr%given('TRMIN')
+      if (limits%given('TRMIN') .and. constr%given('TRMIN')) call out_of(constr, 'TRMIN', 'is given in &LIMITS too; '// &
+                                                                        'leave one of the two out', findings)
+      if (set%trmin_given .and. set%constr%irange == range_positions .and. set%ikin == 0 .and. &
+          varies(set)) then
+         call findings%warning('TRMIN holds at the prescribed positions only; with IRANGE=1 or 2 of &CONSTR it holds between '// &
+                               'them, too', line=max(limits%item_line('TRMIN'), constr%item_line('TRMIN')), &
+                               group=trim(merge('LIMITS', 'CONSTR', limits%given('TRMIN'))), item='TRMIN')
+      end if
+      if (set%trmin_given .and. limits%given('TANGLE')) then
+         call findings%error('TANGLE, the largest deviation from 90 degrees, and TRMIN, the least angle, limit the same angle; '// &
+                             'leave one of them out', line=limits%item_line('TANGLE'), group='LIMITS', item='TANGLE')
+      else if (set%trmin_given) then
+         set%tangle = right_angle - least
+         set%tangle_given = .true.
+      else if (set%sketch%given .and. .not. set%tangle_given .and. (set%ikin /= 0 .or. .not. varies(set))) then
+         set%tangle = right_angle
+      end if
+   end subroutine settle_angle_limit
+
    !> Ways of searching that need other items.
    subroutine check_ways(group, set, findings)
       type(group_t), intent(in) :: group             !! SEARCH
       type(data_set_t), intent(in) :: set
       type(diagnostics_t), intent(inout) :: findings
-      logical :: varies
 
-      varies = set%wants_search()
-      if (set%sketch%given) varies = size(set%sketch%variations) > 0
       if (set%search%few > 0) then
          if (set%ikin /= 0) then
             call out_of(group, 'NFEW', 'few positions first is a way to search, but IKIN asks for an analysis', findings)
-         else if (.not. varies) then
+         else if (.not. varies(set)) then
             call out_of(group, 'NFEW', 'few positions first is a way to search, but no dimension may vary', findings)
          else if (set%ifree /= 0) then
             call out_of(group, 'NFEW', 'few positions first needs prescribed timing: leave out NFEW, or IFREE of &METHOD', findings)
@@ -415,13 +446,70 @@ contains
       if (set%search%by_dyads) then
          if (set%ikin /= 0) then
             call out_of(group, 'IDYAD', 'dyad by dyad is a way to search, but IKIN asks for an analysis', findings)
-         else if (.not. varies) then
+         else if (.not. varies(set)) then
             call out_of(group, 'IDYAD', 'dyad by dyad is a way to search, but no dimension may vary', findings)
          else if (set%ifree /= 0) then
             call out_of(group, 'IDYAD', 'dyad by dyad needs prescribed timing: leave out IDYAD, or IFREE of &METHOD', findings)
          end if
       end if
    end subroutine check_ways
+
+   !> Items that are given and have no effect, because of others.
+   subroutine report_idle_items(method, limits, search, set, findings)
+      type(group_t), intent(in) :: method, limits, search
+      type(data_set_t), intent(in) :: set
+      type(diagnostics_t), intent(inout) :: findings
+      character(*), parameter :: of_positions(*) = [character(name_length) :: 'NDES', 'DELT', 'DESX', 'DESY', 'DESANG', 'XMULT', &
+                                                    'YMULT', 'ANMULT', 'IFREE']
+      character(*), parameter :: of_points(*) = [character(name_length) :: 'DESX', 'DESY', 'XMULT', 'YMULT'], &
+                                 of_angles(*) = [character(name_length) :: 'DESANG', 'ANMULT'], &
+                                 of_bounds(*) = [character(name_length) :: 'OPLOW', 'OPHIGH']
+      type(output_kind_t) :: kind
+
+      if (set%ikin /= 0) then
+         call idle(method, of_positions, 'IKIN asks for an analysis through one turn; leave IKIN out, or them')
+      else
+         kind = output_kind(set%motion)
+         if (kind%components == 1) call idle(method, of_points, 'the output is an angle or a length, whose desired values are '// &
+                                             'DESANG')
+         if (kind%components == 2) call idle(method, of_angles, 'the output is a point, whose desired values are DESX and DESY')
+      end if
+      if (set%limval == 0 .and. set%var > 0.0_wp .and. varies(set)) call idle(limits, of_bounds, &
+         'bounds hold with LIMVAL=1 (and are drawn from with VAR=0)')
+      if (set%ifree == 0) call idle(search, [character(name_length) :: 'ORDER'], 'it is for free timing (IFREE=1 of &METHOD)')
+
+   contains
+
+      subroutine idle(group, items, reason)
+         type(group_t), intent(in) :: group
+         character(*), intent(in) :: items(:), reason
+         character(:), allocatable :: others
+         integer :: i, first
+
+         first = 0
+         others = ''
+         do i = 1, size(items)
+            if (.not. group%given(trim(items(i)))) cycle
+            if (first == 0) then
+               first = i
+            else
+               others = others//', '//trim(items(i))
+            end if
+         end do
+         if (first == 0) return
+         if (len(others) > 0) others = '('//others(3:)//', too) '
+         call findings%warning(others//'has no effect: '//reason, line=group%item_line(trim(items(first))), &
+                               group=trim(group%name), item=trim(items(first)))
+      end subroutine idle
+   end subroutine report_idle_items
+
+   !> True if any dimension may vary; a sketch has its loops later.
+   pure logical function varies(set)
+      type(data_set_t), intent(in) :: set
+
+      varies = set%wants_search()
+      if (set%sketch%given) varies = size(set%sketch%variations) > 0
+   end function varies
 
    !> The drawing and what is wanted of it, which says what desired values are of.
    subroutine read_sketch(chain, outputs, set, sound, findings)

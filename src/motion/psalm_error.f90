@@ -63,6 +63,7 @@ module psalm_error
       logical :: every_loop = .false.              !! of a sketch: no loop is left out
       real(wp) :: tangle = 90.0_wp, toggle = 0.0_wp
       real(wp) :: spare = 0.0_wp                !! TOGGLE where it was given: then it is a criterion
+      logical :: trmin_given = .false.             !! the limit was given as the least transmission angle
       real(wp) :: slide_angle = 90.0_wp            !! allowed deviation of the angle between two slides from 90 degrees
       real(wp), allocatable :: side(:)             !! by loop: +1 or -1, sign of the sine between two slides that is wanted
       integer :: positions = 0
@@ -108,6 +109,7 @@ contains
       real(wp), allocatable :: wanted(:, :), weight(:, :)
 
       problem%tangle = set%tangle
+      problem%trmin_given = set%trmin_given
       if (set%tangle_given) problem%slide_angle = set%tangle
       if (set%toggle_given) problem%spare = set%toggle
       ! of a sketch every link is meant, whatever the output

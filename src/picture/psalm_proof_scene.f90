@@ -222,8 +222,8 @@ contains
 
       do i = 1, size(study%margins)
          associate (own => study%margins(i))
-            words = 'margin, '//lower_case(name_of_limit(own%margin))//': at least '//shown(own%low, -1)//', at '// &
-                    short(own%margin%delt)
+            words = 'margin, '//lower_case(name_of_limit(own%margin, study%trmin_given))//': at least '// &
+                    shown(own%low, -1)//', at '//short(own%margin%delt)
             if (own%is_broken) words = words//', violated'
             call add_mark(scene, 'extreme', words, own%margin%delt)
          end associate

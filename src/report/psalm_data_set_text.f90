@@ -4,7 +4,7 @@
 !> so that `psalm` reads the file as a case; as device 4 it supplies vertices.
 module psalm_data_set_text
    use psalm_data_set, only: data_set_t, proof_by_default
-   use psalm_kinds, only: wp
+   use psalm_kinds, only: wp, right_angle
    use psalm_output_kind, only: output_kind_t, output_kind
    use psalm_dimensions, only: dimensions_t
    use psalm_dyad_kind, only: assur_prp
@@ -12,7 +12,7 @@ module psalm_data_set_text
    use psalm_finale, only: in_columns
    use psalm_rate_items, only: rate_row_t, wanted_rows
    use psalm_sketch_redraw, only: redraw_sketch
-   use psalm_sketch_text, only: write_sketch
+   use psalm_sketch_text, only: write_sketch, limit_of_angles
    use psalm_start, only: values_per_record
    use psalm_text, only: text_t, general, full_precision, to_text
    implicit none (type, external)
@@ -85,7 +85,9 @@ contains
       if (problem%parameters%has_search()) call write_variables()
       call text%add(' &END')
       ! what was not given does not hold for two slides
-      if (set%tangle_given .or. all(problem%mechanism%groups%kind /= assur_prp)) then
+      if (set%trmin_given) then
+         call text%add(' &LIMITS'//limit_of_angles(set))
+      else if (set%tangle_given .or. set%tangle >= right_angle .or. all(problem%mechanism%groups%kind /= assur_prp)) then
          call text%add(' &LIMITS TANGLE='//full_precision(set%tangle)//',')
       else
          call text%add(' &LIMITS')

@@ -1,6 +1,7 @@
 !> Words on what is no violation and yet makes a result doubtful.
 module psalm_doubts
    use psalm_analysis, only: doubts_t
+   use psalm_data_set, only: data_set_t
    use psalm_text, only: general, lower_case, to_text
    use psalm_dimensions, only: dimensions_t
    use psalm_mechanism, only: mechanism_t
@@ -15,7 +16,8 @@ module psalm_doubts
 contains
 
    !> Links of practically no length, in words. There must be one.
-   function describe_short_links(mechanism, dimensions, doubts) result(words)
+   function describe_short_links(set, mechanism, dimensions, doubts) result(words)
+      type(data_set_t), intent(in) :: set
       type(mechanism_t), intent(in) :: mechanism
       type(dimensions_t), intent(in) :: dimensions
       type(doubts_t), intent(in) :: doubts
@@ -31,6 +33,7 @@ contains
                  ' is '//trim(adjustl(general(dimensions%arcl(n), 'E')))
       end do
       if (size(doubts%short) > most_named) words = words//' and '//to_text(size(doubts%short) - most_named)//' more'
-      words = words//'; limit the lengths (LIMVAL, OPLOW, OPHIGH) if this is not meant'
+      words = words//'; limit the lengths ('// &
+              trim(merge('VLOW, VHIGH          ', 'LIMVAL, OPLOW, OPHIGH', set%sketch%given))//') if this is not meant'
    end function describe_short_links
 end module psalm_doubts

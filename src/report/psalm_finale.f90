@@ -10,7 +10,7 @@ module psalm_finale
    use psalm_dyad_kind, only: assur_rpr, assur_rpr_guide_first, form_of, form_t
    use psalm_error, only: problem_t, motion_t, violation_t, crossing_t
    use psalm_input_text, only: list_sketch_notes
-   use psalm_kinds, only: wp, full_turn
+   use psalm_kinds, only: wp, full_turn, right_angle
    use psalm_output_kind, only: motion_point, motion_angle, motion_distance, motion_pose, most_rates
    use psalm_plan, only: root_frame
    use psalm_dimensions, only: dimensions_t
@@ -424,7 +424,7 @@ contains
       case (violation_parallel)
          text = text//'THE SLIDES ARE PARALLEL'
       case (violation_angle_small, violation_angle_large)
-         text = text//'TRANSMISSION ANGLE '//amount()//', OUTSIDE 90 +- '//trim(adjustl(general(problem%tangle)))
+         text = text//'TRANSMISSION ANGLE '//amount()//limit(problem%tangle)
       case (violation_toggle)
          select case (problem%mechanism%groups(violation%loop)%kind)
          case (assur_rpr, assur_rpr_guide_first)
@@ -434,7 +434,7 @@ contains
          end select
          text = text//' CLOSES WITH '//amount()//' TO SPARE, LESS THAN TOGGLE '//trim(adjustl(general(problem%toggle)))
       case (violation_slides)
-         text = text//'ANGLE BETWEEN THE SLIDES '//amount()//', OUTSIDE 90 +- '//trim(adjustl(general(problem%slide_angle)))
+         text = text//'ANGLE BETWEEN THE SLIDES '//amount()//limit(problem%slide_angle)
       end select
       if (violation%first /= violation%last .and. violation%kind /= violation_parallel .and. &
           violation%kind /= violation_undetermined) then
@@ -455,6 +455,19 @@ contains
          words = ' '//to_text(violation%first)
          if (violation%first /= violation%last) words = 'S'//words//' TO '//to_text(violation%last)
       end function positions
+
+      !> The limit as it was given.
+      function limit(deviation) result(words)
+         real(wp), intent(in) :: deviation     !! from a right angle, degrees
+         character(:), allocatable :: words
+
+         if (problem%trmin_given) then
+            words = trim(adjustl(general(right_angle - deviation)))
+            words = ', OUTSIDE TRMIN '//words//' TO 180 - '//words
+         else
+            words = ', OUTSIDE 90 +- '//trim(adjustl(general(deviation)))
+         end if
+      end function limit
 
       function amount() result(words)
          character(:), allocatable :: words

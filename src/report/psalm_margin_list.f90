@@ -82,7 +82,7 @@ contains
 
       select case (margin%kind)
       case (margin_angle, margin_slides, margin_guide, margin_offset)
-         name = name_of_limit(margin)
+         name = name_of_limit(margin, set%trmin_given)
       case (margin_clearance)
          call list_clearances(set%constr, problem%mechanism, problem%given%outlk <= 0.0_wp, clearances, joints)
          name = name_of_clearance(set, clearances(margin%which), in_sentence)
@@ -94,13 +94,14 @@ contains
    end function name_of_margin
 
    !> What a dyad is to keep.
-   pure function name_of_limit(margin) result(name)
+   pure function name_of_limit(margin, trmin_given) result(name)
       type(margin_t), intent(in) :: margin
+      logical, intent(in) :: trmin_given           !! the limit of angles is TRMIN
       character(:), allocatable :: name
 
       select case (margin%kind)
       case (margin_angle)
-         name = 'TRANSMISSION ANGLE, LOOP '//to_text(margin%which)//', DEGREES'
+         name = 'TRANSMISSION ANGLE'//as_given()//', LOOP '//to_text(margin%which)//', DEGREES'
       case (margin_slides)
          name = 'ANGLE BETWEEN THE SLIDES, LOOP '//to_text(margin%which)//', DEGREES'
       case (margin_guide)
@@ -108,6 +109,15 @@ contains
       case default
          name = 'OFFSET AND TOGGLE, LOOP '//to_text(margin%which)
       end select
+
+   contains
+
+      pure function as_given() result(words)
+         character(:), allocatable :: words
+
+         words = ''
+         if (trmin_given) words = ' (TRMIN)'
+      end function as_given
    end function name_of_limit
 
    !> What keeps apart from what.

@@ -80,7 +80,7 @@ contains
       call text%add('   MARGIN                                             AT LEAST             AT')
       do i = 1, size(study%margins)
          associate (own => study%margins(i))
-            name = name_of_limit(own%margin)
+            name = name_of_limit(own%margin, study%trmin_given)
             least = shown(own%low, -1)
             at = general(own%margin%delt)
             call text%add('   '//name//adjustr(least)//at//'  '//verdict(own))

@@ -1,6 +1,7 @@
 !> The ranking of the linkages found in the listing: what makes them different, their margins, their quality and size.
 module psalm_ranking_list
    use psalm_data_set, only: data_set_t
+   use psalm_dimensions, only: dimensions_t
    use psalm_error, only: problem_t
    use psalm_kinds, only: wp, degrees_per_radian
    use psalm_parameters, only: name_of
@@ -63,7 +64,7 @@ contains
       call text%add(' TRANSMISSION ANGLE AND ROOM: OVER THE FULL TURN, OR THE PRESCRIBED INPUTS WHERE THE CRANK DOES NOT TURN')
       if (set%search%pareto /= pareto_none) call text%add(' NONE OF THEM IS BEATEN IN BOTH THE OBJECTIVE AND THE '// &
                                                           weighed(set%search%pareto))
-      if (any(found%by_default)) call list_default_bounds(problem, found, text)
+      if (any(found%by_default)) call list_default_bounds(set, problem, found, text)
    end subroutine list_ranking
 
    !> What a linkage is like, in columns under `heads`.
@@ -149,13 +150,15 @@ contains
    end function padded
 
    !> Bounds of arcs' lengths that the data set did not give.
-   subroutine list_default_bounds(problem, found, text)
+   subroutine list_default_bounds(set, problem, found, text)
+      type(data_set_t), intent(in) :: set
       type(problem_t), intent(in) :: problem
       type(result_t), intent(in) :: found
       type(text_t), intent(inout) :: text
       integer :: v
 
-      call text%add(' BOUNDS WHERE THE DATA SET GIVES NONE (LIMVAL, OPLOW, OPHIGH)')
+      call text%add(' BOUNDS WHERE THE DATA SET GIVES NONE ('//trim(merge('VLOW, VHIGH          ', 'LIMVAL, OPLOW, OPHIGH', &
+                                                                             set%sketch%given))//')')
       do v = 1, size(found%by_default)
          if (found%by_default(v)) call text%add('  '//name_of(problem%parameters%variables(v))//': '// &
                                                 plain_number(found%low(v))//' TO '//plain_number(found%high(v)))
@@ -163,22 +166,32 @@ contains
    end subroutine list_default_bounds
 
    !> Lengths of the best linkage at bounds that the data set did not give, in words; empty: there are none.
-   function bounds_reached(problem, found) result(words)
+   function bounds_reached(set, problem, found) result(words)
+      type(data_set_t), intent(in) :: set
       type(problem_t), intent(in) :: problem
       type(result_t), intent(in) :: found
       character(:), allocatable :: words
+      type(dimensions_t) :: dimensions
+      real(wp) :: longest
       integer :: v
 
       words = ''
+      dimensions = problem%given
+      call problem%parameters%apply(found%best(1)%values, dimensions)
+      longest = maxval(dimensions%arcl)
       do v = 1, size(found%by_default)
          if (.not. found%by_default(v)) cycle
          associate (length => found%best(1)%values(v), low => found%low(v), high => found%high(v))
             if (length > low*(1.0_wp + at_bound) .and. length < high*(1.0_wp - at_bound)) cycle
             if (len(words) > 0) words = words//', '
-            words = words//lower_case(name_of(problem%parameters%variables(v)))//' ('//plain_number(length)//')'
+            words = words//lower_case(name_of(problem%parameters%variables(v)))//' ('//plain_number(length)
+            if (length > 0.0_wp .and. longest > length) words = words//', the longest arc is '//plain_number(longest/length)// &
+                                                                ' times as long'
+            words = words//')'
          end associate
       end do
-      if (len(words) > 0) words = 'at the bound that holds where none is given: '//words//'; set LIMVAL, OPLOW and OPHIGH'
+      if (len(words) > 0) words = 'at the bound that holds where none is given: '//words//'; set '// &
+                                   trim(merge('VLOW and VHIGH          ', 'LIMVAL, OPLOW and OPHIGH', set%sketch%given))
    end function bounds_reached
 
    !> A number in its column, `none` if it is not known; a band at a dead point is infinite.

@@ -175,7 +175,7 @@ contains
       character(:), allocatable :: words
 
       if (size(found%best) == 0) return
-      words = bounds_reached(problem, found)
+      words = bounds_reached(set, problem, found)
       if (len(words) > 0) call devices%remark(set, words)
    end subroutine note_default_bounds
 
@@ -289,8 +289,8 @@ contains
          end if
       end associate
       if (.not. allocated(analysis%doubts)) return
-      if (size(analysis%doubts%short) > 0) call devices%remark(set, describe_short_links(problem%mechanism, analysis%dimensions, &
-                                                                                         analysis%doubts))
+      if (size(analysis%doubts%short) > 0) call devices%remark(set, describe_short_links(set, problem%mechanism, &
+                                                                                         analysis%dimensions, analysis%doubts))
       if (analysis%doubts%at_rest) call devices%remark(set, words_at_rest)
    end subroutine report_violations
 

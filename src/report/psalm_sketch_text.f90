@@ -1,7 +1,7 @@
 !> A sketch as text that can be read again.
 module psalm_sketch_text
    use psalm_data_set, only: data_set_t, proof_by_default
-   use psalm_kinds, only: wp
+   use psalm_kinds, only: wp, right_angle
    use psalm_output_kind, only: output_kind_t, output_kind
    use psalm_rate_items, only: rate_row_t, wanted_rows
    use psalm_sketch, only: sketch_t, drive_stretches, output_angle, output_between, output_distance, output_point, &
@@ -10,7 +10,7 @@ module psalm_sketch_text
    use psalm_wish_items, only: values_of, weights_of
    implicit none (type, external)
    private
-   public :: write_sketch
+   public :: write_sketch, limit_of_angles
 
    integer, parameter :: line_room = 100  !! columns of a line of values
 
@@ -93,7 +93,7 @@ contains
       end if
       call text%add(' &END')
       line = ' &LIMITS'
-      if (set%tangle_given) line = line//' TANGLE='//full_precision(set%tangle)//','
+      line = line//limit_of_angles(set)
       if (set%toggle_given) line = line//' TOGGLE='//full_precision(set%toggle)//','
       if (set%icond /= 0) line = line//' ICOND=1,'
       if (set%iproof /= proof_by_default) line = line//' IPROOF='//to_text(set%iproof)//','
@@ -288,4 +288,18 @@ contains
          end select
       end associate
    end function output_words
+
+   !> Item of &LIMITS: the limit of transmission angles as it was given; nothing if there is none, or if &CONSTR has it.
+   function limit_of_angles(set) result(item)
+      type(data_set_t), intent(in) :: set
+      character(:), allocatable :: item
+
+      item = ''
+      if (set%trmin_given) then
+         if (.not. (set%constr%gives_angle .and. index(set%others, '&CONSTR') > 0)) &
+            item = ' TRMIN='//full_precision(right_angle - set%tangle)//','
+      else if (set%tangle_given) then
+         item = ' TANGLE='//full_precision(set%tangle)//','
+      end if
+   end function limit_of_angles
 end module psalm_sketch_text

@@ -48,7 +48,7 @@ contains
                                          '; what follows is over this range', text)
       if (size(summary%closing) > 0) then
          if (summary%angle_loop > 0) call add_line('Transmission angle', 'at least '//plain_number(summary%angle)// &
-            ' degrees, in loop '//to_text(summary%angle_loop)//' at input '//plain_number(summary%angle_input), text)
+            ' degrees, in loop '//to_text(summary%angle_loop)//' at input '//plain_number(summary%angle_input)//asked(), text)
          if (present(special)) then
             if (len(special) > 0) call add_line('Output', special, text)
          end if
@@ -66,6 +66,16 @@ contains
                                                    ' at position '//to_text(errors%worst), text)
          end associate
       end do
+
+   contains
+
+      !> The least transmission angle that the data set asks for.
+      function asked() result(words)
+         character(:), allocatable :: words
+
+         words = ''
+         if (summary%least_asked > 0.0_wp) words = ' (TRMIN: '//plain_number(summary%least_asked)//')'
+      end function asked
    end subroutine write_summary
 
    !> What a derivative by the input is measured in.
@@ -107,6 +117,11 @@ contains
          end do
          words = words//and_more(size(summary%closing))
          if (.not. summary%everywhere) words = words//' only'
+      end if
+      if (summary%others_open .and. summary%output_everywhere) then
+         words = words//'; the loops of the output alone close everywhere'
+      else if (summary%others_open) then
+         words = words//'; the loops of the output alone close farther'
       end if
    end function closing_words
 

@@ -123,12 +123,17 @@ contains
    subroutine refuse_without_loops(set, findings)
       type(data_set_t), intent(in) :: set
       type(diagnostics_t), intent(inout) :: findings
+      character(:), allocatable :: angle_group
 
+      angle_group = trim(merge('CONSTR', 'LIMITS', set%constr%gives_angle))
       if (set%tolerances) call refuse('TOLER', '', 'a study of tolerances')
       if (set%constr%irange /= range_positions) call refuse('CONSTR', 'IRANGE', 'a proof between the positions')
       if (set%ifree /= 0) call refuse('METHOD', 'IFREE', 'free timing')
       if (set%ktheta /= 0 .and. .not. (set%masses%given .or. set%loads%given .or. set%springs%given)) &
          call refuse('LIMITS', 'KTHETA', 'the list of all arcs')
+      if (set%trmin_given) call findings%error('TRMIN: a sketch solved in the poses of its links has no transmission angle (it '// &
+         'is that of two links, a dyad, and this sketch has '//set%no_loops//'); leave it out', &
+         line=set%origins%line(angle_group, 'TRMIN'), group=angle_group, item='TRMIN')
       if (set%icond /= 0) call refuse('LIMITS', 'ICOND', 'the condition number')
       if (set%iplot /= 0) call refuse('LIMITS', 'IPLOT', 'the sweep of every degree')
       if (set%motor%given) call refuse('MOTOR', '', 'motion from torque')

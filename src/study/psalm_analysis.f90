@@ -71,7 +71,7 @@ contains
       wanted%arcs = set%ktheta /= 0
       wanted%conditions = set%ktheta /= 0 .or. set%icond /= 0
       wanted%sweep = set%iplot /= 0
-      wanted%margins = set%search%given .or. set%constr%given
+      wanted%margins = set%search%given .or. set%constr%given .or. set%trmin_given
       wanted%doubts = .true.
    end function wanted_by
 

@@ -57,6 +57,7 @@ module psalm_proof_study
       integer :: circuits = 0                !! such parts that hold prescribed positions
       type(kept_t), allocatable :: kept(:)   !! clearances asked for in &CONSTR
       type(proven_margin_t), allocatable :: margins(:) !! of the dyads, where limits are asked for over this range
+      logical :: trmin_given = .false.       !! the limit of angles is TRMIN
    contains
       procedure :: is_violating
       procedure :: is_open
@@ -109,6 +110,7 @@ contains
          if (set%iproof /= proof_by_default) call estimate_corner(problem, dimensions, study)
       end if
       if (study%proof%closes_everywhere() .and. covers_limits()) then
+         study%trmin_given = set%trmin_given
          ! a clearance has every loop solved, as with `inspect`
          study%margins = prove_margins(bound, dimensions, bound%linkage%step_of_loop > 0 .or. size(clearances) > 0, set%tangle, &
                                        merge(set%toggle, 0.0_wp, set%search%solver%many_starts), study%extremes)

@@ -69,6 +69,8 @@ module psalm_summary
       integer :: undetermined_loop = 0                !! loop of a dyad whose outer joints coincide over a range, 0: none
       integer :: undetermined_arcs(2) = 0             !! places of its arcs in that loop
       type(span_t) :: undetermined                    !! the first such range of inputs
+      logical :: others_open = .false.                !! these are less than what the output itself depends on closes over
+      logical :: output_everywhere = .false.          !! that closes over the whole turn or range
       logical :: partial = .false.                    !! angle, output and dead points are those over the prescribed inputs only
       type(span_t) :: prescribed                      !! these inputs
       logical :: unbounded = .false.                  !! the output runs to infinity
@@ -77,6 +79,7 @@ module psalm_summary
       integer :: angle_loop = 0                       !! loop of the least transmission angle, 0: there is none
       real(wp) :: angle = right_angle                 !! the least one, degrees from the line of the links
       real(wp) :: angle_input = 0.0_wp
+      real(wp) :: least_asked = 0.0_wp                !! TRMIN, degrees; 0: it is not given
       type(span_t) :: output, output_y                !! range of the output; the second is y of MOTION 0
       real(wp), allocatable :: reverses(:)            !! inputs at which the output reverses
       integer :: compared = 0                         !! closed positions with desired values
@@ -96,11 +99,13 @@ contains
       type(summary_t), intent(out) :: summary
       class(problem_t), allocatable :: plain          ! in memory of their own: they would fill a small stack
       class(station_t), allocatable :: fine, lens
-      type(summary_t) :: part
+      type(summary_t) :: part, whole
       real(wp), allocatable :: inputs(:), gaps(:)
       integer :: none(2, 0), i
+      integer, parameter :: any_joint(2, 1) = 1       ! with a joint wanted every loop is solved
 
       summary%sliding_input = problem%mechanism%sliding_input
+      if (problem%trmin_given) summary%least_asked = right_angle - problem%tangle
       ! of a pose the point is told
       summary%motion = merge(motion_point, problem%motion, problem%motion == motion_pose)
       call errors(problem, motion, summary)
@@ -113,15 +118,15 @@ contains
       inputs = [(real(i, wp)/real(steps, wp), i=0, steps)]
       associate (low => minval(problem%delt), high => maxval(problem%delt))
          if (summary%sliding_input) then
-            call sweep(low + (high - low)*inputs, .false., summary)
+            call sweep(low + (high - low)*inputs, .false., none, summary)
          else
-            call sweep(problem%delt(1) + sweep_sense(problem)*full_turn*inputs, .true., summary)
+            call sweep(problem%delt(1) + sweep_sense(problem)*full_turn*inputs, .true., none, summary)
             summary%partial = .not. summary%everywhere .and. high > low .and. high - low < most_of_turn
          end if
          if (summary%partial) then
             part%sliding_input = summary%sliding_input
             part%motion = summary%motion
-            call sweep(low + (high - low)*inputs, .false., part)
+            call sweep(low + (high - low)*inputs, .false., none, part)
             summary%prescribed = span_t(input_of(problem, dimensions, low), input_of(problem, dimensions, high))
             summary%angle = part%angle
             summary%angle_loop = part%angle_loop
@@ -134,26 +139,55 @@ contains
       if (problem%motion /= motion_angle) summary%unbounded = max(-summary%output%low, summary%output%high, &
          -summary%output_y%low, summary%output_y%high) > far*maxval(dimensions%arcl)
       summary%kinds = kinds_of(fine%problem, dimensions, .false.)
+      if (all(problem%plan%solved)) return
+      ! a mechanism closes where all of its loops do
+      whole%sliding_input = summary%sliding_input
+      whole%motion = summary%motion
+      associate (low => minval(problem%delt), high => maxval(problem%delt))
+         if (summary%sliding_input) then
+            call sweep(low + (high - low)*inputs, .false., any_joint, whole)
+         else
+            call sweep(problem%delt(1) + sweep_sense(problem)*full_turn*inputs, .true., any_joint, whole)
+         end if
+      end associate
+      summary%output_everywhere = summary%everywhere
+      summary%others_open = closed_length(whole) < closed_length(summary)
+      if (.not. summary%others_open) return
+      summary%everywhere = whole%everywhere
+      summary%closing = whole%closing
+      if (summary%undetermined_loop > 0) return
+      summary%undetermined_loop = whole%undetermined_loop
+      summary%undetermined_arcs = whole%undetermined_arcs
+      summary%undetermined = whole%undetermined
 
    contains
 
+      !> Length of the range over which something closes.
+      pure real(wp) function closed_length(found)
+         type(summary_t), intent(in) :: found
+
+         closed_length = sum(abs(found%closing%high - found%closing%low))
+         if (found%everywhere) closed_length = huge(closed_length)
+      end function closed_length
+
       !> Angle, closing and output over a row of inputs.
-      subroutine sweep(row, turn, found)
+      subroutine sweep(row, turn, joints, found)
          real(wp), intent(in) :: row(:)
          logical, intent(in) :: turn        !! the row is a full turn: its end is its beginning
+         integer, intent(in) :: joints(:, :) !! none: what the output does not depend on is left out
          type(summary_t), intent(inout) :: found
          real(wp), allocatable :: all_inputs(:)
          integer, allocatable :: loops(:)   !! by input: the loop that is undetermined there
 
          allocate (found%reverses(0), found%closing(0))
-         call prepare_station(plain, row, .false., none, .false., fine)
-         call prepare_station(plain, row(:steps_of_lens + 1), .false., none, .false., lens)
+         call prepare_station(plain, row, .false., joints, .false., fine)
+         call prepare_station(plain, row(:steps_of_lens + 1), .false., joints, .false., lens)
          call look(fine, dimensions, loops)
          call least_angle(fine, lens, dimensions, found, gaps)
          if (size(gaps) > 0) then
             all_inputs = row
             call insert(gaps, all_inputs)
-            call prepare_station(plain, all_inputs, .false., none, .false., fine)
+            call prepare_station(plain, all_inputs, .false., joints, .false., fine)
             call look(fine, dimensions, loops)
             do i = 1, size(gaps)
                where (abs(all_inputs - gaps(i)) <= 0.0_wp) fine%closed = .false.
