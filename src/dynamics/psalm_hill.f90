@@ -7,10 +7,10 @@
 module psalm_hill
    use psalm_kinds, only: wp, pi
    use psalm_lapack, only: solve_general
-   use psalm_periodic, only: periodic_t
+   use psalm_periodic, only: periodic_t, periodic_from_samples
    implicit none (type, external)
    private
-   public :: hill_t, solve_hill, multipliers_of
+   public :: hill_t, solve_hill, multipliers_of, greatest_of
 
    !> What one period does, and the periodic solution.
    type :: hill_t
@@ -38,6 +38,8 @@ module psalm_hill
    integer, parameter :: parts = 16 !! of a turn, for the periodic solution; a divisor of every number of steps
    real(wp), parameter :: most_growth = sqrt(huge(1.0_wp))/1.0e30_wp !! squares of it are formed
    real(wp), parameter :: steepest = 300.0_wp !! of the exponent of a step
+   real(wp), parameter :: near_greatest = 0.9_wp !! of the greatest step: a maximum between steps may be so far above them
+   integer, parameter :: newton_steps = 5
    integer, parameter :: fewest_steps = 64, most_steps = 2**17
    real(wp), parameter :: gauss_offset = 0.387298334620741688517926539978239961_wp !! sqrt(15)/10
 
@@ -86,6 +88,40 @@ contains
       call settle_stability(hill, exact)
       if (hill%unique) call follow(hill, c1, c0, p, steps)
    end function solve_hill
+
+   !> Greatest |y| of the periodic solution, between its steps too. Newton's method for y' = 0, with the Fourier series
+   !> through the steps, from every step whose |y| is not below that of its neighbours and comes near the greatest. 0 if there is
+   !> no such solution.
+   pure real(wp) function greatest_of(hill) result(greatest)
+      type(hill_t), intent(in) :: hill
+      type(periodic_t) :: y, y1, y2
+      real(wp) :: largest, x, width, slope, bend
+      integer :: i, k, n
+
+      greatest = 0.0_wp
+      if (.not. allocated(hill%y)) return
+      n = size(hill%y)
+      width = 2.0_wp*pi/real(n, wp)
+      largest = maxval(abs(hill%y))
+      greatest = largest
+      if (.not. largest > 0.0_wp) return
+      y = periodic_from_samples(hill%y)
+      y1 = y%derivative(1)
+      y2 = y%derivative(2)
+      do i = 1, n
+         if (abs(hill%y(i)) < near_greatest*largest) cycle
+         if (abs(hill%y(i)) < abs(hill%y(modulo(i, n) + 1)) .or. abs(hill%y(i)) < abs(hill%y(modulo(i - 2, n) + 1))) cycle
+         x = 0.0_wp
+         do k = 1, newton_steps
+            slope = y1%at(width*real(i - 1, wp) + x)
+            bend = y2%at(width*real(i - 1, wp) + x)
+            if (.not. abs(slope) < width*abs(bend)) exit
+            x = x - slope/bend
+            if (abs(x) > width) exit
+         end do
+         if (abs(x) <= width) greatest = max(greatest, abs(y%at(width*real(i - 1, wp) + x)))
+      end do
+   end function greatest_of
 
    !> Eigenvalues of a period's matrix from its trace and determinant, the larger first. The determinant is better known than
    !> the small eigenvalue of an unstable period, which is lost in the trace.
@@ -188,12 +224,21 @@ contains
             at(k) = affine_t(reshape([0.0_wp, -stiffness(i, k), 1.0_wp, -damping(i, k)], [2, 2]), [0.0_wp, force(i, k)])
          end do
          at(1) = magnus(at, h)
-         too_much = maxval(abs(at(1)%m)) > steepest .or. maxval(abs(period%m)) > most_growth
+         too_much = growth_of(at(1)%m) > steepest .or. maxval(abs(period%m)) > most_growth
          if (too_much) return
          steps(i) = exponential(at(1))
          period = affine_t(product_of(steps(i)%m, period%m), times(steps(i)%m, period%b) + steps(i)%b)
       end do
    end subroutine integrate
+
+   !> Largest real part of the eigenvalues of an exponent.
+   pure real(wp) function growth_of(m)
+      real(wp), intent(in) :: m(2, 2)
+      real(wp) :: half
+
+      half = 0.5_wp*(m(1, 1) - m(2, 2))
+      growth_of = 0.5_wp*(m(1, 1) + m(2, 2)) + sqrt(max(half*half + m(1, 2)*m(2, 1), 0.0_wp))
+   end function growth_of
 
    !> Exponent of a step of length h from the system at the three Gauss points. Sixth order: Blanes, Casas, Oteo, Ros, The Magnus
    !> expansion and some of its applications, Physics Reports 470 (2009), eq. 253-257.
