@@ -12,6 +12,7 @@ import tempfile
 
 import numpy
 from scipy.integrate import solve_ivp
+from scipy.interpolate import CubicSpline
 
 TOP = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 BIN = os.path.abspath(sys.argv[1])
@@ -385,6 +386,298 @@ def named(place):
     check(code < 2 and len(lengths[0]) == 2 and lengths[0] == lengths[1], "the same link in the arrays", error + str(lengths))
 
 
+# ---- loads on a link ------------------------------------------------------------------------------------------------
+
+CRANK, STRIP, ROCKER, BASE = 0.0762, 0.381, 0.1524, 0.381   # the rig
+STIFFNESS = 207e9*0.00635*0.00124**3/12                     # E I of its strip
+DENSITY = 7850.0*0.00124*0.00635                            # kg/m
+
+
+def pose_of_rig(phi):
+    """Crank pin, direction of the strip and of the rocker from the frame, at crank angles."""
+    x, y = BASE - CRANK*numpy.cos(phi), -CRANK*numpy.sin(phi)
+    diagonal = numpy.hypot(x, y)
+    strip = numpy.arctan2(y, x) + numpy.arccos((STRIP**2 + diagonal**2 - ROCKER**2)/(2*STRIP*diagonal))
+    rocker = numpy.arctan2(STRIP*numpy.sin(strip) - y, STRIP*numpy.cos(strip) - x)
+    return numpy.array([CRANK*numpy.cos(phi), CRANK*numpy.sin(phi)]), strip, rocker
+
+
+def bent_chain(phi, gravity, loads, springs, parts=40):
+    """The first half wave of the strip as a chain of rigid parts with springs between them, in the linkage at rest: equilibrium
+    of the nonlinear chain, the rocker as a constraint. Loads: place, height, force, moment, turning; springs: place, height,
+    fixed point, stiffness, free length."""
+    pin, start, _ = pose_of_rig(phi)
+    pivot, h = numpy.array([BASE, 0.0]), STRIP/parts
+
+    def residual(x):
+        angles, pull = x[:parts], x[parts]
+        along, across = numpy.array([numpy.cos(angles), numpy.sin(angles)]), numpy.array([-numpy.sin(angles), numpy.cos(angles)])
+        slope = numpy.zeros(parts)
+        bend = STIFFNESS/h*numpy.diff(angles)
+        slope[1:] += bend
+        slope[:-1] -= bend
+
+        def put(force, place, height):
+            i = min(int(place/h), parts - 1)
+            slope[:i] -= h*(force @ across[:, :i])
+            slope[i] -= (place - i*h)*(force @ across[:, i]) - height*(force @ along[:, i])
+            return i
+
+        for i in range(parts):
+            put(DENSITY*h*numpy.array(gravity), (i + 0.5)*h, 0.0)
+        end = h*along.sum(1)
+        unit = end/numpy.hypot(*end)
+        for place, height, force, moment, turning in loads:
+            fx, fy = force
+            if turning:
+                fx, fy = fx*unit[0] - fy*unit[1], fx*unit[1] + fy*unit[0]
+            slope[put(numpy.array([fx, fy]), place, height)] -= moment
+        for place, height, fixed, stiffness, free in springs:
+            i = min(int(place/h), parts - 1)
+            gap = fixed - (pin + h*along[:, :i].sum(1) + (place - i*h)*along[:, i] + height*across[:, i])
+            length = numpy.hypot(*gap)
+            put(stiffness*(length - free)*gap/length, place, height)
+        last = pin + end - pivot
+        return numpy.append(slope - pull*h*(last @ across), last @ last - ROCKER**2)
+
+    x = numpy.append(numpy.full(parts, start), 0.0)
+    for _ in range(8):
+        steps = 1e-6*numpy.eye(parts + 1)
+        slopes = numpy.array([(residual(x + s) - residual(x - s))/2e-6 for s in steps]).T
+        change = numpy.linalg.solve(slopes, -residual(x))
+        x += change
+        if numpy.abs(change[:parts]).max() < 1e-10:
+            break
+    nodes = numpy.concatenate([numpy.zeros((2, 1)), h*numpy.cumsum([numpy.cos(x[:parts]), numpy.sin(x[:parts])], axis=1)], axis=1)
+    unit = nodes[:, -1]/numpy.hypot(*nodes[:, -1])
+    bent = unit[0]*nodes[1] - unit[1]*nodes[0]
+    return 2*numpy.mean((bent*numpy.sin(numpy.pi*numpy.linspace(0, 1, parts + 1)))[:-1])
+
+
+def rig_with(groups, gravity=0.0, speed=0.1, modes=1):
+    """The rig with loads; at 0.1 rad/s its inertia bends it by 5e-8 m."""
+    return data("rig_coupler.nml", ("SPEED=23.07", "SPEED=%.17g" % speed), ("NVSPED=46", "NVSPED=0"), ("VEMAX=4.0", "VEMAX=0.0"),
+                ("NMODE=2", "NMODE=%d" % modes), ("UNITL=0.001", "UNITL=0.001, GRAVY=%g" % gravity)) + groups
+
+
+def figure_after(listing, words):
+    """The number after some words of a listing."""
+    return float(listing.split(words)[1].split()[0].rstrip(",").replace("D", "E"))
+
+
+def link_loads(place):
+    """Weight, loads and springs between the pins bend a link: chains of rigid parts, hand figures, statics, integration."""
+    mid = 20.5*STRIP/40   # amid a part of the chain
+    cases = (
+        ("its weight", "", (0.0, -9.81), [], []),
+        ("a force", " &LOADS NLOAD=1, LLINK=-2, LLOOP=1, LDIST=127.0, LFX=-0.1, LFY=0.15 &END\n", (0, 0),
+         [(0.127, 0, (-0.1, 0.15), 0, False)], []),
+        ("a force on a bracket", " &LOADS NLOAD=1, LLINK=-2, LLOOP=1, LDIST=%.17g, LANG=%.17g, LFX=-0.3, LFY=0.05 &END\n" % (
+            1000*numpy.hypot(mid, 0.1), numpy.degrees(numpy.arctan2(0.1, mid))), (0, 0), [(mid, 0.1, (-0.3, 0.05), 0, False)], []),
+        ("a moment", " &LOADS NLOAD=1, LLINK=2, LLOOP=1, LDIST=%.17g, LMOM=0.01 &END\n" % (1000*(10.5*STRIP/40 - STRIP)), (0, 0),
+         [(10.5*STRIP/40, 0, (0, 0), 0.01, False)], []),
+        ("a force that turns with it", " &LOADS NLOAD=1, LLINK=-2, LLOOP=1, LDIST=100.0, LFX=-0.2, LFY=0.1, LTURN=1 &END\n", (0, 0),
+         [(0.1, 0, (-0.2, 0.1), 0, True)], []),
+        ("a spring", " &SPRING NSPRNG=1, ALINK=-2, ALOOP=1, ADIST=%.17g, AANG=%.17g, BLINK=4, BLOOP=1, BDIST=300.0, BANG=100.0, "
+         "STIFF=20.0, SFREE=360.0 &END\n" % (1000*numpy.hypot(mid, 0.02), numpy.degrees(numpy.arctan2(0.02, mid))), (0, 0), [],
+         [(mid, 0.02, -0.3*numpy.array([numpy.cos(5*numpy.pi/9), numpy.sin(5*numpy.pi/9)]), 20.0, 0.36)]))
+    for name, groups, gravity, loads, springs in cases:
+        code, _, error, blocks = run(rig_with(groups, gravity[1]), place)
+        check(code == 0, "the strip under " + name, error)
+        rows = blocks["response"]
+        for part in (0.0, 0.6):
+            row = rows[int(part*len(rows))]
+            want = bent_chain(numpy.radians(row[0]), gravity, loads, springs)
+            check(abs(row[1]/want - 1) < 4e-3, "the strip under %s against a chain of rigid parts, at %.0f degrees" % (name, row[0]),
+                  "%g, chain %g" % (row[1], want))
+    # by hand: 5/384 q L**4/(E I) under its weight, F L**3/(48 E I) under 5 N on the middle where the rocker is square to the strip
+    code, listing, error, _ = run(rig_with("", -9.81), place)
+    sag, hand = figure_after(listing, "MACHINE AT REST"), 5/384*DENSITY*9.81*STRIP**4/STIFFNESS
+    check(abs(hand - 0.80e-3) < 5e-6 and abs(sag/hand - 1) < 0.03, "the strip sags by 0.80 mm", sag)
+    text = rig_with(" &LOADS NLOAD=1, LLINK=-2, LLOOP=1, LDIST=190.5, LFY=5.0, LTURN=1 &END\n")
+    code, listing, error, blocks = run(text, place)
+    check(code == 1 and "it bends by more than 0.025 of its length" in error, "5 N on the strip: to be designed again", error)
+    phi = 2*numpy.pi*numpy.arange(256)/256
+    _, strip, rocker = pose_of_rig(phi)
+    # the free rocker pushes along itself; about the crank pin its push balances half of the load
+    tension = -2.5/numpy.sin(rocker - strip)*numpy.cos(rocker - strip)
+    euler = numpy.pi**2*STIFFNESS/STRIP**2
+    k = numpy.sqrt(numpy.abs(tension)/STIFFNESS)*STRIP/2
+    shape = numpy.where(tension < 0, numpy.tan(k) - k, k - numpy.tanh(k))
+    bent = 5*STRIP**3/(48*STIFFNESS)*3*shape/k**3
+    check(abs(5*STRIP**3/(48*STIFFNESS) - 27.6e-3) < 5e-5 and bent.min() < 27.6e-3 < bent.max(), "27.6 mm by hand")
+    got = figure_after(listing, "MACHINE AT REST")
+    check(abs(got/bent.max() - 1) < 1e-4, "5 N on the middle: the strut's formula", "%g, by hand %g" % (got, bent.max()))
+    rows = blocks["response"]
+    first = [2*5*STRIP**3/(numpy.pi**4*STIFFNESS)/(1 + t/euler) for t in tension]
+    step = len(rows)//256
+    check(max(abs(rows[step*i][1]/first[i] - 1) for i in range(256)) < 2e-4, "5 N on the middle, mode 1 over the turn")
+    # running, with its weight: (13.24) by closed forms, integrated
+    speed = 20.0
+    code, listing, error, blocks = run(rig_with("", -9.81, speed), place)
+    ratio = (numpy.pi/STRIP)**2*0.00124/numpy.sqrt(12)*numpy.sqrt(207e9/7850)/speed
+    plain = rig_functions(0.001955401856/(DENSITY*STRIP**2*ROCKER))
+
+    def slope(x, y):
+        _, strip, rocker = pose_of_rig(x)
+        along, across = -9.81*numpy.sin(strip), -9.81*numpy.cos(strip)
+        pull = -across/2/numpy.sin(rocker - strip)*numpy.cos(rocker - strip)       # N/kg of the strip's own weight
+        f = plain(x) + numpy.pi**2*(pull + along/2)/(STRIP*speed**2)
+        turning = (rig_functions_turning(x + 1e-5) - rig_functions_turning(x - 1e-5))/2e-5
+        p = -4/numpy.pi*(-CRANK*numpy.sin(x - strip) - across/speed**2)/STRIP - 2/numpy.pi*turning
+        return [y[1], p - 0.03*ratio*y[1] - (f + ratio**2)*y[0]]
+
+    rows = blocks["response"]
+    done = solve_ivp(slope, [0, numpy.pi], [rows[0][1]/STRIP, rows[0][2]/STRIP], method="DOP853", rtol=1e-10, atol=1e-13)
+    half = rows[len(rows)//2]
+    check(abs(done.y[0, -1]*STRIP - half[1]) < 1e-7*abs(half[1]) + 1e-9, "the running strip with its weight against the integration",
+          "%g, integrated %g" % (half[1], done.y[0, -1]*STRIP))
+    # a damper elsewhere brakes with the speed; what the model has not is refused with its reason
+    damper = " &SPRING NSPRNG=1, ALINK=%s, ALOOP=1, ADIST=%s, BLINK=4, BLOOP=1, BDIST=50.0, STIFF=0.0, SDAMP=20.0 &END\n"
+    peaks = [figure_after(run(rig_with(damper % ("3", "20.0"), 0.0, speed), place)[1], "GREATEST END LOAD, EULER'S LOAD") for speed in (1.0, 2.0)]
+    check(1.9 < peaks[1]/peaks[0] < 2.1, "the end load of a damper grows with the speed", peaks)
+    for groups, words in (
+            (damper % ("-2", "100.0"), "give the damping of the modes by"),
+            (" &SPRING NSPRNG=1, ALINK=-2, ALOOP=1, ADIST=50.0, BLINK=-2, BLOOP=1, BDIST=200.0, STIFF=5.0 &END\n", "joins two points"),
+            (" &LOADS NLOAD=1, LLINK=-2, LLOOP=1, LDIST=400.0, LFY=1.0 &END\n", "load 1 of &LOADS acts on this link beyond its pins"),
+            (" &FRICTN NFRIC=1, FLINK=2, FLOOP=1, FMU=0.1, FRAD=5.0 &END\n", "friction changes its sign with the motion")):
+        code, _, error, _ = run(rig_with(groups), place)
+        check(code == 2 and words in error, "refused: " + words, error)
+
+
+def rig_functions_turning(x):
+    """Angular speed of the strip per radian of the crank, closed form."""
+    _, strip, rocker = pose_of_rig(x)
+    return CRANK*numpy.sin(x - rocker)/(STRIP*numpy.sin(rocker - strip))
+
+
+def estimates(place):
+    """Haines's rules, and an error that is not below that of the equation."""
+    text = data("rig_coupler.nml", ("ARCL=76.2", "ARCL=4.0"), ("EDEPTH=0.00124", "EDEPTH=0.0124"), ("VDEPTH=0.00124", "VDEPTH=0.0124"),
+                ("NVSPED=46", "NVSPED=0"), ("VEMAX=4.0", "VEMAX=0.0"), ("SPEED=23.07", "SPEED=SPD"))
+    first = (numpy.pi/STRIP)**2*0.0124/numpy.sqrt(12)*numpy.sqrt(207e9/7850)
+    for ratio, verdict in ((2.2, "LOOK CLOSER"), (3.0, "LOOK CLOSER"), (4.0, "LOOK CLOSER"), (9.9, "LOOK CLOSER"), (10.1, "RIGID ENOUGH")):
+        code, listing, error, blocks = run(text.replace("SPD", "%.17g" % (first/ratio)), place)
+        bent = max(abs(row[1]) for row in blocks["response"])
+        estimate = figure_after(listing, "BOTH TOGETHER")
+        check(code == 0 and verdict in listing, "verdict at a ratio of %g" % ratio, error)
+        check(0.99 < estimate/bent < 1.2, "estimate against the equation at a ratio of %g" % ratio, "%g, equation %g" % (estimate, bent))
+    rules = [line for line in listing.split("\n") if "AT LEAST" in line or "AT MOST" in line]
+    check(len(rules) == 4 and all("KEPT" in line for line in rules), "every rule is listed", rules)
+    # the end load: a moment on the rocker pushes the strip
+    moment = " &LOADS NLOAD=1, LLINK=3, LLOOP=1, LMOM=%g &END\n"
+    for size, word in ((0.3, "KEPT"), (0.8, "BROKEN")):
+        code, listing, error, _ = run(rig_with(moment % size, 0.0, 1.0), place)
+        line = next(line for line in listing.split("\n") if "END LOAD/EULER" in line)
+        _, strip, rocker = pose_of_rig(2*numpy.pi*numpy.arange(256)/256)
+        push = numpy.max(-size/(ROCKER*numpy.sin(strip - rocker)))/(numpy.pi**2*STIFFNESS/STRIP**2)
+        check(word in line and abs(float(line.split()[3].replace("D", "E"))/abs(push) - 1) < 0.02, "end load by a moment on the rocker",
+              "%s, by hand %g" % (line, push))
+
+
+# ---- loads on a drive -----------------------------------------------------------------------------------------------
+
+def haines_pose(phi):
+    """Crank pin, far end of the coupler, angles of coupler and rocker of the case study."""
+    x, y = 0.25 - 0.05*numpy.cos(phi), -0.05*numpy.sin(phi)
+    diagonal = numpy.hypot(x, y)
+    coupler = numpy.arctan2(y, x) + numpy.arccos((0.2**2 + diagonal**2 - 0.275**2)/(0.4*diagonal))
+    rocker = numpy.arctan2(0.2*numpy.sin(coupler) - y, 0.2*numpy.cos(coupler) - x)
+    return coupler, rocker
+
+
+def spring_of_drive(phi):
+    _, rocker = haines_pose(phi)
+    return numpy.hypot(0.25 + 0.2*numpy.cos(rocker), 0.2*numpy.sin(rocker) + 0.05)
+
+
+def potential_of_drive(phi):
+    """Weight, the resistance across the rocker, and the spring of drive_loads.nml, J."""
+    coupler, rocker = haines_pose(phi)
+    heights = 0.332*(0.05*numpy.sin(phi) + 0.1*numpy.sin(coupler)) + 0.474*0.1375*numpy.sin(rocker)
+    return 9.81*heights + 0.5*2400*(spring_of_drive(phi) - 0.15)**2 + 40*0.1*rocker
+
+
+def drive_loads(place):
+    """Torque of loads on a flexible drive: the potential's differences, and the nonlinear crank by direct integration."""
+    count, h = 2048, 1e-4
+    x = 2*numpy.pi*numpy.arange(count + 1)/count
+    torque = -(potential_of_drive(x + h) - potential_of_drive(x - h))/(2*h)
+    viscous = 5.0*((spring_of_drive(x + h) - spring_of_drive(x - h))/(2*h))**2
+    w2, w3 = ((a - b)/(2*h) for a, b in zip(haines_pose(x + h), haines_pose(x - h)))
+    coupler, _ = haines_pose(x)
+    speed2 = (-0.05*numpy.sin(x) - 0.1*w2*numpy.sin(coupler))**2 + (0.05*numpy.cos(x) + 0.1*w2*numpy.cos(coupler))**2
+    inertia = 0.332*speed2 + 0.00128*w2**2 + (0.02405 + 0.474*0.1375**2)*w3**2 + 0.00016
+    speed = 20*numpy.pi
+    for sense in (1, -1):
+        code, listing, error, blocks = run(data("ssics/drive_loads.nml", ("SPEED=600.0", "SPEED=%d" % (sense*600)),
+                                                ("DMEAN=20.0", "DMEAN=40.0"), ("NDSPED=51", "NDSPED=0")), place)
+        check(code == 0, "a drive with loads", error)
+        # against the angle in the sense of turning
+        turned = [values if sense > 0 else values[::-1] for values in (inertia, sense*torque, viscous)]
+        got = numpy.array(blocks["drive_torque"])
+        check(numpy.abs(got[:, 1] - turned[1][:-1:8]).max() < 1e-6*numpy.abs(torque).max(), "torque against the potential's differences")
+        check(numpy.abs(got[:, 2] - turned[2][:-1:8]).max() < 1e-6*viscous.max(), "torque of the damper")
+        j, q, b = (CubicSpline(x, numpy.append(values[:-1], values[0]), bc_type="periodic") for values in turned)
+        steepness = j.derivative()
+        shaft = figure_after(listing, " STIFFNESS")
+        damping = 0.02*numpy.sqrt(shaft*inertia[:-1].mean())
+
+        def slope(t, y):
+            at, rate = (t + y[0]) % (2*numpy.pi), 1 + y[1]
+            return [y[1], (q(at)/speed**2 - b(at)*rate/speed - 0.5*steepness(at)*rate**2 - shaft*y[0]/speed**2
+                           - damping*y[1]/speed)/j(at)]
+
+        rows = numpy.array(blocks["drive_response"])
+        turns = 4  # the multipliers are 0.04
+        done = solve_ivp(slope, [0, 2*numpy.pi*turns], [0, 0], method="DOP853", rtol=1e-8, atol=1e-11,
+                         t_eval=2*numpy.pi*(turns - 1 + numpy.arange(0, len(rows), 8)/len(rows)))
+        apart = numpy.abs(done.y[0] - rows[::8, 1]).max()
+        check(apart < 1e-4*numpy.abs(rows[:, 1]).max(), "swing against the integration of the nonlinear crank", apart)
+    bare = data("drive_haines.nml")
+    plain = figure_after(run(bare, place)[1], "GREATEST SWING")
+    for groups in (" &LOADS NLOAD=1, LLINK=-1, LLOOP=1, LMOM=-2.0 &END\n",
+                   " &SPRING NSPRNG=1, ALINK=3, ALOOP=1, ADIST=0.2, AANG=180.0, BLINK=4, BLOOP=1, BDIST=0.05, STIFF=2400.0 &END\n"):
+        swing = figure_after(run(bare + groups, place)[1], "GREATEST SWING")
+        check(abs(swing/plain - 1) > 1e-3, "a load changes the swing", swing)
+    # a constant moment winds the shaft up by itself over the stiffness
+    still = run(data("drive_haines.nml", ("DMEAN=10.0", "DSTIF=500.0")), place)[3]["drive_response"]
+    wound = run(data("drive_haines.nml", ("DMEAN=10.0", "DSTIF=500.0")) + " &LOADS NLOAD=1, LLINK=-1, LLOOP=1, LMOM=-2.0 &END\n",
+                place)[3]["drive_response"]
+    turn = numpy.mean([a[1] for a in wound]) - numpy.mean([a[1] for a in still])
+    check(abs(turn/(-2.0/500.0) - 1) < 0.05, "a constant moment winds the shaft up", turn)
+    for groups, words in ((" &FRICTN NFRIC=1, FLINK=2, FLOOP=1, FMU=0.1, FRAD=0.005 &END\n", "friction changes its sign"),):
+        code, _, error, _ = run(bare + groups, place)
+        check(code == 2 and words in error, "refused: " + words, error)
+    code, _, error, _ = run(data("drive_haines.nml", ("DMEAN=10.0", "DRIPPL=0.7, DEXTRA=0.01, DMEAN=10.0"), ("MINERT=0.00128", "GRAVY=-9.81, "
+                                 "MINERT=0.00128")), place)
+    check(code == 2 and "DRIPPL" in error and "gravity" in error, "gravity on no linkage", error)
+
+
+def derivatives(place):
+    """y1 and y2 of every response are derivatives by the input, backwards too; the greatest is that of the curve."""
+    for text, block, words in ((data("rig_coupler.nml", ("SPEED=23.07", "SPEED=-23.07"), ("NVSPED=46", "NVSPED=0"),
+                                     ("VEMAX=4.0", "VEMAX=0.0"), ("NMODE=2", "NMODE=1")), "response", "\n GREATEST "),
+                               (data("drive_haines.nml", ("SPEED=600.0", "SPEED=-600.0"), ("NDSPED=51", "NDSPED=0")),
+                                "drive_response", "GREATEST SWING"),
+                               (data("ssics/hill.nml"), "hill_response", "GREATEST")):
+        _, listing, _, blocks = run(text, place)
+        rows = numpy.array(blocks[block])
+        y, n = rows[:, 1], len(rows)
+        step = numpy.radians(rows[1, 0] - rows[0, 0])
+        waves = numpy.fft.fftfreq(n, 1/n)*numpy.sign(step)
+        series = numpy.fft.fft(y)
+        for order in (1, 2):
+            want = numpy.fft.ifft((1j*waves)**order*series).real
+            check(numpy.abs(rows[:, 1 + order] - want).max() < 1e-7*numpy.abs(want).max(), "derivative %d of %s by the input" % (order, block))
+        dense = numpy.fft.ifft(numpy.concatenate([series[:n//2], numpy.zeros(63*n), series[n//2:]]))*64
+        check(abs(figure_after(listing, words)/numpy.abs(dense.real).max() - 1) < 3e-7, "the greatest of " + block,
+              "%s, %.9g" % (figure_after(listing, words), numpy.abs(dense.real).max()))
+    # a link of high frequency at low speed is no growing equation
+    code, _, error, _ = run("STIFF\n &HILL NHILL=4, HC0=4*1.0E6, HC1=4*30.0, HP=1.0,2.0,1.0,0.0 &END\n", place)
+    check(code == 0, "a frequency of 1000 per turn, damped, settles", error)
+
+
 def main():
     with tempfile.TemporaryDirectory() as place:
         kinds = [random_hill(seed, place) for seed in range(10)]
@@ -398,6 +691,10 @@ def main():
         hard_cases(place)
         bad_input(place)
         named(place)
+        link_loads(place)
+        estimates(place)
+        drive_loads(place)
+        derivatives(place)
     print("%d passed, %d failed" % (passed, failed))
     return failed > 0
 

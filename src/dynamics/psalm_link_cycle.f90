@@ -1,13 +1,16 @@
-!> What a linkage does to one of its links in a turn of the crank at constant speed: the motion of its start, its turning, and
-!> the pull at its finish - of its own inertia, of the inertia of all other links, and of weight, loads and springs.
+!> What a linkage does to one of its links in a turn of the crank at constant speed: the motion of its start, its turning, the
+!> pull at its finish - of its own inertia, of the inertia of all other links, and of weight, loads and springs - and what acts
+!> on the link between its pins: its weight, loads, ends of springs.
 module psalm_link_cycle
    use psalm_data_set, only: data_set_t
    use psalm_dimensions, only: dimensions_t
    use psalm_error, only: problem_t, motion_t
-   use psalm_force_model, only: force_model_t, vertices_of, parameter_mass, parameter_mx, parameter_my, parameter_inertia
+   use psalm_force_model, only: force_model_t, load_t, spot_t, locate, vertices_of, parameter_mass, parameter_mx, &
+                                parameter_my, parameter_inertia
    use psalm_kinds, only: wp, full_turn
    use psalm_kinetostatics, only: forces_t, prepare_forces, move_bodies, clear_wrenches, add_source, sweep, joint_rows, &
-                                  source_inertia, sources_of
+                                  first_spring, source_inertia, sources_of
+   use psalm_link_loads, only: acting_cycle_t, find_foot, list_acting, follow_acting
    use psalm_link_vibration, only: moving_link_t
    use psalm_mechanism, only: mechanism_t, at_start, at_finish, body_frame, joint_prismatic
    use psalm_periodic, only: periodic_from_samples
@@ -17,7 +20,9 @@ module psalm_link_cycle
    use psalm_vibration_group, only: beam_t
    implicit none (type, external)
    private
-   public :: link_cycle_t, find_link_cycle, check_link, moving_link, inertia_at_crank
+   public :: link_cycle_t, find_link_cycle, check_link, moving_link, inertia_at_crank, add_uniform_link
+
+   real(wp), parameter :: beyond_pin = 1.0e-9_wp !! of the length: a place so far beyond a pin is at the pin
 
    !> All arrays have the shape (positions): at equal steps of the crank from its reference position, at 1 rad/s.
    type :: link_cycle_t
@@ -30,6 +35,9 @@ module psalm_link_cycle
       real(wp), allocatable :: own(:)            !! pull at the finish along the link, of its own inertia, N
       real(wp), allocatable :: others(:)         !! of the inertia of all other links
       real(wp), allocatable :: fixed(:)          !! of weight, loads and springs: it does not depend on the speed
+      real(wp), allocatable :: viscous(:)        !! of dampers on other links, at 1 rad/s
+      real(wp), allocatable :: weight_along(:), weight_across(:) !! gravity in the axes of the link, m/s2
+      type(acting_cycle_t), allocatable :: acting(:) !! on the link between its pins
       integer :: trouble = 0                     !! position at which it does not close or passes a dead point; 0: none
       integer :: loop = 0                        !! and the loop
       logical :: closes = .true.                 !! it is a dead point
@@ -38,16 +46,18 @@ module psalm_link_cycle
 contains
 
    !> What is wrong with a link that is to vibrate. Errors: it is the frame, or its arc is not between two pins of it; a further
-   !> joint on it; masses on it besides its own; a sliding input; friction.
-   subroutine check_link(set, mechanism, model, beam, group, item, entry, findings)
+   !> joint on it; masses on it besides its own; loads or springs on it beyond its pins; a damper on it; a spring between two
+   !> of its points; a sliding input; friction.
+   subroutine check_link(set, mechanism, dimensions, model, beam, group, item, entry, findings)
       type(data_set_t), intent(in) :: set
       type(mechanism_t), intent(in) :: mechanism
+      type(dimensions_t), intent(in) :: dimensions
       type(force_model_t), intent(in) :: model
       type(beam_t), intent(in) :: beam
       character(*), intent(in) :: group, item
       integer, intent(in) :: entry
       type(diagnostics_t), intent(inout) :: findings
-      integer :: j, n, body, pins(2)
+      integer :: j, k, n, body, pins(2)
 
       if (mechanism%sliding_input) then
          call refuse('vibration needs a crank that turns; the input of this linkage slides')
@@ -89,9 +99,44 @@ contains
       if (any(abs(model%inertia(:, body)) > 0.0_wp)) then
          call refuse('&MASSES has a mass on this link; its own mass follows from density and area, and another is not treated')
       end if
-      if (size(model%friction) > 0) call refuse('vibration does not go with friction in the joints')
+      if (size(model%friction) > 0) then
+         call refuse('the equations of a vibrating link are linear, but friction changes its sign with the motion of the '// &
+                     'joint; leave &FRICTN out')
+      end if
+      if (any(pins == 0)) return
+      do k = 1, size(model%loads)
+         if (model%loads(k)%spot%body == body) call check_place('load '//to_text(k)//' of &LOADS', model%loads(k)%spot)
+      end do
+      do k = 1, size(model%springs)
+         associate (spring => model%springs(k))
+            if (all(spring%ends%body /= body)) cycle
+            if (all(spring%ends%body == body)) then
+               call refuse('spring '//to_text(k)//' of &SPRING joins two points of this link: it would be a part of it, and '// &
+                           'only a uniform link is treated')
+               cycle
+            end if
+            if (abs(spring%damping) > 0.0_wp) then
+               call refuse('&SPRING has damper '//to_text(k)//' on this link: it would damp each mode differently and couple '// &
+                           'them; give the damping of the modes by '//group(1:1)//'ZETA, or put the damper on another link')
+            end if
+            do j = 1, size(spring%ends)
+               if (spring%ends(j)%body == body) call check_place('spring '//to_text(k)//' of &SPRING', spring%ends(j))
+            end do
+         end associate
+      end do
 
    contains
+
+      !> Between the pins, or above a point between them.
+      subroutine check_place(what, spot)
+         character(*), intent(in) :: what
+         type(spot_t), intent(in) :: spot
+         real(wp) :: place, height, length
+
+         call find_foot(mechanism, dimensions, model, n, spot, place, height, length)
+         if (place >= -beyond_pin*length .and. place <= (1.0_wp + beyond_pin)*length) return
+         call refuse(what//' acts on this link beyond its pins: the link is treated as a beam that ends at its pins')
+      end subroutine check_place
 
       subroutine refuse(text)
          character(*), intent(in) :: text
@@ -100,6 +145,31 @@ contains
                              item=item)
       end subroutine refuse
    end subroutine check_link
+
+   !> Put the mass of a uniform link on its body, unless it is the body of `beyond`. The link was checked by `check_link`.
+   pure subroutine add_uniform_link(mechanism, dimensions, beam, beyond, model)
+      type(mechanism_t), intent(in) :: mechanism
+      type(dimensions_t), intent(in) :: dimensions
+      type(beam_t), intent(in) :: beam
+      integer, intent(in) :: beyond             !! 0: none
+      type(force_model_t), intent(inout) :: model
+      real(wp) :: start(2), finish(2), centre(2), mass, length
+      integer :: n
+
+      n = mechanism%seq(beam%link%loop, beam%link%arc)
+      associate (body => mechanism%arcs(n)%body)
+         if (body == beyond) return
+         call locate(mechanism, dimensions, model%reference(body), body, mechanism%arcs(n)%ends(at_start), start)
+         call locate(mechanism, dimensions, model%reference(body), body, mechanism%arcs(n)%ends(at_finish), finish)
+         length = model%metre*norm2(finish - start)
+         centre = 0.5_wp*model%metre*(start + finish)
+         mass = beam%density*beam%area*length
+         model%inertia(parameter_mass, body) = mass
+         model%inertia(parameter_mx, body) = mass*centre(1)
+         model%inertia(parameter_my, body) = mass*centre(2)
+         model%inertia(parameter_inertia, body) = mass*(length**2/12.0_wp + dot_product(centre, centre))
+      end associate
+   end subroutine add_uniform_link
 
    !> Follow the link. It was checked by `check_link`.
    subroutine find_link_cycle(given, dimensions, model, beam, points, sense, cycle_of)
@@ -111,7 +181,7 @@ contains
       real(wp), intent(in) :: sense             !! 1 or -1: of the turning of the crank
       type(link_cycle_t), intent(out) :: cycle_of
       class(problem_t), allocatable :: problem   ! large: it would fill a small stack
-      type(force_model_t) :: own, bare
+      type(force_model_t) :: own, bare, steady, dampers
       type(rates_t) :: rates
       type(forces_t) :: forces
       real(wp) :: input(points)
@@ -125,13 +195,22 @@ contains
       start = problem%mechanism%arcs(arc)%ends(at_start)
       finish = problem%mechanism%arcs(arc)%ends(at_finish)
       allocate (cycle_of%along(points), cycle_of%across(points), cycle_of%turning(points), cycle_of%speed(points), &
-                cycle_of%own(points), cycle_of%others(points), cycle_of%fixed(points))
+                cycle_of%own(points), cycle_of%others(points), cycle_of%fixed(points), cycle_of%weight_along(points), &
+                cycle_of%weight_across(points))
+      allocate (cycle_of%viscous(points), source=0.0_wp)
       call prepare_rates(problem, rates)
       call prepare_forces(problem, model, forces)
       bare = model
       bare%gravity = 0.0_wp
       own = bare
       own%inertia = 0.0_wp
+      steady = model
+      steady%springs%damping = 0.0_wp
+      dampers = bare
+      dampers%loads = [load_t ::]
+      dampers%springs%stiffness = 0.0_wp
+      dampers%springs%preload = 0.0_wp
+      call list_acting(problem%mechanism, dimensions, steady, arc, points, cycle_of%acting)
       do block = 1, problem%blocks()
          call problem%solve_block(block, offset, n)
          call differentiate(problem, rates, n, 2)
@@ -140,6 +219,7 @@ contains
          call move_bodies(problem, rates, n, 1.0_wp, 0.0_wp, forces)
          call follow_motion()
          if (block == 1) call make_own()
+         call follow_acting(problem, steady, arc, input(offset + 1:offset + n), offset, n, forces, cycle_of%acting)
          call clear_wrenches(n, forces)
          call add_source(problem, own, source_inertia, input(offset + 1:offset + n), n, forces)
          call sweep(problem, n, forces)
@@ -149,11 +229,19 @@ contains
          call sweep(problem, n, forces)
          call take_pull(cycle_of%others)
          call clear_wrenches(n, forces)
-         do source = source_inertia + 1, sources_of(model)
-            call add_source(problem, model, source, input(offset + 1:offset + n), n, forces)
+         do source = source_inertia + 1, sources_of(steady)
+            call add_source(problem, steady, source, input(offset + 1:offset + n), n, forces)
          end do
          call sweep(problem, n, forces)
          call take_pull(cycle_of%fixed)
+         if (all(abs(dampers%springs%damping) <= 0.0_wp)) cycle
+         call move_bodies(problem, rates, n, cycle_of%sense, 0.0_wp, forces)
+         call clear_wrenches(n, forces)
+         do source = first_spring(dampers), sources_of(dampers)
+            call add_source(problem, dampers, source, input(offset + 1:offset + n), n, forces)
+         end do
+         call sweep(problem, n, forces)
+         call take_pull(cycle_of%viscous)
       end do
 
    contains
@@ -180,6 +268,8 @@ contains
                cycle_of%across(offset + i) = metre*(ay*ux - ax*uy)
                cycle_of%turning(offset + i) = w(i, rows%al)
                cycle_of%speed(offset + i) = w(i, rows%w)
+               cycle_of%weight_along(offset + i) = model%gravity(1)*ux + model%gravity(2)*uy
+               cycle_of%weight_across(offset + i) = model%gravity(2)*ux - model%gravity(1)*uy
             end do
          end associate
          cycle_of%length = cycle_of%length*metre
@@ -203,6 +293,7 @@ contains
          own%inertia(parameter_mx, body) = cycle_of%mass*cx
          own%inertia(parameter_my, body) = cycle_of%mass*cy
          own%inertia(parameter_inertia, body) = cycle_of%mass*(cycle_of%length**2/12.0_wp + cx**2 + cy**2)
+         steady%inertia(:, body) = own%inertia(:, body)
       end subroutine make_own
 
       !> Sum of the forces of all joints on the link at its finish, along it.
@@ -242,13 +333,34 @@ contains
       real(wp), intent(in) :: speed              !! rad/s; what does not depend on it is left out at 0
       real(wp), intent(in) :: e
       type(moving_link_t) :: link
-      real(wp) :: pull(size(cycle_of%own))
+      real(wp), dimension(size(cycle_of%own)) :: pull, along, across
+      integer :: k, c
 
       pull = cycle_of%own + e*cycle_of%others
-      if (speed > 0.0_wp) pull = pull + cycle_of%fixed/speed**2
+      along = cycle_of%along
+      across = cycle_of%across
+      if (speed > 0.0_wp) then
+         pull = pull + cycle_of%fixed/speed**2 + cycle_of%viscous/speed
+         along = along - cycle_of%weight_along/speed**2
+         across = across - cycle_of%weight_across/speed**2
+         allocate (link%acting(size(cycle_of%acting)))
+         do k = 1, size(link%acting)
+            associate (from => cycle_of%acting(k), to => link%acting(k), force => cycle_of%mass*cycle_of%length*speed**2)
+               to%place = from%place/cycle_of%length
+               to%height = from%height/cycle_of%length
+               to%along = periodic_from_samples(from%along/force)
+               to%across = periodic_from_samples(from%across/force)
+               to%moment = periodic_from_samples(from%moment/(force*cycle_of%length))
+               do c = 1, size(to%spring)
+                  to%spring(c) = periodic_from_samples(from%held(:, c)*cycle_of%length/force)
+               end do
+               to%torsion = from%torsion/(force*cycle_of%length)
+            end associate
+         end do
+      end if
       link%tension = periodic_from_samples(pull/(cycle_of%mass*cycle_of%length))
-      link%along = periodic_from_samples(cycle_of%along/cycle_of%length)
-      link%across = periodic_from_samples(cycle_of%across/cycle_of%length)
+      link%along = periodic_from_samples(along/cycle_of%length)
+      link%across = periodic_from_samples(across/cycle_of%length)
       link%turning = periodic_from_samples(cycle_of%turning)
       link%turning_squared = periodic_from_samples(cycle_of%speed**2)
    end function moving_link

@@ -8,7 +8,7 @@ module psalm_vibration_scene
    use psalm_periodic, only: periodic_t, periodic_from_samples
    use psalm_preparation, only: prepared_t
    use psalm_status, only: diagnostics_t
-   use psalm_steady_study, only: check_steady
+   use psalm_steady_study, only: check_steady, model_with_links
    use psalm_vibration_study, only: vibration_study_t, find_vibration
    implicit none (type, external)
    private
@@ -56,12 +56,13 @@ contains
       allocate (problem)
       call make_problem(set, prepared%mechanism, prepared%given, prepared%parameters, problem)
       call make_force_model(set, prepared%mechanism, prepared%given, model, findings)
+      n = prepared%mechanism%seq(set%vibration%beam%link%loop, set%vibration%beam%link%arc)
+      model = model_with_links(set, prepared%mechanism, prepared%given, n, model)
       call find_vibration(set, problem, prepared%given, model, scene%study)
       if (size(scene%study%modes) == 0) return
       scene%metre = model%metre
       scene%given_e = set%vibration%given_e
       scene%greatest_e = set%vibration%greatest_e
-      n = prepared%mechanism%seq(set%vibration%beam%link%loop, set%vibration%beam%link%arc)
       scene%bar = prepared%mechanism%arcs(n)%bar
       scene%reversed = prepared%mechanism%arcs(n)%reversed
       scene%settles = .true.

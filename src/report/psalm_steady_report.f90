@@ -10,6 +10,7 @@ module psalm_steady_report
    use psalm_text, only: general, lower_case, to_text
    use psalm_vibration_list, only: list_vibration, plot_vibration, list_estimates, list_drive, plot_drive, list_hill, plot_hill, &
                                    stability_words, link_words
+   use psalm_vibration_study, only: much_mixed
    implicit none (type, external)
    private
    public :: report_steady
@@ -31,8 +32,10 @@ contains
             if (stuck(set, study%estimates(k)%cycle, set%estimates%points, devices)) return
             if (study%estimates(k)%verdict /= verdict_redesign) cycle
             call devices%note_violation()
-            call devices%remark(set, 'the link of arc '//to_text(set%estimates%beams(k)%link%arc)//' in loop '// &
-                                to_text(set%estimates%beams(k)%link%loop)//' is to be designed again: see the listing')
+            call devices%remark(set, 'the link '//link_words(set, set%estimates%beams(k)%link, ' in loop ', 'of arc ')// &
+                                ' is to be designed again: '//trim(merge('it buckles                               ', &
+                                                                         'it bends by more than 0.025 of its length', &
+                                                                         study%estimates(k)%buckles)))
          end do
          call list_estimates(set, study%estimates, devices%six)
       end if
@@ -49,6 +52,10 @@ contains
                                 'the turn, most at '// &
                                 trim(adjustl(general(study%vibration%modes(k)%least_at)))//' degrees after the reference')
          end do
+         if (study%vibration%mixing > much_mixed) then
+            call devices%remark(set, 'loads and springs on the link couple its modes: the deflection of a mode by itself is '// &
+                                'rough, that of &ESTIM takes all together')
+         end if
          if (study%vibration%resolution > enough) call coarse('NVPNT', set%vibration%points)
       end if
       if (allocated(study%drive)) then
@@ -57,6 +64,7 @@ contains
          call plot_drive(study%drive, devices%nine)
          if (study%drive%found) then
             call remark_stability(set, 'the drive', study%drive%hill, devices)
+            if (study%drive%loaded .and. study%drive%resolution > enough) call coarse('NDPNT', set%drive%points)
          else
             call devices%note_violation()
          end if

@@ -2,20 +2,22 @@
 module psalm_vibration_list
    use psalm_block, only: begin_block
    use psalm_data_set, only: data_set_t
-   use psalm_drive_study, only: drive_study_t, hill_study_t, inertia_t, matters
-   use psalm_estimate_study, only: estimate_t, verdict_rigid, verdict_closer, harmonics_estimated, stubby
+   use psalm_drive_study, only: drive_study_t, hill_study_t, inertia_t, matters, least_drive_ratio, small_swing
+   use psalm_estimate_study, only: estimate_t, verdict_rigid, verdict_closer, harmonics_estimated, stubby, rules, &
+                                   rule_wants_deflection
    use psalm_hill, only: hill_t
    use psalm_kinds, only: wp, pi, full_turn
    use psalm_link_place, only: place_t
    use psalm_stability, only: boundaries_t
    use psalm_text, only: text_t, full_precision, general, number_or_nan, to_text
    use psalm_vibration_group, only: beam_t
-   use psalm_vibration_study, only: vibration_study_t, harmonics_listed
+   use psalm_vibration_study, only: vibration_study_t, mode_t, harmonics_listed
    implicit none (type, external)
    private
    public :: list_vibration, plot_vibration, list_estimates, list_drive, plot_drive, list_hill, plot_hill, stability_words, &
              link_words
 
+   real(wp), parameter :: close_series = 0.01_wp     !! of a boundary: Oldham's (13.28) is close to it
    real(wp), parameter :: rpm_per_speed = 30.0_wp/pi !! revolutions per minute of 1 rad/s
 
 contains
@@ -52,6 +54,12 @@ contains
                              general(mode%first(1, p))//general(mode%first(2, p))//'     '// &
                              general(mode%second(1, p))//general(mode%second(2, p))//'      '//speeds_of(p))
             end do
+            p = first_good(mode)
+            if (p <= ubound(mode%exact%low, 1)) then
+               call text%add(' THESE ARE SERIES FOR SMALL COEFFICIENTS: (13.28) IS WITHIN 1 PER CENT FROM P = '//to_text(p)//' ON')
+            else
+               call text%add(' THESE ARE SERIES FOR SMALL COEFFICIENTS: (13.28) IS WITHIN 1 PER CENT AT NONE OF THE LAST P')
+            end if
             call text%add(' MULTIPLIERS'//multiplier(mode%hill%multipliers(1))//multiplier(mode%hill%multipliers(2)))
             call list_accuracy(mode%hill, text)
             if (mode%hill%unique) then
@@ -60,10 +68,15 @@ contains
                do n = 0, harmonics_listed
                   call text%add(repeat(' ', 6 - len(to_text(n)))//to_text(n)//general(mode%amplitude(n)))
                end do
-               call text%add(' GREATEST'//general(study%cycle%length*maxval(abs(mode%hill%y))))
+               call text%add(' GREATEST'//general(mode%greatest))
             end if
          end associate
       end do
+      if (study%mixing > 0.0_wp) then
+         call text%add()
+         call text%add(' EACH MODE IS TAKEN BY ITSELF; LOADS AND SPRINGS ON THE LINK COUPLE THEM BY'//general(study%mixing)// &
+                       ' OF THEIR STIFFNESS')
+      end if
       if (size(study%modes) > 1) then
          call text%add()
          call text%add(' ALL MODES TOGETHER: '//trim(merge('STABLE    ', 'NOT STABLE', study%stable)))
@@ -131,6 +144,18 @@ contains
          end if
       end function speeds_of
    end subroutine list_vibration
+
+   !> The p from which on the series of second order is close to the exact boundaries; beyond the last if it never is.
+   pure integer function first_good(mode) result(p)
+      type(mode_t), intent(in) :: mode
+      real(wp) :: exact(2)
+
+      do p = ubound(mode%exact%low, 1), 0, -1
+         exact = [mode%exact%low(p), mode%exact%high(p)]
+         if (any(abs(mode%second(:, p) - exact) > close_series*abs(exact))) exit
+      end do
+      p = p + 1
+   end function first_good
 
    !> How far the integration over a turn is to be trusted.
    subroutine list_accuracy(hill, text)
@@ -249,7 +274,7 @@ contains
       end do
    end subroutine plot_vibration
 
-   !> Input in degrees from the reference position; derivatives per radian of it in the sense of its turning.
+   !> Input in degrees from the reference position; derivatives by it, per radian.
    subroutine plot_response(name, hill, unit, sense, waves, text)
       character(*), intent(in) :: name
       type(hill_t), intent(in) :: hill
@@ -265,7 +290,7 @@ contains
       many = real(waves, wp)
       do i = 1, size(hill%y)
          call text%add(full_precision(sense*full_turn*real(i - 1, wp)/(many*real(size(hill%y), wp)))// &
-                       columns(unit*[hill%y(i)/many, hill%y1(i), hill%y2(i)*many]))
+                       columns(unit*[hill%y(i)/many, sense*hill%y1(i), hill%y2(i)*many]))
       end do
    end subroutine plot_response
 
@@ -307,17 +332,27 @@ contains
                           general(e%shear_fall)//', ON POSTS OF ITS OWN SECTION'//general(e%post_ratio))
             if (e%slenderness < stubby) call text%add('   A STUBBY LINK: BENDING ALONE DOES NOT TELL WHAT IT DOES')
             call text%add('   GREATEST END LOAD, EULER''S LOAD'//general(e%push)//general(e%euler))
-            if (e%relief <= 0.0_wp) then
+            if (e%buckles) then
                call text%add('   THE END LOAD EXCEEDS EULER''S LOAD: THE LINK BUCKLES')
             else
-               call text%add('   QUASI-STATIC DEFLECTION'//general(e%deflection)//', OF HARMONIC '// &
-                             to_text(e%harmonic)//' NEAREST RESONANCE'//general(e%resonant)//', OF MODE 2'//general(e%second))
+               call text%add('   QUASI-STATIC DEFLECTION'//general(e%deflection)//' AT'//general(e%at)// &
+                             ' OF THE LENGTH, IN MODE 1'//general(e%first)//', IN MODE 2'//general(e%second))
+               if (e%loaded) call text%add('   UNDER WEIGHT, LOADS AND SPRINGS WITH THE MACHINE AT REST'//general(e%resting))
+               call text%add('   DYNAMIC ERROR OF ALL HARMONICS'//general(e%error)//', OF HARMONIC '// &
+                             to_text(e%harmonic)//' NEAREST RESONANCE'//general(e%resonant)// &
+                             ' (IMPULSES ONCE A TURN MAGNIFY BY'//general(e%magnifier)//')')
+               call text%add('   BOTH TOGETHER'//general(e%deflection + e%error))
                call text%add('   ITS PINS COME NEARER BY'//general(e%shortened)//'; TURNING STRAIGHTENS IT BY THE PART'// &
                              general(e%straightened))
             end if
+            call text%add('   HAINES''S RULES FOR A LINK THAT IS RIGID ENOUGH           IS   RULE')
+            do n = 1, size(rules)
+               if (e%buckles .and. rule_wants_deflection(n)) cycle
+               call text%add('     '//rules(n)%name//general(e%measures(n))//'   '//rules(n)%words// &
+                             trim(merge('  KEPT  ', '  BROKEN', e%kept(n))))
+            end do
             call text%add('   ACCELERATION OF THE MIDDLE'//general(e%middle)//', IN THAT HARMONIC'//general(e%amplitude)// &
                           ', ITS BOUND'//general(e%bound))
-            call text%add('   MAGNIFIER OF IMPULSES ONCE A TURN'//general(e%magnifier))
             if (e%strength > 0.0_wp) call text%add('   LEAST FREQUENCY/SPEED THAT STRENGTH ALLOWS'//general(e%strength)// &
                                                    ', OF A TIE ROD'//general(e%tie_rod))
             call text%add('   HARMONICS OF THAT ACCELERATION, AND THEIR BOUNDS FROM RANGE AND VARIATION')
@@ -369,8 +404,17 @@ contains
          call text%add(' MEAN RATIO OF THE FREQUENCY TO THE SPEED'//general(study%ratio)// &
                        ' (RESONANCE AT WHOLE NUMBERS, BANDS OF'// &
                        ' INSTABILITY AT WHOLE AND HALF ONES)')
+         call text%add(' LEAST RATIO OF THE TURN'//general(study%least)//', OF A DRIVE RIGID ENOUGH BY HAINES''S RULE AT LEAST '// &
+                       to_text(nint(least_drive_ratio))//trim(merge('  KEPT  ', '  BROKEN', study%least >= least_drive_ratio)))
       else
          call text%add(' THE RATIO OF THE FREQUENCY TO THE SPEED IS NOT REAL ALL OVER THE TURN: IT SAYS NOTHING')
+      end if
+      if (study%loaded) then
+         call text%add(' TORQUE OF WEIGHT, LOADS AND SPRINGS ON THE CRANK, IN THE SENSE OF ITS TURNING: FROM'// &
+                       general(minval(study%torque))//' TO'//general(maxval(study%torque))//', MEAN'// &
+                       general(sum(study%torque)/real(size(study%torque), wp)))
+         if (any(abs(study%viscous) > 0.0_wp)) call text%add(' TORQUE OF DAMPERS AGAINST IT AT 1 RAD/S: FROM'// &
+                                                             general(minval(study%viscous))//' TO'//general(maxval(study%viscous)))
       end if
       call text%add(' '//stability_words(study%hill))
       call text%add(' MULTIPLIERS'//multiplier(study%hill%multipliers(1))//multiplier(study%hill%multipliers(2))// &
@@ -388,7 +432,8 @@ contains
             end do
             call text%add(trim(line))
          end do
-         call text%add(' GREATEST SWING'//general(maxval(abs(study%hill%y))/real(study%waves, wp)))
+         call text%add(' GREATEST SWING'//general(study%greatest))
+         if (study%greatest > small_swing) call text%add(' THE EQUATION IS LINEAR IN THE SWING: ABOVE 0.1 RAD IT IS ROUGH')
       end if
       if (size(study%speeds) == 0) return
       call text%add(' OVER SPEEDS:             RAD/S            RPM          SWING')
@@ -410,7 +455,7 @@ contains
       end subroutine list_inertia
    end subroutine list_drive
 
-   !> Device 9: blocks drive_inertia, drive_response, drive_speeds.
+   !> Device 9: blocks drive_inertia, drive_torque, drive_response, drive_speeds.
    subroutine plot_drive(study, text)
       type(drive_study_t), intent(in) :: study
       type(text_t), intent(inout) :: text
@@ -421,6 +466,13 @@ contains
          call text%add(full_precision(study%turn%sense*full_turn*real(i - 1, wp)/real(study%waves*size(study%inertia), wp))// &
                        columns([study%inertia(i)]))
       end do
+      if (study%loaded) then
+         call begin_block('drive_torque', 'input torque viscous', text)
+         do i = 1, size(study%torque)
+            call text%add(full_precision(study%turn%sense*full_turn*real(i - 1, wp)/real(size(study%torque), wp))// &
+                          columns([study%torque(i), study%viscous(i)]))
+         end do
+      end if
       if (.not. study%found) return
       call plot_response('drive_response', study%hill, 1.0_wp, study%turn%sense, study%waves, text)
       if (size(study%speeds) == 0) return
@@ -449,7 +501,7 @@ contains
       call list_accuracy(study%hill, text)
       if (.not. study%hill%unique) return
       call text%add(' STEADY STATE AT 0'//general(study%hill%start(1))//general(study%hill%start(2))//', GREATEST'// &
-                    general(maxval(abs(study%hill%y))))
+                    general(study%greatest))
       do n = 0, set%hill%harmonics
          call text%add(repeat(' ', 6 - len(to_text(n)))//to_text(n)//general(study%amplitude(n)))
       end do

@@ -4,23 +4,27 @@ module psalm_drive_study
    use psalm_data_set, only: data_set_t
    use psalm_dimensions, only: dimensions_t
    use psalm_error, only: problem_t
-   use psalm_flexible_drive, only: drive_response, mean_ratio, ratio_for_mean
+   use psalm_flexible_drive, only: drive_response, drive_torque_t, mean_ratio, least_ratio, ratio_for_mean
    use psalm_force_model, only: force_model_t, parameter_mass, parameter_mx, parameter_my, parameter_inertia
-   use psalm_hill, only: hill_t, solve_hill
+   use psalm_hill, only: hill_t, solve_hill, greatest_of
    use psalm_kinds, only: wp, pi, full_turn
    use psalm_link_cycle, only: link_cycle_t, inertia_at_crank
+   use psalm_machine, only: reduced_t, reduce_machine
    use psalm_mechanism, only: mechanism_t, body_frame, joint_revolute
    use psalm_periodic, only: periodic_t, periodic_from_samples
    use psalm_rate_study, only: rate_study_t, find_rates
    implicit none (type, external)
    private
    public :: drive_study_t, hill_study_t, drive_row_t, inertia_t, find_drive, find_hill, matters
+   public :: least_drive_ratio, small_swing
 
    real(wp), parameter :: tolerance = 1.0e-10_wp
    ! Haines's rule: a harmonic of the crank's acceleration matters above the first size where links may resonate, that is from
    ! ten times the speed of the crank, and above the second below
    integer, parameter :: from_resonance = 10
    real(wp), parameter :: matters_above = 0.001_wp, matters_below = 0.05_wp
+   real(wp), parameter :: least_drive_ratio = 20.0_wp !! of a drive that need not be looked at: Haines, 2M
+   real(wp), parameter :: small_swing = 0.1_wp        !! rad; a larger swing makes the linear equation rough
 
    type :: drive_row_t
       real(wp) :: speed = 0.0_wp                 !! rad/s
@@ -42,10 +46,16 @@ module psalm_drive_study
       real(wp) :: stiffness = 0.0_wp             !! S, N m/rad
       real(wp) :: d = 0.0_wp                     !! sqrt(S/J0)/speed
       real(wp) :: ratio = 0.0_wp                 !! mean of frequency/speed
+      real(wp) :: least = 0.0_wp                 !! least of it over the turn
       logical :: ratio_real = .false.            !! it is real all over the turn
       integer :: waves = 1                       !! periods of the inertia in a turn
       type(hill_t) :: hill                       !! y, waves times the swing of the crank, by x, waves times its angle
       real(wp), allocatable :: inertia(:)        !! at equal steps of a period, kg m2
+      logical :: loaded = .false.                !! weight, loads, springs or dampers act
+      real(wp), allocatable :: torque(:)         !! of weight, loads and springs at the same places, in the sense of turning, N m
+      real(wp), allocatable :: viscous(:)        !! torque of dampers against the turning at 1 rad/s, N m s
+      real(wp) :: resolution = 0.0_wp            !! what the positions leave open of inertia and torques
+      real(wp) :: greatest = 0.0_wp              !! swing of the crank, rad
       real(wp), allocatable :: swing(:), acceleration(:) !! shape (0:harmonics): of the crank, rad, and over the squared speed
       real(wp), allocatable :: output(:, :)      !! shape (0:harmonics, components): of the output's acceleration/speed**2
       real(wp), allocatable :: rigid(:, :)       !! the same of a rigid drive
@@ -58,6 +68,7 @@ module psalm_drive_study
       type(hill_t) :: hill
       real(wp), allocatable :: amplitude(:)      !! shape (0:harmonics)
       real(wp) :: resolution = 0.0_wp            !! what the tables leave open
+      real(wp) :: greatest = 0.0_wp              !! of |y|
    end type hill_study_t
 
 contains
@@ -78,6 +89,7 @@ contains
       type(force_model_t), intent(in) :: model
       type(drive_study_t), intent(out) :: study
       type(force_model_t) :: used
+      type(drive_torque_t), allocatable :: acting ! not allocated: absent
       type(periodic_t) :: inertia, y
       real(wp), allocatable :: whole(:)
       real(wp) :: natural, speed, waves
@@ -106,6 +118,7 @@ contains
                                study%turn)
          if (study%turn%trouble > 0) return
          study%inertia = study%inertia + set%drive%extra
+         call find_torque(set, given, model, study)
       end if
       waves = real(study%waves, wp) ! x = waves phi, y = waves theta
       study%massless = .not. all(study%inertia > 0.0_wp)
@@ -113,8 +126,13 @@ contains
       inertia = periodic_from_samples(study%inertia)
       study%of_crank = extent_of(study%inertia)
       speed = abs(set%speed)
+      study%resolution = inertia%resolution()
+      if (study%loaded) then
+         acting = acting_at(study, speed)
+         study%resolution = max(study%resolution, acting%torque%resolution(), acting%damping%resolution())
+      end if
       if (set%drive%ratio > 0.0_wp) then
-         call ratio_for_mean(inertia, set%drive%ratio/waves, study%d, ok)
+         call ratio_for_mean(inertia, set%drive%ratio/waves, study%d, ok, acting=acting)
          if (.not. ok) return
          study%stiffness = (waves*study%d*speed)**2*study%of_crank%mean
       else
@@ -122,10 +140,12 @@ contains
          study%d = sqrt(study%stiffness/study%of_crank%mean)/(waves*speed)
       end if
       study%found = .true.
-      call mean_ratio(inertia, study%d, study%ratio, study%ratio_real)
+      call mean_ratio(inertia, study%d, study%ratio, study%ratio_real, acting)
       study%ratio = waves*study%ratio
-      study%hill = drive_response(inertia, study%d, set%drive%damping, tolerance)
+      study%least = waves*least_ratio(inertia, study%d, acting)
+      study%hill = drive_response(inertia, study%d, set%drive%damping, tolerance, acting)
       if (study%hill%unique) then
+         study%greatest = greatest_of(study%hill)/waves
          y = periodic_from_samples(study%hill%y/waves)
          do n = 0, set%drive%harmonics
             if (modulo(n, study%waves) == 0) study%swing(n) = y%amplitude(n/study%waves)
@@ -143,10 +163,39 @@ contains
          associate (row => study%speeds(i), first => set%drive%slowest, last => set%drive%fastest)
             row%speed = first
             if (set%drive%speeds > 1) row%speed = first + (last - first)*real(i - 1, wp)/real(set%drive%speeds - 1, wp)
-            call find_row(inertia, natural/(waves*row%speed), waves, set%drive%damping, row)
+            if (study%loaded) acting = acting_at(study, row%speed)
+            call find_row(inertia, natural/(waves*row%speed), waves, set%drive%damping, row, acting)
          end associate
       end do
    end subroutine find_drive
+
+   !> Torque of weight, loads, springs and dampers on the crank, where the centres of mass are.
+   subroutine find_torque(set, given, model, study)
+      type(data_set_t), intent(in) :: set
+      type(problem_t), intent(in) :: given
+      type(force_model_t), intent(in) :: model
+      type(drive_study_t), intent(inout) :: study
+      class(problem_t), allocatable :: problem    ! large: it would fill a small stack
+      type(reduced_t) :: reduced
+      integer :: i
+
+      study%loaded = size(model%loads) > 0 .or. size(model%springs) > 0 .or. any(abs(model%gravity) > 0.0_wp)
+      if (.not. study%loaded) return
+      allocate (problem, source=given)
+      call reduce_machine(problem, model, [(study%turn%sense*full_turn*real(i - 1, wp)/real(set%drive%points, wp), &
+                                            i=1, set%drive%points)], reduced)
+      study%torque = study%turn%sense*reduced%torque
+      study%viscous = reduced%damping
+   end subroutine find_torque
+
+   !> What acts on the crank at a speed.
+   pure type(drive_torque_t) function acting_at(study, speed)
+      type(drive_study_t), intent(in) :: study
+      real(wp), intent(in) :: speed              !! rad/s
+
+      acting_at%torque = periodic_from_samples(study%torque/(study%of_crank%mean*speed**2))
+      acting_at%damping = periodic_from_samples(study%viscous/(study%of_crank%mean*speed))
+   end function acting_at
 
    pure type(inertia_t) function extent_of(samples)
       real(wp), intent(in) :: samples(:) !! positive
@@ -221,17 +270,18 @@ contains
       end do
    end subroutine drop_offsets
 
-   subroutine find_row(inertia, d, waves, damping, row)
+   subroutine find_row(inertia, d, waves, damping, row, acting)
       type(periodic_t), intent(in) :: inertia
       real(wp), intent(in) :: d, waves, damping
       type(drive_row_t), intent(inout) :: row
+      type(drive_torque_t), intent(in), optional :: acting
       type(hill_t) :: hill
 
-      hill = drive_response(inertia, d, damping, tolerance)
+      hill = drive_response(inertia, d, damping, tolerance, acting)
       row%stable = hill%stable
       row%known = hill%unique
       row%grows = .not. (hill%stable .or. hill%neutral)
-      if (hill%unique) row%amplitude = maxval(abs(hill%y))/waves
+      if (hill%unique) row%amplitude = greatest_of(hill)/waves
    end subroutine find_row
 
    !> Steady state of the Hill equation of the tables.
@@ -248,6 +298,7 @@ contains
       study%hill = solve_hill(c1, c0, p, set%hill%tolerance)
       allocate (study%amplitude(0:set%hill%harmonics), source=0.0_wp)
       if (.not. study%hill%unique) return
+      study%greatest = greatest_of(study%hill)
       y = periodic_from_samples(study%hill%y)
       do n = 0, set%hill%harmonics
          study%amplitude(n) = y%amplitude(n)

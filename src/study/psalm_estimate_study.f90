@@ -1,42 +1,67 @@
 !> Does the bending of a link matter? What the group ESTIM asks for, for every link by itself. Data in, results out.
-!> Source: Haines, chapter 2, with his bounds of chapter 1.
+!>
+!> The quasi-static deflection is that of (13.24) without Q_j'', with what couples the modes: sum of (j**4 W**2 [j = k] + K_jk) Q_k
+!> = p_j, of inertia, weight, loads and springs at each position. The dynamic error is that of mode 1: the sum of Haines's (25c)
+!> over the harmonics of this deflection, the harmonic nearest resonance times his magnifier of impulses (26c). The rules of the
+!> verdict are his (2B, 2G, 2M). Source: Haines, chapter 2, with his bounds of chapter 1.
 module psalm_estimate_study
    use psalm_data_set, only: data_set_t
    use psalm_dimensions, only: dimensions_t
    use psalm_error, only: problem_t
    use psalm_force_model, only: force_model_t
    use psalm_harmonic_bounds, only: extent_t, extent_of, harmonic_bound
-   use psalm_kinds, only: wp
-   use psalm_link_cycle, only: link_cycle_t, find_link_cycle
+   use psalm_kinds, only: wp, pi
+   use psalm_linear, only: solve_positive
+   use psalm_link_cycle, only: link_cycle_t, find_link_cycle, moving_link
+   use psalm_link_vibration, only: moving_link_t, coupling, mode_force
    use psalm_periodic, only: periodic_t, periodic_from_samples
-   use psalm_vibration_estimates, only: euler_load, frequency_ratio, static_deflection, dynamic_error, impulse_magnifier, &
-      frequency_fall, strength_ratio, tie_rod_ratio, straightening, foreshortening_sine, post_support_of_slenderness
+   use psalm_vibration_estimates, only: euler_load, frequency_ratio, dynamic_error, impulse_magnifier, frequency_fall, &
+      strength_ratio, tie_rod_ratio, straightening, foreshortening_sine, post_support_of_slenderness
    use psalm_vibration_group, only: beam_t
    implicit none (type, external)
    private
-   public :: estimate_t, find_estimate, harmonics_estimated, stubby
+   public :: estimate_t, find_estimate, harmonics_estimated, stubby, rules, rule_t, rule_wants_deflection
    public :: verdict_rigid, verdict_closer, verdict_redesign
 
    integer, parameter :: verdict_rigid = 1, verdict_closer = 2, verdict_redesign = 3
-   real(wp), parameter :: rigid_part = 1.0e-3_wp   !! deflection over length below which a link is rigid enough
-   real(wp), parameter :: large_part = 1.0e-2_wp   !! and above which it is to be designed again
-   real(wp), parameter :: small_load = 0.9_wp      !! of Euler's load: nearer to buckling it is to be designed again
+   !> What a link is measured by: the first three are Haines's of 2M, 2G and 2M ("an order"), the last of 2B.
+   type :: rule_t
+      character(40) :: name
+      logical :: at_least
+      real(wp) :: limit
+      character(14) :: words
+   end type rule_t
+
+   type(rule_t), parameter :: rules(4) = [ &
+      rule_t('FIRST FREQUENCY/SPEED', .true., 10.0_wp, 'AT LEAST 10'), &
+      rule_t('END LOAD/EULER''S LOAD', .false., 0.25_wp, 'AT MOST 0.25'), &
+      rule_t('DYNAMIC ERROR/QUASI-STATIC DEFLECTION', .false., 0.1_wp, 'AT MOST 0.1'), &
+      rule_t('DEFLECTION/LENGTH', .false., 0.025_wp, 'AT MOST 0.025')]
+   integer, parameter :: rule_frequency = 1, rule_load = 2, rule_error = 3, rule_deflection = 4
    real(wp), parameter :: stubby = 5.0_wp          !! slenderness below which Ritz's estimate on posts is not accurate
    integer, parameter :: harmonics_estimated = 12
    integer, parameter :: extents_used = 4          !! of the acceleration and three derivatives
+   integer, parameter :: modes_summed = 24         !! of the quasi-static deflection: of a single force it is then 1e-5 too small
+   integer, parameter :: stations = 64             !! parts of the link, at which it is looked for
 
    type :: estimate_t
       type(link_cycle_t) :: cycle
       real(wp) :: slenderness = 0.0_wp
       real(wp) :: euler = 0.0_wp                 !! Euler's load, N
-      real(wp) :: push = 0.0_wp                  !! greatest compression, N; negative: always pulled
-      real(wp) :: relief = 1.0_wp                !! least H = 1 - load/Euler's load
+      real(wp) :: push = 0.0_wp                  !! greatest compression, mean of both ends, N; negative: always pulled
+      logical :: buckles = .false.               !! at a position, running or at rest
       real(wp) :: ratio = 0.0_wp                 !! W: first frequency over speed
+      real(wp) :: held_ratio = 0.0_wp            !! the same with the mean of all that stiffens or relieves mode 1
       real(wp) :: shear_fall = 0.0_wp            !! relative fall of the first frequency by shear and rotary inertia
       real(wp) :: post_ratio = 1.0_wp            !! first frequency on posts of its own section over that on rigid ones
       real(wp) :: middle = 0.0_wp                !! greatest transverse acceleration of the middle, m/s2
-      real(wp) :: deflection = 0.0_wp            !! quasi-static, of mode 1, m
-      real(wp) :: resonant = 0.0_wp              !! of the harmonic nearest resonance, dynamic error, m
+      real(wp) :: deflection = 0.0_wp            !! quasi-static, m
+      real(wp) :: at = 0.0_wp                    !! place of it from the start, part of the length
+      real(wp) :: resting = 0.0_wp               !! the same of weight, loads and springs with the machine at rest, m
+      logical :: loaded = .false.                !! there are such, across the link
+      real(wp) :: first = 0.0_wp                 !! quasi-static deflection of mode 1, m
+      real(wp) :: error = 0.0_wp                 !! dynamic error of all harmonics, m
+      real(wp) :: resonant = 0.0_wp              !! that of the harmonic nearest resonance alone, m
       integer :: harmonic = 0                    !! its number
       real(wp) :: amplitude = 0.0_wp             !! of the acceleration in it, m/s2
       real(wp) :: bound = 0.0_wp                 !! and its bound from range and variation, m/s2
@@ -49,10 +74,19 @@ module psalm_estimate_study
       real(wp) :: shortened = 0.0_wp             !! of the distance of the pins by the deflection, m
       real(wp) :: amplitudes(harmonics_estimated) = 0.0_wp !! of the acceleration of the middle, m/s2
       real(wp) :: bounds(harmonics_estimated) = 0.0_wp     !! of these, from range and variation
+      real(wp) :: measures(size(rules)) = 0.0_wp !! by rule
+      logical :: kept(size(rules)) = .false.     !! by rule
       integer :: verdict = verdict_rigid
    end type estimate_t
 
 contains
+
+   !> Is a rule about what a link that buckles has none of?
+   pure logical function rule_wants_deflection(rule)
+      integer, intent(in) :: rule
+
+      rule_wants_deflection = rule == rule_error .or. rule == rule_deflection
+   end function rule_wants_deflection
 
    subroutine find_estimate(set, given, dimensions, model, beam, estimate)
       type(data_set_t), intent(in) :: set
@@ -61,6 +95,7 @@ contains
       type(force_model_t), intent(in) :: model
       type(beam_t), intent(in) :: beam
       type(estimate_t), intent(out) :: estimate
+      type(moving_link_t) :: link
       type(periodic_t) :: acceleration, derived
       type(extent_t) :: extents(0:extents_used - 1)
       real(wp), allocatable :: middle(:), pull(:)
@@ -74,11 +109,16 @@ contains
       stiffness = beam%modulus*beam%area*beam%gyration**2
       associate (c => estimate%cycle, e => estimate)
          middle = speed**2*(c%across + 0.5_wp*c%length*c%turning)
-         pull = speed**2*(c%own + c%others) + c%fixed
+         ! at the middle: the mean of the pulls at both ends
+         pull = speed**2*(c%own + c%others) + c%fixed + speed*c%viscous &
+                + 0.5_wp*c%mass*(c%weight_along - speed**2*(c%along - 0.5_wp*c%length*c%speed**2))
+         do k = 1, size(c%acting)
+            pull = pull + 0.5_wp*c%acting(k)%along
+         end do
+         e%loaded = size(c%acting) > 0 .or. any(abs(c%weight_across) > 0.0_wp)
          e%slenderness = c%length/beam%gyration
          e%euler = euler_load(stiffness, c%length)
          e%push = -minval(pull)
-         e%relief = 1.0_wp - max(e%push, 0.0_wp)/e%euler
          e%ratio = frequency_ratio(stiffness, c%length, c%mass, speed)
          e%shear_fall = frequency_fall(e%slenderness, beam%shear_ratio)
          call post_support_of_slenderness(e%slenderness, delta, e%post_ratio)
@@ -96,25 +136,136 @@ contains
             derived = acceleration%derivative(k)
             extents(k) = extent_of(derived%values(points))
          end do
-         e%harmonic = max(1, nint(e%ratio))
-         e%amplitude = acceleration%amplitude(e%harmonic)
-         e%bound = harmonic_bound(e%harmonic, extents)
          do k = 1, harmonics_estimated
             e%amplitudes(k) = acceleration%amplitude(k)
             e%bounds(k) = harmonic_bound(k, extents)
          end do
-         if (e%relief > 0.0_wp) then
-            e%second = abs(static_deflection(2, e%ends, speed, e%ratio, 1.0_wp - 0.25_wp*(1.0_wp - e%relief)))
-            e%deflection = abs(static_deflection(1, e%middle, speed, e%ratio, e%relief))
-            e%resonant = abs(static_deflection(1, e%amplitude, speed, e%ratio, e%relief)) &
-                         *dynamic_error(e%harmonic, 1, e%ratio, max(beam%damping, epsilon(1.0_wp)), .false.)
-            e%shortened = foreshortening_sine*(e%deflection + e%resonant)**2/c%length
-         end if
-         if (e%relief <= 1.0_wp - small_load .or. e%deflection + e%resonant > large_part*c%length) then
-            e%verdict = verdict_redesign
-         else if (e%deflection + e%resonant > rigid_part*c%length) then
-            e%verdict = verdict_closer
-         end if
+         link = moving_link(c, speed, 1.0_wp)
+         call deflect(link, beam%damping, e)
+         e%amplitude = acceleration%amplitude(e%harmonic)
+         e%bound = harmonic_bound(e%harmonic, extents)
+         e%shortened = foreshortening_sine*(e%deflection + e%error)**2/c%length
+         if (e%loaded) call rest(speed, e)
       end associate
+      call judge(estimate)
    end subroutine find_estimate
+
+   !> Quasi-static deflection and its dynamic error.
+   subroutine deflect(link, damping, e)
+      type(moving_link_t), intent(in) :: link
+      real(wp), intent(in) :: damping
+      type(estimate_t), intent(inout) :: e
+      type(periodic_t) :: first
+      real(wp) :: modes(size(e%cycle%own), modes_summed), error, hold
+      integer :: n
+
+      call bend(link, e, modes, hold)
+      e%held_ratio = sqrt(max(hold, 0.0_wp))
+      e%harmonic = max(1, nint(e%held_ratio))
+      if (e%buckles) return
+      e%first = maxval(abs(modes(:, 1)))
+      e%second = maxval(abs(modes(:, 2)))
+      call find_greatest(modes, e%deflection, e%at)
+      first = periodic_from_samples(modes(:, 1))
+      do n = 1, first%highest()
+         error = first%amplitude(n)*dynamic_error(n, 1, e%held_ratio, max(damping, epsilon(1.0_wp)), .false.)
+         if (n == e%harmonic) then
+            error = error*e%magnifier
+            e%resonant = error
+         end if
+         e%error = e%error + error
+      end do
+   end subroutine deflect
+
+   !> What weight, loads and springs bend when the machine stands still, in the worst of the positions.
+   subroutine rest(speed, e)
+      real(wp), intent(in) :: speed              !! rad/s
+      type(estimate_t), intent(inout) :: e
+      type(link_cycle_t) :: still
+      real(wp) :: modes(size(e%cycle%own), modes_summed), at, hold
+
+      still = e%cycle
+      still%own = 0.0_wp
+      still%others = 0.0_wp
+      still%viscous = 0.0_wp
+      still%along = 0.0_wp
+      still%across = 0.0_wp
+      still%turning = 0.0_wp
+      still%speed = 0.0_wp
+      call bend(moving_link(still, speed, 1.0_wp), e, modes, hold)
+      if (.not. e%buckles) call find_greatest(modes, e%resting, at)
+   end subroutine rest
+
+   !> Static deflection of all modes together at every position. `e%buckles` is set where a position is not stable.
+   subroutine bend(link, e, modes, hold)
+      type(moving_link_t), intent(in) :: link
+      type(estimate_t), intent(inout) :: e
+      real(wp), intent(out) :: modes(:, :)       !! shape (positions, modes), m
+      real(wp), intent(out) :: hold              !! mean stiffness of mode 1, as a squared ratio of frequency to speed
+      type(periodic_t) :: of
+      real(wp), allocatable :: stiffness(:, :, :) !! shape (modes, modes, positions), upper triangle
+      real(wp) :: force(size(modes, 2), size(modes, 1))
+      integer :: i, j, points
+      logical :: stands
+
+      points = size(modes, 1)
+      allocate (stiffness(size(modes, 2), size(modes, 2), points), source=0.0_wp)
+      do j = 1, size(modes, 2)
+         do i = 1, j
+            of = coupling(link, i, j)
+            stiffness(i, j, :) = of%values(points)
+         end do
+         stiffness(j, j, :) = stiffness(j, j, :) + real(j, wp)**4*e%ratio**2
+         of = mode_force(link, j)
+         force(j, :) = e%cycle%length*of%values(points)
+      end do
+      hold = sum(stiffness(1, 1, :))/real(points, wp)
+      do i = 1, points
+         call solve_positive(stiffness(:, :, i), force(:, i), modes(i, :), stands)
+         if (.not. stands) e%buckles = .true.
+      end do
+   end subroutine bend
+
+   !> Greatest amount of a deflection over link and turn, by the parabola through a station and its neighbours.
+   pure subroutine find_greatest(modes, greatest, at)
+      real(wp), intent(in) :: modes(:, :)        !! shape (positions, modes)
+      real(wp), intent(out) :: greatest          !! m
+      real(wp), intent(out) :: at                !! from the start, part of the length
+      real(wp) :: shapes(size(modes, 2), 0:stations), bent(0:stations), left, right
+      integer :: i, j, s
+
+      do s = 0, stations
+         shapes(:, s) = [(sin(real(j*s, wp)*pi/real(stations, wp)), j=1, size(modes, 2))]
+      end do
+      greatest = 0.0_wp
+      at = 0.5_wp
+      do i = 1, size(modes, 1)
+         bent = abs(matmul(modes(i, :), shapes))
+         s = maxloc(bent, 1) - 1
+         if (bent(s) <= greatest) cycle
+         greatest = bent(s)
+         at = real(s, wp)/real(stations, wp)
+         if (s == 0 .or. s == stations) cycle
+         left = bent(s) - bent(s - 1)
+         right = bent(s) - bent(s + 1)
+         greatest = bent(s) + (left - right)**2/(8.0_wp*(left + right))
+         at = at + 0.5_wp*(left - right)/(left + right)/real(stations, wp)
+      end do
+   end subroutine find_greatest
+
+   !> Haines's rules. A link that buckles, or bends further than his typical links, is to be designed again.
+   pure subroutine judge(e)
+      type(estimate_t), intent(inout) :: e
+
+      e%measures(rule_frequency) = e%ratio
+      e%measures(rule_load) = max(e%push, 0.0_wp)/e%euler
+      if (e%deflection > 0.0_wp) e%measures(rule_error) = e%error/e%deflection
+      e%measures(rule_deflection) = (e%deflection + e%error)/e%cycle%length
+      e%kept = merge(e%measures >= rules%limit, e%measures <= rules%limit, rules%at_least)
+      if (e%buckles .or. .not. e%kept(rule_deflection)) then
+         e%verdict = verdict_redesign
+      else if (.not. all(e%kept)) then
+         e%verdict = verdict_closer
+      end if
+   end subroutine judge
 end module psalm_estimate_study

@@ -1,18 +1,20 @@
 !> Everything that ssics studies in a case: what cannot be studied is found before any work is done. Data in, results out.
 module psalm_steady_study
    use psalm_data_set, only: data_set_t
+   use psalm_dimensions, only: dimensions_t
    use psalm_drive_study, only: drive_study_t, hill_study_t, find_drive, find_hill
    use psalm_error, only: problem_t
    use psalm_estimate_study, only: estimate_t, find_estimate
    use psalm_force_model, only: force_model_t, make_force_model
    use psalm_kinds, only: wp
-   use psalm_link_cycle, only: check_link
+   use psalm_link_cycle, only: check_link, add_uniform_link
+   use psalm_mechanism, only: mechanism_t
    use psalm_preparation, only: prepared_t
    use psalm_status, only: diagnostics_t
    use psalm_vibration_study, only: vibration_study_t, find_vibration
    implicit none (type, external)
    private
-   public :: steady_study_t, check_steady, find_steady
+   public :: steady_study_t, check_steady, find_steady, model_with_links
 
    !> What a case asks for is allocated.
    type :: steady_study_t
@@ -50,17 +52,36 @@ contains
          end if
       end if
       if (set%vibration%given) then
-         call check_link(set, prepared%mechanism, model, set%vibration%beam, 'VIBR', item_of('V'), 1, findings)
+         call check_link(set, prepared%mechanism, prepared%given, model, set%vibration%beam, 'VIBR', item_of('V'), 1, findings)
       end if
       do k = 1, size(set%estimates%beams)
-         call check_link(set, prepared%mechanism, model, set%estimates%beams(k), 'ESTIM', item_of('E'), k, findings)
+         call check_link(set, prepared%mechanism, prepared%given, model, set%estimates%beams(k), 'ESTIM', item_of('E'), k, &
+                         findings)
       end do
       if (set%drive%given .and. prepared%mechanism%sliding_input) then
          call findings%error('a flexible drive needs a crank that turns; the input of this linkage slides', &
                              line=set%origins%line('DRIVEL', ''), group='DRIVEL')
       end if
+      if (set%drive%given .and. size(model%friction) > 0) then
+         call findings%error('the equation of a flexible drive is linear, but friction changes its sign with the motion of the '// &
+                             'joint; leave &FRICTN out, or give its losses as a moment in &LOADS', &
+                             line=set%origins%line('FRICTN', ''), group='FRICTN')
+      end if
+      if (set%drive%given .and. set%drive%ripple > 0.0_wp) then
+         if (size(model%loads) > 0) call refuse_load('LOADS', 'loads')
+         if (size(model%springs) > 0) call refuse_load('SPRING', 'springs')
+         if (any(abs(model%gravity) > 0.0_wp)) call refuse_load('MASSES', 'gravity')
+      end if
 
    contains
+
+      !> With DRIPPL there is no linkage to act on.
+      subroutine refuse_load(group, what)
+         character(*), intent(in) :: group, what
+
+         call findings%error('DRIPPL of &DRIVEL puts an inertia in place of the linkage: '//what//' would act on nothing; '// &
+                             'leave one of them out', line=set%origins%line(group, ''), group=group)
+      end subroutine refuse_load
 
       !> The item that names a link: of a sketch by its name.
       pure function item_of(letter) result(item)
@@ -78,7 +99,7 @@ contains
       type(problem_t), intent(in) :: problem     !! of no meaning without a linkage
       type(prepared_t), intent(in) :: prepared
       type(steady_study_t), intent(out) :: study
-      type(force_model_t) :: model
+      type(force_model_t) :: model, with_links
       type(diagnostics_t) :: unused
       integer :: k
 
@@ -86,20 +107,48 @@ contains
       if (set%estimates%given) then
          allocate (study%estimates(size(set%estimates%beams)))
          do k = 1, size(study%estimates)
-            call find_estimate(set, problem, prepared%given, model, set%estimates%beams(k), study%estimates(k))
+            associate (link => set%estimates%beams(k)%link)
+               with_links = model_with_links(set, prepared%mechanism, prepared%given, prepared%mechanism%seq(link%loop, link%arc), &
+                                             model)
+            end associate
+            call find_estimate(set, problem, prepared%given, with_links, set%estimates%beams(k), study%estimates(k))
          end do
       end if
       if (set%vibration%given) then
          allocate (study%vibration)
-         call find_vibration(set, problem, prepared%given, model, study%vibration)
+         associate (link => set%vibration%beam%link)
+            with_links = model_with_links(set, prepared%mechanism, prepared%given, prepared%mechanism%seq(link%loop, link%arc), &
+                                          model)
+         end associate
+         call find_vibration(set, problem, prepared%given, with_links, study%vibration)
       end if
       if (set%drive%given) then
          allocate (study%drive)
-         call find_drive(set, problem, prepared%given, model, study%drive)
+         with_links = model_with_links(set, prepared%mechanism, prepared%given, 0, model)
+         call find_drive(set, problem, prepared%given, with_links, study%drive)
       end if
       if (set%hill%given) then
          allocate (study%hill)
          call find_hill(set, study%hill)
       end if
    end subroutine find_steady
+
+   !> The force model with the masses of the uniform links of all groups, but for the link of an arc, which is studied.
+   pure function model_with_links(set, mechanism, dimensions, arc, model) result(all)
+      type(data_set_t), intent(in) :: set
+      type(mechanism_t), intent(in) :: mechanism
+      type(dimensions_t), intent(in) :: dimensions
+      integer, intent(in) :: arc                 !! 0: none
+      type(force_model_t), intent(in) :: model
+      type(force_model_t) :: all
+      integer :: beyond, n
+
+      all = model
+      beyond = 0
+      if (arc > 0) beyond = mechanism%arcs(arc)%body
+      do n = 1, size(set%estimates%beams)
+         call add_uniform_link(mechanism, dimensions, set%estimates%beams(n), beyond, all)
+      end do
+      if (set%vibration%given) call add_uniform_link(mechanism, dimensions, set%vibration%beam, beyond, all)
+   end function model_with_links
 end module psalm_steady_study

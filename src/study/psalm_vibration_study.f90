@@ -8,7 +8,7 @@ module psalm_vibration_study
    use psalm_error, only: problem_t
    use psalm_floquet, only: coupled_multipliers
    use psalm_force_model, only: force_model_t
-   use psalm_hill, only: hill_t, solve_hill
+   use psalm_hill, only: hill_t, solve_hill, greatest_of
    use psalm_kinds, only: wp, pi, full_turn
    use psalm_link_cycle, only: link_cycle_t, find_link_cycle, moving_link
    use psalm_link_vibration, only: moving_link_t, mode_stiffness, mode_force, coupling, first_frequency, timoshenko_factor
@@ -17,6 +17,7 @@ module psalm_vibration_study
    implicit none (type, external)
    private
    public :: vibration_study_t, mode_t, speed_row_t, band_t, chart_row_t, find_vibration, mode_factor, harmonics_listed
+   public :: much_mixed
 
    integer, parameter :: harmonics_listed = 12
    real(wp), parameter :: tolerance = 1.0e-10_wp          !! of a period's matrix
@@ -24,6 +25,8 @@ module psalm_vibration_study
    real(wp), parameter :: table_tolerance = 1.0e-7_wp     !! in the table over speeds
    real(wp), parameter :: sharpness = 1.0e-9_wp           !! of the ends of a band of speeds, relative
    integer, parameter :: in_tongue = 3                    !! speeds looked at between two boundaries
+   integer, parameter :: modes_mixed = 3                  !! that are looked at for what couples them
+   real(wp), parameter :: much_mixed = 0.1_wp             !! above it a mode by itself is wrong by about a hundredth
 
    !> One mode by itself at the given speed.
    type :: mode_t
@@ -31,6 +34,7 @@ module psalm_vibration_study
       real(wp), allocatable :: first(:, :), second(:, :) !! shape (2, 0:last): by Oldham's (13.27) and (13.28)
       type(hill_t) :: hill                       !! steady response, in lengths of the link
       real(wp), allocatable :: amplitude(:)      !! shape (0:harmonics_listed): harmonics of it, m
+      real(wp) :: greatest = 0.0_wp              !! of its amount, m
       real(wp) :: least_stiffness = 0.0_wp       !! least of W j**4 + f_j over the turn: below 0 the link buckles for a while
       real(wp) :: least_at = 0.0_wp              !! increment of the input from the reference position, degrees
    end type mode_t
@@ -68,6 +72,8 @@ module psalm_vibration_study
       type(band_t), allocatable :: bands(:)      !! within the range of these speeds
       type(chart_row_t), allocatable :: chart(:)
       real(wp) :: resolution = 0.0_wp            !! what the positions leave open of the coefficients
+      real(wp) :: mixing = 0.0_wp                !! largest coupling of the lowest modes by what acts on the link, over the root
+                                                 !! of the product of their stiffnesses
    end type vibration_study_t
 
 contains
@@ -114,6 +120,7 @@ contains
          end do
          f = mode_stiffness(link, 1)
          study%resolution = f%resolution()
+         if (allocated(link%acting)) study%mixing = mixing_of(set, link, w, study%cycle%length)
          call find_multipliers(set, link, w, study)
          deallocate (study%speeds)
          allocate (study%speeds(v%speeds))
@@ -170,11 +177,38 @@ contains
             tolerance)
       allocate (mode%amplitude(0:harmonics_listed), source=0.0_wp)
       if (.not. mode%hill%unique) return
+      mode%greatest = length*greatest_of(mode%hill)
       y = periodic_from_samples(mode%hill%y)
       do n = 0, harmonics_listed
          mode%amplitude(n) = length*y%amplitude(n)
       end do
    end subroutine find_mode
+
+   !> How much loads and springs between the pins couple the lowest modes.
+   real(wp) function mixing_of(set, link, w, length) result(mixing)
+      type(data_set_t), intent(in) :: set
+      type(moving_link_t), intent(in) :: link
+      real(wp), intent(in) :: w, length          !! as of `find_mode`
+      type(moving_link_t) :: bare
+      type(periodic_t) :: with, without
+      real(wp) :: mixed(set%vibration%points), stiffness(set%vibration%points, modes_mixed)
+      integer :: i, j
+
+      mixing = 0.0_wp
+      if (size(link%acting) == 0) return
+      bare = link
+      deallocate (bare%acting)
+      do j = 1, modes_mixed
+         with = mode_stiffness(link, j)
+         stiffness(:, j) = max(with%values(set%vibration%points) + w*mode_factor(set, length, j), tiny(1.0_wp))
+         do i = 1, j - 1
+            with = coupling(link, i, j)
+            without = coupling(bare, i, j)
+            mixed = with%values(set%vibration%points) - without%values(set%vibration%points)
+            mixing = max(mixing, maxval(abs(mixed)/sqrt(stiffness(:, i)*stiffness(:, j))))
+         end do
+      end do
+   end function mixing_of
 
    !> All modes together, with what couples them.
    subroutine find_multipliers(set, link, w, study)
@@ -227,7 +261,7 @@ contains
       row%grows = .not. (hill%stable .or. hill%neutral)
       row%determinant_error = hill%determinant_error
       row%known = hill%unique
-      if (hill%unique) row%amplitude = cycle_of%length*maxval(abs(hill%y))
+      if (hill%unique) row%amplitude = cycle_of%length*greatest_of(hill)
    end function row_at
 
    !> Speeds at which mode 1 grows, with its damping and at each speed its own weight and loads. Looked at are the
