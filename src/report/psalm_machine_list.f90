@@ -2,7 +2,7 @@
 module psalm_machine_list
    use psalm_data_set, only: data_set_t
    use psalm_kinds, only: wp, full_turn
-   use psalm_machine, only: cycle_found, cycle_grows, cycle_falls, cycle_any_speed
+   use psalm_machine, only: cycle_found, cycle_grows, cycle_falls, cycle_stalls, cycle_any_speed
    use psalm_machine_study, only: machine_study_t
    use psalm_text, only: text_t, general, to_text
    implicit none (type, external)
@@ -34,6 +34,7 @@ contains
                           general(of%greatest)//' AT'//general(of%greatest_at))
             call text%add(' MEAN SPEED'//general(of%mean)//', TIME OF A TURN'//general(of%period)//', FLUCTUATION'// &
                           general(2.0_wp*(of%greatest - of%least)/(of%greatest + of%least)))
+            call text%add(' ESTIMATED ERROR OF THE SPEEDS, RELATIVE'//general(of%error))
             call text%add('          ANGLE          SPEED')
             step = ubound(of%speed, 1)/listed
             do k = 0, listed
@@ -55,6 +56,11 @@ contains
          call text%add(repeat(' ', 15 - len(to_text(k)))//to_text(k)//' '//general(study%run%time(k))// &
                        general(study%run%speed(k))//' '//general(study%run%least(k))//' '//general(study%run%greatest(k)))
       end do
+      if (.not. study%run%computed) then
+         call text%add(' THE RUN-UP COULD NOT BE COMPUTED; A FLYWHEEL (FLYWHL) OR SMOOTHER TABLES OF TORQUE MAY HELP')
+         return
+      end if
+      if (size(study%run%time) > 0) call text%add(' ESTIMATED ERROR, RELATIVE'//general(study%run%error))
       if (study%run%stopped_at >= 0.0_wp) call text%add(' IT STOPS AT'//general(study%run%stopped_at))
    end subroutine list_machine
 
@@ -78,8 +84,10 @@ contains
          words = 'THERE IS NONE, THE SPEED GROWS WITH EVERY TURN'
       case (cycle_falls)
          words = 'THERE IS NONE, THE TORQUE DOES NOT OVERCOME THE LOADS'
-      case default
+      case (cycle_stalls)
          words = 'THERE IS NONE, THE MACHINE STOPS AT'//general(study%cycle%stopped_at)//' DEGREES'
+      case default
+         words = 'COULD NOT BE COMPUTED; A FLYWHEEL (FLYWHL) OR SMOOTHER TABLES OF TORQUE MAY HELP'
       end select
    end function cycle_words
 end module psalm_machine_list

@@ -4,7 +4,7 @@ module psalm_machine_study
    use psalm_error, only: problem_t
    use psalm_force_model, only: force_model_t
    use psalm_kinds, only: wp, full_turn
-   use psalm_machine, only: machine_t, cycle_t, run_t, make_machine, steady_cycle, run_up, flywheel_for, cycle_found, &
+   use psalm_machine, only: machine_t, cycle_t, run_t, make_machine, settle_machine, run_up, flywheel_for, cycle_found, &
                             cycle_any_speed
    implicit none (type, external)
    private
@@ -30,7 +30,7 @@ contains
       type(data_set_t), intent(in) :: set
 
       is_complete = self%turns .and. (self%cycle%state == cycle_found .or. self%cycle%state == cycle_any_speed)
-      if (is_complete .and. set%motor%turns > 0) is_complete = self%run%stopped_at < 0.0_wp
+      if (is_complete .and. set%motor%turns > 0) is_complete = self%run%stopped_at < 0.0_wp .and. self%run%computed
       if (is_complete .and. set%motor%fluctuation > 0.0_wp) is_complete = self%flywheel >= 0.0_wp
    end function is_complete
 
@@ -42,27 +42,35 @@ contains
       type(machine_study_t), intent(out) :: study
       class(problem_t), allocatable :: problem      ! large: it would fill a small stack
       type(machine_t), allocatable :: machine
-      real(wp) :: degrees_of_node
-      integer :: node
 
       allocate (problem, source=given)
       allocate (machine)
       call make_machine(problem, model, set%motor, machine)
-      degrees_of_node = full_turn/real(size(machine%turn%inertia) - 1, wp)
-      node = machine%turn%trouble
-      if (node == 0) then
-         node = findloc(machine%turn%inertia + machine%flywheel > 0.0_wp, .false., dim=1)
-         study%massless = node > 0
-      end if
-      study%turns = node == 0
-      if (.not. study%turns) then
-         study%trouble_at = nint(degrees_of_node*real(node - 1, wp))
-         return
-      end if
+      call find_trouble()
+      if (.not. study%turns) return
+      call settle_machine(problem, model, set%speed, machine, study%cycle)
+      call find_trouble()
+      if (.not. study%turns) return
       study%inertia_least = minval(machine%turn%inertia) + machine%flywheel
       study%inertia_greatest = maxval(machine%turn%inertia) + machine%flywheel
-      call steady_cycle(machine, set%speed, study%cycle)
       if (set%motor%turns > 0) call run_up(problem, model, machine, study%run)
       if (set%motor%fluctuation > 0.0_wp) call flywheel_for(machine, set%motor%fluctuation, set%speed, study%flywheel)
+
+   contains
+
+      !> A node at which the crank does not turn, or nothing has inertia.
+      subroutine find_trouble()
+         real(wp) :: degrees_of_node
+         integer :: node
+
+         degrees_of_node = full_turn/real(size(machine%turn%inertia) - 1, wp)
+         node = machine%turn%trouble
+         if (node == 0) then
+            node = findloc(machine%turn%inertia + machine%flywheel > 0.0_wp, .false., dim=1)
+            study%massless = node > 0
+         end if
+         study%turns = node == 0
+         if (.not. study%turns) study%trouble_at = nint(degrees_of_node*real(node - 1, wp))
+      end subroutine find_trouble
    end subroutine find_machine
 end module psalm_machine_study
