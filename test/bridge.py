@@ -185,6 +185,34 @@ def four_bar(place):
     check(verdicts == [0, 1], "contact is kept below the critical clearance and lost above", verdicts)
 
 
+def mirrored(place):
+    """A four-bar and its mirror image turning the other way: loads turn the other way, gi, vn, vt and H2 stay."""
+    text = "FOUR-BAR OF HAINES AS A SKETCH\n &CHAIN JNT='O','A','B','C', JX=0.0,0.05,%.15f,0.25, JY=0.0,0.0,%.15f,0.0,\n" \
+        "  LNAME='frame','crank','coupler','rocker', LNK='O C','O A','A B','C B' &END\n &DRIVES DRIVE='O', DBASE='frame', DLINK='crank' " \
+        "&END\n &OUTPUTS OUTPUT='angle rocker' &END\n &METHOD IKIN=5 &END\n &LIMITS TANGLE=90.0 &END\n" \
+        " &RATES SPEED=%.1f, UNITS='REV/MIN' &END\n &MASSES NMASS=2, MNAME='coupler A','rocker C', MASS=0.33235,0.47445, " \
+        "MDIST=0.1,0.1375, MANG=0.0,%.1f, MINERT=0.001278,0.00405 &END\n" \
+        " &CLEAR CNAME='B', CDIAM=0.0002, CREST=0.5 &END\n"
+    x = (.20**2 - .275**2 + .2**2)/(2*.2)
+    y = (.20**2 - x**2)**.5
+    sides = [run(text % (.05 + x, side*y, side*300.0, side*10.0), place) for side in (1, -1)]
+    check(all(side[3].get("flight") for side in sides), "a sketch and its mirror image: contact is lost", [side[2] for side in sides])
+    turns = []
+    for _, _, _, blocks, _ in sides:
+        loads = numpy.array(blocks["cycle"])
+        lost = next(r for r in blocks["minima"] if r[8] == 0)
+        k = int(numpy.argmin(numpy.hypot(loads[:, 1], loads[:, 2])))
+        check(abs((loads[k, 0] - lost[0] + 180) % 360 - 180) < 2, "the least load is that of the flypast", (loads[k], lost))
+        (x0, y0), (x1, y1) = loads[k - 1, 1:3], loads[(k + 1) % len(loads), 1:3]
+        turns.append((x0*y1 - y0*x1)*numpy.sign(loads[1, 0] - loads[0, 0]))
+    check(turns[0]*turns[1] < 0, "the loads turn in opposite senses", turns)
+    flights, minima = ([numpy.array(side[3][block]) for side in sides] for block in ("flight", "minima"))
+    check(flights[0].shape == flights[1].shape and numpy.abs(flights[0]/flights[1] - 1).max() < 1e-5,
+          "the flights are the same, counted with the load", flights)
+    h2 = [sorted(m[:, 6]) for m in minima]
+    check(max(abs(a - b) for a, b in zip(*h2)) < 1e-5, "H2 is the same, counted with the load", h2)
+
+
 def following(place):
     wants = {1e-4: ((.8585, -.2345, .0839), (.8335, -.2640, -.0130)), 2.5e-5: ((.9579, -.2247, .6324), (.9486, -.2256, .6237))}
     errors = []
@@ -310,6 +338,7 @@ def bad_input(place):
 def main():
     with tempfile.TemporaryDirectory() as place:
         four_bar(place)
+        mirrored(place)
         following(place)
         slider_crank(place)
         inertia(place)

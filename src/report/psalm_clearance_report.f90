@@ -92,7 +92,7 @@ contains
       call text%add()
       call text%add(' JOINT '//mechanism%joints(study%joint)%name//' WITH CLEARANCE: SI UNITS, ANGLES IN DEGREES')
       call text%add(' DIAMETRAL CLEARANCE'//general(study%diametral))
-      call text%add(' MINIMA OF THE NOMINAL LOAD, EACH AS A FLYPAST')
+      call text%add(' MINIMA OF THE NOMINAL LOAD, EACH AS A FLYPAST; H2 AND AN IMPACT COUNT IN THE SENSE IN WHICH THE LOAD TURNS')
       call text%add('     INPUT          LOAD           RATE           M0             EPS            H1             H2'// &
                     '       VERDICT')
       do k = 1, size(study%minima)
@@ -212,6 +212,7 @@ contains
          end do
       end if
       call begin_block('flight', 't_loss duration gi vn vt index impulse', text)
+      call text%add('# run of gi and vt: in the sense in which the load turns at the minimum')
       do k = 1, size(study%minima)
          associate (m => study%minima(k))
             if (m%verdict /= verdict_lost .or. .not. m%flight%ok) cycle

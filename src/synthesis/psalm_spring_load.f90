@@ -1,0 +1,146 @@
+!> What springs do to a load: the drive's or a joint's.
+!>
+!> A spring of stiffness S and free length L pulls its ends together with S (l - L) = S l - k, k = S L.
+module psalm_spring_load
+   use psalm_elementary, only: hypotenuse
+   use psalm_kinds, only: wp
+   use psalm_spring_design_group, only: criterion_range, criterion_rms
+   implicit none (type, external)
+   private
+   public :: spring_room_t, spring_path_t, found_spring_t, load_with, criterion_of, add_slopes, stiffest_in, criterion_spread
+
+   real(wp), parameter :: stiffest_of_all = 1.0e3_wp !! bare loads over squares of reaches: no spring is stiffer without a limit
+   integer, parameter :: criterion_spread = -1     !! RMS of the differences from the mean: smooth, on the way to the range
+
+   !> How one end of a spring moves, and what a wrench there does to the load.
+   type :: spring_path_t
+      real(wp), allocatable :: x(:), y(:)          !! shape (positions): place from which the end is counted, m
+      real(wp), allocatable :: c(:), s(:)          !! direction of its link's axes
+      real(wp), allocatable :: slope(:, :, :)      !! shape (positions, components, 3): load by force x, y, moment
+   end type spring_path_t
+
+   !> Room for a spring.
+   type :: spring_room_t
+      type(spring_path_t) :: ends(2)
+      real(wp) :: reach(2) = 0.0_wp                !! of the ends, m; 0: given
+      real(wp) :: stiffest = 0.0_wp                !! N/m; 0: no limit
+      real(wp) :: free(2) = 0.0_wp                 !! least and greatest free length, m
+   end type spring_room_t
+
+   type :: found_spring_t
+      real(wp) :: at(2, 2) = 0.0_wp                !! x, y of the ends, from where they are counted, in the axes of their links, m
+      real(wp) :: stiffness = 0.0_wp               !! N/m
+      real(wp) :: free = 0.0_wp                    !! m
+   end type found_spring_t
+
+contains
+
+   !> The criterion of a load. Shape of `load`: (positions, components).
+   pure real(wp) function criterion_of(criterion, load) result(value)
+      integer, intent(in) :: criterion
+      real(wp), intent(in) :: load(:, :)
+
+      select case (criterion)
+      case (criterion_range)
+         value = maxval(load(:, 1)) - minval(load(:, 1))
+      case (criterion_rms)
+         value = sqrt(sum(load**2)/real(size(load), wp))
+      case (criterion_spread)
+         value = norm2(load - spread(sum(load, dim=1)/real(size(load, 1), wp), 1, size(load, 1)))/sqrt(real(size(load), wp))
+      case default
+         value = sqrt(maxval(sum(load**2, dim=2)))
+      end select
+   end function criterion_of
+
+   !> The greatest stiffness of a spring, N/m: the user's, or one that depends on the bare load and the room, for without a limit the
+   !> load is often least with an end that nearly coincides with a joint and a stiffness beyond all limits.
+   pure real(wp) function stiffest_in(room, bare) result(stiffness)
+      type(spring_room_t), intent(in) :: room
+      real(wp), intent(in) :: bare(:, :)         !! shape (positions, components): the load without springs
+      real(wp) :: length
+
+      stiffness = room%stiffest
+      if (stiffness > 0.0_wp) return
+      length = max(maxval(room%reach), room%free(2))
+      if (.not. length > 0.0_wp) length = 1.0_wp
+      stiffness = stiffest_of_all*maxval(abs(bare))/length**2
+   end function stiffest_in
+
+   !> The load with springs. Shape: (positions, components).
+   pure function load_with(bare, rooms, springs) result(load)
+      real(wp), intent(in) :: bare(:, :)
+      type(spring_room_t), intent(in) :: rooms(:)
+      type(found_spring_t), intent(in) :: springs(:)
+      real(wp), allocatable :: load(:, :)
+      integer :: k
+
+      load = bare
+      do k = 1, size(springs)
+         call add_spring(rooms(k), springs(k), load)
+      end do
+   end function load_with
+
+   !> Load of one spring, and with `slopes` its derivatives by the unknowns, shape (positions, components, 6).
+   pure subroutine add_spring(room, spring, load, slopes)
+      type(spring_room_t), intent(in) :: room
+      type(found_spring_t), intent(in) :: spring
+      real(wp), intent(inout) :: load(:, :)
+      real(wp), intent(out), optional :: slopes(:, :, :)
+      real(wp) :: z(2, 2), gap(2), force(2), length, factor, per_length, axes(2, 2, 2), dgap(2), dforce(2), dz(2), k
+      integer :: i, e, c
+
+      k = spring%stiffness*spring%free
+      do i = 1, size(load, 1)
+         do e = 1, 2
+            associate (path => room%ends(e))
+               axes(:, 1, e) = [path%c(i), path%s(i)]
+               axes(:, 2, e) = [-path%s(i), path%c(i)]
+               z(:, e) = [path%x(i), path%y(i)] + axes(:, 1, e)*spring%at(1, e) + axes(:, 2, e)*spring%at(2, e)
+            end associate
+         end do
+         gap = z(:, 2) - z(:, 1)
+         length = max(hypotenuse(gap(1), gap(2)), tiny(1.0_wp)**0.25_wp)
+         per_length = k/length
+         factor = spring%stiffness - per_length
+         force = factor*gap
+         load(i, :) = load(i, :) + effect(force, z)
+         if (.not. present(slopes)) cycle
+         do e = 1, 2
+            do c = 1, 2
+               dz = axes(:, c, e)
+               dgap = merge(dz, -dz, e == 2)
+               dforce = factor*dgap + (per_length/length**2*dot_product(gap, dgap))*gap
+               slopes(i, :, 2*(e - 1) + c) = effect(dforce, z) + &
+                                             merge(1.0_wp, -1.0_wp, e == 1)*room%ends(e)%slope(i, :, 3)* &
+                                             (dz(1)*force(2) - dz(2)*force(1))
+            end do
+         end do
+         slopes(i, :, 5) = effect(gap, z)
+         slopes(i, :, 6) = effect(-gap/length, z)
+      end do
+
+   contains
+
+      !> What a pull on the first end, and its opposite on the second, does to the load.
+      pure function effect(pull, z)
+         real(wp), intent(in) :: pull(2), z(2, 2)
+         real(wp) :: effect(size(load, 2))
+
+         associate (p => room%ends(1)%slope(i, :, :), q => room%ends(2)%slope(i, :, :))
+            effect = (p(:, 1) - q(:, 1))*pull(1) + (p(:, 2) - q(:, 2))*pull(2) + &
+                     p(:, 3)*(z(1, 1)*pull(2) - z(2, 1)*pull(1)) - q(:, 3)*(z(1, 2)*pull(2) - z(2, 2)*pull(1))
+         end associate
+      end function effect
+   end subroutine add_spring
+
+   !> Derivatives alone.
+   pure subroutine add_slopes(room, spring, slopes)
+      type(spring_room_t), intent(in) :: room
+      type(found_spring_t), intent(in) :: spring
+      real(wp), intent(out) :: slopes(:, :, :)
+      real(wp) :: load(size(slopes, 1), size(slopes, 2))
+
+      load = 0.0_wp
+      call add_spring(room, spring, load, slopes)
+   end subroutine add_slopes
+end module psalm_spring_load
