@@ -641,12 +641,38 @@ def two_rollers(place):
     worst = max(abs(nearest(points, complex(x, y)*numpy.exp(-1j*math.radians(a))) - 9 - g) for a, g, _, x, y in gap[::37])
     close(worst, 0.0, 2e-6, "second roller: its gap")
     check(run.code == 1 and abs(run.extremes["gap_least"][0] - gap[:, 1].min()) < 1e-3, "second roller: least gap", run.extremes["gap_least"])
+    # on the rocker: its coupler of 20 is too short at some of the angles
+    short = data("swinging_roller", ("70.0,120.0,90.0", "70.0,20.0,90.0"),
+                 ("RCUT=10.0", "RCUT=10.0, KPAIR=1, NFOL2K=3, FOLLK2=70.0, FOLAN2=-80.0, RROLL2=9.0"))
+    run = Run(short, place)
+    check(run.code == 2 and "the linkage that carries the second roller does not close" in run.error and not run.table,
+          "second roller: its linkage opens", (run.code, run.error))
     for name, old, new, words in (("yoke", "KPAIR=1", "KPAIR=1, KTRACK=1", "runs on the same profile"), ("yoke", "KPAIR=1", "KPAIR=1, NFOL2K=9", "there is no arc 9"),
                                   ("yoke", "KPAIR=1, ", "NFOL2P=1, ", "KPAIR=1"), ("yoke", "180.0, OUT0", "170.0, OUT0", "must end at 180, for KHALF=1"),
                                   ("yoke", "KHALF=1", "KHALF=1, VARY='SEGEND 1', VARLOW=20, VARHI=40", "of half a turn"),
                                   ("conjugate_cams", "KCONJ=1, ", "", "is of conjugate cams"), ("yoke", "KPAIR=1", "KPAIR=1, KFOL=2", "KFOL=1")):
         bad = Run(data(name, (old, new)), place)
         check(bad.code == 2 and words in bad.error and not bad.table, "two rollers refused: " + words, bad.error)
+
+
+def drawn_limits(place):
+    """The pressure angle's limits are drawn where the curve comes within five degrees of them, and at their heights."""
+    alpha = Run(data("translating_roller"), place).columns["alpha"]
+    low, high = alpha.min(), alpha.max()
+    check(abs(low) > abs(high) + 6.0, "limits drawn: the curve is not symmetric", (low, high))
+    for limit in (high + 4.8, high + 5.2, -low - 1.0, -low + 4.8, -low + 5.2):
+        wanted = sorted(side for side in (-limit, limit) if low - 5.0 < side < high + 5.0)
+        run = Run(data("translating_roller", ("ALFMAX=30.0", "ALFMAX=%.6f" % limit)) if "ALFMAX" in data("translating_roller") else
+                  data("translating_roller", (" &CAM ", " &CAM ALFMAX=%.6f, " % limit)), place)
+        with open(os.path.join(place, "case.calm.svg"), encoding="utf-8") as file:
+            picture = file.read()
+        lines = [float(y) for y in re.findall(r'<path class="limit" d="M\S+ (\S+?)H', picture)]
+        check(len(lines) == len(wanted), "limits of %.2f degrees drawn" % limit, (lines, wanted))
+        curve = re.search(r'pressure angle, degrees.*?<path class="curve" d="(.*?)"/>', picture, re.S)[1]
+        heights = [float(y) for y in re.findall(r"[ML]\S+ (\S+)", curve)]
+        top, bottom = min(heights), max(heights)
+        at = sorted(high - (y - top)*(high - low)/(bottom - top) for y in lines)
+        check(len(at) == len(wanted) and all(abs(a - w) < 0.2 for a, w in zip(at, wanted)), "heights of these limits", (at, wanted))
 
 
 def sliding(place):
@@ -824,7 +850,7 @@ def main():
     with tempfile.TemporaryDirectory() as place:
         for part in (reference_cams, linkage_backwards, laws, violations, bad_input, table_for_others, cutting, pairs_of_cams,
                      centres, forces, two_cams, geared, pages, searches, rough_table, knuckle, fits,
-                     two_rollers, sliding):
+                     two_rollers, drawn_limits, sliding):
             part(place)
     print("%d passed, %d failed" % (passed, failed))
     return 1 if failed else 0

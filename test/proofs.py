@@ -9,6 +9,7 @@ import re
 import subprocess
 import sys
 import tempfile
+from decimal import Decimal
 
 from tally import check, report
 
@@ -18,12 +19,12 @@ SAMPLES = 400
 NEAR = 1e-9            # relative: rounding of positions that are compared
 
 
-def run(text, place):
+def run(text, place, code=0):
     """Listing, device 9 by blocks and the first table of a case."""
     with open(os.path.join(place, "case.nml"), "w", encoding="utf-8") as file:
         file.write(text)
     done = subprocess.run([PSALM, "--quiet", "--json", "case.nml"], cwd=place, capture_output=True, text=True, check=False)
-    check("runs", done.returncode == 0, (done.returncode, done.stderr, text))
+    check("runs", done.returncode == code, (done.returncode, done.stderr, text))
     blocks = {}
     with open(os.path.join(place, "case.dev9"), encoding="utf-8") as file:
         for part in file.read().split("\n\n\n")[1:]:
@@ -139,8 +140,30 @@ def brackets(place):
                   high - high_low <= 1e-6 * (high - low) + slack, row)
 
 
+def ends_of_ways(place):
+    """A way of a larger group closes to an end that is rounded towards the drawing, and goes no further than one rounded away."""
+    with open(os.path.join(TOP, "data", "geared_five_bar.nml"), encoding="utf-8") as file:
+        text = re.sub(r" &(METHOD|LIMITS)\b.*?&END *\n", "", file.read(), flags=re.S)
+    # other drawings of the same group have other last digits
+    for turned in (0.0, 5.0, 10.0):
+        for way in (1, -1):
+            name = "geared five-bar drawn %g degrees lower, %s" % (turned, "forwards" if way > 0 else "backwards")
+            drawn = text.replace("90.0,49.0", "%.1f,49.0" % (90.0 - turned))
+            listing, blocks, _ = run(drawn + " &METHOD NDES=2, DELT=0.0,%.1f &END\n &LIMITS IPROOF=2 &END\n" % (way*360.0), place, code=1)
+            closes, stops = re.search(r"CLOSES FROM THE DRAWING TO (\S+)", listing), re.search(r"THE INPUT GOES NO FURTHER THAN (\S+)", listing)
+            rows = {row[0]: (float(row[1]), float(row[2])) for row in blocks["limits"]}
+            check(name + ": a dead point", closes and stops and "undecided" in rows, listing)
+            if not (closes and stops and "undecided" in rows):
+                continue
+            near, far = sorted(rows["undecided"], key=lambda end: way*end)
+            near, far, first, last = Decimal(near), Decimal(far), Decimal(closes[1]), Decimal(stops[1])
+            check(name + ": both ends, to twelve decimals", 0 <= way*(near - first) < Decimal("2e-12") and 0 <= way*(last - far) < Decimal("2e-12"),
+                  (first, near, far, last))
+
+
 def main():
     with tempfile.TemporaryDirectory() as place:
+        ends_of_ways(place)
         dwells(place)
         time_ratio(place)
         brackets(place)
