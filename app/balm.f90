@@ -149,13 +149,18 @@ contains
       type(mark_t), intent(inout) :: mark         !! takes device 1 in
       type(picture_t), allocatable, intent(out) :: scripts(:)
       type(line_t), allocatable :: progress(:)
-      type(diagnostics_t) :: unused
+      type(diagnostics_t) :: trouble
+      integer, parameter :: largest = 256      !! MB of device 1
       logical :: there
       integer :: k
 
       allocate (progress(0))
       inquire (file=stem//'.dev1', exist=there)
-      if (there) call read_lines(stem//'.dev1', progress, unused)
+      if (there) call read_lines(stem//'.dev1', progress, trouble, largest)
+      if (trouble%failed()) then
+         call show_findings(trouble)
+         code = max(code, trouble%exit_code())
+      end if
       do k = 1, size(progress)
          call mark%add(progress(k)%text)
       end do

@@ -1,5 +1,6 @@
 !> What the programs of the suite share at the console: arguments, messages, files of the devices, the progress line.
 module psalm_console
+   use, intrinsic :: iso_c_binding, only: c_char, c_null_char, c_size_t
    use, intrinsic :: iso_fortran_env, only: int64
    use psalm_devices, only: devices_t
    use psalm_files, only: exchange_t, check_target, directory_of
@@ -18,7 +19,18 @@ module psalm_console
    private
    public :: arguments_t, progress_t, begin, begin_mark, device4_of, prepare_outputs, say, show_findings, stem_of, write_devices
 
+   interface
+      !> Names of environment variables that the run-time libraries would not have understood and have not seen.
+      subroutine c_set_aside(text, room) bind(c, name='psalm_set_aside')
+         import :: c_char, c_size_t
+         implicit none (type, external)
+         character(kind=c_char), intent(inout) :: text(*)
+         integer(c_size_t), value :: room
+      end subroutine c_set_aside
+   end interface
+
    integer, parameter :: most_threads = 1024
+   integer, parameter :: longest_names = 256
    character(*), parameter :: nl = new_line('a')
 
    !> The command line.
@@ -71,11 +83,25 @@ contains
          if (.not. done) arguments%code = exit_file_trouble
          return
       end if
+      if (.not. arguments%quiet) call tell_set_aside(program)
       call find_inputs(arguments)
       call check_names(arguments)
       call check_inputs(arguments, endings)
       finished = arguments%code == exit_bad_input
    end subroutine begin
+
+   !> A remark on environment variables that are not understood.
+   subroutine tell_set_aside(program)
+      character(*), intent(in) :: program
+      character(longest_names, kind=c_char) :: names
+      integer :: length
+
+      names = c_null_char
+      call c_set_aside(names, int(longest_names, c_size_t))
+      length = index(names, c_null_char) - 1
+      if (length > 0) call say(program, names(:length)//' in the environment: without effect, for the value is not understood '// &
+                               'or not used')
+   end subroutine tell_set_aside
 
    !> Identities of what the program reads, and of files that standard output and standard error go to.
    subroutine find_inputs(arguments)

@@ -73,11 +73,19 @@ contains
    !> Leave signals to the first thread: the others never take one.
    subroutine shield_threads(threads)
       integer, intent(in) :: threads              !! as many as the case will use
-      type(held_signals_t) :: kept
 
-      !$omp parallel num_threads(threads) private(kept)
-      if (omp_get_thread_num() > 0) call kept%hold(gently=.false.)
+      !$omp parallel num_threads(threads)
+      if (omp_get_thread_num() > 0) call shield()
       !$omp end parallel
+
+   contains
+
+      ! a procedure of its own: gfortran 12 gives private copies no default values
+      subroutine shield()
+         type(held_signals_t) :: kept
+
+         call kept%hold(gently=.false.)
+      end subroutine shield
    end subroutine shield_threads
 
    !> Let the signals wait from now on, in this thread and those it makes. To be called again before more threads are used.

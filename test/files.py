@@ -365,8 +365,78 @@ def memory_and_threads():
     check("number of threads: told", re.search(r"cannot start 64 threads, using \d+", result.stderr), result.stderr)
 
 
+def endless_inputs():
+    """Inputs without end, or without measure, are refused at once, in words."""
+    fresh()
+    with open("sparse.nml", "wb") as file:
+        file.truncate(2**30)
+    write("comments.nml", "! a comment\n" * 17_000_000)
+    write("line.nml", "T" * 5_000_000 + "\n")
+    # (arguments, standard input, exit status, words)
+    cases = [(["/dev/zero"], None, 2, "a zero byte: this is no plain text"), (["-"], "/dev/urandom", 2, "a zero byte"),
+             (["sparse.nml"], None, 3, "larger than 32 MB"), (["comments.nml"], None, 3, "larger than 32 MB"),
+             (["line.nml"], None, 2, "the line is longer than 4 MB")]
+    programs = ("psalm", "kalm", "balm", "muscle", "ssics", "bridge", "calm")
+    for program in programs:
+        for arguments, source, status, words in cases:
+            began = time.monotonic()
+            with open(source or os.devnull, "rb") as stdin:
+                result = run(program, *arguments, "--output-dir", "out", stdin=stdin)
+            took = time.monotonic() - began
+            check(f"{program} {arguments[0]}: refused in words", result.returncode == status and words in result.stderr,
+                  (result.returncode, result.stderr))
+            check(f"{program} {arguments[0]}: at once", took < 5.0, took)
+    endless = subprocess.Popen(["yes", "! comment"], stdout=subprocess.PIPE)
+    result = run("psalm", "-", stdin=endless.stdout)
+    endless.kill()
+    endless.wait()
+    endless.stdout.close()
+    check("a pipe without end", result.returncode == 3 and "larger than 32 MB" in result.stderr, result.stderr)
+    os.mkfifo("pipe")
+    writer = subprocess.Popen(["cp", "textile.nml", "pipe"])
+    result = run("psalm", "pipe", "--output-dir", "out")
+    writer.wait()
+    check("a pipe with an end is read", result.returncode in (0, 1) and "TEXTILE" in result.stdout.upper(), result.stderr)
+    # little memory: our words, not those of the run-time library
+    write("long.nml", edited("textile.nml", ("\n &LINKS", "\n" + "! a comment\n" * 2_000_000 + " &LINKS")))
+    for megabytes in (60, 90, 120, 200):
+        result = run("psalm", "-q", "long.nml", limits=[(resource.RLIMIT_AS, megabytes*2**20)])
+        check(f"memory of {megabytes} MB: our own words", result.returncode in (0, 1, 3) and "Error allocating" not in result.stderr
+              and "At line" not in result.stderr and (result.returncode != 3 or "memory" in result.stderr), result.stderr)
+
+
+def environment():
+    """Variables that the run-time libraries do not understand change nothing, and are named."""
+    fresh()
+    plain = run("psalm", "-q", "textile.nml")
+    for name, value in (("OMP_NUM_THREADS", "abc"), ("OMP_NUM_THREADS", "-1"), ("OMP_NUM_THREADS", ""), ("OMP_SCHEDULE", "xx"),
+                        ("OMP_STACKSIZE", "0"), ("OMP_STACKSIZE", "7X"), ("GOMP_SPINCOUNT", "x"), ("OMP_DYNAMIC", "maybe")):
+        result = run("psalm", "-q", "textile.nml", env={name: value})
+        check(f"{name}={value}: no word, the same run", (result.returncode, result.stdout, result.stderr) ==
+              (plain.returncode, plain.stdout, plain.stderr), result.stderr)
+        result = run("psalm", "textile.nml", env={name: value})
+        check(f"{name}={value}: named in a remark", result.stderr.startswith(f"psalm: {name} in the environment: without effect"),
+              result.stderr)
+    for name, value in (("GFORTRAN_STDIN_UNIT", "6"), ("GFORTRAN_STDOUT_UNIT", "0"), ("GFORTRAN_UNBUFFERED_ALL", "y"),
+                        ("OMP_NUM_THREADS", "2"), ("OMP_NUM_THREADS", "4,2"), ("OMP_STACKSIZE", "16M"), ("OMP_DYNAMIC", "TRUE")):
+        result = run("psalm", "-q", "textile.nml", env={name: value})
+        check(f"{name}={value}: the same run", (result.returncode, result.stdout, result.stderr) ==
+              (plain.returncode, plain.stdout, plain.stderr), result.stderr)
+
+
 def small_stack():
     fresh()
+    own = {"muscle": "muscle", "calm": "calm", "ssics": "ssics", "bridge": "bridge", "psalm": "exact"}
+    for program, folder in own.items():
+        for name in sorted(os.listdir(os.path.join(DATA, folder))):
+            result = run(program, "--quiet", "--output-dir", "out", os.path.join(DATA, folder, name),
+                         limits=[(resource.RLIMIT_STACK, 64*1024)])
+            check(f"{program} {name}: a stack of 64 kB", result.returncode in (0, 1), (result.returncode, result.stderr))
+    for name in ("sketch_four_bar", "jansen", "excavator", "landing_gear", "scissors_lift"):
+        for call in (["psalm"], ["kalm"], ["balm"], ["balm", "--edit"]):
+            result = run(*call, "--quiet", "--output-dir", "out", os.path.join(DATA, name + ".nml"),
+                         limits=[(resource.RLIMIT_STACK, 64*1024)])
+            check(f"{call} {name}: a stack of 64 kB", result.returncode in (0, 1), (result.returncode, result.stderr))
     for name in ("needle_lsq", "path18", "needle_search"):
         shutil.copy(os.path.join(DATA, name + ".nml"), name + ".nml")
     write("sample.nml", edited("needle.nml") + " &TOLER TOLLEN=0.05, NTRIAL=2000 &END\n")
@@ -378,7 +448,8 @@ def small_stack():
 
 ROOT = tempfile.mkdtemp()
 try:
-    for test in (inputs_are_safe, targets, marks, whole_sets, pipes, interruption, memory_and_threads, small_stack):
+    for test in (inputs_are_safe, targets, marks, whole_sets, pipes, interruption, memory_and_threads, small_stack,
+                 endless_inputs, environment):
         if sys.argv[2:] in ([], [test.__name__]):
             test()
 finally:

@@ -20,37 +20,19 @@
 #include <unistd.h>
 
 enum { kind_none, kind_file, kind_directory, kind_link, kind_other, kind_unknown }; /* as in psalm_system.f90 */
-enum { exit_trouble = 3 };                /* as in psalm_status.f90 */
 enum { new_file_mode = 0666, new_directory_mode = 0777, private_mode = 0700, permissions = 0777 }; /* cut by the user's mask */
 enum { most_names = 10000 };              /* names tried for a temporary */
 enum { most_waits = 1000, wait_ns = 10000000 }; /* for a lock: ten seconds */
 
-/* ---- beginning and end of a program ---- */
+/* ---- end of a program; its beginning is in psalm_program.c ---- */
 
-static volatile sig_atomic_t ended;
-
-/* The run-time libraries of Fortran and OpenMP leave with a status of their own when there is no memory or no thread. */
-static void leave_in_good_order(void)
-{
-    static const char words[] = "error: the run-time library ended the run (its words stand above), most likely for want of "
-                                "memory or threads; the case is not done\n";
-    if (ended) return;
-    if (write(STDERR_FILENO, words, sizeof words - 1) < 0) _exit(exit_trouble);
-    _exit(exit_trouble);
-}
-
-/* First of all: a write that goes too far or into a closed pipe fails instead of killing. For programs only. */
-void psalm_begin(void)
-{
-    signal(SIGXFSZ, SIG_IGN);
-    signal(SIGPIPE, SIG_IGN);
-    atexit(leave_in_good_order);
-}
+extern volatile sig_atomic_t psalm_ended;
+volatile sig_atomic_t psalm_ended;        /* set: the exit status is the program's own, not that of a run-time library */
 
 /* Last of all. */
 void psalm_finish(int status)
 {
-    ended = 1;
+    psalm_ended = 1;
     exit(status);
 }
 
@@ -133,6 +115,64 @@ int psalm_identity_of_open(int descriptor, int64_t identity[2])
     if (!S_ISREG(s.st_mode)) return ENOENT;
     put_identity(&s, identity);
     return 0;
+}
+
+enum { input_sound, input_unreadable, input_directory, input_too_large, input_has_zero }; /* as in psalm_system.f90 */
+enum { first_room = 65536 };              /* bytes */
+
+/* Reads a whole file, or standard input where `path` is "-", into memory that psalm_take_input frees. Stops at the first zero
+   byte, which no text has, and beyond `most` bytes: devices and pipes may have no end. Gives the verdict, and an error number with
+   input_unreadable. */
+int psalm_read_input(const char *path, int64_t most, char **bytes, int64_t *count, int *error)
+{
+    const int standard = strcmp(path, "-") == 0;
+    const int file = standard ? STDIN_FILENO : open(path, O_RDONLY | O_CLOEXEC);
+    struct stat s;
+    size_t room = first_room, have = 0;
+    int verdict = input_sound;
+
+    *bytes = NULL;
+    *count = *error = 0;
+    if (file < 0 || fstat(file, &s) != 0) {
+        *error = errno;
+        if (file >= 0 && !standard) close(file);
+        return input_unreadable;
+    }
+    if (S_ISDIR(s.st_mode)) verdict = input_directory;
+    if (S_ISREG(s.st_mode) && s.st_size > most) verdict = input_too_large;
+    if (S_ISREG(s.st_mode) && (int64_t)s.st_size < most) room = (size_t)s.st_size + 1;
+    while (verdict == input_sound) {
+        ssize_t got;
+        if (!*bytes || have == room) {
+            char *larger = realloc(*bytes, *bytes ? (room *= 2) : room);
+            if (!larger) {
+                *error = ENOMEM;
+                verdict = input_unreadable;
+                break;
+            }
+            *bytes = larger;
+        }
+        got = read(file, *bytes + have, room - have);
+        if (got < 0 && errno == EINTR) continue;
+        if (got < 0) {
+            *error = errno;
+            verdict = input_unreadable;
+        }
+        if (got <= 0) break;
+        if (memchr(*bytes + have, 0, (size_t)got)) verdict = input_has_zero;
+        have += (size_t)got;
+        if (verdict == input_sound && have > (uint64_t)most) verdict = input_too_large;
+    }
+    if (!standard) close(file);
+    *count = (int64_t)have;
+    return verdict;
+}
+
+/* Copies what psalm_read_input has read, if `text` is there, and frees it. */
+void psalm_take_input(char *bytes, char *text, size_t count)
+{
+    if (text && bytes && count > 0) memcpy(text, bytes, count);
+    free(bytes);
 }
 
 /* Next name of our own in the directory of `path`: process id and a counter. Short, so that no name is too long for it. */

@@ -2,7 +2,7 @@
 !>
 !> Fortran output to a full disk can fail unseen when a unit is closed; here every failure is seen.
 module psalm_system
-   use, intrinsic :: iso_c_binding, only: c_char, c_int, c_int64_t, c_long, c_null_char, c_size_t
+   use, intrinsic :: iso_c_binding, only: c_char, c_int, c_int64_t, c_long, c_null_char, c_ptr, c_size_t
    use, intrinsic :: iso_fortran_env, only: int64
    implicit none (type, external)
    private
@@ -10,6 +10,7 @@ module psalm_system
    public :: lock_directory, keep_file, let_go, stage, move_file, remove_file, synchronize
    public :: make_private_directory, make_directories, error_text
    public :: kind_none, kind_file, kind_directory, kind_link, kind_other, kind_unknown
+   public :: read_input, input_sound, input_unreadable, input_directory, input_too_large, input_has_zero
    public :: begin_program, finish_program, write_standard_output, write_standard_error, error_is_terminal
    public :: memory_to_be_had, threads_to_be_had, hash
    public :: standard_input, standard_output, standard_error
@@ -22,8 +23,14 @@ module psalm_system
    integer, parameter :: kind_link = 3       !! a symbolic link
    integer, parameter :: kind_other = 4      !! a pipe, a device ...
    integer, parameter :: kind_unknown = 5    !! not to be seen
+   integer, parameter :: input_sound = 0       !! verdicts on an input: text
+   integer, parameter :: input_unreadable = 1
+   integer, parameter :: input_directory = 2
+   integer, parameter :: input_too_large = 3
+   integer, parameter :: input_has_zero = 4    !! no text: it has a zero byte
    integer, parameter :: longest_path = 4096 !! PATH_MAX of Linux
    integer, parameter :: longest_error = 256
+   integer, parameter :: no_memory = 12      !! ENOMEM of Linux
    integer, parameter :: mask_words = 32     !! a signal set is smaller in every C library
 
    !> What makes a file the same under every name: device and inode.
@@ -60,6 +67,24 @@ module psalm_system
          character(kind=c_char), intent(inout) :: text(*)
          integer(c_size_t), value :: room
       end subroutine c_error_text
+
+      integer(c_int) function c_read_input(path, most, bytes, count, error) bind(c, name='psalm_read_input')
+         import :: c_int, c_char, c_int64_t, c_ptr
+         implicit none (type, external)
+         character(kind=c_char), intent(in) :: path(*)
+         integer(c_int64_t), value :: most
+         type(c_ptr), intent(out) :: bytes
+         integer(c_int64_t), intent(out) :: count
+         integer(c_int), intent(out) :: error
+      end function c_read_input
+
+      subroutine c_take_input(bytes, text, count) bind(c, name='psalm_take_input')
+         import :: c_char, c_ptr, c_size_t
+         implicit none (type, external)
+         type(c_ptr), value :: bytes
+         character(kind=c_char), intent(inout), optional :: text(*)
+         integer(c_size_t), value :: count
+      end subroutine c_take_input
 
       integer(c_int) function c_hold_signals(all, before, room) bind(c, name='psalm_hold_signals')
          import :: c_int, c_long, c_size_t
@@ -293,6 +318,33 @@ contains
 
       call c_let_go(int(held, c_int))
    end subroutine let_go
+
+   !> All bytes of a file, or of standard input (`-`), which may be a pipe or a device without end: reading stops after `most` bytes
+   !> and at the first zero byte, with the text so far.
+   subroutine read_input(path, most, text, verdict, error)
+      character(*), intent(in) :: path
+      integer, intent(in) :: most                     !! bytes
+      character(:), allocatable, intent(out) :: text
+      integer, intent(out) :: verdict                 !! input_sound ...
+      integer, intent(out) :: error                   !! error number with input_unreadable, else 0
+      type(c_ptr) :: bytes
+      integer(c_int64_t) :: count
+      integer(c_int) :: number
+      integer :: status
+
+      verdict = c_read_input(path//c_null_char, int(most, c_int64_t), bytes, count, number)
+      error = number
+      if (verdict /= input_sound .and. verdict /= input_has_zero) count = 0_c_int64_t
+      allocate (character(count) :: text, stat=status)
+      if (status == 0) then
+         call c_take_input(bytes, text, int(count, c_size_t))
+      else
+         call c_take_input(bytes, count=0_c_size_t)
+         verdict = input_unreadable
+         error = no_memory
+         text = ''
+      end if
+   end subroutine read_input
 
    !> Write a file of our own beside a path; `name` is its name. Errors: nothing is left then.
    subroutine stage(path, text, name, error)

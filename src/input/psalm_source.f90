@@ -1,11 +1,13 @@
 !> A text file, or standard input, as lines in memory.
 !>
-!> Carriage returns before line ends and a byte order mark are dropped; a last line without line end is a line like any
-!> other. Knows nothing of what the lines mean.
+!> A line ends with a line feed, a carriage return or both; a byte order mark is dropped; a last line without line end is a line
+!> like any other. Knows nothing of what the lines mean.
 module psalm_source
-   use, intrinsic :: iso_fortran_env, only: input_unit
+   use, intrinsic :: iso_fortran_env, only: int64
    use psalm_status, only: diagnostics_t
-   use psalm_text, only: text_t
+   use psalm_system, only: read_input, error_text, input_directory, input_has_zero, input_sound, input_too_large, &
+                           memory_to_be_had
+   use psalm_text, only: to_text
    implicit none (type, external)
    private
    public :: line_t, read_lines, split_lines
@@ -15,142 +17,103 @@ module psalm_source
       character(:), allocatable :: text
    end type line_t
 
-   integer, parameter :: chunk = 4096 !! characters read at a time
-   character, parameter :: line_feed = achar(10)
+   integer(int64), parameter :: bytes_of_line = 64_int64 !! its descriptor and what the C library adds to it
+   integer, parameter :: megabyte = 1024*1024
+   integer, parameter :: largest_file = 32*megabyte    !! bytes; a million positions have 20 MB
+   integer, parameter :: longest_line = 4*megabyte     !! bytes
+   character, parameter :: line_feed = achar(10), carriage_return = achar(13)
+   character(*), parameter :: byte_order_mark = char(239)//char(187)//char(191)
 
 contains
 
    !> Read all lines of a file.
    !>
-   !> Errors: a file that is missing, a directory or not readable is reported in `findings` (exit status 3).
-   subroutine read_lines(file, lines, findings)
+   !> Errors, in `findings`: a file that is missing, a directory, not readable or larger than 32 MB (exit status 3); one that is
+   !> no text or has a line longer than 4 MB (2).
+   subroutine read_lines(file, lines, findings, largest)
       character(*), intent(in) :: file                      !! name; `-` is standard input
-      type(line_t), allocatable, intent(out) :: lines(:)    !! the lines
+      type(line_t), allocatable, intent(out) :: lines(:)    !! the lines; none after an error
       type(diagnostics_t), intent(inout) :: findings
-      integer :: unit, status
-      character(256) :: message
-      logical :: is_directory
+      integer, intent(in), optional :: largest              !! MB of the file; default 32
+      character(:), allocatable :: text
+      integer :: verdict, error, most, k
 
+      most = largest_file
+      if (present(largest)) most = largest*megabyte
+      call read_input(file, most, text, verdict, error)
       allocate (lines(0))
-      if (file == '-') then
-         unit = input_unit
-      else
-         ! the run-time library opens a directory and finds it empty
-         inquire (file=file//'/.', exist=is_directory)
-         if (is_directory) then
-            call findings%trouble("cannot read '"//file//"': it is a directory")
+      select case (verdict)
+      case (input_sound)
+         if (index(text, byte_order_mark) == 1) text = text(len(byte_order_mark) + 1:)
+         if (.not. memory_to_be_had(len(text, int64) + bytes_of_line*int(lines_in(text), int64))) then
+            call findings%trouble("not enough memory to read '"//file//"'")
             return
          end if
-         message = ''
-         open (newunit=unit, file=file, action='read', status='old', form='formatted', iostat=status, iomsg=message)
-         if (status /= 0) then
-            call findings%trouble("cannot open '"//file//"': "//plain(message))
+         call split_lines(text, lines)
+         do k = 1, size(lines)
+            if (len(lines(k)%text) <= longest_line) cycle
+            call findings%error('the line is longer than '//to_text(longest_line/megabyte)//' MB; break it where a blank or a '// &
+                                'comma is', line=k)
+            deallocate (lines)
+            allocate (lines(0))
             return
-         end if
-      end if
-      call read_unit(unit, lines, status, message)
-      if (status /= 0) call findings%trouble("cannot read '"//file//"': "//plain(message))
-      if (file /= '-') close (unit)
+         end do
+      case (input_has_zero)
+         call split_lines(text(:index(text, achar(0))), lines)
+         call findings%error('a zero byte: this is no plain text; save it as text in UTF-8', line=size(lines))
+         deallocate (lines)
+         allocate (lines(0))
+      case (input_directory)
+         call findings%trouble("cannot read '"//file//"': it is a directory")
+      case (input_too_large)
+         call findings%trouble("cannot read '"//file//"': it is larger than "//to_text(most/megabyte)// &
+                               ' MB, the most that is taken; split its cases over several files')
+      case default
+         call findings%trouble("cannot open '"//file//"'"//error_text(error))
+      end select
    end subroutine read_lines
 
-   !> The lines of a text in memory. Carriage returns before line ends are dropped.
+   !> The lines of a text in memory.
    pure subroutine split_lines(text, lines)
       character(*), intent(in) :: text
       type(line_t), allocatable, intent(out) :: lines(:)
       integer :: count, i, first, last
 
-      count = 0
-      do i = 1, len(text)
-         if (text(i:i) == line_feed) count = count + 1
-      end do
-      if (len(text) > 0) then
-         if (text(len(text):) /= line_feed) count = count + 1
-      end if
-      allocate (lines(count))
+      allocate (lines(lines_in(text)))
       first = 1
-      do i = 1, count
-         last = index(text(first:), line_feed) + first - 2
-         if (last < first - 1) last = len(text)
-         lines(i)%text = text(first:last)
-         if (last >= first) then
-            if (text(last:last) == achar(13)) lines(i)%text = text(first:last - 1)
-         end if
-         first = last + 2
+      do count = 1, size(lines)
+         call find_end(text, first, last, i)
+         lines(count)%text = text(first:last)
+         first = i
       end do
    end subroutine split_lines
 
-   subroutine read_unit(unit, lines, status, message)
-      integer, intent(in) :: unit
-      type(line_t), allocatable, intent(inout) :: lines(:)
-      integer, intent(out) :: status
-      character(*), intent(out) :: message
-      character(chunk) :: buffer
-      type(text_t) :: line
-      integer :: got, count
+   pure integer function lines_in(text) result(count)
+      character(*), intent(in) :: text
+      integer :: first, last, next
 
       count = 0
-      message = ''
-      each_line: do
-         line%length = 0
-         do
-            got = 0
-            read (unit, '(a)', advance='no', iostat=status, iomsg=message, size=got) buffer
-            call line%add_text(buffer(:got))
-            if (status /= 0) exit
-         end do
-         if (is_iostat_end(status)) then
-            if (line%length > 0) call append(line%buffer(:line%length))
-            status = 0
-            exit each_line
-         else if (.not. is_iostat_eor(status)) then
-            exit each_line
-         end if
-         call append(line%buffer(:line%length))
-      end do each_line
-      call resize(count)
-
-   contains
-
-      subroutine append(text)
-         character(*), intent(in) :: text
-         integer :: first, last
-         character(3), parameter :: byte_order_mark = char(239)//char(187)//char(191)
-
-         if (count == size(lines)) call resize(max(64, 2*count))
-         first = 1
-         last = len(text)
-         if (count == 0 .and. last >= 3) then
-            if (text(1:3) == byte_order_mark) first = 4
-         end if
-         if (last > 0) then
-            if (text(last:last) == achar(13)) last = last - 1
-         end if
+      first = 1
+      do while (first <= len(text))
+         call find_end(text, first, last, next)
          count = count + 1
-         lines(count)%text = text(first:last)
-      end subroutine append
+         first = next
+      end do
+   end function lines_in
 
-      !> Give `lines` another size; the texts are moved, not copied.
-      subroutine resize(n)
-         integer, intent(in) :: n
-         type(line_t), allocatable :: others(:)
-         integer :: i
+   !> Where a line ends and the next begins.
+   pure subroutine find_end(text, first, last, next)
+      character(*), intent(in) :: text
+      integer, intent(in) :: first             !! place where the line begins
+      integer, intent(out) :: last, next       !! of the line without its end; of the next line
 
-         allocate (others(n))
-         do i = 1, count
-            call move_alloc(lines(i)%text, others(i)%text)
-         end do
-         call move_alloc(others, lines)
-      end subroutine resize
-   end subroutine read_unit
-
-   !> The run-time library's message without the file name it repeats.
-   pure function plain(message) result(text)
-      character(*), intent(in) :: message
-      character(:), allocatable :: text
-      integer :: at
-
-      at = index(message, "': ", back=.true.)
-      text = trim(message(merge(at + 3, 1, at > 0):))
-      if (len(text) == 0) text = 'the system gives no reason'
-   end function plain
+      last = first - 1
+      do while (last < len(text))
+         if (text(last + 1:last + 1) == line_feed .or. text(last + 1:last + 1) == carriage_return) exit
+         last = last + 1
+      end do
+      next = last + 2
+      if (last + 2 > len(text)) return
+      if (text(last + 1:last + 2) == carriage_return//line_feed) next = last + 3
+   end subroutine find_end
 end module psalm_source
