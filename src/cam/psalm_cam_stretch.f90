@@ -126,8 +126,10 @@ contains
       middle = scan_steps + 1
       step = scan_degrees
       if (.not. what%turning_input) step = 2.0_wp*max(sum(mover%problem%given%arcl), abs(start))/real(scan_steps, wp)
-      q = [(start + step*real(k, wp), k=-scan_steps, scan_steps)]
-      allocate (f(size(q)), good(size(q)))
+      allocate (q(2*scan_steps + 1), f(2*scan_steps + 1), good(2*scan_steps + 1))
+      do k = 1, size(q)
+         q(k) = start + step*real(k - middle, wp)
+      end do
       sense = 0.0_wp
       call judge(q, f, good)
       if (.not. good(middle)) return

@@ -350,10 +350,10 @@ contains
       type(cycle_t), intent(inout) :: cycle
       real(wp), intent(out) :: after
       integer, intent(out) :: ended
-      real(wp) :: stretch(0:2*machine%steps)
+      real(wp), allocatable :: stretch(:)     ! large: it would fill a small stack
       integer :: steps, last
 
-      stretch = 1.0_wp
+      allocate (stretch(0:2*machine%steps), source=1.0_wp)
       steps = machine%steps/stride
       if (.not. allocated(cycle%speed)) allocate (cycle%speed(0:steps))
       call integrate(machine, machine%turn, stride, stretch, 2.0_wp*pi/real(steps, wp), start, cycle%speed, cycle%period, ended, &

@@ -14,6 +14,8 @@ module psalm_sketch_loops
    private
    public :: make_loops
 
+   integer, parameter :: most_passes = 1000      !! ways by slides that are remembered
+
 contains
 
    !> Choose the loops. `state` is the sketch as assembled.
@@ -45,6 +47,7 @@ contains
          room = size(sketch%joint_name) + 2*size(sketch%links) + 1
          allocate (survey%on(room, size(sketch%links)), source=.false.)
          allocate (survey%known(size(sketch%links)), source=.false.)
+         allocate (survey%pass(3, most_passes), source=0)
          allocate (loops%axis(size(sketch%links)), loops%joint_loop(size(sketch%joint_name)), source=0)
          allocate (loops%point(room), source=(0.0_wp, 0.0_wp))
          allocate (loops%arcs(0))

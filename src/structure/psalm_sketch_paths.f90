@@ -20,7 +20,7 @@ module psalm_sketch_paths
       logical, allocatable :: on(:, :)      !! shape (points, links): the point is fixed in the link
       logical, allocatable :: known(:)      !! by link
       integer :: points = 0
-      integer :: pass(3, 1000) = 0          !! slides that can be passed: from, to, arc
+      integer, allocatable :: pass(:, :)    !! shape (3, room): slides that can be passed: from, to, arc
       integer :: passes = 0
    end type survey_t
 

@@ -33,6 +33,7 @@ module psalm_cam_study
 
    integer, parameter :: way_rise = 1, way_return = 2, way_dwell = 3 !! the follower leaves the cam's centre, comes back, rests
    integer, parameter :: role_cam = 1, role_conjugate = 2, role_outer_wall = 3 !! what of a case a study is of
+   real(wp), parameter :: largest_wheel = 100.0_wp !! radius of a roller or a cutter, in the greatest distance from the cam's axis
    real(wp), parameter :: rounding = 1.0e-9_wp   !! by which a cutter may seem to exceed a hollow
    real(wp), parameter :: fit = 1.0e-9_wp        !! part of the cam's size by which a second roller may seem not to fit
    integer, parameter :: most_of_table = 8000    !! places where a table's derivatives are looked at
@@ -141,6 +142,8 @@ contains
             call check_second(set, prepared, samples, findings)
             if (findings%failed()) return
          end if
+         call judge_wheels(set, k, shape, samples, findings)
+         if (findings%failed()) return
          first = findloc(samples%possible, .false., dim=1)
          if (shape%flat .and. first == 0) then
             ! from slower than the cam to faster there is an angle at which it turns with it
@@ -152,6 +155,34 @@ contains
                                       ' degrees: it touches nowhere', findings)
       end do
    end subroutine check_cam
+
+   !> A roller or a cutter beside which the cam is a point: every place of the profile would have to be held against every other.
+   subroutine judge_wheels(set, cam, shape, samples, findings)
+      type(data_set_t), intent(in) :: set
+      integer, intent(in) :: cam                  !! 1 or 2
+      type(cam_shape_t), intent(in) :: shape
+      type(samples_t), intent(in) :: samples
+      type(diagnostics_t), intent(inout) :: findings
+      real(wp) :: extent
+
+      extent = maxval(abs(samples%points%pitch))
+      call judge('RROLL', shape%roller, 'a roller', 'the roller''s centre')
+      if (findings%failed()) return
+      extent = max(extent, maxval(abs(samples%points%profile)))
+      call judge('RCUT', shape%cutter, 'a cutter', 'the cam')
+
+   contains
+
+      subroutine judge(item, radius, wheel, what)
+         character(*), intent(in) :: item, wheel, what
+         real(wp), intent(in) :: radius
+
+         if (.not. radius > largest_wheel*extent) return
+         call complain(set, cam, item, wheel//' of radius '//trim(adjustl(general(radius)))//', but '//what//' is at most '// &
+                       trim(adjustl(general(extent)))//' from the cam''s axis: give at most '// &
+                       trim(adjustl(general(largest_wheel*extent))), findings)
+      end subroutine judge
+   end subroutine judge_wheels
 
    !> The linkage that carries the second roller closes at every cam angle.
    subroutine check_second(set, prepared, samples, findings)
@@ -179,7 +210,8 @@ contains
       type(diagnostics_t), intent(inout) :: findings
       type(cam_group_t) :: given
       type(law_t) :: law
-      real(wp) :: y(0:highest_law_order), slope(most_of_table), jerk(most_of_table)
+      real(wp) :: y(0:highest_law_order)
+      real(wp), allocatable :: slope(:), jerk(:)
       integer :: k, n
 
       given = cam_of_part(set, part_t(cam=cam))
@@ -187,13 +219,14 @@ contains
       call make_law(given, law)
       if (law%state /= law_made) return
       n = min(most_of_table, 4*size(given%table))
+      allocate (slope(n), jerk(n))
       do k = 1, n
          y = law%evaluate(full_turn*real(k - 1, wp)/real(n, wp), law%piece_at(full_turn*real(k - 1, wp)/real(n, wp)))
          slope(k) = y(1)
          jerk(k) = y(3)
       end do
-      if (changes(jerk(:n)) > coarse_table*max(changes(slope(:n)), 2)) call findings%warning('the third derivative through the '// &
-         'table changes its sign '//to_text(changes(jerk(:n)))//' times, the first '//to_text(changes(slope(:n)))// &
+      if (changes(jerk) > coarse_table*max(changes(slope), 2)) call findings%warning('the third derivative through the '// &
+         'table changes its sign '//to_text(changes(jerk))//' times, the first '//to_text(changes(slope))// &
          ' times: if the numbers are rounded give their tolerance, TABTOL', line=set%origins%line(group_of(cam), 'TABOUT', 1), &
          group=group_of(cam), item='TABOUT')
 
@@ -556,7 +589,7 @@ contains
       type(data_set_t), intent(in) :: set
       type(prepared_t), intent(in) :: prepared
       type(part_t), intent(in) :: part               !! one of `parts_of`
-      type(cam_study_t), intent(out) :: study
+      type(cam_study_t), intent(inout) :: study      !! as it is by default; `out` would put two of them on the stack
       type(diagnostics_t) :: unused
       type(samples_t) :: samples
       logical, allocatable :: possible(:), all_segments(:)

@@ -206,13 +206,19 @@ contains
       type(exact_task_t) :: task
       type(exact_spring_t) :: two(2), before(2)
       type(spot_t) :: spots(2)
-      real(wp), dimension(steps_of_turn) :: p1, p2, c, s, d1, d2, turn, x, y, vx, vy
-      real(wp) :: ends(steps_of_turn, 2, 4), phase, best, pull, least
+      ! large: they would fill a small stack
+      real(wp), dimension(:), allocatable :: p1, p2, c, s, d1, d2, turn, x, y, vx, vy
+      real(wp), allocatable :: ends(:, :, :), inputs(:)
+      real(wp) :: phase, best, pull, least
       integer :: k, e, b, state, pick
 
       allocate (springs(1), study%phases(0))
       allocate (problem, source=given)
-      call problem%set_inputs([(full_turn*real(k, wp)/real(steps_of_turn, wp) - dimensions%crnki, k=0, steps_of_turn - 1)])
+      allocate (ends(steps_of_turn, 2, 4), inputs(steps_of_turn))
+      do k = 1, steps_of_turn
+         inputs(k) = full_turn*real(k - 1, wp)/real(steps_of_turn, wp) - dimensions%crnki
+      end do
+      call problem%set_inputs(inputs)
       call problem%want_derivatives(.true., vertices_of(problem%mechanism))
       call problem%analyse(dimensions, motion)
       call analyse_forces(problem, model, set%speed, set%accel, motion%closed, motion%input, table)
