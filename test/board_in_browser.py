@@ -7,6 +7,7 @@ import glob
 import math
 import os
 import shutil
+import time
 
 from playwright.sync_api import sync_playwright
 
@@ -16,6 +17,7 @@ from picture_tools import DATA, TOP, balm, check, psalm, read, write
 SAME = 1e-12   # part of the size of a drawing
 # three exact lengths along one line hold the joint between only to the root of the rounding across it
 ROUGH = {"chebyshev": 1e-5}
+QUICK = 10     # seconds; much of it is the start of the browser on a busy machine
 BOARD = os.path.join(TOP, "web", "board.html")
 
 
@@ -30,6 +32,9 @@ def test_board(shots):
         test_words(browser)
         test_data_sets(browser, shots)
         test_fingers(browser, shots)
+        test_exact_places(browser)
+        test_names_elsewhere(browser)
+        test_large_files(browser)
         browser.close()
 
 
@@ -179,6 +184,87 @@ def test_four_bar(browser, shots):
     compare("four-bar with an exact length", board, "exact.nml")
     check("four-bar: no complaint", not board.complaints, str(board.complaints))
     board.context.close()
+
+
+def test_exact_places(browser):
+    """What is pinned stays where it was drawn, to the last bit; places that are equal are one joint."""
+    board = Board(browser, BOARD)
+    board.pull((10, 20), (0, 50))
+    board.pull((0, 50), (60, 80))
+    board.pull((60, 80), (110, 20))
+    board.tool("pivot")
+    board.click(10, 20)
+    board.click(110, 20)
+    board.tool("drive")
+    board.click(10, 20)
+    board.tool("select")
+    board.click(5, 35)
+    board.fill("length A B", "31.4159")
+    board.click(30, 65)
+    board.fill("length B C", "70.7")
+    text = board.save("pinned.nml")
+    joints = {j["name"]: (j["x"], j["y"]) for j in board.sketch()["joints"]}
+    check("pinned joints stay to the bit", joints["A"] == (10, 20) and joints["D"] == (110, 20) and "JX=10.0," in text, str(joints))
+    check("the lengths typed in hold", abs(math.dist(joints["A"], joints["B"]) - 31.4159) < 1e-12 and
+          abs(math.dist(joints["B"], joints["C"]) - 70.7) < 1e-12, str(joints))
+    board.fill("length B C", "1000")
+    joints = {j["name"]: (j["x"], j["y"]) for j in board.sketch()["joints"]}
+    check("a length that moves others far leaves them too", joints["A"] == (10, 20) and joints["D"] == (110, 20), str(joints))
+    # beside a joint, but on its place of the grid
+    board = Board(browser, BOARD)
+    board.pull((0, 0), (0, 40))
+    x, y = board.at(0, 40)
+    step = abs(board.at(board.ask("board.view.gridStep()"), 0)[0] - board.at(0, 0)[0])
+    board.page.mouse.move(x + 0.45*step, y)
+    board.page.mouse.down()
+    board.page.mouse.move(*board.at(60, 60))
+    board.page.mouse.up()
+    check("joints at one place are one joint", len(board.sketch()["joints"]) == 3 and len(board.sketch()["links"]) == 3,
+          str(board.sketch()["joints"]))
+    board.context.close()
+
+
+def test_names_elsewhere(browser):
+    """A joint that is renamed is renamed in groups that the board does not edit."""
+    write("renamed.nml", """FOUR-BAR
+ &CHAIN JNT='A','B','C','D','P', JX=0.,0.,60.,100.,20., JY=0.,30.,80.,0.,90., LNAME='frame','crank','rod','rocker',
+  LNK='A D','A B','B C P','C D' &END
+ &DRIVES DRIVE='A' &END
+ &OUTPUTS OUTPUT='point P' &END
+ &METHOD IKIN=30 &END
+ &MASSES NMASS=2, MNAME='crank B','rod P', MASS=1.0,2.0 &END
+ &LOADS NLOAD=1, LNAME='rod P', LFX=5.0 &END
+ &SPRING NSPRNG=1, ANAME='frame A', BNAME='rod P', STIFF=10.0 &END
+""")
+    code, before, errors = psalm("--quiet", "renamed.nml")
+    check("renamed: the file runs", code in (0, 1), errors)
+    board = Board(browser, BOARD)
+    board.ask("board.load(%r, 'renamed.nml')" % read("renamed.nml"))
+    board.ask("board.rename('joint', 'P', 'TIP'); board.rename('link', 'rod', 'plate'); board.rename('joint', 'B', 'Q')")
+    text = board.save("renamed.nml")
+    check("renamed: groups that are kept follow", "MNAME='crank Q','plate TIP'" in text and "LNAME='plate TIP'" in text and
+          "BNAME='plate TIP'" in text, text)
+    code, _, errors = psalm("--quiet", "renamed.nml")
+    check("renamed: psalm runs the file", code in (0, 1), errors)
+    board.context.close()
+
+
+def test_large_files(browser):
+    """Files without measure are read or refused at once."""
+    case = read(os.path.join(DATA, "sketch_four_bar.nml"))
+    body = case[case.index(" &CHAIN"):]
+    for law, text in (("a title of 2 MB", "T" * 2000000 + "\n" + body), ("300 000 &", "TITLE\n" + body + "&" * 300000),
+                      ("300 000 =", "TITLE\n" + body + "=" * 300000), ("3 MB of blanks", "TITLE\n" + " " * 3000000 + body),
+                      ("3 MB of blanks in a group", "TITLE\n" + body.replace("&END", " " * 3000000 + "&END", 1)),
+                      ("a number that is repeated endlessly", "TITLE\n" + body.replace("&END", "XYZ=999999999*1 &END", 1))):
+        write("large.nml", text)
+        balm("--quiet", "--edit", "large.nml")
+        began = time.monotonic()
+        board = Board(browser, "large.edit.html")
+        board.tool("link")
+        took = time.monotonic() - began
+        check("board, %s: opens in seconds" % law, took < QUICK and not board.complaints, "%.1f s %s" % (took, board.complaints))
+        board.context.close()
 
 
 def test_slider_crank(browser):

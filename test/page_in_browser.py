@@ -328,6 +328,17 @@ def test_browser_cases(browser, shots):
         wrong = Page(browser, name + ".html")
         check(name + ": the page shows the errors", "error:" in wrong.page.text_content("#messages") and not wrong.complaints and
               not wrong.page.is_visible("#stage"))
+        wrong.ask("""for (const key of [' ', 'ArrowLeft', 'ArrowRight', 'Home', 'End', '[', ']', '+', '-'])
+            document.dispatchEvent(new KeyboardEvent('keydown', { key, bubbles: true }));
+            for (const part of document.querySelectorAll('button')) part.click();
+            for (const part of document.querySelectorAll('input,select')) {
+              part.dispatchEvent(new Event('input')); part.dispatchEvent(new Event('change'));
+            }
+            for (const part of document.querySelectorAll('canvas')) for (const kind of ['pointerdown', 'pointermove', 'pointerup'])
+              part.dispatchEvent(new PointerEvent(kind, { clientX: 50, clientY: 50 }));
+            for (const way of [-1, 1]) balm.go(way);""")
+        wrong.page.wait_for_timeout(50)
+        check(name + ": keys and controls do no harm", not wrong.complaints, str(wrong.complaints))
         wrong.context.close()
     nasty = Page(browser, "nasty.html")
     check("a nasty title: nothing runs, nothing breaks", not nasty.dialogs and not nasty.complaints and

@@ -76,11 +76,27 @@
     solver.joints(mech, start.pose).forEach(([x, y], j) => Object.assign(state.sketch.joints[j], { x, y }));
   }
 
-  /** Moves joints as little as may be until all exact lengths hold; the frame and `held` joints give way last. */
+  /** Moves joints as little as may be until all exact lengths hold. What is pinned stays, unless lengths between pinned joints ask for
+      more, or the lengths cannot hold otherwise; `held` joints give way last of the others. */
   function relax(sketch, held = []) {
-    const { lengths, joints } = sketch;
+    const { lengths, joints } = sketch, pinned = new Set(sketch.links[0].joints);
     if (!lengths.length) return;
-    const ease = joints.map((j) => sketch.links[0].joints.includes(j.name) ? 1e-6 : held.includes(j.name) ? 1e-2 : 1);
+    const short = ({ joints: names, value }) => {
+      const [a, b] = names.map((name) => joints.find((j) => j.name === name));
+      return Math.abs(Math.hypot(b.x - a.x, b.y - a.y) - value) > 1e-12 * value;
+    };
+    const within = lengths.filter((l) => l.joints.every((name) => pinned.has(name))), wrong = within.filter(short);
+    const rest = lengths.filter((l) => !within.includes(l) || wrong.includes(l)), drawn = joints.map(({ x, y }) => ({ x, y }));
+    for (const [rows, give] of [[rest, new Set(wrong.flatMap((l) => l.joints))], [lengths, pinned]]) {
+      if (meet(joints, rows, joints.map((j) => pinned.has(j.name) ? (give.has(j.name) ? 1e-6 : 0) : held.includes(j.name) ? 1e-2 : 1))) return;
+      if (give !== pinned) joints.forEach((j, i) => Object.assign(j, drawn[i]));
+    }
+  }
+
+  /** Newton's method for exact lengths; a joint moves by its `ease`, not at all with 0. True if they hold. */
+  function meet(joints, lengths, ease) {
+    let worst = Infinity;
+    const largest = Math.max(...lengths.map((l) => l.value));
     for (let round = 0; round < 60; round++) {
       const rows = [], right = [];
       for (const { joints: [a, b], value } of lengths) {
@@ -89,12 +105,13 @@
         rows.push({ i, k, u: [dx / d, dy / d] });
         right.push(value - d);
       }
-      if (Math.max(...right.map(Math.abs)) < 1e-13 * Math.max(...lengths.map((l) => l.value))) return;
+      worst = Math.max(0, ...right.map(Math.abs));
+      if (!(worst >= 1e-13 * largest)) return !Number.isNaN(worst);
       const dot = (p, q) => p.u[0] * q.u[0] + p.u[1] * q.u[1];
       const gram = rows.map((p) => rows.map((q) => dot(p, q) * ((p.i === q.i) * ease[p.i] + (p.k === q.k) * ease[p.k] -
         (p.i === q.k) * ease[p.i] - (p.k === q.i) * ease[p.k])));
       const { x } = solver.eliminate(gram, right);
-      if (!x) return;
+      if (!x) return false;
       rows.forEach((row, n) => {
         joints[row.i].x -= ease[row.i] * x[n] * row.u[0];
         joints[row.i].y -= ease[row.i] * x[n] * row.u[1];
@@ -102,6 +119,7 @@
         joints[row.k].y += ease[row.k] * x[n] * row.u[1];
       });
     }
+    return worst < 1e-9 * largest;      // what rounding leaves, or three lengths along one line
   }
 
   /** Another name for a joint, link or slide, wherever it is used. */
@@ -110,6 +128,10 @@
     if (!/^[^\s,'"]{1,31}$/.test(to) || (kind === 'link' ? sketch.links.some((l) => l.name === to) : all.includes(to))) return false;
     edit((s) => {
       const swap = (name) => name === from ? to : name;
+      // what the board does not edit names joints and links too
+      const one = { kind, from, to, joints: s.joints.map((joint) => joint.name) };
+      s.renamed = [...(s.renamed || []), one];
+      for (const name of Object.keys(s.keep)) s.keep[name] = s.keep[name].map((text) => notation.renameIn(/^\w+/.exec(text)[0].toUpperCase(), text, one));
       if (kind === 'link') {
         linkOf(from).name = to;
         for (const slide of s.slides) slide.links = slide.links.map(swap);

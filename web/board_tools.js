@@ -143,7 +143,16 @@ board.tools = (() => {
     const box = view.canvas.getBoundingClientRect(), x = event.clientX - box.left, y = event.clientY - box.top;
     const hit = view.under(x, y, event.pointerType === 'touch', without), at = board.places();
     const place = hit && hit.joint ? at.get(hit.joint) : hit && hit.link && board.state.tool !== 'select' ? onLink(hit.link, view.world(x, y)) : event.altKey ? view.world(x, y) : view.snap(view.world(x, y));
-    return { x, y, hit, place, touch: event.pointerType === 'touch' };
+    const there = jointAtPlace(place, without, at);
+    return { x, y, hit: there && !(hit && hit.joint) ? { joint: there } : hit, place, touch: event.pointerType === 'touch' };
+  }
+
+  /** The joint that is where a link ends or a joint is dropped: on the grid it may be farther from the pointer than a hit. */
+  function jointAtPlace([x, y], without, at) {
+    if (board.state.tool !== 'link' && !without) return '';
+    const near = 1e-9 * (1 + Math.abs(x) + Math.abs(y));
+    for (const [name, p] of at) if (name !== without && Math.hypot(p[0] - x, p[1] - y) <= near) return name;
+    return '';
   }
 
   /** The place on a link's bars nearest to a point, in twentieths of the bar. */

@@ -56,11 +56,13 @@ balm.controls = (() => {
   }
 
   function step(way) {
+    if (!shown().sound) return;
     setPlaying(false);
     go(Math.round(balm.state.t + way));
   }
 
   function prescribed(way) {
+    if (!shown().sound) return;
     setPlaying(false);
     go(prescribedNext(shown(), balm.state.t, way));
   }
@@ -133,6 +135,7 @@ balm.controls = (() => {
   }
 
   function hover(event) {
+    if (!shown().sound) return;
     const c = shown(), { state, drawing, messages } = balm, box = drawing.canvas.getBoundingClientRect();
     const x = event.clientX - box.left, y = event.clientY - box.top, found = drawing.nearest(c, x, y);
     messages.tip(found ? messages.describe(c, found, state.t) : '', x, y, box);
@@ -154,6 +157,7 @@ balm.controls = (() => {
   const beforeTurn = (t) => balm.curves.to >= 360 ? Math.min(t, balm.curves.to - BEFORE_TURN) : t;
 
   function point(event) {
+    if (!shown().sound) return;
     const { curves } = balm, t = curves.placeAt(event.clientX - curves.canvas.getBoundingClientRect().left);
     setPlaying(false);
     go(shown().ring ? beforeTurn(t) : t);

@@ -11,7 +11,9 @@ globalThis.board = globalThis.board || {};
 
 board.text = (() => {
   const WIDTH = 108;             // columns of a line that is written
+  const MOST_VALUES = 1e6;       // of an item
   const KINDS = ['point', 'x', 'y', 'angle', 'distance', 'slide', 'between', 'pose', 'ratio'];
+  const NAMING = /^(?!ONAME)\w*NAME$|JNT$|^VARY$/;      // items that name joints or links
   const OWN = {                  // items that a sketch has places for; others are kept
     CHAIN: ['JNT', 'JX', 'JY', 'LNAME', 'LNK', 'NSLIDE', 'SNAME', 'SLNK', 'SLNK2', 'SLX', 'SLY', 'SLANG', 'GEARA', 'GEARB', 'GCARR',
       'GTA', 'GTB', 'LENP', 'LENV', 'KOVER'],
@@ -34,20 +36,28 @@ board.text = (() => {
   function split(text) {
     const lines = text.split('\n'), starts = [];
     lines.reduce((at, line) => { starts.push(at); return at + line.length + 1; }, 0);
-    const plain = (line) => line.trim() && !line.trim().startsWith('!');
+    const plain = (line) => /^\s*[^\s!]/.test(line);
     const first = lines.findIndex(plain);
     if (first < 0) throw new Mistake('there is no title');
     const groups = [];
     let at = starts[first] + lines[first].length, end = text.length;
-    const lineOf = (place) => text.slice(0, place).split('\n').length;
+    // places are asked for in their order: one way through the lines does for all
+    let known = 0;
+    const lineOf = (place) => {
+      if (place < starts[known]) known = 0;
+      while (known + 1 < starts.length && starts[known + 1] <= place) known++;
+      return known + 1;
+    };
     while (at < text.length) {
-      const rest = /^(?:\s|![^\n]*(?:\n|$))*/.exec(text.slice(at))[0].length;
-      if (at + rest >= text.length) break;
-      if (!/[&$]/.test(text[at + rest])) { end = text.lastIndexOf('\n', at + rest) + 1; break; }
-      const name = /^[&$]\s*(\w+)/.exec(text.slice(at + rest));
-      if (!name) throw new Mistake('a group has no name', lineOf(at + rest));
-      const group = { name: name[1].toUpperCase(), start: at + rest, line: lineOf(at + rest), items: [] };
-      at = readItems(text, at + rest + name[0].length, group, lineOf);
+      const from = afterBlanks(text, at);
+      if (from >= text.length) break;
+      if (!/[&$]/.test(text[from])) { end = text.lastIndexOf('\n', from) + 1; break; }
+      const head = /[&$]\s*(\w+)/y;
+      head.lastIndex = from;
+      const name = head.exec(text);
+      if (!name) throw new Mistake('a group has no name', lineOf(from));
+      const group = { name: name[1].toUpperCase(), start: from, line: lineOf(from), items: [] };
+      at = readItems(text, from + name[0].length, group, lineOf);
       group.end = at;
       groups.push(group);
     }
@@ -55,9 +65,20 @@ board.text = (() => {
       groups, end };
   }
 
+  /** The place after blanks, line ends and comments. */
+  function afterBlanks(text, at) {
+    const part = /\s+|![^\n]*/y;
+    for (;;) {
+      part.lastIndex = at;
+      const found = part.exec(text);
+      if (!found) return at;
+      at += found[0].length;
+    }
+  }
+
   /** Items and values of a group up to its end; returns the place after it. */
   function readItems(text, at, group, lineOf) {
-    const token = /\s+|![^\n]*|&END\b|\$END\b|\/|'(?:[^']|'')*'|"(?:[^"]|"")*"|,|(\w+)\s*(\([^)]*\))?\s*=|([^\s,'"!&$/=]+)/giy;
+    const token = /\s+|![^\n]*|&END\b|\$END\b|\/|'[^']*(?:''[^']*)*'|"[^"]*(?:""[^"]*)*"|,|(\w+)\s*(?:(\([^)]{0,99}\))\s*)?=|([^\s,'"!&$/=]+)/giy;
     let item = null, empty = true;
     for (;;) {
       token.lastIndex = at;
@@ -84,6 +105,7 @@ board.text = (() => {
       if (/^['"]/.test(word)) item.values.push(word.slice(1, -1).split(word[0] + word[0]).join(word[0]));
       else {
         const many = /^(\d+)\*(.*)$/.exec(word);
+        if (many && item.values.length + Number(many[1]) > MOST_VALUES) throw new Mistake('&' + group.name + ' ' + item.name + ': more than ' + MOST_VALUES + ' values', lineOf(at));
         for (let i = many ? Number(many[1]) : 1; i > 0; i--) item.values.push(many ? many[2] : word);
       }
     }
@@ -261,6 +283,15 @@ board.text = (() => {
     return items;
   }
 
+  /** An item as text in which a joint or a link has another name; `letters` are the joints' names, which run together if all are one
+      letter. Items that name neither stay as they are. */
+  function renameIn(item, text, { kind, from, to, joints }) {
+    if (!NAMING.test(item)) return text;
+    const word = (one) => one === from ? to : kind === 'joint' && !joints.includes(one) && from.length === 1 && one.includes(from) &&
+      [...one].every((letter) => joints.includes(letter)) ? [...one].map((letter) => letter === from ? to : letter).join(to.length > 1 ? ' ' : '') : one;
+    return text.replace(/'([^']*)'/g, (_, words) => "'" + words.split(/([\s-]+)/).map(word).join('') + "'");
+  }
+
   /** The data set of a sketch. Of `source`, the text it was read from, everything stays as it was written that has not changed. */
   function write(sketch, source = '') {
     const now = groups(sketch);
@@ -273,6 +304,7 @@ board.text = (() => {
       let part = source.slice(at, one.end);
       if (changed && now[one.name]) part = source.slice(at, one.start).replace(/[ \t]+$/, '') + now[one.name];
       else if (changed) part = '';
+      else if (!(one.name in now)) part = renamed(source, at, one, sketch.renamed || []);
       text += part;
       if (one.name === 'CHAIN') for (const name of missing) text += '\n' + now[name];
       at = one.end;
@@ -280,5 +312,15 @@ board.text = (() => {
     return text + source.slice(at);
   }
 
-  return { Mistake, parse, write, groups, number, jointsIn };
+  /** A group that the board does not edit, with what stands before it, and with the names that joints and links have now. */
+  function renamed(source, at, group, renames) {
+    let text = '';
+    for (const item of group.items) {
+      text += source.slice(at, item.from) + renames.reduce((part, one) => renameIn(item.name, part, one), source.slice(item.from, item.to));
+      at = item.to;
+    }
+    return text + source.slice(at, group.end);
+  }
+
+  return { Mistake, parse, write, renameIn, groups, number, jointsIn };
 })();

@@ -610,7 +610,9 @@ module psalm_board_text
    ''//nl// &
    'board.text = (() => {'//nl// &
    '  const WIDTH = 108;             // columns of a line that is written'//nl// &
+   '  const MOST_VALUES = 1e6;       // of an item'//nl// &
    "  const KINDS = ['point', 'x', 'y', 'angle', 'distance', 'slide', 'between', 'pose', 'ratio'];"//nl// &
+   '  const NAMING = /^(?!ONAME)\w*NAME$|JNT$|^VARY$/;      // items that name joints or links'//nl// &
    '  const OWN = {                  // items that a sketch has places for; others are kept'//nl// &
    "    CHAIN: ['JNT', 'JX', 'JY', 'LNAME', 'LNK', 'NSLIDE', 'SNAME', 'SLNK', 'SLNK2', 'SLX', 'SLY', 'SLANG', 'GEARA', 'GEA"// &
    "RB', 'GCARR',"//nl// &
@@ -635,20 +637,28 @@ module psalm_board_text
    '  function split(text) {'//nl// &
    "    const lines = text.split('\n'), starts = [];"//nl// &
    '    lines.reduce((at, line) => { starts.push(at); return at + line.length + 1; }, 0);'//nl// &
-   "    const plain = (line) => line.trim() && !line.trim().startsWith('!');"//nl// &
+   '    const plain = (line) => /^\s*[^\s!]/.test(line);'//nl// &
    '    const first = lines.findIndex(plain);'//nl// &
    "    if (first < 0) throw new Mistake('there is no title');"//nl// &
    '    const groups = [];'//nl// &
    '    let at = starts[first] + lines[first].length, end = text.length;'//nl// &
-   "    const lineOf = (place) => text.slice(0, place).split('\n').length;"//nl// &
+   '    // places are asked for in their order: one way through the lines does for all'//nl// &
+   '    let known = 0;'//nl// &
+   '    const lineOf = (place) => {'//nl// &
+   '      if (place < starts[known]) known = 0;'//nl// &
+   '      while (known + 1 < starts.length && starts[known + 1] <= place) known++;'//nl// &
+   '      return known + 1;'//nl// &
+   '    };'//nl// &
    '    while (at < text.length) {'//nl// &
-   '      const rest = /^(?:\s|![^\n]*(?:\n|$))*/.exec(text.slice(at))[0].length;'//nl// &
-   '      if (at + rest >= text.length) break;'//nl// &
-   "      if (!/[&$]/.test(text[at + rest])) { end = text.lastIndexOf('\n', at + rest) + 1; break; }"//nl// &
-   '      const name = /^[&$]\s*(\w+)/.exec(text.slice(at + rest));'//nl// &
-   "      if (!name) throw new Mistake('a group has no name', lineOf(at + rest));"//nl// &
-   '      const group = { name: name[1].toUpperCase(), start: at + rest, line: lineOf(at + rest), items: [] };'//nl// &
-   '      at = readItems(text, at + rest + name[0].length, group, lineOf);'//nl// &
+   '      const from = afterBlanks(text, at);'//nl// &
+   '      if (from >= text.length) break;'//nl// &
+   "      if (!/[&$]/.test(text[from])) { end = text.lastIndexOf('\n', from) + 1; break; }"//nl// &
+   '      const head = /[&$]\s*(\w+)/y;'//nl// &
+   '      head.lastIndex = from;'//nl// &
+   '      const name = head.exec(text);'//nl// &
+   "      if (!name) throw new Mistake('a group has no name', lineOf(from));"//nl// &
+   '      const group = { name: name[1].toUpperCase(), start: from, line: lineOf(from), items: [] };'//nl// &
+   '      at = readItems(text, from + name[0].length, group, lineOf);'//nl// &
    '      group.end = at;'//nl// &
    '      groups.push(group);'//nl// &
    '    }'//nl// &
@@ -657,10 +667,21 @@ module psalm_board_text
    '      groups, end };'//nl// &
    '  }'//nl// &
    ''//nl// &
+   '  /** The place after blanks, line ends and comments. */'//nl// &
+   '  function afterBlanks(text, at) {'//nl// &
+   '    const part = /\s+|![^\n]*/y;'//nl// &
+   '    for (;;) {'//nl// &
+   '      part.lastIndex = at;'//nl// &
+   '      const found = part.exec(text);'//nl// &
+   '      if (!found) return at;'//nl// &
+   '      at += found[0].length;'//nl// &
+   '    }'//nl// &
+   '  }'//nl// &
+   ''//nl// &
    '  /** Items and values of a group up to its end; returns the place after it. */'//nl// &
    '  function readItems(text, at, group, lineOf) {'//nl// &
-   '    const token = /\s+|![^\n]*|&END\b|\$END\b|\/|''(?:[^'']|'''')*''|"(?:[^"]|"")*"|,|(\w+)\s*(\([^)]*\))?\s*=|([^\s,'''// &
-   '"!&$/=]+)/giy;'//nl// &
+   '    const token = /\s+|![^\n]*|&END\b|\$END\b|\/|''[^'']*(?:''''[^'']*)*''|"[^"]*(?:""[^"]*)*"|,|(\w+)\s*(?:(\([^)]{0,9'// &
+   '9}\))\s*)?=|([^\s,''"!&$/=]+)/giy;'//nl// &
    '    let item = null, empty = true;'//nl// &
    '    for (;;) {'//nl// &
    '      token.lastIndex = at;'//nl// &
@@ -683,13 +704,17 @@ module psalm_board_text
    '      item.to = at;'//nl// &
    "      if (word === ',') {"//nl// &
    "        if (empty) item.values.push('');"//nl// &
-   '        empty = true;'//nl// &
+   '        empty = true;'//nl
+
+   character(*), parameter :: part_7 = &
    '        continue;'//nl// &
    '      }'//nl// &
    '      empty = false;'//nl// &
    '      if (/^[''"]/.test(word)) item.values.push(word.slice(1, -1).split(word[0] + word[0]).join(word[0]));'//nl// &
    '      else {'//nl// &
    '        const many = /^(\d+)\*(.*)$/.exec(word);'//nl// &
+   "        if (many && item.values.length + Number(many[1]) > MOST_VALUES) throw new Mistake('&' + group.name + ' ' + item"// &
+   ".name + ': more than ' + MOST_VALUES + ' values', lineOf(at));"//nl// &
    '        for (let i = many ? Number(many[1]) : 1; i > 0; i--) item.values.push(many ? many[2] : word);'//nl// &
    '      }'//nl// &
    '    }'//nl// &
@@ -705,9 +730,7 @@ module psalm_board_text
    "        throw new Mistake('&' + group.name + ' ' + name + "": a number is expected; found '"" + value + ""'"", find(nam"// &
    "e).line);"//nl// &
    '      return number;'//nl// &
-   '    });'//nl
-
-   character(*), parameter :: part_7 = &
+   '    });'//nl// &
    '    return { texts, numbers, line: (name) => (find(name) || group || {}).line };'//nl// &
    '  }'//nl// &
    ''//nl// &
@@ -791,7 +814,9 @@ module psalm_board_text
    "    sketch.outputs = texts('OUTPUT').map((text, i) => {"//nl// &
    '      const words = text.trim().split(/\s+/), kind = words[0].toLowerCase();'//nl// &
    '      if (!KINDS.includes(kind)) throw new Mistake("&OUTPUTS OUTPUT: ''" + words[0] + "'' is no output", line(''OUTPUT'// &
-   '''));'//nl// &
+   '''));'//nl
+
+   character(*), parameter :: part_8 = &
    "      return { kind, of: words.slice(1), name: texts('ONAME')[i] || '' };"//nl// &
    '    });'//nl// &
    '  }'//nl// &
@@ -814,9 +839,7 @@ module psalm_board_text
    '  }'//nl// &
    ''//nl// &
    '  const quoted = (text) => "''" + text.split("''").join("''''") + "''";'//nl// &
-   ''//nl
-
-   character(*), parameter :: part_8 = &
+   ''//nl// &
    '  /** A group as text: items are [name, values as text]; long ones go on in further lines. */'//nl// &
    '  function group(name, items) {'//nl// &
    '    const lines = [];'//nl// &
@@ -888,6 +911,18 @@ module psalm_board_text
    '    return items;'//nl// &
    '  }'//nl// &
    ''//nl// &
+   "  /** An item as text in which a joint or a link has another name; `letters` are the joints' names, which run together "// &
+   "if all are one"//nl// &
+   '      letter. Items that name neither stay as they are. */'//nl// &
+   '  function renameIn(item, text, { kind, from, to, joints }) {'//nl// &
+   '    if (!NAMING.test(item)) return text;'//nl// &
+   "    const word = (one) => one === from ? to : kind === 'joint' && !joints.includes(one) && from.length === 1 && one.inc"// &
+   "ludes(from) &&"//nl// &
+   "      [...one].every((letter) => joints.includes(letter)) ? [...one].map((letter) => letter === from ? to : letter).joi"// &
+   "n(to.length > 1 ? ' ' : '') : one;"//nl// &
+   "    return text.replace(/'([^']*)'/g, (_, words) => ""'"" + words.split(/([\s-]+)/).map(word).join('') + ""'"");"//nl// &
+   '  }'//nl// &
+   ''//nl// &
    '  /** The data set of a sketch. Of `source`, the text it was read from, everything stays as it was written that has not'// &
    ' changed. */'//nl// &
    "  function write(sketch, source = '') {"//nl// &
@@ -896,12 +931,15 @@ module psalm_board_text
    "END\n';"//nl// &
    '    const whole = split(source), before = groups(parse(source));'//nl// &
    '    let text = source.slice(0, whole.titleStart) + sketch.title, at = whole.titleEnd;'//nl// &
-   '    const missing = Object.keys(now).filter((name) => now[name] && !whole.groups.some((one) => one.name === name));'//nl// &
+   '    const missing = Object.keys(now).filter((name) => now[name] && !whole.groups.some((one) => one.name === name));'//nl
+
+   character(*), parameter :: part_9 = &
    '    for (const one of whole.groups) {'//nl// &
    '      const changed = one.name in now && now[one.name] !== before[one.name];'//nl// &
    '      let part = source.slice(at, one.end);'//nl// &
    "      if (changed && now[one.name]) part = source.slice(at, one.start).replace(/[ \t]+$/, '') + now[one.name];"//nl// &
    "      else if (changed) part = '';"//nl// &
+   '      else if (!(one.name in now)) part = renamed(source, at, one, sketch.renamed || []);'//nl// &
    '      text += part;'//nl// &
    "      if (one.name === 'CHAIN') for (const name of missing) text += '\n' + now[name];"//nl// &
    '      at = one.end;'//nl// &
@@ -909,7 +947,19 @@ module psalm_board_text
    '    return text + source.slice(at);'//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  return { Mistake, parse, write, groups, number, jointsIn };'//nl// &
+   '  /** A group that the board does not edit, with what stands before it, and with the names that joints and links have n'// &
+   'ow. */'//nl// &
+   '  function renamed(source, at, group, renames) {'//nl// &
+   "    let text = '';"//nl// &
+   '    for (const item of group.items) {'//nl// &
+   '      text += source.slice(at, item.from) + renames.reduce((part, one) => renameIn(item.name, part, one), source.slice('// &
+   'item.from, item.to));'//nl// &
+   '      at = item.to;'//nl// &
+   '    }'//nl// &
+   '    return text + source.slice(at, group.end);'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  return { Mistake, parse, write, renameIn, groups, number, jointsIn };'//nl// &
    '})();'//nl// &
    '</script>'//nl// &
    '<script>'//nl// &
@@ -930,9 +980,7 @@ module psalm_board_text
    "  const FARTHEST = 0.3;          // of the drawing's size: a longer prediction is halved too"//nl// &
    '  const EASY = 0.01;             // below it the next step is doubled'//nl// &
    '  const LEAST_STEP = 1e-7;       // of the way'//nl// &
-   '  const RANK_LOST = 1e-11;       // least pivot against the largest'//nl
-
-   character(*), parameter :: part_9 = &
+   '  const RANK_LOST = 1e-11;       // least pivot against the largest'//nl// &
    '  const RADIAN = Math.PI / 180;'//nl// &
    ''//nl// &
    '  // ---- linear algebra ----------------------------------------------------------------------------------------------'// &
@@ -993,7 +1041,9 @@ module psalm_board_text
    '      const rows = [], right = [];'//nl// &
    '      for (const { joints: [a, b], value } of held) {'//nl// &
    '        const dx = at.get(b)[0] - at.get(a)[0], dy = at.get(b)[1] - at.get(a)[1], d = Math.hypot(dx, dy);'//nl// &
-   '        const row = new Array(2 * names.length).fill(0), i = 2 * names.indexOf(a), k = 2 * names.indexOf(b);'//nl// &
+   '        const row = new Array(2 * names.length).fill(0), i = 2 * names.indexOf(a), k = 2 * names.indexOf(b);'//nl
+
+   character(*), parameter :: part_10 = &
    '        [row[i], row[i + 1], row[k], row[k + 1]] = [-dx / d, -dy / d, dx / d, dy / d];'//nl// &
    '        rows.push(row);'//nl// &
    '        right.push(value - d);'//nl// &
@@ -1039,9 +1089,7 @@ module psalm_board_text
    '] };'//nl// &
    '    });'//nl// &
    '    const rows = [];'//nl// &
-   "    of.forEach((links, j) => links.slice(1).forEach((b) => rows.push({ kind: 'pin', a: links[0], b, j })));"//nl
-
-   character(*), parameter :: part_10 = &
+   "    of.forEach((links, j) => links.slice(1).forEach((b) => rows.push({ kind: 'pin', a: links[0], b, j })));"//nl// &
    "    slides.forEach((s, i) => rows.push({ kind: 'same', a: s.a, b: s.b, i }, { kind: 'line', a: s.a, b: s.b, i }));"//nl// &
    "    sketch.gears.forEach((g, i) => rows.push({ kind: 'gear', a: index.get(g.wheels[0]), b: index.get(g.wheels[1]),"//nl// &
    '      c: index.get(g.carrier), ratio: -g.teeth[0] / g.teeth[1], i }));'//nl// &
@@ -1102,7 +1150,9 @@ module psalm_board_text
    '      const { a, b } = row;'//nl// &
    "      if (row.kind === 'pin') {"//nl// &
    '        const p = place(mech, pose, a, mech.point[a].get(row.j)), q = place(mech, pose, b, mech.point[b].get(row.j));'//nl// &
-   '        add(q[0] - p[0], [[b, 1, 0, q[2]], [a, -1, 0, -p[2]]]);'//nl// &
+   '        add(q[0] - p[0], [[b, 1, 0, q[2]], [a, -1, 0, -p[2]]]);'//nl
+
+   character(*), parameter :: part_11 = &
    '        add(q[1] - p[1], [[b, 0, 1, q[3]], [a, 0, -1, -p[3]]]);'//nl// &
    "      } else if (row.kind === 'same') {"//nl// &
    '        add(size * (pose[3 * b + 2] - pose[3 * a + 2]), [[b, 0, 0, size], [a, 0, 0, -size]]);'//nl// &
@@ -1147,9 +1197,7 @@ module psalm_board_text
    '      if (!step.x || step.x.some((v) => !isFinite(v))) return { closed: false };'//nl// &
    '      ({ sign, full } = step);'//nl// &
    '      const length = Math.max(0, ...step.x.map(Math.abs));'//nl// &
-   '      if (round === 1) first = length;'//nl
-
-   character(*), parameter :: part_11 = &
+   '      if (round === 1) first = length;'//nl// &
    '      if (length > 10 * mech.size) return { closed: false };'//nl// &
    '      for (let i = 0; i < n; i++) pose[i + 3] += i % 3 === 2 ? step.x[i] / mech.size : step.x[i];'//nl// &
    '      if (length <= 4e-16 * mech.size || (round > 3 && length >= 0.5 * before && length < 1e-9 * mech.size)) break;'//nl// &
@@ -1211,7 +1259,9 @@ module psalm_board_text
    ''//nl// &
    '  // ---- positions ---------------------------------------------------------------------------------------------------'// &
    '-'//nl// &
-   ''//nl// &
+   ''//nl
+
+   character(*), parameter :: part_12 = &
    '  /** Inputs (radians or lengths) of all drives where the first free one has a value in its own unit; `k`: position. */'//nl// &
    '  function inputsAt(sketch, first, k = -1) {'//nl// &
    '    return sketch.drives.map((drive, i) => {'//nl// &
@@ -1254,9 +1304,7 @@ module psalm_board_text
    '      let best = known[0];'//nl// &
    '      for (const one of known) if (away(one.inputs, inputs) < away(best.inputs, inputs)) best = one;'//nl// &
    '      const state = advance(mech, best, inputs);'//nl// &
-   '      if (state) known.push(state);'//nl
-
-   character(*), parameter :: part_12 = &
+   '      if (state) known.push(state);'//nl// &
    '      return state;'//nl// &
    '    });'//nl// &
    '  }'//nl// &
@@ -1322,7 +1370,9 @@ module psalm_board_text
    '        if (f) for (let j = 0; j < n; j++) v[j] -= f * w[j];'//nl// &
    '      }'//nl// &
    '      let column = 0;'//nl// &
-   '      for (let j = 1; j < n; j++) if (Math.abs(v[j]) > Math.abs(v[column])) column = j;'//nl// &
+   '      for (let j = 1; j < n; j++) if (Math.abs(v[j]) > Math.abs(v[column])) column = j;'//nl
+
+   character(*), parameter :: part_13 = &
    '      if (n && Math.abs(v[column]) > 1e-9 * scale) basis.push({ column, w: v }); else twice.push(tags[k]);'//nl// &
    '    });'//nl// &
    '    const left = n - basis.length;'//nl// &
@@ -1373,9 +1423,7 @@ module psalm_board_text
    ")));"//nl// &
    '    for (let grown = true; grown;) {'//nl// &
    '      grown = false;'//nl// &
-   '      sketch.links.forEach((link, i) => {'//nl
-
-   character(*), parameter :: part_13 = &
+   '      sketch.links.forEach((link, i) => {'//nl// &
    '        if (reached.has(i) || ![...reached].some((k) => touch[i](sketch.links[k]) || touch[k](link))) return;'//nl// &
    '        reached.add(i);'//nl// &
    '        grown = true;'//nl// &
@@ -1444,7 +1492,9 @@ module psalm_board_text
    '    const dpr = window.devicePixelRatio || 1, css = getComputedStyle(document.documentElement);'//nl// &
    "    for (const name of COLOURS) pens[name] = css.getPropertyValue('--' + name).trim();"//nl// &
    '    [w, h] = [Math.max(1, canvas.clientWidth), Math.max(1, canvas.clientHeight)];'//nl// &
-   '    canvas.width = Math.round(w * dpr);'//nl// &
+   '    canvas.width = Math.round(w * dpr);'//nl
+
+   character(*), parameter :: part_14 = &
    '    canvas.height = Math.round(h * dpr);'//nl// &
    '    g.setTransform(dpr, 0, 0, dpr, 0, 0);'//nl// &
    '  }'//nl// &
@@ -1488,9 +1538,7 @@ module psalm_board_text
    '    const digits = Math.max(0, 2 - Math.floor(Math.log10(step)));'//nl// &
    '    return [x, y].map((v) => { const r = Number((Math.round(v / step) * step).toFixed(Math.min(20, digits))); return r '// &
    '=== 0 ? 0 : r; });'//nl// &
-   '  }'//nl
-
-   character(*), parameter :: part_14 = &
+   '  }'//nl// &
    ''//nl// &
    '  // ---- picture -----------------------------------------------------------------------------------------------------'// &
    '-'//nl// &
@@ -1555,7 +1603,9 @@ module psalm_board_text
    "    const wanted = new Set(sketch.outputs.filter((o) => ['point', 'pose', 'x', 'y'].includes(o.kind)).map((o) => o.of[0"// &
    "]));"//nl// &
    '    sketch.joints.forEach((joint, j) => {'//nl// &
-   '      if (board.inFrame(joint.name)) return;'//nl// &
+   '      if (board.inFrame(joint.name)) return;'//nl
+
+   character(*), parameter :: part_15 = &
    '      const strong = wanted.has(joint.name);'//nl// &
    '      g.strokeStyle = strong ? pens.actual : pens.ghost;'//nl// &
    '      g.globalAlpha = strong ? 1 : 0.55;'//nl// &
@@ -1597,9 +1647,7 @@ module psalm_board_text
    '    trace(round);'//nl// &
    '    g.stroke();'//nl// &
    '    if (round.length > 2) g.fill();'//nl// &
-   '    g.globalAlpha = 1;'//nl
-
-   character(*), parameter :: part_15 = &
+   '    g.globalAlpha = 1;'//nl// &
    '    g.lineWidth = 2.4;'//nl// &
    '    trace(round);'//nl// &
    '    g.stroke();'//nl// &
@@ -1659,7 +1707,9 @@ module psalm_board_text
    '    g.rect(-15, -9.5, 30, 19);'//nl// &
    '    g.fill();'//nl// &
    '    g.stroke();'//nl// &
-   '    if (driven) {'//nl// &
+   '    if (driven) {'//nl
+
+   character(*), parameter :: part_16 = &
    '      g.strokeStyle = pens.good;'//nl// &
    '      g.lineWidth = 2.4;'//nl// &
    '      line(-24, -17, 24, -17);'//nl// &
@@ -1703,9 +1753,7 @@ module psalm_board_text
    '    const { selection, hover, wrong } = board.state, chosen = selection && selection.joint === joint.name;'//nl// &
    '    if (board.inFrame(joint.name)) {'//nl// &
    '      g.strokeStyle = pens.ink;'//nl// &
-   '      g.fillStyle = pens.paper;'//nl
-
-   character(*), parameter :: part_16 = &
+   '      g.fillStyle = pens.paper;'//nl// &
    '      g.lineWidth = 1.8;'//nl// &
    '      g.beginPath();'//nl// &
    '      g.moveTo(x, y);'//nl// &
@@ -1763,7 +1811,9 @@ module psalm_board_text
    '      for (let i = 0; i < 10; i++) {'//nl// &
    '        const a = -Math.PI / 2 + i * Math.PI / 5, d = i % 2 ? 4 : 10;'//nl// &
    '        g.lineTo(x + d * Math.cos(a), y + d * Math.sin(a));'//nl// &
-   '      }'//nl// &
+   '      }'//nl
+
+   character(*), parameter :: part_17 = &
    '      g.fill();'//nl// &
    '    }'//nl// &
    '  }'//nl// &
@@ -1806,9 +1856,7 @@ module psalm_board_text
    '    line(x1, y1, x2, y2);'//nl// &
    '    g.setLineDash([]);'//nl// &
    '    for (const [x, y] of [[x1, y1], [x2, y2]]) {'//nl// &
-   '      g.beginPath();'//nl
-
-   character(*), parameter :: part_17 = &
+   '      g.beginPath();'//nl// &
    '      g.arc(x, y, 6, 0, ROUND);'//nl// &
    '      g.stroke();'//nl// &
    '    }'//nl// &
@@ -1873,7 +1921,9 @@ module psalm_board_text
    "'use strict';"//nl// &
    ''//nl// &
    'board.panel = (() => {'//nl// &
-   '  const $ = (id) => document.getElementById(id);'//nl// &
+   '  const $ = (id) => document.getElementById(id);'//nl
+
+   character(*), parameter :: part_18 = &
    "  const KIND = { turn: 'crank at ', slide: 'slide ', cylinder: 'cylinder ' };"//nl// &
    '  let showText = false;'//nl// &
    ''//nl// &
@@ -1916,9 +1966,7 @@ module psalm_board_text
    '    let at = 0;'//nl// &
    "    const s = text.replace(/,/g, '.').replace(/\s/g, '');"//nl// &
    '    const sum = () => {'//nl// &
-   '      let v = product();'//nl
-
-   character(*), parameter :: part_18 = &
+   '      let v = product();'//nl// &
    "      while (s[at] === '+' || s[at] === '-') v = s[at++] === '+' ? v + product() : v - product();"//nl// &
    '      return v;'//nl// &
    '    };'//nl// &
@@ -1980,7 +2028,9 @@ module psalm_board_text
    "    chip.className = wrong ? 'wrong' : '';"//nl// &
    '    const n = state.sketch.drives.length;'//nl// &
    "    const text = wrong ? state.messages[0].text : 'Freedom ' + n + ', ' + (n === 1 ? 'one drive' : n + ' drives') + ': "// &
-   "it moves';"//nl// &
+   "it moves';"//nl
+
+   character(*), parameter :: part_19 = &
    '    if (chip.textContent !== text) chip.textContent = text;'//nl// &
    '  }'//nl// &
    ''//nl// &
@@ -2028,9 +2078,7 @@ module psalm_board_text
    "        const [p, q] = [at.get(a), at.get(b)], length = Math.hypot(q[0] - p[0], q[1] - p[1]), label = a + ' ' + b;"//nl// &
    '        const exact = board.state.sketch.lengths.find((l) => l.joints.includes(a) && l.joints.includes(b));'//nl// &
    '        const fix = (value) => edit((sketch) => {'//nl// &
-   '          sketch.lengths = sketch.lengths.filter((l) => !(l.joints.includes(a) && l.joints.includes(b)));'//nl
-
-   character(*), parameter :: part_19 = &
+   '          sketch.lengths = sketch.lengths.filter((l) => !(l.joints.includes(a) && l.joints.includes(b)));'//nl// &
    '          if (value > 0) sketch.lengths.push({ joints: [a, b], value });'//nl// &
    '          board.relax(sketch);'//nl// &
    '        });'//nl// &
@@ -2099,7 +2147,9 @@ module psalm_board_text
    "    const list = (label, values, take) => field(label, values.join(' '), (text) => {"//nl// &
    '      const numbers = text.split(/[\s;]+/).filter(Boolean).map(valueOf);'//nl// &
    '      return numbers.length && numbers.every(isFinite) ? take(numbers) : false;'//nl// &
-   '    });'//nl// &
+   '    });'//nl
+
+   character(*), parameter :: part_20 = &
    "    const parts = [head('Positions'), row('every', numberField('degrees from position to position over a turn; 0: a lis"// &
    "t', sketch.ikin, (value) => {"//nl// &
    '      if (!Number.isInteger(value) || Math.abs(value) > 360) return false;'//nl// &
@@ -2150,9 +2200,7 @@ module psalm_board_text
    '    const links = sketch.links.map((l) => item(l.name, { link: l.name }, s && s.link === l.name));'//nl// &
    '    const slides = sketch.slides.map((l) => item(l.name, { slide: l.name }, s && s.slide === l.name));'//nl// &
    "    const parts = [head('Joints'), make('div', { class: 'list' }, ...joints), head('Links'), make('div', { class: 'list"// &
-   "' }, ...links)];"//nl
-
-   character(*), parameter :: part_20 = &
+   "' }, ...links)];"//nl// &
    "    if (slides.length) parts.push(head('Slides'), make('div', { class: 'list' }, ...slides));"//nl// &
    "    const place = field('new joint at x y', '', (text) => {"//nl// &
    '      const at = text.split(/[\s;]+/).map(valueOf);'//nl// &
@@ -2216,7 +2264,9 @@ module psalm_board_text
    "        'aria-label': 'drive ' + at, 'data-drive': String(k) });"//nl// &
    "      range.addEventListener('input', () => {"//nl// &
    '        board.pause();'//nl// &
-   '        if (several) board.drive(k, Number(range.value)); else board.go(Number(range.value));'//nl// &
+   '        if (several) board.drive(k, Number(range.value)); else board.go(Number(range.value));'//nl
+
+   character(*), parameter :: part_21 = &
    '      });'//nl// &
    "      return [make('label', {}, at, range, value)];"//nl// &
    '    }));'//nl// &
@@ -2262,9 +2312,7 @@ module psalm_board_text
    '</script>'//nl// &
    '<script>'//nl// &
    '// Tools of the drawing board: pointer (mouse, pen, fingers), wheel, keys, buttons.'//nl// &
-   "'use strict';"//nl
-
-   character(*), parameter :: part_21 = &
+   "'use strict';"//nl// &
    ''//nl// &
    'board.tools = (() => {'//nl// &
    '  const { view } = board;'//nl// &
@@ -2330,7 +2378,9 @@ module psalm_board_text
    ''//nl// &
    '  function link(from, to) {'//nl// &
    '    if (from.hit && to.hit && from.hit.joint && from.hit.joint === to.hit.joint) return;'//nl// &
-   '    edit((sketch) => {'//nl// &
+   '    edit((sketch) => {'//nl
+
+   character(*), parameter :: part_22 = &
    '      const a = jointFor(sketch, from), b = jointFor(sketch, to);'//nl// &
    "      if (!sketch.links.slice(1).some((l) => l.joints.includes(a) && l.joints.includes(b))) sketch.links.push({ name: b"// &
    "oard.freeName('link'), joints: [a, b] });"//nl// &
@@ -2375,9 +2425,7 @@ module psalm_board_text
    '  }'//nl// &
    ''//nl// &
    '  /** Positions for drives that have none: a turn of a crank alone, else a few steps. */'//nl// &
-   '  function choosePositions(sketch) {'//nl
-
-   character(*), parameter :: part_22 = &
+   '  function choosePositions(sketch) {'//nl// &
    '    const only = sketch.drives.length === 1, xs = sketch.joints.map((j) => j.x), ys = sketch.joints.map((j) => j.y);'//nl// &
    '    const size = Math.max(Math.max(...xs) - Math.min(...xs), Math.max(...ys) - Math.min(...ys));'//nl// &
    '    const stroke = Number((size / 60).toPrecision(1)), steps = (by) => [0, 1, 2, 3, 4, 5, 6].map((k) => Number((k * by)'// &
@@ -2425,12 +2473,25 @@ module psalm_board_text
    "    const hit = view.under(x, y, event.pointerType === 'touch', without), at = board.places();"//nl// &
    "    const place = hit && hit.joint ? at.get(hit.joint) : hit && hit.link && board.state.tool !== 'select' ? onLink(hit."// &
    "link, view.world(x, y)) : event.altKey ? view.world(x, y) : view.snap(view.world(x, y));"//nl// &
-   "    return { x, y, hit, place, touch: event.pointerType === 'touch' };"//nl// &
+   '    const there = jointAtPlace(place, without, at);'//nl// &
+   "    return { x, y, hit: there && !(hit && hit.joint) ? { joint: there } : hit, place, touch: event.pointerType === 'tou"// &
+   "ch' };"//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  /** The joint that is where a link ends or a joint is dropped: on the grid it may be farther from the pointer than a '// &
+   'hit. */'//nl// &
+   '  function jointAtPlace([x, y], without, at) {'//nl// &
+   "    if (board.state.tool !== 'link' && !without) return '';"//nl// &
+   '    const near = 1e-9 * (1 + Math.abs(x) + Math.abs(y));'//nl// &
+   '    for (const [name, p] of at) if (name !== without && Math.hypot(p[0] - x, p[1] - y) <= near) return name;'//nl// &
+   "    return '';"//nl// &
    '  }'//nl// &
    ''//nl// &
    "  /** The place on a link's bars nearest to a point, in twentieths of the bar. */"//nl// &
    '  function onLink(name, [x, y]) {'//nl// &
-   '    const at = board.places(), round = view.outline(board.linkOf(name).joints.map((joint) => at.get(joint)));'//nl// &
+   '    const at = board.places(), round = view.outline(board.linkOf(name).joints.map((joint) => at.get(joint)));'//nl
+
+   character(*), parameter :: part_23 = &
    '    let best = [x, y], least = Infinity;'//nl// &
    '    round.forEach((a, i) => {'//nl// &
    '      const b = round[(i + 1) % round.length], dx = b[0] - a[0], dy = b[1] - a[1];'//nl// &
@@ -2483,9 +2544,7 @@ module psalm_board_text
    '    if (state.pending) { state.pending.to = target(state.pending, at); state.hover = at.hit; view.draw(); }'//nl// &
    '    if (!press) {'//nl// &
    "      if (event.pointerType !== 'touch') { state.hover = at.hit; view.canvas.style.cursor = cursor(at.hit); view.draw()"// &
-   "; }"//nl
-
-   character(*), parameter :: part_23 = &
+   "; }"//nl// &
    '      return;'//nl// &
    '    }'//nl// &
    '    if (!press.moved && Math.hypot(at.x - press.x, at.y - press.y) < (at.touch ? TOUCH_CLICK : CLICK)) return;'//nl// &
@@ -2539,7 +2598,9 @@ module psalm_board_text
    '+ by[0]); slide.y = tidyNumber(slide.y + by[1]); }'//nl// &
    '        board.relax(sketch, names);'//nl// &
    '      });'//nl// &
-   '    }'//nl// &
+   '    }'//nl
+
+   character(*), parameter :: part_24 = &
    '  }'//nl// &
    ''//nl// &
    '  /** Without the rounding of sums of steps. */'//nl// &
@@ -2594,9 +2655,7 @@ module psalm_board_text
    '      const joint = board.linkOf(hit.link).joints.find(board.inFrame);'//nl// &
    '      if (joint) drive({ joint });'//nl// &
    '    }'//nl// &
-   '  }'//nl
-
-   character(*), parameter :: part_24 = &
+   '  }'//nl// &
    ''//nl// &
    '  function cancel() {'//nl// &
    "    if (press && press.moved && press.tool === 'select' && !press.pan) board.end();"//nl// &
@@ -2653,7 +2712,9 @@ module psalm_board_text
    '    if (control || event.altKey || typing) return;'//nl// &
    '    const keys = {'//nl// &
    "      ' ': () => board.play(), Escape: () => { cancel(); board.state.selection = null; board.panel.show(); choose('sele"// &
-   "ct'); },"//nl// &
+   "ct'); },"//nl
+
+   character(*), parameter :: part_25 = &
    '      Delete: () => board.state.selection && board.remove(board.state.selection), Backspace: () => board.state.selectio'// &
    'n && board.remove(board.state.selection),'//nl// &
    "      f: board.fit, '+': () => zoom(1.25), '=': () => zoom(1.25), '-': () => zoom(0.8),"//nl// &
@@ -2711,9 +2772,7 @@ module psalm_board_text
    "      const one = board.examples[Number($('examples').value)];"//nl// &
    "      if (one) board.load(one.text, one.name + '.nml');"//nl// &
    "      $('examples').value = '';"//nl// &
-   '    });'//nl
-
-   character(*), parameter :: part_25 = &
+   '    });'//nl// &
    "    $('grid').addEventListener('change', () => { board.state.grid = $('grid').value; view.draw(); });"//nl// &
    "    $('speed').addEventListener('input', () => { board.state.speed = Number($('speed').value); });"//nl// &
    '  }'//nl// &
@@ -2765,7 +2824,9 @@ module psalm_board_text
    '  }'//nl// &
    ''//nl// &
    '  function touch(change) {'//nl// &
-   '    change(state.sketch);'//nl// &
+   '    change(state.sketch);'//nl
+
+   character(*), parameter :: part_26 = &
    '    refresh(true);'//nl// &
    '  }'//nl// &
    ''//nl// &
@@ -2803,11 +2864,30 @@ module psalm_board_text
    '    solver.joints(mech, start.pose).forEach(([x, y], j) => Object.assign(state.sketch.joints[j], { x, y }));'//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  /** Moves joints as little as may be until all exact lengths hold; the frame and `held` joints give way last. */'//nl// &
+   '  /** Moves joints as little as may be until all exact lengths hold. What is pinned stays, unless lengths between pinne'// &
+   'd joints ask for'//nl// &
+   '      more, or the lengths cannot hold otherwise; `held` joints give way last of the others. */'//nl// &
    '  function relax(sketch, held = []) {'//nl// &
-   '    const { lengths, joints } = sketch;'//nl// &
+   '    const { lengths, joints } = sketch, pinned = new Set(sketch.links[0].joints);'//nl// &
    '    if (!lengths.length) return;'//nl// &
-   '    const ease = joints.map((j) => sketch.links[0].joints.includes(j.name) ? 1e-6 : held.includes(j.name) ? 1e-2 : 1);'//nl// &
+   '    const short = ({ joints: names, value }) => {'//nl// &
+   '      const [a, b] = names.map((name) => joints.find((j) => j.name === name));'//nl// &
+   '      return Math.abs(Math.hypot(b.x - a.x, b.y - a.y) - value) > 1e-12 * value;'//nl// &
+   '    };'//nl// &
+   '    const within = lengths.filter((l) => l.joints.every((name) => pinned.has(name))), wrong = within.filter(short);'//nl// &
+   '    const rest = lengths.filter((l) => !within.includes(l) || wrong.includes(l)), drawn = joints.map(({ x, y }) => ({ x'// &
+   ', y }));'//nl// &
+   '    for (const [rows, give] of [[rest, new Set(wrong.flatMap((l) => l.joints))], [lengths, pinned]]) {'//nl// &
+   '      if (meet(joints, rows, joints.map((j) => pinned.has(j.name) ? (give.has(j.name) ? 1e-6 : 0) : held.includes(j.nam'// &
+   'e) ? 1e-2 : 1))) return;'//nl// &
+   '      if (give !== pinned) joints.forEach((j, i) => Object.assign(j, drawn[i]));'//nl// &
+   '    }'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   "  /** Newton's method for exact lengths; a joint moves by its `ease`, not at all with 0. True if they hold. */"//nl// &
+   '  function meet(joints, lengths, ease) {'//nl// &
+   '    let worst = Infinity;'//nl// &
+   '    const largest = Math.max(...lengths.map((l) => l.value));'//nl// &
    '    for (let round = 0; round < 60; round++) {'//nl// &
    '      const rows = [], right = [];'//nl// &
    '      for (const { joints: [a, b], value } of lengths) {'//nl// &
@@ -2816,14 +2896,13 @@ module psalm_board_text
    '        rows.push({ i, k, u: [dx / d, dy / d] });'//nl// &
    '        right.push(value - d);'//nl// &
    '      }'//nl// &
-   '      if (Math.max(...right.map(Math.abs)) < 1e-13 * Math.max(...lengths.map((l) => l.value))) return;'//nl
-
-   character(*), parameter :: part_26 = &
+   '      worst = Math.max(0, ...right.map(Math.abs));'//nl// &
+   '      if (!(worst >= 1e-13 * largest)) return !Number.isNaN(worst);'//nl// &
    '      const dot = (p, q) => p.u[0] * q.u[0] + p.u[1] * q.u[1];'//nl// &
    '      const gram = rows.map((p) => rows.map((q) => dot(p, q) * ((p.i === q.i) * ease[p.i] + (p.k === q.k) * ease[p.k] -'//nl// &
    '        (p.i === q.k) * ease[p.i] - (p.k === q.i) * ease[p.k])));'//nl// &
    '      const { x } = solver.eliminate(gram, right);'//nl// &
-   '      if (!x) return;'//nl// &
+   '      if (!x) return false;'//nl// &
    '      rows.forEach((row, n) => {'//nl// &
    '        joints[row.i].x -= ease[row.i] * x[n] * row.u[0];'//nl// &
    '        joints[row.i].y -= ease[row.i] * x[n] * row.u[1];'//nl// &
@@ -2831,6 +2910,7 @@ module psalm_board_text
    '        joints[row.k].y += ease[row.k] * x[n] * row.u[1];'//nl// &
    '      });'//nl// &
    '    }'//nl// &
+   '    return worst < 1e-9 * largest;      // what rounding leaves, or three lengths along one line'//nl// &
    '  }'//nl// &
    ''//nl// &
    '  /** Another name for a joint, link or slide, wherever it is used. */'//nl// &
@@ -2840,13 +2920,20 @@ module psalm_board_text
    ") return false;"//nl// &
    '    edit((s) => {'//nl// &
    '      const swap = (name) => name === from ? to : name;'//nl// &
+   '      // what the board does not edit names joints and links too'//nl// &
+   '      const one = { kind, from, to, joints: s.joints.map((joint) => joint.name) };'//nl// &
+   '      s.renamed = [...(s.renamed || []), one];'//nl// &
+   '      for (const name of Object.keys(s.keep)) s.keep[name] = s.keep[name].map((text) => notation.renameIn(/^\w+/.exec(t'// &
+   'ext)[0].toUpperCase(), text, one));'//nl// &
    "      if (kind === 'link') {"//nl// &
    '        linkOf(from).name = to;'//nl// &
    '        for (const slide of s.slides) slide.links = slide.links.map(swap);'//nl// &
    '        for (const gear of s.gears) [gear.wheels, gear.carrier] = [gear.wheels.map(swap), swap(gear.carrier)];'//nl// &
    '        for (const drive of s.drives) [drive.base, drive.link] = [swap(drive.base), swap(drive.link)];'//nl// &
    '      } else {'//nl// &
-   '        for (const one of [...s.joints, ...s.slides]) one.name = swap(one.name);'//nl// &
+   '        for (const one of [...s.joints, ...s.slides]) one.name = swap(one.name);'//nl
+
+   character(*), parameter :: part_27 = &
    '        for (const one of [...s.links, ...s.lengths]) one.joints = one.joints.map(swap);'//nl// &
    '        for (const drive of s.drives) drive.at = drive.at.map(swap);'//nl// &
    '      }'//nl// &
@@ -2925,9 +3012,7 @@ module psalm_board_text
    "      if (!start) tell('The links do not meet: with the exact lengths they cannot be put together near the drawing.');"//nl// &
    "      else if (start.dead) tell('The linkage stands at a dead point in the drawing, where two assemblies meet: draw it "// &
    "in another position.');"//nl// &
-   '      else {'//nl
-
-   character(*), parameter :: part_27 = &
+   '      else {'//nl// &
    '        state.motion.sweep = sweepOf(mech, start, rough ? COARSE : FINE);'//nl// &
    '        state.live = start;'//nl// &
    '        state.t = state.motion.sweep.home;'//nl// &
@@ -2957,7 +3042,9 @@ module psalm_board_text
    '      const run = (way) => {'//nl// &
    '        const list = [];'//nl// &
    '        let now = start;'//nl// &
-   '        for (let k = 1; k * each <= most + 1e-9; k++) {'//nl// &
+   '        for (let k = 1; k * each <= most + 1e-9; k++) {'//nl
+
+   character(*), parameter :: part_28 = &
    '          const next = solver.advance(mech, now, solver.inputsAt(sketch, way * k * each), NEAR);'//nl// &
    '          if (!next) { list.push(...edge(mech, now, solver.inputsAt(sketch, way * k * each))); break; }'//nl// &
    '          list.push(now = next);'//nl// &
@@ -3032,9 +3119,7 @@ module psalm_board_text
    '    return { x, y, u, bx: x + along * u[0], by: y + along * u[1] };'//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  /** Pairs of joints whose distances give the shape of a link. */'//nl
-
-   character(*), parameter :: part_28 = &
+   '  /** Pairs of joints whose distances give the shape of a link. */'//nl// &
    '  function sides({ joints }) {'//nl// &
    '    return joints.flatMap((b, i) => joints.slice(Math.max(0, i - 2), i).map((a) => [a, b]));'//nl// &
    '  }'//nl// &
@@ -3062,7 +3147,9 @@ module psalm_board_text
    '    });'//nl// &
    '    const next = solver.advance(m.mech, live, target);'//nl// &
    '    if (next) state.live = next;'//nl// &
-   '    show();'//nl// &
+   '    show();'//nl
+
+   character(*), parameter :: part_29 = &
    '    return Boolean(next);'//nl// &
    '  }'//nl// &
    ''//nl// &
@@ -3137,9 +3224,7 @@ module psalm_board_text
    '  }'//nl// &
    ''//nl// &
    '  function open(file) {'//nl// &
-   '    file.text().then((source) => {'//nl
-
-   character(*), parameter :: part_29 = &
+   '    file.text().then((source) => {'//nl// &
    '      try {'//nl// &
    '        load(source, file.name);'//nl// &
    '      } catch (error) {'//nl// &
@@ -3167,7 +3252,9 @@ module psalm_board_text
    '    board.tools.begin();'//nl// &
    '    new ResizeObserver(() => { view.resize(); view.draw(); }).observe(view.canvas);'//nl// &
    "    matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => { view.resize(); view.draw(); });"//nl// &
-   "    addEventListener('beforeunload', (event) => { if (state.dirty) event.preventDefault(); });"//nl// &
+   "    addEventListener('beforeunload', (event) => { if (state.dirty) event.preventDefault(); });"//nl
+
+   character(*), parameter :: part_30 = &
    "    const given = JSON.parse($('data').textContent);"//nl// &
    '    board.panel.listExamples(board.examples);'//nl// &
    '    start();'//nl// &
@@ -3197,6 +3284,6 @@ contains
       text = part_1//part_2//part_3//part_4//part_5//part_6//part_7//part_8// &
              part_9//part_10//part_11//part_12//part_13//part_14//part_15//part_16// &
              part_17//part_18//part_19//part_20//part_21//part_22//part_23//part_24// &
-             part_25//part_26//part_27//part_28//part_29
+             part_25//part_26//part_27//part_28//part_29//part_30
    end function board_text
 end module psalm_board_text

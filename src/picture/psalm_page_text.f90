@@ -2223,11 +2223,13 @@ module psalm_page_text
    '  }'//nl// &
    ''//nl// &
    '  function step(way) {'//nl// &
+   '    if (!shown().sound) return;'//nl// &
    '    setPlaying(false);'//nl// &
    '    go(Math.round(balm.state.t + way));'//nl// &
    '  }'//nl// &
    ''//nl// &
    '  function prescribed(way) {'//nl// &
+   '    if (!shown().sound) return;'//nl// &
    '    setPlaying(false);'//nl// &
    '    go(prescribedNext(shown(), balm.state.t, way));'//nl// &
    '  }'//nl// &
@@ -2289,11 +2291,11 @@ module psalm_page_text
    '    let best = -1, least = Infinity;'//nl// &
    '    for (let i = here - reach; i <= here + reach; i++) {'//nl// &
    '      const k = c.ring ? balm.scene.modulo(i, s.n) : i;'//nl// &
-   "      if (k < 0 || k >= s.n || s.closed[k] === '0') continue;"//nl// &
-   '      const away = Math.hypot(mixed(s.x[joint], [k, k, 0]) - mx, mixed(s.y[joint], [k, k, 0]) - my);'//nl// &
-   '      if (away < least) [best, least] = [k, away];'//nl
+   "      if (k < 0 || k >= s.n || s.closed[k] === '0') continue;"//nl
 
    character(*), parameter :: part_23 = &
+   '      const away = Math.hypot(mixed(s.x[joint], [k, k, 0]) - mx, mixed(s.y[joint], [k, k, 0]) - my);'//nl// &
+   '      if (away < least) [best, least] = [k, away];'//nl// &
    '    }'//nl// &
    '    if (best >= 0) go(best);'//nl// &
    '  }'//nl// &
@@ -2305,6 +2307,7 @@ module psalm_page_text
    '  }'//nl// &
    ''//nl// &
    '  function hover(event) {'//nl// &
+   '    if (!shown().sound) return;'//nl// &
    '    const c = shown(), { state, drawing, messages } = balm, box = drawing.canvas.getBoundingClientRect();'//nl// &
    '    const x = event.clientX - box.left, y = event.clientY - box.top, found = drawing.nearest(c, x, y);'//nl// &
    "    messages.tip(found ? messages.describe(c, found, state.t) : '', x, y, box);"//nl// &
@@ -2327,6 +2330,7 @@ module psalm_page_text
    '  const beforeTurn = (t) => balm.curves.to >= 360 ? Math.min(t, balm.curves.to - BEFORE_TURN) : t;'//nl// &
    ''//nl// &
    '  function point(event) {'//nl// &
+   '    if (!shown().sound) return;'//nl// &
    '    const { curves } = balm, t = curves.placeAt(event.clientX - curves.canvas.getBoundingClientRect().left);'//nl// &
    '    setPlaying(false);'//nl// &
    '    go(shown().ring ? beforeTurn(t) : t);'//nl// &
@@ -2392,13 +2396,13 @@ module psalm_page_text
    '      point(event);'//nl// &
    '    });'//nl// &
    "    curves.addEventListener('pointermove', (event) => { if (pointing) point(event); });"//nl// &
-   "    for (const kind of ['pointerup', 'pointercancel']) curves.addEventListener(kind, () => { pointing = false; });"//nl// &
+   "    for (const kind of ['pointerup', 'pointercancel']) curves.addEventListener(kind, () => { pointing = false; });"//nl
+
+   character(*), parameter :: part_24 = &
    "    document.addEventListener('keydown', key);"//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  return { begin, go, setPlaying, limits, duration };'//nl
-
-   character(*), parameter :: part_24 = &
+   '  return { begin, go, setPlaying, limits, duration };'//nl// &
    '})();'//nl// &
    '</script>'//nl// &
    '<script>'//nl// &
@@ -2506,13 +2510,13 @@ module psalm_page_text
    ''//nl// &
    '  /** The kind of film that this browser can make: [type, ending of the file], or none. */'//nl// &
    '  const kindOfFilm = () => globalThis.MediaRecorder && FILMS.find(([type]) => MediaRecorder.isTypeSupported(type));'//nl// &
-   ''//nl// &
+   ''//nl
+
+   character(*), parameter :: part_25 = &
    '  /** The whole motion once as a film of so many seconds; what is played in parts goes there and back. */'//nl// &
    '  function film(seconds) {'//nl// &
    '    const c = shown(), [from, to] = balm.controls.limits(), ring = c.ring && to - from >= 360, [type] = kindOfFilm();'//nl// &
-   '    const [canvas, g] = sheet(Math.min(2, window.devicePixelRatio || 1)), pieces = [];'//nl
-
-   character(*), parameter :: part_25 = &
+   '    const [canvas, g] = sheet(Math.min(2, window.devicePixelRatio || 1)), pieces = [];'//nl// &
    '    const at = (part) => from + (to - from) * (ring ? part % 1 : 1 - Math.abs(1 - 2 * part));'//nl// &
    '    balm.drawing.picture(c, at(0), g);'//nl// &
    '    const recorder = new MediaRecorder(canvas.captureStream(RATE), { mimeType: type, videoBitsPerSecond: BITS });'//nl// &
@@ -2608,13 +2612,13 @@ module psalm_page_text
    '  function choose(i) {'//nl// &
    '    const c = scene.prepare(cases[i]), fresh = state.c !== i || !laidOut;'//nl// &
    '    state.c = i;'//nl// &
-   '    state.hover = null;'//nl// &
+   '    state.hover = null;'//nl
+
+   character(*), parameter :: part_26 = &
    "    $('case').value = String(i);"//nl// &
    '    // a case that is shown cannot be laid over itself'//nl// &
    "    for (const box of $('overlays').querySelectorAll('input')) box.disabled = Number(box.dataset.overlay) === i;"//nl// &
-   "    $('title').textContent = document.title = titleOf(c);"//nl
-
-   character(*), parameter :: part_26 = &
+   "    $('title').textContent = document.title = titleOf(c);"//nl// &
    "    $('stage').hidden = !c.sound;"//nl// &
    "    if (!c.sound) $('chartbox').hidden = true;"//nl// &
    "    document.querySelector('.keys').hidden = !c.sound;"//nl// &
@@ -2710,13 +2714,13 @@ module psalm_page_text
    "      box.type = 'checkbox';"//nl// &
    '      box.dataset.overlay = String(i);'//nl// &
    "      box.setAttribute('aria-label', 'overlay case ' + (i + 1));"//nl// &
-   "      box.addEventListener('change', () => {"//nl// &
+   "      box.addEventListener('change', () => {"//nl
+
+   character(*), parameter :: part_27 = &
    '        if (box.checked) state.overlays.add(i); else state.overlays.delete(i);'//nl// &
    '        refresh();'//nl// &
    '      });'//nl// &
-   "      label.append(box, ' ' + (i + 1));"//nl
-
-   character(*), parameter :: part_27 = &
+   "      label.append(box, ' ' + (i + 1));"//nl// &
    "      $('overlays').append(label);"//nl// &
    '    });'//nl// &
    "    $('chooser').hidden = $('overlays').hidden = cases.length < 2;"//nl// &
