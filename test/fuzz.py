@@ -1,25 +1,32 @@
 #!/usr/bin/env python3
-"""Random input for psalm, kalm and balm: whatever they are given, they must end in good order.
+"""Random input for all seven programs: whatever they are given, they must end in good order.
 
-usage: fuzz.py PROGRAM_DIRECTORY [--count N | --minutes M] [--seed S] [--timeout SECONDS] [--keep DIRECTORY]
-       fuzz.py PROGRAM_DIRECTORY --again FILE.nml PROGRAM
+usage: fuzz.py PROGRAM_DIRECTORY [--count N | --minutes M] [--jobs J] [--seed S] [--timeout SECONDS] [--keep DIRECTORY]
+       fuzz.py PROGRAM_DIRECTORY --again FILE.nml 'PROGRAM OPTIONS'
 
-Inputs grow from data/*.nml by changes that know the notation (groups, items, subscripts, values, repeat counts; the names
-are those of doc/manual.md) and by changes of bytes. Input k of seed S is always the same. Of every run is asked:
+Inputs grow from data/**/*.nml by changes that know the notation (groups, items, subscripts, values, repeat counts; the names
+are those of doc/manual.md, of src/input and of the data sets) and by changes of bytes. Input k of seed S is always the same,
+whatever the number of jobs. Of every run is asked:
   exit status 0 to 3, no signal, an end within the time limit; no words of the run-time, a sanitizer's or the thread library;
   with status 0 no NaN, infinity or stars in listing and devices; with status 2 or 3 a message, with 2 no other file (but
   the pictures of balm, which tell it);
-  no file but the promised ones, at most 64 MiB in all; SVG is XML, the page's data are JSON.
+  no file but the promised ones, at most 64 MiB in all; SVG is XML, JSON is JSON, in the pages too.
 An input that fails is made smaller while it fails in the same way, and kept (build/fuzz). The last line is N passed, N failed.
+
+A program is loaded once for each way of calling it and forks a child for every input (test/fork_server.c, compiled by gcc);
+files are in memory (/dev/shm). So a million inputs are a matter of hours, not of days.
 """
 import argparse
 import glob
 import json
+import multiprocessing
 import os
+import queue
 import random
 import re
 import resource
-import signal
+import shutil
+import struct
 import subprocess
 import sys
 import tempfile
@@ -27,16 +34,25 @@ import time
 import xml.etree.ElementTree as ElementTree
 
 TOP = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
-PROGRAMS = ["psalm"]*6 + ["kalm"]*2 + ["balm"]*2
+# ways of calling the programs; how often, of 24 inputs
+CALLS = {"psalm": 6, "psalm --json": 1, "psalm --assemblies": 1, "psalm --links": 1, "kalm": 3, "kalm --json": 1, "balm": 3,
+         "balm --assemblies": 1, "balm --edit": 1, "muscle": 1, "muscle --json": 1, "ssics": 1, "bridge": 1, "calm": 2}
+OWN_SEEDS = {"muscle": "muscle", "calm": "calm", "ssics": "ssics", "bridge": "bridge"}   # folders of data/
+CHUNK = 200                      # inputs that a job takes at a time
+SERVER = os.path.join(TOP, "test", "fork_server.c")
+REQUESTS, ANSWERS = 198, 199     # descriptors, as in fork_server.c
 MOST_BYTES = 64*2**20
 MOST_MEMORY = 4*2**30            # bytes of address space; an input that wants more gets the message for it
 ALIEN_WORDS = re.compile(rb"Fortran runtime|At line \d+ of file|[Bb]acktrace|Error termination|Program received signal|"
                          rb"libgomp:|runtime error:|AddressSanitizer|LeakSanitizer|terminate called|Segmentation|Aborted|"
                          rb"IEEE_[A-Z]|\bSTOP\b")
 NO_NUMBER = re.compile(rb"(?<![\w.])[-+]?(?:NaN|Inf|Infinity)(?![\w.])|\*{4,}")
-PROMISED = re.compile(r"case(\.kalm)?\.(dev[12789]|csv)|case(\.\d+)?\.(svg|html|(?:flat\.)?dxf)|case\.nml")
+PROMISED = re.compile(r"case(\.(kalm|muscle|ssics|bridge|calm))?\.(dev[12789]|csv|json)|case\.(nml|edit\.html)|"
+                      r"case(\.(ssics|bridge|calm))?([-.]\d+)?\.(svg|html|nc|(?:flat\.)?dxf)")
 # items that say how much is to be done: a valid large value would be a long run, no fault
-WORK = {"NITER", "NSTART", "NTRIAL", "NBEST", "MAXEVAL", "FIRST", "MAXTIME"}
+WORK = {"NITER", "NSTART", "NTRIAL", "NBEST", "MAXEVAL", "FIRST", "MAXTIME", "NSWEEP", "NGRID", "NSUB", "NTURN", "NWSTRT",
+        "NSSTRT", "NPHASE", "NBUDGT", "NFRONT", "NVCHRT", "NVPNT", "NVSPED", "NDPNT", "NDSPED", "NCPNT", "NCSPED", "NCRAD", "NCANG",
+        "THREADS"}
 INTEGERS = ["0", "1", "-1", "2", "3", "-2", "7", "12", "99", "100", "1000", "-1000", "32768", "65536", "2147483647", "2147483648",
             "-2147483648", "1073741825", "99999999999999999999"]
 REALS = ["0.0", "1.0", "-1.0", "0.5", "1E-5", "1E-150", "4.9E-324", "1E-300", "257.0", "90.0", "180.0", "-180.0", "360.0",
@@ -53,20 +69,45 @@ TITLES = ["", " ", "&LINKS", "T"*80, "T\u00e4\u00df", "\x1b[31m", "</script><b>"
 BYTES = [b"\x00", b"\r", b"\n", b"\t", b"&", b"'", b"=", b",", b"*", b"(", b"\xff\xfe", b"\xef\xbb\xbf"]
 
 
-def read_names():
-    """Items of every group, from the tables of the manual."""
-    names, group = {}, None
+def read_groups():
+    """Names of all groups, from the reader."""
+    text = open(os.path.join(TOP, "src", "input", "psalm_data_set.f90"), encoding="utf-8").read()
+    table = re.search(r"names\(\*\) = \[character\(name_length\) ::(.*?)\]", text, re.S)
+    groups = re.findall(r"'(\w+)'", table.group(1)) if table else []
+    if len(groups) < 20:
+        raise SystemExit("the table of groups in psalm_data_set.f90 is not understood")
+    return groups
+
+
+def read_names(seeds):
+    """Items of every group, from the manual's tables, the data sets, and the part of the reader that is named like the group."""
+    groups, group = read_groups(), None
+    names = {name: set() for name in groups}
     for line in open(os.path.join(TOP, "doc", "manual.md"), encoding="utf-8"):
-        mentioned = re.findall(r"&([A-Z]{4,})", line)
+        mentioned = [name for name in re.findall(r"&([A-Z]\w+)", line) if name in names]
         if mentioned and not line.startswith("|"):
             group = mentioned[-1]
         cells = [c.strip() for c in line.split("|")]
-        if group and line.startswith("|") and len(cells) == 5 and re.fullmatch(r"[A-Z]\w*(, [A-Z]\w*)*", cells[1]):
-            names.setdefault(group, []).extend(cells[1].split(", "))
-    for needed in ("LINKS", "METHOD", "LIMITS", "SEARCH", "CONSTR", "TOLER", "RATES"):
-        if len(names.get(needed, [])) < 3:
-            raise SystemExit("the manual's table of &%s is not understood" % needed)
-    return names
+        if group and line.startswith("|") and len(cells) == 5 and re.fullmatch(r"[A-Z][A-Z0-9]+(, [A-Z][A-Z0-9]+)*", cells[1]):
+            names[group].update(cells[1].split(", "))
+    for cases, _ in seeds:
+        for _, its in cases:
+            for name, items in its:
+                names.setdefault(name, set()).update(item.name for item in items)
+    everything = set()
+    for path in glob.glob(os.path.join(TOP, "src", "input", "*.f90")):
+        text = open(path, encoding="utf-8").read()
+        found = set(re.findall(r"(?:get_\w+|given|item_line)\(\s*'([A-Z]\w+)'|\(group, '([A-Z]\w+)'", text))
+        found = {one or other for one, other in found}
+        everything |= found
+        part = os.path.basename(path)[6:].split("_")[0].upper()[:4]
+        for name in groups:
+            if name.startswith(part) or (part, name) == ("SEGM", "CONSTR"):
+                names[name] |= found
+    for needed in groups:
+        if len(names[needed]) < 2:
+            raise SystemExit("no items of &%s are known" % needed)
+    return {name: sorted(items) for name, items in names.items() if items}, sorted(everything)
 
 
 class Item:
@@ -141,30 +182,70 @@ def change_value(name, value, r):
 
 class Generator:
     def __init__(self):
-        self.names = read_names()
-        files = sorted(glob.glob(os.path.join(TOP, "data", "*.nml")) + glob.glob(os.path.join(TOP, "data", "hard", "*.nml")))
-        self.seeds = [c for c in (parse(open(f, encoding="utf-8").read()) for f in files) if c]
+        files = sorted(glob.glob(os.path.join(TOP, "data", "**", "*.nml"), recursive=True))
+        self.seeds = [(c, os.path.basename(os.path.dirname(f)))
+                      for f, c in ((f, parse(open(f, encoding="utf-8").read())) for f in files) if c]
         if len(self.seeds) < len(files) - 2:
             raise SystemExit("seeds of data/ are not understood")
+        self.names, self.everything = read_names(self.seeds)
+        self.groups = sorted(self.names)
+        self.values = {}
+        for cases, _ in self.seeds:
+            for _, groups in cases:
+                for _, items in groups:
+                    for item in items:
+                        self.values.setdefault(item.name, []).append(item.values)
+        self.calls = [call for call, times in CALLS.items() for _ in range(times)]
 
     def make(self, seed, k):
-        """Program and input number k of a seed."""
+        """Call of a program and input number k of a seed."""
         r = random.Random("%d/%d" % (seed, k))
-        program = r.choice(PROGRAMS)
+        call = r.choice(self.calls)
+        own = OWN_SEEDS.get(call.split()[0])
+        seeds = [c for c, folder in self.seeds if folder == own] if own and r.random() < 0.8 else [c for c, _ in self.seeds]
         cases = [[title, [[g, [Item(i.name, i.subscript, list(i.values)) for i in items]] for g, items in groups]]
-                 for title, groups in r.choice(self.seeds)]
+                 for title, groups in r.choice(seeds)]
         self.shorten(cases, r)
-        for _ in range(r.choice([0, 1, 1, 2, 3, 5, 8])):
-            self.change(cases, r)
-        data = render(cases, r).encode("utf-8", "surrogatepass")
-        if r.random() < 0.25:
+        gentle = r.random() < 0.3       # numbers alone: most of these inputs are run to their end
+        for _ in range(r.choice([1, 1, 2, 4] if gentle else [0, 1, 1, 1, 2, 3, 5, 8])):
+            if gentle:
+                self.change_number(cases, r)
+            else:
+                self.change(cases, r)
+        data = render(cases, random.Random(1) if gentle else r).encode("utf-8", "surrogatepass")
+        if not gentle and r.random() < 0.25:
             data = self.change_bytes(data, r)
-        return program, data
+        return call, data
+
+    @staticmethod
+    def change_number(cases, r):
+        """One number by a part of itself, or to its negative, to zero or to an extreme."""
+        items = [item for _, groups in cases for _, its in groups for item in its if item.name not in WORK]
+        places = [(item, i) for item in items for i, value in enumerate(item.values)
+                  if "." in value and re.fullmatch(r"[-+]?[\d.]+([ED][-+]?\d+)?", value)]
+        if not places:
+            return
+        item, i = r.choice(places)
+        try:
+            number = float(item.values[i].replace("D", "E"))
+        except ValueError:
+            return
+        factor = r.choice([1.001, 0.999, 1.01, 1.1, 0.9, 0.5, 2.0, -1.0, 0.0, 1e-6, 1e6, r.uniform(0.0, 2.0)])
+        number = number*factor if number != 0.0 else r.uniform(-1.0, 1.0)
+        item.values[i] = r.choice(REALS[:18]) if r.random() < 0.1 else repr(number)
+
+    def values_for(self, name, r):
+        """Values of an item: those of a data set, or new ones."""
+        if name in self.values and r.random() < 0.5:
+            return list(r.choice(self.values[name]))
+        return [value_for(name, r) for _ in range(r.choice([1, 1, 1, 2, 4, 8]))]
 
     @staticmethod
     def shorten(cases, r):
         """Little work to do: what is looked for does not need a long search."""
-        small = {"NITER": 60, "NSTART": 3, "NTRIAL": 50, "NBEST": 3}
+        small = {"NITER": 60, "NSTART": 3, "NTRIAL": 50, "NBEST": 3, "NSWEEP": 5, "NGRID": 5, "NSUB": 5, "NTURN": 5, "NWSTRT": 2,
+                 "NSSTRT": 2, "NPHASE": 2, "NBUDGT": 3, "NFRONT": 3, "NVCHRT": 5, "NVPNT": 20, "NVSPED": 5, "NDPNT": 20,
+                 "NDSPED": 5, "NCPNT": 50, "NCSPED": 5, "NCRAD": 5, "NCANG": 5}
         for _, groups in cases:
             for name, items in groups:
                 for item in items:
@@ -186,30 +267,38 @@ class Generator:
             place = r.randrange(len(item.values))
             item.values[place] = change_value(item.name, item.values[place], r)
         elif kind < 0.60:
-            known = self.names.get(group[0]) or r.choice(list(self.names.values()))
+            known = self.names.get(group[0]) or self.everything
             name = r.choice(known) if r.random() < 0.97 else r.choice(known)[:-1] + r.choice("XS0_")
-            values = [value_for(name, r) for _ in range(r.choice([1, 1, 1, 2, 4, 8]))]
-            items.insert(r.randint(0, len(items)), Item(name, r.choice(SUBSCRIPTS) if r.random() < 0.15 else "", values))
+            if r.random() < 0.05:
+                name = r.choice(self.everything)
+            place = r.choice(SUBSCRIPTS) if r.random() < 0.15 else ""
+            items.insert(r.randint(0, len(items)), Item(name, place, self.values_for(name, r)))
         elif kind < 0.68 and item:
             r.choice([lambda: items.remove(item), lambda: items.append(item), lambda: item.values.clear(),
-                      lambda: item.values.append(value_for(item.name, r)), lambda: item.values.extend(item.values*r.choice([1, 3, 40])),
+                      lambda: item.values.append(value_for(item.name, r)),
+                      lambda: item.values.extend(item.values*r.choice([1, 3, 40])),
                       lambda: item.values and item.values.pop(r.randrange(len(item.values))),
                       lambda: r.shuffle(item.values)])()
         elif kind < 0.72 and item:
             item.subscript = r.choice(SUBSCRIPTS)
         elif kind < 0.84:
-            name = r.choice(["SEARCH", "CONSTR", "TOLER", "RATES", "LIMITS", "USER", "EXTRA"])
+            name = r.choice(self.groups + ["USER"])
             known = self.names.get(name, ["A", "B"])
-            groups.insert(r.randint(0, len(groups)), [name, [Item(n, "", [value_for(n, r) for _ in range(r.choice([1, 1, 4]))])
-                                                             for n in r.sample(known, r.randint(1, min(4, len(known))))]])
+            new = [name, [Item(n, "", self.values_for(n, r)) for n in r.sample(known, r.randint(1, min(4, len(known))))]]
             if name == "SEARCH":
-                groups[-1][1].append(Item("MAXTIME", "", ["0.2"]))
+                new[1].append(Item("MAXTIME", "", ["0.2"]))
+            groups.insert(r.randint(0, len(groups)), new)
+            self.shorten(cases, r)
         elif kind < 0.88:
             r.choice([lambda: groups.remove(group), lambda: groups.append(group), lambda: r.shuffle(groups)])()
         elif kind < 0.94:
-            other = r.choice(r.choice(self.seeds))[1]
+            other = r.choice(r.choice(self.seeds)[0])[1]
             name, its = r.choice(other)
-            groups[groups.index(group)] = [name, [Item(i.name, i.subscript, list(i.values)) for i in its]]
+            new = [name, [Item(i.name, i.subscript, list(i.values)) for i in its]]
+            if r.random() < 0.5:
+                groups[groups.index(group)] = new
+            else:
+                groups.append(new)
             self.shorten(cases, r)
         elif kind < 0.97:
             items.append(Item("LAST", "", ["0"]))
@@ -248,41 +337,90 @@ def without_desired(text):
     return b" ".join(out)
 
 
+def no_number(name):
+    raise ValueError(name + " is no JSON")
+
+
+class Server:
+    """A program, called in one way, that is loaded once."""
+
+    def __init__(self, call, runner):
+        words = call.split()
+        ask, requests = os.pipe()
+        answers, reply = os.pipe()
+
+        def start():
+            os.dup2(ask, REQUESTS)
+            os.dup2(reply, ANSWERS)
+            resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+            resource.setrlimit(resource.RLIMIT_FSIZE, (4*MOST_BYTES, 4*MOST_BYTES))
+            if runner.memory:
+                resource.setrlimit(resource.RLIMIT_AS, (runner.memory, runner.memory))
+
+        environment = dict(os.environ, LD_PRELOAD=runner.preload, FORK_SERVER_SECONDS=str(runner.timeout))
+        environment["ASAN_OPTIONS"] = "verify_asan_link_order=0:detect_leaks=0:" + environment.get("ASAN_OPTIONS", "")
+        self.process = subprocess.Popen([os.path.join(runner.programs, words[0]), *words[1:], "case.nml"], cwd=runner.folder,
+                                        env=environment, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
+                                        stderr=subprocess.DEVNULL, preexec_fn=start, close_fds=False)
+        os.close(ask)
+        os.close(reply)
+        self.requests, self.answers = requests, answers
+
+    def run(self):
+        """Exit status of a run, negative for a signal, None if the time limit ended it."""
+        os.write(self.requests, b"r")
+        answer = os.read(self.answers, 4)
+        if len(answer) != 4:
+            raise SystemExit("fork_server.c does not answer: is %s a program of the suite?" % self.process.args[0])
+        status = struct.unpack("i", answer)[0]
+        return None if status == -1 else os.waitstatus_to_exitcode(status)
+
+    def close(self):
+        os.close(self.requests)
+        os.close(self.answers)
+        self.process.wait()
+
+
 class Runner:
     def __init__(self, programs, timeout):
         self.programs, self.timeout = os.path.abspath(programs), timeout
-        self.statuses = {}
+        self.statuses, self.servers = {}, {}
         sanitized = subprocess.run(["nm", "-D", os.path.join(self.programs, "psalm")], capture_output=True, check=False).stdout
         self.memory = None if b"__asan" in sanitized else MOST_MEMORY
+        memory = "/dev/shm" if os.access("/dev/shm", os.W_OK) else None
+        self.top = tempfile.mkdtemp(prefix="fuzz-", dir=memory)
+        self.folder = os.path.join(self.top, "run")
+        os.mkdir(self.folder)
+        self.preload = os.path.join(self.top, "fork_server.so")
+        subprocess.run(["gcc", "-O1", "-shared", "-fPIC", "-o", self.preload, SERVER, "-ldl"], check=True)
 
-    def start(self):
-        resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-        resource.setrlimit(resource.RLIMIT_FSIZE, (4*MOST_BYTES, 4*MOST_BYTES))
-        if self.memory:
-            resource.setrlimit(resource.RLIMIT_AS, (self.memory, self.memory))
+    def close(self):
+        for server in self.servers.values():
+            server.close()
+        shutil.rmtree(self.top, ignore_errors=True)
 
-    def fault(self, program, data, count=False):
+    def fault(self, call, data, count=False):
         """What is wrong with a run, in a few words; empty if nothing."""
-        with tempfile.TemporaryDirectory() as folder:
-            with open(os.path.join(folder, "case.nml"), "wb") as out:
-                out.write(data)
-            with open(os.path.join(folder, ".listing"), "wb") as listing, open(os.path.join(folder, ".errors"), "wb") as errors:
-                process = subprocess.Popen([os.path.join(self.programs, program), "case.nml"], cwd=folder,
-                                           stdin=subprocess.DEVNULL, stdout=listing, stderr=errors, preexec_fn=self.start,
-                                           start_new_session=True)
-                try:
-                    status = process.wait(self.timeout)
-                except subprocess.TimeoutExpired:
-                    os.killpg(process.pid, signal.SIGKILL)
-                    process.wait()
-                    return "no end within %.0f seconds" % self.timeout
-            if count:
-                self.statuses[program, status] = self.statuses.get((program, status), 0) + 1
-            return self.look(folder, program, status)
+        if call not in self.servers:
+            self.servers[call] = Server(call, self)
+        with open(os.path.join(self.folder, "case.nml"), "wb") as out:
+            out.write(data)
+        status = self.servers[call].run()
+        content = {}
+        for name in sorted(os.listdir(self.folder)):
+            path = os.path.join(self.folder, name)
+            with open(path, "rb") as file:
+                content[name] = file.read()
+            os.unlink(path)
+        if status is None:
+            return "no end within %.0f seconds" % self.timeout
+        program = call.split()[0]
+        if count:
+            self.statuses[program, status] = self.statuses.get((program, status), 0) + 1
+        return self.look(content, program, status)
 
     @staticmethod
-    def look(folder, program, status):
-        content = {name: open(os.path.join(folder, name), "rb").read() for name in sorted(os.listdir(folder))}
+    def look(content, program, status):
         listing, errors = content.pop(".listing"), content.pop(".errors")
         if status < 0:
             return "killed by signal %d" % -status
@@ -318,9 +456,11 @@ class Runner:
             try:
                 if name.endswith(".svg"):
                     ElementTree.fromstring(text)
+                elif name.endswith(".json"):
+                    json.loads(text, parse_constant=no_number)
                 elif name.endswith(".html"):
                     data = re.search(rb'<script type="application/json" id="data">(.*?)</script>', text, re.S)
-                    json.loads(data.group(1))
+                    json.loads(data.group(1), parse_constant=no_number)
             except (ElementTree.ParseError, ValueError, AttributeError) as error:
                 return "%s is not well-formed: %s" % (name.split(".")[-1], type(error).__name__)
         return ""
@@ -344,42 +484,98 @@ class Runner:
         return data
 
 
+def job(number, options, end, results):
+    """One of several jobs, with its share of the chunks: number, statuses and faults of each go into the queue, None ends it."""
+    os.nice(5)
+    generator, runner = Generator(), Runner(options.programs, options.timeout)
+    first = number*CHUNK
+    while time.monotonic() < end if end else first < options.count:
+        runner.statuses, faults, done = {}, [], 0
+        for k in range(first, first + CHUNK if end else min(first + CHUNK, options.count)):
+            if end and time.monotonic() > end:
+                break
+            call, data = generator.make(options.seed, k)
+            fault = runner.fault(call, data, count=True)
+            done += 1
+            if fault:
+                faults.append((call, k, fault))
+        results.put((done, runner.statuses, faults))
+        first += options.jobs*CHUNK
+    runner.close()
+    results.put(None)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("programs")
     parser.add_argument("--count", type=int, default=600)
     parser.add_argument("--minutes", type=float)
+    parser.add_argument("--jobs", type=int, default=1)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--timeout", type=float, default=30.0)
     parser.add_argument("--keep", default=os.path.join(TOP, "build", "fuzz"))
-    parser.add_argument("--again", nargs=2, metavar=("FILE", "PROGRAM"))
+    parser.add_argument("--again", nargs=2, metavar=("FILE", "CALL"))
     options = parser.parse_args()
     runner = Runner(options.programs, options.timeout)
-    if options.again:
-        fault = runner.fault(options.again[1], open(options.again[0], "rb").read())
-        print(fault or "nothing wrong")
-        return fault != ""
-    generator = Generator()
-    began, k, failed, known = time.monotonic(), 0, 0, {}
-    while time.monotonic() - began < 60.0*options.minutes if options.minutes else k < options.count:
-        program, data = generator.make(options.seed, k)
-        fault = runner.fault(program, data, count=True)
-        if fault:
-            failed += 1
-            known.setdefault((program, fault), []).append(k)
-            if len(known[program, fault]) == 1:
-                os.makedirs(options.keep, exist_ok=True)
-                name = os.path.join(options.keep, "%s-%d-%d.nml" % (program, options.seed, k))
-                with open(name, "wb") as out:
-                    out.write(runner.smaller(program, data, fault))
-                print("FAILED: %s, input %d of seed %d: %s; kept as %s" % (program, k, options.seed, fault, name), flush=True)
-        k += 1
+    try:
+        if options.again:
+            fault = runner.fault(options.again[1], open(options.again[0], "rb").read())
+            print(fault or "nothing wrong")
+            return fault != ""
+        return campaign(options, runner)
+    finally:
+        runner.close()
+
+
+def campaign(options, runner):
+    generator, known, statuses, done = Generator(), {}, {}, 0
+    began = told = time.monotonic()
+    end = began + 60.0*options.minutes if options.minutes else None
+    results = multiprocessing.Queue()
+    jobs = [multiprocessing.Process(target=job, args=(j, options, end, results), daemon=True) for j in range(options.jobs)]
+    for one in jobs:
+        one.start()
+    left = len(jobs)
+    while left:
+        try:
+            part = results.get(timeout=5.0)
+        except queue.Empty:
+            if any(one.exitcode for one in jobs):
+                raise SystemExit("a job of the campaign broke off") from None
+            continue
+        if part is None:
+            left -= 1
+            continue
+        done += part[0]
+        for key, number in part[1].items():
+            statuses[key] = statuses.get(key, 0) + number
+        for call, k, fault in part[2]:
+            known.setdefault((call.split()[0], fault), []).append(k)
+            if len(known[call.split()[0], fault]) == 1:
+                keep(options, generator, runner, k, fault)
+        if time.monotonic() > told + 60.0:
+            told = time.monotonic()
+            print("%d inputs, %.0f a second" % (done, done/(told - began)), file=sys.stderr, flush=True)
+    failed = sum(map(len, known.values()))
     for (program, fault), inputs in known.items():
         print("%d times: %s: %s (inputs %s)" % (len(inputs), program, fault, " ".join(map(str, inputs[:10]))))
-    print("%d inputs in %.0f seconds; by exit status: %s" % (k, time.monotonic() - began, ", ".join(
-        "%s %d: %d" % (program, status, n) for (program, status), n in sorted(runner.statuses.items()))))
-    print("%d passed, %d failed" % (k - failed, failed))
+    seconds = time.monotonic() - began
+    print("by exit status: " + ", ".join("%s %d: %d" % (program, status, n) for (program, status), n in sorted(statuses.items())))
+    print("%d inputs in %.0f seconds, %.0f a second by %d jobs" % (done, seconds, done/seconds, options.jobs))
+    print("%d passed, %d failed" % (done - failed, failed))
     return failed > 0
+
+
+def keep(options, generator, runner, k, fault):
+    """The input, made smaller, in a file."""
+    call, data = generator.make(options.seed, k)
+    os.makedirs(options.keep, exist_ok=True)
+    name = os.path.join(options.keep, "%s-%d-%d.nml" % (call.replace(" ", ""), options.seed, k))
+    if not fault.startswith("no end"):      # each try would take the whole time
+        data = runner.smaller(call, data, fault)
+    with open(name, "wb") as out:
+        out.write(data)
+    print("FAILED: %s, input %d of seed %d: %s; kept as %s" % (call, k, options.seed, fault, name), flush=True)
 
 
 if __name__ == "__main__":
