@@ -205,10 +205,12 @@ contains
       real(wp), intent(out) :: speed(0:)               !! shape (0:steps), an even number of steps
       real(wp), intent(out) :: time
       integer, intent(out) :: ended, last
-      real(wp) :: inertia(3), w(3), torque, unused, slowness(0:ubound(speed, 1))
+      real(wp) :: inertia(3), w(3), torque, unused
+      real(wp), allocatable :: slowness(:)    ! large: it would fill a small stack
       integer :: nodes(3), k
       logical :: solved
 
+      allocate (slowness(0:ubound(speed, 1)))
       speed = 0.0_wp
       speed(0) = start
       time = 0.0_wp
