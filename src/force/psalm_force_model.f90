@@ -10,6 +10,7 @@ module psalm_force_model
    use psalm_dimensions, only: dimensions_t
    use psalm_kinds, only: wp, radians_per_degree
    use psalm_link_place, only: place_t
+   use psalm_loop_forces, only: joined_by_arcs
    use psalm_mechanism, only: mechanism_t, at_start, at_finish, body_frame, joint_prismatic, pivot
    use psalm_status, only: diagnostics_t
    use psalm_text, only: to_text
@@ -239,6 +240,8 @@ contains
          if (arc%foot == end) return
          state = place_afloat
          if (.not. arc%attached) return
+         ! a joint of the link that nothing leads to from its others
+         if (.not. joined_by_arcs(mechanism, arc%body, reference(arc%body), arc%ends(end))) return
          call unit_vector(mechanism%angle_on_body(n, dimensions) + given%turn, spot%along(1), spot%along(2))
          call locate(mechanism, dimensions, reference(arc%body), arc%body, arc%ends(end), from)
          call unit_vector(given%angle, cosine, sine)

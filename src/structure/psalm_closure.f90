@@ -81,7 +81,7 @@ contains
       closure%sketch = sketch
       closure%order = order
       n = size(sketch%links)
-      closure%size = max(maxval(sketch%x) - minval(sketch%x), maxval(sketch%y) - minval(sketch%y), tiny(1.0_wp))
+      closure%size = size_of(sketch)
       allocate (closure%origin(n), closure%point(size(sketch%joint_name), n), source=(0.0_wp, 0.0_wp))
       allocate (closure%line(size(sketch%slides)), closure%slide_point(2, size(sketch%slides)), source=(0.0_wp, 0.0_wp))
       allocate (closure%cylinder(n), closure%holder(size(sketch%joint_name)), source=0)
@@ -118,6 +118,18 @@ contains
       end do
       call collect_rows(closure)
    end subroutine make_closure
+
+   !> Size of the drawing: that of a box round all joints and slides. Of one that has no size, as a single joint on a slide through
+   !> it, the distance from the origin, and at the origin 1.
+   pure real(wp) function size_of(sketch)
+      type(sketch_t), intent(in) :: sketch
+
+      associate (x => [sketch%x, sketch%slides%x], y => [sketch%y, sketch%slides%y])
+         size_of = max(maxval(x) - minval(x), maxval(y) - minval(y))
+         if (size_of <= 0.0_wp) size_of = max(maxval(abs(x)), maxval(abs(y)))
+      end associate
+      if (size_of <= 0.0_wp) size_of = 1.0_wp
+   end function size_of
 
    !> Of some links the one that is placed first.
    pure integer function first_placed(links, order) result(first)

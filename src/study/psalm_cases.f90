@@ -2,12 +2,16 @@
 module psalm_cases
    use psalm_data_set, only: data_set_t, read_data_sets, read_data_set_text
    use psalm_loop_check, only: check_loops
+   use psalm_loop_forces, only: asks_for_forces, loops_carry_forces
    use psalm_mark, only: mark_t
    use psalm_sketch_case, only: resolve_sketch
    use psalm_status, only: diagnostics_t
    implicit none (type, external)
    private
    public :: read_cases, read_case_text
+
+   !> Why a sketch is solved in poses though it has loops.
+   character(*), parameter :: no_forces = 'forces to be found, and a link on slides whose joints its loops leave out'
 
 contains
 
@@ -20,7 +24,7 @@ contains
       type(mark_t), intent(inout), optional :: mark          !! takes in the text
 
       call read_data_sets(file, sets, findings, program, mark)
-      call resolve_all(sets, findings)
+      call resolve_all(sets, findings, program)
    end subroutine read_cases
 
    !> The same from a text.
@@ -32,23 +36,28 @@ contains
       character(*), intent(in) :: program                    !! who reads
 
       call read_data_set_text(text, name, sets, findings, program)
-      call resolve_all(sets, findings)
+      call resolve_all(sets, findings, program)
    end subroutine read_case_text
 
-   subroutine resolve_all(sets, findings)
+   subroutine resolve_all(sets, findings, program)
       type(data_set_t), intent(inout) :: sets(:)
       type(diagnostics_t), intent(inout) :: findings
+      character(*), intent(in), optional :: program
+      logical :: forces
       integer :: i
 
       if (findings%failed()) return
+      forces = .false.
+      if (present(program)) forces = program /= 'psalm'
       do i = 1, size(sets)
-         if (sets(i)%sketch%given) call resolve(sets(i), findings)
+         if (sets(i)%sketch%given) call resolve(sets(i), forces, findings)
       end do
    end subroutine resolve_all
 
-   !> The loops of a sketch, unless they do not give its joints at the drawing: then it is solved in its poses.
-   subroutine resolve(set, findings)
+   !> The loops of a sketch, unless they do not give its joints at the drawing, or not its forces: then it is solved in its poses.
+   subroutine resolve(set, forces, findings)
       type(data_set_t), intent(inout) :: set
+      logical, intent(in) :: forces                          !! the program finds them
       type(diagnostics_t), intent(inout) :: findings
       class(data_set_t), allocatable :: as_read    ! large: it would fill a small stack
       type(diagnostics_t) :: own
@@ -59,7 +68,12 @@ contains
       allocate (as_read, source=set)
       call resolve_sketch(set, own)
       why = ''
-      if (.not. own%failed() .and. set%nloop > 0) call check_loops(set, why)
+      if (.not. own%failed() .and. set%nloop > 0) then
+         call check_loops(set, why)
+         if (len(why) == 0 .and. forces .and. asks_for_forces(as_read)) then
+            if (.not. loops_carry_forces(set)) why = no_forces
+         end if
+      end if
       if (len(why) > 0) then
          select type (as_read)
          type is (data_set_t)

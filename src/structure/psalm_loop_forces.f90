@@ -1,0 +1,133 @@
+!> Whether the loops of a sketch carry its forces: not all that have its motion do.
+!>
+!> A loop may run parallel to a link that only slides on others (a dyad of a pin and two slides, say), and then has another joint
+!> in the place of one of the sketch's: positions are the same, forces are not.
+module psalm_loop_forces
+   use psalm_data_set, only: data_set_t
+   use psalm_dimensions, only: dimensions_t
+   use psalm_link_place, only: place_t
+   use psalm_mechanism, only: mechanism_t, joint_t, at_start, at_finish, body_frame, joint_prismatic
+   use psalm_parameters, only: parameters_t
+   use psalm_setup, only: set_up
+   use psalm_sketch, only: frame_link
+   use psalm_status, only: diagnostics_t
+   implicit none (type, external)
+   private
+   public :: asks_for_forces, loops_carry_forces, joined_by_arcs
+
+contains
+
+   !> True for a sketch with masses, loads, springs or friction.
+   pure logical function asks_for_forces(set)
+      type(data_set_t), intent(in) :: set
+
+      asks_for_forces = set%sketch%given .and. (set%masses%given .or. set%loads%given .or. set%springs%given .or. &
+                                                set%friction%given)
+   end function asks_for_forces
+
+   !> True if every joint of a sketch's loops is one of the sketch, between the same links, and every place of a mass, load or
+   !> spring is on its link. Also true where the loops have mistakes: those are reported elsewhere.
+   logical function loops_carry_forces(set)
+      type(data_set_t), intent(in) :: set                !! with the loops chosen
+      class(mechanism_t), allocatable :: mechanism
+      type(dimensions_t) :: dimensions
+      type(parameters_t) :: parameters
+      type(diagnostics_t) :: findings
+      integer :: k
+
+      loops_carry_forces = .true.
+      allocate (mechanism)
+      call set_up(set, mechanism, dimensions, parameters, findings)
+      if (findings%failed()) return
+      loops_carry_forces = all([(is_of_sketch(mechanism%joints(k)), k=1, size(mechanism%joints))]) &
+                           .and. all([(is_on_link(set%masses%places(k)), k=1, size(set%masses%places))]) &
+                           .and. all([(is_on_link(set%loads%places(k)), k=1, size(set%loads%places))]) &
+                           .and. all([(is_on_link(set%springs%first(k)), k=1, size(set%springs%first))]) &
+                           .and. all([(is_on_link(set%springs%second(k)), k=1, size(set%springs%second))])
+
+   contains
+
+      !> The link of the sketch that a body is.
+      pure integer function link_of(body)
+         integer, intent(in) :: body
+
+         link_of = frame_link
+         if (body == body_frame) return
+         associate (arc => mechanism%arcs(mechanism%bodies(body)%axis))
+            link_of = set%link_of_arc(arc%place, arc%loop)
+         end associate
+      end function link_of
+
+      pure logical function is_of_sketch(joint)
+         type(joint_t), intent(in) :: joint
+         integer :: links(2), slide, j
+
+         is_of_sketch = .false.
+         if (.not. joint%attached) return
+         links = [link_of(joint%bodies(1)), link_of(joint%bodies(2))]
+         if (joint%kind == joint_prismatic) then
+            associate (arc => mechanism%arcs(joint%slide))
+               slide = set%slide_of_arc(arc%place, arc%loop)
+            end associate
+            if (slide == 0) return
+            associate (of_slide => set%sketch%slides(slide)%links)
+               is_of_sketch = all(links == of_slide) .or. all(links == of_slide([2, 1]))
+            end associate
+         else
+            associate (arc => mechanism%arcs(joint%arc))
+               j = findloc(set%sketch%joint_name == set%end_names(joint%end, arc%place, arc%loop), .true., dim=1)
+            end associate
+            if (j == 0) return
+            is_of_sketch = set%sketch%has_joint(links(1), j) .and. set%sketch%has_joint(links(2), j)
+         end if
+      end function is_of_sketch
+
+      pure logical function is_on_link(place)
+         type(place_t), intent(in) :: place
+
+         is_on_link = place%link == frame_link
+         if (is_on_link .or. place%loop == 0) return
+         associate (arc => mechanism%arcs(mechanism%seq(place%loop, place%arc)), &
+                    end => merge(at_start, at_finish, place%from_start))
+            is_on_link = link_of(arc%body) == place%link .and. arc%attached .and. arc%foot /= end
+            if (is_on_link) is_on_link = joined_by_arcs(mechanism, arc%body, reference_of(arc%body), arc%ends(end))
+         end associate
+      end function is_on_link
+
+      !> The end of a body's own arc that is its own.
+      pure integer function reference_of(body) result(point)
+         integer, intent(in) :: body
+
+         associate (arc => mechanism%arcs(mechanism%bodies(body)%axis))
+            point = arc%ends(merge(at_finish, at_start, arc%foot == at_start))
+         end associate
+      end function reference_of
+   end function loops_carry_forces
+
+   !> True if arcs of a body lead from one of its points to another, so that their distance is known. Two points are not so joined
+   !> where loops run through one joint of the link without its being known that it is one.
+   pure logical function joined_by_arcs(mechanism, body, from, point) result(joined)
+      class(mechanism_t), intent(in) :: mechanism
+      integer, intent(in) :: body, from, point
+      logical :: known(size(mechanism%points)), more
+      integer :: k
+
+      known = .false.
+      known(from) = .true.
+      more = .true.
+      do while (more .and. .not. known(point))
+         more = .false.
+         do k = 1, size(mechanism%bodies(body)%arcs)
+            associate (n => mechanism%bodies(body)%arcs(k))
+               if (mechanism%slides(n)) cycle
+               associate (ends => mechanism%arcs(n)%ends)
+                  if (known(ends(1)) .eqv. known(ends(2))) cycle
+                  known(ends) = .true.
+                  more = .true.
+               end associate
+            end associate
+         end do
+      end do
+      joined = known(point)
+   end function joined_by_arcs
+end module psalm_loop_forces
