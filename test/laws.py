@@ -287,7 +287,6 @@ def test_open_rates():
     check("arcs of an open linkage: the loop is named", read("open.dev8").count("LOOP 1 DOES NOT CLOSE") == len(gone))
 
 
-<<<<<<< HEAD
 SKETCH = """A SKETCH
  &CHAIN JNT='A','B','C','D','P', JX=0.0,-10.0,60.0,80.0,40.0, JY=0.0,25.0,70.0,0.0,110.0,
   LNAME='frame','crank','coupler','rocker', LNK='A D','A B','B C P','C D' &END
@@ -433,7 +432,8 @@ def test_remedy():
         lengths = [number(v) for v in re.search(r"ARRAY OF ARC LENGTHS.*\n.*\n +(.*)", psalm("--quiet", "bound.nml")[1]).group(1).split()]
         if found:
             check("remedy: the ratio", abs(max(lengths)/float(found.group(1))/float(found.group(2)) - 1.0) < 1e-3, (found.groups(), lengths))
-=======
+
+
 # a pin and two slides turn with the crank: no loop has the pin J2 as a joint; and two loops begin at one pin of the frame, so that L3's
 # J5 has no way of arcs to its J2
 SLIDING = {
@@ -469,6 +469,25 @@ def test_forces_on_slides():
                 abs(row["drive"] + (7.0*vx - 3.0*vy)/2.0) <= 1e-11*(abs(vx) + abs(vy)) + 1e-9 for row, vx, vy in moving), errors)
 
 
+def test_driven_slide():
+    """The loops of a sketch driven along a slide move as its poses do, whichever link of the slide is named first."""
+    for first, second in (("frame", "ram"), ("ram", "frame")):
+        write("driven.nml", "DRIVEN\n &CHAIN JNT='B','C','D', JX=0.0,60.0,90.0, JY=10.0,50.0,0.0, LNAME='frame','ram','rod','rocker',\n"
+              "  LNK='D','B','B C','C D', SLNK='%s', SLNK2='%s', SLX=0.0, SLY=10.0, SLANG=20.0 &END\n &OUTPUTS OUTPUT='point C' &END\n"
+              " &DRIVES DRIVE='S1', DBASE='frame', DLINK='ram' &END\n &METHOD NDES=3, DELT=-6.0,0.0,9.0 &END\n" % (first, second))
+        code, _, errors = psalm("--quiet", "driven.nml")
+        lines = read("driven.csv").split()
+        table = [dict(zip(lines[0].split(","), map(float, line.split(",")))) for line in lines[1:]]
+        ours = [(float(row["actual_x"]), float(row["actual_y"])) for row in rows("driven.dev9")]
+        check("driven slide of %s and %s: it closes" % (first, second), code == 0 and len(table) == len(ours) == 3, errors)
+        for row, (x, y) in zip(table, ours):
+            along = row["input"]
+            check("driven slide of %s and %s: the ram at %g" % (first, second, along),
+                  abs(row["B.x"] - along*math.cos(math.radians(20.0))) + abs(row["B.y"] - 10.0 - along*math.sin(math.radians(20.0))) < 1e-12)
+            check("driven slide of %s and %s: loops and poses at %g" % (first, second, along),
+                  abs(x - row["C.x"]) + abs(y - row["C.y"]) < 1e-11, "%g %g, %g %g" % (x, y, row["C.x"], row["C.y"]))
+
+
 def joints_of(table, joint):
     """Rows of a table with the velocity of a joint."""
     lines = read(table).split()
@@ -489,7 +508,6 @@ def test_small_drawing():
             check("a ram alone at %g, %g moves along its slide" % (x, y), len(found) == 2 and all(
                 abs(float(row[-2]) - x - sense*float(row[0])*along[0]) + abs(float(row[-1]) - y - sense*float(row[0])*along[1]) < 1e-13
                 for row in found), errors)
->>>>>>> bc8fa10 (Solve a sketch in poses where its loops do not carry its forces)
 
 
 def main(programs):
@@ -504,17 +522,15 @@ def main(programs):
         test_open_rates()
         test_family()
         test_adjustment()
-<<<<<<< HEAD
         test_least_angle()
         test_both_limits()
         test_one_linkage()
         test_one_verdict()
         test_idle_items()
         test_remedy()
-=======
         test_forces_on_slides()
         test_small_drawing()
->>>>>>> bc8fa10 (Solve a sketch in poses where its loops do not carry its forces)
+        test_driven_slide()
         os.chdir("/")
     print("%d passed, %d failed" % (picture_tools.passed, picture_tools.failed))
     return picture_tools.failed > 0

@@ -212,7 +212,6 @@ contains
          if (closure%sketch%drives(1)%kind == drive_slides) then
             loops%arcs(first + 1)%guide = last_guide - first
             d = slide_line(closure%sketch%drives(1)%slide)
-            if (closure%sketch%slides(closure%sketch%drives(1)%slide)%links(1) /= frame_link) d = -d
             p_direction = degrees_of(d%re, d%im)
             loops%arcs(first + 1)%direction = p_direction
             ! the guide is passed before the slide
