@@ -52,8 +52,8 @@ contains
       end select
    end function criterion_of
 
-   !> The greatest stiffness of a spring, N/m: the user's, or one that depends on the bare load and the room, for without a limit the
-   !> load is often least with an end that nearly coincides with a joint and a stiffness beyond all limits.
+   !> The greatest stiffness of a spring, N/m: the user's, or one that depends on the bare load and the room, for without a limit
+   !> the load is often least with an end that nearly coincides with a joint and a stiffness beyond all limits.
    pure real(wp) function stiffest_in(room, bare) result(stiffness)
       type(spring_room_t), intent(in) :: room
       real(wp), intent(in) :: bare(:, :)         !! shape (positions, components): the load without springs
