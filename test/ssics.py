@@ -563,7 +563,29 @@ def estimates(place):
         check(code == 0 and verdict in listing, "verdict at a ratio of %g" % ratio, error)
         check(0.99 < estimate/bent < 1.2, "estimate against the equation at a ratio of %g" % ratio, "%g, equation %g" % (estimate, bent))
     rules = [line for line in listing.split("\n") if "AT LEAST" in line or "AT MOST" in line]
-    check(len(rules) == 4 and all("KEPT" in line for line in rules), "every rule is listed", rules)
+    check(len(rules) == 5 and all("KEPT" in line for line in rules), "every rule is listed", rules)
+    # along the strip, with the rocker: E A/L against its inertia over the squared arm of the pin
+    code, listing, error, _ = run(rig_with("", 0.0, 23.07), place)
+    _, strip, rocker = pose_of_rig(2*numpy.pi*numpy.arange(256)/256)
+    mass = 0.001955401856/(ROCKER*numpy.sin(rocker - strip))**2
+    want = numpy.sqrt(207e9*0.00124*0.00635/STRIP/mass.max())/23.07
+    check(abs(figure_after(listing, "WITH WHAT IT MOVES")/want - 1) < 1e-6, "axial frequency", "want %g" % want)
+    # two links that share a pin: frequencies apart, and each has the other's mass
+    depth = 0.00124*(ROCKER/STRIP)**2*1.2
+    two = data("rig_coupler.nml", ("NESTIM=1, ELINK=2, ELOOP=1, EMOD=207E9, ERHO=7850.0, EDEPTH=0.00124, EWIDTH=0.00635, EZETA=0.015, ESTRN=0.001",
+                                   "NESTIM=2, ELINK=2,3, ELOOP=2*1, EMOD=2*207E9, ERHO=2*7850.0, EDEPTH=0.00124,%.17g, EWIDTH=2*0.00635" % depth),
+               ("MLINK=3", "MLINK=-1"), ("NVSPED=46", "NVSPED=0"), ("VEMAX=4.0", "VEMAX=0.0"))
+    code, listing, error, blocks = run(two, place)
+    apart = [float(line.split()[-5].replace("D", "E")) for line in listing.split("\n") if "APART FROM" in line and "BROKEN" in line]
+    ratio = figure_after(listing, "FIRST FREQUENCY/SPEED")
+    check(len(apart) == 2 and max(abs(a - 0.2*ratio) for a in apart) < 1e-5, "frequencies of neighbours apart", (apart, ratio, error))
+    weight = 7850*depth*0.00635*ROCKER
+    one = data("rig_coupler.nml", ("MLINK=3, MLOOP=1, MASS=0.0, MINERT=0.001955401856", "MLINK=3, MLOOP=1, MASS=%.17g, MDIST=76.2, MANG=180.0, "
+                                   "MINERT=%.17g" % (weight, weight*ROCKER**2/12)), ("NVSPED=46", "NVSPED=0"), ("VEMAX=4.0", "VEMAX=0.0"))
+    _, single, _, alone = run(one, place)
+    loads = [figure_after(text, "GREATEST END LOAD, EULER'S LOAD") for text in (listing, single)]
+    check(abs(loads[0]/loads[1] - 1) < 1e-6 and loads[0] > 0, "end load with the mass of another uniform link", loads)
+    check(numpy.allclose(blocks["response"], alone["response"], rtol=1e-9, atol=1e-12), "response with the mass of another uniform link")
     # the end load: a moment on the rocker pushes the strip
     moment = " &LOADS NLOAD=1, LLINK=3, LLOOP=1, LMOM=%g &END\n"
     for size, word in ((0.3, "KEPT"), (0.8, "BROKEN")):

@@ -5,9 +5,9 @@ program test_vibration
    use psalm_flexible_drive, only: drive_coefficients, drive_response, mean_ratio, ratio_for_mean
    use psalm_floquet, only: coupled_multipliers
    use psalm_harmonic_bounds, only: extent_t, extent_of, harmonic_bound
-   use psalm_hill, only: hill_t, solve_hill
+   use psalm_hill, only: hill_t, solve_hill, greatest_of
    use psalm_kinds, only: wp, pi
-   use psalm_link_vibration, only: moving_link_t, mode_stiffness, coupling, mode_force, timoshenko_factor
+   use psalm_link_vibration, only: moving_link_t, acting_t, mode_stiffness, coupling, mode_force, timoshenko_factor
    use psalm_periodic, only: periodic_t, periodic_from_samples, periodic_from_harmonics, periodic_constant
    use psalm_stability, only: boundaries_t, stability_boundaries, series_boundaries, instability_order
    use psalm_vibration_estimates, only: impulse_magnifier, step_error, straightening, foreshortening_sine, &
@@ -15,6 +15,9 @@ program test_vibration
       impact_time, impact_speed, impact_level, strength_ratio, overhung_ratio, static_deflection, magnification
    implicit none (type, external)
    real(wp), parameter :: crank = 1.0_wp, coupler = 5.0_wp, rocker = 2.0_wp, frame = 5.0_wp !! of Oldham's rig
+   ! what acts on a link of length 1 in `acting_on_link`
+   real(wp), parameter :: force(2) = [0.7_wp, -0.4_wp], moment = 0.3_wp, fixed(2) = [0.9_wp, -0.6_wp]
+   real(wp), parameter :: place = 0.37_wp, height = 0.21_wp, spring = 1.3_wp, free = 0.5_wp, torsion = 0.8_wp
    type(checks_t) :: t
    type(periodic_t) :: no_damping
 
@@ -28,6 +31,8 @@ program test_vibration
    call floquet()
    call response()
    call coupled_modes()
+   call acting_on_link()
+   call greatest()
    call bounds()
    call estimates()
    call impulses()
@@ -437,6 +442,99 @@ contains
       y = sin(phi)
       rocker_angle = pi + atan2(-y, -x) - acos(0.25_wp*hypot(x, y))
    end function rocker_angle
+
+   !> Forces and stiffnesses of the modes by a load and a spring on a bracket against differences of their energy, the link bent
+   !> without stretching.
+   subroutine acting_on_link()
+      type(moving_link_t) :: link
+      type(periodic_t) :: of
+      real(wp), parameter :: step = 3.0e-4_wp
+      real(wp) :: q(3), gap(2), length, pull, slope, bend
+      integer :: i, j
+
+      link = moving_link_t(no_damping%scaled(0.0_wp), no_damping, no_damping, no_damping, no_damping)
+      gap = fixed - [place, height]
+      length = norm2(gap)
+      gap = gap/length
+      pull = spring*(length - free)
+      allocate (link%acting(1))
+      associate (a => link%acting(1))
+         a%place = place
+         a%height = height
+         a%along = periodic_constant(force(1) + pull*gap(1))
+         a%across = periodic_constant(force(2) + pull*gap(2))
+         a%moment = periodic_constant(moment)
+         a%spring = [periodic_constant(pull/length + (spring - pull/length)*gap(1)**2), &
+                     periodic_constant((spring - pull/length)*gap(1)*gap(2)), &
+                     periodic_constant(pull/length + (spring - pull/length)*gap(2)**2)]
+         a%torsion = torsion
+      end associate
+      do i = 1, 3
+         q = 0.0_wp
+         q(i) = step
+         slope = (energy(q) - energy(-q))/(2.0_wp*step)
+         of = mode_force(link, i)
+         call t%close_to(of%mean(), -2.0_wp*slope, 3.0e-5_wp, 'force of a mode by what acts on the link')
+         do j = 1, 3
+            q = 0.0_wp
+            q(i) = q(i) + step
+            q(j) = q(j) + step
+            bend = energy(q) + energy(-q)
+            q = 0.0_wp
+            q(i) = q(i) + step
+            q(j) = q(j) - step
+            bend = (bend - energy(q) - energy(-q))/(4.0_wp*step**2)
+            of = coupling(link, i, j)
+            call t%close_to(of%mean(), 2.0_wp*bend, 3.0e-4_wp, 'stiffness of modes by what acts on the link')
+         end do
+      end do
+   end subroutine acting_on_link
+
+   !> Potential energy of load, couple and springs.
+   pure real(wp) function energy(amplitudes)
+      real(wp), intent(in) :: amplitudes(3)
+      integer, parameter :: parts = 200
+      real(wp) :: at(2), angle, weight
+      integer :: k
+
+      at = 0.0_wp
+      do k = 0, parts ! Simpson's rule
+         weight = merge(4.0_wp, 2.0_wp, modulo(k, 2) == 1)
+         if (k == 0 .or. k == parts) weight = 1.0_wp
+         angle = angle_at(place*real(k, wp)/real(parts, wp), amplitudes)
+         at = at + weight*place/real(3*parts, wp)*[cos(angle), sin(angle)]
+      end do
+      angle = angle_at(place, amplitudes)
+      at = at + height*[-sin(angle), cos(angle)]
+      energy = -dot_product(force, at) - moment*angle + 0.5_wp*torsion*angle**2 + 0.5_wp*spring*(norm2(fixed - at) - free)**2
+   end function energy
+
+   pure real(wp) function angle_at(x, amplitudes)
+      real(wp), intent(in) :: x, amplitudes(3)
+      integer :: n
+
+      angle_at = asin(sum([(amplitudes(n)*real(n, wp)*pi*cos(real(n, wp)*pi*x), n=1, 3)]))
+   end function angle_at
+
+   !> The greatest between the steps: cos(3 x - 0.1) + 0.2 cos(x), by y'' + y'/2 + 40 y = p.
+   subroutine greatest()
+      type(hill_t) :: hill
+      type(periodic_t) :: p
+      real(wp) :: x, best
+      integer :: i
+      real(wp), parameter :: c = 0.1_wp
+
+      ! p = y'' + y'/2 + 40 y: 31 cos(3x-c) - 1.5 sin(3x-c) + 0.2 (39 cos x - 0.5 sin x)
+      p = periodic_from_harmonics(0.0_wp, [7.8_wp, 0.0_wp, 31.0_wp*cos(c) + 1.5_wp*sin(c)], &
+                                  [-0.1_wp, 0.0_wp, 31.0_wp*sin(c) - 1.5_wp*cos(c)])
+      hill = solve_hill(periodic_constant(0.5_wp), periodic_constant(40.0_wp), p, 1.0e-10_wp)
+      best = 0.0_wp
+      do i = -2000, 2000
+         x = c/3.0_wp + 1.0e-5_wp*real(i, wp)
+         best = max(best, cos(3.0_wp*x - c) + 0.2_wp*cos(x))
+      end do
+      call t%close_to(greatest_of(hill), best, 1.0e-9_wp, 'the greatest of a solution lies between its steps')
+   end subroutine greatest
 
    subroutine estimates()
       real(wp) :: delta, ratio, slenderness, back

@@ -29,6 +29,7 @@ module psalm_link_cycle
       real(wp) :: sense = 1.0_wp                 !! -1: the crank turns backwards, from the reference position on
       real(wp) :: length = 0.0_wp                !! m
       real(wp) :: mass = 0.0_wp                  !! of the uniform link, kg
+      real(wp), allocatable :: direction(:, :)   !! shape (2, positions): of the link, unit vector in machine axes
       real(wp), allocatable :: along(:), across(:) !! acceleration of the start, m
       real(wp), allocatable :: turning(:)        !! angular acceleration
       real(wp), allocatable :: speed(:)          !! angular speed
@@ -196,7 +197,7 @@ contains
       finish = problem%mechanism%arcs(arc)%ends(at_finish)
       allocate (cycle_of%along(points), cycle_of%across(points), cycle_of%turning(points), cycle_of%speed(points), &
                 cycle_of%own(points), cycle_of%others(points), cycle_of%fixed(points), cycle_of%weight_along(points), &
-                cycle_of%weight_across(points))
+                cycle_of%weight_across(points), cycle_of%direction(2, points))
       allocate (cycle_of%viscous(points), source=0.0_wp)
       call prepare_rates(problem, rates)
       call prepare_forces(problem, model, forces)
@@ -268,6 +269,7 @@ contains
                cycle_of%across(offset + i) = metre*(ay*ux - ax*uy)
                cycle_of%turning(offset + i) = w(i, rows%al)
                cycle_of%speed(offset + i) = w(i, rows%w)
+               cycle_of%direction(:, offset + i) = [ux, uy]
                cycle_of%weight_along(offset + i) = model%gravity(1)*ux + model%gravity(2)*uy
                cycle_of%weight_across(offset + i) = model%gravity(2)*ux - model%gravity(1)*uy
             end do

@@ -3,8 +3,7 @@ module psalm_vibration_list
    use psalm_block, only: begin_block
    use psalm_data_set, only: data_set_t
    use psalm_drive_study, only: drive_study_t, hill_study_t, inertia_t, matters, least_drive_ratio, small_swing
-   use psalm_estimate_study, only: estimate_t, verdict_rigid, verdict_closer, harmonics_estimated, stubby, rules, &
-                                   rule_wants_deflection
+   use psalm_estimate_study, only: estimate_t, verdict_rigid, verdict_closer, harmonics_estimated, stubby, rules
    use psalm_hill, only: hill_t
    use psalm_kinds, only: wp, pi, full_turn
    use psalm_link_place, only: place_t
@@ -347,7 +346,7 @@ contains
             end if
             call text%add('   HAINES''S RULES FOR A LINK THAT IS RIGID ENOUGH           IS   RULE')
             do n = 1, size(rules)
-               if (e%buckles .and. rule_wants_deflection(n)) cycle
+               if (.not. e%measured(n)) cycle
                call text%add('     '//rules(n)%name//general(e%measures(n))//'   '//rules(n)%words// &
                              trim(merge('  KEPT  ', '  BROKEN', e%kept(n))))
             end do

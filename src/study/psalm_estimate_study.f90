@@ -10,21 +10,23 @@ module psalm_estimate_study
    use psalm_error, only: problem_t
    use psalm_force_model, only: force_model_t
    use psalm_harmonic_bounds, only: extent_t, extent_of, harmonic_bound
+   use psalm_joint_load, only: joint_load_t, find_joint_load
    use psalm_kinds, only: wp, pi
    use psalm_linear, only: solve_positive
    use psalm_link_cycle, only: link_cycle_t, find_link_cycle, moving_link
    use psalm_link_vibration, only: moving_link_t, coupling, mode_force
+   use psalm_mechanism, only: mechanism_t, at_finish, joint_prismatic
    use psalm_periodic, only: periodic_t, periodic_from_samples
    use psalm_vibration_estimates, only: euler_load, frequency_ratio, dynamic_error, impulse_magnifier, frequency_fall, &
       strength_ratio, tie_rod_ratio, straightening, foreshortening_sine, post_support_of_slenderness
    use psalm_vibration_group, only: beam_t
    implicit none (type, external)
    private
-   public :: estimate_t, find_estimate, harmonics_estimated, stubby, rules, rule_t, rule_wants_deflection
+   public :: estimate_t, find_estimate, harmonics_estimated, stubby, rules, rule_t, judge_estimates
    public :: verdict_rigid, verdict_closer, verdict_redesign
 
    integer, parameter :: verdict_rigid = 1, verdict_closer = 2, verdict_redesign = 3
-   !> What a link is measured by: the first three are Haines's of 2M, 2G and 2M ("an order"), the last of 2B.
+   !> What a link is measured by: Haines's rules of 2M, the end load of 2G, the deflection of 2B.
    type :: rule_t
       character(40) :: name
       logical :: at_least
@@ -32,12 +34,14 @@ module psalm_estimate_study
       character(14) :: words
    end type rule_t
 
-   type(rule_t), parameter :: rules(4) = [ &
+   type(rule_t), parameter :: rules(6) = [ &
       rule_t('FIRST FREQUENCY/SPEED', .true., 10.0_wp, 'AT LEAST 10'), &
+      rule_t('AXIAL FREQUENCY/SPEED WITH WHAT IT MOVES', .true., 10.0_wp, 'AT LEAST 10'), &
+      rule_t('FREQUENCY/SPEED APART FROM A NEIGHBOUR''S', .true., 3.0_wp, 'AT LEAST 3'), &
       rule_t('END LOAD/EULER''S LOAD', .false., 0.25_wp, 'AT MOST 0.25'), &
       rule_t('DYNAMIC ERROR/QUASI-STATIC DEFLECTION', .false., 0.1_wp, 'AT MOST 0.1'), &
       rule_t('DEFLECTION/LENGTH', .false., 0.025_wp, 'AT MOST 0.025')]
-   integer, parameter :: rule_frequency = 1, rule_load = 2, rule_error = 3, rule_deflection = 4
+   integer, parameter :: rule_frequency = 1, rule_axial = 2, rule_apart = 3, rule_load = 4, rule_error = 5, rule_deflection = 6
    real(wp), parameter :: stubby = 5.0_wp          !! slenderness below which Ritz's estimate on posts is not accurate
    integer, parameter :: harmonics_estimated = 12
    integer, parameter :: extents_used = 4          !! of the acceleration and three derivatives
@@ -74,19 +78,13 @@ module psalm_estimate_study
       real(wp) :: shortened = 0.0_wp             !! of the distance of the pins by the deflection, m
       real(wp) :: amplitudes(harmonics_estimated) = 0.0_wp !! of the acceleration of the middle, m/s2
       real(wp) :: bounds(harmonics_estimated) = 0.0_wp     !! of these, from range and variation
+      logical :: measured(size(rules)) = .false. !! by rule: it has something to judge
       real(wp) :: measures(size(rules)) = 0.0_wp !! by rule
       logical :: kept(size(rules)) = .false.     !! by rule
       integer :: verdict = verdict_rigid
    end type estimate_t
 
 contains
-
-   !> Is a rule about what a link that buckles has none of?
-   pure logical function rule_wants_deflection(rule)
-      integer, intent(in) :: rule
-
-      rule_wants_deflection = rule == rule_error .or. rule == rule_deflection
-   end function rule_wants_deflection
 
    subroutine find_estimate(set, given, dimensions, model, beam, estimate)
       type(data_set_t), intent(in) :: set
@@ -147,8 +145,45 @@ contains
          e%shortened = foreshortening_sine*(e%deflection + e%error)**2/c%length
          if (e%loaded) call rest(speed, e)
       end associate
-      call judge(estimate)
+      call find_axial(given, dimensions, model, beam, speed, estimate)
    end subroutine find_estimate
+
+   !> The link as a light spring between its pins, with the masses that it moves when its length changes and the crank is held:
+   !> the least frequency of a turn over the speed. Nothing is measured where its finish is no pin of two links, or the rest of
+   !> the linkage has more than this freedom.
+   subroutine find_axial(given, dimensions, model, beam, speed, e)
+      type(problem_t), intent(in) :: given
+      type(dimensions_t), intent(in) :: dimensions
+      type(force_model_t), intent(in) :: model   !! without the mass of the link
+      type(beam_t), intent(in) :: beam
+      real(wp), intent(in) :: speed              !! rad/s
+      type(estimate_t), intent(inout) :: e
+      type(joint_load_t) :: load
+      real(wp), allocatable :: mass(:)
+      integer :: n, j, pin
+
+      pin = 0
+      associate (mechanism => given%mechanism)
+         n = mechanism%seq(beam%link%loop, beam%link%arc)
+         do j = 1, size(mechanism%joints)
+            associate (joint => mechanism%joints(j))
+               if (joint%kind == joint_prismatic .or. joint%point /= mechanism%arcs(n)%ends(at_finish)) cycle
+               if (pin > 0) return
+               pin = j
+               if (all(joint%bodies /= mechanism%arcs(n)%body)) return
+            end associate
+         end do
+      end associate
+      if (pin == 0) return
+      call find_joint_load(given, dimensions, model, pin, size(e%cycle%own), sign(speed, e%cycle%sense), load)
+      if (load%trouble > 0 .or. load%loose > 0) return
+      associate (u => e%cycle%direction, m => load%tensor)
+         mass = u(1, :)**2*m(1, :) + 2.0_wp*u(1, :)*u(2, :)*m(2, :) + u(2, :)**2*m(3, :)
+      end associate
+      if (.not. maxval(mass) > 0.0_wp) return
+      e%measured(rule_axial) = .true.
+      e%measures(rule_axial) = sqrt(beam%modulus*beam%area/(e%cycle%length*maxval(mass)))/speed
+   end subroutine find_axial
 
    !> Quasi-static deflection and its dynamic error.
    subroutine deflect(link, damping, e)
@@ -253,19 +288,42 @@ contains
       end do
    end subroutine find_greatest
 
-   !> Haines's rules. A link that buckles, or bends further than his typical links, is to be designed again.
-   pure subroutine judge(e)
-      type(estimate_t), intent(inout) :: e
+   !> Haines's rules for all links, after the frequencies of those that share a pin are compared. A link that buckles, or bends
+   !> further than his typical links, is to be designed again.
+   pure subroutine judge_estimates(mechanism, beams, estimates)
+      type(mechanism_t), intent(in) :: mechanism
+      type(beam_t), intent(in) :: beams(:)
+      type(estimate_t), intent(inout) :: estimates(:) !! in the order of `beams`
+      real(wp) :: apart
+      integer :: bodies(size(beams)), j, k, n
 
-      e%measures(rule_frequency) = e%ratio
-      e%measures(rule_load) = max(e%push, 0.0_wp)/e%euler
-      if (e%deflection > 0.0_wp) e%measures(rule_error) = e%error/e%deflection
-      e%measures(rule_deflection) = (e%deflection + e%error)/e%cycle%length
-      e%kept = merge(e%measures >= rules%limit, e%measures <= rules%limit, rules%at_least)
-      if (e%buckles .or. .not. e%kept(rule_deflection)) then
-         e%verdict = verdict_redesign
-      else if (.not. all(e%kept)) then
-         e%verdict = verdict_closer
-      end if
-   end subroutine judge
+      bodies = [(mechanism%arcs(mechanism%seq(beams(k)%link%loop, beams(k)%link%arc))%body, k=1, size(beams))]
+      do k = 1, size(beams)
+         associate (e => estimates(k))
+            if (e%cycle%trouble > 0) cycle
+            do n = 1, size(beams)
+               if (bodies(n) == bodies(k)) cycle
+               if (.not. any([(any(mechanism%joints(j)%bodies == bodies(k)) .and. any(mechanism%joints(j)%bodies == bodies(n)), &
+                               j=1, size(mechanism%joints))])) cycle
+               apart = abs(e%ratio - estimates(n)%ratio)
+               if (e%measured(rule_apart)) apart = min(apart, e%measures(rule_apart))
+               e%measured(rule_apart) = .true.
+               e%measures(rule_apart) = apart
+            end do
+            e%measured(rule_frequency) = .true.
+            e%measures(rule_frequency) = e%ratio
+            e%measured(rule_load) = .true.
+            e%measures(rule_load) = max(e%push, 0.0_wp)/e%euler
+            e%measured([rule_error, rule_deflection]) = .not. e%buckles
+            if (e%deflection > 0.0_wp) e%measures(rule_error) = e%error/e%deflection
+            e%measures(rule_deflection) = (e%deflection + e%error)/e%cycle%length
+            e%kept = merge(e%measures >= rules%limit, e%measures <= rules%limit, rules%at_least) .or. .not. e%measured
+            if (e%buckles .or. .not. e%kept(rule_deflection)) then
+               e%verdict = verdict_redesign
+            else if (.not. all(e%kept)) then
+               e%verdict = verdict_closer
+            end if
+         end associate
+      end do
+   end subroutine judge_estimates
 end module psalm_estimate_study

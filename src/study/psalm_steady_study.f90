@@ -4,7 +4,7 @@ module psalm_steady_study
    use psalm_dimensions, only: dimensions_t
    use psalm_drive_study, only: drive_study_t, hill_study_t, find_drive, find_hill
    use psalm_error, only: problem_t
-   use psalm_estimate_study, only: estimate_t, find_estimate
+   use psalm_estimate_study, only: estimate_t, find_estimate, judge_estimates
    use psalm_force_model, only: force_model_t, make_force_model
    use psalm_kinds, only: wp
    use psalm_link_cycle, only: check_link, add_uniform_link
@@ -113,6 +113,7 @@ contains
             end associate
             call find_estimate(set, problem, prepared%given, with_links, set%estimates%beams(k), study%estimates(k))
          end do
+         call judge_estimates(prepared%mechanism, set%estimates%beams, study%estimates)
       end if
       if (set%vibration%given) then
          allocate (study%vibration)
