@@ -668,9 +668,11 @@ def drive_loads(place):
                 place)[3]["drive_response"]
     turn = numpy.mean([a[1] for a in wound]) - numpy.mean([a[1] for a in still])
     check(abs(turn/(-2.0/500.0) - 1) < 0.05, "a constant moment winds the shaft up", turn)
-    for groups, words in ((" &FRICTN NFRIC=1, FLINK=2, FLOOP=1, FMU=0.1, FRAD=0.005 &END\n", "friction changes its sign"),):
-        code, _, error, _ = run(bare + groups, place)
-        check(code == 2 and words in error, "refused: " + words, error)
+    code, _, error, _ = run(bare + " &FRICTN NFRIC=1, FLINK=2, FLOOP=1, FMU=0.1, FRAD=0.005 &END\n", place)
+    check(code == 2 and "friction changes its sign" in error, "friction in a drive is refused with the reason", error)
+    code, _, error, _ = run(bare + " &LOADS NLOAD=1, LLINK=-1, LLOOP=1, LMOM=-2.0, LTABLE=1, NTABLE=1, NTABIN=3, TABIN=0.0,90.0,270.0, "
+                            "TABVAL=0.0,1.0,0.0 &END\n", place)
+    check(code == 0 and "have corners" in error and "NDPNT" in error, "corners of a table of loads are reported", error)
     code, _, error, _ = run(data("drive_haines.nml", ("DMEAN=10.0", "DRIPPL=0.7, DEXTRA=0.01, DMEAN=10.0"), ("MINERT=0.00128", "GRAVY=-9.81, "
                                  "MINERT=0.00128")), place)
     check(code == 2 and "DRIPPL" in error and "gravity" in error, "gravity on no linkage", error)

@@ -38,7 +38,7 @@ module psalm_hill
    integer, parameter :: parts = 16 !! of a turn, for the periodic solution; a divisor of every number of steps
    real(wp), parameter :: most_growth = sqrt(huge(1.0_wp))/1.0e30_wp !! squares of it are formed
    real(wp), parameter :: steepest = 300.0_wp !! of the exponent of a step
-   real(wp), parameter :: near_greatest = 0.9_wp !! of the greatest step: a maximum between steps may be so far above them
+   real(wp), parameter :: near_greatest = 0.7_wp !! of the greatest step: a maximum between steps may be so far above them
    integer, parameter :: newton_steps = 5
    integer, parameter :: fewest_steps = 64, most_steps = 2**17
    real(wp), parameter :: gauss_offset = 0.387298334620741688517926539978239961_wp !! sqrt(15)/10

@@ -82,6 +82,11 @@ contains
          character(*), intent(in) :: item
          integer, intent(in) :: points
 
+         if (any(set%loads%table > 0) .and. item /= 'NHILL') then
+            call devices%remark(set, 'the tables of &LOADS have corners, and '//to_text(points)//' positions round them off; '// &
+                                'more of them, by '//item//', round them less')
+            return
+         end if
          call devices%remark(set, to_text(points)//' positions do not show all of the coefficients; give '//item//' twice that')
       end subroutine coarse
    end subroutine report_steady
