@@ -90,6 +90,7 @@ check 'up to the line of what is new: without difference, in the layout of the p
 changed printed.nml 's/76\*0\.0,/76*0.5,/' >half.nml
 status 2 'no fractions for integers' "$psalm" half.nml
 said 'no fractions for integers' "an integer is expected, not a real with a fraction or exponent; found '0.5'"
+rm printed.nml half.nml
 status 0 'textile' "$psalm" textile.nml
 check 'textile: JOINT 1 7 1 6' grep -qE '^ +1 +7 +1 +6$' textile.dev8
 check 'textile: CONFIG' grep -qE '^ +1\.00 +1\.57 +1\.00 +-1\.57$' textile.dev8
@@ -789,7 +790,7 @@ changed needle.nml 's/NLOOP=4, MAXARC=6/NLOOP=4, MAXRAC=6/' 's/NITER=2/NITER=2.5
 status 2 'misspelt item and a real for an integer' "$psalm" bad.nml
 said 'file, line, group, item' 'bad.nml:2: error: &LINKS MAXRAC'
 said 'nearest name' 'did you mean MAXARC?'
-said 'both faults in one run' "an integer is expected, not a real; found '2.5'"
+said 'both faults in one run' "an integer is expected, not a real with a fraction or exponent; found '2.5'"
 check 'nothing is printed' test ! -s out
 check 'nothing is overwritten' grep -qx keep bad.dev7
 # whichever of the terminators is missing

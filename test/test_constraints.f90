@@ -550,7 +550,8 @@ contains
          call load_case('line6', problem, set)
          set%search%order = ordered
          call problem%set_inputs(places)
-         call problem%linkage%prepare(problem%mechanism, problem%plan, problem%tangle, problem%slide_angle, problem%delt)
+         call problem%linkage%prepare(problem%mechanism, problem%plan, problem%tangle, problem%slide_angle, problem%spare, &
+                                      problem%delt)
          call points_of_itself(problem)
          call problem%move_inputs([(10.0_wp*real(i, wp), i=1, size(places))])
          call prepare_merit(set, problem, problem%parameters%first_values(problem%given), merit)

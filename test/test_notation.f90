@@ -143,7 +143,9 @@ contains
       whole = 1
       numbers = 0
       call group%get_integer('NSTART', whole, findings)
-      call t%finds(findings, "2: error: &FIRST NSTART: an integer is expected, not a real; found '2.5'", 'a real for an integer')
+      call t%finds(findings, &
+                   "2: error: &FIRST NSTART: an integer is expected, not a real with a fraction or exponent; found '2.5'", &
+                   'a real for an integer')
       call group%get_integers('ITEMS', numbers, findings)
       call t%finds(findings, "ITEMS: too many values: at most 2 are expected; the first one beyond is '3'", 'too many values')
       call read_flag(group, 'FLAG', whole, findings)
