@@ -338,6 +338,8 @@ contains
             if (.not. left(k)) cycle
             left(k) = differ(rules, candidates(i), candidates(k))
             if (.not. left(k)) cycle
+            ! where each leads to is known only when it was searched on to its end
+            if (.not. (candidates(i)%refined .and. candidates(k)%refined)) cycle
             if (candidates(k)%objective - candidates(i)%objective <= near*max(candidates(i)%objective, rules%small)) &
                left(k) = .not. member%are_one(candidates(i), candidates(k))
          end do

@@ -22,7 +22,7 @@ module psalm_chain_synthesis
    real(wp), parameter :: settling = 1.0e-5_wp   !! of one that may be listed
    real(wp), parameter :: fine = 1.0e-10_wp      !! and of one that ends the search on the best
    real(wp), parameter :: same_place = 1.0e-4_wp !! of the linkage's size: joints no farther apart are at one place
-   real(wp), parameter :: ridge = 1.0e-3_wp      !! relative rise of the objective that parts two valleys
+   real(wp), parameter :: ridge = 1.0e-2_wp      !! relative rise of the objective that parts two valleys
    integer, parameter :: steps_between = 8       !! in which the way from one linkage to another is looked at
 
    !> A linkage found.

@@ -46,7 +46,7 @@ module psalm_search
    real(wp), parameter :: worth_it = 1.0e-6_wp     !! relative gain for which another timing is tried
    real(wp), parameter :: alike = 1.0e-2_wp        !! relative difference of objectives of linkages that may be the same
    real(wp), parameter :: same_place = 1.0e-4_wp   !! of the linkage's size: joints no farther apart are at one place
-   real(wp), parameter :: ridge = 1.0e-3_wp        !! relative rise of the objective that parts two valleys
+   real(wp), parameter :: ridge = 1.0e-2_wp        !! relative rise of the objective that parts two valleys
    integer, parameter :: steps_between = 8         !! in which the way from one linkage to another is looked at
 
    !> A linkage found.
@@ -460,6 +460,8 @@ contains
                call go(self, way_of(self, a%x))
             end if
             merit%delt = a%x(merit%core + 1:)
+            if (.not. self%problem%mechanism%sliding_input) other(merit%core + 1:) = other(merit%core + 1:) + full_turn &
+               *anint((reference_of(a%x) + a%x(merit%core + 1) - reference_of(other) - other(merit%core + 1))/full_turn)
          end if
          if (merit%has_range) call set_range(merit, [real(wp) ::])
          highest = (1.0_wp + ridge)*max(a%objective, b%objective)
@@ -471,6 +473,16 @@ contains
          end do
          are_one = .true.
       end associate
+
+   contains
+
+      !> The reference input of a linkage.
+      real(wp) function reference_of(x)
+         real(wp), intent(in) :: x(:)                  !! unknowns
+
+         call self%problem%parameters%apply(x(:self%merit%core), self%merit%dimensions)
+         reference_of = self%merit%dimensions%crnki
+      end function reference_of
    end function are_one
 
    !> Which way the input goes.
