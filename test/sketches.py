@@ -14,6 +14,7 @@ import itertools
 import math
 import os
 import random
+import re
 import resource
 import subprocess
 import sys
@@ -284,6 +285,34 @@ def one_way(programs):
         yield "slides that run to infinity: the range between the two dead points", closed == want, closed
 
 
+SEARCHED = """THE SECOND LOOP MUST CLOSE TOO
+ &CHAIN JNT='A','B','C','D','P','Q','F', JX=0.0,-10.0,60.0,80.0,40.0,60.0,75.0, JY=0.0,25.0,70.0,0.0,110.0,120.0,90.0,
+  LNAME='frame','crank','coupler','rocker','link','out', LNK='A D F','A B','B C P','C D','P Q','Q F', VARY='A B','B C','C D' &END
+ &DRIVES DRIVE='A' &END
+ &OUTPUTS OUTPUT='angle rocker','angle out' &END
+ &METHOD NDES=3, DELT=0.0,60.0,120.0, DESANG=-74.0,-55.0,-45.0 &END
+ &SEARCH SOLVER='LSQ', NSTART=8 &END
+ &CONSTR IRANGE=2 &END
+ &LIMITS TANGLE=80.0 &END
+"""
+
+
+def searched(programs):
+    """A search over the turn keeps all loops of a sketch closed, also those that the first output does not need."""
+    with tempfile.TemporaryDirectory() as folder:
+        done, _ = run_psalm(programs, folder, "found", SEARCHED)
+        yield "search: done", done.returncode == 0 and "over the full turn" in done.stderr, done.stderr
+        with open(os.path.join(folder, "found.dev7"), encoding="ascii") as file:
+            found = file.read()
+        found = re.sub(r"(&CHAIN[^&]*?)VARY=[^&]*(&END)", r"\1\2", found)
+        found = re.sub(r"&METHOD[^&]*&END", "&METHOD IKIN=2 &END", found)
+        found = re.sub(r"&(SEARCH|CONSTR)[^&]*&END", "", found)
+        done, _ = run_psalm(programs, folder, "again", found)
+        with open(os.path.join(folder, "again.csv"), encoding="ascii") as file:
+            rows = list(csv.DictReader(file))
+        yield "search: the linkage found closes everywhere", len(rows) == 180 and all(r["closed"] == "1" for r in rows), done.stderr
+
+
 RIGID = """A FOUR-BAR WHOSE CRANK IS A TRIANGLE OF THREE LINKS
  &CHAIN JNT='A','B','C','D','E', JX=0.0,30.0,90.0,110.0,10.0, JY=0.0,10.0,70.0,0.0,30.0,
   LNAME='frame','crank','brace one','brace two','coupler','rocker', LNK='A D','A B','A E','E B','B C','C D' &END
@@ -406,7 +435,7 @@ def main():
     if by_loops < arguments.count // 10:
         failed += 1
         told.append("sliding drives: only %d of %d were solved by loops" % (by_loops, number))
-    for say in (one_verdict, one_way, rigid_triangle):
+    for say in (one_verdict, one_way, searched, rigid_triangle):
         for law, holds, got in say(arguments.programs):
             passed += bool(holds)
             failed += not holds

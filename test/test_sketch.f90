@@ -2,10 +2,12 @@
 program test_sketch
    use check, only: checks_t
    use psalm_assur_order, only: assur_order_t, find_assur_groups
+   use psalm_cases, only: read_case_text
    use psalm_closure, only: closure_t, state_t, make_closure, start_state, solve_group, place_points
    use psalm_data_set, only: data_set_t, read_data_sets
    use psalm_dense, only: factors_t
    use psalm_kinds, only: wp
+   use psalm_loop_check, only: check_loops
    use psalm_sketch, only: sketch_t, drive_turns
    use psalm_sketch_check, only: check_sketch
    use psalm_sketch_text, only: write_sketch
@@ -29,6 +31,7 @@ program test_sketch
    call wrong_sketches()
    call six_bars()
    call written_again()
+   call checked_loops()
    call t%report()
 
 contains
@@ -123,6 +126,29 @@ contains
       call t%close_to(abs(state%joint(2, 0) - b), 0.0_wp, 1.0e-13_wp, 'B on its circle')
       call t%close_to(abs(state%joint(3, 0) - c), 0.0_wp, 1.0e-12_wp, 'C where the circles meet')
    end subroutine plain
+
+   !> Loops that are not the sketch are noticed: an arc of another length, a link mirrored, and arrays that are no loops.
+   subroutine checked_loops()
+      type(data_set_t), allocatable :: read(:)
+      type(diagnostics_t) :: own
+      character(:), allocatable :: why
+
+      call read_case_text(whole, 'memory', read, own, 'psalm')
+      call t%equal_integer(own%count, 0, 'a four-bar is resolved')
+      call check_loops(read(1), why)
+      call t%is_true(why == '', 'its loops are the sketch')
+      read(1)%arcl(2, 1) = 1.001_wp*read(1)%arcl(2, 1)
+      call check_loops(read(1), why)
+      call t%is_true(why == 'links whose loops do not give the drawing', 'a link that is longer')
+      call read_case_text(whole, 'memory', read, own, 'psalm')
+      read(1)%ilink(2:3, 1) = -read(1)%ilink(2:3, 1)
+      call check_loops(read(1), why)
+      call t%is_true(why == 'links whose loops do not give the drawing', 'the other assembly')
+      call read_case_text(whole, 'memory', read, own, 'psalm')
+      read(1)%ilink(4, 1) = 1
+      call check_loops(read(1), why)
+      call t%is_true(why == 'links for which there are no loops', 'arrays that are no loops')
+   end subroutine checked_loops
 
    !> The left one of the two places where circles meet.
    pure complex(wp) function meeting(a, ra, b, rb)
