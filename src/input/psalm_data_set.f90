@@ -376,7 +376,7 @@ contains
       if (set%sketch%given .and. size(set%sketch%x) > 0) extent = max(maxval(set%sketch%x) - minval(set%sketch%x), &
                                                                       maxval(set%sketch%y) - minval(set%sketch%y))
       if (extent <= largest_machine) return
-      call findings%warning('UNITL is missing: lengths are taken as metres, and this linkage is '//to_text(nint(extent))// &
+      call findings%warning('missing: lengths are taken as metres, and this linkage is '//to_text(nint(extent))// &
                             ' m large; if it is drawn in millimetres, set UNITL=0.001', line=group%line, group='MASSES', &
                             item='UNITL')
    end subroutine doubt_units
@@ -390,7 +390,7 @@ contains
       if (.not. set%sketch%given .or. set%ikin /= 0 .or. .not. group%given('CRNKI') .or. set%wants_search()) return
       if (size(set%delt) == 0) return
       if (.not. abs(set%crnki) > 0.0_wp .or. .not. abs(set%delt(1)) > 0.0_wp) return
-      call findings%warning('CRNKI of a sketch counts from the drawing, and DELT from there: the first position is '// &
+      call findings%warning('counts from the drawing in a sketch, and DELT from there: the first position is '// &
                             trim(adjustl(general(set%crnki + set%delt(1))))//' from the drawing; leave CRNKI out if DELT is '// &
                             'counted from the drawing', line=group%item_line('CRNKI'), group='METHOD', item='CRNKI')
    end subroutine doubt_reference

@@ -131,8 +131,12 @@ contains
                if (names(next) == near) cycle
                others = others//', '//trim(names(next))
             end do
-            if (len(near) > 0) near = "did you mean '"//near//"'? "
-            call out_of(group, 'SOLVER', "no solver is called '"//shortened(written)//"'; "//near//'Others with like names are '// &
+            if (len(near) > 0) then
+               near = "did you mean '"//near//"'? Near it are "
+            else
+               near = 'the nearest names are '
+            end if
+            call out_of(group, 'SOLVER', "no solver is called '"//shortened(written)//"'; "//near// &
                         others(3:)//'; usual ones are LSQ, SIMPLEX, LD_SLSQP and LN_COBYLA; the manual lists all '// &
                         to_text(size(names)), findings)
          end associate

@@ -213,6 +213,7 @@ contains
       if (found) call move_alloc(band, scene%band)
       if (set%sketch%given) then
          if (size(set%sketch%outputs) > 0) scene%output_label = trim(set%sketch%outputs(1)%name)
+         if (allocated(set%stand_in)) scene%output_label = 'joint '//set%stand_in
          call add_sketch_panels(set, scene%sweep%delt, size_of, scene%panels)
       else
          allocate (own)

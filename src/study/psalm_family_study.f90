@@ -81,6 +81,8 @@ contains
       family%numbers = [character(number_name) :: ('OUTPUT'//kind%suffix(c), c=1, kind%components)]
       if (set%sketch%given .and. size(set%sketch%outputs) > 0) &
          family%numbers = [character(number_name) :: (trim(set%sketch%outputs(1)%name)//kind%suffix(c), c=1, kind%components)]
+      if (allocated(set%stand_in)) &
+         family%numbers = [character(number_name) :: ('point_'//set%stand_in//kind%suffix(c), c=1, kind%components)]
       family%angle = [(c == kind%angle, c=1, kind%components)]
       do k = 1, size(family%setting)
          changed = dimensions
