@@ -210,7 +210,7 @@ OPENS = """A SIX-BAR WHOSE SECOND LOOP OPENS
 def one_verdict(programs):
     """Exit status, summary and table agree, whatever output is named first, in all programs."""
     outputs = ["angle rocker", "angle out", "point P"]
-    for method, opens in (("IKIN=10", True), ("NDES=3, DELT=-5.0,0.0,5.0", False)):
+    for method, opens in (("IKIN=10", True), ("IKIN=-10", True), ("NDES=3, DELT=-5.0,0.0,5.0", False)):
         for first in range(3):
             order = outputs[first:] + outputs[:first]
             text = OPENS % (",".join("'%s'" % o for o in order), method)

@@ -37,7 +37,7 @@ contains
    !> Positions at all inputs, each with its rates.
    !>
    !> `rate(d, o)` is the derivative of order o of input d by the parameter that all rates are by. With `turn` inputs that differ
-   !> by it are the same, and what is not reached forwards may be reached backwards from the drawing.
+   !> by it are the same, and what is not reached one way may be reached the other way from the drawing.
    subroutine follow(closure, start, inputs, rate, motion, turn)
       type(closure_t), intent(in) :: closure
       type(state_t), intent(in) :: start           !! at the drawing
@@ -77,20 +77,24 @@ contains
          if (motion%closed(k)) cycle
          stopped(side) = k
          ends(side) = inputs(1, k)
-         if (line .and. .not. abs(motion%states(k)%input(1, 0)) > abs(inputs(1, k))) ends(side) = motion%states(k)%input(1, 0)
+         associate (at => motion%states(k)%input(1, 0))
+            if (at*inputs(1, k) > 0.0_wp .and. abs(at) < abs(inputs(1, k))) ends(side) = at
+         end associate
       end do
       if (.not. line) call try_other_ways(closure, start, inputs, motion)
       if (present(turn)) then
-         back = start
-         waiting = .not. motion%closed .and. inputs(1, :) > 0.0_wp .and. inputs(1, :) < turn(1)
-         do while (any(waiting))
-            k = maxloc(inputs(1, :), dim=1, mask=waiting)
-            waiting(k) = .false.
-            call advance(closure, inputs(:, k) - turn, back, reached, stopped_by)
-            if (.not. reached) exit
-            motion%states(k) = back
-            motion%closed(k) = .true.
-            motion%group(k) = 0
+         do side = -1, 1, 2
+            back = start
+            waiting = .not. motion%closed .and. side*inputs(1, :) > 0.0_wp .and. side*inputs(1, :) < turn(1)
+            do while (any(waiting))
+               k = maxloc(side*inputs(1, :), dim=1, mask=waiting)
+               waiting(k) = .false.
+               call advance(closure, inputs(:, k) - side*turn, back, reached, stopped_by)
+               if (.not. reached) exit
+               motion%states(k) = back
+               motion%closed(k) = .true.
+               motion%group(k) = 0
+            end do
          end do
       end if
       do k = 1, size(inputs, 2)
