@@ -13,7 +13,8 @@ module psalm_spring_study
    use psalm_link_place, only: place_t
    use psalm_mechanism, only: mechanism_t, joint_prismatic
    use psalm_spring_exact, only: exact_spring_t, exact_task_t, prepare_exact, find_exact, columns_of_torque, exact_possible
-   use psalm_spring_search, only: spring_room_t, found_spring_t, spring_search_t, search_springs, load_with, criterion_of
+   use psalm_spring_load, only: spring_room_t, found_spring_t, load_with, criterion_of
+   use psalm_spring_search, only: spring_search_t, search_springs
    use psalm_status, only: diagnostics_t
    use psalm_text, only: to_text
    implicit none (type, external)

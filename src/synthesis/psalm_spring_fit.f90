@@ -12,7 +12,7 @@ module psalm_spring_fit
 
    integer, parameter :: each = 6                  !! unknowns of a spring: x, y of either end in reaches, S, L
    real(wp), parameter :: least_gain = 1.0e-11_wp  !! relative gain of a step that is one of the last: valleys are flat
-   real(wp), parameter :: held = 0.0_wp            !! unknowns that are given
+   real(wp), parameter :: held = 0.0_wp            !! of unknowns that are given
 
    type, extends(plain_nlp_t) :: fit_t
       type(spring_room_t), allocatable :: rooms(:)

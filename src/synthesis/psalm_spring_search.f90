@@ -1,47 +1,35 @@
 !> Springs that make a load least: the drive's or a joint's, its range, its RMS or its greatest amount.
 !>
-!> A spring of stiffness S and free length L pulls its ends together with S (l - L) = S l - k, k = S L. For given places of its ends
-!> every load is linear in S and k, and the least range, RMS or amount is a convex problem. The search goes by tangents of the
-!> places: the load is linear in their moves too, to first order, so that each step is convex with moves of limited length; from
-!> many starts. Where the places are given one step is the global optimum, with the bound that proves it.
+!> For given places of its ends every load is linear in S and k = S L of a spring of stiffness S and free length L, and the least
+!> range, RMS or amount is a convex problem: one step is the global optimum, with the bound that proves it. Otherwise least squares
+!> go from many starts to an optimum of the RMS (for the range, of the differences from the mean), whose curved valleys they follow;
+!> from the best of these the search goes by tangents of the places: the load is linear in their moves too, to first order, so that
+!> each step is convex with moves of limited length.
 module psalm_spring_search
    use psalm_conic, only: conic_t, conic_solution_t, solve_conic
-   use psalm_elementary, only: hypotenuse
    use psalm_kinds, only: wp
    use psalm_linear, only: triangle_of
    use psalm_spring_design_group, only: criterion_range, criterion_rms, criterion_peak
+   use psalm_spring_fit, only: fit_springs
+   use psalm_spring_load, only: spring_room_t, found_spring_t, load_with, criterion_of, add_slopes, stiffest_in, criterion_spread
    use psalm_xoshiro, only: xoshiro_t, purpose_starts
    implicit none (type, external)
    private
-   public :: spring_room_t, spring_path_t, found_spring_t, spring_search_t, search_springs, load_with, criterion_of
+   public :: spring_search_t, search_springs
 
    integer, parameter :: each = 6                  !! unknowns of a spring: x, y of either end, S, k
-   integer, parameter :: most_steps = 80
+   integer, parameter :: most_steps = 300
+   real(wp), parameter :: least_part = 0.01_wp     !! of a reach: so near to its middle
+   integer, parameter :: followed = 6              !! fits that are followed by tangents
+   integer, parameter :: times_met = 3             !! so often is the best fit to be met
+   integer, parameter :: times_last = 3            !! starts, against those up to the last better fit
+   integer, parameter :: least_times = 8           !! the starts asked for, so many times, if springs are several
+   integer, parameter :: most_times = 16           !! and at most so many times
+   real(wp), parameter :: no_load = 1.0e-9_wp      !! of the bare load: smaller ones are rounding
+   real(wp), parameter :: alike = 2.0e-2_wp        !! relative difference of fits of the same valley
    real(wp), parameter :: least_move = 1.0e-7_wp   !! of the reach: the search ends with such moves
    real(wp), parameter :: least_gain = 1.0e-10_wp  !! relative gain of a step that is one of the last
-   real(wp), parameter :: stiffest_of_all = 1.0e3_wp !! bare loads over reaches: no spring is stiffer, where the user sets no limit
    real(wp), parameter :: as_low = 1.0e-6_wp       !! relative difference of values that are the same optimum
-
-   !> How one end of a spring moves, and what a wrench there does to the load.
-   type :: spring_path_t
-      real(wp), allocatable :: x(:), y(:)          !! shape (positions): place from which the end is counted, m
-      real(wp), allocatable :: c(:), s(:)          !! direction of its link's axes
-      real(wp), allocatable :: slope(:, :, :)      !! shape (positions, components, 3): load by force x, y, moment
-   end type spring_path_t
-
-   !> Room for a spring.
-   type :: spring_room_t
-      type(spring_path_t) :: ends(2)
-      real(wp) :: reach(2) = 0.0_wp                !! of the ends, m; 0: given
-      real(wp) :: stiffest = 0.0_wp                !! N/m; 0: no limit
-      real(wp) :: free(2) = 0.0_wp                 !! least and greatest free length, m
-   end type spring_room_t
-
-   type :: found_spring_t
-      real(wp) :: at(2, 2) = 0.0_wp                !! x, y of the ends, from where they are counted, in the axes of their links, m
-      real(wp) :: stiffness = 0.0_wp               !! N/m
-      real(wp) :: free = 0.0_wp                    !! m
-   end type found_spring_t
 
    type :: spring_search_t
       type(found_spring_t), allocatable :: springs(:)
@@ -55,122 +43,108 @@ module psalm_spring_search
 
 contains
 
-   !> The criterion of a load. Shape of `load`: (positions, components).
-   pure real(wp) function criterion_of(criterion, load) result(value)
-      integer, intent(in) :: criterion
-      real(wp), intent(in) :: load(:, :)
-
-      select case (criterion)
-      case (criterion_range)
-         value = maxval(load(:, 1)) - minval(load(:, 1))
-      case (criterion_rms)
-         value = sqrt(sum(load**2)/real(size(load), wp))
-      case default
-         value = sqrt(maxval(sum(load**2, dim=2)))
-      end select
-   end function criterion_of
-
-   !> The load with springs. Shape: (positions, components).
-   pure function load_with(bare, rooms, springs) result(load)
-      real(wp), intent(in) :: bare(:, :)
-      type(spring_room_t), intent(in) :: rooms(:)
-      type(found_spring_t), intent(in) :: springs(:)
-      real(wp), allocatable :: load(:, :)
-      integer :: k
-
-      load = bare
-      do k = 1, size(springs)
-         call add_spring(rooms(k), springs(k), load)
-      end do
-   end function load_with
-
-   !> Load of one spring, and with `slopes` its derivatives by the unknowns, shape (positions, components, 6).
-   pure subroutine add_spring(room, spring, load, slopes)
-      type(spring_room_t), intent(in) :: room
-      type(found_spring_t), intent(in) :: spring
-      real(wp), intent(inout) :: load(:, :)
-      real(wp), intent(out), optional :: slopes(:, :, :)
-      real(wp) :: z(2, 2), gap(2), force(2), length, factor, per_length, axes(2, 2, 2), dgap(2), dforce(2), dz(2), k
-      integer :: i, e, c
-
-      k = spring%stiffness*spring%free
-      do i = 1, size(load, 1)
-         do e = 1, 2
-            associate (path => room%ends(e))
-               axes(:, 1, e) = [path%c(i), path%s(i)]
-               axes(:, 2, e) = [-path%s(i), path%c(i)]
-               z(:, e) = [path%x(i), path%y(i)] + axes(:, 1, e)*spring%at(1, e) + axes(:, 2, e)*spring%at(2, e)
-            end associate
-         end do
-         gap = z(:, 2) - z(:, 1)
-         length = max(hypotenuse(gap(1), gap(2)), tiny(1.0_wp)**0.25_wp)
-         per_length = k/length
-         factor = spring%stiffness - per_length
-         force = factor*gap
-         load(i, :) = load(i, :) + effect(force, z)
-         if (.not. present(slopes)) cycle
-         do e = 1, 2
-            do c = 1, 2
-               dz = axes(:, c, e)
-               dgap = merge(dz, -dz, e == 2)
-               dforce = factor*dgap + (per_length/length**2*dot_product(gap, dgap))*gap
-               slopes(i, :, 2*(e - 1) + c) = effect(dforce, z) + &
-                                             merge(1.0_wp, -1.0_wp, e == 1)*room%ends(e)%slope(i, :, 3)* &
-                                             (dz(1)*force(2) - dz(2)*force(1))
-            end do
-         end do
-         slopes(i, :, 5) = effect(gap, z)
-         slopes(i, :, 6) = effect(-gap/length, z)
-      end do
-
-   contains
-
-      !> What a pull on the first end, and its opposite on the second, does to the load.
-      pure function effect(pull, z)
-         real(wp), intent(in) :: pull(2), z(2, 2)
-         real(wp) :: effect(size(load, 2))
-
-         associate (p => room%ends(1)%slope(i, :, :), q => room%ends(2)%slope(i, :, :))
-            effect = (p(:, 1) - q(:, 1))*pull(1) + (p(:, 2) - q(:, 2))*pull(2) + &
-                     p(:, 3)*(z(1, 1)*pull(2) - z(2, 1)*pull(1)) - q(:, 3)*(z(1, 2)*pull(2) - z(2, 2)*pull(1))
-         end associate
-      end function effect
-   end subroutine add_spring
-
-   !> The best springs from many starts; the first start is `begin`, if there is one.
-   subroutine search_springs(bare, rooms, criterion, starts, seed, search, begin)
+   !> The best springs from `starts` starts (of several springs `least_times` as many), and from more of them until the best fit is
+   !> met `times_met` times, at most `most_times` as many. Of several springs every one is looked for alone, too: the result is
+   !> never worse than the best of them.
+   recursive subroutine search_springs(bare, rooms, criterion, starts, seed, search)
       real(wp), intent(in) :: bare(:, :)           !! shape (positions, components): the load without these springs
       type(spring_room_t), intent(in) :: rooms(:)
       integer, intent(in) :: criterion, starts, seed
       type(spring_search_t), intent(out) :: search
-      type(found_spring_t), intent(in), optional :: begin(:)
       type(spring_search_t) :: tried
-      type(found_spring_t) :: springs(size(rooms))
+      type(found_spring_t) :: springs(size(rooms)), best(size(rooms), followed)
       type(xoshiro_t) :: random
-      real(wp) :: values(starts)
-      integer :: start, k, made
+      real(wp), allocatable :: values(:)
+      real(wp) :: value, nothing, least(followed)
+      integer :: start, k, made, smooth, last_better
+      logical :: again
 
+      smooth = criterion_rms
+      if (criterion == criterion_range) smooth = criterion_spread
       call random%seed(seed, purpose_starts)
-      made = 0
       search%springs = springs
-      do start = 1, starts
-         call random%use_stream(start)
+      if (all([(rooms(k)%reach, k=1, size(rooms))] <= 0.0_wp)) then
          do k = 1, size(rooms)
             call draw(random, rooms(k), springs(k))
          end do
-         if (start == 1 .and. present(begin)) springs = begin
-         call go_by_tangents(bare, rooms, criterion, springs, tried)
+         call go_by_tangents(bare, rooms, criterion, springs, search)
+         search%starts = 1
+         search%ended_here = 1
+         return
+      end if
+      nothing = no_load*criterion_of(smooth, bare)
+      made = 0
+      last_better = 0
+      least = huge(least)
+      allocate (values(most_times*starts))
+      do start = 1, most_times*starts
+         call random%use_stream(start)
+         ! every other start draws but one spring anew, in one of the best that there are
+         again = modulo(start, 2) == 0 .and. made > 0 .and. size(rooms) > 1
+         if (again) springs = best(:, modulo(start/2, count(least < huge(least))) + 1)
+         do k = 1, size(rooms)
+            if (again .and. modulo(start/2, size(rooms)) + 1 /= k) cycle
+            call draw(random, rooms(k), springs(k))
+         end do
+         call go_by_tangents(bare, rooms, smooth, springs, tried, steps=1)
          if (.not. tried%found) cycle
+         call fit_springs(bare, rooms, smooth, tried%springs, value)
          made = made + 1
-         values(made) = tried%value
-         if (tried%value < search%value) search = tried
-         if (tried%convex) exit
+         values(made) = value
+         if (value < least(1)*(1.0_wp - as_low) - nothing) last_better = start
+         call insert()
+         if (start < starts*merge(least_times, 1, size(rooms) > 1) .or. start < times_last*last_better) cycle
+         if (count(values(:made) <= least(1)*(1.0_wp + as_low) + nothing) >= times_met) exit
       end do
       search%starts = made
-      search%ended_here = count(values(:made) <= search%value*(1.0_wp + as_low))
+      do k = 1, min(followed, made)
+         if (least(k) >= huge(least)) exit
+         call go_by_tangents(bare, rooms, criterion, best(:, k), tried)
+         call keep(count(abs(values(:made) - least(k)) <= as_low*least(k) + nothing))
+      end do
+      if (size(rooms) == 1) return
+      do k = 1, size(rooms)
+         call search_springs(bare, rooms(k:k), criterion, starts, seed, tried)
+         if (.not. tried%found) cycle
+         springs = search%springs
+         springs%stiffness = 0.0_wp
+         springs(k) = tried%springs(1)
+         call go_by_tangents(bare, rooms, criterion, springs, tried)
+         call keep(1)
+      end do
+
+   contains
+
+      !> Put a fit among the best, of which no two are alike.
+      subroutine insert()
+         integer :: at
+
+         at = findloc(abs(least - value) <= alike*value + nothing, .true., dim=1)
+         if (at > 0) then
+            if (value >= least(at)) return
+            least(at:) = [least(at + 1:), huge(1.0_wp)]
+            best(:, at:followed - 1) = best(:, at + 1:)
+         end if
+         at = count(least <= value) + 1
+         if (at > followed) return
+         least(at + 1:) = least(at:followed - 1)
+         best(:, at + 1:) = best(:, at:followed - 1)
+         least(at) = value
+         best(:, at) = tried%springs
+      end subroutine insert
+
+      subroutine keep(times)
+         integer, intent(in) :: times             !! that it was met
+
+         if (.not. tried%found .or. tried%value >= search%value) return
+         tried%starts = search%starts
+         tried%ended_here = times
+         search = tried
+      end subroutine keep
    end subroutine search_springs
 
-   !> Ends anywhere within their reach, a free length anywhere between its limits; stiffness comes with the first step.
+   !> Ends anywhere within their reach, every other one nearer to its middle: stiff springs with short arms have optima there.
+   !> A free length anywhere between its limits; stiffness comes with the first step.
    subroutine draw(random, room, spring)
       type(xoshiro_t), intent(inout) :: random
       type(spring_room_t), intent(in) :: room
@@ -187,28 +161,33 @@ contains
             if (sum(spring%at(:, e)**2) <= 1.0_wp) exit
          end do
          spring%at(:, e) = room%reach(e)*spring%at(:, e)
+         call random%next(draw_now)
+         if (draw_now < 0.5_wp) spring%at(:, e) = spring%at(:, e)*least_part**(2.0_wp*draw_now)
       end do
       call random%next(draw_now)
       spring%free = room%free(1) + draw_now*(room%free(2) - room%free(1))
    end subroutine draw
 
-   !> A local optimum from a start.
-   subroutine go_by_tangents(bare, rooms, criterion, begin, best)
+   !> A local optimum from a start. The first step gives the best stiffness for its places; `steps` limits their number.
+   subroutine go_by_tangents(bare, rooms, criterion, begin, best, steps)
       real(wp), intent(in) :: bare(:, :)
       type(spring_room_t), intent(in) :: rooms(:)
       integer, intent(in) :: criterion
       type(found_spring_t), intent(in) :: begin(:)
       type(spring_search_t), intent(out) :: best
+      integer, intent(in), optional :: steps
       type(spring_search_t) :: tried
       type(found_spring_t) :: springs(size(begin))
       real(wp) :: move, gain
-      integer :: step, k
+      integer :: step, k, last
 
+      last = most_steps
+      if (present(steps)) last = steps
       springs = begin
       best%springs = springs
       best%convex = all([(rooms(k)%reach, k=1, size(rooms))] <= 0.0_wp)
       move = 0.0_wp    ! first the best stiffness for these places
-      do step = 1, most_steps
+      do step = 1, last
          call solve_step(bare, rooms, criterion, springs, move, tried)
          if (.not. tried%found) then
             if (step == 1) return
@@ -248,7 +227,9 @@ contains
       real(wp), allocatable :: rows(:, :), triangle(:, :), scales(:)
       integer, allocatable :: column(:, :), sizes(:)
       integer :: k, e, c, n, tau, level, row, cone, positions, comps, i, lines
+      logical :: smooth
 
+      smooth = criterion == criterion_rms .or. criterion == criterion_spread
       positions = size(bare, 1)
       comps = size(bare, 2)
       unit = criterion_of(criterion, bare)
@@ -313,6 +294,11 @@ contains
          constant = constant - springs(k)%stiffness*slopes(:, :, 5) - springs(k)%stiffness*springs(k)%free*slopes(:, :, 6)
       end do
       rows(:, n + 1) = reshape(constant, [positions*comps])/unit
+      if (criterion == criterion_spread) then
+         do k = 1, n + 1
+            rows(:, k) = rows(:, k) - sum(rows(:, k))/real(positions, wp)
+         end do
+      end if
       if (level > 0) rows(:, level) = -1.0_wp
       lines = 1
       do k = 1, size(rooms)
@@ -326,7 +312,7 @@ contains
             if (column(2*e, k) > 0) sizes = [sizes, 3, 3]
          end do
       end do
-      if (criterion == criterion_rms) sizes = [sizes, n + 2]
+      if (smooth) sizes = [sizes, n + 2]
       if (criterion == criterion_peak .and. comps == 2) sizes = [sizes, spread(3, 1, positions)]
       problem%lines = lines
       problem%cones = sizes
@@ -336,8 +322,7 @@ contains
       problem%g(1, tau) = 1.0_wp
       problem%h(1) = 1.0e3_wp
       do k = 1, size(rooms)
-         limit = stiffest_of_all
-         if (rooms(k)%stiffest > 0.0_wp) limit = rooms(k)%stiffest/stiff(k)
+         limit = stiffest_in(rooms(k), bare)/stiff(k)
          problem%g(row + 1, column(5, k)) = -1.0_wp
          problem%g(row + 2, column(5, k)) = 1.0_wp
          problem%h(row + 2) = limit
@@ -363,7 +348,7 @@ contains
             cone = cone + 6
          end do
       end do
-      if (criterion == criterion_rms) then
+      if (smooth) then
          triangle = triangle_of(rows/sqrt(real(positions*comps, wp)))
          problem%g(cone + 1, tau) = -1.0_wp
          problem%g(cone + 2:cone + n + 2, :) = -triangle(:, :n)
@@ -406,15 +391,4 @@ contains
       result%bound = max(0.0_wp, solution%bound)*unit
       if (criterion == criterion_range) result%bound = 2.0_wp*result%bound
    end subroutine solve_step
-
-   !> Derivatives alone.
-   pure subroutine add_slopes(room, spring, slopes)
-      type(spring_room_t), intent(in) :: room
-      type(found_spring_t), intent(in) :: spring
-      real(wp), intent(out) :: slopes(:, :, :)
-      real(wp) :: load(size(slopes, 1), size(slopes, 2))
-
-      load = 0.0_wp
-      call add_spring(room, spring, load, slopes)
-   end subroutine add_slopes
 end module psalm_spring_search
