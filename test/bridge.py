@@ -204,7 +204,7 @@ def mirrored(place):
         k = int(numpy.argmin(numpy.hypot(loads[:, 1], loads[:, 2])))
         check(abs((loads[k, 0] - lost[0] + 180) % 360 - 180) < 2, "the least load is that of the flypast", (loads[k], lost))
         (x0, y0), (x1, y1) = loads[k - 1, 1:3], loads[(k + 1) % len(loads), 1:3]
-        turns.append((x0*y1 - y0*x1)*numpy.sign(loads[1, 0] - loads[0, 0]))
+        turns.append(x0*y1 - y0*x1)     # the rows follow each other in time
     check(turns[0]*turns[1] < 0, "the loads turn in opposite senses", turns)
     flights, minima = ([numpy.array(side[3][block]) for side in sides] for block in ("flight", "minima"))
     check(flights[0].shape == flights[1].shape and numpy.abs(flights[0]/flights[1] - 1).max() < 1e-5,
