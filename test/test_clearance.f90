@@ -191,8 +191,7 @@ contains
       integer :: i
 
       ! the load turns once a turn of the crank: seen from it the pin hangs still, a steady force R* + M0 e w**2
-      contact = contact_of([turned(load, 0.0_wp), turned(load, -0.5_wp*pi)], &
-                           [periodic_constant(mass), periodic_constant(0.0_wp), periodic_constant(mass)], speed, e)
+      contact = contact_under(turned(load, 0.0_wp), turned(load, -0.5_wp*pi), mass, speed, e)
       call follow_contact(contact, 0.3_wp, inputs, lag, force, minima, loss, ok)
       call t%is_true(ok .and. loss < 0.0_wp, 'following: a load that turns steadily keeps contact')
       turning = load + mass*e*speed**2
@@ -211,6 +210,22 @@ contains
       f = periodic_from_samples([(amount*cos(2.0_wp*pi*real(i, wp)/16.0_wp + phase), i=0, 15)])
    end function turned
 
+   !> Contact under a load in two components, with the same inertia in all directions. The arrays are filled one by one: gfortran 12
+   !> does not free function results within an array constructor.
+   function contact_under(load_x, load_y, mass, speed, e) result(contact)
+      type(periodic_t), intent(in) :: load_x, load_y
+      real(wp), intent(in) :: mass, speed, e
+      type(contact_t) :: contact
+      type(periodic_t) :: load(2), tensor(3)
+
+      load(1) = load_x
+      load(2) = load_y
+      tensor(1) = periodic_constant(mass)
+      tensor(2) = periodic_constant(0.0_wp)
+      tensor(3) = tensor(1)
+      contact = contact_of(load, tensor, speed, e)
+   end function contact_under
+
    !> A load that passes through zero, A sin x along a line: its angle is not defined there, the pin goes on and the force is the
    !> load itself. With a second load across that, against another method for the same equation.
    subroutine through_zero()
@@ -222,12 +237,10 @@ contains
       logical :: ok
       integer :: i, j
 
-      contact = contact_of([turned(amount, -0.5_wp*pi), turned(0.05_wp, 0.0_wp)], [periodic_constant(mass), &
-                           periodic_constant(0.0_wp), periodic_constant(mass)], speed, e)
+      contact = contact_under(turned(amount, -0.5_wp*pi), turned(0.05_wp, 0.0_wp), mass, speed, e)
       call follow_contact(contact, 0.5_wp*pi, inputs, lag, force, minima, loss, ok)
       call t%is_true(ok, 'following: a load that nearly passes through zero is followed')
-      contact = contact_of([turned(amount, -0.5_wp*pi), turned(0.0_wp, 0.0_wp)], [periodic_constant(mass), &
-                           periodic_constant(0.0_wp), periodic_constant(mass)], speed, e)
+      contact = contact_under(turned(amount, -0.5_wp*pi), turned(0.0_wp, 0.0_wp), mass, speed, e)
       call follow_contact(contact, 0.5_wp*pi, inputs, lag, force, minima, loss, ok)
       call t%is_true(ok .and. loss > pi - 1.0e-6_wp .and. loss < pi + 1.0e-6_wp, &
                      'following: along a line contact is lost where the load changes its sign')
@@ -236,8 +249,7 @@ contains
       call follow_contact(contact, 0.0_wp, inputs, lag, force, minima, loss, ok)
       call t%is_true(.not. ok, 'following: no load where it begins is refused')
       ! a load at right angles besides: against the classical method of Runge and Kutta for the equation above
-      contact = contact_of([turned(amount, -0.5_wp*pi), turned(0.4_wp, 0.0_wp)], [periodic_constant(mass), &
-                           periodic_constant(0.0_wp), periodic_constant(mass)], speed, e)
+      contact = contact_under(turned(amount, -0.5_wp*pi), turned(0.4_wp, 0.0_wp), mass, speed, e)
       call follow_contact(contact, 0.5_wp*pi, inputs, lag, force, minima, loss, ok)
       stiff = 1.0_wp/(mass*e*speed**2)
       x = 0.5_wp*pi
