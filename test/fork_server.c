@@ -2,17 +2,19 @@
 
    Before main it waits for requests, one byte each on descriptor 198. A child runs the program with the arguments given, in the
    working directory, with standard output and standard error in the files .listing and .errors; the answer on descriptor 199 is its
-   status as waitpid has it, or -1 if the time limit (FORK_SERVER_SECONDS) ended it. Loading takes ten times as long as a fork. */
+   status as waitpid has it, or -1 if the time limit ended it: FORK_SERVER_SECONDS of processor time, ten times as many by the clock.
+   Loading takes ten times as long as a fork. */
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <fcntl.h>
 #include <signal.h>
 #include <stdlib.h>
+#include <sys/resource.h>
 #include <sys/time.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
-enum { requests = 198, answers = 199, mode = 0600 };
+enum { requests = 198, answers = 199, mode = 0600, clock_factor = 10 };
 
 typedef int main_t(int, char **, char **);
 
@@ -38,8 +40,9 @@ static void send_to(int descriptor, const char *name)
 static int serve(int count, char **arguments, char **environment)
 {
     const char *words = getenv("FORK_SERVER_SECONDS");
-    const double limit = words ? atof(words) : 30.0;
-    const struct itimerval none = {{0, 0}, {0, 0}}, most = {{0, 0}, {(time_t)limit, (suseconds_t)((limit - (time_t)limit) * 1e6)}};
+    const long limit = words ? atol(words) : 30;
+    const struct itimerval none = {{0, 0}, {0, 0}}, most = {{0, 0}, {clock_factor * limit, 0}};
+    const struct rlimit processor = {(rlim_t)limit, (rlim_t)limit + 1};
     char byte;
     int status;
 
@@ -51,6 +54,7 @@ static int serve(int count, char **arguments, char **environment)
         if (child == 0) {
             close(requests);
             close(answers);
+            setrlimit(RLIMIT_CPU, &processor);
             send_to(STDOUT_FILENO, ".listing");
             send_to(STDERR_FILENO, ".errors");
             return program(count, arguments, environment);
@@ -60,7 +64,7 @@ static int serve(int count, char **arguments, char **environment)
         while (waitpid(child, &status, 0) < 0) { }
         setitimer(ITIMER_REAL, &none, NULL);
         child = 0;
-        if (late) status = -1;
+        if (late || (WIFSIGNALED(status) && WTERMSIG(status) == SIGXCPU)) status = -1;
         if (write(answers, &status, sizeof status) != sizeof status) return 125;
     }
     _exit(0);

@@ -357,7 +357,7 @@ class Server:
             if runner.memory:
                 resource.setrlimit(resource.RLIMIT_AS, (runner.memory, runner.memory))
 
-        environment = dict(os.environ, LD_PRELOAD=runner.preload, FORK_SERVER_SECONDS=str(runner.timeout))
+        environment = dict(os.environ, LD_PRELOAD=runner.preload, FORK_SERVER_SECONDS=str(max(1, round(runner.timeout))))
         environment["ASAN_OPTIONS"] = "verify_asan_link_order=0:detect_leaks=0:" + environment.get("ASAN_OPTIONS", "")
         self.process = subprocess.Popen([os.path.join(runner.programs, words[0]), *words[1:], "case.nml"], cwd=runner.folder,
                                         env=environment, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
@@ -413,7 +413,7 @@ class Runner:
                 content[name] = file.read()
             os.unlink(path)
         if status is None:
-            return "no end within %.0f seconds" % self.timeout
+            return "no end within %.0f seconds of processor time" % self.timeout
         program = call.split()[0]
         if count:
             self.statuses[program, status] = self.statuses.get((program, status), 0) + 1
@@ -512,7 +512,7 @@ def main():
     parser.add_argument("--minutes", type=float)
     parser.add_argument("--jobs", type=int, default=1)
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--timeout", type=float, default=30.0)
+    parser.add_argument("--timeout", type=float, default=30.0, help="seconds of processor time for a run")
     parser.add_argument("--keep", default=os.path.join(TOP, "build", "fuzz"))
     parser.add_argument("--again", nargs=2, metavar=("FILE", "CALL"))
     options = parser.parse_args()

@@ -328,6 +328,10 @@ contains
       integer :: i, power
 
       number = real(value, dp)
+      if (.not. abs(number) <= huge(number)) then
+         text = full_precision(value)
+         return
+      end if
       write (digits, '(es16.7e3)') number
       read (digits(index(digits, 'E') + 1:), *) power
       unit = 10.0_dp**(power - 7)
@@ -480,6 +484,10 @@ contains
       number = real(value, dp)
       do i = 0, 2
          write (digits, layout) number + real(way*i, dp)*10.0_dp**(-decimals)
+         if (index(digits, '*') > 0) then
+            text = full_precision(value)   ! too many turns for the column
+            return
+         end if
          read (digits, *) shown
          if (real(way, dp)*(shown - number) >= 0.0_dp) exit
       end do
