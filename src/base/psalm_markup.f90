@@ -2,7 +2,7 @@
 module psalm_markup
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use psalm_kinds, only: wp
-   use psalm_text, only: full_precision, to_text
+   use psalm_text, only: text_t, full_precision, to_text
    implicit none (type, external)
    private
    public :: truth, comma
@@ -22,15 +22,15 @@ contains
    pure function clean_text(text) result(clean)
       character(*), intent(in) :: text
       character(:), allocatable :: clean
+      type(text_t) :: out         ! grows without being copied for every letter
       integer :: i, k, code, more, least
 
-      clean = ''
       i = 1
       do while (i <= len(text))
          code = ichar(text(i:i))
          if (code < 128) then
             if (code < 32 .or. code == 127) code = 32
-            clean = clean//achar(code)
+            call out%add_text(achar(code))
             i = i + 1
             cycle
          end if
@@ -64,87 +64,93 @@ contains
          if (code < least .or. (code >= 55296 .and. code <= 57343) .or. code > 1114111) more = 0
          if (code == 65534 .or. code == 65535) more = 0
          if (more > 0 .and. code >= 160) then
-            clean = clean//text(i:i + more)
+            call out%add_text(text(i:i + more))
          else if (more > 0) then
-            clean = clean//' '
+            call out%add_text(' ')
          else
             code = ichar(text(i:i))
             if (code >= 160) then
-               clean = clean//char(192 + code/64)//char(128 + modulo(code, 64))
+               call out%add_text(char(192 + code/64)//char(128 + modulo(code, 64)))
             else
-               clean = clean//'?'
+               call out%add_text('?')
             end if
          end if
          i = i + 1 + more
       end do
+      clean = out%content()
    end function clean_text
 
    !> The text for the content or an attribute of an XML or HTML element.
    pure function xml_text(text) result(escaped)
       character(*), intent(in) :: text
       character(:), allocatable :: escaped, clean
+      type(text_t) :: out         ! grows without being copied for every letter
       integer :: i
 
       clean = clean_text(text)
-      escaped = ''
       do i = 1, len(clean)
          select case (clean(i:i))
          case ('&')
-            escaped = escaped//'&amp;'
+            call out%add_text('&amp;')
          case ('<')
-            escaped = escaped//'&lt;'
+            call out%add_text('&lt;')
          case ('>')
-            escaped = escaped//'&gt;'
+            call out%add_text('&gt;')
          case ('"')
-            escaped = escaped//'&quot;'
+            call out%add_text('&quot;')
          case ("'")
-            escaped = escaped//'&#39;'
+            call out%add_text('&#39;')
          case default
-            escaped = escaped//clean(i:i)
+            call out%add_text(clean(i:i))
          end select
       end do
+      escaped = out%content()
    end function xml_text
 
    !> The text as a JSON string, quotes included, that may stand inside a script element.
    pure function json_text(text) result(quoted)
       character(*), intent(in) :: text
       character(:), allocatable :: quoted, clean
+      type(text_t) :: out         ! grows without being copied for every letter
       integer :: i
 
       clean = clean_text(text)
-      quoted = '"'
+      call out%add_text('"')
       do i = 1, len(clean)
          select case (clean(i:i))
          case ('"')
-            quoted = quoted//achar(92)//'"'
+            call out%add_text(achar(92)//'"')
          case (achar(92))
-            quoted = quoted//achar(92)//achar(92)
+            call out%add_text(achar(92)//achar(92))
          case ('<')
-            quoted = quoted//achar(92)//'u003c'
+            call out%add_text(achar(92)//'u003c')
          case ('>')
-            quoted = quoted//achar(92)//'u003e'
+            call out%add_text(achar(92)//'u003e')
          case ('&')
-            quoted = quoted//achar(92)//'u0026'
+            call out%add_text(achar(92)//'u0026')
          case default
-            quoted = quoted//clean(i:i)
+            call out%add_text(clean(i:i))
          end select
       end do
-      quoted = quoted//'"'
+      call out%add_text('"')
+      quoted = out%content()
    end function json_text
 
    !> A text as a string of gnuplot.
    pure function gnuplot_text(string) result(written)
       character(*), intent(in) :: string
       character(:), allocatable :: written, clean
+      type(text_t) :: out         ! grows without being copied for every letter
       integer :: i
 
       clean = clean_text(string)
-      written = "'"
+      call out%add_text("'")
       do i = 1, len(clean)
-         written = written//clean(i:i)
-         if (clean(i:i) == "'") written = written//"'"
+         call out%add_text(clean(i:i))
+         if (clean(i:i) == "'") call out%add_text("'")
       end do
-      written = written//"'"
+      call out%add_text("'")
+      written = out%content()
    end function gnuplot_text
 
    !> A truth value of JSON.
