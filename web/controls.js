@@ -196,7 +196,7 @@ balm.controls = (() => {
     $('after').addEventListener('click', () => prescribed(1));
     $('time').addEventListener('input', () => {
       setPlaying(false);
-      go(beforeTurn(Number($('time').value)));
+      if (shown().sound) go(beforeTurn(Number($('time').value)));
     });
     for (const name of ['whole', 'other', 'traces', 'letters', 'forces', 'bent', 'pin']) $(name).addEventListener('change', () => {
       state[name] = $(name).checked;

@@ -137,10 +137,12 @@ balm.save = (() => {
   }
 
   function begin() {
-    $('savesvg').addEventListener('click', () => give(svg(), '.frame.svg', 'image/svg+xml'));
-    $('savepng').addEventListener('click', async () => give(await png(), '.frame.png'));
-    $('savetable').addEventListener('click', () => give(table(), '.sweep.csv', 'text/csv'));
-    $('savefilm').addEventListener('click', record);
+    // a case that is wrong has nothing to save
+    const saves = (id, act) => $(id).addEventListener('click', () => shown().sound ? act() : undefined);
+    saves('savesvg', () => give(svg(), '.frame.svg', 'image/svg+xml'));
+    saves('savepng', async () => give(await png(), '.frame.png'));
+    saves('savetable', () => give(table(), '.sweep.csv', 'text/csv'));
+    saves('savefilm', record);
     $('savefilm').hidden = !kindOfFilm();
   }
 

@@ -2370,7 +2370,7 @@ module psalm_page_text
    "    $('after').addEventListener('click', () => prescribed(1));"//nl// &
    "    $('time').addEventListener('input', () => {"//nl// &
    '      setPlaying(false);'//nl// &
-   "      go(beforeTurn(Number($('time').value)));"//nl// &
+   "      if (shown().sound) go(beforeTurn(Number($('time').value)));"//nl// &
    '    });'//nl// &
    "    for (const name of ['whole', 'other', 'traces', 'letters', 'forces', 'bent', 'pin']) $(name).addEventListener('chan"// &
    "ge', () => {"//nl// &
@@ -2559,10 +2559,12 @@ module psalm_page_text
    '  }'//nl// &
    ''//nl// &
    '  function begin() {'//nl// &
-   "    $('savesvg').addEventListener('click', () => give(svg(), '.frame.svg', 'image/svg+xml'));"//nl// &
-   "    $('savepng').addEventListener('click', async () => give(await png(), '.frame.png'));"//nl// &
-   "    $('savetable').addEventListener('click', () => give(table(), '.sweep.csv', 'text/csv'));"//nl// &
-   "    $('savefilm').addEventListener('click', record);"//nl// &
+   '    // a case that is wrong has nothing to save'//nl// &
+   "    const saves = (id, act) => $(id).addEventListener('click', () => shown().sound ? act() : undefined);"//nl// &
+   "    saves('savesvg', () => give(svg(), '.frame.svg', 'image/svg+xml'));"//nl// &
+   "    saves('savepng', async () => give(await png(), '.frame.png'));"//nl// &
+   "    saves('savetable', () => give(table(), '.sweep.csv', 'text/csv'));"//nl// &
+   "    saves('savefilm', record);"//nl// &
    "    $('savefilm').hidden = !kindOfFilm();"//nl// &
    '  }'//nl// &
    ''//nl// &
@@ -2610,11 +2612,11 @@ module psalm_page_text
    '  }'//nl// &
    ''//nl// &
    '  function choose(i) {'//nl// &
-   '    const c = scene.prepare(cases[i]), fresh = state.c !== i || !laidOut;'//nl// &
-   '    state.c = i;'//nl// &
-   '    state.hover = null;'//nl
+   '    const c = scene.prepare(cases[i]), fresh = state.c !== i || !laidOut;'//nl
 
    character(*), parameter :: part_26 = &
+   '    state.c = i;'//nl// &
+   '    state.hover = null;'//nl// &
    "    $('case').value = String(i);"//nl// &
    '    // a case that is shown cannot be laid over itself'//nl// &
    "    for (const box of $('overlays').querySelectorAll('input')) box.disabled = Number(box.dataset.overlay) === i;"//nl// &
@@ -2712,11 +2714,11 @@ module psalm_page_text
    "      $('case').append(option);"//nl// &
    "      const label = document.createElement('label'), box = document.createElement('input');"//nl// &
    "      box.type = 'checkbox';"//nl// &
-   '      box.dataset.overlay = String(i);'//nl// &
-   "      box.setAttribute('aria-label', 'overlay case ' + (i + 1));"//nl// &
-   "      box.addEventListener('change', () => {"//nl
+   '      box.dataset.overlay = String(i);'//nl
 
    character(*), parameter :: part_27 = &
+   "      box.setAttribute('aria-label', 'overlay case ' + (i + 1));"//nl// &
+   "      box.addEventListener('change', () => {"//nl// &
    '        if (box.checked) state.overlays.add(i); else state.overlays.delete(i);'//nl// &
    '        refresh();'//nl// &
    '      });'//nl// &
