@@ -252,6 +252,8 @@ def bad_input(place):
             ("swinging_roller", [("OUT0=130.0", "TZONE=1,2,1,1,0,0,0, OUT0=130.0"), ("'MODSINE'", "'TRIG'")], "one side has no width"),
             ("swinging_roller", [("OUT0=130.0", "TZONE=1,2,1,1,1,1,1, OUT0=130.0")], "only 'TRIG' has zones"),
             ("swinging_roller", [("RCUT=10.0", "RCUT=0.0")], "the cutter needs a radius above 0"),
+            ("swinging_roller", [("RCUT=10.0", "RCUT=1E15")], "&CAM RCUT: a cutter of radius 0.1000000D+16"),
+            ("translating_roller", [("RROLL=8.0", "RROLL=1E15")], "&CAM RROLL: a roller of radius 0.1000000D+16"),
             ("swinging_roller", [("RCUT=10.0", "NFOLLP=2")], "there is no loop 2"),
             ("swinging_roller", [("RCUT=10.0", "KTURN=2")], "must be 1 (anticlockwise) or -1"),
             ("swinging_roller", [("NSEG=4", "NSEGM=4")], "did you mean NSEG?"),

@@ -377,6 +377,9 @@ check 'kalm: joints and slides by their names' grep -qE ' kinetic_per_s A_fx A_f
 sed "s/MNAME='piston'/MNAME='pistn'/" piston.nml >slip.nml
 status 2 'kalm: a link that is not there' "$bin/kalm" slip.nml
 said 'kalm: a link that is not there' "no link is called 'pistn'; did you mean 'piston'?"
+sed "s/MNAME='piston'/MNAME='piston', MDIST=-1E300/" piston.nml >far.nml
+status 2 'kalm: a mass beyond all numbers' "$bin/kalm" far.nml
+said 'kalm: a mass beyond all numbers' '&MASSES MDIST: entry 1: a distance is at most 1E100 in size'
 { sed 's/-150.0/-250.0/' "$data/landing_gear.nml"; echo " &RATES SPEED=-50.0 &END &MASSES NMASS=1, MNAME='leg W', MASS=90.0, UNITL=0.001 &END"; } >stuck.nml
 status 1 'kalm: forces of a sketch that does not close' "$bin/kalm" stuck.nml
 said 'kalm: forces of a sketch that does not close' 'at a dead point on the way'
