@@ -26,7 +26,7 @@ enum { most_waits = 1000, wait_ns = 10000000 }; /* for a lock: ten seconds */
 
 /* ---- end of a program; its beginning is in psalm_program.c ---- */
 
-extern volatile sig_atomic_t psalm_ended;
+__attribute__((visibility("hidden"))) extern volatile sig_atomic_t psalm_ended;
 volatile sig_atomic_t psalm_ended;        /* set: the exit status is the program's own, not that of a run-time library */
 
 /* Last of all. */

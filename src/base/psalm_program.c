@@ -11,7 +11,7 @@
 enum { exit_trouble = 3 };                /* as in psalm_status.f90 */
 enum { most_threads = 65536, least_stack_kb = 64, most_stack_digits = 9 }; /* of OpenMP's variables */
 
-extern volatile sig_atomic_t psalm_ended; /* psalm_border.c */
+__attribute__((visibility("hidden"))) extern volatile sig_atomic_t psalm_ended; /* psalm_border.c */
 
 void psalm_begin(void);
 void psalm_set_aside(char *text, size_t room);
