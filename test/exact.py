@@ -401,6 +401,30 @@ def nine_points(folder):
           max(min(abs(z - w) for w in pivots)/(1 + abs(z)) for z in back))
 
 
+def symmetric_points(folder):
+    """Nine points that lie symmetrically about an axis: paths end at infinity and in pairs, every one is accounted for; turned by 40
+    degrees they have the same linkages."""
+    half = [0.5 + 0.93j, 0.9 + 0.4j, 1.1 - 0.3j, 0.6 - 0.8j]
+    points = [1j] + half + [complex(-z.real, z.imag) for z in half]
+    pivots = []
+    for name, turn in (("symmetric", 1), ("symmetric_turned", cmath.exp(2j*math.pi/9))):
+        text = "SYMMETRIC\n &EXACT XP=%s,\n YP=%s, NBEST=300 &END\n" % tuple(
+            ",".join("%.17g" % v for v in ((z*turn).real if k == 0 else (z*turn).imag for z in points)) for k in (0, 1))
+        status, listing, rows, _, _ = run(name, text, folder)
+        words = re.search(r"complete: (\d+) of 1442 ends distinct, (\d+) at infinity, singular: (\d+), (\d+) end where others do", listing)
+        count = [int(v) for v in words.groups()] if words else [0, 0, 0, 0]
+        check(status == 0 and count[0] + count[1] + count[3] == 1442 and count[1] == 24, name + ": every end is accounted for",
+              listing[:300])
+        check(count[0] < 1442 and count[2] > 0, name + ": singular ends are recognised", count)
+        pivots.append([complex(r[8], r[9])/turn for r in rows] + [complex(r[10], r[11])/turn for r in rows])
+        if name == "symmetric":
+            check(all(min(abs(z + w.conjugate()) for w in pivots[0]) < 1e-6*(1 + abs(z)) for z in pivots[0]),
+                  "symmetric points: with each linkage its mirror image")
+    check(len(pivots[0]) > 0 and all(min(abs(z - w) for w in pivots[1]) < 1e-6*(1 + abs(z)) for z in pivots[0]) and
+          all(min(abs(z - w) for w in pivots[0]) < 1e-6*(1 + abs(z)) for z in pivots[1]), "symmetric points turned: the same pivots",
+          [len(p) for p in pivots])
+
+
 def references(folder):
     status, listing, rows, seven, _ = run("poses", read("five_poses"), folder)
     check(status == 0 and "complete: 4 of 4 dyads distinct" in listing and len(rows) == 6, "five poses: six four-bars", listing[:300])
@@ -590,6 +614,7 @@ def others(folder):
 
 with tempfile.TemporaryDirectory() as where:
     nine_points(where)
+    symmetric_points(where)
     references(where)
     functions(where)
     lines(where)

@@ -7,7 +7,7 @@ program nine_points_start
    use psalm_kinds, only: wp, pi
    use psalm_leg_lanes, only: path_t
    use psalm_leg_problem, only: kind_point, leg_problem_t, make_problem, most_points, variables
-   use psalm_monodromy, only: add_distinct, generic_t, is_same, orbit_key, solve_generic
+   use psalm_monodromy, only: add_distinct, generic_t, is_same, orbit_key, orbit_numbers, solve_generic
    use psalm_start_text, only: characters_a_number, encode
    use psalm_tracker, only: polish, track, tracked_t
    implicit none (type, external)
@@ -47,11 +47,11 @@ program nine_points_start
    end do
    if (size(found, 2) /= orbits) error stop 'not all orbits were found'
    path%from = path%to
-   allocate (left(orbits), keys(4, orbits), conjugate(4, orbits), partner(orbits))
+   allocate (left(orbits), keys(orbit_numbers, orbits), conjugate(orbit_numbers, orbits), partner(orbits))
    call polish(path, found, left)
    do i = 1, orbits
       keys(:, i) = orbit_key(found(:, i))
-      conjugate(:, i) = conjg(keys([2, 1, 4, 3], i))
+      conjugate(:, i) = conjg(keys([2, 1, 4, 3, 6, 5], i))
    end do
    partner = 0
    do i = 1, orbits

@@ -18,6 +18,7 @@ module psalm_leg_problem
    integer, parameter :: kind_point = 1, kind_pose = 2, kind_timed = 3
    integer, parameter :: variables = 8, most_points = 8
    integer, parameter :: at_x = 1, at_xh = 2, at_a = 3, at_ah = 4, at_y = 5, at_yh = 6, at_b = 7, at_bh = 8 !! of a slider w is at b
+   real(wp), parameter :: dependent = 1.0e-10_wp     !! determinant of two equations, over its terms, that are one
    integer, parameter :: equations_of(3) = [1, 2, 2] !! of a point, a pose, a timed point
 
    !> What is asked: topology of the equations, without numbers.
@@ -198,7 +199,9 @@ contains
                   r(2) = d*dh - (bh - yh)*d - (b - y)*dh
                end if
                determinant = u(1)*w(2) - u(2)*w(1)
-               if (abs(determinant) > 0.0_wp) then
+               if (.not. abs(determinant) > dependent*(abs(u(1)*w(2)) + abs(u(2)*w(1)))) then
+                  call either_turn(u, w, r, g(j), gh(j))
+               else if (abs(determinant) > 0.0_wp) then
                   g(j) = (r(1)*w(2) - r(2)*w(1))/determinant
                   gh(j) = (u(1)*r(2) - u(2)*r(1))/determinant
                else
@@ -209,6 +212,26 @@ contains
          end associate
       end do
    end subroutine turns_of
+
+   !> One of the two turns of the coupler at a point that the coupler curve passes twice: there both legs give one equation,
+   !> u g + w gh = r, and g gh + g + gh = 0 leaves a choice.
+   pure subroutine either_turn(u, w, r, g, gh)
+      complex(wp), intent(in) :: u(2), w(2), r(2)    !! of both legs
+      complex(wp), intent(out) :: g, gh
+      complex(wp) :: half, root
+      integer :: k
+
+      k = maxloc(abs(u) + abs(w), dim=1)
+      g = (0.0_wp, 0.0_wp)
+      gh = g
+      if (.not. abs(u(k)) > 0.0_wp) return
+      half = 0.5_wp*(u(k) - w(k) - r(k))/u(k)
+      root = sqrt(half**2 + r(k)/u(k))
+      if (real(conjg(half)*root, wp) < 0.0_wp) root = -root
+      g = -(half + root)
+      gh = g
+      if (abs(1.0_wp + g) > 0.0_wp) gh = -g/(1.0_wp + g)
+   end subroutine either_turn
 
    !> A random number of modulus 1.
    complex(wp) function random_unit(random)

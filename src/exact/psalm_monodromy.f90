@@ -13,9 +13,11 @@ module psalm_monodromy
    use psalm_xoshiro, only: xoshiro_t, purpose_starts
    implicit none (type, external)
    private
-   public :: generic_t, solve_generic, add_distinct, is_same, near, scale_problem, scale_solutions, orbit_key, swap_legs
+   public :: generic_t, solve_generic, add_distinct, is_same, near, scale_problem, scale_solutions, orbit_key, &
+             orbit_numbers, swap_legs
 
    integer, parameter :: most_idle = 8               !! loops that find nothing new before the search is given up
+   integer, parameter :: orbit_numbers = 6           !! that tell solutions of nine points apart
    real(wp), parameter :: near = 1.0e-6_wp           !! relative distance of two solutions that are one
 
    !> A problem and all its solutions.
@@ -121,19 +123,31 @@ contains
       solutions(at_b, :) = merge(l/m, l, problem%slides)*solutions(at_b, :)
    end subroutine scale_solutions
 
-   !> What tells solutions apart: of nine points the third pivot makes sums that no exchange and no cognate changes.
+   !> What tells solutions apart: of nine points sums over the three pivots and over the pins of the three cognates, which no
+   !> exchange changes. Pivots alone do not do: of points that lie symmetrically about an axis a linkage and its mirror image may
+   !> share them.
    pure function orbit_key(v) result(key)
       complex(wp), intent(in) :: v(variables)        !! with differences
-      complex(wp) :: key(4), b, bh, c, ch
+      complex(wp) :: key(orbit_numbers)
 
-      b = v(at_a) + v(at_b)
-      bh = v(at_ah) + v(at_bh)
-      c = v(at_a) - v(at_b)*v(at_x)/v(at_y)
-      ch = v(at_ah) - v(at_bh)*v(at_xh)/v(at_yh)
-      key(1) = v(at_a) + b + c
-      key(2) = v(at_ah) + bh + ch
-      key(3) = v(at_a)*b + b*c + c*v(at_a)
-      key(4) = v(at_ah)*bh + bh*ch + ch*v(at_ah)
+      key(1::2) = sums(v(at_x), v(at_a), v(at_y), v(at_b))
+      key(2::2) = sums(v(at_xh), v(at_ah), v(at_yh), v(at_bh))
+
+   contains
+
+      !> Of numbers or of their partners.
+      pure function sums(x, a, dy, db) result(own)
+         complex(wp), intent(in) :: x, a, dy, db     !! first leg; second leg less first
+         complex(wp) :: own(orbit_numbers/2), b, c, y
+
+         b = a + db
+         y = x + dy
+         c = a - db*x/dy
+         own(1) = a + b + c
+         own(2) = a*b + b*c + c*a
+         ! the pins of the cognate on a and c are a - x and (a - x) (c - b)/(a - b); of that on b and c likewise
+         own(3) = x*y + ((b - y)**2*(c - a) - (a - x)**2*(c - b))/db
+      end function sums
    end function orbit_key
 
    !> A solution with the legs exchanged.
@@ -165,7 +179,7 @@ contains
       real(wp), allocatable :: first(:)
       integer :: n, i, k, form, forms, keyed
 
-      keyed = merge(4, variables, orbits)
+      keyed = merge(orbit_numbers, variables, orbits)
       forms = merge(2, 1, problem%is_symmetric() .and. .not. orbits)
       n = size(solutions, 2)
       allocate (all_of_them(variables, n + forms*size(candidates, 2)), keys(keyed, n + forms*size(candidates, 2)), &

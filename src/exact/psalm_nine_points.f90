@@ -4,15 +4,16 @@
 !> ones are matched to them, in any order, turned, scaled and perhaps mirrored, so that the way is short. It begins at the stored
 !> problem with numbers and partners turned alike by one phase: a straight way between real problems would meet singular ones.
 !> A path that does not arrive, or ends where another one did (one of both has jumped), is followed again the same way with more
-!> care, at last in quadruple precision. If ends are missing then, all paths are followed by another way, whose phase is another.
-!> There are 1442 solutions but for exchange of the legs and cognates, so 1442 distinct ends are all. Sources: Alt
-!> (1923); Wampler, Morgan and Sommese (1992) for the number.
+!> care, at last in quadruple precision. If paths are unsettled then, all are followed by another way, whose phase is another.
+!> There are 1442 solutions but for exchange of the legs and cognates, so 1442 distinct ends are all. Points that lie symmetrically
+!> about an axis have fewer: some paths end at infinity, some in pairs at double solutions. Sources: Alt (1923); Wampler, Morgan and
+!> Sommese (1992) for the number.
 module psalm_nine_points
-   use psalm_careful_tracking, only: track_carefully
+   use psalm_careful_tracking, only: ends_t, take_ends, track_carefully
    use psalm_kinds, only: wp
    use psalm_leg_lanes, only: path_t
    use psalm_leg_problem, only: kind_point, leg_data_t, make_problem, most_points, variables
-   use psalm_monodromy, only: add_distinct, scale_problem, scale_solutions
+   use psalm_monodromy, only: scale_problem, scale_solutions
    use psalm_nine_points_start, only: own_conjugates, start_line, start_points, stored
    use psalm_start_text, only: characters_a_number, decode
    use psalm_tracker, only: polish, track, tracked_t
@@ -26,8 +27,9 @@ module psalm_nine_points
 
    !> All solutions, in the coordinates in which they were followed.
    type :: nine_points_t
-      complex(wp), allocatable :: solutions(:, :)    !! shape (variables, count)
-      real(wp), allocatable :: left(:)               !! last relative correction of each
+      complex(wp), allocatable :: solutions(:, :)    !! shape (variables, count): distinct finite ends, singular ones last
+      real(wp), allocatable :: left(:)               !! last relative correction of each regular one; of a singular one 0
+      type(ends_t) :: ends                           !! how the paths ended
       type(path_t) :: path                           !! whose end is the wanted problem, matched to the stored one
       integer :: order(0:most_points) = 0            !! the wanted point, from 1, that stands at each place
       complex(wp) :: factor = (1.0_wp, 0.0_wp)       !! by which wanted points were multiplied
@@ -35,9 +37,6 @@ module psalm_nine_points
       integer :: passes = 0
       integer :: steps = 0
       integer :: precise = 0                         !! paths followed in quadruple precision
-      integer :: infinite = 0                        !! of these those that end at infinity
-   contains
-      procedure :: complete
    end type nine_points_t
 
 contains
@@ -70,7 +69,6 @@ contains
       if (found%mirrored) wanted = conjg(wanted)
       found%path%to%d = found%factor*(wanted(1:) - wanted(0))
       found%path%to%dh = conjg(found%path%to%d)
-      allocate (found%solutions(variables, 0))
       do pass = 1, most_passes
          associate (phase => phases(1 + modulo(first_phase + pass - 2, most_passes)))
             turn = cmplx(cos(phase), sin(phase), wp)
@@ -85,22 +83,16 @@ contains
          end if
          found%steps = found%steps + tracked%steps
          found%precise = found%precise + tracked%precise
-         found%infinite = max(found%infinite, tracked%infinite)
-         call add_distinct(found%path%problem, tracked%ends, tracked%arrived, .true., found%solutions)
+         call take_ends(found%path, tracked, .true., found%ends)
          found%passes = pass
-         if (found%complete() .or. lost_are_left) exit
+         if (found%ends%complete() .or. lost_are_left) exit
       end do
-      allocate (found%left(size(found%solutions, 2)))
-      call polish(found%path, found%solutions, found%left)
+      allocate (found%left(found%ends%count_of()), source=0.0_wp)
+      call polish(found%path, found%ends%regular, found%left(:size(found%ends%regular, 2)))
+      allocate (found%solutions(variables, found%ends%count_of()))
+      found%solutions(:, :size(found%ends%regular, 2)) = found%ends%regular
+      found%solutions(:, size(found%ends%regular, 2) + 1:) = found%ends%singular
    end subroutine solve_nine_points
-
-   !> True if no end is missing.
-   pure logical function complete(self)
-      class(nine_points_t), intent(in) :: self
-
-      complete = allocated(self%solutions)
-      if (complete) complete = size(self%solutions, 2) + self%infinite >= nine_point_orbits
-   end function complete
 
    !> The stored solutions and the conjugates of those that come in pairs.
    pure subroutine load_starts(starts)

@@ -12,9 +12,9 @@ module psalm_quad_path
    use psalm_quad, only: qp, abs, exp
    implicit none (type, external)
    private
-   public :: follow_precisely, path_arrived, path_stuck, path_to_infinity
+   public :: follow_precisely, path_arrived, path_stuck, path_to_infinity, path_singular
 
-   integer, parameter :: path_arrived = 1, path_stuck = 2, path_to_infinity = 3
+   integer, parameter :: path_arrived = 1, path_stuck = 2, path_to_infinity = 3, path_singular = 4
    integer, parameter :: of_g = 1, of_gh = 2, of_value = 2 + variables + 1, of_rate = 2 + variables + 2, columns = of_rate
    integer, parameter :: remembered = 3              !! points that the predictor goes through
    integer, parameter :: most_equations = 4          !! of a point
@@ -28,7 +28,13 @@ module psalm_quad_path
    real(qp), parameter :: infinite = 1.0e12_qp, nearly_there = 1.0e-6_qp !! a number beyond the first at a t below the second
    real(qp), parameter :: loose_start = 1.0e-2_qp
    real(qp), parameter :: undetermined = 1.0e-4_qp   !! relative change of an end by the rounding of the data
-   real(qp), parameter :: far = 1.0e3_qp             !! a number of such an end that would be infinite without rounding
+   ! An end that is no regular one is judged from afar. Where two branches cross at the end, rounding of the data parts them below
+   ! a t of its square root: nothing nearer than that is known
+   real(qp), parameter :: first_look = 1.0e-4_qp, last_look = 1.0e-6_qp !! the t of two looks at the way to it
+   real(qp), parameter :: hopeless = 1.0e-8_qp       !! the t at which a path that has not come to its end is given up
+   real(qp), parameter :: late = 1.0e-5_qp           !! the largest t from which an end is judged
+   real(qp), parameter :: runs_away = 0.1_qp         !! a number that grows like t to less than minus this is infinite in the end
+   integer, parameter :: most_winding = 6
 
    !> Legs and turns of the coupler.
    type :: state_t
@@ -36,18 +42,29 @@ module psalm_quad_path
       complex(qp) :: g(most_points) = (0.0_qp, 0.0_qp), gh(most_points) = (0.0_qp, 0.0_qp)
    end type state_t
 
+   !> A place on the way to an end.
+   type :: look_t
+      real(qp) :: t = 0.0_qp
+      complex(qp) :: v(variables) = (0.0_qp, 0.0_qp), tangent(variables) = (0.0_qp, 0.0_qp)
+   end type look_t
+
 contains
 
-   !> Follow a solution from some t to t = 0. `outcome` is one of path_arrived, path_stuck, path_to_infinity.
-   subroutine follow_precisely(path, first_t, start, v, outcome)
+   !> Follow a solution from some t to t = 0. `outcome` is one of path_arrived, path_stuck, path_to_infinity, path_singular. Near an
+   !> end where the equations are singular the numbers are series in t**(1/m), m the winding number; it is found from the growth of
+   !> t dz/dt between two places, and the end by its first two terms. Source: Morgan, Sommese and Wampler (1992), Numerische
+   !> Mathematik 63, 391.
+   subroutine follow_precisely(path, first_t, start, v, outcome, winding)
       type(path_t), intent(in) :: path
       real(wp), intent(in) :: first_t
       complex(wp), intent(in) :: start(variables)    !! the solution there
       complex(wp), intent(out) :: v(variables)       !! where it ended
       integer, intent(out) :: outcome
+      integer, intent(out) :: winding                !! of a singular end; else 1
       complex(wp) :: g(most_points), gh(most_points)
       type(leg_data_t) :: between
       type(state_t) :: past(remembered), slope(remembered), z, tangent
+      type(look_t) :: looks(2)
       real(qp) :: past_t(remembered), t, h, aimed, e(2)
       integer :: known, k, step
 
@@ -63,6 +80,7 @@ contains
       z%gh = cmplx(gh, kind=qp)
       v = start
       outcome = path_stuck
+      winding = 1
       t = real(first_t, qp)
       do k = 1, most_corrections
          call correct(path, t, z, tangent, e(1))
@@ -74,6 +92,7 @@ contains
       past_t = t
       known = 1
       h = first_step*t
+      call look
       do step = 1, most_steps
          aimed = max(t - h, 0.0_qp)
          call predict(past_t(:known), past(:known), slope(:known), aimed, z)
@@ -87,6 +106,7 @@ contains
                return
             end if
             if (.not. t > 0.0_qp) exit
+            call look
             h = h*min(max(caution*real(fractional_power(real(min(aimed_error/max(e(1), tiny(1.0_qp)), most_in_hand), wp), &
                                                         1.0_wp/6.0_wp), qp), shortest), longest)
             past(2:) = past(:remembered - 1)
@@ -98,22 +118,68 @@ contains
             known = min(known + 1, remembered)
          else
             h = h*after_refusal
-            if (h < least_step) return
+            if (h < least_step .or. t < hopeless) exit
          end if
       end do
-      if (t > 0.0_qp) return
+      if (t > 0.0_qp) then
+         call judge_end
+         return
+      end if
       do k = 1, most_corrections
          call correct(path, t, z, tangent, e(1))
          if (e(1) < settled) exit
       end do
-      if (.not. e(1) < converged) return
-      v = cmplx(z%v, kind=wp)
-      if (epsilon(1.0_wp)*maxval(abs(tangent%v)/max(abs(z%v), tiny(1.0_qp))) > undetermined) then
-         ! the rounding of the data moves it as far as it likes: it is there by that alone
-         if (maxval(abs(z%v)) > far) outcome = path_to_infinity
-         return
+      ! what the rounding of the data moves as far as it likes is there by that alone
+      if (e(1) < converged .and. &
+          .not. epsilon(1.0_wp)*maxval(abs(tangent%v)/max(abs(z%v), tiny(1.0_qp))) > undetermined) then
+         v = cmplx(z%v, kind=wp)
+         outcome = path_arrived
+      else
+         call judge_end
       end if
-      outcome = path_arrived
+
+   contains
+
+      !> Keep the place: the last one above each look's t.
+      subroutine look()
+         type(look_t) :: now
+
+         now%t = t
+         now%v = z%v
+         now%tangent = tangent%v
+         if (t > first_look .or. .not. looks(1)%t > 0.0_qp) looks(1) = now
+         if (t > last_look .or. .not. looks(2)%t > 0.0_qp) looks(2) = now
+      end subroutine look
+
+      !> What an end is like that is not regular.
+      subroutine judge_end()
+         complex(qp) :: ends(variables, 2)
+         real(qp) :: growth(variables, 2), exponent, weight
+         integer :: i
+
+         if (looks(2)%t > late) return
+         do i = 1, 2
+            growth(:, i) = real(looks(i)%t*looks(i)%tangent/looks(i)%v, qp)
+         end do
+         if (any(growth(:, 2) < -runs_away)) then
+            outcome = path_to_infinity
+            return
+         end if
+         do i = 1, 2
+            growth(1, i) = maxval(abs(looks(i)%t*looks(i)%tangent))
+         end do
+         if (.not. looks(2)%t < 0.5_qp*looks(1)%t .or. .not. growth(1, 2) > 0.0_qp) return
+         exponent = real(log(real(growth(1, 1)/growth(1, 2), wp))/log(real(looks(1)%t/looks(2)%t, wp)), qp)
+         if (.not. exponent > 0.5_qp/real(most_winding, qp)) return
+         winding = max(nint(1.0_wp/real(exponent, wp)), 1)
+         ! z - m t dz/dt has no first term; what is left of both looks gives the second
+         weight = real(real(looks(2)%t/looks(1)%t, wp)**(2.0_wp/real(winding, wp)), qp)
+         do i = 1, 2
+            ends(:, i) = looks(i)%v - real(winding, qp)*looks(i)%t*looks(i)%tangent
+         end do
+         v = cmplx((ends(:, 2) - weight*ends(:, 1))/(1.0_qp - weight), kind=wp)
+         outcome = path_singular
+      end subroutine judge_end
    end subroutine follow_precisely
 
    !> Hermite extrapolation through past points and tangents.

@@ -22,6 +22,7 @@ module psalm_tracker
    real(wp), parameter :: caution = 0.9_wp, shortest = 0.3_wp, longest = 2.0_wp, after_refusal = 0.35_wp
    real(wp), parameter :: far_away = 1.0e12_wp       !! a number of a path that is given up
    real(wp), parameter :: loose_start = 1.0e-2_wp    !! first correction of a start
+   real(wp), parameter :: still_far = 1.0e-3_wp      !! the t above which rounding cannot have spoilt a place
    integer, parameter :: most_polish = 8
    real(wp), parameter :: settled = 1.0e-14_wp       !! relative correction that is rounding
 
@@ -30,6 +31,13 @@ module psalm_tracker
       complex(wp), allocatable :: ends(:, :)         !! shape (variables, count); of one that did not arrive its last sound place
       real(wp), allocatable :: reached(:)            !! shape (count): the t of that
       logical, allocatable :: arrived(:)             !! shape (count)
+      real(wp), allocatable :: left(:)               !! shape (count): last relative correction of those that arrived
+      complex(wp), allocatable :: last_place(:, :)   !! shape (variables, count): last place on the way far from the end
+      real(wp), allocatable :: last_t(:)             !! shape (count): the t of that
+      logical, allocatable :: singular(:)            !! shape (count): the end is finite, the equations are singular there
+                                                     !! (psalm_careful_tracking); such a path has not arrived
+      integer, allocatable :: winding(:)             !! shape (count): of those, turns of t about 0 that close the path
+      logical :: sure = .false.                      !! every end was reached by a path that did not jump
       integer :: steps = 0                           !! of all paths
       integer :: precise = 0                         !! paths followed in quadruple precision (psalm_careful_tracking)
       integer :: infinite = 0                        !! of these those that end at infinity
@@ -54,8 +62,11 @@ contains
       logical :: accepted
 
       tracked%ends = starts
-      allocate (tracked%arrived(size(starts, 2)), source=.false.)
-      allocate (tracked%reached(size(starts, 2)), source=1.0_wp)
+      tracked%last_place = starts
+      allocate (tracked%arrived(size(starts, 2)), tracked%singular(size(starts, 2)), source=.false.)
+      allocate (tracked%reached(size(starts, 2)), tracked%last_t(size(starts, 2)), source=1.0_wp)
+      allocate (tracked%left(size(starts, 2)), source=0.0_wp)
+      allocate (tracked%winding(size(starts, 2)), source=1)
       if (size(starts, 2) == 0) return
       allocate (work)
       allocate (past(lanes, state_size, remembered), past_tangent(lanes, state_size, remembered), z(lanes, state_size), &
@@ -109,6 +120,10 @@ contains
                   call take_next(l)
                   cycle
                end if
+               if (t(l) > still_far) then
+                  tracked%last_place(:, which(l)) = z(l, :variables)
+                  tracked%last_t(which(l)) = t(l)
+               end if
                if (known(l) > 0) then
                   factor = caution*(aim*accept_below/max(e1(l), tiny(1.0_wp)))**(1.0_wp/6.0_wp)
                   h(l) = h(l)*min(max(factor, shortest), longest)
@@ -137,6 +152,7 @@ contains
       allocate (left(size(which_arrived)))
       call polish(path, polished, left)
       tracked%ends(:, which_arrived) = polished
+      tracked%left(which_arrived) = left
 
    contains
 

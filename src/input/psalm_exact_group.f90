@@ -1,7 +1,7 @@
 !> The group EXACT: points, poses, timed points or a function that a four-bar or slider-crank is to meet exactly.
 module psalm_exact_group
    use psalm_group, only: group_t, check_range, out_of, read_flag, required
-   use psalm_kinds, only: wp
+   use psalm_kinds, only: wp, right_angle
    use psalm_status, only: diagnostics_t
    use psalm_text, only: to_text
    implicit none (type, external)
@@ -43,7 +43,8 @@ module psalm_exact_group
       integer :: grid = 6                            !! NGRID: values of each dimension of a six-bar's driver
       logical :: has_arm = .false.                   !! ARM was given
       real(wp) :: arm(6) = not_given                 !! ARM: joints of a chain in the first pose
-      real(wp) :: least_transmission = 20.0_wp       !! TRMIN, degrees: of a six-bar
+      real(wp) :: least_transmission = 20.0_wp       !! TRMIN, degrees
+      logical :: has_least_transmission = .false.    !! TRMIN was given: other linkages than six-bars obey it too
       integer :: subsets = 3                         !! NSUB: sets of nine of more points
       logical :: minimax = .false.                   !! MINIMAX
       logical :: certify = .false.                   !! CERTIFY
@@ -201,6 +202,9 @@ contains
       call group%get_integer('NGRID', exact%grid, findings)
       call check_range(group, 'NGRID', exact%grid, 2, largest_grid, findings)
       call group%get_real('TRMIN', exact%least_transmission, findings)
+      exact%has_least_transmission = group%given('TRMIN')
+      if (.not. (exact%least_transmission >= 0.0_wp .and. exact%least_transmission < right_angle)) &
+         call out_of(group, 'TRMIN', 'must be from 0 to less than 90 degrees', findings)
       phi = not_given
       psi = not_given
       call group%get_reals('PHI', phi, findings, last=n)

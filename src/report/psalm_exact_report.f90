@@ -5,8 +5,8 @@ module psalm_exact_report
    use psalm_defects, only: class_names, exact_linkage_t
    use psalm_devices, only: devices_t, header_of
    use psalm_exact_group, only: exact_kinds
-   use psalm_exact_study, only: exact_study_t, results_of, way_burmester, way_curves, way_generators, way_legs, way_minimax, &
-                                way_guided, way_nine, way_six_bars, way_subsets
+   use psalm_exact_study, only: exact_study_t, obeys_transmission, results_of, way_burmester, way_curves, way_generators, &
+                                way_guided, way_legs, way_minimax, way_nine, way_six_bars, way_subsets
    use psalm_exact_text, only: write_generator, write_guided, write_linkage, write_six_bar
    use psalm_function_points, only: generator_t
    use psalm_guided_six_bars, only: body_names
@@ -19,6 +19,7 @@ module psalm_exact_report
    private
    public :: report_exact, write_case, shown_of
 
+   integer, parameter :: sound_classes = 2           !! the first classes of psalm_defects: linkages without a defect
    integer, parameter :: samples = 21                !! positions of a generator with the least largest error
 
 contains
@@ -38,6 +39,10 @@ contains
       call devices%eight%add(' &EXACT asks for linkages; there is no linkage to set up')
       if (set%exact%certify .and. .not. study%examined) call devices%remark(set, &
          'CERTIFY examines complete lists of solutions; there is none here')
+      if (set%exact%has_least_transmission .and. .not. obeys_transmission(study)) call devices%remark(set, &
+         'TRMIN has no effect here: it bounds four-bars, slider-cranks and six-bars that generate functions')
+      if (study%flat > 0) call devices%six%add('  '//to_text(study%flat)//' linkages left out: transmission angle less than'// &
+                                               general(set%exact%least_transmission)//' (TRMIN)')
       select case (study%way)
       case (way_generators)
          call report_generators(set, study, devices)
@@ -52,6 +57,11 @@ contains
       case default
          call report_linkages(set, study, devices)
       end select
+      if (shown_of(set, study) == 0) then
+         ! nothing of an earlier run stays
+         call devices%seven%add('! '//trim(set%title)//': no linkage was found')
+         call begin_list(set, devices%nine, 'rank')
+      end if
       if (allocated(study%curve)) then
          if (size(study%curve) > 0) call add_curve_points(set, study, devices%nine)
       end if
@@ -120,7 +130,7 @@ contains
       type(exact_study_t), intent(in) :: study
       character(:), allocatable :: text
       character(:), allocatable :: what
-      integer :: at_infinity
+      integer :: at_infinity, missing
 
       ! of dyads those are among the ends
       at_infinity = merge(study%infinite, 0, study%way == way_nine .or. study%way == way_legs)
@@ -135,9 +145,16 @@ contains
             if (study%certificate%examined < study%ends) text = text//' but those with a pivot at infinity'
          end if
          if (at_infinity > 0) text = text//', '//to_text(at_infinity)//' at infinity'
+         if (study%singular > 0) text = text//', singular: '//to_text(study%singular)
+         if (study%merged > 0) text = text//', '//to_text(study%merged)//' end where others do'
       else if (study%expected > 0) then
-         text = 'not complete: '//to_text(study%expected - study%ends - at_infinity)//' of '//to_text(study%expected)//' '//what// &
-                ' missing (at infinity or singular)'
+         missing = study%expected - study%ends - study%merged - at_infinity
+         if (missing > 0) then
+            text = 'not complete: '//to_text(missing)//' of '//to_text(study%expected)//' '//what// &
+                   ' missing (at infinity or singular)'
+         else
+            text = 'not complete: some of '//to_text(study%expected)//' '//what//' are not settled (at infinity or singular)'
+         end if
       else
          text = 'the number of ends is not known for these conditions; '//to_text(study%ends)//' of '//to_text(study%generic)// &
                 ' of a generic problem found'
@@ -172,10 +189,18 @@ contains
          if (.not. study%complete .and. study%way /= way_curves) call devices%remark(set, sentence_of(study))
          shown = shown_of(set, study)
          if (shown == 0) then
-            call devices%remark(set, 'no real linkage passes these points')
+            if (study%flat > 0) then
+               call devices%remark(set, 'no linkage has a transmission angle of TRMIN or more: give a smaller one, or free '// &
+                                        'something (fewer points or poses, no PIVOTS)')
+            else
+               call devices%remark(set, 'no real linkage passes these points')
+            end if
             call devices%note_violation()
             return
          end if
+         if (all(study%results(:shown)%verdict%class > sound_classes)) call devices%remark(set, 'every linkage listed has a '// &
+            'defect: try other or fewer points or poses (four poses leave curves of pivots), other PIVOTS or none, a six-bar '// &
+            '(ARM), or a search with these values as desired ones')
          call six%add()
          call six%add('  RANK CIRCUIT ORDER BRANCH CRANK   TRANSMISSION   LONGEST LINK    SENSITIVITY        CLOSURE')
          do i = 1, shown
@@ -347,7 +372,11 @@ contains
          call six%add('  '//to_text(found%sets)//' sets of nine points, '//to_text(found%complete)//' of them with all '// &
                       'four-bars; '//to_text(found%starts)//' starts with a turning crank')
          shown = shown_of(set, study)
-         if (shown == 0) then
+         if (shown == 0 .and. study%flat > 0) then
+            call devices%remark(set, 'no linkage has a transmission angle of TRMIN or more: give a smaller one')
+            call devices%note_violation()
+            return
+         else if (shown == 0) then
             call devices%remark(set, 'no four-bar through nine of these points has a crank that turns')
             call devices%note_violation()
             return

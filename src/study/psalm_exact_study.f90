@@ -1,7 +1,7 @@
 !> All linkages that meet points, poses, timed points or a function exactly. Data in, results out.
 module psalm_exact_study
    use psalm_burmester, only: dyad_t, dyads_t, five_poses, pin_for_pivot
-   use psalm_careful_tracking, only: track_carefully
+   use psalm_careful_tracking, only: ends_t, take_ends, track_carefully
    use psalm_certificate, only: certificate_t, certify_generators, certify_legs, certify_poses
    use psalm_data_set, only: data_set_t
    use psalm_defects, only: exact_linkage_t, cognates_of, place_pins
@@ -11,13 +11,13 @@ module psalm_exact_study
    use psalm_function_points, only: generators_t, five_points, four_points, three_points
    use psalm_generic, only: generic_solutions
    use psalm_guided_six_bars, only: arm_t, guided_study_t, find_guided, place_arm, poses_guided
-   use psalm_kinds, only: wp, pi, radians_per_degree
+   use psalm_kinds, only: wp, full_turn, pi, radians_per_degree
    use psalm_leg_lanes, only: path_t
    use psalm_leg_problem, only: absolute, at_a, at_ah, at_b, at_bh, at_x, at_y, kind_point, kind_pose, kind_timed, leg_data_t, &
                                 leg_problem_t, make_problem, most_points, random_unit, turns_of, variables
    use psalm_angles, only: unit_vector
    use psalm_minimax, only: approximation_t, approximate
-   use psalm_monodromy, only: add_distinct, generic_t, scale_problem, scale_solutions
+   use psalm_monodromy, only: generic_t, scale_problem, scale_solutions
    use psalm_nine_points, only: in_place, nine_point_orbits, nine_points_t, solve_nine_points
    use psalm_pole_curves, only: curve_sample_t, find_lines, find_pairs, sample_curve
    use psalm_six_bars, only: six_bars_t, find_stephenson, find_watt
@@ -29,7 +29,7 @@ module psalm_exact_study
    implicit none (type, external)
    private
    public :: exact_study_t, check_exact, find_exact, poses_of, leaves_curves, rank_proven, results_of, &
-             stays_assembled, tries, way_burmester, way_curves, way_legs, way_nine, &
+             leave_out_flat, obeys_transmission, stays_assembled, tries, way_burmester, way_curves, way_legs, way_nine, &
              way_generators, way_minimax, way_six_bars, way_subsets, &
              way_guided
 
@@ -73,7 +73,10 @@ module psalm_exact_study
       integer :: generic = 0                         !! those of the generic problem that the search began with
       integer :: ends = 0                            !! distinct finite ends found
       integer :: imaginary = 0, infinite = 0         !! five poses, functions: those that are not real or have a pivot at infinity
-      integer :: real_ends = 0                       !! of these those that are real
+      integer :: singular = 0                        !! of these those where the equations are singular: multiple or not isolated
+      integer :: merged = 0                          !! paths that end where others do: at multiple ends, or at one linkage that
+                                                     !! passes a given point in two positions
+      integer :: real_ends = 0                       !! of the distinct ends those that are real
       integer :: linkages = 0                        !! real linkages, without exchange of the legs
       logical :: complete = .false.
       logical :: degenerate = .false.                !! more than finitely many
@@ -90,6 +93,7 @@ module psalm_exact_study
       type(certificate_t) :: certificate
       type(curve_sample_t), allocatable :: curve(:)  !! four poses: points of the curves, from the first pose's
       type(dyad_t), allocatable :: lines(:)          !! curves: slides found, of four poses 1 at most, from the first pose's point
+      integer :: flat = 0                            !! linkages left out: their transmission angle is less than TRMIN
       integer :: too_long = 0                        !! optima with a link that is too long
       type(exact_proof_t), allocatable :: proofs(:)  !! of the first results; not allocated: none were asked for
    end type exact_study_t
@@ -279,6 +283,8 @@ contains
          if (problem%kind(j) == kind_point) cycle
          if (problem%kind(j) == kind_pose) angle = exact%angle(j + 1) - exact%angle(1)
          if (problem%kind(j) == kind_timed) angle = exact%time(j + 1) - exact%time(1)
+         ! whole turns are no turn: the paths would wind with them
+         if (abs(angle) > full_turn) angle = modulo(angle, full_turn)
          data%turn(j) = cmplx(0.0_wp, radians_per_degree*angle, wp)
       end do
       a = (0.0_wp, 0.0_wp)
@@ -320,7 +326,41 @@ contains
             call find_by_legs(exact, study)
          end if
       end associate
+      call leave_out_flat(set%exact, study)
    end subroutine find_exact
+
+   !> True for kinds of results whose transmission angle TRMIN bounds: all but function generators with four links and chains that
+   !> carry a body.
+   pure logical function obeys_transmission(study)
+      type(exact_study_t), intent(in) :: study
+
+      obeys_transmission = all(study%way /= [way_generators, way_minimax, way_guided])
+   end function obeys_transmission
+
+   !> Leave out results whose transmission angle is less than TRMIN, if it was given. (Six-bars obey it when they are found.)
+   pure subroutine leave_out_flat(exact, study)
+      type(exact_group_t), intent(in) :: exact
+      type(exact_study_t), intent(inout) :: study
+      integer, allocatable :: kept(:)
+      integer :: i
+
+      if (.not. exact%has_least_transmission) return
+      select case (study%way)
+      case (way_burmester, way_curves, way_legs, way_nine)
+         kept = pack([(i, i=1, size(study%results))], study%results%verdict%transmission >= exact%least_transmission)
+         study%flat = study%flat + size(study%results) - size(kept)
+         study%results = study%results(kept)
+      case (way_subsets)
+         if (.not. allocated(study%subsets%results)) return
+         kept = pack([(i, i=1, size(study%subsets%results))], &
+                     study%subsets%results%verdict%transmission >= exact%least_transmission)
+         study%flat = study%flat + size(study%subsets%results) - size(kept)
+         study%subsets%results = study%subsets%results(kept)
+      case default
+         return
+      end select
+      if (allocated(study%proofs)) study%proofs = study%proofs(kept)
+   end subroutine leave_out_flat
 
    !> Poses from the first.
    pure subroutine poses_of(exact, p, d, g)
@@ -431,8 +471,8 @@ contains
       p = cmplx(exact%x, exact%y, wp)
       call solve_nine_points(p, 1, found)
       study%ends = size(found%solutions, 2)
-      study%infinite = found%infinite
-      study%complete = found%complete()
+      call take_counts(found%ends, study)
+      study%complete = found%ends%complete()
       study%passes = found%passes
       allocate (own(variables, study%ends), turns(most_points, study%ends), partners(most_points, study%ends), likely(study%ends))
       first = p(found%order(0) - 1)
@@ -470,6 +510,16 @@ contains
                         partners, likely, .true., study%certificate)
    end subroutine find_nine_points
 
+   !> How many ends are no regular ones.
+   pure subroutine take_counts(ends, study)
+      type(ends_t), intent(in) :: ends
+      type(exact_study_t), intent(inout) :: study
+
+      study%infinite = ends%infinite
+      study%singular = size(ends%singular, 2)
+      study%merged = ends%to_singular - study%singular + ends%shared
+   end subroutine take_counts
+
    !> True if numbers and partners are conjugate.
    pure logical function is_real(v)
       complex(wp), intent(in) :: v(variables)
@@ -486,6 +536,7 @@ contains
       type(leg_data_t) :: turned
       type(path_t) :: path
       type(tracked_t) :: tracked
+      type(ends_t) :: ends
       type(xoshiro_t) :: random
       type(exact_linkage_t) :: one
       complex(wp), allocatable :: starts(:, :), found(:, :)
@@ -507,9 +558,8 @@ contains
       call data_of(exact, problem, size_of_all, path%to)
       call random%seed(seed, purpose_starts)
       call random%jump()
-      allocate (found(variables, 0))
+      before = 0
       do pass = 1, most_passes
-         before = size(found, 2)
          l = random_unit(random)
          m = random_unit(random)
          starts = generic%solutions
@@ -517,16 +567,20 @@ contains
          call scale_solutions(problem, l, m, starts)
          path%from = turned
          call track_carefully(path, starts, .false., tracked)
-         study%infinite = max(study%infinite, tracked%infinite)
-         call add_distinct(problem, tracked%ends, tracked%arrived, .false., found)
+         call take_ends(path, tracked, .false., ends)
          study%passes = pass
-         if (size(found, 2) + study%infinite >= study%generic) exit
-         if (pass > 1 .and. size(found, 2) == before) exit
+         if (ends%complete()) exit
+         if (pass > 1 .and. ends%settled + size(ends%regular, 2) == before) exit
+         before = ends%settled + size(ends%regular, 2)
       end do
-      allocate (left(size(found, 2)))
-      call polish(path, found, left)
-      study%ends = size(found, 2)
-      study%complete = study%ends + study%infinite == study%generic .and. study%generic == study%expected
+      allocate (left(size(ends%regular, 2)))
+      call polish(path, ends%regular, left)
+      study%ends = ends%count_of()
+      allocate (found(variables, study%ends))
+      found(:, :size(ends%regular, 2)) = ends%regular
+      found(:, size(ends%regular, 2) + 1:) = ends%singular
+      call take_counts(ends, study)
+      study%complete = ends%complete() .and. study%generic == study%expected
       first = cmplx(exact%x(1), exact%y(1), wp)
       allocate (likely(study%ends), source=.false.)
       allocate (turns(most_points, study%ends), partners(most_points, study%ends), source=(0.0_wp, 0.0_wp))

@@ -72,7 +72,7 @@ contains
          if (.not. drawn) exit
          study%sets = study%sets + 1
          call solve_nine_points(p(chosen), 1, found, quick=.true.)
-         if (found%complete()) study%complete = study%complete + 1
+         if (found%ends%complete()) study%complete = study%complete + 1
          scores = huge(1.0_wp)
          do i = 1, size(found%solutions, 2)
             v = in_place(found, found%solutions(:, i))
