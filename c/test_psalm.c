@@ -7,6 +7,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
+#include <unistd.h>
 
 static int passed, failed;
 
@@ -198,6 +200,67 @@ static void texts(void) {
   check(!strcmp(psalm_status_text(77), "unknown status") && !strcmp(psalm_status_text(-1), "unknown status"), "no status");
 }
 
+/* Names and words cannot leave their place in the text of a case. */
+static void names(void) {
+  psalm_case *c = NULL;
+  const double one = 1.0;
+  check(psalm_new("T\n &LIMITS TANGLE=3.0 &END", &c) == PSALM_DONE && psalm_analyse(c) == PSALM_BAD_INPUT && says(c, "one line"),
+        "a title of two lines");
+  psalm_free(c);
+  psalm_new("T", &c);
+  check(psalm_set_reals(c, "LIMITS", "TANGLE=1.0, BNAME", 1, &one) == PSALM_BAD_INPUT && says(c, "letters and digits"), "an item that sets another");
+  check(psalm_set_reals(c, "LIMITS &END &SEARCH", "X", 1, &one) == PSALM_BAD_INPUT && says(c, "letters and digits"), "a group that opens another");
+  check(psalm_set_word(c, "RATES", "UNITS", "A\nB") == PSALM_BAD_INPUT && says(c, "line breaks"), "a word of two lines");
+  check(psalm_set_word(c, "RATES", "UNITS", "REV/MIN', SPEED=1000.0, UNITS='") == PSALM_DONE && psalm_rates(c) == PSALM_BAD_INPUT,
+        "apostrophes stay in their word");
+  psalm_free(c);
+}
+
+static psalm_case *searched;
+
+static void stop_it(int unused) {
+  (void)unused;
+  psalm_cancel(searched);
+}
+
+/* A search that would take days, ended by a signal handler. */
+static void stopping(const char *directory) {
+  char file[4096], text[16384], more[16384 + 64];
+  size_t n;
+  int made = -1, most = 0;
+  double best = -1;
+  time_t began = time(NULL);
+  struct sigaction ours, before;
+  FILE *data;
+  char *place;
+  snprintf(file, sizeof file, "%s/needle_lsq.nml", directory);
+  data = fopen(file, "r");
+  check(data != NULL, "needle_lsq.nml is there");
+  if (!data) return;
+  n = fread(text, 1, sizeof text - 1, data);
+  fclose(data);
+  text[n] = 0;
+  place = strstr(text, "NSTART=");
+  check(place != NULL, "it has NSTART");
+  if (!place) return;
+  snprintf(more, sizeof more, "%.*sNSTART=1000000%s", (int)(place - text), text, place + 7 + strspn(place + 7, "0123456789"));
+  searched = from_text(more);
+  check(psalm_cancel(searched) == PSALM_DONE && psalm_cancel(NULL) == PSALM_MISUSE, "psalm_cancel without a study");
+  memset(&ours, 0, sizeof ours);
+  ours.sa_handler = stop_it;
+  sigaction(SIGALRM, &ours, &before);
+  alarm(1);
+  check(psalm_synthesise(searched, 1) == PSALM_VIOLATION, "a search that is stopped");
+  alarm(0);
+  sigaction(SIGALRM, &before, NULL);
+  check(difftime(time(NULL), began) < 15, "it ends soon");
+  check(psalm_progress(searched, &made, &most, &best) == PSALM_DONE && made > 0 && made < most && most == 1000000 && best >= 0, "progress");
+  check(psalm_progress(searched, NULL, NULL, NULL) == PSALM_DONE && psalm_progress(NULL, &made, NULL, NULL) == PSALM_MISUSE,
+        "progress to nowhere, of nothing");
+  check(psalm_synthesise(searched, 2147483647) == PSALM_BAD_INPUT && says(searched, "1024"), "too many threads");
+  psalm_free(searched);
+}
+
 int main(int count, char **argument) {
   const int all[] = {SIGINT, SIGTERM, SIGSEGV, SIGFPE, SIGABRT, SIGPIPE};
   struct sigaction before[6], after;
@@ -213,6 +276,8 @@ int main(int count, char **argument) {
   search(argument[1]);
   findings();
   misuse();
+  names();
+  stopping(argument[1]);
   sigprocmask(SIG_BLOCK, NULL, &mask_after);
   for (int i = 0; i < 6; i++) {
     sigaction(all[i], NULL, &after);

@@ -5,7 +5,11 @@
  * touched, nothing ends the program. What is wrong with a case comes back as findings, each with its line and a text.
  *
  * Lengths are in one unit of the user's choice, angles in degrees, rates of angles in radians. Loops, arcs, cases and findings are
- * counted from 1. Different cases may be used by different threads at the same time, one case by one thread only.
+ * counted from 1. Different cases may be used by different threads at the same time, one case by one thread only (but for psalm_cancel
+ * and psalm_progress).
+ *
+ * Threads and fork: after a study by two or more threads a forked child must not start such a study again - the threads of OpenMP do
+ * not live on in the child, and it would wait for them for ever. One thread works there; so does a child that calls exec.
  *
  * Link with -lpsalm (scripts/build_library makes build/lib/libpsalm.so). */
 #ifndef PSALM_H
@@ -55,7 +59,9 @@ int psalm_read_text(const char *text, int number, psalm_case **made);   /* the s
 int psalm_new(const char *title, psalm_case **made);                    /* to be filled by psalm_add_loop and psalm_set_... */
 void psalm_free(psalm_case *c);                                         /* NULL is allowed */
 
-/* Filling a case of psalm_new. length and angle may be NULL: zeros. Errors show when the case is studied. */
+/* Filling a case of psalm_new. length and angle may be NULL: zeros. What is wrong with names (letters and digits, 31 at most), with
+ * numbers (finite) and words (no control characters; apostrophes are allowed) is PSALM_BAD_INPUT at once, with findings, and the case
+ * stays as it was; other errors show when the case is studied. */
 int psalm_add_loop(psalm_case *c, int arcs, const int *ilink, const int *iloop, const double *length, const double *angle);
 int psalm_set_integers(psalm_case *c, const char *group, const char *item, int count, const int *values);
 int psalm_set_reals(psalm_case *c, const char *group, const char *item, int count, const double *values);
@@ -67,12 +73,19 @@ int psalm_set_angle(psalm_case *c, int loop, int arc, double angle);
 int psalm_get_length(const psalm_case *c, int loop, int arc, double *length);
 int psalm_get_angle(const psalm_case *c, int loop, int arc, double *angle);
 
-/* Studies. Each replaces the findings of the one before. threads 0: THREADS of the case, or 1. */
+/* Studies. Each replaces the findings of the one before. threads 0: THREADS of the case, or 1; at most 1024. */
 int psalm_analyse(psalm_case *c);
 int psalm_rates(psalm_case *c);
 int psalm_tolerances(psalm_case *c, int threads);
 int psalm_synthesise(psalm_case *c, int threads);
 int psalm_found(psalm_case *c, int rank, psalm_case **made);            /* the linkage that a search found, best first */
+
+/* While psalm_synthesise or psalm_tolerances works on the case, another thread, or a signal handler, may end it and ask how far it is.
+ * psalm_cancel ends the study that is running, mostly within milliseconds: it returns PSALM_VIOLATION, and what it found so far is there.
+ * Called before the study begins it has no effect. psalm_progress gives starts or iterations made, how many there will be at most, and
+ * the best objective so far; each pointer may be NULL. *made is 0 before the first. Free the case only after the study has returned. */
+int psalm_cancel(psalm_case *c);
+int psalm_progress(const psalm_case *c, int *made, int *most, double *best);
 
 /* Results of the studies made last. */
 int psalm_positions(const psalm_case *c);      /* 0 before a study */

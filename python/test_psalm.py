@@ -2,9 +2,14 @@
 """The Python module as another program uses it.
 
 usage: test_psalm.py DATA_DIRECTORY, with the module on the path. Last line: N passed, N failed."""
+import copy
 import os
+import pickle
+import re
+import signal
 import sys
 import threading
+import time
 
 import numpy
 import psalm
@@ -104,6 +109,73 @@ def test_errors():
     check("NaN where it is open", (numpy.isnan(result.actual[:, 0]) == ~result.closed).all())
 
 
+def test_copies():
+    case = psalm.Case.from_text(SLIDER)
+    for name, copier in (("copy", copy.copy), ("deepcopy", copy.deepcopy), ("pickle", pickle.dumps)):
+        raises("a case is not copied: " + name, "cannot be copied", lambda: copier(case), TypeError)
+    check("and lives on", case.analyse().closed.all())
+
+
+def made_in_memory():
+    case = psalm.Case("MADE IN MEMORY")
+    case.add_loop([1, -2, 3, 4], [1, 0, -4, 1], [40, 140, 0, 10], [0, 0, 0, 270.0])
+    for group, item, values in (("METHOD", "MOTION", 3), ("METHOD", "NDES", 2), ("METHOD", "DELT", [0.0, 5.0]),
+                                ("LINKS", "NOUTLK", 3), ("LINKS", "NOUTLP", 1)):
+        case.set(group, item, values)
+    return case
+
+
+def test_names():
+    """Names and words cannot leave their place in the text of the case."""
+    case = made_in_memory()
+    case.set("RATES", "SPEED", 2.0)
+    plain = case.rates().velocity
+    case.set("RATES", "UNITS", "RAD/S', SPEED=1000.0 &END &USERX A='")
+    raises("a word with apostrophes stays one word", "UNITS", case.rates)
+    case.set("RATES", "UNITS", "RAD/S")
+    check("and nothing else was set", (case.rates().velocity == plain).all())
+    for what, group, item, value in (("a group with a blank", "LIM ITS", "TANGLE", 3.0), ("no group", "", "TANGLE", 3.0),
+                                     ("an item that sets another", "LIMITS", "TANGLE=3, LAST", 1), ("a long name", "A"*100000, "X", 1),
+                                     ("a line break in an item", "LIMITS", "TANGLE\n", 3.0), ("a name of digits", "LIMITS", "3", 1)):
+        raises(what, "letters and digits", lambda: case.set(group, item, value))
+    raises("a line break in a word", "line breaks", lambda: case.set("RATES", "UNITS", "A\nB"))
+    raises("not a number", "finite", lambda: case.set("RATES", "SPEED", float("nan")))
+    check("what was refused has not spoilt the case", (case.rates().velocity == plain).all())
+    case.set("METHOD", "DELT(2)", 7.0)
+    check("an item with an index", case.analyse().input[1] == 7.0)
+    raises("a group that is not there", "LIMIDS", lambda: (case.set("LIMIDS", "TANGLE", 3.0), case.analyse()))
+    raises("a title of two lines", "one line", lambda: psalm.Case("T\n &LIMITS TANGLE=3.0 &END").analyse())
+
+
+def endless():
+    with open(os.path.join(DATA, "needle_lsq.nml"), encoding="utf-8") as file:
+        return psalm.Case.from_text(re.sub(r"NSTART=\d+", "NSTART=1000000", file.read()))
+
+
+def test_stopping():
+    """A search that would take days ends when it is asked to."""
+    calls = []
+    began = time.monotonic()
+    found = endless().synthesise(progress=lambda *state: calls.append(state) or len(calls) > 2)
+    check("progress ends a search", time.monotonic() - began < 20 and len(calls) > 2)
+    check("what was found so far is there", len(found) > 0)
+    check("progress rises towards its limit", 0 < calls[0][0] <= calls[-1][0] < calls[-1][1] == 1000000 and calls[-1][2] >= 0)
+    for threads in (1, 2):
+        before = signal.signal(signal.SIGINT, signal.default_int_handler)
+        sent = []
+        timer = threading.Timer(0.5, lambda: (sent.append(time.monotonic()), os.kill(os.getpid(), signal.SIGINT)))
+        timer.start()
+        try:
+            endless().synthesise(threads)
+            check("Ctrl-C is heard", False)
+        except KeyboardInterrupt:
+            late = time.monotonic() - sent[0]
+            check("Ctrl-C ends a search at once: %.2f s" % late, late < 2)    # 0.1 s on a machine that does nothing else
+        signal.signal(signal.SIGINT, before)
+    raises("too many threads", "1024", lambda: endless().synthesise(2147483647))
+    raises("too many threads for tolerances", "1024", lambda: endless().tolerances(100000))
+
+
 def test_threads():
     """Cases of different threads do not disturb each other."""
     results = {}
@@ -122,7 +194,8 @@ def test_threads():
           abs(results[100.0][0][0, 0] - (40 + numpy.sqrt(100**2 - 10**2))) < 1e-12*140)
 
 
-for test in (test_analysis, test_made, test_tolerances, test_search, test_errors, test_threads):
+for test in (test_analysis, test_made, test_tolerances, test_search, test_errors, test_copies, test_names,
+             test_stopping, test_threads):
     test()
 with open(os.path.join(DATA, "..", "python", "pyproject.toml"), encoding="utf-8") as project:
     check("the version is that of the package", 'version = "%s"' % psalm.version in project.read())

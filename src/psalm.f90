@@ -20,6 +20,7 @@ module psalm
    use psalm_output_kind, only: output_point => motion_point, output_angle => motion_angle, output_distance => motion_distance, &
                                 output_slide => motion_slide, output_pose => motion_pose
    use psalm_preparation, only: prepared_t, prepare, threads_for
+   use psalm_search_group, only: most_search_threads
    use psalm_rate_list, only: list_rates
    use psalm_chain_force_study, only: find_chain_forces
    use psalm_chain_study, only: chain_study_t, study_chain
@@ -99,6 +100,8 @@ module psalm
       procedure :: arcs
       procedure :: title
       procedure :: text => text_of_case
+      procedure :: faults_made
+      procedure :: take_back
    end type case_t
 
 contains
@@ -156,8 +159,14 @@ contains
       type(case_t) :: case
 
       case%heading = 'CASE'
-      if (present(title)) case%heading = trim(title)
       case%faults%file = memory_name
+      if (present(title)) then
+         if (has_control(title) .or. index(adjustl(title), '&') == 1) then
+            call case%faults%error("a title is one line that does not begin with '&'")
+         else
+            case%heading = trim(title)
+         end if
+      end if
       allocate (case%parts(0), case%items(0))
    end function new_case
 
@@ -295,7 +304,7 @@ contains
       integer :: i
 
       if (.not. all(ieee_is_finite(values))) then
-         call self%faults%error('every value must be a finite number', group=upper_case(group), item=upper_case(item))
+         call self%faults%error('every value must be a finite number', group=printable(group), item=printable(item))
          return
       end if
       do i = 1, size(values)
@@ -325,8 +334,64 @@ contains
       character(*), intent(in) :: group, item
       character(*), intent(in) :: value
 
-      call take_item(self, group, item, "  '"//value//"',"//new_line('a'))
+      character(:), allocatable :: quoted
+      integer :: i
+
+      if (has_control(value)) then
+         call self%faults%error('a word must not have line breaks or other control characters', group=printable(group), &
+                                item=printable(item))
+         return
+      end if
+      ! an apostrophe within quotes is written twice
+      quoted = ''
+      do i = 1, len(value)
+         quoted = quoted//value(i:i)
+         if (value(i:i) == "'") quoted = quoted//"'"
+      end do
+      call take_item(self, group, item, "  '"//quoted//"',"//new_line('a'))
    end subroutine set_word
+
+   !> True if a text has characters that end a line or cannot be seen.
+   pure logical function has_control(text)
+      character(*), intent(in) :: text
+      integer :: i
+
+      has_control = .false.
+      do i = 1, len(text)
+         has_control = has_control .or. iachar(text(i:i)) < iachar(' ') .or. iachar(text(i:i)) == 127
+      end do
+   end function has_control
+
+   !> A name for a finding: in capitals, as long as a name may be, what cannot be seen as a question mark.
+   pure function printable(name) result(text)
+      character(*), intent(in) :: name
+      character(:), allocatable :: text
+      integer :: i
+
+      text = upper_case(name(:min(len(name), name_length)))
+      do i = 1, len(text)
+         if (has_control(text(i:i))) text(i:i) = '?'
+      end do
+   end function printable
+
+   !> True for a letter followed by letters, digits and underscores; of an item an index may follow: DESX(3).
+   pure logical function is_name(text, indexed)
+      character(*), intent(in) :: text
+      logical, intent(in) :: indexed
+      character(*), parameter :: letters = 'ABCDEFGHIJKLMNOPQRSTUVWXYZ', further = letters//'0123456789_', inner = '0123456789,: '
+      character(:), allocatable :: name
+      integer :: last
+
+      is_name = len(text) > 0 .and. len(text) <= name_length
+      if (.not. is_name) return
+      name = upper_case(text)
+      last = verify(name, further) - 1
+      if (last < 0) last = len(name)
+      is_name = last > 0 .and. scan(name(1:1), letters) == 1
+      if (.not. is_name .or. last == len(name)) return
+      is_name = indexed .and. name(last + 1:last + 1) == '(' .and. name(len(name):) == ')'
+      if (is_name) is_name = len(name) > last + 2 .and. verify(name(last + 2:len(name) - 1), inner) == 0
+   end function is_name
 
    !> A value on the last line of a text, or on a new one.
    subroutine put(value, text)
@@ -343,6 +408,11 @@ contains
       integer :: i, n
 
       if (.not. is_open(self)) return
+      if (.not. is_name(group, .false.) .or. .not. is_name(item, .true.)) then
+         call self%faults%error("'"//printable(group)//"', '"//printable(item)//"': the names of a group and an item are "// &
+                                'letters and digits, at most '//to_text(name_length)//' of them, and begin with a letter')
+         return
+      end if
       do i = 1, size(self%items)
          if (self%items(i)%group /= upper_case(group) .or. self%items(i)%name /= upper_case(item)) cycle
          self%items(i)%values = values
@@ -356,6 +426,26 @@ contains
       more(n)%values = values
       call move_alloc(more, self%items)
    end subroutine take_item
+
+   !> How many faults of its own the case has: made by the verbs that fill and change it. Every study reports them.
+   pure integer function faults_made(self)
+      class(case_t), intent(in) :: self
+
+      faults_made = self%faults%count
+   end function faults_made
+
+   !> Take back faults beyond the first `kept`, for a host that reports them at once; nothing came of the calls that made them.
+   subroutine take_back(self, kept, findings)
+      class(case_t), intent(inout) :: self
+      integer, intent(in) :: kept
+      type(findings_t), intent(inout) :: findings
+      integer :: i
+
+      do i = kept + 1, self%faults%count
+         call findings%add(self%faults%list(i))
+      end do
+      self%faults%count = min(kept, self%faults%count)
+   end subroutine take_back
 
    !> True if the case is being made in memory; else that is a fault of whoever wants to add to it.
    logical function is_open(self)
@@ -612,6 +702,7 @@ contains
       integer :: team
 
       allocate (synthesis%found%best(0), synthesis%ranked(0))
+      if (.not. may_share(threads, findings)) return
       call make_ready(case, set, problem, ready, findings)
       if (.not. ready) return
       if (present(stop)) ending = stop
@@ -736,6 +827,7 @@ contains
       type(stop_t) :: ending
       logical :: ready
 
+      if (.not. may_share(threads, findings)) return
       call make_ready(case, set, problem, ready, findings)
       if (.not. ready) return
       if (present(stop)) ending = stop
@@ -864,6 +956,17 @@ contains
       threads_of = 0
       if (present(threads)) threads_of = max(0, threads)
    end function threads_of
+
+   !> False, with an error, if more threads are asked for than THREADS may be.
+   logical function may_share(threads, findings)
+      integer, intent(in), optional :: threads
+      type(findings_t), intent(inout) :: findings
+
+      may_share = .true.
+      if (present(threads)) may_share = threads <= most_search_threads
+      if (.not. may_share) call findings%error(to_text(threads)//' threads are too many; give at most '// &
+                                               to_text(most_search_threads))
+   end function may_share
 
    pure subroutine empty_motion(motion)
       type(motion_t), intent(out) :: motion

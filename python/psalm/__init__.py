@@ -10,11 +10,14 @@ Loops, arcs and cases are counted from 1.
     179.64240...
 
 Errors of a case raise `psalm.Error`, which has the findings; what is only violated is a warning in the findings of the result.
-Different cases may be used by different threads at the same time, one case by one thread only.
+Different cases may be used by different threads at the same time, one case by one thread only. A case cannot be copied or pickled:
+make another one from its file or text. After a study by two or more threads a forked child must not start such a study again
+(multiprocessing: take the start method "spawn").
 """
 import ctypes
 import dataclasses
 import os
+import threading
 import typing
 
 import numpy
@@ -52,6 +55,7 @@ def _load():
             ("analyse", whole, [case]), ("rates", whole, [case]), ("tolerances", whole, [case, whole]),
             ("synthesise", whole, [case, whole]), ("found", whole, [case, whole, made]),
             ("positions", whole, [case]), ("components", whole, [case]), ("values", whole, [case, whole, whole, reals]),
+            ("cancel", whole, [case]), ("progress", whole, [case, ctypes.POINTER(whole), ctypes.POINTER(whole), reals]),
             ("listing", text, [case]), ("findings", whole, [case]), ("finding_level", whole, [case, whole]),
             ("finding_line", whole, [case, whole]), ("finding_text", text, [case, whole])):
         function = getattr(library, "psalm_" + name)
@@ -164,6 +168,32 @@ class Case:
             _library.psalm_free(self._handle)
             self._handle = None
 
+    def _no_copy(self, *_):
+        raise TypeError("a psalm.Case cannot be copied or pickled; make another one by from_file or from_text")
+
+    __copy__ = __deepcopy__ = __reduce_ex__ = __reduce__ = _no_copy
+
+    def _run(self, function, threads, progress=None):
+        """The status of a study in a thread of its own, so that Ctrl-C and other signals are heard while it works."""
+        status = []
+        worker = threading.Thread(target=lambda: status.append(function(self._handle, threads)), daemon=True)
+        made, most, best = ctypes.c_int(), ctypes.c_int(), ctypes.c_double()
+        worker.start()
+        try:
+            while worker.is_alive():
+                worker.join(0.05)
+                if progress is None or not worker.is_alive():
+                    continue
+                _library.psalm_progress(self._handle, ctypes.byref(made), ctypes.byref(most), ctypes.byref(best))
+                if made.value > 0 and progress(made.value, most.value, best.value):
+                    _library.psalm_cancel(self._handle)
+        except BaseException:
+            while worker.is_alive():    # a study that has not begun yet does not hear the first
+                _library.psalm_cancel(self._handle)
+                worker.join(0.01)
+            raise
+        return status[0]
+
     def _check(self, status):
         """True if something is violated; an exception if the call failed."""
         if status not in (_DONE, _VIOLATION):
@@ -238,14 +268,19 @@ class Case:
 
     def tolerances(self, threads=0):
         """What the tolerances of the group TOLER do to the output; `Error` if the linkage does not close everywhere."""
-        violated = self._check(_library.psalm_tolerances(self._handle, threads))
+        violated = self._check(self._run(_library.psalm_tolerances, threads))
         if not _library.psalm_positions(self._handle):
             raise Error(_VIOLATION, self.findings)
         return Tolerances(**self._motion(violated), worst_case=self._values(_WORST_CASE), rss=self._values(_RSS))
 
-    def synthesise(self, threads=0):
-        """Search for better dimensions. Returns the linkages found, best first: cases without variables."""
-        self._check(_library.psalm_synthesise(self._handle, threads))
+    def synthesise(self, threads=0, progress=None):
+        """Search for better dimensions. Returns the linkages found, best first: cases without variables.
+
+        `progress(made, most, best)` is called some twenty times a second with the starts or iterations made, how many there will be
+        at most, and the best objective; if it returns something true the search ends, and what it found so far is returned. Ctrl-C
+        ends it too, as KeyboardInterrupt.
+        """
+        self._check(self._run(_library.psalm_synthesise, threads, progress))
         found = []
         while True:
             case = Case.__new__(Case)

@@ -8,13 +8,14 @@ module psalm_capi
    use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_double, c_f_pointer, c_int, c_loc, c_null_char, &
                                           c_null_ptr, c_ptr, c_size_t
    use psalm, only: analyse, analysis_t, case_t, find_rates, find_tolerances, findings_t, found_case, level_error, motion_t, &
-                    new_case, rate_study_t, read_file, read_text, synthesise, synthesis_t, tolerances_t, version, wp
+                    new_case, observer_t, rate_study_t, read_file, read_text, search_state_t, stop_request_t, stop_t, synthesise, &
+                    synthesis_t, tolerances_t, version, wp
    implicit none (type, external)
    private
    public :: psalm_version, psalm_status_text, psalm_read_file, psalm_read_text, psalm_new, psalm_free, psalm_add_loop
    public :: psalm_set_integers, psalm_set_reals, psalm_set_word, psalm_set_length, psalm_set_angle
    public :: psalm_get_length, psalm_get_angle
-   public :: psalm_analyse, psalm_rates, psalm_tolerances, psalm_synthesise, psalm_found
+   public :: psalm_analyse, psalm_rates, psalm_tolerances, psalm_synthesise, psalm_found, psalm_cancel, psalm_progress
    public :: psalm_positions, psalm_components, psalm_values, psalm_listing
    public :: psalm_findings, psalm_finding_level, psalm_finding_line, psalm_finding_text
 
@@ -41,9 +42,27 @@ module psalm_capi
       character(kind=c_char), allocatable :: letters(:)
    end type c_text_t
 
+   !> Whether a study is to end; another thread, or a signal handler, may say so.
+   type, extends(stop_request_t) :: host_t
+      integer(c_int) :: wants_end = 0
+   contains
+      procedure :: asked
+   end type host_t
+
+   !> How far a search is; another thread may ask.
+   type, extends(observer_t) :: watch_t
+      integer(c_int) :: made = 0, most = 0        !! starts or iterations
+      real(c_double) :: best = 0.0_c_double       !! objective
+   contains
+      procedure :: report
+   end type watch_t
+
    !> What a handle points to.
    type :: handle_t
       type(case_t) :: case
+      type(host_t) :: host
+      type(watch_t) :: watch
+      type(stop_t) :: ending                      !! asks the host
       type(findings_t) :: findings                !! of the last call
       type(c_text_t), allocatable :: texts(:)     !! of the findings
       type(c_text_t) :: listing                   !! of the last study
@@ -271,9 +290,13 @@ contains
       integer(c_int), value, intent(in) :: count
       type(c_ptr), value, intent(in) :: values
       type(handle_t), pointer :: own
+      integer :: faults
 
       psalm_set_integers = checked_item('psalm_set_integers', handle, group, item, count, values, own)
-      if (psalm_set_integers == done) call own%case%set_item(text_of(group), text_of(item), integers_at(values, count))
+      if (psalm_set_integers /= done) return
+      faults = own%case%faults_made()
+      call own%case%set_item(text_of(group), text_of(item), integers_at(values, count))
+      psalm_set_integers = taken(own, faults)
    end function psalm_set_integers
 
    integer(c_int) function psalm_set_reals(handle, group, item, count, values) bind(C)
@@ -281,18 +304,38 @@ contains
       integer(c_int), value, intent(in) :: count
       type(c_ptr), value, intent(in) :: values
       type(handle_t), pointer :: own
+      integer :: faults
 
       psalm_set_reals = checked_item('psalm_set_reals', handle, group, item, count, values, own)
-      if (psalm_set_reals == done) call own%case%set_item(text_of(group), text_of(item), reals_at(values, count))
+      if (psalm_set_reals /= done) return
+      faults = own%case%faults_made()
+      call own%case%set_item(text_of(group), text_of(item), reals_at(values, count))
+      psalm_set_reals = taken(own, faults)
    end function psalm_set_reals
 
    integer(c_int) function psalm_set_word(handle, group, item, word) bind(C)
       type(c_ptr), value, intent(in) :: handle, group, item, word
       type(handle_t), pointer :: own
+      integer :: faults
 
       psalm_set_word = checked_item('psalm_set_word', handle, group, item, 1_c_int, word, own)
-      if (psalm_set_word == done) call own%case%set_item(text_of(group), text_of(item), text_of(word))
+      if (psalm_set_word /= done) return
+      faults = own%case%faults_made()
+      call own%case%set_item(text_of(group), text_of(item), text_of(word))
+      psalm_set_word = taken(own, faults)
    end function psalm_set_word
+
+   !> The status of a call that sets an item: what is wrong with it is a finding, and the case stays as it was.
+   integer(c_int) function taken(own, faults) result(status)
+      type(handle_t), intent(inout) :: own
+      integer, intent(in) :: faults               !! that the case had before
+      type(findings_t) :: findings
+
+      status = done
+      if (own%case%faults_made() == faults) return
+      call own%case%take_back(faults, findings)
+      status = concluded(own, findings)
+   end function taken
 
    !> What a call that sets an item must have.
    integer(c_int) function checked_item(caller, handle, group, item, count, values, own) result(status)
@@ -427,7 +470,8 @@ contains
       own => handle_of(handle)
       if (.not. associated(own)) return
       call forget_results(own)
-      call find_tolerances(own%case, tolerances, findings, int(threads))
+      call begin_watch(own)
+      call find_tolerances(own%case, tolerances, findings, int(threads), stop=own%ending)
       psalm_tolerances = concluded(own, findings, tolerances%is_violating() .or. .not. tolerances%closes)
       if (findings%failed() .or. .not. tolerances%closes) return
       call keep(own, tolerances%linear%nominal, '')
@@ -446,7 +490,8 @@ contains
       if (.not. associated(own)) return
       call forget_results(own)
       allocate (synthesis)
-      call synthesise(own%case, synthesis, findings, int(threads))
+      call begin_watch(own)
+      call synthesise(own%case, synthesis, findings, int(threads), stop=own%ending, monitor=own%watch)
       psalm_synthesise = concluded(own, findings, synthesis%is_short())
       if (.not. findings%failed()) call move_alloc(synthesis, own%synthesis)
    end function psalm_synthesise
@@ -477,6 +522,86 @@ contains
       call hand_over(made, c_loc(found))
       psalm_found = done
    end function psalm_found
+
+   !> Before a study that can be ended: nobody has asked yet.
+   subroutine begin_watch(own)
+      type(handle_t), intent(inout), target :: own
+
+      !$omp atomic write
+      own%host%wants_end = 0
+      !$omp atomic write
+      own%watch%made = 0
+      !$omp atomic write
+      own%watch%most = 0
+      call own%ending%listen_to(own%host)
+   end subroutine begin_watch
+
+   integer(c_int) function psalm_cancel(handle) bind(C)
+      type(c_ptr), value, intent(in) :: handle
+      type(handle_t), pointer :: own
+
+      psalm_cancel = misuse
+      own => handle_of(handle)
+      if (.not. associated(own)) return
+      !$omp atomic write
+      own%host%wants_end = 1
+      psalm_cancel = done
+   end function psalm_cancel
+
+   integer(c_int) function psalm_progress(handle, made, most, best) bind(C)
+      type(c_ptr), value, intent(in) :: handle
+      type(c_ptr), value, intent(in) :: made, most, best
+      type(handle_t), pointer :: own
+      integer(c_int) :: number
+      real(c_double) :: objective
+
+      psalm_progress = misuse
+      own => handle_of(handle)
+      if (.not. associated(own)) return
+      if (c_associated(made)) then
+         !$omp atomic read
+         number = own%watch%made
+         call put_integer(number, made)
+      end if
+      if (c_associated(most)) then
+         !$omp atomic read
+         number = own%watch%most
+         call put_integer(number, most)
+      end if
+      if (c_associated(best)) then
+         !$omp atomic read
+         objective = own%watch%best
+         call put_reals([real(objective, wp)], best)
+      end if
+      psalm_progress = done
+   end function psalm_progress
+
+   !> True if an end was asked for.
+   logical function asked(self)
+      class(host_t), intent(in) :: self
+      integer(c_int) :: wanted
+
+      !$omp atomic read
+      wanted = self%wants_end
+      asked = wanted /= 0
+   end function asked
+
+   !> Note where a search stands.
+   subroutine report(self, state, points, objectives)
+      class(watch_t), intent(inout) :: self
+      type(search_state_t), intent(in) :: state
+      real(wp), intent(in), optional :: points(:, :)
+      real(wp), intent(in), optional :: objectives(:)
+
+      associate (no_points => present(points), no_objectives => present(objectives))
+      end associate
+      !$omp atomic write
+      self%most = int(state%limit, c_int)
+      !$omp atomic write
+      self%best = real(state%best, c_double)
+      !$omp atomic write
+      self%made = int(state%iteration, c_int)
+   end subroutine report
 
    subroutine forget_results(handle)
       type(handle_t), intent(inout) :: handle
@@ -682,6 +807,15 @@ contains
       call c_f_pointer(pointer, there, [n])
       values = real(there, wp)
    end function reals_at
+
+   subroutine put_integer(value, pointer)
+      integer(c_int), intent(in) :: value
+      type(c_ptr), intent(in) :: pointer
+      integer(c_int), pointer :: there
+
+      call c_f_pointer(pointer, there)
+      there = value
+   end subroutine put_integer
 
    subroutine put_reals(values, pointer)
       real(wp), intent(in) :: values(:)
