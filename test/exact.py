@@ -425,6 +425,20 @@ def symmetric_points(folder):
           [len(p) for p in pivots])
 
 
+def bounded(folder):
+    """TRMIN leaves out what is below it; without a result devices 7 and 9 of an earlier run do not stay; whole turns do not count."""
+    text = read("nine_points").replace("CERTIFY=1", "TRMIN=10.0")
+    _, listing, rows, _, _ = run("bounded", text, folder)
+    left_out = re.search(r"(\d+) linkages left out", listing)
+    check(bool(left_out) and len(rows) + int(left_out[1]) == 192 and min(r[5] for r in rows) >= 10, "TRMIN of nine points", listing[:300])
+    status, _, rows, seven, errors = run("bounded", text.replace("TRMIN=10.0", "TRMIN=85.0"), folder)
+    with open(seven, encoding="utf-8") as file:
+        check(status == 1 and not rows and "&CHAIN" not in file.read() and "TRMIN" in errors, "nothing found: no results stay", rows)
+    five = read("five_poses")
+    lists = [run("turned", five.replace("ANGP=0.0,-95.0", "ANGP=0.0,%s" % angle), folder)[2] for angle in ("-95.0", "-3600095.0")]
+    check(len(lists[0]) == len(lists[1]) > 0 and all(near([a], b[8:16], list(range(8, 16))) for a, b in zip(*lists)), "whole turns of ANGP")
+
+
 def references(folder):
     status, listing, rows, seven, _ = run("poses", read("five_poses"), folder)
     check(status == 0 and "complete: 4 of 4 dyads distinct" in listing and len(rows) == 6, "five poses: six four-bars", listing[:300])
@@ -615,6 +629,7 @@ def others(folder):
 with tempfile.TemporaryDirectory() as where:
     nine_points(where)
     symmetric_points(where)
+    bounded(where)
     references(where)
     functions(where)
     lines(where)
