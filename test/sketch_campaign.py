@@ -1157,7 +1157,7 @@ def compare_rates(case, output):
         if wanted is None:
             continue
         sure, either, largest, extra, condition = wanted
-        limit = EPSILON*MULTIPLE*(10.0 + norm)*(10.0 + norm)*max(largest, 1.0)*(1.0 + condition*1e-2)
+        limit = 10.0*EPSILON*MULTIPLE*(10.0 + norm)*(10.0 + norm)*max(largest, 1.0)*(1.0 + condition*1e-2)
         arm = 5.0*SIZE*sketch.unit
 
         def agree(name, value, wanted, limit):
