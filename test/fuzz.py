@@ -13,7 +13,7 @@ whatever the number of jobs. Of every run is asked:
   no file but the promised ones, at most 64 MiB in all; SVG is XML, JSON is JSON, in the pages too.
 An input that fails is made smaller while it fails in the same way, and kept (build/fuzz). The last line is N passed, N failed.
 
-A program is loaded once for each way of calling it and forks a child for every input (test/fork_server.c, compiled by gcc);
+A program is loaded once for each way of calling it and forks a child for every input (tools/testing/fork_server.c, compiled by gcc);
 files are in memory (/dev/shm). So a million inputs are a matter of hours, not of days.
 """
 import argparse
@@ -39,7 +39,7 @@ CALLS = {"psalm": 6, "psalm --json": 1, "psalm --assemblies": 1, "psalm --links"
          "balm --assemblies": 1, "balm --edit": 1, "muscle": 1, "muscle --json": 1, "ssics": 1, "bridge": 1, "calm": 2}
 OWN_SEEDS = {"muscle": "muscle", "calm": "calm", "ssics": "ssics", "bridge": "bridge"}   # folders of data/
 CHUNK = 200                      # inputs that a job takes at a time
-SERVER = os.path.join(TOP, "test", "fork_server.c")
+SERVER = os.path.join(TOP, "tools", "testing", "fork_server.c")
 REQUESTS, ANSWERS = 198, 199     # descriptors, as in fork_server.c
 MOST_BYTES = 64*2**20
 MOST_MEMORY = 4*2**30            # bytes of address space; an input that wants more gets the message for it

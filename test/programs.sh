@@ -620,7 +620,7 @@ fi
 # Every call on a file that is written fails once: exit status 3, a message, old files or new ones, nothing left beside them.
 # What comes after a file is safe (closing it once more, the entry of the directory) may fail unnoticed if all files are new.
 if part faults; then
-if cc -shared -fPIC -O1 -o faults.so "$top/test/faults.c" -ldl 2>/dev/null; then
+if cc -shared -fPIC -O1 -o faults.so "$top/tools/testing/faults.c" -ldl 2>/dev/null; then
     mkdir faults && cp textile.nml faults && cd faults || exit 1
     export FAULT_LOG="$work/failed_call"
     # law, a file that stays as it was or is new, the program

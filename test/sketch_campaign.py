@@ -5,7 +5,7 @@ usage: sketch_campaign.py BIN [--count N] [--seed S] [--only SEED] [--jobs J] [-
 
 Sketch k of a campaign has the seed S + k: --only SEED repeats one. Their kinds: dyads of all kinds on a driven link of the frame
 (psalm takes them apart into loops), larger groups, drives between moving links, cylinders, several drives, drives with a ratio,
-gears; joints, links, slides and outputs are written in random order. test/sketch_solver.c (compiled here) follows each from the
+gears; joints, links, slides and outputs are written in random order. tools/testing/sketch_solver.c (compiled here) follows each from the
 drawing by equations in the coordinates of points: no poses, no loops. What is compared, at every position:
 
 - all joints and outputs of CASE.csv; device 9, listing and CASE.csv with each other;
@@ -419,7 +419,7 @@ def choose_forces(sketch):
 
 def compile_solver(folder):
     path = os.path.join(folder, "sketch_solver.so")
-    subprocess.run([os.environ.get("CC", "cc"), "-O2", "-shared", "-fPIC", "-o", path, os.path.join(HERE, "sketch_solver.c"), "-lm"],
+    subprocess.run([os.environ.get("CC", "cc"), "-O2", "-shared", "-fPIC", "-o", path, os.path.join(os.path.dirname(HERE), "tools", "testing", "sketch_solver.c"), "-lm"],
                    check=True)
     return path
 

@@ -63,11 +63,13 @@ contains
       integer, intent(out) :: winding                !! of a singular end; else 1
       complex(wp) :: g(most_points), gh(most_points)
       type(leg_data_t) :: between
-      type(state_t) :: past(remembered), slope(remembered), z, tangent
+      type(state_t), allocatable :: past(:), slope(:) ! large: they would fill a small stack
+      type(state_t) :: z, tangent
       type(look_t) :: looks(2)
       real(qp) :: past_t(remembered), t, h, aimed, e(2)
       integer :: known, k, step
 
+      allocate (past(remembered), slope(remembered))
       g = (0.0_wp, 0.0_wp)
       gh = g
       between = path%to
@@ -214,12 +216,14 @@ contains
       type(state_t), intent(inout) :: z
       type(state_t), intent(out) :: tangent
       real(qp), intent(out) :: size_of_step
-      complex(qp) :: block(columns, most_equations, most_points), m(variables + 2, variables), row(columns)
+      complex(qp), allocatable :: block(:, :, :)     ! large: it would fill a small stack
+      complex(qp) :: m(variables + 2, variables), row(columns)
       complex(qp) :: by_t, turn, sides(2), factor
       complex(qp) :: dv(variables, 2), dg(2), dgh(2)
       real(qp) :: scale(variables), largest
       integer :: count_of(most_points), n, rows, i, j, k, p
 
+      allocate (block(columns, most_equations, most_points))
       associate (problem => path%problem)
          n = problem%unknowns
          do k = 1, variables

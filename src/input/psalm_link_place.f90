@@ -12,7 +12,8 @@ module psalm_link_place
    public :: place_t, read_places, read_count, refuse_unless
 
    integer, parameter :: most_entries = 100000  !! above this a number of entries is taken for a slip of the pen
-   real(wp), parameter :: farthest = 1.0e100_wp  !! distance of a place: its square, and that times a mass, must be numbers
+   integer, parameter :: most_exponent = range(1.0_wp)/3 - 2 !! 100 in double precision
+   real(wp), parameter :: farthest = 10.0_wp**most_exponent !! of a place: its square, and that times a mass, must be numbers
 
    !> A place on a link.
    type :: place_t
@@ -72,7 +73,7 @@ contains
          call group%get_reals(letter//'ANG', angles, findings)
          do k = 1, size(places)
             if (abs(distances(k)) > farthest) call out_of(group, letter//'DIST', 'entry '//to_text(k)// &
-               ': a distance is at most 1E100 in size, for it is squared', findings, k)
+               ': a distance is at most 1E'//to_text(most_exponent)//' in size, for it is squared', findings, k)
          end do
       end if
       places%distance = distances

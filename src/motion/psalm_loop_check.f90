@@ -5,6 +5,7 @@
 module psalm_loop_check
    use psalm_data_set, only: data_set_t
    use psalm_dimensions, only: dimensions_t
+   use psalm_elementary, only: hypotenuse
    use psalm_error, only: problem_t, new_problem
    use psalm_kinds, only: wp
    use psalm_mechanism, only: mechanism_t, at_finish
@@ -56,7 +57,7 @@ contains
       do k = 1, size(joints, 2)
          joint = set%sketch%joint_called(trim(set%end_names(at_finish, joints(2, k), joints(1, k))))
          associate (link => problem%linkage, point => problem%plan%joint_points(k))
-            if (hypot(link%store%v(1, link%point_x(point))/link%scale + problem%output%origin_x - set%sketch%x(joint), &
+            if (hypotenuse(link%store%v(1, link%point_x(point))/link%scale + problem%output%origin_x - set%sketch%x(joint), &
                       link%store%v(1, link%point_y(point))/link%scale + problem%output%origin_y - set%sketch%y(joint)) &
                 <= one_place*extent) cycle
          end associate

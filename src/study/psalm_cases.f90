@@ -11,7 +11,7 @@ module psalm_cases
    public :: read_cases, read_case_text
 
    !> Why a sketch is solved in poses though it has loops.
-   character(*), parameter :: no_forces = 'forces to be found, and a link on slides whose joints its loops leave out'
+   character(*), parameter :: no_forces = 'forces to be found, and loops that leave out '
 
 contains
 
@@ -62,7 +62,7 @@ contains
       class(data_set_t), allocatable :: as_read    ! large: it would fill a small stack
       type(diagnostics_t) :: own
       character(:), allocatable :: why
-      integer :: i
+      integer :: slide, i
 
       own%file = findings%file
       allocate (as_read, source=set)
@@ -71,7 +71,7 @@ contains
       if (.not. own%failed() .and. set%nloop > 0) then
          call check_loops(set, why)
          if (len(why) == 0 .and. forces .and. asks_for_forces(as_read)) then
-            if (.not. loops_carry_forces(set)) why = no_forces
+            if (.not. loops_carry_forces(set, slide)) why = no_forces//what_of(set, slide)
          end if
       end if
       if (len(why) > 0) then
@@ -86,4 +86,17 @@ contains
          call findings%add(own%list(i))
       end do
    end subroutine resolve
+
+   !> What loops leave out, in words.
+   pure function what_of(set, slide) result(words)
+      type(data_set_t), intent(in) :: set
+      integer, intent(in) :: slide                           !! of the sketch; 0: a pin, or a place on a link
+      character(:), allocatable :: words
+
+      words = 'a joint'
+      if (slide == 0) return
+      associate (pair => set%sketch%slides(slide)%links)
+         words = 'the slide between '//trim(set%sketch%links(pair(1))%name)//' and '//trim(set%sketch%links(pair(2))%name)
+      end associate
+   end function what_of
 end module psalm_cases
