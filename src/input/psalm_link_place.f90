@@ -12,7 +12,7 @@ module psalm_link_place
    public :: place_t, read_places, read_count, refuse_unless
 
    integer, parameter :: most_entries = 100000  !! above this a number of entries is taken for a slip of the pen
-   integer, parameter :: most_exponent = range(1.0_wp)/3 - 2 !! 100 in double precision
+   integer, parameter :: most_exponent = (range(1.0_wp) - modulo(range(1.0_wp), 3))/3 - 2 !! 100 in double precision
    real(wp), parameter :: farthest = 10.0_wp**most_exponent !! of a place: its square, and that times a mass, must be numbers
 
    !> A place on a link.
