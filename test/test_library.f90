@@ -391,8 +391,7 @@ contains
       call case%add_loop([1, -2, -3, 4], [1, 0, 0, 1], [2.0_wp, 4.0_wp, 4.0_wp, 4.0_wp], [0.0_wp, 0.0_wp, 0.0_wp, 180.0_wp])
       call case%set_output(output_point, arc=-2, loop=1, length=3.0_wp, angle=50.0_wp)
       call case%set_positions([30.0_wp, 45.0_wp, 60.0_wp, 75.0_wp, 90.0_wp])
-      call case%set_desired(x=[3.0_wp, 2.759_wp, 2.372_wp, 1.890_wp, 1.355_wp], &
-                            y=[3.0_wp, 3.363_wp, 3.663_wp, 3.862_wp, 3.943_wp])
+      call case%set_desired(x=[3.0_wp, 2.4_wp, 1.2_wp, 0.4_wp, 0.9_wp], y=[3.0_wp, 3.8_wp, 4.1_wp, 3.2_wp, 2.1_wp])
       call case%vary(1, lengths=[1, 2, 3, 4])
       call case%set_item('METHOD', 'ILKOUT', 1)
       call case%set_item('METHOD', 'INGOUT', 1)
