@@ -514,11 +514,7 @@ contains
             end if
             associate (a => study%table%value(n, column_of_joint(j):column_of_joint(j) + 1), &
                        b => posed_study%table%value(n, column_of_joint(k):column_of_joint(k) + 1))
-               if (study%joints(j)%slides) then
-                  worst = max(worst, abs(abs(a(1)) - abs(b(1)))/largest)
-               else
-                  worst = max(worst, maxval(abs(a - b))/largest)
-               end if
+               worst = max(worst, maxval(abs(a - b))/largest)
             end associate
          end do
       end do

@@ -494,10 +494,93 @@ def test_driven_slide():
 
 
 def joints_of(table, joint):
-    """Rows of a table with the velocity of a joint."""
+    """Rows of a table with the velocity of a joint, if one is named."""
     lines = read(table).split()
     found = [dict(zip(lines[0].split(","), map(float, line.split(",")))) for line in lines[1:]]
-    return [(row, row[joint + ".vx"], row[joint + ".vy"]) for row in found]
+    return [(row, row[joint + ".vx"], row[joint + ".vy"]) if joint else (row, 0.0, 0.0) for row in found]
+
+
+SHOES = {  # links, slides and drive of a sketch; {0} and {1} are the two links of the slide
+    "slider-crank": ("JNT='A','B','C','Q','R', JX=0.0,0.0,136.0,-50.0,-30.0, JY=0.0,40.0,10.0,0.0,0.0, LNAME='frame','crank','rod','piston'{idle},"
+                     "\n  LNK='A{q}','A B','B C','C'{qr}, SLNK='{0}', SLNK2='{1}', SLX=151.0, SLY=14.0, SLANG=8.0",
+                     ("frame", "piston"), "A", "crank"),
+    "slider-crank, rod drawn last": (
+        "JNT='A','B','C','Q','R', JX=0.0,0.0,136.0,-50.0,-30.0, JY=0.0,40.0,10.0,0.0,0.0, LNAME='frame','crank','piston','rod'{idle},"
+        "\n  LNK='A{q}','A B','C','B C'{qr}, SLNK='{0}', SLNK2='{1}', SLX=120.0, SLY=10.0, SLANG=180.0", ("frame", "piston"), "A", "crank"),
+    "quick return": ("JNT='A','B','D','C','Q','R', JX=0.0,20.0,0.0,40.0,-50.0,-30.0, JY=0.0,35.0,-90.0,70.0,0.0,0.0,"
+                     "\n  LNAME='frame','crank','block','lever'{idle}, LNK='A D{q}','A B','B','D C'{qr},"
+                     " SLNK='{0}', SLNK2='{1}', SLX=26.0, SLY=40.0, SLANG=81.0", ("lever", "block"), "A", "crank"),
+    "slide of a rod": ("JNT='A','B','D','C','Q','R', JX=0.0,20.0,90.0,130.0,-50.0,-30.0, JY=0.0,35.0,0.0,-10.0,0.0,0.0,"
+                       "\n  LNAME='frame','crank','rod','pendulum'{idle}, LNK='A D{q}','A B','B C','D'{qr},"
+                       " SLNK='{0}', SLNK2='{1}', SLX=60.0, SLY=30.0, SLANG=-25.0", ("rod", "pendulum"), "A", "crank"),
+    "driven ram": ("JNT='B','C','D','Q','R', JX=0.0,60.0,90.0,-50.0,-30.0, JY=10.0,50.0,0.0,0.0,0.0, LNAME='frame','ram','rod','rocker'{idle},"
+                   "\n  LNK='D{q}','B','B C','C D'{qr}, SLNK='{0}', SLNK2='{1}', SLX=-12.0, SLY=6.0, SLANG=20.0", ("frame", "ram"), "S1", "ram"),
+}
+
+
+def shoe_case(name, order, radius, idle):
+    """Loads of a sketch with friction in its shoe, solved dyad by dyad, or in its poses for the sake of an idle link driven elsewhere."""
+    chain, links, joint, driven = SHOES[name]
+    links = links[::order]
+    chain = chain.format(*links, idle=",'idle'" if idle else "", q=" Q" if idle else "", qr=",'Q R'" if idle else "")
+    if not idle:
+        chain = chain.replace(",'Q','R'", "").replace(",-50.0,-30.0", "").replace(",0.0,0.0, LNAME", ", LNAME").replace(",0.0,0.0,\n", ",\n")
+    steps = "-9.0,0.0,7.0,16.0" if joint == "S1" else "-10.0,0.0,20.0,55.0,80.0"
+    drives = "DRIVE='%s'%s, DBASE='frame'%s, DLINK='%s'%s" % (joint, ",'Q'" if idle else "", ",'frame'" if idle else "", driven,
+                                                              ",'idle'" if idle else "")
+    if idle:
+        drives += ", DELT2=%s, DSPEED=0.0,1.0" % ",".join("0.0" for _ in steps.split(","))
+    write("shoe.nml", "SHOE\n &CHAIN %s &END\n &DRIVES %s &END\n &OUTPUTS OUTPUT='point C' &END\n &METHOD NDES=%d, DELT=%s &END\n"
+          " &RATES SPEED=2.0 &END\n &LOADS NLOAD=1, LNAME='%s', LFX=-70.0, LFY=-30.0, LMOM=0.4 &END\n"
+          " &MASSES NMASS=1, MNAME='%s', MASS=3.0, MINERT=2.0E-3, UNITL=0.001 &END\n"
+          " &FRICTN NFRIC=1, FNAME='S1', FMU=0.1, FRAD=%g &END\n"
+          % (chain, drives, steps.count(",") + 1, steps, SHOES[name][1][1], SHOES[name][1][1], radius))
+    code, _, errors = kalm("--quiet", "shoe.nml")
+    found = [row for row, _, _ in joints_of("shoe.kalm.csv", None)] if code == 0 else []
+    return found, errors
+
+
+def test_shoes():
+    """An idle link driven elsewhere changes no load: dyad by dyad and in the poses of the links the shoe is where it is drawn."""
+    for name in SHOES:
+        for order in (1, -1):
+            for radius in (0.0, 20.0):
+                what = "%s, %s link first, shoe of %g" % (name, ("guiding", "sliding")[order < 0], radius)
+                loops, errors = shoe_case(name, order, radius, False)
+                check(what + ": by loops", bool(loops) and "TOPOLOGICAL ARRAY" in read("shoe.kalm.dev8"), errors)
+                poses, errors = shoe_case(name, order, radius, True)
+                check(what + ": in poses", len(poses) == len(loops) and "TOPOLOGICAL ARRAY" not in read("shoe.kalm.dev8"), errors)
+                for ours, theirs in zip(loops, poses):
+                    same = [key for key in ours if key in theirs and (key in ("drive", "frame_fx", "frame_fy", "frame_m") or
+                                                                      key.endswith(("_fx", "_fy", "_n", "_m")))]
+                    largest = max(abs(theirs[key]) for key in same)
+                    worst = max(same, key=lambda key: abs(ours[key] - theirs[key]))
+                    check(what + ": the same loads", len(same) == 12 and abs(ours[worst] - theirs[worst]) <= 1e-9*largest,
+                          "%s: %.12g, %.12g" % (worst, ours[worst], theirs[worst]))
+
+
+def test_piston():
+    """Force and couple of a shoe by equilibrium of a piston without mass, the torque by virtual work."""
+    x, y, angle, mu = 151.0, 14.0, math.radians(8.0), 0.1
+    for order in (1, -1):
+        for radius in (0.0, 20.0):
+            shoe_case("slider-crank", order, radius, False)
+            write("shoe.nml", re.sub(r"(?m)^ &MASSES.*$", " &MASSES NMASS=0, UNITL=0.001 &END", changed(read("shoe.nml"), "LMOM=0.4", "LMOM=0.0")))
+            code, _, errors = kalm("--quiet", "shoe.nml")
+            moving = joints_of("shoe.kalm.csv", "C") if code == 0 else []
+            check("piston: forces", len(moving) == 5, errors)
+            for row, vx, vy in moving:
+                fx, fy = row["C_fx"] - 70.0, row["C_fy"] - 30.0   # the rod is drawn first: its force on the piston, and the load
+                across = fy*math.cos(angle) - fx*math.sin(angle)
+                # the shoe is a point of the second link: of the piston, or of the frame
+                at = (136.0 - x, 10.0 - y) if order > 0 else (row["C.x"] - x, row["C.y"] - y)
+                couple = 1e-3*(at[0]*fy - at[1]*fx)
+                check("piston: force across", abs(row["S1_n"] + order*across) < 1e-10, "%g" % (row["S1_n"] + order*across))
+                check("piston: couple", abs(row["S1_m"] + order*couple) < 1e-11, "%g" % (row["S1_m"] + order*couple))
+                edge = couple/(2e-3*radius) if radius else 0.0
+                loss = mu*(abs(across/2.0 + edge) + abs(across/2.0 - edge))*1e-3*math.hypot(vx, vy)
+                check("piston: virtual work", abs(2.0*row["drive"] - 1e-3*(70.0*vx + 30.0*vy) - loss) < 1e-10,
+                      "%g" % (2.0*row["drive"] - 1e-3*(70.0*vx + 30.0*vy) - loss))
 
 
 def test_small_drawing():
@@ -536,6 +619,8 @@ def main(programs):
         test_forces_on_slides()
         test_small_drawing()
         test_driven_slide()
+        test_shoes()
+        test_piston()
         os.chdir("/")
     print("%d passed, %d failed" % (picture_tools.passed, picture_tools.failed))
     return picture_tools.failed > 0

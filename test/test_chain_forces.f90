@@ -23,13 +23,26 @@ program test_chain_forces
    call both_ways('64 dyads', chain_of(64))
    call both_ways('friction in pins', text_of('data/sketch_four_bar.nml')// &
                   " &FRICTN NFRIC=4, FNAME='A','B','C','D', FMU=4*0.1, FRAD=8.,8.,8.,6. &END")
-   ! by loops the shoe is at the foot, which the frame carries
-   call both_ways('friction in a guide', "SLIDER-CRANK"//nl//" &CHAIN JNT='A','B','C', JX=0.0,0.0,136.0, JY=0.0,40.0,10.0, "// &
-                  "LNAME='frame','crank','rod','piston', LNK='A','A B','B C','C',"//nl// &
-                  " NSLIDE=1, SLNK='piston', SLNK2='frame', SLX=0.0, SLY=10.0, SLANG=0.0 &END"//nl// &
-                  " &DRIVES DRIVE='A' &END"//nl//" &OUTPUTS OUTPUT='point C' &END"//nl//' &METHOD IKIN=15 &END'//nl// &
-                  ' &LIMITS TANGLE=80.0 &END'//nl//" &FRICTN NFRIC=3, FNAME='B','C','S1', FMU=3*0.05, FRAD=5.,5.,40. &END")
+   ! whichever link of the slide is named first, with the shoe at the piston's pin and beside it
+   call both_ways('friction in a guide', guide("'piston'", "'frame'", '0.0'))
+   call both_ways('friction in a guide on the piston', guide("'frame'", "'piston'", '136.0'))
+   call both_ways('friction in a guide beside the pin', guide("'frame'", "'piston'", '151.0'))
    call rods()
    call names_and_messages()
    call t%report()
+
+contains
+
+   !> A slider-crank with friction in its guide.
+   function guide(first, second, x) result(text)
+      character(*), intent(in) :: first, second !! links of the slide
+      character(*), intent(in) :: x             !! of the middle of the shoe
+      character(:), allocatable :: text
+
+      text = 'SLIDER-CRANK'//nl//" &CHAIN JNT='A','B','C', JX=0.0,0.0,136.0, JY=0.0,40.0,10.0, "// &
+             "LNAME='frame','crank','rod','piston', LNK='A','A B','B C','C',"//nl// &
+             ' NSLIDE=1, SLNK='//first//', SLNK2='//second//', SLX='//x//', SLY=10.0, SLANG=0.0 &END'//nl// &
+             " &DRIVES DRIVE='A' &END"//nl//" &OUTPUTS OUTPUT='point C' &END"//nl//' &METHOD IKIN=15 &END'//nl// &
+             ' &LIMITS TANGLE=80.0 &END'//nl//" &FRICTN NFRIC=3, FNAME='B','C','S1', FMU=3*0.05, FRAD=5.,5.,40. &END"
+   end function guide
 end program test_chain_forces

@@ -4,7 +4,7 @@ module psalm_force_analysis
    use psalm_force_model, only: force_model_t, mass_parameters
    use psalm_kinds, only: wp
    use psalm_kinetostatics, only: forces_t, prepare_forces, load_bodies, move_bodies, clear_wrenches, add_source, sweep, rub, &
-                                  external_power, joint_rows, sources_of, source_inertia
+                                  external_power, joint_rows, listed_rows, sources_of, source_inertia
    use psalm_mechanism, only: body_frame
    use psalm_rates, only: rates_t, prepare_rates, differentiate, is_dead
    implicit none (type, external)
@@ -91,7 +91,7 @@ contains
          else
             call sweep(problem, n, forces)
          end if
-         call take_columns(problem, forces, n, table%value(offset + 1:offset + n, :))
+         call take_columns(problem, model, forces, n, table%value(offset + 1:offset + n, :))
          table%kinetic(offset + 1:offset + n) = forces%w%v(1:n, forces%kinetic)
          table%growth(offset + 1:offset + n) = forces%w%v(1:n, forces%growth)
          table%power(offset + 1:offset + n) = forces%w%v(1:n, forces%power)
@@ -121,7 +121,7 @@ contains
             call clear_wrenches(n, forces)
             call add_source(problem, model, source, input(offset + 1:offset + n), n, forces)
             call sweep(problem, n, forces)
-            call take_columns(problem, forces, n, shares(offset + 1:offset + n, :, source))
+            call take_columns(problem, model, forces, n, shares(offset + 1:offset + n, :, source))
          end do
       end do
    end subroutine share_of_sources
@@ -160,7 +160,7 @@ contains
                call clear_wrenches(n, forces)
                call add_source(problem, unit, which, no_input, n, forces)
                call sweep(problem, n, forces)
-               call take_columns(problem, forces, n, columns(offset + 1:offset + n, :, parameter, body))
+               call take_columns(problem, model, forces, n, columns(offset + 1:offset + n, :, parameter, body))
             end do
          end do
       end do
@@ -192,7 +192,7 @@ contains
                   forces%w%v(:, row) = merge(1.0_wp/forces%metre, 1.0_wp, k == components_of_wrench)
                end associate
                call sweep(problem, n, forces)
-               call take_columns(problem, forces, n, columns(offset + 1:offset + n, :, k, b))
+               call take_columns(problem, model, forces, n, columns(offset + 1:offset + n, :, k, b))
             end do
          end do
       end do
@@ -233,8 +233,9 @@ contains
    end subroutine note_dead
 
    !> The columns at the first `n` positions of a block, moments about the machine origin.
-   subroutine take_columns(problem, forces, n, value)
+   subroutine take_columns(problem, model, forces, n, value)
       type(problem_t), intent(in) :: problem
+      type(force_model_t), intent(in) :: model
       type(forces_t), intent(in) :: forces
       integer, intent(in) :: n
       real(wp), intent(out) :: value(:, :)       !! shape (n, columns)
@@ -248,7 +249,7 @@ contains
                                                                                problem%output%origin_y*w(1:n, frame))
       end associate
       do j = 1, size(forces%joints)
-         value(:, column_of_joint(j):column_of_joint(j) + 1) = joint_rows(problem, forces, j, n)
+         value(:, column_of_joint(j):column_of_joint(j) + 1) = listed_rows(problem, model, forces, j, n)
       end do
       ! what a link takes from a pin does not depend on which link of the pin others hang on
       do j = 1, size(forces%shared, 2)

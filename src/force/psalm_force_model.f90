@@ -12,11 +12,12 @@ module psalm_force_model
    use psalm_link_place, only: place_t
    use psalm_loop_forces, only: joined_by_arcs
    use psalm_mechanism, only: mechanism_t, at_start, at_finish, body_frame, joint_prismatic, pivot
+   use psalm_sketch, only: frame_link
    use psalm_status, only: diagnostics_t
    use psalm_text, only: to_text
    implicit none (type, external)
    private
-   public :: force_model_t, spot_t, load_t, spring_t, friction_t, make_force_model, forces_wanted, vertices_of
+   public :: force_model_t, spot_t, load_t, spring_t, friction_t, shoe_t, make_force_model, forces_wanted, vertices_of
    public :: spot_of_place, locate, joint_at, place_right, place_on_foot, place_afloat, place_nowhere
    public :: mass_parameters, parameter_mass, parameter_mx, parameter_my, parameter_inertia
 
@@ -58,6 +59,14 @@ module psalm_force_model
       real(wp) :: radius = 0.0_wp           !! of the pin, half the length of the shoe; user's length
    end type friction_t
 
+   !> How the loads of a joint are listed where a sketch names its links and slides; of &LINKS as they are found.
+   type :: shoe_t
+      logical :: given = .false.            !! prismatic joint of a sketch: couple and friction are those at this place
+      type(spot_t) :: spot                  !! the middle of the shoe, on the second link of the slide
+      real(wp) :: order = 1.0_wp            !! -1: the force on the first body of the joint is listed, not on the second
+      real(wp) :: sense = 1.0_wp            !! -1: the arc's direction is opposite to that of the slide's line
+   end type shoe_t
+
    type :: force_model_t
       real(wp) :: metre = 1.0_wp            !! metres in a unit of length
       real(wp) :: gravity(2) = 0.0_wp       !! m/s2
@@ -68,6 +77,7 @@ module psalm_force_model
       type(load_t), allocatable :: loads(:)
       type(spring_t), allocatable :: springs(:)
       type(friction_t), allocatable :: friction(:)
+      type(shoe_t), allocatable :: shoes(:)       !! by joint
       real(wp), allocatable :: table_input(:)     !! shape (rows): degrees or user's length, ascending
       real(wp), allocatable :: table_factor(:, :) !! shape (rows, tables)
       type(spot_t), allocatable :: centres(:)     !! shape (entries of MASSES)
@@ -120,6 +130,8 @@ contains
             model%reference(body) = arc%ends(merge(at_finish, at_start, arc%foot == at_start))
          end associate
       end do
+      allocate (model%shoes(size(mechanism%joints)))
+      call put_shoes(set, mechanism, dimensions, model)
       call check_joints(set, mechanism, findings)
       if (set%motor%given .and. mechanism%sliding_input) then
          call findings%error('motion from torque needs a crank that turns; the input of this linkage slides', &
@@ -209,6 +221,61 @@ contains
                              item=item)
       end subroutine refuse
    end subroutine make_force_model
+
+   !> Order, sense and shoe of every joint of a sketch: of a slide its first link acts on its second, of a pin of two links the one
+   !> that places it on the other.
+   subroutine put_shoes(set, mechanism, dimensions, model)
+      type(data_set_t), intent(in) :: set
+      type(mechanism_t), intent(in) :: mechanism
+      type(dimensions_t), intent(in) :: dimensions
+      type(force_model_t), intent(inout) :: model
+      real(wp) :: z(2), pivot_at(2)
+      integer :: j, k, slide, state
+
+      if (.not. allocated(set%shoes)) return
+      do k = 1, size(model%shoes)
+         associate (joint => mechanism%joints(k), shoe => model%shoes(k))
+            if (joint%kind /= joint_prismatic) then
+               associate (arc => mechanism%arcs(joint%arc))
+                  j = findloc(set%sketch%joint_name == set%end_names(joint%end, arc%place, arc%loop), .true., dim=1)
+               end associate
+               if (j == 0) cycle
+               if (size(set%sketch%links_of(j)) == 2 .and. link_of(joint%bodies(2)) == set%pin_holders(j)) shoe%order = -1.0_wp
+               cycle
+            end if
+            associate (arc => mechanism%arcs(joint%slide))
+               slide = set%slide_of_arc(arc%place, arc%loop)
+            end associate
+            if (slide == 0) cycle
+            if (link_of(joint%bodies(1)) /= set%sketch%slides(slide)%links(1)) shoe%order = -1.0_wp
+            shoe%sense = real(set%line_senses(slide), wp)
+            associate (place => set%shoes(slide))
+               if (place%link == frame_link) then
+                  call unit_vector(place%angle, z(1), z(2))
+                  call unit_vector(dimensions%origng, pivot_at(1), pivot_at(2))
+                  shoe%spot%at = place%distance*z - dimensions%origlk*pivot_at
+                  shoe%given = .true.
+               else
+                  call spot_of_place(mechanism, dimensions, model%reference, place, shoe%spot, state)
+                  shoe%given = state == place_right
+               end if
+            end associate
+         end associate
+      end do
+
+   contains
+
+      !> The link of the sketch that a body is.
+      pure integer function link_of(body)
+         integer, intent(in) :: body
+
+         link_of = frame_link
+         if (body == body_frame) return
+         associate (arc => mechanism%arcs(mechanism%bodies(body)%axis))
+            link_of = set%link_of_arc(arc%place, arc%loop)
+         end associate
+      end function link_of
+   end subroutine put_shoes
 
    !> The item that names the links of a group: arcs of &LINKS, or names of a sketch.
    pure function item_of(set, letter) result(item)

@@ -19,7 +19,7 @@ module psalm_force_trace
       real(wp), allocatable :: load_at(:, :, :)  !! shape (2, positions, loads)
       real(wp), allocatable :: load(:, :, :)     !! shape (2, positions, loads): forces, without moments
       real(wp), allocatable :: joint_at(:, :, :) !! shape (2, positions, joints)
-      real(wp), allocatable :: joint(:, :, :)    !! shape (2, positions, joints): on the later link
+      real(wp), allocatable :: joint(:, :, :)    !! shape (2, positions, joints): on the later link, of a sketch as listed
       real(wp), allocatable :: weight_at(:, :, :) !! shape (2, positions, counterweights)
       real(wp), allocatable :: spring_at(:, :, :, :) !! shape (2, positions, ends, springs)
       real(wp), allocatable :: spring_foot(:, :, :, :) !! shape (2, positions, ends, springs): a joint of the holding link
@@ -115,8 +115,9 @@ contains
                trace%joint(:, offset + i, j) = value(offset + i, c:c + 1)
                if (joint%kind /= joint_prismatic) cycle
                call link%arc_at(problem%plan, joint%slide, i, x, y, length)
-               trace%joint(:, offset + i, j) = value(offset + i, c)*[-y, x]
+               trace%joint(:, offset + i, j) = model%shoes(j)%sense*value(offset + i, c)*[-y, x]
             end do
+            if (model%shoes(j)%given) call place(model%shoes(j)%spot, trace%joint_at(:, offset + 1:offset + n, j))
          end associate
       end subroutine trace_joint
    end subroutine trace_forces

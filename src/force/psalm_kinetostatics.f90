@@ -22,7 +22,7 @@ module psalm_kinetostatics
    implicit none (type, external)
    private
    public :: forces_t, prepare_forces, load_bodies, move_bodies, clear_wrenches, add_source, sweep, rub, external_power, find_spot
-   public :: joint_rows, interpolated, sources_of, source_inertia, source_weight, first_load, first_spring
+   public :: joint_rows, listed_rows, find_shoe, interpolated, sources_of, source_inertia, source_weight, first_load, first_spring
    public :: most_sweeps, settled
 
    integer, parameter :: source_inertia = 1, source_weight = 2 !! sources; loads and springs follow
@@ -496,6 +496,62 @@ contains
       if (problem%mechanism%joints(joint)%kind == joint_prismatic) values(:, 2) = values(:, 2)*forces%metre
    end function joint_rows
 
+   !> The same as listings print them: of a sketch by the order of its links, of a slide about the middle of its shoe.
+   function listed_rows(problem, model, forces, joint, n) result(values)
+      type(problem_t), intent(in) :: problem
+      type(force_model_t), intent(in) :: model
+      type(forces_t), intent(in) :: forces
+      integer, intent(in) :: joint, n
+      real(wp) :: values(n, rows_of_joint)
+      real(wp), dimension(n) :: x, y, reach, aside
+
+      values = joint_rows(problem, forces, joint, n)
+      associate (shoe => model%shoes(joint))
+         if (shoe%given) then
+            call find_shoe(problem, model, forces, joint, n, x, y, reach, aside)
+            values(:, 2) = values(:, 2) - (values(:, 1)*reach + forces%w%v(1:n, forces%drive)*aside)*forces%metre
+         end if
+         ! the force across turns with the line, the couple does not
+         if (shoe%order*shoe%sense < 0.0_wp) values(:, 1) = -values(:, 1)
+         if (shoe%order < 0.0_wp) values(:, 2) = -values(:, 2)
+      end associate
+   end function listed_rows
+
+   !> The middle of the shoe of a prismatic joint, and how far along the joint's arc it is from the foot; of a driven slide the
+   !> drive has a lever `aside` too, for it pushes along the arc's line. Store units.
+   subroutine find_shoe(problem, model, forces, joint, n, x, y, reach, aside)
+      type(problem_t), intent(in) :: problem
+      type(force_model_t), intent(in) :: model
+      type(forces_t), intent(in) :: forces
+      integer, intent(in) :: joint, n
+      real(wp), intent(out) :: x(n), y(n), reach(n), aside(n)
+      real(wp), dimension(n) :: ex, ey
+      real(wp) :: at(2)
+      integer :: foot
+
+      associate (spot => model%shoes(joint)%spot, link => problem%linkage, v => problem%linkage%store%v, &
+                 of => problem%mechanism%joints(joint), body => forces%bodies(model%shoes(joint)%spot%body))
+         ! not of `move_bodies`, which is left out for masses alone
+         ex = 1.0_wp
+         ey = 0.0_wp
+         if (spot%body /= body_frame) then
+            ex = body%c*v(1:n, body%root_x) - body%s*v(1:n, body%root_y)
+            ey = body%c*v(1:n, body%root_y) + body%s*v(1:n, body%root_x)
+         end if
+         at = spot%at*forces%unit
+         x = v(1:n, body%px) + (at(1)*ex - at(2)*ey)
+         y = v(1:n, body%py) + (at(1)*ey + at(2)*ex)
+         foot = problem%plan%joint_points(of%point)
+         associate (root => problem%plan%root(of%slide))
+            ex = link%x(of%slide)*v(1:n, link%root_x(root)) - link%y(of%slide)*v(1:n, link%root_y(root))
+            ey = link%x(of%slide)*v(1:n, link%root_y(root)) + link%y(of%slide)*v(1:n, link%root_x(root))
+         end associate
+         reach = (x - v(1:n, link%point_x(foot)))*ex + (y - v(1:n, link%point_y(foot)))*ey
+         aside = 0.0_wp
+         if (joint == 1) aside = (x - v(1:n, link%point_x(foot)))*ey - (y - v(1:n, link%point_y(foot)))*ex
+      end associate
+   end subroutine find_shoe
+
    !> Sweep with friction: forces of the joints make friction, which is a load in the next sweep.
    !>
    !> The wrenches are those of all other sources. A position that has settled is not touched again, so that its digits do not
@@ -509,6 +565,7 @@ contains
       real(wp), allocatable :: grip(:, :)     !! (position, entry): friction force N or couple N m that acts now
       real(wp), allocatable :: fresh(:, :)    !! (position, entry)
       real(wp), allocatable :: slip(:, :)     !! (position, entry): speed of the second body in the first, m/s or rad/s
+      real(wp), allocatable :: shoe(:, :, :)  !! (position, x y reach aside, entry): middle of a sketch's shoe
       real(wp), allocatable :: largest(:), change(:)
       logical, allocatable :: moves(:)
       real(wp) :: still_there
@@ -520,6 +577,12 @@ contains
       allocate (largest(m), change(m), moves(m))
       do k = 1, size(model%friction)
          call find_slip(model%friction(k)%joint, slip(:, k))
+      end do
+      allocate (shoe(m, 4, size(model%friction)), source=0.0_wp)
+      do k = 1, size(model%friction)
+         if (model%shoes(model%friction(k)%joint)%given) &
+            call find_shoe(problem, model, forces, model%friction(k)%joint, m, shoe(:, 1, k), shoe(:, 2, k), shoe(:, 3, k), &
+                           shoe(:, 4, k))
       end do
       ! what does not move is at rest but for rounding
       do k = 1, size(model%friction)
@@ -546,7 +609,7 @@ contains
             end associate
          end do
          do k = 1, size(model%friction)
-            call apply(model%friction(k)%joint, grip(:, k))
+            call apply(k, grip(:, k))
          end do
          call sweep(problem, n, forces)
          do k = 1, size(model%friction)
@@ -600,7 +663,8 @@ contains
                if (problem%mechanism%joints(of%joint)%kind == joint_prismatic) then
                   load = abs(w(i, row))
                   if (radius > 0.0_wp) then
-                     couple = w(i, row + 1)*forces%metre/(2.0_wp*radius)
+                     couple = w(i, row + 1) - w(i, row)*shoe(i, 3, entry) - w(i, forces%drive)*shoe(i, 4, entry)
+                     couple = couple*forces%metre/(2.0_wp*radius)
                      load = abs(0.5_wp*w(i, row) + couple) + abs(0.5_wp*w(i, row) - couple)
                   end if
                else
@@ -612,15 +676,15 @@ contains
          end associate
       end subroutine friction_of
 
-      !> Put friction on both bodies of a joint.
-      subroutine apply(joint, value)
-         integer, intent(in) :: joint
+      !> Put friction on both bodies of a joint: of a slide at the middle of its shoe, which a sketch has, or at its foot.
+      subroutine apply(entry, value)
+         integer, intent(in) :: entry
          real(wp), intent(in) :: value(m)
-         real(wp), dimension(m) :: rx, ry
+         real(wp), dimension(m) :: rx, ry, x, y
          integer :: slide, root
 
-         associate (of => problem%mechanism%joints(joint), w => forces%w%v, store => problem%linkage%store%v, &
-                    link => problem%linkage)
+         associate (of => problem%mechanism%joints(model%friction(entry)%joint), w => forces%w%v, &
+                    store => problem%linkage%store%v, link => problem%linkage)
             associate (a => forces%bodies(of%bodies(1))%wrench, b => forces%bodies(of%bodies(2))%wrench, &
                        foot_x => link%point_x(problem%plan%joint_points(of%point)), &
                        foot_y => link%point_y(problem%plan%joint_points(of%point)))
@@ -633,8 +697,14 @@ contains
                root = problem%plan%root(slide)
                rx = value*(link%x(slide)*store(1:m, link%root_x(root)) - link%y(slide)*store(1:m, link%root_y(root)))
                ry = value*(link%x(slide)*store(1:m, link%root_y(root)) + link%y(slide)*store(1:m, link%root_x(root)))
-               call add_force_at(m, 1.0_wp, store(1, foot_x), store(1, foot_y), rx, ry, w(1, b), w(1, b + 1), w(1, b + 2))
-               call add_force_at(m, -1.0_wp, store(1, foot_x), store(1, foot_y), rx, ry, w(1, a), w(1, a + 1), w(1, a + 2))
+               x = store(1:m, foot_x)
+               y = store(1:m, foot_y)
+               if (model%shoes(model%friction(entry)%joint)%given) then
+                  x = shoe(:, 1, entry)
+                  y = shoe(:, 2, entry)
+               end if
+               call add_force_at(m, 1.0_wp, x, y, rx, ry, w(1, b), w(1, b + 1), w(1, b + 2))
+               call add_force_at(m, -1.0_wp, x, y, rx, ry, w(1, a), w(1, a + 1), w(1, a + 2))
             end associate
          end associate
       end subroutine apply

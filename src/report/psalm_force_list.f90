@@ -141,8 +141,15 @@ contains
       integer :: k, j
 
       call text%add()
-      call text%add(' FORCES IN THE JOINTS, NEWTONS AND NEWTON METRES: OF THE EARLIER LINK ON THE LATER ONE; FX AND FY IN MACHINE')
-      call text%add(' AXES, OF A SLIDE N ACROSS ITS ARC, AT ITS FOOT, AND COUPLE M ABOUT THE FOOT')
+      if (study%of_sketch) then
+         call text%add(' FORCES IN THE JOINTS, NEWTONS AND NEWTON METRES: OF THE LINK PLACED FIRST ON THE OTHER, OF A SLIDE OF ITS')
+         call text%add(' FIRST LINK ON ITS SECOND; FX AND FY IN MACHINE AXES, OF A SLIDE N ACROSS ITS LINE AND COUPLE M ABOUT THE')
+         call text%add(' POINT SLX, SLY OF THE SECOND LINK')
+      else
+         call text%add(' FORCES IN THE JOINTS, NEWTONS AND NEWTON METRES: OF THE EARLIER LINK ON THE LATER ONE; FX AND FY IN '// &
+                       'MACHINE')
+         call text%add(' AXES, OF A SLIDE N ACROSS ITS ARC, AT ITS FOOT, AND COUPLE M ABOUT THE FOOT')
+      end if
       do k = 1, size(study%input)
          call text%add()
          call text%add(' INPUT'//general(study%input(k)))

@@ -25,8 +25,8 @@ contains
                                                 set%friction%given)
    end function asks_for_forces
 
-   !> True if every joint of a sketch's loops is one of the sketch, between the same links, and every place of a mass, load or
-   !> spring is on its link. Also true where the loops have mistakes: those are reported elsewhere.
+   !> True if every joint of a sketch's loops is one of the sketch, between the same links, and every place of a mass, load,
+   !> spring or shoe is on its link. Also true where the loops have mistakes: those are reported elsewhere.
    logical function loops_carry_forces(set, left_out)
       type(data_set_t), intent(in) :: set                !! with the loops chosen
       integer, intent(out) :: left_out                   !! a slide of the sketch that is no joint of the loops; 0: none is
@@ -45,7 +45,8 @@ contains
                            .and. all([(is_on_link(set%masses%places(k)), k=1, size(set%masses%places))]) &
                            .and. all([(is_on_link(set%loads%places(k)), k=1, size(set%loads%places))]) &
                            .and. all([(is_on_link(set%springs%first(k)), k=1, size(set%springs%first))]) &
-                           .and. all([(is_on_link(set%springs%second(k)), k=1, size(set%springs%second))])
+                           .and. all([(is_on_link(set%springs%second(k)), k=1, size(set%springs%second))]) &
+                           .and. all([(is_on_link(set%shoes(k)), k=1, size(set%shoes))])
       if (loops_carry_forces) return
       do slide = size(set%sketch%slides), 1, -1
          if (.not. any([(is_this_slide(mechanism%joints(k)), k=1, size(mechanism%joints))])) left_out = slide

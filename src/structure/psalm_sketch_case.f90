@@ -60,7 +60,7 @@ contains
       if (.not. loops%found) return
       set%chosen = words_of(loops, closure%sketch)
       call fill_arrays(loops, set)
-      call fill_places(loops, state, set)
+      call fill_places(closure, loops, state, set)
       call fill_output(loops, state, closure%sketch, set, findings)
       call fill_variables(loops, closure%sketch, set, findings)
       call fill_regions(loops, closure%sketch, set, findings)
@@ -328,7 +328,8 @@ contains
    end subroutine fill_arrays
 
    !> Arcs for the links, and for the places of masses, loads, springs, friction and weights, which are given by names.
-   subroutine fill_places(loops, state, set)
+   subroutine fill_places(closure, loops, state, set)
+      type(closure_t), intent(in) :: closure
       type(loops_t), intent(in) :: loops
       type(state_t), intent(in) :: state
       type(data_set_t), intent(inout) :: set
@@ -372,8 +373,54 @@ contains
       do k = 1, size(set%friction%joints)
          call put_joint(set%friction%joints(k))
       end do
+      set%pin_holders = closure%holder
+      allocate (set%shoes(size(set%sketch%slides)))
+      allocate (set%line_senses(size(set%sketch%slides)), source=1)
+      do k = 1, size(set%shoes)
+         call put_shoe(k, set%shoes(k), set%line_senses(k))
+      end do
 
    contains
+
+      !> The point of a slide on its second link, as assembled, and the sense of its arc. Of the frame it is counted from the
+      !> origin of the drawing, and no arc is chosen.
+      subroutine put_shoe(slide, shoe, sense)
+         integer, intent(in) :: slide
+         type(place_t), intent(inout) :: shoe
+         integer, intent(inout) :: sense
+         complex(wp) :: z, h
+         real(wp) :: line, c, s
+         integer :: arc
+
+         associate (of => set%sketch%slides(slide))
+            shoe%link = of%links(2)
+            call unit_vector(state%phi(shoe%link, 0)*degrees_per_radian, c, s)
+            z = state%t(shoe%link, 0) + cmplx(c, s, wp)*closure%slide_point(2, slide)
+            arc = findloc(loops%arcs%slide, slide, dim=1)
+            line = of%angle + state%phi(of%links(1), 0)*degrees_per_radian
+            if (arc > 0) then
+               call unit_vector(loops%arcs(arc)%direction - line, c, s)
+               if (c < 0.0_wp) sense = -1
+            end if
+         end associate
+         line = 0.0_wp
+         if (shoe%link /= frame_link) then
+            associate (joints => set%sketch%links(shoe%link)%joints)
+               if (size(joints) > 0) shoe%joint = joints(1)
+               if (size(joints) > 1) shoe%line = joints(:2)
+            end associate
+            line = state%phi(shoe%link, 0)*degrees_per_radian
+            if (shoe%line(1) > 0) then
+               h = state%joint(shoe%line(2), 0) - state%joint(shoe%line(1), 0)
+               line = degrees_of(h%re, h%im)
+            end if
+            z = z - state%t(shoe%link, 0)
+            if (shoe%joint > 0) z = z + (state%t(shoe%link, 0) - state%joint(shoe%joint, 0))
+         end if
+         shoe%distance = abs(z)
+         if (shoe%distance > 0.0_wp) shoe%angle = degrees_of(z%re, z%im) - line
+         if (shoe%link /= frame_link) call put(shoe)
+      end subroutine put_shoe
 
       !> An arc of the link, if there is one that begins or ends at the joint.
       subroutine put(place)

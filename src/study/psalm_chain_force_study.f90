@@ -47,6 +47,7 @@ contains
       associate (sketch => chain%closure%sketch)
          call make_chain_model(set, chain%closure, model, unused)
          study%rubs = size(model%friction) > 0
+         study%of_sketch = .true.
          study%drive_slides = sketch%drives%kind /= drive_turns
          allocate (study%drives(size(sketch%drives)), study%joints(size(model%pairs)), study%parts(size(chain%closure%groups)))
          do k = 1, size(study%drives)
