@@ -137,7 +137,8 @@ contains
       associate (unused => number)
       end associate
       if (set%exact%given) then
-         call run_exact(set, devices)
+         call signals%hold(1)
+         call run_exact(set, stop, devices)
          stopped = signals%asked()
          return
       end if

@@ -17,6 +17,7 @@ module psalm_exact_run
    use psalm_proof_study, only: proof_study_t, study_closure, proof_of_inputs, proof_of_turn
    use psalm_source, only: line_t
    use psalm_status, only: diagnostics_t
+   use psalm_stop, only: stop_t
    use psalm_text, only: text_t
    implicit none (type, external)
    private
@@ -24,21 +25,27 @@ module psalm_exact_run
 
 contains
 
-   !> Find, prove and report. `set` has passed `check_exact`.
-   subroutine run_exact(set, devices)
+   !> Find, prove and report. `set` has passed `check_exact`. After a stop, or when MAXTIME is over, what was found so far is
+   !> reported.
+   subroutine run_exact(set, stop, devices)
       type(data_set_t), intent(in) :: set
+      type(stop_t), intent(in) :: stop               !! asked now and then
       type(devices_t), intent(inout) :: devices
       type(exact_study_t), allocatable :: study
+      type(stop_t) :: limited
 
+      limited = stop
+      call limited%limit_time(set%exact%longest_time)
       allocate (study)
-      call find_exact(set, study)
-      if (set%iproof > 0) call prove(set, study)
+      call find_exact(set, study, stop)
+      if (set%iproof > 0) call prove(set, limited, study)
       call report_exact(set, study, devices)
    end subroutine run_exact
 
-   !> Look at results in their order until as many are proven as are listed.
-   subroutine prove(set, study)
+   !> Look at results in their order until as many are proven as are listed, or until a stop: then the others are skipped.
+   subroutine prove(set, stop, study)
       type(data_set_t), intent(in) :: set
+      type(stop_t), intent(in) :: stop
       type(exact_study_t), intent(inout) :: study
       type(exact_proof_t) :: proofs(min(results_of(study), tries*set%exact%listed))
       integer :: i, n
@@ -46,9 +53,17 @@ contains
       n = 0
       do i = 1, size(proofs)
          if (n == set%exact%listed) exit
+         if (stop%waiting()) then
+            proofs(i:)%skipped = .true.
+            if (.not. study%stopped) study%out_of_time = .not. stop%requested()
+            exit
+         end if
          if (stays_assembled(study, i)) call prove_one(set, study, i, proofs(i))
          if (proofs(i)%closes) n = n + 1
       end do
+      if (i <= size(proofs)) then
+         if (proofs(i)%skipped) i = size(proofs) + 1
+      end if
       call rank_proven(proofs(:i - 1), study)
       ! what is proven of a rocking crank may be less than what its points show
       call leave_out_flat(set%exact, study)

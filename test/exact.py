@@ -7,9 +7,11 @@ import cmath
 import math
 import os
 import re
+import signal
 import subprocess
 import sys
 import tempfile
+import time
 from xml.etree import ElementTree
 
 TOP = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
@@ -560,6 +562,11 @@ def refused(folder):
     circle = [cmath.exp(0.6j*k) for k in range(9)]
     cases = [
         ("XP=0,1,1, YP=0,0,0, ANGP=0,10,20, PIVOTS=0,0,1,1", 0, None),
+        ("SLIDER=1, XP=0,1,150000000,0.7,0.3,-0.2, YP=0,0.2,1,1.3,1.5,0.8, ANGP=0,20,-1.5e-07", 2, "or mend point 3, which lies far from"),
+        ("SLIDER=1, XP=0,1,150000000,0.7,0.3,-0.2, YP=0,0.2,1,1.3,1.5,0.8, ANGP=0,20,-1.5e-07", 2, "points 1 and 4 coincide but for"),
+        ("XP=0,1,1.0000001,3,4,5,6,7,8, YP=0,2,2,1,5,3,2,8,7", 2, "points 2 and 3 coincide but for"),
+        ("XP=0,1,2, YP=0,2,1, MAXTIME=0.0", 2, "must be above 0 seconds"),
+        ("XP=0,1,2, YP=0,2,1, MAXTIME=-1.0", 2, "must be above 0 seconds"),
         ("XP=%s, YP=%s" % (",".join("%.15f" % z.real for z in circle), ",".join("%.15f" % z.imag for z in circle)), 2, "one circle or line"),
         ("XP=0,1,2,3,4,5,6,7,8, YP=9*1", 2, "one circle or line"),
         ("XP=0,1,1,3,4,5,6,7,8, YP=0,2,2,1,5,3,2,8,7", 2, "points 2 and 3 coincide"),
@@ -593,6 +600,61 @@ def refused(folder):
     for text, wanted, words in cases:
         status, listing, _, _, errors = run("bad", "BAD INPUT\n &EXACT %s &END\n" % text, folder)
         check(status in ([wanted] if wanted else [0, 1]) and (words is None or words in errors), "refused: " + text[:60], errors or listing)
+
+
+# paths that take seconds in quadruple precision
+SLOW = "SLOW\n &EXACT KIND='PATH', SLIDER=1, XP=0,1,2E5,0.7,0.3,-0.2, YP=0,0.2,1,1.3,1.5,0.8, ANGP=0,20,-1E-4, CERTIFY=1 &END\n"
+
+
+def was_cut(name, status, listing, errors, folder, why):
+    check(status == 1, name + ": exit status 1", (status, errors))
+    check("not complete: stopped " + why in listing and "stopped " + why in errors, name + ": the verdict", listing[:300])
+    check("  complete" not in listing and "certified" not in listing, name + ": neither complete nor certified", listing[:300])
+    missing = [k for k in (7, 8, 9) if not os.path.exists(os.path.join(folder, "%s.dev%d" % (name, k)))]
+    check(not missing, name + ": the devices are written", missing)
+
+
+def stopped(folder):
+    """MAXTIME and signals end the study; what is listed then is part of the whole list."""
+    nine = read("nine_points")
+    limit = lambda text, seconds: text.replace("&EXACT ", "&EXACT MAXTIME=%g, " % seconds, 1)
+    began = time.monotonic()
+    _, whole, rows, _, _ = run("limited", limit(nine, 1e6), folder)
+    took = time.monotonic() - began
+    _, listing, again, _, _ = run("limited", nine, folder)
+    check(len(rows) > 0 and again == rows and [a for a in listing.splitlines() if "RUN" not in a] ==
+          [b for b in whole.splitlines() if "RUN" not in b], "MAXTIME that is not reached changes nothing")
+    for name, part in (("cut0", 0.0), ("cut2", 0.2), ("cut4", 0.4)):
+        status, listing, some, _, errors = run(name, limit(nine, max(part*took, 0.001)), folder)
+        followed = re.search(r"stopped after MAXTIME, (\d+) of 1442 paths followed", listing)
+        if part > 0.0 and status == 0:           # the computer was quicker this time
+            continue
+        was_cut(name, status, listing, errors, folder, "after MAXTIME")
+        check(bool(followed) and int(followed[1]) < 1442, "MAXTIME: paths are counted", listing[:300])
+        check(len(some) < len(rows) and all(near(rows, row[8:16], range(8, 16)) for row in some), "MAXTIME: a part of the list", len(some))
+    ten = "TEN\n &EXACT NSUB=100, MAXTIME=0.3, XP=7.03,6.77,5.91,4.93,4.38,3.76,3.76,3.8,5.07,6.41, " \
+          "YP=5.99,5.66,5.15,4.78,4.54,4.34,3.84,3.34,2.91,3.6 &END\n"
+    status, listing, _, _, errors = run("cut_ten", ten, folder)
+    was_cut("cut_ten", status, listing, errors, folder, "after MAXTIME")
+    status, listing, some, _, errors = run("cut_six", read("stephenson").replace("NGRID=5", "NGRID=12, MAXTIME=0.3"), folder)
+    was_cut("cut_six", status, listing, errors, folder, "after MAXTIME")
+    status, listing, _, _, errors = run("cut_slow", SLOW.replace("&EXACT ", "&EXACT MAXTIME=0.5, ").replace(
+        "SLOW\n", "SLOW\n &LIMITS IPROOF=1 &END\n"), folder)
+    was_cut("cut_slow", status, listing, errors, folder, "after MAXTIME")
+    for number in (signal.SIGINT, signal.SIGTERM):
+        path = os.path.join(folder, "killed.nml")
+        for k in (7, 8, 9):
+            if os.path.exists(path.replace(".nml", ".dev%d" % k)):
+                os.remove(path.replace(".nml", ".dev%d" % k))
+        with open(path, "w", encoding="utf-8") as file:
+            file.write(SLOW)
+        with subprocess.Popen([os.path.join(BIN, "psalm"), path], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+            time.sleep(0.7)
+            process.send_signal(number)
+            began = time.monotonic()
+            listing, errors = process.communicate(timeout=60)
+            check(time.monotonic() - began < 5.0, "a signal: it ends soon", time.monotonic() - began)
+        was_cut("killed", process.returncode, listing, errors, folder, "by request")
 
 
 def subsets(folder):
@@ -637,6 +699,7 @@ with tempfile.TemporaryDirectory() as where:
     guided(where)
     guided_proofs(where)
     refused(where)
+    stopped(where)
     subsets(where)
     others(where)
 print("%d passed, %d failed" % (passed, failed))

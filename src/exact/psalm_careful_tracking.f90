@@ -10,6 +10,7 @@ module psalm_careful_tracking
    use psalm_leg_problem, only: variables
    use psalm_monodromy, only: add_distinct, is_same, near, orbit_key, orbit_numbers
    use psalm_quad_path, only: follow_precisely, path_arrived, path_singular, path_to_infinity
+   use psalm_stop, only: stop_t
    use psalm_tracker, only: track, tracked_t
    implicit none (type, external)
    private
@@ -31,6 +32,8 @@ module psalm_careful_tracking
       integer :: shared = 0                          !! paths that end at the legs of another: they pass a point in two positions
       integer :: paths = 0                           !! all of a pass
       integer :: settled = -1                        !! paths of the pass whose end is known
+      integer :: followed = 0                        !! paths of a pass that were followed as far as they lead, at most
+      logical :: stopped = .false.                   !! the last pass was cut off
    contains
       procedure :: count_of => count_of_ends
       procedure :: complete => are_complete
@@ -49,7 +52,7 @@ contains
    pure logical function are_complete(self)
       class(ends_t), intent(in) :: self
 
-      are_complete = self%paths > 0
+      are_complete = self%paths > 0 .and. .not. self%stopped
       if (are_complete) are_complete = size(self%regular, 2) + self%shared + self%infinite + self%to_singular == &
                                        self%paths
    end function are_complete
@@ -71,6 +74,8 @@ contains
       if (tracked%sure) shared = max(count(tracked%arrived .and. tracked%left <= unsettled) - size(own, 2), 0)
       known = size(own, 2) + shared + tracked%infinite + count(tracked%singular)
       ends%paths = size(tracked%arrived)
+      ends%followed = max(ends%followed, tracked%followed)
+      ends%stopped = tracked%stopped
       if (known <= ends%settled) return
       ends%settled = known
       ends%shared = shared
@@ -82,28 +87,35 @@ contains
    end subroutine take_ends
 
    !> Follow solutions of the problem at t = 1 to that at t = 0. With `orbits` ends that exchange of the legs and cognates make of
-   !> each other are one.
-   subroutine track_carefully(path, starts, orbits, tracked)
+   !> each other are one. A stop leaves the ends that were reached; none of them is sure then.
+   subroutine track_carefully(path, starts, orbits, tracked, stop)
       type(path_t), intent(in) :: path
       complex(wp), intent(in) :: starts(:, :)        !! shape (variables, count)
       logical, intent(in) :: orbits
       type(tracked_t), intent(out) :: tracked
+      type(stop_t), intent(in), optional :: stop     !! asked before every step, and before every path in quadruple precision
       type(tracked_t) :: again
       integer, allocatable :: which(:)
 
-      call track(path, starts, tracked)
+      call track(path, starts, tracked, stop=stop)
+      if (tracked%stopped) return
       which = doubtful_paths(tracked, orbits)
       tracked%sure = size(which) == 0
       if (tracked%sure) return
-      call track(path, starts(:, which), again, careful)
+      call track(path, starts(:, which), again, careful, stop)
       tracked%steps = tracked%steps + again%steps
+      tracked%stopped = again%stopped
+      if (again%stopped) then
+         tracked%followed = size(starts, 2) - size(which) + again%followed
+         return
+      end if
       tracked%ends(:, which) = again%ends
       tracked%arrived(which) = again%arrived
       tracked%reached(which) = again%reached
       tracked%left(which) = again%left
       tracked%last_place(:, which) = again%last_place
       tracked%last_t(which) = again%last_t
-      call settle(path, starts, orbits, tracked)
+      call settle(path, starts, orbits, tracked, stop)
    end subroutine track_carefully
 
    !> Paths that did not arrive or ended where another one did, ends that may be singular, and singular ends that fewer paths have
@@ -145,11 +157,12 @@ contains
    end function doubtful_paths
 
    !> Follow what is still in doubt in quadruple precision, and what comes into doubt by that.
-   subroutine settle(path, starts, orbits, tracked)
+   subroutine settle(path, starts, orbits, tracked, stop)
       type(path_t), intent(in) :: path
       complex(wp), intent(in) :: starts(:, :)        !! shape (variables, count)
       logical, intent(in) :: orbits
       type(tracked_t), intent(inout) :: tracked
+      type(stop_t), intent(in), optional :: stop
       integer, allocatable :: which(:)
       complex(wp) :: reached(variables)
       logical :: certain(size(tracked%arrived)), from_start
@@ -162,6 +175,12 @@ contains
          tracked%sure = size(which) == 0
          if (size(which) == 0 .or. size(which) > most_precise) exit
          do k = 1, size(which)
+            if (present(stop)) tracked%stopped = stop%waiting()
+            if (tracked%stopped) then
+               tracked%followed = size(starts, 2) - size(which) + k - 1
+               tracked%precise = tracked%precise + k - 1
+               return
+            end if
             associate (i => which(k))
                ! what got lost on its way, or came to a singular end, goes on from its last sound place; what came to another
                ! one's end begins afresh

@@ -6,6 +6,7 @@ module psalm_generic
    use psalm_leg_problem, only: draw_problem, kind_point, kind_pose, leg_problem_t, variables
    use psalm_monodromy, only: add_distinct, generic_t, solve_generic
    use psalm_start_text, only: characters_short, decode_short
+   use psalm_stop, only: stop_t
    use psalm_tracker, only: polish
    use psalm_xoshiro, only: purpose_starts, xoshiro_t
    implicit none (type, external)
@@ -17,15 +18,16 @@ module psalm_generic
 
 contains
 
-   !> Solutions of the generic problem that the seed draws.
-   subroutine generic_solutions(problem, expected, generic)
+   !> Solutions of the generic problem that the seed draws; after a stop not all of them.
+   subroutine generic_solutions(problem, expected, generic, stop)
       type(leg_problem_t), intent(in) :: problem
       integer, intent(in) :: expected                !! 0: not known
       type(generic_t), intent(out) :: generic
+      type(stop_t), intent(in), optional :: stop
 
       call load(problem, generic)
       if (expected > 0 .and. size(generic%solutions, 2) == expected) return
-      call solve_generic(problem, generic_seed, .false., expected, generic)
+      call solve_generic(problem, generic_seed, .false., expected, generic, stop)
    end subroutine generic_solutions
 
    !> Those that are kept, corrected; none if they are not there.

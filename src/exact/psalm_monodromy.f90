@@ -9,6 +9,7 @@ module psalm_monodromy
    use psalm_leg_lanes, only: path_t
    use psalm_leg_problem, only: leg_data_t, leg_problem_t, at_a, at_ah, at_b, at_bh, at_x, at_xh, at_y, at_yh, draw_problem, &
                                 random_unit, variables
+   use psalm_stop, only: stop_t
    use psalm_tracker, only: track, tracked_t
    use psalm_xoshiro, only: xoshiro_t, purpose_starts
    implicit none (type, external)
@@ -32,12 +33,14 @@ contains
 
    !> Solve a generic problem. With `expected` it ends as soon as so many are found, else after some loops that found nothing new.
    !> With `orbits` one solution stands for all that exchange of the legs and the cognates make of it: of nine points.
-   subroutine solve_generic(problem, seed, orbits, expected, generic)
+   !> A stop leaves what the loops made before have found.
+   subroutine solve_generic(problem, seed, orbits, expected, generic, stop)
       type(leg_problem_t), intent(in) :: problem
       integer, intent(in) :: seed
       logical, intent(in) :: orbits
       integer, intent(in) :: expected                !! 0: not known
       type(generic_t), intent(out) :: generic
+      type(stop_t), intent(in), optional :: stop
       type(xoshiro_t) :: random
       type(leg_data_t) :: away, turned
       complex(wp) :: solution(variables), unused(variables), l, m
@@ -61,7 +64,8 @@ contains
          if (.not. drawn) cycle
          path%from = generic%data
          path%to = away
-         call track(path, generic%solutions, there)
+         call track(path, generic%solutions, there, stop=stop)
+         if (there%stopped) exit
          l = random_unit(random)
          m = random_unit(random)
          starts = pack_columns(there%ends, there%arrived)
@@ -69,7 +73,8 @@ contains
          call scale_solutions(problem, l, m, starts)
          path%from = turned
          path%to = generic%data
-         call track(path, starts, back)
+         call track(path, starts, back, stop=stop)
+         if (back%stopped) exit
          call add_distinct(problem, back%ends, back%arrived, orbits, generic%solutions)
          generic%loops = generic%loops + 1
          if (size(generic%solutions, 2) == before) then

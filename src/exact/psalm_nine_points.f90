@@ -16,6 +16,7 @@ module psalm_nine_points
    use psalm_monodromy, only: scale_problem, scale_solutions
    use psalm_nine_points_start, only: own_conjugates, start_line, start_points, stored
    use psalm_start_text, only: characters_a_number, decode
+   use psalm_stop, only: stop_t
    use psalm_tracker, only: polish, track, tracked_t
    implicit none (type, external)
    private
@@ -41,12 +42,13 @@ module psalm_nine_points
 
 contains
 
-   !> Follow the stored solutions to nine points.
-   subroutine solve_nine_points(points, first_phase, found, quick)
+   !> Follow the stored solutions to nine points. After a stop `found%ends%stopped` is true, and ends may be missing.
+   subroutine solve_nine_points(points, first_phase, found, quick, stop)
       complex(wp), intent(in) :: points(0:most_points)
       integer, intent(in) :: first_phase             !! which of the phases begins, from 1
       type(nine_points_t), intent(out) :: found
       logical, intent(in), optional :: quick         !! lost paths are left alone: some ends may be missing
+      type(stop_t), intent(in), optional :: stop     !! asked now and then
       complex(wp), allocatable :: starts(:, :), turned(:, :)
       complex(wp) :: wanted(0:most_points), turn
       type(leg_data_t) :: generic
@@ -77,15 +79,15 @@ contains
          call scale_problem(found%path%problem, generic, turn, turn, found%path%from)
          call scale_solutions(found%path%problem, turn, turn, turned)
          if (lost_are_left) then
-            call track(found%path, turned, tracked)
+            call track(found%path, turned, tracked, stop=stop)
          else
-            call track_carefully(found%path, turned, .true., tracked)
+            call track_carefully(found%path, turned, .true., tracked, stop)
          end if
          found%steps = found%steps + tracked%steps
          found%precise = found%precise + tracked%precise
          call take_ends(found%path, tracked, .true., found%ends)
          found%passes = pass
-         if (found%ends%complete() .or. lost_are_left) exit
+         if (found%ends%complete() .or. found%ends%stopped .or. lost_are_left) exit
       end do
       allocate (found%left(found%ends%count_of()), source=0.0_wp)
       call polish(found%path, found%ends%regular, found%left(:size(found%ends%regular, 2)))

@@ -9,6 +9,7 @@ module psalm_six_bars
    use psalm_burmester, only: dyads_t, five_poses
    use psalm_function_points, only: five_points, generator_t, generators_t, output_of
    use psalm_kinds, only: wp, pi, radians_per_degree, right_angle
+   use psalm_stop, only: stop_t
    use psalm_wanted_function, only: wanted_function_t
    implicit none (type, external)
    private
@@ -16,6 +17,7 @@ module psalm_six_bars
 
    integer, parameter :: precision_points = 5, most_links = 4
    integer, parameter :: between = 8                 !! inputs looked at from one point to the next
+   integer, parameter :: ask_after = 64              !! drivers: a look at the clock and for a signal costs less than one of them
    integer, parameter :: looks = between*(precision_points - 1) + 1
    real(wp), parameter :: at_points = 1.0e-8_wp      !! radians: the output at a point by the analysis against the one wanted
    real(wp), parameter :: no_length = 1.0e-7_wp      !! of a link, over the frame
@@ -45,27 +47,36 @@ module psalm_six_bars
       integer :: drivers = 0                         !! looked at that close at all points
       integer :: linkages = 0                        !! closing links, all of them
       integer :: sound = 0                           !! those that stay assembled on one branch over the range
+      integer :: tried = 0, planned = 0              !! drivers of the grid
+      logical :: stopped = .false.                   !! before all were tried
       type(six_bar_t), allocatable :: best(:)        !! ranked
    end type six_bars_t
 
 contains
 
    !> Stephenson III: `grid` values of each of crank, coupler, follower, zero line of the input, and x and y of the third pivot, in
-   !> both assemblies.
-   pure subroutine find_stephenson(wanted, phi, psi, grid, most, least_angle, longest, found)
+   !> both assemblies. A stop leaves what was found before.
+   subroutine find_stephenson(wanted, phi, psi, grid, most, least_angle, longest, found, stop)
       type(wanted_function_t), intent(in) :: wanted
       real(wp), intent(in) :: phi(precision_points), psi(precision_points) !! radians
       integer, intent(in) :: grid, most              !! linkages kept
       real(wp), intent(in) :: least_angle            !! transmission, degrees
       real(wp), intent(in) :: longest                !! link, over the frame
       type(six_bars_t), intent(out) :: found
+      type(stop_t), intent(in), optional :: stop     !! asked now and then
       integer, parameter :: dimensions = 6
       type(six_bar_t) :: one, links(most_links)
       integer :: place(dimensions), number, rest, i, k, links_found
       logical :: closes
 
       allocate (found%best(0))
-      do number = 0, 2*grid**dimensions - 1
+      found%planned = 2*grid**dimensions
+      do number = 0, found%planned - 1
+         if (present(stop)) then
+            if (modulo(number, ask_after) == 0) found%stopped = stop%waiting()
+         end if
+         if (found%stopped) exit
+         found%tried = number + 1
          rest = number/2
          do i = 1, dimensions
             place(i) = modulo(rest, grid)
@@ -138,12 +149,14 @@ contains
    end subroutine closing_links
 
    !> Watt II: `grid` turns of the link between, in either sense, and `grid` values of each of its three inner places.
-   pure subroutine find_watt(wanted, phi, psi, grid, most, least_angle, longest, found)
+   !> A stop leaves what was found before.
+   subroutine find_watt(wanted, phi, psi, grid, most, least_angle, longest, found, stop)
       type(wanted_function_t), intent(in) :: wanted
       real(wp), intent(in) :: phi(precision_points), psi(precision_points) !! radians
       integer, intent(in) :: grid, most
       real(wp), intent(in) :: least_angle, longest
       type(six_bars_t), intent(out) :: found
+      type(stop_t), intent(in), optional :: stop     !! asked now and then
       type(six_bar_t) :: one
       type(generators_t) :: first, second
       real(wp) :: chi(precision_points), middle(precision_points), turn
@@ -152,7 +165,13 @@ contains
       allocate (found%best(0))
       one%watt = .true.
       middle = 0.5_wp*((phi - phi(1))/(phi(precision_points) - phi(1)) + (psi - psi(1))/(psi(precision_points) - psi(1)))
-      do number = 0, 2*grid**4 - 1
+      found%planned = 2*grid**4
+      do number = 0, found%planned - 1
+         if (present(stop)) then
+            if (modulo(number, ask_after) == 0) found%stopped = stop%waiting()
+         end if
+         if (found%stopped) exit
+         found%tried = number + 1
          rest = number/2
          do i = 1, 4
             place(i) = modulo(rest, grid)

@@ -7,6 +7,7 @@ module psalm_tracker
    use psalm_kinds, only: wp
    use psalm_leg_lanes, only: lanes, linearise, path_t, set_given, solve_lanes, state_size, work_t
    use psalm_leg_problem, only: most_points, turns_of, variables
+   use psalm_stop, only: stop_t
    implicit none (type, external)
    private
    public :: tracked_t, track, polish
@@ -38,6 +39,8 @@ module psalm_tracker
                                                      !! (psalm_careful_tracking); such a path has not arrived
       integer, allocatable :: winding(:)             !! shape (count): of those, turns of t about 0 that close the path
       logical :: sure = .false.                      !! every end was reached by a path that did not jump
+      logical :: stopped = .false.                   !! the host wanted the end, or the time was up, before all paths were followed
+      integer :: followed = 0                        !! paths that were followed as far as they lead
       integer :: steps = 0                           !! of all paths
       integer :: precise = 0                         !! paths followed in quadruple precision (psalm_careful_tracking)
       integer :: infinite = 0                        !! of these those that end at infinity
@@ -45,12 +48,13 @@ module psalm_tracker
 
 contains
 
-   !> Follow solutions of the problem at t = 1 to that at t = 0.
-   subroutine track(path, starts, tracked, largest_prediction)
+   !> Follow solutions of the problem at t = 1 to that at t = 0. Paths that a stop cuts off have not arrived.
+   subroutine track(path, starts, tracked, largest_prediction, stop)
       type(path_t), intent(in) :: path
       complex(wp), intent(in) :: starts(:, :)        !! shape (variables, count)
       type(tracked_t), intent(out) :: tracked
       real(wp), intent(in), optional :: largest_prediction !! error accepted; smaller is safer and slower
+      type(stop_t), intent(in), optional :: stop     !! asked before every step of the lanes
       type(work_t), allocatable :: work
       complex(wp), allocatable :: past(:, :, :), past_tangent(:, :, :), z(:, :), step(:, :), tangent(:, :)
       real(wp) :: past_t(lanes, remembered), t(lanes), h(lanes), aimed(lanes), e1(lanes), e2(lanes), accept_below
@@ -80,6 +84,8 @@ contains
          call take_next(l)
       end do
       do while (any(which > 0))
+         if (present(stop)) tracked%stopped = stop%waiting()
+         if (tracked%stopped) exit
          call predict_weights(past_t, t, h, known, aimed, weight, slope_weight)
          z(:, :used) = (0.0_wp, 0.0_wp)
          do k = 1, remembered
@@ -146,6 +152,7 @@ contains
             end if
          end do
       end do
+      tracked%followed = next - 1 - count(which > 0)
       ! what two solutions have in common must not depend on how they came here
       which_arrived = pack([(i, i=1, size(starts, 2))], tracked%arrived)
       polished = tracked%ends(:, which_arrived)

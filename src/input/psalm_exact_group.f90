@@ -49,6 +49,7 @@ module psalm_exact_group
       logical :: minimax = .false.                   !! MINIMAX
       logical :: certify = .false.                   !! CERTIFY
       integer :: listed = 10                         !! NBEST
+      real(wp) :: longest_time = 0.0_wp              !! MAXTIME, seconds; 0: not given, no limit
    end type exact_group_t
 
 contains
@@ -105,6 +106,9 @@ contains
       call check_range(group, 'NSUB', exact%subsets, 1, most_subsets, findings)
       call group%get_integer('NBEST', exact%listed, findings)
       call check_range(group, 'NBEST', exact%listed, 1, most_listed, findings)
+      call group%get_real('MAXTIME', exact%longest_time, findings)
+      if (group%given('MAXTIME') .and. .not. exact%longest_time > 0.0_wp) call out_of(group, 'MAXTIME', &
+         'must be above 0 seconds; leave it out for no limit', findings)
    end subroutine read_exact_group
 
    subroutine read_points(group, exact, findings)

@@ -43,6 +43,7 @@ contains
          'TRMIN has no effect here: it bounds four-bars, slider-cranks and six-bars that generate functions')
       if (study%flat > 0) call devices%six%add('  '//to_text(study%flat)//' linkages left out: transmission angle less than'// &
                                                general(set%exact%least_transmission)//' (TRMIN)')
+      if (study%stopped) call devices%note_violation()
       select case (study%way)
       case (way_generators)
          call report_generators(set, study, devices)
@@ -93,7 +94,7 @@ contains
       type(exact_study_t), intent(in) :: study
       type(devices_t), intent(inout) :: devices
       character(:), allocatable :: line, turns, turned
-      integer :: i, unproven
+      integer :: i, unproven, skipped
 
       call devices%six%add()
       call devices%six%add('  PROVEN OVER THE MOTION, CRANK ANGLES FROM THE FIRST POSITION')
@@ -101,6 +102,7 @@ contains
       call begin_block('exact_proof', 'rank turns closes from to transmission', devices%nine)
       call devices%nine%add('# '//set%title)
       unproven = 0
+      skipped = 0
       do i = 1, shown_of(set, study)
          associate (own => study%proofs(i))
             if (.not. own%closes) unproven = unproven + 1
@@ -116,14 +118,31 @@ contains
                call devices%six%add(line)
                call devices%nine%add(to_text(i)//turned//digit(own%closes)//' '//full_precision(own%from)//' '// &
                                      full_precision(own%to)//' '//number_or_nan(own%transmission, own%transmits))
+            else if (own%skipped) then
+               skipped = skipped + 1
+               call devices%six%add(rank_column(i)//'  nothing: not examined')
             else
                call devices%six%add(rank_column(i)//'  nothing: different assemblies at the positions')
             end if
          end associate
       end do
+      if (skipped > 0) then
+         call devices%remark(set, reason_of(study)//': the motion of '//to_text(skipped)// &
+                             ' of the linkages listed was not examined')
+         call devices%note_violation()
+      end if
       if (unproven > 0) call devices%remark(set, to_text(unproven)//' of the linkages listed are not proven to close '// &
                                             'between the positions')
    end subroutine report_proofs
+
+   !> Why not everything was done.
+   pure function reason_of(study) result(text)
+      type(exact_study_t), intent(in) :: study
+      character(:), allocatable :: text
+
+      text = 'stopped by request'
+      if (study%out_of_time) text = 'stopped after MAXTIME'
+   end function reason_of
 
    !> The verdict on the list: how many there can be, how many were found, whether that is all.
    function sentence_of(study) result(text)
@@ -138,6 +157,9 @@ contains
       if (study%way == way_burmester) what = 'dyads'
       if (study%degenerate) then
          text = 'degenerate: the poses or points leave infinitely many linkages'
+      else if (study%stopped) then
+         text = 'not complete: '//reason_of(study)//', '//to_text(study%followed)//' of '// &
+                to_text(max(study%paths, study%expected))//' paths followed'
       else if (study%complete) then
          text = 'complete: '//to_text(study%ends)//' of '//to_text(study%expected)//' '//what//' distinct'
          if (study%examined .and. study%certificate%holds()) then
@@ -192,6 +214,8 @@ contains
             if (study%flat > 0) then
                call devices%remark(set, 'no linkage has a transmission angle of TRMIN or more: give a smaller one, or free '// &
                                         'something (fewer points or poses, no PIVOTS)')
+            else if (study%stopped) then
+               call devices%remark(set, 'no real linkage was found so far')
             else
                call devices%remark(set, 'no real linkage passes these points')
             end if
@@ -371,10 +395,18 @@ contains
       associate (found => study%subsets, six => devices%six)
          call six%add('  '//to_text(found%sets)//' sets of nine points, '//to_text(found%complete)//' of them with all '// &
                       'four-bars; '//to_text(found%starts)//' starts with a turning crank')
+         if (found%stopped) then
+            call six%add('  not complete: '//reason_of(study)//', '//to_text(set%exact%subsets)//' sets were asked for')
+            call devices%remark(set, reason_of(study)//': '//to_text(found%sets)//' of '//to_text(set%exact%subsets)// &
+                                ' sets of nine points searched')
+         end if
          shown = shown_of(set, study)
          if (shown == 0 .and. study%flat > 0) then
             call devices%remark(set, 'no linkage has a transmission angle of TRMIN or more: give a smaller one')
             call devices%note_violation()
+            return
+         else if (shown == 0 .and. found%stopped) then
+            call devices%remark(set, 'no linkage was found so far')
             return
          else if (shown == 0) then
             call devices%remark(set, 'no four-bar through nine of these points has a crank that turns')
@@ -416,8 +448,17 @@ contains
       associate (found => study%six_bars, six => devices%six)
          call six%add('  '//to_text(found%drivers)//' drivers close, '//to_text(found%linkages)//' closing linkages, '// &
                       to_text(found%sound)//' stay assembled on one branch')
+         if (found%stopped) then
+            call six%add('  not complete: '//reason_of(study)//', '//to_text(found%tried)//' of '//to_text(found%planned)// &
+                         ' drivers of the grid tried')
+            call devices%remark(set, reason_of(study)//': '//to_text(found%tried)//' of '//to_text(found%planned)// &
+                                ' drivers of the grid tried')
+         end if
          shown = shown_of(set, study)
-         if (shown == 0) then
+         if (shown == 0 .and. found%stopped) then
+            call devices%remark(set, 'no linkage was found so far')
+            return
+         else if (shown == 0) then
             call devices%remark(set, 'no six-bar of this grid meets the points with this transmission angle')
             call devices%note_violation()
             return

@@ -17,6 +17,7 @@ module psalm_exact_results
    !> What is proven of the motion of a result.
    type :: exact_proof_t
       logical :: known = .false.                     !! it was looked at
+      logical :: skipped = .false.                   !! the study was stopped before it was looked at
       logical :: turns = .false.                     !! it closes at every crank angle
       logical :: closes = .false.                    !! it closes at every crank angle between the positions
       real(wp) :: from = 0.0_wp, to = 0.0_wp         !! it closes from here to there, degrees from the first position

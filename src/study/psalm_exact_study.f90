@@ -22,7 +22,8 @@ module psalm_exact_study
    use psalm_pole_curves, only: curve_sample_t, find_lines, find_pairs, sample_curve
    use psalm_six_bars, only: six_bars_t, find_stephenson, find_watt
    use psalm_status, only: diagnostics_t
-   use psalm_text, only: to_text
+   use psalm_stop, only: stop_t
+   use psalm_text, only: general, to_text
    use psalm_tracker, only: polish, tracked_t
    use psalm_wanted_function, only: wanted_function_t, function_kind, function_table
    use psalm_xoshiro, only: xoshiro_t, purpose_starts
@@ -42,6 +43,10 @@ module psalm_exact_study
    real(wp), parameter :: real_within = 1.0e-6_wp    !! of a number and the conjugate of its partner, over the largest
    real(wp), parameter :: on_circle = 1.0e-7_wp      !! distance of points from a circle or line, over their size
    real(wp), parameter :: coincident = 1.0e-9_wp     !! distance of two points that are one, over the size of all
+   !> Distance of two points over the size of all below which ends of paths are not told apart: psalm_monodromy takes two solutions
+   !> for one at this difference, and the precision is used up long before.
+   real(wp), parameter :: too_close = 1.0e-6_wp
+   real(wp), parameter :: outlying = 0.1_wp          !! size of all points without one that lies far from them, over that with it
 
    !> Finite solutions of a generic problem; of nine points without exchange of the legs and cognates. Computed by monodromy, every
    !> number unchanged over at least six further loops; 8652/6 and 36 are those of Wampler, Morgan and Sommese (1992).
@@ -81,6 +86,9 @@ module psalm_exact_study
       logical :: complete = .false.
       logical :: degenerate = .false.                !! more than finitely many
       integer :: passes = 0
+      logical :: stopped = .false.                   !! the host wanted the end, or MAXTIME was over, before all was found
+      logical :: out_of_time = .false.               !! of these: MAXTIME
+      integer :: paths = 0, followed = 0             !! those of a pass, and how many of them were followed as far as they lead
       type(exact_result_t), allocatable :: results(:) !! ranked
       type(generators_t) :: generators
       real(wp), allocatable :: phi(:), psi(:)        !! their points, radians; of a slider psi is the travel
@@ -124,10 +132,15 @@ contains
          end if
          do i = 1, size(p)
             do k = 1, i - 1
-               if (abs(p(i) - p(k)) > coincident*span_of(p)) cycle
+               if (abs(p(i) - p(k)) > too_close*span_of(p)) cycle
                if (.not. is_missing(exact%time(i)) .or. .not. is_missing(exact%time(k))) cycle
                if (is_missing(exact%angle(i)) .or. is_missing(exact%angle(k))) then
-                  call complain('XP', 'points '//to_text(k)//' and '//to_text(i)//' coincide: leave one of both out')
+                  text = 'points '//to_text(k)//' and '//to_text(i)//' coincide'
+                  if (abs(p(i) - p(k)) > coincident*span_of(p)) text = text//' but for '// &
+                     trim(adjustl(general(abs(p(i) - p(k)), 'E')))//', less than 1E-6 of the size of all points'
+                  text = text//': leave one of both out'
+                  if (outlier(p) > 0) text = text//', or mend point '//to_text(outlier(p))//', which lies far from all others'
+                  call complain('XP', text)
                   return
                end if
                if (abs(modulo(exact%angle(i) - exact%angle(k) + 180.0_wp, 360.0_wp) - 180.0_wp) > 0.0_wp) cycle
@@ -170,6 +183,18 @@ contains
       end associate
 
    contains
+
+      !> The point that lies far from all others, 0 if there is none.
+      pure integer function outlier(p)
+         complex(wp), intent(in) :: p(:)
+         integer :: number(size(p)), i
+
+         number = [(i, i=1, size(p))]
+         do outlier = 1, size(p)
+            if (span_of(pack(p, number /= outlier)) < outlying*span_of(p)) return
+         end do
+         outlier = 0
+      end function outlier
 
       subroutine complain(item, message)
          character(*), intent(in) :: item, message
@@ -300,15 +325,20 @@ contains
 
    ! ---- finding -------------------------------------------------------------------------------------------------------
 
-   !> Find all linkages, judge and rank them. `set` has passed `check_exact`.
-   subroutine find_exact(set, study)
+   !> Find all linkages, judge and rank them. `set` has passed `check_exact`. After a stop, or when MAXTIME is over, those found so
+   !> far; the list is never complete then, and there is no certificate.
+   subroutine find_exact(set, study, stop)
       type(data_set_t), intent(in) :: set
       type(exact_study_t), intent(out) :: study
+      type(stop_t), intent(in), optional :: stop     !! asked now and then
+      type(stop_t) :: limited
 
+      if (present(stop)) limited = stop
+      call limited%limit_time(set%exact%longest_time)
       allocate (study%results(0), study%approximations(0))
       associate (exact => set%exact)
          if (exact%kind == kind_function) then
-            call find_generators(exact, study)
+            call find_generators(exact, limited, study)
          else if (exact%has_arm) then
             call find_six_bars_of_arm(exact, study)
          else if (exact%kind == kind_motion .and. size(exact%x) == 5 .and. .not. (exact%slider .or. exact%crank_pivot .or. &
@@ -319,13 +349,15 @@ contains
          else if (size(exact%x) > most_points + 1) then
             study%way = way_subsets
             call find_by_subsets(cmplx(exact%x, exact%y, wp), exact%subsets, exact%closed, exact%longest, exact%listed, &
-                                 study%subsets)
+                                 study%subsets, limited)
+            study%stopped = study%subsets%stopped
          else if (size(exact%x) == most_points + 1 .and. all(is_missing(exact%angle(2:)) .and. is_missing(exact%time(2:)))) then
-            call find_nine_points(exact, study)
+            call find_nine_points(exact, limited, study)
          else
-            call find_by_legs(exact, study)
+            call find_by_legs(exact, limited, study)
          end if
       end associate
+      study%out_of_time = study%stopped .and. .not. limited%requested()
       call leave_out_flat(set%exact, study)
    end subroutine find_exact
 
@@ -454,8 +486,9 @@ contains
    end subroutine find_six_bars_of_arm
 
    !> Nine points: the stored problem, then all cognates of what is real.
-   subroutine find_nine_points(exact, study)
+   subroutine find_nine_points(exact, stop, study)
       type(exact_group_t), intent(in) :: exact
+      type(stop_t), intent(in) :: stop
       type(exact_study_t), intent(inout) :: study
       type(nine_points_t) :: found
       type(leg_data_t) :: data
@@ -469,7 +502,7 @@ contains
       study%expected = nine_point_orbits
       study%generic = nine_point_orbits
       p = cmplx(exact%x, exact%y, wp)
-      call solve_nine_points(p, 1, found)
+      call solve_nine_points(p, 1, found, stop=stop)
       study%ends = size(found%solutions, 2)
       call take_counts(found%ends, study)
       study%complete = found%ends%complete()
@@ -504,7 +537,7 @@ contains
       end do
       study%linkages = size(study%results)
       call rank(study%results)
-      if (.not. exact%certify) return
+      if (.not. exact%certify .or. study%stopped) return
       study%examined = .true.
       call certify_legs(found%path%problem, p(found%order - 1), [(0.0_wp, i=0, most_points)], [(first, i=1, 2)], own, turns, &
                         partners, likely, .true., study%certificate)
@@ -515,6 +548,9 @@ contains
       type(ends_t), intent(in) :: ends
       type(exact_study_t), intent(inout) :: study
 
+      study%stopped = ends%stopped
+      study%paths = ends%paths
+      study%followed = ends%followed
       study%infinite = ends%infinite
       study%singular = size(ends%singular, 2)
       study%merged = ends%to_singular - study%singular + ends%shared
@@ -528,8 +564,9 @@ contains
    end function is_real
 
    !> Mixed points, poses and timed points: a generic problem is solved and its solutions followed.
-   subroutine find_by_legs(exact, study)
+   subroutine find_by_legs(exact, stop, study)
       type(exact_group_t), intent(in) :: exact
+      type(stop_t), intent(in) :: stop
       type(exact_study_t), intent(inout) :: study
       type(leg_problem_t) :: problem
       type(generic_t) :: generic
@@ -550,7 +587,7 @@ contains
       study%way = way_legs
       call problem_of(exact, problem)
       study%expected = expected_of(problem)
-      call generic_solutions(problem, study%expected, generic)
+      call generic_solutions(problem, study%expected, generic, stop)
       study%generic = size(generic%solutions, 2)
       size_of_all = span_of(cmplx(exact%x, exact%y, wp))
       if (.not. size_of_all > 0.0_wp) size_of_all = 1.0_wp
@@ -566,10 +603,10 @@ contains
          call scale_problem(problem, generic%data, l, m, turned)
          call scale_solutions(problem, l, m, starts)
          path%from = turned
-         call track_carefully(path, starts, .false., tracked)
+         call track_carefully(path, starts, .false., tracked, stop)
          call take_ends(path, tracked, .false., ends)
          study%passes = pass
-         if (ends%complete()) exit
+         if (ends%complete() .or. ends%stopped) exit
          if (pass > 1 .and. ends%settled + size(ends%regular, 2) == before) exit
          before = ends%settled + size(ends%regular, 2)
       end do
@@ -614,7 +651,7 @@ contains
       end do
       study%linkages = size(study%results)
       call rank(study%results)
-      if (.not. exact%certify) return
+      if (.not. exact%certify .or. study%stopped) return
       study%examined = .true.
       call scale_solutions(problem, cmplx(size_of_all, kind=wp), cmplx(size_of_all, kind=wp), found)
       degrees = 0.0_wp
@@ -753,8 +790,9 @@ contains
    ! ---- functions -----------------------------------------------------------------------------------------------------
 
    !> Function generators: through points, or with the least largest error.
-   subroutine find_generators(exact, study)
+   subroutine find_generators(exact, stop, study)
       type(exact_group_t), intent(in) :: exact
+      type(stop_t), intent(in) :: stop
       type(exact_study_t), intent(inout) :: study
       integer :: node
       real(wp), parameter :: chebyshev(5) = [(0.5_wp - 0.5_wp*cos(pi*(2.0_wp*real(node, wp) - 1.0_wp)/10.0_wp), node=1, 5)]
@@ -794,11 +832,12 @@ contains
          study%way = way_six_bars
          if (exact%six_bar == six_bar_watt) then
             call find_watt(study%wanted, phi, psi, 2*exact%grid, exact%listed, exact%least_transmission, exact%longest, &
-                           study%six_bars)
+                           study%six_bars, stop)
          else
             call find_stephenson(study%wanted, phi, psi, exact%grid, exact%listed, exact%least_transmission, exact%longest, &
-                                 study%six_bars)
+                                 study%six_bars, stop)
          end if
+         study%stopped = study%six_bars%stopped
          return
       end if
       select case (size(phi))

@@ -10,6 +10,7 @@ module psalm_exact_subsets
    use psalm_nine_points, only: in_place, nine_points_t, solve_nine_points
    use psalm_path_descent, only: descend, nearest_g, retime
    use psalm_path_fit, only: error_of, path_room_t, path_t, prepare_path, trace_coupler, visit_t
+   use psalm_stop, only: stop_t
    use psalm_xoshiro, only: purpose_starts, xoshiro_t
    implicit none (type, external)
    private
@@ -32,7 +33,8 @@ module psalm_exact_subsets
    end type subset_result_t
 
    type :: subset_study_t
-      integer :: sets = 0
+      integer :: sets = 0                            !! searched
+      logical :: stopped = .false.                   !! before all sets were searched
       integer :: complete = 0                        !! sets of which all four-bars were found
       integer :: starts = 0                          !! four-bars with a turning crank that were laid over the points
       type(subset_result_t), allocatable :: results(:) !! ranked by the distance
@@ -40,13 +42,15 @@ module psalm_exact_subsets
 
 contains
 
-   !> Draw sets of nine points, lay all their four-bars over all points, refine the best.
-   subroutine find_by_subsets(p, sets, closed, longest, most, study)
+   !> Draw sets of nine points, lay all their four-bars over all points, refine the best. A stop leaves the results of the sets
+   !> that were searched before, and of the last one what was refined.
+   subroutine find_by_subsets(p, sets, closed, longest, most, study, stop)
       complex(wp), intent(in) :: p(:)                !! shape (points), more than nine
       integer, intent(in) :: sets, most              !! results kept
       logical, intent(in) :: closed
       real(wp), intent(in) :: longest                !! link, over the size of the path
       type(subset_study_t), intent(out) :: study
+      type(stop_t), intent(in), optional :: stop     !! asked now and then
       type(path_t) :: paths(2)                       !! as it is, and mirrored: passed the other way round
       type(path_room_t), allocatable :: room
       type(nine_points_t) :: found
@@ -70,8 +74,9 @@ contains
       do set = 1, sets
          call draw(p, size_of_path, random, chosen, drawn)
          if (.not. drawn) exit
-         study%sets = study%sets + 1
-         call solve_nine_points(p(chosen), 1, found, quick=.true.)
+         call solve_nine_points(p(chosen), 1, found, quick=.true., stop=stop)
+         study%stopped = found%ends%stopped
+         if (study%stopped) exit
          if (found%ends%complete()) study%complete = study%complete + 1
          scores = huge(1.0_wp)
          do i = 1, size(found%solutions, 2)
@@ -91,8 +96,12 @@ contains
             call lay(others(2))
          end do
          do k = 1, most_refined
-            if (scores(k) < huge(1.0_wp)) call refine(best(k), senses(k))
+            if (.not. scores(k) < huge(1.0_wp)) cycle
+            if (present(stop)) study%stopped = stop%waiting()
+            if (study%stopped) return
+            call refine(best(k), senses(k))
          end do
+         study%sets = study%sets + 1
       end do
 
    contains
