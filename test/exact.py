@@ -641,6 +641,10 @@ def stopped(folder):
     status, listing, _, _, errors = run("cut_slow", SLOW.replace("&EXACT ", "&EXACT MAXTIME=0.5, ").replace(
         "SLOW\n", "SLOW\n &LIMITS IPROOF=1 &END\n"), folder)
     was_cut("cut_slow", status, listing, errors, folder, "after MAXTIME")
+    proven = limit(nine.replace("&EXACT", "&LIMITS IPROOF=1 &END\n &EXACT", 1), 0.4*took)
+    status, listing, some, _, errors = run("cut_proof", proven, folder)
+    if status == 1 and some and "not complete" in listing:
+        check("nothing: not examined" in listing and "was not examined" in errors, "MAXTIME: motions that were not examined are reported", errors)
     for number in (signal.SIGINT, signal.SIGTERM):
         path = os.path.join(folder, "killed.nml")
         for k in (7, 8, 9):
