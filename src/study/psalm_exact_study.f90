@@ -357,7 +357,7 @@ contains
             call find_by_legs(exact, limited, study)
          end if
       end associate
-      study%out_of_time = study%stopped .and. .not. limited%requested()
+      if (study%stopped) study%out_of_time = .not. limited%requested()
       call leave_out_flat(set%exact, study)
    end subroutine find_exact
 
