@@ -340,6 +340,34 @@ def rigid_triangle(programs):
         yield "triangle: its tip keeps its distance", turned, tables[0]
 
 
+def other_way_round(programs):
+    """A crank that cannot pass a gap, drawn at 45 degrees: the far side of the gap is reached the other way round, unless a wheel
+    that the crank turns stands elsewhere then."""
+    # crank 60, coupler 120, rocker 60, frame 100: no assembly where B D < 60, within 33.557 degrees of the frame (cosines)
+    gap = math.degrees(math.acos((60.0**2 + 100.0**2 - 60.0**2)/(2*60.0*100.0)))
+    text = """CRANK WITH A GAP
+ &CHAIN JNT='A','B','C','D','E','F', JX=0.0,42.42640687119285,158.66140298107615,100.0,-70.0,-70.0,
+  JY=0.0,42.426406871192846,12.603166280415046,0.0,0.0,25.0,
+  LNAME='frame','crank','coupler','rocker','wheel', LNK='A D E','A B','B C','C D','E F'%s
+ &DRIVES DRIVE='A', DBASE='frame', DLINK='crank' &END
+ &OUTPUTS OUTPUT='point F' &END
+ &METHOD NDES=4, DELT=%r,%r,%r,90.0 &END
+ &LIMITS TANGLE=90.0, TOGGLE=0.0 &END
+"""
+    gears = ", GEARA='crank', GEARB='wheel', GCARR='frame', GTA=30.0, GTB=40.0 &END"
+    deltas = (gap - 45.0 + 0.1, gap - 45.0 - 0.1, -90.0)
+    with tempfile.TemporaryDirectory() as folder:
+        done, rows = run_psalm(programs, folder, "gap", text % (gears, *deltas))
+    got = "%s %s" % (rows, done.stderr[:300])
+    yield "a gap ends the motion of a crank with gears", [row[1] for row in rows] == [1, 0, 0, 1] and done.returncode == 1, got
+    # the wheel turns by -30/40 of the crank
+    for row in rows:
+        if row[1] == 1:
+            wheel = math.radians(90.0 - 0.75*row[0])
+            place = complex(-70.0 + 25.0*math.cos(wheel), 25.0*math.sin(wheel))
+            yield "place of a point of the wheel", abs(complex(row[2], row[3]) - place) < 1e-10, got
+
+
 def run_psalm(programs, folder, name, text, *options):
     path = os.path.join(folder, name + ".nml")
     with open(path, "w", encoding="ascii") as file:
@@ -435,7 +463,7 @@ def main():
     if by_loops < arguments.count // 10:
         failed += 1
         told.append("sliding drives: only %d of %d were solved by loops" % (by_loops, number))
-    for say in (one_verdict, one_way, searched, rigid_triangle):
+    for say in (one_verdict, one_way, other_way_round, searched, rigid_triangle):
         for law, holds, got in say(arguments.programs):
             passed += bool(holds)
             failed += not holds

@@ -149,12 +149,14 @@ contains
       end do
    end function inputs_of_drives
 
-   !> True if after a turn of the first drive all drives stand as before.
+   !> True if after a turn of the first drive all drives stand as before. Not with gears: a wheel that the drive turns stands
+   !> elsewhere then, unless the numbers of teeth are just so.
    pure logical function turn_repeats(set)
       type(data_set_t), intent(in) :: set
       integer :: d
 
       turn_repeats = set%sketch%drives(1)%kind == drive_turns
+      if (allocated(set%sketch%gears)) turn_repeats = turn_repeats .and. size(set%sketch%gears) == 0
       do d = 2, size(set%sketch%drives)
          associate (drive => set%sketch%drives(d))
             turn_repeats = turn_repeats .and. drive%geared .and. drive%kind == drive_turns .and. drive%ratio == anint(drive%ratio)
