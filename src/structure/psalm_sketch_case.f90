@@ -13,7 +13,7 @@ module psalm_sketch_case
    use psalm_link_place, only: place_t
    use psalm_mechanism, only: at_start, at_finish
    use psalm_output_kind, only: motion_point, motion_angle, motion_distance, motion_slide, motion_pose
-   use psalm_sketch, only: sketch_t, output_t, variation_t, frame_link, output_point, output_angle, output_distance, &
+   use psalm_sketch, only: sketch_t, output_t, variation_t, frame_link, output_point, output_angle, output_distance, slide_t, &
                            output_slide, output_pose, vary_length, vary_angle, vary_place, vary_input
    use psalm_sketch_check, only: check_sketch
    use psalm_sketch_loops, only: make_loops
@@ -54,7 +54,8 @@ contains
          set%no_loops = loops%why
          call refuse_without_loops(set, findings)
       end if
-      ! exact lengths may have moved the joints
+      ! exact lengths may have moved the joints, and slides with their links
+      call move_slides(closure, state, set%sketch%slides)
       set%sketch%x = state%joint(:, 0)%re
       set%sketch%y = state%joint(:, 0)%im
       if (.not. loops%found) return
@@ -327,6 +328,30 @@ contains
       end if
    end subroutine fill_arrays
 
+   !> Slides where assembling has put them: the point that the second link carries, the direction that the first one has. What moved
+   !> by rounding only stays to the bit.
+   subroutine move_slides(closure, state, slides)
+      type(closure_t), intent(in) :: closure
+      type(state_t), intent(in) :: state
+      type(slide_t), intent(inout) :: slides(:)
+      real(wp), parameter :: still = 1.0e-12_wp !! of the drawing's size, and of a radian
+      complex(wp) :: z
+      real(wp) :: c, s
+      integer :: k
+
+      do k = 1, size(slides)
+         associate (of => slides(k))
+            call unit_vector(state%phi(of%links(2), 0)*degrees_per_radian, c, s)
+            z = state%t(of%links(2), 0) + cmplx(c, s, wp)*closure%slide_point(2, k)
+            if (abs(z - cmplx(of%x, of%y, wp)) > still*closure%size) then
+               of%x = z%re
+               of%y = z%im
+            end if
+            if (abs(state%phi(of%links(1), 0)) > still) of%angle = of%angle + state%phi(of%links(1), 0)*degrees_per_radian
+         end associate
+      end do
+   end subroutine move_slides
+
    !> Arcs for the links, and for the places of masses, loads, springs, friction and weights, which are given by names.
    subroutine fill_places(closure, loops, state, set)
       type(closure_t), intent(in) :: closure
@@ -392,7 +417,7 @@ contains
          real(wp) :: line, c, s
          integer :: arc
 
-         associate (of => set%sketch%slides(slide))
+         associate (of => closure%sketch%slides(slide))
             shoe%link = of%links(2)
             call unit_vector(state%phi(shoe%link, 0)*degrees_per_radian, c, s)
             z = state%t(shoe%link, 0) + cmplx(c, s, wp)*closure%slide_point(2, slide)
