@@ -631,7 +631,8 @@ def stopped(folder):
             continue
         was_cut(name, status, listing, errors, folder, "after MAXTIME")
         check(bool(followed) and int(followed[1]) < 1442, "MAXTIME: paths are counted", listing[:300])
-        check(len(some) < len(rows) and all(near(rows, row[8:16], range(8, 16)) for row in some), "MAXTIME: a part of the list", len(some))
+        # the last paths may lead to nothing real: then all linkages are there already
+        check(len(some) <= len(rows) and all(near(rows, row[8:16], range(8, 16)) for row in some), "MAXTIME: a part of the list", len(some))
     ten = "TEN\n &EXACT NSUB=100, MAXTIME=0.3, XP=7.03,6.77,5.91,4.93,4.38,3.76,3.76,3.8,5.07,6.41, " \
           "YP=5.99,5.66,5.15,4.78,4.54,4.34,3.84,3.34,2.91,3.6 &END\n"
     status, listing, _, _, errors = run("cut_ten", ten, folder)
