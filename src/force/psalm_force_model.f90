@@ -10,7 +10,7 @@ module psalm_force_model
    use psalm_dimensions, only: dimensions_t
    use psalm_kinds, only: wp, radians_per_degree
    use psalm_link_place, only: place_t
-   use psalm_loop_forces, only: joined_by_arcs
+   use psalm_loop_forces, only: joined_by_arcs, link_of_body
    use psalm_mechanism, only: mechanism_t, at_start, at_finish, body_frame, joint_prismatic, pivot
    use psalm_sketch, only: frame_link
    use psalm_status, only: diagnostics_t
@@ -240,14 +240,15 @@ contains
                   j = findloc(set%sketch%joint_name == set%end_names(joint%end, arc%place, arc%loop), .true., dim=1)
                end associate
                if (j == 0) cycle
-               if (size(set%sketch%links_of(j)) == 2 .and. link_of(joint%bodies(2)) == set%pin_holders(j)) shoe%order = -1.0_wp
+               if (size(set%sketch%links_of(j)) == 2 .and. &
+                   link_of_body(set, mechanism, joint%bodies(2)) == set%pin_holders(j)) shoe%order = -1.0_wp
                cycle
             end if
             associate (arc => mechanism%arcs(joint%slide))
                slide = set%slide_of_arc(arc%place, arc%loop)
             end associate
             if (slide == 0) cycle
-            if (link_of(joint%bodies(1)) /= set%sketch%slides(slide)%links(1)) shoe%order = -1.0_wp
+            if (link_of_body(set, mechanism, joint%bodies(1)) /= set%sketch%slides(slide)%links(1)) shoe%order = -1.0_wp
             shoe%sense = real(set%line_senses(slide), wp)
             associate (place => set%shoes(slide))
                if (place%link == frame_link) then
@@ -262,19 +263,6 @@ contains
             end associate
          end associate
       end do
-
-   contains
-
-      !> The link of the sketch that a body is.
-      pure integer function link_of(body)
-         integer, intent(in) :: body
-
-         link_of = frame_link
-         if (body == body_frame) return
-         associate (arc => mechanism%arcs(mechanism%bodies(body)%axis))
-            link_of = set%link_of_arc(arc%place, arc%loop)
-         end associate
-      end function link_of
    end subroutine put_shoes
 
    !> The item that names the links of a group: arcs of &LINKS, or names of a sketch.

@@ -13,7 +13,7 @@ module psalm_loop_forces
    use psalm_status, only: diagnostics_t
    implicit none (type, external)
    private
-   public :: asks_for_forces, loops_carry_forces, joined_by_arcs
+   public :: asks_for_forces, loops_carry_forces, joined_by_arcs, link_of_body
 
 contains
 
@@ -64,24 +64,13 @@ contains
          end associate
       end function is_this_slide
 
-      !> The link of the sketch that a body is.
-      pure integer function link_of(body)
-         integer, intent(in) :: body
-
-         link_of = frame_link
-         if (body == body_frame) return
-         associate (arc => mechanism%arcs(mechanism%bodies(body)%axis))
-            link_of = set%link_of_arc(arc%place, arc%loop)
-         end associate
-      end function link_of
-
       pure logical function is_of_sketch(joint)
          type(joint_t), intent(in) :: joint
          integer :: links(2), slide, j
 
          is_of_sketch = .false.
          if (.not. joint%attached) return
-         links = [link_of(joint%bodies(1)), link_of(joint%bodies(2))]
+         links = [link_of_body(set, mechanism, joint%bodies(1)), link_of_body(set, mechanism, joint%bodies(2))]
          if (joint%kind == joint_prismatic) then
             associate (arc => mechanism%arcs(joint%slide))
                slide = set%slide_of_arc(arc%place, arc%loop)
@@ -106,7 +95,7 @@ contains
          if (is_on_link .or. place%loop == 0) return
          associate (arc => mechanism%arcs(mechanism%seq(place%loop, place%arc)), &
                     end => merge(at_start, at_finish, place%from_start))
-            is_on_link = link_of(arc%body) == place%link .and. arc%attached .and. arc%foot /= end
+            is_on_link = link_of_body(set, mechanism, arc%body) == place%link .and. arc%attached .and. arc%foot /= end
             if (is_on_link) is_on_link = joined_by_arcs(mechanism, arc%body, reference_of(arc%body), arc%ends(end))
          end associate
       end function is_on_link
@@ -120,6 +109,19 @@ contains
          end associate
       end function reference_of
    end function loops_carry_forces
+
+   !> The link of the sketch that a body of its loops is.
+   pure integer function link_of_body(set, mechanism, body) result(link)
+      class(data_set_t), intent(in) :: set               !! a sketch with its loops
+      class(mechanism_t), intent(in) :: mechanism
+      integer, intent(in) :: body
+
+      link = frame_link
+      if (body == body_frame) return
+      associate (arc => mechanism%arcs(mechanism%bodies(body)%axis))
+         link = set%link_of_arc(arc%place, arc%loop)
+      end associate
+   end function link_of_body
 
    !> True if arcs of a body lead from one of its points to another, so that their distance is known. Two points are not so joined
    !> where loops run through one joint of the link without its being known that it is one.
