@@ -59,7 +59,7 @@ contains
 
       associate (unused => file, also_unused => mark)
       end associate
-      set%nguess = 0
+      set%method%nguess = 0
       if (.not. findings%failed()) call prepare(set, none, prepared, findings, demand)
       if (.not. findings%failed()) call check_cam(set, prepared, findings)
    end subroutine prepare_cam

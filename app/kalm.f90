@@ -65,7 +65,7 @@ contains
 
       associate (unused => file, also_unused => mark)
       end associate
-      set%nguess = 0
+      set%method%nguess = 0
       if (.not. findings%failed()) call prepare(set, none, prepared, findings, demand)
    end subroutine prepare_rates
 
@@ -135,7 +135,7 @@ contains
       integer, parameter :: accelerations = 2
 
       allocate (study)
-      call study_chain(set, set%speed, set%accel, study)
+      call study_chain(set, set%rates%speed, set%rates%accel, study)
       call report_chain_table(set, study, accelerations, devices)
       reached = study%motion%closed
       call report_still_drives(set, devices)

@@ -91,7 +91,7 @@ contains
          return
       end if
       allocate (device4(0))
-      if (set%nguess > 0) then
+      if (set%method%nguess > 0) then
          call read_lines(device4_of(arguments, file), device4, findings)
          do l = 1, size(device4)
             call mark%add(device4(l)%text)
@@ -180,10 +180,10 @@ contains
       else
          call report_found(set, problem, dimensions, search, devices)
       end if
-      if (set%tolerances) then
+      if (set%toler%given) then
          allocate (tolerances)
          allocate (final, source=set)
-         if (set%ifree /= 0 .and. size(search%found%best) > 0) final%delt = search%found%best(1)%delt
+         if (set%method%ifree /= 0 .and. size(search%found%best) > 0) final%method%delt = search%found%best(1)%delt
          call study_tolerances(final, problem%mechanism, dimensions, threads, stop, tolerances)
          call report_tolerances(set, tolerances, devices)
       end if
@@ -294,6 +294,6 @@ contains
       if (threads < wanted) call devices%remark(set, 'cannot start '//to_text(wanted)//' threads, using '//to_text(threads)// &
                                                 ' (the results are the same)')
       if (threads > 1) call shield_threads(threads)
-      if (set%wants_search() .or. set%ntrial > 0) call signals%hold(threads)
+      if (set%wants_search() .or. set%toler%ntrial > 0) call signals%hold(threads)
    end subroutine take_threads
 end program psalm

@@ -87,7 +87,7 @@ contains
       type(diagnostics_t), intent(inout) :: findings
       type(line_t) :: none(0)
 
-      set%nguess = 0
+      set%method%nguess = 0
       if (allocated(set%no_loops)) call findings%error(does//' dyads with one drive on the frame, but this sketch has '// &
                                                        set%no_loops, line=set%title_line, group='CHAIN')
       if (.not. findings%failed()) call prepare(set, none, prepared, findings, demand)

@@ -38,7 +38,7 @@ contains
       call limited%limit_time(set%exact%longest_time)
       allocate (study)
       call find_exact(set, study, stop)
-      if (set%iproof > 0) call prove(set, limited, study)
+      if (set%limits%iproof > 0) call prove(set, limited, study)
       call report_exact(set, study, devices)
    end subroutine run_exact
 
@@ -102,7 +102,7 @@ contains
       proof%from = minval(problem%delt)
       proof%to = maxval(problem%delt)
       if (proof%closes) call take_least_angle(way, proof)
-      if (set%iproof == proof_of_turn) then
+      if (set%limits%iproof == proof_of_turn) then
          call study_closure(problem, prepared%given, proof_of_turn, turn, subject)
          proof%turns = turn%proof%closes_everywhere()
          if (proof%turns) then
@@ -176,7 +176,7 @@ contains
       if (motion%empty .or. motion%braced > 0 .or. motion%misplaced > 0) return
       proof%known = .true.
       proof%closes = motion%complete
-      if (set%iproof == proof_of_turn) then
+      if (set%limits%iproof == proof_of_turn) then
          call study_chain_proof(case, study, proof_of_turn, motion)
          proof%turns = motion%complete
          proof%closes = proof%closes .or. proof%turns

@@ -146,7 +146,7 @@ contains
       allocate (cases(size(sets)))
       do k = 1, size(sets)
          allocate (cases(k)%set, source=sets(k))
-         cases(k)%set%nguess = 0
+         cases(k)%set%method%nguess = 0
          cases(k)%faults%file = sets(k)%file
          if (own%failed()) call cases(k)%faults%error('the text of this case has errors', line=sets(k)%title_line)
       end do
@@ -468,7 +468,7 @@ contains
 
       loops = 0
       if (allocated(self%parts)) loops = size(self%parts)
-      if (allocated(self%set)) loops = self%set%nloop
+      if (allocated(self%set)) loops = self%set%links%nloop
    end function loops
 
    !> Number of arcs of a loop, padding of ILINK included; 0 if there is no such loop.
@@ -479,7 +479,7 @@ contains
       arcs = 0
       if (loop < 1 .or. loop > self%loops()) return
       if (allocated(self%set)) then
-         arcs = self%set%maxarc
+         arcs = self%set%links%maxarc
       else
          arcs = size(self%parts(loop)%ilink)
       end if
@@ -503,7 +503,7 @@ contains
       length = 0.0_wp
       if (arc < 1 .or. arc > self%arcs(loop)) return
       if (allocated(self%set)) then
-         length = self%set%arcl(arc, loop)
+         length = self%set%links%arcl(arc, loop)
       else
          length = self%parts(loop)%length(arc)
       end if
@@ -517,7 +517,7 @@ contains
       angle = 0.0_wp
       if (arc < 1 .or. arc > self%arcs(loop)) return
       if (allocated(self%set)) then
-         angle = self%set%gama(arc, loop)
+         angle = self%set%links%gama(arc, loop)
       else
          angle = self%parts(loop)%angle(arc)
       end if
@@ -533,7 +533,7 @@ contains
       if (value < 0.0_wp) then
          call self%faults%error('arc '//to_text(arc)//' of loop '//to_text(loop)//': a length is not negative')
       else if (allocated(self%set)) then
-         self%set%arcl(arc, loop) = value
+         self%set%links%arcl(arc, loop) = value
       else
          self%parts(loop)%length(arc) = value
       end if
@@ -547,7 +547,7 @@ contains
 
       if (.not. may_change(self, loop, arc, value)) return
       if (allocated(self%set)) then
-         self%set%gama(arc, loop) = value
+         self%set%links%gama(arc, loop) = value
       else
          self%parts(loop)%angle(arc) = value
       end if
@@ -734,26 +734,26 @@ contains
       if (synthesis%many) then
          if (which >= 1 .and. which <= size(synthesis%found%best)) then
             call problem%parameters%apply(synthesis%found%best(which)%values, dimensions)
-            found%set%delt = synthesis%found%best(which)%delt
+            found%set%method%delt = synthesis%found%best(which)%delt
          end if
       else if (allocated(synthesis%last%v) .and. which == 1) then
          call problem%parameters%apply(synthesis%last%v(:, synthesis%last%best), dimensions)
       end if
       associate (to => found%set)
-         to%arcl = in_columns(problem%mechanism, dimensions%arcl, to%arcl)
-         to%gama = in_columns(problem%mechanism, dimensions%gama, to%gama)
-         to%outlk = dimensions%outlk
-         to%outang = dimensions%outang
-         to%origlk = dimensions%origlk
-         to%origng = dimensions%origng
-         to%crnki = dimensions%crnki
-         to%iva = 0
-         to%ivg = 0
-         to%ilkout = 0
-         to%ingout = 0
-         to%icrk = 0
-         to%iorig = 0
-         to%ifree = 0
+         to%links%arcl = in_columns(problem%mechanism, dimensions%arcl, to%links%arcl)
+         to%links%gama = in_columns(problem%mechanism, dimensions%gama, to%links%gama)
+         to%links%outlk = dimensions%outlk
+         to%links%outang = dimensions%outang
+         to%method%origlk = dimensions%origlk
+         to%method%origng = dimensions%origng
+         to%method%crnki = dimensions%crnki
+         to%method%iva = 0
+         to%method%ivg = 0
+         to%method%ilkout = 0
+         to%method%ingout = 0
+         to%method%icrk = 0
+         to%method%iorig = 0
+         to%method%ifree = 0
       end associate
    end function found_case
 
@@ -803,7 +803,7 @@ contains
          call study_forces(set, problem, problem%given, forces, by_unit_mass)
       else if (posed) then
          allocate (chain)
-         call study_chain(set, set%speed, set%accel, chain)
+         call study_chain(set, set%rates%speed, set%rates%accel, chain)
          call find_chain_forces(set, chain, forces, by_unit_mass)
       else
          return
@@ -907,8 +907,8 @@ contains
       end if
       call tell(case%faults, own)
       if (.not. own%failed() .and. allocated(set)) then
-         set%nguess = 0
-         if (present(every_loop)) set%ktheta = merge(1, set%ktheta, every_loop)
+         set%method%nguess = 0
+         if (present(every_loop)) set%limits%ktheta = merge(1, set%limits%ktheta, every_loop)
          call prepare(set, no_vertices, prepared, own)
          ready = prepared%ready
       end if

@@ -40,8 +40,8 @@ contains
       call read_cases('data/'//trim(name)//'.nml', sets, findings)
       if (.not. findings%failed()) then
          set = sets(which)
-         if (present(everything)) set%ktheta = merge(1, set%ktheta, everything)
-         if (present(motion)) set%motion = motion
+         if (present(everything)) set%limits%ktheta = merge(1, set%limits%ktheta, everything)
+         if (present(motion)) set%method%motion = motion
          if (present(vary)) call let_vary(set)
          call set_up(set, mechanism, dimensions, parameters, findings)
       end if
@@ -57,24 +57,24 @@ contains
       type(data_set_t), intent(inout) :: set
       integer :: i
 
-      set%iva = 1
-      set%ivg = 1
-      set%ilkout = merge(1, 0, set%outlk > 0.0_wp)
-      set%ingout = 1
-      set%icrk = 1
-      set%iorig = 1
-      set%origlk = set%origlk + 3.0_wp
-      if (set%ikin /= 0) then
-         set%ndes = 12
-         set%delt = [(30.0_wp*real(i, wp) + 5.0_wp, i=0, 11)]
-         set%ikin = 0
+      set%method%iva = 1
+      set%method%ivg = 1
+      set%method%ilkout = merge(1, 0, set%links%outlk > 0.0_wp)
+      set%method%ingout = 1
+      set%method%icrk = 1
+      set%method%iorig = 1
+      set%method%origlk = set%method%origlk + 3.0_wp
+      if (set%method%ikin /= 0) then
+         set%method%ndes = 12
+         set%method%delt = [(30.0_wp*real(i, wp) + 5.0_wp, i=0, 11)]
+         set%method%ikin = 0
       end if
-      set%desired = .true.
-      set%desx = [(1.0_wp + real(i, wp), i=1, set%ndes)]
-      set%desy = set%desx
-      set%desang = set%desx
-      set%xmult = [(1.0_wp + 0.1_wp*real(i, wp), i=1, set%ndes)]
-      set%ymult = 0.5_wp*set%xmult
-      set%anmult = set%xmult
+      set%method%desired = .true.
+      set%method%desx = [(1.0_wp + real(i, wp), i=1, set%method%ndes)]
+      set%method%desy = set%method%desx
+      set%method%desang = set%method%desx
+      set%method%xmult = [(1.0_wp + 0.1_wp*real(i, wp), i=1, set%method%ndes)]
+      set%method%ymult = 0.5_wp*set%method%xmult
+      set%method%anmult = set%method%xmult
    end subroutine let_vary
 end module cases

@@ -146,13 +146,13 @@ contains
       call t%is_true(.not. findings%failed(), 'a sketch with masses is read')
       if (findings%failed()) return
       if (set%sketch%drives(1)%kind /= drive_turns) then
-         set%speed = 0.3_wp*size_of
-         set%accel = 0.2_wp*size_of
+         set%rates%speed = 0.3_wp*size_of
+         set%rates%accel = 0.2_wp*size_of
       end if
       ! drives that are not geared have speeds of their own
       set%sketch%drives(2:)%speed = merge(0.0_wp, 0.2_wp*size_of, set%sketch%drives(2:)%geared)
       set%sketch%drives(2:)%accel = -set%sketch%drives(2:)%speed
-      call study_chain(set, set%speed, set%accel, chain)
+      call study_chain(set, set%rates%speed, set%rates%accel, chain)
       call make_chain_model(set, chain%closure, model, findings)
       call t%is_true(.not. findings%failed(), 'no fault is found with its forces')
       call find_chain_forces(set, chain, study)
@@ -419,14 +419,14 @@ contains
       set = given
       set%springs%first = set%springs%first(:0)
       set%springs%second = set%springs%second(:0)
-      set%accel = 0.0_wp
-      set%ikin = 0
-      set%ndes = 9
+      set%rates%accel = 0.0_wp
+      set%method%ikin = 0
+      set%method%ndes = 9
       step = 0.25_wp
-      if (set%sketch%drives(1)%kind /= drive_turns) step = 1.0e-3_wp*(set%speed/0.3_wp)
-      set%delt = [(real(s, wp)*step, s=-4, 4)]
-      set%crnki = set%crnki_of_drawing
-      call study_chain(set, set%speed, set%accel, chain)
+      if (set%sketch%drives(1)%kind /= drive_turns) step = 1.0e-3_wp*(set%rates%speed/0.3_wp)
+      set%method%delt = [(real(s, wp)*step, s=-4, 4)]
+      set%method%crnki = set%crnki_of_drawing
+      call study_chain(set, set%rates%speed, set%rates%accel, chain)
       if (.not. all(chain%motion%closed)) return
       call find_chain_forces(set, chain, study)
       do s = -4, 4
@@ -447,8 +447,8 @@ contains
       want_force = (0.0_wp, 0.0_wp)
       want_moment = 0.0_wp
       do s = 1, 4
-         want_force = want_force - weight(s)*(p(s) - p(-s))*set%speed/step
-         want_moment = want_moment - weight(s)*(l(s) - l(-s))*set%speed/step
+         want_force = want_force - weight(s)*(p(s) - p(-s))*set%rates%speed/step
+         want_moment = want_moment - weight(s)*(l(s) - l(-s))*set%rates%speed/step
       end do
       associate (state => chain%motion%states(5), m => model%metre)
          do k = 1, size(model%mass)
@@ -561,7 +561,7 @@ contains
       call read_one(text, set, findings)
       call t%is_true(.not. findings%failed(), 'a mass on the rod of a cylinder')
       if (findings%failed()) return
-      call study_chain(set, set%speed, set%accel, chain)
+      call study_chain(set, set%rates%speed, set%rates%accel, chain)
       call find_chain_forces(set, chain, study)
       do n = 1, 3
          associate (state => chain%motion%states(n))

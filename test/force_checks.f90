@@ -74,7 +74,7 @@ contains
       call problem%set_inputs(delt)
       call problem%want_derivatives(.true., vertices_of(problem%mechanism))
       call problem%analyse(problem%given, motion)
-      call analyse_forces(problem, model, set%speed, set%accel, motion%closed, motion%input, table)
+      call analyse_forces(problem, model, set%rates%speed, set%rates%accel, motion%closed, motion%input, table)
    end subroutine forces_at
 
    subroutine reference_table()
@@ -106,8 +106,8 @@ contains
 
       call load_case(name, problem, set)
       call rule_masses(problem, set)
-      set%speed = merge(100.0_wp, speed_600, problem%mechanism%sliding_input)
-      set%accel = 0.0_wp
+      set%rates%speed = merge(100.0_wp, speed_600, problem%mechanism%sliding_input)
+      set%rates%accel = 0.0_wp
       call forces_at(problem, set, [real(delta, wp)], table, model)
       do c = 1, 4
          call t%close_to(table%value(1, c)/want(c), 1.0_wp, 1.0e-8_wp, name//': drive, force and moment on the frame')
@@ -148,7 +148,7 @@ contains
 
       call load_case(name, problem, set)
       call rule_masses(problem, set)
-      set%speed = speed_600
+      set%rates%speed = speed_600
       call forces_at(problem, set, [real(delta, wp)], table, model)
       do j = 1, size(problem%mechanism%joints)
          if (problem%mechanism%joints(j)%name /= which) cycle
@@ -175,9 +175,9 @@ contains
 
       call load_case('dyad4_slider_crank', problem, set)
       call rule_masses(problem, set)
-      set%speed = speed_600
+      set%rates%speed = speed_600
       call forces_at(problem, set, [60.0_wp], table, model)
-      call loads_of_unit_masses(problem, model, set%speed, set%accel, columns)
+      call loads_of_unit_masses(problem, model, set%rates%speed, set%rates%accel, columns)
       do c = 1, 4
          call t%close_to(maxval(abs(columns(1, c, :, 3) - want(:, c)))/maxval(abs(want(:, c))), 0.0_wp, 1.0e-8_wp, &
                          'unit columns of the rod of the slider-crank')
@@ -195,8 +195,8 @@ contains
 
       call rule_masses(problem, set)
       set%masses%gravity = [0.7_wp, -9.81_wp]
-      set%speed = merge(100.0_wp, speed_600, problem%mechanism%sliding_input)
-      set%accel = 3.0_wp*set%speed
+      set%rates%speed = merge(100.0_wp, speed_600, problem%mechanism%sliding_input)
+      set%rates%accel = 3.0_wp*set%rates%speed
       call put_loads(set%loads, set)
       associate (n => size(set%masses%places))
          set%springs%first = set%masses%places([n, 1])
@@ -297,12 +297,13 @@ contains
          al = 0.0_wp
          axis = problem%mechanism%bodies(b)%axis
          if (axis == 0) return
-         v = [rates%d(1)%v(i, px), rates%d(1)%v(i, py)]*set%speed*unit
-         a = ([rates%d(2)%v(i, px), rates%d(2)%v(i, py)]*set%speed**2 + [rates%d(1)%v(i, px), rates%d(1)%v(i, py)]*set%accel)*unit
+         v = [rates%d(1)%v(i, px), rates%d(1)%v(i, py)]*set%rates%speed*unit
+         a = ([rates%d(2)%v(i, px), rates%d(2)%v(i, py)]*set%rates%speed**2 + [rates%d(1)%v(i, px), &
+                                                            rates%d(1)%v(i, py)]*set%rates%accel)*unit
          call problem%linkage%arc_at(problem%plan, axis, i, e(1), e(2), w)
          root = problem%linkage%root_x(problem%plan%root(axis))
-         w = rates%d(1)%v(i, root)*set%speed
-         al = rates%d(2)%v(i, root)*set%speed**2 + rates%d(1)%v(i, root)*set%accel
+         w = rates%d(1)%v(i, root)*set%rates%speed
+         al = rates%d(2)%v(i, root)*set%rates%speed**2 + rates%d(1)%v(i, root)*set%rates%accel
       end subroutine move
 
       pure function turn(x, e) result(y)
@@ -421,7 +422,7 @@ contains
       call load_up(problem, set)
       set%springs%first = set%springs%first(:0)
       set%springs%second = set%springs%second(:0)
-      set%accel = 0.0_wp
+      set%rates%accel = 0.0_wp
       middle = problem%delt(1)
       step = merge(2.0e-3_wp*maxval(problem%given%arcl), 0.25_wp, problem%mechanism%sliding_input)
       call forces_at(problem, set, [(middle + real(s, wp)*step, s=-4, 4)], table, model)
@@ -435,7 +436,7 @@ contains
       if (.not. problem%mechanism%sliding_input) step = step*pi/180.0_wp
       want = 0.0_wp
       do s = 1, 4
-         want = want + weight(s)*(total(:, s) - total(:, -s))*(set%speed/step)
+         want = want + weight(s)*(total(:, s) - total(:, -s))*(set%rates%speed/step)
       end do
       want(:3) = -want(:3)
       call add_outside()
@@ -443,7 +444,7 @@ contains
       largest = max(norm2(want(:2)), abs(want(3)))
       call t%is_true(norm2(got(:2) - want(:2)) <= 1.0e-8_wp*largest, trim(name)//': momentum', text_of(norm2(got(:2) - want(:2))))
       call t%is_true(abs(got(3) - want(3)) <= 1.0e-8_wp*largest, trim(name)//': angular momentum', text_of(got(3) - want(3)))
-      call t%is_true(abs(got(4) - want(4)) <= 1.0e-8_wp*max(abs(want(4)), maxval(table%kinetic)*set%speed/ &
+      call t%is_true(abs(got(4) - want(4)) <= 1.0e-8_wp*max(abs(want(4)), maxval(table%kinetic)*set%rates%speed/ &
                                                             merge(maxval(problem%given%arcl), 1.0_wp, &
                                                                   problem%mechanism%sliding_input)), &
                      trim(name)//': power is the growth of the kinetic energy', text_of(got(4) - want(4)))
@@ -485,13 +486,13 @@ contains
          w = 0.0_wp
          if (axis > 0) then
             call problem%linkage%arc_at(problem%plan, axis, i, e(1), e(2), length)
-            w = rates%d(1)%v(i, problem%linkage%root_x(problem%plan%root(axis)))*set%speed
+            w = rates%d(1)%v(i, problem%linkage%root_x(problem%plan%root(axis)))*set%rates%speed
          end if
          r = [at(1)*e(1) - at(2)*e(2), at(1)*e(2) + at(2)*e(1)]
          z = [problem%linkage%store%v(i, px), problem%linkage%store%v(i, py)]*unit + r + &
              [problem%output%origin_x, problem%output%origin_y]*model%metre
          v = w*[-r(2), r(1)]
-         if (axis > 0) v = v + [rates%d(1)%v(i, px), rates%d(1)%v(i, py)]*set%speed*unit
+         if (axis > 0) v = v + [rates%d(1)%v(i, px), rates%d(1)%v(i, py)]*set%rates%speed*unit
       end subroutine follow
 
       !> Weight and loads at the middle position.
@@ -535,16 +536,16 @@ contains
 
       call load_case(name, problem, set)
       call rule_masses(problem, set)
-      set%speed = speed_600
-      set%accel = 0.0_wp
+      set%rates%speed = speed_600
+      set%rates%accel = 0.0_wp
       delt = problem%delt(:min(problem%positions, 12))
       call forces_at(problem, set, delt, table, model)
-      set%speed = 2.0_wp*speed_600
+      set%rates%speed = 2.0_wp*speed_600
       call forces_at(problem, set, delt, faster, model)
       largest = maxval(abs(table%value))
       call t%is_true(maxval(abs(faster%value - 4.0_wp*table%value)) <= 1.0e-14_wp*largest, trim(name)//': loads by the speed', &
                      text_of(maxval(abs(faster%value - 4.0_wp*table%value))/largest))
-      set%speed = speed_600
+      set%rates%speed = speed_600
       mass = set%masses%mass
       inertia = set%masses%inertia
       allocate (sums(size(table%value, 1), size(table%value, 2)), source=0.0_wp)
@@ -635,7 +636,7 @@ contains
 
       call load_case('dyad4_slider_crank', problem, set)
       call rule_masses(problem, set)
-      set%speed = speed_600
+      set%rates%speed = speed_600
       call forces_at(problem, set, at, small, model)
       problem%given%arcl = 0.001_wp*problem%given%arcl
       set%masses%places%distance = 0.001_wp*set%masses%places%distance
@@ -716,7 +717,7 @@ contains
             masses%metre = 0.001_wp
             masses%given = .true.
          end associate
-         sets(1)%speed = speed_600
+         sets(1)%rates%speed = speed_600
          call forces_at(problem, sets(1), [10.0_wp, 100.0_wp, 190.0_wp, 280.0_wp], table, model)
       end subroutine find
    end subroutine order_of_loops
@@ -743,7 +744,7 @@ contains
       call load_up(problem, set)
       delt = problem%delt
       call forces_at(problem, set, delt, table, model)
-      power = table%value(:, column_drive)*set%speed
+      power = table%value(:, column_drive)*set%rates%speed
       if (problem%mechanism%sliding_input) power = power*model%metre
       gap = power + table%power - table%growth
       where (.not. [(table%known(i), i=1, size(gap))])
@@ -755,8 +756,8 @@ contains
       if (problem%mechanism%sliding_input) return
       call load_case(name, problem, set)
       call rule_masses(problem, set)
-      set%speed = speed_600
-      set%accel = 0.0_wp
+      set%rates%speed = speed_600
+      set%rates%accel = 0.0_wp
       call forces_at(problem, set, [(5.0_wp*real(i, wp), i=0, 71)], table, model)
       if (name(:4) /= 'dyad' .or. .not. all([(table%known(i), i=1, 72)])) return
       call t%is_true(abs(sum(table%value(:, column_drive))) <= 1.0e-9_wp*maxval(abs(table%value(:, column_drive)))*72.0_wp, &
@@ -780,11 +781,11 @@ contains
       deallocate (set%loads%places)
       allocate (set%loads%places(1))
       associate (place => set%loads%places(1))
-         place%arc = abs(set%noutlk)
-         place%loop = set%noutlp
-         place%from_start = set%noutlk < 0
-         place%distance = set%outlk
-         place%angle = set%outang
+         place%arc = abs(set%links%noutlk)
+         place%loop = set%links%noutlp
+         place%from_start = set%links%noutlk < 0
+         place%distance = set%links%outlk
+         place%angle = set%links%outang
          associate (arc => problem%mechanism%arcs(problem%mechanism%seq(place%loop, place%arc)))
             if (arc%foot == merge(1, 2, place%from_start)) return   ! no point of that link
          end associate
@@ -816,7 +817,7 @@ contains
 
       call load_case('dyad4_slider_crank', problem, set)
       call rule_masses(problem, set)
-      set%speed = speed_600
+      set%rates%speed = speed_600
       deallocate (set%friction%joints)
       allocate (set%friction%joints(4))
       set%friction%joints%arc = [1, 1, 2, 3]
@@ -897,7 +898,7 @@ contains
          integer :: i, j, c
 
          call load_case('four_bar_haines', problem, set)
-         set%speed = 10.0_wp*pi
+         set%rates%speed = 10.0_wp*pi
          call put_masses(set, discs)
          call forces_at(problem, set, [(5.0_wp*real(i, wp), i=0, 71)], table, model)
          associate (v => table%value)
@@ -1094,8 +1095,8 @@ contains
       other%table_input = [model%table_input(first:), model%table_input(2:first) + turn]
       other%table_factor = model%table_factor([(k, k=first, n), (k, k=2, first)], :)
       call problem%analyse(problem%given, motion)
-      call analyse_forces(problem, model, set%speed, set%accel, motion%closed, motion%input, one)
-      call analyse_forces(problem, other, set%speed, set%accel, motion%closed, motion%input, two)
+      call analyse_forces(problem, model, set%rates%speed, set%rates%accel, motion%closed, motion%input, one)
+      call analyse_forces(problem, other, set%rates%speed, set%rates%accel, motion%closed, motion%input, two)
       call t%is_true(other%table_input(1) > 90.0_wp, 'a table that begins elsewhere')
       call t%close_to(maxval(abs(two%value - one%value))/maxval(abs(one%value)), 0.0_wp, 1.0e-12_wp, &
                       'a table over a turn gives the same forces wherever it begins')

@@ -212,7 +212,7 @@ contains
             allocate (set%constr%regions(2))
             set%constr%regions(1) = region_t(region_circle, .true., [0.3_wp, 0.6_wp, 0.2_wp, 0.0_wp], 0, 0)
             set%constr%regions(2) = region_t(region_box, .false., [-2.0_wp, 0.0_wp, 2.0_wp, 2.0_wp], 2, 1)
-            set%tangle = 20.0_wp
+            set%limits%tangle = 20.0_wp
             if (variant > 4) then
                call make_links_wide(set)
                ! no two links in one line, where the nearer side changes
@@ -224,7 +224,7 @@ contains
             problem%slide_angle = 20.0_wp
             call problem%move_inputs(problem%delt + 43.3_wp)
          end if
-         set%ifree = merge(1, 0, mod(variant, 2) == 1)
+         set%method%ifree = merge(1, 0, mod(variant, 2) == 1)
          set%constr%irange = merge(range_turn, range_inputs, variant <= 2 .or. variant > 4)
          if (mod(variant, 2) == 1) set%constr%irange = range_positions
          values = problem%parameters%first_values(problem%given)
@@ -296,7 +296,7 @@ contains
       p = problem%given%arcl(2)
       q = problem%given%arcl(3)
       d = problem%given%arcl(4)
-      least = set%tangle - max(off_square(p, q, d - a), off_square(p, q, d + a))
+      least = set%limits%tangle - max(off_square(p, q, d - a), off_square(p, q, d + a))
       call t%equal_integer(margins(1)%kind, margin_angle, 'a link pair has an angle margin')
       call t%close_to(margins(1)%margin, least, 1.0e-7_wp, 'least margin of a crank-rocker over its turn')
       ! two valleys of almost the same depth, the one nearly on a step, the other between two
@@ -309,7 +309,7 @@ contains
          problem%given%crnki = -10.0_wp
          call inspect(inspector, problem%given, problem%delt, margins)
          associate (h => problem%given%arcl(4), p => problem%given%arcl(2), q => problem%given%arcl(3))
-            least = set%tangle - max(off_square(p, q, h - a), off_square(p, q, h + a))
+            least = set%limits%tangle - max(off_square(p, q, h - a), off_square(p, q, h + a))
          end associate
          call t%close_to(margins(1)%margin, least, 1.0e-8_wp, 'the deeper of two valleys is found')
       end do
@@ -406,7 +406,7 @@ contains
       call t%is_true(sound, 'and accepts a range without')
       ! free timing keeps to one side
       set%constr%irange = range_positions
-      set%ifree = 1
+      set%method%ifree = 1
       set%search%order = 0
       problem%wanted(:problem%positions, 1) = 100.0_wp
       problem%wanted(1, 1) = -120.0_wp
@@ -430,7 +430,7 @@ contains
 
       ! the transmission angle is 48.6 degrees at 0 degrees of the crank, above 55 from 33 degrees on
       call load_case('dyad1_crank_rocker', problem, set, vary=.true.)
-      set%tangle = 35.0_wp
+      set%limits%tangle = 35.0_wp
       problem%tangle = 35.0_wp
       call problem%set_inputs([60.0_wp, 120.0_wp, 180.0_wp, 240.0_wp, 300.0_wp])
       call problem%set_desired(reshape(spread(100.0_wp, 1, 5), [5, 1]))

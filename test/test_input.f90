@@ -87,13 +87,17 @@ contains
       call t%equal_integer(findings%exit_code(), 0, 'a sound case has no errors')
       associate (s => sets(1))
          call t%equal_text(s%title, 'A FOUR-BAR', 'title')
-         call t%is_true(abs(s%bounce - 3.0_wp) + abs(s%expand - 2.0_wp) + abs(s%snake - 0.5_wp) + abs(s%reduce - 0.25_wp) &
-                        + abs(s%shrink - 0.5_wp) <= 0.0_wp, 'coefficients 3, 2, 0.5, 0.25, 0.5')
-         call t%is_true(s%niter == 2 .and. s%ncheck == 1 .and. s%istart == 19 .and. s%nguess == 0, 'NITER, NCHECK, ISTART, NGUESS')
-         call t%is_true(s%nviol == 30 .and. s%nprint == 100 .and. s%nprt == 20 .and. s%last == 1 .and. s%iplot == 0, 'LIMITS')
-         call t%is_true(abs(s%tangle - 50.0_wp) + abs(s%toggle - 0.1_wp) + abs(s%stepin - 0.001_wp) + abs(s%var - 0.1_wp) + &
-                        abs(s%small - 0.001_wp) + abs(s%fmin) <= 0.0_wp, 'TANGLE, TOGGLE, STEPIN, VAR, SMALL, FMIN')
-         call t%is_true(.not. s%desired .and. .not. s%wants_search(), 'NDES and DELT alone make an analysis')
+         call t%is_true(abs(s%method%bounce - 3.0_wp) + abs(s%method%expand - 2.0_wp) + abs(s%method%snake - 0.5_wp) + &
+                        abs(s%method%reduce - 0.25_wp) &
+                        + abs(s%method%shrink - 0.5_wp) <= 0.0_wp, 'coefficients 3, 2, 0.5, 0.25, 0.5')
+         call t%is_true(s%method%niter == 2 .and. s%method%ncheck == 1 .and. s%method%istart == 19 .and. s%method%nguess == 0, &
+                        'NITER, NCHECK, ISTART, NGUESS')
+         call t%is_true(s%limits%nviol == 30 .and. s%limits%nprint == 100 .and. s%limits%nprt == 20 .and. s%limits%last == &
+                        1 .and. s%limits%iplot == 0, 'LIMITS')
+         call t%is_true(abs(s%limits%tangle - 50.0_wp) + abs(s%limits%toggle - 0.1_wp) + abs(s%limits%stepin - 0.001_wp) + &
+                        abs(s%method%var - 0.1_wp) + &
+                        abs(s%method%small - 0.001_wp) + abs(s%method%fmin) <= 0.0_wp, 'TANGLE, TOGGLE, STEPIN, VAR, SMALL, FMIN')
+         call t%is_true(.not. s%method%desired .and. .not. s%wants_search(), 'NDES and DELT alone make an analysis')
       end associate
    end subroutine defaults
 
@@ -104,7 +108,8 @@ contains
                      ' arcl = 40., 1.2d2 80 ,130. ! a comment with '' in it'//nl// &
                      ' gama(1,4)=180. noutlk=3 noutlp=1 $end'//nl//method)
       call t%equal_integer(findings%exit_code(), 0, 'small letters, $, blanks, CRLF, comments, two subscripts')
-      call t%is_true(abs(sets(1)%gama(4, 1) - 180.0_wp) + abs(sets(1)%arcl(2, 1) - 120.0_wp) <= 0.0_wp, 'the values of it')
+      call t%is_true(abs(sets(1)%links%gama(4, 1) - 180.0_wp) + abs(sets(1)%links%arcl(2, 1) - 120.0_wp) <= 0.0_wp, &
+                     'the values of it')
       call read_text('T'//nl//method//' &RATES SPEED=3 &END'//nl//links)
       call t%equal_integer(findings%exit_code(), 0, 'groups in any order, groups of other programs skipped')
       call read_text(whole//' &LIMITS LAST=0 /'//nl//nl//'SECOND'//nl//links//method)
@@ -113,11 +118,11 @@ contains
       call read_text(whole//'NOT A CASE, LAST IS 1'//nl//'rubbish')
       call t%equal_integer(size(sets), 1, 'LAST=1: what follows is not read')
       call read_text(altered('ARCL=40.,120.', 'ARCL=,120.'))
-      call t%is_true(findings%count == 0 .and. sets(1)%arcl(1, 1) <= 0.0_wp, 'null values leave the default')
+      call t%is_true(findings%count == 0 .and. sets(1)%links%arcl(1, 1) <= 0.0_wp, 'null values leave the default')
       call read_text(altered('MAXARC=4', 'MAXARC=+4.00'))
-      call t%is_true(findings%count == 0 .and. sets(1)%maxarc == 4, 'an integer with a decimal point and zeros')
+      call t%is_true(findings%count == 0 .and. sets(1)%links%maxarc == 4, 'an integer with a decimal point and zeros')
       call read_text(altered('MAXARC=4', 'MAXARC=4.'))
-      call t%is_true(findings%count == 0 .and. sets(1)%maxarc == 4, 'an integer with a decimal point')
+      call t%is_true(findings%count == 0 .and. sets(1)%links%maxarc == 4, 'an integer with a decimal point')
    end subroutine notation
 
    subroutine capacities()
@@ -142,7 +147,7 @@ contains
              'DESANG=100000*90., IVA=4096*0 &END'//nl
       call read_text(text)
       call t%equal_integer(findings%exit_code(), 0, '64 loops, 4096 arcs, 100000 positions')
-      call t%equal_integer(size(sets(1)%delt), 100000, '100000 increments')
+      call t%equal_integer(size(sets(1)%method%delt), 100000, '100000 increments')
       text = 'MANY VARIABLES'//nl//' &LINKS NLOOP=250, MAXARC=4, ILINK='//repeat('1,2,3,4,', 250)//nl//' ILOOP='// &
              repeat('1,0,0,1,', 250)//nl//' ARCL='//repeat('40.,120.,80.,130.,', 250)//' GAMA=3*0.,180., NOUTLK=3, NOUTLP=250'// &
              ' &END'//nl//' &METHOD MOTION=1, NDES=1, DELT=0., DESANG=90., IVA='//repeat('0,1,1,0,', 250)//' &END'//nl
@@ -228,7 +233,8 @@ contains
       call wrong(altered('DELT=0.', 'DELT(1,1)=0.'), 'takes one subscript, not two')
       call read_text(altered('NOUTLK=3', 'ARCL ( 1 , 2 ) = 121.0, GAMA(4)=179., NOUTLK=3'))
       call t%equal_integer(findings%exit_code(), 0, 'blanks in subscripts')
-      call t%is_true(abs(sets(1)%arcl(2, 1) - 121.0_wp) + abs(sets(1)%gama(4, 1) - 179.0_wp) <= 0.0_wp, 'the values of it')
+      call t%is_true(abs(sets(1)%links%arcl(2, 1) - 121.0_wp) + abs(sets(1)%links%gama(4, 1) - 179.0_wp) <= 0.0_wp, &
+                     'the values of it')
    end subroutine subscripts
 
    !> Groups by name; items in the wrong group. What the table says is known is read by a program.

@@ -117,9 +117,9 @@ contains
 
       allocate (problem, merit)
       allocate (fixed, source=set)
-      fixed%ivg = 0
-      fixed%oplow = -1.0e3_wp
-      fixed%ophigh = 1.0e3_wp
+      fixed%method%ivg = 0
+      fixed%limits%oplow = -1.0e3_wp
+      fixed%limits%ophigh = 1.0e3_wp
       call make(fixed, problem, merit)
       call eliminate_linear(merit)
       call t%is_true(.not. allocated(merit%linear), 'a frame whose direction is given is not turned')

@@ -199,7 +199,7 @@ contains
 
       call load_case('dyad1_crank_rocker', problem, set)
       exact = 0.25_wp*(problem%given%arcl(2) + problem%given%arcl(3) - problem%given%arcl(1) - problem%given%arcl(4))
-      set%iproof = proof_of_turn
+      set%limits%iproof = proof_of_turn
       allocate (study)
       call study_proof(set, problem, problem%given, proof_of_turn, study)
       call t%close_to(study%worst_corner, exact, 1.0e-9_wp*exact, 'the worst corner of a single loop')

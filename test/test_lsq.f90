@@ -137,12 +137,12 @@ contains
 
       call load_case('chain_short', problem, set)
       set%search%solver = find_solver('LSQ')
-      set%limval = 1
-      set%oplow(:2) = [320.0_wp, 70.0_wp]
-      set%ophigh(:2) = [330.0_wp, 72.0_wp]
+      set%limits%limval = 1
+      set%limits%oplow(:2) = [320.0_wp, 70.0_wp]
+      set%limits%ophigh(:2) = [330.0_wp, 72.0_wp]
       call search(set, problem, 1, found)
       call t%is_true(size(found%best) == 1, 'within bounds: a linkage is found')
-      call t%close_to(found%best(1)%values(1), 330.0_wp - set%stepin, 1.0e-9_wp, 'the best lies at the bound')
+      call t%close_to(found%best(1)%values(1), 330.0_wp - set%limits%stepin, 1.0e-9_wp, 'the best lies at the bound')
       call t%is_true(found%best(1)%values(2) > 70.0_wp .and. found%best(1)%values(2) < 72.0_wp, 'and within the other')
    end subroutine bounds
 

@@ -167,7 +167,7 @@ contains
          scaled%origlk = scaled%origlk*factors(i)
          if (problem%mechanism%sliding_input) then
             scaled%crnki = scaled%crnki*factors(i)
-            call problem%set_inputs(set%delt*factors(i))
+            call problem%set_inputs(set%method%delt*factors(i))
          else
             problem%desired = .false.
          end if
@@ -269,10 +269,10 @@ contains
                    'quick-return lever')
       call load_case('dyad8_tangent_mechanism', problem, set)
       call problem%analyse(problem%given, motion)
-      call same_as(motion, 100.0_wp*tan(set%delt*radians_per_degree), 'tangent mechanism')
+      call same_as(motion, 100.0_wp*tan(set%method%delt*radians_per_degree), 'tangent mechanism')
       call load_case('actuator_rapson_slide', problem, set)
       call problem%analyse(problem%given, motion)
-      call same_as(motion, atan2(500.0_wp, set%delt)*degrees_per_radian, 'Rapson slide')
+      call same_as(motion, atan2(500.0_wp, set%method%delt)*degrees_per_radian, 'Rapson slide')
       call load_case('dyad5_turning_block', problem, set)
       call problem%analyse(problem%given, motion)
       ! the crank pin lies on the slot's line, 10 from the driver's shaft
@@ -303,8 +303,8 @@ contains
       call load_case('actuator_davis_steering', problem, set, 2)
       call problem%analyse(problem%given, right)
       worst = 0.0_wp
-      do i = 1, size(set%delt)
-         if (abs(set%delt(i)) < 1.0_wp) cycle
+      do i = 1, size(set%method%delt)
+         if (abs(set%method%delt(i)) < 1.0_wp) cycle
          worst = max(worst, abs(1.0_wp/tan(left%actual(i, 1)*radians_per_degree) &
                                 - 1.0_wp/tan(right%actual(i, 1)*radians_per_degree) &
                                 + 1200.0_wp/2700.0_wp))
@@ -339,7 +339,7 @@ contains
       call load_case('needle', problem, set)
       problem%desired = .false.
       call problem%analyse(problem%given, before)
-      call problem%set_inputs(set%delt + 360.0e6_wp)
+      call problem%set_inputs(set%method%delt + 360.0e6_wp)
       call problem%analyse(problem%given, after)
       call t%is_true(all(abs(after%actual - before%actual) <= 0.0_wp), 'a million turns of the crank change no bit')
    end subroutine many_turns

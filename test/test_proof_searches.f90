@@ -57,7 +57,7 @@ contains
       integer :: i
 
       call load_case(name, problem, set)
-      set%istart = seed
+      set%method%istart = seed
       set%search%nstart = starts
       set%search%nbest = kept
       set%constr%irange = range_turn
@@ -70,7 +70,7 @@ contains
          dimensions = problem%given
          call problem%parameters%apply(result%best(i)%values, dimensions)
          call bind_subject(plan, dimensions, subject)
-         call compare(inspector, subject, dimensions, result%best(i)%delt, set%tangle)
+         call compare(inspector, subject, dimensions, result%best(i)%delt, set%limits%tangle)
       end do
    end subroutine search_and_prove
 

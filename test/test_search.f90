@@ -160,9 +160,9 @@ contains
       logical :: feasible
 
       call load_case('chain_short', problem, set)
-      set%limval = 1
-      set%oplow(:2) = [320.0_wp, 70.0_wp]
-      set%ophigh(:2) = [330.0_wp, 72.0_wp]
+      set%limits%limval = 1
+      set%limits%oplow(:2) = [320.0_wp, 70.0_wp]
+      set%limits%ophigh(:2) = [330.0_wp, 72.0_wp]
       call make_constraints(set, problem, constraints)
       v = [400.0_wp, 60.0_wp]
       evaluations = 0
@@ -170,7 +170,7 @@ contains
       call t%close_to(v(1), 329.999_wp, 1.0e-15_wp, 'a value above its bound is put STEPIN inside')
       call t%close_to(v(2), 70.001_wp, 1.0e-15_wp, 'a value below its bound is put STEPIN inside')
       call t%equal_integer(evaluations, 1, 'evaluations are counted')
-      set%limval = 0
+      set%limits%limval = 0
       call make_constraints(set, problem, constraints)
       v = [-1.0_wp, 71.0_wp]
       call constrain(problem, constraints, v, f, feasible, evaluations, counts)
@@ -332,8 +332,8 @@ contains
       call run_search('needle', problem, set, simplex, state, motion)
       call t%equal_integer(state%reason, stop_iterations, 'NITER stops the search')
       call t%equal_integer(state%iteration, 2, 'after NITER iterations')
-      set%niter = 2000
-      set%fmin = 5.0_wp
+      set%method%niter = 2000
+      set%method%fmin = 5.0_wp
       call search_from(problem, set, simplex, state, motion)
       call t%equal_integer(state%reason, stop_small_objective, 'FMIN stops the search')
       call t%is_true(state%best < 5.0_wp, 'below FMIN')

@@ -65,11 +65,11 @@ contains
          call read_text(text%content())
          call t%is_true(.not. findings%failed(), 'a sketch written and read')
          if (findings%failed()) return
-         call t%equal_integer(sets(1)%icond, condition, 'ICOND of a sketch written and read')
-         call t%close_to(sets(1)%tangle, 50.0_wp, 0.0_wp, 'TANGLE of a sketch written and read')
+         call t%equal_integer(sets(1)%limits%icond, condition, 'ICOND of a sketch written and read')
+         call t%close_to(sets(1)%limits%tangle, 50.0_wp, 0.0_wp, 'TANGLE of a sketch written and read')
          call t%is_true(all(abs(sets(1)%sketch%x - first%sketch%x) + &
                             abs(sets(1)%sketch%y - first%sketch%y) <= 0.0_wp), 'joints written and read: the same bits')
-         call t%is_true(all(abs(sets(1)%delt - first%delt) <= 0.0_wp), 'inputs written and read: the same bits')
+         call t%is_true(all(abs(sets(1)%method%delt - first%method%delt) <= 0.0_wp), 'inputs written and read: the same bits')
       end do
    end subroutine written_again
 
@@ -137,15 +137,15 @@ contains
       call t%equal_integer(own%count, 0, 'a four-bar is resolved')
       call check_loops(read(1), why)
       call t%is_true(why == '', 'its loops are the sketch')
-      read(1)%arcl(2, 1) = 1.001_wp*read(1)%arcl(2, 1)
+      read(1)%links%arcl(2, 1) = 1.001_wp*read(1)%links%arcl(2, 1)
       call check_loops(read(1), why)
       call t%is_true(why == 'links whose loops do not give the drawing', 'a link that is longer')
       call read_case_text(whole, 'memory', read, own, 'psalm')
-      read(1)%ilink(2:3, 1) = -read(1)%ilink(2:3, 1)
+      read(1)%links%ilink(2:3, 1) = -read(1)%links%ilink(2:3, 1)
       call check_loops(read(1), why)
       call t%is_true(why == 'links whose loops do not give the drawing', 'the other assembly')
       call read_case_text(whole, 'memory', read, own, 'psalm')
-      read(1)%ilink(4, 1) = 1
+      read(1)%links%ilink(4, 1) = 1
       call check_loops(read(1), why)
       call t%is_true(why == 'links for which there are no loops', 'arrays that are no loops')
    end subroutine checked_loops

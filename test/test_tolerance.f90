@@ -26,10 +26,10 @@ contains
       type(data_set_t), intent(inout) :: set
       real(wp), intent(in) :: of_lengths, of_angles
 
-      set%tolerances = .true.
-      set%tolarc = of_lengths
-      set%tolgam = of_angles
-      set%toloua = of_angles
+      set%toler%given = .true.
+      set%toler%tolarc = of_lengths
+      set%toler%tolgam = of_angles
+      set%toler%toloua = of_angles
    end subroutine set_tolerances
 
    !> Small tolerances: spread of the sample is root-sum-square over sqrt(3), and all of it lies in the worst-case band.
@@ -79,8 +79,8 @@ contains
       real(wp), parameter :: tolerance = 1.0e-3_wp
 
       call load_case('dyad4_slider_crank', problem, set)
-      set%tolerances = .true.
-      set%tolarc(2, 1) = tolerance
+      set%toler%given = .true.
+      set%toler%tolarc(2, 1) = tolerance
       call find_tolerances(set, problem%mechanism, problem%given, deviating, linear, closes)
       call t%equal_integer(size(linear%tolerance), 1, 'one tolerance, one variable')
       dimensions = problem%given
@@ -110,8 +110,8 @@ contains
       real(wp), parameter :: tolerance = 0.5_wp
 
       call load_case('dyad4_slider_crank', problem, set)
-      set%tolerances = .true.
-      set%tolarc(2, 1) = tolerance
+      set%toler%given = .true.
+      set%toler%tolarc(2, 1) = tolerance
       call find_tolerances(set, problem%mechanism, problem%given, deviating, linear, closes)
       call random%seed(seed, purpose_sample)
       do stream = 0, 1

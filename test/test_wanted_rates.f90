@@ -217,7 +217,7 @@ contains
 
       call load_case(name, problem, set, vary=.true.)
       call let_want(problem)
-      set%ifree = merge(1, 0, free)
+      set%method%ifree = merge(1, 0, free)
       set%search%solver = find_solver('LSQ')
       call prepare_merit(set, problem, problem%parameters%first_values(problem%given), merit)
       x = merit%point(problem%parameters%first_values(problem%given), problem%delt)
@@ -308,7 +308,7 @@ contains
                     findings)
       call t%equal_integer(findings%count, 0, output//': its loops are read')
       call t%is_true(.not. allocated(set%no_loops), output//': a sketch with loops')
-      call t%equal_integer(set%motion, motion, output//': what is wanted of its loops')
+      call t%equal_integer(set%method%motion, motion, output//': what is wanted of its loops')
       call prepare(set, none, prepared, findings)
       call make_problem(set, prepared%mechanism, prepared%given, prepared%parameters, problem)
       dimensions = prepared%given
@@ -332,7 +332,8 @@ contains
       call write_data_set(set, problem, dimensions, text)
       call read_one(text%content(), again, findings)
       call t%equal_integer(findings%count, 0, output//': device 7 is read again')
-      call t%is_true(all(abs(again%rate_wanted - set%rate_wanted) <= 0.0_wp .and. abs(again%rate_weight - set%rate_weight) &
+      call t%is_true(all(abs(again%method%rate_wanted - set%method%rate_wanted) <= 0.0_wp .and. abs(again%method%rate_weight - &
+                                                            set%method%rate_weight) &
                          <= 0.0_wp), output//': and wants the same')
       ! &METHOD says the same to a sketch in poses
       call read_one('IN POSES BY &METHOD'//nl//" &CHAIN JNT='A','B','C','D','P', JX=0.0,-4.0,33.0,90.0,20.0,"//nl// &
@@ -438,7 +439,7 @@ contains
       integer :: k
 
       call read_one(four_bar//' &END'//nl, set, findings)
-      set%desired = .true.
+      set%method%desired = .true.
       call prepare(set, none, prepared, findings)
       call make_problem(set, prepared%mechanism, prepared%given, prepared%parameters, problem)
       problem%rate_wanted = reshape(spread(0.0_wp, 1, 6), [3, 1, 2])
@@ -451,8 +452,8 @@ contains
          call read_one(changed_length(four_bar)//wishes//' &END &LIMITS TANGLE=80.0 &END'//trim(ways(k))//nl, set, findings)
          call t%is_true(.not. findings%failed(), 'a crank-rocker with slopes is read')
          if (findings%failed()) return
-         call t%close_to(set%rate_weight(2, 1, 2), 0.0_wp, 0.0_wp, 'a value that is left out is not wanted')
-         call t%close_to(set%rate_weight(3, 1, 1), 500.0_wp, 0.0_wp, 'one weight for all')
+         call t%close_to(set%method%rate_weight(2, 1, 2), 0.0_wp, 0.0_wp, 'a value that is left out is not wanted')
+         call t%close_to(set%method%rate_weight(3, 1, 1), 500.0_wp, 0.0_wp, 'one weight for all')
          call prepare(set, none, prepared, findings)
          call make_problem(set, prepared%mechanism, prepared%given, prepared%parameters, problem)
          dimensions = prepared%given
@@ -468,7 +469,7 @@ contains
       call prepare(set, none, prepared, findings)
       call make_problem(set, prepared%mechanism, prepared%given, prepared%parameters, problem)
       call t%is_true(all(abs(problem%rate_weight(:, 1, 2) - [100.0_wp, 0.0_wp, 50.0_wp]) <= 0.0_wp), 'its weights are the same')
-      call t%close_to(maxval(abs(problem%rate_wanted - set%rate_wanted)), 0.0_wp, 0.0_wp, 'and what is wanted')
+      call t%close_to(maxval(abs(problem%rate_wanted - set%method%rate_wanted)), 0.0_wp, 0.0_wp, 'and what is wanted')
    end subroutine solvers
 
    !> The case with the lengths that vary given wrong.

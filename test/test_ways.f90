@@ -224,7 +224,7 @@ contains
       plain = problem%given
       call synthesise(set, reshape([real(wp) ::], [size(problem%parameters%variables), 0]), problem, 1, never, plain, again)
       call t%is_true(again%state%iteration > result%state%iteration, 'from fewer iterations than without')
-      call t%is_true(result%state%iteration <= set%niter, 'the iterations of all stages count')
+      call t%is_true(result%state%iteration <= set%method%niter, 'the iterations of all stages count')
       ! begun with what was found, one position first leads far away
       problem%given = dimensions
       before = objective

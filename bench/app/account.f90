@@ -74,15 +74,15 @@ contains
       end if
       if (findings%failed()) error stop 'a data set cannot be read'
       call make_problem(set, mechanism, dimensions, parameters, problem)
-      if (set%limval /= 0) return
+      if (set%limits%limval /= 0) return
       ! some searches run away to links of infinite length, which are slides
-      set%limval = 1
+      set%limits%limval = 1
       do v = 1, size(parameters%variables)
-         set%oplow(v) = -widest
-         set%ophigh(v) = widest
+         set%limits%oplow(v) = -widest
+         set%limits%ophigh(v) = widest
          if (all(parameters%variables(v)%kind /= [variable_length, variable_outlk, variable_origlk])) cycle
-         set%oplow(v) = 0.0_wp
-         set%ophigh(v) = longest*maxval(dimensions%arcl)
+         set%limits%oplow(v) = 0.0_wp
+         set%limits%ophigh(v) = longest*maxval(dimensions%arcl)
       end do
    end subroutine load
 
@@ -106,9 +106,9 @@ contains
             call load(sets(s), set, problem)
             ! the simplex of the thesis knows no free timing
             kind = find_solver(solvers(k))
-            if (set%ifree /= 0 .and. .not. kind%many_starts) cycle
+            if (set%method%ifree /= 0 .and. .not. kind%many_starts) cycle
             do seed = 1, seeds
-               set%istart = 19 + 2*seed
+               set%method%istart = 19 + 2*seed
                begun = seconds()
                if (.not. kind%many_starts) then
                   call run_simplex(set, problem, objective, evaluations)
@@ -139,8 +139,8 @@ contains
       logical :: feasible
 
       set = given
-      set%niter = most_iterations
-      set%fmin = 0.0_wp
+      set%method%niter = most_iterations
+      set%method%fmin = 0.0_wp
       problem = given_problem
       call make_vertex_problem(set, problem, vertices)
       call start_simplex(set, vertices, none, simplex, feasible, beginning)

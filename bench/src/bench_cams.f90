@@ -33,7 +33,7 @@ contains
       call read_cases(file, sets, findings, program=program)
       if (findings%failed()) error stop 'the data set cannot be read'
       set = sets(1)
-      set%nguess = 0
+      set%method%nguess = 0
       call prepare(set, none, prepared, findings)
       if (findings%failed()) error stop 'the data set is wrong'
    end subroutine load
@@ -92,8 +92,8 @@ contains
       integer :: block, offset, m, i
 
       call load(file, 'psalm', set, prepared)
-      crank = set%arcl(1, 1)
-      coupler = set%arcl(2, 1)
+      crank = set%links%arcl(1, 1)
+      coupler = set%links%arcl(2, 1)
       roller = 0.2_wp*coupler
       ! the start of the rocker's arc is the pin of the coupler
       prepared%mechanism%outputs = [output_t(motion_pose, 3, .true.)]

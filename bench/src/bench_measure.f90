@@ -47,20 +47,20 @@ contains
 
       call read_data_sets('../data/'//trim(names(k))//'.nml', sets, findings)
       if (findings%failed()) error stop 'a data set cannot be read'
-      sets(1)%motion = motion_point
-      if (present(as_written)) sets(1)%motion = 1
-      sets(1)%tangle = 90.0_wp
-      sets(1)%ktheta = merge(1, 0, everything)
-      if (sets(1)%outlk <= 0.0_wp) sets(1)%outlk = 50.0_wp
+      sets(1)%method%motion = motion_point
+      if (present(as_written)) sets(1)%method%motion = 1
+      sets(1)%limits%tangle = 90.0_wp
+      sets(1)%limits%ktheta = merge(1, 0, everything)
+      if (sets(1)%links%outlk <= 0.0_wp) sets(1)%links%outlk = 50.0_wp
       if (names(k) == 'hard/pruned64') then
          ! the two loops that matter, so that every method solves the same
-         sets(1)%nloop = 2
-         sets(1)%ilink = sets(1)%ilink(:, :2)
-         sets(1)%iloop = sets(1)%iloop(:, :2)
-         sets(1)%arcl = sets(1)%arcl(:, :2)
-         sets(1)%gama = sets(1)%gama(:, :2)
-         sets(1)%iva = sets(1)%iva(:, :2)
-         sets(1)%ivg = sets(1)%ivg(:, :2)
+         sets(1)%links%nloop = 2
+         sets(1)%links%ilink = sets(1)%links%ilink(:, :2)
+         sets(1)%links%iloop = sets(1)%links%iloop(:, :2)
+         sets(1)%links%arcl = sets(1)%links%arcl(:, :2)
+         sets(1)%links%gama = sets(1)%links%gama(:, :2)
+         sets(1)%method%iva = sets(1)%method%iva(:, :2)
+         sets(1)%method%ivg = sets(1)%method%ivg(:, :2)
       end if
       call set_up(sets(1), mechanism, dimensions, parameters, findings)
       if (findings%failed()) error stop 'a data set is wrong'
@@ -290,7 +290,7 @@ contains
 
       call read_data_sets('../data/hard/pruned64.nml', sets, findings)
       call set_up(sets(1), mechanism, dimensions, parameters, findings)
-      sets(1)%motion = motion_point
+      sets(1)%method%motion = motion_point
       call make_problem(sets(1), mechanism, dimensions, parameters, chain)
       call chain%set_inputs([(360.0_wp*real(i, wp)/real(n, wp), i=0, n - 1)])
       call load(2, n, .false., pair)

@@ -40,7 +40,7 @@ contains
       integer :: done(seeds), seed, n, reached, first, way
 
       call read_cases(file, sets, findings)
-      n = sets(1)%ndes
+      n = sets(1)%method%ndes
       do way = 1, ways
          call make_path(sets(1), merge(1.0_wp, -1.0_wp, mod(way, 2) == 1), merge(1.0_wp, -1.0_wp, way <= ways/2), path(way), room)
       end do
@@ -103,10 +103,11 @@ contains
       integer, parameter :: of(6) = [ground, 1, 2, 3, 5, 6] !! among OPLOW and OPHIGH
       real(wp) :: cosine, unused
 
-      call unit_vector(right_angle - set%tangle, cosine, unused)
-      if (set%tangle < right_angle) cosine = cosine - slack
-      associate (n => set%ndes)
-         call prepare_path(set%desx(:n), sense*set%desy(:n), spread(1.0_wp, 1, n), set%oplow(of), set%ophigh(of), cosine, &
+      call unit_vector(right_angle - set%limits%tangle, cosine, unused)
+      if (set%limits%tangle < right_angle) cosine = cosine - slack
+      associate (n => set%method%ndes)
+         call prepare_path(set%method%desx(:n), sense*set%method%desy(:n), spread(1.0_wp, 1, n), set%limits%oplow(of), &
+                           set%limits%ophigh(of), cosine, &
                            sense*side, path, room)
       end associate
    end subroutine make_path

@@ -418,7 +418,7 @@ contains
       do k = 1, size(mechanism%joints)
          associate (joint => mechanism%joints(k), arc => mechanism%arcs(mechanism%joints(k)%arc))
             if (joint%attached) cycle
-            element = (arc%loop - 1)*set%maxarc + arc%place
+            element = (arc%loop - 1)*set%links%maxarc + arc%place
             call findings%error('joint '//joint%name//' of loop '//to_text(arc%loop)//' is no point of both links that '// &
                                 'it joins: an arc there is only parallel to its link, which is enough for motion but not for '// &
                                 'forces', &

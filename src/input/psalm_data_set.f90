@@ -3,8 +3,7 @@
 !> A file becomes a list of data sets. Topology is judged later, in `psalm_setup`; here each item is read, given its
 !> default and checked by itself. Source of items and defaults: Oldham (1977), appendix B.
 module psalm_data_set
-   use, intrinsic :: iso_fortran_env, only: int64
-   use psalm_kinds, only: wp, full_turn, half_turn, radians_per_degree, right_angle
+   use psalm_kinds, only: wp, right_angle
    use psalm_balance_group, only: balance_group_t, read_balance_group
    use psalm_cam_group, only: cam_group_t, read_cam_group
    use psalm_chain_group, only: read_chain_group
@@ -16,18 +15,22 @@ module psalm_data_set
    use psalm_dxf_group, only: dxf_group_t, read_dxf_group
    use psalm_drive_group, only: drive_group_t, hill_group_t, read_drive_group, read_hill_group
    use psalm_group_table, only: everything, program_of, program_reads, is_users, nearest_group
-   use psalm_group, only: group_t, read_flag, check_flags, check_range, out_of, required
+   use psalm_group, only: group_t, out_of
    use psalm_link_place, only: place_t
+   use psalm_limits_group, only: limits_group_t, read_limits_group
+   use psalm_links_group, only: links_group_t, read_links_group
    use psalm_load_group, only: load_group_t, read_load_group
    use psalm_mark, only: mark_t
    use psalm_mass_group, only: mass_group_t, read_mass_group
+   use psalm_method_group, only: method_group_t, read_method_group, most_positions
    use psalm_motor_group, only: motor_group_t, read_motor_group
-   use psalm_output_kind, only: output_kind_t, output_kind, motion_angle, motion_distance, motion_point, motion_pose, &
+   use psalm_output_kind, only: output_kind_t, output_kind, motion_angle, motion_distance, motion_pose, &
                                 motion_slide
    use psalm_outputs_group, only: read_outputs_group
    use psalm_namelist, only: case_text_t, read_case
    use psalm_origin, only: origins_t, name_length
-   use psalm_rate_items, only: gives_rates, read_rate_items
+   use psalm_rate_items, only: gives_rates
+   use psalm_rates_group, only: rates_group_t, read_rates_group
    use psalm_search_group, only: search_group_t, read_search_group
    use psalm_sketch, only: sketch_t, sketch_name, grid_digits, drive_turns, most_wished, output_angle, output_distance, &
                            output_pose, output_slide
@@ -36,100 +39,32 @@ module psalm_data_set
    use psalm_spring_group, only: spring_group_t, read_spring_group
    use psalm_status, only: diagnostics_t
    use psalm_sweep_group, only: sweep_group_t, read_sweep_group
-   use psalm_system, only: memory_to_be_had
+   use psalm_tolerance_group, only: tolerance_group_t, read_tolerance_group
    use psalm_text, only: text_t, general, to_text
    use psalm_wish_items, only: read_wishes, values_of
    use psalm_vibration_group, only: vibration_group_t, estimate_group_t, read_vibration_group, read_estimate_group
    implicit none (type, external)
    private
-   public :: bytes_of_position
    public :: data_set_t, read_data_sets, read_data_set_text
-   public :: title_columns, default_niter, proof_by_default
+   public :: title_columns
 
-   integer, parameter :: original_arcs = 100      !! entries of the thesis's arc arrays: fillers up to here are usual
-   integer, parameter :: most_loops = 100000      !! above this NLOOP is taken for a slip of the pen
-   integer, parameter :: most_arcs = 10000000     !! likewise NLOOP times MAXARC
-   integer, parameter :: most_positions = 10000000 !! likewise NDES
-   integer(int64), parameter :: bytes_of_position = 10*storage_size(1.0_wp)/8 !! of a data set: seven arrays, and copies on the way
-   integer, parameter :: largest_istart = 999999999 !! nine digits
-   integer, parameter :: most_trials = 1000000000  !! likewise NTRIAL
-   real(wp), parameter :: fastest = 1.0e30_wp      !! likewise SPEED and ACCEL
    !> Groups that muscle writes itself, with what it found, and those that asked for it.
    character(name_length), parameter :: written_by_muscle(*) = [character(name_length) :: 'MASSES', 'SPRING', 'BALANC', 'SPRNGS']
    integer, parameter :: title_columns = 72        !! of a title, at most
-   integer, parameter :: default_niter = 2         !! the thesis's: enough to look at the start of a search
    real(wp), parameter :: largest_machine = 20.0_wp !! metres: a larger one may have been drawn in millimetres
-   integer, parameter :: proof_by_default = -1 !! IPROOF was not given: the result of a search is proven
 
    !> Everything the user can say to `psalm`. Angles in degrees, lengths in the user's one unit.
    type :: data_set_t
       character(:), allocatable :: title   !! at most 72 columns
       character(:), allocatable :: file    !! where it was read from
       integer :: title_line = 0            !! line of the title
-      ! LINKS
-      integer :: nloop = 0, maxarc = 0
-      integer, allocatable :: ilink(:, :)  !! shape (maxarc, nloop): arc numbers
-      integer, allocatable :: iloop(:, :)  !! shape (maxarc, nloop): loop or guide numbers
-      real(wp), allocatable :: arcl(:, :)  !! shape (maxarc, nloop): lengths
-      real(wp), allocatable :: gama(:, :)  !! shape (maxarc, nloop): angles
-      integer :: noutlk = 0, noutlp = 0
-      real(wp) :: outlk = 0.0_wp, outang = 0.0_wp
-      ! METHOD
-      integer, allocatable :: iva(:, :), ivg(:, :) !! shape (maxarc, nloop)
-      integer :: ilkout = 0, ingout = 0, icrk = 0, iorig = 0
-      integer :: ifree = 0                 !! the search finds every input position too
-      integer :: ikin = 0
-      integer :: ndes = 0
-      logical :: desired = .false.         !! desired values were given
-      real(wp) :: crnki = 0.0_wp
-      real(wp), allocatable :: delt(:)     !! shape (ndes)
-      integer :: motion = motion_point
-      real(wp) :: xadd = 0.0_wp, yadd = 0.0_wp
-      real(wp), allocatable :: desx(:), desy(:), desang(:)       !! shape (ndes)
-      real(wp), allocatable :: xmult(:), ymult(:), anmult(:)     !! shape (ndes)
-      real(wp), allocatable :: rate_wanted(:, :, :) !! shape (ndes, components, most_rates): derivatives of the output by the
-                                           !! input; not allocated: none is wanted
-      real(wp), allocatable :: rate_weight(:, :, :) !! the same shape: their weights, 0 where none is wanted
-      real(wp) :: origlk = 0.0_wp, origng = 0.0_wp
-      real(wp) :: var = 0.1_wp
-      integer :: istart = 19
-      integer :: nguess = 0
-      real(wp) :: bounce = 3.0_wp, expand = 2.0_wp, snake = 0.5_wp, reduce = 0.25_wp, shrink = 0.5_wp
-      integer :: niter = default_niter, ncheck = 1
-      real(wp) :: fmin = 0.0_wp, small = 0.001_wp
-      ! LIMITS
-      real(wp) :: tangle = 50.0_wp, toggle = 0.1_wp
-      logical :: tangle_given = .false.                !! a limit was given: it holds for the angle between two slides too
-      logical :: toggle_given = .false.                !! then it is a criterion, else a distance that repairs leave
-      logical :: trmin_given = .false.                 !! as the least transmission angle: TANGLE is 90 less TRMIN
-      integer :: limval = 0
-      real(wp), allocatable :: oplow(:), ophigh(:) !! shape (values given, at least the number of variables)
-      integer :: low_given = 0, high_given = 0     !! values given in OPLOW and in OPHIGH
-      real(wp) :: stepin = 0.001_wp
-      integer :: ktheta = 0
-      integer :: icond = 0                         !! condition number of every position on device 9
-      integer :: iproof = proof_by_default         !! prove the motion: 1 over a full turn, 2 over the range of the inputs, 0 not
-      real(wp) :: dwell = 0.0_wp                   !! amount that the output may move in a dwell, degrees or length; 0: none
-      integer :: nviol = 30
-      integer :: nprint = 100, nprt = 20
-      integer :: iplot = 0
-      integer :: last = 1
+      type(links_group_t) :: links         !! LINKS
+      type(method_group_t) :: method       !! METHOD
+      type(limits_group_t) :: limits       !! LIMITS
       type(search_group_t) :: search       !! SEARCH
       type(constraint_group_t) :: constr   !! CONSTR
-      ! TOLER
-      logical :: tolerances = .false.              !! the group was given
-      real(wp), allocatable :: tolarc(:, :), tolgam(:, :) !! shape (maxarc, nloop): of ARCL and GAMA
-      real(wp) :: tolout = 0.0_wp, toloua = 0.0_wp !! of OUTLK, OUTANG
-      real(wp) :: tolorl = 0.0_wp, tolora = 0.0_wp !! of ORIGLK, ORIGNG
-      real(wp) :: tolcrk = 0.0_wp                  !! of CRNKI
-      logical :: adjusted = .false.                !! ADJUST=1: every dimension as the adjustable one
-      real(wp) :: outtol = 0.0_wp                  !! of the output; 0: not given
-      integer :: ntrial = 0                        !! linkages of the Monte-Carlo sample
-      real(wp) :: tollen = 0.0_wp, tolang = 0.0_wp !! of all lengths, of all angles
-      ! RATES (read for kalm only)
-      real(wp) :: speed = 1.0_wp           !! of the input: rad/s, or length/s
-      real(wp) :: accel = 0.0_wp           !! of the input: rad/s**2, or length/s**2
-      logical :: rates_given = .false.
+      type(tolerance_group_t) :: toler     !! TOLER
+      type(rates_group_t) :: rates         !! RATES (read for kalm only)
       type(sketch_t) :: sketch             !! CHAIN, DRIVES, OUTPUTS
       real(wp) :: crnki_of_drawing = 0.0_wp !! CRNKI of the loops where the sketch's is 0
       character(:), allocatable :: stand_in !! the joint that the listing shows for want of the first output; not allocated: none
@@ -172,9 +107,11 @@ contains
    pure logical function wants_search(self)
       class(data_set_t), intent(in) :: self
 
-      wants_search = self%ikin == 0 .and. (any(self%iva /= 0) .or. any(self%ivg /= 0) .or. self%ilkout /= 0 .or. &
-                                           self%ingout /= 0 .or. self%icrk /= 0 .or. self%iorig /= 0)
-      if (allocated(self%no_loops)) wants_search = self%ikin == 0 .and. size(self%sketch%variations) > 0
+      associate (method => self%method)
+         wants_search = method%ikin == 0 .and. (any(method%iva /= 0) .or. any(method%ivg /= 0) .or. method%ilkout /= 0 .or. &
+                                                method%ingout /= 0 .or. method%icrk /= 0 .or. method%iorig /= 0)
+      end associate
+      if (allocated(self%no_loops)) wants_search = self%method%ikin == 0 .and. size(self%sketch%variations) > 0
    end function wants_search
 
    !> Read every case of a file, up to the one with LAST=1.
@@ -249,7 +186,7 @@ contains
          end if
          count = count + 1
          call read_set(case, reader, sets(count), findings)
-         if (sets(count)%last /= 0) exit
+         if (sets(count)%limits%last /= 0) exit
       end do
       if (count < size(sets)) sets = sets(:count)
    end subroutine read_all
@@ -292,67 +229,70 @@ contains
       ! a group that is not there is read too: it is asked for its items, and `finish` knows all names
       call read_sketch(groups(chain), groups(outputs), set, sketch_sound, findings)
       if (groups(links)%line > 0) then
-         call read_links(groups(links), set, shape_known, findings)
+         call read_links_group(groups(links), set%links, shape_known, findings)
       else
-         call read_links(groups(links), set, shape_known, unused)
+         call read_links_group(groups(links), set%links, shape_known, unused)
       end if
       if (groups(method)%line > 0) then
-         call read_method(groups(method), set, shape_known, findings)
+         call read_method_group(groups(method), set%links%nloop, set%links%maxarc, shape_known, set%sketch%given, set%method, &
+                                findings)
       else
-         call read_method(groups(method), set, shape_known, unused)
+         call read_method_group(groups(method), set%links%nloop, set%links%maxarc, shape_known, set%sketch%given, set%method, &
+                                unused)
       end if
       call read_drives(groups(drives), sketch_sound, set, findings)
       call fill_grid(groups(method), groups(drives), set, findings)
-      if (groups(outputs)%line > 0 .and. set%ikin == 0) then
-         call read_wishes(groups(outputs), set%ndes, set%sketch, findings)
+      if (groups(outputs)%line > 0 .and. set%method%ikin == 0) then
+         call read_wishes(groups(outputs), set%method%ndes, set%sketch, findings)
          call refuse_twice(groups(outputs), set, findings)
       else
          call read_wishes(groups(outputs), 0, set%sketch, unused)
       end if
       if (set%sketch%given) call refuse_arcs(groups(method), groups(toler), groups(limits), findings)
-      call read_limits(groups(limits), set, findings)
+      call read_limits_group(groups(limits), set%links%nloop, set%links%maxarc, set%limits, findings)
       call read_search_group(groups(search), set%search, findings)
-      if (set%ifree /= 0 .and. .not. set%search%solver%many_starts) then
+      if (set%method%ifree /= 0 .and. .not. set%search%solver%many_starts) then
          call out_of(groups(method), 'IFREE', "IFREE=1 (free timing) needs the group &SEARCH with another SOLVER, as 'LSQ'", &
                      findings)
       end if
-      if (set%ifree /= 0 .and. set%ikin == 0 .and. .not. set%wants_search()) then
+      if (set%method%ifree /= 0 .and. set%method%ikin == 0 .and. .not. set%wants_search()) then
          call out_of(groups(method), 'IFREE', 'free timing is a part of a search, but no dimension may vary', findings)
       end if
       call check_ways(groups(search), set, findings)
       call report_idle_items(groups(method), groups(limits), groups(search), set, findings)
-      call read_constraint_group(groups(constr), set%nloop, set%maxarc, set%sketch, set%constr, findings)
+      call read_constraint_group(groups(constr), set%links%nloop, set%links%maxarc, set%sketch, set%constr, findings)
       call settle_angle_limit(groups(limits), groups(constr), set, findings)
-      call read_tolerances(groups(toler), set, findings)
-      call read_rates(groups(rates), set, findings)
-      call read_mass_group(groups(masses), set%ilink, set%sketch, set%masses, findings)
-      call read_load_group(groups(loads), set%ilink, set%sketch, set%loads, findings)
-      call read_spring_group(groups(spring), set%ilink, set%sketch, set%springs, findings)
-      call read_friction_group(groups(frictn), set%ilink, set%sketch, set%friction, findings)
+      call read_tolerance_group(groups(toler), set%links, set%method, set%toler, findings)
+      call read_rates_group(groups(rates), sliding_input(set), set%rates, findings)
+      call read_mass_group(groups(masses), set%links%ilink, set%sketch, set%masses, findings)
+      call read_load_group(groups(loads), set%links%ilink, set%sketch, set%loads, findings)
+      call read_spring_group(groups(spring), set%links%ilink, set%sketch, set%springs, findings)
+      call read_friction_group(groups(frictn), set%links%ilink, set%sketch, set%friction, findings)
       call read_motor_group(groups(motor), set%motor, findings)
-      call read_vibration_group(groups(vibr), set%ilink, set%sketch, set%vibration, findings)
-      call read_estimate_group(groups(estim), set%ilink, set%sketch, set%estimates, findings)
+      call read_vibration_group(groups(vibr), set%links%ilink, set%sketch, set%vibration, findings)
+      call read_estimate_group(groups(estim), set%links%ilink, set%sketch, set%estimates, findings)
       call read_drive_group(groups(drivel), set%drive, findings)
       call read_hill_group(groups(hill), set%hill, findings)
-      call read_clearance_group(groups(clear), set%ilink, set%sketch, set%clearance, findings)
-      call read_balance_group(groups(balanc), set%ilink, set%sketch, set%balance, findings)
-      call read_spring_design_group(groups(sprngs), set%ilink, set%sketch, set%spring_design, findings)
-      call read_cam_group(groups(cam), set%ilink, set%sketch, set%cam, findings)
+      call read_clearance_group(groups(clear), set%links%ilink, set%sketch, set%clearance, findings)
+      call read_balance_group(groups(balanc), set%links%ilink, set%sketch, set%balance, findings)
+      call read_spring_design_group(groups(sprngs), set%links%ilink, set%sketch, set%spring_design, findings)
+      call read_cam_group(groups(cam), set%links%ilink, set%sketch, set%cam, findings)
       set%cam2%axis = 2
-      call read_cam_group(groups(cam2), set%ilink, set%sketch, set%cam2, findings)
+      call read_cam_group(groups(cam2), set%links%ilink, set%sketch, set%cam2, findings)
       if (set%cam2%given .and. .not. set%sketch%given) call out_of(groups(cam2), 'NSEG', &
          'a second cam needs a second drive, which a sketch can have (&CHAIN, &DRIVES)', findings)
       call read_exact_group(groups(exact), set%exact, findings)
-      call read_dxf_group(groups(dxf), merge(359/max(1, abs(set%ikin)) + 1, set%ndes, set%ikin /= 0), set%dxf, findings)
+      call read_dxf_group(groups(dxf), merge(359/max(1, abs(set%method%ikin)) + 1, set%method%ndes, set%method%ikin /= 0), &
+                          set%dxf, findings)
       if (set%dxf%anywhere .and. set%sketch%given) then
          if (count(.not. set%sketch%drives%geared) > 1) call out_of(groups(dxf), 'INCREM', &
             'of several drives there is no one increment; give the number of a position in POSITN', findings)
       end if
-      call read_sweep_group(groups(sweep), set%ilink, set%sketch, set%sweep, findings)
+      call read_sweep_group(groups(sweep), set%links%ilink, set%sketch, set%sweep, findings)
       if (set%sweep%given .and. set%sketch%given .and. set%wants_search()) call out_of(groups(sweep), 'SWJNT', &
          'a sketch is swept in an analysis: search without this group, and add it to device 7', findings)
       ! where there are errors the group may stand under a misspelt name
-      if (size(set%masses%mass) > 0 .and. .not. (set%rates_given .or. findings%failed())) then
+      if (size(set%masses%mass) > 0 .and. .not. (set%rates%given .or. findings%failed())) then
          call findings%warning('there is no group &RATES: the input is taken to move at '// &
                                trim(merge('1 unit of length a second', '1 radian a second        ', sliding_input(set))), &
                                line=groups(masses)%line, group='MASSES', item='NMASS')
@@ -375,7 +315,7 @@ contains
       real(wp) :: extent
 
       if (size(set%masses%mass) == 0 .or. group%given('UNITL')) return
-      extent = maxval(set%arcl)
+      extent = maxval(set%links%arcl)
       if (set%sketch%given .and. size(set%sketch%x) > 0) extent = max(maxval(set%sketch%x) - minval(set%sketch%x), &
                                                                       maxval(set%sketch%y) - minval(set%sketch%y))
       if (extent <= largest_machine) return
@@ -390,11 +330,12 @@ contains
       type(data_set_t), intent(in) :: set
       type(diagnostics_t), intent(inout) :: findings
 
-      if (.not. set%sketch%given .or. set%ikin /= 0 .or. .not. group%given('CRNKI') .or. set%wants_search()) return
-      if (size(set%delt) == 0) return
-      if (.not. abs(set%crnki) > 0.0_wp .or. .not. abs(set%delt(1)) > 0.0_wp) return
+      if (.not. set%sketch%given .or. set%method%ikin /= 0 .or. .not. group%given('CRNKI') .or. set%wants_search()) return
+      if (size(set%method%delt) == 0) return
+      if (.not. abs(set%method%crnki) > 0.0_wp .or. .not. abs(set%method%delt(1)) > 0.0_wp) return
       call findings%warning('counts from the drawing in a sketch, and DELT from there: the first position is '// &
-                            trim(adjustl(general(set%crnki + set%delt(1))))//' from the drawing; leave CRNKI out if DELT is '// &
+                            trim(adjustl(general(set%method%crnki + set%method%delt(1))))// &
+                               ' from the drawing; leave CRNKI out if DELT is '// &
                             'counted from the drawing', line=group%item_line('CRNKI'), group='METHOD', item='CRNKI')
    end subroutine doubt_reference
 
@@ -409,23 +350,23 @@ contains
 
       least = set%constr%least_angle
       call read_least_angle(limits, least, findings)
-      set%trmin_given = limits%given('TRMIN') .or. constr%given('TRMIN')
+      set%limits%trmin_given = limits%given('TRMIN') .or. constr%given('TRMIN')
       if (limits%given('TRMIN') .and. constr%given('TRMIN')) call out_of(constr, 'TRMIN', 'is given in &LIMITS too; '// &
                                                                         'leave one of the two out', findings)
-      if (set%trmin_given .and. set%constr%irange == range_positions .and. set%ikin == 0 .and. &
+      if (set%limits%trmin_given .and. set%constr%irange == range_positions .and. set%method%ikin == 0 .and. &
           varies(set)) then
          call findings%warning('TRMIN holds at the prescribed positions only; with IRANGE=1 or 2 of &CONSTR it holds between '// &
                                'them, too', line=max(limits%item_line('TRMIN'), constr%item_line('TRMIN')), &
                                group=trim(merge('LIMITS', 'CONSTR', limits%given('TRMIN'))), item='TRMIN')
       end if
-      if (set%trmin_given .and. limits%given('TANGLE')) then
+      if (set%limits%trmin_given .and. limits%given('TANGLE')) then
          call findings%error('TANGLE, the largest deviation from 90 degrees, and TRMIN, the least angle, limit the same angle; '// &
                              'leave one of them out', line=limits%item_line('TANGLE'), group='LIMITS', item='TANGLE')
-      else if (set%trmin_given) then
-         set%tangle = right_angle - least
-         set%tangle_given = .true.
-      else if (set%sketch%given .and. .not. set%tangle_given .and. (set%ikin /= 0 .or. .not. varies(set))) then
-         set%tangle = right_angle
+      else if (set%limits%trmin_given) then
+         set%limits%tangle = right_angle - least
+         set%limits%tangle_given = .true.
+      else if (set%sketch%given .and. .not. set%limits%tangle_given .and. (set%method%ikin /= 0 .or. .not. varies(set))) then
+         set%limits%tangle = right_angle
       end if
    end subroutine settle_angle_limit
 
@@ -436,22 +377,22 @@ contains
       type(diagnostics_t), intent(inout) :: findings
 
       if (set%search%few > 0) then
-         if (set%ikin /= 0) then
+         if (set%method%ikin /= 0) then
             call out_of(group, 'NFEW', 'few positions first is a way to search, but IKIN asks for an analysis', findings)
          else if (.not. varies(set)) then
             call out_of(group, 'NFEW', 'few positions first is a way to search, but no dimension may vary', findings)
-         else if (set%ifree /= 0) then
+         else if (set%method%ifree /= 0) then
             call out_of(group, 'NFEW', 'few positions first needs prescribed timing: leave out NFEW, or IFREE of &METHOD', findings)
-         else if (set%search%few >= set%ndes) then
-            call out_of(group, 'NFEW', 'must be less than the number of positions, NDES='//to_text(set%ndes), findings)
+         else if (set%search%few >= set%method%ndes) then
+            call out_of(group, 'NFEW', 'must be less than the number of positions, NDES='//to_text(set%method%ndes), findings)
          end if
       end if
       if (set%search%by_dyads) then
-         if (set%ikin /= 0) then
+         if (set%method%ikin /= 0) then
             call out_of(group, 'IDYAD', 'dyad by dyad is a way to search, but IKIN asks for an analysis', findings)
          else if (.not. varies(set)) then
             call out_of(group, 'IDYAD', 'dyad by dyad is a way to search, but no dimension may vary', findings)
-         else if (set%ifree /= 0) then
+         else if (set%method%ifree /= 0) then
             call out_of(group, 'IDYAD', 'dyad by dyad needs prescribed timing: leave out IDYAD, or IFREE of &METHOD', findings)
          end if
       end if
@@ -469,17 +410,18 @@ contains
                                  of_bounds(*) = [character(name_length) :: 'OPLOW', 'OPHIGH']
       type(output_kind_t) :: kind
 
-      if (set%ikin /= 0) then
+      if (set%method%ikin /= 0) then
          call idle(method, of_positions, 'IKIN asks for an analysis through one turn; leave IKIN out, or them')
       else
-         kind = output_kind(set%motion)
+         kind = output_kind(set%method%motion)
          if (kind%components == 1) call idle(method, of_points, 'the output is an angle or a length, whose desired values are '// &
                                              'DESANG')
          if (kind%components == 2) call idle(method, of_angles, 'the output is a point, whose desired values are DESX and DESY')
       end if
-      if (set%limval == 0 .and. set%var > 0.0_wp .and. varies(set)) call idle(limits, of_bounds, &
+      if (set%limits%limval == 0 .and. set%method%var > 0.0_wp .and. varies(set)) call idle(limits, of_bounds, &
          'bounds hold with LIMVAL=1 (and are drawn from with VAR=0)')
-      if (set%ifree == 0) call idle(search, [character(name_length) :: 'ORDER'], 'it is for free timing (IFREE=1 of &METHOD)')
+      if (set%method%ifree == 0) call idle(search, [character(name_length) :: 'ORDER'], &
+                                           'it is for free timing (IFREE=1 of &METHOD)')
 
    contains
 
@@ -544,13 +486,13 @@ contains
       if (size(set%sketch%outputs) == 0) return
       select case (set%sketch%outputs(1)%kind)
       case (output_angle)
-         set%motion = motion_angle
+         set%method%motion = motion_angle
       case (output_distance)
-         set%motion = motion_distance
+         set%method%motion = motion_distance
       case (output_slide)
-         set%motion = motion_slide
+         set%method%motion = motion_slide
       case (output_pose)
-         set%motion = motion_pose
+         set%method%motion = motion_pose
       end select
    end subroutine read_sketch
 
@@ -563,10 +505,10 @@ contains
       type(diagnostics_t) :: unused
 
       if (sound .and. drives%line > 0) then
-         call read_drives_group(drives, set%ndes, set%sketch, findings)
+         call read_drives_group(drives, set%method%ndes, set%sketch, findings)
          return
       end if
-      call read_drives_group(drives, set%ndes, set%sketch, unused)
+      call read_drives_group(drives, set%method%ndes, set%sketch, unused)
       drives%missing = drives%missing(:0)
       if (sound) then
          call findings%error("the sketch needs the group &DRIVES, which says what moves it: &DRIVES DRIVE='A' &END", &
@@ -601,7 +543,7 @@ contains
          call findings%error('the grid NGRID of &DRIVES gives the positions; leave '//items(i)//' out', &
                              line=method%item_line(items(i)), group='METHOD', item=items(i))
       end do
-      if (set%desired .or. gives_rates(method)) call findings%error( &
+      if (set%method%desired .or. gives_rates(method)) call findings%error( &
          'desired values need positions of their own, NDES and DELT, not a grid', line=drives%item_line('NGRID'), group='DRIVES', &
          item='NGRID')
       method%missing = pack(method%missing, method%missing%name /= 'NDES')
@@ -611,19 +553,22 @@ contains
                              group='DRIVES', item='NGRID')
          return
       end if
-      set%ndes = product(counts)
-      deallocate (set%delt, set%desx, set%desy, set%desang, set%xmult, set%ymult, set%anmult)
-      allocate (set%delt(set%ndes), set%desx(set%ndes), set%desy(set%ndes), set%desang(set%ndes), source=0.0_wp)
-      allocate (set%xmult(set%ndes), set%ymult(set%ndes), set%anmult(set%ndes), source=1.0_wp)
+      set%method%ndes = product(counts)
+      deallocate (set%method%delt, set%method%desx, set%method%desy, set%method%desang, set%method%xmult, set%method%ymult, &
+                  set%method%anmult)
+      allocate (set%method%delt(set%method%ndes), set%method%desx(set%method%ndes), set%method%desy(set%method%ndes), &
+                set%method%desang(set%method%ndes), source=0.0_wp)
+      allocate (set%method%xmult(set%method%ndes), set%method%ymult(set%method%ndes), set%method%anmult(set%method%ndes), &
+                source=1.0_wp)
       do d = 2, size(counts)
-         if (.not. set%sketch%drives(d)%geared) allocate (set%sketch%drives(d)%delt(set%ndes))
+         if (.not. set%sketch%drives(d)%geared) allocate (set%sketch%drives(d)%delt(set%method%ndes))
       end do
-      do k = 1, set%ndes
+      do k = 1, set%method%ndes
          digits = grid_digits(counts, k)
          do d = 1, size(counts)
             if (set%sketch%drives(d)%geared) cycle
             associate (drive => set%sketch%drives(d))
-               if (d == 1) set%delt(k) = stroke(drive%low, drive%high, digits(d), counts(d))
+               if (d == 1) set%method%delt(k) = stroke(drive%low, drive%high, digits(d), counts(d))
                if (d > 1) drive%delt(k) = stroke(drive%low, drive%high, digits(d), counts(d))
             end associate
          end do
@@ -651,8 +596,8 @@ contains
       if (size(set%sketch%outputs) == 0) return
       do order = 0, most_wished
          if (.not. allocated(set%sketch%outputs(1)%wishes(order)%values)) cycle
-         twice = order == 0 .and. set%desired
-         if (order > 0 .and. allocated(set%rate_weight)) twice = any(set%rate_weight(:, :, order) > 0.0_wp)
+         twice = order == 0 .and. set%method%desired
+         if (order > 0 .and. allocated(set%method%rate_weight)) twice = any(set%method%rate_weight(:, :, order) > 0.0_wp)
          if (twice) call out_of(outputs, trim(values_of(order))//'1', 'is given, and the same of the first output in &METHOD: '// &
                                 'leave one out', findings, 1)
       end do
@@ -687,7 +632,7 @@ contains
       type(data_set_t), intent(in) :: set
 
       sliding_input = .false.
-      if (size(set%iloop) > 0) sliding_input = set%iloop(1, 1) < 0
+      if (size(set%links%iloop) > 0) sliding_input = set%links%iloop(1, 1) < 0
       if (set%sketch%given .and. size(set%sketch%drives) > 0) sliding_input = set%sketch%drives(1)%kind /= drive_turns
    end function sliding_input
 
@@ -782,376 +727,4 @@ contains
          call findings%error('the group is missing in the case that begins here'//what, line=case%line, group=name)
       end subroutine missing
    end subroutine refuse_unknown
-
-   !> Group TOLER: tolerances of dimensions, one for all or one for each, and the size of the sample.
-   subroutine read_tolerances(group, set, findings)
-      type(group_t), intent(inout) :: group
-      type(data_set_t), intent(inout) :: set
-      type(diagnostics_t), intent(inout) :: findings
-      real(wp), allocatable :: reals(:)
-      real(wp) :: of_lengths, of_angles
-      integer :: n, adjust
-
-      n = set%nloop*set%maxarc
-      allocate (set%tolarc(set%maxarc, set%nloop), set%tolgam(set%maxarc, set%nloop), source=0.0_wp)
-      set%tolerances = group%line > 0
-      of_lengths = 0.0_wp
-      of_angles = 0.0_wp
-      call group%get_real('TOLLEN', of_lengths, findings)
-      call group%get_real('TOLANG', of_angles, findings)
-      allocate (reals(n), source=of_lengths)
-      call group%get_reals('TOLARC', reals, findings, set%maxarc, filler=.true.)
-      set%tolarc = reshape(reals, [set%maxarc, set%nloop])
-      reals = of_angles
-      call group%get_reals('TOLGAM', reals, findings, set%maxarc, filler=.true.)
-      set%tolgam = reshape(reals, [set%maxarc, set%nloop])
-      if (set%outlk > 0.0_wp) set%tolout = of_lengths
-      set%toloua = of_angles
-      if (set%origlk > 0.0_wp) set%tolorl = of_lengths
-      if (set%origlk > 0.0_wp) set%tolora = of_angles
-      call group%get_real('TOLOUT', set%tolout, findings)
-      call group%get_real('TOLOUA', set%toloua, findings)
-      call group%get_real('TOLORL', set%tolorl, findings)
-      call group%get_real('TOLORA', set%tolora, findings)
-      call group%get_real('TOLCRK', set%tolcrk, findings)
-      set%tollen = of_lengths
-      set%tolang = of_angles
-      adjust = 0
-      call group%get_integer('ADJUST', adjust, findings)
-      call check_range(group, 'ADJUST', adjust, 0, 1, findings)
-      set%adjusted = adjust == 1
-      call group%get_real('OUTTOL', set%outtol, findings)
-      if (set%outtol < 0.0_wp) call out_of(group, 'OUTTOL', 'is the largest deviation of the output to either side; not negative', &
-                                           findings)
-      if (set%adjusted .and. set%motion == motion_pose) call out_of(group, 'ADJUST', &
-         'the deviations of a pose are lengths and angles; ask for its point or its angle', findings)
-      call group%get_integer('NTRIAL', set%ntrial, findings)
-      call check_range(group, 'NTRIAL', set%ntrial, 0, most_trials, findings)
-      if (any(set%tolarc >= set%arcl .and. set%arcl > 0.0_wp)) then
-         call findings%error('the tolerance of a length is not smaller than the length', line=group%line, group='TOLER')
-      end if
-      if (any(set%tolgam > half_turn) .or. max(set%toloua, set%tolora) > half_turn) then
-         call findings%error('the tolerance of an angle is more than 180 degrees', line=group%line, group='TOLER')
-      end if
-      if (any(set%tolarc < 0.0_wp) .or. any(set%tolgam < 0.0_wp) .or. min(set%tolout, set%toloua, set%tolorl, set%tolora, &
-                                                                         set%tolcrk) < 0.0_wp) then
-         call findings%error('a tolerance is negative; it is the largest deviation to either side', line=group%line, &
-                             group='TOLER')
-      end if
-   end subroutine read_tolerances
-
-   subroutine read_links(group, set, shape_known, findings)
-      type(group_t), intent(inout) :: group
-      type(data_set_t), intent(inout) :: set
-      logical, intent(out) :: shape_known
-      type(diagnostics_t), intent(inout) :: findings
-      integer, allocatable :: integers(:)
-      real(wp), allocatable :: reals(:)
-      integer :: n, highest, needed, beyond, row, column
-      logical :: rows_known
-
-      call group%get_integer('NLOOP', set%nloop, findings)
-      call group%get_integer('MAXARC', set%maxarc, findings)
-      call check_range(group, 'NLOOP', set%nloop, 1, most_loops, findings, must_be=.true.)
-      call check_range(group, 'MAXARC', set%maxarc, 3, most_arcs, findings, must_be=.true.)
-      shape_known = set%nloop >= 1 .and. set%nloop <= most_loops .and. set%maxarc >= 3 .and. set%maxarc <= most_arcs
-      if (shape_known) shape_known = set%maxarc <= most_arcs/set%nloop
-      n = 0
-      if (shape_known) then
-         n = set%nloop*set%maxarc
-      else
-         set%nloop = 0
-         set%maxarc = 0
-      end if
-      allocate (integers(max(n, merge(0, original_arcs, shape_known))), source=0)
-      allocate (reals(size(integers)), source=0.0_wp)
-      call group%get_integers('ILINK', integers, findings, set%maxarc, last=highest, needed=needed, beyond=beyond)
-      if (highest == 0) call required(group, 'ILINK')
-      ! one row too many or too few is told once, not for every array
-      rows_known = shape_known
-      if (shape_known .and. beyond > 0) then
-         call too_many_rows('ILINK', needed, beyond)
-         rows_known = .false.
-      else if (shape_known .and. highest > 0 .and. needed <= n - set%maxarc) then
-         call out_of(group, 'NLOOP', 'NLOOP='//to_text(set%nloop)//' loops are declared, but ILINK has values for '// &
-                     to_text((needed - 1)/set%maxarc + 1)//' only (rows of MAXARC='//to_text(set%maxarc)//')', findings)
-         rows_known = .false.
-      end if
-      set%ilink = reshape(integers(:n), [set%maxarc, set%nloop])
-      integers = 0
-      call group%get_integers('ILOOP', integers, findings, set%maxarc, last=highest, needed=needed, beyond=beyond)
-      if (highest == 0) call required(group, 'ILOOP')
-      if (rows_known .and. beyond > 0) call too_many_rows('ILOOP', needed, beyond)
-      set%iloop = reshape(integers(:n), [set%maxarc, set%nloop])
-      call group%get_reals('ARCL', reals, findings, set%maxarc, last=highest, needed=needed, beyond=beyond)
-      if (rows_known .and. beyond > 0) call too_many_numbers('ARCL', needed, beyond)
-      set%arcl = reshape(reals(:n), [set%maxarc, set%nloop])
-      reals = 0.0_wp
-      call group%get_reals('GAMA', reals, findings, set%maxarc, last=highest, needed=needed, beyond=beyond)
-      if (rows_known .and. beyond > 0) call too_many_numbers('GAMA', needed, beyond)
-      set%gama = reshape(reals(:n), [set%maxarc, set%nloop])
-      do row = 1, set%nloop
-         do column = 1, set%maxarc
-            if (set%arcl(column, row) < 0.0_wp) then
-               call out_of(group, 'ARCL', 'length of arc '//to_text(column)//' in loop '//to_text(row)// &
-                           ' is negative; lengths are positive, directions go into GAMA and ILINK', findings, &
-                           (row - 1)*set%maxarc + column)
-            end if
-         end do
-      end do
-      call group%get_integer('NOUTLK', set%noutlk, findings)
-      call group%get_integer('NOUTLP', set%noutlp, findings)
-      call group%get_real('OUTLK', set%outlk, findings)
-      call group%get_real('OUTANG', set%outang, findings)
-      if (.not. group%given('NOUTLK')) call required(group, 'NOUTLK')
-      if (.not. group%given('NOUTLP')) call required(group, 'NOUTLP')
-      if (set%outlk < 0.0_wp) call out_of(group, 'OUTLK', 'the length is negative; turn OUTANG by 180 instead', findings)
-
-   contains
-
-      subroutine too_many_rows(item, found, line)
-         character(*), intent(in) :: item
-         integer, intent(in) :: found, line
-
-         call findings%error('too many values: NLOOP='//to_text(set%nloop)//' rows of MAXARC='//to_text(set%maxarc)// &
-                             ' are declared, found '//to_text((found - 1)/set%maxarc + 1)//' rows ('//to_text(found)// &
-                             ' values); set NLOOP or MAXARC', line=line, group='LINKS', item=item)
-      end subroutine too_many_rows
-
-      subroutine too_many_numbers(item, found, line)
-         character(*), intent(in) :: item
-         integer, intent(in) :: found, line
-
-         call findings%error('too many values: at most '//to_text(n)//' are expected, found '//to_text(found)// &
-                             ' (only zeros may follow); the decimal sign is a point, not a comma', line=line, group='LINKS', &
-                             item=item)
-      end subroutine too_many_numbers
-   end subroutine read_links
-
-   subroutine read_method(group, set, shape_known, findings)
-      type(group_t), intent(inout) :: group
-      type(data_set_t), intent(inout) :: set
-      logical, intent(in) :: shape_known
-      type(diagnostics_t), intent(inout) :: findings
-      integer, allocatable :: integers(:)
-      integer :: n
-
-      n = set%nloop*set%maxarc
-      allocate (integers(max(n, merge(0, original_arcs, shape_known))), source=0)
-      call group%get_integers('IVA', integers, findings, set%maxarc, filler=.true.)
-      set%iva = reshape(integers(:n), [set%maxarc, set%nloop])
-      integers = 0
-      call group%get_integers('IVG', integers, findings, set%maxarc, filler=.true.)
-      set%ivg = reshape(integers(:n), [set%maxarc, set%nloop])
-      call check_flags(group, 'IVA', set%iva, findings)
-      call check_flags(group, 'IVG', set%ivg, findings)
-      call read_flag(group, 'ILKOUT', set%ilkout, findings)
-      call read_flag(group, 'INGOUT', set%ingout, findings)
-      call read_flag(group, 'ICRK', set%icrk, findings)
-      call read_flag(group, 'IORIG', set%iorig, findings)
-      call read_flag(group, 'IFREE', set%ifree, findings)
-      call group%get_integer('IKIN', set%ikin, findings)
-      call check_range(group, 'IKIN', set%ikin, -360, 360, findings)
-      call group%get_integer('NDES', set%ndes, findings)
-      if (group%given('NDES')) then
-         call check_range(group, 'NDES', set%ndes, 1, most_positions, findings)
-         if (set%ndes < 1 .or. set%ndes > most_positions) set%ndes = 0
-         if (.not. memory_to_be_had(bytes_of_position*int(set%ndes, int64))) then
-            call findings%trouble('not enough memory for NDES='//to_text(set%ndes)//' positions')
-            set%ndes = 0
-         end if
-      else if (set%ikin == 0) then
-         call required(group, 'NDES', 'the number of prescribed positions is required (or IKIN for an analysis through one turn)')
-      end if
-      call group%get_real('CRNKI', set%crnki, findings)
-      call group%get_integer('MOTION', set%motion, findings)
-      call check_range(group, 'MOTION', set%motion, motion_point, motion_pose, findings)
-      set%motion = min(max(set%motion, motion_point), motion_pose)
-      call group%get_real('XADD', set%xadd, findings)
-      call group%get_real('YADD', set%yadd, findings)
-      call group%get_real('ORIGLK', set%origlk, findings)
-      call group%get_real('ORIGNG', set%origng, findings)
-      call read_positions(group, set, findings)
-      call group%get_real('VAR', set%var, findings)
-      if (set%var < 0.0_wp .or. set%var > 1.0_wp) call out_of(group, 'VAR', 'must be from 0.0 to 1.0', findings)
-      call group%get_integer('ISTART', set%istart, findings)
-      call check_range(group, 'ISTART', set%istart, 1, largest_istart, findings)
-      if (set%istart > 0 .and. mod(set%istart, 2) == 0) then
-         call findings%warning('the random integer must be odd; '//to_text(set%istart + 1)//' is used', &
-                               line=group%origins%line('METHOD', 'ISTART', 1), group='METHOD', item='ISTART')
-         set%istart = set%istart + 1
-      end if
-      call group%get_integer('NGUESS', set%nguess, findings)
-      call check_range(group, 'NGUESS', set%nguess, 0, most_arcs, findings)
-      call group%get_real('BOUNCE', set%bounce, findings)
-      call group%get_real('EXPAND', set%expand, findings)
-      call group%get_real('SNAKE', set%snake, findings)
-      call group%get_real('REDUCE', set%reduce, findings)
-      call group%get_real('SHRINK', set%shrink, findings)
-      if (set%bounce <= 1.0_wp) call out_of(group, 'BOUNCE', 'must be above 1 (2 reflects by the full distance)', findings)
-      if (set%expand <= 1.0_wp) call out_of(group, 'EXPAND', 'must be above 1', findings)
-      if (set%snake < 0.0_wp) call out_of(group, 'SNAKE', 'must not be negative', findings)
-      if (set%reduce <= 0.0_wp .or. set%reduce >= 1.0_wp) call out_of(group, 'REDUCE', 'must lie between 0 and 1', findings)
-      if (set%shrink <= 0.0_wp .or. set%shrink >= 1.0_wp) call out_of(group, 'SHRINK', 'must lie between 0 and 1', findings)
-      call group%get_integer('NITER', set%niter, findings)
-      call check_range(group, 'NITER', set%niter, 0, huge(1), findings)
-      call group%get_integer('NCHECK', set%ncheck, findings)
-      call check_range(group, 'NCHECK', set%ncheck, 1, huge(1), findings)
-      call group%get_real('FMIN', set%fmin, findings)
-      call group%get_real('SMALL', set%small, findings)
-      if (set%small < 0.0_wp) call out_of(group, 'SMALL', 'must not be negative', findings)
-   end subroutine read_method
-
-   !> Increments, desired values and weights: as many as NDES, and fillers up to the size of the original program's arrays
-   !> (`161*0.0`, weights `181*1.0`). With IKIN they are not used, and may be any number.
-   subroutine read_positions(group, set, findings)
-      type(group_t), intent(inout) :: group
-      type(data_set_t), intent(inout) :: set
-      type(diagnostics_t), intent(inout) :: findings
-      type(output_kind_t) :: kind
-      integer :: n, got_x, got_y, got_angle
-
-      n = set%ndes
-      allocate (set%delt(n), set%desx(n), set%desy(n), set%desang(n), source=0.0_wp)
-      allocate (set%xmult(n), set%ymult(n), set%anmult(n), source=1.0_wp)
-      call read_position_array('DELT', set%delt)
-      call read_position_array('DESX', set%desx, got_x)
-      call read_position_array('DESY', set%desy, got_y)
-      call read_position_array('DESANG', set%desang, got_angle)
-      call read_position_array('XMULT', set%xmult)
-      call read_position_array('YMULT', set%ymult)
-      call read_position_array('ANMULT', set%anmult)
-      kind = output_kind(set%motion)
-      set%desired = .false.
-      if (kind%components > 1) set%desired = got_x > 0 .or. got_y > 0
-      if (kind%components /= 2) set%desired = set%desired .or. got_angle > 0
-      if (set%desired .and. set%ikin == 0) then
-         if (kind%components > 1 .and. got_x == 0) call short('DESX', 0)
-         if (kind%components > 1 .and. got_y == 0) call short('DESY', 0)
-         if (kind%components == 3 .and. got_angle == 0) call short('DESANG', 0)
-      end if
-      call check_weights('XMULT', set%xmult)
-      call check_weights('YMULT', set%ymult)
-      call check_weights('ANMULT', set%anmult)
-      call read_rate_items(group, set%motion, merge(0, n, set%ikin /= 0), set%rate_wanted, set%rate_weight, findings)
-      if (allocated(set%rate_wanted) .and. .not. set%desired) call findings%error('derivatives are wanted beside values ('// &
-         trim(merge('DESANG       ', 'DESX and DESY', kind%components == 1))//'), which are missing; where derivatives alone '// &
-         'count, give the values weights of 0'//trim(merge('; with DES1 ... of &OUTPUTS give DVEL1 ... there', &
-                                                           repeat(' ', 48), set%sketch%given)), &
-         line=group%line, group='METHOD')
-
-   contains
-
-      subroutine read_position_array(name, values, got)
-         character(*), intent(in) :: name
-         real(wp), intent(inout) :: values(:)
-         integer, intent(out), optional :: got
-         integer :: last, needed, beyond
-
-         call group%get_reals(name, values, findings, last=last, needed=needed, beyond=beyond, as_written=.true., &
-                              any_filler=index(name, 'MULT') > 0)
-         if (present(got)) got = last
-         if (n == 0 .or. set%ikin /= 0) return
-         if (beyond > 0) then
-            call findings%error('NDES='//to_text(n)//' positions are declared, but '//to_text(needed)// &
-                                ' values given; set NDES='//to_text(needed)//' or leave the others out', line=beyond, &
-                                group='METHOD', item=name)
-         else if (last > 0 .and. last < n .and. index(name, 'MULT') == 0) then
-            call short(name, last)
-         end if
-      end subroutine read_position_array
-
-      subroutine short(name, got)
-         character(*), intent(in) :: name
-         integer, intent(in) :: got
-
-         call findings%error('NDES='//to_text(n)//' positions are declared, but only '//to_text(got)//' values given', &
-                             line=max(group%item_line(name), group%item_line('NDES')), group='METHOD', item=name)
-      end subroutine short
-
-      subroutine check_weights(name, values)
-         character(*), intent(in) :: name
-         real(wp), intent(in) :: values(:)
-         integer :: negative
-
-         negative = findloc(values < 0.0_wp, .true., dim=1)
-         if (negative > 0) call out_of(group, name, 'weights must not be negative', findings, negative)
-      end subroutine check_weights
-   end subroutine read_positions
-
-   subroutine read_limits(group, set, findings)
-      type(group_t), intent(inout) :: group
-      type(data_set_t), intent(inout) :: set
-      type(diagnostics_t), intent(inout) :: findings
-      integer :: room
-
-      call group%get_real('TANGLE', set%tangle, findings)
-      set%tangle_given = group%given('TANGLE')
-      if (set%tangle <= 0.0_wp .or. set%tangle > 90.0_wp) then
-         call out_of(group, 'TANGLE', 'must lie between 0 and 90 degrees', findings)
-      end if
-      call group%get_real('TOGGLE', set%toggle, findings)
-      set%toggle_given = group%given('TOGGLE')
-      if (set%toggle < 0.0_wp) call out_of(group, 'TOGGLE', 'must not be negative', findings)
-      call read_flag(group, 'LIMVAL', set%limval, findings)
-      room = 2*set%nloop*set%maxarc + 5
-      allocate (set%oplow(room), set%ophigh(room), source=0.0_wp)
-      call group%get_reals('OPLOW', set%oplow, findings, filler=.true., last=set%low_given)
-      call group%get_reals('OPHIGH', set%ophigh, findings, filler=.true., last=set%high_given)
-      call group%get_real('STEPIN', set%stepin, findings)
-      if (set%stepin < 0.0_wp) call out_of(group, 'STEPIN', 'must not be negative', findings)
-      call read_flag(group, 'KTHETA', set%ktheta, findings)
-      call read_flag(group, 'ICOND', set%icond, findings)
-      call group%get_integer('IPROOF', set%iproof, findings)
-      if (group%given('IPROOF')) call check_range(group, 'IPROOF', set%iproof, 0, 2, findings)
-      call group%get_real('DWELL', set%dwell, findings)
-      if (set%dwell < 0.0_wp) call out_of(group, 'DWELL', 'must not be negative', findings)
-      call group%get_integer('NVIOL', set%nviol, findings)
-      call check_range(group, 'NVIOL', set%nviol, 0, huge(1), findings)
-      call group%get_integer('NPRINT', set%nprint, findings)
-      call check_range(group, 'NPRINT', set%nprint, 1, huge(1), findings)
-      call group%get_integer('NPRT', set%nprt, findings)
-      call check_range(group, 'NPRT', set%nprt, 1, huge(1), findings)
-      call read_flag(group, 'IPLOT', set%iplot, findings)
-      call read_flag(group, 'LAST', set%last, findings)
-   end subroutine read_limits
-
-   !> Group RATES: speed and acceleration of the input, in the units named.
-   subroutine read_rates(group, set, findings)
-      type(group_t), intent(inout) :: group
-      type(data_set_t), intent(inout) :: set
-      type(diagnostics_t), intent(inout) :: findings
-      character(:), allocatable :: units
-      real(wp) :: unit
-      logical :: sliding
-
-      set%rates_given = group%line > 0
-      sliding = sliding_input(set)
-      units = trim(merge('LENGTH/S', 'RAD/S   ', sliding))
-      call group%get_real('SPEED', set%speed, findings)
-      call group%get_real('ACCEL', set%accel, findings)
-      call group%get_word('UNITS', units, findings)
-      unit = 1.0_wp
-      select case (units)
-      case ('RAD/S', 'LENGTH/S')
-         continue
-      case ('DEG/S')
-         unit = radians_per_degree
-      case ('REV/S')
-         unit = full_turn*radians_per_degree
-      case ('REV/MIN', 'RPM')
-         unit = full_turn*radians_per_degree/60.0_wp
-      case default
-         call out_of(group, 'UNITS', "one of 'RAD/S', 'DEG/S', 'REV/S', 'REV/MIN', 'LENGTH/S' is expected; found '"//units//"'", &
-                     findings)
-      end select
-      if (sliding .neqv. units == 'LENGTH/S') then
-         call out_of(group, 'UNITS', "a sliding input needs 'LENGTH/S', a turning input an angular unit; found '"// &
-                     units//"'", findings)
-      end if
-      if (abs(set%speed) > fastest) call out_of(group, 'SPEED', 'is implausibly large (limit 1e30)', findings)
-      if (abs(set%accel) > fastest) call out_of(group, 'ACCEL', 'is implausibly large (limit 1e30)', findings)
-      set%speed = set%speed*unit
-      set%accel = set%accel*unit
-   end subroutine read_rates
 end module psalm_data_set

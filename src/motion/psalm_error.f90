@@ -108,20 +108,20 @@ contains
       type(problem_t), intent(out) :: problem
       real(wp), allocatable :: wanted(:, :), weight(:, :)
 
-      problem%tangle = set%tangle
-      problem%trmin_given = set%trmin_given
-      if (set%tangle_given) problem%slide_angle = set%tangle
-      if (set%toggle_given) problem%spare = set%toggle
+      problem%tangle = set%limits%tangle
+      problem%trmin_given = set%limits%trmin_given
+      if (set%limits%tangle_given) problem%slide_angle = set%limits%tangle
+      if (set%limits%toggle_given) problem%spare = set%limits%toggle
       ! of a sketch every link is meant, whatever the output
       problem%every_loop = set%sketch%given
-      call fill_problem(mechanism, dimensions, parameters, inputs_of(set), set%ktheta /= 0, problem)
-      problem%toggle = set%toggle
-      if (set%ikin /= 0 .or. .not. set%desired) return
+      call fill_problem(mechanism, dimensions, parameters, inputs_of(set), set%limits%ktheta /= 0, problem)
+      problem%toggle = set%limits%toggle
+      if (set%method%ikin /= 0 .or. .not. set%method%desired) return
       call desired_of(set, wanted, weight)
       call problem%set_desired(wanted, weight)
-      if (.not. allocated(set%rate_wanted)) return
-      problem%rate_wanted = set%rate_wanted
-      problem%rate_weight = set%rate_weight
+      if (.not. allocated(set%method%rate_wanted)) return
+      problem%rate_wanted = set%method%rate_wanted
+      problem%rate_weight = set%method%rate_weight
    end subroutine make_problem
 
    !> A problem of a mechanism at given inputs, without desired values and without limits but that of closure.
@@ -161,10 +161,10 @@ contains
       real(wp), allocatable :: inputs(:)
       integer :: i
 
-      if (set%ikin /= 0) then
-         inputs = [(real(i*set%ikin, wp), i=0, (359/abs(set%ikin)))]
+      if (set%method%ikin /= 0) then
+         inputs = [(real(i*set%method%ikin, wp), i=0, (359/abs(set%method%ikin)))]
       else
-         inputs = set%delt
+         inputs = set%method%delt
       end if
    end function inputs_of
 
@@ -174,17 +174,17 @@ contains
       real(wp), allocatable, intent(out) :: wanted(:, :), weight(:, :) !! shape (positions, components)
       type(output_kind_t) :: kind
 
-      kind = output_kind(set%motion)
-      allocate (wanted(set%ndes, kind%components), weight(set%ndes, kind%components), source=0.0_wp)
+      kind = output_kind(set%method%motion)
+      allocate (wanted(set%method%ndes, kind%components), weight(set%method%ndes, kind%components), source=0.0_wp)
       if (kind%components > 1) then
-         wanted(:, 1) = set%desx + set%xadd
-         wanted(:, 2) = set%desy + set%yadd
-         weight(:, 1) = set%xmult
-         weight(:, 2) = set%ymult
+         wanted(:, 1) = set%method%desx + set%method%xadd
+         wanted(:, 2) = set%method%desy + set%method%yadd
+         weight(:, 1) = set%method%xmult
+         weight(:, 2) = set%method%ymult
       end if
       if (kind%components == 2) return
-      wanted(:, kind%components) = set%desang
-      weight(:, kind%components) = set%anmult
+      wanted(:, kind%components) = set%method%desang
+      weight(:, kind%components) = set%method%anmult
    end subroutine desired_of
 
    !> Make a plan that finds everything derivatives need; inputs and desired values are kept.

@@ -101,27 +101,29 @@ contains
       integer :: k, n
 
       allocate (posed, source=set)
-      posed%ikin = 0
+      posed%method%ikin = 0
       n = size(scene%angle)
-      posed%ndes = n
-      posed%desired = .false.
+      posed%method%ndes = n
+      posed%method%desired = .false.
       posed%masses%given = .false.
       posed%loads%given = .false.
       posed%springs%given = .false.
       posed%friction%given = .false.
       posed%constr%given = .false.
-      deallocate (posed%desx, posed%desy, posed%desang, posed%xmult, posed%ymult, posed%anmult)
-      allocate (posed%desx(n), posed%desy(n), posed%desang(n), posed%xmult(n), posed%ymult(n), posed%anmult(n), source=0.0_wp)
+      deallocate (posed%method%desx, posed%method%desy, posed%method%desang, posed%method%xmult, posed%method%ymult, &
+                  posed%method%anmult)
+      allocate (posed%method%desx(n), posed%method%desy(n), posed%method%desang(n), posed%method%xmult(n), posed%method%ymult(n), &
+                posed%method%anmult(n), source=0.0_wp)
       if (allocated(studies(1)%shape%motion%chain)) then
-         posed%crnki = posed%crnki_of_drawing
-         posed%delt = scene%parts(1)%states%q(0, :)
+         posed%method%crnki = posed%crnki_of_drawing
+         posed%method%delt = scene%parts(1)%states%q(0, :)
          do k = 2, size(studies)
             if (studies(k)%part%cam == 1 .or. studies(k)%part%role /= role_cam) cycle
             posed%sketch%drives(2)%delt = scene%parts(k)%states%q(0, :)
          end do
          call make_chain_scene(posed, none, scene%linkage)
       else
-         posed%delt = scene%parts(1)%states%q(0, :) - prepared%given%crnki
+         posed%method%delt = scene%parts(1)%states%q(0, :) - prepared%given%crnki
          call make_scene(posed, prepared%mechanism, prepared%given, prepared%parameters, none, scene%linkage)
       end if
    end subroutine make_linkage

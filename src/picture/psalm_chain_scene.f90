@@ -47,10 +47,10 @@ contains
       call message_scene(set, findings, scene)
       if (size(scene%errors) > 0) return
       allocate (own)
-      call study_chain(set, set%speed, set%accel, own)
+      call study_chain(set, set%rates%speed, set%rates%accel, own)
       if (.not. own%sound) return
       scene%sound = .true.
-      scene%tangle = set%tangle
+      scene%tangle = set%limits%tangle
       call make_sweep(set, own, scene, sweep)
       call make_parts(set%sketch, own%closure, own%start, scene, feet)
       call choose_output(set%sketch, own, scene)
@@ -81,9 +81,9 @@ contains
       type(chain_study_t), allocatable :: study
 
       allocate (other, source=set)
-      other%ikin = 0
-      other%ndes = 1
-      other%delt = [set%dxf%increment]
+      other%method%ikin = 0
+      other%method%ndes = 1
+      other%method%delt = [set%dxf%increment]
       allocate (study)
       call study_chain(other, 1.0_wp, 0.0_wp, study)
       call trace_chain(set%sketch, study, feet, scene, scene%chosen)
@@ -108,7 +108,7 @@ contains
       integer :: i, n, d, free
 
       allocate (other, source=set)
-      other%ikin = 0
+      other%method%ikin = 0
       n = size(own%inputs, 2)
       free = count(.not. set%sketch%drives%geared)
       scene%prescribed%n = n
@@ -163,11 +163,11 @@ contains
       subroutine run(first)
          real(wp), intent(in) :: first(:)
 
-         other%ndes = size(first)
-         other%delt = first - (set%crnki - set%crnki_of_drawing)
+         other%method%ndes = size(first)
+         other%method%delt = first - (set%method%crnki - set%crnki_of_drawing)
          if (allocated(sweep)) deallocate (sweep)
          allocate (sweep)
-         call study_chain(other, set%speed, set%accel, sweep)
+         call study_chain(other, set%rates%speed, set%rates%accel, sweep)
       end subroutine run
 
       !> True if a whole turn closes everywhere and ends where it began.

@@ -67,7 +67,7 @@ contains
       integer :: order, n
 
       allocate (output_only, source=set)
-      output_only%ktheta = 0
+      output_only%limits%ktheta = 0
       allocate (rates)
       call find_rates(output_only, problem, dimensions, rates)
       known = rates%motion%closed .and. rates%dead == 0
@@ -116,11 +116,11 @@ contains
       type(chain_study_t), allocatable :: study
 
       allocate (swept, source=set)
-      swept%ikin = 0
-      swept%ndes = size(delt)
-      swept%delt = delt
+      swept%method%ikin = 0
+      swept%method%ndes = size(delt)
+      swept%method%delt = delt
       allocate (study)
-      call study_chain(swept, set%speed, set%accel, study)
+      call study_chain(swept, set%rates%speed, set%rates%accel, study)
       if (study%sound) call add_study_panels(set, study, 2, size_of, panels)
    end subroutine add_sketch_panels
 
@@ -208,8 +208,8 @@ contains
 
       turning = 1.0_wp
       if (sliding .and. size_of > 0.0_wp) turning = 1.0_wp/size_of
-      unit = abs(set%speed)*turning
-      if (order == 2) unit = unit**2 + abs(set%accel)*turning
+      unit = abs(set%rates%speed)*turning
+      if (order == 2) unit = unit**2 + abs(set%rates%accel)*turning
    end function unit_of
 
    pure function head_of(order, what, angular) result(name)
@@ -228,7 +228,7 @@ contains
       logical, intent(in) :: sliding
       character(label_room) :: note
 
-      note = 'input '//short_number(set%speed, 4)//trim(merge(' length/s', ' rad/s   ', sliding))
+      note = 'input '//short_number(set%rates%speed, 4)//trim(merge(' length/s', ' rad/s   ', sliding))
    end function note_of
 
    !> Bands of the output where the sweep closes. `found` is false if there are no tolerances or it closes nowhere.
@@ -247,14 +247,14 @@ contains
       integer, allocatable :: at(:)
       integer :: i
 
-      found = set%tolerances .and. any(closed)
+      found = set%toler%given .and. any(closed)
       if (.not. found) return
       at = pack([(i, i=1, size(delt))], closed)
       allocate (swept, source=set)
-      swept%ikin = 0
-      swept%ktheta = 0
-      swept%ndes = size(at)
-      swept%delt = delt(at)
+      swept%method%ikin = 0
+      swept%limits%ktheta = 0
+      swept%method%ndes = size(at)
+      swept%method%delt = delt(at)
       allocate (deviating, linear)
       call find_tolerances(swept, mechanism, dimensions, deviating, linear, found)
       if (found) found = size(linear%tolerance) > 0

@@ -4,7 +4,8 @@ module psalm_picture_study
    use psalm_chain_scene, only: make_chain_scene
    use psalm_chain_study, only: chain_study_t, study_chain
    use psalm_clearance_scene, only: clearance_scene_t, make_clearance_scene
-   use psalm_data_set, only: data_set_t, bytes_of_position
+   use psalm_data_set, only: data_set_t
+   use psalm_method_group, only: bytes_of_position
    use psalm_devices, only: most_told
    use psalm_error, only: problem_t, motion_t, make_problem
    use psalm_exact_study, only: check_exact, leaves_curves
@@ -72,28 +73,28 @@ contains
             cycle
          end if
          ! a copy of the data set is to be had, or the allocation would end the program
-         if (.not. memory_to_be_had(2*bytes_of_position*sets(k)%ndes)) then
-            call findings%trouble('not enough memory for NDES='//to_text(sets(k)%ndes)//' positions')
+         if (.not. memory_to_be_had(2*bytes_of_position*sets(k)%method%ndes)) then
+            call findings%trouble('not enough memory for NDES='//to_text(sets(k)%method%ndes)//' positions')
             call message_scene(sets(k), own, cases(k)%scene)
             cycle
          end if
          if (allocated(each)) deallocate (each)
          allocate (each, source=sets(k))
-         each%nguess = 0
+         each%method%nguess = 0
          call prepare(each, none, prepared, noted, demand)
-         if (prepared%ready .and. each%ikin == 0 .and. each%ndes > most_drawn) call thin_out(each, noted)
+         if (prepared%ready .and. each%method%ikin == 0 .and. each%method%ndes > most_drawn) call thin_out(each, noted)
          own = [own, finding_list(noted)]
          do i = 1, noted%count
             call findings%add(noted%list(i))
          end do
-         each%nguess = sets(k)%nguess
+         each%method%nguess = sets(k)%method%nguess
          if (prepared%ready) then
             call make_scene(each, prepared%mechanism, prepared%given, prepared%parameters, own, cases(k)%scene)
             if (cases(k)%scene%sound) call add_curves(each, prepared%mechanism, prepared%given, prepared%parameters, cases(k)%scene)
             if (each%vibration%given .and. cases(k)%scene%sound) call add_vibration(each, prepared, cases(k)%scene)
             if (each%clearance%given .and. cases(k)%scene%sound) call add_clearance(each, prepared, cases(k)%scene)
             if (each%sketch%given .and. cases(k)%scene%sound) call add_unreached(each, cases(k)%scene)
-            if (each%ndes < sets(k)%ndes) call look_at_all_positions(sets(k), prepared, cases(k)%undrawn)
+            if (each%method%ndes < sets(k)%method%ndes) call look_at_all_positions(sets(k), prepared, cases(k)%undrawn)
          else
             call message_scene(each, own, cases(k)%scene)
          end if
@@ -192,24 +193,25 @@ contains
       integer, allocatable :: kept(:)
       integer :: step, i
 
-      step = (set%ndes - 1)/most_drawn + 1
-      allocate (keeps(set%ndes), source=.false.)
+      step = (set%method%ndes - 1)/most_drawn + 1
+      allocate (keeps(set%method%ndes), source=.false.)
       keeps(1::step) = .true.
-      keeps(minloc(set%delt, dim=1)) = .true.
-      keeps(maxloc(set%delt, dim=1)) = .true.
-      kept = pack([(i, i=1, set%ndes)], keeps)
-      set%delt = set%delt(kept)
-      set%desx = set%desx(kept)
-      set%desy = set%desy(kept)
-      set%desang = set%desang(kept)
-      set%xmult = set%xmult(kept)
-      set%ymult = set%ymult(kept)
-      set%anmult = set%anmult(kept)
-      if (allocated(set%rate_wanted)) deallocate (set%rate_wanted, set%rate_weight) ! no picture shows them
-      call findings%warning('of '//to_text(set%ndes)//' positions '//to_text(size(set%delt))//' are drawn, one in '// &
+      keeps(minloc(set%method%delt, dim=1)) = .true.
+      keeps(maxloc(set%method%delt, dim=1)) = .true.
+      kept = pack([(i, i=1, set%method%ndes)], keeps)
+      set%method%delt = set%method%delt(kept)
+      set%method%desx = set%method%desx(kept)
+      set%method%desy = set%method%desy(kept)
+      set%method%desang = set%method%desang(kept)
+      set%method%xmult = set%method%xmult(kept)
+      set%method%ymult = set%method%ymult(kept)
+      set%method%anmult = set%method%anmult(kept)
+      if (allocated(set%method%rate_wanted)) deallocate (set%method%rate_wanted, set%method%rate_weight) ! no picture shows them
+      call findings%warning('of '//to_text(set%method%ndes)//' positions '//to_text(size(set%method%delt))// &
+                            ' are drawn, one in '// &
                             to_text(step)//', and numbered so on the pictures', line=set%origins%line('METHOD', 'NDES', 1), &
                             group='METHOD', item='NDES')
-      set%ndes = size(set%delt)
+      set%method%ndes = size(set%method%delt)
    end subroutine thin_out
 
    !> Violations at positions of which not all are drawn.

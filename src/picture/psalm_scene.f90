@@ -134,10 +134,10 @@ contains
       scene%sound = .true.
       deallocate (scene%joints, scene%bars, scene%bodies, scene%pairs)
       ! a pose is drawn as its point
-      scene%motion = merge(motion_point, set%motion, set%motion == motion_pose)
+      scene%motion = merge(motion_point, set%method%motion, set%method%motion == motion_pose)
       scene%sliding = mechanism%sliding_input
-      scene%everywhere = set%ktheta /= 0
-      scene%tangle = set%tangle
+      scene%everywhere = set%limits%ktheta /= 0
+      scene%tangle = set%limits%tangle
       if (allocated(set%constr%regions)) scene%regions = set%constr%regions
       scene%loops = mechanism%nloop
       call make_problem(set, mechanism, dimensions, parameters, own)

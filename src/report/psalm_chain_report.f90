@@ -130,14 +130,15 @@ contains
       type(devices_t), intent(inout) :: devices
 
       if (proof%braced > 0) then
-         if (set%iproof <= 0) return
+         if (set%limits%iproof <= 0) return
          call devices%note_violation()
          call devices%remark(set, 'IPROOF proves nothing where more constraints hold the links than are needed: '// &
                              lower_case(links_of_group(study, proof%braced)))
          return
       end if
       if (proof%empty) then
-         if (set%iproof > 0) call devices%remark(set, 'IPROOF proves the motion between the inputs, but the drives do not move')
+         if (set%limits%iproof > 0) call devices%remark(set, &
+                                                        'IPROOF proves the motion between the inputs, but the drives do not move')
          return
       end if
       call list_chain_proof(study, proof, devices%six)

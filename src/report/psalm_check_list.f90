@@ -34,31 +34,32 @@ contains
       call text%add()
       call text%add(' '//set%title)
       call text%add(' MOTION  NLOOP MAXARC ILKOUT INGOUT   ICRK   IORIG KTHETA  IPLOT')
-      call text%add(integers([set%motion, set%nloop, set%maxarc, set%ilkout, set%ingout, set%icrk, set%iorig, set%ktheta, &
-                              set%iplot], 7))
+      call text%add(integers([set%method%motion, set%links%nloop, set%links%maxarc, set%method%ilkout, set%method%ingout, &
+                              set%method%icrk, set%method%iorig, set%limits%ktheta, &
+                              set%limits%iplot], 7))
       call text%add(' ARRAY OF ARC LENGTHS, ARCL')
-      call arc_table(set%arcl, .false., text)
+      call arc_table(set%links%arcl, .false., text)
       call text%add(' ARRAY OF ARC ANGLES, GAMA')
-      call arc_table(set%gama, .false., text)
-      call list_reference(problem%mechanism, set%crnki, text)
+      call arc_table(set%links%gama, .false., text)
+      call list_reference(problem%mechanism, set%method%crnki, text)
       call text%add(' POLAR CO-ORDINATES (LENGTH, ANGLE) OF')
-      call text%add(' INPUT PIVOT '//fixed(set%origlk, column, 3)//fixed(set%origng, column, 4))
-      call text%add(' OUTPUT ARC  '//fixed(set%outlk, column, 3)//fixed(set%outang, column, 4))
+      call text%add(' INPUT PIVOT '//fixed(set%method%origlk, column, 3)//fixed(set%method%origng, column, 4))
+      call text%add(' OUTPUT ARC  '//fixed(set%links%outlk, column, 3)//fixed(set%links%outang, column, 4))
       call list_output_arc(set, text)
-      if (set%ikin /= 0) then
-         call text%add(' ANALYSIS EVERY '//to_text(set%ikin)//' DEGREES')
+      if (set%method%ikin /= 0) then
+         call text%add(' ANALYSIS EVERY '//to_text(set%method%ikin)//' DEGREES')
       else
          call list_positions(set, problem%mechanism, text)
       end if
       call text%add(' TOPOLOGICAL ARRAY, ILINK')
-      call loop_rows(set%ilink, text)
+      call loop_rows(set%links%ilink, text)
       call text%add(' TOPOLOGICAL ARRAY, ILOOP')
-      call loop_rows(set%iloop, text)
+      call loop_rows(set%links%iloop, text)
       if (.not. problem%parameters%has_search()) return
       call text%add(' ARRAY OF VARIABLE ARC LENGTHS, IVA')
-      call loop_rows(set%iva, text)
+      call loop_rows(set%method%iva, text)
       call text%add(' ARRAY OF VARIABLE ARC ANGLES, IVG')
-      call loop_rows(set%ivg, text)
+      call loop_rows(set%method%ivg, text)
    end subroutine list_input
 
    !> Desired values, weights and inputs, five in a row.
@@ -68,20 +69,20 @@ contains
       type(text_t), intent(inout) :: text
       type(output_kind_t) :: kind
 
-      call text%add(' NUMBER OF DESIRED POSITIONS, NDES'//trim(integers([set%ndes], 7)))
-      if (set%desired) then
-         kind = output_kind(set%motion)
+      call text%add(' NUMBER OF DESIRED POSITIONS, NDES'//trim(integers([set%method%ndes], 7)))
+      if (set%method%desired) then
+         kind = output_kind(set%method%motion)
          if (kind%components > 1) then
             call text%add(' THE DESIRED POINTS ARE RELATIVE TO XADD, YADD')
-            call rows([set%xadd, set%yadd])
+            call rows([set%method%xadd, set%method%yadd])
             call text%add(' THE DESIRED X CO-ORDINATE')
-            call rows(set%desx)
+            call rows(set%method%desx)
             call text%add(' WEIGHTING FACTORS FOR THE VALUES ABOVE')
-            call rows(set%xmult)
+            call rows(set%method%xmult)
             call text%add(' THE DESIRED Y CO-ORDINATE')
-            call rows(set%desy)
+            call rows(set%method%desy)
             call text%add(' WEIGHTING FACTORS FOR THE VALUES ABOVE')
-            call rows(set%ymult)
+            call rows(set%method%ymult)
          end if
          if (kind%components /= 2) then
             if (kind%angle > 0) then
@@ -91,18 +92,18 @@ contains
             else
                call text%add(' THE DESIRED SLIDING LENGTH')
             end if
-            call rows(set%desang)
+            call rows(set%method%desang)
             call text%add(' WEIGHTING FACTORS FOR THE VALUES ABOVE')
-            call rows(set%anmult)
+            call rows(set%method%anmult)
          end if
-         if (allocated(set%rate_wanted)) call list_wanted_rates(wanted_rows(set%rate_weight))
+         if (allocated(set%method%rate_wanted)) call list_wanted_rates(wanted_rows(set%method%rate_weight))
       end if
       if (mechanism%sliding_input) then
          call text%add(' THE DESIRED INPUT LENGTH')
       else
          call text%add(' THE DESIRED CRANK INPUT ANGLE')
       end if
-      call rows(set%delt)
+      call rows(set%method%delt)
 
    contains
 
@@ -115,9 +116,9 @@ contains
             associate (own => wanted(k))
                call text%add(' THE DESIRED '//trim(merge('FIRST ', 'SECOND', own%order == 1))//' DERIVATIVE BY THE INPUT, '// &
                              trim(own%item))
-               call rows(set%rate_wanted(:, own%component, own%order))
+               call rows(set%method%rate_wanted(:, own%component, own%order))
                call text%add(' WEIGHTING FACTORS FOR THE VALUES ABOVE, 0 WHERE NONE IS WANTED')
-               call rows(set%rate_weight(:, own%component, own%order))
+               call rows(set%method%rate_weight(:, own%component, own%order))
             end associate
          end do
       end subroutine list_wanted_rates
@@ -149,7 +150,8 @@ contains
          call text%add(' NUMBER OF ARCS IN EACH LOOP, LOOPL')
          call text%add(integers([mechanism%loops%arcs], 5))
          call text%add(' UNDETERMINED ARCS IN EACH LOOP, LARCX')
-         call loop_rows(reshape([(mechanism%place(1, loop), mechanism%place(2, loop), loop=1, set%nloop)], [2, set%nloop]), text)
+         call loop_rows(reshape([(mechanism%place(1, loop), mechanism%place(2, loop), loop=1, set%links%nloop)], &
+                                [2, set%links%nloop]), text)
          call list_references(set, mechanism, text)
          if (parameters%has_search()) then
             call text%add(' ARRAY OF VARIABLES CORRESPONDING TO ARCS')
@@ -204,7 +206,7 @@ contains
       pure integer function sequential(arc)
          integer, intent(in) :: arc
 
-         sequential = (mechanism%arcs(arc)%loop - 1)*set%maxarc + mechanism%arcs(arc)%place
+         sequential = (mechanism%arcs(arc)%loop - 1)*set%links%maxarc + mechanism%arcs(arc)%place
       end function sequential
    end subroutine list_references
 
@@ -223,7 +225,7 @@ contains
          do loop = 1, mechanism%nloop
             n = mechanism%groups(loop)%members(which)
             associate (arc => mechanism%arcs(n))
-               line = line//fixed(-real(sign(1, set%ilink(arc%place, loop)), wp)* &
+               line = line//fixed(-real(sign(1, set%links%ilink(arc%place, loop)), wp)* &
                                   merge(slide_mark, link_mark, arc%kind == arc_slide), column, 2)
             end associate
          end do
@@ -236,11 +238,13 @@ contains
       type(text_t), intent(inout) :: text
 
       call text%add('      FMIN     SMALL       VAR    TANGLE    TOGGLE    STEPIN')
-      call text%add(reals([set%fmin, set%small, set%var, set%tangle, set%toggle, set%stepin]))
+      call text%add(reals([set%method%fmin, set%method%small, set%method%var, set%limits%tangle, set%limits%toggle, &
+                           set%limits%stepin]))
       call text%add('    BOUNCE    EXPAND     SNAKE    REDUCE    SHRINK')
-      call text%add(reals([set%bounce, set%expand, set%snake, set%reduce, set%shrink]))
+      call text%add(reals([set%method%bounce, set%method%expand, set%method%snake, set%method%reduce, set%method%shrink]))
       call text%add(' NGUESS   IKIN LIMVAL  NVIOL  NITER NCHECK NPRINT   NPRT')
-      call text%add(integers([set%nguess, set%ikin, set%limval, set%nviol, set%niter, set%ncheck, set%nprint, set%nprt], 7))
+      call text%add(integers([set%method%nguess, set%method%ikin, set%limits%limval, set%limits%nviol, set%method%niter, &
+                              set%method%ncheck, set%limits%nprint, set%limits%nprt], 7))
    end subroutine list_controls
 
    !> What the output does not depend on is not solved; say so.
@@ -374,7 +378,7 @@ contains
       type(mechanism_t), intent(in) :: mechanism
       integer, intent(in) :: values(:)     !! by arc
       type(text_t), intent(inout) :: text
-      integer :: table(set%maxarc, set%nloop), n
+      integer :: table(set%links%maxarc, set%links%nloop), n
 
       table = 0
       do n = 1, size(values)

@@ -3,7 +3,8 @@
 !> Numbers of the data set have as many digits as it takes to read the same bits back. The vertices stand in comment lines,
 !> so that `psalm` reads the file as a case; as device 4 it supplies vertices.
 module psalm_data_set_text
-   use psalm_data_set, only: data_set_t, proof_by_default
+   use psalm_data_set, only: data_set_t
+   use psalm_limits_group, only: proof_by_default
    use psalm_kinds, only: wp, right_angle
    use psalm_output_kind, only: output_kind_t, output_kind
    use psalm_dimensions, only: dimensions_t
@@ -68,36 +69,38 @@ contains
          end if
       end if
       call text%add(set%title)
-      call text%add(' &LINKS NLOOP='//to_text(set%nloop)//', MAXARC='//to_text(set%maxarc)//',')
-      call integer_rows('ILINK', set%ilink)
-      call integer_rows('ILOOP', set%iloop)
-      call real_rows('ARCL', in_columns(problem%mechanism, dimensions%arcl, set%arcl))
-      call real_rows('GAMA', in_columns(problem%mechanism, dimensions%gama, set%gama))
-      call text%add('  NOUTLK='//to_text(set%noutlk)//', NOUTLP='//to_text(set%noutlp)//', OUTLK='// &
+      call text%add(' &LINKS NLOOP='//to_text(set%links%nloop)//', MAXARC='//to_text(set%links%maxarc)//',')
+      call integer_rows('ILINK', set%links%ilink)
+      call integer_rows('ILOOP', set%links%iloop)
+      call real_rows('ARCL', in_columns(problem%mechanism, dimensions%arcl, set%links%arcl))
+      call real_rows('GAMA', in_columns(problem%mechanism, dimensions%gama, set%links%gama))
+      call text%add('  NOUTLK='//to_text(set%links%noutlk)//', NOUTLP='//to_text(set%links%noutlp)//', OUTLK='// &
                     full_precision(dimensions%outlk)//', OUTANG='//full_precision(dimensions%outang)//' &END')
-      call text%add(' &METHOD MOTION='//to_text(set%motion)//', CRNKI='//full_precision(dimensions%crnki)//',')
+      call text%add(' &METHOD MOTION='//to_text(set%method%motion)//', CRNKI='//full_precision(dimensions%crnki)//',')
       call text%add('  ORIGLK='//full_precision(dimensions%origlk)//', ORIGNG='//full_precision(dimensions%origng)//',')
-      if (set%ikin /= 0) then
-         call text%add('  IKIN='//to_text(set%ikin)//',')
+      if (set%method%ikin /= 0) then
+         call text%add('  IKIN='//to_text(set%method%ikin)//',')
       else
          call write_positions()
       end if
       if (problem%parameters%has_search()) call write_variables()
       call text%add(' &END')
       ! what was not given does not hold for two slides
-      if (set%trmin_given) then
+      if (set%limits%trmin_given) then
          call text%add(' &LIMITS'//limit_of_angles(set))
-      else if (set%tangle_given .or. set%tangle >= right_angle .or. all(problem%mechanism%groups%kind /= assur_prp)) then
-         call text%add(' &LIMITS TANGLE='//full_precision(set%tangle)//',')
+      else if (set%limits%tangle_given .or. set%limits%tangle >= right_angle .or. all(problem%mechanism%groups%kind /= &
+                                                            assur_prp)) then
+         call text%add(' &LIMITS TANGLE='//full_precision(set%limits%tangle)//',')
       else
          call text%add(' &LIMITS')
       end if
       ! what was not given is no criterion
-      if (set%toggle_given) call text%add('  TOGGLE='//full_precision(set%toggle)//',')
-      if (set%icond /= 0) call text%add('  ICOND=1,')
-      if (set%iproof /= proof_by_default) call text%add('  IPROOF='//to_text(set%iproof)//',')
-      if (set%dwell > 0.0_wp) call text%add('  DWELL='//full_precision(set%dwell)//',')
-      call text%add('  KTHETA='//to_text(set%ktheta)//', IPLOT='//to_text(set%iplot)//', LAST='//to_text(set%last)//' &END')
+      if (set%limits%toggle_given) call text%add('  TOGGLE='//full_precision(set%limits%toggle)//',')
+      if (set%limits%icond /= 0) call text%add('  ICOND=1,')
+      if (set%limits%iproof /= proof_by_default) call text%add('  IPROOF='//to_text(set%limits%iproof)//',')
+      if (set%limits%dwell > 0.0_wp) call text%add('  DWELL='//full_precision(set%limits%dwell)//',')
+      call text%add('  KTHETA='//to_text(set%limits%ktheta)//', IPLOT='//to_text(set%limits%iplot)//', LAST='// &
+                    to_text(set%limits%last)//' &END')
       call text%add_text(set%others)
 
    contains
@@ -155,22 +158,22 @@ contains
       subroutine write_positions()
          type(output_kind_t) :: kind
 
-         call text%add('  NDES='//to_text(set%ndes)//',')
-         call real_row('DELT=', set%delt)
-         if (.not. set%desired) return
-         kind = output_kind(set%motion)
+         call text%add('  NDES='//to_text(set%method%ndes)//',')
+         call real_row('DELT=', set%method%delt)
+         if (.not. set%method%desired) return
+         kind = output_kind(set%method%motion)
          if (kind%components > 1) then
-            call text%add('  XADD='//full_precision(set%xadd)//', YADD='//full_precision(set%yadd)//',')
-            call real_row('DESX=', set%desx)
-            call real_row('DESY=', set%desy)
-            call real_row('XMULT=', set%xmult)
-            call real_row('YMULT=', set%ymult)
+            call text%add('  XADD='//full_precision(set%method%xadd)//', YADD='//full_precision(set%method%yadd)//',')
+            call real_row('DESX=', set%method%desx)
+            call real_row('DESY=', set%method%desy)
+            call real_row('XMULT=', set%method%xmult)
+            call real_row('YMULT=', set%method%ymult)
          end if
          if (kind%components /= 2) then
-            call real_row('DESANG=', set%desang)
-            call real_row('ANMULT=', set%anmult)
+            call real_row('DESANG=', set%method%desang)
+            call real_row('ANMULT=', set%method%anmult)
          end if
-         if (allocated(set%rate_wanted)) call write_rates(wanted_rows(set%rate_weight))
+         if (allocated(set%method%rate_wanted)) call write_rates(wanted_rows(set%method%rate_weight))
       end subroutine write_positions
 
       !> Derivatives that are wanted; where none is, they weigh nothing.
@@ -179,8 +182,8 @@ contains
          integer :: i
 
          do i = 1, size(rows)
-            call real_row(trim(rows(i)%item)//'=', set%rate_wanted(:, rows(i)%component, rows(i)%order))
-            call real_row(trim(rows(i)%weigher)//'=', set%rate_weight(:, rows(i)%component, rows(i)%order))
+            call real_row(trim(rows(i)%item)//'=', set%method%rate_wanted(:, rows(i)%component, rows(i)%order))
+            call real_row(trim(rows(i)%weigher)//'=', set%method%rate_weight(:, rows(i)%component, rows(i)%order))
          end do
       end subroutine write_rates
 
@@ -189,16 +192,18 @@ contains
          integer :: a, which
 
          do which = 1, 2
-            do loop = 1, set%nloop
+            do loop = 1, set%links%nloop
                line = '! '//merge('IVA ', 'IVG ', which == 1)
-               do a = 1, set%maxarc
-                  line = line//' '//to_text(merge(set%iva(a, loop), set%ivg(a, loop), which == 1))
+               do a = 1, set%links%maxarc
+                  line = line//' '//to_text(merge(set%method%iva(a, loop), set%method%ivg(a, loop), which == 1))
                end do
                call text%add(line)
             end do
          end do
-         call text%add('! ILKOUT='//to_text(set%ilkout)//' INGOUT='//to_text(set%ingout)//' IORIG='//to_text(set%iorig)// &
-                       ' ICRK='//to_text(set%icrk)//' NITER='//to_text(set%niter)//' ISTART='//to_text(set%istart))
+         call text%add('! ILKOUT='//to_text(set%method%ilkout)//' INGOUT='//to_text(set%method%ingout)//' IORIG='// &
+                       to_text(set%method%iorig)// &
+                       ' ICRK='//to_text(set%method%icrk)//' NITER='//to_text(set%method%niter)//' ISTART='// &
+                          to_text(set%method%istart))
       end subroutine write_variables
    end subroutine write_data_set
 end module psalm_data_set_text

@@ -109,7 +109,7 @@ contains
             if (own%known) then
                turns = word(own%turns, 12)
                turned = digit(own%turns)
-               if (set%iproof /= proof_of_turn) then   ! no other crank angles were looked at
+               if (set%limits%iproof /= proof_of_turn) then   ! no other crank angles were looked at
                   turns = repeat(' ', len(turns) - 1)//'-'
                   turned = ' NaN'
                end if
@@ -257,7 +257,7 @@ contains
             far = far_side(r%linkage)
             call devices%nine%add(line//pair(far(1))//pair(r%linkage%c(1))//pair(far(2)))
             call devices%seven%add('! rank '//to_text(i)//': '//trim(class_names(r%verdict%class)))
-            call write_case(set, study, i, merge(set%last, 0, i == shown), devices%seven)
+            call write_case(set, study, i, merge(set%limits%last, 0, i == shown), devices%seven)
          end associate
       end do
    end subroutine report_linkages
@@ -348,7 +348,7 @@ contains
             call devices%six%add(numbers_of(k, one, set%exact%frame)//'  '//assembly_word(one%assembly))
             call devices%nine%add(to_text(k)//' '//to_text(one%assembly)//row_of(one))
             call devices%seven%add('! rank '//to_text(k)//': assembly '//assembly_word(one%assembly))
-            call write_case(set, study, k, merge(set%last, 0, k == study%generators%count), devices%seven)
+            call write_case(set, study, k, merge(set%limits%last, 0, k == study%generators%count), devices%seven)
          end associate
       end do
    end subroutine report_generators
@@ -379,7 +379,7 @@ contains
             call devices%nine%add(to_text(k)//' '//full_precision(best%error)//' '//to_text(best%sense)//digit(best%alternates)// &
                                   row_of(best%linkage))
             call devices%seven%add('! rank '//to_text(k)//': largest error '//trim(adjustl(general(best%error, 'E')))//' '//unit)
-            call write_case(set, study, k, merge(set%last, 0, k == shown), devices%seven)
+            call write_case(set, study, k, merge(set%limits%last, 0, k == shown), devices%seven)
          end associate
       end do
    end subroutine report_minimax
@@ -430,7 +430,7 @@ contains
                       full_precision(r%verdict%sensitivity)
                call devices%nine%add(line//pair(l%a)//pair(l%b)//pair(l%c(1))//pair(l%d(1)))
                call devices%seven%add('! rank '//to_text(i)//': distance '//trim(adjustl(general(r%after))))
-               call write_case(set, study, i, merge(set%last, 0, i == shown), devices%seven)
+               call write_case(set, study, i, merge(set%limits%last, 0, i == shown), devices%seven)
             end associate
          end do
       end associate
@@ -487,7 +487,7 @@ contains
             call devices%nine%add(row)
             call devices%seven%add('! rank '//to_text(k)//': least transmission angle '// &
                                    trim(adjustl(general(found%best(k)%transmission)))//' degrees')
-            call write_case(set, study, k, merge(set%last, 0, k == shown), devices%seven)
+            call write_case(set, study, k, merge(set%limits%last, 0, k == shown), devices%seven)
          end do
       end associate
    end subroutine report_six_bars
@@ -584,7 +584,7 @@ contains
             line = '! rank '//to_text(k)
             if (.not. found%list(k)%sound) line = line//': it does not come to all poses'
             call devices%seven%add(line)
-            call write_case(set, study, k, merge(set%last, 0, k == shown), devices%seven)
+            call write_case(set, study, k, merge(set%limits%last, 0, k == shown), devices%seven)
          end do
       end associate
 

@@ -73,11 +73,11 @@ contains
       type(text_t), intent(inout) :: text
 
       call text%add(' ARRAY OF ARC LENGTHS, ARCL')
-      call column_heads('L', set%maxarc, text)
-      call arc_table(in_columns(mechanism, dimensions%arcl, set%arcl), .false., text)
+      call column_heads('L', set%links%maxarc, text)
+      call arc_table(in_columns(mechanism, dimensions%arcl, set%links%arcl), .false., text)
       call text%add(' ARRAY OF ARC ANGLES, GAMA')
-      call column_heads('G', set%maxarc, text)
-      call arc_table(in_columns(mechanism, dimensions%gama, set%gama), .true., text)
+      call column_heads('G', set%links%maxarc, text)
+      call arc_table(in_columns(mechanism, dimensions%gama, set%links%gama), .true., text)
    end subroutine list_dimensions
 
    !> Values of arcs in the columns of the user's arrays; what belongs to no arc is as written. Shape: that of `written`.
@@ -144,8 +144,8 @@ contains
       type(data_set_t), intent(in) :: set
       type(text_t), intent(inout) :: text
 
-      call text%add(' OUTPUT ARC IS MEASURED FROM THE '//trim(merge('START ', 'FINISH', set%noutlk < 0))//' OF ARC '// &
-                    to_text(abs(set%noutlk))//' IN LOOP '//to_text(set%noutlp))
+      call text%add(' OUTPUT ARC IS MEASURED FROM THE '//trim(merge('START ', 'FINISH', set%links%noutlk < 0))//' OF ARC '// &
+                    to_text(abs(set%links%noutlk))//' IN LOOP '//to_text(set%links%noutlp))
    end subroutine list_output_arc
 
    !> Cartesian dimensions: frame arcs in machine axes, the last arc of each loop turned round so that it leads from the input
@@ -162,7 +162,7 @@ contains
       call text%add(' INPUT PIVOT (X,Y)')
       call unit_vector(dimensions%origng, c, s)
       call text%add(fixed(dimensions%origlk*c, column, 3)//fixed(dimensions%origlk*s, column, 3))
-      allocate (x(set%maxarc, set%nloop), y(set%maxarc, set%nloop), source=0.0_wp)
+      allocate (x(set%links%maxarc, set%links%nloop), y(set%links%maxarc, set%links%nloop), source=0.0_wp)
       do loop = 1, problem%mechanism%nloop
          do a = 1, problem%mechanism%loops(loop)%arcs
             n = problem%mechanism%seq(loop, a)
@@ -181,10 +181,10 @@ contains
          end do
       end do
       call text%add(' ARRAY OF LINK X DIMENSIONS, XLINK')
-      call column_heads('L', set%maxarc, text)
+      call column_heads('L', set%links%maxarc, text)
       call arc_table(x, .false., text)
       call text%add(' ARRAY OF LINK Y DIMENSIONS, YLINK')
-      call column_heads('L', set%maxarc, text)
+      call column_heads('L', set%links%maxarc, text)
       call arc_table(y, .false., text)
       call text%add(' OUTPUT LINK (X,Y)')
       call unit_vector(dimensions%outang, c, s)

@@ -21,7 +21,7 @@ contains
       integer :: k, told
 
       call list_forces(set, forces, devices%six)
-      if (set%ktheta /= 0) call list_joint_forces(forces, devices%eight)
+      if (set%limits%ktheta /= 0) call list_joint_forces(forces, devices%eight)
       if (set%masses%shares /= 0) call list_shares(forces, devices%eight)
       if (.not. forces%all_known()) call devices%note_violation()
       resting = pack([(k, k=1, size(forces%input))], [(forces%table%at_rest(k) .and. forces%table%known(k), &

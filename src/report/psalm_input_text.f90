@@ -24,11 +24,11 @@ contains
          words = words//trim(adjustl(general(input)))
          return
       end if
-      from_drawing = set%crnki - set%crnki_of_drawing
-      if (set%ikin /= 0) then
-         from_drawing = from_drawing + real((position - 1)*set%ikin, wp)
+      from_drawing = set%method%crnki - set%crnki_of_drawing
+      if (set%method%ikin /= 0) then
+         from_drawing = from_drawing + real((position - 1)*set%method%ikin, wp)
       else
-         from_drawing = from_drawing + set%delt(position)
+         from_drawing = from_drawing + set%method%delt(position)
       end if
       words = words//trim(adjustl(general(from_drawing)))//' from the drawing'
    end function position_words

@@ -82,7 +82,7 @@ contains
 
       select case (margin%kind)
       case (margin_angle, margin_slides, margin_guide, margin_offset)
-         name = name_of_limit(margin, set%trmin_given)
+         name = name_of_limit(margin, set%limits%trmin_given)
       case (margin_clearance)
          call list_clearances(set%constr, problem%mechanism, problem%given%outlk <= 0.0_wp, clearances, joints)
          name = name_of_clearance(set, clearances(margin%which), in_sentence)

@@ -88,14 +88,14 @@ contains
       call list_sketch_notes(set, text)
       line = trim(merge('LENGTH/S', 'RAD/S   ', problem%mechanism%sliding_input))
       name = ''
-      if (.not. set%rates_given) then
+      if (.not. set%rates%given) then
          name = ' (NOT GIVEN: 1, CONSTANT)'
-      else if (abs(set%accel) <= 0.0_wp) then
+      else if (abs(set%rates%accel) <= 0.0_wp) then
          name = ' (CONSTANT)'
       end if
-      call text%add(' SPEED OF THE INPUT'//general(set%speed)//' '//line//name)
-      if (abs(set%accel) > 0.0_wp) call text%add(' ACCELERATION OF THE INPUT'//general(set%accel)//' '//line//'**2')
-      if (abs(set%accel) > 0.0_wp) call text%add(' THE SPEED IS THE SAME AT EVERY POSITION, THE ACCELERATION TOO')
+      call text%add(' SPEED OF THE INPUT'//general(set%rates%speed)//' '//line//name)
+      if (abs(set%rates%accel) > 0.0_wp) call text%add(' ACCELERATION OF THE INPUT'//general(set%rates%accel)//' '//line//'**2')
+      if (abs(set%rates%accel) > 0.0_wp) call text%add(' THE SPEED IS THE SAME AT EVERY POSITION, THE ACCELERATION TOO')
       if (problem%output%kind%angle > 0) call text%add(' ANGLES IN DEGREES, THEIR RATES IN RADIANS')
       call text%add()
       line = merge('   INPUT LENGTH', '    CRANK ANGLE', problem%mechanism%sliding_input)
@@ -168,8 +168,8 @@ contains
       if (present(forces)) line = line//force_names_line(forces)
       call text%add(line)
       call text%add('# '//set%title)
-      call text%add('# derivatives per '//per//' of input and per second at input speed '//full_precision(set%speed)// &
-                    ', acceleration '//full_precision(set%accel)//'; angles in degrees, their derivatives in radians')
+      call text%add('# derivatives per '//per//' of input and per second at input speed '//full_precision(set%rates%speed)// &
+                    ', acceleration '//full_precision(set%rates%accel)//'; angles in degrees, their derivatives in radians')
       if (present(forces)) call text%add('# drive, forces and couples of joints in newtons and newton metres; frame moment '// &
                                          'about the machine origin')
       do k = 1, size(rates%motion%input)

@@ -3,7 +3,8 @@ module psalm_report
    use psalm_adjustment_list, only: list_adjustments, write_adjustment_block
    use psalm_analysis, only: analysis_t
    use psalm_check_list, only: list_arcs, list_reference_joints, list_setup
-   use psalm_data_set, only: data_set_t, title_columns, default_niter
+   use psalm_data_set, only: data_set_t, title_columns
+   use psalm_method_group, only: default_niter
    use psalm_data_set_text, only: write_vertices, write_data_set
    use psalm_devices, only: devices_t, most_told
    use psalm_doubts, only: describe_short_links, words_at_rest
@@ -108,8 +109,8 @@ contains
              to_text(search%state%counts%moves)//' moves; best objective '//trim(adjustl(general(search%state%best)))
       call devices%one%add(' '//line//'; '//reason)
       call devices%remark(set, reason//' after '//line)
-      if (search%ending == ended_iterations .and. set%niter == default_niter) call devices%remark(set, &
-         'NITER='//to_text(set%niter)//' is for looking at the start; set NITER in &METHOD to some thousands')
+      if (search%ending == ended_iterations .and. set%method%niter == default_niter) call devices%remark(set, &
+         'NITER='//to_text(set%method%niter)//' is for looking at the start; set NITER in &METHOD to some thousands')
    end subroutine report_simplex
 
    subroutine report_starts(set, search, devices)
@@ -161,7 +162,8 @@ contains
       if (size(search%ranked) > 0) call list_ranking(set, problem, search%found, search%ranked, devices%six)
       if (set%search%ranking /= ranking_none) call add_to_ranking(set, search%found, search%ranked, devices%ranking)
       if (set%search%ranking == ranking_shared) call add_share(set, search%found, devices%shares)
-      if (set%last /= 0 .and. allocated(devices%ranking)) call list_common_ranking(devices%ranking, devices%shares, devices%six)
+      if (set%limits%last /= 0 .and. allocated(devices%ranking)) call list_common_ranking(devices%ranking, devices%shares, &
+                                                            devices%six)
       if (search%many) call note_default_bounds(set, problem, search%found, devices)
       call write_found(set, problem, dimensions, search%found, devices%seven)
    end subroutine report_found
@@ -192,15 +194,15 @@ contains
 
       allocate (one, source=set)
       if (size(found%best) <= 1) then
-         if (size(found%best) == 1) one%delt = found%best(1)%delt
+         if (size(found%best) == 1) one%method%delt = found%best(1)%delt
          call write_data_set(one, problem, dimensions, text)
          return
       end if
       each = dimensions
       do i = 1, size(found%best)
          call problem%parameters%apply(found%best(i)%values, each)
-         one%delt = found%best(i)%delt
-         one%last = merge(set%last, 0, i == size(found%best))
+         one%method%delt = found%best(i)%delt
+         one%limits%last = merge(set%limits%last, 0, i == size(found%best))
          rank = ', RANK '//to_text(i)
          one%title = trim(set%title(:min(len(set%title), title_columns - len(rank))))//rank
          call text%add('! rank '//to_text(i)//', objective '//trim(adjustl(general(found%best(i)%objective, 'E'))))
@@ -258,7 +260,7 @@ contains
 
       name = trim(merge('every degree ', 'evenly spaced', .not. problem%mechanism%sliding_input))
       associate (desired => problem%desired)
-         if (set%icond == 0) then
+         if (set%limits%icond == 0) then
             call write_block(set%title, 'prescribed positions', desired, desired, problem, analysis%motion, text)
             if (allocated(analysis%sweep)) &
                call write_block(set%title, name, desired, .false., problem, analysis%sweep, text)
@@ -339,7 +341,7 @@ contains
       else
          call write_summary(set%title, summary, devices%summary, zero_words(set), special, coincident=coincident_words())
       end if
-      if (devices%summarised == most_summarised .and. set%last == 0) &
+      if (devices%summarised == most_summarised .and. set%limits%last == 0) &
          call devices%summary%add('Further cases of the file are not summarised')
 
    contains
@@ -364,7 +366,8 @@ contains
       type(devices_t), intent(inout) :: devices
 
       if (study%empty) then
-         if (set%iproof > 0) call devices%remark(set, 'IPROOF proves the motion between the inputs, but all inputs are the same')
+         if (set%limits%iproof > 0) call devices%remark(set, &
+                                                        'IPROOF proves the motion between the inputs, but all inputs are the same')
          return
       end if
       call list_proof(set, study, devices%six)
@@ -394,7 +397,7 @@ contains
       call list_tolerances(result%linear, result%sample, devices%six)
       call plot_tolerances(set%title, result%linear, result%sample, devices%nine)
       if (allocated(result%adjustments)) then
-         call list_adjustments(result%linear, result%adjustments, set%outtol, devices%six)
+         call list_adjustments(result%linear, result%adjustments, set%toler%outtol, devices%six)
          call write_adjustment_block(result%linear, result%adjustments, devices%nine)
       end if
       if (any(result%linear%dead)) call devices%remark(set, 'dead point at position '// &

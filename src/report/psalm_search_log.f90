@@ -32,9 +32,9 @@ contains
       class(observer_t), intent(inout), target :: next
       type(search_log_t), intent(out) :: log
 
-      log%every = set%nprt
-      log%every_vertex = set%nprint
-      log%violations = set%nviol
+      log%every = set%limits%nprt
+      log%every_vertex = set%limits%nprint
+      log%violations = set%limits%nviol
       log%next => next
    end subroutine begin_log
 

@@ -1,6 +1,7 @@
 !> A sketch as text that can be read again.
 module psalm_sketch_text
-   use psalm_data_set, only: data_set_t, proof_by_default
+   use psalm_data_set, only: data_set_t
+   use psalm_limits_group, only: proof_by_default
    use psalm_kinds, only: wp, right_angle
    use psalm_output_kind, only: output_kind_t, output_kind
    use psalm_rate_items, only: rate_row_t, wanted_rows
@@ -81,25 +82,27 @@ contains
          end if
       end associate
       line = ' &METHOD'
-      if (set%crnki /= set%crnki_of_drawing) line = line//' CRNKI='//full_precision(set%crnki - set%crnki_of_drawing)//','
-      if (set%ikin /= 0) then
-         call text%add(line//' IKIN='//to_text(set%ikin)//',')
+      if (set%method%crnki /= set%crnki_of_drawing) line = line//' CRNKI='//full_precision(set%method%crnki - &
+                                                            set%crnki_of_drawing)//','
+      if (set%method%ikin /= 0) then
+         call text%add(line//' IKIN='//to_text(set%method%ikin)//',')
       else if (any(set%sketch%drives%steps > 0)) then
          call text%add(line)
       else
-         call text%add(line//' NDES='//to_text(set%ndes)//',')
-         call numbers('DELT=', set%delt)
-         if (set%desired) call write_desired(output_kind(set%motion))
+         call text%add(line//' NDES='//to_text(set%method%ndes)//',')
+         call numbers('DELT=', set%method%delt)
+         if (set%method%desired) call write_desired(output_kind(set%method%motion))
       end if
       call text%add(' &END')
       line = ' &LIMITS'
       line = line//limit_of_angles(set)
-      if (set%toggle_given) line = line//' TOGGLE='//full_precision(set%toggle)//','
-      if (set%icond /= 0) line = line//' ICOND=1,'
-      if (set%iproof /= proof_by_default) line = line//' IPROOF='//to_text(set%iproof)//','
-      if (set%dwell > 0.0_wp) line = line//' DWELL='//full_precision(set%dwell)//','
+      if (set%limits%toggle_given) line = line//' TOGGLE='//full_precision(set%limits%toggle)//','
+      if (set%limits%icond /= 0) line = line//' ICOND=1,'
+      if (set%limits%iproof /= proof_by_default) line = line//' IPROOF='//to_text(set%limits%iproof)//','
+      if (set%limits%dwell > 0.0_wp) line = line//' DWELL='//full_precision(set%limits%dwell)//','
       call text%add(line)
-      call text%add('  KTHETA='//to_text(set%ktheta)//', IPLOT='//to_text(set%iplot)//', LAST='//to_text(set%last)//' &END')
+      call text%add('  KTHETA='//to_text(set%limits%ktheta)//', IPLOT='//to_text(set%limits%iplot)//', LAST='// &
+                    to_text(set%limits%last)//' &END')
       call text%add_text(set%others)
 
    contains
@@ -217,17 +220,17 @@ contains
          type(output_kind_t), intent(in) :: kind
 
          if (kind%components > 1) then
-            call text%add('  XADD='//full_precision(set%xadd)//', YADD='//full_precision(set%yadd)//',')
-            call numbers('DESX=', set%desx)
-            call numbers('DESY=', set%desy)
-            call numbers('XMULT=', set%xmult)
-            call numbers('YMULT=', set%ymult)
+            call text%add('  XADD='//full_precision(set%method%xadd)//', YADD='//full_precision(set%method%yadd)//',')
+            call numbers('DESX=', set%method%desx)
+            call numbers('DESY=', set%method%desy)
+            call numbers('XMULT=', set%method%xmult)
+            call numbers('YMULT=', set%method%ymult)
          end if
          if (kind%components /= 2) then
-            call numbers('DESANG=', set%desang)
-            call numbers('ANMULT=', set%anmult)
+            call numbers('DESANG=', set%method%desang)
+            call numbers('ANMULT=', set%method%anmult)
          end if
-         if (allocated(set%rate_wanted)) call write_rates(wanted_rows(set%rate_weight))
+         if (allocated(set%method%rate_wanted)) call write_rates(wanted_rows(set%method%rate_weight))
       end subroutine write_desired
 
       !> Derivatives that are wanted of the first output; where none is, they weigh nothing.
@@ -236,8 +239,8 @@ contains
          integer :: n
 
          do n = 1, size(rows)
-            call numbers(trim(rows(n)%item)//'=', set%rate_wanted(:, rows(n)%component, rows(n)%order))
-            call numbers(trim(rows(n)%weigher)//'=', set%rate_weight(:, rows(n)%component, rows(n)%order))
+            call numbers(trim(rows(n)%item)//'=', set%method%rate_wanted(:, rows(n)%component, rows(n)%order))
+            call numbers(trim(rows(n)%weigher)//'=', set%method%rate_weight(:, rows(n)%component, rows(n)%order))
          end do
       end subroutine write_rates
    end subroutine write_sketch
@@ -295,11 +298,11 @@ contains
       character(:), allocatable :: item
 
       item = ''
-      if (set%trmin_given) then
+      if (set%limits%trmin_given) then
          if (.not. (set%constr%gives_angle .and. index(set%others, '&CONSTR') > 0)) &
-            item = ' TRMIN='//full_precision(right_angle - set%tangle)//','
-      else if (set%tangle_given) then
-         item = ' TANGLE='//full_precision(set%tangle)//','
+            item = ' TRMIN='//full_precision(right_angle - set%limits%tangle)//','
+      else if (set%limits%tangle_given) then
+         item = ' TANGLE='//full_precision(set%limits%tangle)//','
       end if
    end function limit_of_angles
 end module psalm_sketch_text

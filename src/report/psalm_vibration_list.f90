@@ -129,7 +129,7 @@ contains
          character(:), allocatable :: line
          real(wp) :: low, high, base
 
-         base = set%speed**2*study%ratio**2 ! squared first frequency of the link at rest
+         base = set%rates%speed**2*study%ratio**2 ! squared first frequency of the link at rest
          low = study%modes(j)%exact%low(p)
          high = study%modes(j)%exact%high(p)
          if (high <= 0.0_wp) then

@@ -23,16 +23,16 @@ contains
 
       call lay_out(set, mechanism)
       sound = .true.
-      do loop = 1, set%nloop
+      do loop = 1, set%links%nloop
          n = mechanism%loops(loop)%arcs
          do a = 1, n
-            if (set%ilink(a, loop) == 0) then
+            if (set%links%ilink(a, loop) == 0) then
                call complain(set, 'ILINK', loop, a, 'is 0 (no arc), but arcs follow in this loop', findings)
                sound = .false.
             end if
          end do
-         do a = n + 1, set%maxarc
-            if (set%iloop(a, loop) /= 0) then
+         do a = n + 1, set%links%maxarc
+            if (set%links%iloop(a, loop) /= 0) then
                call complain(set, 'ILOOP', loop, a, 'must be 0, because ILINK says there is no such arc', findings)
             end if
          end do
@@ -44,7 +44,7 @@ contains
       if (.not. sound) return
       call find_misplaced_frame(set, mechanism, sound, findings)
       if (.not. sound) return
-      do loop = 1, set%nloop
+      do loop = 1, set%links%nloop
          do a = 1, mechanism%loops(loop)%arcs
             call classify(set, mechanism, loop, a, findings)
          end do
@@ -60,16 +60,16 @@ contains
       type(mechanism_t), intent(inout) :: mechanism
       integer :: loop, a, next
 
-      mechanism%nloop = set%nloop
-      allocate (mechanism%loops(set%nloop), mechanism%groups(set%nloop))
+      mechanism%nloop = set%links%nloop
+      allocate (mechanism%loops(set%links%nloop), mechanism%groups(set%links%nloop))
       next = 1
-      do loop = 1, set%nloop
+      do loop = 1, set%links%nloop
          mechanism%loops(loop)%first = next
-         mechanism%loops(loop)%arcs = findloc(set%ilink(:, loop) /= 0, .true., dim=1, back=.true.)
+         mechanism%loops(loop)%arcs = findloc(set%links%ilink(:, loop) /= 0, .true., dim=1, back=.true.)
          next = next + mechanism%loops(loop)%arcs
       end do
       allocate (mechanism%arcs(next - 1))
-      do loop = 1, set%nloop
+      do loop = 1, set%links%nloop
          do a = 1, mechanism%loops(loop)%arcs
             mechanism%arcs(mechanism%seq(loop, a))%loop = loop
             mechanism%arcs(mechanism%seq(loop, a))%place = a
@@ -86,9 +86,9 @@ contains
       integer :: a, n
 
       n = mechanism%loops(1)%arcs
-      if (set%iloop(n, 1) == 1) return
+      if (set%links%iloop(n, 1) == 1) return
       do a = 2, n - 1
-         if (abs(set%ilink(a, 1)) /= a .or. set%iloop(a, 1) /= 1) cycle
+         if (abs(set%links%ilink(a, 1)) /= a .or. set%links%iloop(a, 1) /= 1) cycle
          sound = .false.
          call complain(set, 'ILINK', 1, a, 'is measured from the machine''s x axis, as the frame arc is: the frame arc must '// &
                        'come last in its loop, as arc '//to_text(n), findings)
@@ -104,8 +104,8 @@ contains
       integer :: link, other, n
 
       n = mechanism%loops(loop)%arcs
-      link = set%ilink(a, loop)
-      other = set%iloop(a, loop)
+      link = set%links%ilink(a, loop)
+      other = set%links%iloop(a, loop)
       associate (arc => mechanism%arcs(mechanism%seq(loop, a)))
          if (loop == 1 .and. a == 1) then
             if (abs(link) /= 1) call complain(set, 'ILINK', 1, 1, 'must be 1 (the input link)', findings)
@@ -168,8 +168,8 @@ contains
       type(diagnostics_t), intent(inout) :: findings
       integer :: named, in_loop
 
-      named = abs(set%ilink(a, loop))
-      in_loop = set%iloop(a, loop)
+      named = abs(set%links%ilink(a, loop))
+      in_loop = set%links%iloop(a, loop)
       if (in_loop > loop) then
          call complain(set, 'ILOOP', loop, a, 'refers to loop '//to_text(in_loop)//', which is not yet determined', findings)
          return
@@ -193,7 +193,7 @@ contains
             end if
             if (loop == 1 .and. named == mechanism%loops(1)%arcs) then
                arc%frame = .true.
-            else if (named > a .or. set%iloop(named, loop) <= 0) then
+            else if (named > a .or. set%links%iloop(named, loop) <= 0) then
                call complain(set, 'ILINK', loop, a, 'refers to arc '//to_text(named)//' of its own loop, which is not yet '// &
                              'determined', findings)
                return
@@ -214,7 +214,7 @@ contains
       type(data_set_t), intent(in) :: set
       integer, intent(in) :: loop, a, n
 
-      is_guide = any(set%iloop(:n, loop) == -a)
+      is_guide = any(set%links%iloop(:n, loop) == -a)
    end function is_guide
 
    !> The last arc of every loop belongs to the frame.
@@ -228,10 +228,10 @@ contains
 
       n = mechanism%loops(loop)%arcs
       missing = ''
-      if (set%iloop(n, loop) <= 0) missing = '; the frame arc seems to be missing'
+      if (set%links%iloop(n, loop) <= 0) missing = '; the frame arc seems to be missing'
       associate (arc => mechanism%arcs(mechanism%seq(loop, n)))
          ! the frame's own arc hangs on the x axis, not on another arc of the frame
-         if (arc%frame .and. (loop > 1 .or. abs(set%ilink(n, 1)) == n)) return
+         if (arc%frame .and. (loop > 1 .or. abs(set%links%ilink(n, 1)) == n)) return
          if (loop == 1) then
             call complain(set, 'ILINK', 1, n, 'is the last arc of loop 1, the frame: ILINK='//to_text(n)// &
                           ' and ILOOP=1 are expected, its direction in GAMA'//missing, findings)

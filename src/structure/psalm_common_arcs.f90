@@ -25,7 +25,7 @@ contains
 
       call find_joints(mechanism, dimensions, joints)
       mechanism%arcs%representative = [(n, n=1, size(mechanism%arcs))]
-      do loop = 1, set%nloop
+      do loop = 1, set%links%nloop
          do a = 1, mechanism%loops(loop)%arcs
             n = mechanism%seq(loop, a)
             associate (arc => mechanism%arcs(n))
@@ -60,7 +60,7 @@ contains
             end associate
          end do
       end do
-      do loop = 1, set%nloop
+      do loop = 1, set%links%nloop
          do a = 1, mechanism%loops(loop)%arcs
             n = mechanism%seq(loop, a)
             if (.not. joints%astray(n)) cycle
@@ -77,6 +77,6 @@ contains
       integer, intent(in) :: loop, a
 
       varies_alone = .false.
-      if (size(set%iva) > 0) varies_alone = set%ivg(a, loop) /= 0
+      if (size(set%method%iva) > 0) varies_alone = set%method%ivg(a, loop) /= 0
    end function varies_alone
 end module psalm_common_arcs

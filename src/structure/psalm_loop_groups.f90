@@ -24,7 +24,7 @@ contains
       type(diagnostics_t), intent(inout) :: findings
       integer :: loop, a, n, found, p, q
 
-      do loop = 1, set%nloop
+      do loop = 1, set%links%nloop
          found = 0
          n = mechanism%loops(loop)%arcs
          do a = 1, n
@@ -67,8 +67,10 @@ contains
          group%loop = loop
          group%members = [p, q]
          group%kind = kind_of_dyad([arc_p%kind, arc_q%kind] == arc_slide, &
-                                   [-set%iloop(arc_p%place, loop) == arc_q%place, -set%iloop(arc_q%place, loop) == arc_p%place])
-         group%sign = sign_of_dyad(group%kind, sign(1, set%ilink(arc_p%place, loop)), sign(1, set%ilink(arc_q%place, loop)), &
+                                   [-set%links%iloop(arc_p%place, loop) == arc_q%place, -set%links%iloop(arc_q%place, loop) == &
+                                    arc_p%place])
+         group%sign = sign_of_dyad(group%kind, sign(1, set%links%ilink(arc_p%place, loop)), sign(1, set%links%ilink(arc_q%place, &
+                                                            loop)), &
                                    arc_p%turn, arc_q%turn)
       end associate
    end subroutine make_group
@@ -90,7 +92,7 @@ contains
       if (guide > 0) then
          if (dimensions%arcl(mechanism%seq(loop, guide)) <= 0.0_wp) return
       end if
-      if (sign(1, set%ilink(p, loop)) /= sign(1, set%ilink(q, loop))) then
+      if (sign(1, set%links%ilink(p, loop)) /= sign(1, set%links%ilink(q, loop))) then
          call complain(set, 'ILINK', loop, 0, 'has undetermined arcs '//to_text(p)//' and '//to_text(q)//' of opposite sign; '// &
                        'for this dyad both are positive when the joint they share lies to the right of the line from the '// &
                        'start of the first to the finish of the second', findings)
@@ -116,7 +118,7 @@ contains
       type(diagnostics_t), intent(inout) :: findings
       integer :: loop, a, guide
 
-      do loop = 1, set%nloop
+      do loop = 1, set%links%nloop
          do a = 1, mechanism%loops(loop)%arcs
             associate (arc => mechanism%arcs(mechanism%seq(loop, a)))
                if (arc%kind == arc_actuator) then

@@ -20,7 +20,7 @@ contains
       type(origin_t) :: origin
 
       if (.not. findings%told_enough(level_error, 'LINKS', item)) &
-         origin = set%origins%of('LINKS', item, (loop - 1)*set%maxarc + max(a, 1))
+         origin = set%origins%of('LINKS', item, (loop - 1)*set%links%maxarc + max(a, 1))
       call findings%error(subject(loop, a)//text, line=origin%line, group='LINKS', item=item)
    end subroutine complain
 
@@ -36,7 +36,7 @@ contains
       group = 'LINKS'
       if (item == 'IVA' .or. item == 'IVG') group = 'METHOD'
       if (.not. findings%told_enough(level_warning, group, item)) &
-         origin = set%origins%of(group, item, (loop - 1)*set%maxarc + a)
+         origin = set%origins%of(group, item, (loop - 1)*set%links%maxarc + a)
       call findings%warning(subject(loop, a)//text, line=origin%line, group=group, item=item)
    end subroutine arc_warning
 

@@ -25,24 +25,24 @@ contains
       type(diagnostics_t), intent(inout) :: findings
       integer :: arc
 
-      if (set%noutlp < 1 .or. set%noutlp > set%nloop) then
-         call findings%error('must name a loop from 1 to '//to_text(set%nloop)//'; found '//to_text(set%noutlp), &
+      if (set%links%noutlp < 1 .or. set%links%noutlp > set%links%nloop) then
+         call findings%error('must name a loop from 1 to '//to_text(set%links%nloop)//'; found '//to_text(set%links%noutlp), &
                              line=set%origins%line('LINKS', 'NOUTLP', 1), group='LINKS', item='NOUTLP')
          return
       end if
-      if (set%noutlk == 0 .or. abs(set%noutlk) > mechanism%loops(set%noutlp)%arcs) then
-         call findings%error('must name an arc from 1 to '//to_text(mechanism%loops(set%noutlp)%arcs)//' of loop '// &
-                             to_text(set%noutlp)//'; found '//to_text(set%noutlk), &
+      if (set%links%noutlk == 0 .or. abs(set%links%noutlk) > mechanism%loops(set%links%noutlp)%arcs) then
+         call findings%error('must name an arc from 1 to '//to_text(mechanism%loops(set%links%noutlp)%arcs)//' of loop '// &
+                             to_text(set%links%noutlp)//'; found '//to_text(set%links%noutlk), &
                              line=set%origins%line('LINKS', 'NOUTLK', 1), group='LINKS', item='NOUTLK')
          return
       end if
-      arc = mechanism%seq(set%noutlp, abs(set%noutlk))
-      mechanism%outputs = [output_t(set%motion, arc, set%noutlk < 0)]
-      if (set%motion == motion_slide .and. .not. mechanism%slides(arc)) then
+      arc = mechanism%seq(set%links%noutlp, abs(set%links%noutlk))
+      mechanism%outputs = [output_t(set%method%motion, arc, set%links%noutlk < 0)]
+      if (set%method%motion == motion_slide .and. .not. mechanism%slides(arc)) then
          call findings%error('MOTION=3 needs a sliding arc, but arc '//place_of(mechanism, arc)// &
                              ' does not slide', line=set%origins%line('LINKS', 'NOUTLK', 1), group='LINKS', item='NOUTLK')
       end if
-      if (set%ikin /= 0 .and. mechanism%sliding_input) then
+      if (set%method%ikin /= 0 .and. mechanism%sliding_input) then
          call findings%error('IKIN sweeps a full turn; with a sliding input give NDES and DELT', &
                              line=set%origins%line('METHOD', 'IKIN', 1), group='METHOD', item='IKIN')
       end if
@@ -57,7 +57,7 @@ contains
       type(diagnostics_t), intent(inout) :: findings
       integer :: loop, a, n, guide, nvar
 
-      do loop = 1, set%nloop
+      do loop = 1, set%links%nloop
          do a = 1, mechanism%loops(loop)%arcs
             n = mechanism%seq(loop, a)
             guide = guide_of_dyad(mechanism, loop)
@@ -75,33 +75,34 @@ contains
       end do
       nvar = size(parameters%variables)
       if (nvar == 0) return
-      if (.not. set%desired) then
+      if (.not. set%method%desired) then
          call findings%error('a search needs desired values (DESX and DESY, or DESANG)', line=set%origins%line('METHOD', ''), &
                              group='METHOD')
       end if
-      if (set%limval == 1 .or. set%var == 0.0_wp) then
-         if (min(set%low_given, set%high_given) < nvar) then
-            if (set%low_given < nvar) call short('OPLOW', set%low_given)
-            if (set%high_given < nvar) call short('OPHIGH', set%high_given)
+      if (set%limits%limval == 1 .or. set%method%var == 0.0_wp) then
+         if (min(set%limits%low_given, set%limits%high_given) < nvar) then
+            if (set%limits%low_given < nvar) call short('OPLOW', set%limits%low_given)
+            if (set%limits%high_given < nvar) call short('OPHIGH', set%limits%high_given)
             return
          end if
-         if (set%low_given > nvar) call long('OPLOW', set%low_given)
-         if (set%high_given > nvar) call long('OPHIGH', set%high_given)
+         if (set%limits%low_given > nvar) call long('OPLOW', set%limits%low_given)
+         if (set%limits%high_given > nvar) call long('OPHIGH', set%limits%high_given)
          do n = 1, nvar
             associate (variable => parameters%variables(n))
-               if (set%oplow(n) > set%ophigh(n)) then
-                  call of_variable('OPLOW', n, 'the lower limit '//limit(set%oplow(n))//' of the '// &
-                                   lower_case(name_of(variable))//' is above its upper limit '//limit(set%ophigh(n)))
-               else if (variable%kind == variable_length .and. set%ophigh(n) <= 0.0_wp) then
-                  call of_variable('OPHIGH', n, 'a length needs an upper limit above zero; found '//limit(set%ophigh(n))// &
+               if (set%limits%oplow(n) > set%limits%ophigh(n)) then
+                  call of_variable('OPLOW', n, 'the lower limit '//limit(set%limits%oplow(n))//' of the '// &
+                                   lower_case(name_of(variable))//' is above its upper limit '//limit(set%limits%ophigh(n)))
+               else if (variable%kind == variable_length .and. set%limits%ophigh(n) <= 0.0_wp) then
+                  call of_variable('OPHIGH', n, 'a length needs an upper limit above zero; found '//limit(set%limits%ophigh(n))// &
                                    ' for the '//lower_case(name_of(variable)))
                end if
             end associate
          end do
       end if
-      if (set%nguess > nvar + 1) then
+      if (set%method%nguess > nvar + 1) then
          call findings%error('a simplex of '//to_text(nvar)//' variables has '//to_text(nvar + 1)//' vertices; found '// &
-                             to_text(set%nguess), line=set%origins%line('METHOD', 'NGUESS', 1), group='METHOD', item='NGUESS')
+                             to_text(set%method%nguess), line=set%origins%line('METHOD', 'NGUESS', 1), group='METHOD', &
+                                item='NGUESS')
       end if
 
    contains
@@ -152,16 +153,17 @@ contains
       real(wp), allocatable :: sorted(:)
       integer :: i, first, second
 
-      if (set%ikin /= 0 .or. set%ifree /= 0 .or. set%ndes < 2) return
-      if (all(set%delt(2:) > set%delt(:set%ndes - 1)) .or. all(set%delt(2:) < set%delt(:set%ndes - 1))) return
-      sorted = set%delt
+      if (set%method%ikin /= 0 .or. set%method%ifree /= 0 .or. set%method%ndes < 2) return
+      if (all(set%method%delt(2:) > set%method%delt(:set%method%ndes - 1)) .or. all(set%method%delt(2:) < &
+                                                            set%method%delt(:set%method%ndes - 1))) return
+      sorted = set%method%delt
       call sort(sorted)
-      do i = 2, set%ndes
+      do i = 2, set%method%ndes
          if (sorted(i) == sorted(i - 1)) exit
       end do
-      if (i > set%ndes) return
-      first = findloc(set%delt, sorted(i), dim=1)
-      second = first + findloc(set%delt(first + 1:), sorted(i), dim=1)
+      if (i > set%method%ndes) return
+      first = findloc(set%method%delt, sorted(i), dim=1)
+      second = first + findloc(set%method%delt(first + 1:), sorted(i), dim=1)
       call findings%warning('positions '//to_text(first)//' and '//to_text(second)//' have the same input '// &
                             trim(adjustl(general(sorted(i), 'E'))), line=set%origins%line('METHOD', 'DELT', second), &
                             group='METHOD', item='DELT')

@@ -34,7 +34,7 @@ contains
       type(diagnostics_t), intent(inout) :: findings
       logical :: in_order
 
-      if (set%nloop == 0) return
+      if (set%links%nloop == 0) return
       call classify_arcs(set, mechanism, in_order, findings)
       if (.not. in_order) return
       call take_dimensions(set, mechanism, dimensions)
@@ -60,13 +60,13 @@ contains
 
       allocate (dimensions%arcl(size(mechanism%arcs)), dimensions%gama(size(mechanism%arcs)))
       do n = 1, size(mechanism%arcs)
-         dimensions%arcl(n) = set%arcl(mechanism%arcs(n)%place, mechanism%arcs(n)%loop)
-         dimensions%gama(n) = set%gama(mechanism%arcs(n)%place, mechanism%arcs(n)%loop)
+         dimensions%arcl(n) = set%links%arcl(mechanism%arcs(n)%place, mechanism%arcs(n)%loop)
+         dimensions%gama(n) = set%links%gama(mechanism%arcs(n)%place, mechanism%arcs(n)%loop)
       end do
-      dimensions%outlk = set%outlk
-      dimensions%outang = set%outang
-      dimensions%origlk = set%origlk
-      dimensions%origng = set%origng
-      dimensions%crnki = set%crnki
+      dimensions%outlk = set%links%outlk
+      dimensions%outang = set%links%outang
+      dimensions%origlk = set%method%origlk
+      dimensions%origng = set%method%origng
+      dimensions%crnki = set%method%crnki
    end subroutine take_dimensions
 end module psalm_setup

@@ -127,16 +127,17 @@ contains
       character(:), allocatable :: angle_group
 
       angle_group = trim(merge('CONSTR', 'LIMITS', set%constr%gives_angle))
-      if (set%tolerances) call refuse('TOLER', '', 'a study of tolerances')
+      if (set%toler%given) call refuse('TOLER', '', 'a study of tolerances')
       if (set%constr%irange /= range_positions) call refuse('CONSTR', 'IRANGE', 'a proof between the positions')
-      if (set%ifree /= 0) call refuse('METHOD', 'IFREE', 'free timing')
-      if (set%ktheta /= 0 .and. .not. (set%masses%given .or. set%loads%given .or. set%springs%given)) &
+      if (set%method%ifree /= 0) call refuse('METHOD', 'IFREE', 'free timing')
+      if (set%limits%ktheta /= 0 .and. .not. (set%masses%given .or. set%loads%given .or. set%springs%given)) &
          call refuse('LIMITS', 'KTHETA', 'the list of all arcs')
-      if (set%trmin_given) call findings%error('TRMIN: a sketch solved in the poses of its links has no transmission angle (it '// &
+      if (set%limits%trmin_given) &
+         call findings%error('TRMIN: a sketch solved in the poses of its links has no transmission angle (it '// &
          'is that of two links, a dyad, and this sketch has '//set%no_loops//'); leave it out', &
          line=set%origins%line(angle_group, 'TRMIN'), group=angle_group, item='TRMIN')
-      if (set%icond /= 0) call refuse('LIMITS', 'ICOND', 'the condition number')
-      if (set%iplot /= 0) call refuse('LIMITS', 'IPLOT', 'the sweep of every degree')
+      if (set%limits%icond /= 0) call refuse('LIMITS', 'ICOND', 'the condition number')
+      if (set%limits%iplot /= 0) call refuse('LIMITS', 'IPLOT', 'the sweep of every degree')
       if (set%motor%given) call refuse('MOTOR', '', 'motion from torque')
 
    contains
@@ -261,16 +262,16 @@ contains
       complex(wp) :: pivot
       integer :: k, e
 
-      set%nloop = loops%loops
-      set%maxarc = loops%longest
-      if (allocated(set%ilink)) deallocate (set%ilink, set%iloop, set%arcl, set%gama)
-      allocate (set%ilink(set%maxarc, set%nloop), set%iloop(set%maxarc, set%nloop), source=0)
-      allocate (set%arcl(set%maxarc, set%nloop), set%gama(set%maxarc, set%nloop), source=0.0_wp)
+      set%links%nloop = loops%loops
+      set%links%maxarc = loops%longest
+      if (allocated(set%links%ilink)) deallocate (set%links%ilink, set%links%iloop, set%links%arcl, set%links%gama)
+      allocate (set%links%ilink(set%links%maxarc, set%links%nloop), set%links%iloop(set%links%maxarc, set%links%nloop), source=0)
+      allocate (set%links%arcl(set%links%maxarc, set%links%nloop), set%links%gama(set%links%maxarc, set%links%nloop), source=0.0_wp)
       do k = 1, size(loops%arcs)
-         associate (arc => loops%arcs(k), link => set%ilink(loops%arcs(k)%place, loops%arcs(k)%loop), &
-                    loop => set%iloop(loops%arcs(k)%place, loops%arcs(k)%loop), &
-                    length => set%arcl(loops%arcs(k)%place, loops%arcs(k)%loop), &
-                    angle => set%gama(loops%arcs(k)%place, loops%arcs(k)%loop))
+         associate (arc => loops%arcs(k), link => set%links%ilink(loops%arcs(k)%place, loops%arcs(k)%loop), &
+                    loop => set%links%iloop(loops%arcs(k)%place, loops%arcs(k)%loop), &
+                    length => set%links%arcl(loops%arcs(k)%place, loops%arcs(k)%loop), &
+                    angle => set%links%gama(loops%arcs(k)%place, loops%arcs(k)%loop))
             length = arc%length
             select case (arc%kind)
             case (traced_crank)
@@ -297,7 +298,7 @@ contains
             end select
          end associate
       end do
-      allocate (set%end_names(2, set%maxarc, set%nloop))
+      allocate (set%end_names(2, set%links%maxarc, set%links%nloop))
       set%end_names = ''
       do k = 1, size(loops%arcs)
          associate (arc => loops%arcs(k))
@@ -307,7 +308,7 @@ contains
             end do
          end associate
       end do
-      allocate (set%link_of_arc(set%maxarc, set%nloop), set%slide_of_arc(set%maxarc, set%nloop), source=0)
+      allocate (set%link_of_arc(set%links%maxarc, set%links%nloop), set%slide_of_arc(set%links%maxarc, set%links%nloop), source=0)
       do k = 1, size(loops%arcs)
          associate (arc => loops%arcs(k))
             set%link_of_arc(arc%place, arc%loop) = arc%link
@@ -315,16 +316,16 @@ contains
          end associate
       end do
       pivot = loops%point(loops%start)
-      set%origlk = abs(pivot)
-      if (set%origlk > 0.0_wp) set%origng = degrees_of(pivot%re, pivot%im)
-      set%crnki = set%crnki + loops%input
+      set%method%origlk = abs(pivot)
+      if (set%method%origlk > 0.0_wp) set%method%origng = degrees_of(pivot%re, pivot%im)
+      set%method%crnki = set%method%crnki + loops%input
       set%crnki_of_drawing = loops%input
-      if (allocated(set%tolarc)) deallocate (set%tolarc, set%tolgam)
-      allocate (set%tolarc(set%maxarc, set%nloop), source=set%tollen)
-      allocate (set%tolgam(set%maxarc, set%nloop), source=set%tolang)
-      if (set%origlk > 0.0_wp) then
-         set%tolorl = set%tollen
-         set%tolora = set%tolang
+      if (allocated(set%toler%tolarc)) deallocate (set%toler%tolarc, set%toler%tolgam)
+      allocate (set%toler%tolarc(set%links%maxarc, set%links%nloop), source=set%toler%tollen)
+      allocate (set%toler%tolgam(set%links%maxarc, set%links%nloop), source=set%toler%tolang)
+      if (set%method%origlk > 0.0_wp) then
+         set%toler%tolorl = set%toler%tollen
+         set%toler%tolora = set%toler%tolang
       end if
    end subroutine fill_arrays
 
@@ -557,7 +558,7 @@ contains
       if (size(sketch%outputs) > 0) then
          call put_output(loops, state, sketch, sketch%outputs(1), set, done)
          if (done) return
-         if (set%desired) then
+         if (set%method%desired) then
             call findings%error('the desired values of &METHOD are those of the first output, which '// &
                                 trim(sketch%outputs(1)%name)//' cannot be here; give its values as DES1 of &OUTPUTS, or put a '// &
                                 'point, angle, distance from the origin or slide first'//pose_of_arc(), &
@@ -581,7 +582,7 @@ contains
          integer :: from
 
          text = ''
-         if (sketch%outputs(1)%kind /= output_pose .or. set%noutlk == 0) return
+         if (sketch%outputs(1)%kind /= output_pose .or. set%links%noutlk == 0) return
          associate (joint => sketch%outputs(1)%joints(1))
             from = end_of_output_arc(loops, set)
             if (from == 0 .or. from == joint .or. from > size(sketch%joint_name)) return
@@ -600,8 +601,8 @@ contains
 
       point = 0
       do k = 1, size(loops%arcs)
-         if (loops%arcs(k)%loop /= set%noutlp .or. loops%arcs(k)%place /= abs(set%noutlk)) cycle
-         point = loops%arcs(k)%ends(merge(at_start, at_finish, set%noutlk < 0))
+         if (loops%arcs(k)%loop /= set%links%noutlp .or. loops%arcs(k)%place /= abs(set%links%noutlk)) cycle
+         point = loops%arcs(k)%ends(merge(at_start, at_finish, set%links%noutlk < 0))
       end do
    end function end_of_output_arc
 
@@ -632,13 +633,13 @@ contains
       complex(wp) :: h
 
       done = .false.
-      set%motion = motion_point
-      set%outlk = 0.0_wp
-      set%outang = 0.0_wp
+      set%method%motion = motion_point
+      set%links%outlk = 0.0_wp
+      set%links%outang = 0.0_wp
       select case (output%kind)
       case (output_point, output_distance)
          if (output%kind == output_distance) then
-            set%motion = motion_distance
+            set%method%motion = motion_distance
             if (output%joints(2) > 0) return
          end if
          links = sketch%links_of(output%joints(1))
@@ -648,7 +649,7 @@ contains
             if (done) exit
          end do
       case (output_angle, output_pose)
-         set%motion = merge(motion_angle, motion_pose, output%kind == output_angle)
+         set%method%motion = merge(motion_angle, motion_pose, output%kind == output_angle)
          k = merge(1, 2, output%kind == output_angle)
          do arc = 1, size(sketch%links)
             if (.not. sketch%has_joint(arc, output%joints(k)) .or. .not. sketch%has_joint(arc, output%joints(k + 1))) cycle
@@ -656,20 +657,20 @@ contains
                if (.not. sketch%has_joint(arc, output%joints(1))) return
                call from_arc_of(arc)
             else
-               set%noutlk = 0
+               set%links%noutlk = 0
                done = loops%axis(arc) > 0
                if (done) call name_arc(loops%axis(arc), .false.)
             end if
             if (.not. done) return
             h = state%joint(output%joints(k + 1), 0) - state%joint(output%joints(k), 0)
-            if (output%kind == output_angle) set%outang = clean(degrees_of(h%re, h%im) - direction())
+            if (output%kind == output_angle) set%links%outang = clean(degrees_of(h%re, h%im) - direction())
             exit
          end do
          ! the direction of a pose is that of its output arc: only from the joint along the line
-         if (output%kind == output_pose .and. done) done = abs(modulo(set%outang + direction() - degrees_of(h%re, h%im) &
+         if (output%kind == output_pose .and. done) done = abs(modulo(set%links%outang + direction() - degrees_of(h%re, h%im) &
                                                                       + 180.0_wp, full_turn) - 180.0_wp) < 1.0e-9_wp
       case (output_slide)
-         set%motion = motion_slide
+         set%method%motion = motion_slide
          do k = 1, size(loops%arcs)
             if (loops%arcs(k)%slide /= output%slide) cycle
             call name_arc(k, .false.)
@@ -677,9 +678,9 @@ contains
             return
          end do
       end select
-      if (done .and. set%outlk > 0.0_wp) then
-         set%tolout = set%tollen
-         set%toloua = set%tolang
+      if (done .and. set%links%outlk > 0.0_wp) then
+         set%toler%tolout = set%toler%tollen
+         set%toler%toloua = set%toler%tolang
       end if
 
    contains
@@ -689,7 +690,8 @@ contains
 
          direction = 0.0_wp
          do a = 1, size(loops%arcs)
-            if (loops%arcs(a)%loop == set%noutlp .and. loops%arcs(a)%place == abs(set%noutlk)) direction = loops%arcs(a)%direction
+            if (loops%arcs(a)%loop == set%links%noutlp .and. loops%arcs(a)%place == &
+                abs(set%links%noutlk)) direction = loops%arcs(a)%direction
          end do
       end function direction
 
@@ -697,9 +699,9 @@ contains
          integer, intent(in) :: which
          logical, intent(in) :: from_start
 
-         set%noutlp = loops%arcs(which)%loop
-         set%noutlk = loops%arcs(which)%place
-         if (from_start) set%noutlk = -set%noutlk
+         set%links%noutlp = loops%arcs(which)%loop
+         set%links%noutlk = loops%arcs(which)%place
+         if (from_start) set%links%noutlk = -set%links%noutlk
       end subroutine name_arc
 
       !> From an end of an arc of the link: the joint itself if it is one.
@@ -724,12 +726,12 @@ contains
          call name_arc(chosen, from_start)
          point = loops%arcs(chosen)%ends(merge(1, 2, from_start))
          v = state%joint(output%joints(1), 0) - loops%point(point)
-         set%outlk = abs(v)
-         if (point == output%joints(1)) set%outlk = 0.0_wp
-         if (set%outlk > 0.0_wp) set%outang = clean(degrees_of(v%re, v%im) - loops%arcs(chosen)%direction)
+         set%links%outlk = abs(v)
+         if (point == output%joints(1)) set%links%outlk = 0.0_wp
+         if (set%links%outlk > 0.0_wp) set%links%outang = clean(degrees_of(v%re, v%im) - loops%arcs(chosen)%direction)
          if (output%kind == output_pose) then
             v = state%joint(output%joints(3), 0) - state%joint(output%joints(2), 0)
-            if (set%outlk == 0.0_wp) set%outang = clean(degrees_of(v%re, v%im) - loops%arcs(chosen)%direction)
+            if (set%links%outlk == 0.0_wp) set%links%outang = clean(degrees_of(v%re, v%im) - loops%arcs(chosen)%direction)
          end if
       end subroutine from_arc_of
    end subroutine put_output
@@ -747,8 +749,8 @@ contains
       real(wp) :: low(of_input), high(of_input)
       integer :: k, n
 
-      if (allocated(set%iva)) deallocate (set%iva, set%ivg)
-      allocate (set%iva(set%maxarc, set%nloop), set%ivg(set%maxarc, set%nloop), source=0)
+      if (allocated(set%method%iva)) deallocate (set%method%iva, set%method%ivg)
+      allocate (set%method%iva(set%links%maxarc, set%links%nloop), set%method%ivg(set%links%maxarc, set%links%nloop), source=0)
       if (size(sketch%variations) == 0) return
       allocate (low_length(size(loops%arcs)), high_length(size(loops%arcs)), low_angle(size(loops%arcs)), &
                 high_angle(size(loops%arcs)), source=0.0_wp)
@@ -758,30 +760,30 @@ contains
          call place_variation(sketch%variations(k), k)
       end do
       if (.not. any(sketch%variations%bounded)) return
-      set%limval = 1
-      if (allocated(set%oplow)) deallocate (set%oplow, set%ophigh)
-      allocate (set%oplow(0), set%ophigh(0))
+      set%limits%limval = 1
+      if (allocated(set%limits%oplow)) deallocate (set%limits%oplow, set%limits%ophigh)
+      allocate (set%limits%oplow(0), set%limits%ophigh(0))
       do n = 1, size(loops%arcs)
-         if (set%iva(loops%arcs(n)%place, loops%arcs(n)%loop) /= 0) call bound(low_length(n), high_length(n))
+         if (set%method%iva(loops%arcs(n)%place, loops%arcs(n)%loop) /= 0) call bound(low_length(n), high_length(n))
       end do
-      if (set%ilkout /= 0) call bound(low(of_outlk), high(of_outlk))
-      if (set%iorig /= 0) call bound(low(of_origlk), high(of_origlk))
+      if (set%method%ilkout /= 0) call bound(low(of_outlk), high(of_outlk))
+      if (set%method%iorig /= 0) call bound(low(of_origlk), high(of_origlk))
       do n = 1, size(loops%arcs)
-         if (set%ivg(loops%arcs(n)%place, loops%arcs(n)%loop) /= 0) call bound(low_angle(n), high_angle(n))
+         if (set%method%ivg(loops%arcs(n)%place, loops%arcs(n)%loop) /= 0) call bound(low_angle(n), high_angle(n))
       end do
-      if (set%ingout /= 0) call bound(low(of_outang), high(of_outang))
-      if (set%iorig /= 0) call bound(low(of_origng), high(of_origng))
-      if (set%icrk /= 0) call bound(low(of_input), high(of_input))
-      set%low_given = size(set%oplow)
-      set%high_given = size(set%ophigh)
+      if (set%method%ingout /= 0) call bound(low(of_outang), high(of_outang))
+      if (set%method%iorig /= 0) call bound(low(of_origng), high(of_origng))
+      if (set%method%icrk /= 0) call bound(low(of_input), high(of_input))
+      set%limits%low_given = size(set%limits%oplow)
+      set%limits%high_given = size(set%limits%ophigh)
 
    contains
 
       subroutine bound(lowest, highest)
          real(wp), intent(in) :: lowest, highest
 
-         set%oplow = [set%oplow, lowest]
-         set%ophigh = [set%ophigh, highest]
+         set%limits%oplow = [set%limits%oplow, lowest]
+         set%limits%ophigh = [set%limits%ophigh, highest]
       end subroutine bound
 
       !> The arc between two joints of a link as it was first traced, and whether it leads from the first to the second.
@@ -812,11 +814,11 @@ contains
          integer :: i, from
 
          is_output = .false.
-         if (set%outlk == 0.0_wp .or. all(set%motion /= [motion_point, motion_distance, motion_pose])) return
+         if (set%links%outlk == 0.0_wp .or. all(set%method%motion /= [motion_point, motion_distance, motion_pose])) return
          if (size(sketch%outputs) == 0) return
          do i = 1, size(loops%arcs)
-            if (loops%arcs(i)%loop /= set%noutlp .or. loops%arcs(i)%place /= abs(set%noutlk)) cycle
-            from = loops%arcs(i)%ends(merge(1, 2, set%noutlk < 0))
+            if (loops%arcs(i)%loop /= set%links%noutlp .or. loops%arcs(i)%place /= abs(set%links%noutlk)) cycle
+            from = loops%arcs(i)%ends(merge(1, 2, set%links%noutlk < 0))
             is_output = from == a .and. sketch%outputs(1)%joints(1) == b
          end do
       end function is_output
@@ -829,12 +831,12 @@ contains
 
          select case (one%kind)
          case (vary_input)
-            set%icrk = 1
+            set%method%icrk = 1
             low(of_input) = loops%input + one%low(1)
             high(of_input) = loops%input + one%high(1)
          case (vary_place)
             if (one%joints(1) == loops%start) then
-               set%iorig = 1
+               set%method%iorig = 1
                low([of_origlk, of_origng]) = one%low
                high([of_origlk, of_origng]) = one%high
                return
@@ -844,14 +846,14 @@ contains
                call missing(which, 'the place of joint '//trim(sketch%joint_name(one%joints(1))))
                return
             end if
-            set%iva(loops%arcs(arc)%place, loops%arcs(arc)%loop) = 1
-            set%ivg(loops%arcs(arc)%place, loops%arcs(arc)%loop) = 1
+            set%method%iva(loops%arcs(arc)%place, loops%arcs(arc)%loop) = 1
+            set%method%ivg(loops%arcs(arc)%place, loops%arcs(arc)%loop) = 1
             low_length(arc) = one%low(1)
             high_length(arc) = one%high(1)
             call angle_bounds(arc, one%low(2), one%high(2), merge(0.0_wp, 180.0_wp, .not. forward))
          case (vary_length)
             if (is_output(one%joints(1), one%joints(2)) .or. is_output(one%joints(2), one%joints(1))) then
-               set%ilkout = 1
+               set%method%ilkout = 1
                low(of_outlk) = one%low(1)
                high(of_outlk) = one%high(1)
                return
@@ -861,15 +863,15 @@ contains
                call missing(which, 'the length '//line(one%joints(1:2)))
                return
             end if
-            set%iva(loops%arcs(arc)%place, loops%arcs(arc)%loop) = 1
+            set%method%iva(loops%arcs(arc)%place, loops%arcs(arc)%loop) = 1
             low_length(arc) = one%low(1)
             high_length(arc) = one%high(1)
          case (vary_angle)
             if (is_output(one%joints(3), one%joints(4))) then
                call find_arc(one%joints(1), one%joints(2), arc, forward)
                if (arc > 0) then
-                  if (loops%arcs(arc)%loop == set%noutlp .and. loops%arcs(arc)%place == abs(set%noutlk)) then
-                     set%ingout = 1
+                  if (loops%arcs(arc)%loop == set%links%noutlp .and. loops%arcs(arc)%place == abs(set%links%noutlk)) then
+                     set%method%ingout = 1
                      low(of_outang) = one%low(1) + merge(0.0_wp, 180.0_wp, forward)
                      high(of_outang) = one%high(1) + merge(0.0_wp, 180.0_wp, forward)
                      return
@@ -883,7 +885,7 @@ contains
             else if (loops%arcs(other)%kind /= traced_determined .or. loops%arcs(other)%reference /= arc) then
                call missing(which, 'the angle from '//line(one%joints(1:2))//' to '//line(one%joints(3:4)))
             else
-               set%ivg(loops%arcs(other)%place, loops%arcs(other)%loop) = 1
+               set%method%ivg(loops%arcs(other)%place, loops%arcs(other)%loop) = 1
                low_angle(other) = one%low(1) + merge(0.0_wp, 180.0_wp, forward .eqv. other_forward)
                high_angle(other) = one%high(1) + merge(0.0_wp, 180.0_wp, forward .eqv. other_forward)
             end if

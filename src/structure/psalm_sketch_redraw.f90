@@ -73,7 +73,7 @@ contains
       ! the lengths are in the coordinates now, and the drawing is the reference
       deallocate (set%sketch%length_of, set%sketch%length, set%sketch%variations)
       allocate (set%sketch%length_of(2, 0), set%sketch%length(0), set%sketch%variations(0))
-      set%crnki = dimensions%crnki
+      set%method%crnki = dimensions%crnki
       set%crnki_of_drawing = dimensions%crnki
 
    contains
@@ -226,8 +226,9 @@ contains
          joint = set%sketch%outputs(1)%joints(1)
          if (placed(joint)) return
          do a = 1, size(loops%arcs)
-            if (loops%arcs(a)%loop /= set%noutlp .or. loops%arcs(a)%place /= abs(set%noutlk)) cycle
-            z(joint) = z(loops%arcs(a)%ends(merge(1, 2, set%noutlk < 0))) + dimensions%outlk*unit(direction(a) + dimensions%outang)
+            if (loops%arcs(a)%loop /= set%links%noutlp .or. loops%arcs(a)%place /= abs(set%links%noutlk)) cycle
+            z(joint) = z(loops%arcs(a)%ends(merge(1, 2, set%links%noutlk < 0))) + dimensions%outlk*unit(direction(a) + &
+                                                            dimensions%outang)
             placed(joint) = .true.
          end do
       end subroutine put_output

@@ -21,22 +21,22 @@ contains
       integer :: loop, a
 
       parameters = no_parameters(mechanism)
-      if (set%ikin /= 0 .or. size(set%iva) == 0) return
-      do loop = 1, set%nloop
-         do a = 1, set%maxarc
-            if (set%iva(a, loop) /= 0) call let_length_vary(set, mechanism, loop, a, parameters, findings)
+      if (set%method%ikin /= 0 .or. size(set%method%iva) == 0) return
+      do loop = 1, set%links%nloop
+         do a = 1, set%links%maxarc
+            if (set%method%iva(a, loop) /= 0) call let_length_vary(set, mechanism, loop, a, parameters, findings)
          end do
       end do
-      if (set%ilkout /= 0) call parameters%vary(variable_outlk)
-      if (set%iorig /= 0) call parameters%vary(variable_origlk)
-      do loop = 1, set%nloop
-         do a = 1, set%maxarc
-            if (set%ivg(a, loop) /= 0) call let_angle_vary(set, mechanism, loop, a, parameters, findings)
+      if (set%method%ilkout /= 0) call parameters%vary(variable_outlk)
+      if (set%method%iorig /= 0) call parameters%vary(variable_origlk)
+      do loop = 1, set%links%nloop
+         do a = 1, set%links%maxarc
+            if (set%method%ivg(a, loop) /= 0) call let_angle_vary(set, mechanism, loop, a, parameters, findings)
          end do
       end do
-      if (set%ingout /= 0) call parameters%vary(variable_outang)
-      if (set%iorig /= 0) call parameters%vary(variable_origng)
-      if (set%icrk /= 0) call parameters%vary(variable_crnki)
+      if (set%method%ingout /= 0) call parameters%vary(variable_outang)
+      if (set%method%iorig /= 0) call parameters%vary(variable_origng)
+      if (set%method%icrk /= 0) call parameters%vary(variable_crnki)
    end subroutine find_variables
 
    subroutine let_length_vary(set, mechanism, loop, a, parameters, findings)

@@ -68,10 +68,10 @@ contains
    pure type(wanted_t) function wanted_by(set) result(wanted)
       type(data_set_t), intent(in) :: set
 
-      wanted%arcs = set%ktheta /= 0
-      wanted%conditions = set%ktheta /= 0 .or. set%icond /= 0
-      wanted%sweep = set%iplot /= 0
-      wanted%margins = set%search%given .or. set%constr%given .or. set%trmin_given
+      wanted%arcs = set%limits%ktheta /= 0
+      wanted%conditions = set%limits%ktheta /= 0 .or. set%limits%icond /= 0
+      wanted%sweep = set%limits%iplot /= 0
+      wanted%margins = set%search%given .or. set%constr%given .or. set%limits%trmin_given
       wanted%doubts = .true.
    end function wanted_by
 

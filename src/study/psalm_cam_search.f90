@@ -137,9 +137,9 @@ contains
       case ('RROLL')
          value = set%cam%roller%radius
       case ('ORIGLK')
-         value = set%origlk
+         value = set%method%origlk
       case ('ORIGNG')
-         value = set%origng
+         value = set%method%origng
       case ('SEGEND')
          value = set%cam%finish(one%segment)
       case ('SEGVEL')
@@ -175,10 +175,10 @@ contains
                case ('RROLL')
                   cam%roller%radius = value
                case ('ORIGLK')
-                  set%origlk = value
+                  set%method%origlk = value
                   prepared%given%origlk = value
                case ('ORIGNG')
-                  set%origng = value
+                  set%method%origng = value
                   prepared%given%origng = value
                case ('SEGEND')
                   cam%finish(one%segment) = value

@@ -68,7 +68,7 @@ contains
       allocate (as_read, source=set)
       call resolve_sketch(set, own)
       why = ''
-      if (.not. own%failed() .and. set%nloop > 0) then
+      if (.not. own%failed() .and. set%links%nloop > 0) then
          call check_loops(set, why)
          if (len(why) == 0 .and. forces .and. asks_for_forces(as_read)) then
             if (.not. loops_carry_forces(set, slide)) why = no_forces//what_of(set, slide)

@@ -125,14 +125,14 @@ contains
       real(wp), allocatable :: inputs(:, :)         !! shape (drives, positions)
       integer :: positions, k, d
 
-      positions = set%ndes
-      if (set%ikin /= 0) positions = 359/abs(set%ikin) + 1
+      positions = set%method%ndes
+      if (set%method%ikin /= 0) positions = 359/abs(set%method%ikin) + 1
       allocate (inputs(size(set%sketch%drives), positions), source=0.0_wp)
-      inputs(1, :) = set%crnki - set%crnki_of_drawing
-      if (set%ikin /= 0) then
-         inputs(1, :) = inputs(1, :) + [(real((k - 1)*set%ikin, wp), k=1, positions)]
+      inputs(1, :) = set%method%crnki - set%crnki_of_drawing
+      if (set%method%ikin /= 0) then
+         inputs(1, :) = inputs(1, :) + [(real((k - 1)*set%method%ikin, wp), k=1, positions)]
       else
-         inputs(1, :) = inputs(1, :) + set%delt
+         inputs(1, :) = inputs(1, :) + set%method%delt
       end if
       do d = 1, size(inputs, 1)
          associate (drive => set%sketch%drives(d))

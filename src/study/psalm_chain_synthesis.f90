@@ -107,7 +107,7 @@ contains
       rules%first = set%search%first
       rules%kept = set%search%nbest
       rules%refines = .true.
-      rules%small = set%fmin
+      rules%small = set%method%fmin
       allocate (rules%compared(result%problem%core), source=.true.)
       allocate (rules%relative(result%problem%core), source=set%search%differ)
       allocate (rules%absolute(result%problem%core), rules%period(result%problem%core), source=0.0_wp)
@@ -152,11 +152,11 @@ contains
       starter%stop = stop
       starter%most = set%search%maxeval
       call new_solver(set%search%solver, starter%solver)
-      call starter%random%seed(set%istart, purpose_starts)
+      call starter%random%seed(set%method%istart, purpose_starts)
       allocate (starter%low(problem%core), starter%high(problem%core))
       do v = 1, problem%core
-         reach = set%var*abs(problem%first(v))
-         if (.not. any(problem%moved%of_length == v)) reach = set%var*right_angle
+         reach = set%method%var*abs(problem%first(v))
+         if (.not. any(problem%moved%of_length == v)) reach = set%method%var*right_angle
          starter%low(v) = max(problem%low(v), problem%first(v) - reach)
          starter%high(v) = min(problem%high(v), problem%first(v) + reach)
          if (problem%low(v) <= -huge(1.0_wp)) cycle
@@ -305,6 +305,6 @@ contains
          deallocate (sketch%length_of, sketch%length, sketch%variations)
          allocate (sketch%length_of(2, 0), sketch%length(0), sketch%variations(0))
       end associate
-      if (problem%of_input > 0) drawn%crnki = set%crnki_of_drawing + x(problem%of_input)
+      if (problem%of_input > 0) drawn%method%crnki = set%crnki_of_drawing + x(problem%of_input)
    end subroutine draw_anew
 end module psalm_chain_synthesis

@@ -94,12 +94,12 @@ contains
       end if
       call make_force_model(set, prepared%mechanism, prepared%given, model, findings)
       if (findings%failed()) return
-      if (.not. set%rates_given) then
+      if (.not. set%rates%given) then
          call findings%error('the group is missing: bridge needs the SPEED of the input', line=set%title_line, group='RATES')
-      else if (.not. abs(set%speed) > 0.0_wp) then
+      else if (.not. abs(set%rates%speed) > 0.0_wp) then
          call findings%error('bridge needs a speed other than 0', line=set%origins%line('RATES', 'SPEED', 1), group='RATES', &
                              item='SPEED')
-      else if (abs(set%accel) > 0.0_wp) then
+      else if (abs(set%rates%accel) > 0.0_wp) then
          call findings%error('the speed is to be constant: no ACCEL', line=set%origins%line('RATES', 'ACCEL', 1), &
                              group='RATES', item='ACCEL')
       end if
@@ -145,7 +145,7 @@ contains
       call make_force_model(set, mechanism, dimensions, model, unused)
       study%joint = joint_at(mechanism, set%clearance%joint)
       study%diametral = set%clearance%diametral*model%metre
-      call find_joint_load(problem, dimensions, model, study%joint, set%clearance%points, set%speed, study%load)
+      call find_joint_load(problem, dimensions, model, study%joint, set%clearance%points, set%rates%speed, study%load)
       if (study%load%trouble > 0 .or. study%load%loose > 0) return
       associate (m => study%load%tensor)
          study%massless = .not. all(m(1, :) + m(3, :) > 0.0_wp)
@@ -160,8 +160,8 @@ contains
       do c = 1, 3
          tensor(c) = periodic_from_samples(study%load%tensor(c, :))
       end do
-      call find_cycle(study, abs(set%speed))
-      call find_minima(study, tensor, abs(set%speed), set%clearance%restitution, .true., study%minima)
+      call find_cycle(study, abs(set%rates%speed))
+      call find_minima(study, tensor, abs(set%rates%speed), set%clearance%restitution, .true., study%minima)
       do i = 1, size(study%minima)
          associate (limit => study%minima(i)%clearance)
             if (limit <= 0.0_wp) cycle
@@ -294,11 +294,11 @@ contains
       integer :: n, i
 
       n = set%clearance%points
-      load = load_at(study, abs(set%speed))
+      load = load_at(study, abs(set%rates%speed))
       amount = load(1)%values(n)**2 + load(2)%values(n)**2
       from = 2.0_wp*pi*real(maxloc(amount, 1) - 1, wp)/real(n, wp)
       if (set%clearance%begins) from = modulo(study%load%sense*set%clearance%begin*radians_per_degree, 2.0_wp*pi)
-      contact = contact_of(load, tensor, abs(set%speed), 0.5_wp*study%diametral)
+      contact = contact_of(load, tensor, abs(set%rates%speed), 0.5_wp*study%diametral)
       deallocate (study%input, study%lag, study%force)
       allocate (study%input(n), study%lag(n), study%force(n))
       call follow_contact(contact, from, n, study%lag, study%force, study%least, loss, study%followed)

@@ -102,19 +102,19 @@ contains
       study%acceleration = 0.0_wp
       if (set%drive%ripple > 0.0_wp) then
          study%waves = 2
-         study%turn%sense = sign(1.0_wp, set%speed)
+         study%turn%sense = sign(1.0_wp, set%rates%speed)
          study%inertia = set%drive%extra*(1.0_wp + set%drive%ripple*study%turn%sense &
                                           *[(sin(2.0_wp*pi*real(i - 1, wp)/real(set%drive%points, wp)), i=1, set%drive%points)])
       else
          used = model
          if (.not. set%drive%offsets) then
-            call inertia_at_crank(given, dimensions, model, set%drive%points, sign(1.0_wp, set%speed), whole, study%turn)
+            call inertia_at_crank(given, dimensions, model, set%drive%points, sign(1.0_wp, set%rates%speed), whole, study%turn)
             if (study%turn%trouble > 0) return
             whole = whole + set%drive%extra
             if (all(whole > 0.0_wp)) study%with_offsets = extent_of(whole)
             call drop_offsets(given%mechanism, used)
          end if
-         call inertia_at_crank(given, dimensions, used, set%drive%points, sign(1.0_wp, set%speed), study%inertia, &
+         call inertia_at_crank(given, dimensions, used, set%drive%points, sign(1.0_wp, set%rates%speed), study%inertia, &
                                study%turn)
          if (study%turn%trouble > 0) return
          study%inertia = study%inertia + set%drive%extra
@@ -125,7 +125,7 @@ contains
       if (study%massless) return
       inertia = periodic_from_samples(study%inertia)
       study%of_crank = extent_of(study%inertia)
-      speed = abs(set%speed)
+      speed = abs(set%rates%speed)
       study%resolution = inertia%resolution()
       if (study%loaded) then
          acting = acting_at(study, speed)
@@ -223,7 +223,7 @@ contains
 
       allocate (problem, source=given)
       allocate (output_alone, source=set)
-      output_alone%ktheta = 0
+      output_alone%limits%ktheta = 0
       call problem%set_inputs([(study%turn%sense*full_turn*real(i - 1, wp)/real(set%drive%points, wp), i=1, set%drive%points)])
       call find_rates(output_alone, problem, dimensions, rates)
       if (rates%is_violating()) return

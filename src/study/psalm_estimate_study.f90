@@ -101,9 +101,9 @@ contains
       integer :: k, points
 
       points = set%estimates%points
-      call find_link_cycle(given, dimensions, model, beam, points, sign(1.0_wp, set%speed), estimate%cycle)
+      call find_link_cycle(given, dimensions, model, beam, points, sign(1.0_wp, set%rates%speed), estimate%cycle)
       if (estimate%cycle%trouble > 0) return
-      speed = abs(set%speed)
+      speed = abs(set%rates%speed)
       stiffness = beam%modulus*beam%area*beam%gyration**2
       associate (c => estimate%cycle, e => estimate)
          middle = speed**2*(c%across + 0.5_wp*c%length*c%turning)

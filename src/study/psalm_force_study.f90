@@ -106,21 +106,21 @@ contains
       call problem%want_derivatives(.true., vertices_of(study%mechanism))
       call problem%analyse(dimensions, motion)
       study%input = motion%input
-      call analyse_forces(problem, study%model, set%speed, set%accel, motion%closed, motion%input, study%table)
+      call analyse_forces(problem, study%model, set%rates%speed, set%rates%accel, motion%closed, motion%input, study%table)
       if (.not. set%masses%motor_on_frame .and. .not. study%mechanism%sliding_input) then
          study%table%value(:, column_moment) = study%table%value(:, column_moment) + study%table%value(:, column_drive)
       end if
-      study%drive_power = study%table%value(:, column_drive)*set%speed
+      study%drive_power = study%table%value(:, column_drive)*set%rates%speed
       if (study%mechanism%sliding_input) study%drive_power = study%drive_power*set%masses%metre
       associate (x => set%masses%about(1)*set%masses%metre, y => set%masses%about(2)*set%masses%metre, v => study%table%value)
          study%about = v(:, column_moment) - (x*v(:, column_fy) - y*v(:, column_fx))
       end associate
       if (set%masses%shares /= 0) then
-         call share_of_sources(problem, study%model, set%speed, set%accel, motion%input, study%shares)
+         call share_of_sources(problem, study%model, set%rates%speed, set%rates%accel, motion%input, study%shares)
          call name_sources(size(study%model%loads), study)
       end if
       if (present(by_unit_mass)) then
-         call loads_of_unit_masses(problem, study%model, set%speed, set%accel, by_unit_mass)
+         call loads_of_unit_masses(problem, study%model, set%rates%speed, set%rates%accel, by_unit_mass)
       end if
       call size_up(study)
       call find_harmonics_of(study, set%masses%harmonics)

@@ -48,13 +48,13 @@ contains
       call make_machine(problem, model, set%motor, machine)
       call find_trouble()
       if (.not. study%turns) return
-      call settle_machine(problem, model, set%speed, machine, study%cycle)
+      call settle_machine(problem, model, set%rates%speed, machine, study%cycle)
       call find_trouble()
       if (.not. study%turns) return
       study%inertia_least = minval(machine%turn%inertia) + machine%flywheel
       study%inertia_greatest = maxval(machine%turn%inertia) + machine%flywheel
       if (set%motor%turns > 0) call run_up(problem, model, machine, study%run)
-      if (set%motor%fluctuation > 0.0_wp) call flywheel_for(machine, set%motor%fluctuation, set%speed, study%flywheel)
+      if (set%motor%fluctuation > 0.0_wp) call flywheel_for(machine, set%motor%fluctuation, set%rates%speed, study%flywheel)
 
    contains
 

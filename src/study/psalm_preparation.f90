@@ -71,7 +71,7 @@ contains
       end do
       if (prepared%warnings%failed()) return
       own%file = set%file
-      if (set%nloop == 0) then
+      if (set%links%nloop == 0) then
          if (allocated(set%no_loops) .and. forces_wanted(set)) call judge_chain_forces(set, own)
          do i = 1, own%count
             call findings%add(own%list(i))
@@ -80,10 +80,10 @@ contains
       end if
       if (present(demand)) each = demand
       bytes = each%position
-      if (set%ktheta /= 0 .or. .not. each%ktheta_only) bytes = bytes + int(each%arc, int64)*size(prepared%mechanism%arcs)
-      bytes = bytes*set%ndes
+      if (set%limits%ktheta /= 0 .or. .not. each%ktheta_only) bytes = bytes + int(each%arc, int64)*size(prepared%mechanism%arcs)
+      bytes = bytes*set%method%ndes
       if (.not. memory_to_be_had(bytes)) then
-         call findings%trouble('not enough memory for NDES='//to_text(set%ndes)//' positions: about '// &
+         call findings%trouble('not enough memory for NDES='//to_text(set%method%ndes)//' positions: about '// &
                                to_text(int(bytes/megabyte) + 1)//' MB are needed')
          return
       end if
@@ -95,9 +95,9 @@ contains
       end if
       if (forces_wanted(set)) call make_force_model(set, prepared%mechanism, prepared%given, model, own)
       associate (nvar => size(prepared%parameters%variables))
-         if (prepared%parameters%has_search() .and. set%nguess > 0) then
+         if (prepared%parameters%has_search() .and. set%method%nguess > 0) then
             deallocate (prepared%vertices)
-            call read_vertices(supplied, nvar, set%nguess, prepared%vertices, own)
+            call read_vertices(supplied, nvar, set%method%nguess, prepared%vertices, own)
          else
             deallocate (prepared%vertices)
             allocate (prepared%vertices(nvar, 0))

@@ -5,7 +5,8 @@ module psalm_proof_study
    use psalm_angles, only: unit_vector, within_turn
    use psalm_clearances, only: clearance_t, list_clearances, find_corners
    use psalm_constraint_group, only: range_inputs, range_positions, range_turn, region_box, region_half_plane, region_circle
-   use psalm_data_set, only: data_set_t, proof_by_default
+   use psalm_data_set, only: data_set_t
+   use psalm_limits_group, only: proof_by_default
    use psalm_dimensions, only: dimensions_t
    use psalm_dyad_kind, only: assur_rrr
    use psalm_error, only: problem_t
@@ -70,8 +71,8 @@ contains
       type(data_set_t), intent(in) :: set
       logical, intent(in) :: searched              !! the linkage is the result of a search
 
-      proof_wanted = set%iproof
-      if (set%iproof /= proof_by_default) return
+      proof_wanted = set%limits%iproof
+      if (set%limits%iproof /= proof_by_default) return
       proof_wanted = merge(proof_of_inputs, no_proof, searched)
       if (set%constr%given .and. set%constr%irange == range_inputs) proof_wanted = proof_of_inputs
       if (set%constr%given .and. set%constr%irange == range_turn) proof_wanted = proof_of_turn
@@ -93,7 +94,7 @@ contains
 
       call list_clearances(set%constr, problem%mechanism, dimensions%outlk <= 0.0_wp, clearances, joints)
       ! asked for at the prescribed positions only, and no proof either
-      if (set%constr%irange == range_positions .and. set%iproof == proof_by_default) deallocate (clearances, joints)
+      if (set%constr%irange == range_positions .and. set%limits%iproof == proof_by_default) deallocate (clearances, joints)
       if (.not. allocated(clearances)) allocate (clearances(0), joints(2, 0))
       allocate (subject)
       call begin_proof(problem, dimensions, range, joints, size(clearances) > 0, study, subject, plan)
@@ -101,19 +102,20 @@ contains
       allocate (bound, source=problem)
       call bound%bind(dimensions)
       study%kinds = kinds_of(bound, dimensions, .true.)
-      study%dwell = set%dwell
-      call prove_movement(subject, study%proof, set%dwell, study%movement)
+      study%dwell = set%limits%dwell
+      call prove_movement(subject, study%proof, set%limits%dwell, study%movement)
       call add_output(study)
       if (study%proof%closes_everywhere()) then
          study%largest_tried = part_of_longest*maxval(dimensions%arcl)
          call prove_tolerance(subject, study%proof%from, study%proof%to, study%largest_tried, study%tolerance)
-         if (set%iproof /= proof_by_default) call estimate_corner(problem, dimensions, study)
+         if (set%limits%iproof /= proof_by_default) call estimate_corner(problem, dimensions, study)
       end if
       if (study%proof%closes_everywhere() .and. covers_limits()) then
-         study%trmin_given = set%trmin_given
+         study%trmin_given = set%limits%trmin_given
          ! a clearance has every loop solved, as with `inspect`
-         study%margins = prove_margins(bound, dimensions, bound%linkage%step_of_loop > 0 .or. size(clearances) > 0, set%tangle, &
-                                       merge(set%toggle, 0.0_wp, set%search%solver%many_starts), study%extremes)
+         study%margins = prove_margins(bound, dimensions, bound%linkage%step_of_loop > 0 .or. size(clearances) > 0, &
+                                       set%limits%tangle, &
+                                       merge(set%limits%toggle, 0.0_wp, set%search%solver%many_starts), study%extremes)
       end if
       deallocate (study%kept)
       allocate (study%kept(size(clearances)))

@@ -75,7 +75,7 @@ contains
       ranked%sliding_input = summary%sliding_input
       ranked%ratio = ratio_of_links(problem, dimensions)
       call find_room(problem, dimensions, summary%everywhere, ranked%width, ranked%height)
-      if (set%tolerances) call find_band(set, problem, dimensions, found%delt, ranked)
+      if (set%toler%given) call find_band(set, problem, dimensions, found%delt, ranked)
    end subroutine rate_linkage
 
    !> Longest to shortest arc of a fixed length, the frame's included; those of no length do not count.
@@ -145,7 +145,7 @@ contains
 
       allocate (deviating)
       allocate (moved, source=set)
-      moved%delt = delt
+      moved%method%delt = delt
       call find_tolerances(moved, problem%mechanism, dimensions, deviating, linear, ranked%has_band)
       if (.not. ranked%has_band) return
       ranked%band = huge(1.0_wp)

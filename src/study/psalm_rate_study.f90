@@ -51,14 +51,14 @@ contains
       integer :: block, offset, n, i, k, c, loop
 
       rates%dimensions = dimensions
-      call problem%want_derivatives(set%ktheta /= 0)
+      call problem%want_derivatives(set%limits%ktheta /= 0)
       call problem%analyse(dimensions, rates%motion)
       associate (m => problem%positions, components => problem%output%kind%components)
          allocate (rates%by_input(highest_order, components, m))
          allocate (rates%by_time(highest_order, components, m))
          allocate (rates%dead(m), source=0)
       end associate
-      if (set%ktheta /= 0) then
+      if (set%limits%ktheta /= 0) then
          allocate (rates%arcs)
          call make_room(problem, rates%arcs)
       end if
@@ -71,7 +71,7 @@ contains
             k = offset + i
             call output_rates(problem, of_block, i, highest_order, rates%by_input(:, :, k))
             do c = 1, problem%output%kind%components
-               rates%by_time(:, c, k) = in_time(rates%by_input(:, c, k), set%speed, set%accel)
+               rates%by_time(:, c, k) = in_time(rates%by_input(:, c, k), set%rates%speed, set%rates%accel)
             end do
             do loop = problem%mechanism%nloop, 1, -1
                if (problem%linkage%step_of_loop(loop) == 0) cycle
@@ -131,10 +131,11 @@ contains
                n = problem%mechanism%seq(loop, a)
                call link%arc_at(plan, n, i, x, y, arcs%length(0, n, k))
                if (plan%length_slot(n) > 0) then
-                  of_order = in_time(derivatives_of(rates, link%slide(plan%length_slot(n)), i)/link%scale, set%speed, set%accel)
+                  of_order = in_time(derivatives_of(rates, link%slide(plan%length_slot(n)), i)/link%scale, set%rates%speed, &
+                                     set%rates%accel)
                   arcs%length(1:2, n, k) = of_order(1:2)
                end if
-               of_order = in_time(derivatives_of(rates, link%root_x(plan%root(n)), i), set%speed, set%accel)
+               of_order = in_time(derivatives_of(rates, link%root_x(plan%root(n)), i), set%rates%speed, set%rates%accel)
                arcs%angle(0, n, k) = degrees_of(x, y)*radians_per_degree
                arcs%angle(1:2, n, k) = of_order(1:2)
             end do
@@ -144,10 +145,10 @@ contains
             if (plan%steps(step)%kind /= step_point) cycle
             joint = joint + 1
             associate (point => plan%steps(step)%to)
-               of_order = in_time(derivatives_of(rates, link%point_x(point), i)/link%scale, set%speed, set%accel)
+               of_order = in_time(derivatives_of(rates, link%point_x(point), i)/link%scale, set%rates%speed, set%rates%accel)
                arcs%x(0, joint, k) = link%store%v(i, link%point_x(point))/link%scale + problem%output%origin_x
                arcs%x(1:2, joint, k) = of_order(1:2)
-               of_order = in_time(derivatives_of(rates, link%point_y(point), i)/link%scale, set%speed, set%accel)
+               of_order = in_time(derivatives_of(rates, link%point_y(point), i)/link%scale, set%rates%speed, set%rates%accel)
                arcs%y(0, joint, k) = link%store%v(i, link%point_y(point))/link%scale + problem%output%origin_y
                arcs%y(1:2, joint, k) = of_order(1:2)
             end associate

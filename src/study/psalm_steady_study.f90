@@ -41,12 +41,12 @@ contains
       end if
       if (findings%failed()) return
       if (set%vibration%given .or. set%estimates%given .or. set%drive%given) then
-         if (.not. set%rates_given) then
+         if (.not. set%rates%given) then
             call findings%error('the group is missing: ssics needs the SPEED of the input', line=set%title_line, group='RATES')
-         else if (.not. abs(set%speed) > 0.0_wp) then
+         else if (.not. abs(set%rates%speed) > 0.0_wp) then
             call findings%error('ssics needs a speed other than 0', line=set%origins%line('RATES', 'SPEED', 1), group='RATES', &
                                 item='SPEED')
-         else if (abs(set%accel) > 0.0_wp) then
+         else if (abs(set%rates%accel) > 0.0_wp) then
             call findings%error('a steady state has a constant speed: no ACCEL', line=set%origins%line('RATES', 'ACCEL', 1), &
                                 group='RATES', item='ACCEL')
          end if
@@ -103,7 +103,7 @@ contains
       type(diagnostics_t) :: unused
       integer :: k
 
-      if (set%nloop > 0) call make_force_model(set, prepared%mechanism, prepared%given, model, unused)
+      if (set%links%nloop > 0) call make_force_model(set, prepared%mechanism, prepared%given, model, unused)
       if (set%estimates%given) then
          allocate (study%estimates(size(set%estimates%beams)))
          do k = 1, size(study%estimates)

@@ -201,7 +201,7 @@ contains
       associate (found => result%found)
          if (size(found%best) > 0) then
             call problem%parameters%apply(found%best(1)%values, dimensions)
-            if (set%ifree /= 0) call problem%move_inputs(found%best(1)%delt)
+            if (set%method%ifree /= 0) call problem%move_inputs(found%best(1)%delt)
          end if
          result%ending = ended_starts
          if (size(found%best) == 0) result%ending = ended_infeasible

@@ -87,14 +87,14 @@ contains
 
       limited = stop
       call limited%limit_time(set%search%maxtime)
-      result%trials = set%ntrial
+      result%trials = set%toler%ntrial
       allocate (deviating)
       call find_tolerances(set, mechanism, dimensions, deviating, result%linear, result%closes)
-      if (result%closes .and. set%adjusted) then
+      if (result%closes .and. set%toler%adjusted) then
          if (.not. any(result%linear%dead)) result%adjustments = find_adjustments(result%linear%effect, result%linear%tolerance)
       end if
-      if (.not. result%closes .or. set%ntrial == 0) return
-      call draw_sample(deviating, result%linear, set%ntrial, set%istart, threads, result%sample, limited)
+      if (.not. result%closes .or. set%toler%ntrial == 0) return
+      call draw_sample(deviating, result%linear, set%toler%ntrial, set%method%istart, threads, result%sample, limited)
       result%out_of_time = limited%late()
    end subroutine study_tolerances
 
@@ -122,7 +122,7 @@ contains
       result%dimensions = dimensions
       parameters = deviating_dimensions(set, mechanism)
       allocate (deviating%problem)
-      call new_problem(mechanism, dimensions, parameters, inputs_of(set), set%ktheta /= 0, deviating%problem)
+      call new_problem(mechanism, dimensions, parameters, inputs_of(set), set%limits%ktheta /= 0, deviating%problem)
       allocate (deviating%lean, source=deviating%problem)
       call deviating%problem%want_derivatives(.false.)
       call deviating%problem%analyse(dimensions, result%nominal)
@@ -157,19 +157,19 @@ contains
       parameters = no_parameters(mechanism)
       do n = 1, size(mechanism%arcs)
          associate (arc => mechanism%arcs(n))
-            if (set%tolarc(arc%place, arc%loop) > 0.0_wp) call parameters%vary_length(mechanism, n)
+            if (set%toler%tolarc(arc%place, arc%loop) > 0.0_wp) call parameters%vary_length(mechanism, n)
          end associate
       end do
-      if (set%tolout > 0.0_wp) call parameters%vary(variable_outlk)
-      if (set%tolorl > 0.0_wp .or. set%tolora > 0.0_wp) call parameters%vary(variable_origlk)
+      if (set%toler%tolout > 0.0_wp) call parameters%vary(variable_outlk)
+      if (set%toler%tolorl > 0.0_wp .or. set%toler%tolora > 0.0_wp) call parameters%vary(variable_origlk)
       do n = 1, size(mechanism%arcs)
          associate (arc => mechanism%arcs(n))
-            if (set%tolgam(arc%place, arc%loop) > 0.0_wp) call parameters%vary_angle(mechanism, n)
+            if (set%toler%tolgam(arc%place, arc%loop) > 0.0_wp) call parameters%vary_angle(mechanism, n)
          end associate
       end do
-      if (set%toloua > 0.0_wp) call parameters%vary(variable_outang)
-      if (set%tolorl > 0.0_wp .or. set%tolora > 0.0_wp) call parameters%vary(variable_origng)
-      if (set%tolcrk > 0.0_wp) call parameters%vary(variable_crnki)
+      if (set%toler%toloua > 0.0_wp) call parameters%vary(variable_outang)
+      if (set%toler%tolorl > 0.0_wp .or. set%toler%tolora > 0.0_wp) call parameters%vary(variable_origng)
+      if (set%toler%tolcrk > 0.0_wp) call parameters%vary(variable_crnki)
    end function deviating_dimensions
 
    !> Positions at which some dyad is at a dead point.
@@ -200,19 +200,19 @@ contains
 
       select case (variable%kind)
       case (variable_length)
-         tolerance = set%tolarc(variable%arc, variable%loop)
+         tolerance = set%toler%tolarc(variable%arc, variable%loop)
       case (variable_gama)
-         tolerance = set%tolgam(variable%arc, variable%loop)
+         tolerance = set%toler%tolgam(variable%arc, variable%loop)
       case (variable_outlk)
-         tolerance = set%tolout
+         tolerance = set%toler%tolout
       case (variable_outang)
-         tolerance = set%toloua
+         tolerance = set%toler%toloua
       case (variable_origlk)
-         tolerance = set%tolorl
+         tolerance = set%toler%tolorl
       case (variable_origng)
-         tolerance = set%tolora
+         tolerance = set%toler%tolora
       case default
-         tolerance = set%tolcrk
+         tolerance = set%toler%tolcrk
       end select
    end function tolerance_of
 

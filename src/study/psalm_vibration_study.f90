@@ -104,10 +104,10 @@ contains
       integer :: i, j
 
       associate (v => set%vibration, beam => set%vibration%beam)
-         call find_link_cycle(given, dimensions, model, beam, v%points, sign(1.0_wp, set%speed), study%cycle)
+         call find_link_cycle(given, dimensions, model, beam, v%points, sign(1.0_wp, set%rates%speed), study%cycle)
          allocate (study%modes(0), study%speeds(0), study%bands(0), study%chart(0), study%multipliers(0))
          if (study%cycle%trouble > 0) return
-         speed = abs(set%speed)
+         speed = abs(set%rates%speed)
          euler = first_frequency(study%cycle%length, beam%gyration, beam%modulus, beam%density)
          study%frequency = euler*sqrt(mode_factor(set, study%cycle%length, 1))
          study%ratio = study%frequency/speed
@@ -172,7 +172,7 @@ contains
       end do
       over_turn = c0%values(set%vibration%points)
       mode%least_stiffness = minval(over_turn)
-      mode%least_at = sign(full_turn, set%speed)*real(minloc(over_turn, 1) - 1, wp)/real(size(over_turn), wp)
+      mode%least_at = sign(full_turn, set%rates%speed)*real(minloc(over_turn, 1) - 1, wp)/real(size(over_turn), wp)
       mode%hill = solve_hill(periodic_constant(2.0_wp*set%vibration%beam%damping*sqrt(stiffness)), c0, mode_force(link, j), &
             tolerance)
       allocate (mode%amplitude(0:harmonics_listed), source=0.0_wp)

@@ -141,7 +141,7 @@ contains
 
          select case (one%kind)
          case (vary_input)
-            call add_unknown(set%crnki - set%crnki_of_drawing, one%low(1), one%high(1), one%bounded, problem%of_input)
+            call add_unknown(set%method%crnki - set%crnki_of_drawing, one%low(1), one%high(1), one%bounded, problem%of_input)
          case (vary_length)
             link = common_link(one%joints(:2))
             call find_moved(link, one%joints(1), one%joints(2), at)
@@ -287,16 +287,16 @@ contains
                end do
             end associate
          end do
-         if (set%desired .and. size(outputs) > 0) then
+         if (set%method%desired .and. size(outputs) > 0) then
             call desired_of(set, wanted, weight)
             do c = 1, min(size(wanted, 2), columns_of(outputs(1)))
                problem%wanted(c, 0, :) = wanted(:, c)
                problem%weight(c, 0, :) = weight(:, c)
-               if (.not. allocated(set%rate_wanted)) cycle
+               if (.not. allocated(set%method%rate_wanted)) cycle
                do order = 1, most_wished
-                  where (set%rate_weight(:, c, order) > 0.0_wp)
-                     problem%wanted(c, order, :) = set%rate_wanted(:, c, order)
-                     problem%weight(c, order, :) = set%rate_weight(:, c, order)
+                  where (set%method%rate_weight(:, c, order) > 0.0_wp)
+                     problem%wanted(c, order, :) = set%method%rate_wanted(:, c, order)
+                     problem%weight(c, order, :) = set%method%rate_weight(:, c, order)
                   end where
                end do
             end do

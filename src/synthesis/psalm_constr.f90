@@ -51,14 +51,14 @@ contains
       integer :: nvar
 
       nvar = size(problem%parameters%variables)
-      constraints%bounded = set%limval == 1
+      constraints%bounded = set%limits%limval == 1
       if (constraints%bounded) then
-         constraints%low = set%oplow(:nvar)
-         constraints%high = set%ophigh(:nvar)
+         constraints%low = set%limits%oplow(:nvar)
+         constraints%high = set%limits%ophigh(:nvar)
       end if
       constraints%positive = problem%parameters%variables%kind == variable_length .or. &
                              problem%parameters%variables%kind == variable_outlk
-      constraints%step_in = set%stepin
+      constraints%step_in = set%limits%stepin
       constraints%dimensions = problem%given
       allocate (constraints%reach(problem%positions), source=0.0_wp)
    end subroutine make_constraints

@@ -90,7 +90,7 @@ contains
       inspector%prescribed = problem%positions
       inspector%turns = .not. problem%mechanism%sliding_input
       inspector%everywhere = inspector%turns .and. inspector%irange == range_turn
-      inspector%tangle = set%tangle
+      inspector%tangle = set%limits%tangle
       inspector%slide_angle = problem%slide_angle
       inspector%size = maxval(problem%given%arcl)
       call list_clearances(set%constr, problem%mechanism, problem%given%outlk <= 0.0_wp, inspector%clearances, joints)
@@ -112,10 +112,10 @@ contains
       call prepare_station(plain, inputs, .false., joints, .false., inspector%fine)
       inspector%fine%leading = problem%positions
       allocate (inspector%fine%measure(size(inputs), plain%mechanism%nloop), source=0.0_wp)
-      inspector%bounded = set%limval == 1 .and. nvar > 0
+      inspector%bounded = set%limits%limval == 1 .and. nvar > 0
       if (inspector%bounded) then
-         inspector%low = set%oplow(:nvar)
-         inspector%high = set%ophigh(:nvar)
+         inspector%low = set%limits%oplow(:nvar)
+         inspector%high = set%limits%ophigh(:nvar)
       end if
    end subroutine prepare_inspector
 

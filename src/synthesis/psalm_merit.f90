@@ -94,7 +94,7 @@ contains
       allocate (merit%final, source=problem)
       call merit%final%set_inputs(problem%delt)
       call copy_desired(problem, merit%final)
-      merit%free = set%ifree /= 0
+      merit%free = set%method%ifree /= 0
       merit%core = nvar
       merit%local = merge(n, 0, merit%free)
       merit%has_gradient = .true.
@@ -134,16 +134,17 @@ contains
       end if
       merit%low = spread(-huge(1.0_wp), 1, nvar)
       merit%high = -merit%low
-      if (set%limval == 1) then
+      if (set%limits%limval == 1) then
          ! a narrow box is not turned over
-         merit%low = set%oplow(:nvar) + min(set%stepin, 0.25_wp*(set%ophigh(:nvar) - set%oplow(:nvar)))
-         merit%high = set%ophigh(:nvar) - min(set%stepin, 0.25_wp*(set%ophigh(:nvar) - set%oplow(:nvar)))
+         merit%low = set%limits%oplow(:nvar) + min(set%limits%stepin, 0.25_wp*(set%limits%ophigh(:nvar) - set%limits%oplow(:nvar)))
+         merit%high = set%limits%ophigh(:nvar) - min(set%limits%stepin, 0.25_wp*(set%limits%ophigh(:nvar) - &
+                                                            set%limits%oplow(:nvar)))
       end if
       where (problem%parameters%variables%kind == variable_length .or. problem%parameters%variables%kind == variable_outlk)
          merit%low = max(merit%low, least_length*abs(first))
          merit%high = min(merit%high, max(longest, maxval(abs(first))/merit%size)*merit%size)
       end where
-      merit%by_default = set%limval /= 1 .and. problem%parameters%variables%kind == variable_length
+      merit%by_default = set%limits%limval /= 1 .and. problem%parameters%variables%kind == variable_length
       reach = max(merit%size, extent_of_desired(problem))
       merit%default_low = merit%low
       merit%default_high = merit%high
@@ -152,7 +153,7 @@ contains
          merit%default_high = min(merit%high, max(reach*default_high, abs(first)/of_first))
       end where
       call random_limits(set, first, merit%box_low, merit%box_high)
-      call unit_vector(right_angle - set%tangle, cosine, unused)
+      call unit_vector(right_angle - set%limits%tangle, cosine, unused)
       call unit_vector(right_angle - problem%slide_angle, unused, sine)
       allocate (merit%limit(problem%mechanism%nloop))
       do loop = 1, problem%mechanism%nloop

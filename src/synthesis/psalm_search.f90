@@ -175,7 +175,7 @@ contains
       self%rules%kept = set%search%nbest
       if (set%search%pareto /= pareto_none) self%rules%kept = max(self%rules%kept, most_weighed)
       self%rules%refines = set%search%solver%refines
-      self%rules%small = set%fmin
+      self%rules%small = set%method%fmin
       allocate (team(min(max(1, threads), self%rules%supplied + self%rules%starts)))
       do t = 1, size(team)
          call prepare_worker(set, problem, first, supplied, self%ending, team(t))
@@ -288,7 +288,7 @@ contains
       call constrain(worker%problem, worker%constraints, worker%home, objective, worker%closes, worker%spent, counts)
       call prepare_merit(set, problem, first, worker%merit)
       call new_solver(set%search%solver, worker%solver)
-      call worker%random%seed(set%istart, purpose_starts)
+      call worker%random%seed(set%method%istart, purpose_starts)
       worker%sense = worker%merit%sense
       do way = merge(2, 1, goes_either_way(worker)), 1, -1
          call go(worker, way)
@@ -634,7 +634,7 @@ contains
       self%merit%jacobians = 0
       call self%random%use_stream(number)
       call draw_lot(self%problem, self%merit, self%timing, merge(2, 1, goes_either_way(self)), [self%sense, -self%sense], &
-                    self%solver, self%stop, self%set%istart + number, self%random, values, self%way)
+                    self%solver, self%stop, self%set%method%istart + number, self%random, values, self%way)
       call improve(self, rough_free, number, values, candidate)
       call put_down(self, values, 0, candidate)
    end subroutine start_with_lot
@@ -729,7 +729,7 @@ contains
       logical :: turns(size(values))
 
       call turn_pivot(worker, values)
-      if (worker%set%limval /= 0 .and. .not. allocated(worker%merit%linear)) return
+      if (worker%set%limits%limval /= 0 .and. .not. allocated(worker%merit%linear)) return
       associate (kind => worker%problem%parameters%variables%kind)
          turns = kind == variable_gama .or. kind == variable_outang .or. kind == variable_origng .or. &
                  (kind == variable_crnki .and. .not. worker%problem%mechanism%sliding_input)
@@ -878,7 +878,7 @@ contains
                                                        merge(worker%solver%most_evaluations, huge(1), present(most)))
          end associate
          worker%solver%least_gain = least_gain
-         worker%solver%seed = worker%set%istart + number
+         worker%solver%seed = worker%set%method%istart + number
          point = worker%merit%point(x, worker%merit%delt)
          call worker%solver%minimise(worker%merit, point, worker%stop, ending)
          x = point(:size(x))

@@ -32,8 +32,9 @@ contains
    pure type(simplex_rules_t) function rules_of(set) result(rules)
       type(data_set_t), intent(in) :: set
 
-      rules = simplex_rules_t(bounce=set%bounce, expand=set%expand, snake=set%snake, reduce=set%reduce, shrink=set%shrink, &
-                              niter=set%niter, ncheck=set%ncheck, fmin=set%fmin, small=set%small)
+      rules = simplex_rules_t(bounce=set%method%bounce, expand=set%method%expand, snake=set%method%snake, &
+                              reduce=set%method%reduce, shrink=set%method%shrink, &
+                              niter=set%method%niter, ncheck=set%method%ncheck, fmin=set%method%fmin, small=set%method%small)
    end function rules_of
 
    !> Build the simplex and evaluate every vertex.
@@ -60,7 +61,7 @@ contains
       beginning%drawn = simplex%v
       call search%settle(simplex%v(:, 1), simplex%f(1), feasible)
       if (.not. feasible) return
-      random%state = int(set%istart, i8)
+      random%state = int(set%method%istart, i8)
       do i = 2, nvar + 1
          if (i <= size(supplied, 2)) then
             simplex%v(:, i) = supplied(:, i)
@@ -85,12 +86,12 @@ contains
       integer :: n
 
       n = size(values)
-      if (set%var > 0.0_wp) then
-         low = (1.0_wp - set%var)*values
-         high = (1.0_wp + set%var)*values
+      if (set%method%var > 0.0_wp) then
+         low = (1.0_wp - set%method%var)*values
+         high = (1.0_wp + set%method%var)*values
       else
-         low = set%oplow(:n)
-         high = set%ophigh(:n)
+         low = set%limits%oplow(:n)
+         high = set%limits%ophigh(:n)
       end if
    end subroutine random_limits
 
