@@ -930,12 +930,9 @@ contains
    subroutine tell(own, findings)
       type(findings_t), intent(in) :: own
       type(findings_t), intent(inout) :: findings
-      integer :: i
 
       if (allocated(own%file)) findings%file = own%file
-      do i = 1, own%count
-         call findings%add(own%list(i))
-      end do
+      call findings%append(own)
    end subroutine tell
 
    !> A warning for every violation.

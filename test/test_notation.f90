@@ -5,7 +5,7 @@ program test_notation
    use psalm_group_table, only: is_users, nearest_group, program_of, program_reads
    use psalm_kinds, only: wp
    use psalm_namelist, only: case_text_t, read_case
-   use psalm_origin, only: origin_t, origins_t
+   use psalm_origin, only: origins_t
    use psalm_search_group, only: search_group_t, read_search_group
    use psalm_source, only: line_t
    use psalm_status, only: diagnostics_t, level_warning
@@ -162,9 +162,10 @@ contains
 
    subroutine origins()
       type(origins_t) :: all_origins, more
-      type(origin_t) :: origin
+      type(diagnostics_t) :: findings
+      integer :: k
 
-      call all_origins%in_file('a.nml')
+      call all_origins%clear()
       call all_origins%mention('LINKS', '', 2)
       call all_origins%mention('LINKS', 'ARCL', 3)
       call all_origins%place(1, 2, 3)
@@ -177,15 +178,24 @@ contains
       call t%equal_integer(all_origins%line('LINKS', 'ARCL', 9), 6, 'a value not given: line of the item')
       call t%equal_integer(all_origins%line('LINKS', 'GAMA', 1), 2, 'an item not given: line of the group')
       call t%equal_integer(all_origins%line('LIMITS', 'TANGLE', 1), 0, 'a group not given')
-      call more%in_file('')
+      call more%clear()
       call more%mention('LIMITS', '', 8)
       call more%mention('LIMITS', 'OPLOW', 9)
       call more%place(1, 3, 9)
       call all_origins%append(more)
       call t%equal_integer(all_origins%line('LIMITS', 'OPLOW', 3), 9, 'origins of another group, taken over')
-      origin = all_origins%of('LINKS', 'ARCL', 2)
-      call t%equal_text(origin%file//' '//origin%group//' '//origin%item, 'a.nml LINKS ARCL', 'origin of a value')
-      call t%equal_integer(origin%line, 6, 'line of an origin')
+      findings%file = 'a.nml'
+      call all_origins%error(findings, 'LINKS', 'ARCL', 'is wrong', 2)
+      call all_origins%warning(findings, 'LINKS', '', 'is odd')
+      call all_origins%error(findings, 'LINKS', 'ARCL', 'is wrong, too', 2, row=2, columns=2)
+      call t%finds(findings, 'a.nml:6: error: &LINKS ARCL: is wrong', 'an error in an element')
+      call t%finds(findings, 'a.nml:2: warning: &LINKS: is odd', 'a warning about a group')
+      call t%finds(findings, 'a.nml:4: error: &LINKS ARCL: is wrong, too', 'an error in an element of a row')
+      do k = 1, 10
+         call all_origins%error(findings, 'LIMITS', 'OPLOW', 'is wrong', 1)
+      end do
+      call t%equal_integer(findings%count, 9, 'of one kind a few are told')
+      call t%finds(findings, 'a.nml:9: error: &LIMITS OPLOW: and 5 more', 'and the others counted')
    end subroutine origins
 
    subroutine table()

@@ -44,6 +44,8 @@ module psalm_status
       procedure :: warning => add_warning
       procedure :: trouble => add_trouble
       procedure :: add => add_finding
+      procedure :: append => add_list
+      procedure :: drop
       procedure :: told_enough
       procedure :: failed
       procedure :: exit_code
@@ -90,6 +92,33 @@ contains
       end do
    end subroutine add_finding
 
+   !> Add all that was found elsewhere, as findings of this list's file.
+   pure subroutine add_list(self, other)
+      class(diagnostics_t), intent(inout) :: self
+      type(diagnostics_t), intent(in) :: other
+      integer :: i
+
+      do i = 1, other%count
+         call self%add(other%list(i))
+      end do
+   end subroutine add_list
+
+   !> Forget the findings of a level about a group.
+   pure subroutine drop(self, level, group)
+      class(diagnostics_t), intent(inout) :: self
+      integer, intent(in) :: level
+      character(*), intent(in) :: group
+      integer :: i, kept
+
+      kept = 0
+      do i = 1, self%count
+         if (self%list(i)%level == level .and. self%list(i)%group == group) cycle
+         kept = kept + 1
+         if (kept < i) self%list(kept) = self%list(i)
+      end do
+      self%count = kept
+   end subroutine drop
+
    !> True if further findings of this kind are only counted, so that their words and places need not be looked for.
    pure logical function told_enough(self, level, group, item)
       class(diagnostics_t), intent(in) :: self
@@ -99,8 +128,14 @@ contains
 
       told_enough = .false.
       do i = 1, self%count
-         if (self%list(i)%more == 0 .or. self%list(i)%level /= level) cycle
-         told_enough = told_enough .or. (self%list(i)%group == group .and. self%list(i)%item == item)
+         associate (old => self%list(i))
+            if (old%more == 0 .or. old%level /= level .or. old%group /= group .or. old%item /= item) cycle
+            if (allocated(self%file)) then
+               if (old%file /= self%file) cycle
+            end if
+            told_enough = .true.
+            return
+         end associate
       end do
    end function told_enough
 

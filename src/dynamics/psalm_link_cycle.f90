@@ -142,8 +142,7 @@ contains
       subroutine refuse(text)
          character(*), intent(in) :: text
 
-         call findings%error('entry '//to_text(entry)//': '//text, line=set%origins%line(group, item, entry), group=group, &
-                             item=item)
+         call set%origins%error(findings, group, item, 'entry '//to_text(entry)//': '//text, entry)
       end subroutine refuse
    end subroutine check_link
 

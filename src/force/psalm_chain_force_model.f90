@@ -88,9 +88,8 @@ contains
 
       do g = 1, size(closure%groups)
          if (closure%groups(g)%equations <= 3*size(closure%groups(g)%links)) cycle
-         call findings%error('KOVER allows superfluous constraints; how forces divide between them depends on the stiffness of '// &
-                             'the links, which is not known here', line=set%origins%line('CHAIN', 'KOVER'), group='CHAIN', &
-                             item='KOVER')
+         call set%origins%error(findings, 'CHAIN', 'KOVER', 'KOVER allows superfluous constraints; how forces divide between '// &
+                                'them depends on the stiffness of the links, which is not known here')
          exit
       end do
       call list_pairs(closure, model%pairs)
@@ -102,8 +101,9 @@ contains
                 model%friction(size(set%friction%joints)))
       do k = 1, size(model%centres)
          model%centres(k) = spot_of(closure, set%masses%places(k))
-         if (model%centres(k)%link == frame_link) call findings%warning('entry '//to_text(k)//' is a mass on the frame: it has '// &
-            'no effect', line=set%origins%line('MASSES', 'MNAME', k), group='MASSES', item='MNAME')
+         if (model%centres(k)%link == frame_link) &
+            call set%origins%warning(findings, 'MASSES', 'MNAME', 'entry '//to_text(k)//' is a mass on the frame: it has no '// &
+                                     'effect', k)
       end do
       call check_masses(set, closure, model, findings)
       do k = 1, size(model%loads)
@@ -122,8 +122,8 @@ contains
             spring%ends(1) = spot_of(closure, set%springs%first(k))
             spring%ends(2) = spot_of(closure, set%springs%second(k))
             if (spring%ends(1)%link == spring%ends(2)%link .and. (spring%ends(1)%rod == spring%ends(2)%rod)) &
-               call findings%warning('entry '//to_text(k)//' has both its ends on the same link: it has no effect', &
-                                     line=set%origins%line('SPRING', 'BNAME', k), group='SPRING', item='BNAME')
+               call set%origins%warning(findings, 'SPRING', 'BNAME', 'entry '//to_text(k)//' has both its ends on the same '// &
+                                        'link: it has no effect', k)
             spring%torsional = set%springs%torsional(k)
             spring%stiffness = set%springs%stiffness(k)
             spring%free = set%springs%free(k)
@@ -135,9 +135,9 @@ contains
          model%friction(k)%coefficient = set%friction%coefficient(k)
          model%friction(k)%radius = set%friction%radius(k)
          model%friction(k)%pair = pair_of(model%pairs, set%friction%joints(k))
-         if (model%friction(k)%pair == 0) call findings%error('entry '//to_text(k)//': the pin is held by link '// &
-            trim(set%sketch%links(set%friction%joints(k)%link)%name)//'; name another that turns on it', &
-            line=set%origins%line('FRICTN', 'FNAME', k), group='FRICTN', item='FNAME')
+         if (model%friction(k)%pair == 0) &
+            call set%origins%error(findings, 'FRICTN', 'FNAME', 'entry '//to_text(k)//': the pin is held by link '// &
+                                   trim(set%sketch%links(set%friction%joints(k)%link)%name)//'; name another that turns on it', k)
       end do
    end subroutine make_chain_model
 
@@ -259,9 +259,8 @@ contains
       subroutine refuse(what)
          character(*), intent(in) :: what
 
-         call findings%error('the entries of '//trim(closure%sketch%links(link)%name)//' add up to a negative '//what, &
-                             line=set%origins%line('MASSES', 'MASS', findloc(here, .true., dim=1, back=.true.)), &
-                             group='MASSES', item='MASS')
+         call set%origins%error(findings, 'MASSES', 'MASS', 'the entries of '//trim(closure%sketch%links(link)%name)//' add up '// &
+                                'to a negative '//what, findloc(here, .true., dim=1, back=.true.))
       end subroutine refuse
    end subroutine check_masses
 end module psalm_chain_force_model

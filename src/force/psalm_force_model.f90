@@ -134,8 +134,8 @@ contains
       call put_shoes(set, mechanism, dimensions, model)
       call check_joints(set, mechanism, findings)
       if (set%motor%given .and. mechanism%sliding_input) then
-         call findings%error('motion from torque needs a crank that turns; the input of this linkage slides', &
-                             line=set%origins%line('MOTOR', ''), group='MOTOR')
+         call set%origins%error(findings, 'MOTOR', '', 'motion from torque needs a crank that turns; the input of this linkage '// &
+                                'slides')
       end if
       allocate (model%loads(size(set%loads%places)), model%springs(size(set%springs%first)), &
                 model%friction(size(set%friction%joints)), model%centres(size(set%masses%places)))
@@ -143,8 +143,8 @@ contains
          call place('MASSES', item_of(set, 'M'), k, set%masses%places(k), model%centres(k), placed)
          if (.not. placed) cycle
          if (model%centres(k)%body == body_frame) then
-            call findings%warning('entry '//to_text(k)//' is a mass on the frame: it has no effect', &
-                                  line=set%origins%line('MASSES', item_of(set, 'M'), k), group='MASSES', item=item_of(set, 'M'))
+            call set%origins%warning(findings, 'MASSES', item_of(set, 'M'), 'entry '//to_text(k)//' is a mass on the frame: it '// &
+                                     'has no effect', k)
             cycle
          end if
          call add_mass(model, model%centres(k), set%masses%mass(k), set%masses%inertia(k))
@@ -167,9 +167,8 @@ contains
             call place('SPRING', item_of(set, 'A'), k, set%springs%first(k), spring%ends(1), placed)
             call place('SPRING', item_of(set, 'B'), k, set%springs%second(k), spring%ends(2), placed)
             if (spring%ends(1)%body == spring%ends(2)%body .and. placed) then
-               call findings%warning('entry '//to_text(k)//' has both its ends on the same link: it has no effect', &
-                                     line=set%origins%line('SPRING', item_of(set, 'B'), k), group='SPRING', &
-                                     item=item_of(set, 'B'))
+               call set%origins%warning(findings, 'SPRING', item_of(set, 'B'), 'entry '//to_text(k)//' has both its ends on '// &
+                                        'the same link: it has no effect', k)
             end if
             spring%torsional = set%springs%torsional(k)
             spring%stiffness = set%springs%stiffness(k)
@@ -183,9 +182,8 @@ contains
          model%friction(k)%coefficient = set%friction%coefficient(k)
          model%friction(k)%radius = set%friction%radius(k)
          if (model%friction(k)%joint == 0) then
-            call findings%error('entry '//to_text(k)//': there is no joint at this end of the arc', &
-                                line=set%origins%line('FRICTN', item_of(set, 'F'), k), group='FRICTN', &
-                                item=item_of(set, 'F'))
+            call set%origins%error(findings, 'FRICTN', item_of(set, 'F'), 'entry '//to_text(k)//': there is no joint at this '// &
+                                   'end of the arc', k)
          end if
       end do
 
@@ -217,8 +215,7 @@ contains
          character(*), intent(in) :: group, item, words
          integer, intent(in) :: entry
 
-         call findings%error('entry '//to_text(entry)//' '//words, line=set%origins%line(group, item, entry), group=group, &
-                             item=item)
+         call set%origins%error(findings, group, item, 'entry '//to_text(entry)//' '//words, entry)
       end subroutine refuse
    end subroutine make_force_model
 
@@ -403,8 +400,8 @@ contains
       subroutine refuse(what)
          character(*), intent(in) :: what
 
-         call findings%error('the entries of '//mechanism%bodies(body)%name//' add up to a negative '//what, &
-                             line=set%origins%line('MASSES', 'MASS', entry), group='MASSES', item='MASS')
+         call set%origins%error(findings, 'MASSES', 'MASS', 'the entries of '//mechanism%bodies(body)%name//' add up to a '// &
+                                'negative '//what, entry)
       end subroutine refuse
    end subroutine check_masses
 
@@ -413,16 +410,14 @@ contains
       type(data_set_t), intent(in) :: set
       type(mechanism_t), intent(in) :: mechanism
       type(diagnostics_t), intent(inout) :: findings
-      integer :: k, element
+      integer :: k
 
       do k = 1, size(mechanism%joints)
          associate (joint => mechanism%joints(k), arc => mechanism%arcs(mechanism%joints(k)%arc))
             if (joint%attached) cycle
-            element = (arc%loop - 1)*set%links%maxarc + arc%place
-            call findings%error('joint '//joint%name//' of loop '//to_text(arc%loop)//' is no point of both links that '// &
-                                'it joins: an arc there is only parallel to its link, which is enough for motion but not for '// &
-                                'forces', &
-                                line=set%origins%line('LINKS', 'ILINK', element), group='LINKS', item='ILINK')
+            call set%origins%error(findings, 'LINKS', 'ILINK', 'joint '//joint%name//' of loop '//to_text(arc%loop)//' is no '// &
+                                   'point of both links that it joins: an arc there is only parallel to its link, which is '// &
+                                   'enough for motion but not for forces', arc%place, arc%loop, set%links%maxarc)
          end associate
       end do
    end subroutine check_joints

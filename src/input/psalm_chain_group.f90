@@ -26,7 +26,7 @@ contains
       type(sketch_t), intent(inout) :: sketch
       type(diagnostics_t), intent(inout) :: findings
       type(diagnostics_t) :: own, unused
-      integer :: kover, i, stage
+      integer :: kover, stage
 
       sketch%given = group%line > 0
       own%file = findings%file
@@ -40,9 +40,7 @@ contains
          end if
       end do
       if (.not. own%failed()) call check_places(group, sketch, own)
-      do i = 1, own%count
-         call findings%add(own%list(i))
-      end do
+      call findings%append(own)
 
    contains
 

@@ -211,7 +211,7 @@ contains
 
       allocate (groups(size(names)))
       set%file = findings%file
-      call set%origins%in_file(findings%file)
+      call set%origins%clear()
       set%title = case%title(:min(title_columns, len(case%title)))
       set%title_line = case%line
       if (len(case%title) > title_columns) then
@@ -333,10 +333,9 @@ contains
       if (.not. set%sketch%given .or. set%method%ikin /= 0 .or. .not. group%given('CRNKI') .or. set%wants_search()) return
       if (size(set%method%delt) == 0) return
       if (.not. abs(set%method%crnki) > 0.0_wp .or. .not. abs(set%method%delt(1)) > 0.0_wp) return
-      call findings%warning('counts from the drawing in a sketch, and DELT from there: the first position is '// &
-                            trim(adjustl(general(set%method%crnki + set%method%delt(1))))// &
-                               ' from the drawing; leave CRNKI out if DELT is '// &
-                            'counted from the drawing', line=group%item_line('CRNKI'), group='METHOD', item='CRNKI')
+      call group%origins%warning(findings, 'METHOD', 'CRNKI', 'counts from the drawing in a sketch, and DELT from there: the '// &
+                                 'first position is '//trim(adjustl(general(set%method%crnki + set%method%delt(1))))//' from '// &
+                                 'the drawing; leave CRNKI out if DELT is counted from the drawing')
    end subroutine doubt_reference
 
    !> The limit of transmission angles: TANGLE, the deviation from 90 degrees, or TRMIN of &LIMITS or &CONSTR, the least angle.
@@ -360,8 +359,8 @@ contains
                                group=trim(merge('LIMITS', 'CONSTR', limits%given('TRMIN'))), item='TRMIN')
       end if
       if (set%limits%trmin_given .and. limits%given('TANGLE')) then
-         call findings%error('TANGLE, the largest deviation from 90 degrees, and TRMIN, the least angle, limit the same angle; '// &
-                             'leave one of them out', line=limits%item_line('TANGLE'), group='LIMITS', item='TANGLE')
+         call limits%origins%error(findings, 'LIMITS', 'TANGLE', 'TANGLE, the largest deviation from 90 degrees, and TRMIN, '// &
+                                   'the least angle, limit the same angle; leave one of them out')
       else if (set%limits%trmin_given) then
          set%limits%tangle = right_angle - least
          set%limits%tangle_given = .true.
@@ -443,8 +442,7 @@ contains
          end do
          if (first == 0) return
          if (len(others) > 0) others = '('//others(3:)//', too) '
-         call findings%warning(others//'has no effect: '//reason, line=group%item_line(trim(items(first))), &
-                               group=trim(group%name), item=trim(items(first)))
+         call group%origins%warning(findings, trim(group%name), trim(items(first)), others//'has no effect: '//reason)
       end subroutine idle
    end subroutine report_idle_items
 
@@ -463,16 +461,13 @@ contains
       logical, intent(out) :: sound
       type(diagnostics_t), intent(inout) :: findings
       type(diagnostics_t) :: own, unused
-      integer :: i
 
       own%file = findings%file
       call read_chain_group(chain, set%sketch, own)
       sound = chain%line > 0 .and. .not. own%failed()
       set%sketch%sound = sound
       if (chain%line > 0) then
-         do i = 1, own%count
-            call findings%add(own%list(i))
-         end do
+         call findings%append(own)
       end if
       if (sound) then
          call read_outputs_group(outputs, set%sketch, findings)
@@ -511,8 +506,8 @@ contains
       call read_drives_group(drives, set%method%ndes, set%sketch, unused)
       drives%missing = drives%missing(:0)
       if (sound) then
-         call findings%error("the sketch needs the group &DRIVES, which says what moves it: &DRIVES DRIVE='A' &END", &
-                             line=set%origins%line('CHAIN', ''), group='CHAIN')
+         call set%origins%error(findings, 'CHAIN', '', "the sketch needs the group &DRIVES, which says what moves it: &DRIVES "// &
+                                "DRIVE='A' &END")
       else if (drives%line > 0 .and. .not. set%sketch%given) then
          call belongs_to_chain(drives, findings)
       end if
@@ -522,7 +517,7 @@ contains
       type(group_t), intent(in) :: group
       type(diagnostics_t), intent(inout) :: findings
 
-      call findings%error('belongs to the sketch of a group &CHAIN, which is missing', line=group%line, group=trim(group%name))
+      call group%origins%error(findings, trim(group%name), '', 'belongs to the sketch of a group &CHAIN, which is missing')
    end subroutine belongs_to_chain
 
    !> The positions of a grid of strokes (NGRID), in place of those of &METHOD.
@@ -540,17 +535,16 @@ contains
       if (all(counts == 0) .or. findings%failed()) return
       do i = 1, size(items)
          if (.not. method%given(items(i))) cycle
-         call findings%error('the grid NGRID of &DRIVES gives the positions; leave '//items(i)//' out', &
-                             line=method%item_line(items(i)), group='METHOD', item=items(i))
+         call method%origins%error(findings, 'METHOD', items(i), 'the grid NGRID of &DRIVES gives the positions; leave '// &
+                                   items(i)//' out')
       end do
-      if (set%method%desired .or. gives_rates(method)) call findings%error( &
-         'desired values need positions of their own, NDES and DELT, not a grid', line=drives%item_line('NGRID'), group='DRIVES', &
-         item='NGRID')
+      if (set%method%desired .or. gives_rates(method)) &
+         call drives%origins%error(findings, 'DRIVES', 'NGRID', 'desired values need positions of their own, NDES and DELT, '// &
+                                   'not a grid')
       method%missing = pack(method%missing, method%missing%name /= 'NDES')
       where (counts == 0) counts = 1
       if (product(real(counts, wp)) > real(most_positions, wp)) then
-         call findings%error('the grid has more than '//to_text(most_positions)//' positions', line=drives%item_line('NGRID'), &
-                             group='DRIVES', item='NGRID')
+         call drives%origins%error(findings, 'DRIVES', 'NGRID', 'the grid has more than '//to_text(most_positions)//' positions')
          return
       end if
       set%method%ndes = product(counts)

@@ -292,10 +292,10 @@ contains
          do crank = 1, size(sketch%links)
             if (lower_case(trim(sketch%links(crank)%name)) /= 'crank') cycle
             if (any([drive%base, drive%link] == crank)) return
-            call findings%warning('drive '//trim(drive%name)//' turns link '//trim(sketch%links(drive%link)%name)// &
-                                  ' against '//trim(sketch%links(drive%base)%name)//', not the link called '// &
-                                  trim(sketch%links(crank)%name)//': is the frame the first link of LNK?', &
-                                  line=group%item_line('DRIVE'), group='DRIVES', item='DRIVE')
+            call group%origins%warning(findings, 'DRIVES', 'DRIVE', 'drive '//trim(drive%name)//' turns link '// &
+                                       trim(sketch%links(drive%link)%name)//' against '//trim(sketch%links(drive%base)%name)// &
+                                       ', not the link called '//trim(sketch%links(crank)%name)//': is the frame the first '// &
+                                       'link of LNK?')
             return
          end do
       end subroutine doubt_crank

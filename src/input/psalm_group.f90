@@ -97,7 +97,7 @@ contains
       allocate (self%missing(0))
       if (allocated(self%order)) deallocate (self%order)
       allocate (self%order(0))
-      call self%origins%in_file('')
+      call self%origins%clear()
       if (line > 0) call self%origins%mention(name, '', line)
    end subroutine begin
 
@@ -707,8 +707,7 @@ contains
       if (value >= lowest .and. value <= highest) return
       text = 'must be at least '//to_text(lowest)
       if (highest < huge(1)) text = 'must be from '//to_text(lowest)//' to '//to_text(highest)
-      call findings%error(text//'; found '//to_text(value), line=group%origins%line(trim(group%name), name, 1), &
-                          group=trim(group%name), item=name)
+      call group%origins%error(findings, trim(group%name), name, text//'; found '//to_text(value), 1)
    end subroutine check_range
 
    !> Report an item whose value cannot be.
@@ -721,7 +720,7 @@ contains
 
       which = 1
       if (present(element)) which = element
-      call findings%error(text, line=group%origins%line(trim(group%name), name, which), group=trim(group%name), item=name)
+      call group%origins%error(findings, trim(group%name), name, text, which)
    end subroutine out_of
 
    !> Note an item that is missing; `finish` reports it.

@@ -99,8 +99,8 @@ contains
       call group%get_integer('ISTART', method%istart, findings)
       call check_range(group, 'ISTART', method%istart, 1, largest_istart, findings)
       if (method%istart > 0 .and. mod(method%istart, 2) == 0) then
-         call findings%warning('the random integer must be odd; '//to_text(method%istart + 1)//' is used', &
-                               line=group%origins%line('METHOD', 'ISTART', 1), group='METHOD', item='ISTART')
+         call group%origins%warning(findings, 'METHOD', 'ISTART', 'the random integer must be odd; '//to_text(method%istart + 1)// &
+                                    ' is used', 1)
          method%istart = method%istart + 1
       end if
       call group%get_integer('NGUESS', method%nguess, findings)
@@ -157,11 +157,11 @@ contains
       call check_weights('YMULT', method%ymult)
       call check_weights('ANMULT', method%anmult)
       call read_rate_items(group, method%motion, merge(0, n, method%ikin /= 0), method%rate_wanted, method%rate_weight, findings)
-      if (allocated(method%rate_wanted) .and. .not. method%desired) call findings%error('derivatives are wanted beside values ('// &
-         trim(merge('DESANG       ', 'DESX and DESY', kind%components == 1))//'), which are missing; where derivatives alone '// &
-         'count, give the values weights of 0'//trim(merge('; with DES1 ... of &OUTPUTS give DVEL1 ... there', &
-                                                           repeat(' ', 48), of_sketch)), &
-         line=group%line, group='METHOD')
+      if (allocated(method%rate_wanted) .and. .not. method%desired) &
+         call group%origins%error(findings, 'METHOD', '', 'derivatives are wanted beside values ('// &
+                                  trim(merge('DESANG       ', 'DESX and DESY', kind%components == 1))//'), which are missing; '// &
+                                  'where derivatives alone count, give the values weights of 0'// &
+                                  trim(merge('; with DES1 ... of &OUTPUTS give DVEL1 ... there', repeat(' ', 48), of_sketch)))
 
    contains
 

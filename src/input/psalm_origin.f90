@@ -1,22 +1,15 @@
 !> Where the values of a case were written: line, group and item of each element.
 !>
 !> What is judged after reading (the topology, the search) names the line of the very value that is wrong. Elements that
-!> follow each other on one line are one run, so that the table is no longer than the file.
+!> follow each other on one line are one run, so that the table is no longer than the file. `error` and `warning` complain about
+!> an element: they add a finding with its group, item and line.
 module psalm_origin
+   use psalm_status, only: diagnostics_t, level_error, level_warning
    implicit none (type, external)
    private
-   public :: origin_t, origins_t
-   public :: name_length
+   public :: origins_t, name_length
 
    integer, parameter :: name_length = 31  !! longest name of a group or an item kept
-
-   !> The place of one value.
-   type :: origin_t
-      character(:), allocatable :: file   !! name of the file
-      character(:), allocatable :: group  !! in capitals, without `&`
-      character(:), allocatable :: item   !! in capitals
-      integer :: line = 0                 !! of the value; of the item or the group where the value is not given; 0: none
-   end type origin_t
 
    !> One mention of an item or a group.
    type :: mention_t
@@ -34,32 +27,30 @@ module psalm_origin
    !> The places of all values of a case.
    type :: origins_t
       private
-      character(:), allocatable :: file
       type(mention_t), allocatable :: mentions(:)
       type(run_t), allocatable :: runs(:)
       integer :: mentioned = 0, ran = 0   !! valid elements of `mentions` and `runs`
    contains
-      procedure :: in_file
+      procedure :: clear
       procedure :: mention
       procedure :: place
       procedure :: append
-      procedure :: of
       procedure :: line
+      procedure :: error
+      procedure :: warning
    end type origins_t
 
 contains
 
-   !> Name the file; what was noted before is dropped.
-   pure subroutine in_file(self, file)
+   !> Drop what was noted before.
+   pure subroutine clear(self)
       class(origins_t), intent(inout) :: self
-      character(*), intent(in) :: file
 
-      self%file = file
       if (allocated(self%mentions)) deallocate (self%mentions, self%runs)
       allocate (self%mentions(16), self%runs(16))
       self%mentioned = 0
       self%ran = 0
-   end subroutine in_file
+   end subroutine clear
 
    !> Note a group (`item` empty) or an item. The elements noted next are its.
    pure subroutine mention(self, group, item, line)
@@ -68,7 +59,7 @@ contains
       integer, intent(in) :: line
       type(mention_t), allocatable :: larger(:)
 
-      if (.not. allocated(self%mentions)) call self%in_file('')
+      if (.not. allocated(self%mentions)) call self%clear()
       if (self%mentioned == size(self%mentions)) then
          allocate (larger(2*self%mentioned))
          larger(:self%mentioned) = self%mentions
@@ -118,25 +109,55 @@ contains
       end do
    end subroutine append
 
-   !> Place of an element. What was not given has the line of its item, else of its group.
-   pure function of(self, group, item, element) result(origin)
+   !> Add an error in an item, or in an element of it.
+   pure subroutine error(self, findings, group, item, text, element, row, columns)
+      class(origins_t), intent(in) :: self
+      type(diagnostics_t), intent(inout) :: findings
+      character(*), intent(in) :: group, item   !! item empty: the group itself
+      character(*), intent(in) :: text
+      integer, intent(in), optional :: element  !! from 1; absent: the item
+      integer, intent(in), optional :: row, columns !! the element is one of this row, and rows are so long
+
+      if (findings%told_enough(level_error, group, item)) then
+         call findings%error(text, group=group, item=item)
+      else
+         call findings%error(text, line_of(self, group, item, element, row, columns), group, item)
+      end if
+   end subroutine error
+
+   !> Add a warning, in the manner of `error`.
+   pure subroutine warning(self, findings, group, item, text, element, row, columns)
+      class(origins_t), intent(in) :: self
+      type(diagnostics_t), intent(inout) :: findings
+      character(*), intent(in) :: group, item   !! item empty: the group itself
+      character(*), intent(in) :: text
+      integer, intent(in), optional :: element  !! from 1; absent: the item
+      integer, intent(in), optional :: row, columns !! the element is one of this row, and rows are so long
+
+      if (findings%told_enough(level_warning, group, item)) then
+         call findings%warning(text, group=group, item=item)
+      else
+         call findings%warning(text, line_of(self, group, item, element, row, columns), group, item)
+      end if
+   end subroutine warning
+
+   pure integer function line_of(self, group, item, element, row, columns)
       class(origins_t), intent(in) :: self
       character(*), intent(in) :: group, item
-      integer, intent(in) :: element    !! from 1; 0: the item
-      type(origin_t) :: origin
+      integer, intent(in), optional :: element, row, columns
 
-      origin%file = ''
-      if (allocated(self%file)) origin%file = self%file
-      origin%group = group
-      origin%item = item
-      origin%line = self%line(group, item, element)
-   end function of
+      if (present(row)) then
+         line_of = self%line(group, item, (row - 1)*columns + element)
+      else
+         line_of = self%line(group, item, element)
+      end if
+   end function line_of
 
-   !> Line of an element, in the manner of `of`.
+   !> Line of an element. What was not given has the line of its item, else of its group; 0: neither was given.
    pure integer function line(self, group, item, element)
       class(origins_t), intent(in) :: self
       character(*), intent(in) :: group, item
-      integer, intent(in), optional :: element
+      integer, intent(in), optional :: element    !! from 1; absent: the item
       integer :: k
 
       line = 0

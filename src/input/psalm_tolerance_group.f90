@@ -75,16 +75,15 @@ contains
       call group%get_integer('NTRIAL', toler%ntrial, findings)
       call check_range(group, 'NTRIAL', toler%ntrial, 0, most_trials, findings)
       if (any(toler%tolarc >= links%arcl .and. links%arcl > 0.0_wp)) then
-         call findings%error('the tolerance of a length is not smaller than the length', line=group%line, group='TOLER')
+         call group%origins%error(findings, 'TOLER', '', 'the tolerance of a length is not smaller than the length')
       end if
       if (any(toler%tolgam > half_turn) .or. max(toler%toloua, toler%tolora) > half_turn) then
-         call findings%error('the tolerance of an angle is more than 180 degrees', line=group%line, group='TOLER')
+         call group%origins%error(findings, 'TOLER', '', 'the tolerance of an angle is more than 180 degrees')
       end if
       if (any(toler%tolarc < 0.0_wp) .or. any(toler%tolgam < 0.0_wp) .or. min(toler%tolout, toler%toloua, toler%tolorl, &
                                                             toler%tolora, &
                                                                          toler%tolcrk) < 0.0_wp) then
-         call findings%error('a tolerance is negative; it is the largest deviation to either side', line=group%line, &
-                             group='TOLER')
+         call group%origins%error(findings, 'TOLER', '', 'a tolerance is negative; it is the largest deviation to either side')
       end if
    end subroutine read_tolerance_group
 end module psalm_tolerance_group

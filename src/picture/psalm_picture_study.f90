@@ -46,7 +46,7 @@ contains
       class(data_set_t), allocatable :: each      ! large: it would fill a small stack
       type(line_t) :: none(0)
       class(prepared_t), allocatable :: prepared
-      integer :: k, i
+      integer :: k
 
       allocate (cases(size(sets)), prepared)
       read = finding_list(findings)
@@ -62,9 +62,7 @@ contains
          if (sets(k)%exact%given) then
             call add_poles(sets(k), noted, cases(k))
             own = [own, finding_list(noted)]
-            do i = 1, noted%count
-               call findings%add(noted%list(i))
-            end do
+            call findings%append(noted)
             call message_scene(sets(k), own, cases(k)%scene)
             cycle
          end if
@@ -84,9 +82,7 @@ contains
          call prepare(each, none, prepared, noted, demand)
          if (prepared%ready .and. each%method%ikin == 0 .and. each%method%ndes > most_drawn) call thin_out(each, noted)
          own = [own, finding_list(noted)]
-         do i = 1, noted%count
-            call findings%add(noted%list(i))
-         end do
+         call findings%append(noted)
          each%method%nguess = sets(k)%method%nguess
          if (prepared%ready) then
             call make_scene(each, prepared%mechanism, prepared%given, prepared%parameters, own, cases(k)%scene)
@@ -207,10 +203,9 @@ contains
       set%method%ymult = set%method%ymult(kept)
       set%method%anmult = set%method%anmult(kept)
       if (allocated(set%method%rate_wanted)) deallocate (set%method%rate_wanted, set%method%rate_weight) ! no picture shows them
-      call findings%warning('of '//to_text(set%method%ndes)//' positions '//to_text(size(set%method%delt))// &
-                            ' are drawn, one in '// &
-                            to_text(step)//', and numbered so on the pictures', line=set%origins%line('METHOD', 'NDES', 1), &
-                            group='METHOD', item='NDES')
+      call set%origins%warning(findings, 'METHOD', 'NDES', 'of '//to_text(set%method%ndes)//' positions '// &
+                               to_text(size(set%method%delt))//' are drawn, one in '//to_text(step)//', and numbered so on the '// &
+                               'pictures', 1)
       set%method%ndes = size(set%method%delt)
    end subroutine thin_out
 

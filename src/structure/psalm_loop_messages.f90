@@ -2,8 +2,7 @@
 module psalm_loop_messages
    use psalm_data_set, only: data_set_t
    use psalm_mechanism, only: mechanism_t
-   use psalm_origin, only: origin_t
-   use psalm_status, only: diagnostics_t, level_error, level_warning
+   use psalm_status, only: diagnostics_t
    use psalm_text, only: to_text
    implicit none (type, external)
    private
@@ -17,11 +16,8 @@ contains
       character(*), intent(in) :: item, text
       integer, intent(in) :: loop, a
       type(diagnostics_t), intent(inout) :: findings
-      type(origin_t) :: origin
 
-      if (.not. findings%told_enough(level_error, 'LINKS', item)) &
-         origin = set%origins%of('LINKS', item, (loop - 1)*set%links%maxarc + max(a, 1))
-      call findings%error(subject(loop, a)//text, line=origin%line, group='LINKS', item=item)
+      call set%origins%error(findings, 'LINKS', item, subject(loop, a)//text, max(a, 1), loop, set%links%maxarc)
    end subroutine complain
 
    !> A warning of an arc in an item of LINKS or METHOD.
@@ -31,13 +27,10 @@ contains
       integer, intent(in) :: loop, a
       type(diagnostics_t), intent(inout) :: findings
       character(:), allocatable :: group
-      type(origin_t) :: origin
 
       group = 'LINKS'
       if (item == 'IVA' .or. item == 'IVG') group = 'METHOD'
-      if (.not. findings%told_enough(level_warning, group, item)) &
-         origin = set%origins%of(group, item, (loop - 1)*set%links%maxarc + a)
-      call findings%warning(subject(loop, a)//text, line=origin%line, group=group, item=item)
+      call set%origins%warning(findings, group, item, subject(loop, a)//text, a, loop, set%links%maxarc)
    end subroutine arc_warning
 
    pure function subject(loop, a) result(text)

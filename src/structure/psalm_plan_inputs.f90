@@ -26,25 +26,24 @@ contains
       integer :: arc
 
       if (set%links%noutlp < 1 .or. set%links%noutlp > set%links%nloop) then
-         call findings%error('must name a loop from 1 to '//to_text(set%links%nloop)//'; found '//to_text(set%links%noutlp), &
-                             line=set%origins%line('LINKS', 'NOUTLP', 1), group='LINKS', item='NOUTLP')
+         call set%origins%error(findings, 'LINKS', 'NOUTLP', 'must name a loop from 1 to '//to_text(set%links%nloop)//'; found '// &
+                                to_text(set%links%noutlp), 1)
          return
       end if
       if (set%links%noutlk == 0 .or. abs(set%links%noutlk) > mechanism%loops(set%links%noutlp)%arcs) then
-         call findings%error('must name an arc from 1 to '//to_text(mechanism%loops(set%links%noutlp)%arcs)//' of loop '// &
-                             to_text(set%links%noutlp)//'; found '//to_text(set%links%noutlk), &
-                             line=set%origins%line('LINKS', 'NOUTLK', 1), group='LINKS', item='NOUTLK')
+         call set%origins%error(findings, 'LINKS', 'NOUTLK', 'must name an arc from 1 to '// &
+                                to_text(mechanism%loops(set%links%noutlp)%arcs)//' of loop '//to_text(set%links%noutlp)//'; '// &
+                                'found '//to_text(set%links%noutlk), 1)
          return
       end if
       arc = mechanism%seq(set%links%noutlp, abs(set%links%noutlk))
       mechanism%outputs = [output_t(set%method%motion, arc, set%links%noutlk < 0)]
       if (set%method%motion == motion_slide .and. .not. mechanism%slides(arc)) then
-         call findings%error('MOTION=3 needs a sliding arc, but arc '//place_of(mechanism, arc)// &
-                             ' does not slide', line=set%origins%line('LINKS', 'NOUTLK', 1), group='LINKS', item='NOUTLK')
+         call set%origins%error(findings, 'LINKS', 'NOUTLK', 'MOTION=3 needs a sliding arc, but arc '//place_of(mechanism, arc)// &
+                                ' does not slide', 1)
       end if
       if (set%method%ikin /= 0 .and. mechanism%sliding_input) then
-         call findings%error('IKIN sweeps a full turn; with a sliding input give NDES and DELT', &
-                             line=set%origins%line('METHOD', 'IKIN', 1), group='METHOD', item='IKIN')
+         call set%origins%error(findings, 'METHOD', 'IKIN', 'IKIN sweeps a full turn; with a sliding input give NDES and DELT', 1)
       end if
    end subroutine find_output
 
@@ -76,8 +75,7 @@ contains
       nvar = size(parameters%variables)
       if (nvar == 0) return
       if (.not. set%method%desired) then
-         call findings%error('a search needs desired values (DESX and DESY, or DESANG)', line=set%origins%line('METHOD', ''), &
-                             group='METHOD')
+         call set%origins%error(findings, 'METHOD', '', 'a search needs desired values (DESX and DESY, or DESANG)')
       end if
       if (set%limits%limval == 1 .or. set%method%var == 0.0_wp) then
          if (min(set%limits%low_given, set%limits%high_given) < nvar) then
@@ -100,9 +98,8 @@ contains
          end do
       end if
       if (set%method%nguess > nvar + 1) then
-         call findings%error('a simplex of '//to_text(nvar)//' variables has '//to_text(nvar + 1)//' vertices; found '// &
-                             to_text(set%method%nguess), line=set%origins%line('METHOD', 'NGUESS', 1), group='METHOD', &
-                                item='NGUESS')
+         call set%origins%error(findings, 'METHOD', 'NGUESS', 'a simplex of '//to_text(nvar)//' variables has '// &
+                                to_text(nvar + 1)//' vertices; found '//to_text(set%method%nguess), 1)
       end if
 
    contains
@@ -111,7 +108,7 @@ contains
          character(*), intent(in) :: item, text
          integer, intent(in) :: which
 
-         call findings%error(text, line=set%origins%line('LIMITS', item, which), group='LIMITS', item=item)
+         call set%origins%error(findings, 'LIMITS', item, text, which)
       end subroutine of_variable
 
       pure function limit(value) result(text)
@@ -140,9 +137,8 @@ contains
          character(*), intent(in) :: item
          integer, intent(in) :: got
 
-         call findings%warning(to_text(got)//' limits are given, but there are only '//to_text(nvar)// &
-                               ' variables; the others are not used', line=set%origins%line('LIMITS', item, nvar + 1), &
-                               group='LIMITS', item=item)
+         call set%origins%warning(findings, 'LIMITS', item, to_text(got)//' limits are given, but there are only '// &
+                                  to_text(nvar)//' variables; the others are not used', nvar + 1)
       end subroutine long
    end subroutine check_dimensions
 
@@ -164,9 +160,8 @@ contains
       if (i > set%method%ndes) return
       first = findloc(set%method%delt, sorted(i), dim=1)
       second = first + findloc(set%method%delt(first + 1:), sorted(i), dim=1)
-      call findings%warning('positions '//to_text(first)//' and '//to_text(second)//' have the same input '// &
-                            trim(adjustl(general(sorted(i), 'E'))), line=set%origins%line('METHOD', 'DELT', second), &
-                            group='METHOD', item='DELT')
+      call set%origins%warning(findings, 'METHOD', 'DELT', 'positions '//to_text(first)//' and '//to_text(second)//' have the '// &
+                               'same input '//trim(adjustl(general(sorted(i), 'E'))), second)
    end subroutine find_repeated
 
    !> Put numbers in rising order (heap sort).

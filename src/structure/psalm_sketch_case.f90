@@ -106,9 +106,9 @@ contains
             if (loops%arcs(n)%ends(2) /= joint) arc = arc - 1
             return
          end do
-         call findings%error(whose//': joint '//trim(sketch%joint_name(joint))//' is neither a joint of the loops nor the '// &
-                             'first output; put point '//trim(sketch%joint_name(joint))//' first in &OUTPUTS', &
-                             line=set%origins%line('CONSTR', item, which), group='CONSTR', item=item)
+         call set%origins%error(findings, 'CONSTR', item, whose//': joint '//trim(sketch%joint_name(joint))//' is neither a '// &
+                                'joint of the loops nor the first output; put point '//trim(sketch%joint_name(joint))//' first '// &
+                                'in &OUTPUTS', which)
       end subroutine place
 
       logical function is_output(joint)
@@ -133,9 +133,9 @@ contains
       if (set%limits%ktheta /= 0 .and. .not. (set%masses%given .or. set%loads%given .or. set%springs%given)) &
          call refuse('LIMITS', 'KTHETA', 'the list of all arcs')
       if (set%limits%trmin_given) &
-         call findings%error('TRMIN: a sketch solved in the poses of its links has no transmission angle (it '// &
-         'is that of two links, a dyad, and this sketch has '//set%no_loops//'); leave it out', &
-         line=set%origins%line(angle_group, 'TRMIN'), group=angle_group, item='TRMIN')
+         call set%origins%error(findings, angle_group, 'TRMIN', 'TRMIN: a sketch solved in the poses of its links has no '// &
+                                'transmission angle (it is that of two links, a dyad, and this sketch has '//set%no_loops//'); '// &
+                                'leave it out')
       if (set%limits%icond /= 0) call refuse('LIMITS', 'ICOND', 'the condition number')
       if (set%limits%iplot /= 0) call refuse('LIMITS', 'IPLOT', 'the sweep of every degree')
       if (set%motor%given) call refuse('MOTOR', '', 'motion from torque')
@@ -145,8 +145,8 @@ contains
       subroutine refuse(group, item, what)
          character(*), intent(in) :: group, item, what
 
-         call findings%error(what//' takes dyads and one drive on the frame, but this sketch has '//set%no_loops// &
-                             '; leave it out', line=set%origins%line(group, item), group=group, item=item)
+         call set%origins%error(findings, group, item, what//' takes dyads and one drive on the frame, but this sketch has '// &
+                                set%no_loops//'; leave it out')
       end subroutine refuse
    end subroutine refuse_without_loops
 
@@ -161,14 +161,12 @@ contains
       type(factors_t) :: factors
       type(diagnostics_t) :: own
       logical :: closed
-      integer :: g, i
+      integer :: g
 
       sound = .false.
       own%file = findings%file
       call check_sketch(set, order, own)
-      do i = 1, own%count
-         call findings%add(own%list(i))
-      end do
+      call findings%append(own)
       if (own%failed()) return
       call make_closure(set%sketch, order, closure)
       call start_state(closure, state)
@@ -176,8 +174,7 @@ contains
          if (size(closure%groups(g)%links) == 0) cycle
          call solve_group(closure, g, state, closed, factors)
          if (.not. closed .or. factors%reciprocal_condition < rank_lost) then
-            call findings%error(trouble(g, closed), line=set%origins%line('CHAIN', 'LNK', closure%groups(g)%links(1)), &
-                                group='CHAIN', item='LNK')
+            call set%origins%error(findings, 'CHAIN', 'LNK', trouble(g, closed), closure%groups(g)%links(1))
             return
          end if
       end do
@@ -559,16 +556,15 @@ contains
          call put_output(loops, state, sketch, sketch%outputs(1), set, done)
          if (done) return
          if (set%method%desired) then
-            call findings%error('the desired values of &METHOD are those of the first output, which '// &
-                                trim(sketch%outputs(1)%name)//' cannot be here; give its values as DES1 of &OUTPUTS, or put a '// &
-                                'point, angle, distance from the origin or slide first'//pose_of_arc(), &
-                                line=set%origins%line('OUTPUTS', 'OUTPUT', 1), group='OUTPUTS', item='OUTPUT')
+            call set%origins%error(findings, 'OUTPUTS', 'OUTPUT', 'the desired values of &METHOD are those of the first '// &
+                                   'output, which '//trim(sketch%outputs(1)%name)//' cannot be here; give its values as DES1 '// &
+                                   'of &OUTPUTS, or put a point, angle, distance from the origin or slide first'//pose_of_arc(), 1)
             return
          end if
          set%stand_in = trim(sketch%joint_name(default_joint(sketch)))
-         call findings%warning('listing and summary cannot show '//trim(sketch%outputs(1)%name)//': they show joint '// &
-                               set%stand_in//'. The table (CSV) has '//trim(sketch%outputs(1)%name), &
-                               line=set%origins%line('OUTPUTS', 'OUTPUT', 1), group='OUTPUTS', item='OUTPUT')
+         call set%origins%warning(findings, 'OUTPUTS', 'OUTPUT', 'listing and summary cannot show '// &
+                                  trim(sketch%outputs(1)%name)//': they show joint '//set%stand_in//'. The table (CSV) has '// &
+                                  trim(sketch%outputs(1)%name), 1)
       end if
       shown%kind = output_point
       shown%joints(1) = default_joint(sketch)
@@ -931,8 +927,7 @@ contains
          end do
          if (told > most_named) have = have//' and '//to_text(told - most_named)//' more,'
          if (len(have) > 0) have = '; there are the lengths '//have(3:)//' and the angles between them'
-         call findings%error(what//' is no dimension of the loops'//have, line=set%origins%line('CHAIN', 'VARY', which), &
-                             group='CHAIN', item='VARY')
+         call set%origins%error(findings, 'CHAIN', 'VARY', what//' is no dimension of the loops'//have, which)
       end subroutine missing
    end subroutine fill_variables
 end module psalm_sketch_case

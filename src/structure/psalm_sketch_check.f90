@@ -46,7 +46,7 @@ contains
 
       group = 'CHAIN'
       if (item == 'DRIVE') group = 'DRIVES'
-      call findings%error(text, line=set%origins%line(group, item, element), group=group, item=item)
+      call set%origins%error(findings, group, item, text, element)
    end subroutine tell
 
    !> Parts that nothing joins to the frame.

@@ -130,8 +130,7 @@ contains
          if (joint_at(mechanism, set%balance%joints(k)) == 0) call refuse('BLINK', k, 'there is no joint at this end of the arc')
       end do
       if (size(model%friction) > 0) then
-         call findings%error('loads with friction are not linear in the masses: leave &FRICTN out', &
-                             line=set%origins%line('FRICTN', ''), group='FRICTN')
+         call set%origins%error(findings, 'FRICTN', '', 'loads with friction are not linear in the masses: leave &FRICTN out')
       end if
 
    contains
@@ -140,8 +139,7 @@ contains
          character(*), intent(in) :: item, text
          integer, intent(in) :: entry
 
-         call findings%error('entry '//to_text(entry)//': '//text, line=set%origins%line('BALANC', item, entry), &
-                             group='BALANC', item=item)
+         call set%origins%error(findings, 'BALANC', item, 'entry '//to_text(entry)//': '//text, entry)
       end subroutine refuse
    end subroutine judge_balance
 

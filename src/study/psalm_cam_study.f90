@@ -225,10 +225,10 @@ contains
          slope(k) = y(1)
          jerk(k) = y(3)
       end do
-      if (changes(jerk) > coarse_table*max(changes(slope), 2)) call findings%warning('the third derivative through the '// &
-         'table changes its sign '//to_text(changes(jerk))//' times, the first '//to_text(changes(slope))// &
-         ' times: if the numbers are rounded give their tolerance, TABTOL', line=set%origins%line(group_of(cam), 'TABOUT', 1), &
-         group=group_of(cam), item='TABOUT')
+      if (changes(jerk) > coarse_table*max(changes(slope), 2)) &
+         call set%origins%warning(findings, group_of(cam), 'TABOUT', 'the third derivative through the table changes its sign '// &
+                                  to_text(changes(jerk))//' times, the first '//to_text(changes(slope))//' times: if the '// &
+                                  'numbers are rounded give their tolerance, TABTOL', 1)
 
    contains
 
@@ -245,7 +245,7 @@ contains
       character(*), intent(in) :: item, text
       type(diagnostics_t), intent(inout) :: findings
 
-      call findings%error(text, line=set%origins%line(group_of(cam), item, 1), group=group_of(cam), item=item)
+      call set%origins%error(findings, group_of(cam), item, text, 1)
    end subroutine complain
 
    !> Name of the group of a cam.
@@ -298,9 +298,8 @@ contains
                return
             end if
             if (.not. shape%motion%has_stretch()) then
-               call findings%error('at the reference position the linkage does not close, or its output stands still: the law '// &
-                                   'of the output cannot be solved for the input', line=set%origins%line('METHOD', 'CRNKI', 1), &
-                                   group='METHOD', item='CRNKI')
+               call set%origins%error(findings, 'METHOD', 'CRNKI', 'at the reference position the linkage does not close, or '// &
+                                      'its output stands still: the law of the output cannot be solved for the input', 1)
                return
             end if
             if (shape%motion%ways%state /= ways_found) then
@@ -361,9 +360,9 @@ contains
       if (.not. sound) return
       own_drives = count(.not. set%sketch%drives%geared)
       if (own_drives /= size(laws)) then
-         call findings%error('there are '//to_text(own_drives)//' drives of their own, but '//to_text(size(laws))// &
-                             ' cam(s): &CAM is for the first drive, &CAM2 for the second; geared drives need none', &
-                             line=set%origins%line('DRIVES', 'DRIVE', 1), group='DRIVES', item='DRIVE')
+         call set%origins%error(findings, 'DRIVES', 'DRIVE', 'there are '//to_text(own_drives)//' drives of their own, but '// &
+                                to_text(size(laws))//' cam(s): &CAM is for the first drive, &CAM2 for the second; geared '// &
+                                'drives need none', 1)
          return
       end if
       do k = 1, size(laws)
@@ -435,15 +434,15 @@ contains
          return
       end if
       if (law%state /= law_velocity_jumps) then
-         call findings%error('segment '//to_text(law%faulty)//': no motion of this law meets the ends that are given', &
-                             line=set%origins%line(group_of(cam), 'LAW', max(1, law%faulty)), group=group_of(cam), item='LAW')
+         call set%origins%error(findings, group_of(cam), 'LAW', 'segment '//to_text(law%faulty)//': no motion of this law '// &
+                                'meets the ends that are given', max(1, law%faulty))
          return
       end if
       joints = law%joints()
       k = maxloc(abs(joints%jump(1)), dim=1)
-      call findings%error('the velocity jumps by'//general(joints(k)%jump(1))//' per radian of cam at'//general(joints(k)%at)// &
-                          ' degrees; SEGVEL gives both sides one velocity, and a ramp or dwell has its own', &
-                          line=set%origins%line(group_of(cam), 'SEGVEL', max(1, law%faulty)), group=group_of(cam), item='SEGVEL')
+      call set%origins%error(findings, group_of(cam), 'SEGVEL', 'the velocity jumps by'//general(joints(k)%jump(1))//' per '// &
+                             'radian of cam at'//general(joints(k)%at)//' degrees; SEGVEL gives both sides one velocity, and a '// &
+                             'ramp or dwell has its own', max(1, law%faulty))
    end subroutine refuse_law
 
    !> Say where the motion first fails, and of an output out of reach the furthest.

@@ -62,7 +62,7 @@ contains
       class(data_set_t), allocatable :: as_read    ! large: it would fill a small stack
       type(diagnostics_t) :: own
       character(:), allocatable :: why
-      integer :: slide, i
+      integer :: slide
 
       own%file = findings%file
       allocate (as_read, source=set)
@@ -82,9 +82,7 @@ contains
          call resolve_sketch(set, findings, why)
          return
       end if
-      do i = 1, own%count
-         call findings%add(own%list(i))
-      end do
+      call findings%append(own)
    end subroutine resolve
 
    !> What loops leave out, in words.

@@ -85,19 +85,19 @@ contains
       if (.not. sound) return
       call make_chain_problem(set, closure, drawn, inputs_of_drives(set, .true.), result%problem, trouble, which)
       if (which > 0) then
-         call findings%error(trouble, line=set%origins%line('CHAIN', 'VARY', which), group='CHAIN', item='VARY')
+         call set%origins%error(findings, 'CHAIN', 'VARY', trouble, which)
       else if (result%problem%residuals == 0) then
-         call findings%error('variables without desired values: give DESX, DESY or DESANG of the first output in &METHOD, or '// &
-                             'DES1, DES2 ... in &OUTPUTS', line=set%origins%line('CHAIN', 'VARY', 1), group='CHAIN', item='VARY')
+         call set%origins%error(findings, 'CHAIN', 'VARY', 'variables without desired values: give DESX, DESY or DESANG of the '// &
+                                'first output in &METHOD, or DES1, DES2 ... in &OUTPUTS', 1)
       else if (set%search%solver%global .and. any(result%problem%high >= huge(1.0_wp))) then
-         call findings%error('this solver searches a box: give the bounds of all variables, VLOW and VHIGH of &CHAIN', &
-                             line=set%origins%line('SEARCH', 'SOLVER'), group='SEARCH', item='SOLVER')
+         call set%origins%error(findings, 'SEARCH', 'SOLVER', 'this solver searches a box: give the bounds of all variables, '// &
+                                'VLOW and VHIGH of &CHAIN')
       else if (set%search%few > 0) then
-         call findings%error('few positions first is for linkages that are traced in loops: leave NFEW out', &
-                             line=set%origins%line('SEARCH', 'NFEW'), group='SEARCH', item='NFEW')
+         call set%origins%error(findings, 'SEARCH', 'NFEW', 'few positions first is for linkages that are traced in loops: '// &
+                                'leave NFEW out')
       else if (set%search%by_dyads) then
-         call findings%error('dyad by dyad is for linkages that are traced in loops: leave IDYAD out', &
-                             line=set%origins%line('SEARCH', 'IDYAD'), group='SEARCH', item='IDYAD')
+         call set%origins%error(findings, 'SEARCH', 'IDYAD', 'dyad by dyad is for linkages that are traced in loops: leave '// &
+                                'IDYAD out')
       end if
       if (findings%failed()) return
       call result%problem%accept(result%problem%first, result%first_objective, result%first_feasible)

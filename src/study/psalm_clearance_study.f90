@@ -97,11 +97,9 @@ contains
       if (.not. set%rates%given) then
          call findings%error('the group is missing: bridge needs the SPEED of the input', line=set%title_line, group='RATES')
       else if (.not. abs(set%rates%speed) > 0.0_wp) then
-         call findings%error('bridge needs a speed other than 0', line=set%origins%line('RATES', 'SPEED', 1), group='RATES', &
-                             item='SPEED')
+         call set%origins%error(findings, 'RATES', 'SPEED', 'bridge needs a speed other than 0', 1)
       else if (abs(set%rates%accel) > 0.0_wp) then
-         call findings%error('the speed is to be constant: no ACCEL', line=set%origins%line('RATES', 'ACCEL', 1), &
-                             group='RATES', item='ACCEL')
+         call set%origins%error(findings, 'RATES', 'ACCEL', 'the speed is to be constant: no ACCEL', 1)
       end if
       if (prepared%mechanism%sliding_input) then
          call refuse('bridge needs a crank that turns; the input of this linkage slides')
@@ -124,7 +122,7 @@ contains
 
          item = 'CLINK'
          if (set%sketch%given) item = 'CNAME'
-         call findings%error(text, line=set%origins%line('CLEAR', item, 1), group='CLEAR', item=item)
+         call set%origins%error(findings, 'CLEAR', item, text, 1)
       end subroutine refuse
    end subroutine check_clearance
 

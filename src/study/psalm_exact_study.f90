@@ -199,7 +199,7 @@ contains
       subroutine complain(item, message)
          character(*), intent(in) :: item, message
 
-         call findings%error(message, line=set%origins%line('EXACT', item, 1), group='EXACT', item=item)
+         call set%origins%error(findings, 'EXACT', item, message, 1)
       end subroutine complain
    end subroutine check_exact
 

@@ -53,29 +53,20 @@ contains
       type(prepared_t), intent(out) :: prepared
       type(diagnostics_t), intent(inout) :: findings
       type(demand_t), intent(in), optional :: demand     !! for memory; that of psalm if absent
-      type(diagnostics_t) :: own, all
+      type(diagnostics_t) :: own
       type(force_model_t) :: model
       type(demand_t) :: each
       integer(int64) :: bytes
-      integer :: i
 
       allocate (prepared%vertices(0, 0))
-      call set_up(set, prepared%mechanism, prepared%given, prepared%parameters, all)
-      do i = 1, all%count
-         ! the loops of a sketch are not the user's to mend
-         if (set%sketch%given .and. all%list(i)%level == level_warning .and. all%list(i)%group == 'LINKS') cycle
-         call prepared%warnings%add(all%list(i))
-      end do
-      do i = 1, prepared%warnings%count
-         call findings%add(prepared%warnings%list(i))
-      end do
+      call set_up(set, prepared%mechanism, prepared%given, prepared%parameters, prepared%warnings)
+      if (set%sketch%given) call prepared%warnings%drop(level_warning, 'LINKS') ! its loops are not the user's to mend
+      call findings%append(prepared%warnings)
       if (prepared%warnings%failed()) return
       own%file = set%file
       if (set%links%nloop == 0) then
          if (allocated(set%no_loops) .and. forces_wanted(set)) call judge_chain_forces(set, own)
-         do i = 1, own%count
-            call findings%add(own%list(i))
-         end do
+         call findings%append(own)
          return
       end if
       if (present(demand)) each = demand
@@ -90,8 +81,7 @@ contains
       call check_regions(set%constr, prepared%mechanism, own)
       if (set%search%by_dyads .and. prepared%parameters%has_search()) then
          if (maxval(dyads_of_variables(prepared%mechanism, prepared%parameters)) == 1) &
-            call own%error('all dimensions that vary belong to one dyad: leave IDYAD out', &
-                           line=set%origins%line('SEARCH', 'IDYAD'), group='SEARCH', item='IDYAD')
+            call set%origins%error(own, 'SEARCH', 'IDYAD', 'all dimensions that vary belong to one dyad: leave IDYAD out')
       end if
       if (forces_wanted(set)) call make_force_model(set, prepared%mechanism, prepared%given, model, own)
       associate (nvar => size(prepared%parameters%variables))
@@ -103,9 +93,7 @@ contains
             allocate (prepared%vertices(nvar, 0))
          end if
       end associate
-      do i = 1, own%count
-         call findings%add(own%list(i))
-      end do
+      call findings%append(own)
       prepared%ready = .not. own%failed()
    end subroutine prepare
 

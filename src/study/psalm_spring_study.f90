@@ -80,8 +80,7 @@ contains
          call refuse('SMETH', 1, "'EXACT' needs a crank that turns; use 'SEARCH'")
       end if
       if (size(model%friction) > 0) then
-         call findings%error('loads with friction are not linear in those of springs: leave &FRICTN out', &
-                             line=set%origins%line('FRICTN', ''), group='FRICTN')
+         call set%origins%error(findings, 'FRICTN', '', 'loads with friction are not linear in those of springs: leave &FRICTN out')
       end if
 
    contains
@@ -90,8 +89,7 @@ contains
          character(*), intent(in) :: item, text
          integer, intent(in) :: entry
 
-         call findings%error('entry '//to_text(entry)//': '//text, line=set%origins%line('SPRNGS', item, entry), &
-                             group='SPRNGS', item=item)
+         call set%origins%error(findings, 'SPRNGS', item, 'entry '//to_text(entry)//': '//text, entry)
       end subroutine refuse
    end subroutine judge_springs
 

@@ -44,11 +44,9 @@ contains
          if (.not. set%rates%given) then
             call findings%error('the group is missing: ssics needs the SPEED of the input', line=set%title_line, group='RATES')
          else if (.not. abs(set%rates%speed) > 0.0_wp) then
-            call findings%error('ssics needs a speed other than 0', line=set%origins%line('RATES', 'SPEED', 1), group='RATES', &
-                                item='SPEED')
+            call set%origins%error(findings, 'RATES', 'SPEED', 'ssics needs a speed other than 0', 1)
          else if (abs(set%rates%accel) > 0.0_wp) then
-            call findings%error('a steady state has a constant speed: no ACCEL', line=set%origins%line('RATES', 'ACCEL', 1), &
-                                group='RATES', item='ACCEL')
+            call set%origins%error(findings, 'RATES', 'ACCEL', 'a steady state has a constant speed: no ACCEL', 1)
          end if
       end if
       if (set%vibration%given) then
@@ -59,13 +57,12 @@ contains
                          findings)
       end do
       if (set%drive%given .and. prepared%mechanism%sliding_input) then
-         call findings%error('a flexible drive needs a crank that turns; the input of this linkage slides', &
-                             line=set%origins%line('DRIVEL', ''), group='DRIVEL')
+         call set%origins%error(findings, 'DRIVEL', '', 'a flexible drive needs a crank that turns; the input of this linkage '// &
+                                'slides')
       end if
       if (set%drive%given .and. size(model%friction) > 0) then
-         call findings%error('the equation of a flexible drive is linear, but friction changes its sign with the motion of the '// &
-                             'joint; leave &FRICTN out, or give its losses as a moment in &LOADS', &
-                             line=set%origins%line('FRICTN', ''), group='FRICTN')
+         call set%origins%error(findings, 'FRICTN', '', 'the equation of a flexible drive is linear, but friction changes its '// &
+                                'sign with the motion of the joint; leave &FRICTN out, or give its losses as a moment in &LOADS')
       end if
       if (set%drive%given .and. set%drive%ripple > 0.0_wp) then
          if (size(model%loads) > 0) call refuse_load('LOADS', 'loads')
@@ -79,8 +76,8 @@ contains
       subroutine refuse_load(group, what)
          character(*), intent(in) :: group, what
 
-         call findings%error('DRIPPL of &DRIVEL puts an inertia in place of the linkage: '//what//' would act on nothing; '// &
-                             'leave one of them out', line=set%origins%line(group, ''), group=group)
+         call set%origins%error(findings, group, '', 'DRIPPL of &DRIVEL puts an inertia in place of the linkage: '//what// &
+                                ' would act on nothing; leave one of them out')
       end subroutine refuse_load
 
       !> The item that names a link: of a sketch by its name.
