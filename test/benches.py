@@ -63,8 +63,8 @@ def in_order(modules, wanted):
 
 
 def check_in_real32(work):
-    """Syntax and kinds of the benchmark in real32; the modules of src/ that it uses come before it."""
-    sources = [p for e in ("f90", "F90") for p in glob.glob(os.path.join(top, "src", "**", "*." + e), recursive=True)]
+    """Syntax and kinds of the benchmark in real32; the modules of src/ and generated/ that it uses come before it."""
+    sources = [p for folder in ("src", "generated") for p in glob.glob(os.path.join(top, folder, "**", "*.[fF]90"), recursive=True)]
     own = modules_of(glob.glob(os.path.join(bench, "src", "*.f90")) + glob.glob(os.path.join(bench, "app", "*.f90")))
     modules = modules_of(sources)
     modules.update(own)

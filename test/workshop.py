@@ -64,7 +64,7 @@ class Build:
         self.examples = os.path.join(place, "examples")
         self.library = os.path.join(place, "libpsalm_trial.so")
         self.units = {}       # source -> (module it defines or None, modules it uses, program or not)
-        patterns = ["src/**/*.[fF]90", "app/*.[fF]90", "src/**/*.c"] + (["test/*.[fF]90", "example/*.f90"] if tests else [])
+        patterns = ["generated/src/*.f90", "src/**/*.[fF]90", "app/*.[fF]90", "src/**/*.c"] + (["test/*.[fF]90", "example/*.f90"] if tests else [])
         for pattern in patterns:
             for name in sorted(glob.glob(os.path.join(top, pattern), recursive=True)):
                 self.units[os.path.relpath(name, top)] = self.look(name)

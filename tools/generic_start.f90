@@ -1,4 +1,4 @@
-!> Makes src/exact/psalm_generic_start.f90: all solutions of two generic problems of two legs, from nothing.
+!> Makes generated/src/psalm_generic_start.f90: all solutions of two generic problems of two legs, from nothing.
 !>
 !> Eight points by a slider-crank (558 solutions), and three poses and four points by a four-bar (402, of which one of two with
 !> exchanged legs is kept), as psalm_generic draws them. tools/make_generic compiles and runs it. Messages go to standard error.

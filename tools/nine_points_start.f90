@@ -1,4 +1,4 @@
-!> Makes src/exact/psalm_nine_points_start.f90: all solutions of one nine-point problem, from nothing.
+!> Makes generated/src/psalm_nine_points_start.f90: all solutions of one nine-point problem, from nothing.
 !>
 !> A generic problem is solved by monodromy, its 1442 orbits are followed to the points of a disturbed oval, and one of each pair of
 !> conjugate orbits is written in single precision. tools/make_nine_points compiles and runs it. Messages go to standard error.
@@ -93,7 +93,7 @@ contains
       print '(a)', '!>'
       print '(a)', '!> Made by tools/make_nine_points; not to be edited.'
       print '(a)', 'module psalm_nine_points_start'
-      print '(a)', '   use psalm_kinds, only: wp'
+      print '(a)', '   use, intrinsic :: iso_fortran_env, only: real64'
       print '(a)', '   implicit none (type, external)'
       print '(a)', '   private'
       print '(a)', '   public :: start_points, start_line, own_conjugates, stored'
@@ -102,9 +102,9 @@ contains
       print '(a,i0,a)', '   integer, parameter :: stored = ', kept, ' !! orbits that are here'
       print '(a,i0,a)', '   integer, parameter :: line_length = ', len(line), ' !! characters of a solution'
       print '(a,i0,a)', '   integer, parameter :: lines_a_table = ', lines_a_table, ''
-      print '(a)', '   complex(wp), parameter :: start_points(0:8) = [ &'
+      print '(a)', '   complex(real64), parameter :: start_points(0:8) = [ &'
       do i = 0, most_points
-         print '(a,es24.17,a,es24.17,a)', '      (', real(point(i), wp), '_wp, ', aimag(point(i)), '_wp)'//merge(' ]', ', ', &
+         print '(a,es24.17,a,es24.17,a)', '      (', real(point(i), wp), '_real64, ', aimag(point(i)), '_real64)'//merge(' ]', ', ', &
             i == most_points)//merge('  ', ' &', i == most_points)
       end do
       table = 0

@@ -14,7 +14,7 @@ module psalm_nine_points
    use psalm_leg_lanes, only: path_t
    use psalm_leg_problem, only: kind_point, leg_data_t, make_problem, most_points, variables
    use psalm_monodromy, only: scale_problem, scale_solutions
-   use psalm_nine_points_start, only: own_conjugates, start_line, start_points, stored
+   use psalm_nine_points_start, only: own_conjugates, printed_points => start_points, start_line, stored
    use psalm_start_text, only: characters_a_number, decode
    use psalm_stop, only: stop_t
    use psalm_tracker, only: polish, track, tracked_t
@@ -24,6 +24,7 @@ module psalm_nine_points
 
    integer, parameter :: nine_point_orbits = 1442    !! Wampler, Morgan and Sommese (1992)
    integer, parameter :: most_passes = 3
+   complex(wp), parameter :: start_points(0:most_points) = cmplx(printed_points, kind=wp)
    real(wp), parameter :: phases(most_passes) = [0.7_wp, -0.7_wp, 0.55_wp] !! radians
 
    !> All solutions, in the coordinates in which they were followed.

@@ -1,12 +1,13 @@
 !> Cams as one self-contained HTML page: the page's text is part of the program, the scene goes into it as JSON.
 module psalm_cam_page
    use psalm_cam_profile, only: in_machine
-   use psalm_cam_page_text, only: cam_page_text, title_mark, data_mark
+   use psalm_cam_page_text, only: cam_page_text
    use psalm_cam_scene, only: cam_scene_t, cam_part_t
    use psalm_cam_shape, only: extreme_t, measure_base, measure_outer, measure_pressure, measure_convex, measure_concave
    use psalm_cam_study, only: cam_study_t, role_cam, role_conjugate
    use psalm_kinds, only: wp, radians_per_degree
    use psalm_markup, only: json_text, short_number, xml_text, comma, truth
+   use psalm_shared_text, only: title_mark, data_mark
    use psalm_text, only: text_t, to_text
    implicit none (type, external)
    private

@@ -8,11 +8,12 @@ module psalm_page
    use psalm_output_kind, only: motion_point, motion_angle, motion_distance
    use psalm_labels, only: place_labels
    use psalm_markup, only: xml_text, json_text, number_or_null, short_number, short_or_null, strings_t, comma, truth
-   use psalm_page_text, only: page_text, title_mark, data_mark
+   use psalm_page_text, only: page_text
    use psalm_panels, only: band_t, panel_t
    use psalm_parts, only: bar_t, body_t
    use psalm_proof_page, only: write_proof_data
    use psalm_scene, only: scene_t, motion_number
+   use psalm_shared_text, only: title_mark, data_mark
    use psalm_text, only: text_t, full_precision, to_text
    use psalm_trace, only: row_t
    use psalm_vibration_page, only: write_vibration_data

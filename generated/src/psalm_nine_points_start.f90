@@ -2,7 +2,7 @@
 !>
 !> Made by tools/make_nine_points; not to be edited.
 module psalm_nine_points_start
-   use psalm_kinds, only: wp
+   use, intrinsic :: iso_fortran_env, only: real64
    implicit none (type, external)
    private
    public :: start_points, start_line, own_conjugates, stored
@@ -11,16 +11,16 @@ module psalm_nine_points_start
    integer, parameter :: stored = 809 !! orbits that are here
    integer, parameter :: line_length = 96 !! characters of a solution
    integer, parameter :: lines_a_table = 200
-   complex(wp), parameter :: start_points(0:8) = [ &
-      ( 1.39342280874060576E+00_wp,  1.15856956807986605E-01_wp),  &
-      ( 8.72305387438947588E-01_wp,  5.71647719661535381E-01_wp),  &
-      (-1.34984548742522747E-03_wp,  7.77331149959350598E-01_wp),  &
-      (-6.25889707171130349E-01_wp,  8.95279820213981448E-01_wp),  &
-      (-9.26894887196542894E-01_wp,  3.00956999936752179E-01_wp),  &
-      (-1.03202646707322510E+00_wp, -4.16813956744738423E-01_wp),  &
-      (-7.67533101569475740E-01_wp, -6.63565906598007960E-01_wp),  &
-      ( 5.45894997575947505E-02_wp, -8.93188106767337175E-01_wp),  &
-      ( 1.03337631256065010E+00_wp, -6.87504676469522291E-01_wp) ]
+   complex(real64), parameter :: start_points(0:8) = [ &
+      ( 1.39342280874060576E+00_real64,  1.15856956807986605E-01_real64),  &
+      ( 8.72305387438947588E-01_real64,  5.71647719661535381E-01_real64),  &
+      (-1.34984548742522747E-03_real64,  7.77331149959350598E-01_real64),  &
+      (-6.25889707171130349E-01_real64,  8.95279820213981448E-01_real64),  &
+      (-9.26894887196542894E-01_real64,  3.00956999936752179E-01_real64),  &
+      (-1.03202646707322510E+00_real64, -4.16813956744738423E-01_real64),  &
+      (-7.67533101569475740E-01_real64, -6.63565906598007960E-01_real64),  &
+      ( 5.45894997575947505E-02_real64, -8.93188106767337175E-01_real64),  &
+      ( 1.03337631256065010E+00_real64, -6.87504676469522291E-01_real64) ]
    character(line_length), parameter :: table1(200) = [ &
       'O-y2?KsZ{KD]O-y2?KtZ{KD]*H0u3_f5v;PL*H0u3_g5v;PL9C3R2^}Pp;7W9C3R2^~Pp;7WDPK-WRs\P91KDPK-WRt\P91K', &
       '~`6XuK}}<A3Nl0NjmJfHK9+[n`Y(aGL*kBpCI0h4pJJ_fJT[1++sML@h:_DN:|*sML@h:_DNgU)EIGzqhn*DhU)EIGzqhn*D', &
