@@ -86,6 +86,9 @@ contains
       call t%is_true(sets(1)%masses%motor_on_frame, 'IMOTOR')
       call t%equal_integer(sets(1)%masses%harmonics, 6, 'NHARM')
       call t%equal_integer(size(sets(1)%loads%places), 0, 'no loads')
+      call read_text(four_bar//' &MASSES MLINK=2,4, MLOOP=2*1, MASS=3. &END'//nl)
+      call t%is_true(.not. findings%failed(), 'a number of masses that is not given is counted')
+      call t%equal_integer(size(sets(1)%masses%places), 2, 'by the longest item')
       call read_text(four_bar)
       call t%is_true(.not. sets(1)%masses%given, 'no masses')
    end subroutine defaults
@@ -106,7 +109,7 @@ contains
    end subroutine entries_add_up
 
    subroutine wrong_numbers()
-      call wrong(four_bar//' &MASSES MLINK=2, MLOOP=1 &END'//nl, '&MASSES NMASS: missing; this item is required')
+      call wrong(four_bar//' &MASSES MASS=1. &END'//nl, '&MASSES MLINK: missing; this item is required')
       call wrong(four_bar//' &MASSES NMASS=1, MASS=1. &END'//nl, '&MASSES MLINK: missing; this item is required')
       call wrong(four_bar//' &MASSES NMASS=-1 &END'//nl, 'must be from 0 to')
       call wrong(four_bar//' &MASSES NMASS=1, MLINK=2, MLOOP=1, MASS=NaN &END'//nl, '&MASSES MASS: ')

@@ -2,11 +2,14 @@
 module psalm_friction_group
    use psalm_group, only: group_t
    use psalm_kinds, only: wp
-   use psalm_link_place, only: place_t, read_places, read_count, refuse_unless
+   use psalm_link_place, only: place_t, read_places
+   use psalm_rule, only: rule_t, a_number, a_text, a_whole
    use psalm_sketch, only: sketch_t
    use psalm_status, only: diagnostics_t
+   use psalm_take, only: take, take_count
    implicit none (type, external)
    private
+   public :: friction_items
    public :: friction_group_t, read_friction_group
 
    type :: friction_group_t
@@ -15,6 +18,26 @@ module psalm_friction_group
       real(wp), allocatable :: coefficient(:)     !! shape (entries)
       real(wp), allocatable :: radius(:)          !! shape (entries): of the pin, or half the length of the shoe, user's length
    end type friction_group_t
+
+   !> The items of the group.
+   type(rule_t), parameter :: friction_items(*) = [ &
+      rule_t('NFRIC', a_whole, '', '', 'as many as the longest item has', '[0,100000]', &
+             'number of joints with friction'), &
+      rule_t('FLINK', a_whole, 'NFRIC', '', 'required', '', &
+             'the joint at the finish of this arc; negative: at its start'), &
+      rule_t('FLOOP', a_whole, 'NFRIC', '', 'required', '', &
+             'the loop of that arc'), &
+      rule_t('FNAME', a_text, 'NFRIC', '', '', '', &
+             'of a sketch, in place of both: the joint or slide; where a joint pins more than two links with '// &
+             'the one that turns in it, `''B rod''`'), &
+      rule_t('FMU', a_number, 'NFRIC', '', '0', '[0,)', &
+             'coefficient of friction', &
+             'a coefficient of friction is not negative'), &
+      rule_t('FRAD', a_number, 'NFRIC', 'length', '0', '[0,)', &
+             'radius of the pin, or half the length of the shoe that slides; a shoe of no length has the '// &
+             'friction of N alone. The middle of the shoe is the foot of the slide, on the link that guides it '// &
+             '(a bush); of a sketch it is the point SLX, SLY of the second link, SLNK2', &
+             'a radius is not negative')]
 
 contains
 
@@ -28,13 +51,11 @@ contains
       integer :: n
 
       friction%given = group%line > 0
-      call read_count(group, 'NFRIC', n, findings)
-      allocate (friction%joints(n))
-      allocate (friction%coefficient(n), friction%radius(n), source=0.0_wp)
+      call group%follow(friction_items)
+      call take_count(group, 'NFRIC', n, findings)
+      allocate (friction%joints(n), friction%coefficient(n), friction%radius(n))
       call read_places(group, 'F', ilink, friction%joints, findings, ends_only=.true., sketch=sketch)
-      call group%get_reals('FMU', friction%coefficient, findings)
-      call group%get_reals('FRAD', friction%radius, findings)
-      call refuse_unless(friction%coefficient >= 0.0_wp, group, 'FMU', 'a coefficient of friction is not negative', findings)
-      call refuse_unless(friction%radius >= 0.0_wp, group, 'FRAD', 'a radius is not negative', findings)
+      call take(group, 'FMU', friction%coefficient, findings)
+      call take(group, 'FRAD', friction%radius, findings)
    end subroutine read_friction_group
 end module psalm_friction_group

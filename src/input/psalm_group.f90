@@ -7,6 +7,7 @@ module psalm_group
    use psalm_kinds, only: wp
    use psalm_number, only: parse_integer, parse_real
    use psalm_origin, only: origins_t, name_length
+   use psalm_rule, only: rule_t, any_number
    use psalm_status, only: diagnostics_t
    use psalm_text, only: text_t, upper_case, to_text, nearest_name, shortened
    implicit none (type, external)
@@ -56,12 +57,14 @@ module psalm_group
       integer :: filled = 0                 !! valid elements of `values`
       type(text_t) :: characters            !! of all values
       integer, allocatable :: order(:)      !! the items by name, those of one name as they were written
-      character(name_length), allocatable :: known(:) !! names asked for so far
+      type(rule_t), allocatable :: rules(:) !! what its items may be
+      character(name_length), allocatable :: known(:) !! names of its items: those of the rules, and asked for so far
       type(origins_t) :: origins            !! places of the values handed out
       logical :: count_missing = .false.    !! the item that counts the others is not there: too many of them are not told
       type(missing_t), allocatable :: missing(:) !! told at the end, if no misspelt item is meant
    contains
       procedure :: begin
+      procedure :: follow
       procedure :: sort_items
       procedure :: text_of
       procedure :: given
@@ -100,6 +103,23 @@ contains
       call self%origins%clear()
       if (line > 0) call self%origins%mention(name, '', line)
    end subroutine begin
+
+   !> Take the table of the group's items, which has their names.
+   pure subroutine follow(self, rules)
+      class(group_t), intent(inout) :: self
+      type(rule_t), intent(in) :: rules(:)
+
+      self%rules = rules
+      self%known = [character(name_length) :: self%known, pack(rules%name, index(rules%name, any_number) == 0)]
+   end subroutine follow
+
+   !> Note that a name is one of an item.
+   pure subroutine know(self, name)
+      class(group_t), intent(inout) :: self
+      character(*), intent(in) :: name
+
+      if (.not. any(self%known == name)) self%known = [character(name_length) :: self%known, padded(name)]
+   end subroutine know
 
    !> Append a value to the item read last.
    pure subroutine add_value(group, value, text)
@@ -263,7 +283,7 @@ contains
       type(diagnostics_t), intent(inout) :: findings
       integer :: k, first, last
 
-      self%known = [character(name_length) :: self%known, padded(name)]
+      call know(self, name)
       call find(self, name, first, last)
       do k = first, last
          associate (item => self%items(self%order(k)))
@@ -287,7 +307,7 @@ contains
       type(diagnostics_t), intent(inout) :: findings
       integer :: k, j, from, to, first, highest, longest
 
-      self%known = [character(name_length) :: self%known, padded(name)]
+      call know(self, name)
       call find(self, name, from, to)
       highest = 0
       longest = 1
@@ -379,7 +399,7 @@ contains
       logical :: valid, fills
       logical :: zero                                    !! the value may fill up
 
-      self%known = [character(name_length) :: self%known, padded(name)]
+      call know(self, name)
       fills = .false.
       if (present(filler)) fills = filler
       highest = 0

@@ -1,16 +1,19 @@
 !> The group LOADS: forces and moments that act on links, constant, turning with the link, or by a table over the input.
 module psalm_load_group
-   use psalm_group, only: group_t, check_range, out_of
+   use psalm_group, only: group_t, out_of
    use psalm_kinds, only: wp
-   use psalm_link_place, only: place_t, read_places, read_count, refuse_unless
+   use psalm_link_place, only: place_t, read_places, refuse_unless
+   use psalm_rule, only: rule_t, a_number, a_text, a_whole
    use psalm_sketch, only: sketch_t
    use psalm_status, only: diagnostics_t
+   use psalm_take, only: take, take_count
    use psalm_text, only: to_text
    implicit none (type, external)
    private
+   public :: load_items
    public :: load_group_t, read_load_group
 
-   integer, parameter :: most_tables = 1000, most_rows = 100000 !! above these a number is taken for a slip of the pen
+   integer, parameter :: fewest_rows = 2          !! of a table
 
    type :: load_group_t
       logical :: given = .false.                  !! the group was given
@@ -22,6 +25,41 @@ module psalm_load_group
       real(wp), allocatable :: input(:)           !! shape (rows): inputs of the tables, degrees or length, ascending
       real(wp), allocatable :: factor(:, :)       !! shape (rows, tables)
    end type load_group_t
+
+   !> The items of the group.
+   type(rule_t), parameter :: load_items(*) = [ &
+      rule_t('NLOAD', a_whole, '', '', 'as many as the longest item has', '[0,100000]', &
+             'number of loads'), &
+      rule_t('LLINK', a_whole, 'NLOAD', '', 'required', '', &
+             'an arc of the link where each acts, as in &MASSES'), &
+      rule_t('LLOOP', a_whole, 'NLOAD', '', 'required', '', &
+             'the loop of that arc'), &
+      rule_t('LNAME', a_text, 'NLOAD', '', '', '', &
+             'of a sketch, in place of both: the link, and the joint the place is counted from'), &
+      rule_t('LDIST', a_number, 'NLOAD', 'length', '0', '', &
+             'distance from that end'), &
+      rule_t('LANG', a_number, 'NLOAD', 'degrees', '0', '', &
+             'angle from the arc''s direction'), &
+      rule_t('LFX', a_number, 'NLOAD', 'N', '0', '', &
+             'force along the machine''s x axis; with LTURN=1 along the arc, turning with it'), &
+      rule_t('LFY', a_number, 'NLOAD', 'N', '0', '', &
+             'force along the machine''s y axis; with LTURN=1 across the arc'), &
+      rule_t('LMOM', a_number, 'NLOAD', 'N m', '0', '', &
+             'moment'), &
+      rule_t('LTURN', a_whole, 'NLOAD', '', '0', '0 1', &
+             '1: the force turns with the link', &
+             '0 (machine axes) or 1 (turning with the arc) is expected'), &
+      rule_t('LTABLE', a_whole, 'NLOAD', '', '0', '', &
+             'number of the table that force and moment are multiplied by; 0: none'), &
+      rule_t('NTABLE', a_whole, '', '', 'as many as TABVAL has', '[0,1000]', &
+             'number of tables'), &
+      rule_t('NTABIN', a_whole, '', '', 'as many as TABIN has', '[0,100000]', &
+             'number of inputs in each table'), &
+      rule_t('TABIN', a_number, 'NTABIN', '', '', '', &
+             'inputs of the tables, ascending: crank angles in degrees, or lengths'), &
+      rule_t('TABVAL', a_number, 'NTABLE*NTABIN', '', '', '', &
+             'factors, table by table: NTABIN for each. Between two inputs the factor is on the straight line; '// &
+             'a table over the crank goes round the turn, one over a length keeps its end values')]
 
 contains
 
@@ -36,20 +74,17 @@ contains
       integer :: n
 
       loads%given = group%line > 0
-      call read_count(group, 'NLOAD', n, findings)
-      allocate (loads%places(n), loads%turns(n))
-      allocate (loads%force(2, n), loads%moment(n), source=0.0_wp)
-      allocate (loads%table(n), turning(n), source=0)
+      call group%follow(load_items)
+      call take_count(group, 'NLOAD', n, findings)
+      allocate (loads%places(n), loads%turns(n), loads%force(2, n), loads%moment(n), loads%table(n), turning(n))
       call read_places(group, 'L', ilink, loads%places, findings, sketch=sketch)
-      call group%get_reals('LFX', loads%force(1, :), findings)
-      call group%get_reals('LFY', loads%force(2, :), findings)
-      call group%get_reals('LMOM', loads%moment, findings)
-      call group%get_integers('LTURN', turning, findings)
-      call refuse_unless(turning == 0 .or. turning == 1, group, 'LTURN', &
-                         '0 (machine axes) or 1 (turning with the arc) is expected', findings)
+      call take(group, 'LFX', loads%force(1, :), findings)
+      call take(group, 'LFY', loads%force(2, :), findings)
+      call take(group, 'LMOM', loads%moment, findings)
+      call take(group, 'LTURN', turning, findings)
       loads%turns = turning == 1
       call read_tables(group, loads, findings)
-      call group%get_integers('LTABLE', loads%table, findings)
+      call take(group, 'LTABLE', loads%table, findings)
       call refuse_unless(loads%table >= 0 .and. loads%table <= size(loads%factor, 2), group, 'LTABLE', &
                          'there are tables 1 to '//to_text(size(loads%factor, 2))//' (0: none)', findings)
       where (loads%table < 0 .or. loads%table > size(loads%factor, 2)) loads%table = 0
@@ -63,19 +98,15 @@ contains
       integer :: tables, rows, last_input, last_factor
       real(wp), allocatable :: factors(:)
 
-      tables = 0
-      rows = 0
-      call group%get_integer('NTABLE', tables, findings)
-      call group%get_integer('NTABIN', rows, findings)
-      call check_range(group, 'NTABLE', tables, 0, most_tables, findings)
-      call check_range(group, 'NTABIN', rows, merge(2, 0, tables > 0), most_rows, findings)
-      tables = min(max(tables, 0), most_tables)
-      rows = min(max(rows, 0), most_rows)
+      call take_count(group, 'NTABLE', tables, findings)
+      call take_count(group, 'NTABIN', rows, findings)
+      if (tables > 0 .and. rows < fewest_rows) call out_of(group, 'NTABIN', 'a table has 2 inputs or more; found '// &
+                                                           to_text(rows), findings)
       allocate (loads%input(rows), factors(rows*tables), source=0.0_wp)
       call group%get_reals('TABIN', loads%input, findings, last=last_input)
       call group%get_reals('TABVAL', factors, findings, max(rows, 1), last=last_factor)
       loads%factor = reshape(factors, [rows, tables])
-      if (tables == 0 .or. rows < 2) return
+      if (tables == 0 .or. rows < fewest_rows) return
       if (last_input < rows) call out_of(group, 'TABIN', 'NTABIN='//to_text(rows)//' inputs are announced, but only '// &
                                          to_text(last_input)//' values given', findings)
       if (last_factor < rows*tables) call out_of(group, 'TABVAL', to_text(tables)//' tables of '//to_text(rows)// &

@@ -1,31 +1,76 @@
 !> The group MASSES: masses of the links, the metre, gravity, and what of the forces is listed.
 module psalm_mass_group
-   use psalm_group, only: group_t, check_range, out_of, read_flag
+   use psalm_group, only: group_t, check_range
    use psalm_kinds, only: wp
-   use psalm_link_place, only: place_t, read_places, read_count
+   use psalm_link_place, only: place_t, read_places
+   use psalm_rule, only: rule_t, a_flag, a_number, a_text, a_whole
    use psalm_sketch, only: sketch_t
    use psalm_status, only: diagnostics_t
+   use psalm_take, only: take, take_count
    implicit none (type, external)
    private
-   public :: mass_group_t, read_mass_group, most_harmonics
-
-   integer, parameter :: most_harmonics = 1000    !! above this NHARM is taken for a slip of the pen
-   integer, parameter :: default_harmonics = 6    !! of drive and shaking force that are listed
+   public :: mass_items
+   public :: mass_group_t, read_mass_group
 
    type :: mass_group_t
       logical :: given = .false.                  !! the group was given
       type(place_t), allocatable :: places(:)     !! shape (entries): centres of mass
       real(wp), allocatable :: mass(:)            !! shape (entries): kg
       real(wp), allocatable :: inertia(:)         !! shape (entries): about the entry's own centre of mass, kg m2
-      real(wp) :: metre = 1.0_wp                  !! UNITL: metres in one unit of length
+      real(wp) :: metre = 0.0_wp                  !! UNITL: metres in one unit of length
       real(wp) :: gravity(2) = 0.0_wp             !! m/s2, machine axes
       real(wp) :: about(2) = 0.0_wp               !! the frame moment is listed about this point too, user's length
       logical :: about_given = .false.
       logical :: motor_on_frame = .true.          !! the frame moment contains the drive's reaction
       integer :: shares = 0                       !! 1: list the share of every source
-      integer :: harmonics = default_harmonics    !! harmonics listed
+      integer :: harmonics = 0    !! harmonics listed
       integer :: added = 0                        !! MADDED: so many of the last entries are counterweights
    end type mass_group_t
+
+   !> The items of the group.
+   type(rule_t), parameter :: mass_items(*) = [ &
+      rule_t('NMASS', a_whole, '', '', 'as many as the longest item has', '[0,100000]', &
+             'number of entries; entries on one link add up (a counterweight is an entry, a hole a negative one)'), &
+      rule_t('MLINK', a_whole, 'NMASS', '', 'required', '', &
+             'an arc of the link; negative: the place is counted from the arc''s start, positive: from its '// &
+             'finish'), &
+      rule_t('MLOOP', a_whole, 'NMASS', '', 'required', '', &
+             'the loop of that arc'), &
+      rule_t('MNAME', a_text, 'NMASS', '', '', '', &
+             'of a sketch, in place of both: the link, and the joint the place is counted from: `''rod''`, '// &
+             '`''rod B''`'), &
+      rule_t('MASS', a_number, 'NMASS', 'kg', '0', '', &
+             'mass'), &
+      rule_t('MDIST', a_number, 'NMASS', 'length', '0', '', &
+             'centre of mass: distance from that end'), &
+      rule_t('MANG', a_number, 'NMASS', 'degrees', '0', '', &
+             'centre of mass: angle from the arc''s direction'), &
+      rule_t('MINERT', a_number, 'NMASS', 'kg m2', '0', '', &
+             'moment of inertia about the entry''s own centre of mass; without a mass it is a flywheel'), &
+      rule_t('UNITL', a_number, '', 'm', '1', '(0,)', &
+             'metres in one unit of length: 0.001 if lengths are millimetres; a warning where it is missing and '// &
+             'the linkage more than 20 units large', &
+             'metres in one unit of length: must be above 0'), &
+      rule_t('GRAVX', a_number, '', 'm/s2', '0', '', &
+             'gravity along the machine''s x axis'), &
+      rule_t('GRAVY', a_number, '', 'm/s2', '0', '', &
+             'gravity along the machine''s y axis'), &
+      rule_t('MOMX', a_number, '', 'length', '0', '', &
+             'the moment on the frame is listed about this point too: its x'), &
+      rule_t('MOMY', a_number, '', 'length', '0', '', &
+             'its y'), &
+      rule_t('IMOTOR', a_flag, '', '', '1', '', &
+             '1: the motor stands on the frame, whose moment contains its reaction; 0: a flywheel elsewhere '// &
+             'holds the speed'), &
+      rule_t('ISHARE', a_flag, '', '', '0', '', &
+             '1: device 8 lists the share of every source in drive and frame force'), &
+      rule_t('NHARM', a_whole, '', '', '6', '[0,1000]', &
+             'harmonics listed of drive and frame force, if the positions divide a turn of the crank evenly '// &
+             '(IKIN)'), &
+      rule_t('MADDED', a_whole, '', '', '0', '[0,NMASS]', &
+             'so many of the last entries are counterweights, as `muscle` writes them: `balm` draws each as the '// &
+             'disc that has its mass and MINERT (without MINERT: a disc of steel, 10 mm thick), and beside '// &
+             'drive and frame force what they are without them')]
 
 contains
 
@@ -36,29 +81,25 @@ contains
       type(sketch_t), intent(in) :: sketch        !! its names stand in place of arcs and loops
       type(mass_group_t), intent(inout) :: masses
       type(diagnostics_t), intent(inout) :: findings
-      integer :: n, motor
+      integer :: n
 
       masses%given = group%line > 0
-      call read_count(group, 'NMASS', n, findings)
-      allocate (masses%places(n))
-      allocate (masses%mass(n), masses%inertia(n), source=0.0_wp)
+      call group%follow(mass_items)
+      call take_count(group, 'NMASS', n, findings)
+      allocate (masses%places(n), masses%mass(n), masses%inertia(n))
       call read_places(group, 'M', ilink, masses%places, findings, sketch=sketch)
-      call group%get_reals('MASS', masses%mass, findings)
-      call group%get_reals('MINERT', masses%inertia, findings)
-      call group%get_real('UNITL', masses%metre, findings)
-      if (.not. masses%metre > 0.0_wp) call out_of(group, 'UNITL', 'metres in one unit of length: must be above 0', findings)
-      call group%get_real('GRAVX', masses%gravity(1), findings)
-      call group%get_real('GRAVY', masses%gravity(2), findings)
-      call group%get_real('MOMX', masses%about(1), findings)
-      call group%get_real('MOMY', masses%about(2), findings)
+      call take(group, 'MASS', masses%mass, findings)
+      call take(group, 'MINERT', masses%inertia, findings)
+      call take(group, 'UNITL', masses%metre, findings)
+      call take(group, 'GRAVX', masses%gravity(1), findings)
+      call take(group, 'GRAVY', masses%gravity(2), findings)
+      call take(group, 'MOMX', masses%about(1), findings)
+      call take(group, 'MOMY', masses%about(2), findings)
       masses%about_given = group%given('MOMX') .or. group%given('MOMY')
-      motor = 1
-      call read_flag(group, 'IMOTOR', motor, findings)
-      masses%motor_on_frame = motor == 1
-      call read_flag(group, 'ISHARE', masses%shares, findings)
-      call group%get_integer('NHARM', masses%harmonics, findings)
-      call check_range(group, 'NHARM', masses%harmonics, 0, most_harmonics, findings)
-      call group%get_integer('MADDED', masses%added, findings)
+      call take(group, 'IMOTOR', masses%motor_on_frame, findings)
+      call take(group, 'ISHARE', masses%shares, findings)
+      call take(group, 'NHARM', masses%harmonics, findings)
+      call take(group, 'MADDED', masses%added, findings)
       call check_range(group, 'MADDED', masses%added, 0, n, findings)
    end subroutine read_mass_group
 end module psalm_mass_group

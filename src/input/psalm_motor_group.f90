@@ -1,15 +1,16 @@
 !> The group MOTOR: the torque that drives a crank, its flywheel, and what is asked of the motion that follows.
 module psalm_motor_group
-   use psalm_group, only: group_t, check_range, out_of
+   use psalm_group, only: group_t, out_of
    use psalm_kinds, only: wp
    use psalm_link_place, only: refuse_unless
+   use psalm_rule, only: rule_t, a_number, a_whole
    use psalm_status, only: diagnostics_t
+   use psalm_take, only: take, take_count
    use psalm_text, only: to_text
    implicit none (type, external)
    private
+   public :: motor_items
    public :: motor_group_t, read_motor_group
-
-   integer, parameter :: most_rows = 100000, most_turns = 100000 !! above these a number is taken for a slip of the pen
 
    type :: motor_group_t
       logical :: given = .false.                  !! the group was given
@@ -23,6 +24,30 @@ module psalm_motor_group
       integer :: turns = 0                        !! NTURN: turns of the run-up
    end type motor_group_t
 
+   !> The items of the group.
+   type(rule_t), parameter :: motor_items(*) = [ &
+      rule_t('MTORQ', a_number, '', 'N m', '0', '', &
+             'torque of the motor at rest; loads on the crank are given in &LOADS'), &
+      rule_t('MSPEED', a_number, '', 'rad/s', '0', '[0,)', &
+             'speed at which it has fallen to nothing in a straight line; 0: it is constant', &
+             'must not be negative (0: the torque is constant)'), &
+      rule_t('NMTAB', a_whole, '', '', 'as many as MTABW has', '[0,100000]', &
+             'in place of the line: number of speeds'), &
+      rule_t('MTABW', a_number, 'NMTAB', 'rad/s', '', '', &
+             'the speeds, in ascending order'), &
+      rule_t('MTABT', a_number, 'NMTAB', 'N m', '', '', &
+             'the torques'), &
+      rule_t('FLYWHL', a_number, '', 'kg m2', '0', '[0,)', &
+             'flywheel on the crank'), &
+      rule_t('FLUCT', a_number, '', '', '0', '[0,2)', &
+             'the flywheel is wanted with which the steady cycle fluctuates so much: (greatest - least '// &
+             'speed)/mean of both', &
+             'must lie between 0 and 2: (greatest - least speed)/their mean'), &
+      rule_t('WSTART', a_number, '', 'rad/s', '0', '[0,)', &
+             'run-up: speed at the reference input; 0: from rest'), &
+      rule_t('NTURN', a_whole, '', '', '0', '[0,100000]', &
+             'turns of the run-up')]
+
 contains
 
    !> Read the group. Errors: numbers out of range, speeds of the table that do not ascend.
@@ -33,13 +58,10 @@ contains
       integer :: rows, last_speed, last_torque
 
       motor%given = group%line > 0
-      call group%get_real('MTORQ', motor%torque, findings)
-      call group%get_real('MSPEED', motor%idle, findings)
-      if (motor%idle < 0.0_wp) call out_of(group, 'MSPEED', 'must not be negative (0: the torque is constant)', findings)
-      rows = 0
-      call group%get_integer('NMTAB', rows, findings)
-      call check_range(group, 'NMTAB', rows, 0, most_rows, findings)
-      rows = min(max(rows, 0), most_rows)
+      call group%follow(motor_items)
+      call take(group, 'MTORQ', motor%torque, findings)
+      call take(group, 'MSPEED', motor%idle, findings)
+      call take_count(group, 'NMTAB', rows, findings)
       allocate (motor%speed(rows), motor%table(rows), source=0.0_wp)
       call group%get_reals('MTABW', motor%speed, findings, last=last_speed)
       call group%get_reals('MTABT', motor%table, findings, last=last_torque)
@@ -49,15 +71,9 @@ contains
       else if (rows > 1) then
          call refuse_unless([.true., motor%speed(2:) > motor%speed(:rows - 1)], group, 'MTABW', 'speeds must ascend', findings)
       end if
-      call group%get_real('FLYWHL', motor%flywheel, findings)
-      if (motor%flywheel < 0.0_wp) call out_of(group, 'FLYWHL', 'must not be negative', findings)
-      call group%get_real('FLUCT', motor%fluctuation, findings)
-      if (motor%fluctuation < 0.0_wp .or. motor%fluctuation >= 2.0_wp) then
-         call out_of(group, 'FLUCT', 'must lie between 0 and 2: (greatest - least speed)/their mean', findings)
-      end if
-      call group%get_real('WSTART', motor%start, findings)
-      if (motor%start < 0.0_wp) call out_of(group, 'WSTART', 'must not be negative', findings)
-      call group%get_integer('NTURN', motor%turns, findings)
-      call check_range(group, 'NTURN', motor%turns, 0, most_turns, findings)
+      call take(group, 'FLYWHL', motor%flywheel, findings)
+      call take(group, 'FLUCT', motor%fluctuation, findings)
+      call take(group, 'WSTART', motor%start, findings)
+      call take(group, 'NTURN', motor%turns, findings)
    end subroutine read_motor_group
 end module psalm_motor_group

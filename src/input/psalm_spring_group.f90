@@ -2,11 +2,14 @@
 module psalm_spring_group
    use psalm_group, only: group_t, check_range
    use psalm_kinds, only: wp
-   use psalm_link_place, only: place_t, read_places, read_count, refuse_unless
+   use psalm_link_place, only: place_t, read_places, refuse_unless
+   use psalm_rule, only: rule_t, a_number, a_text, a_whole
    use psalm_sketch, only: sketch_t
    use psalm_status, only: diagnostics_t
+   use psalm_take, only: take, take_count
    implicit none (type, external)
    private
+   public :: spring_items
    public :: spring_group_t, read_spring_group
 
    type :: spring_group_t
@@ -21,6 +24,47 @@ module psalm_spring_group
       integer :: added = 0                        !! SADDED: so many of the last entries were found by muscle
    end type spring_group_t
 
+   !> The items of the group.
+   type(rule_t), parameter :: spring_items(*) = [ &
+      rule_t('NSPRNG', a_whole, '', '', 'as many as the longest item has', '[0,100000]', &
+             'number of springs and dampers'), &
+      rule_t('ALINK', a_whole, 'NSPRNG', '', 'required', '', &
+             'an arc of the link that holds one end, as in &MASSES; an arc of the frame holds it on the frame'), &
+      rule_t('ALOOP', a_whole, 'NSPRNG', '', 'required', '', &
+             'the loop of that arc'), &
+      rule_t('ANAME', a_text, 'NSPRNG', '', '', '', &
+             'of a sketch, in place of both: the link, and the joint the place is counted from'), &
+      rule_t('ADIST', a_number, 'NSPRNG', 'length', '0', '', &
+             'distance from that end of the arc'), &
+      rule_t('AANG', a_number, 'NSPRNG', 'degrees', '0', '', &
+             'angle from the arc''s direction'), &
+      rule_t('BLINK', a_whole, 'NSPRNG', '', 'required', '', &
+             'an arc of the link that holds the other end'), &
+      rule_t('BLOOP', a_whole, 'NSPRNG', '', 'required', '', &
+             'the loop of that arc'), &
+      rule_t('BNAME', a_text, 'NSPRNG', '', '', '', &
+             'of a sketch, in place of both: the link, and the joint the place is counted from'), &
+      rule_t('BDIST', a_number, 'NSPRNG', 'length', '0', '', &
+             'distance from that end of the arc'), &
+      rule_t('BANG', a_number, 'NSPRNG', 'degrees', '0', '', &
+             'angle from the arc''s direction'), &
+      rule_t('STORS', a_whole, 'NSPRNG', '', '0', '0 1', &
+             '1: torsional, between the two links', &
+             '0 (along its length) or 1 (torsional) is expected'), &
+      rule_t('STIFF', a_number, 'NSPRNG', 'N/m, N m/rad', '0', '', &
+             'stiffness'), &
+      rule_t('SFREE', a_number, 'NSPRNG', 'length, degrees', '0', '', &
+             'free length; torsional: angle from arc ALINK to arc BLINK at which it is free (within half a turn '// &
+             'of it)'), &
+      rule_t('SPRE', a_number, 'NSPRNG', 'N, N m', '0', '', &
+             'pull at the free length; torsional: moment'), &
+      rule_t('SDAMP', a_number, 'NSPRNG', 'N s/m, N m s/rad', '0', '[0,)', &
+             'damping', &
+             'damping is not negative'), &
+      rule_t('SADDED', a_whole, '', '', '0', '[0,NSPRNG]', &
+             'so many of the last entries were added by `muscle`; `balm` shows drive and frame force without '// &
+             'them too')]
+
 contains
 
    !> Read the group. Errors: arcs that are not there, negative lengths and damping.
@@ -34,22 +78,20 @@ contains
       integer :: n
 
       springs%given = group%line > 0
-      call read_count(group, 'NSPRNG', n, findings)
-      allocate (springs%first(n), springs%second(n))
-      allocate (kind(n), source=0)
-      allocate (springs%stiffness(n), springs%free(n), springs%preload(n), springs%damping(n), source=0.0_wp)
+      call group%follow(spring_items)
+      call take_count(group, 'NSPRNG', n, findings)
+      allocate (springs%first(n), springs%second(n), kind(n))
+      allocate (springs%stiffness(n), springs%free(n), springs%preload(n), springs%damping(n))
       call read_places(group, 'A', ilink, springs%first, findings, sketch=sketch)
       call read_places(group, 'B', ilink, springs%second, findings, sketch=sketch)
-      call group%get_integers('STORS', kind, findings)
-      call group%get_reals('STIFF', springs%stiffness, findings)
-      call group%get_reals('SFREE', springs%free, findings)
-      call group%get_reals('SPRE', springs%preload, findings)
-      call group%get_reals('SDAMP', springs%damping, findings)
-      call refuse_unless(kind == 0 .or. kind == 1, group, 'STORS', '0 (along its length) or 1 (torsional) is expected', findings)
+      call take(group, 'STORS', kind, findings)
+      call take(group, 'STIFF', springs%stiffness, findings)
+      call take(group, 'SFREE', springs%free, findings)
+      call take(group, 'SPRE', springs%preload, findings)
+      call take(group, 'SDAMP', springs%damping, findings)
       springs%torsional = kind == 1
       call refuse_unless(springs%free >= 0.0_wp .or. springs%torsional, group, 'SFREE', 'a free length is not negative', findings)
-      call group%get_integer('SADDED', springs%added, findings)
+      call take(group, 'SADDED', springs%added, findings)
       call check_range(group, 'SADDED', springs%added, 0, n, findings)
-      call refuse_unless(springs%damping >= 0.0_wp, group, 'SDAMP', 'damping is not negative', findings)
    end subroutine read_spring_group
 end module psalm_spring_group

@@ -1,0 +1,336 @@
+!> Values of items by the rules of their group's table: the default, the value that was written, and whether it may be.
+module psalm_take
+   use psalm_group, only: group_t, out_of, required
+   use psalm_kinds, only: wp
+   use psalm_number, only: parse_integer, parse_real
+   use psalm_rule, only: rule_t, limits_t, rule_of, word_of, word_count, one_of, limits_of, a_flag, a_word, required_word
+   use psalm_status, only: diagnostics_t
+   use psalm_text, only: to_text
+   implicit none (type, external)
+   private
+   public :: take, take_count
+
+   !> Set a value to its default, read it where it is given, and complain where the table does not allow it. A default that is
+   !> no value leaves it as it is. What is required and missing is told with the group.
+   interface take
+      procedure :: take_whole, take_flag, take_number, take_wholes, take_numbers
+   end interface take
+
+contains
+
+   !> An integer, or the number of a word among those of the table. A word that is not there leaves the default.
+   subroutine take_whole(group, name, value, findings)
+      type(group_t), intent(inout) :: group
+      character(*), intent(in) :: name
+      integer, intent(inout) :: value
+      type(diagnostics_t), intent(inout) :: findings
+      type(rule_t) :: rule
+      character(:), allocatable :: reason, word
+      integer :: found, k
+      logical :: valid
+
+      rule = rule_for(group, name)
+      if (rule%kind == a_word) then
+         word = trim(rule%default)
+         call group%get_word(name, word, findings)
+         found = 0
+         do k = 1, word_count(rule%values)
+            if (word_of(rule%values, k) == rule%default) value = k
+            if (word_of(rule%values, k) == word) found = k
+         end do
+         if (found > 0) then
+            value = found
+         else if (group%given(name)) then
+            call out_of(group, name, complaint_about(rule, one_of(rule%values)//' is expected')//"; found '"//word//"'", &
+                        findings)
+         end if
+         return
+      end if
+      call parse_integer(trim(rule%default), found, valid, reason)
+      if (valid) value = found
+      call group%get_integer(name, value, findings)
+      call demand(group, rule)
+      if (allowed(rule, value) .or. .not. group%given(name)) return
+      reason = complaint_about(rule, must_be(rule))
+      if (len_trim(rule%complaint) == 0) reason = reason//'; found '//to_text(value)
+      call out_of(group, name, reason, findings)
+   end subroutine take_whole
+
+   !> A flag: 0 or 1.
+   subroutine take_flag(group, name, value, findings)
+      type(group_t), intent(inout) :: group
+      character(*), intent(in) :: name
+      logical, intent(inout) :: value
+      type(diagnostics_t), intent(inout) :: findings
+      integer :: number
+
+      number = merge(1, 0, value)
+      call take_whole(group, name, number, findings)
+      value = number == 1
+   end subroutine take_flag
+
+   !> A real.
+   subroutine take_number(group, name, value, findings)
+      type(group_t), intent(inout) :: group
+      character(*), intent(in) :: name
+      real(wp), intent(inout) :: value
+      type(diagnostics_t), intent(inout) :: findings
+      type(rule_t) :: rule
+      type(limits_t) :: limits
+      character(:), allocatable :: reason
+      real(wp) :: default
+      logical :: valid
+
+      rule = rule_for(group, name)
+      call parse_real(trim(rule%default), default, valid, reason)
+      if (valid) value = default
+      call group%get_real(name, value, findings)
+      call demand(group, rule)
+      call limits_of(rule%values, limits, valid)
+      if (.not. valid .or. .not. group%given(name)) return
+      if (.not. limits%contain(value)) call out_of(group, name, complaint_about(rule, limits%in_words()), findings)
+   end subroutine take_number
+
+   !> Integers. `last` is the highest element given.
+   subroutine take_wholes(group, name, values, findings, last)
+      type(group_t), intent(inout) :: group
+      character(*), intent(in) :: name
+      integer, intent(inout) :: values(:)      !! shape (entries)
+      type(diagnostics_t), intent(inout) :: findings
+      integer, intent(out), optional :: last
+      type(rule_t) :: rule
+      character(:), allocatable :: reason
+      integer :: default, k
+      logical :: valid
+
+      rule = rule_for(group, name)
+      call parse_integer(trim(rule%default), default, valid, reason)
+      if (valid) values = default
+      call group%get_integers(name, values, findings, last=last)
+      do k = 1, size(values)
+         if (allowed(rule, values(k))) cycle
+         reason = complaint_about(rule, must_be(rule))
+         if (len_trim(rule%complaint) == 0) reason = reason//'; found '//to_text(values(k))
+         call out_of(group, name, 'entry '//to_text(k)//': '//reason, findings, k)
+         exit
+      end do
+   end subroutine take_wholes
+
+   !> Reals. `last` is the highest element given; with `repeated` an entry that is not given is that before it, from the second
+   !> on.
+   subroutine take_numbers(group, name, values, findings, last, repeated)
+      type(group_t), intent(inout) :: group
+      character(*), intent(in) :: name
+      real(wp), intent(inout) :: values(:)     !! shape (entries)
+      type(diagnostics_t), intent(inout) :: findings
+      integer, intent(out), optional :: last
+      logical, intent(in), optional :: repeated
+      type(rule_t) :: rule
+      type(limits_t) :: limits
+      character(:), allocatable :: reason
+      real(wp) :: default
+      integer :: highest, k
+      logical :: valid
+
+      rule = rule_for(group, name)
+      call parse_real(trim(rule%default), default, valid, reason)
+      if (valid) values = default
+      call group%get_reals(name, values, findings, last=highest)
+      if (present(last)) last = highest
+      if (present(repeated)) then
+         if (repeated .and. highest > 0 .and. highest < size(values)) values(highest + 1:) = values(highest)
+      end if
+      call limits_of(rule%values, limits, valid)
+      if (.not. valid) return
+      do k = 1, size(values)
+         if (limits%contain(values(k))) cycle
+         call out_of(group, name, 'entry '//to_text(k)//': '//complaint_about(rule, limits%in_words()), findings, k)
+         exit
+      end do
+   end subroutine take_numbers
+
+   !> The number of entries of a group: as given, else that of the longest item that has so many.
+   !>
+   !> Errors: a number out of range, which is then brought into it; none, where the table requires one.
+   subroutine take_count(group, name, n, findings)
+      type(group_t), intent(inout) :: group
+      character(*), intent(in) :: name
+      integer, intent(out) :: n
+      type(diagnostics_t), intent(inout) :: findings
+      type(rule_t) :: rule
+      type(limits_t) :: limits
+      logical :: valid
+
+      n = 0
+      rule = rule_for(group, name)
+      call group%get_integer(name, n, findings)
+      if (.not. group%given(name)) n = longest(group, name)
+      if (group%given(name) .and. .not. allowed(rule, n)) &
+         call out_of(group, name, must_be(rule)//'; found '//to_text(n), findings)
+      if (.not. group%given(name) .and. n == 0) call demand(group, rule)
+      call limits_of(rule%values, limits, valid)
+      if (valid) n = min(max(n, 0), nint(limits%high))
+   end subroutine take_count
+
+   ! ---- rules -------------------------------------------------------------------------------------------------------
+
+   !> The rule of an item that the table of the group has.
+   pure function rule_for(group, name) result(rule)
+      type(group_t), intent(in) :: group
+      character(*), intent(in) :: name
+      type(rule_t) :: rule
+
+      rule = group%rules(rule_of(group%rules, name))
+   end function rule_for
+
+   !> Note an item that is required and not given.
+   subroutine demand(group, rule)
+      type(group_t), intent(inout) :: group
+      type(rule_t), intent(in) :: rule
+
+      if (rule%default == required_word .and. .not. group%given(trim(rule%name))) call required(group, trim(rule%name))
+   end subroutine demand
+
+   !> May an integer be?
+   pure logical function allowed(rule, value)
+      type(rule_t), intent(in) :: rule
+      integer, intent(in) :: value
+      type(limits_t) :: limits
+      character(:), allocatable :: reason
+      integer :: number, k
+      logical :: valid
+
+      if (rule%kind == a_flag) then
+         allowed = value == 0 .or. value == 1
+         return
+      end if
+      allowed = len_trim(rule%values) == 0
+      if (allowed) return
+      call limits_of(rule%values, limits, valid)
+      if (valid) then
+         allowed = .true.
+         call parse_integer(trim(limits%low_text), number, valid, reason)
+         if (valid) allowed = value >= number
+         call parse_integer(trim(limits%high_text), number, valid, reason)
+         if (valid) allowed = allowed .and. value <= number
+         return
+      end if
+      do k = 1, word_count(rule%values)
+         call parse_integer(word_of(rule%values, k), number, valid, reason)
+         allowed = allowed .or. value == number
+      end do
+   end function allowed
+
+   !> What an integer must be.
+   pure function must_be(rule) result(text)
+      type(rule_t), intent(in) :: rule
+      character(:), allocatable :: text
+      type(limits_t) :: limits
+      logical :: valid
+
+      if (rule%kind == a_flag) then
+         text = 'must be from 0 to 1'
+         return
+      end if
+      call limits_of(rule%values, limits, valid)
+      if (.not. valid) then
+         text = 'must be '//one_of(rule%values)
+      else if (limits%bounded_above) then
+         text = 'must be from '//trim(limits%low_text)//' to '//trim(limits%high_text)
+      else
+         text = 'must be at least '//trim(limits%low_text)
+      end if
+   end function must_be
+
+   pure function complaint_about(rule, usual) result(text)
+      type(rule_t), intent(in) :: rule
+      character(*), intent(in) :: usual
+      character(:), allocatable :: text
+
+      text = usual
+      if (len_trim(rule%complaint) > 0) text = trim(rule%complaint)
+   end function complaint_about
+
+   ! ---- counts ------------------------------------------------------------------------------------------------------
+
+   !> Entries of the longest item of the group that has as many as this one says. Zeros that fill up an array are none.
+   pure recursive integer function longest(group, name)
+      type(group_t), intent(in) :: group
+      character(*), intent(in) :: name
+      integer :: r, star, entries, others, elements
+      character(:), allocatable :: first, second
+
+      longest = 0
+      do r = 1, size(group%rules)
+         associate (shape => group%rules(r)%shape)
+            star = index(shape, '*')
+            first = trim(shape)
+            second = ''
+            if (star > 0) first = trim(shape(:star - 1))
+            if (star > 0) second = trim(shape(star + 1:))
+         end associate
+         if (first /= name .and. second /= name) cycle
+         elements = elements_of(group, trim(group%rules(r)%name))
+         others = 1
+         if (first == name .and. len(second) > 0) others = size_of(group, second)
+         if (second == name) others = size_of(group, first)
+         if (others == 0) cycle
+         entries = (elements - 1)/others + 1
+         if (elements > 0) longest = max(longest, entries)
+      end do
+   end function longest
+
+   !> What stands in a shape, as a number; of a count that is not given the longest item's.
+   pure recursive integer function size_of(group, text)
+      type(group_t), intent(in) :: group
+      character(*), intent(in) :: text
+      character(:), allocatable :: reason
+      logical :: valid
+      integer :: k
+
+      call parse_integer(text, size_of, valid, reason)
+      if (valid) return
+      do k = 1, group%count
+         if (group%items(k)%name /= text .or. group%items(k)%count /= 1) cycle
+         call parse_integer(group%text_of(group%values(group%items(k)%first)), size_of, valid, reason)
+         if (valid) return
+      end do
+      ! the other factor of a table of rows comes from items that have it alone
+      size_of = 0
+      do k = 1, size(group%rules)
+         if (group%rules(k)%shape == text) size_of = max(size_of, elements_of(group, trim(group%rules(k)%name)))
+      end do
+   end function size_of
+
+   !> The highest element of an item that is given, without zeros that are repeated up to its end.
+   pure integer function elements_of(group, name)
+      type(group_t), intent(in) :: group
+      character(*), intent(in) :: name
+      integer, parameter :: highest = 1000000000 !! of elements: a number of more digits is a slip of the pen
+      integer :: k, j, at
+
+      elements_of = 0
+      do k = 1, group%count
+         if (group%items(k)%name /= name) cycle
+         associate (item => group%items(k))
+            at = 0
+            if (item%subscripts == 1) at = max(0, item%subscript(1) - 1)
+            if (item%subscripts > 1) cycle
+            do j = item%first, item%first + item%count - 1
+               associate (value => group%values(j))
+                  if (value%repeats > highest - at) exit
+                  at = at + value%repeats
+                  if (value%repeats > 1 .and. is_zero(group%text_of(value))) cycle
+                  if (value%length > 0 .or. value%quoted) elements_of = max(elements_of, at)
+               end associate
+            end do
+         end associate
+      end do
+   end function elements_of
+
+   pure logical function is_zero(text)
+      character(*), intent(in) :: text
+
+      is_zero = len(text) > 0 .and. verify(text, '+-0.') == 0
+   end function is_zero
+end module psalm_take
