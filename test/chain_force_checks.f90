@@ -13,6 +13,7 @@ module chain_force_checks
    use psalm_force_analysis, only: column_of_joint, column_fx, column_fy, column_moment
    use psalm_force_study, only: force_study_t, find_forces
    use psalm_kinds, only: wp, pi
+   use psalm_link_place, only: place_t
    use psalm_mechanism, only: mechanism_t
    use psalm_parameters, only: parameters_t
    use psalm_setup, only: set_up
@@ -138,6 +139,7 @@ contains
       type(force_study_t), intent(out) :: study
       type(chain_model_t), intent(out) :: model
       type(diagnostics_t) :: findings
+      type(data_set_t) :: drawn            ! its places not yet counted from the arcs of its loops
       real(wp) :: size_of
 
       call read_one(text, set, findings)
@@ -153,10 +155,24 @@ contains
       set%sketch%drives(2:)%speed = merge(0.0_wp, 0.2_wp*size_of, set%sketch%drives(2:)%geared)
       set%sketch%drives(2:)%accel = -set%sketch%drives(2:)%speed
       call study_chain(set, set%rates%speed, set%rates%accel, chain)
-      call make_chain_model(set, chain%closure, model, findings)
+      drawn = set
+      if (.not. allocated(set%no_loops)) then
+         call as_written(drawn%masses%places)
+         call as_written(drawn%loads%places)
+         call as_written(drawn%springs%first)
+         call as_written(drawn%springs%second)
+      end if
+      call make_chain_model(drawn, chain%closure, model, findings)
       call t%is_true(.not. findings%failed(), 'no fault is found with its forces')
-      call find_chain_forces(set, chain, study)
+      call find_chain_forces(drawn, chain, study)
    end subroutine load_up
+
+   pure subroutine as_written(places)
+      type(place_t), intent(inout) :: places(:)
+
+      places%distance = places%written(1)
+      places%angle = places%written(2)
+   end subroutine as_written
 
    subroutine laws(name, text, one_drive)
       character(*), intent(in) :: name, text

@@ -559,6 +559,19 @@ def test_shoes():
                           "%s: %.12g, %.12g" % (worst, ours[worst], theirs[worst]))
 
 
+def test_held_pin():
+    """The link that holds a pin of several does not turn on it."""
+    text = ("A PIN OF THREE LINKS\n &CHAIN JNT='A','B','C','D','E','F', JX=0,0,60,70,120,130, JY=0,30,40,0,60,0, LNAME='frame','crank','rod','rocker','tie',"
+            "'lever',\n  LNK='A D F','A B','B C','C D','C E','E F' &END\n &DRIVES DRIVE='A' &END\n &METHOD NDES=1, DELT=0.0 &END\n"
+            " &RATES SPEED=1.0 &END\n &MASSES NMASS=1, MNAME='lever', MASS=1.0 &END\n &FRICTN NFRIC=1, FNAME='C %s', FMU=0.1, FRAD=1.0 &END\n")
+    answers = {}
+    for link in ("rod", "rocker", "tie"):
+        write("pin.nml", text % link)
+        answers[link] = kalm("--quiet", "pin.nml")
+    check("friction of links on a held pin", [answers[link][0] for link in ("rod", "rocker", "tie")] == [2, 0, 0], str(answers))
+    check("the holder is named", "entry 1: the pin is held by link rod; name another that turns on it" in answers["rod"][2], answers["rod"][2])
+
+
 def test_piston():
     """Force and couple of a shoe by equilibrium of a piston without mass, the torque by virtual work."""
     x, y, angle, mu = 151.0, 14.0, math.radians(8.0), 0.1
@@ -620,6 +633,7 @@ def main(programs):
         test_small_drawing()
         test_driven_slide()
         test_shoes()
+        test_held_pin()
         test_piston()
         os.chdir("/")
     print("%d passed, %d failed" % (picture_tools.passed, picture_tools.failed))

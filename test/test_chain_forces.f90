@@ -27,11 +27,31 @@ program test_chain_forces
    call both_ways('friction in a guide', guide("'piston'", "'frame'", '0.0'))
    call both_ways('friction in a guide on the piston', guide("'frame'", "'piston'", '136.0'))
    call both_ways('friction in a guide beside the pin', guide("'frame'", "'piston'", '151.0'))
+   ! three links on a pin that two loops come to by frame arcs of their own, in both orders of writing
+   call both_ways('three links on a slide''s pin', shared_pin("'frame','L1','L2','L3','L4','L5'", &
+                                                              "'','B','B C','C','C D','D'", 'L3', 'L4'))
+   call both_ways('the same, written the other way', shared_pin("'frame','L5','L4','L3','L2','L1'", &
+                                                                "'','D','C D','C','B C','B'", 'L2', 'L4'))
    call rods()
    call names_and_messages()
    call t%report()
 
 contains
+
+   !> Two links between slides of the frame, one of them driven, and a third on their pin with a slide of its own.
+   function shared_pin(names, joints, one, two) result(text)
+      character(*), intent(in) :: names, joints !! LNAME and LNK
+      character(*), intent(in) :: one, two      !! links with friction on the pin
+      character(:), allocatable :: text
+
+      text = 'THREE LINKS ON A PIN'//nl//" &CHAIN JNT='B','C','D', JX=-29.86,50.551,-54.812, JY=48.163,-79.51,-12.478, "// &
+             'LNAME='//names//', LNK='//joints//','//nl//" SNAME='S1','S2','S3', SLNK='L1','frame','frame', "// &
+             "SLNK2='frame','L3','L5',"//nl//' SLX=97.095,59.244,-76.156, SLY=-13.629,-13.857,-48.959, '// &
+             'SLANG=-120.0,-124.001,-166.369 &END'//nl//" &DRIVES DRIVE='S1', DBASE='frame', DLINK='L1' &END"//nl// &
+             " &OUTPUTS OUTPUT='point D' &END"//nl//' &METHOD NDES=4, DELT=-1.5,0.0,0.5,1.7 &END'//nl// &
+             ' &LIMITS TANGLE=90.0 &END'//nl//" &FRICTN NFRIC=2, FNAME='C "//one//"','C "//two//"', FMU=2*0.1, "// &
+             'FRAD=1.0,2.0 &END'
+   end function shared_pin
 
    !> A slider-crank with friction in its guide.
    function guide(first, second, x) result(text)

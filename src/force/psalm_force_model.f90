@@ -55,6 +55,8 @@ module psalm_force_model
 
    type :: friction_t
       integer :: joint = 0
+      integer :: bodies(2) = 0              !! of a pin: what turns in the first is the second
+      logical :: all_of_pin = .false.       !! pin of several links: its load is all that the second body takes from the pin
       real(wp) :: coefficient = 0.0_wp
       real(wp) :: radius = 0.0_wp           !! of the pin, half the length of the shoe; user's length
    end type friction_t
@@ -111,7 +113,8 @@ contains
    !> Put the groups of a data set on the bodies of its mechanism.
    !>
    !> Errors: a place at the foot of a slide or on an arc that is only parallel to its link; a joint whose vertex is no point of
-   !> both its links; a link whose mass or inertia is negative; friction where there is no joint. Warning: a mass on the frame.
+   !> both its links; a link whose mass or inertia is negative; friction where there is no joint, or of the link that holds a pin.
+   !> Warning: a mass on the frame.
    subroutine make_force_model(set, mechanism, dimensions, model, findings)
       type(data_set_t), intent(in) :: set
       type(mechanism_t), intent(in) :: mechanism
@@ -184,7 +187,10 @@ contains
          if (model%friction(k)%joint == 0) then
             call set%origins%error(findings, 'FRICTN', item_of(set, 'F'), 'entry '//to_text(k)//': there is no joint at this '// &
                                    'end of the arc', k)
+            cycle
          end if
+         model%friction(k)%bodies = mechanism%joints(model%friction(k)%joint)%bodies
+         call choose_pair(k)
       end do
 
    contains
@@ -211,6 +217,26 @@ contains
          end if
       end subroutine place
 
+      !> On a pin of several links of a sketch friction is between the named link and the one that holds the pin, in whatever order
+      !> the loops run through it.
+      subroutine choose_pair(entry)
+         integer, intent(in) :: entry
+
+         associate (at => set%friction%joints(entry), of => model%friction(entry))
+            if (at%joint == 0 .or. at%slide > 0) return
+            if (size(set%sketch%links_of(at%joint)) == 2) return
+            associate (holder => set%pin_holders(at%joint))
+               if (at%link == holder) then
+                  call set%origins%error(findings, 'FRICTN', 'FNAME', 'entry '//to_text(entry)//': the pin is held by link '// &
+                                         trim(set%sketch%links(holder)%name)//'; name another that turns on it', entry)
+                  return
+               end if
+               of%bodies = [body_of_link(set, mechanism, holder), body_of_link(set, mechanism, at%link)]
+               of%all_of_pin = .true.
+            end associate
+         end associate
+      end subroutine choose_pair
+
       subroutine refuse(group, item, entry, words)
          character(*), intent(in) :: group, item, words
          integer, intent(in) :: entry
@@ -218,6 +244,17 @@ contains
          call set%origins%error(findings, group, item, 'entry '//to_text(entry)//' '//words, entry)
       end subroutine refuse
    end subroutine make_force_model
+
+   !> The body that a link of a sketch is.
+   pure integer function body_of_link(set, mechanism, link) result(body)
+      type(data_set_t), intent(in) :: set
+      type(mechanism_t), intent(in) :: mechanism
+      integer, intent(in) :: link
+
+      do body = size(mechanism%bodies), body_frame + 1, -1
+         if (link_of_body(set, mechanism, body) == link) return
+      end do
+   end function body_of_link
 
    !> Order, sense and shoe of every joint of a sketch: of a slide its first link acts on its second, of a pin of two links the one
    !> that places it on the other.
@@ -422,7 +459,8 @@ contains
       end do
    end subroutine check_joints
 
-   !> The joint at an end of an arc; 0: there is none. Where several meet, one of that arc itself comes first.
+   !> The joint at an end of an arc, or on a pin of a sketch; 0: there is none. Where several meet, one of that arc itself comes
+   !> first; a link of a sketch that is named is the one that turns in the joint.
    pure integer function joint_at(mechanism, place) result(found)
       type(mechanism_t), intent(in) :: mechanism
       type(place_t), intent(in) :: place
@@ -438,13 +476,16 @@ contains
                if (joint%slide == n) found = k
                cycle
             end if
-            if (joint%kind == joint_prismatic .and. place%joint > 0) cycle
-            if (joint%point /= mechanism%arcs(n)%ends(end)) cycle
             if (.not. any(joint%bodies == mechanism%arcs(n)%body)) cycle
+            if (place%joint > 0) then
+               if (joint%kind == joint_prismatic .or. joint%pin /= mechanism%pin_of_sketch(place%joint)) cycle
+               found = k
+               if (place%link > 0 .and. joint%bodies(2) == mechanism%arcs(n)%body) return
+               cycle
+            end if
+            if (joint%point /= mechanism%arcs(n)%ends(end)) cycle
             found = k
-            if (joint%arc == n .and. joint%end == end .and. place%link == 0) return
-            ! a link that is named is the one that turns in the joint
-            if (place%link > 0 .and. joint%bodies(2) == mechanism%arcs(n)%body) return
+            if (joint%arc == n .and. joint%end == end) return
          end associate
       end do
    end function joint_at

@@ -12,7 +12,7 @@ module psalm_kinetostatics
    use psalm_error, only: problem_t
    use psalm_force_kernels, only: load_body, move_axes, add_inertia, add_weight, add_force_at, add_couple, place_in_body, &
                                   velocity_in_body, power_of, add_wrench, drive_of_crank, drive_of_slide
-   use psalm_force_model, only: force_model_t, spot_t, parameter_mass, parameter_mx, parameter_my, parameter_inertia
+   use psalm_force_model, only: force_model_t, friction_t, spot_t, parameter_mass, parameter_mx, parameter_my, parameter_inertia
    use psalm_kinds, only: wp, radians_per_degree, full_turn
    use psalm_linkage, only: padded
    use psalm_mechanism, only: mechanism_t, at_start, body_frame, joint_prismatic
@@ -128,7 +128,7 @@ contains
          do k = 1, size(joints)
             if (joints(k)%kind == joint_prismatic) cycle
             do j = 1, size(joints)
-               if (j == k .or. joints(j)%kind == joint_prismatic .or. joints(j)%point /= joints(k)%point) cycle
+               if (j == k .or. joints(j)%kind == joint_prismatic .or. joints(j)%pin /= joints(k)%pin) cycle
                if (joints(j)%bodies(2) /= joints(k)%bodies(1)) cycle
                n = n + 1
                list(:, n) = [j, k]
@@ -576,7 +576,7 @@ contains
       allocate (fresh(m, size(model%friction)), slip(m, size(model%friction)))
       allocate (largest(m), change(m), moves(m))
       do k = 1, size(model%friction)
-         call find_slip(model%friction(k)%joint, slip(:, k))
+         call find_slip(model%friction(k), slip(:, k))
       end do
       allocate (shoe(m, 4, size(model%friction)), source=0.0_wp)
       do k = 1, size(model%friction)
@@ -634,19 +634,19 @@ contains
    contains
 
       !> Speed of the second body of a joint in the first: of a pin the turn, of a prismatic joint along its arc.
-      subroutine find_slip(joint, speed)
-         integer, intent(in) :: joint
+      subroutine find_slip(friction, speed)
+         type(friction_t), intent(in) :: friction
          real(wp), intent(out) :: speed(m)
          integer :: slot
 
-         associate (of => problem%mechanism%joints(joint), w => forces%w%v)
+         associate (of => problem%mechanism%joints(friction%joint), w => forces%w%v)
             if (of%kind == joint_prismatic) then
                slot = problem%plan%length_slot(of%slide)
                speed = rates%d(1)%v(1:m, problem%linkage%slide(slot))*forces%speed*forces%metre
                if (problem%mechanism%arcs(of%slide)%foot /= at_start) speed = -speed
                if (of%bodies(2) /= problem%mechanism%arcs(of%slide)%body) speed = -speed
             else
-               speed = w(1:m, forces%bodies(of%bodies(2))%w) - w(1:m, forces%bodies(of%bodies(1))%w)
+               speed = w(1:m, forces%bodies(friction%bodies(2))%w) - w(1:m, forces%bodies(friction%bodies(1))%w)
             end if
          end associate
       end subroutine find_slip
@@ -655,7 +655,7 @@ contains
       subroutine friction_of(entry, value)
          integer, intent(in) :: entry
          real(wp), intent(out) :: value(m)
-         real(wp) :: load, couple, radius
+         real(wp) :: load, couple, radius, pin(rows_of_joint)
 
          associate (of => model%friction(entry), w => forces%w%v, row => forces%joints(model%friction(entry)%joint))
             radius = of%radius*model%metre
@@ -668,13 +668,34 @@ contains
                      load = abs(0.5_wp*w(i, row) + couple) + abs(0.5_wp*w(i, row) - couple)
                   end if
                else
-                  load = radius*hypotenuse(w(i, row), w(i, row + 1))
+                  pin = w(i, row:row + 1)
+                  if (of%all_of_pin) pin = force_of_pin(of, i)
+                  load = radius*hypotenuse(pin(1), pin(2))
                end if
                value(i) = 0.0_wp
                if (abs(slip(i, entry)) > 0.0_wp) value(i) = -sign(of%coefficient*load, slip(i, entry))
             end do
          end associate
       end subroutine friction_of
+
+      !> What the second body takes from its pin at a position, from all joints there.
+      pure function force_of_pin(of, position) result(force)
+         type(friction_t), intent(in) :: of
+         integer, intent(in) :: position
+         real(wp) :: force(rows_of_joint)
+         integer :: j
+
+         force = 0.0_wp
+         associate (joints => problem%mechanism%joints)
+            do j = 1, size(joints)
+               if (joints(j)%kind == joint_prismatic .or. joints(j)%pin /= joints(of%joint)%pin) cycle
+               associate (row => forces%joints(j))
+                  if (joints(j)%bodies(2) == of%bodies(2)) force = force + forces%w%v(position, row:row + 1)
+                  if (joints(j)%bodies(1) == of%bodies(2)) force = force - forces%w%v(position, row:row + 1)
+               end associate
+            end do
+         end associate
+      end function force_of_pin
 
       !> Put friction on both bodies of a joint: of a slide at the middle of its shoe, which a sketch has, or at its foot.
       subroutine apply(entry, value)
@@ -685,7 +706,8 @@ contains
 
          associate (of => problem%mechanism%joints(model%friction(entry)%joint), w => forces%w%v, &
                     store => problem%linkage%store%v, link => problem%linkage)
-            associate (a => forces%bodies(of%bodies(1))%wrench, b => forces%bodies(of%bodies(2))%wrench, &
+            associate (a => forces%bodies(model%friction(entry)%bodies(1))%wrench, &
+                       b => forces%bodies(model%friction(entry)%bodies(2))%wrench, &
                        foot_x => link%point_x(problem%plan%joint_points(of%point)), &
                        foot_y => link%point_y(problem%plan%joint_points(of%point)))
                if (of%kind /= joint_prismatic) then

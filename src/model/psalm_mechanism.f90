@@ -90,6 +90,7 @@ module psalm_mechanism
       integer :: arc = 0                !! an arc that ends here,
       integer :: end = at_start         !! by this end
       integer :: point = 0              !! the point there: centre of a revolute joint, foot of a prismatic one
+      integer :: pin = 0                !! revolute joints of one number are on one pin, though their points may be several
       integer :: slide = 0              !! prismatic: the arc whose direction it slides along
       integer :: group = 0              !! the group it belongs to; 0: the input
       logical :: attached = .false.     !! the point is a point of both bodies (of a prismatic joint: of its guide)
@@ -141,6 +142,7 @@ module psalm_mechanism
       procedure :: guide_of
       procedure :: body_at
       procedure :: has_point
+      procedure :: pin_of_sketch
    end type mechanism_t
 
 contains
@@ -232,4 +234,12 @@ contains
 
       has_point = any(self%bodies(body)%points == point)
    end function has_point
+
+   !> The pin that a joint of a sketch is.
+   pure integer function pin_of_sketch(self, joint)
+      class(mechanism_t), intent(in) :: self
+      integer, intent(in) :: joint      !! number of the sketch
+
+      pin_of_sketch = size(self%points) + joint
+   end function pin_of_sketch
 end module psalm_mechanism

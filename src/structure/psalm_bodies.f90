@@ -222,6 +222,7 @@ contains
          joint%arc = 1
          joint%end = at_start
          joint%point = pivot
+         joint%pin = pivot
          if (mechanism%sliding_input) then
             joint%kind = joint_prismatic
             joint%slide = 1
@@ -272,6 +273,7 @@ contains
          joint%arc = arc
          joint%end = end
          joint%point = mechanism%arcs(arc)%ends(end)
+         joint%pin = joint%point
          joint%slide = slide
          joint%group = loop
       end associate

@@ -10,6 +10,8 @@ module psalm_part_names
 contains
 
    !> Name bodies and joints as the sketch does; where several pairs of links meet in one joint, each with the later link's name.
+   !>
+   !> Such joints are told to be on one pin: loops that reach it along other arcs have points of their own there.
    subroutine take_names(set, mechanism)
       type(data_set_t), intent(in) :: set
       type(mechanism_t), intent(inout) :: mechanism
@@ -33,8 +35,11 @@ contains
                end associate
             else
                associate (arc => mechanism%arcs(joints(k)%arc))
-                  if (len_trim(set%end_names(joints(k)%end, arc%place, arc%loop)) > 0) &
-                     joints(k)%name = trim(set%end_names(joints(k)%end, arc%place, arc%loop))
+                  i = findloc(set%sketch%joint_name == set%end_names(joints(k)%end, arc%place, arc%loop), .true., dim=1)
+                  if (i > 0) then
+                     joints(k)%name = trim(set%sketch%joint_name(i))
+                     joints(k)%pin = mechanism%pin_of_sketch(i)
+                  end if
                end associate
             end if
          end do
