@@ -2,6 +2,7 @@
 program bridge
    use psalm_batch, only: outputs_t, common_options, ending_of_case, prepare_dyads, run_files
    use psalm_check_list, only: list_input
+   use psalm_clearance_group, only: clearance_of
    use psalm_clearance_report, only: report_clearance
    use psalm_clearance_study, only: clearance_study_t, check_clearance, find_clearance
    use psalm_clearance_svg, only: write_clearance_svg
@@ -52,7 +53,7 @@ contains
       associate (unused => file, also_unused => mark)
       end associate
       call prepare_dyads('bridge studies', demand, set, prepared, findings)
-      if (.not. findings%failed()) call check_clearance(set, prepared, findings)
+      if (.not. findings%failed()) call check_clearance(set, clearance_of(set), prepared, findings)
    end subroutine prepare_clearance
 
    subroutine run_case(number, set, prepared, devices, stopped)
@@ -70,7 +71,7 @@ contains
       allocate (problem)
       call make_problem(set, prepared%mechanism, prepared%given, prepared%parameters, problem)
       call list_input(header_of('BRIDGE', devices%mark), set, problem, devices%eight)
-      call find_clearance(set, problem, prepared%mechanism, prepared%given, study)
+      call find_clearance(set, clearance_of(set), problem, prepared%mechanism, prepared%given, study)
       call report_clearance(set, prepared%mechanism, study, devices)
       if (.not. study%done) return
       call write_clearance_svg(set%title, study, picture)

@@ -3,6 +3,7 @@ program calm
    use psalm_batch, only: outputs_t, common_options, run_files, ending_of_case
    use psalm_cam_code, only: write_cam_code
    use psalm_cam_dxf, only: write_cam_dxf
+   use psalm_cam_group, only: cam_group_t, cams_of
    use psalm_cam_page, only: write_cam_page
    use psalm_cam_report, only: report_cam, report_search
    use psalm_cam_scene, only: cam_scene_t, make_cam_scene
@@ -61,31 +62,31 @@ contains
       end associate
       set%method%nguess = 0
       if (.not. findings%failed()) call prepare(set, none, prepared, findings, demand)
-      if (.not. findings%failed()) call check_cam(set, prepared, findings)
+      if (.not. findings%failed()) call check_cam(set, cams_of(set), prepared, findings)
    end subroutine prepare_cam
 
-   subroutine run_case(number, given, given_prepared, devices, stopped)
+   subroutine run_case(number, set, given_prepared, devices, stopped)
       integer, intent(in) :: number
-      type(data_set_t), intent(in) :: given
+      type(data_set_t), intent(in) :: set
       type(prepared_t), intent(in) :: given_prepared
       type(devices_t), intent(inout) :: devices
       logical, intent(inout) :: stopped
       ! large: they would fill a small stack
       class(problem_t), allocatable :: problem
-      class(data_set_t), allocatable :: set
       class(prepared_t), allocatable :: prepared
       type(cam_search_t) :: search
       type(cam_study_t), allocatable :: studies(:)
       type(cam_scene_t), allocatable :: scene
       type(text_t) :: drawing, picture, page, program
       type(part_t), allocatable :: parts(:)
+      type(cam_group_t) :: cams(2)
       integer :: k
 
       associate (unused => stopped)
       end associate
-      allocate (set, source=given)
       allocate (prepared, source=given_prepared)
-      parts = parts_of(set)
+      cams = cams_of(set)
+      parts = parts_of(cams)
       allocate (problem)
       call make_room(size(parts), studies)
       if (allocated(set%no_loops)) then
@@ -96,14 +97,14 @@ contains
          call make_problem(set, prepared%mechanism, prepared%given, prepared%parameters, problem)
          call list_input(header_of('CALM', devices%mark), set, problem, devices%eight)
       end if
-      if (size(set%cam%variations) > 0) then
-         call search_cam(set, prepared, search)
-         call report_search(set, search, devices)
+      if (size(cams(1)%variations) > 0) then
+         call search_cam(set, cams, prepared, search)
+         call report_search(set, cams(1), search, devices)
       end if
       do k = 1, size(parts)
-         call find_cam(set, prepared, parts(k), studies(k))
+         call find_cam(set, cams, prepared, parts(k), studies(k))
       end do
-      call report_cam(set, studies, devices)
+      call report_cam(set, cams(1), studies, devices)
       allocate (scene)
       call make_cam_scene(set, prepared, studies, scene)
       call write_cam_dxf(studies, scene%linkage, drawing)
@@ -112,7 +113,7 @@ contains
       call devices%add_drawing(trim(ending_of_case(number, '.svg')), picture%content())
       call write_cam_page(set%title, studies, scene, page)
       call devices%add_drawing(trim(ending_of_case(number, '.html')), page%content())
-      if (.not. set%cam%code) return
+      if (.not. cams(1)%code) return
       do k = 1, size(studies)
          call write_cam_code(set%title, studies(k), program)
       end do

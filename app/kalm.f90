@@ -96,7 +96,7 @@ contains
       if (forces_wanted(set)) then
          allocate (forces)
          call find_forces(set, problem, prepared%given, forces)
-         if (set%motor%given) then
+         if (set%gives('MOTOR')) then
             allocate (machine)
             call find_machine(set, problem, forces%model, machine)
          end if

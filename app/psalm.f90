@@ -86,7 +86,7 @@ contains
       type(line_t), allocatable :: device4(:)
       integer :: l
 
-      if (set%exact%given) then
+      if (set%gives('EXACT')) then
          if (.not. findings%failed()) call check_exact(set, findings)
          return
       end if
@@ -136,7 +136,7 @@ contains
 
       associate (unused => number)
       end associate
-      if (set%exact%given) then
+      if (set%gives('EXACT')) then
          call signals%hold(1)
          call run_exact(set, stop, devices)
          stopped = signals%asked()
@@ -145,7 +145,7 @@ contains
       if (set%sketch%given .and. .not. set%wants_search()) call run_sketch(set, devices, reached=reached)
       if (allocated(set%no_loops)) then
          if (set%wants_search()) call run_chain_search(set, devices, monitor)
-         if (set%sweep%given) call run_family(set, prepared%mechanism, prepared%given, devices)
+         if (set%gives('SWEEP')) call run_family(set, prepared%mechanism, prepared%given, devices)
          if (arguments%assemblies) call run_assemblies(set, devices)
          if (arguments%links) call devices%remark(set, 'device 7 has the sketch: there are no equivalent &LINKS, for it has '// &
                                                   set%no_loops)
@@ -172,7 +172,7 @@ contains
       if (arguments%links .and. set%sketch%given) then
          allocate (by_loops, source=set)
          by_loops%sketch%given = .false.
-         if (set%constr%given .or. set%masses%given .or. set%loads%given .or. set%springs%given .or. set%sweep%given) then
+         if (set%constr%given .or. set%masses%given .or. set%loads%given .or. set%springs%given .or. set%gives('SWEEP')) then
             by_loops%others = ''
             call devices%remark(set, 'device 7 has &LINKS without the groups that call joints by their names')
          end if
@@ -187,7 +187,7 @@ contains
          call study_tolerances(final, problem%mechanism, dimensions, threads, stop, tolerances)
          call report_tolerances(set, tolerances, devices)
       end if
-      if (set%sweep%given) call run_family(set, problem%mechanism, dimensions, devices)
+      if (set%gives('SWEEP')) call run_family(set, problem%mechanism, dimensions, devices)
       if (proof_wanted(set, prepared%parameters%has_search()) /= no_proof) then
          allocate (proof)
          call study_proof(set, problem, dimensions, proof_wanted(set, prepared%parameters%has_search()), proof)

@@ -6,6 +6,7 @@ module psalm_exact_run
    use psalm_data_set, only: data_set_t
    use psalm_devices, only: devices_t
    use psalm_error, only: problem_t, make_problem
+   use psalm_exact_group, only: exact_group_t, exact_of
    use psalm_exact_report, only: report_exact, write_case
    use psalm_exact_results, only: exact_proof_t
    use psalm_exact_study, only: exact_study_t, find_exact, leave_out_flat, rank_proven, results_of, stays_assembled, &
@@ -32,27 +33,30 @@ contains
       type(stop_t), intent(in) :: stop               !! asked now and then
       type(devices_t), intent(inout) :: devices
       type(exact_study_t), allocatable :: study
+      type(exact_group_t) :: exact
       type(stop_t) :: limited
 
       limited = stop
-      call limited%limit_time(set%exact%longest_time)
+      exact = exact_of(set)
+      call limited%limit_time(exact%longest_time)
       allocate (study)
       call find_exact(set, study, stop)
-      if (set%limits%iproof > 0) call prove(set, limited, study)
+      if (set%limits%iproof > 0) call prove(set, exact, limited, study)
       call report_exact(set, study, devices)
    end subroutine run_exact
 
    !> Look at results in their order until as many are proven as are listed, or until a stop: then the others are skipped.
-   subroutine prove(set, stop, study)
+   subroutine prove(set, exact, stop, study)
       type(data_set_t), intent(in) :: set
+      type(exact_group_t), intent(in) :: exact
       type(stop_t), intent(in) :: stop
       type(exact_study_t), intent(inout) :: study
-      type(exact_proof_t) :: proofs(min(results_of(study), tries*set%exact%listed))
+      type(exact_proof_t) :: proofs(min(results_of(study), tries*exact%listed))
       integer :: i, n
 
       n = 0
       do i = 1, size(proofs)
-         if (n == set%exact%listed) exit
+         if (n == exact%listed) exit
          if (stop%waiting()) then
             proofs(i:)%skipped = .true.
             if (.not. study%stopped) study%out_of_time = .not. stop%requested()
@@ -66,7 +70,7 @@ contains
       end if
       call rank_proven(proofs(:i - 1), study)
       ! what is proven of a rocking crank may be less than what its points show
-      call leave_out_flat(set%exact, study)
+      call leave_out_flat(exact, study)
    end subroutine prove
 
    !> The motion of one result: of the numbers that its case on device 7 has.

@@ -15,6 +15,7 @@ module force_checks
    use psalm_kinds, only: wp, pi
    use, intrinsic :: iso_fortran_env, only: real128
    use psalm_load_group, only: load_group_t
+   use psalm_motor_group, only: motor_group_t, motor_of
    use psalm_machine, only: machine_t, cycle_t, run_t, reduced_t, reduce_machine, make_machine, steady_cycle, run_up, &
                             flywheel_for, free_flywheel, cycle_found, cycle_any_speed, cycle_grows
    use psalm_mechanism, only: mechanism_t, at_start, body_frame, joint_prismatic
@@ -948,6 +949,7 @@ contains
       type(problem_t) :: problem
       type(data_set_t) :: set
       type(force_model_t) :: model
+      type(motor_group_t) :: motor
       type(machine_t) :: machine
       type(cycle_t) :: cycle
       type(run_t) :: run
@@ -962,7 +964,8 @@ contains
       call t%close_to(reduced%inertia(1)/0.000371760464_wp, 1.0_wp, 1.0e-7_wp, 'inertia at the crank')
       call t%close_to(reduced%inertia(2)/0.000844293120_wp, 1.0_wp, 1.0e-7_wp, 'inertia at the crank')
       call t%close_to(reduced%slope(2)/0.000456741076_wp, 1.0_wp, 1.0e-7_wp, 'its derivative')
-      call make_machine(problem, model, set%motor, machine)
+      motor = motor_of(set)
+      call make_machine(problem, model, motor, machine)
       call steady_cycle(machine, 100.0_wp, cycle)
       call t%equal_integer(cycle%state, cycle_any_speed, 'a free run has any speed')
       call t%close_to(cycle%greatest/cycle%least, 1.641207883_wp, 1.0e-7_wp, 'speed ratio of a free run')
@@ -983,10 +986,10 @@ contains
       set%loads%moment = [-5.0_wp]
       set%loads%turns = [.false.]
       set%loads%table = [0]
-      set%motor%torque = 20.0_wp
-      set%motor%idle = 100.0_wp
+      motor%torque = 20.0_wp
+      motor%idle = 100.0_wp
       call make_force_model(set, problem%mechanism, problem%given, model, findings)
-      call make_machine(problem, model, set%motor, machine)
+      call make_machine(problem, model, motor, machine)
       call steady_cycle(machine, 100.0_wp, cycle)
       call t%equal_integer(cycle%state, cycle_found, 'a falling motor line has a steady cycle')
       call t%close_to(cycle%speed(0)/81.33487238_wp, 1.0_wp, 1.0e-7_wp, 'speed at the reference position')

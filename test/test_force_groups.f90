@@ -6,6 +6,7 @@ program test_force_groups
    use psalm_force_model, only: force_model_t, make_force_model, parameter_mass, parameter_mx, parameter_my, parameter_inertia
    use psalm_kinds, only: wp
    use psalm_mechanism, only: mechanism_t
+   use psalm_motor_group, only: motor_group_t, motor_of
    use psalm_parameters, only: parameters_t
    use psalm_setup, only: set_up
    use psalm_status, only: diagnostics_t
@@ -146,6 +147,8 @@ contains
    end subroutine wrong_masses
 
    subroutine others()
+      type(motor_group_t) :: motor
+
       call wrong(four_bar//' &LOADS NLOAD=1, LLINK=2, LLOOP=1, LTURN=2 &END'//nl, '0 (machine axes) or 1 (turning with the arc)')
       call wrong(four_bar//' &LOADS NLOAD=1, LLINK=2, LLOOP=1, LTABLE=1 &END'//nl, 'there are tables 1 to 0')
       call wrong(four_bar//' &LOADS NLOAD=1, LLINK=2, LLOOP=1, LTABLE=1, NTABLE=1, NTABIN=2, TABIN=1.,1., TABVAL=1.,2. &END'//nl, &
@@ -172,7 +175,8 @@ contains
       call wrong(four_bar//' &MOTOR NMTAB=2, MTABW=2.,1., MTABT=1.,1. &END'//nl, 'speeds must ascend')
       call read_text(four_bar//' &MASSES NMASS=0 &END &MOTOR NMTAB=3, MTABW=1.,2.,3., MTABT=9.,5.,0. &END'//nl)
       call t%equal_integer(findings%count, 0, 'a motor by its table')
-      call t%is_true(all(abs(sets(1)%motor%speed - [1.0_wp, 2.0_wp, 3.0_wp]) + &
-                         abs(sets(1)%motor%table - [9.0_wp, 5.0_wp, 0.0_wp]) <= 0.0_wp), 'its speeds and torques')
+      motor = motor_of(sets(1))
+      call t%is_true(all(abs(motor%speed - [1.0_wp, 2.0_wp, 3.0_wp]) + &
+                         abs(motor%table - [9.0_wp, 5.0_wp, 0.0_wp]) <= 0.0_wp), 'its speeds and torques')
    end subroutine others
 end program test_force_groups

@@ -14,6 +14,7 @@ module bench_dynamics
    use psalm_setup, only: set_up
    use psalm_stability, only: boundaries_t, stability_boundaries, instability_order
    use psalm_status, only: diagnostics_t
+   use psalm_vibration_group, only: vibration_group_t, vibration_of
    implicit none (type, external)
    private
    public :: measure_chart
@@ -36,6 +37,7 @@ contains
       type(dimensions_t) :: dimensions
       type(problem_t), allocatable :: problem
       type(force_model_t) :: model
+      type(vibration_group_t) :: vibration
       type(link_cycle_t) :: turn
       type(boundaries_t) :: b
       type(periodic_t) :: f
@@ -50,7 +52,8 @@ contains
       allocate (problem)
       call make_problem(sets(1), mechanism, dimensions, parameters, problem)
       call make_force_model(sets(1), mechanism, dimensions, model, findings)
-      call find_link_cycle(problem, dimensions, model, sets(1)%vibration%beam, sets(1)%vibration%points, 1.0_wp, turn)
+      vibration = vibration_of(sets(1))
+      call find_link_cycle(problem, dimensions, model, vibration%beam, vibration%points, 1.0_wp, turn)
       call cpu_time(began)
       error = 0.0_wp
       do i = 1, across
@@ -84,7 +87,7 @@ contains
       pure real(wp) function e_of(i)
          integer, intent(in) :: i
 
-         e_of = greatest_e/sets(1)%vibration%given_e*real(i, wp)/real(across, wp)
+         e_of = greatest_e/vibration%given_e*real(i, wp)/real(across, wp)
       end function e_of
 
       pure real(wp) function ratio_of(k)

@@ -91,7 +91,8 @@ contains
    pure logical function forces_wanted(set)
       type(data_set_t), intent(in) :: set
 
-      forces_wanted = set%masses%given .or. set%loads%given .or. set%springs%given .or. set%friction%given .or. set%motor%given
+      forces_wanted = set%masses%given .or. set%loads%given .or. set%springs%given .or. set%friction%given .or. &
+                      set%gives('MOTOR')
    end function forces_wanted
 
    !> Every vertex of a mechanism as the finish of an arc, for the plan. Shape of the result: (2, points), loop and arc.
@@ -136,7 +137,7 @@ contains
       allocate (model%shoes(size(mechanism%joints)))
       call put_shoes(set, mechanism, dimensions, model)
       call check_joints(set, mechanism, findings)
-      if (set%motor%given .and. mechanism%sliding_input) then
+      if (set%gives('MOTOR') .and. mechanism%sliding_input) then
          call set%origins%error(findings, 'MOTOR', '', 'motion from torque needs a crank that turns; the input of this linkage '// &
                                 'slides')
       end if

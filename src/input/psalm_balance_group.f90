@@ -1,5 +1,7 @@
 !> The group BALANC: counterweights - on which links, within which limits, for what.
 module psalm_balance_group
+   use psalm_case_group, only: case_group_t, surroundings_t, place_visitor_t
+   use psalm_data_set, only: data_set_t
    use psalm_group, only: group_t, check_range, out_of, read_flag
    use psalm_kinds, only: wp
    use psalm_link_place, only: place_t, read_places, read_count, refuse_unless
@@ -8,7 +10,7 @@ module psalm_balance_group
    use psalm_text, only: to_text
    implicit none (type, external)
    private
-   public :: balance_group_t, read_balance_group
+   public :: balance_group_t, balance_of
    public :: form_point, form_body, form_disc, order_mass, order_moment, order_torque
    public :: measure_force, measure_moment, measure_torque, measure_mass, measure_names
 
@@ -22,8 +24,7 @@ module psalm_balance_group
    real(wp), parameter :: steel = 7850.0_wp !! kg/m3
 
    !> Counterweights. Arrays of the links have the shape (NWEIGH), or (1) for all moving links where that is 0.
-   type :: balance_group_t
-      logical :: given = .false.
+   type, extends(case_group_t) :: balance_group_t
       integer :: links = 0                     !! NWEIGH; 0: every moving link may carry a weight
       type(place_t), allocatable :: places(:)  !! WLINK, WLOOP, WDIST, WANG: the anchor
       real(wp), allocatable :: reach(:)        !! WREACH: greatest distance of a centre from the anchor, user's length
@@ -45,6 +46,8 @@ module psalm_balance_group
       integer :: starts = 32                   !! NWSTRT: of searches for discs and point masses
       integer :: seed = 1                      !! IWSEED
    contains
+      procedure :: read => read_balance
+      procedure :: visit_places => visit_balance
       procedure :: wants_optimum
    end type balance_group_t
 
@@ -212,4 +215,41 @@ contains
          end do
       end subroutine judge_limits
    end subroutine read_balance_group
+
+   !> The group as the case has it.
+   subroutine read_balance(self, group, about, findings)
+      class(balance_group_t), intent(inout) :: self
+      type(group_t), intent(inout) :: group
+      class(surroundings_t), intent(in) :: about
+      type(diagnostics_t), intent(inout) :: findings
+
+      call read_balance_group(group, about%ilink, about%sketch, self, findings)
+   end subroutine read_balance
+
+   subroutine visit_balance(self, visitor)
+      class(balance_group_t), intent(inout) :: self
+      class(place_visitor_t), intent(in) :: visitor
+      integer :: k
+
+      do k = 1, size(self%places)
+         call visitor%place(self%places(k))
+      end do
+      do k = 1, size(self%joints)
+         call visitor%joint(self%joints(k))
+      end do
+   end subroutine visit_balance
+
+   !> The group BALANC of a case; as it is by default where the case does not have it.
+   pure function balance_of(set) result(balance)
+      class(data_set_t), intent(in) :: set
+      type(balance_group_t) :: balance
+      integer :: k
+
+      k = set%place_of('BALANC')
+      if (k == 0) return
+      select type (group => set%sections(k)%group)
+      type is (balance_group_t)
+         balance = group
+      end select
+   end function balance_of
 end module psalm_balance_group

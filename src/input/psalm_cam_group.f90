@@ -1,6 +1,8 @@
 !> The group CAM: the law of motion of a cam, its follower, and what is asked of its shape.
 module psalm_cam_group
    use psalm_cam_kind, only: law_kind, law_dwell, law_modtrap, law_trig, law_names, has_zones, zones_of, zone_count
+   use psalm_case_group, only: case_group_t, surroundings_t
+   use psalm_data_set, only: data_set_t
    use psalm_group, only: group_t, check_range, out_of, read_flag, required
    use psalm_kinds, only: wp, full_turn
    use psalm_sketch, only: sketch_t
@@ -11,7 +13,7 @@ module psalm_cam_group
    implicit none (type, external)
    private
    public :: variation_t, vary_item, goal_base, goal_outer, goal_alpha, goal_rho, goal_accel, goal_stress, goal_names
-   public :: cam_group_t, roller_t, read_cam_group, follower_roller, follower_flat, fit_spline, fit_least_squares, most_pieces
+   public :: cam_group_t, roller_t, cams_of, follower_roller, follower_flat, fit_spline, fit_least_squares, most_pieces
 
    integer, parameter :: most_segments = 200, most_in_table = 2000, most_points = 100000, fewest_points = 12
    integer, parameter :: fewest_in_table = 6
@@ -23,6 +25,7 @@ module psalm_cam_group
    integer, parameter :: most_pieces = 200           !! of such a fit
    character(*), parameter :: fit_names(2) = [character(6) :: 'SPLINE', 'LSQ']
    real(wp), parameter :: half_turn = 0.5_wp*full_turn
+   character(4), parameter :: first_cam = 'CAM', second_cam = 'CAM2' !! groups
 
    !> A roller, or a point of a flat face, on the arc that carries the follower.
    type :: roller_t
@@ -51,8 +54,7 @@ module psalm_cam_group
       real(wp) :: low = 0.0_wp, high = 0.0_wp
    end type variation_t
 
-   type :: cam_group_t
-      logical :: given = .false.
+   type, extends(case_group_t) :: cam_group_t
       ! law
       real(wp), allocatable :: finish(:)       !! SEGEND: cam angle at the end of each segment, degrees
       real(wp), allocatable :: output(:)       !! SEGOUT: there
@@ -117,6 +119,8 @@ module psalm_cam_group
       integer :: points = 360                  !! NPOINT
       real(wp) :: tolerance = 0.01_wp          !! TOLCUT
       logical :: code = .false.                !! KGCODE
+   contains
+      procedure :: read => read_cam
    end type cam_group_t
 
 contains
@@ -636,4 +640,33 @@ contains
       call group%get_real('CAMZET', cam%damping, findings)
       call refuse_unless([cam%damping >= 0.0_wp], group, 'CAMZET', 'must not be negative', findings)
    end subroutine read_follower
+
+   !> The group as the case has it.
+   subroutine read_cam(self, group, about, findings)
+      class(cam_group_t), intent(inout) :: self
+      type(group_t), intent(inout) :: group
+      class(surroundings_t), intent(in) :: about
+      type(diagnostics_t), intent(inout) :: findings
+
+      if (group%name == second_cam) self%axis = 2
+      call read_cam_group(group, about%ilink, about%sketch, self, findings)
+      if (self%given .and. group%name == second_cam .and. .not. about%sketch%given) call out_of(group, 'NSEG', &
+         'a second cam needs a second drive, which a sketch can have (&CHAIN, &DRIVES)', findings)
+   end subroutine read_cam
+
+   !> The groups CAM and CAM2 of a case; as they are by default where the case does not have them.
+   pure function cams_of(set) result(cams)
+      class(data_set_t), intent(in) :: set
+      type(cam_group_t) :: cams(2)
+      integer :: which, k
+
+      do which = 1, size(cams)
+         k = set%place_of(trim(merge(first_cam, second_cam, which == 1)))
+         if (k == 0) cycle
+         select type (group => set%sections(k)%group)
+         type is (cam_group_t)
+            cams(which) = group
+         end select
+      end do
+   end function cams_of
 end module psalm_cam_group

@@ -1,5 +1,7 @@
 !> The group CLEAR: a revolute joint with clearance.
 module psalm_clearance_group
+   use psalm_case_group, only: case_group_t, surroundings_t, place_visitor_t
+   use psalm_data_set, only: data_set_t
    use psalm_group, only: group_t, check_range, out_of, required
    use psalm_kinds, only: wp
    use psalm_link_place, only: place_t, read_places
@@ -7,15 +9,14 @@ module psalm_clearance_group
    use psalm_status, only: diagnostics_t
    implicit none (type, external)
    private
-   public :: clearance_group_t, read_clearance_group
+   public :: clearance_group_t, clearance_of
 
    integer, parameter :: fewest_points = 32, most_points = 4096, most_speeds = 10000
    integer, parameter :: most_charts = 6, most_radii = 400, fewest_angles = 8, most_angles = 720
    real(wp), parameter :: greatest_h3 = 0.999_wp
    real(wp), parameter :: usual_h3(3) = [0.25_wp, 0.5_wp, 0.75_wp] !! of the published charts
 
-   type :: clearance_group_t
-      logical :: given = .false.
+   type, extends(case_group_t) :: clearance_group_t
       type(place_t) :: joint                   !! CLINK, CLOOP: the end of an arc that is the joint; of a sketch CNAME
       real(wp) :: diametral = 0.0_wp           !! CDIAM: diametral clearance, user's length
       real(wp) :: restitution = 0.0_wp         !! CREST
@@ -28,6 +29,9 @@ module psalm_clearance_group
       integer :: angles = 72                   !! NCANG: values of H2
       real(wp) :: greatest_h1 = 2.0_wp         !! CHMAX
       real(wp), allocatable :: h3(:)           !! CEPS: one for each chart
+   contains
+      procedure :: read => read_clearance
+      procedure :: visit_places => visit_clearance
    end type clearance_group_t
 
 contains
@@ -81,4 +85,35 @@ contains
       if (.not. clearance%slowest > 0.0_wp) call out_of(group, 'CSPLOW', 'speeds must be above 0', findings)
       if (clearance%fastest < clearance%slowest) call out_of(group, 'CSPHGH', 'must not be below CSPLOW', findings)
    end subroutine read_clearance_group
+
+   !> The group as the case has it.
+   subroutine read_clearance(self, group, about, findings)
+      class(clearance_group_t), intent(inout) :: self
+      type(group_t), intent(inout) :: group
+      class(surroundings_t), intent(in) :: about
+      type(diagnostics_t), intent(inout) :: findings
+
+      call read_clearance_group(group, about%ilink, about%sketch, self, findings)
+   end subroutine read_clearance
+
+   subroutine visit_clearance(self, visitor)
+      class(clearance_group_t), intent(inout) :: self
+      class(place_visitor_t), intent(in) :: visitor
+
+      if (self%given) call visitor%joint(self%joint)
+   end subroutine visit_clearance
+
+   !> The group CLEAR of a case; as it is by default where the case does not have it.
+   pure function clearance_of(set) result(clearance)
+      class(data_set_t), intent(in) :: set
+      type(clearance_group_t) :: clearance
+      integer :: k
+
+      k = set%place_of('CLEAR')
+      if (k == 0) return
+      select type (group => set%sections(k)%group)
+      type is (clearance_group_t)
+         clearance = group
+      end select
+   end function clearance_of
 end module psalm_clearance_group

@@ -3,27 +3,21 @@
 !> A file becomes a list of data sets. Topology is judged later, in `psalm_setup`; here each item is read, given its
 !> default and checked by itself. Source of items and defaults: Oldham (1977), appendix B.
 module psalm_data_set
-   use psalm_kinds, only: wp, right_angle
-   use psalm_balance_group, only: balance_group_t, read_balance_group
-   use psalm_cam_group, only: cam_group_t, read_cam_group
+   use psalm_case_group, only: section_t, surroundings_t
    use psalm_chain_group, only: read_chain_group
-   use psalm_clearance_group, only: clearance_group_t, read_clearance_group
    use psalm_constraint_group, only: constraint_group_t, range_positions, read_constraint_group, read_least_angle
-   use psalm_exact_group, only: exact_group_t, read_exact_group
    use psalm_friction_group, only: friction_group_t, read_friction_group
    use psalm_drives_group, only: read_drives_group
-   use psalm_dxf_group, only: dxf_group_t, read_dxf_group
-   use psalm_drive_group, only: drive_group_t, hill_group_t, read_drive_group, read_hill_group
    use psalm_group_table, only: everything, program_of, program_reads, is_users, nearest_group
    use psalm_group, only: group_t, out_of
-   use psalm_link_place, only: place_t
+   use psalm_kinds, only: wp, right_angle
    use psalm_limits_group, only: limits_group_t, read_limits_group
+   use psalm_link_place, only: place_t
    use psalm_links_group, only: links_group_t, read_links_group
    use psalm_load_group, only: load_group_t, read_load_group
    use psalm_mark, only: mark_t
    use psalm_mass_group, only: mass_group_t, read_mass_group
    use psalm_method_group, only: method_group_t, read_method_group, most_positions
-   use psalm_motor_group, only: motor_group_t, read_motor_group
    use psalm_output_kind, only: output_kind_t, output_kind, motion_angle, motion_distance, motion_pose, &
                                 motion_slide
    use psalm_outputs_group, only: read_outputs_group
@@ -35,14 +29,12 @@ module psalm_data_set
    use psalm_sketch, only: sketch_t, sketch_name, grid_digits, drive_turns, most_wished, output_angle, output_distance, &
                            output_pose, output_slide
    use psalm_source, only: line_t, read_lines, split_lines
-   use psalm_spring_design_group, only: spring_design_group_t, read_spring_design_group
    use psalm_spring_group, only: spring_group_t, read_spring_group
    use psalm_status, only: diagnostics_t
-   use psalm_sweep_group, only: sweep_group_t, read_sweep_group
-   use psalm_tolerance_group, only: tolerance_group_t, read_tolerance_group
+   use psalm_study_groups, only: study_groups
    use psalm_text, only: text_t, general, to_text
+   use psalm_tolerance_group, only: tolerance_group_t, read_tolerance_group
    use psalm_wish_items, only: read_wishes, values_of
-   use psalm_vibration_group, only: vibration_group_t, estimate_group_t, read_vibration_group, read_estimate_group
    implicit none (type, external)
    private
    public :: data_set_t, read_data_sets, read_data_set_text
@@ -77,28 +69,18 @@ module psalm_data_set
       integer, allocatable :: pin_holders(:)     !! by joint of the sketch: the link that places it, whose force on others is listed
       integer, allocatable :: slide_of_arc(:, :) !! shape (maxarc, nloop): the slide of the sketch that it runs along, 0: none
       character(:), allocatable :: chosen  !! the loops chosen for it, in words; not allocated: none
-      type(mass_group_t) :: masses         !! MASSES (this and the next four are read for kalm and balm only)
+      type(mass_group_t) :: masses         !! MASSES (this and the next three are read for kalm and balm only)
       type(load_group_t) :: loads          !! LOADS
       type(spring_group_t) :: springs      !! SPRING
       type(friction_group_t) :: friction   !! FRICTN
-      type(motor_group_t) :: motor         !! MOTOR
-      type(vibration_group_t) :: vibration !! VIBR, read for balm and ssics (the next three for ssics only)
-      type(estimate_group_t) :: estimates  !! ESTIM
-      type(drive_group_t) :: drive         !! DRIVEL
-      type(hill_group_t) :: hill           !! HILL
-      type(clearance_group_t) :: clearance !! CLEAR, read for bridge only
-      type(balance_group_t) :: balance     !! BALANC (this and the next are read for muscle only)
-      type(spring_design_group_t) :: spring_design !! SPRNGS
-      type(cam_group_t) :: cam             !! CAM (this and the next are read for calm only)
-      type(cam_group_t) :: cam2            !! CAM2: of a second drive
-      type(exact_group_t) :: exact         !! EXACT (read for psalm only)
-      type(dxf_group_t) :: dxf             !! DXF (read for balm only)
-      type(sweep_group_t) :: sweep         !! SWEEP (read for psalm and balm only)
+      type(section_t), allocatable :: sections(:) !! the groups of the studies, each read by the study that it is for
       character(:), allocatable :: others  !! the groups that device 7 keeps as they are
       character(:), allocatable :: skipped !! the groups that this program does not read, with those that do; empty: none
       type(origins_t) :: origins           !! where every value was written
    contains
       procedure :: wants_search
+      procedure :: place_of
+      procedure :: gives
    end type data_set_t
 
 contains
@@ -113,6 +95,26 @@ contains
       end associate
       if (allocated(self%no_loops)) wants_search = self%method%ikin == 0 .and. size(self%sketch%variations) > 0
    end function wants_search
+
+   !> The section that a group is; 0 if there is none.
+   pure integer function place_of(self, name)
+      class(data_set_t), intent(in) :: self
+      character(*), intent(in) :: name           !! of the group
+
+      place_of = 0
+      if (allocated(self%sections)) place_of = findloc(self%sections%name == name, .true., dim=1)
+   end function place_of
+
+   !> True if a group of a study was given.
+   pure logical function gives(self, name)
+      class(data_set_t), intent(in) :: self
+      character(*), intent(in) :: name           !! of the group
+      integer :: k
+
+      gives = .false.
+      k = self%place_of(name)
+      if (k > 0) gives = self%sections(k)%group%given
+   end function gives
 
    !> Read every case of a file, up to the one with LAST=1.
    !>
@@ -197,18 +199,19 @@ contains
       type(data_set_t), intent(inout) :: set          !! as it is by default
       type(diagnostics_t), intent(inout) :: findings
       integer, parameter :: links = 1, method = 2, limits = 3, search = 4, constr = 5, toler = 6, rates = 7, chain = 8, &
-                            drives = 9, outputs = 10, masses = 11, loads = 12, spring = 13, frictn = 14, motor = 15, &
-                            vibr = 16, estim = 17, drivel = 18, hill = 19, balanc = 20, cam = 21, sprngs = 22, &
-                            clear = 23, cam2 = 24, exact = 25, dxf = 26, sweep = 27
-      character(*), parameter :: names(*) = [character(name_length) :: 'LINKS', 'METHOD', 'LIMITS', 'SEARCH', 'CONSTR', &
-                                             'TOLER', 'RATES', 'CHAIN', 'DRIVES', 'OUTPUTS', 'MASSES', 'LOADS', 'SPRING', &
-                                             'FRICTN', 'MOTOR', 'VIBR', 'ESTIM', 'DRIVEL', 'HILL', 'BALANC', &
-                                             'CAM', 'SPRNGS', 'CLEAR', 'CAM2', 'EXACT', 'DXF', 'SWEEP']
+                            drives = 9, outputs = 10, masses = 11, loads = 12, spring = 13, frictn = 14
+      character(*), parameter :: own(*) = [character(name_length) :: 'LINKS', 'METHOD', 'LIMITS', 'SEARCH', 'CONSTR', &
+                                           'TOLER', 'RATES', 'CHAIN', 'DRIVES', 'OUTPUTS', 'MASSES', 'LOADS', 'SPRING', &
+                                           'FRICTN']
+      character(name_length), allocatable :: names(:)
+      class(surroundings_t), allocatable :: about  ! large, too
       type(group_t), allocatable :: groups(:)      ! large: they would fill a small stack
       type(diagnostics_t) :: unused
       logical :: shape_known, sketch_sound
       integer :: i
 
+      call study_groups(set%sections)
+      names = [character(name_length) :: own, set%sections%name]
       allocate (groups(size(names)))
       set%file = findings%file
       call set%origins%clear()
@@ -268,29 +271,14 @@ contains
       call read_load_group(groups(loads), set%links%ilink, set%sketch, set%loads, findings)
       call read_spring_group(groups(spring), set%links%ilink, set%sketch, set%springs, findings)
       call read_friction_group(groups(frictn), set%links%ilink, set%sketch, set%friction, findings)
-      call read_motor_group(groups(motor), set%motor, findings)
-      call read_vibration_group(groups(vibr), set%links%ilink, set%sketch, set%vibration, findings)
-      call read_estimate_group(groups(estim), set%links%ilink, set%sketch, set%estimates, findings)
-      call read_drive_group(groups(drivel), set%drive, findings)
-      call read_hill_group(groups(hill), set%hill, findings)
-      call read_clearance_group(groups(clear), set%links%ilink, set%sketch, set%clearance, findings)
-      call read_balance_group(groups(balanc), set%links%ilink, set%sketch, set%balance, findings)
-      call read_spring_design_group(groups(sprngs), set%links%ilink, set%sketch, set%spring_design, findings)
-      call read_cam_group(groups(cam), set%links%ilink, set%sketch, set%cam, findings)
-      set%cam2%axis = 2
-      call read_cam_group(groups(cam2), set%links%ilink, set%sketch, set%cam2, findings)
-      if (set%cam2%given .and. .not. set%sketch%given) call out_of(groups(cam2), 'NSEG', &
-         'a second cam needs a second drive, which a sketch can have (&CHAIN, &DRIVES)', findings)
-      call read_exact_group(groups(exact), set%exact, findings)
-      call read_dxf_group(groups(dxf), merge(359/max(1, abs(set%method%ikin)) + 1, set%method%ndes, set%method%ikin /= 0), &
-                          set%dxf, findings)
-      if (set%dxf%anywhere .and. set%sketch%given) then
-         if (count(.not. set%sketch%drives%geared) > 1) call out_of(groups(dxf), 'INCREM', &
-            'of several drives there is no one increment; give the number of a position in POSITN', findings)
-      end if
-      call read_sweep_group(groups(sweep), set%links%ilink, set%sketch, set%sweep, findings)
-      if (set%sweep%given .and. set%sketch%given .and. set%wants_search()) call out_of(groups(sweep), 'SWJNT', &
-         'a sketch is swept in an analysis: search without this group, and add it to device 7', findings)
+      allocate (about)
+      about%ilink = set%links%ilink
+      about%sketch = set%sketch
+      about%positions = merge(359/max(1, abs(set%method%ikin)) + 1, set%method%ndes, set%method%ikin /= 0)
+      about%searched = set%wants_search()
+      do i = 1, size(set%sections)
+         call set%sections(i)%group%read(groups(size(own) + i), about, findings)
+      end do
       ! where there are errors the group may stand under a misspelt name
       if (size(set%masses%mass) > 0 .and. .not. (set%rates%given .or. findings%failed())) then
          call findings%warning('there is no group &RATES: the input is taken to move at '// &

@@ -1,18 +1,19 @@
 !> The groups DRIVEL (a linkage driven through a flexible shaft) and HILL (a forced Hill equation given by tables).
 module psalm_drive_group
+   use psalm_case_group, only: case_group_t, surroundings_t
+   use psalm_data_set, only: data_set_t
    use psalm_group, only: group_t, check_range, out_of, read_flag, required
    use psalm_kinds, only: wp
    use psalm_status, only: diagnostics_t
    use psalm_text, only: to_text
    implicit none (type, external)
    private
-   public :: drive_group_t, hill_group_t, read_drive_group, read_hill_group
+   public :: drive_group_t, hill_group_t, drive_of, hill_of
 
    integer, parameter :: fewest_points = 16, most_points = 4096, most_speeds = 10000, most_harmonics = 1000
    real(wp), parameter :: finest = 1.0e-14_wp !! least tolerance that can be asked for
 
-   type :: drive_group_t
-      logical :: given = .false.
+   type, extends(case_group_t) :: drive_group_t
       real(wp) :: stiffness = 0.0_wp           !! DSTIF: of the shaft, N m/rad
       real(wp) :: ratio = 0.0_wp               !! DMEAN: mean of frequency/speed, in place of the stiffness; 0: not given
       real(wp) :: damping = 0.0_wp             !! DDAMP: C = viscous coefficient/sqrt(S J0)
@@ -23,13 +24,16 @@ module psalm_drive_group
       real(wp) :: slowest = 0.0_wp, fastest = 0.0_wp !! DSPLOW, DSPHGH: rad/s
       integer :: speeds = 0                    !! NDSPED: speeds in this range
       integer :: points = 256                  !! NDPNT: positions in a turn
+   contains
+      procedure :: read => read_drive
    end type drive_group_t
 
-   type :: hill_group_t
-      logical :: given = .false.
+   type, extends(case_group_t) :: hill_group_t
       real(wp), allocatable :: c1(:), c0(:), p(:) !! HC1, HC0, HP, shape (NHILL): at equal steps of one period of 2 pi
       real(wp) :: tolerance = 1.0e-10_wp       !! HTOL
       integer :: harmonics = 12                !! NHHARM: that are listed
+   contains
+      procedure :: read => read_hill
    end type hill_group_t
 
 contains
@@ -117,4 +121,56 @@ contains
          end if
       end subroutine check_table
    end subroutine read_hill_group
+
+   !> The group as the case has it.
+   subroutine read_drive(self, group, about, findings)
+      class(drive_group_t), intent(inout) :: self
+      type(group_t), intent(inout) :: group
+      class(surroundings_t), intent(in) :: about
+      type(diagnostics_t), intent(inout) :: findings
+
+      associate (unused => about)
+      end associate
+      call read_drive_group(group, self, findings)
+   end subroutine read_drive
+
+   !> The group DRIVEL of a case; as it is by default where the case does not have it.
+   pure function drive_of(set) result(drive)
+      class(data_set_t), intent(in) :: set
+      type(drive_group_t) :: drive
+      integer :: k
+
+      k = set%place_of('DRIVEL')
+      if (k == 0) return
+      select type (group => set%sections(k)%group)
+      type is (drive_group_t)
+         drive = group
+      end select
+   end function drive_of
+
+   !> The group as the case has it.
+   subroutine read_hill(self, group, about, findings)
+      class(hill_group_t), intent(inout) :: self
+      type(group_t), intent(inout) :: group
+      class(surroundings_t), intent(in) :: about
+      type(diagnostics_t), intent(inout) :: findings
+
+      associate (unused => about)
+      end associate
+      call read_hill_group(group, self, findings)
+   end subroutine read_hill
+
+   !> The group HILL of a case; as it is by default where the case does not have it.
+   pure function hill_of(set) result(hill)
+      class(data_set_t), intent(in) :: set
+      type(hill_group_t) :: hill
+      integer :: k
+
+      k = set%place_of('HILL')
+      if (k == 0) return
+      select type (group => set%sections(k)%group)
+      type is (hill_group_t)
+         hill = group
+      end select
+   end function hill_of
 end module psalm_drive_group

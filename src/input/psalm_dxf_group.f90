@@ -1,11 +1,13 @@
 !> The group DXF: what the drawing for CAD is to be like.
 module psalm_dxf_group
+   use psalm_case_group, only: case_group_t, surroundings_t
+   use psalm_data_set, only: data_set_t
    use psalm_group, only: group_t, check_range, out_of
    use psalm_kinds, only: wp
    use psalm_status, only: diagnostics_t
    implicit none (type, external)
    private
-   public :: dxf_group_t, read_dxf_group
+   public :: dxf_group_t, dxf_of
 
    integer, parameter :: most_positions = 1000000
 
@@ -13,8 +15,7 @@ module psalm_dxf_group
    character(4), parameter :: units(*) = ['NONE', 'MM  ', 'CM  ', 'M   ', 'IN  ', 'FT  ']
    integer, parameter :: codes(*) = [0, 4, 5, 6, 1, 2]
 
-   type :: dxf_group_t
-      logical :: given = .false.
+   type, extends(case_group_t) :: dxf_group_t
       integer :: unit = 0                      !! UNITS: number of DXF; 0: none
       real(wp) :: pin = 0.0_wp                 !! PIN: diameter of revolute joints, user's length; 0: as large as it looks well
       real(wp) :: width = 0.0_wp               !! WIDTH: of links, user's length; 0: centre lines
@@ -22,6 +23,8 @@ module psalm_dxf_group
       real(wp) :: increment = 0.0_wp           !! INCREM: input from the reference position, degrees or length
       logical :: anywhere = .false.            !! INCREM is given
       logical :: flat = .false.                !! FLAT: every link laid flat beside the others, in a drawing of its own
+   contains
+      procedure :: read => read_dxf
    end type dxf_group_t
 
 contains
@@ -61,4 +64,32 @@ contains
          call out_of(group, 'INCREM', 'POSITN and INCREM both say which position is drawn; leave one out', findings)
       call check_range(group, 'POSITN', dxf%position, 0, merge(positions, most_positions, positions > 0), findings)
    end subroutine read_dxf_group
+
+   !> The group as the case has it.
+   subroutine read_dxf(self, group, about, findings)
+      class(dxf_group_t), intent(inout) :: self
+      type(group_t), intent(inout) :: group
+      class(surroundings_t), intent(in) :: about
+      type(diagnostics_t), intent(inout) :: findings
+
+      call read_dxf_group(group, about%positions, self, findings)
+      if (self%anywhere .and. about%sketch%given) then
+         if (count(.not. about%sketch%drives%geared) > 1) call out_of(group, 'INCREM', &
+            'of several drives there is no one increment; give the number of a position in POSITN', findings)
+      end if
+   end subroutine read_dxf
+
+   !> The group DXF of a case; as it is by default where the case does not have it.
+   pure function dxf_of(set) result(dxf)
+      class(data_set_t), intent(in) :: set
+      type(dxf_group_t) :: dxf
+      integer :: k
+
+      k = set%place_of('DXF')
+      if (k == 0) return
+      select type (group => set%sections(k)%group)
+      type is (dxf_group_t)
+         dxf = group
+      end select
+   end function dxf_of
 end module psalm_dxf_group

@@ -1,12 +1,14 @@
 !> The group EXACT: points, poses, timed points or a function that a four-bar or slider-crank is to meet exactly.
 module psalm_exact_group
+   use psalm_case_group, only: case_group_t, surroundings_t
+   use psalm_data_set, only: data_set_t
    use psalm_group, only: group_t, check_range, out_of, read_flag, required
    use psalm_kinds, only: wp, right_angle
    use psalm_status, only: diagnostics_t
    use psalm_text, only: to_text
    implicit none (type, external)
    private
-   public :: exact_group_t, read_exact_group, is_missing, kind_path, kind_motion, kind_function, exact_kinds, &
+   public :: exact_group_t, exact_of, is_missing, kind_path, kind_motion, kind_function, exact_kinds, &
              six_bar_none, six_bar_stephenson, six_bar_watt
 
    integer, parameter :: kind_path = 1, kind_motion = 2, kind_function = 3
@@ -20,8 +22,7 @@ module psalm_exact_group
    integer, parameter :: largest_grid = 12
    real(wp), parameter :: not_given = -huge(1.0_wp)
 
-   type :: exact_group_t
-      logical :: given = .false.
+   type, extends(case_group_t) :: exact_group_t
       integer :: kind = kind_path                    !! KIND
       real(wp), allocatable :: x(:), y(:)            !! XP, YP
       real(wp), allocatable :: angle(:), time(:)     !! ANGP, TIMP, degrees; see `is_missing`
@@ -50,6 +51,8 @@ module psalm_exact_group
       logical :: certify = .false.                   !! CERTIFY
       integer :: listed = 10                         !! NBEST
       real(wp) :: longest_time = 0.0_wp              !! MAXTIME, seconds; 0: not given, no limit
+   contains
+      procedure :: read => read_exact
    end type exact_group_t
 
 contains
@@ -265,4 +268,30 @@ contains
       if (n == 3 .and. exact%slider) call out_of(group, 'PHI', 'three points with zero lines are for four-bars; give 5', &
                                                 findings, n)
    end subroutine read_function
+
+   !> The group as the case has it.
+   subroutine read_exact(self, group, about, findings)
+      class(exact_group_t), intent(inout) :: self
+      type(group_t), intent(inout) :: group
+      class(surroundings_t), intent(in) :: about
+      type(diagnostics_t), intent(inout) :: findings
+
+      associate (unused => about)
+      end associate
+      call read_exact_group(group, self, findings)
+   end subroutine read_exact
+
+   !> The group EXACT of a case; as it is by default where the case does not have it.
+   pure function exact_of(set) result(exact)
+      class(data_set_t), intent(in) :: set
+      type(exact_group_t) :: exact
+      integer :: k
+
+      k = set%place_of('EXACT')
+      if (k == 0) return
+      select type (group => set%sections(k)%group)
+      type is (exact_group_t)
+         exact = group
+      end select
+   end function exact_of
 end module psalm_exact_group

@@ -1,5 +1,7 @@
 !> The group MOTOR: the torque that drives a crank, its flywheel, and what is asked of the motion that follows.
 module psalm_motor_group
+   use psalm_case_group, only: case_group_t, surroundings_t
+   use psalm_data_set, only: data_set_t
    use psalm_group, only: group_t, out_of
    use psalm_kinds, only: wp
    use psalm_link_place, only: refuse_unless
@@ -10,10 +12,9 @@ module psalm_motor_group
    implicit none (type, external)
    private
    public :: motor_items
-   public :: motor_group_t, read_motor_group
+   public :: motor_group_t, motor_of
 
-   type :: motor_group_t
-      logical :: given = .false.                  !! the group was given
+   type, extends(case_group_t) :: motor_group_t
       real(wp) :: torque = 0.0_wp                 !! MTORQ: N m at rest
       real(wp) :: idle = 0.0_wp                   !! MSPEED: rad/s at which the torque has fallen to 0; 0: it is constant
       real(wp), allocatable :: speed(:)           !! MTABW, shape (rows): rad/s, ascending; in place of the line
@@ -22,6 +23,8 @@ module psalm_motor_group
       real(wp) :: fluctuation = 0.0_wp            !! FLUCT: wanted, (greatest - least)/mean of both; 0: none
       real(wp) :: start = 0.0_wp                  !! WSTART: rad/s at which the run-up begins
       integer :: turns = 0                        !! NTURN: turns of the run-up
+   contains
+      procedure :: read => read_motor
    end type motor_group_t
 
    !> The items of the group.
@@ -76,4 +79,30 @@ contains
       call take(group, 'WSTART', motor%start, findings)
       call take(group, 'NTURN', motor%turns, findings)
    end subroutine read_motor_group
+
+   !> The group as the case has it.
+   subroutine read_motor(self, group, about, findings)
+      class(motor_group_t), intent(inout) :: self
+      type(group_t), intent(inout) :: group
+      class(surroundings_t), intent(in) :: about
+      type(diagnostics_t), intent(inout) :: findings
+
+      associate (unused => about)
+      end associate
+      call read_motor_group(group, self, findings)
+   end subroutine read_motor
+
+   !> The group MOTOR of a case; as it is by default where the case does not have it.
+   pure function motor_of(set) result(motor)
+      class(data_set_t), intent(in) :: set
+      type(motor_group_t) :: motor
+      integer :: k
+
+      k = set%place_of('MOTOR')
+      if (k == 0) return
+      select type (group => set%sections(k)%group)
+      type is (motor_group_t)
+         motor = group
+      end select
+   end function motor_of
 end module psalm_motor_group

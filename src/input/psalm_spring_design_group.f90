@@ -1,5 +1,7 @@
 !> The group SPRNGS: springs that are to be found - between which links, within which limits, for what.
 module psalm_spring_design_group
+   use psalm_case_group, only: case_group_t, surroundings_t, place_visitor_t
+   use psalm_data_set, only: data_set_t
    use psalm_group, only: group_t, check_range, out_of, required
    use psalm_kinds, only: wp
    use psalm_link_place, only: place_t, read_places, read_count, refuse_unless
@@ -8,7 +10,7 @@ module psalm_spring_design_group
    use psalm_text, only: to_text
    implicit none (type, external)
    private
-   public :: spring_design_group_t, read_spring_design_group
+   public :: spring_design_group_t, spring_design_of
    public :: criterion_range, criterion_rms, criterion_peak
 
    integer, parameter :: criterion_range = 1 !! greatest less least value
@@ -17,8 +19,7 @@ module psalm_spring_design_group
    integer, parameter :: most_starts = 10000, most_phases = 1024
 
    !> Springs. Arrays have the shape (NSFIND).
-   type :: spring_design_group_t
-      logical :: given = .false.
+   type, extends(case_group_t) :: spring_design_group_t
       logical :: exact = .false.                    !! SMETH: 'EXACT', zero free length through six positions; else 'SEARCH'
       type(place_t), allocatable :: first(:), second(:) !! PLINK ..., QLINK ...: where the ends are looked for
       real(wp), allocatable :: first_reach(:), second_reach(:) !! PREACH, QREACH: around there, user's length; 0: just there
@@ -34,6 +35,9 @@ module psalm_spring_design_group
       real(wp) :: wire = 0.0_wp, coil = 0.0_wp      !! CWIRE, CDIAM: diameters, m
       real(wp) :: turns = 0.0_wp                    !! CTURNS
       real(wp) :: shear = 79.0e9_wp                 !! CSHEAR: modulus, Pa
+   contains
+      procedure :: read => read_spring_design
+      procedure :: visit_places => visit_spring_design
    end type spring_design_group_t
 
 contains
@@ -130,4 +134,40 @@ contains
          if (group%given(item) .and. .not. value > 0.0_wp) call out_of(group, item, 'must be above 0', findings)
       end subroutine read_positive
    end subroutine read_spring_design_group
+
+   !> The group as the case has it.
+   subroutine read_spring_design(self, group, about, findings)
+      class(spring_design_group_t), intent(inout) :: self
+      type(group_t), intent(inout) :: group
+      class(surroundings_t), intent(in) :: about
+      type(diagnostics_t), intent(inout) :: findings
+
+      call read_spring_design_group(group, about%ilink, about%sketch, self, findings)
+   end subroutine read_spring_design
+
+   subroutine visit_spring_design(self, visitor)
+      class(spring_design_group_t), intent(inout) :: self
+      class(place_visitor_t), intent(in) :: visitor
+      integer :: k
+
+      do k = 1, size(self%first)
+         call visitor%place(self%first(k))
+         call visitor%place(self%second(k))
+      end do
+      if (self%of_joint) call visitor%joint(self%joint)
+   end subroutine visit_spring_design
+
+   !> The group SPRNGS of a case; as it is by default where the case does not have it.
+   pure function spring_design_of(set) result(springs)
+      class(data_set_t), intent(in) :: set
+      type(spring_design_group_t) :: springs
+      integer :: k
+
+      k = set%place_of('SPRNGS')
+      if (k == 0) return
+      select type (group => set%sections(k)%group)
+      type is (spring_design_group_t)
+         springs = group
+      end select
+   end function spring_design_of
 end module psalm_spring_design_group

@@ -1,5 +1,7 @@
 !> The group SWEEP: one dimension that is adjustable, over its range; the outputs are a family of curves.
 module psalm_sweep_group
+   use psalm_case_group, only: case_group_t, surroundings_t
+   use psalm_data_set, only: data_set_t
    use psalm_group, only: group_t, check_range, out_of, required
    use psalm_kinds, only: wp
    use psalm_sketch, only: sketch_t
@@ -8,7 +10,7 @@ module psalm_sweep_group
    use psalm_text, only: shortened, to_text
    implicit none (type, external)
    private
-   public :: sweep_group_t, read_sweep_group
+   public :: sweep_group_t, sweep_of
    public :: swept_length, swept_angle, swept_outlk, swept_outang, swept_origlk, swept_origng, swept_crnki
 
    integer, parameter :: swept_length = 1, swept_angle = 2, swept_outlk = 3, swept_outang = 4, swept_origlk = 5, &
@@ -16,13 +18,14 @@ module psalm_sweep_group
    character(6), parameter :: words(*) = ['LENGTH', 'ANGLE ', 'OUTLK ', 'OUTANG', 'ORIGLK', 'ORIGNG', 'CRNKI ']
    integer, parameter :: most_settings = 99
 
-   type :: sweep_group_t
-      logical :: given = .false.
+   type, extends(case_group_t) :: sweep_group_t
       integer :: what = swept_length         !! SWHAT: one of `swept_...`
       integer :: arc = 0, loop = 0           !! SWLINK, SWLOOP
       integer :: joints(2) = 0               !! SWJNT, of a sketch: the ends of the length
       real(wp) :: low = 0.0_wp, high = 0.0_wp !! SWLOW, SWHIGH
       integer :: settings = 5                !! NSWEEP
+   contains
+      procedure :: read => read_sweep
    end type sweep_group_t
 
 contains
@@ -108,4 +111,30 @@ contains
                                                        meant(name, sketch%joint_name), findings)
       end function find
    end subroutine read_sweep_group
+
+   !> The group as the case has it.
+   subroutine read_sweep(self, group, about, findings)
+      class(sweep_group_t), intent(inout) :: self
+      type(group_t), intent(inout) :: group
+      class(surroundings_t), intent(in) :: about
+      type(diagnostics_t), intent(inout) :: findings
+
+      call read_sweep_group(group, about%ilink, about%sketch, self, findings)
+      if (self%given .and. about%sketch%given .and. about%searched) call out_of(group, 'SWJNT', &
+         'a sketch is swept in an analysis: search without this group, and add it to device 7', findings)
+   end subroutine read_sweep
+
+   !> The group SWEEP of a case; as it is by default where the case does not have it.
+   pure function sweep_of(set) result(sweep)
+      class(data_set_t), intent(in) :: set
+      type(sweep_group_t) :: sweep
+      integer :: k
+
+      k = set%place_of('SWEEP')
+      if (k == 0) return
+      select type (group => set%sections(k)%group)
+      type is (sweep_group_t)
+         sweep = group
+      end select
+   end function sweep_of
 end module psalm_sweep_group

@@ -1,5 +1,7 @@
 !> The groups VIBR (vibration of one link) and ESTIM (estimates of several links): the links as uniform beams, and what is asked.
 module psalm_vibration_group
+   use psalm_case_group, only: case_group_t, surroundings_t, place_visitor_t
+   use psalm_data_set, only: data_set_t
    use psalm_group, only: group_t, check_range, out_of, required
    use psalm_kinds, only: wp
    use psalm_link_place, only: place_t, read_places, read_count
@@ -8,7 +10,7 @@ module psalm_vibration_group
    use psalm_text, only: to_text
    implicit none (type, external)
    private
-   public :: beam_t, vibration_group_t, estimate_group_t, read_vibration_group, read_estimate_group
+   public :: beam_t, vibration_group_t, estimate_group_t, vibration_of, estimates_of
 
    integer, parameter :: most_modes = 10, most_p = 100, most_speeds = 10000, most_in_chart = 1000, most_points = 4096
    integer, parameter :: fewest_points = 16
@@ -27,8 +29,7 @@ module psalm_vibration_group
       real(wp) :: strain = 0.0_wp              !! limit of the material; 0: not known
    end type beam_t
 
-   type :: vibration_group_t
-      logical :: given = .false.
+   type, extends(case_group_t) :: vibration_group_t
       type(beam_t) :: beam
       integer :: modes = 1                     !! NMODE
       integer :: last = 16                     !! VPMAX: highest boundary
@@ -38,12 +39,17 @@ module psalm_vibration_group
       real(wp) :: greatest_e = 0.0_wp          !! VEMAX: of the chart; 0: no chart
       integer :: in_chart = 41                 !! NVCHRT: values of e in the chart
       integer :: points = 256                  !! NVPNT: positions in a turn
+   contains
+      procedure :: read => read_vibration
+      procedure :: visit_places => visit_vibration
    end type vibration_group_t
 
-   type :: estimate_group_t
-      logical :: given = .false.
+   type, extends(case_group_t) :: estimate_group_t
       type(beam_t), allocatable :: beams(:)
       integer :: points = 256                  !! NEPNT: positions in a turn
+   contains
+      procedure :: read => read_estimate
+      procedure :: visit_places => visit_estimate
    end type estimate_group_t
 
 contains
@@ -186,4 +192,69 @@ contains
          end if
       end subroutine positive
    end subroutine read_beams
+
+   !> The group as the case has it.
+   subroutine read_vibration(self, group, about, findings)
+      class(vibration_group_t), intent(inout) :: self
+      type(group_t), intent(inout) :: group
+      class(surroundings_t), intent(in) :: about
+      type(diagnostics_t), intent(inout) :: findings
+
+      call read_vibration_group(group, about%ilink, about%sketch, self, findings)
+   end subroutine read_vibration
+
+   subroutine visit_vibration(self, visitor)
+      class(vibration_group_t), intent(inout) :: self
+      class(place_visitor_t), intent(in) :: visitor
+
+      if (self%given) call visitor%line(self%beam%link)
+   end subroutine visit_vibration
+
+   !> The group VIBR of a case; as it is by default where the case does not have it.
+   pure function vibration_of(set) result(vibration)
+      class(data_set_t), intent(in) :: set
+      type(vibration_group_t) :: vibration
+      integer :: k
+
+      k = set%place_of('VIBR')
+      if (k == 0) return
+      select type (group => set%sections(k)%group)
+      type is (vibration_group_t)
+         vibration = group
+      end select
+   end function vibration_of
+
+   !> The group as the case has it.
+   subroutine read_estimate(self, group, about, findings)
+      class(estimate_group_t), intent(inout) :: self
+      type(group_t), intent(inout) :: group
+      class(surroundings_t), intent(in) :: about
+      type(diagnostics_t), intent(inout) :: findings
+
+      call read_estimate_group(group, about%ilink, about%sketch, self, findings)
+   end subroutine read_estimate
+
+   subroutine visit_estimate(self, visitor)
+      class(estimate_group_t), intent(inout) :: self
+      class(place_visitor_t), intent(in) :: visitor
+      integer :: k
+
+      do k = 1, size(self%beams)
+         call visitor%line(self%beams(k)%link)
+      end do
+   end subroutine visit_estimate
+
+   !> The group ESTIM of a case; as it is by default where the case does not have it.
+   pure function estimates_of(set) result(estimates)
+      class(data_set_t), intent(in) :: set
+      type(estimate_group_t) :: estimates
+      integer :: k
+
+      k = set%place_of('ESTIM')
+      if (k == 0) return
+      select type (group => set%sections(k)%group)
+      type is (estimate_group_t)
+         estimates = group
+      end select
+   end function estimates_of
 end module psalm_vibration_group

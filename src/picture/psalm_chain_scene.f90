@@ -37,10 +37,11 @@ module psalm_chain_scene
 contains
 
    !> The scene of a case. Errors among its findings make it a scene of messages.
-   subroutine make_chain_scene(set, findings, scene)
+   subroutine make_chain_scene(set, findings, scene, chosen)
       type(data_set_t), intent(in) :: set
       type(finding_t), intent(in) :: findings(:)    !! of this case
       type(scene_t), intent(out) :: scene
+      real(wp), intent(in), optional :: chosen      !! increment of the drive at one more position, for DXF
       type(chain_study_t), allocatable :: own, sweep
       type(foot_t), allocatable :: feet(:)
 
@@ -56,7 +57,7 @@ contains
       call choose_output(set%sketch, own, scene)
       call trace_chain(set%sketch, own, feet, scene, scene%prescribed)
       call trace_chain(set%sketch, sweep, feet, scene, scene%sweep)
-      if (set%dxf%anywhere) call trace_chosen(set, feet, scene)
+      if (present(chosen)) call trace_chosen(set, chosen, feet, scene)
       call tell_open(set%sketch, own, scene%prescribed)
       call tell_open(set%sketch, sweep, scene%sweep)
       scene%prescribed%violated = .not. all(scene%prescribed%closed)
@@ -72,9 +73,10 @@ contains
       call add_study_panels(set, sweep, size(set%sketch%outputs) + 1, maxval(scene%high - scene%low), scene%panels)
    end subroutine make_chain_scene
 
-   !> The position that the group DXF asks for by its increment.
-   subroutine trace_chosen(set, feet, scene)
+   !> One more position, by its increment.
+   subroutine trace_chosen(set, increment, feet, scene)
       type(data_set_t), intent(in) :: set
+      real(wp), intent(in) :: increment
       type(foot_t), intent(in) :: feet(:)
       type(scene_t), intent(inout) :: scene
       class(data_set_t), allocatable :: other
@@ -83,7 +85,7 @@ contains
       allocate (other, source=set)
       other%method%ikin = 0
       other%method%ndes = 1
-      other%method%delt = [set%dxf%increment]
+      other%method%delt = [increment]
       allocate (study)
       call study_chain(other, 1.0_wp, 0.0_wp, study)
       call trace_chain(set%sketch, study, feet, scene, scene%chosen)

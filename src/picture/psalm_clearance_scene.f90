@@ -1,5 +1,6 @@
 !> What pictures show of a joint with clearance: where its pin stands in its hole over the sweep, load and force of contact.
 module psalm_clearance_scene
+   use psalm_clearance_group, only: clearance_group_t, clearance_of
    use psalm_clearance_study, only: clearance_study_t, check_clearance, find_clearance
    use psalm_data_set, only: data_set_t
    use psalm_error, only: problem_t, make_problem
@@ -29,7 +30,7 @@ contains
       real(wp), intent(in) :: sweep(:)           !! increments of the input, degrees
       type(clearance_scene_t), intent(out) :: scene
       logical, intent(out) :: found
-      class(data_set_t), allocatable :: alone
+      type(clearance_group_t) :: clearance
       class(problem_t), allocatable :: problem    ! large: it would fill a small stack
       type(clearance_study_t) :: study
       type(diagnostics_t) :: findings
@@ -37,19 +38,19 @@ contains
       integer :: i, k, next, n
 
       found = .false.
-      allocate (alone, source=set)
-      alone%clearance%speeds = 0
-      alone%clearance%radii = 0
-      call check_clearance(alone, prepared, findings)
+      clearance = clearance_of(set)
+      clearance%speeds = 0
+      clearance%radii = 0
+      call check_clearance(set, clearance, prepared, findings)
       if (findings%failed()) return
       allocate (problem)
       call make_problem(set, prepared%mechanism, prepared%given, prepared%parameters, problem)
-      call find_clearance(alone, problem, prepared%mechanism, prepared%given, study)
+      call find_clearance(set, clearance, problem, prepared%mechanism, prepared%given, study)
       if (.not. (study%done .and. study%followed)) return
       found = .true.
       scene%name = trim(prepared%mechanism%joints(study%joint)%name)
       scene%point = prepared%mechanism%joints(study%joint)%point
-      scene%diametral = set%clearance%diametral
+      scene%diametral = clearance%diametral
       n = size(study%input)
       allocate (scene%pin(2, size(sweep)), scene%load(2, size(sweep)), scene%force(size(sweep)))
       do i = 1, size(sweep)

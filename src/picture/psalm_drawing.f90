@@ -51,12 +51,12 @@ contains
          if (.not. cases(k)%scene%sound) cycle
          call text%add('999') ! a comment of DXF
          call text%add('run '//mark)
-         call write_dxf(cases(k)%scene, text)
+         call write_dxf(cases(k)%scene, cases(k)%dxf, text)
          call put(ending(k, '.dxf'))
-         if (.not. cases(k)%scene%dxf%flat) cycle
+         if (.not. cases(k)%dxf%flat) cycle
          call text%add('999')
          call text%add('run '//mark)
-         call write_flat_dxf(cases(k)%scene, text)
+         call write_flat_dxf(cases(k)%scene, cases(k)%dxf, text)
          call put(ending(k, '.flat.dxf'))
       end do
       ! four poses do not move

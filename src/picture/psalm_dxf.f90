@@ -3,6 +3,7 @@
 !> One layer for each link, under the user's name where it has one; plates are closed, joints are circles, the output path is a
 !> polyline. Geometry is that of the computation, in machine axes; of a link laid flat, along its own longest line.
 module psalm_dxf
+   use psalm_dxf_group, only: dxf_group_t
    use psalm_dxf_text, only: dxf_t, layer_length
    use psalm_elementary, only: hypotenuse
    use psalm_kinds, only: wp
@@ -24,8 +25,9 @@ module psalm_dxf
 contains
 
    !> Append the drawing: the linkage at the position chosen, the reference position unless the group DXF says otherwise.
-   subroutine write_dxf(scene, text)
+   subroutine write_dxf(scene, dxf, text)
       type(scene_t), intent(in) :: scene
+      type(dxf_group_t), intent(in) :: dxf
       type(text_t), intent(inout) :: text
       type(dxf_t) :: drawing
       type(row_t), allocatable :: row
@@ -33,9 +35,9 @@ contains
       real(wp) :: radius
       integer :: at, b
 
-      call choose_position(scene, row, at)
+      call choose_position(scene, dxf, row, at)
       layers = layer_names(scene)
-      radius = radius_of(scene)
+      radius = radius_of(scene, dxf)
       call drawing%add_layer('FRAME', 8)
       do b = 1, size(scene%bodies)
          if (.not. scene%bodies(b)%frame) call drawing%add_layer(layers(b), modulo(b - 1, colours) + 1)
@@ -45,7 +47,7 @@ contains
       call drawing%add_layer('DESIRED', 5)
       call drawing%add_layer('SLIDES', 9)
       if (allocated(scene%edges)) call drawing%add_layer('ENVELOPE', 3)
-      call drawing%begin(scene%low, scene%high, scene%dxf%unit)
+      call drawing%begin(scene%low, scene%high, dxf%unit)
       call add_plates()
       call add_bars()
       call add_slides()
@@ -70,9 +72,9 @@ contains
             associate (joints => scene%bodies(k)%joints)
                if (.not. all(row%known(joints, at))) cycle
                spine = spine_of(row%x(joints, at), row%y(joints, at))
-               if (size(spine) < 3 .and. scene%dxf%width <= 0.0_wp) cycle
-               outline = outline_of(row%x(joints(spine), at), row%y(joints(spine), at), 0.5_wp*scene%dxf%width)
-               if (scene%dxf%width > 0.0_wp) then
+               if (size(spine) < 3 .and. dxf%width <= 0.0_wp) cycle
+               outline = outline_of(row%x(joints(spine), at), row%y(joints(spine), at), 0.5_wp*dxf%width)
+               if (dxf%width > 0.0_wp) then
                   call drawing%polyline(layers(k), outline%x, outline%y, .true., outline%bulge)
                else
                   call drawing%polyline(layers(k), outline%x, outline%y, .true.)
@@ -91,7 +93,7 @@ contains
                if (.not. (row%known(bar%start, at) .and. row%known(bar%finish, at))) cycle
                if (bar%slide == 0 .and. bar%body > 0) then
                   if (is_side(bar%body, bar%start, bar%finish)) cycle
-                  if (scene%dxf%width > 0.0_wp .and. has_outline(scene, bar%body)) cycle
+                  if (dxf%width > 0.0_wp .and. has_outline(scene, bar%body)) cycle
                end if
                if (bar%body == 0) then
                   call drawing%line('SLIDES', row%x(bar%start, at), row%y(bar%start, at), row%x(bar%finish, at), &
@@ -233,8 +235,9 @@ contains
 
    !> Append the links laid flat, one above the other, the frame first: each along its longest line, with its outline, its holes,
    !> its rails and its name. For cutting and for dimensions.
-   subroutine write_flat_dxf(scene, text)
+   subroutine write_flat_dxf(scene, dxf, text)
       type(scene_t), intent(in) :: scene
+      type(dxf_group_t), intent(in) :: dxf
       type(text_t), intent(inout) :: text
       type(dxf_t) :: drawing
       type(row_t), allocatable :: row
@@ -245,10 +248,10 @@ contains
       real(wp) :: radius, gap, top, widest
       integer :: at, b, k
 
-      call choose_position(scene, row, at)
+      call choose_position(scene, dxf, row, at)
       layers = layer_names(scene)
-      radius = radius_of(scene)
-      gap = max(gap_part*maxval(scene%high - scene%low), scene%dxf%width)
+      radius = radius_of(scene, dxf)
+      gap = max(gap_part*maxval(scene%high - scene%low), dxf%width)
       order = [pack([(b, b=1, size(scene%bodies))], scene%bodies%frame), pack([(b, b=1, size(scene%bodies))], &
                                                                               .not. scene%bodies%frame)]
       allocate (outlines(size(scene%bodies)))
@@ -264,7 +267,7 @@ contains
       call drawing%add_layer('POINTS', 1)
       call drawing%add_layer('SLIDES', 9)
       call drawing%add_layer('NAMES', 7)
-      call drawing%begin([0.0_wp, 0.0_wp], [widest, max(top - gap, 0.0_wp)], scene%dxf%unit)
+      call drawing%begin([0.0_wp, 0.0_wp], [widest, max(top - gap, 0.0_wp)], dxf%unit)
       do k = 1, size(order)
          if (allocated(outlines(order(k))%x)) call draw_link(order(k))
       end do
@@ -298,8 +301,8 @@ contains
                flat(:, i) = turned(b, row%x(joints(i), at), row%y(joints(i), at))
             end do
             spine = spine_of(flat(1, :), flat(2, :))
-            outlines(b) = outline_of(flat(1, spine), flat(2, spine), max(0.5_wp*scene%dxf%width, 0.0_wp))
-            associate (half => max(0.5_wp*scene%dxf%width, radius))
+            outlines(b) = outline_of(flat(1, spine), flat(2, spine), max(0.5_wp*dxf%width, 0.0_wp))
+            associate (half => max(0.5_wp*dxf%width, radius))
                shift(:, b) = [half - minval(flat(1, :)), top + half - minval(flat(2, :))]
                top = top + maxval(flat(2, :)) - minval(flat(2, :)) + 2.0_wp*half + gap
                widest = max(widest, maxval(flat(1, :)) - minval(flat(1, :)) + 2.0_wp*half)
@@ -326,9 +329,9 @@ contains
          integer :: i, s
 
          associate (joints => scene%bodies(b)%joints, outline => outlines(b))
-            if (size(outline%x) == 2 .and. scene%dxf%width <= 0.0_wp) then
+            if (size(outline%x) == 2 .and. dxf%width <= 0.0_wp) then
                if (size(joints) > 1) call drawing%line(layers(b), outline%x(1), outline%y(1), outline%x(2), outline%y(2))
-            else if (scene%dxf%width > 0.0_wp) then
+            else if (dxf%width > 0.0_wp) then
                call drawing%polyline(layers(b), outline%x, outline%y, .true., outline%bulge)
             else
                call drawing%polyline(layers(b), outline%x, outline%y, .true.)
@@ -354,15 +357,16 @@ contains
                end associate
             end do
             ! beyond the arc at the end
-            call drawing%words('NAMES', maxval(outline%x) + 0.5_wp*scene%dxf%width + 2.0_wp*radius, &
+            call drawing%words('NAMES', maxval(outline%x) + 0.5_wp*dxf%width + 2.0_wp*radius, &
                                0.5_wp*(minval(outline%y) + maxval(outline%y)), height*radius, trim(layers(b)))
          end associate
       end subroutine draw_link
    end subroutine write_flat_dxf
 
    !> The position that is drawn.
-   subroutine choose_position(scene, row, at)
+   subroutine choose_position(scene, dxf, row, at)
       type(scene_t), intent(in) :: scene
+      type(dxf_group_t), intent(in) :: dxf
       type(row_t), allocatable, intent(out) :: row
       integer, intent(out) :: at
 
@@ -372,16 +376,17 @@ contains
          at = 1
          return
       end if
-      if (scene%dxf%position > 0) at = min(scene%dxf%position, scene%prescribed%n)
+      if (dxf%position > 0) at = min(dxf%position, scene%prescribed%n)
       allocate (row, source=scene%prescribed)
    end subroutine choose_position
 
    !> Radius of the pins.
-   pure real(wp) function radius_of(scene) result(radius)
+   pure real(wp) function radius_of(scene, dxf) result(radius)
       type(scene_t), intent(in) :: scene
+      type(dxf_group_t), intent(in) :: dxf
 
       radius = circle_part*maxval(scene%high - scene%low)
-      if (scene%dxf%pin > 0.0_wp) radius = 0.5_wp*scene%dxf%pin
+      if (dxf%pin > 0.0_wp) radius = 0.5_wp*dxf%pin
    end function radius_of
 
    !> True if a link is drawn with its outline: a moving one, of a plate or with a width. Cylinders change their length.

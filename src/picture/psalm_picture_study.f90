@@ -5,13 +5,15 @@ module psalm_picture_study
    use psalm_chain_study, only: chain_study_t, study_chain
    use psalm_clearance_scene, only: clearance_scene_t, make_clearance_scene
    use psalm_data_set, only: data_set_t
-   use psalm_method_group, only: bytes_of_position
    use psalm_devices, only: most_told
+   use psalm_dxf_group, only: dxf_group_t, dxf_of
    use psalm_error, only: problem_t, motion_t, make_problem
+   use psalm_exact_group, only: exact_group_t, exact_of
    use psalm_exact_study, only: check_exact, leaves_curves
    use psalm_finale, only: describe_violation
    use psalm_kinds, only: wp
    use psalm_markup, only: strings_t, add_string
+   use psalm_method_group, only: bytes_of_position
    use psalm_pole_scene, only: pole_scene_t, make_pole_scene, poses_drawn
    use psalm_preparation, only: demand_t, prepared_t, prepare
    use psalm_scene, only: scene_t, add_curves, make_scene, message_scene
@@ -30,6 +32,7 @@ module psalm_picture_study
    !> One case as it is to be drawn.
    type :: pictured_t
       type(scene_t) :: scene
+      type(dxf_group_t) :: dxf                    !! how the drawing for CAD is to be
       type(pole_scene_t), allocatable :: poles    !! in place of a linkage: four poses of &EXACT
       type(strings_t), allocatable :: undrawn(:)  !! first violations at all positions, where not all are drawn
    end type pictured_t
@@ -46,6 +49,7 @@ contains
       class(data_set_t), allocatable :: each      ! large: it would fill a small stack
       type(line_t) :: none(0)
       class(prepared_t), allocatable :: prepared
+      real(wp), allocatable :: chosen             ! not allocated: absent where it is an argument
       integer :: k
 
       allocate (cases(size(sets)), prepared)
@@ -53,13 +57,16 @@ contains
       do k = 1, size(sets)
          allocate (cases(k)%undrawn(0))
          own = of_case(read, k)
+         cases(k)%dxf = dxf_of(sets(k))
+         if (allocated(chosen)) deallocate (chosen)
+         if (cases(k)%dxf%anywhere) chosen = cases(k)%dxf%increment
          noted = diagnostics_t()
          noted%file = sets(k)%file
          if (any(own%level == level_error)) then
             call message_scene(sets(k), own, cases(k)%scene)
             cycle
          end if
-         if (sets(k)%exact%given) then
+         if (sets(k)%gives('EXACT')) then
             call add_poles(sets(k), noted, cases(k))
             own = [own, finding_list(noted)]
             call findings%append(noted)
@@ -67,7 +74,7 @@ contains
             cycle
          end if
          if (allocated(sets(k)%no_loops)) then
-            call make_chain_scene(sets(k), own, cases(k)%scene)
+            call make_chain_scene(sets(k), own, cases(k)%scene, chosen)
             cycle
          end if
          ! a copy of the data set is to be had, or the allocation would end the program
@@ -85,10 +92,10 @@ contains
          call findings%append(noted)
          each%method%nguess = sets(k)%method%nguess
          if (prepared%ready) then
-            call make_scene(each, prepared%mechanism, prepared%given, prepared%parameters, own, cases(k)%scene)
+            call make_scene(each, prepared%mechanism, prepared%given, prepared%parameters, own, cases(k)%scene, chosen)
             if (cases(k)%scene%sound) call add_curves(each, prepared%mechanism, prepared%given, prepared%parameters, cases(k)%scene)
-            if (each%vibration%given .and. cases(k)%scene%sound) call add_vibration(each, prepared, cases(k)%scene)
-            if (each%clearance%given .and. cases(k)%scene%sound) call add_clearance(each, prepared, cases(k)%scene)
+            if (each%gives('VIBR') .and. cases(k)%scene%sound) call add_vibration(each, prepared, cases(k)%scene)
+            if (each%gives('CLEAR') .and. cases(k)%scene%sound) call add_clearance(each, prepared, cases(k)%scene)
             if (each%sketch%given .and. cases(k)%scene%sound) call add_unreached(each, cases(k)%scene)
             if (each%method%ndes < sets(k)%method%ndes) call look_at_all_positions(sets(k), prepared, cases(k)%undrawn)
          else
@@ -140,9 +147,11 @@ contains
       type(data_set_t), intent(in) :: set
       type(diagnostics_t), intent(inout) :: noted
       type(pictured_t), intent(inout) :: case
+      type(exact_group_t) :: exact
       logical :: drawn
 
-      if (.not. (leaves_curves(set%exact) .and. size(set%exact%x) == poses_drawn)) then
+      exact = exact_of(set)
+      if (.not. (leaves_curves(exact) .and. size(exact%x) == poses_drawn)) then
          call noted%error('asks the program psalm for linkages; use the cases of its device 7 (of &EXACT balm draws four poses)', &
                           line=set%title_line, group='EXACT')
          return

@@ -3,6 +3,7 @@ module psalm_pole_scene
    use psalm_angles, only: unit_vector
    use psalm_burmester, only: dyad_t
    use psalm_data_set, only: data_set_t
+   use psalm_exact_group, only: exact_group_t, exact_of
    use psalm_exact_results, only: exact_result_t
    use psalm_exact_study, only: exact_study_t, find_exact, poses_of
    use psalm_kinds, only: wp, half_turn
@@ -36,19 +37,21 @@ contains
       type(data_set_t), intent(in) :: set
       type(pole_scene_t), intent(out) :: scene
       logical, intent(out) :: drawn
+      type(exact_group_t) :: exact
       type(exact_study_t), allocatable :: study
       complex(wp) :: d(poses_drawn - 1), g(poses_drawn - 1), moved(poses_drawn), turned(poses_drawn)
       real(wp) :: c, s
       integer :: i, k
 
+      exact = exact_of(set)
       allocate (study)
       call find_exact(set, study)
       drawn = .not. study%degenerate
       scene%title = set%title
       if (.not. drawn) return
-      call poses_of(set%exact, scene%pose, d, g)
+      call poses_of(exact, scene%pose, d, g)
       do i = 1, poses_drawn
-         call unit_vector(set%exact%angle(i), c, s)
+         call unit_vector(exact%angle(i), c, s)
          scene%axis(i) = cmplx(c, s, wp)
       end do
       moved = [(0.0_wp, 0.0_wp), d]
@@ -67,7 +70,7 @@ contains
       if (scene%has_best) scene%best = study%results(1)
       scene%has_map = size(study%lines) == 0
       if (.not. scene%has_map) return
-      call map_pairs(scene%pose, d, g, set%exact%closed, scene%map)
+      call map_pairs(scene%pose, d, g, exact%closed, scene%map)
       if (.not. scene%has_best) return
       scene%at = [place_of(scene%best%linkage%a), place_of(scene%best%linkage%b)]
 

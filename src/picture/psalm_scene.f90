@@ -6,7 +6,6 @@ module psalm_scene
    use psalm_clearance_scene, only: clearance_scene_t
    use psalm_constraint_group, only: region_t
    use psalm_data_set, only: data_set_t
-   use psalm_dxf_group, only: dxf_group_t
    use psalm_dyad_kind, only: direction_known, form_of, form_t
    use psalm_error, only: problem_t, make_problem
    use psalm_force_model, only: forces_wanted
@@ -58,7 +57,6 @@ module psalm_scene
       integer :: output_slide = 0                         !! MOTION 3: the slide
       type(row_t) :: prescribed, sweep
       type(row_t) :: chosen                               !! one more position, for DXF; n is 0 if there is none
-      type(dxf_group_t) :: dxf
       real(wp) :: pointer = 0.0_wp                        !! drawn length of the output arc with MOTION 1
       integer :: reference = 1                            !! prescribed position nearest to the reference position
       real(wp) :: low(2) = 0.0_wp, high(2) = 1.0_wp       !! corners of the view
@@ -89,7 +87,6 @@ contains
       integer :: i
 
       scene%title = set%title
-      scene%dxf = set%dxf
       scene%file = set%file(index(set%file, '/', back=.true.) + 1:)
       allocate (scene%errors(0), scene%warnings(0), scene%joints(0), scene%bars(0), scene%bodies(0))
       allocate (scene%slides(0), scene%pairs(0), scene%regions(0), scene%breaches(0), scene%panels(0))
@@ -117,13 +114,14 @@ contains
    end subroutine message_scene
 
    !> The scene of a case. Errors among its findings make it a scene of messages (`scene%sound` is false).
-   subroutine make_scene(set, mechanism, dimensions, parameters, findings, scene)
+   subroutine make_scene(set, mechanism, dimensions, parameters, findings, scene, chosen)
       type(data_set_t), intent(in) :: set
       type(mechanism_t), intent(in) :: mechanism
       type(dimensions_t), intent(in) :: dimensions
       type(parameters_t), intent(in) :: parameters
       type(finding_t), intent(in) :: findings(:)   !! of this case, SETUP's included
       type(scene_t), intent(out) :: scene
+      real(wp), intent(in), optional :: chosen     !! increment of the input at one more position, for DXF
       class(problem_t), allocatable :: own, whole   ! large: they would fill a small stack
       integer, allocatable :: place(:)
       logical :: proven
@@ -158,7 +156,7 @@ contains
       call own%set_inputs(sweep_inputs(own))
       call whole%set_inputs(own%delt)
       call trace_row(own, whole, dimensions, scene%slides, scene%output_slide, .false., scene%sweep)
-      if (set%dxf%anywhere) call trace_chosen(set, own, whole, dimensions, scene)
+      if (present(chosen)) call trace_chosen(chosen, own, whole, dimensions, scene)
       call merge_joints(scene, size(mechanism%points) + 1, place)
       scene%drawn = place
       call make_bars(mechanism, dimensions, place, scene)
@@ -180,9 +178,9 @@ contains
       if (.not. proven) deallocate (scene%proof)
    end subroutine make_scene
 
-   !> The position that the group DXF asks for by its increment.
-   subroutine trace_chosen(set, own, whole, dimensions, scene)
-      type(data_set_t), intent(in) :: set
+   !> One more position, by its increment.
+   subroutine trace_chosen(increment, own, whole, dimensions, scene)
+      real(wp), intent(in) :: increment
       type(problem_t), intent(in) :: own, whole   !! with the inputs of the sweep
       type(dimensions_t), intent(in) :: dimensions
       type(scene_t), intent(inout) :: scene
@@ -190,8 +188,8 @@ contains
 
       allocate (one, source=own)
       allocate (every, source=whole)
-      call one%set_inputs([set%dxf%increment])
-      call every%set_inputs([set%dxf%increment])
+      call one%set_inputs([increment])
+      call every%set_inputs([increment])
       call trace_row(one, every, dimensions, scene%slides, scene%output_slide, .false., scene%chosen)
    end subroutine trace_chosen
 
@@ -221,7 +219,7 @@ contains
          call own%set_inputs(scene%sweep%delt)
          call add_rate_panels(set, own, dimensions, size_of, scene%panels)
       end if
-      if (set%sweep%given) call add_family_panels(set, mechanism, dimensions, scene%sweep%delt, size_of, scene%panels)
+      if (set%gives('SWEEP')) call add_family_panels(set, mechanism, dimensions, scene%sweep%delt, size_of, scene%panels)
    end subroutine add_curves
 
    !> Directions and desired places of the output belong into the view too, counterweights and springs.

@@ -8,7 +8,8 @@ module psalm_vibration_scene
    use psalm_periodic, only: periodic_t, periodic_from_samples
    use psalm_preparation, only: prepared_t
    use psalm_status, only: diagnostics_t
-   use psalm_steady_study, only: check_steady, model_with_links
+   use psalm_steady_study, only: steady_groups_t, check_steady, model_with_links
+   use psalm_vibration_group, only: vibration_of
    use psalm_vibration_study, only: vibration_study_t, find_vibration
    implicit none (type, external)
    private
@@ -36,7 +37,7 @@ contains
       real(wp), intent(in) :: sweep(:)           !! increments of the input, degrees
       type(vibration_scene_t), intent(out) :: scene
       logical, intent(out) :: found
-      class(data_set_t), allocatable :: alone
+      type(steady_groups_t) :: alone
       class(problem_t), allocatable :: problem    ! large: it would fill a small stack
       type(force_model_t) :: model
       type(diagnostics_t) :: findings
@@ -45,24 +46,20 @@ contains
       integer :: j, n
 
       found = .false.
-      allocate (alone, source=set)
-      alone%estimates%given = .false.
-      deallocate (alone%estimates%beams)
+      alone%vibration = vibration_of(set)
       allocate (alone%estimates%beams(0))
-      alone%drive%given = .false.
-      alone%hill%given = .false.
-      call check_steady(alone, prepared, findings)
+      call check_steady(set, alone, prepared, findings)
       if (findings%failed()) return
       allocate (problem)
       call make_problem(set, prepared%mechanism, prepared%given, prepared%parameters, problem)
       call make_force_model(set, prepared%mechanism, prepared%given, model, findings)
-      n = prepared%mechanism%seq(set%vibration%beam%link%loop, set%vibration%beam%link%arc)
+      n = prepared%mechanism%seq(alone%vibration%beam%link%loop, alone%vibration%beam%link%arc)
       model = model_with_links(set, prepared%mechanism, prepared%given, n, model)
       call find_vibration(set, problem, prepared%given, model, scene%study)
       if (size(scene%study%modes) == 0) return
       scene%metre = model%metre
-      scene%given_e = set%vibration%given_e
-      scene%greatest_e = set%vibration%greatest_e
+      scene%given_e = alone%vibration%given_e
+      scene%greatest_e = alone%vibration%greatest_e
       scene%bar = prepared%mechanism%arcs(n)%bar
       scene%reversed = prepared%mechanism%arcs(n)%reversed
       scene%settles = .true.

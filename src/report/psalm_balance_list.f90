@@ -1,6 +1,7 @@
 !> Counterweights in the listing, and on device 9.
 module psalm_balance_list
-   use psalm_balance_group, only: form_body, form_disc, form_point, measure_force, measure_mass, measure_names, order_mass, &
+   use psalm_balance_group, only: balance_group_t, balance_of, form_body, form_disc, form_point, measure_force, measure_mass, &
+      measure_names, order_mass, &
                                   order_moment
    use psalm_balance_study, only: balance_study_t, outcome_t, weight_t, channel_force, channel_moment, channel_torque
    use psalm_block, only: begin_block
@@ -20,7 +21,9 @@ contains
       type(data_set_t), intent(in) :: set
       type(balance_study_t), intent(in) :: study
       type(text_t), intent(inout) :: text
+      type(balance_group_t) :: group
 
+      group = balance_of(set)
       call text%add()
       call text%add(' COUNTERWEIGHTS: KILOGRAMS, NEWTONS, NEWTON METRES; ONE UNIT OF LENGTH IS'//general(set%masses%metre)// &
                     ' METRES')
@@ -30,10 +33,10 @@ contains
          call text%add(' PLACES ARE COUNTED FROM THE ANCHOR, ANGLES FROM THE DIRECTION OF THE LINK''S OWN ARC')
       end if
       call list_feasibility(study, text)
-      if (study%feasible) call list_designs(set, study, text)
+      if (study%feasible) call list_designs(group, study, text)
       if (size(study%budgets) > 0) call list_budgets(study, text)
-      if (allocated(study%found)) call list_optimum(set, study, text)
-      if (allocated(study%front)) call list_front(set, study, text)
+      if (allocated(study%found)) call list_optimum(group, study, text)
+      if (allocated(study%front)) call list_front(group, study, text)
    end subroutine list_balance
 
    !> Names of some bodies, a comma between them.
@@ -83,8 +86,8 @@ contains
       end if
    end subroutine list_feasibility
 
-   subroutine list_designs(set, study, text)
-      type(data_set_t), intent(in) :: set
+   subroutine list_designs(group, study, text)
+      type(balance_group_t), intent(in) :: group
       type(balance_study_t), intent(in) :: study
       type(text_t), intent(inout) :: text
       character(:), allocatable :: by
@@ -97,8 +100,8 @@ contains
          call text%add(' OF THESE '//to_text(study%out_of_limits)//' LEAVE NO WEIGHTS WITHIN WREACH AND WMOST')
       end if
       by = ' BY MASS'
-      if (set%balance%order == order_moment) by = ' BY SHAKING MOMENT'
-      if (set%balance%order > order_moment) by = ' BY DRIVE TORQUE'
+      if (group%order == order_moment) by = ' BY SHAKING MOMENT'
+      if (group%order > order_moment) by = ' BY DRIVE TORQUE'
       call text%add()
       call text%add(' DESIGNS, LIGHTEST WEIGHTS OF EACH SET, RANKED'//by//'; RMS VALUES')
       call text%add('   DESIGN           MASS          FORCE         MOMENT         TORQUE   LINKS WITHOUT A WEIGHT')
@@ -199,13 +202,13 @@ contains
       end do
    end subroutine list_budgets
 
-   subroutine list_optimum(set, study, text)
-      type(data_set_t), intent(in) :: set
+   subroutine list_optimum(group, study, text)
+      type(balance_group_t), intent(in) :: group
       type(balance_study_t), intent(in) :: study
       type(text_t), intent(inout) :: text
 
       call text%add()
-      if (set%balance%peaks) then
+      if (group%peaks) then
          call text%add(' LEAST COMPOSITE: THE GREATEST VALUE OVER ITS TOLERANCE')
       else
          call text%add(' LEAST COMPOSITE: SUM OF SQUARES OF ALL VALUES OVER THEIR TOLERANCES')
@@ -227,7 +230,7 @@ contains
             call text%add(' LOCAL OPTIMUM, THE BEST OF '//to_text(found%starts)//' STARTS, '//to_text(found%ended_here)// &
                           ' OF WHICH ENDED SO LOW; NONE CAN GET BELOW THE BOUND')
          end if
-         if (set%balance%form == form_body) then
+         if (group%form == form_body) then
             call text%add(' OWN INERTIA IS THAT OF THE BODY ABOUT ITS CENTRE OF MASS')
          end if
       end associate
@@ -236,13 +239,13 @@ contains
       call list_loads(study, study%optimum, text)
    end subroutine list_optimum
 
-   subroutine list_front(set, study, text)
-      type(data_set_t), intent(in) :: set
+   subroutine list_front(group, study, text)
+      type(balance_group_t), intent(in) :: group
       type(balance_study_t), intent(in) :: study
       type(text_t), intent(inout) :: text
       integer :: k
 
-      associate (of => set%balance%front_of)
+      associate (of => group%front_of)
          call text%add()
          call text%add(' FRONT OF '//trim(measure_names(of(1)))//' AND '//trim(measure_names(of(2)))// &
                        ' (RMS, BODIES OF ANY SHAPE): NEITHER CAN BE LESS WITHOUT MORE OF THE OTHER')

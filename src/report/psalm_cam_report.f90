@@ -1,6 +1,6 @@
 !> Results of calm become texts of the devices, remarks for standard error and the exit status. Nothing is computed here.
 module psalm_cam_report
-   use psalm_cam_group, only: goal_names, vary_item
+   use psalm_cam_group, only: cam_group_t, goal_names, vary_item
    use psalm_cam_list, only: list_cam, plot_cam, table_cam
    use psalm_cam_search, only: cam_search_t
    use psalm_cam_shape, only: measure_pressure
@@ -16,13 +16,14 @@ module psalm_cam_report
 contains
 
    !> Listing, device 9, table, remarks, exit status.
-   subroutine report_cam(set, studies, devices)
+   subroutine report_cam(set, cam, studies, devices)
       type(data_set_t), intent(in) :: set
+      type(cam_group_t), intent(in) :: cam
       type(cam_study_t), intent(in) :: studies(:)    !! the cam, and its conjugate or the outer wall of its track
       type(devices_t), intent(inout) :: devices
       integer :: k
 
-      if (size(set%cam%variations) == 0) call devices%six%add(' '//set%title)
+      if (size(cam%variations) == 0) call devices%six%add(' '//set%title)
       do k = 1, size(studies)
          call list_cam(studies(k), devices%six)
          if (k == 1) then
@@ -37,8 +38,9 @@ contains
    end subroutine report_cam
 
    !> What a search changed, before the cam that it found.
-   subroutine report_search(set, search, devices)
+   subroutine report_search(set, cam, search, devices)
       type(data_set_t), intent(in) :: set
+      type(cam_group_t), intent(in) :: cam
       type(cam_search_t), intent(in) :: search
       type(devices_t), intent(inout) :: devices
       character(:), allocatable :: name
@@ -47,9 +49,9 @@ contains
       call devices%six%add(' '//set%title)
       call devices%six%add()
       call devices%six%add(' SEARCH BY '//search%solver//', '//to_text(search%evaluations)//' CAMS: LEAST '// &
-                           trim(goal_names(set%cam%goal))//general(search%objective_before)//' TO'//general(search%objective))
+                           trim(goal_names(cam%goal))//general(search%objective_before)//' TO'//general(search%objective))
       do k = 1, size(search%after)
-         associate (one => set%cam%variations(k))
+         associate (one => cam%variations(k))
             name = vary_item(one%item)
             if (one%segment > 0) name = name//' '//to_text(one%segment)
             if (one%zone > 0) name = name//' '//to_text(one%zone)

@@ -1,6 +1,7 @@
 !> A joint with clearance in the listing, on device 9, in remarks and in the exit status. Nothing is computed here.
 module psalm_clearance_report
    use psalm_block, only: begin_block
+   use psalm_clearance_group, only: clearance_group_t, clearance_of
    use psalm_clearance_study, only: clearance_study_t, flypast_of_joint_t, verdict_kept, verdict_lost
    use psalm_data_set, only: data_set_t
    use psalm_devices, only: devices_t
@@ -21,10 +22,12 @@ contains
       type(mechanism_t), intent(in) :: mechanism
       type(clearance_study_t), intent(in) :: study
       type(devices_t), intent(inout) :: devices
+      type(clearance_group_t) :: clearance
       integer :: k
 
+      clearance = clearance_of(set)
       call devices%six%add(' '//set%title)
-      if (hindered(set, mechanism, study, devices)) return
+      if (hindered(set, clearance, mechanism, study, devices)) return
       call list_minima(mechanism, study, devices%six)
       call list_following(study, devices%six)
       call list_speeds(study, devices%six)
@@ -44,8 +47,9 @@ contains
    end subroutine report_clearance
 
    !> True if there is nothing to report but what hinders.
-   logical function hindered(set, mechanism, study, devices)
+   logical function hindered(set, clearance, mechanism, study, devices)
       type(data_set_t), intent(in) :: set
+      type(clearance_group_t), intent(in) :: clearance
       type(mechanism_t), intent(in) :: mechanism
       type(clearance_study_t), intent(in) :: study
       type(devices_t), intent(inout) :: devices
@@ -78,7 +82,7 @@ contains
          integer, intent(in) :: position
          character(:), allocatable :: text
 
-         text = ' at'//general(study%load%sense*full_turn*real(position - 1, wp)/real(set%clearance%points, wp))// &
+         text = ' at'//general(study%load%sense*full_turn*real(position - 1, wp)/real(clearance%points, wp))// &
                 ' degrees after the reference'
       end function at_position
    end function hindered

@@ -4,7 +4,7 @@ module psalm_exact_report
    use psalm_data_set, only: data_set_t, title_columns
    use psalm_defects, only: class_names, exact_linkage_t
    use psalm_devices, only: devices_t, header_of
-   use psalm_exact_group, only: exact_kinds
+   use psalm_exact_group, only: exact_group_t, exact_of, exact_kinds
    use psalm_exact_study, only: exact_study_t, obeys_transmission, results_of, way_burmester, way_curves, way_generators, &
                                 way_guided, way_legs, way_minimax, way_nine, way_six_bars, way_subsets
    use psalm_exact_text, only: write_generator, write_guided, write_linkage, write_six_bar
@@ -29,34 +29,36 @@ contains
       type(data_set_t), intent(in) :: set
       type(exact_study_t), intent(in) :: study
       type(devices_t), intent(inout) :: devices
+      type(exact_group_t) :: exact
 
+      exact = exact_of(set)
       call devices%six%add()
       call devices%six%add(' '//set%title)
       call devices%six%add()
-      call devices%six%add(' EXACT SYNTHESIS: '//trim(exact_kinds(set%exact%kind)))
+      call devices%six%add(' EXACT SYNTHESIS: '//trim(exact_kinds(exact%kind)))
       call devices%eight%add(header_of('PSALM', devices%mark))
       call devices%eight%add(' '//set%title)
       call devices%eight%add(' &EXACT asks for linkages; there is no linkage to set up')
-      if (set%exact%certify .and. .not. study%examined) call devices%remark(set, &
+      if (exact%certify .and. .not. study%examined) call devices%remark(set, &
          'CERTIFY examines complete lists of solutions; there is none here')
-      if (set%exact%has_least_transmission .and. .not. obeys_transmission(study)) call devices%remark(set, &
+      if (exact%has_least_transmission .and. .not. obeys_transmission(study)) call devices%remark(set, &
          'TRMIN has no effect here: it bounds four-bars, slider-cranks and six-bars that generate functions')
       if (study%flat > 0) call devices%six%add('  '//to_text(study%flat)//' linkages left out: transmission angle less than'// &
-                                               general(set%exact%least_transmission)//' (TRMIN)')
+                                               general(exact%least_transmission)//' (TRMIN)')
       if (study%stopped) call devices%note_violation()
       select case (study%way)
       case (way_generators)
-         call report_generators(set, study, devices)
+         call report_generators(set, exact, study, devices)
       case (way_minimax)
-         call report_minimax(set, study, devices)
+         call report_minimax(set, exact, study, devices)
       case (way_six_bars)
-         call report_six_bars(set, study, devices)
+         call report_six_bars(set, exact, study, devices)
       case (way_subsets)
-         call report_subsets(set, study, devices)
+         call report_subsets(set, exact, study, devices)
       case (way_guided)
-         call report_guided(set, study, devices)
+         call report_guided(set, exact, study, devices)
       case default
-         call report_linkages(set, study, devices)
+         call report_linkages(set, exact, study, devices)
       end select
       if (shown_of(set, study) == 0) then
          ! nothing of an earlier run stays
@@ -64,20 +66,21 @@ contains
          call begin_list(set, devices%nine, 'rank')
       end if
       if (allocated(study%curve)) then
-         if (size(study%curve) > 0) call add_curve_points(set, study, devices%nine)
+         if (size(study%curve) > 0) call add_curve_points(set, exact, study, devices%nine)
       end if
       if (allocated(study%proofs) .and. results_of(study) > 0) call report_proofs(set, study, devices)
    end subroutine report_exact
 
    !> Points of the curves of four poses: fixed pivot and, in the first pose, pin.
-   subroutine add_curve_points(set, study, nine)
+   subroutine add_curve_points(set, exact, study, nine)
       type(data_set_t), intent(in) :: set
+      type(exact_group_t), intent(in) :: exact
       type(exact_study_t), intent(in) :: study
       type(text_t), intent(inout) :: nine
       complex(wp) :: first
       integer :: i
 
-      first = cmplx(set%exact%x(1), set%exact%y(1), wp)
+      first = cmplx(exact%x(1), exact%y(1), wp)
       call begin_block('exact_curves', 'ray branch ax ay cx cy', nine)
       call nine%add('# '//set%title)
       do i = 1, size(study%curve)
@@ -183,8 +186,9 @@ contains
       end if
    end function sentence_of
 
-   subroutine report_linkages(set, study, devices)
+   subroutine report_linkages(set, exact, study, devices)
       type(data_set_t), intent(in) :: set
+      type(exact_group_t), intent(in) :: exact
       type(exact_study_t), intent(in) :: study
       type(devices_t), intent(inout) :: devices
       character(:), allocatable :: line
@@ -193,7 +197,7 @@ contains
 
       associate (six => devices%six)
          if (study%way == way_curves) then
-            call add_curves(set, study, six)
+            call add_curves(exact, study, six)
          else
             call six%add('  '//sentence_of(study))
             line = '  '//to_text(study%real_ends)//' real, '//to_text(study%linkages)//' linkages'
@@ -274,19 +278,19 @@ contains
    end function far_side
 
    !> What the curves of three or four poses leave.
-   subroutine add_curves(set, study, six)
-      type(data_set_t), intent(in) :: set
+   subroutine add_curves(exact, study, six)
+      type(exact_group_t), intent(in) :: exact
       type(exact_study_t), intent(in) :: study
       type(text_t), intent(inout) :: six
       character(:), allocatable :: what
       complex(wp) :: place
 
-      what = merge('slider-cranks                 ', 'cranks with a swinging block  ', set%exact%slider)
+      what = merge('slider-cranks                 ', 'cranks with a swinging block  ', exact%slider)
       what = trim(what)
       if (study%degenerate) then
-         if ((set%exact%slider .or. set%exact%block) .and. size(study%lines) == 0) then
+         if ((exact%slider .or. exact%block) .and. size(study%lines) == 0) then
             call six%add('  degenerate: no single point is on a straight line in these poses, or a whole line of them')
-         else if (size(set%exact%x) == 3) then
+         else if (size(exact%x) == 3) then
             call six%add('  degenerate: no pin goes with this pivot')
          else
             call six%add('  degenerate: the curves of the four poses cannot be drawn from a pole')
@@ -295,8 +299,8 @@ contains
          call six%add('  four poses leave curves of pivots: '//to_text(study%ends)//' points of them, '// &
                       to_text(study%linkages)//' four-bars, the best are listed')
       else if (size(study%lines) == 1) then
-         place = cmplx(set%exact%x(1), set%exact%y(1), wp)
-         if (set%exact%slider) then
+         place = cmplx(exact%x(1), exact%y(1), wp)
+         if (exact%slider) then
             place = place + study%lines(1)%pin
             call six%add('  one point of the body is on a straight line in four poses:'//general(real(place, wp))// &
                          general(aimag(place)))
@@ -326,8 +330,9 @@ contains
       end associate
    end subroutine add_certificate
 
-   subroutine report_generators(set, study, devices)
+   subroutine report_generators(set, exact, study, devices)
       type(data_set_t), intent(in) :: set
+      type(exact_group_t), intent(in) :: exact
       type(exact_study_t), intent(in) :: study
       type(devices_t), intent(inout) :: devices
       integer :: k
@@ -345,7 +350,7 @@ contains
       call begin_list(set, devices%nine, 'rank assembly r2 r3 r4 phi0 psi0')
       do k = 1, study%generators%count
          associate (one => study%generators%list(k))
-            call devices%six%add(numbers_of(k, one, set%exact%frame)//'  '//assembly_word(one%assembly))
+            call devices%six%add(numbers_of(k, one, exact%frame)//'  '//assembly_word(one%assembly))
             call devices%nine%add(to_text(k)//' '//to_text(one%assembly)//row_of(one))
             call devices%seven%add('! rank '//to_text(k)//': assembly '//assembly_word(one%assembly))
             call write_case(set, study, k, merge(set%limits%last, 0, k == study%generators%count), devices%seven)
@@ -353,8 +358,9 @@ contains
       end do
    end subroutine report_generators
 
-   subroutine report_minimax(set, study, devices)
+   subroutine report_minimax(set, exact, study, devices)
       type(data_set_t), intent(in) :: set
+      type(exact_group_t), intent(in) :: exact
       type(exact_study_t), intent(in) :: study
       type(devices_t), intent(inout) :: devices
       character(:), allocatable :: unit
@@ -374,7 +380,7 @@ contains
       call begin_list(set, devices%nine, 'rank error sense alternates r2 r3 r4 phi0 psi0')
       do k = 1, shown
          associate (best => study%approximations(k))
-            call devices%six%add(numbers_of(k, best%linkage, set%exact%frame)//general(best%error)//'     '// &
+            call devices%six%add(numbers_of(k, best%linkage, exact%frame)//general(best%error)//'     '// &
                                  merge('+', '-', best%sense > 0)//'  '//word(best%alternates, 10))
             call devices%nine%add(to_text(k)//' '//full_precision(best%error)//' '//to_text(best%sense)//digit(best%alternates)// &
                                   row_of(best%linkage))
@@ -385,8 +391,9 @@ contains
    end subroutine report_minimax
 
    !> Four-bars refined over more points than can be met.
-   subroutine report_subsets(set, study, devices)
+   subroutine report_subsets(set, exact, study, devices)
       type(data_set_t), intent(in) :: set
+      type(exact_group_t), intent(in) :: exact
       type(exact_study_t), intent(in) :: study
       type(devices_t), intent(inout) :: devices
       integer :: i, shown
@@ -396,8 +403,8 @@ contains
          call six%add('  '//to_text(found%sets)//' sets of nine points, '//to_text(found%complete)//' of them with all '// &
                       'four-bars; '//to_text(found%starts)//' starts with a turning crank')
          if (found%stopped) then
-            call six%add('  not complete: '//reason_of(study)//', '//to_text(set%exact%subsets)//' sets were asked for')
-            call devices%remark(set, reason_of(study)//': '//to_text(found%sets)//' of '//to_text(set%exact%subsets)// &
+            call six%add('  not complete: '//reason_of(study)//', '//to_text(exact%subsets)//' sets were asked for')
+            call devices%remark(set, reason_of(study)//': '//to_text(found%sets)//' of '//to_text(exact%subsets)// &
                                 ' sets of nine points searched')
          end if
          shown = shown_of(set, study)
@@ -437,8 +444,9 @@ contains
    end subroutine report_subsets
 
    !> Six-bars: joints at the first point.
-   subroutine report_six_bars(set, study, devices)
+   subroutine report_six_bars(set, exact, study, devices)
       type(data_set_t), intent(in) :: set
+      type(exact_group_t), intent(in) :: exact
       type(exact_study_t), intent(in) :: study
       type(devices_t), intent(inout) :: devices
       complex(wp) :: joints(7)
@@ -475,7 +483,7 @@ contains
          call six%add('  RANK  JOINTS C, D, E, G, H: X, Y')
          call begin_list(set, devices%nine, 'rank transmission longest error cx cy dx dy ex ey gx gy hx hy')
          do k = 1, shown
-            joints = set%exact%frame*six_bar_joints(found%best(k), study%phi(1))
+            joints = exact%frame*six_bar_joints(found%best(k), study%phi(1))
             line = rank_column(k)
             row = to_text(k)//' '//full_precision(found%best(k)%transmission)//' '//full_precision(found%best(k)%longest)//' '// &
                   full_precision(found%best(k)%error*degrees_per_radian)
@@ -496,8 +504,10 @@ contains
    pure integer function shown_of(set, study)
       type(data_set_t), intent(in) :: set
       type(exact_study_t), intent(in) :: study
+      type(exact_group_t) :: exact
 
-      shown_of = min(results_of(study), set%exact%listed)
+      exact = exact_of(set)
+      shown_of = min(results_of(study), exact%listed)
    end function shown_of
 
    !> Append a result as a case with a sketch.
@@ -506,38 +516,41 @@ contains
       type(exact_study_t), intent(in) :: study
       integer, intent(in) :: rank, last              !! LAST of the case
       type(text_t), intent(inout) :: text
+      type(exact_group_t) :: exact
       character(:), allocatable :: title
       real(wp) :: phi(samples), psi(samples)
       integer :: i
 
+      exact = exact_of(set)
       title = title_of(set, rank)
       select case (study%way)
       case (way_generators)
-         call write_generator(title, study%generators%list(rank), set%exact%frame, study%phi, study%psi, last, text)
+         call write_generator(title, study%generators%list(rank), exact%frame, study%phi, study%psi, last, text)
       case (way_minimax)
          associate (best => study%approximations(rank))
             do i = 1, samples
                phi(i) = study%wanted%input_at(real(i - 1, wp)/real(samples - 1, wp))
                psi(i) = study%wanted%output_at(real(i - 1, wp)/real(samples - 1, wp))*real(best%sense*study%wanted%sense, wp)
             end do
-            call write_generator(title, best%linkage, set%exact%frame, phi, psi, last, text)
+            call write_generator(title, best%linkage, exact%frame, phi, psi, last, text)
          end associate
       case (way_six_bars)
          associate (one => study%six_bars%best(rank))
-            call write_six_bar(title, one%watt, set%exact%frame*six_bar_joints(one, study%phi(1)), study%phi, last, text)
+            call write_six_bar(title, one%watt, exact%frame*six_bar_joints(one, study%phi(1)), study%phi, last, text)
          end associate
       case (way_subsets)
-         call write_linkage(title, study%subsets%results(rank)%linkage, set%exact, last, text)
+         call write_linkage(title, study%subsets%results(rank)%linkage, exact, last, text)
       case (way_guided)
-         call write_guided(title, study%guided%list(rank), set%exact, last, text)
+         call write_guided(title, study%guided%list(rank), exact, last, text)
       case default
-         call write_linkage(title, study%results(rank)%linkage, set%exact, last, text)
+         call write_linkage(title, study%results(rank)%linkage, exact, last, text)
       end select
    end subroutine write_case
 
    !> Six-bars of a chain and two links: between which bodies, and their joints in the first pose.
-   subroutine report_guided(set, study, devices)
+   subroutine report_guided(set, exact, study, devices)
       type(data_set_t), intent(in) :: set
+      type(exact_group_t), intent(in) :: exact
       type(exact_study_t), intent(in) :: study
       type(devices_t), intent(inout) :: devices
       complex(wp) :: first
@@ -553,7 +566,7 @@ contains
             call devices%note_violation()
          end if
          if (shown == 0) return
-         first = cmplx(set%exact%x(1), set%exact%y(1), wp)
+         first = cmplx(exact%x(1), exact%y(1), wp)
          call six%add()
          call six%add('  RANK SOUND   FASTEST LINK   LONGEST LINK  FIRST LINK     SECOND LINK')
          do k = 1, shown

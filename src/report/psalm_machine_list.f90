@@ -4,6 +4,7 @@ module psalm_machine_list
    use psalm_kinds, only: wp, full_turn
    use psalm_machine, only: cycle_found, cycle_grows, cycle_falls, cycle_stalls, cycle_any_speed
    use psalm_machine_study, only: machine_study_t
+   use psalm_motor_group, only: motor_group_t, motor_of
    use psalm_text, only: text_t, general, to_text
    implicit none (type, external)
    private
@@ -18,8 +19,10 @@ contains
       type(data_set_t), intent(in) :: set
       type(machine_study_t), intent(in) :: study
       type(text_t), intent(inout) :: text
+      type(motor_group_t) :: motor
       integer :: k, step
 
+      motor = motor_of(set)
       call text%add()
       call text%add(' MOTION FROM TORQUE: KG M2, N M, RAD/S, SECONDS; ANGLES IN DEGREES FROM THE REFERENCE INPUT')
       if (.not. study%turns) then
@@ -42,15 +45,15 @@ contains
             end do
          end associate
       end if
-      if (set%motor%fluctuation > 0.0_wp) then
+      if (motor%fluctuation > 0.0_wp) then
          if (study%flywheel < 0.0_wp) then
-            call text%add(' NO FLYWHEEL GIVES THE FLUCTUATION'//general(set%motor%fluctuation))
+            call text%add(' NO FLYWHEEL GIVES THE FLUCTUATION'//general(motor%fluctuation))
          else
-            call text%add(' FLYWHEEL FOR THE FLUCTUATION'//general(set%motor%fluctuation)//':'//general(study%flywheel)//' KG M2')
+            call text%add(' FLYWHEEL FOR THE FLUCTUATION'//general(motor%fluctuation)//':'//general(study%flywheel)//' KG M2')
          end if
       end if
-      if (set%motor%turns == 0) return
-      call text%add(' RUN-UP FROM THE SPEED'//general(set%motor%start))
+      if (motor%turns == 0) return
+      call text%add(' RUN-UP FROM THE SPEED'//general(motor%start))
       call text%add('           TURN      TIME AFTER    SPEED AFTER  LEAST SPEED IN  GREATEST IN IT')
       do k = 1, size(study%run%time)
          call text%add(repeat(' ', 15 - len(to_text(k)))//to_text(k)//' '//general(study%run%time(k))// &

@@ -1,5 +1,6 @@
 !> Results of muscle become texts of the devices, remarks for standard error and the exit status. Nothing is computed here.
 module psalm_muscle_report
+   use psalm_balance_group, only: balance_group_t, balance_of
    use psalm_balance_json, only: write_balance_json
    use psalm_balance_list, only: list_balance, plot_balance, list_of_names
    use psalm_balance_study, only: balance_study_t, outcome_t
@@ -27,9 +28,11 @@ contains
       type(prepared_t), intent(in) :: prepared
       type(muscle_study_t), intent(in) :: study
       type(devices_t), intent(inout) :: devices
+      type(balance_group_t) :: group
       type(outcome_t) :: none
       type(spring_result_t), allocatable :: springs(:)
 
+      group = balance_of(set)
       call devices%six%add(' '//set%title)
       if (devices%json%length > 0) call devices%json%add_text(','//new_line('a'))
       call devices%json%add_text('{"title":'//json_text(trim(set%title)))
@@ -42,7 +45,7 @@ contains
             call devices%note_violation()
             call devices%json%add_text(',"trouble_at":'//to_text(study%balance%trouble))
          else
-            call remark_balance(set, study%balance, devices)
+            call remark_balance(set, group, study%balance, devices)
             call list_balance(set, study%balance, devices%six)
             call plot_balance(study%balance, devices%nine)
             call devices%json%add_text(',')
@@ -89,8 +92,9 @@ contains
    end subroutine report_springs
 
    !> What a user must not overlook.
-   subroutine remark_balance(set, study, devices)
+   subroutine remark_balance(set, group, study, devices)
       type(data_set_t), intent(in) :: set
+      type(balance_group_t), intent(in) :: group
       type(balance_study_t), intent(in) :: study
       type(devices_t), intent(inout) :: devices
       character(:), allocatable :: words
@@ -105,7 +109,7 @@ contains
          call devices%remark(set, 'complete force balance is possible, but not within WREACH and WMOST')
          call devices%note_violation()
       end if
-      if (set%balance%wants_optimum() .and. .not. allocated(study%optimum)) then
+      if (group%wants_optimum() .and. .not. allocated(study%optimum)) then
          call devices%remark(set, 'there are no weights within the limits for the composite')
          call devices%note_violation()
       end if

@@ -4,7 +4,6 @@ module psalm_report
    use psalm_analysis, only: analysis_t
    use psalm_check_list, only: list_arcs, list_reference_joints, list_setup
    use psalm_data_set, only: data_set_t, title_columns
-   use psalm_method_group, only: default_niter
    use psalm_data_set_text, only: write_vertices, write_data_set
    use psalm_devices, only: devices_t, most_told
    use psalm_doubts, only: describe_short_links, words_at_rest
@@ -18,6 +17,7 @@ module psalm_report
    use psalm_machine_study, only: machine_study_t
    use psalm_margin_list, only: list_margins, describe_margin
    use psalm_margins, only: is_violated
+   use psalm_method_group, only: default_niter
    use psalm_plot_data, only: write_block, write_rate_block
    use psalm_proof_list, only: list_proof, write_proof, describe_proof
    use psalm_proof_study, only: proof_study_t
@@ -446,7 +446,7 @@ contains
       type(devices_t), intent(inout) :: devices
 
       call list_machine(set, machine, devices%six)
-      if (machine%is_complete(set)) return
+      if (machine%is_complete()) return
       call devices%note_violation()
       call devices%remark(set, 'motion from torque: '//lower_case(cycle_words(machine)))
    end subroutine report_machine

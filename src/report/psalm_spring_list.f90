@@ -5,7 +5,7 @@ module psalm_spring_list
    use psalm_kinds, only: wp
    use psalm_link_place, only: place_t
    use psalm_markup, only: json_text, number_or_null
-   use psalm_spring_design_group, only: criterion_range, criterion_rms
+   use psalm_spring_design_group, only: spring_design_group_t, spring_design_of, criterion_range, criterion_rms
    use psalm_spring_exact, only: exact_distance_varies, exact_possible
    use psalm_spring_study, only: spring_study_t, spring_result_t
    use psalm_text, only: text_t, full_precision, general, to_text
@@ -21,12 +21,14 @@ contains
       type(data_set_t), intent(in) :: set
       type(spring_study_t), intent(in) :: study
       type(text_t), intent(inout) :: text
+      type(spring_design_group_t) :: group
       character(:), allocatable :: what
       integer :: k
 
+      group = spring_design_of(set)
       what = 'GREATEST AMOUNT'
-      if (set%spring_design%criterion == criterion_range) what = 'RANGE'
-      if (set%spring_design%criterion == criterion_rms) what = 'RMS'
+      if (group%criterion == criterion_range) what = 'RANGE'
+      if (group%criterion == criterion_rms) what = 'RMS'
       call text%add()
       call text%add(' SPRINGS FOR THE LEAST '//what//' OF THE '//study%load//'; N/M, NEWTONS, PLACES IN THE AXES OF THEIR LINKS')
       if (.not. study%found) then
@@ -40,7 +42,7 @@ contains
          return
       end if
       call text%add(' BEFORE'//general(study%before)//'   AFTER'//general(study%after))
-      if (set%spring_design%exact) then
+      if (group%exact) then
          call text%add(' ZERO FREE LENGTH, EXACT AT SIX CRANK ANGLES, EQUAL ERRORS BETWEEN THEM; THE BEST OF '// &
                        to_text(size(study%phases)/2)//' PHASES')
       else if (study%search%convex) then

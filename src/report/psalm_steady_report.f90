@@ -2,12 +2,14 @@
 module psalm_steady_report
    use psalm_data_set, only: data_set_t
    use psalm_devices, only: devices_t
+   use psalm_drive_group, only: hill_group_t, hill_of, drive_group_t, drive_of
    use psalm_estimate_study, only: verdict_redesign
    use psalm_hill, only: hill_t
    use psalm_kinds, only: wp, full_turn
    use psalm_link_cycle, only: link_cycle_t
    use psalm_steady_study, only: steady_study_t
    use psalm_text, only: general, lower_case, to_text
+   use psalm_vibration_group, only: estimate_group_t, estimates_of, vibration_group_t, vibration_of
    use psalm_vibration_list, only: list_vibration, plot_vibration, list_estimates, list_drive, plot_drive, list_hill, plot_hill, &
                                    stability_words, link_words
    use psalm_vibration_study, only: much_mixed
@@ -24,15 +26,23 @@ contains
       type(data_set_t), intent(in) :: set
       type(steady_study_t), intent(in) :: study
       type(devices_t), intent(inout) :: devices
+      type(hill_group_t) :: hill
+      type(drive_group_t) :: drive
+      type(estimate_group_t) :: estimates
+      type(vibration_group_t) :: vibration
       integer :: k
 
+      hill = hill_of(set)
+      drive = drive_of(set)
+      estimates = estimates_of(set)
+      vibration = vibration_of(set)
       call devices%six%add(' '//set%title)
       if (allocated(study%estimates)) then
          do k = 1, size(study%estimates)
-            if (stuck(set, study%estimates(k)%cycle, set%estimates%points, devices)) return
+            if (stuck(set, study%estimates(k)%cycle, estimates%points, devices)) return
             if (study%estimates(k)%verdict /= verdict_redesign) cycle
             call devices%note_violation()
-            call devices%remark(set, 'the link '//link_words(set, set%estimates%beams(k)%link, ' in loop ', 'of arc ')// &
+            call devices%remark(set, 'the link '//link_words(set, estimates%beams(k)%link, ' in loop ', 'of arc ')// &
                                 ' is to be designed again: '//trim(merge('it buckles                               ', &
                                                                          'it bends by more than 0.025 of its length', &
                                                                          study%estimates(k)%buckles)))
@@ -40,7 +50,7 @@ contains
          call list_estimates(set, study%estimates, devices%six)
       end if
       if (allocated(study%vibration)) then
-         if (stuck(set, study%vibration%cycle, set%vibration%points, devices)) return
+         if (stuck(set, study%vibration%cycle, vibration%points, devices)) return
          call list_vibration(set, study%vibration, devices%six)
          call plot_vibration(study%vibration, devices%nine)
          do k = 1, size(study%vibration%modes)
@@ -48,7 +58,7 @@ contains
             if (study%vibration%modes(k)%least_stiffness >= 0.0_wp) cycle
             call devices%note_violation()
             call devices%remark(set, 'mode '//to_text(k)//': the link '// &
-                                link_words(set, set%vibration%beam%link, ' in loop ', 'of arc ')//' buckles for a part of '// &
+                                link_words(set, vibration%beam%link, ' in loop ', 'of arc ')//' buckles for a part of '// &
                                 'the turn, most at '// &
                                 trim(adjustl(general(study%vibration%modes(k)%least_at)))//' degrees after the reference')
          end do
@@ -56,15 +66,15 @@ contains
             call devices%remark(set, 'loads and springs on the link couple its modes: the deflection of a mode by itself is '// &
                                 'rough, that of &ESTIM takes all together')
          end if
-         if (study%vibration%resolution > enough) call coarse('NVPNT', set%vibration%points)
+         if (study%vibration%resolution > enough) call coarse('NVPNT', vibration%points)
       end if
       if (allocated(study%drive)) then
-         if (stuck(set, study%drive%turn, set%drive%points, devices)) return
+         if (stuck(set, study%drive%turn, drive%points, devices)) return
          call list_drive(set, study%drive, devices%six)
          call plot_drive(study%drive, devices%nine)
          if (study%drive%found) then
             call remark_stability(set, 'the drive', study%drive%hill, devices)
-            if (study%drive%loaded .and. study%drive%resolution > enough) call coarse('NDPNT', set%drive%points)
+            if (study%drive%loaded .and. study%drive%resolution > enough) call coarse('NDPNT', drive%points)
          else
             call devices%note_violation()
          end if
@@ -73,7 +83,7 @@ contains
          call list_hill(set, study%hill, devices%six)
          call plot_hill(set, study%hill, devices%nine)
          call remark_stability(set, 'Hill''s equation', study%hill%hill, devices)
-         if (study%hill%resolution > enough) call coarse('NHILL', size(set%hill%c0))
+         if (study%hill%resolution > enough) call coarse('NHILL', size(hill%c0))
       end if
 
    contains

@@ -2,6 +2,7 @@
 module psalm_vibration_list
    use psalm_block, only: begin_block
    use psalm_data_set, only: data_set_t
+   use psalm_drive_group, only: hill_group_t, hill_of, drive_group_t, drive_of
    use psalm_drive_study, only: drive_study_t, hill_study_t, inertia_t, matters, least_drive_ratio, small_swing
    use psalm_estimate_study, only: estimate_t, verdict_rigid, verdict_closer, harmonics_estimated, stubby, rules
    use psalm_hill, only: hill_t
@@ -9,7 +10,7 @@ module psalm_vibration_list
    use psalm_link_place, only: place_t
    use psalm_stability, only: boundaries_t
    use psalm_text, only: text_t, full_precision, general, number_or_nan, to_text
-   use psalm_vibration_group, only: beam_t
+   use psalm_vibration_group, only: estimate_group_t, estimates_of, vibration_group_t, vibration_of, beam_t
    use psalm_vibration_study, only: vibration_study_t, mode_t, harmonics_listed
    implicit none (type, external)
    private
@@ -28,10 +29,12 @@ contains
       type(data_set_t), intent(in) :: set
       type(vibration_study_t), intent(in) :: study
       type(text_t), intent(inout) :: text
+      type(vibration_group_t) :: vibration
       integer :: j, p, k, n
 
+      vibration = vibration_of(set)
       call text%add()
-      call text%add(' VIBRATION OF THE LINK '//link_words(set, set%vibration%beam%link, ' IN LOOP ', 'OF ARC ')// &
+      call text%add(' VIBRATION OF THE LINK '//link_words(set, vibration%beam%link, ' IN LOOP ', 'OF ARC ')// &
                     ': SI UNITS, SPEEDS IN RAD/S')
       call text%add(' LENGTH'//general(study%cycle%length)//'  MASS'//general(study%cycle%mass))
       call text%add(' FIRST FREQUENCY AT REST'//general(study%frequency)//', RATIO TO THE SPEED'//general(study%ratio))
@@ -318,12 +321,14 @@ contains
       type(data_set_t), intent(in) :: set
       type(estimate_t), intent(in) :: estimates(:)
       type(text_t), intent(inout) :: text
+      type(estimate_group_t) :: group
       integer :: k, n
 
+      group = estimates_of(set)
       call text%add()
       call text%add(' ESTIMATES OF LINK VIBRATION: SI UNITS')
       do k = 1, size(estimates)
-         associate (e => estimates(k), beam => set%estimates%beams(k))
+         associate (e => estimates(k), beam => group%beams(k))
             call text%add()
             call text%add(' LINK '//link_words(set, beam%link, ' IN LOOP ', 'OF ARC ')//': '//verdict(e%verdict))
             call text%add('   LENGTH, SLENDERNESS'//general(e%cycle%length)//general(e%slenderness))
@@ -383,22 +388,24 @@ contains
       type(data_set_t), intent(in) :: set
       type(drive_study_t), intent(in) :: study
       type(text_t), intent(inout) :: text
+      type(drive_group_t) :: drive
       character(:), allocatable :: line
       integer :: n, k
 
+      drive = drive_of(set)
       call text%add()
       call text%add(' FLEXIBLE DRIVE: SI UNITS, SPEEDS IN RAD/S')
-      if (.not. set%drive%offsets) call text%add(' OFFSETS OF THE CENTRES OF MASS DROPPED (DOFFS=0)')
+      if (.not. drive%offsets) call text%add(' OFFSETS OF THE CENTRES OF MASS DROPPED (DOFFS=0)')
       if (study%massless) then
          call text%add(' NO INERTIA AT THE CRANK SOMEWHERE: GIVE &MASSES OR DEXTRA')
          return
       else if (.not. study%found) then
-         call text%add(' NO STIFFNESS GIVES THE MEAN RATIO'//general(set%drive%ratio)//': D**2 + J''''/(2 J0) WOULD BE NEGATIVE')
+         call text%add(' NO STIFFNESS GIVES THE MEAN RATIO'//general(drive%ratio)//': D**2 + J''''/(2 J0) WOULD BE NEGATIVE')
          return
       end if
       call list_inertia(' ', study%of_crank)
       if (study%with_offsets%mean > 0.0_wp) call list_inertia(' WITH THE OFFSETS: ', study%with_offsets)
-      call text%add(' STIFFNESS'//general(study%stiffness)//'  D'//general(study%d)//'  C'//general(set%drive%damping))
+      call text%add(' STIFFNESS'//general(study%stiffness)//'  D'//general(study%d)//'  C'//general(drive%damping))
       if (study%ratio_real) then
          call text%add(' MEAN RATIO OF THE FREQUENCY TO THE SPEED'//general(study%ratio)// &
                        ' (RESONANCE AT WHOLE NUMBERS, BANDS OF'// &
@@ -417,13 +424,13 @@ contains
       end if
       call text%add(' '//stability_words(study%hill))
       call text%add(' MULTIPLIERS'//multiplier(study%hill%multipliers(1))//multiplier(study%hill%multipliers(2))// &
-                    trim(merge(' (OF HALF A TURN)', '                 ', set%drive%ripple > 0.0_wp)))
+                    trim(merge(' (OF HALF A TURN)', '                 ', drive%ripple > 0.0_wp)))
       call list_accuracy(study%hill, text)
       if (study%hill%unique) then
          call text%add(' HARMONICS OF THE CRANK''S SWING, RAD, AND OF ITS ACCELERATION/SPEED**2 (*: IT MATTERS FOR THE OUTPUTS)'// &
                        trim(merge('; OF THE OUTPUT''S, AND OF THAT WITH A RIGID DRIVE', repeat(' ', 49), &
                                   size(study%output, 2) > 0)))
-         do n = 0, set%drive%harmonics
+         do n = 0, drive%harmonics
             line = repeat(' ', 6 - len(to_text(n)))//to_text(n)//general(study%swing(n))//general(study%acceleration(n))// &
                    merge(' *', '  ', matters(n, study%acceleration(n)))
             do k = 1, size(study%output, 2)
@@ -488,10 +495,12 @@ contains
       type(data_set_t), intent(in) :: set
       type(hill_study_t), intent(in) :: study
       type(text_t), intent(inout) :: text
+      type(hill_group_t) :: hill
       integer :: n
 
+      hill = hill_of(set)
       call text%add()
-      call text%add(' HILL''S EQUATION Y'''' + C1 Y'' + C0 Y = P FROM TABLES OF '//to_text(size(set%hill%c0))//' VALUES')
+      call text%add(' HILL''S EQUATION Y'''' + C1 Y'' + C0 Y = P FROM TABLES OF '//to_text(size(hill%c0))//' VALUES')
       call text%add(' '//stability_words(study%hill))
       call text%add(' MULTIPLIERS'//multiplier(study%hill%multipliers(1))//multiplier(study%hill%multipliers(2)))
       call text%add(' PERIOD: FREE      '//general(study%hill%transfer(1, 1))//general(study%hill%transfer(1, 2)))
@@ -501,7 +510,7 @@ contains
       if (.not. study%hill%unique) return
       call text%add(' STEADY STATE AT 0'//general(study%hill%start(1))//general(study%hill%start(2))//', GREATEST'// &
                     general(study%greatest))
-      do n = 0, set%hill%harmonics
+      do n = 0, hill%harmonics
          call text%add(repeat(' ', 6 - len(to_text(n)))//to_text(n)//general(study%amplitude(n)))
       end do
    end subroutine list_hill
@@ -511,14 +520,16 @@ contains
       type(data_set_t), intent(in) :: set
       type(hill_study_t), intent(in) :: study
       type(text_t), intent(inout) :: text
+      type(hill_group_t) :: hill
       integer :: k
 
+      hill = hill_of(set)
       call begin_block('hill_multipliers', 're im', text)
       do k = 1, 2
          call text%add(full_precision(real(study%hill%multipliers(k), wp))//columns([aimag(study%hill%multipliers(k))]))
       end do
       call begin_block('hill_harmonics', 'n amplitude', text)
-      do k = 0, set%hill%harmonics
+      do k = 0, hill%harmonics
          call text%add(to_text(k)//columns([study%amplitude(k)]))
       end do
       call plot_response('hill_response', study%hill, 1.0_wp, 1.0_wp, 1, text)

@@ -5,6 +5,7 @@
 module psalm_sketch_case
    use psalm_angles, only: degrees_of, unit_vector, within_turn
    use psalm_assur_order, only: assur_order_t
+   use psalm_case_group, only: place_visitor_t
    use psalm_closure, only: closure_t, state_t, make_closure, start_state, solve_group, place_points, rank_lost
    use psalm_constraint_group, only: range_positions
    use psalm_data_set, only: data_set_t
@@ -26,6 +27,17 @@ module psalm_sketch_case
    public :: resolve_sketch, assemble_sketch
 
    integer, parameter :: most_named = 12 !! lengths named in a message
+
+   !> Gives places on a sketch their arcs.
+   type, extends(place_visitor_t) :: placing_t
+      type(loops_t), pointer :: loops => null()
+      type(state_t), pointer :: state => null()  !! at the drawing
+      type(sketch_t), pointer :: sketch => null()
+   contains
+      procedure :: place => put_point
+      procedure :: joint => put_joint
+      procedure :: line => put_line
+   end type placing_t
 
 contains
 
@@ -138,7 +150,7 @@ contains
                                 'leave it out')
       if (set%limits%icond /= 0) call refuse('LIMITS', 'ICOND', 'the condition number')
       if (set%limits%iplot /= 0) call refuse('LIMITS', 'IPLOT', 'the sweep of every degree')
-      if (set%motor%given) call refuse('MOTOR', '', 'motion from torque')
+      if (set%gives('MOTOR')) call refuse('MOTOR', '', 'motion from torque')
 
    contains
 
@@ -353,10 +365,15 @@ contains
    !> Arcs for the links, and for the places of masses, loads, springs, friction and weights, which are given by names.
    subroutine fill_places(closure, loops, state, set)
       type(closure_t), intent(in) :: closure
-      type(loops_t), intent(in) :: loops
-      type(state_t), intent(in) :: state
-      type(data_set_t), intent(inout) :: set
+      type(loops_t), intent(in), target :: loops
+      type(state_t), intent(in), target :: state
+      type(data_set_t), intent(inout), target :: set
+      type(placing_t) :: placing
       integer :: k
+
+      placing%loops => loops
+      placing%state => state
+      placing%sketch => set%sketch
 
       allocate (set%link_places(size(set%sketch%links)))
       do k = 1, size(set%sketch%links)
@@ -364,37 +381,24 @@ contains
             place%link = k
             if (size(joints) > 0) place%joint = joints(1)
             if (size(joints) > 1) place%line = joints(:2)
-            call put(place)
+            call placing%place(place)
          end associate
       end do
       do k = 1, size(set%masses%places)
-         call put(set%masses%places(k))
+         call placing%place(set%masses%places(k))
       end do
       do k = 1, size(set%loads%places)
-         call put(set%loads%places(k))
+         call placing%place(set%loads%places(k))
       end do
       do k = 1, size(set%springs%first)
-         call put(set%springs%first(k))
-         call put(set%springs%second(k))
-      end do
-      do k = 1, size(set%balance%places)
-         call put(set%balance%places(k))
-      end do
-      do k = 1, size(set%balance%joints)
-         call put_joint(set%balance%joints(k))
-      end do
-      do k = 1, size(set%spring_design%first)
-         call put(set%spring_design%first(k))
-         call put(set%spring_design%second(k))
-      end do
-      if (set%spring_design%of_joint) call put_joint(set%spring_design%joint)
-      if (set%clearance%given) call put_joint(set%clearance%joint)
-      if (set%vibration%given) call put_line(set%vibration%beam%link)
-      do k = 1, size(set%estimates%beams)
-         call put_line(set%estimates%beams(k)%link)
+         call placing%place(set%springs%first(k))
+         call placing%place(set%springs%second(k))
       end do
       do k = 1, size(set%friction%joints)
-         call put_joint(set%friction%joints(k))
+         call placing%joint(set%friction%joints(k))
+      end do
+      do k = 1, size(set%sections)
+         call set%sections(k)%group%visit_places(placing)
       end do
       set%pin_holders = closure%holder
       allocate (set%shoes(size(set%sketch%slides)))
@@ -442,92 +446,95 @@ contains
          end if
          shoe%distance = abs(z)
          if (shoe%distance > 0.0_wp) shoe%angle = degrees_of(z%re, z%im) - line
-         if (shoe%link /= frame_link) call put(shoe)
+         if (shoe%link /= frame_link) call placing%place(shoe)
       end subroutine put_shoe
-
-      !> An arc of the link, if there is one that begins or ends at the joint.
-      subroutine put(place)
-         type(place_t), intent(inout) :: place
-         integer :: arc, point, found
-         logical :: from_start, start_of_it
-         real(wp) :: direction, c, s
-         complex(wp) :: h, z
-
-         place%written = [place%distance, place%angle]
-         h = (1.0_wp, 0.0_wp)
-         if (place%line(1) > 0) h = state%joint(place%line(2), 0) - state%joint(place%line(1), 0)
-         direction = degrees_of(h%re, h%im)
-         if (place%line(1) == 0) direction = state%phi(place%link, 0)*degrees_per_radian
-         arc = 0
-         if (place%joint > 0) call arc_with(loops, place%link, place%joint, arc, from_start)
-         if (arc == 0) then
-            do point = 1, size(loops%point)
-               call arc_with(loops, place%link, point, found, start_of_it)
-               if (found == 0) cycle
-               arc = found
-               from_start = start_of_it
-               exit
-            end do
-         end if
-         if (arc == 0) return
-         associate (one => loops%arcs(arc))
-            point = one%ends(merge(at_start, at_finish, from_start))
-            if (point /= place%joint) then
-               call unit_vector(direction + place%angle, c, s)
-               z = state%t(place%link, 0)
-               if (place%joint > 0) z = state%joint(place%joint, 0)
-               z = z + place%distance*cmplx(c, s, wp) - loops%point(point)
-               place%distance = abs(z)
-               place%angle = 0.0_wp
-               if (place%distance > 0.0_wp) place%angle = clean(degrees_of(z%re, z%im) - direction)
-            end if
-            place%arc = one%place
-            place%loop = one%loop
-            place%from_start = from_start
-            place%turn = clean(direction - one%direction)
-         end associate
-      end subroutine put
-
-      !> The arc of the link between two joints of it; none if no loop runs there.
-      subroutine put_line(place)
-         type(place_t), intent(inout) :: place
-         integer :: k
-
-         do k = 1, size(loops%arcs)
-            associate (arc => loops%arcs(k))
-               if (arc%link /= place%link .or. arc%slide > 0) cycle
-               if (.not. (any(arc%ends == place%line(1)) .and. any(arc%ends == place%line(2)))) cycle
-               place%arc = arc%place
-               place%loop = arc%loop
-               return
-            end associate
-         end do
-      end subroutine put_line
-
-      !> The end of an arc, or a sliding arc.
-      subroutine put_joint(place)
-         type(place_t), intent(inout) :: place
-         integer, allocatable :: links(:)
-         integer :: k, arc
-
-         if (place%slide > 0) then
-            k = findloc(loops%arcs%slide, place%slide, dim=1)
-            if (k == 0) return
-            place%loop = loops%arcs(k)%loop
-            place%arc = loops%arcs(k)%place
-            return
-         end if
-         links = set%sketch%links_of(place%joint)
-         if (place%link > 0) links = [place%link]
-         do k = size(links), 1, -1
-            call arc_with(loops, links(k), place%joint, arc, place%from_start)
-            if (arc == 0) cycle
-            place%loop = loops%arcs(arc)%loop
-            place%arc = loops%arcs(arc)%place
-            return
-         end do
-      end subroutine put_joint
    end subroutine fill_places
+
+   !> An arc of the link, if there is one that begins or ends at the joint.
+   subroutine put_point(self, place)
+      class(placing_t), intent(in) :: self
+      type(place_t), intent(inout) :: place
+      integer :: arc, point, found
+      logical :: from_start, start_of_it
+      real(wp) :: direction, c, s
+      complex(wp) :: h, z
+
+      place%written = [place%distance, place%angle]
+      h = (1.0_wp, 0.0_wp)
+      if (place%line(1) > 0) h = self%state%joint(place%line(2), 0) - self%state%joint(place%line(1), 0)
+      direction = degrees_of(h%re, h%im)
+      if (place%line(1) == 0) direction = self%state%phi(place%link, 0)*degrees_per_radian
+      arc = 0
+      if (place%joint > 0) call arc_with(self%loops, place%link, place%joint, arc, from_start)
+      if (arc == 0) then
+         do point = 1, size(self%loops%point)
+            call arc_with(self%loops, place%link, point, found, start_of_it)
+            if (found == 0) cycle
+            arc = found
+            from_start = start_of_it
+            exit
+         end do
+      end if
+      if (arc == 0) return
+      associate (one => self%loops%arcs(arc))
+         point = one%ends(merge(at_start, at_finish, from_start))
+         if (point /= place%joint) then
+            call unit_vector(direction + place%angle, c, s)
+            z = self%state%t(place%link, 0)
+            if (place%joint > 0) z = self%state%joint(place%joint, 0)
+            z = z + place%distance*cmplx(c, s, wp) - self%loops%point(point)
+            place%distance = abs(z)
+            place%angle = 0.0_wp
+            if (place%distance > 0.0_wp) place%angle = clean(degrees_of(z%re, z%im) - direction)
+         end if
+         place%arc = one%place
+         place%loop = one%loop
+         place%from_start = from_start
+         place%turn = clean(direction - one%direction)
+      end associate
+   end subroutine put_point
+
+   !> The arc of the link between two joints of it; none if no loop runs there.
+   subroutine put_line(self, place)
+      class(placing_t), intent(in) :: self
+      type(place_t), intent(inout) :: place
+      integer :: k
+
+      do k = 1, size(self%loops%arcs)
+         associate (arc => self%loops%arcs(k))
+            if (arc%link /= place%link .or. arc%slide > 0) cycle
+            if (.not. (any(arc%ends == place%line(1)) .and. any(arc%ends == place%line(2)))) cycle
+            place%arc = arc%place
+            place%loop = arc%loop
+            return
+         end associate
+      end do
+   end subroutine put_line
+
+   !> The end of an arc, or a sliding arc.
+   subroutine put_joint(self, place)
+      class(placing_t), intent(in) :: self
+      type(place_t), intent(inout) :: place
+      integer, allocatable :: links(:)
+      integer :: k, arc
+
+      if (place%slide > 0) then
+         k = findloc(self%loops%arcs%slide, place%slide, dim=1)
+         if (k == 0) return
+         place%loop = self%loops%arcs(k)%loop
+         place%arc = self%loops%arcs(k)%place
+         return
+      end if
+      links = self%sketch%links_of(place%joint)
+      if (place%link > 0) links = [place%link]
+      do k = size(links), 1, -1
+         call arc_with(self%loops, links(k), place%joint, arc, place%from_start)
+         if (arc == 0) cycle
+         place%loop = self%loops%arcs(arc)%loop
+         place%arc = self%loops%arcs(arc)%place
+         return
+      end do
+   end subroutine put_joint
 
    !> The angle in 0 to 360 degrees; what differs from a multiple of 90 by a rounding is that.
    pure real(wp) function clean(angle)

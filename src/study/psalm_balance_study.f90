@@ -1,7 +1,8 @@
 !> Counterweights of a case (group BALANC): complete force balance, least composites, fronts. Data in, results out.
 module psalm_balance_study
    use psalm_angles, only: degrees_of
-   use psalm_balance_group, only: form_body, form_point, order_moment, order_torque, measure_force, measure_moment, &
+   use psalm_balance_group, only: balance_group_t, balance_of, form_body, form_point, order_moment, order_torque, measure_force, &
+      measure_moment, &
                                   measure_torque, measure_mass
    use psalm_body_motion, only: body_motion_t, follow_bodies
    use psalm_counterweights, only: room_t, aim_t, design_t, least_composite, composite_of
@@ -107,16 +108,19 @@ contains
       type(mechanism_t), intent(in) :: mechanism
       type(dimensions_t), intent(in) :: dimensions
       type(diagnostics_t), intent(inout) :: findings
+      type(balance_group_t) :: group
       type(diagnostics_t) :: unused
       type(force_model_t) :: model
       type(spot_t) :: spot
-      integer :: taken(size(set%balance%places)), k, state
+      integer, allocatable :: taken(:)
+      integer :: k, state
 
+      group = balance_of(set)
       call make_force_model(set, mechanism, dimensions, model, unused)
       if (unused%failed()) return                  ! told elsewhere
-      taken = 0
-      do k = 1, size(set%balance%places)
-         call spot_of_place(mechanism, dimensions, model%reference, set%balance%places(k), spot, state)
+      allocate (taken(size(group%places)), source=0)
+      do k = 1, size(group%places)
+         call spot_of_place(mechanism, dimensions, model%reference, group%places(k), spot, state)
          if (state /= place_right) then
             call refuse('WLINK', k, 'the anchor is no point of the link; name another end or arc of it')
          else if (spot%body == body_frame) then
@@ -126,8 +130,8 @@ contains
          end if
          taken(k) = spot%body
       end do
-      do k = 1, size(set%balance%joints)
-         if (joint_at(mechanism, set%balance%joints(k)) == 0) call refuse('BLINK', k, 'there is no joint at this end of the arc')
+      do k = 1, size(group%joints)
+         if (joint_at(mechanism, group%joints(k)) == 0) call refuse('BLINK', k, 'there is no joint at this end of the arc')
       end do
       if (size(model%friction) > 0) then
          call set%origins%error(findings, 'FRICTN', '', 'loads with friction are not linear in the masses: leave &FRICTN out')
@@ -178,6 +182,7 @@ contains
       type(problem_t), intent(in) :: given
       type(dimensions_t), intent(in) :: dimensions
       type(balance_study_t), intent(out) :: study
+      type(balance_group_t) :: group
       class(problem_t), allocatable :: problem      ! large: it would fill a small stack
       type(force_model_t) :: model
       type(motion_t) :: motion
@@ -189,6 +194,7 @@ contains
       real(wp), allocatable :: anchor(:, :), none(:, :)
       integer :: k, b
 
+      group = balance_of(set)
       allocate (study%budgets(0))
       allocate (problem, source=given)
       call make_force_model(set, problem%mechanism, dimensions, model, unused)
@@ -201,17 +207,17 @@ contains
       call order_by_pins(problem%mechanism, pins)
       study%adrift = pack([(b, b=1, size(pins%adrift))], pins%adrift)
       if (study%trouble > 0) return
-      call place_anchors(set, problem%mechanism, dimensions, model, pins, anchor, rooms, study)
+      call place_anchors(set, group, problem%mechanism, dimensions, model, pins, anchor, rooms, study)
       study%mass = sum(model%inertia(parameter_mass, :))
       call make_channels(set, problem, model, motion, table, anchor, study)
       allocate (none(parameters_of_weight, size(model%reference)), source=0.0_wp)
       study%before = [(measure_of(study%channels(k), none), k=1, size(study%channels))]
       call make_balance(problem, dimensions, model, anchor, balance)
-      call balance_completely(set, problem%mechanism, model, anchor, balance, rooms, pins, study)
+      call balance_completely(group, problem%mechanism, model, anchor, balance, rooms, pins, study)
       if (size(rooms) == 0) return
-      if (set%balance%wants_optimum()) call find_optimum(set, problem%mechanism, model, anchor, balance, rooms, study)
-      call spend_budgets(set, balance, rooms, study)
-      if (set%balance%front > 0) call find_front(set, balance, rooms, study)
+      if (group%wants_optimum()) call find_optimum(group, problem%mechanism, model, anchor, balance, rooms, study)
+      call spend_budgets(group, balance, rooms, study)
+      if (group%front > 0) call find_front(group, balance, rooms, study)
    end subroutine find_balance
 
    subroutine name_bodies(mechanism, study)
@@ -230,8 +236,9 @@ contains
    end subroutine name_bodies
 
    !> Anchors of all bodies - the user's, else the pin nearest the frame - and room for weights. A link without reach has none.
-   subroutine place_anchors(set, mechanism, dimensions, model, pins, anchor, rooms, study)
+   subroutine place_anchors(set, group, mechanism, dimensions, model, pins, anchor, rooms, study)
       type(data_set_t), intent(in) :: set
+      type(balance_group_t), intent(in) :: group
       type(mechanism_t), intent(in) :: mechanism
       type(dimensions_t), intent(in) :: dimensions
       type(force_model_t), intent(in) :: model
@@ -249,28 +256,26 @@ contains
          call locate(mechanism, dimensions, model%reference(b), b, pins%anchor(b), anchor(:, b))
          anchor(:, b) = anchor(:, b)*model%metre
       end do
-      associate (group => set%balance)
-         if (group%links == 0) then
-            allocate (rooms(size(model%reference) - 1))
-            do b = body_frame + 1, size(model%reference)
-               rooms(b - 1) = room_of(b, 1)
+      if (group%links == 0) then
+         allocate (rooms(size(model%reference) - 1))
+         do b = body_frame + 1, size(model%reference)
+            rooms(b - 1) = room_of(b, 1)
+         end do
+         ! nearest the frame first: where links can stand for one another, short chains make light weights
+         do k = 2, size(rooms)
+            do next = k, 2, -1
+               if (pins%order(rooms(next)%link) >= pins%order(rooms(next - 1)%link)) exit
+               rooms([next - 1, next]) = rooms([next, next - 1])
             end do
-            ! nearest the frame first: where links can stand for one another, short chains make light weights
-            do k = 2, size(rooms)
-               do next = k, 2, -1
-                  if (pins%order(rooms(next)%link) >= pins%order(rooms(next - 1)%link)) exit
-                  rooms([next - 1, next]) = rooms([next, next - 1])
-               end do
-            end do
-         else
-            allocate (rooms(group%links))
-            do k = 1, group%links
-               call spot_of_place(mechanism, dimensions, model%reference, group%places(k), spot, state)
-               anchor(:, spot%body) = spot%at*model%metre
-               rooms(k) = room_of(spot%body, k)
-            end do
-         end if
-      end associate
+         end do
+      else
+         allocate (rooms(group%links))
+         do k = 1, group%links
+            call spot_of_place(mechanism, dimensions, model%reference, group%places(k), spot, state)
+            anchor(:, spot%body) = spot%at*model%metre
+            rooms(k) = room_of(spot%body, k)
+         end do
+      end if
       rooms = pack(rooms, rooms%reach > 0.0_wp)
       study%allowed = rooms%link
 
@@ -279,13 +284,11 @@ contains
       type(room_t) function room_of(body, entry) result(room)
          integer, intent(in) :: body, entry
 
-         associate (group => set%balance)
-            room%link = body
-            room%reach = group%reach(entry)*model%metre
-            room%most = group%most(entry)
-            room%radius = [group%radius_low(entry), group%radius_high(entry)]*model%metre
-            room%thickness = [group%thickness_low(entry), group%thickness_high(entry)]*model%metre
-         end associate
+         room%link = body
+         room%reach = group%reach(entry)*model%metre
+         room%most = group%most(entry)
+         room%radius = [group%radius_low(entry), group%radius_high(entry)]*model%metre
+         room%thickness = [group%thickness_low(entry), group%thickness_high(entry)]*model%metre
       end function room_of
    end subroutine place_anchors
 
@@ -426,8 +429,8 @@ contains
 
    ! ---- complete balance --------------------------------------------------------------------------------------------
 
-   subroutine balance_completely(set, mechanism, model, anchor, balance, rooms, pins, study)
-      type(data_set_t), intent(in) :: set
+   subroutine balance_completely(group, mechanism, model, anchor, balance, rooms, pins, study)
+      type(balance_group_t), intent(in) :: group
       type(mechanism_t), intent(in) :: mechanism
       type(force_model_t), intent(in) :: model
       real(wp), intent(in) :: anchor(:, :)
@@ -472,7 +475,7 @@ contains
       end do
       allocate (key(count_found))
       do k = 1, count_found
-         select case (set%balance%order)
+         select case (group%order)
          case (order_moment)
             key(k) = designs(k)%loads(channel_moment)%rms
          case (order_torque)
@@ -482,7 +485,7 @@ contains
          end select
       end do
       order = ascending(key)
-      study%designs = designs(order(:min(count_found, set%balance%listed)))
+      study%designs = designs(order(:min(count_found, group%listed)))
       call least_weights(balance, rooms%link, rooms%reach, rooms%most, weights)
       if (.not. weights%found) return
       allocate (study%lightest)
@@ -594,8 +597,8 @@ contains
 
    ! ---- composites --------------------------------------------------------------------------------------------------
 
-   subroutine find_optimum(set, mechanism, model, anchor, balance, rooms, study)
-      type(data_set_t), intent(in) :: set
+   subroutine find_optimum(group, mechanism, model, anchor, balance, rooms, study)
+      type(balance_group_t), intent(in) :: group
       type(mechanism_t), intent(in) :: mechanism
       type(force_model_t), intent(in) :: model
       real(wp), intent(in) :: anchor(:, :)
@@ -606,16 +609,16 @@ contains
       real(wp) :: none(parameters_of_weight, size(model%reference))
       integer :: k, place
 
-      aim = aim_of(set)
+      aim = aim_of(group)
       do k = 1, measure_torque
-         if (set%balance%tolerance(k) > 0.0_wp) call count_in(k, set%balance%tolerance(k))
+         if (group%tolerance(k) > 0.0_wp) call count_in(k, group%tolerance(k))
       end do
-      do k = 1, size(set%balance%joints)
-         call count_in(first_joint_channel - 1 + joint_at(mechanism, set%balance%joints(k)), set%balance%joint_tolerance(k))
+      do k = 1, size(group%joints)
+         call count_in(first_joint_channel - 1 + joint_at(mechanism, group%joints(k)), group%joint_tolerance(k))
       end do
-      aim%mass_tolerance = set%balance%tolerance(measure_mass)
-      aim%peaks = set%balance%peaks
-      aim%exact = set%balance%exact /= 0
+      aim%mass_tolerance = group%tolerance(measure_mass)
+      aim%peaks = group%peaks
+      aim%exact = group%exact /= 0
       if (aim%exact .and. .not. study%feasible) return
       none = 0.0_wp
       study%composite = composite_of(study%channels, aim, none)
@@ -650,19 +653,19 @@ contains
    end subroutine find_optimum
 
    !> An aim without criteria.
-   pure type(aim_t) function aim_of(set) result(aim)
-      type(data_set_t), intent(in) :: set
+   pure type(aim_t) function aim_of(group) result(aim)
+      type(balance_group_t), intent(in) :: group
 
-      aim%form = set%balance%form
-      aim%density = set%balance%density
-      aim%starts = set%balance%starts
-      aim%seed = set%balance%seed
+      aim%form = group%form
+      aim%density = group%density
+      aim%starts = group%starts
+      aim%seed = group%seed
       allocate (aim%channels(0), aim%tolerance(0), aim%limited(0), aim%limit(0))
    end function aim_of
 
    !> The least shaking force for masses: what a mass buys.
-   subroutine spend_budgets(set, balance, rooms, study)
-      type(data_set_t), intent(in) :: set
+   subroutine spend_budgets(group, balance, rooms, study)
+      type(balance_group_t), intent(in) :: group
       type(force_balance_t), intent(in) :: balance
       type(room_t), intent(in) :: rooms(:)
       type(balance_study_t), intent(inout) :: study
@@ -672,21 +675,21 @@ contains
       integer :: k
 
       deallocate (study%budgets)
-      allocate (study%budgets(size(set%balance%budgets)))
+      allocate (study%budgets(size(group%budgets)))
       do k = 1, size(study%budgets)
-         aim = aim_of(set)
+         aim = aim_of(group)
          aim%form = form_point
          aim%channels = [channel_force]
          aim%tolerance = [1.0_wp]
-         aim%budget = max(set%balance%budgets(k), tiny(1.0_wp)**0.25_wp)
+         aim%budget = max(group%budgets(k), tiny(1.0_wp)**0.25_wp)
          call least_composite(study%channels, rooms, aim, balance, design)
          associate (point => study%budgets(k))
             measure = measure_of(study%channels(channel_force), design%added)
             point%first = measure%rms
-            point%second = set%balance%budgets(k)
+            point%second = group%budgets(k)
             point%bound = sqrt(design%bound/real(2*size(study%channels(channel_force)%bare, 1), wp))
             point%total = design%total
-            if (set%balance%budgets(k) > 0.0_wp) cycle
+            if (group%budgets(k) > 0.0_wp) cycle
             point%first = study%before(channel_force)%rms
             point%bound = point%first
             point%total = 0.0_wp
@@ -697,8 +700,8 @@ contains
    !> Points of a front of two criteria, from the least of the first to the least of the second, at even steps of the second.
    !>
    !> Weights are bodies, so that every point is a global optimum.
-   subroutine find_front(set, balance, rooms, study)
-      type(data_set_t), intent(in) :: set
+   subroutine find_front(group, balance, rooms, study)
+      type(balance_group_t), intent(in) :: group
       type(force_balance_t), intent(in) :: balance
       type(room_t), intent(in) :: rooms(:)
       type(balance_study_t), intent(inout) :: study
@@ -708,7 +711,7 @@ contains
       integer :: k
 
       allocate (study%front(0))
-      associate (first => set%balance%front_of(1), second => set%balance%front_of(2), points => set%balance%front)
+      associate (first => group%front_of(1), second => group%front_of(2), points => group%front)
          call least_composite(study%channels, rooms, aim_at(first), balance, ends(1))
          call least_composite(study%channels, rooms, aim_at(second), balance, ends(2))
          if (.not. (ends(1)%found .and. ends(2)%found)) return
@@ -738,7 +741,7 @@ contains
          integer, intent(in), optional :: limited
          real(wp), intent(in), optional :: limit
 
-         aim = aim_of(set)
+         aim = aim_of(group)
          aim%form = form_body
          if (measure == measure_mass) then
             aim%mass_tolerance = 1.0_wp

@@ -12,6 +12,7 @@ module psalm_cam_search
    use psalm_cam_study, only: part_t, make_shape, cam_of_part, find_sampled_contact
    use psalm_cam_trace, only: fault_none
    use psalm_data_set, only: data_set_t
+   use psalm_dimensions, only: dimensions_t
    use psalm_kinds, only: wp
    use psalm_nlp, only: nlp_t, normal_equations_t
    use psalm_preparation, only: prepared_t
@@ -42,7 +43,8 @@ module psalm_cam_search
    end type cam_search_t
 
    type, extends(nlp_t) :: cam_problem_t
-      class(data_set_t), allocatable :: set
+      type(data_set_t), pointer :: set => null()  !! the caller's
+      type(cam_group_t) :: cams(2)               !! as given
       class(prepared_t), allocatable :: prepared
       integer :: samples = coarse
       real(wp) :: worst = 1.0_wp                 !! objective of a cam that cannot be
@@ -59,9 +61,10 @@ module psalm_cam_search
 
 contains
 
-   !> Find the best cam; `set` and `prepared` leave with its numbers if it keeps the limits, or is better than what was given.
-   subroutine search_cam(set, prepared, search)
-      type(data_set_t), intent(inout) :: set
+   !> Find the best cam; `cams` and `prepared` leave with its numbers if it keeps the limits, or is better than what was given.
+   subroutine search_cam(set, cams, prepared, search)
+      type(data_set_t), intent(in), target :: set
+      type(cam_group_t), intent(inout) :: cams(2)    !! CAM, which is searched, and CAM2
       type(prepared_t), intent(inout) :: prepared
       type(cam_search_t), intent(out) :: search
       type(cam_problem_t), allocatable, target :: problem
@@ -79,14 +82,15 @@ contains
       solver%most_evaluations = set%search%maxeval
       if (set%search%maxtime > 0.0_wp) call stop%limit_time(set%search%maxtime)
       allocate (problem)
-      allocate (problem%set, source=set)
+      problem%set => set
+      problem%cams = cams
       allocate (problem%prepared, source=prepared)
-      associate (list => set%cam%variations)
+      associate (list => cams(1)%variations)
          problem%core = size(list)
          allocate (problem%low(size(list)), source=0.0_wp)
          allocate (problem%high(size(list)), source=1.0_wp)
          allocate (problem%scale(size(list)), source=0.05_wp)
-         search%before = [(value_of(set, list(round)), round=1, size(list))]
+         search%before = [(value_of(cams(1), prepared%given, list(round)), round=1, size(list))]
          x = (search%before - list%low)/(list%high - list%low)
       end associate
       problem%has_gradient = .true.
@@ -107,8 +111,8 @@ contains
       search%refused = .not. ending%objective < huge(1.0_wp)
       call problem%accept(x, search%objective, search%feasible)
       search%evaluations = problem%evaluations
-      search%after = [(unscaled(set%cam%variations(round), x(round)), round=1, size(x))]
-      call take_values(set, prepared, search%after)
+      search%after = [(unscaled(cams(1)%variations(round), x(round)), round=1, size(x))]
+      call take_values(search%after, cams(1), prepared%given)
    end subroutine search_cam
 
    pure real(wp) function unscaled(one, x)
@@ -119,91 +123,87 @@ contains
    end function unscaled
 
    !> What is written of a number that varies.
-   pure real(wp) function value_of(set, one) result(value)
-      type(data_set_t), intent(in) :: set
+   pure real(wp) function value_of(cam, dimensions, one) result(value)
+      type(cam_group_t), intent(in) :: cam
+      type(dimensions_t), intent(in) :: dimensions
       type(variation_t), intent(in) :: one
 
       select case (vary_item(one%item))
       case ('XCAM')
-         value = set%cam%x
+         value = cam%x
       case ('YCAM')
-         value = set%cam%y
+         value = cam%y
       case ('FOLLK')
-         value = set%cam%roller%distance
+         value = cam%roller%distance
       case ('FOLANG')
-         value = set%cam%roller%angle
+         value = cam%roller%angle
       case ('FACANG')
-         value = set%cam%face_angle
+         value = cam%face_angle
       case ('RROLL')
-         value = set%cam%roller%radius
+         value = cam%roller%radius
       case ('ORIGLK')
-         value = set%method%origlk
+         value = dimensions%origlk
       case ('ORIGNG')
-         value = set%method%origng
+         value = dimensions%origng
       case ('SEGEND')
-         value = set%cam%finish(one%segment)
+         value = cam%finish(one%segment)
       case ('SEGVEL')
-         value = set%cam%velocity(one%segment)
+         value = cam%velocity(one%segment)
       case ('SEGACC')
-         value = set%cam%acceleration(one%segment)
+         value = cam%acceleration(one%segment)
       case default
-         value = set%cam%zones(one%zone, one%segment)
+         value = cam%zones(one%zone, one%segment)
       end select
    end function value_of
 
-   !> Write values into a case.
-   pure subroutine take_values(set, prepared, values)
-      type(data_set_t), intent(inout) :: set
-      type(prepared_t), intent(inout) :: prepared
+   !> Write values into a cam, and into the dimensions where the linkage is moved.
+   pure subroutine take_values(values, cam, dimensions)
       real(wp), intent(in) :: values(:)
+      type(cam_group_t), intent(inout) :: cam
+      type(dimensions_t), intent(inout) :: dimensions
       integer :: k
 
-      associate (cam => set%cam)
-         do k = 1, size(values)
-            associate (one => cam%variations(k), value => values(k))
-               select case (vary_item(one%item))
-               case ('XCAM')
-                  cam%x = value
-               case ('YCAM')
-                  cam%y = value
-               case ('FOLLK')
-                  cam%roller%distance = value
-               case ('FOLANG')
-                  cam%roller%angle = value
-               case ('FACANG')
-                  cam%face_angle = value
-               case ('RROLL')
-                  cam%roller%radius = value
-               case ('ORIGLK')
-                  set%method%origlk = value
-                  prepared%given%origlk = value
-               case ('ORIGNG')
-                  set%method%origng = value
-                  prepared%given%origng = value
-               case ('SEGEND')
-                  cam%finish(one%segment) = value
-               case ('SEGVEL')
-                  cam%velocity(one%segment) = value
-               case ('SEGACC')
-                  cam%acceleration(one%segment) = value
-               case default
-                  cam%zones(one%zone, one%segment) = value
-               end select
-            end associate
-         end do
-         do k = 1, size(cam%finish)
-            if (sum(cam%zones(:, k)) > 0.0_wp) cam%zones(:, k) = cam%zones(:, k)/sum(cam%zones(:, k))
-         end do
-      end associate
+      do k = 1, size(values)
+         associate (one => cam%variations(k), value => values(k))
+            select case (vary_item(one%item))
+            case ('XCAM')
+               cam%x = value
+            case ('YCAM')
+               cam%y = value
+            case ('FOLLK')
+               cam%roller%distance = value
+            case ('FOLANG')
+               cam%roller%angle = value
+            case ('FACANG')
+               cam%face_angle = value
+            case ('RROLL')
+               cam%roller%radius = value
+            case ('ORIGLK')
+               dimensions%origlk = value
+            case ('ORIGNG')
+               dimensions%origng = value
+            case ('SEGEND')
+               cam%finish(one%segment) = value
+            case ('SEGVEL')
+               cam%velocity(one%segment) = value
+            case ('SEGACC')
+               cam%acceleration(one%segment) = value
+            case default
+               cam%zones(one%zone, one%segment) = value
+            end select
+         end associate
+      end do
+      do k = 1, size(cam%finish)
+         if (sum(cam%zones(:, k)) > 0.0_wp) cam%zones(:, k) = cam%zones(:, k)/sum(cam%zones(:, k))
+      end do
    end subroutine take_values
 
    !> Objective and limits at a point, unless they are those of the last one.
    subroutine look(problem, x)
       class(cam_problem_t), intent(inout) :: problem
       real(wp), intent(in) :: x(:)
-      class(data_set_t), allocatable :: set
       class(prepared_t), allocatable :: prepared
-      type(cam_group_t) :: cam
+      type(cam_group_t) :: cams(2), cam
       class(cam_shape_t), allocatable :: shape     ! large: it would fill a small stack
       type(samples_t) :: samples
       type(diagnostics_t) :: findings
@@ -216,10 +216,10 @@ contains
       if (all(abs(x - problem%x) <= 0.0_wp)) return
       problem%evaluations = problem%evaluations + 1
       problem%x = x
-      allocate (set, source=problem%set)
       allocate (prepared, source=problem%prepared)
-      call take_values(set, prepared, [(unscaled(set%cam%variations(k), x(k)), k=1, size(x))])
-      cam = cam_of_part(set, part_t())
+      cams = problem%cams
+      call take_values([(unscaled(cams(1)%variations(k), x(k)), k=1, size(x))], cams(1), prepared%given)
+      cam = cam_of_part(cams, part_t())
       n = max(1, size(cam%finish))
       if (.not. allocated(problem%limits)) allocate (problem%limits(3*n + 2))
       problem%objective = problem%worst
@@ -228,7 +228,7 @@ contains
          if (any(cam%finish(2:) <= cam%finish(:n - 1)) .or. cam%finish(1) <= 0.0_wp) return
       end if
       allocate (shape)
-      call make_shape(set, prepared, part_t(), shape, findings)
+      call make_shape(problem%set, cams, prepared, part_t(), shape, findings)
       if (findings%failed()) return
       call sample_turn(shape, cam, samples, problem%samples)
       if (any(samples%states%fault /= fault_none) .or. .not. all(samples%possible)) return
@@ -260,7 +260,7 @@ contains
          (maxval([(greatest_of(shape, samples, measure_face_high, k), k=1, n)]) &
           + maxval([(greatest_of(shape, samples, measure_face_low, k), k=1, n)]))/(2.0_wp*cam%half_face) - 1.0_wp
       if (cam%speed > 0.0_wp .and. (cam%stress > 0.0_wp .or. cam%goal == goal_stress)) then
-         call find_sampled_contact(set, prepared, cam, shape, samples, contact)
+         call find_sampled_contact(problem%set, prepared, cam, shape, samples, contact)
          if (.not. contact%known) return
          if (cam%stress > 0.0_wp) problem%limits(size(problem%limits)) = maxval(contact%stress)/cam%stress - 1.0_wp
       end if

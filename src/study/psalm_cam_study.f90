@@ -99,35 +99,36 @@ contains
 
    !> Errors: no cam, a law that cannot be made or whose velocity jumps, outputs out of reach, dead points, a linkage that does not
    !> close, a face that turns with the cam, cams for drives that are not there.
-   subroutine check_cam(set, prepared, findings)
+   subroutine check_cam(set, cams, prepared, findings)
       type(data_set_t), intent(in) :: set
+      type(cam_group_t), intent(in) :: cams(:)       !! CAM and CAM2
       type(prepared_t), intent(in) :: prepared
       type(diagnostics_t), intent(inout) :: findings
       class(cam_shape_t), allocatable :: shape     ! large: it would fill a small stack
       type(samples_t) :: samples
       integer :: first, k
 
-      if (.not. set%cam%given) then
+      if (.not. cams(1)%given) then
          call findings%error('the group is missing: it says what the cam is to do', line=set%title_line, group='CAM')
          return
       end if
-      if (size(set%cam2%variations) > 0) call complain(set, 2, 'VARY', 'a search changes the first cam alone', findings)
-      if (size(set%cam%variations) > 0) then
-         if (is_chained(set)) call complain(set, 1, 'VARY', 'a search takes dyads and one drive on the frame, with the '// &
+      if (size(cams(2)%variations) > 0) call complain(set, 2, 'VARY', 'a search changes the first cam alone', findings)
+      if (size(cams(1)%variations) > 0) then
+         if (is_chained(set, cams)) call complain(set, 1, 'VARY', 'a search takes dyads and one drive on the frame, with the '// &
                                             'follower on an arc', findings)
          if (set%search%nstart > 1) call complain(set, 1, 'VARY', 'the search begins at the numbers given: leave NSTART out', &
                                                   findings)
       end if
-      do k = 1, merge(2, 1, set%cam2%given)
+      do k = 1, merge(2, 1, cams(2)%given)
          if (allocated(shape)) deallocate (shape)
          allocate (shape)
-         call make_shape(set, prepared, part_t(cam=k), shape, findings)
+         call make_shape(set, cams, prepared, part_t(cam=k), shape, findings)
          if (findings%failed()) return
-         call judge_table(set, k, findings)
-         call sample_turn(shape, cam_of_part(set, part_t(cam=k)), samples)
+         call judge_table(set, cam_of_part(cams, part_t(cam=k)), k, findings)
+         call sample_turn(shape, cam_of_part(cams, part_t(cam=k)), samples)
          first = findloc(samples%states%fault /= fault_none, .true., dim=1)
          if (first > 0) then
-            call refuse_motion(set, k, shape, samples, first, findings)
+            call refuse_motion(set, cams, k, shape, samples, first, findings)
             return
          end if
          first = 0
@@ -138,8 +139,8 @@ contains
                           'its distance from the arc''s end', findings)
             return
          end if
-         if (set%cam%pair .and. k == 1) then
-            call check_second(set, prepared, samples, findings)
+         if (cams(1)%pair .and. k == 1) then
+            call check_second(set, cams, prepared, samples, findings)
             if (findings%failed()) return
          end if
          call judge_wheels(set, k, shape, samples, findings)
@@ -185,8 +186,9 @@ contains
    end subroutine judge_wheels
 
    !> The linkage that carries the second roller closes at every cam angle.
-   subroutine check_second(set, prepared, samples, findings)
+   subroutine check_second(set, cams, prepared, samples, findings)
       type(data_set_t), intent(in) :: set
+      type(cam_group_t), intent(in) :: cams(:)       !! CAM and CAM2
       type(prepared_t), intent(in) :: prepared
       type(samples_t), intent(in) :: samples
       type(diagnostics_t), intent(inout) :: findings
@@ -195,7 +197,7 @@ contains
       integer :: first
 
       allocate (shape)
-      call make_shape(set, prepared, part_t(role=role_conjugate), shape, findings)
+      call make_shape(set, cams, prepared, part_t(role=role_conjugate), shape, findings)
       if (findings%failed()) return
       call shape%motion%trace(samples%angle, samples%piece, states)
       first = findloc(states%fault /= fault_none, .true., dim=1)
@@ -204,17 +206,16 @@ contains
    end subroutine check_second
 
    !> A table whose third derivative changes its sign much more often than its slope is coarse.
-   subroutine judge_table(set, cam, findings)
+   subroutine judge_table(set, given, cam, findings)
       type(data_set_t), intent(in) :: set
+      type(cam_group_t), intent(in) :: given
       integer, intent(in) :: cam                  !! 1 or 2
       type(diagnostics_t), intent(inout) :: findings
-      type(cam_group_t) :: given
       type(law_t) :: law
       real(wp) :: y(0:highest_law_order)
       real(wp), allocatable :: slope(:), jerk(:)
       integer :: k, n
 
-      given = cam_of_part(set, part_t(cam=cam))
       if (size(given%table) == 0) return
       call make_law(given, law)
       if (law%state /= law_made) return
@@ -257,8 +258,9 @@ contains
    end function group_of
 
    !> Law, motion and radii of a cam. Errors: as `check_cam`'s, of what is wrong before the cam turns.
-   subroutine make_shape(set, prepared, part, shape, findings)
+   subroutine make_shape(set, cams, prepared, part, shape, findings)
       type(data_set_t), intent(in) :: set
+      type(cam_group_t), intent(in) :: cams(:)       !! CAM and CAM2
       type(prepared_t), intent(in) :: prepared
       type(part_t), intent(in) :: part
       type(cam_shape_t), intent(inout) :: shape
@@ -269,15 +271,15 @@ contains
       real(wp), allocatable :: at(:)
       integer :: k, other
 
-      cam = cam_of_part(set, part)
-      allocate (laws(merge(2, 1, set%cam2%given)))
+      cam = cam_of_part(cams, part)
+      allocate (laws(merge(2, 1, cams(2)%given)))
       do k = 1, size(laws)
-         call make_law(cam_of_part(set, part_t(cam=k)), laws(k))
+         call make_law(cam_of_part(cams, part_t(cam=k)), laws(k))
          if (laws(k)%state == law_made) cycle
          call refuse_law(set, k, laws(k), findings)
          return
       end do
-      if (is_chained(set)) then
+      if (is_chained(set, cams)) then
          ! both laws are cut at the joints of both
          if (size(laws) == 2) then
             do k = 1, 2
@@ -287,7 +289,7 @@ contains
                call laws(k)%cut_at(at)
             end do
          end if
-         call make_chained(set, part, cam, laws, shape, findings)
+         call make_chained(set, cams, part, cam, laws, shape, findings)
          if (findings%failed()) return
       else
          call prepare_cam_motion(cam, laws(1), prepared%mechanism, prepared%given, prepared%parameters, shape%motion)
@@ -335,15 +337,17 @@ contains
    end subroutine refuse_ways
 
    !> True if the linkage is solved in the poses of its links.
-   pure logical function is_chained(set)
+   pure logical function is_chained(set, cams)
       type(data_set_t), intent(in) :: set
+      type(cam_group_t), intent(in) :: cams(:)       !! CAM and CAM2
 
-      is_chained = allocated(set%no_loops) .or. set%cam%link > 0 .or. set%cam2%given
+      is_chained = allocated(set%no_loops) .or. cams(1)%link > 0 .or. cams(2)%given
    end function is_chained
 
    !> The motion of a sketch in the poses of its links.
-   subroutine make_chained(set, part, cam, laws, shape, findings)
+   subroutine make_chained(set, cams, part, cam, laws, shape, findings)
       type(data_set_t), intent(in) :: set
+      type(cam_group_t), intent(in) :: cams(:)       !! CAM and CAM2
       type(part_t), intent(in) :: part
       type(cam_group_t), intent(in) :: cam
       type(law_t), intent(in) :: laws(:)
@@ -352,7 +356,7 @@ contains
       type(closure_t) :: closure
       type(state_t) :: drawn
       type(cam_chain_t), allocatable :: chain
-      type(cam_group_t) :: cams(size(laws))
+      type(cam_group_t) :: used(size(laws))
       logical :: sound
       integer :: k, own_drives
 
@@ -366,26 +370,26 @@ contains
          return
       end if
       do k = 1, size(laws)
-         cams(k) = cam_of_part(set, part_t(cam=k))
-         if (cams(k)%of_output .and. cams(k)%axis > numbers_of(closure)) then
+         used(k) = cam_of_part(cams, part_t(cam=k))
+         if (used(k)%of_output .and. used(k)%axis > numbers_of(closure)) then
             call complain(set, k, 'KAXIS', 'the outputs have '//to_text(numbers_of(closure))//' number(s); there is none of '// &
-                          'number '//to_text(cams(k)%axis), findings)
+                          'number '//to_text(used(k)%axis), findings)
             return
          end if
-         if (cams(k)%link == 0) then
+         if (used(k)%link == 0) then
             call complain(set, k, 'FOLJNT', 'missing; this sketch is solved in the poses of its links: name the joint that '// &
                           'carries the roller, or two joints of the link', findings)
             return
          end if
       end do
-      if (any(cams%slides)) then
-         k = findloc(cams%slides, .true., dim=1)
+      if (any(used%slides)) then
+         k = findloc(used%slides, .true., dim=1)
          call complain(set, k, 'KCAM', 'a cam that slides takes dyads and one drive on the frame, with the follower on an '// &
                        'arc', findings)
          return
       end if
-      if (any(cams%pair)) then
-         k = findloc(cams%pair, .true., dim=1)
+      if (any(used%pair)) then
+         k = findloc(used%pair, .true., dim=1)
          call complain(set, k, 'KPAIR', 'a second roller on the same profile takes dyads and one drive on the frame, with the '// &
                        'follower on an arc', findings)
          return
@@ -394,7 +398,7 @@ contains
          if (allocated(set%no_loops)) then
             call complain(set, part%cam, 'CAMRPM', 'forces at the roller are computed for sketches of dyads with one drive on '// &
                           'the frame, but this one has '//set%no_loops//'; leave CAMRPM out', findings)
-         else if (set%cam2%given) then
+         else if (cams(2)%given) then
             call complain(set, part%cam, 'CAMRPM', 'forces at the roller are computed for one cam, not for two; leave CAMRPM '// &
                           'out', findings)
          else
@@ -405,7 +409,7 @@ contains
          return
       end if
       allocate (chain)
-      call make_cam_chain(closure, drawn, cams, laws, part%cam, cam%link, cam%joints, cam%roller, chain)
+      call make_cam_chain(closure, drawn, used, laws, part%cam, cam%link, cam%joints, cam%roller, chain)
       call chained_motion(chain, shape%motion)
    end subroutine make_chained
 
@@ -446,8 +450,9 @@ contains
    end subroutine refuse_law
 
    !> Say where the motion first fails, and of an output out of reach the furthest.
-   subroutine refuse_motion(set, cam, shape, samples, first, findings)
+   subroutine refuse_motion(set, cams, cam, shape, samples, first, findings)
       type(data_set_t), intent(in) :: set
+      type(cam_group_t), intent(in) :: cams(:)       !! CAM and CAM2
       integer, intent(in) :: cam                  !! 1 or 2
       type(cam_shape_t), intent(in) :: shape
       type(samples_t), intent(in) :: samples
@@ -475,7 +480,7 @@ contains
             high = maxval(motion%f)
             beyond = max(low - states%y(0, :), states%y(0, :) - high)
             k = maxloc(beyond, dim=1)
-            item = merge('SEGOUT', 'TABOUT', size(set%cam%table) == 0)
+            item = merge('SEGOUT', 'TABOUT', size(cams(1)%table) == 0)
             call complain(set, cam, item, 'the output wanted at'//general(samples%angle(k))//' degrees,'// &
                           general(states%y(0, k))//', is beyond reach: the linkage gives'//general(low)//' to'//general(high)// &
                           ' while its input goes from'//general(motion%q(1))//' to'//general(motion%q(size(motion%q))), findings)
@@ -491,29 +496,29 @@ contains
    end subroutine refuse_motion
 
    !> What a case has studied: its cams, and of each the conjugate cam or the outer wall of the track.
-   pure function parts_of(set) result(parts)
-      type(data_set_t), intent(in) :: set
+   pure function parts_of(cams) result(parts)
+      type(cam_group_t), intent(in) :: cams(:)       !! CAM and CAM2
       type(part_t), allocatable :: parts(:)
 
       parts = [part_t()]
-      if (set%cam%conjugate) parts = [parts, part_t(role=role_conjugate)]
-      if (set%cam%track) parts = [parts, part_t(role=role_outer_wall)]
-      if (.not. set%cam2%given) return
+      if (cams(1)%conjugate) parts = [parts, part_t(role=role_conjugate)]
+      if (cams(1)%track) parts = [parts, part_t(role=role_outer_wall)]
+      if (.not. cams(2)%given) return
       parts = [parts, part_t(cam=2)]
-      if (set%cam2%conjugate) parts = [parts, part_t(2, role_conjugate)]
-      if (set%cam2%track) parts = [parts, part_t(2, role_outer_wall)]
+      if (cams(2)%conjugate) parts = [parts, part_t(2, role_conjugate)]
+      if (cams(2)%track) parts = [parts, part_t(2, role_outer_wall)]
    end function parts_of
 
    !> The group with the roller and the cutter of a part. The walls of a track are cut with their own width: the cutter runs on the
    !> pitch curve.
-   pure type(cam_group_t) function cam_of_part(set, part) result(cam)
-      type(data_set_t), intent(in) :: set
+   pure type(cam_group_t) function cam_of_part(cams, part) result(cam)
+      type(cam_group_t), intent(in) :: cams(:)       !! CAM and CAM2
       type(part_t), intent(in) :: part
 
       if (part%cam == 2) then
-         cam = set%cam2
+         cam = cams(2)
       else
-         cam = set%cam
+         cam = cams(1)
       end if
       if (part%role == role_conjugate) then
          cam%roller = cam%second
@@ -584,8 +589,9 @@ contains
    end subroutine find_centres
 
    !> Study a part of a case that `check_cam` found no fault with.
-   subroutine find_cam(set, prepared, part, study)
+   subroutine find_cam(set, cams, prepared, part, study)
       type(data_set_t), intent(in) :: set
+      type(cam_group_t), intent(in) :: cams(:)       !! CAM and CAM2
       type(prepared_t), intent(in) :: prepared
       type(part_t), intent(in) :: part               !! one of `parts_of`
       type(cam_study_t), intent(inout) :: study      !! as it is by default; `out` would put two of them on the stack
@@ -595,8 +601,8 @@ contains
       integer :: k
 
       study%part = part
-      study%cam = cam_of_part(set, part)
-      call make_shape(set, prepared, part, study%shape, unused)
+      study%cam = cam_of_part(cams, part)
+      call make_shape(set, cams, prepared, part, study%shape, unused)
       associate (cam => study%cam, law => study%shape%motion%law)
          allocate (study%joints(size(law%pieces)))
          study%joints = law%joints()
@@ -623,15 +629,16 @@ contains
          end if
          call find_paths(study%shape, samples, cam%tolerance, study%paths)
          call judge_limits(study)
-         if (part%role == role_conjugate .and. any(abs(cam%errors) > 0.0_wp)) call find_play(set, prepared, study)
-         if (part%role == role_cam .and. cam%pair) call find_second(set, prepared, samples, study)
+         if (part%role == role_conjugate .and. any(abs(cam%errors) > 0.0_wp)) call find_play(set, cams, prepared, study)
+         if (part%role == role_cam .and. cam%pair) call find_second(set, cams, prepared, samples, study)
          if (cam%speed > 0.0_wp .and. part%role == role_cam) call find_forces(set, prepared, samples, study)
       end associate
    end subroutine find_cam
 
    !> The play that errors of the profiles leave between a cam and its conjugate, which is studied.
-   subroutine find_play(set, prepared, study)
+   subroutine find_play(set, cams, prepared, study)
       type(data_set_t), intent(in) :: set
+      type(cam_group_t), intent(in) :: cams(:)       !! CAM and CAM2
       type(prepared_t), intent(in) :: prepared
       type(cam_study_t), intent(inout) :: study
       class(cam_shape_t), allocatable :: first     ! large: it would fill a small stack
@@ -644,8 +651,8 @@ contains
 
       allocate (first)
       part = part_t(cam=study%part%cam)
-      call make_shape(set, prepared, part, first, unused)
-      call sample_turn(first, cam_of_part(set, part), samples)
+      call make_shape(set, cams, prepared, part, first, unused)
+      call sample_turn(first, cam_of_part(cams, part), samples)
       call measure(first, study%angle, first%motion%law%piece_at(study%angle), states, points, possible)
       study%play = play_of(study%cam%errors(1), study%cam%errors(2), points%pressure, study%points%pressure, &
                            abs(states%by_input), abs(study%states%by_input))
@@ -654,15 +661,16 @@ contains
    end subroutine find_play
 
    !> The second roller on the same profile.
-   subroutine find_second(set, prepared, samples, study)
+   subroutine find_second(set, cams, prepared, samples, study)
       type(data_set_t), intent(in) :: set
+      type(cam_group_t), intent(in) :: cams(:)       !! CAM and CAM2
       type(prepared_t), intent(in) :: prepared
       type(samples_t), intent(in) :: samples
       type(cam_study_t), intent(inout) :: study
       type(diagnostics_t) :: unused
 
       allocate (study%other, study%second)
-      call make_shape(set, prepared, part_t(study%part%cam, role_conjugate), study%other, unused)
+      call make_shape(set, cams, prepared, part_t(study%part%cam, role_conjugate), study%other, unused)
       call study%other%motion%trace(study%angle, study%other%motion%law%piece_at(study%angle), study%second_states)
       call find_gap(study%shape, samples, study%states, study%points, study%second_states, study%other%roller, study%second)
       study%least_slack = least_in(study%second%gap, study%angle)

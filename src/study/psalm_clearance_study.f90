@@ -2,6 +2,7 @@
 !>
 !> Every minimum of the nominal load is a flypast that keeps contact or loses it; the contact is also followed through a turn.
 module psalm_clearance_study
+   use psalm_clearance_group, only: clearance_group_t
    use psalm_data_set, only: data_set_t
    use psalm_dimensions, only: dimensions_t
    use psalm_error, only: problem_t
@@ -81,14 +82,15 @@ module psalm_clearance_study
 contains
 
    !> Errors: no speed, a sliding input, friction, no revolute joint there, no masses.
-   subroutine check_clearance(set, prepared, findings)
+   subroutine check_clearance(set, clearance, prepared, findings)
       type(data_set_t), intent(in) :: set
+      type(clearance_group_t), intent(in) :: clearance
       type(prepared_t), intent(in) :: prepared
       type(diagnostics_t), intent(inout) :: findings
       type(force_model_t) :: model
       integer :: joint
 
-      if (.not. set%clearance%given) then
+      if (.not. clearance%given) then
          call findings%error('the case asks for nothing: give &CLEAR', line=set%title_line)
          return
       end if
@@ -106,7 +108,7 @@ contains
          return
       end if
       if (size(model%friction) > 0) call refuse('a joint with clearance does not go with friction in the joints')
-      joint = joint_at(prepared%mechanism, set%clearance%joint)
+      joint = joint_at(prepared%mechanism, clearance%joint)
       if (joint == 0) then
          call refuse('there is no joint at this end of the arc')
       else if (prepared%mechanism%joints(joint)%kind == joint_prismatic) then
@@ -128,8 +130,9 @@ contains
 
    !> Study of a case that `check_clearance` found no fault with. `study%load%trouble` tells where the crank cannot turn: then
    !> there is nothing else.
-   subroutine find_clearance(set, problem, mechanism, dimensions, study)
+   subroutine find_clearance(set, clearance, problem, mechanism, dimensions, study)
       type(data_set_t), intent(in) :: set
+      type(clearance_group_t), intent(in) :: clearance
       type(problem_t), intent(in) :: problem
       type(mechanism_t), intent(in) :: mechanism
       type(dimensions_t), intent(in) :: dimensions
@@ -141,9 +144,9 @@ contains
 
       allocate (study%minima(0), study%speeds(0), study%least(0), study%input(0), study%lag(0), study%force(0), study%pin(0))
       call make_force_model(set, mechanism, dimensions, model, unused)
-      study%joint = joint_at(mechanism, set%clearance%joint)
-      study%diametral = set%clearance%diametral*model%metre
-      call find_joint_load(problem, dimensions, model, study%joint, set%clearance%points, set%rates%speed, study%load)
+      study%joint = joint_at(mechanism, clearance%joint)
+      study%diametral = clearance%diametral*model%metre
+      call find_joint_load(problem, dimensions, model, study%joint, clearance%points, set%rates%speed, study%load)
       if (study%load%trouble > 0 .or. study%load%loose > 0) return
       associate (m => study%load%tensor)
          study%massless = .not. all(m(1, :) + m(3, :) > 0.0_wp)
@@ -159,16 +162,16 @@ contains
          tensor(c) = periodic_from_samples(study%load%tensor(c, :))
       end do
       call find_cycle(study, abs(set%rates%speed))
-      call find_minima(study, tensor, abs(set%rates%speed), set%clearance%restitution, .true., study%minima)
+      call find_minima(study, tensor, abs(set%rates%speed), clearance%restitution, .true., study%minima)
       do i = 1, size(study%minima)
          associate (limit => study%minima(i)%clearance)
             if (limit <= 0.0_wp) cycle
             if (study%critical_clearance <= 0.0_wp .or. limit < study%critical_clearance) study%critical_clearance = limit
          end associate
       end do
-      call follow(set, tensor, study)
-      call find_speeds(set, tensor, study)
-      associate (c => set%clearance)
+      call follow(set, clearance, tensor, study)
+      call find_speeds(clearance, tensor, study)
+      associate (c => clearance)
          if (c%radii > 0) call make_chart(c%radii, c%angles, c%greatest_h1, c%h3, study%chart)
       end associate
    end subroutine find_clearance
@@ -281,8 +284,9 @@ contains
    end subroutine find_minima
 
    !> Follow the contact through a turn at the speed of the case.
-   subroutine follow(set, tensor, study)
+   subroutine follow(set, clearance, tensor, study)
       type(data_set_t), intent(in) :: set
+      type(clearance_group_t), intent(in) :: clearance
       type(periodic_t), intent(in) :: tensor(3)
       type(clearance_study_t), intent(inout) :: study
       type(contact_t) :: contact
@@ -291,11 +295,11 @@ contains
       real(wp), allocatable :: amount(:)
       integer :: n, i
 
-      n = set%clearance%points
+      n = clearance%points
       load = load_at(study, abs(set%rates%speed))
       amount = load(1)%values(n)**2 + load(2)%values(n)**2
       from = 2.0_wp*pi*real(maxloc(amount, 1) - 1, wp)/real(n, wp)
-      if (set%clearance%begins) from = modulo(study%load%sense*set%clearance%begin*radians_per_degree, 2.0_wp*pi)
+      if (clearance%begins) from = modulo(study%load%sense*clearance%begin*radians_per_degree, 2.0_wp*pi)
       contact = contact_of(load, tensor, abs(set%rates%speed), 0.5_wp*study%diametral)
       deallocate (study%input, study%lag, study%force)
       allocate (study%input(n), study%lag(n), study%force(n))
@@ -317,8 +321,8 @@ contains
    end subroutine follow
 
    !> Verdicts over speeds, and the speed up to which contact is kept.
-   subroutine find_speeds(set, tensor, study)
-      type(data_set_t), intent(in) :: set
+   subroutine find_speeds(clearance, tensor, study)
+      type(clearance_group_t), intent(in) :: clearance
       type(periodic_t), intent(in) :: tensor(3)
       type(clearance_study_t), intent(inout) :: study
       real(wp) :: low, high, middle
@@ -326,8 +330,8 @@ contains
       integer :: i
 
       deallocate (study%speeds)
-      allocate (study%speeds(set%clearance%speeds))
-      associate (c => set%clearance)
+      allocate (study%speeds(clearance%speeds))
+      associate (c => clearance)
          do i = 1, c%speeds
             middle = c%slowest
             if (c%speeds > 1) middle = c%slowest + (c%fastest - c%slowest)*real(i - 1, wp)/real(c%speeds - 1, wp)

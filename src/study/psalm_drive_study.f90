@@ -3,6 +3,7 @@
 module psalm_drive_study
    use psalm_data_set, only: data_set_t
    use psalm_dimensions, only: dimensions_t
+   use psalm_drive_group, only: hill_group_t, hill_of, drive_group_t, drive_of
    use psalm_error, only: problem_t
    use psalm_flexible_drive, only: drive_response, drive_torque_t, mean_ratio, least_ratio, ratio_for_mean
    use psalm_force_model, only: force_model_t, parameter_mass, parameter_mx, parameter_my, parameter_inertia
@@ -88,6 +89,7 @@ contains
       type(dimensions_t), intent(in) :: dimensions
       type(force_model_t), intent(in) :: model
       type(drive_study_t), intent(out) :: study
+      type(drive_group_t) :: drive
       type(force_model_t) :: used
       type(drive_torque_t), allocatable :: acting ! not allocated: absent
       type(periodic_t) :: inertia, y
@@ -96,29 +98,30 @@ contains
       integer :: n, i
       logical :: ok
 
-      allocate (study%speeds(0), study%swing(0:set%drive%harmonics), study%acceleration(0:set%drive%harmonics), &
-                study%output(0:set%drive%harmonics, 0), study%rigid(0:set%drive%harmonics, 0))
+      drive = drive_of(set)
+      allocate (study%speeds(0), study%swing(0:drive%harmonics), study%acceleration(0:drive%harmonics), &
+                study%output(0:drive%harmonics, 0), study%rigid(0:drive%harmonics, 0))
       study%swing = 0.0_wp
       study%acceleration = 0.0_wp
-      if (set%drive%ripple > 0.0_wp) then
+      if (drive%ripple > 0.0_wp) then
          study%waves = 2
          study%turn%sense = sign(1.0_wp, set%rates%speed)
-         study%inertia = set%drive%extra*(1.0_wp + set%drive%ripple*study%turn%sense &
-                                          *[(sin(2.0_wp*pi*real(i - 1, wp)/real(set%drive%points, wp)), i=1, set%drive%points)])
+         study%inertia = drive%extra*(1.0_wp + drive%ripple*study%turn%sense &
+                                          *[(sin(2.0_wp*pi*real(i - 1, wp)/real(drive%points, wp)), i=1, drive%points)])
       else
          used = model
-         if (.not. set%drive%offsets) then
-            call inertia_at_crank(given, dimensions, model, set%drive%points, sign(1.0_wp, set%rates%speed), whole, study%turn)
+         if (.not. drive%offsets) then
+            call inertia_at_crank(given, dimensions, model, drive%points, sign(1.0_wp, set%rates%speed), whole, study%turn)
             if (study%turn%trouble > 0) return
-            whole = whole + set%drive%extra
+            whole = whole + drive%extra
             if (all(whole > 0.0_wp)) study%with_offsets = extent_of(whole)
             call drop_offsets(given%mechanism, used)
          end if
-         call inertia_at_crank(given, dimensions, used, set%drive%points, sign(1.0_wp, set%rates%speed), study%inertia, &
+         call inertia_at_crank(given, dimensions, used, drive%points, sign(1.0_wp, set%rates%speed), study%inertia, &
                                study%turn)
          if (study%turn%trouble > 0) return
-         study%inertia = study%inertia + set%drive%extra
-         call find_torque(set, given, model, study)
+         study%inertia = study%inertia + drive%extra
+         call find_torque(drive, given, model, study)
       end if
       waves = real(study%waves, wp) ! x = waves phi, y = waves theta
       study%massless = .not. all(study%inertia > 0.0_wp)
@@ -131,47 +134,47 @@ contains
          acting = acting_at(study, speed)
          study%resolution = max(study%resolution, acting%torque%resolution(), acting%damping%resolution())
       end if
-      if (set%drive%ratio > 0.0_wp) then
-         call ratio_for_mean(inertia, set%drive%ratio/waves, study%d, ok, acting=acting)
+      if (drive%ratio > 0.0_wp) then
+         call ratio_for_mean(inertia, drive%ratio/waves, study%d, ok, acting=acting)
          if (.not. ok) return
          study%stiffness = (waves*study%d*speed)**2*study%of_crank%mean
       else
-         study%stiffness = set%drive%stiffness
+         study%stiffness = drive%stiffness
          study%d = sqrt(study%stiffness/study%of_crank%mean)/(waves*speed)
       end if
       study%found = .true.
       call mean_ratio(inertia, study%d, study%ratio, study%ratio_real, acting)
       study%ratio = waves*study%ratio
       study%least = waves*least_ratio(inertia, study%d, acting)
-      study%hill = drive_response(inertia, study%d, set%drive%damping, tolerance, acting)
+      study%hill = drive_response(inertia, study%d, drive%damping, tolerance, acting)
       if (study%hill%unique) then
          study%greatest = greatest_of(study%hill)/waves
          y = periodic_from_samples(study%hill%y/waves)
-         do n = 0, set%drive%harmonics
+         do n = 0, drive%harmonics
             if (modulo(n, study%waves) == 0) study%swing(n) = y%amplitude(n/study%waves)
          end do
          y = periodic_from_samples(waves*study%hill%y2)
-         do n = 0, set%drive%harmonics
+         do n = 0, drive%harmonics
             if (modulo(n, study%waves) == 0) study%acceleration(n) = y%amplitude(n/study%waves)
          end do
-         if (.not. set%drive%ripple > 0.0_wp) call follow_output(set, given, dimensions, study)
+         if (.not. drive%ripple > 0.0_wp) call follow_output(set, drive, given, dimensions, study)
       end if
       natural = sqrt(study%stiffness/study%of_crank%mean)
       deallocate (study%speeds)
-      allocate (study%speeds(set%drive%speeds))
-      do i = 1, set%drive%speeds
-         associate (row => study%speeds(i), first => set%drive%slowest, last => set%drive%fastest)
+      allocate (study%speeds(drive%speeds))
+      do i = 1, drive%speeds
+         associate (row => study%speeds(i), first => drive%slowest, last => drive%fastest)
             row%speed = first
-            if (set%drive%speeds > 1) row%speed = first + (last - first)*real(i - 1, wp)/real(set%drive%speeds - 1, wp)
+            if (drive%speeds > 1) row%speed = first + (last - first)*real(i - 1, wp)/real(drive%speeds - 1, wp)
             if (study%loaded) acting = acting_at(study, row%speed)
-            call find_row(inertia, natural/(waves*row%speed), waves, set%drive%damping, row, acting)
+            call find_row(inertia, natural/(waves*row%speed), waves, drive%damping, row, acting)
          end associate
       end do
    end subroutine find_drive
 
    !> Torque of weight, loads, springs and dampers on the crank, where the centres of mass are.
-   subroutine find_torque(set, given, model, study)
-      type(data_set_t), intent(in) :: set
+   subroutine find_torque(drive, given, model, study)
+      type(drive_group_t), intent(in) :: drive
       type(problem_t), intent(in) :: given
       type(force_model_t), intent(in) :: model
       type(drive_study_t), intent(inout) :: study
@@ -182,8 +185,8 @@ contains
       study%loaded = size(model%loads) > 0 .or. size(model%springs) > 0 .or. any(abs(model%gravity) > 0.0_wp)
       if (.not. study%loaded) return
       allocate (problem, source=given)
-      call reduce_machine(problem, model, [(study%turn%sense*full_turn*real(i - 1, wp)/real(set%drive%points, wp), &
-                                            i=1, set%drive%points)], reduced)
+      call reduce_machine(problem, model, [(study%turn%sense*full_turn*real(i - 1, wp)/real(drive%points, wp), &
+                                            i=1, drive%points)], reduced)
       study%torque = study%turn%sense*reduced%torque
       study%viscous = reduced%damping
    end subroutine find_torque
@@ -209,8 +212,9 @@ contains
    end function extent_of
 
    !> Harmonics of the output's acceleration when the crank swings, and when it does not: o'' (1 + y')**2 + o' y''.
-   subroutine follow_output(set, given, dimensions, study)
+   subroutine follow_output(set, drive, given, dimensions, study)
       type(data_set_t), intent(in) :: set
+      type(drive_group_t), intent(in) :: drive
       type(problem_t), intent(in) :: given
       type(dimensions_t), intent(in) :: dimensions
       type(drive_study_t), intent(inout) :: study
@@ -218,28 +222,28 @@ contains
       class(problem_t), allocatable :: problem    ! large: it would fill a small stack
       type(rate_study_t) :: rates
       type(periodic_t) :: swing, flexible, rigid
-      real(wp), dimension(set%drive%points) :: d1, d2
+      real(wp), dimension(drive%points) :: d1, d2
       integer :: c, i, n
 
       allocate (problem, source=given)
       allocate (output_alone, source=set)
       output_alone%limits%ktheta = 0
-      call problem%set_inputs([(study%turn%sense*full_turn*real(i - 1, wp)/real(set%drive%points, wp), i=1, set%drive%points)])
+      call problem%set_inputs([(study%turn%sense*full_turn*real(i - 1, wp)/real(drive%points, wp), i=1, drive%points)])
       call find_rates(output_alone, problem, dimensions, rates)
       if (rates%is_violating()) return
       swing = periodic_from_samples(study%hill%y1)
-      d1 = swing%values(set%drive%points)
+      d1 = swing%values(drive%points)
       swing = periodic_from_samples(study%hill%y2)
-      d2 = swing%values(set%drive%points)
+      d2 = swing%values(drive%points)
       deallocate (study%output, study%rigid)
-      allocate (study%output(0:set%drive%harmonics, size(rates%by_input, 2)))
+      allocate (study%output(0:drive%harmonics, size(rates%by_input, 2)))
       allocate (study%rigid, mold=study%output)
       do c = 1, size(study%output, 2)
          associate (o1 => study%turn%sense*rates%by_input(1, c, :), o2 => rates%by_input(2, c, :))
             rigid = periodic_from_samples(o2)
             flexible = periodic_from_samples(o2*(1.0_wp + d1)**2 + o1*d2)
          end associate
-         do n = 0, set%drive%harmonics
+         do n = 0, drive%harmonics
             study%rigid(n, c) = rigid%amplitude(n)
             study%output(n, c) = flexible%amplitude(n)
          end do
@@ -288,19 +292,21 @@ contains
    subroutine find_hill(set, study)
       type(data_set_t), intent(in) :: set
       type(hill_study_t), intent(out) :: study
+      type(hill_group_t) :: hill
       type(periodic_t) :: c1, c0, p, y
       integer :: n
 
-      c1 = periodic_from_samples(set%hill%c1)
-      c0 = periodic_from_samples(set%hill%c0)
-      p = periodic_from_samples(set%hill%p)
+      hill = hill_of(set)
+      c1 = periodic_from_samples(hill%c1)
+      c0 = periodic_from_samples(hill%c0)
+      p = periodic_from_samples(hill%p)
       study%resolution = max(c1%resolution(), c0%resolution(), p%resolution())
-      study%hill = solve_hill(c1, c0, p, set%hill%tolerance)
-      allocate (study%amplitude(0:set%hill%harmonics), source=0.0_wp)
+      study%hill = solve_hill(c1, c0, p, hill%tolerance)
+      allocate (study%amplitude(0:hill%harmonics), source=0.0_wp)
       if (.not. study%hill%unique) return
       study%greatest = greatest_of(study%hill)
       y = periodic_from_samples(study%hill%y)
-      do n = 0, set%hill%harmonics
+      do n = 0, hill%harmonics
          study%amplitude(n) = y%amplitude(n)
       end do
    end subroutine find_hill

@@ -19,7 +19,7 @@ module psalm_estimate_study
    use psalm_periodic, only: periodic_t, periodic_from_samples
    use psalm_vibration_estimates, only: euler_load, frequency_ratio, dynamic_error, impulse_magnifier, frequency_fall, &
       strength_ratio, tie_rod_ratio, straightening, foreshortening_sine, post_support_of_slenderness
-   use psalm_vibration_group, only: beam_t
+   use psalm_vibration_group, only: estimate_group_t, estimates_of, beam_t
    implicit none (type, external)
    private
    public :: estimate_t, find_estimate, harmonics_estimated, stubby, rules, rule_t, judge_estimates
@@ -93,6 +93,7 @@ contains
       type(force_model_t), intent(in) :: model
       type(beam_t), intent(in) :: beam
       type(estimate_t), intent(out) :: estimate
+      type(estimate_group_t) :: group
       type(moving_link_t) :: link
       type(periodic_t) :: acceleration, derived
       type(extent_t) :: extents(0:extents_used - 1)
@@ -100,7 +101,8 @@ contains
       real(wp) :: speed, stiffness, delta
       integer :: k, points
 
-      points = set%estimates%points
+      group = estimates_of(set)
+      points = group%points
       call find_link_cycle(given, dimensions, model, beam, points, sign(1.0_wp, set%rates%speed), estimate%cycle)
       if (estimate%cycle%trouble > 0) return
       speed = abs(set%rates%speed)

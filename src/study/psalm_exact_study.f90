@@ -5,7 +5,7 @@ module psalm_exact_study
    use psalm_certificate, only: certificate_t, certify_generators, certify_legs, certify_poses
    use psalm_data_set, only: data_set_t
    use psalm_defects, only: exact_linkage_t, cognates_of, place_pins
-   use psalm_exact_group, only: exact_group_t, is_missing, kind_function, kind_motion, six_bar_none, six_bar_watt
+   use psalm_exact_group, only: exact_of, exact_group_t, is_missing, kind_function, kind_motion, six_bar_none, six_bar_watt
    use psalm_exact_results, only: exact_proof_t, exact_result_t, add_result, is_better, judged, pair_of, rank, span_of
    use psalm_exact_subsets, only: find_by_subsets, subset_study_t
    use psalm_function_points, only: generators_t, five_points, four_points, three_points
@@ -114,73 +114,73 @@ contains
    subroutine check_exact(set, findings)
       type(data_set_t), intent(in) :: set
       type(diagnostics_t), intent(inout) :: findings
+      type(exact_group_t) :: exact
       type(leg_problem_t) :: problem
       character(:), allocatable :: text
-      complex(wp) :: p(size(set%exact%x))
+      complex(wp), allocatable :: p(:)
       integer :: i, k, conditions
 
-      associate (exact => set%exact)
-         if (exact%kind == kind_function) return
-         p = cmplx(exact%x, exact%y, wp)
-         if (size(p) < 2) then
-            call complain('XP', 'one point does not ask for anything; give at least two')
-            return
-         end if
-         if (size(p) > most_points + 1) then
-            if (lie_on_circle(p)) call complain('XP', 'the points lie on one circle or line: one link draws it')
-            return
-         end if
-         do i = 1, size(p)
-            do k = 1, i - 1
-               if (abs(p(i) - p(k)) > too_close*span_of(p)) cycle
-               if (.not. is_missing(exact%time(i)) .or. .not. is_missing(exact%time(k))) cycle
-               if (is_missing(exact%angle(i)) .or. is_missing(exact%angle(k))) then
-                  text = 'points '//to_text(k)//' and '//to_text(i)//' coincide'
-                  if (abs(p(i) - p(k)) > coincident*span_of(p)) text = text//' but for '// &
-                     trim(adjustl(general(abs(p(i) - p(k)), 'E')))//', less than 1E-6 of the size of all points'
-                  text = text//': leave one of both out'
-                  if (outlier(p) > 0) text = text//', or mend point '//to_text(outlier(p))//', which lies far from all others'
-                  call complain('XP', text)
-                  return
-               end if
-               if (abs(modulo(exact%angle(i) - exact%angle(k) + 180.0_wp, 360.0_wp) - 180.0_wp) > 0.0_wp) cycle
-               call complain('ANGP', 'poses '//to_text(k)//' and '//to_text(i)//' are the same: leave one of both out')
+      exact = exact_of(set)
+      if (exact%kind == kind_function) return
+      p = cmplx(exact%x, exact%y, wp)
+      if (size(p) < 2) then
+         call complain('XP', 'one point does not ask for anything; give at least two')
+         return
+      end if
+      if (size(p) > most_points + 1) then
+         if (lie_on_circle(p)) call complain('XP', 'the points lie on one circle or line: one link draws it')
+         return
+      end if
+      do i = 1, size(p)
+         do k = 1, i - 1
+            if (abs(p(i) - p(k)) > too_close*span_of(p)) cycle
+            if (.not. is_missing(exact%time(i)) .or. .not. is_missing(exact%time(k))) cycle
+            if (is_missing(exact%angle(i)) .or. is_missing(exact%angle(k))) then
+               text = 'points '//to_text(k)//' and '//to_text(i)//' coincide'
+               if (abs(p(i) - p(k)) > coincident*span_of(p)) text = text//' but for '// &
+                  trim(adjustl(general(abs(p(i) - p(k)), 'E')))//', less than 1E-6 of the size of all points'
+               text = text//': leave one of both out'
+               if (outlier(p) > 0) text = text//', or mend point '//to_text(outlier(p))//', which lies far from all others'
+               call complain('XP', text)
                return
-            end do
+            end if
+            if (abs(modulo(exact%angle(i) - exact%angle(k) + 180.0_wp, 360.0_wp) - 180.0_wp) > 0.0_wp) cycle
+            call complain('ANGP', 'poses '//to_text(k)//' and '//to_text(i)//' are the same: leave one of both out')
+            return
          end do
-         if ((exact%slider .or. exact%block) .and. exact%follower_pivot) then
-            if (exact%slider) call complain('PIVOTS', 'a slider has no fixed pivot; leave the follower''s out')
-            if (exact%block) call complain('PIVOTS', 'the pivot of the block is found; leave the follower''s out')
-            return
-         end if
-         if (exact%has_arm) then
-            call check_arm(exact, i)
-            if (i > 0) call complain('ARM', 'the chain does not reach pose '//to_text(i)//': make its links longer, or its '// &
-                                     'elbow less straight')
-            return
-         end if
-         if (leaves_curves(exact)) return
-         if (exact%block) then
-            call complain('SLIDER', "a line of the coupler through a fixed pivot (SLIDER=2) is found for four poses, or for "// &
-                          "three with the crank's pivot; five poses have one without being asked if they are those of one")
-            return
-         end if
-         call problem_of(exact, problem)
-         if (problem%is_square()) then
-            if (all(problem%kind(:problem%points) == kind_point) .and. .not. problem%crank_given .and. &
-                .not. problem%follower_given .and. lie_on_circle(p)) call complain('XP', &
-               'the points lie on one circle or line: infinitely many linkages pass them')
-            return
-         end if
-         conditions = sum(merge(1, 2, problem%kind(:problem%points) == kind_point))
-         text = 'the points make '//to_text(conditions)//' conditions (a point 1, a pose or timed point 2, the first none), '// &
-                'but the linkage has '//to_text(problem%unknowns)//' dimensions to choose: '
-         if (conditions < problem%unknowns) then
-            call complain('XP', text//'infinitely many pass; give more')
-         else
-            call complain('XP', text//'none passes; give fewer')
-         end if
-      end associate
+      end do
+      if ((exact%slider .or. exact%block) .and. exact%follower_pivot) then
+         if (exact%slider) call complain('PIVOTS', 'a slider has no fixed pivot; leave the follower''s out')
+         if (exact%block) call complain('PIVOTS', 'the pivot of the block is found; leave the follower''s out')
+         return
+      end if
+      if (exact%has_arm) then
+         call check_arm(exact, i)
+         if (i > 0) call complain('ARM', 'the chain does not reach pose '//to_text(i)//': make its links longer, or its '// &
+                                  'elbow less straight')
+         return
+      end if
+      if (leaves_curves(exact)) return
+      if (exact%block) then
+         call complain('SLIDER', "a line of the coupler through a fixed pivot (SLIDER=2) is found for four poses, or for "// &
+                       "three with the crank's pivot; five poses have one without being asked if they are those of one")
+         return
+      end if
+      call problem_of(exact, problem)
+      if (problem%is_square()) then
+         if (all(problem%kind(:problem%points) == kind_point) .and. .not. problem%crank_given .and. &
+             .not. problem%follower_given .and. lie_on_circle(p)) call complain('XP', &
+            'the points lie on one circle or line: infinitely many linkages pass them')
+         return
+      end if
+      conditions = sum(merge(1, 2, problem%kind(:problem%points) == kind_point))
+      text = 'the points make '//to_text(conditions)//' conditions (a point 1, a pose or timed point 2, the first none), '// &
+             'but the linkage has '//to_text(problem%unknowns)//' dimensions to choose: '
+      if (conditions < problem%unknowns) then
+         call complain('XP', text//'infinitely many pass; give more')
+      else
+         call complain('XP', text//'none passes; give fewer')
+      end if
 
    contains
 
@@ -331,34 +331,34 @@ contains
       type(data_set_t), intent(in) :: set
       type(exact_study_t), intent(out) :: study
       type(stop_t), intent(in), optional :: stop     !! asked now and then
+      type(exact_group_t) :: exact
       type(stop_t) :: limited
 
+      exact = exact_of(set)
       if (present(stop)) limited = stop
-      call limited%limit_time(set%exact%longest_time)
+      call limited%limit_time(exact%longest_time)
       allocate (study%results(0), study%approximations(0))
-      associate (exact => set%exact)
-         if (exact%kind == kind_function) then
-            call find_generators(exact, limited, study)
-         else if (exact%has_arm) then
-            call find_six_bars_of_arm(exact, study)
-         else if (exact%kind == kind_motion .and. size(exact%x) == 5 .and. .not. (exact%slider .or. exact%crank_pivot .or. &
-                                                                                 exact%follower_pivot)) then
-            call find_by_dyads(exact, study)
-         else if (leaves_curves(exact)) then
-            call find_on_curves(exact, study)
-         else if (size(exact%x) > most_points + 1) then
-            study%way = way_subsets
-            call find_by_subsets(cmplx(exact%x, exact%y, wp), exact%subsets, exact%closed, exact%longest, exact%listed, &
-                                 study%subsets, limited)
-            study%stopped = study%subsets%stopped
-         else if (size(exact%x) == most_points + 1 .and. all(is_missing(exact%angle(2:)) .and. is_missing(exact%time(2:)))) then
-            call find_nine_points(exact, limited, study)
-         else
-            call find_by_legs(exact, limited, study)
-         end if
-      end associate
+      if (exact%kind == kind_function) then
+         call find_generators(exact, limited, study)
+      else if (exact%has_arm) then
+         call find_six_bars_of_arm(exact, study)
+      else if (exact%kind == kind_motion .and. size(exact%x) == 5 .and. .not. (exact%slider .or. exact%crank_pivot .or. &
+                                                                              exact%follower_pivot)) then
+         call find_by_dyads(exact, study)
+      else if (leaves_curves(exact)) then
+         call find_on_curves(exact, study)
+      else if (size(exact%x) > most_points + 1) then
+         study%way = way_subsets
+         call find_by_subsets(cmplx(exact%x, exact%y, wp), exact%subsets, exact%closed, exact%longest, exact%listed, &
+                              study%subsets, limited)
+         study%stopped = study%subsets%stopped
+      else if (size(exact%x) == most_points + 1 .and. all(is_missing(exact%angle(2:)) .and. is_missing(exact%time(2:)))) then
+         call find_nine_points(exact, limited, study)
+      else
+         call find_by_legs(exact, limited, study)
+      end if
       if (study%stopped) study%out_of_time = .not. limited%requested()
-      call leave_out_flat(set%exact, study)
+      call leave_out_flat(exact, study)
    end subroutine find_exact
 
    !> True for kinds of results whose transmission angle TRMIN bounds: all but function generators with four links and chains that

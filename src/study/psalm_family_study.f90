@@ -8,7 +8,8 @@ module psalm_family_study
    use psalm_output_kind, only: output_kind_t, output_kind
    use psalm_parameters, only: parameters_t, no_parameters, name_of, variable_outlk, variable_outang, variable_origlk, &
                                variable_origng, variable_crnki
-   use psalm_sweep_group, only: swept_length, swept_angle, swept_outlk, swept_outang, swept_origlk, swept_origng
+   use psalm_sweep_group, only: sweep_group_t, sweep_of, swept_length, swept_angle, swept_outlk, swept_outang, swept_origlk, &
+      swept_origng
    implicit none (type, external)
    private
    public :: family_t, find_family
@@ -36,6 +37,7 @@ contains
       real(wp), intent(in) :: delt(:)                 !! increments of the input
       type(family_t), intent(out) :: family
       logical, intent(out) :: found
+      type(sweep_group_t) :: sweep
       type(parameters_t) :: parameters
       type(dimensions_t) :: changed
       class(problem_t), allocatable :: problem         ! large: it would fill a small stack
@@ -43,19 +45,20 @@ contains
       type(output_kind_t) :: kind
       integer :: k, c, n
 
+      sweep = sweep_of(set)
       parameters = no_parameters(mechanism)
-      select case (set%sweep%what)
+      select case (sweep%what)
       case (swept_length)
          n = 0
          if (set%sketch%given) then
-            n = arc_between(set, mechanism)
-         else if (set%sweep%arc <= mechanism%loops(set%sweep%loop)%arcs) then
-            n = mechanism%seq(set%sweep%loop, set%sweep%arc)
+            n = arc_between(set, sweep, mechanism)
+         else if (sweep%arc <= mechanism%loops(sweep%loop)%arcs) then
+            n = mechanism%seq(sweep%loop, sweep%arc)
          end if
          if (n > 0) call parameters%vary_length(mechanism, n)
       case (swept_angle)
-         if (set%sweep%arc <= mechanism%loops(set%sweep%loop)%arcs) &
-            call parameters%vary_angle(mechanism, mechanism%seq(set%sweep%loop, set%sweep%arc))
+         if (sweep%arc <= mechanism%loops(sweep%loop)%arcs) &
+            call parameters%vary_angle(mechanism, mechanism%seq(sweep%loop, sweep%arc))
       case (swept_outlk)
          call parameters%vary(variable_outlk)
       case (swept_outang)
@@ -70,9 +73,9 @@ contains
       found = size(parameters%variables) == 1
       if (.not. found) return
       family%name = name_of(parameters%variables(1))
-      if (set%sketch%given) family%name = 'LENGTH '//trim(set%sketch%joint_name(set%sweep%joints(1)))//' '// &
-                                          trim(set%sketch%joint_name(set%sweep%joints(2)))
-      family%setting = settings_of(set)
+      if (set%sketch%given) family%name = 'LENGTH '//trim(set%sketch%joint_name(sweep%joints(1)))//' '// &
+                                          trim(set%sketch%joint_name(sweep%joints(2)))
+      family%setting = settings_of(sweep)
       allocate (problem)
       call new_problem(mechanism, dimensions, parameters, delt, .false., problem)
       kind = output_kind(problem%motion)
@@ -96,14 +99,15 @@ contains
    end subroutine find_family
 
    !> The arc of the loops that runs between the joints of a sketch; number 0: there is none.
-   pure integer function arc_between(set, mechanism) result(n)
+   pure integer function arc_between(set, sweep, mechanism) result(n)
       type(data_set_t), intent(in) :: set
+      type(sweep_group_t), intent(in) :: sweep
       type(mechanism_t), intent(in) :: mechanism
       integer :: k
 
       n = 0
       if (.not. allocated(set%end_names)) return
-      associate (names => set%sketch%joint_name(set%sweep%joints))
+      associate (names => set%sketch%joint_name(sweep%joints))
          do k = 1, size(mechanism%arcs)
             associate (ends => set%end_names(:, mechanism%arcs(k)%place, mechanism%arcs(k)%loop))
                if (all(ends == names) .or. all(ends == names(2:1:-1))) then
@@ -115,12 +119,12 @@ contains
       end associate
    end function arc_between
 
-   pure function settings_of(set) result(setting)
-      type(data_set_t), intent(in) :: set
+   pure function settings_of(sweep) result(setting)
+      type(sweep_group_t), intent(in) :: sweep
       real(wp), allocatable :: setting(:)
       integer :: i
 
-      associate (s => set%sweep)
+      associate (s => sweep)
          setting = [(s%low + (s%high - s%low)*(real(i, wp)/real(s%settings - 1, wp)), i=0, s%settings - 1)]
       end associate
    end function settings_of

@@ -6,6 +6,7 @@ module psalm_machine_study
    use psalm_kinds, only: wp, full_turn
    use psalm_machine, only: machine_t, cycle_t, run_t, make_machine, settle_machine, run_up, flywheel_for, cycle_found, &
                             cycle_any_speed
+   use psalm_motor_group, only: motor_group_t, motor_of
    implicit none (type, external)
    private
    public :: machine_study_t, find_machine
@@ -16,7 +17,9 @@ module psalm_machine_study
       logical :: massless = .false.          !! it has no inertia there
       real(wp) :: inertia_least = 0.0_wp, inertia_greatest = 0.0_wp !! kg m2, flywheel included
       type(cycle_t) :: cycle
+      logical :: runs_up = .false.           !! a run-up was asked for
       type(run_t) :: run
+      logical :: wants_flywheel = .false.    !! a flywheel was asked for
       real(wp) :: flywheel = 0.0_wp          !! kg m2, for FLUCT; negative: there is none
    contains
       procedure :: is_complete
@@ -25,13 +28,12 @@ module psalm_machine_study
 contains
 
    !> True if everything that was asked for was found.
-   pure logical function is_complete(self, set)
+   pure logical function is_complete(self)
       class(machine_study_t), intent(in) :: self
-      type(data_set_t), intent(in) :: set
 
       is_complete = self%turns .and. (self%cycle%state == cycle_found .or. self%cycle%state == cycle_any_speed)
-      if (is_complete .and. set%motor%turns > 0) is_complete = self%run%stopped_at < 0.0_wp .and. self%run%computed
-      if (is_complete .and. set%motor%fluctuation > 0.0_wp) is_complete = self%flywheel >= 0.0_wp
+      if (is_complete .and. self%runs_up) is_complete = self%run%stopped_at < 0.0_wp .and. self%run%computed
+      if (is_complete .and. self%wants_flywheel) is_complete = self%flywheel >= 0.0_wp
    end function is_complete
 
    !> Steady cycle, run-up and flywheel of a machine with a turning crank.
@@ -40,12 +42,16 @@ contains
       type(problem_t), intent(in) :: given
       type(force_model_t), intent(in) :: model
       type(machine_study_t), intent(out) :: study
+      type(motor_group_t) :: motor
       class(problem_t), allocatable :: problem      ! large: it would fill a small stack
       type(machine_t), allocatable :: machine
 
+      motor = motor_of(set)
+      study%runs_up = motor%turns > 0
+      study%wants_flywheel = motor%fluctuation > 0.0_wp
       allocate (problem, source=given)
       allocate (machine)
-      call make_machine(problem, model, set%motor, machine)
+      call make_machine(problem, model, motor, machine)
       call find_trouble()
       if (.not. study%turns) return
       call settle_machine(problem, model, set%rates%speed, machine, study%cycle)
@@ -53,8 +59,8 @@ contains
       if (.not. study%turns) return
       study%inertia_least = minval(machine%turn%inertia) + machine%flywheel
       study%inertia_greatest = maxval(machine%turn%inertia) + machine%flywheel
-      if (set%motor%turns > 0) call run_up(problem, model, machine, study%run)
-      if (set%motor%fluctuation > 0.0_wp) call flywheel_for(machine, set%motor%fluctuation, set%rates%speed, study%flywheel)
+      if (study%runs_up) call run_up(problem, model, machine, study%run)
+      if (study%wants_flywheel) call flywheel_for(machine, motor%fluctuation, set%rates%speed, study%flywheel)
 
    contains
 

@@ -4,8 +4,8 @@ module psalm_muscle_study
    use psalm_data_set, only: data_set_t
    use psalm_error, only: problem_t
    use psalm_force_model, only: mass_parameters
-   use psalm_preparation, only: prepared_t
    use psalm_kinds, only: wp
+   use psalm_preparation, only: prepared_t
    use psalm_spring_study, only: spring_study_t, judge_springs, find_springs
    use psalm_status, only: diagnostics_t
    implicit none (type, external)
@@ -26,15 +26,15 @@ contains
       type(prepared_t), intent(in) :: prepared
       type(diagnostics_t), intent(inout) :: findings
 
-      if (.not. (set%balance%given .or. set%spring_design%given)) then
+      if (.not. (set%gives('BALANC') .or. set%gives('SPRNGS'))) then
          call findings%error('the case asks for nothing: give &BALANC or &SPRNGS', line=set%title_line)
          return
       end if
-      if (set%balance%given .and. .not. set%masses%given) then
+      if (set%gives('BALANC') .and. .not. set%masses%given) then
          call findings%error('the group is missing: there are no masses to balance', line=set%title_line, group='MASSES')
       end if
-      if (set%balance%given) call judge_balance(set, prepared%mechanism, prepared%given, findings)
-      if (set%spring_design%given) call judge_springs(set, prepared%mechanism, prepared%given, findings)
+      if (set%gives('BALANC')) call judge_balance(set, prepared%mechanism, prepared%given, findings)
+      if (set%gives('SPRNGS')) call judge_springs(set, prepared%mechanism, prepared%given, findings)
    end subroutine check_muscle
 
    !> Studies of a case that `check_muscle` found no fault with.
@@ -45,11 +45,11 @@ contains
       type(muscle_study_t), intent(out) :: study
       real(wp), allocatable :: weights(:, :)
 
-      if (set%balance%given) then
+      if (set%gives('BALANC')) then
          allocate (study%balance)
          call find_balance(set, problem, prepared%given, study%balance)
       end if
-      if (.not. set%spring_design%given) return
+      if (.not. set%gives('SPRNGS')) return
       allocate (weights(mass_parameters, size(prepared%mechanism%bodies)), source=0.0_wp)
       if (allocated(study%balance)) call study%balance%take_weights(weights)
       allocate (study%springs)

@@ -12,6 +12,7 @@ module psalm_spring_study
    use psalm_kinds, only: wp, pi, full_turn
    use psalm_link_place, only: place_t
    use psalm_mechanism, only: mechanism_t, joint_prismatic
+   use psalm_spring_design_group, only: spring_design_group_t, spring_design_of
    use psalm_spring_exact, only: exact_spring_t, exact_task_t, prepare_exact, find_exact, columns_of_torque, exact_possible
    use psalm_spring_load, only: spring_room_t, found_spring_t, load_with, criterion_of
    use psalm_spring_search, only: spring_search_t, search_springs
@@ -59,24 +60,26 @@ contains
       type(mechanism_t), intent(in) :: mechanism
       type(dimensions_t), intent(in) :: dimensions
       type(diagnostics_t), intent(inout) :: findings
+      type(spring_design_group_t) :: group
       type(diagnostics_t) :: unused
       type(force_model_t) :: model
       type(spot_t) :: spots(2)
       integer :: k, states(2)
 
+      group = spring_design_of(set)
       call make_force_model(set, mechanism, dimensions, model, unused)
       if (unused%failed()) return                  ! told elsewhere
-      do k = 1, size(set%spring_design%first)
-         call spot_of_place(mechanism, dimensions, model%reference, set%spring_design%first(k), spots(1), states(1))
-         call spot_of_place(mechanism, dimensions, model%reference, set%spring_design%second(k), spots(2), states(2))
+      do k = 1, size(group%first)
+         call spot_of_place(mechanism, dimensions, model%reference, group%first(k), spots(1), states(1))
+         call spot_of_place(mechanism, dimensions, model%reference, group%second(k), spots(2), states(2))
          if (states(1) /= place_right) call refuse('PLINK', k, 'the end is no point of the link; name another end or arc of it')
          if (states(2) /= place_right) call refuse('QLINK', k, 'the end is no point of the link; name another end or arc of it')
          if (spots(1)%body == spots(2)%body) call refuse('QLINK', k, 'both ends are on the same link: it would have no effect')
       end do
-      if (set%spring_design%of_joint) then
-         if (joint_at(mechanism, set%spring_design%joint) == 0) call refuse('SJLINK', 1, 'there is no joint at this end of the arc')
+      if (group%of_joint) then
+         if (joint_at(mechanism, group%joint) == 0) call refuse('SJLINK', 1, 'there is no joint at this end of the arc')
       end if
-      if (set%spring_design%exact .and. mechanism%sliding_input) then
+      if (group%exact .and. mechanism%sliding_input) then
          call refuse('SMETH', 1, "'EXACT' needs a crank that turns; use 'SEARCH'")
       end if
       if (size(model%friction) > 0) then
@@ -100,6 +103,7 @@ contains
       type(dimensions_t), intent(in) :: dimensions
       real(wp), intent(in) :: weights(:, :)        !! shape (4, bodies): added to the masses, about the references
       type(spring_study_t), intent(out) :: study
+      type(spring_design_group_t) :: group
       class(problem_t), allocatable :: problem      ! large: it would fill a small stack
       type(force_model_t) :: model
       type(motion_t) :: motion
@@ -110,6 +114,7 @@ contains
       integer, allocatable :: columns(:)
       integer :: k
 
+      group = spring_design_of(set)
       allocate (problem, source=given)
       call make_force_model(set, problem%mechanism, dimensions, model, unused)
       model%inertia = model%inertia + weights
@@ -118,28 +123,28 @@ contains
       call analyse_forces(problem, model, set%rates%speed, set%rates%accel, motion%closed, motion%input, table)
       study%trouble = findloc([(table%known(k), k=1, size(motion%input))], .false., dim=1)
       study%input = motion%input
-      call choose_load(set, problem%mechanism, columns, study)
+      call choose_load(group, problem%mechanism, columns, study)
       if (study%trouble > 0) return
       study%load_before = table%value(:, columns)
-      call make_rooms(set, problem, dimensions, model, columns, rooms)
-      study%before = criterion_of(set%spring_design%criterion, study%load_before)
-      if (set%spring_design%exact) then
-         call find_exactly(set, problem, dimensions, model, springs, study)
+      call make_rooms(group, problem, dimensions, model, columns, rooms)
+      study%before = criterion_of(group%criterion, study%load_before)
+      if (group%exact) then
+         call find_exactly(set, group, problem, dimensions, model, springs, study)
       else
-         call search_springs(study%load_before, rooms, set%spring_design%criterion, set%spring_design%starts, &
-                             set%spring_design%seed, study%search)
+         call search_springs(study%load_before, rooms, group%criterion, group%starts, &
+                             group%seed, study%search)
          study%found = study%search%found
          springs = study%search%springs
       end if
       if (.not. study%found) return
       study%load_after = load_with(study%load_before, rooms, springs)
-      study%after = criterion_of(set%spring_design%criterion, study%load_after)
-      call describe(set, problem%mechanism, dimensions, model, rooms, springs, study)
+      study%after = criterion_of(group%criterion, study%load_after)
+      call describe(set, group, problem%mechanism, dimensions, model, rooms, springs, study)
    end subroutine find_springs
 
    !> The columns of the load that counts.
-   subroutine choose_load(set, mechanism, columns, study)
-      type(data_set_t), intent(in) :: set
+   subroutine choose_load(group, mechanism, columns, study)
+      type(spring_design_group_t), intent(in) :: group
       type(mechanism_t), intent(in) :: mechanism
       integer, allocatable, intent(out) :: columns(:)
       type(spring_study_t), intent(inout) :: study
@@ -147,16 +152,16 @@ contains
 
       study%load = trim(merge('DRIVE FORCE ', 'DRIVE TORQUE', mechanism%sliding_input))
       columns = [column_drive]
-      if (.not. set%spring_design%of_joint) return
-      j = joint_at(mechanism, set%spring_design%joint)
+      if (.not. group%of_joint) return
+      j = joint_at(mechanism, group%joint)
       study%load = 'LOAD OF JOINT '//mechanism%joints(j)%name
       columns = [column_of_joint(j), column_of_joint(j) + 1]
       if (mechanism%joints(j)%kind == joint_prismatic) columns = columns(:1)
    end subroutine choose_load
 
    !> Where the ends may be, and what a wrench there does.
-   subroutine make_rooms(set, problem, dimensions, model, columns, rooms)
-      type(data_set_t), intent(in) :: set
+   subroutine make_rooms(group, problem, dimensions, model, columns, rooms)
+      type(spring_design_group_t), intent(in) :: group
       type(problem_t), intent(inout) :: problem
       type(dimensions_t), intent(in) :: dimensions
       type(force_model_t), intent(in) :: model
@@ -168,31 +173,30 @@ contains
       integer :: k, e, state
 
       call follow_bodies(problem, model, bodies)
-      allocate (rooms(size(set%spring_design%first)))
-      associate (group => set%spring_design)
-         do k = 1, size(rooms)
-            rooms(k)%reach = [group%first_reach(k), group%second_reach(k)]*model%metre
-            rooms(k)%stiffest = group%stiffest(k)
-            rooms(k)%free = [group%free_low(k), group%free_high(k)]*model%metre
-            do e = 1, 2
-               if (e == 1) call spot_of_place(problem%mechanism, dimensions, model%reference, group%first(k), spot, state)
-               if (e == 2) call spot_of_place(problem%mechanism, dimensions, model%reference, group%second(k), spot, state)
-               associate (path => rooms(k)%ends(e), b => spot%body, at => spot%at*model%metre)
-                  path%c = bodies%c(:, b)
-                  path%s = bodies%s(:, b)
-                  path%x = bodies%x(:, b) + at(1)*path%c - at(2)*path%s
-                  path%y = bodies%y(:, b) + at(1)*path%s + at(2)*path%c
-                  call loads_of_unit_wrenches(problem, model, [b], slopes)
-                  path%slope = slopes(:, columns, :, 1)
-               end associate
-            end do
+      allocate (rooms(size(group%first)))
+      do k = 1, size(rooms)
+         rooms(k)%reach = [group%first_reach(k), group%second_reach(k)]*model%metre
+         rooms(k)%stiffest = group%stiffest(k)
+         rooms(k)%free = [group%free_low(k), group%free_high(k)]*model%metre
+         do e = 1, 2
+            if (e == 1) call spot_of_place(problem%mechanism, dimensions, model%reference, group%first(k), spot, state)
+            if (e == 2) call spot_of_place(problem%mechanism, dimensions, model%reference, group%second(k), spot, state)
+            associate (path => rooms(k)%ends(e), b => spot%body, at => spot%at*model%metre)
+               path%c = bodies%c(:, b)
+               path%s = bodies%s(:, b)
+               path%x = bodies%x(:, b) + at(1)*path%c - at(2)*path%s
+               path%y = bodies%y(:, b) + at(1)*path%s + at(2)*path%c
+               call loads_of_unit_wrenches(problem, model, [b], slopes)
+               path%slope = slopes(:, columns, :, 1)
+            end associate
          end do
-      end associate
+      end do
    end subroutine make_rooms
 
    !> The spring of zero free length with the least range, over phases of the six positions.
-   subroutine find_exactly(set, given, dimensions, model, springs, study)
+   subroutine find_exactly(set, group, given, dimensions, model, springs, study)
       type(data_set_t), intent(in) :: set
+      type(spring_design_group_t), intent(in) :: group
       type(problem_t), intent(in) :: given
       type(dimensions_t), intent(in) :: dimensions
       type(force_model_t), intent(in) :: model
@@ -224,8 +228,8 @@ contains
       study%trouble = findloc([(table%known(k), k=1, steps_of_turn)], .false., dim=1)
       if (study%trouble > 0) return
       call follow_bodies(problem, model, bodies)
-      call spot_of_place(problem%mechanism, dimensions, model%reference, set%spring_design%first(1), spots(1), state)
-      call spot_of_place(problem%mechanism, dimensions, model%reference, set%spring_design%second(1), spots(2), state)
+      call spot_of_place(problem%mechanism, dimensions, model%reference, group%first(1), spots(1), state)
+      call spot_of_place(problem%mechanism, dimensions, model%reference, group%second(1), spots(2), state)
       do e = 1, 2
          b = spots(e)%body
          associate (at => spots(e)%at*model%metre)
@@ -257,8 +261,8 @@ contains
       best = huge(1.0_wp)
       least = huge(1.0_wp)
       ! once round to let the six angles follow, and once more for the springs themselves
-      do k = 1, 2*set%spring_design%phases
-         phase = real(modulo(k - 1, set%spring_design%phases), wp)/real(set%spring_design%phases, wp) + 2.5_wp
+      do k = 1, 2*group%phases
+         phase = real(modulo(k - 1, group%phases), wp)/real(group%phases, wp) + 2.5_wp
          if (k == 1) then
             call find_exact(task, phase, .true., two)
          else
@@ -266,7 +270,7 @@ contains
             call find_exact(task, phase, .true., two, before(1)%angles - &
                             merge(1.0_wp/6.0_wp, 0.0_wp, phase < before(1)%phase))
          end if
-         if (k <= set%spring_design%phases) cycle
+         if (k <= group%phases) cycle
          do pick = 1, 2
             study%phases = [study%phases, two(pick)]
             ! both of a phase have the same torque: the one with the smaller pull
@@ -290,17 +294,18 @@ contains
          type(exact_spring_t), intent(in) :: design
          real(wp) :: reach(2)
 
-         reach = [set%spring_design%first_reach(1), set%spring_design%second_reach(1)]*model%metre
+         reach = [group%first_reach(1), group%second_reach(1)]*model%metre
          allowed = design%real
          if (.not. allowed) return
          if (any(reach > 0.0_wp .and. sqrt(sum(design%at**2, dim=1)) > reach)) allowed = .false.
-         if (set%spring_design%stiffest(1) > 0.0_wp .and. design%stiffness > set%spring_design%stiffest(1)) allowed = .false.
+         if (group%stiffest(1) > 0.0_wp .and. design%stiffness > group%stiffest(1)) allowed = .false.
       end function allowed
    end subroutine find_exactly
 
    !> Springs as the group SPRING names them, their lengths, pulls and coils.
-   subroutine describe(set, mechanism, dimensions, model, rooms, springs, study)
+   subroutine describe(set, group, mechanism, dimensions, model, rooms, springs, study)
       type(data_set_t), intent(in) :: set
+      type(spring_design_group_t), intent(in) :: group
       type(mechanism_t), intent(in) :: mechanism
       type(dimensions_t), intent(in) :: dimensions
       type(force_model_t), intent(in) :: model
@@ -321,8 +326,8 @@ contains
                associate (path => rooms(k)%ends(e), at => spring%at(:, e))
                   z(:, 1, e) = path%x + at(1)*path%c - at(2)*path%s
                   z(:, 2, e) = path%y + at(1)*path%s + at(2)*path%c
-                  if (e == 1) place = set%spring_design%first(k)
-                  if (e == 2) place = set%spring_design%second(k)
+                  if (e == 1) place = group%first(k)
+                  if (e == 2) place = group%second(k)
                   call spot_of_place(mechanism, dimensions, model%reference, place, spot, state)
                   state = place_nowhere
                   if (set%sketch%given) call spot_of_place(mechanism, dimensions, model%reference, set%link_places(place%link), &
@@ -349,15 +354,13 @@ contains
             result%shortest = minval(length)/model%metre
             result%longest = maxval(length)/model%metre
             result%pull = maxval(abs(spring%stiffness*(length - spring%free)))
-            associate (group => set%spring_design)
-               if (.not. group%wire > 0.0_wp) cycle
-               ratio = group%coil/group%wire
-               study%coil_rate = group%shear*group%wire**4/(8.0_wp*group%coil**3*group%turns)
-               study%wahl = (4.0_wp*ratio - 1.0_wp)/(4.0_wp*ratio - 4.0_wp) + 0.615_wp/ratio
-               result%coils = spring%stiffness/study%coil_rate
-               result%stress = study%wahl*8.0_wp*study%coil_rate*(maxval(length) - spring%free)*group%coil/(pi*group%wire**3)
-               result%helix = degrees_of(pi*group%coil*group%turns, maxval(length))
-            end associate
+            if (.not. group%wire > 0.0_wp) cycle
+            ratio = group%coil/group%wire
+            study%coil_rate = group%shear*group%wire**4/(8.0_wp*group%coil**3*group%turns)
+            study%wahl = (4.0_wp*ratio - 1.0_wp)/(4.0_wp*ratio - 4.0_wp) + 0.615_wp/ratio
+            result%coils = spring%stiffness/study%coil_rate
+            result%stress = study%wahl*8.0_wp*study%coil_rate*(maxval(length) - spring%free)*group%coil/(pi*group%wire**3)
+            result%helix = degrees_of(pi*group%coil*group%turns, maxval(length))
          end associate
       end do
    end subroutine describe

@@ -14,6 +14,7 @@ module psalm_vibration_study
    use psalm_link_vibration, only: moving_link_t, mode_stiffness, mode_force, coupling, first_frequency, timoshenko_factor
    use psalm_periodic, only: periodic_t, periodic_constant, periodic_from_samples
    use psalm_stability, only: boundaries_t, stability_boundaries, series_boundaries
+   use psalm_vibration_group, only: vibration_group_t, vibration_of
    implicit none (type, external)
    private
    public :: vibration_study_t, mode_t, speed_row_t, band_t, chart_row_t, find_vibration, mode_factor, harmonics_listed
@@ -83,9 +84,11 @@ contains
       type(data_set_t), intent(in) :: set
       real(wp), intent(in) :: length !! m
       integer, intent(in) :: j
+      type(vibration_group_t) :: vibration
 
+      vibration = vibration_of(set)
       mode_factor = real(j, wp)**4
-      associate (beam => set%vibration%beam)
+      associate (beam => vibration%beam)
          if (beam%shear_ratio > 0.0_wp) mode_factor = mode_factor*timoshenko_factor(j, length/beam%gyration, beam%shear_ratio)
       end associate
    end function mode_factor
@@ -98,12 +101,14 @@ contains
       type(dimensions_t), intent(in) :: dimensions
       type(force_model_t), intent(in) :: model
       type(vibration_study_t), intent(out) :: study
+      type(vibration_group_t) :: vibration
       type(moving_link_t) :: link
       type(periodic_t) :: f
       real(wp) :: w, speed, euler
       integer :: i, j
 
-      associate (v => set%vibration, beam => set%vibration%beam)
+      vibration = vibration_of(set)
+      associate (v => vibration, beam => vibration%beam)
          call find_link_cycle(given, dimensions, model, beam, v%points, sign(1.0_wp, set%rates%speed), study%cycle)
          allocate (study%modes(0), study%speeds(0), study%bands(0), study%chart(0), study%multipliers(0))
          if (study%cycle%trouble > 0) return
@@ -116,19 +121,19 @@ contains
          deallocate (study%modes)
          allocate (study%modes(v%modes))
          do j = 1, v%modes
-            call find_mode(set, link, j, w, study%cycle%length, study%modes(j))
+            call find_mode(set, vibration, link, j, w, study%cycle%length, study%modes(j))
          end do
          f = mode_stiffness(link, 1)
          study%resolution = f%resolution()
-         if (allocated(link%acting)) study%mixing = mixing_of(set, link, w, study%cycle%length)
-         call find_multipliers(set, link, w, study)
+         if (allocated(link%acting)) study%mixing = mixing_of(set, vibration, link, w, study%cycle%length)
+         call find_multipliers(set, vibration, link, w, study)
          deallocate (study%speeds)
          allocate (study%speeds(v%speeds))
          do i = 1, v%speeds
-            study%speeds(i) = row_at(set, study%cycle, euler, v%slowest + (v%fastest - v%slowest)*part(i, v%speeds), &
+            study%speeds(i) = row_at(set, vibration, study%cycle, euler, v%slowest + (v%fastest - v%slowest)*part(i, v%speeds), &
                                      table_tolerance)
          end do
-         if (v%speeds > 1) call find_bands(set, euler, study)
+         if (v%speeds > 1) call find_bands(set, vibration, euler, study)
          if (v%greatest_e > 0.0_wp) then
             deallocate (study%chart)
             allocate (study%chart(v%in_chart))
@@ -149,8 +154,9 @@ contains
       if (n > 1) part = real(i - 1, wp)/real(n - 1, wp)
    end function part
 
-   subroutine find_mode(set, link, j, w, length, mode)
+   subroutine find_mode(set, vibration, link, j, w, length, mode)
       type(data_set_t), intent(in) :: set
+      type(vibration_group_t), intent(in) :: vibration
       type(moving_link_t), intent(in) :: link
       integer, intent(in) :: j
       real(wp), intent(in) :: w       !! squared ratio of Euler's first frequency to the speed
@@ -164,16 +170,16 @@ contains
       f = mode_stiffness(link, j)
       stiffness = w*mode_factor(set, length, j)
       c0 = f%plus(periodic_constant(stiffness))
-      mode%exact = stability_boundaries(f, set%vibration%last)
-      allocate (mode%first(2, 0:set%vibration%last), mode%second(2, 0:set%vibration%last))
-      do p = 0, set%vibration%last
+      mode%exact = stability_boundaries(f, vibration%last)
+      allocate (mode%first(2, 0:vibration%last), mode%second(2, 0:vibration%last))
+      do p = 0, vibration%last
          mode%first(:, p) = series_boundaries(f, p, 1)
          mode%second(:, p) = series_boundaries(f, p, 2)
       end do
-      over_turn = c0%values(set%vibration%points)
+      over_turn = c0%values(vibration%points)
       mode%least_stiffness = minval(over_turn)
       mode%least_at = sign(full_turn, set%rates%speed)*real(minloc(over_turn, 1) - 1, wp)/real(size(over_turn), wp)
-      mode%hill = solve_hill(periodic_constant(2.0_wp*set%vibration%beam%damping*sqrt(stiffness)), c0, mode_force(link, j), &
+      mode%hill = solve_hill(periodic_constant(2.0_wp*vibration%beam%damping*sqrt(stiffness)), c0, mode_force(link, j), &
             tolerance)
       allocate (mode%amplitude(0:harmonics_listed), source=0.0_wp)
       if (.not. mode%hill%unique) return
@@ -185,13 +191,14 @@ contains
    end subroutine find_mode
 
    !> How much loads and springs between the pins couple the lowest modes.
-   real(wp) function mixing_of(set, link, w, length) result(mixing)
+   real(wp) function mixing_of(set, vibration, link, w, length) result(mixing)
       type(data_set_t), intent(in) :: set
+      type(vibration_group_t), intent(in) :: vibration
       type(moving_link_t), intent(in) :: link
       real(wp), intent(in) :: w, length          !! as of `find_mode`
       type(moving_link_t) :: bare
       type(periodic_t) :: with, without
-      real(wp) :: mixed(set%vibration%points), stiffness(set%vibration%points, modes_mixed)
+      real(wp) :: mixed(vibration%points), stiffness(vibration%points, modes_mixed)
       integer :: i, j
 
       mixing = 0.0_wp
@@ -200,24 +207,25 @@ contains
       deallocate (bare%acting)
       do j = 1, modes_mixed
          with = mode_stiffness(link, j)
-         stiffness(:, j) = max(with%values(set%vibration%points) + w*mode_factor(set, length, j), tiny(1.0_wp))
+         stiffness(:, j) = max(with%values(vibration%points) + w*mode_factor(set, length, j), tiny(1.0_wp))
          do i = 1, j - 1
             with = coupling(link, i, j)
             without = coupling(bare, i, j)
-            mixed = with%values(set%vibration%points) - without%values(set%vibration%points)
+            mixed = with%values(vibration%points) - without%values(vibration%points)
             mixing = max(mixing, maxval(abs(mixed)/sqrt(stiffness(:, i)*stiffness(:, j))))
          end do
       end do
    end function mixing_of
 
    !> All modes together, with what couples them.
-   subroutine find_multipliers(set, link, w, study)
+   subroutine find_multipliers(set, vibration, link, w, study)
       type(data_set_t), intent(in) :: set
+      type(vibration_group_t), intent(in) :: vibration
       type(moving_link_t), intent(in) :: link
       real(wp), intent(in) :: w
       type(vibration_study_t), intent(inout) :: study
-      type(periodic_t) :: k(set%vibration%modes, set%vibration%modes)
-      real(wp) :: damping(set%vibration%modes), stiffness, exact
+      type(periodic_t) :: k(vibration%modes, vibration%modes)
+      real(wp) :: damping(vibration%modes), stiffness, exact
       integer :: i, j, n
 
       do j = 1, size(damping)
@@ -226,7 +234,7 @@ contains
          end do
          stiffness = w*mode_factor(set, study%cycle%length, j)
          k(j, j) = k(j, j)%plus(periodic_constant(stiffness))
-         damping(j) = 2.0_wp*set%vibration%beam%damping*sqrt(stiffness)
+         damping(j) = 2.0_wp*vibration%beam%damping*sqrt(stiffness)
       end do
       deallocate (study%multipliers)
       allocate (study%multipliers(2*size(damping)))
@@ -239,8 +247,9 @@ contains
    end subroutine find_multipliers
 
    !> Mode 1 at another speed.
-   function row_at(set, cycle_of, euler, speed, tolerance_of) result(row)
+   function row_at(set, vibration, cycle_of, euler, speed, tolerance_of) result(row)
       type(data_set_t), intent(in) :: set
+      type(vibration_group_t), intent(in) :: vibration
       type(link_cycle_t), intent(in) :: cycle_of
       real(wp), intent(in) :: euler   !! first frequency of the slender link, rad/s
       real(wp), intent(in) :: speed   !! rad/s
@@ -254,7 +263,7 @@ contains
       link = moving_link(cycle_of, speed, 1.0_wp)
       f = mode_stiffness(link, 1)
       stiffness = (euler/speed)**2*mode_factor(set, cycle_of%length, 1)
-      hill = solve_hill(periodic_constant(2.0_wp*set%vibration%beam%damping*sqrt(stiffness)), &
+      hill = solve_hill(periodic_constant(2.0_wp*vibration%beam%damping*sqrt(stiffness)), &
                         f%plus(periodic_constant(stiffness)), mode_force(link, 1), tolerance_of)
       row%speed = speed
       row%stable = hill%stable
@@ -266,8 +275,9 @@ contains
 
    !> Speeds at which mode 1 grows, with its damping and at each speed its own weight and loads. Looked at are the
    !> speeds of the table, some between each two boundaries of the given speed, and one in each gap, so that nothing narrow is lost.
-   subroutine find_bands(set, euler, study)
+   subroutine find_bands(set, vibration, euler, study)
       type(data_set_t), intent(in) :: set
+      type(vibration_group_t), intent(in) :: vibration
       real(wp), intent(in) :: euler
       type(vibration_study_t), intent(inout) :: study
       real(wp) :: edge, low, high
@@ -309,14 +319,14 @@ contains
       subroutine look_at(speed)
          real(wp), intent(in) :: speed
 
-         if (speed > set%vibration%slowest .and. speed < set%vibration%fastest) places = [places, speed]
+         if (speed > vibration%slowest .and. speed < vibration%fastest) places = [places, speed]
       end subroutine look_at
 
       logical function grows_at(speed)
          real(wp), intent(in) :: speed
          type(speed_row_t) :: row
 
-         row = row_at(set, study%cycle, euler, speed, tolerance)
+         row = row_at(set, vibration, study%cycle, euler, speed, tolerance)
          grows_at = row%grows
       end function grows_at
 
