@@ -79,8 +79,7 @@ for row in read("derivatives").splitlines():
         lines.append("| positions, velocities and accelerations / positions alone, %s, 10000 positions | %.2f (%.2f ns per dyad "
                      "and position) |" % (cells[0], float(cells[1]), float(cells[2])))
     else:
-        lines += ["| Jacobian of the needle linkage, 16 variables, 20 positions | %.2f us |" % float(cells[2]),
-                  "| gradient of its objective (adjoint) / one objective | %.2f |" % float(cells[3])]
+        lines.append("| Jacobian of the needle linkage, 16 variables, 20 positions | %.2f us |" % float(cells[1]))
 lines.append("| Monte-Carlo sample of the needle linkage, 20 positions, 19 dimensions: million linkages a second, one thread | %s |"
              % read("sample").strip())
 lines += ["| 64 loops, output at the second / its two loops alone | %.2f |" % (chain / pair),

@@ -2,7 +2,7 @@
 program test_clearance
    use check, only: checks_t
    use psalm_flypast, only: flypast_t, flight_t, follow_flypast, fly
-   use psalm_flypast_chart, only: chart_t, loss_range_t, loss_ranges, make_chart
+   use psalm_flypast_chart, only: chart_t, loss_range_t, make_chart, scan_line
    use psalm_following, only: contact_t, contact_of, follow_contact, least_force_t
    use psalm_kinds, only: wp, pi, radians_per_degree
    use psalm_periodic, only: periodic_t, periodic_from_samples, periodic_constant
@@ -159,7 +159,23 @@ contains
       call t%is_true(all(index > 0.0_wp .and. index < 1.0_wp), 'H3 near 1: the index stays finite')
    end subroutine near_rank_one
 
-   !> The chart is what `loss_ranges` and single flypasts say, and the same for any number of threads.
+   !> Ranges of H1 between two ends within which contact is lost, in ascending order.
+   function loss_ranges(h2, h3, least, greatest, step) result(ranges)
+      real(wp), intent(in) :: h2, h3
+      real(wp), intent(in) :: least, greatest   !! of H1
+      real(wp), intent(in) :: step              !! at which H1 is looked at
+      type(loss_range_t), allocatable :: ranges(:)
+      real(wp), allocatable :: h1(:), index(:)
+      integer, allocatable :: lost(:)
+      integer :: i, steps
+
+      steps = max(1, ceiling((greatest - least)/step))
+      h1 = [(least + (greatest - least)*real(i, wp)/real(steps, wp), i=0, steps)]
+      allocate (index(size(h1)), lost(size(h1)))
+      call scan_line(h2, h3, h1, lost, index, ranges)
+   end function loss_ranges
+
+   !> The chart is what single lines and flypasts say, and the same for any number of threads.
    subroutine charts()
       type(chart_t) :: chart
       type(loss_range_t), allocatable :: ranges(:)

@@ -10,7 +10,7 @@ program test_lsq
    use psalm_search, only: result_t, search_many
    use psalm_solver_kind, only: find_solver
    use psalm_stop, only: stop_t
-   use psalm_sensitivity, only: sensitivity_t, prepare_sensitivity, find_jacobian, find_constraints
+   use psalm_sensitivity, only: sensitivity_t, prepare_sensitivity, find_jacobian, block_constraints
    use psalm_text, only: to_text
    use psalm_dimensions, only: dimensions_t
    implicit none (type, external)
@@ -64,7 +64,7 @@ contains
       type(data_set_t) :: set
       type(sensitivity_t) :: work
       type(dimensions_t) :: dimensions
-      real(wp), allocatable :: dout(:, :, :), k(:, :), dk(:, :, :), ahead(:, :), behind(:, :), values(:), changed(:)
+      real(wp), allocatable :: dout(:, :, :), dk(:, :, :), ahead(:, :), behind(:, :), values(:), changed(:)
       real(wp) :: step, worst, size_of
       integer :: v, nvar
 
@@ -72,11 +72,11 @@ contains
       call problem%want_derivatives(.false.)
       nvar = size(problem%parameters%variables)
       associate (n => problem%positions, loops => problem%mechanism%nloop)
-         allocate (dout(n, nvar, problem%output%kind%components), k(n, loops), dk(n, loops, nvar))
+         allocate (dout(n, nvar, problem%output%kind%components), dk(n, loops, nvar))
          allocate (ahead(n, loops), behind(n, loops))
       end associate
       call prepare_sensitivity(problem, work)
-      call find_jacobian(problem, problem%given, work, dout, k, dk)
+      call find_jacobian(problem, problem%given, work, dout, dk)
       values = problem%parameters%first_values(problem%given)
       worst = 0.0_wp
       size_of = max(maxval(abs(dk)), 1.0e-3_wp)
@@ -96,6 +96,18 @@ contains
       end do
       call t%close_to(worst/size_of, 0.0_wp, 1.0e-6_wp, trim(name)//': derivatives of the constraints')
    end subroutine constraint_derivatives
+
+   !> How near each dyad is to its limit, at every position of the linkage that is bound.
+   subroutine find_constraints(problem, k)
+      type(problem_t), intent(inout) :: problem
+      real(wp), intent(out) :: k(:, :)              !! shape (positions, nloop)
+      integer :: block, offset, n
+
+      do block = 1, problem%blocks()
+         call problem%solve_block(block, offset, n)
+         call block_constraints(problem, n, k(offset + 1:offset + n, :))
+      end do
+   end subroutine find_constraints
 
    !> The search reaches the value and breaks no constraint.
    subroutine published(name, starts, value)

@@ -98,7 +98,6 @@ contains
       type(state_t) :: state
       type(factors_t) :: factors
       logical :: closed
-      logical, allocatable :: needed(:)
       integer :: g, dyads
       complex(wp) :: b, c
       real(wp), parameter :: turn = 0.5_wp
@@ -109,10 +108,6 @@ contains
       call t%equal_integer(dyads, 1, 'a four-bar has one dyad')
       g = order%of_link(3)
       call t%is_true(g == order%of_link(4) .and. g == order%of_joint(3), 'coupler, rocker and their joint are one group')
-      needed = order%needed_for([2], [integer ::])
-      call t%is_true(needed(order%of_link(2)) .and. .not. needed(g), 'the crank alone needs no dyad')
-      needed = order%needed_for([integer ::], [5])
-      call t%is_true(needed(order%of_link(2)) .and. needed(g), 'a point of the coupler needs both')
       call make_closure(sets(1)%sketch, order, closure)
       call start_state(closure, state)
       state%input(1, 0) = turn

@@ -1,11 +1,12 @@
 !> Solvers and many starts on problems of the literature, without any linkage.
 program test_solvers
+   use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_f_pointer, c_int, c_null_char, c_ptr
    use, intrinsic :: ieee_exceptions, only: ieee_all, ieee_set_flag, ieee_set_halting_mode
    use check, only: checks_t
    use climber, only: climber_t
    use psalm_kinds, only: wp
    use psalm_multistart, only: candidate_t, multistart_t
-   use psalm_nlopt, only: algorithm_of, algorithm_names
+   use psalm_nlopt, only: algorithm_of
    use psalm_nlp, only: nlp_t, normal_equations_t
    use psalm_solver, only: solver_t, ending_t, stop_refused, stop_interrupted, stop_converged
    use psalm_solver_kind, only: solver_kind_t, find_solver, solver_names, plain_name, family_unknown, family_simplex, &
@@ -78,6 +79,35 @@ contains
          end do
       end associate
    end subroutine names
+
+   !> The names of all algorithms that the library has.
+   function algorithm_names() result(known)
+      integer, parameter :: name_room = 32        !! characters of the longest name, and some
+      integer, parameter :: most_algorithms = 200 !! a bound for the search of their names
+      character(name_room), allocatable :: known(:)
+      character(kind=c_char), pointer :: letters(:)
+      type(c_ptr) :: address
+      integer :: i, k
+      interface
+         type(c_ptr) function nlopt_algorithm_to_string(algorithm) bind(c)
+            import :: c_int, c_ptr
+            implicit none (type, external)
+            integer(c_int), value :: algorithm
+         end function nlopt_algorithm_to_string
+      end interface
+
+      allocate (known(0))
+      do i = 0, most_algorithms
+         address = nlopt_algorithm_to_string(int(i, c_int))
+         if (.not. c_associated(address)) exit
+         call c_f_pointer(address, letters, [name_room])
+         known = [character(name_room) :: known, '']
+         do k = 1, name_room
+            if (letters(k) == c_null_char) exit
+            known(size(known))(k:k) = letters(k)
+         end do
+      end do
+   end function algorithm_names
 
    integer function family_of(name)
       character(*), intent(in) :: name

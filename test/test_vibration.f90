@@ -8,11 +8,10 @@ program test_vibration
    use psalm_hill, only: hill_t, solve_hill, greatest_of
    use psalm_kinds, only: wp, pi
    use psalm_link_vibration, only: moving_link_t, acting_t, mode_stiffness, coupling, mode_force, timoshenko_factor
-   use psalm_periodic, only: periodic_t, periodic_from_samples, periodic_from_harmonics, periodic_constant
-   use psalm_stability, only: boundaries_t, stability_boundaries, series_boundaries, instability_order
-   use psalm_vibration_estimates, only: impulse_magnifier, step_error, straightening, foreshortening_sine, &
-      foreshortening_uniform, frequency_fall, tie_rod_ratio, post_support, post_support_of_slenderness, dynamic_error, &
-      impact_time, impact_speed, impact_level, strength_ratio, overhung_ratio, static_deflection, magnification
+   use psalm_periodic, only: periodic_t, periodic_from_samples, periodic_constant
+   use psalm_stability, only: boundaries_t, stability_boundaries, series_boundaries
+   use psalm_vibration_estimates, only: impulse_magnifier, straightening, foreshortening_sine, frequency_fall, tie_rod_ratio, &
+                                        post_support_of_slenderness, dynamic_error, strength_ratio, magnification
    implicit none (type, external)
    real(wp), parameter :: crank = 1.0_wp, coupler = 5.0_wp, rocker = 2.0_wp, frame = 5.0_wp !! of Oldham's rig
    ! what acts on a link of length 1 in `acting_on_link`
@@ -45,6 +44,21 @@ program test_vibration
    call t%report()
 
 contains
+
+   !> mean + sum cosines(n) cos(n x) + sines(n) sin(n x)
+   pure function periodic_from_harmonics(mean, cosines, sines) result(f)
+      real(wp), intent(in) :: mean
+      real(wp), intent(in) :: cosines(:), sines(:) !! shape (m)
+      type(periodic_t) :: f
+      real(wp) :: samples(2*size(cosines) + 1), x
+      integer :: i, n
+
+      do i = 1, size(samples)
+         x = 2.0_wp*pi*real(i - 1, wp)/real(size(samples), wp)
+         samples(i) = mean + sum([(cosines(n)*cos(real(n, wp)*x) + sines(n)*sin(real(n, wp)*x), n=1, size(cosines))])
+      end do
+      f = periodic_from_samples(samples)
+   end function periodic_from_harmonics
 
    subroutine series()
       type(periodic_t) :: f, d
@@ -262,10 +276,7 @@ contains
          call t%close_to(maxval(abs(got - second(:, i))), 0.0_wp, 1.0e-6_wp, 'boundaries by (13.28)')
          call on_the_boundary(f, b%low(p(i)), p(i))
          call on_the_boundary(f, b%high(p(i)), p(i))
-         call t%equal_integer(instability_order(b, 0.5_wp*(b%low(p(i)) + b%high(p(i)))), p(i), 'within its boundaries')
       end do
-      call t%equal_integer(instability_order(b, 2.0_wp*b%high(16)), -1, 'stable beyond the last')
-      call t%equal_integer(instability_order(b, b%low(0) - 1.0_wp), 0, 'unstable below all')
       b = stability_boundaries(periodic_constant(0.25_wp), 4)
       call t%close_to(maxval(abs(b%low - [-0.25_wp, 0.0_wp, 0.75_wp, 2.0_wp, 3.75_wp])), 0.0_wp, 1.0e-12_wp, &
                       'boundaries of a constant: p**2/4 less it')
@@ -537,7 +548,7 @@ contains
    end subroutine greatest
 
    subroutine estimates()
-      real(wp) :: delta, ratio, slenderness, back
+      real(wp) :: delta, ratio
       integer :: i
       real(wp), parameter :: s(10) = [39.887_wp, 28.545_wp, 23.569_wp, 20.626_wp, 18.629_wp, 17.163_wp, 16.027_wp, 15.114_wp, &
          14.359_wp, 13.721_wp]
@@ -549,9 +560,7 @@ contains
       call t%close_to(impulse_magnifier(0.0_wp, 20.0_wp), 1.0_wp, 0.0_wp, 'impulse magnifier without damping')
       call t%close_to(impulse_magnifier(1.591e-6_wp, 10.0_wp), impulse_magnifier(1.592e-6_wp, 10.0_wp), 1.0e-7_wp, &
                       'the series joins the closed form')
-      call t%close_to(step_error(10, 1.0_wp, 0.75_wp, 10.0_wp, 0.01_wp), 89.790_wp, 1.0e-5_wp, 'step of the end load')
       call t%close_to(foreshortening_sine, 2.467401_wp, 1.0e-6_wp, 'foreshortening of a half sine')
-      call t%close_to(foreshortening_uniform, 2.486857_wp, 1.0e-6_wp, 'foreshortening under a uniform load')
       call t%close_to(straightening(1.0_wp, 1.0_wp, 1.0_wp), 0.558073_wp, 1.0e-5_wp, 'straightening')
       call t%close_to(frequency_fall(35.0_wp, 2.6_wp/0.851_wp), 0.016336_wp, 1.0e-4_wp, 'shear and rotary inertia')
       call t%close_to(tie_rod_ratio(1.0_wp, 10.0_wp, 0.001_wp), 10.0_wp, 1.0e-12_wp, 'tie rod')
@@ -561,16 +570,13 @@ contains
             1.0e-6_wp, &
                       'Timoshenko against Euler')
       do i = 1, size(s)
-         call post_support(0.02_wp*real(i, wp), slenderness, ratio)
-         call t%close_to(slenderness, s(i), 5.0e-4_wp/13.0_wp, 'posts: slenderness')
+         call post_support_of_slenderness(s(i), delta, ratio)
+         call t%close_to(delta, 0.02_wp*real(i, wp), 2.0e-5_wp, 'posts: displacement of the ends')
          call t%close_to(ratio, r(i), 5.0e-4_wp, 'posts: frequency')
-         call post_support_of_slenderness(slenderness, delta, back)
-         call t%close_to(delta, 0.02_wp*real(i, wp), 1.0e-10_wp, 'posts: the displacement comes back')
-         call t%close_to(back, ratio, 1.0e-10_wp, 'posts: and the ratio')
       end do
    end subroutine estimates
 
-   !> A blow once a turn: what is left of the blows before, exactly and by the magnifier; a blow across a clearance; strength.
+   !> A blow once a turn: what is left of the blows before, exactly and by the magnifier; strength.
    subroutine impulses()
       real(wp), parameter :: c = 0.01_wp, w = 10.0_wp
       integer, parameter :: n = 20000
@@ -598,11 +604,6 @@ contains
       ! against the resonant harmonic alone, 1/(2 pi c W**2): the magnifier, but for what dies until the peak
       call t%close_to(2.0_wp*pi*c*w**2*periodic, 1.32592_wp, 1.0e-5_wp, 'peak of a periodic impulse over its resonant harmonic')
       call t%close_to(periodic/single, 1.0_wp/(1.0_wp - exp(-2.0_wp*pi*c*w)), 1.0e-4_wp, 'and over the peak of one')
-      ! a constant jerk g crosses 2 e in the time t: g t**3/6 = 2 e
-      call t%close_to(impact_speed(1.0_wp, 1.0_wp), 1.651_wp, 5.0e-4_wp, 'speed of an impact')
-      call t%close_to(7.0_wp*impact_time(2.0e-3_wp, 7.0_wp)**3/6.0_wp, 2.0e-3_wp, 1.0e-12_wp, 'the jerk crosses the clearance')
-      call t%close_to(impact_level(2.0_wp, 3.0_wp, 5.0_wp), 0.5255_wp*5.0_wp*2.0_wp**(2.0_wp/3.0_wp)*3.0_wp**(1.0_wp/3.0_wp), &
-                      1.0e-4_wp, 'level of its harmonics')
       ! the strain in a uniform link under its own inertia is the limit: by the bending moment m A L/8
       length = 0.4_wp
       modulus = 2.0e11_wp
@@ -615,10 +616,6 @@ contains
       strain = moment*half/(modulus*gyration**2)
       call t%close_to(strength_ratio(half, gyration, modulus, density, acceleration/speed**2, speed, strain), &
                       pi**2*gyration*sqrt(modulus/density)/(length**2*speed), 1.0e-12_wp, 'strength of a uniform link')
-      call t%close_to(overhung_ratio(64.0_wp, 1.0_wp, 0.0_wp, 1.0_wp, 1.0_wp, 1.0_wp, 1.0_wp, 8.0_wp, 3.0_wp), 4.0_wp, 1.0e-12_wp, &
-                      'overhung mass: sixth root of the mass, third of the speed')
-      call t%close_to(static_deflection(1, 1.0_wp, 1.0_wp, 1.0_wp, 2.0_wp), -2.0_wp/pi, 1.0e-12_wp, 'tension halves a deflection')
-      call t%close_to(static_deflection(2, 0.0_wp, 1.0_wp, 1.0_wp, 1.0_wp), 0.0_wp, 0.0_wp, 'mode 2 of equal ends')
       call t%close_to(dynamic_error(40, 2, 10.0_wp, 0.01_wp, .false.), 50.0_wp, 1.0e-12_wp, &
                       'mode 2 resounds at four times the ratio')
       call t%close_to(magnification(1.0_wp, 0.02_wp), 25.0_wp, 1.0e-12_wp, 'magnification at resonance')

@@ -12,7 +12,7 @@ module bench_dynamics
    use psalm_parameters, only: parameters_t
    use psalm_periodic, only: periodic_t, periodic_constant
    use psalm_setup, only: set_up
-   use psalm_stability, only: boundaries_t, stability_boundaries, instability_order
+   use psalm_stability, only: boundaries_t, stability_boundaries
    use psalm_status, only: diagnostics_t
    use psalm_vibration_group, only: vibration_group_t, vibration_of
    implicit none (type, external)
@@ -89,6 +89,22 @@ contains
 
          e_of = greatest_e/vibration%given_e*real(i, wp)/real(across, wp)
       end function e_of
+
+      !> Which boundaries enclose W: p where W is unstable between those of p, 0 where it is below all, -1 where it is stable or
+      !> beyond the last.
+      pure integer function instability_order(b, w) result(p)
+         type(boundaries_t), intent(in) :: b
+         real(wp), intent(in) :: w
+
+         if (w <= b%low(0)) then
+            p = 0
+            return
+         end if
+         do p = 1, ubound(b%low, 1)
+            if (w >= b%low(p) .and. w <= b%high(p)) return
+         end do
+         p = -1
+      end function instability_order
 
       pure real(wp) function ratio_of(k)
          integer, intent(in) :: k

@@ -11,7 +11,6 @@ module psalm_arc_kernels
    implicit none (type, external)
    private
    public :: arc_vector, add_arc_rate, add_arc_change, add_change_of_rate, difference
-   public :: point_back, dyad_back, arc_back
    public :: invert_columns, solve_columns, quarter_turn_of_sum
    public :: turn_point_twice, turn_point_third, slide_point_twice
    public :: least
@@ -248,54 +247,4 @@ contains
          end do
       end if
    end subroutine add_change_of_rate
-
-   !> Reverse of a point step: what depends on the point t = f + arc is handed on to f, to the root and to the length.
-   pure subroutine point_back(n, tx, ty, ex, ey, length, fx, fy, root, along)
-      integer, intent(in) :: n
-      real(wp), intent(in) :: tx(n), ty(n)           !! derivatives of the objective by the point
-      real(wp), intent(in) :: ex(n), ey(n), length(n)
-      real(wp), intent(inout) :: fx(n), fy(n)        !! by the point the arc starts from
-      real(wp), intent(inout) :: root(n)             !! by the root's angle
-      real(wp), intent(out) :: along(n)              !! by the arc's length
-      integer :: i
-
-      do i = 1, n
-         fx(i) = fx(i) + tx(i)
-         fy(i) = fy(i) + ty(i)
-         root(i) = root(i) + (ty(i)*ex(i) - tx(i)*ey(i))*length(i)
-         along(i) = tx(i)*ex(i) + ty(i)*ey(i)
-      end do
-   end subroutine point_back
-
-   !> Reverse of a dyad: the multipliers M^T x of its equations go to its ends.
-   pure subroutine dyad_back(n, x1, x2, m11, m12, m21, m22, sx, sy, ex, ey, gx, gy)
-      integer, intent(in) :: n
-      real(wp), intent(in) :: x1(n), x2(n)           !! derivatives of the objective by the unknowns
-      real(wp), intent(in) :: m11(n), m12(n), m21(n), m22(n)
-      real(wp), intent(inout) :: sx(n), sy(n), ex(n), ey(n) !! by S and E
-      real(wp), intent(out) :: gx(n), gy(n)          !! multipliers
-      integer :: i
-
-      do i = 1, n
-         gx(i) = m11(i)*x1(i) + m21(i)*x2(i)
-         gy(i) = m12(i)*x1(i) + m22(i)*x2(i)
-         ex(i) = ex(i) + gx(i)
-         ey(i) = ey(i) + gy(i)
-         sx(i) = sx(i) - gx(i)
-         sy(i) = sy(i) - gy(i)
-      end do
-   end subroutine dyad_back
-
-   !> Reverse of a dyad's arc: its known angle and length.
-   pure subroutine arc_back(n, gx, gy, ex, ey, length, across, along)
-      integer, intent(in) :: n
-      real(wp), intent(in) :: gx(n), gy(n), ex(n), ey(n), length(n)
-      real(wp), intent(out) :: across(n), along(n)   !! derivatives of the objective by angle and length
-      integer :: i
-
-      do i = 1, n
-         across(i) = -(gy(i)*ex(i) - gx(i)*ey(i))*length(i)
-         along(i) = -(gx(i)*ex(i) + gy(i)*ey(i))
-      end do
-   end subroutine arc_back
 end module psalm_arc_kernels

@@ -12,7 +12,7 @@ module psalm_bilinear
    use psalm_xoshiro, only: xoshiro_t, purpose_sample
    implicit none (type, external)
    private
-   public :: bilinear_roots_t, find_bilinear_roots, null_space, solve_complex
+   public :: bilinear_roots_t, find_bilinear_roots, null_space
 
    integer, parameter :: most_steps = 2000          !! of a path
    integer, parameter :: rounds = 4                 !! of all paths, each in shorter steps

@@ -11,7 +11,7 @@ module psalm_cam_law
    use psalm_spline_fit, only: fit_spline
    implicit none (type, external)
    private
-   public :: law_t, segment_t, joint_t, make_law, highest_law_order
+   public :: law_t, joint_t, make_law, highest_law_order
    public :: law_made, law_velocity_jumps, law_singular, law_jerk_jumps, law_points_missing, law_misses
 
    integer, parameter :: highest_law_order = 5, highest_power = 7

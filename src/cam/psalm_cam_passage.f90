@@ -14,7 +14,7 @@ module psalm_cam_passage
    use psalm_rates, only: highest_order
    implicit none (type, external)
    private
-   public :: ways_t, passage_t, plan_ways, next_dead_point, solve_near, no_point
+   public :: ways_t, plan_ways, next_dead_point, solve_near, no_point
    public :: ways_found, ways_jump, ways_infinite, ways_end, ways_apart
 
    integer, parameter :: most_stretches = 4          !! passed one after the other to either side

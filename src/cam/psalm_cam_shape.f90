@@ -9,7 +9,7 @@ module psalm_cam_shape
    use psalm_kinds, only: wp, full_turn, radians_per_degree
    implicit none (type, external)
    private
-   public :: cam_shape_t, extreme_t, samples_t, measure, sample_turn, settle_side, find_extreme, greatest_of
+   public :: cam_shape_t, extreme_t, samples_t, measure, sample_turn, find_extreme, greatest_of
    public :: measure_pressure, measure_convex, measure_concave, measure_base, measure_outer, measure_excursion_low, &
              measure_excursion_high, measure_face_low, measure_face_high, measure_output, measure_input, measures, upward, &
              table_angles

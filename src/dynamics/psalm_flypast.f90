@@ -9,7 +9,7 @@ module psalm_flypast
    use psalm_ode, only: ode_t, one_step, advance, next_step
    implicit none (type, external)
    private
-   public :: flypast_t, flight_t, follow_flypast, fly, most_minima
+   public :: flypast_t, flight_t, follow_flypast, fly
 
    integer, parameter :: most_minima = 6            !! of the force: contact is judged by the passage and five after it
    real(wp), parameter :: first_time = -40.0_wp     !! T at which following begins: from -10 on figures still move

@@ -5,7 +5,7 @@ module psalm_flypast_chart
    use psalm_kinds, only: wp, pi
    implicit none (type, external)
    private
-   public :: chart_t, loss_range_t, make_chart, loss_ranges, outermost_loss
+   public :: chart_t, loss_range_t, make_chart, scan_line, outermost_loss
 
    real(wp), parameter :: farthest = 2.0_wp     !! H1 up to which `outermost_loss` looks
    real(wp), parameter :: scan = 0.05_wp        !! its steps
@@ -127,20 +127,4 @@ contains
          return
       end do
    end function outermost_loss
-
-   !> Ranges of H1 between two ends within which contact is lost, in ascending order.
-   pure function loss_ranges(h2, h3, least, greatest, step) result(ranges)
-      real(wp), intent(in) :: h2, h3
-      real(wp), intent(in) :: least, greatest   !! of H1
-      real(wp), intent(in) :: step              !! at which H1 is looked at
-      type(loss_range_t), allocatable :: ranges(:)
-      real(wp), allocatable :: h1(:), index(:)
-      integer, allocatable :: lost(:)
-      integer :: i, steps
-
-      steps = max(1, ceiling((greatest - least)/step))
-      h1 = [(least + (greatest - least)*real(i, wp)/real(steps, wp), i=0, steps)]
-      allocate (index(size(h1)), lost(size(h1)))
-      call scan_line(h2, h3, h1, lost, index, ranges)
-   end function loss_ranges
 end module psalm_flypast_chart

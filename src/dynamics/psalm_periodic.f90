@@ -6,7 +6,7 @@ module psalm_periodic
    use psalm_kinds, only: wp, pi
    implicit none (type, external)
    private
-   public :: periodic_t, periodic_from_samples, periodic_from_harmonics, periodic_constant
+   public :: periodic_t, periodic_from_samples, periodic_constant
 
    type :: periodic_t
       private
@@ -41,17 +41,6 @@ contains
       ! the highest harmonic of an even number of samples stands for n/2 and -n/2 at once
       if (mod(n, 2) == 0 .and. half > 0) f%c(half) = 0.5_wp*f%c(half)
    end function periodic_from_samples
-
-   !> mean + sum cosines(n) cos(n x) + sines(n) sin(n x)
-   pure function periodic_from_harmonics(mean, cosines, sines) result(f)
-      real(wp), intent(in) :: mean
-      real(wp), intent(in) :: cosines(:), sines(:) !! shape (m)
-      type(periodic_t) :: f
-
-      allocate (f%c(0:size(cosines)))
-      f%c(0) = mean
-      f%c(1:) = 0.5_wp*cmplx(cosines, -sines, wp)
-   end function periodic_from_harmonics
 
    pure function periodic_constant(value) result(f)
       real(wp), intent(in) :: value

@@ -9,7 +9,7 @@ module psalm_stability
    use psalm_periodic, only: periodic_t
    implicit none (type, external)
    private
-   public :: boundaries_t, stability_boundaries, series_boundaries, instability_order
+   public :: boundaries_t, stability_boundaries, series_boundaries
 
    type :: boundaries_t
       real(wp), allocatable :: low(:), high(:) !! W, from index 0: unstable between low(p) and high(p); of p = 0 below both
@@ -107,20 +107,4 @@ contains
       end if
       w = 0.25_wp*real(p*p, wp) - f%mean() + s + [-abs(b), abs(b)]
    end function series_boundaries
-
-   !> Which boundaries enclose W: p where W is unstable between those of p, 0 where it is below all, -1 where it is stable or
-   !> beyond the last.
-   pure integer function instability_order(b, w) result(p)
-      type(boundaries_t), intent(in) :: b
-      real(wp), intent(in) :: w
-
-      if (w <= b%low(0)) then
-         p = 0
-         return
-      end if
-      do p = 1, ubound(b%low, 1)
-         if (w >= b%low(p) .and. w <= b%high(p)) return
-      end do
-      p = -1
-   end function instability_order
 end module psalm_stability

@@ -8,8 +8,8 @@ module psalm_burmester
    use psalm_kinds, only: wp, pi
    implicit none (type, external)
    private
-   public :: dyad_t, dyads_t, curve_point_t, five_poses, four_poses_curve, centres_on_line, &
-             pivot_for_pin, pin_for_pivot, slider_pin, slider_circle, guide_of, inverted, polynomial_roots
+   public :: dyad_t, dyads_t, curve_point_t, five_poses, four_poses_curve, centres_on_line, pin_for_pivot, slider_pin, &
+             slider_circle, guide_of, inverted, polynomial_roots
    public :: dyad_turns, dyad_slides, dyad_swings
 
    integer, parameter :: dyad_turns = 1              !! a link from a fixed pivot to a pin of the body
@@ -532,23 +532,6 @@ contains
       end do
       call two_unknowns(rows, right, dyad%pin, exists)
    end subroutine pin_for_pivot
-
-   !> The pivot about which a given pin moves: centre of the circle through its places.
-   pure subroutine pivot_for_pin(d, g, dyad, exists)
-      complex(wp), intent(in) :: d(:), g(:)
-      type(dyad_t), intent(inout) :: dyad
-      logical, intent(out) :: exists
-      complex(wp) :: k
-      real(wp) :: rows(size(d), 2), right(size(d))
-      integer :: j
-
-      do j = 1, size(d)
-         k = dyad%pin*g(j) + d(j)
-         rows(j, :) = [real(k, wp), aimag(k)]
-         right(j) = 0.5_wp*abs(d(j))**2 + real(conjg(d(j))*(1.0_wp + g(j))*dyad%pin, wp)
-      end do
-      call two_unknowns(rows, right, dyad%pivot, exists)
-   end subroutine pivot_for_pin
 
    !> Two real unknowns as one complex number, by orthogonal columns.
    pure subroutine two_unknowns(rows, right, z, exists)

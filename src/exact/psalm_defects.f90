@@ -9,8 +9,8 @@ module psalm_defects
    use psalm_kinds, only: wp, pi, half_turn, right_angle
    implicit none (type, external)
    private
-   public :: exact_linkage_t, verdict_t, judge, with_other_driver, change_of_lengths, cognates_of, crank_angles, classes, &
-             class_names, place_pins
+   public :: exact_linkage_t, verdict_t, judge, with_other_driver, change_of_lengths, cognates_of, crank_angles, class_names, &
+             place_pins
 
    integer, parameter :: classes = 5
    !> Of the linkages in the order in which they are ranked.

@@ -10,7 +10,7 @@ module psalm_function_points
    use psalm_kinds, only: wp, pi
    implicit none (type, external)
    private
-   public :: generator_t, generators_t, five_points, four_points, three_points, output_of, assembly_of, most_generators
+   public :: generator_t, generators_t, five_points, four_points, three_points, output_of
 
    integer, parameter :: most_generators = 3
    real(wp), parameter :: no_length = 1.0e-7_wp      !! of a link, over the frame

@@ -10,7 +10,7 @@ module psalm_guided_six_bars
    use psalm_kinds, only: wp, pi
    implicit none (type, external)
    private
-   public :: arm_t, added_link_t, guided_t, guided_study_t, place_arm, find_guided, poses_guided, body_names
+   public :: arm_t, guided_t, guided_study_t, place_arm, find_guided, poses_guided, body_names
 
    integer, parameter :: poses_guided = 5
    integer, parameter :: body_frame = 0, body_crank = 1, body_arm = 2, body_body = 3, body_link = 4 !! the link added first

@@ -13,7 +13,7 @@ module psalm_minimax
    use psalm_xoshiro, only: xoshiro_t, purpose_starts
    implicit none (type, external)
    private
-   public :: approximation_t, approximate, error_of, parameters_of
+   public :: approximation_t, approximate
 
    integer, parameter :: unknowns = 5, alternations = unknowns + 1
    integer, parameter :: node_sets = 25              !! sets of five nodes that starts come from

@@ -29,7 +29,6 @@ module psalm_wanted_function
       procedure :: input_at
       procedure :: output_at
       procedure :: place_of
-      procedure :: entry_after
    end type wanted_function_t
 
 contains
@@ -112,16 +111,4 @@ contains
 
       place_of = (self%table_input(entry) - self%table_input(1))/self%swing_in
    end function place_of
-
-   !> The first entry of the table behind a place.
-   pure integer function entry_after(self, place)
-      class(wanted_function_t), intent(in) :: self
-      real(wp), intent(in) :: place
-      integer :: i
-
-      entry_after = size(self%table_input)
-      do i = size(self%table_input), 1, -1
-         if (self%place_of(i) > place) entry_after = i
-      end do
-   end function entry_after
 end module psalm_wanted_function

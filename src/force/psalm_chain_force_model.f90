@@ -13,7 +13,7 @@ module psalm_chain_force_model
    use psalm_text, only: to_text
    implicit none (type, external)
    private
-   public :: chain_model_t, chain_spot_t, chain_load_t, chain_spring_t, chain_friction_t, pair_t, make_chain_model
+   public :: chain_model_t, chain_spot_t, make_chain_model
    public :: pair_pin, pair_slide, pair_gears
 
    integer, parameter :: pair_pin = 1      !! two links at a joint

@@ -19,7 +19,7 @@ module psalm_chain_forces
    use psalm_sketch, only: frame_link, drive_turns
    implicit none (type, external)
    private
-   public :: analyse_chain, share_of_chain, chain_of_unit_masses, chain_columns, chain_sources, column_of_drive
+   public :: analyse_chain, share_of_chain, chain_of_unit_masses, column_of_drive
 
    complex(wp), parameter :: i = (0.0_wp, 1.0_wp)
    real(wp), parameter :: still = 64.0_wp*epsilon(1.0_wp) !! of the fastest turn or travel: a slower pair is at rest

@@ -17,7 +17,7 @@ module psalm_force_model
    use psalm_text, only: to_text
    implicit none (type, external)
    private
-   public :: force_model_t, spot_t, load_t, spring_t, friction_t, shoe_t, make_force_model, forces_wanted, vertices_of
+   public :: force_model_t, spot_t, load_t, spring_t, friction_t, make_force_model, forces_wanted, vertices_of
    public :: spot_of_place, locate, joint_at, place_right, place_on_foot, place_afloat, place_nowhere
    public :: mass_parameters, parameter_mass, parameter_mx, parameter_my, parameter_inertia
 

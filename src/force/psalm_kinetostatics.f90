@@ -22,7 +22,7 @@ module psalm_kinetostatics
    implicit none (type, external)
    private
    public :: forces_t, prepare_forces, load_bodies, move_bodies, clear_wrenches, add_source, sweep, rub, external_power, find_spot
-   public :: joint_rows, listed_rows, find_shoe, interpolated, sources_of, source_inertia, source_weight, first_load, first_spring
+   public :: joint_rows, listed_rows, interpolated, sources_of, source_inertia, source_weight, first_load, first_spring
    public :: most_sweeps, settled
 
    integer, parameter :: source_inertia = 1, source_weight = 2 !! sources; loads and springs follow

@@ -15,7 +15,6 @@ module psalm_machine
    implicit none (type, external)
    private
    public :: machine_t, cycle_t, run_t, reduced_t, reduce_machine, make_machine, settle_machine, steady_cycle, run_up, flywheel_for
-   public :: free_flywheel
    public :: cycle_found, cycle_grows, cycle_falls, cycle_stalls, cycle_any_speed, cycle_unknown
 
    integer, parameter :: least_steps = 1440          !! of integration over a turn: an even multiple of what is listed
@@ -662,21 +661,6 @@ contains
    end subroutine run_through
 
    ! ---- flywheel ----------------------------------------------------------------------------------------------------
-
-   !> Flywheel with which a free run fluctuates as wanted: from the least and greatest inertia, by energy. Negative: none is needed.
-   pure real(wp) function free_flywheel(machine, fluctuation) result(flywheel)
-      type(machine_t), intent(in) :: machine
-      real(wp), intent(in) :: fluctuation              !! (greatest - least)/mean of both
-      real(wp) :: least, greatest, q, unused
-      integer :: n
-
-      n = size(machine%turn%inertia) - 1
-      call peak_of(-machine%turn%inertia(:n), least, unused)
-      least = -least
-      call peak_of(machine%turn%inertia(:n), greatest, unused)
-      q = ((1.0_wp + 0.5_wp*fluctuation)/(1.0_wp - 0.5_wp*fluctuation))**2
-      flywheel = (greatest - q*least)/(q - 1.0_wp)
-   end function free_flywheel
 
    !> Flywheel with which the steady cycle fluctuates as wanted: the exact cycle, by bisection. Negative: there is none.
    subroutine flywheel_for(machine, fluctuation, given, flywheel)

@@ -4,7 +4,7 @@ module psalm_group_table
    use psalm_text, only: nearest_name
    implicit none (type, external)
    private
-   public :: known_group_t, known_groups, everything, program_reads, program_of, is_users, nearest_group
+   public :: known_groups, everything, program_reads, program_of, is_users, nearest_group
 
    integer, parameter :: programs_length = 64 !! characters of all programs' names
 

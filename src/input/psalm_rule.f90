@@ -8,7 +8,7 @@ module psalm_rule
    use psalm_text, only: to_text
    implicit none (type, external)
    private
-   public :: rule_t, limits_t, rule_of, word_of, word_count, number_in_name, one_of, limits_of
+   public :: rule_t, limits_t, rule_of, word_of, word_count, one_of, limits_of
    public :: a_flag, a_whole, a_number, a_word, a_text, required_word, any_number
 
    integer, parameter :: a_flag = 1     !! 0 or 1

@@ -6,7 +6,7 @@ module psalm_sketch
    use psalm_kinds, only: wp
    implicit none (type, external)
    private
-   public :: sketch_t, link_t, slide_t, drive_t, gear_t, output_t, variation_t, wish_t
+   public :: sketch_t, link_t, slide_t, drive_t, output_t, variation_t
    public :: sketch_name, frame_link, position_of, grid_digits, columns_of, most_wished
    public :: drive_turns, drive_slides, drive_stretches
    public :: output_point, output_angle, output_distance, output_slide, output_between, output_pose, output_ratio

@@ -1,4 +1,4 @@
-!> The output of a linkage: its value, rates, changes with the dimensions, adjoint seed and error bound.
+!> The output of a linkage: its value, rates, changes with the dimensions and error bound.
 !>
 !> The one place that knows what an output is computed from. Lengths are in the user's unit, angles in degrees, rates and
 !> derivatives of angles per radian where nothing else is said. Source: Oldham (1977), chapter 5 and appendix B.
@@ -16,7 +16,7 @@ module psalm_observable
    use psalm_parameters, only: variable_outlk, variable_outang, variable_origlk, variable_origng
    implicit none (type, external)
    private
-   public :: observable_t, seed_t, at_origin
+   public :: observable_t, at_origin
 
    real(wp), parameter :: at_origin = 64.0_wp*epsilon(1.0_wp) !! relative distance below which a point lies on the origin
 
@@ -41,14 +41,8 @@ module psalm_observable
       procedure :: change => change_of_output
       procedure :: change_of_rates
       procedure :: change_of_origin
-      procedure :: seed
       procedure :: bound => bound_of_output
    end type observable_t
-
-   !> Derivatives of an objective by what the output adds to the linkage.
-   type :: seed_t
-      real(wp) :: outlk = 0.0_wp, outang = 0.0_wp, origin(2) = 0.0_wp
-   end type seed_t
 
 contains
 
@@ -361,76 +355,6 @@ contains
       x = link%store%v(i, self%base_x)/link%scale + self%origin_x + (self%c*rx - self%s*ry)*self%length
       y = link%store%v(i, self%base_y)/link%scale + self%origin_y + (self%c*ry + self%s*rx)*self%length
    end subroutine output_vector
-
-   !> Objective of a block, sum of weight * (desired - actual)**2, and its derivatives by the rows of the store.
-   subroutine seed(self, link, n, m, wanted, weight, toward_x, toward_y, d, objective, bar, angle_bar, along)
-      class(observable_t), intent(in) :: self
-      type(linkage_t), intent(in) :: link
-      integer, intent(in) :: n, m                    !! positions; padded
-      real(wp), intent(in) :: wanted(:, :), weight(:, :) !! shape (m, components)
-      real(wp), intent(in) :: toward_x(:), toward_y(:) !! shape (m): unit vectors of the angles wanted
-      type(rows_t), intent(inout) :: d               !! added to
-      real(wp), intent(inout) :: objective           !! added to
-      type(seed_t), intent(inout) :: bar             !! added to
-      real(wp), intent(inout) :: angle_bar           !! by the fixed angle of the output arc; added to
-      real(wp), intent(inout) :: along(:)            !! shape (m): room to work in
-      real(wp) :: e, slope, bx, by, x, y, ex, ey, r, back
-      integer :: i
-
-      back = 1.0_wp/link%scale
-      associate (v => link%store%v, angle => self%kind%angle)
-         if (angle > 0) then
-            call angles_between(m, v(1, self%root_x), v(1, self%root_y), self%c, self%s, toward_x, toward_y, along)
-            do i = 1, n
-               e = along(i)*weight(i, angle)
-               objective = objective + e*along(i)
-               slope = -2.0_wp*e*degrees_per_radian
-               d%v(i, self%root_x) = d%v(i, self%root_x) + slope
-               bar%outang = bar%outang + slope
-               angle_bar = angle_bar + slope
-            end do
-         end if
-         if (self%slide > 0) then
-            do i = 1, n
-               e = wanted(i, 1) - v(i, self%slide)*back
-               objective = objective + weight(i, 1)*e*e
-               d%v(i, self%slide) = -2.0_wp*weight(i, 1)*e*back
-            end do
-         end if
-         if (.not. self%kind%has_point) return
-         do i = 1, n
-            call output_vector(self, link, i, x, y)
-            if (self%motion /= motion_distance) then
-               bx = weight(i, 1)*(wanted(i, 1) - x)
-               by = weight(i, 2)*(wanted(i, 2) - y)
-               objective = objective + bx*(wanted(i, 1) - x) + by*(wanted(i, 2) - y)
-               bx = -2.0_wp*bx
-               by = -2.0_wp*by
-            else
-               r = hypotenuse(x, y)
-               e = wanted(i, 1) - r
-               objective = objective + weight(i, 1)*e*e
-               slope = -2.0_wp*weight(i, 1)*e
-               bx = 0.0_wp
-               by = 0.0_wp
-               if (r > 0.0_wp) then
-                  bx = slope*(x/r)
-                  by = slope*(y/r)
-               end if
-            end if
-            ex = self%c*v(i, self%root_x) - self%s*v(i, self%root_y)
-            ey = self%c*v(i, self%root_y) + self%s*v(i, self%root_x)
-            bar%outlk = bar%outlk + bx*ex + by*ey
-            slope = (by*ex - bx*ey)*self%length
-            d%v(i, self%root_x) = d%v(i, self%root_x) + slope
-            bar%outang = bar%outang + slope
-            angle_bar = angle_bar + slope
-            bar%origin = bar%origin + [bx, by]
-            d%v(i, self%base_x) = bx*back
-            d%v(i, self%base_y) = by*back
-         end do
-      end associate
-   end subroutine seed
 
    ! ---- condition ---------------------------------------------------------------------------------------------------
 

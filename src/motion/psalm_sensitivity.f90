@@ -1,17 +1,15 @@
-!> Derivatives of the output and of the objective with respect to the variables of a linkage.
+!> Derivatives of the output with respect to the variables of a linkage.
 !>
-!> The Jacobian goes forward: for each variable the plan is gone through once with the changes that variable makes. The
-!> gradient of the objective goes backward (adjoint): once through the plan for all variables together. Both use the inverse
-!> matrices of `psalm_rates`. Angles vary in degrees. Derivation: `doc/theory.md`, Sensitivities.
+!> For each variable the plan is gone through once with the changes that variable makes, with the inverse matrices of
+!> `psalm_rates`. Angles vary in degrees. Derivation: `doc/theory.md`, Sensitivities.
 module psalm_sensitivity
-   use psalm_arc_kernels, only: add_arc_change, difference, solve_columns, point_back, dyad_back, arc_back
+   use psalm_arc_kernels, only: add_arc_change, difference, solve_columns
    use psalm_assur, only: closure_of, change_of_closure
    use psalm_dyad, only: dyad_t
    use psalm_error, only: problem_t
    use psalm_frames, only: frames_t, rows_of_arc, matrix_row
    use psalm_kinds, only: wp, radians_per_degree
    use psalm_linkage, only: padded
-   use psalm_observable, only: seed_t
    use psalm_plan, only: step_point, root_crank
    use psalm_rates, only: rates_t, prepare_rates, form_frames
    use psalm_rows, only: rows_t, clear_rows
@@ -20,18 +18,15 @@ module psalm_sensitivity
                                variable_origng, variable_crnki
    implicit none (type, external)
    private
-   public :: sensitivity_t, prepare_sensitivity, find_jacobian, find_constraints, block_constraints, find_gradient, &
-             unit_of, clear_changes
+   public :: sensitivity_t, prepare_sensitivity, find_jacobian, block_constraints, unit_of, clear_changes
 
    !> Room to work in, and which arcs each variable changes.
    type :: sensitivity_t
       type(rates_t) :: rates
       real(wp), allocatable :: turn(:, :)       !! shape (arcs, nvar): 1 where the arc's fixed angle turns with the variable
       real(wp), allocatable :: stretch(:, :)    !! shape (arcs, nvar): 1 where its length grows with it
-      logical, allocatable :: turns(:), stretches(:) !! by arc: some variable does so
       logical, allocatable :: moves(:, :)       !! shape (steps, nvar): the step's result changes with the variable
-      real(wp), allocatable :: angle_bar(:), length_bar(:) !! by arc: derivatives of the objective
-      real(wp), allocatable :: across(:), along(:), gx(:), gy(:), tx(:), ty(:) !! shape (room)
+      real(wp), allocatable :: gx(:), gy(:), tx(:), ty(:) !! shape (room)
    end type sensitivity_t
 
 contains
@@ -46,10 +41,9 @@ contains
       nvar = size(problem%parameters%variables)
       call prepare_rates(problem, work%rates)
       allocate (work%turn(arcs, nvar), work%stretch(arcs, nvar), source=0.0_wp)
-      allocate (work%angle_bar(arcs), work%length_bar(arcs), source=0.0_wp)
       allocate (work%moves(size(problem%plan%steps), nvar), source=.false.)
       associate (room => problem%linkage%room)
-         allocate (work%across(room), work%along(room), work%gx(room), work%gy(room), work%tx(room), work%ty(room), source=0.0_wp)
+         allocate (work%gx(room), work%gy(room), work%tx(room), work%ty(room), source=0.0_wp)
       end associate
       do v = 1, nvar
          where (problem%parameters%length_variable == v) work%stretch(:, v) = 1.0_wp
@@ -62,8 +56,6 @@ contains
          end do
          call mark_steps(problem, v, work)
       end do
-      work%turns = any(abs(work%turn) > 0.0_wp, dim=2)
-      work%stretches = any(abs(work%stretch) > 0.0_wp, dim=2)
    end subroutine prepare_sensitivity
 
    !> Steps whose result a variable changes.
@@ -109,19 +101,16 @@ contains
       end function changes
    end subroutine mark_steps
 
-   ! ---- forward -----------------------------------------------------------------------------------------------------
-
    !> Derivatives of the output's components by every variable, at every position.
    !>
    !> Output as the listing has it (angles in degrees); variables in their own units (degrees for angles). The linkage must
    !> close; at a dead point the derivatives are infinite and zero is given.
-   subroutine find_jacobian(problem, dimensions, work, dout, k, dk, dp, solved, held, loops)
+   subroutine find_jacobian(problem, dimensions, work, dout, dk, dp, solved, held, loops)
       type(problem_t), intent(inout) :: problem
       type(dimensions_t), intent(in) :: dimensions
       type(sensitivity_t), intent(inout) :: work
       real(wp), intent(out) :: dout(:, :, :)        !! shape (positions, nvar, components)
-      real(wp), intent(out), optional :: k(:, :)    !! shape (positions, nloop): as `find_constraints` has it
-      real(wp), intent(out), optional :: dk(:, :, :) !! shape (positions, nloop, nvar): its derivatives
+      real(wp), intent(out), optional :: dk(:, :, :) !! shape (positions, nloop, nvar): of what `block_constraints` gives
       real(wp), intent(out), optional :: dp(:, :, :, :) !! shape (positions, 2, joints, nvar): of the joints asked for
       logical, intent(in), optional :: solved       !! the positions are one block, which still holds this linkage and its output
       logical, intent(in), optional :: held(:)      !! shape (nvar): not wanted, zero is given
@@ -142,7 +131,6 @@ contains
          m = padded(n)
          call form_frames(problem, work%rates, m, fixed_too=.true.)
          call clear_rows(work%rates%d(1))
-         if (present(k)) call block_constraints(problem, n, k(offset + 1:offset + n, :))
          do v = 1, size(problem%parameters%variables)
             if (present(held)) then
                if (held(v)) then
@@ -163,23 +151,12 @@ contains
       end do
    end subroutine find_jacobian
 
-   !> How near each dyad is to its limit, at every position, as `closure_of` has it; loops that are not solved: 0.
-   subroutine find_constraints(problem, k)
-      type(problem_t), intent(inout) :: problem     !! bound
-      real(wp), intent(out) :: k(:, :)              !! shape (positions, nloop)
-      integer :: block, offset, n
-
-      do block = 1, problem%blocks()
-         call problem%solve_block(block, offset, n)
-         call block_constraints(problem, n, k(offset + 1:offset + n, :))
-      end do
-   end subroutine find_constraints
-
-   !> The same for the block just solved; shape of k (n, nloop).
+   !> How near each dyad is to its limit, at the positions of the block just solved, as `closure_of` has it; loops that are not
+   !> solved: 0.
    pure subroutine block_constraints(problem, n, k)
       type(problem_t), intent(in) :: problem
       integer, intent(in) :: n
-      real(wp), intent(out) :: k(:, :)
+      real(wp), intent(out) :: k(:, :)              !! shape (n, nloop)
       integer :: loop
 
       do loop = 1, problem%mechanism%nloop
@@ -366,145 +343,4 @@ contains
          d%v(1:n, row) = 0.0_wp
       end subroutine zero
    end subroutine clear_changes
-
-   ! ---- backward ----------------------------------------------------------------------------------------------------
-
-   !> Objective and its derivatives by every variable, by the adjoint route.
-   subroutine find_gradient(problem, dimensions, work, objective, gradient)
-      type(problem_t), intent(inout) :: problem
-      type(dimensions_t), intent(in) :: dimensions
-      type(sensitivity_t), intent(inout) :: work
-      real(wp), intent(out) :: objective
-      real(wp), intent(out) :: gradient(:)      !! shape (nvar)
-      type(seed_t) :: bar
-      real(wp) :: crank_bar
-      integer :: block, offset, n, m, k, v
-
-      call problem%bind(dimensions)
-      objective = 0.0_wp
-      crank_bar = 0.0_wp
-      work%angle_bar = 0.0_wp
-      work%length_bar = 0.0_wp
-      do block = 1, problem%blocks()
-         call problem%solve_block(block, offset, n)
-         m = padded(n)
-         call form_frames(problem, work%rates, m, fixed_too=.true.)
-         call clear_rows(work%rates%d(1))
-         associate (first => offset + 1, last => offset + m)
-            call problem%output%seed(problem%linkage, n, m, problem%wanted(first:last, :), problem%weight(first:last, :), &
-                                     problem%toward_x(first:last), problem%toward_y(first:last), work%rates%d(1), objective, bar, &
-                                     work%angle_bar(problem%mechanism%outputs(1)%arc), work%along)
-         end associate
-         do k = size(problem%linkage%steps), 1, -1
-            if (problem%plan%steps(k)%kind == step_point) then
-               call back_through_point(problem, k, m, work)
-            else
-               call back_through_dyad(problem%linkage%steps(k)%dyad, work%rates%place(k), m, work)
-            end if
-         end do
-         associate (link => problem%linkage)
-            if (.not. link%sliding_input) then
-               crank_bar = crank_bar + sum(work%rates%d(1)%v(1:n, link%root_x(root_crank)))
-            else if (link%input_slot > 0) then
-               crank_bar = crank_bar + sum(work%rates%d(1)%v(1:n, link%slide(link%input_slot)))*link%scale
-            end if
-         end associate
-      end do
-      call back_through_angles(problem, work)
-      gradient = 0.0_wp
-      associate (variables => problem%parameters%variables)
-         do k = 1, size(work%length_bar)
-            v = problem%parameters%length_variable(k)
-            if (v > 0) then
-               if (variables(v)%kind == variable_length) gradient(v) = gradient(v) + work%length_bar(k)
-            end if
-            v = problem%parameters%angle_variable(k)
-            if (v > 0 .and. problem%plan%takes_gama(k)) then
-               if (variables(v)%kind == variable_gama) gradient(v) = gradient(v) + work%angle_bar(k)
-            end if
-         end do
-      end associate
-      do v = 1, size(gradient)
-         associate (variable => problem%parameters%variables(v))
-            select case (variable%kind)
-            case (variable_length)
-               gradient(v) = gradient(v)*problem%linkage%scale
-            case (variable_gama)
-               gradient(v) = gradient(v)*radians_per_degree
-            case (variable_outlk)
-               gradient(v) = bar%outlk
-            case (variable_outang)
-               gradient(v) = bar%outang*radians_per_degree
-            case (variable_origlk)
-               gradient(v) = bar%origin(1)*problem%output%origin_c + bar%origin(2)*problem%output%origin_s
-            case (variable_origng)
-               gradient(v) = (bar%origin(2)*problem%output%origin_x - bar%origin(1)*problem%output%origin_y)*radians_per_degree
-            case default
-               gradient(v) = crank_bar
-               if (.not. problem%linkage%sliding_input) gradient(v) = crank_bar*radians_per_degree
-            end select
-         end associate
-      end do
-   end subroutine find_gradient
-
-   subroutine back_through_point(problem, k, n, work)
-      type(problem_t), intent(in) :: problem
-      integer, intent(in) :: k, n
-      type(sensitivity_t), intent(inout) :: work
-
-      associate (step => problem%linkage%steps(k), w => work%rates%frames%work%v, a => work%rates%place(k), &
-                 d => work%rates%d(1)%v)
-         call arc_back(n, d(1, step%to_x), d(1, step%to_y), w(1, a), w(1, a + 1), w(1, a + 4), work%across, work%along)
-         if (work%turns(step%arc)) work%angle_bar(step%arc) = work%angle_bar(step%arc) - sum(work%across(:n))
-         if (work%stretches(step%arc)) work%length_bar(step%arc) = work%length_bar(step%arc) - sum(work%along(:n))
-         call point_back(n, d(1, step%to_x), d(1, step%to_y), w(1, a), w(1, a + 1), w(1, a + 4), d(1, step%from_x), &
-                         d(1, step%from_y), d(1, step%root_x), work%along)
-         if (step%slide_row > 0) d(1:n, step%slide_row) = d(1:n, step%slide_row) + work%along(:n)
-      end associate
-   end subroutine back_through_point
-
-   subroutine back_through_dyad(dyad, at, n, work)
-      type(dyad_t), intent(in) :: dyad
-      integer, intent(in) :: at, n        !! first row of the dyad's frame; positions, padded
-      type(sensitivity_t), intent(inout) :: work
-
-      associate (w => work%rates%frames%work%v, m => at + matrix_row, d => work%rates%d(1)%v)
-         call dyad_back(n, d(1, dyad%unknown(1)), d(1, dyad%unknown(2)), w(1, m), w(1, m + 1), w(1, m + 2), w(1, m + 3), &
-                        d(1, dyad%s_x), d(1, dyad%s_y), d(1, dyad%e_x), d(1, dyad%e_y), work%gx, work%gy)
-      end associate
-      call known_part(at, dyad%p_x, dyad%slide_p, dyad%arc_p)
-      call known_part(at + rows_of_arc, dyad%q_x, dyad%slide_q, dyad%arc_q)
-
-   contains
-
-      !> An arc whose direction is not the dyad's to find hands on to its root; a fixed length that varies to itself.
-      subroutine known_part(a, root, slide, arc)
-         integer, intent(in) :: a, root, slide, arc
-         logical :: turned
-
-         turned = all(dyad%unknown /= root)
-         if (.not. turned .and. .not. (work%stretches(arc) .and. slide == 0)) return
-         associate (w => work%rates%frames%work%v, d => work%rates%d(1)%v)
-            call arc_back(n, work%gx, work%gy, w(1, a), w(1, a + 1), w(1, a + 4), work%across, work%along)
-            if (turned) then
-               d(1:n, root) = d(1:n, root) + work%across(:n)
-               if (work%turns(arc)) work%angle_bar(arc) = work%angle_bar(arc) + sum(work%across(:n))
-            end if
-            if (work%stretches(arc) .and. slide == 0) work%length_bar(arc) = work%length_bar(arc) + sum(work%along(:n))
-         end associate
-      end subroutine known_part
-   end subroutine back_through_dyad
-
-   !> An arc's fixed angle is counted from another arc's: hand on along the chain.
-   subroutine back_through_angles(problem, work)
-      type(problem_t), intent(in) :: problem
-      type(sensitivity_t), intent(inout) :: work
-      integer :: k, n, b
-
-      do k = size(problem%plan%order), 1, -1
-         n = problem%plan%order(k)
-         b = problem%plan%base(n)
-         if (b > 0) work%angle_bar(b) = work%angle_bar(b) + work%angle_bar(n)
-      end do
-   end subroutine back_through_angles
 end module psalm_sensitivity

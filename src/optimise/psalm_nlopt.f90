@@ -8,12 +8,10 @@ module psalm_nlopt
    use psalm_solver_kind, only: solver_kind_t
    implicit none (type, external)
    private
-   public :: nlopt_t, objective_function, constraint_function, algorithm_of, algorithm_names, refused
+   public :: nlopt_t, algorithm_of, refused
 
    integer, parameter :: invalid_arguments = -2, out_of_memory = -3 !! results of NLopt
    integer, parameter :: no_algorithm = -1
-   integer, parameter :: name_room = 32        !! characters of the longest name, and some
-   integer, parameter :: most_algorithms = 200 !! a bound for the search of their names
 
    !> An optimisation. `close` must be called when it is done with.
    type :: nlopt_t
@@ -58,12 +56,6 @@ module psalm_nlopt
          implicit none (type, external)
          character(kind=c_char), intent(in) :: name(*)
       end function nlopt_algorithm_from_string
-
-      type(c_ptr) function nlopt_algorithm_to_string(algorithm) bind(c)
-         import :: c_int, c_ptr
-         implicit none (type, external)
-         integer(c_int), value :: algorithm
-      end function nlopt_algorithm_to_string
 
       type(c_ptr) function nlopt_create(algorithm, n) bind(c)
          import :: c_ptr, c_int
@@ -164,26 +156,6 @@ contains
       algorithm_of = int(nlopt_algorithm_from_string(trim(name)//c_null_char))
       if (algorithm_of < 0) algorithm_of = no_algorithm
    end function algorithm_of
-
-   !> The names of all algorithms that the library has.
-   function algorithm_names() result(names)
-      character(name_room), allocatable :: names(:)
-      character(kind=c_char), pointer :: letters(:)
-      type(c_ptr) :: address
-      integer :: i, k
-
-      allocate (names(0))
-      do i = 0, most_algorithms
-         address = nlopt_algorithm_to_string(int(i, c_int))
-         if (.not. c_associated(address)) exit
-         call c_f_pointer(address, letters, [name_room])
-         names = [character(name_room) :: names, '']
-         do k = 1, name_room
-            if (letters(k) == c_null_char) exit
-            names(size(names))(k:k) = letters(k)
-         end do
-      end do
-   end function algorithm_names
 
    !> A result that says that nothing was optimised.
    pure logical function refused(status)

@@ -7,7 +7,7 @@ module psalm_force_drawing
    use psalm_text, only: text_t, full_precision, to_text
    implicit none (type, external)
    private
-   public :: draw_weights_and_springs, draw_centres_and_loads, draw_polar_diagrams, height_of_polar_diagrams, load_scale_words
+   public :: draw_weights_and_springs, draw_centres_and_loads, draw_polar_diagrams, height_of_polar_diagrams
 
    integer, parameter :: in_a_row = 6                      !! polar diagrams
    real(wp), parameter :: cell = 150.0_wp, half = 52.0_wp  !! of a diagram and half of its square, pixels

@@ -16,7 +16,7 @@ module psalm_force_scene
    implicit none (type, external)
    private
    public :: force_scene_t, make_force_scene, change_unit_of_forces, extent_of_weights, words_of_added, largest_load, &
-             largest_in_joint, steel_thickness
+             largest_in_joint
 
    integer, parameter :: name_width = 24
    real(wp), parameter :: steel = 7850.0_wp            !! kg/m3

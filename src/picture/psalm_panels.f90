@@ -18,7 +18,6 @@ module psalm_panels
    implicit none (type, external)
    private
    public :: panel_t, band_t, add_rate_panels, add_sketch_panels, add_study_panels, add_family_panels, find_band, flat
-   public :: group_position, group_rates, group_tolerance
 
    integer, parameter :: name_room = 96      !! characters of a panel's name
    integer, parameter :: label_room = 32     !! characters of a line's name
@@ -26,7 +25,7 @@ module psalm_panels
    real(wp), parameter :: flat = 1.0e-8_wp   !! a curve that varies by less than this part of its scale is constant
    real(wp), parameter :: absurd = 1.0e4_wp  !! rates above this times their scale are those beside a dead point: left out
 
-   character(*), parameter :: group_position = 'position', group_rates = 'rates', group_tolerance = 'tolerance'
+   character(*), parameter :: group_position = 'position', group_rates = 'rates'
 
    !> A line of a panel.
    type :: panel_line_t

@@ -17,7 +17,7 @@ module psalm_proof_scene
    use psalm_text, only: lower_case, to_text
    implicit none (type, external)
    private
-   public :: proof_scene_t, mark_t, near_t, wide_t, make_proof_scene, change_unit_of_proof
+   public :: proof_scene_t, near_t, make_proof_scene, change_unit_of_proof
 
    real(wp), parameter :: certain = 1.0e-9_wp       !! a bracket of a dead point narrower than this, degrees or relative, is one
 

@@ -15,7 +15,7 @@ module psalm_proof_clearance
    use psalm_taylor, only: lanes, degree, eps, up, smallest, pair_rounding, pair_norm_of, multiply_twice, range_of
    implicit none (type, external)
    private
-   public :: path_t, keeping_t, nearest_t, prove_clearance, most_corners
+   public :: path_t, keeping_t, nearest_t, prove_clearance
    public :: apart_from_link, apart_from_corners, within_edges, within_circle
 
    integer, parameter :: apart_from_link = 1    !! from a segment that moves

@@ -19,7 +19,7 @@ module psalm_proof_motion
    use psalm_taylor, only: lanes
    implicit none (type, external)
    private
-   public :: movement_t, dead_point_t, span_t, dwell_t, prove_movement, mover_output, mover_turning, mover_sliding
+   public :: movement_t, dead_point_t, span_t, prove_movement, mover_output, mover_turning, mover_sliding
 
    integer, parameter :: mover_output = 1   !! the output itself
    integer, parameter :: mover_turning = 2  !! a link, its direction

@@ -23,7 +23,7 @@ module psalm_proof_tube
    private
    public :: tube_t, in_one_group, enclose, enclose_here, half_of, joins, prediction_at
    public :: enclose_turn, turning_point, leads_to, steepest
-   public :: majorant_of, point_majorant, travel_majorant, rounding, degree
+   public :: point_majorant, travel_majorant, rounding, degree
 
    integer, parameter :: degree = 4                       !! of the remainder
    real(wp), parameter :: rounding = 16.0_wp*epsilon(1.0_wp) !! of a sum of few terms of a size, generously

@@ -17,7 +17,7 @@ module psalm_exact_report
    use psalm_text, only: text_t, full_precision, general, number_or_nan, rank_column, to_text
    implicit none (type, external)
    private
-   public :: report_exact, write_case, shown_of
+   public :: report_exact, write_case
 
    integer, parameter :: sound_classes = 2           !! the first classes of psalm_defects: linkages without a defect
    integer, parameter :: samples = 21                !! positions of a generator with the least largest error

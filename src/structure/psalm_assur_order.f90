@@ -9,7 +9,7 @@ module psalm_assur_order
    use psalm_sketch_graph, only: graph_t, make_graph, tie_drive
    implicit none (type, external)
    private
-   public :: assur_group_t, assur_order_t, find_assur_groups
+   public :: assur_order_t, find_assur_groups
 
    !> One group: what it finds and by which equations.
    type :: assur_group_t
@@ -25,30 +25,9 @@ module psalm_assur_order
       logical :: sound = .false.             !! every unknown is found by one equation
       type(assur_group_t), allocatable :: groups(:)
       integer, allocatable :: of_link(:), of_joint(:) !! the group that places it; 0: the frame
-   contains
-      procedure :: needed_for
    end type assur_order_t
 
 contains
-
-   !> Which groups are solved when only these links and joints are wanted. Shape of the result: (groups).
-   pure function needed_for(self, links, joints) result(needed)
-      class(assur_order_t), intent(in) :: self
-      integer, intent(in) :: links(:), joints(:)
-      logical, allocatable :: needed(:)
-      integer :: i
-
-      allocate (needed(size(self%groups)), source=.false.)
-      do i = 1, size(links)
-         if (self%of_link(links(i)) > 0) needed(self%of_link(links(i))) = .true.
-      end do
-      do i = 1, size(joints)
-         if (self%of_joint(joints(i)) > 0) needed(self%of_joint(joints(i))) = .true.
-      end do
-      do i = size(needed), 1, -1
-         if (needed(i)) needed(self%groups(i)%needs) = .true.
-      end do
-   end function needed_for
 
    !> Decompose. `sound` is false where the mechanism is loose or over-braced; `psalm_freedom` then has the words.
    !> Equations that others imply are left out where `braced` says so.

@@ -13,7 +13,7 @@ module psalm_closure
    use psalm_sketch, only: sketch_t, frame_link, drive_slides, drive_stretches, drive_turns
    implicit none (type, external)
    private
-   public :: closure_t, state_t, group_rows_t, make_closure, start_state, residuals, matrix_of, place_points
+   public :: closure_t, state_t, make_closure, start_state, residuals, matrix_of, place_points
    public :: local_point, point_rate, turned
    public :: solve_group, travel, most_orders, row_pin, row_angle, row_line, row_gear, row_turn, row_travel, rank_lost
 

@@ -11,7 +11,7 @@ module psalm_plan
    use psalm_mechanism, only: mechanism_t, arc_determined, arc_slide, arc_crank, arc_actuator
    implicit none (type, external)
    private
-   public :: plan_t, step_t, make_plan
+   public :: plan_t, make_plan
    public :: step_point, step_dyad, root_frame, root_crank, origin
 
    integer, parameter :: step_point = 1  !! point = point +- arc

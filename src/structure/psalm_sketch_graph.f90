@@ -7,7 +7,7 @@ module psalm_sketch_graph
    use psalm_sketch, only: sketch_t, drive_slides, drive_stretches, drive_turns
    implicit none (type, external)
    private
-   public :: graph_t, equation_t, make_graph
+   public :: graph_t, make_graph
    public :: tie_joint, tie_slide, tie_gear, tie_drive
 
    integer, parameter :: tie_joint = 1  !! a link has a joint

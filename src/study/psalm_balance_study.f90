@@ -25,7 +25,7 @@ module psalm_balance_study
    use psalm_text, only: to_text
    implicit none (type, external)
    private
-   public :: balance_study_t, weight_t, outcome_t, front_point_t, judge_balance, find_balance
+   public :: balance_study_t, weight_t, outcome_t, judge_balance, find_balance
    public :: channel_force, channel_moment, channel_torque, first_joint_channel
 
    integer, parameter :: channel_force = 1, channel_moment = 2, channel_torque = 3, first_joint_channel = 4
@@ -71,7 +71,6 @@ module psalm_balance_study
       integer, allocatable :: adrift(:)            !! bodies that do not hang on the frame by pins
       integer, allocatable :: out_of_reach(:)      !! bodies that weights on the links allowed cannot balance
       integer, allocatable :: allowed(:)           !! bodies that may carry a weight
-      integer, allocatable :: anchors(:)           !! by body: its arc that ends there, negative: starts; 0: unknown
       ! the line of a link: its own arc; of a sketch the line from its first to its second joint
       real(wp), allocatable :: line_from(:, :)     !! shape (2, bodies): where it begins, from the reference, axes of the body, m
       real(wp), allocatable :: line_angle(:)       !! by body: its direction in the axes of the body, degrees

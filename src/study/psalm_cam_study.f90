@@ -29,7 +29,7 @@ module psalm_cam_study
    private
    public :: part_t, role_cam, role_conjugate, role_outer_wall, parts_of
    public :: make_shape, cam_of_part, find_sampled_contact
-   public :: cam_study_t, rise_t, check_cam, find_cam, way_rise, way_return, way_dwell
+   public :: cam_study_t, check_cam, find_cam, way_rise, way_return, way_dwell
 
    integer, parameter :: way_rise = 1, way_return = 2, way_dwell = 3 !! the follower leaves the cam's centre, comes back, rests
    integer, parameter :: role_cam = 1, role_conjugate = 2, role_outer_wall = 3 !! what of a case a study is of

@@ -16,7 +16,7 @@ module psalm_chain_synthesis
    use psalm_xoshiro, only: xoshiro_t, purpose_starts
    implicit none (type, external)
    private
-   public :: chain_found_t, chain_synthesis_t, synthesise_chain
+   public :: chain_synthesis_t, synthesise_chain
 
    real(wp), parameter :: rough = 1.0e-5_wp      !! relative gain of a step that ends a start
    real(wp), parameter :: settling = 1.0e-5_wp   !! of one that may be listed

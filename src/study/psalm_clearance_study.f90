@@ -18,7 +18,7 @@ module psalm_clearance_study
    use psalm_status, only: diagnostics_t
    implicit none (type, external)
    private
-   public :: clearance_study_t, flypast_of_joint_t, clearance_row_t, load_cycle_t, check_clearance, find_clearance
+   public :: clearance_study_t, flypast_of_joint_t, check_clearance, find_clearance
    public :: verdict_kept, verdict_lost, verdict_zero
 
    integer, parameter :: verdict_kept = 1, verdict_lost = 2

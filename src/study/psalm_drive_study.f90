@@ -16,7 +16,7 @@ module psalm_drive_study
    use psalm_rate_study, only: rate_study_t, find_rates
    implicit none (type, external)
    private
-   public :: drive_study_t, hill_study_t, drive_row_t, inertia_t, find_drive, find_hill, matters
+   public :: drive_study_t, hill_study_t, inertia_t, find_drive, find_hill, matters
    public :: least_drive_ratio, small_swing
 
    real(wp), parameter :: tolerance = 1.0e-10_wp

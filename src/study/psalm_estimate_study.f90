@@ -22,7 +22,7 @@ module psalm_estimate_study
    use psalm_vibration_group, only: estimate_group_t, estimates_of, beam_t
    implicit none (type, external)
    private
-   public :: estimate_t, find_estimate, harmonics_estimated, stubby, rules, rule_t, judge_estimates
+   public :: estimate_t, find_estimate, harmonics_estimated, stubby, rules, judge_estimates
    public :: verdict_rigid, verdict_closer, verdict_redesign
 
    integer, parameter :: verdict_rigid = 1, verdict_closer = 2, verdict_redesign = 3

@@ -14,7 +14,7 @@ module psalm_exact_subsets
    use psalm_xoshiro, only: purpose_starts, xoshiro_t
    implicit none (type, external)
    private
-   public :: subset_study_t, subset_result_t, find_by_subsets
+   public :: subset_study_t, find_by_subsets
 
    integer, parameter :: taken = 9                   !! points that are met exactly
    integer, parameter :: most_refined = 8            !! of a set

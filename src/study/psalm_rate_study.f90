@@ -15,7 +15,7 @@ module psalm_rate_study
    use psalm_dimensions, only: dimensions_t
    implicit none (type, external)
    private
-   public :: rate_study_t, arc_rates_t, find_rates, in_time, output_at_origin, highest_order
+   public :: rate_study_t, arc_rates_t, find_rates, output_at_origin, highest_order
 
    integer, parameter :: output_at_origin = -1 !! in place of a loop: the distance has no derivative
 

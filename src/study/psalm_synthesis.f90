@@ -18,7 +18,7 @@ module psalm_synthesis
    use psalm_dimensions, only: dimensions_t
    implicit none (type, external)
    private
-   public :: synthesis_t, ranked_t, synthesise
+   public :: synthesis_t, synthesise
    public :: ended_unmade, ended_infeasible, ended_converged, ended_small_objective, ended_iterations, ended_starts, ended_time, &
              ended_on_request, ended_refused, ended_without_rates
 

@@ -17,7 +17,7 @@ module psalm_vibration_study
    use psalm_vibration_group, only: vibration_group_t, vibration_of
    implicit none (type, external)
    private
-   public :: vibration_study_t, mode_t, speed_row_t, band_t, chart_row_t, find_vibration, mode_factor, harmonics_listed
+   public :: vibration_study_t, mode_t, find_vibration, harmonics_listed
    public :: much_mixed
 
    integer, parameter :: harmonics_listed = 12

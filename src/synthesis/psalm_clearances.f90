@@ -11,7 +11,7 @@ module psalm_clearances
    use psalm_sketch, only: sketch_t
    implicit none (type, external)
    private
-   public :: clearance_t, list_clearances, list_sketch_clearances, find_depth, find_corners, points_of_clearance, most_corners
+   public :: clearance_t, list_clearances, list_sketch_clearances, find_depth, find_corners, points_of_clearance
 
    integer, parameter :: points_of_clearance = 4
    integer, parameter :: most_corners = 4       !! of a region

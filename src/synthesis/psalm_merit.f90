@@ -25,7 +25,7 @@ module psalm_merit
    implicit none (type, external)
    private
    public :: merit_t, prepare_merit, eliminate_linear, hold, let_go, put_in_order
-   public :: constraint_inputs, set_range, range_steps, extra_positions
+   public :: constraint_inputs, set_range, extra_positions
 
    integer, parameter :: range_steps = 120           !! steps the range of the input is looked at in
    integer, parameter :: most_few = 40               !! places of it at which derivatives are found alone

@@ -7,7 +7,7 @@ module psalm_spring_load
    use psalm_spring_design_group, only: criterion_range, criterion_rms
    implicit none (type, external)
    private
-   public :: spring_room_t, spring_path_t, found_spring_t, load_with, criterion_of, add_slopes, stiffest_in, criterion_spread
+   public :: spring_room_t, found_spring_t, load_with, criterion_of, add_slopes, stiffest_in, criterion_spread
 
    real(wp), parameter :: stiffest_of_all = 1.0e3_wp !! bare loads over squares of reaches: no spring is stiffer without a limit
    integer, parameter :: criterion_spread = -1     !! RMS of the differences from the mean: smooth, on the way to the range

@@ -31,7 +31,7 @@ module psalm_station
       logical, allocatable :: closed(:)            !! shape (positions)
       real(wp), allocatable :: out(:, :)           !! shape (positions, components): actual - desired, or
                                                    !! the actual without desired values
-      real(wp), allocatable :: k(:, :)             !! shape (positions, nloop): `find_constraints`
+      real(wp), allocatable :: k(:, :)             !! shape (positions, nloop): as `block_constraints` has it
       real(wp), allocatable :: measure(:, :)       !! shape (positions, nloop): of the dyads, scaled, where it is wanted
       real(wp), allocatable :: joints(:, :, :)     !! shape (positions, 2, joints): co-ordinates, machine axes
       real(wp), allocatable :: dout(:, :, :)       !! shape (positions, columns, components): derivatives of `out`
