@@ -1,4 +1,4 @@
-"""Everything under bench/ compiles, in both kinds of reals, and every benchmark runs.
+"""Everything under bench/ compiles, in both kinds of reals, and every benchmark runs; what makes start values compiles, too.
 
 The Fortran programs are built with the release library, warnings are errors; in real32 the syntax is checked, of them and of the
 modules that they use. Each benchmark runs on its smallest task, once: that it runs is tested, not what it measures.
@@ -125,6 +125,10 @@ def build(work):
                 os.path.join(bench, "exact.f90"), library, "-lnlopt", "-llapack", "-lblas", "-o", os.path.join(work, "exact")])
     tally.check("builds: bench/exact.f90", done.returncode == 0, done.stderr[:600])
     programs["exact"] = os.path.join(work, "exact")
+    for name in ("generic_start", "nine_points_start"):
+        done = run(["gfortran", "-O1", "-fopenmp", *warnings, "-J", work, "-I", os.path.join(prefix, "include"),
+                    os.path.join(top, "tools", name + ".f90"), library, "-lnlopt", "-llapack", "-lblas", "-o", os.path.join(work, name)])
+        tally.check("builds: tools/%s.f90" % name, done.returncode == 0, done.stderr[:600])
     with open("/proc/cpuinfo", encoding="utf-8") as f:
         wide = "avx512f" in f.read()
     if wide:

@@ -5,7 +5,7 @@
 program generic_start
    use, intrinsic :: iso_fortran_env, only: error_unit
    use psalm_kinds, only: wp
-   use psalm_leg_problem, only: kind_point, kind_pose, leg_problem_t, make_problem, variables
+   use psalm_leg_problem, only: kind_point, kind_pose, leg_problem_t, make_problem
    use psalm_monodromy, only: generic_t, is_same, solve_generic, swap_legs
    use psalm_start_text, only: characters_short, encode_short
    implicit none (type, external)

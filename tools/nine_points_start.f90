@@ -104,8 +104,8 @@ contains
       print '(a,i0,a)', '   integer, parameter :: lines_a_table = ', lines_a_table, ''
       print '(a)', '   complex(real64), parameter :: start_points(0:8) = [ &'
       do i = 0, most_points
-         print '(a,es24.17,a,es24.17,a)', '      (', real(point(i), wp), '_real64, ', aimag(point(i)), '_real64)'//merge(' ]', ', ', &
-            i == most_points)//merge('  ', ' &', i == most_points)
+         print '(a,es24.17,a,es24.17,a)', '      (', real(point(i), wp), '_real64, ', aimag(point(i)), &
+            '_real64)'//merge(' ]', ', ', i == most_points)//trim(merge('  ', ' &', i == most_points))
       end do
       table = 0
       do first = 1, kept, lines_a_table
