@@ -1,4 +1,4 @@
-!> Small rooms everything stands on: marks of runs, rows of the store, kinds of dyads, kernels of arcs.
+!> Small rooms everything stands on: marks of runs, rows of the store, kinds of dyads, kernels of arcs, orders.
 program test_foundation
    use, intrinsic :: iso_c_binding, only: c_intptr_t, c_loc
    use check, only: checks_t
@@ -8,6 +8,7 @@ program test_foundation
    use psalm_kinds, only: wp
    use psalm_mark, only: mark_t, mark_width
    use psalm_rows, only: rows_t, make_rows
+   use psalm_sort, only: ascending, pool_rising
    use psalm_status, only: diagnostics_t, exit_bad_input, exit_file_trouble
    use psalm_text, only: to_text
    implicit none (type, external)
@@ -19,6 +20,8 @@ program test_foundation
    call kinds_of_dyads()
    call arcs()
    call matrices()
+   call orders()
+   call pools()
    call t%report()
 
 contains
@@ -173,4 +176,37 @@ contains
       call t%is_true(abs(m11(i)) + abs(m12(i)) + abs(m21(i)) + abs(m22(i)) <= 0.0_wp .and. sine2(i) <= 1.0e-10_wp, &
                      'parallel columns: no inverse')
    end subroutine matrices
+
+   !> Rising, each place once, equal ones as they stood; numbers and names.
+   subroutine orders()
+      integer, parameter :: most = 40
+      real(wp) :: x(most)
+      integer :: order(most), n, i
+      logical :: rises, once
+
+      do n = 0, most
+         x(:n) = [(real(modulo(7*i*i, 11), wp), i=1, n)]
+         order(:n) = ascending(x(:n))
+         rises = all([(x(order(i - 1)) < x(order(i)) .or. (x(order(i - 1)) <= x(order(i)) .and. order(i - 1) < order(i)), i=2, n)])
+         once = all([(count(order(:n) == i) == 1, i=1, n)])
+         call t%is_true(rises .and. once, 'order of '//to_text(n)//' numbers')
+      end do
+      call t%is_true(all(ascending([character(3) :: 'b', 'abc', 'b', 'a']) == [4, 2, 1, 3]), 'order of names')
+   end subroutine orders
+
+   !> The nearest rising numbers: means of neighbours, and no nearer ones beside them.
+   subroutine pools()
+      real(wp), parameter :: x(7) = [1.0_wp, 4.0_wp, 2.0_wp, 3.0_wp, 3.0_wp, 9.0_wp, 6.0_wp]
+      real(wp) :: level(7)
+      integer :: last(7), n
+
+      level = x
+      call pool_rising(level, last, n)
+      call t%is_true(n == 5, 'five pools: equal numbers stay apart')
+      call t%is_true(all(last(:n) == [1, 3, 4, 5, 7]), 'where each ends')
+      call t%is_true(all(abs(level(:n) - [1.0_wp, 3.0_wp, 3.0_wp, 3.0_wp, 7.5_wp]) <= epsilon(1.0_wp)*8.0_wp), 'the means')
+      level(:3) = [3.0_wp, 2.0_wp, 1.0_wp]
+      call pool_rising(level(:3), last(:3), n)
+      call t%is_true(n == 1 .and. last(1) == 3 .and. abs(level(1) - 2.0_wp) <= epsilon(1.0_wp)*2.0_wp, 'all of them one')
+   end subroutine pools
 end program test_foundation

@@ -1,6 +1,7 @@
 !> Border to LAPACK, in real64: eigenvalues, and linear systems.
 module psalm_lapack
    use psalm_kinds, only: wp, dp
+   use psalm_sort, only: ascending
    implicit none (type, external)
    private
    public :: hermitian_eigenvalues, general_eigenvalues, solve_general
@@ -66,22 +67,14 @@ contains
       logical, intent(out) :: ok
       real(dp) :: a(size(values), size(values)), work((block + 1)*size(values)), none(1, 1)
       real(dp) :: wr(size(values)), wi(size(values))
-      complex(wp) :: next
-      integer :: info, n, i, j
+      integer :: info, n
 
       n = size(values)
       a = real(matrix, dp)
       call dgeev('N', 'N', n, a, n, wr, wi, none, 1, none, 1, work, size(work), info)
       ok = info == 0
       values = cmplx(wr, wi, wp)
-      do i = 2, n
-         next = values(i)
-         do j = i - 1, 1, -1
-            if (abs(values(j)) >= abs(next)) exit
-            values(j + 1) = values(j)
-         end do
-         values(j + 1) = next
-      end do
+      values = values(ascending(-abs(values)))
    end subroutine general_eigenvalues
 
    !> Solve matrix*x = right. Errors: `ok` false if the matrix is singular.

@@ -8,6 +8,7 @@ module psalm_group
    use psalm_number, only: parse_integer, parse_real
    use psalm_origin, only: origins_t, name_length
    use psalm_rule, only: rule_t, any_number
+   use psalm_sort, only: ascending
    use psalm_status, only: diagnostics_t
    use psalm_text, only: text_t, upper_case, to_text, nearest_name, shortened
    implicit none (type, external)
@@ -158,40 +159,11 @@ contains
       group%items(group%count)%count = 0
    end subroutine add_item
 
-   !> Put the items in the order of their names, so that they can be found: a merge sort.
+   !> Put the items in the order of their names, so that they can be found.
    pure subroutine sort_items(self)
       class(group_t), intent(inout) :: self
-      integer, allocatable :: merged(:)
-      integer :: width, left, middle, right, i, j, k
 
-      allocate (merged(self%count))
-      self%order = [(i, i=1, self%count)]
-      width = 1
-      do while (width < self%count)
-         do left = 1, self%count, 2*width
-            middle = min(left + width, self%count + 1)
-            right = min(left + 2*width, self%count + 1)
-            i = left
-            j = middle
-            do k = left, right - 1
-               if (j >= right) then
-                  merged(k) = self%order(i)
-                  i = i + 1
-               else if (i >= middle) then
-                  merged(k) = self%order(j)
-                  j = j + 1
-               else if (self%items(self%order(j))%name < self%items(self%order(i))%name) then
-                  merged(k) = self%order(j)
-                  j = j + 1
-               else
-                  merged(k) = self%order(i)
-                  i = i + 1
-               end if
-            end do
-         end do
-         self%order = merged
-         width = 2*width
-      end do
+      self%order = ascending(self%items(:self%count)%name)
    end subroutine sort_items
 
    !> The items of a name are `order(first:last)`, in the order in which they were written.

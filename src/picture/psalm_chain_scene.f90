@@ -16,6 +16,7 @@ module psalm_chain_scene
    use psalm_scene, only: scene_t, message_scene, choose_view, find_rails, motion_number
    use psalm_sketch, only: columns_of, sketch_t, drive_turns, frame_link, grid_digits, output_angle, output_between, &
                            output_point, output_pose, output_ratio, output_slide
+   use psalm_sort, only: ascending
    use psalm_status, only: finding_t
    use psalm_trace, only: row_t
    implicit none (type, external)
@@ -268,7 +269,7 @@ contains
             ring = convex_hull(joints, x, y)
             scene%bodies(link)%hull = ring
             if (size(ring) == 0) then
-               call sort_along(x, y, order)
+               order = order_along(x, y)
                do a = 2, size(order)
                   call add_bar(link, joints(order(a - 1)), joints(order(a)))
                end do
@@ -398,22 +399,16 @@ contains
    end subroutine make_parts
 
    !> Points of a line in their order along it.
-   pure subroutine sort_along(x, y, order)
+   pure function order_along(x, y) result(order)
       real(wp), intent(in) :: x(:), y(:)
-      integer, intent(out) :: order(:)
-      real(wp) :: place(size(x))
-      integer :: i, k
+      integer :: order(size(x))
 
-      place = x
-      if (maxval(y) - minval(y) > maxval(x) - minval(x)) place = y
-      order = [(i, i=1, size(order))]
-      do i = 2, size(order)
-         do k = i, 2, -1
-            if (place(order(k)) >= place(order(k - 1))) exit
-            order([k - 1, k]) = order([k, k - 1])
-         end do
-      end do
-   end subroutine sort_along
+      if (maxval(y) - minval(y) > maxval(x) - minval(x)) then
+         order = ascending(y)
+      else
+         order = ascending(x)
+      end if
+   end function order_along
 
    !> Lengths of bars; the barrel of each cylinder.
    subroutine finish_bars(scene)

@@ -8,6 +8,7 @@ module psalm_plan_inputs
    use psalm_mechanism, only: mechanism_t, output_t, arc_actuator, arc_link, arc_slide
    use psalm_output_kind, only: motion_slide
    use psalm_parameters, only: parameters_t, name_of, variable_length
+   use psalm_sort, only: ascending
    use psalm_status, only: diagnostics_t
    use psalm_text, only: general, lower_case, to_text
    implicit none (type, external)
@@ -152,8 +153,7 @@ contains
       if (set%method%ikin /= 0 .or. set%method%ifree /= 0 .or. set%method%ndes < 2) return
       if (all(set%method%delt(2:) > set%method%delt(:set%method%ndes - 1)) .or. all(set%method%delt(2:) < &
                                                             set%method%delt(:set%method%ndes - 1))) return
-      sorted = set%method%delt
-      call sort(sorted)
+      sorted = set%method%delt(ascending(set%method%delt))
       do i = 2, set%method%ndes
          if (sorted(i) == sorted(i - 1)) exit
       end do
@@ -163,42 +163,4 @@ contains
       call set%origins%warning(findings, 'METHOD', 'DELT', 'positions '//to_text(first)//' and '//to_text(second)//' have the '// &
                                'same input '//trim(adjustl(general(sorted(i), 'E'))), second)
    end subroutine find_repeated
-
-   !> Put numbers in rising order (heap sort).
-   subroutine sort(values)
-      real(wp), intent(inout) :: values(:)
-      integer :: first, last
-      real(wp) :: largest
-
-      do first = size(values)/2, 1, -1
-         call sift(first, size(values))
-      end do
-      do last = size(values), 2, -1
-         largest = values(1)
-         values(1) = values(last)
-         values(last) = largest
-         call sift(1, last - 1)
-      end do
-
-   contains
-
-      subroutine sift(from, to)
-         integer, intent(in) :: from, to
-         integer :: node, child
-         real(wp) :: value
-
-         node = from
-         value = values(node)
-         do while (2*node <= to)
-            child = 2*node
-            if (child < to) then
-               if (values(child + 1) > values(child)) child = child + 1
-            end if
-            if (values(child) <= value) exit
-            values(node) = values(child)
-            node = child
-         end do
-         values(node) = value
-      end subroutine sift
-   end subroutine sort
 end module psalm_plan_inputs

@@ -21,6 +21,7 @@ module psalm_balance_study
                                  weight_py, weight_inertia
    use psalm_mechanism, only: mechanism_t, body_frame, joint_prismatic, at_start
    use psalm_pin_order, only: pin_order_t, order_by_pins
+   use psalm_sort, only: ascending
    use psalm_status, only: diagnostics_t
    use psalm_text, only: to_text
    implicit none (type, external)
@@ -576,23 +577,6 @@ contains
       if (abs(plain) <= rounding_of_angles) plain = 0.0_wp
       if (abs(abs(plain) - half_turn) <= rounding_of_angles) plain = half_turn
    end function plain
-
-   !> Places of values in rising order; of equal ones the first comes first.
-   pure function ascending(key) result(order)
-      real(wp), intent(in) :: key(:)
-      integer :: order(size(key)), i, k, moved
-
-      do i = 1, size(key)
-         moved = i
-         k = i
-         do while (k > 1)
-            if (key(order(k - 1)) <= key(moved)) exit
-            order(k) = order(k - 1)
-            k = k - 1
-         end do
-         order(k) = moved
-      end do
-   end function ascending
 
    ! ---- composites --------------------------------------------------------------------------------------------------
 

@@ -13,6 +13,7 @@ module psalm_vibration_study
    use psalm_link_cycle, only: link_cycle_t, find_link_cycle, moving_link
    use psalm_link_vibration, only: moving_link_t, mode_stiffness, mode_force, coupling, first_frequency, timoshenko_factor
    use psalm_periodic, only: periodic_t, periodic_constant, periodic_from_samples
+   use psalm_sort, only: ascending
    use psalm_stability, only: boundaries_t, stability_boundaries, series_boundaries
    use psalm_vibration_group, only: vibration_group_t, vibration_of
    implicit none (type, external)
@@ -297,7 +298,7 @@ contains
             if (p < ubound(b%low, 1)) call look_at(0.5_wp*(low + study%frequency/sqrt(b%low(p + 1))))
          end do
       end associate
-      call sort(places)
+      places = places(ascending(places))
       allocate (grows(size(places)))
       do i = 1, size(places)
          grows(i) = grows_at(places(i))
@@ -348,21 +349,5 @@ contains
          end do
          edge_between = 0.5_wp*(a + b)
       end function edge_between
-
-      !> By insertion: most of them are in order.
-      pure subroutine sort(values)
-         real(wp), intent(inout) :: values(:)
-         real(wp) :: value
-         integer :: k, m
-
-         do k = 2, size(values)
-            value = values(k)
-            do m = k - 1, 1, -1
-               if (values(m) <= value) exit
-               values(m + 1) = values(m)
-            end do
-            values(m + 1) = value
-         end do
-      end subroutine sort
    end subroutine find_bands
 end module psalm_vibration_study

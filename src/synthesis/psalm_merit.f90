@@ -16,6 +16,7 @@ module psalm_merit
    use psalm_nlp, only: nlp_t, normal_equations_t
    use psalm_output_kind, only: motion_point, motion_angle, most_rates
    use psalm_search_group, only: order_free
+   use psalm_sort, only: pool_rising
    use psalm_start, only: random_limits
    use psalm_station, only: station_t, prepare_station, evaluate_station, linearise_station, exceeds
    use psalm_wanted_rates, only: wanted_rates_t, prepare_wanted_rates, find_wanted_rates, differentiate_wanted_rates, &
@@ -796,26 +797,14 @@ contains
       real(wp), intent(in) :: sense                 !! +1: they grow, -1: they fall
       real(wp), intent(in) :: span                  !! most between the first and the last
       real(wp) :: level(size(delt))
-      integer :: members(size(delt))
-      integer :: i, groups, at
+      integer :: last(size(delt)), pools, i, at
 
-      groups = 0
-      do i = 1, size(delt)
-         groups = groups + 1
-         level(groups) = sense*delt(i)
-         members(groups) = 1
-         do while (groups > 1)
-            if (level(groups - 1) <= level(groups)) exit
-            level(groups - 1) = (members(groups - 1)*level(groups - 1) + members(groups)*level(groups)) &
-                                /real(members(groups - 1) + members(groups), wp)
-            members(groups - 1) = members(groups - 1) + members(groups)
-            groups = groups - 1
-         end do
-      end do
-      at = 0
-      do i = 1, groups
-         delt(at + 1:at + members(i)) = sense*level(i)
-         at = at + members(i)
+      level = sense*delt
+      call pool_rising(level, last, pools)
+      at = 1
+      do i = 1, pools
+         delt(at:last(i)) = sense*level(i)
+         at = last(i) + 1
       end do
       delt = sense*min(sense*delt, sense*delt(1) + span)
    end subroutine put_in_order

@@ -8,6 +8,7 @@ module psalm_path_descent
    use psalm_path_angles, only: limits_angle, keep_angles, slide_along
    use psalm_path_fit, only: path_t, visit_t, path_room_t, trace_at, halve, fit_linear, find_violations, weigh, square, dot, &
                              unknowns, lanes, column_turn, column_miss, shape_g, shape_s, shape_q, rows_most, places
+   use psalm_sort, only: pool_rising
    implicit none (type, external)
    private
    public :: descend, put_in_order, retime, nearest_g, least_sigma, largest_q
@@ -274,7 +275,7 @@ contains
       end function factor
    end subroutine take_step
 
-   !> The nearest inputs that rise and stay within one turn: pool adjacent violators, cut at the widest gap.
+   !> The nearest inputs that rise and stay within one turn, cut at the widest gap.
    subroutine put_in_order(t, room)
       real(wp), intent(inout) :: t(:)
       type(path_room_t), intent(inout) :: room
@@ -291,24 +292,12 @@ contains
             cut = k
          end if
       end do
-      pools = 0
       do j = 1, n
          k = cut + j
-         pools = pools + 1
-         room%level(pools) = t(merge(k - n, k, k > n))
-         if (k > n) room%level(pools) = room%level(pools) + full_turn
-         room%mass(pools) = 1.0_wp
-         room%last(pools) = j
-         do while (pools > 1)
-            if (room%level(pools - 1) < room%level(pools)) exit
-            associate (a => room%mass(pools - 1), b => room%mass(pools))
-               room%level(pools - 1) = (a*room%level(pools - 1) + b*room%level(pools))/(a + b)
-               room%mass(pools - 1) = a + b
-               room%last(pools - 1) = room%last(pools)
-            end associate
-            pools = pools - 1
-         end do
+         room%level(j) = t(merge(k - n, k, k > n))
+         if (k > n) room%level(j) = room%level(j) + full_turn
       end do
+      call pool_rising(room%level(:n), room%last(:n), pools)
       excess = room%level(pools) - room%level(1) - full_turn
       if (excess > 0.0_wp) then
          gap = room%level(1) + 0.5_wp*excess

@@ -64,7 +64,7 @@ module psalm_path_fit
       complex(wp), allocatable :: grow(:, :)         !! shape (n, 3): dv by ln g, ln sigma, q
       real(wp), allocatable :: b(:, :)               !! shape (lanes, groups): products of dP/dt with all columns
       integer, allocatable :: group(:)               !! shape (n): inputs that move as one
-      real(wp), allocatable :: level(:), mass(:)     !! shape (n): pooling
+      real(wp), allocatable :: level(:)              !! shape (n): pooling
       integer, allocatable :: last(:)
       complex(wp), allocatable :: half(:), half_next(:) !! shape (n): unit vectors at half the inputs
       complex(wp), allocatable :: e_round(:), v_round(:), half_round(:) !! shape (places)
@@ -93,7 +93,7 @@ contains
       path%side = side
       associate (n => path%n)
          allocate (room%e(n), room%v(n), room%turn(n), room%grow(n, 3), room%b(lanes, n), room%group(n), &
-                   room%level(n), room%mass(n), room%last(n), room%e_round(places), room%v_round(places), room%cost(2*places, n), &
+                   room%level(n), room%last(n), room%e_round(places), room%v_round(places), room%cost(2*places, n), &
                    room%least(places, n), room%half(n), room%half_next(n), room%half_round(places), &
                    room%lot(samples), room%score(samples))
          call halve([(full_turn*(real(i, wp)/real(places, wp)), i=0, places - 1)], room%half_round)
