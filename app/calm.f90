@@ -9,7 +9,7 @@ program calm
    use psalm_cam_scene, only: cam_scene_t, make_cam_scene
    use psalm_cam_search, only: cam_search_t, search_cam
    use psalm_cam_svg, only: write_cam_svg
-   use psalm_cam_study, only: cam_study_t, part_t, check_cam, find_cam, parts_of
+   use psalm_cam_study, only: cam_study_t, cam_role_t, check_cam, find_cam, parts_of
    use psalm_check_list, only: list_input
    use psalm_console, only: arguments_t, begin
    use psalm_data_set, only: data_set_t
@@ -78,7 +78,7 @@ contains
       type(cam_study_t), allocatable :: studies(:)
       type(cam_scene_t), allocatable :: scene
       type(text_t) :: drawing, picture, page, program
-      type(part_t), allocatable :: parts(:)
+      type(cam_role_t), allocatable :: parts(:)
       type(cam_group_t) :: cams(2)
       integer :: k
 

@@ -7,7 +7,7 @@ program exact
    use psalm_careful_tracking, only: track_carefully
    use psalm_generic, only: generic_solutions
    use psalm_kinds, only: wp, pi, radians_per_degree
-   use psalm_leg_lanes, only: path_t
+   use psalm_leg_lanes, only: problem_path_t
    use psalm_leg_problem, only: kind_point, kind_pose, kind_timed, leg_data_t, leg_problem_t, make_problem, most_points, &
                                 random_unit, turns_of, variables
    use psalm_minimax, only: approximation_t, approximate
@@ -269,7 +269,7 @@ contains
       integer, intent(in) :: kinds(:), expected
       logical, intent(in) :: slides
       integer, parameter :: count = 20
-      type(path_t) :: path
+      type(problem_path_t) :: path
       type(generic_t) :: generic
       type(leg_data_t) :: wanted
       type(tracked_t) :: tracked

@@ -64,23 +64,23 @@ module psalm
    character(*), parameter :: memory_name = 'case in memory' !! in findings in place of a file
 
    !> One loop as given to `add_loop`.
-   type :: loop_t
+   type :: given_loop_t
       integer, allocatable :: ilink(:), iloop(:), iva(:), ivg(:)
       real(wp), allocatable :: length(:), angle(:)
-   end type loop_t
+   end type given_loop_t
 
    !> An item of the notation, with its values as text.
-   type :: item_t
+   type :: given_item_t
       character(name_length) :: group = '', name = ''
       character(:), allocatable :: values
-   end type item_t
+   end type given_item_t
 
    !> A linkage and what is asked of it.
    type :: case_t
       private
       character(:), allocatable :: heading           !! title of a case made in memory
-      type(loop_t), allocatable :: parts(:)          !! its loops
-      type(item_t), allocatable :: items(:)          !! its other items
+      type(given_loop_t), allocatable :: parts(:)          !! its loops
+      type(given_item_t), allocatable :: items(:)          !! its other items
       class(data_set_t), allocatable :: set           !! a case that was read
       type(findings_t) :: faults                     !! of the verbs that made it; told by every study
    contains
@@ -176,8 +176,8 @@ contains
       integer, intent(in) :: ilink(:), iloop(:)           !! shape (arcs): arc numbers; loop or guide numbers
       real(wp), intent(in), optional :: length(:)         !! shape (arcs): lengths; 0 if absent
       real(wp), intent(in), optional :: angle(:)          !! shape (arcs): angles; 0 if absent
-      type(loop_t), allocatable :: more(:)
-      type(loop_t) :: new
+      type(given_loop_t), allocatable :: more(:)
+      type(given_loop_t) :: new
       logical :: fits
 
       if (.not. is_open(self)) return
@@ -404,7 +404,7 @@ contains
    subroutine take_item(self, group, item, values)
       class(case_t), intent(inout) :: self
       character(*), intent(in) :: group, item, values
-      type(item_t), allocatable :: more(:)
+      type(given_item_t), allocatable :: more(:)
       integer :: i, n
 
       if (.not. is_open(self)) return

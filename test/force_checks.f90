@@ -16,7 +16,7 @@ module force_checks
    use, intrinsic :: iso_fortran_env, only: real128
    use psalm_load_group, only: load_group_t
    use psalm_motor_group, only: motor_group_t, motor_of
-   use psalm_machine, only: machine_t, cycle_t, run_t, reduced_t, reduce_machine, make_machine, steady_cycle, run_up, &
+   use psalm_machine, only: machine_t, cycle_t, machine_run_t, reduced_t, reduce_machine, make_machine, steady_cycle, run_up, &
                             flywheel_for, cycle_found, cycle_any_speed, cycle_grows
    use psalm_mechanism, only: mechanism_t, at_start, body_frame, joint_prismatic
    use psalm_output_kind, only: motion_point
@@ -952,7 +952,7 @@ contains
       type(motor_group_t) :: motor
       type(machine_t) :: machine
       type(cycle_t) :: cycle
-      type(run_t) :: run
+      type(machine_run_t) :: run
       type(reduced_t) :: reduced
       type(diagnostics_t) :: findings
       real(wp) :: wheel

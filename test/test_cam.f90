@@ -3,13 +3,13 @@ program test_cam
    use cases, only: load_case
    use check, only: checks_t
    use psalm_angles, only: unit_vector
-   use psalm_arc_path, only: arc_t, curve_t, fit_arcs, deviation_of, chords_needed
+   use psalm_arc_path, only: circle_arc_t, sampled_curve_t, fit_arcs, deviation_of, chords_needed
    use psalm_cam_contact, only: line_stress
    use psalm_cam_group, only: cam_group_t
    use psalm_cam_kind, only: law_names, has_zones, zones_of, law_kind
-   use psalm_cam_law, only: law_t, joint_t, make_law, law_made, law_velocity_jumps, law_singular, law_jerk_jumps, &
+   use psalm_cam_law, only: law_t, law_joint_t, make_law, law_made, law_velocity_jumps, law_singular, law_jerk_jumps, &
                             highest_law_order
-   use psalm_cam_interference, only: pair_t, near_pairs, fit_least
+   use psalm_cam_interference, only: sample_pair_t, near_pairs, fit_least
    use psalm_cam_trace, only: cam_trace_t
    use psalm_cam_profile, only: cam_axes_t, cam_points_t, roller_profile, flat_profile, side_of_centre
    use psalm_data_set, only: data_set_t
@@ -119,7 +119,7 @@ contains
    subroutine law_derivatives()
       type(cam_group_t) :: cam
       type(law_t) :: law
-      type(joint_t), allocatable :: joints(:)
+      type(law_joint_t), allocatable :: joints(:)
       real(wp) :: y(0:highest_law_order), ahead(0:highest_law_order), behind(0:highest_law_order), h, worst, scale
       integer :: k, p, i, order
 
@@ -324,7 +324,7 @@ contains
       integer, parameter :: n = 333, shapes = 60
       real(wp), parameter :: radius = 12.0_wp
       type(xoshiro_t) :: random
-      type(pair_t), allocatable :: pairs(:)
+      type(sample_pair_t), allocatable :: pairs(:)
       complex(wp) :: contour(n), centres(n), tangent(n)
       real(wp) :: phase, lobes(4), c, s, angle, r, dr, limit
       integer :: i, k, m, o, shape, found, missing, length
@@ -416,7 +416,7 @@ contains
    subroutine interference()
       integer, parameter :: n = 400
       complex(wp) :: contour(n), centres(n), tangent(n), d
-      type(pair_t), allocatable :: pairs(:)
+      type(sample_pair_t), allocatable :: pairs(:)
       real(wp) :: c, s, f(-1:1, -1:1), move(2), waist
       integer :: i, k
 
@@ -457,8 +457,8 @@ contains
    subroutine arcs_of_an_ellipse()
       integer, parameter :: n = 2000
       real(wp), parameter :: tolerance = 1.0e-3_wp
-      type(curve_t) :: curve
-      type(arc_t), allocatable :: arcs(:)
+      type(sampled_curve_t) :: curve
+      type(circle_arc_t), allocatable :: arcs(:)
       integer, allocatable :: last_sample(:)
       real(wp) :: c, s, minor, worst, kink, bend(0:n)
       integer :: i, k, m

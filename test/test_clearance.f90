@@ -3,7 +3,7 @@ program test_clearance
    use check, only: checks_t
    use psalm_flypast, only: flypast_t, flight_t, follow_flypast, fly
    use psalm_flypast_chart, only: chart_t, loss_range_t, make_chart, scan_line
-   use psalm_following, only: contact_t, contact_of, follow_contact, least_force_t
+   use psalm_following, only: followed_contact_t, contact_of, follow_contact, least_force_t
    use psalm_kinds, only: wp, pi, radians_per_degree
    use psalm_periodic, only: periodic_t, periodic_from_samples, periodic_constant
    implicit none (type, external)
@@ -200,7 +200,7 @@ contains
    subroutine round_inertia()
       real(wp), parameter :: load = 3.0_wp, mass = 0.4_wp, speed = 20.0_wp, e = 1.0e-4_wp
       integer, parameter :: inputs = 64
-      type(contact_t) :: contact
+      type(followed_contact_t) :: contact
       type(least_force_t), allocatable :: minima(:)
       real(wp) :: lag(inputs), force(inputs), loss, turning
       logical :: ok
@@ -231,7 +231,7 @@ contains
    function contact_under(load_x, load_y, mass, speed, e) result(contact)
       type(periodic_t), intent(in) :: load_x, load_y
       real(wp), intent(in) :: mass, speed, e
-      type(contact_t) :: contact
+      type(followed_contact_t) :: contact
       type(periodic_t) :: load(2), tensor(3)
 
       load(1) = load_x
@@ -247,7 +247,7 @@ contains
    subroutine through_zero()
       real(wp), parameter :: amount = 2.0_wp, mass = 0.3_wp, speed = 50.0_wp, e = 2.0e-4_wp
       integer, parameter :: inputs = 32, steps = 20000
-      type(contact_t) :: contact
+      type(followed_contact_t) :: contact
       type(least_force_t), allocatable :: minima(:)
       real(wp) :: lag(inputs), force(inputs), loss, x, h, y(2), k(2, 4), stiff
       logical :: ok

@@ -2,7 +2,7 @@
 program test_exact
    use check, only: checks_t
    use psalm_angles, only: unit_vector
-   use psalm_burmester, only: curve_point_t, dyad_t, dyads_t, five_poses, four_poses_curve, pin_for_pivot, &
+   use psalm_burmester, only: curve_point_t, pin_pair_t, dyads_t, five_poses, four_poses_curve, pin_for_pivot, &
                               polynomial_roots, slider_pin
    use psalm_certificate, only: certificate_t, certify_poses
    use psalm_defects, only: exact_linkage_t, verdict_t, cognates_of, judge, place_pins
@@ -49,7 +49,7 @@ contains
    !> Largest change of the distance of a pin from its pivot.
    real(wp) function change_of(d, g, dyad)
       complex(wp), intent(in) :: d(:), g(:)
-      type(dyad_t), intent(in) :: dyad
+      type(pin_pair_t), intent(in) :: dyad
 
       change_of = maxval(abs(abs(d + (1.0_wp + g)*dyad%pin - dyad%pivot) - abs(dyad%pin - dyad%pivot)))
    end function change_of
@@ -77,7 +77,7 @@ contains
    subroutine four()
       complex(wp) :: d(4), g(4), pin, along, moved(3)
       type(curve_point_t) :: points(2)
-      type(dyad_t) :: dyad
+      type(pin_pair_t) :: dyad
       real(wp) :: worst, c, s
       logical :: exists
       integer :: i, k, found

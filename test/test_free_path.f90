@@ -4,7 +4,7 @@ program test_free_path
    use psalm_free_path, only: search_lot
    use psalm_kinds, only: wp, degrees_per_radian, full_turn
    use psalm_path_angles, only: angle_limits, keep_angles
-   use psalm_path_fit, only: path_t, path_room_t, visit_t, prepare_path, trace_coupler, fit_linear, lengths_of
+   use psalm_path_fit, only: fitted_path_t, path_room_t, visit_t, prepare_path, trace_coupler, fit_linear, lengths_of
    use psalm_xoshiro, only: xoshiro_t, purpose_starts
    implicit none (type, external)
    type(checks_t) :: t
@@ -104,7 +104,7 @@ contains
 
    !> The least-squares problem of pivot, crank and coupler point, and what makes it a least one.
    subroutine linear_unknowns()
-      type(path_t) :: path
+      type(fitted_path_t) :: path
       type(path_room_t) :: room
       type(visit_t) :: visit
       complex(wp) :: e(18), v(18), miss(18)
@@ -125,7 +125,7 @@ contains
 
    !> The best known linkage for the 18 points, from five seeds; its bounds, order and turn.
    subroutine searches()
-      type(path_t) :: path
+      type(fitted_path_t) :: path
       type(path_room_t) :: room
       type(visit_t) :: best, visit
       type(xoshiro_t) :: random
@@ -157,7 +157,7 @@ contains
 
    !> With a limit of the transmission angle no position of the turn passes it.
    subroutine transmission()
-      type(path_t) :: path
+      type(fitted_path_t) :: path
       type(path_room_t) :: room
       type(visit_t) :: visit
       type(xoshiro_t) :: random
@@ -187,7 +187,7 @@ contains
 
    !> Shapes that keep a limit against the law of cosines, where the joints are nearest and farthest; slopes against differences.
    subroutine shapes_at_the_limits()
-      type(path_t) :: path
+      type(fitted_path_t) :: path
       type(visit_t) :: shape, more, less
       type(xoshiro_t) :: random
       real(wp) :: u(4), values(2), slopes(3, 2), after(2), before(2), unused(3, 2), coupler, follower, step, worst, steepest
@@ -246,7 +246,7 @@ contains
    !> Twenty points (`data/paths/yu20a_angle.nml`): with a least angle of 40 degrees the best known linkage is at the limit twice a
    !> turn, its sum of squares found by other programs. A wider limit, from the same random numbers, is never worse.
    subroutine both_limits()
-      type(path_t) :: paths(2)
+      type(fitted_path_t) :: paths(2)
       type(path_room_t) :: room
       type(visit_t) :: visit
       type(xoshiro_t) :: random

@@ -12,8 +12,8 @@ program test_proof
    use psalm_proof, only: proof_t, subject_t, prepare_subject, bind_subject, prove_closure, piece_closes, piece_opens, &
                           piece_undecided, cause_too_short, cause_difference, cause_guide, cause_link, touch_exact, touch_none
    use psalm_output_kind, only: motion_angle
-   use psalm_proof_motion, only: movement_t, dead_point_t, prove_movement, mover_output, mover_turning
-   use psalm_proof_ranges, only: extreme_t, prove_extremes, prove_tolerance
+   use psalm_proof_motion, only: movement_t, proven_dead_point_t, prove_movement, mover_output, mover_turning
+   use psalm_proof_ranges, only: proven_extreme_t, prove_extremes, prove_tolerance
    use psalm_quad, only: qp, unit_vector_quad
    use psalm_taylor, only: lanes, degree, multiply, range_of, reciprocal, square_root, turn_crank, norm_of, rounding
    use psalm_xoshiro, only: xoshiro_t
@@ -118,7 +118,7 @@ contains
    !> Transmission angles in degrees, computed in 50 digits, and what the lengths alone say of tolerances.
    subroutine check_extremes()
       type(subject_t) :: subject
-      type(extreme_t), allocatable :: extremes(:)
+      type(proven_extreme_t), allocatable :: extremes(:)
       type(plan_t) :: plan
       real(wp) :: tolerance
       integer :: boxes(2)
@@ -151,7 +151,7 @@ contains
    subroutine check_movement(subject)
       type(subject_t), intent(inout) :: subject
       type(movement_t) :: movement
-      type(dead_point_t), allocatable :: own(:)
+      type(proven_dead_point_t), allocatable :: own(:)
       real(wp), parameter :: dead_of_p(4) = [7.8084731752614_wp, 87.578210292501_wp, 147.79448573772_wp, 260.03221795726_wp]
       real(wp), parameter :: dead_of_q(4) = [11.798387991037_wp, 50.39894978684_wp, 156.37903747427_wp, 312.9502531781_wp]
       real(wp), parameter :: least = -0.0881349872442579_wp, greatest = 0.097646273426758_wp
@@ -178,7 +178,7 @@ contains
 
    !> Dead points that reverse lie in narrow brackets round given inputs, and no others.
    subroutine are_at(dead, inputs, what)
-      type(dead_point_t), intent(in) :: dead(:)
+      type(proven_dead_point_t), intent(in) :: dead(:)
       real(wp), intent(in) :: inputs(:)
       character(*), intent(in) :: what
       real(wp), parameter :: digits = 2.0e-12_wp, narrow = 1.0e-9_wp !! degrees: of the inputs given; of the brackets
@@ -195,7 +195,7 @@ contains
 
    !> The brackets hold the values, and are narrow.
    subroutine holds(extreme, least, least_at, greatest, greatest_at, what)
-      type(extreme_t), intent(in) :: extreme
+      type(proven_extreme_t), intent(in) :: extreme
       real(wp), intent(in) :: least, least_at, greatest, greatest_at
       character(*), intent(in) :: what
       real(wp), parameter :: narrow = 1.0e-10_wp, near = 2.0e-6_wp  !! degrees; an extreme is flat

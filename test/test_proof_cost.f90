@@ -8,7 +8,7 @@ program test_proof_cost
    use psalm_kinds, only: wp, full_turn
    use psalm_plan, only: plan_t, make_plan
    use psalm_proof, only: proof_t, subject_t, prepare_subject, bind_subject, prove_closure
-   use psalm_proof_ranges, only: extreme_t, prove_extremes
+   use psalm_proof_ranges, only: proven_extreme_t, prove_extremes
    implicit none (type, external)
 
    character(18), parameter :: names(*) = [character(18) :: 'needle', 'dwell', 'dyad1_crank_rocker', 'dyad4_slider_crank']
@@ -34,7 +34,7 @@ contains
       type(plan_t) :: plan
       type(subject_t) :: subject
       type(proof_t) :: proof
-      type(extreme_t), allocatable :: extremes(:)
+      type(proven_extreme_t), allocatable :: extremes(:)
       integer :: boxes(2), i, block, offset, n, repeats
       integer(int64) :: start, finish, rate
       real(wp) :: engine, closure, all_extremes

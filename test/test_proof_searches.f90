@@ -12,7 +12,7 @@ program test_proof_searches
    use psalm_margins, only: inspector_t, margin_t, prepare_inspector, inspect, is_violated, margin_angle
    use psalm_plan, only: plan_t, make_plan
    use psalm_proof, only: proof_t, subject_t, prepare_subject, bind_subject, prove_closure
-   use psalm_proof_ranges, only: extreme_t, extreme_angle, prove_extremes
+   use psalm_proof_ranges, only: proven_extreme_t, extreme_angle, prove_extremes
    use psalm_search, only: result_t, search_many
    use psalm_stop, only: stop_t
    implicit none (type, external)
@@ -81,7 +81,7 @@ contains
       type(dimensions_t), intent(in) :: dimensions
       real(wp), intent(in) :: delt(:), tangle
       type(margin_t), allocatable :: margins(:)
-      type(extreme_t), allocatable :: extremes(:)
+      type(proven_extreme_t), allocatable :: extremes(:)
       type(proof_t) :: proof
       real(wp) :: least, room
       integer :: boxes(2), i, k

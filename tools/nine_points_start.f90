@@ -5,7 +5,7 @@
 program nine_points_start
    use, intrinsic :: iso_fortran_env, only: error_unit
    use psalm_kinds, only: wp, pi
-   use psalm_leg_lanes, only: path_t
+   use psalm_leg_lanes, only: problem_path_t
    use psalm_leg_problem, only: kind_point, leg_problem_t, make_problem, most_points, variables
    use psalm_monodromy, only: add_distinct, generic_t, is_same, orbit_key, orbit_numbers, solve_generic
    use psalm_start_text, only: characters_a_number, encode
@@ -15,7 +15,7 @@ program nine_points_start
    integer, parameter :: seed = 1, lines_a_table = 200
    type(leg_problem_t) :: problem
    type(generic_t) :: generic
-   type(path_t) :: path
+   type(problem_path_t) :: path
    type(tracked_t) :: tracked
    complex(wp), allocatable :: found(:, :), keys(:, :), conjugate(:, :)
    complex(wp) :: point(0:most_points)

@@ -2,7 +2,7 @@
 module bench_cams
    use psalm_cam_group, only: cams_of
    use psalm_cam_profile, only: cam_axes_t, cam_points_t, roller_profile, side_of_centre
-   use psalm_cam_study, only: cam_study_t, find_cam, part_t
+   use psalm_cam_study, only: cam_study_t, find_cam, cam_role_t
    use psalm_cam_trace, only: cam_trace_t, clear_trace
    use psalm_cases, only: read_cases
    use psalm_data_set, only: data_set_t
@@ -60,7 +60,7 @@ contains
 
       call load(file, 'calm', set, prepared)
       allocate (study)
-      call find_cam(set, cams_of(set), prepared, part_t(), study)
+      call find_cam(set, cams_of(set), prepared, cam_role_t(), study)
       angle = even_angles()
       best = huge(best)
       sum_of_all = 0.0_wp

@@ -12,8 +12,8 @@ module bench_path_rivals
    use psalm_data_set, only: data_set_t
    use psalm_kinds, only: wp, full_turn, degrees_per_radian
    use psalm_nlopt, only: nlopt_t
-   use psalm_path_fit, only: path_t, path_room_t, visit_t, trace_coupler, find_violations, dot, square, unknowns, rows_most, &
-                             shape_g, shape_s, shape_q
+   use psalm_path_fit, only: fitted_path_t, path_room_t, visit_t, trace_coupler, find_violations, dot, square, unknowns, &
+                             rows_most, shape_g, shape_s, shape_q
    use psalm_solver_kind, only: find_solver
    use psalm_status, only: diagnostics_t
    implicit none (type, external)
@@ -32,7 +32,7 @@ module bench_path_rivals
 
    !> What an objective function is given.
    type :: task_t
-      type(path_t) :: path
+      type(fitted_path_t) :: path
       type(path_room_t) :: room
       type(visit_t) :: visit
       type(nlopt_t) :: optimiser

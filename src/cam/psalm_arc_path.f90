@@ -8,37 +8,37 @@ module psalm_arc_path
    use psalm_kinds, only: wp
    implicit none (type, external)
    private
-   public :: arc_t, curve_t, fit_arcs, deviation_of, chords_needed
+   public :: circle_arc_t, sampled_curve_t, fit_arcs, deviation_of, chords_needed
 
    real(wp), parameter :: widest = 0.25_wp    !! bulge of an arc, at most: 56 degrees, two of them a step
    real(wp), parameter :: straight = 1.0e-13_wp !! part of its chord by which an arc may rise and be a line
 
    !> A circular arc, or a line with bulge 0.
-   type :: arc_t
+   type :: circle_arc_t
       complex(wp) :: start = (0.0_wp, 0.0_wp), finish = (0.0_wp, 0.0_wp)
       complex(wp) :: tangent = (1.0_wp, 0.0_wp)  !! unit vector at the start
       real(wp) :: bulge = 0.0_wp                 !! tangent of a quarter of its angle, above 0 anticlockwise
       real(wp) :: bend = 0.0_wp                  !! curvature, the same sense
-   end type arc_t
+   end type circle_arc_t
 
    !> Samples of a closed curve: points and unit tangents; an arc may not run over a point that is a break.
-   type :: curve_t
+   type :: sampled_curve_t
       complex(wp), allocatable :: point(:), tangent(:)
       logical, allocatable :: break(:)
-   end type curve_t
+   end type sampled_curve_t
 
 contains
 
    !> Arcs along the samples, from the first to the last. Errors: `found` is false where the tolerance is finer than samples, or the
    !> curve turns back.
    pure subroutine fit_arcs(curve, tolerance, arcs, last_sample, found)
-      type(curve_t), intent(in) :: curve
+      type(sampled_curve_t), intent(in) :: curve
       real(wp), intent(in) :: tolerance
-      type(arc_t), allocatable, intent(out) :: arcs(:)      !! shape (2*steps)
+      type(circle_arc_t), allocatable, intent(out) :: arcs(:)      !! shape (2*steps)
       integer, allocatable, intent(out) :: last_sample(:)   !! shape (steps): where each step ends
       logical, intent(out) :: found
-      type(arc_t) :: two(2)
-      type(arc_t), allocatable :: room(:)
+      type(circle_arc_t) :: two(2)
+      type(circle_arc_t), allocatable :: room(:)
       integer, allocatable :: ends(:)
       integer :: n, steps, here, there, next_break, step, reach
 
@@ -88,7 +88,7 @@ contains
 
       pure logical function fits(from, to)
          integer, intent(in) :: from, to
-         type(arc_t) :: trial(2)
+         type(circle_arc_t) :: trial(2)
          integer :: i
 
          fits = .false.
@@ -106,7 +106,7 @@ contains
    !> Two arcs between two points with tangents (unit vectors).
    pure function biarc(p0, t0, p1, t1) result(arcs)
       complex(wp), intent(in) :: p0, t0, p1, t1
-      type(arc_t) :: arcs(2)
+      type(circle_arc_t) :: arcs(2)
       complex(wp) :: v, t, joint, turned
       real(wp) :: along, length, open
 
@@ -127,7 +127,7 @@ contains
    end function biarc
 
    !> The arc that leaves a point with a tangent and ends at another.
-   pure type(arc_t) function arc_between(start, finish, tangent) result(arc)
+   pure type(circle_arc_t) function arc_between(start, finish, tangent) result(arc)
       complex(wp), intent(in) :: start, finish, tangent
       complex(wp) :: w
       real(wp) :: chord
@@ -146,7 +146,7 @@ contains
 
    !> Signed distance of a point from two arcs, to the left: from the one beside which it lies.
    pure real(wp) function deviation_of(arcs, point) result(distance)
-      type(arc_t), intent(in) :: arcs(2)
+      type(circle_arc_t), intent(in) :: arcs(2)
       complex(wp), intent(in) :: point
       complex(wp) :: w
       real(wp) :: f

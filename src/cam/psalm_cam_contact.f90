@@ -15,19 +15,19 @@ module psalm_cam_contact
    use psalm_machine, only: reduced_t, reduce_machine
    implicit none (type, external)
    private
-   public :: contact_t, find_contact, line_stress
+   public :: cam_contact_t, find_contact, line_stress
 
    real(wp), parameter :: per_minute = 2.0_wp*pi/60.0_wp   !! rad/s of one revolution a minute
 
    !> At a row of cam angles.
-   type :: contact_t
+   type :: cam_contact_t
       logical :: known = .false.                 !! there is a speed, and the linkage has masses, loads or springs
       real(wp), allocatable :: force(:)          !! N: of the cam on the follower at the given speed
       real(wp), allocatable :: stress(:)         !! Pa; 0 where there is no contact or no width is given
       real(wp) :: lost_at = 0.0_wp               !! cam angle at which contact is first lost as the speed grows, degrees
       real(wp) :: lost_speed = 0.0_wp            !! and the speed, rev/min; 0: it is never lost
       logical :: jams = .false.                  !! friction keeps the cam from moving the follower
-   end type contact_t
+   end type cam_contact_t
 
 contains
 
@@ -40,7 +40,7 @@ contains
       type(cam_points_t), intent(in) :: points
       real(wp), intent(in) :: roller             !! radius; 0: flat or a knife edge
       type(cam_axes_t), intent(in) :: axes
-      type(contact_t), intent(out) :: contact
+      type(cam_contact_t), intent(out) :: contact
       type(reduced_t) :: reduced
       complex(wp) :: push, force, by_input
       real(wp), allocatable :: square(:), linear(:), rest(:), lost(:)

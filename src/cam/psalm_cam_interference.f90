@@ -13,7 +13,7 @@ module psalm_cam_interference
    use psalm_kinds, only: wp, full_turn
    implicit none (type, external)
    private
-   public :: interference_t, pair_t, find_interference, near_pairs, fit_least
+   public :: interference_t, sample_pair_t, find_interference, near_pairs, fit_least
 
    integer, parameter :: block_length = 32       !! samples that are compared at once
    real(wp), parameter :: safely = 1.0e-9_wp     !! of a sine: a block may turn so near to a right angle
@@ -29,9 +29,9 @@ module psalm_cam_interference
    end type interference_t
 
    !> A sample of the contour and one of the centres.
-   type :: pair_t
+   type :: sample_pair_t
       integer :: at = 0, by = 0
-   end type pair_t
+   end type sample_pair_t
 
 contains
 
@@ -41,7 +41,7 @@ contains
       type(samples_t), intent(in) :: samples
       logical, intent(in) :: of_cutter
       type(interference_t), intent(out) :: found
-      type(pair_t), allocatable :: pairs(:)
+      type(sample_pair_t), allocatable :: pairs(:)
       complex(wp), allocatable :: centres(:)
       integer, allocatable :: kept(:)
       real(wp) :: radius, depth, a, b, step
@@ -156,7 +156,7 @@ contains
       complex(wp), intent(in) :: tangent(:)             !! unit vectors of both
       real(wp), intent(in) :: radius
       logical, intent(in) :: open
-      type(pair_t), allocatable, intent(out) :: pairs(:)
+      type(sample_pair_t), allocatable, intent(out) :: pairs(:)
       integer :: behind(size(centres)), ahead(size(centres)) !! samples about each that the touching circle cannot meet
       complex(wp), allocatable :: middle(:, :)
       real(wp), allocatable :: round(:, :)
@@ -183,7 +183,7 @@ contains
                do i = (b - 1)*block_length + 1, min(b*block_length, n)
                   if (modulo(k - i, n) <= ahead(i) .or. modulo(i - k, n) <= behind(i)) cycle
                   if (size_of(contour(i) - centres(k)) >= limit) cycle
-                  if (is_least(i, k)) pairs = [pairs, pair_t(i, k)]
+                  if (is_least(i, k)) pairs = [pairs, sample_pair_t(i, k)]
                end do
             end do
          end do

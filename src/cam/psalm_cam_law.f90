@@ -11,7 +11,7 @@ module psalm_cam_law
    use psalm_spline_fit, only: fit_spline
    implicit none (type, external)
    private
-   public :: law_t, joint_t, make_law, highest_law_order
+   public :: law_t, law_joint_t, make_law, highest_law_order
    public :: law_made, law_velocity_jumps, law_singular, law_jerk_jumps, law_points_missing, law_misses
 
    integer, parameter :: highest_law_order = 5, highest_power = 7
@@ -35,22 +35,22 @@ module psalm_cam_law
    end type piece_t
 
    !> What a segment does. Peaks are normalised: times T**k/lift; 0 for a dwell.
-   type :: segment_t
+   type :: law_segment_t
       real(wp) :: start = 0.0_wp, finish = 0.0_wp    !! degrees
       real(wp) :: from = 0.0_wp, to = 0.0_wp         !! output there
       real(wp) :: peak(3) = 0.0_wp                   !! of velocity, acceleration, jerk
       logical :: steps = .false.                     !! the acceleration jumps within the segment
-   end type segment_t
+   end type law_segment_t
 
    !> Jumps at the beginning of a piece, in the user's unit by radians of cam: orders 0 to 3.
-   type :: joint_t
+   type :: law_joint_t
       real(wp) :: at = 0.0_wp                        !! degrees
       real(wp) :: jump(0:3) = 0.0_wp
-   end type joint_t
+   end type law_joint_t
 
    type :: law_t
       type(piece_t), allocatable :: pieces(:)
-      type(segment_t), allocatable :: segments(:)
+      type(law_segment_t), allocatable :: segments(:)
       integer :: state = law_made
       integer :: faulty = 0                          !! segment that cannot be made, or at whose end the velocity jumps
       real(wp) :: lag = 0.0_wp, inertia = 0.0_wp     !! flexible drive: the law is y + lag y' + inertia y''
@@ -70,7 +70,7 @@ contains
    subroutine make_law(cam, law)
       type(cam_group_t), intent(in) :: cam
       type(law_t), intent(out) :: law
-      type(joint_t), allocatable :: joints(:)
+      type(law_joint_t), allocatable :: joints(:)
       integer :: k
 
       allocate (law%pieces(0))
@@ -269,7 +269,7 @@ contains
 
    !> The zones of a segment. Displacement and velocity at its end are linear in the two peaks of acceleration.
    subroutine add_zones(s, zones, segment, v0, v1, law)
-      type(segment_t), intent(in) :: s
+      type(law_segment_t), intent(in) :: s
       real(wp), intent(in) :: zones(zone_count)
       integer, intent(in) :: segment
       real(wp), intent(in) :: v0, v1                 !! velocity at the ends, by radians
@@ -500,7 +500,7 @@ contains
    !> Jumps at the beginning of every piece.
    function joints(self) result(list)
       class(law_t), intent(in) :: self
-      type(joint_t), allocatable :: list(:)
+      type(law_joint_t), allocatable :: list(:)
       real(wp) :: before(0:highest_law_order), after(0:highest_law_order)
       integer :: k, last
 
@@ -534,7 +534,7 @@ contains
    pure subroutine note_peaks(law, first, s)
       type(law_t), intent(in) :: law
       integer, intent(in) :: first
-      type(segment_t), intent(inout) :: s
+      type(law_segment_t), intent(inout) :: s
       real(wp) :: y(0:highest_law_order), before(0:highest_law_order), t, lift, largest
       integer :: order, k
 

@@ -11,7 +11,7 @@ module psalm_cam_motion
    use psalm_cam_chain, only: cam_chain_t
    use psalm_cam_law, only: law_t, highest_law_order
    use psalm_cam_passage, only: ways_t, plan_ways, next_dead_point, solve_near, no_point
-   use psalm_cam_stretch, only: mover_t, followed_t, stretch_t, find_stretch
+   use psalm_cam_stretch, only: moved_problem_t, followed_t, stretch_t, find_stretch
    use psalm_cam_trace, only: cam_trace_t, clear_trace, fault_none, fault_reach, fault_dead_point, fault_open
    use psalm_dimensions, only: dimensions_t
    use psalm_error, only: new_problem
@@ -33,7 +33,7 @@ module psalm_cam_motion
       logical :: of_output = .true.                  !! the law is that of the output, else of the input
       logical :: angular = .false.                   !! and that is an angle
       type(followed_t) :: what                       !! the output's component, and units
-      type(mover_t), allocatable :: output, follower
+      type(moved_problem_t), allocatable :: output, follower
       real(wp) :: reference = 0.0_wp                 !! CRNKI
       real(wp), allocatable :: q(:), f(:)            !! the stretch: inputs that rise, outputs there
       type(ways_t) :: ways                           !! this stretch and those beyond its dead points
@@ -97,7 +97,7 @@ contains
       type(mechanism_t), intent(in) :: mechanism
       type(dimensions_t), intent(in) :: given
       type(parameters_t), intent(in) :: parameters
-      type(mover_t), intent(inout) :: mover
+      type(moved_problem_t), intent(inout) :: mover
       type(mechanism_t) :: posed
       type(dimensions_t) :: dimensions
 

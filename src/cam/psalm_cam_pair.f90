@@ -7,7 +7,7 @@
 !> same. Source: Oldham (1977), 1.1 and 9.3.2; derivation in doc/theory.md.
 module psalm_cam_pair
    use psalm_cam_profile, only: cam_points_t
-   use psalm_cam_shape, only: cam_shape_t, samples_t, extreme_t, measure
+   use psalm_cam_shape, only: cam_shape_t, samples_t, cam_extreme_t, measure
    use psalm_cam_trace, only: cam_trace_t
    use psalm_angles, only: unit_vector
    use psalm_kinds, only: wp, full_turn
@@ -79,14 +79,14 @@ contains
    end subroutine find_gap
 
    !> The greatest of values at even angles of a turn, by a parabola through its neighbours.
-   pure type(extreme_t) function greatest_in(values, angle) result(greatest)
+   pure type(cam_extreme_t) function greatest_in(values, angle) result(greatest)
       real(wp), intent(in) :: values(:), angle(:)
       real(wp) :: before, after, bend, share
       integer :: i, n
 
       n = size(values)
       i = maxloc(values, dim=1)
-      greatest = extreme_t(values(i), angle(i), .true.)
+      greatest = cam_extreme_t(values(i), angle(i), .true.)
       before = values(1 + modulo(i - 2, n))
       after = values(1 + modulo(i, n))
       bend = before - 2.0_wp*values(i) + after
@@ -96,7 +96,7 @@ contains
       greatest%angle = modulo(angle(i) + share*full_turn/real(n, wp), full_turn)
    end function greatest_in
 
-   pure type(extreme_t) function least_in(values, angle) result(least)
+   pure type(cam_extreme_t) function least_in(values, angle) result(least)
       real(wp), intent(in) :: values(:), angle(:)
 
       least = greatest_in(-values, angle)

@@ -9,7 +9,7 @@ module psalm_cam_passage
    use psalm_cam_group, only: cam_group_t
    use psalm_cam_kind, only: law_dwell
    use psalm_cam_law, only: law_t, make_law, highest_law_order
-   use psalm_cam_stretch, only: mover_t, followed_t, stretch_t, dead_point_t, find_stretch, find_dead_point, rise_from
+   use psalm_cam_stretch, only: moved_problem_t, followed_t, stretch_t, stretch_end_t, find_stretch, find_dead_point, rise_from
    use psalm_kinds, only: wp, radians_per_degree
    use psalm_rates, only: highest_order
    implicit none (type, external)
@@ -42,7 +42,7 @@ module psalm_cam_passage
 
    type :: ways_t
       type(stretch_t) :: stretches(-most_stretches:most_stretches) !! 0: about the reference position; by rising input
-      type(dead_point_t) :: points(-most_stretches - 1:most_stretches) !! k: between the stretches k and k + 1
+      type(stretch_end_t) :: points(-most_stretches - 1:most_stretches) !! k: between the stretches k and k + 1
       ! by segment of the law
       integer, allocatable :: on(:)                  !! its stretch
       integer, allocatable :: begins(:), ends(:), rests(:) !! dead point at its beginning, at its end, where it rests; no_point
@@ -58,7 +58,7 @@ contains
    !> rest at them.
    subroutine plan_ways(cam, mover, what, law, ways)
       type(cam_group_t), intent(in) :: cam
-      type(mover_t), intent(inout) :: mover
+      type(moved_problem_t), intent(inout) :: mover
       type(followed_t), intent(in) :: what
       type(law_t), intent(inout) :: law
       type(ways_t), intent(inout) :: ways
@@ -289,7 +289,7 @@ contains
    subroutine solve_near(ways, law, mover, what, angle, piece, point, at_end, first, q, shut)
       type(ways_t), intent(in) :: ways
       type(law_t), intent(in) :: law
-      type(mover_t), intent(inout) :: mover
+      type(moved_problem_t), intent(inout) :: mover
       type(followed_t), intent(in) :: what
       real(wp), intent(in) :: angle(:)               !! shape (n)
       integer, intent(in) :: piece(:), point(:)
@@ -297,7 +297,7 @@ contains
       real(wp), intent(in) :: first(:)               !! distances as `next_dead_point` has them
       real(wp), intent(out) :: q(0:, :)              !! shape (0:3, n): input, the user's unit; derivatives, radians or length
       logical, intent(out) :: shut(:)                !! the loops close there
-      type(dead_point_t) :: dead(size(angle))
+      type(stretch_end_t) :: dead(size(angle))
       real(wp) :: y(0:highest_law_order, size(angle)), value(mover%problem%output%kind%components, size(angle)), &
                   d(highest_order, size(value, 1), size(angle)), rise(size(angle)), slope(size(angle)), &
                   distance(size(angle))

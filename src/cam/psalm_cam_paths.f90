@@ -1,6 +1,6 @@
 !> Pitch curve, profile and cutter path of a cam as chains of arcs, each with its largest deviation as measured.
 module psalm_cam_paths
-   use psalm_arc_path, only: arc_t, curve_t, fit_arcs, deviation_of, chords_needed
+   use psalm_arc_path, only: circle_arc_t, sampled_curve_t, fit_arcs, deviation_of, chords_needed
    use psalm_cam_trace, only: cam_trace_t
    use psalm_cam_profile, only: cam_points_t
    use psalm_cam_shape, only: cam_shape_t, samples_t, measure
@@ -15,7 +15,7 @@ module psalm_cam_paths
    real(wp), parameter :: reserve = 0.98_wp
 
    type :: cam_path_t
-      type(arc_t), allocatable :: arcs(:)        !! of one turn of the cam from angle 0, in cam axes
+      type(circle_arc_t), allocatable :: arcs(:)        !! of one turn of the cam from angle 0, in cam axes
       real(wp) :: deviation = 0.0_wp             !! largest measured between the curve and the arcs
       real(wp) :: chords = 0.0_wp                !! that a polyline of the same tolerance would need
       logical :: found = .false.                 !! not where the curve turns back or the tolerance is too fine
@@ -63,7 +63,7 @@ contains
       integer, intent(in) :: which
       real(wp), intent(in) :: tolerance
       type(cam_path_t), intent(out) :: path
-      type(curve_t) :: curve
+      type(sampled_curve_t) :: curve
       integer, allocatable :: last_sample(:)
       complex(wp), allocatable :: point(:)
       real(wp) :: fine

@@ -9,7 +9,7 @@ module psalm_cam_shape
    use psalm_kinds, only: wp, full_turn, radians_per_degree
    implicit none (type, external)
    private
-   public :: cam_shape_t, extreme_t, samples_t, measure, sample_turn, find_extreme, greatest_of
+   public :: cam_shape_t, cam_extreme_t, samples_t, measure, sample_turn, find_extreme, greatest_of
    public :: measure_pressure, measure_convex, measure_concave, measure_base, measure_outer, measure_excursion_low, &
              measure_excursion_high, measure_face_low, measure_face_high, measure_output, measure_input, measures, upward, &
              table_angles
@@ -50,11 +50,11 @@ module psalm_cam_shape
       logical, allocatable :: possible(:)            !! false where a flat face turns with the cam
    end type samples_t
 
-   type :: extreme_t
+   type :: cam_extreme_t
       real(wp) :: value = 0.0_wp
       real(wp) :: angle = 0.0_wp                     !! of the cam, degrees
       logical :: found = .false.
-   end type extreme_t
+   end type cam_extreme_t
 
 contains
 
@@ -235,7 +235,7 @@ contains
       type(samples_t), intent(in) :: samples
       integer, intent(in) :: what
       logical, intent(in) :: wanted(:)               !! by segment
-      type(extreme_t), intent(out) :: extreme
+      type(cam_extreme_t), intent(out) :: extreme
       type(cam_trace_t) :: states
       type(cam_points_t) :: points
       logical, allocatable :: possible(:)
@@ -249,7 +249,7 @@ contains
       ! of those that differ by rounding, as in a dwell, the first
       low = maxval(value, mask)
       best = findloc(mask .and. value >= low - equal*max(1.0_wp, abs(low)), .true., dim=1)
-      extreme = extreme_t(value(best), samples%angle(best), .true.)
+      extreme = cam_extreme_t(value(best), samples%angle(best), .true.)
       low = samples%angle(best)
       high = low
       if (best > 1) then
@@ -263,7 +263,7 @@ contains
          call measure(shape, inner, [samples%piece(best), samples%piece(best)], states, points, possible)
          two = values_of(shape, what, states, points)
          if (maxval(two) > extreme%value + equal*max(1.0_wp, abs(extreme%value))) &
-            extreme = extreme_t(maxval(two), inner(maxloc(two, 1)), .true.)
+            extreme = cam_extreme_t(maxval(two), inner(maxloc(two, 1)), .true.)
          if (two(1) >= two(2)) then
             high = inner(2)
          else

@@ -10,7 +10,7 @@ module psalm_cam_stretch
    use psalm_rates, only: rates_t, prepare_rates, differentiate, output_rates, is_dead, highest_order
    implicit none (type, external)
    private
-   public :: mover_t, followed_t, stretch_t, dead_point_t, find_stretch, find_dead_point, rise_from
+   public :: moved_problem_t, followed_t, stretch_t, stretch_end_t, find_stretch, find_dead_point, rise_from
 
    integer, parameter :: scan_steps = 720                !! to either side of where a stretch is looked for
    real(wp), parameter :: scan_degrees = 0.5_wp
@@ -19,13 +19,13 @@ module psalm_cam_stretch
    real(wp), parameter :: near_slope = 2.0e-3_wp         !! part of the stretch next to a dead point where F' is had by quadrature
 
    !> A problem and its derivatives at a row of inputs.
-   type :: mover_t
+   type :: moved_problem_t
       class(problem_t), allocatable :: problem
       type(rates_t) :: rates
       integer :: prepared = 0                        !! positions
    contains
       procedure :: move
-   end type mover_t
+   end type moved_problem_t
 
    !> What of a mover is followed, and in which units.
    type :: followed_t
@@ -45,12 +45,12 @@ module psalm_cam_stretch
    end type stretch_t
 
    !> A dead point of the output.
-   type :: dead_point_t
+   type :: stretch_end_t
       logical :: found = .false.
       real(wp) :: q = 0.0_wp, f = 0.0_wp             !! input and output there, the user's units
       real(wp) :: d(2:4) = 0.0_wp                    !! derivatives of the output, radians or length
       real(wp) :: extent = 0.0_wp                    !! of the stretch that ends there, radians or length
-   end type dead_point_t
+   end type stretch_end_t
 
 contains
 
@@ -70,7 +70,7 @@ contains
    !> Move to inputs (degrees or length, not increments): values and derivatives of all components; `shut` where all
    !> loops close and have derivatives.
    subroutine move(self, inputs, orders, value, d, shut, direction)
-      class(mover_t), intent(inout) :: self
+      class(moved_problem_t), intent(inout) :: self
       real(wp), intent(in) :: inputs(:)              !! shape (n)
       integer, intent(in) :: orders                  !! 2 or 3
       real(wp), intent(out) :: value(:, :)           !! shape (components, n): angles in a turn
@@ -112,7 +112,7 @@ contains
 
    !> The stretch of inputs about `start`, its ends by bisection. Angles go on from `near`, if it is given.
    subroutine find_stretch(mover, what, start, stretch, near)
-      type(mover_t), intent(inout) :: mover
+      type(moved_problem_t), intent(inout) :: mover
       type(followed_t), intent(in) :: what
       real(wp), intent(in) :: start                  !! input to begin with
       type(stretch_t), intent(out) :: stretch
@@ -208,11 +208,11 @@ contains
    !> The dead point at the lower (1) or upper (2) end of a stretch. Not found where the output has no second derivative there, or a
    !> loop opens.
    subroutine find_dead_point(mover, what, stretch, which, point)
-      type(mover_t), intent(inout) :: mover
+      type(moved_problem_t), intent(inout) :: mover
       type(followed_t), intent(in) :: what
       type(stretch_t), intent(in) :: stretch
       integer, intent(in) :: which
-      type(dead_point_t), intent(out) :: point
+      type(stretch_end_t), intent(out) :: point
       real(wp) :: value(mover%problem%output%kind%components, 3), d(highest_order, size(value, 1), 3), step
       logical :: shut(3)
       integer :: last
@@ -235,7 +235,7 @@ contains
 
    !> F - F* and F' at the distance d from a dead point, from the derivatives there and here.
    elemental subroutine rise_from(point, distance, derivative, second, third, rise, slope)
-      type(dead_point_t), intent(in) :: point
+      type(stretch_end_t), intent(in) :: point
       real(wp), intent(in) :: distance               !! radians or length
       real(wp), intent(in) :: derivative, second, third !! of the output here
       real(wp), intent(out) :: rise, slope

@@ -43,20 +43,20 @@ module psalm_flypast
    end type flight_t
 
    !> The equation of the angle g.
-   type, extends(ode_t) :: contact_t
+   type, extends(ode_t) :: passing_contact_t
       real(wp) :: cube = 0.0_wp                     !! H1**3
       real(wp) :: h3 = 0.0_wp
       real(wp) :: cosine = 1.0_wp, sine = 0.0_wp    !! of H2
    contains
       procedure :: rates
       procedure :: force
-   end type contact_t
+   end type passing_contact_t
 
 contains
 
    !> (g, g')' by T.
    pure function rates(self, time, y) result(d)
-      class(contact_t), intent(in) :: self
+      class(passing_contact_t), intent(in) :: self
       real(wp), intent(in) :: time, y(2)
       real(wp) :: d(2), c, s, cos_p, sin_p
 
@@ -69,7 +69,7 @@ contains
 
    !> Force of contact over R_u.
    pure real(wp) function force(self, time, y)
-      class(contact_t), intent(in) :: self
+      class(passing_contact_t), intent(in) :: self
       real(wp), intent(in) :: time, y(2)
       real(wp) :: d(2), c, s, cos_p, sin_p
 
@@ -101,12 +101,12 @@ contains
       real(wp), intent(in) :: h3                    !! 0 <= H3 < 1
       real(wp), intent(in), optional :: from        !! T at which to begin; -40 if not given
       type(flypast_t) :: flypast
-      type(contact_t) :: contact
+      type(passing_contact_t) :: contact
       real(wp) :: t, last, g(2), step, next(2), taken, forces(3), times(3), states(2, 3), least, gap, period
       integer :: i
 
       if (.not. (h1 > 0.0_wp .and. h3 >= 0.0_wp .and. h3 < 1.0_wp)) return
-      contact = contact_t(h1**3, h3, cos(h2), sin(h2))
+      contact = passing_contact_t(h1**3, h3, cos(h2), sin(h2))
       last = min(last_time, 0.5_wp*settling + settling/h1)
       t = first_time
       if (present(from)) t = from

@@ -18,15 +18,15 @@ module psalm_flypast_chart
    end type loss_range_t
 
    !> The ranges on one radial line.
-   type :: line_t
+   type :: chart_line_t
       type(loss_range_t), allocatable :: ranges(:)
-   end type line_t
+   end type chart_line_t
 
    type :: chart_t
       real(wp), allocatable :: h1(:), h2(:), h3(:)  !! h2 in radians, from -pi at equal steps
       integer, allocatable :: lost(:, :, :)         !! shape (h1, h2, h3): the minimum at which contact is lost; 0: it is kept
       real(wp), allocatable :: index(:, :, :)       !! of the impulse; 0 where contact is kept
-      type(line_t), allocatable :: lines(:, :)      !! shape (h2, h3)
+      type(chart_line_t), allocatable :: lines(:, :)      !! shape (h2, h3)
    end type chart_t
 
 contains

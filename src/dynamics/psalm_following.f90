@@ -8,7 +8,7 @@ module psalm_following
    use psalm_periodic, only: periodic_t
    implicit none (type, external)
    private
-   public :: contact_t, contact_of, follow_contact, least_force_t
+   public :: followed_contact_t, contact_of, follow_contact, least_force_t
 
    integer, parameter :: places = 2048               !! of the interpolation in a turn
    real(wp), parameter :: tolerance = 1.0e-10_wp     !! of a step, radians
@@ -16,7 +16,7 @@ module psalm_following
    real(wp), parameter :: nothing = 1.0e-9_wp        !! a load below this part of the greatest has no direction to begin with
 
    !> The equation of the angle g.
-   type, extends(ode_t) :: contact_t
+   type, extends(ode_t) :: followed_contact_t
       real(wp) :: speed = 0.0_wp                     !! rad/s
       real(wp) :: clearance = 0.0_wp                 !! radial, m
       real(wp), allocatable :: load(:, :, :)         !! shape (0:2, 2, 0:places): x and y of the load with two derivatives, N
@@ -25,7 +25,7 @@ module psalm_following
       procedure :: rates
       procedure :: force
       procedure, private :: state_of
-   end type contact_t
+   end type followed_contact_t
 
    type :: least_force_t
       real(wp) :: input = 0.0_wp                     !! radians from the reference position, in the sense of turning
@@ -40,7 +40,7 @@ contains
       type(periodic_t), intent(in) :: tensor(3)      !! kg
       real(wp), intent(in) :: speed                  !! rad/s, positive
       real(wp), intent(in) :: clearance              !! radial, m, positive
-      type(contact_t) :: contact
+      type(followed_contact_t) :: contact
       type(periodic_t) :: derived
       integer :: c, k
 
@@ -65,7 +65,7 @@ contains
 
    !> (g, g')' by the angle of the crank.
    pure function rates(self, time, y) result(d)
-      class(contact_t), intent(in) :: self
+      class(followed_contact_t), intent(in) :: self
       real(wp), intent(in) :: time, y(2)
       real(wp) :: d(2), load(0:2, 2), m(3), unit(2), along, across
 
@@ -78,7 +78,7 @@ contains
 
    !> Force of contact, N; below zero contact would be lost.
    pure real(wp) function force(self, time, y)
-      class(contact_t), intent(in) :: self
+      class(followed_contact_t), intent(in) :: self
       real(wp), intent(in) :: time, y(2)
       real(wp) :: d(2), load(0:2, 2), m(3), unit(2), along, across
 
@@ -101,7 +101,7 @@ contains
 
    !> Load with two derivatives by the angle of the crank, and tensor.
    pure subroutine state_of(self, time, load, m)
-      class(contact_t), intent(in) :: self
+      class(followed_contact_t), intent(in) :: self
       real(wp), intent(in) :: time
       real(wp), intent(out) :: load(0:2, 2), m(3)
       real(wp) :: place, s, h
@@ -145,7 +145,7 @@ contains
    !> Follow a turn from a = a' = 0, force or no force. Errors: `ok` false if the load is zero where it begins, or steps become too
    !> short.
    subroutine follow_contact(contact, from, inputs, lag, force, minima, loss, ok)
-      type(contact_t), intent(in) :: contact
+      type(followed_contact_t), intent(in) :: contact
       real(wp), intent(in) :: from                   !! where to begin, radians
       integer, intent(in) :: inputs                  !! places told, at equal steps from `from`
       real(wp), intent(out) :: lag(:), force(:)      !! shape (inputs): radians, within half a turn; N

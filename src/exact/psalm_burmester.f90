@@ -8,7 +8,7 @@ module psalm_burmester
    use psalm_kinds, only: wp, pi
    implicit none (type, external)
    private
-   public :: dyad_t, dyads_t, curve_point_t, five_poses, four_poses_curve, centres_on_line, pin_for_pivot, slider_pin, &
+   public :: pin_pair_t, dyads_t, curve_point_t, five_poses, four_poses_curve, centres_on_line, pin_for_pivot, slider_pin, &
              slider_circle, guide_of, inverted, polynomial_roots
    public :: dyad_turns, dyad_slides, dyad_swings
 
@@ -25,20 +25,20 @@ module psalm_burmester
    real(wp), parameter :: same = 1.0e-9_wp           !! distance of two dyads that are one, over their size
 
    !> A dyad that is good for some poses.
-   type :: dyad_t
+   type :: pin_pair_t
       complex(wp) :: pivot = (0.0_wp, 0.0_wp)        !! fixed, from the reference point in the first pose
       complex(wp) :: pin = (0.0_wp, 0.0_wp)          !! on the body, from the reference point in the first pose
       integer :: kind = dyad_turns                   !! one of `dyad_...`
       complex(wp) :: guide = (1.0_wp, 0.0_wp)        !! direction of the line, of modulus 1; of the body's in the first pose
-   end type dyad_t
+   end type pin_pair_t
 
    !> All dyads for five poses.
    type :: dyads_t
       integer :: count = 0                           !! real ones
-      type(dyad_t) :: list(most_dyads)
+      type(pin_pair_t) :: list(most_dyads)
       integer :: infinite = 0                        !! real ones with pivot or pin at infinity
       integer :: sliding = 0                         !! of these those that are a line: a pin on one or a pivot on one of the body
-      type(dyad_t) :: lines(most_dyads)
+      type(pin_pair_t) :: lines(most_dyads)
       integer :: imaginary = 0                       !! those that are not real
       logical :: degenerate = .false.                !! the poses leave more than finitely many
       real(wp) :: residual = 0.0_wp                  !! largest of the equations, over the square of the size
@@ -48,7 +48,7 @@ module psalm_burmester
 
    !> A point of the curves of four poses.
    type :: curve_point_t
-      type(dyad_t) :: dyad
+      type(pin_pair_t) :: dyad
       logical :: exists = .false.
    end type curve_point_t
 
@@ -62,7 +62,7 @@ contains
       real(wp), parameter :: c1 = 0.6_wp, s1 = 0.8_wp, c2 = 5.0_wp/13.0_wp, s2 = 12.0_wp/13.0_wp
       real(wp) :: basis(unknowns, 3), turned(unknowns, 3), conic(6, 2), size, along(3), h
       complex(wp) :: scaled(4), p(4), q(4), quartic(0:4), imaginary(4, most_dyads)
-      type(dyad_t) :: dyad
+      type(pin_pair_t) :: dyad
       integer :: i, k
       logical :: full
 
@@ -111,7 +111,7 @@ contains
          end do
          if (k <= dyads%count) cycle
          dyads%count = dyads%count + 1
-         dyads%list(dyads%count) = dyad_t(pivot=dyad%pivot*size, pin=dyad%pin*size)
+         dyads%list(dyads%count) = pin_pair_t(pivot=dyad%pivot*size, pin=dyad%pin*size)
          associate (own => dyads%list(dyads%count))
             dyads%ends(:, dyads%count) = [own%pin, conjg(own%pin), own%pivot, conjg(own%pivot)]
          end associate
@@ -126,7 +126,7 @@ contains
       type(dyads_t), intent(inout) :: dyads
       real(wp) :: v(unknowns)
       complex(wp) :: u, x, a
-      type(dyad_t) :: line
+      type(pin_pair_t) :: line
 
       v = along(1)*basis(:, 1) + along(2)*basis(:, 2) + along(3)*basis(:, 3)
       u = cmplx(v(1), v(2), wp)
@@ -344,7 +344,7 @@ contains
    !> The four equations in (x, a) and, asked for, their matrix.
    pure subroutine dyad_equations(d, g, dyad, f, jacobian)
       complex(wp), intent(in) :: d(:), g(:)
-      type(dyad_t), intent(in) :: dyad
+      type(pin_pair_t), intent(in) :: dyad
       real(wp), intent(out) :: f(:)                  !! shape (n)
       real(wp), intent(out), optional :: jacobian(:, :) !! shape (n, 4): by x and by a
       complex(wp) :: by_x, by_a
@@ -361,7 +361,7 @@ contains
    !> Newton's method on the four equations.
    pure subroutine polish_dyad(d, g, dyad)
       complex(wp), intent(in) :: d(4), g(4)
-      type(dyad_t), intent(inout) :: dyad
+      type(pin_pair_t), intent(inout) :: dyad
       integer, parameter :: steps = 2
       real(wp) :: f(4), m(4, 5), row(5)
       integer :: k, i, p
@@ -388,7 +388,7 @@ contains
    !> Largest of the equations over the sizes that meet in them.
    pure real(wp) function worst_residual(d, g, dyad)
       complex(wp), intent(in) :: d(4), g(4)
-      type(dyad_t), intent(in) :: dyad
+      type(pin_pair_t), intent(in) :: dyad
       real(wp) :: f(4)
 
       call dyad_equations(d, g, dyad, f)
@@ -468,7 +468,7 @@ contains
       type(dyads_t), intent(out) :: dyads
       real(wp) :: cubic(0:3), place
       complex(wp) :: roots(3)
-      type(dyad_t) :: dyad
+      type(pin_pair_t) :: dyad
       integer :: degree, k
       logical :: exists
 
@@ -519,7 +519,7 @@ contains
    !> squares. It does not exist where the equations depend on each other.
    pure subroutine pin_for_pivot(d, g, dyad, exists)
       complex(wp), intent(in) :: d(:), g(:)
-      type(dyad_t), intent(inout) :: dyad
+      type(pin_pair_t), intent(inout) :: dyad
       logical, intent(out) :: exists
       complex(wp) :: k
       real(wp) :: rows(size(d), 2), right(size(d))

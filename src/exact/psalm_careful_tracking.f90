@@ -6,7 +6,7 @@
 !> In the end every path has arrived at a regular solution, is known to end at infinity or at a singular solution, or is unsettled.
 module psalm_careful_tracking
    use psalm_kinds, only: wp
-   use psalm_leg_lanes, only: path_t
+   use psalm_leg_lanes, only: problem_path_t
    use psalm_leg_problem, only: variables
    use psalm_monodromy, only: add_distinct, is_same, near, orbit_key, orbit_numbers
    use psalm_quad_path, only: follow_precisely, path_arrived, path_singular, path_to_infinity
@@ -59,7 +59,7 @@ contains
 
    !> Add the ends of a pass.
    subroutine take_ends(path, tracked, orbits, ends)
-      type(path_t), intent(in) :: path
+      type(problem_path_t), intent(in) :: path
       type(tracked_t), intent(in) :: tracked
       logical, intent(in) :: orbits
       type(ends_t), intent(inout) :: ends
@@ -89,7 +89,7 @@ contains
    !> Follow solutions of the problem at t = 1 to that at t = 0. With `orbits` ends that exchange of the legs and cognates make of
    !> each other are one. A stop leaves the ends that were reached; none of them is sure then.
    subroutine track_carefully(path, starts, orbits, tracked, stop)
-      type(path_t), intent(in) :: path
+      type(problem_path_t), intent(in) :: path
       complex(wp), intent(in) :: starts(:, :)        !! shape (variables, count)
       logical, intent(in) :: orbits
       type(tracked_t), intent(out) :: tracked
@@ -158,7 +158,7 @@ contains
 
    !> Follow what is still in doubt in quadruple precision, and what comes into doubt by that.
    subroutine settle(path, starts, orbits, tracked, stop)
-      type(path_t), intent(in) :: path
+      type(problem_path_t), intent(in) :: path
       complex(wp), intent(in) :: starts(:, :)        !! shape (variables, count)
       logical, intent(in) :: orbits
       type(tracked_t), intent(inout) :: tracked

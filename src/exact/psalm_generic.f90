@@ -2,7 +2,7 @@
 module psalm_generic
    use psalm_generic_start, only: poses_line, poses_stored, slider_line, slider_stored
    use psalm_kinds, only: wp
-   use psalm_leg_lanes, only: path_t
+   use psalm_leg_lanes, only: problem_path_t
    use psalm_leg_problem, only: draw_problem, kind_point, kind_pose, leg_problem_t, variables
    use psalm_monodromy, only: add_distinct, generic_t, solve_generic
    use psalm_start_text, only: characters_short, decode_short
@@ -35,7 +35,7 @@ contains
       type(leg_problem_t), intent(in) :: problem
       type(generic_t), intent(out) :: generic
       type(xoshiro_t) :: random
-      type(path_t) :: path
+      type(problem_path_t) :: path
       complex(wp), allocatable :: kept(:, :)
       complex(wp) :: solution(variables)
       real(wp), allocatable :: left(:)

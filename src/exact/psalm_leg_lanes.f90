@@ -10,15 +10,15 @@ module psalm_leg_lanes
                                 at_a, at_ah, at_y, at_yh, at_b, at_bh
    implicit none (type, external)
    private
-   public :: lanes, state_size, path_t, work_t, linearise, solve_lanes, set_given
+   public :: lanes, state_size, problem_path_t, work_t, linearise, solve_lanes, set_given
 
    integer, parameter :: state_size = variables + 2*most_points !! legs, then all g, then all gh
 
    !> From one problem to another.
-   type :: path_t
+   type :: problem_path_t
       type(leg_problem_t) :: problem
       type(leg_data_t) :: from, to                   !! at t = 1 and t = 0
-   end type path_t
+   end type problem_path_t
 
    !> What linearising leaves for the way back to the turns.
    type :: work_t
@@ -37,7 +37,7 @@ contains
 
    !> Pivots that are given, at the t of every lane.
    pure subroutine set_given(path, t, z)
-      type(path_t), intent(in) :: path
+      type(problem_path_t), intent(in) :: path
       real(wp), intent(in) :: t(lanes)
       complex(wp), intent(inout) :: z(lanes, state_size)
       integer :: k
@@ -50,7 +50,7 @@ contains
 
    !> Matrix, right sides of the correction and of dz/dt at z, for every lane.
    pure subroutine linearise(path, t, z, work)
-      type(path_t), intent(in) :: path
+      type(problem_path_t), intent(in) :: path
       real(wp), intent(in) :: t(lanes)
       complex(wp), intent(in) :: z(lanes, state_size)
       type(work_t), intent(inout) :: work
@@ -77,7 +77,7 @@ contains
 
    !> Values of both legs at a point, and their derivatives by their own numbers, by g and gh and by t.
    pure subroutine linearise_legs(path, j, t, z, work)
-      type(path_t), intent(in) :: path
+      type(problem_path_t), intent(in) :: path
       integer, intent(in) :: j
       real(wp), intent(in) :: t(lanes)
       complex(wp), intent(in) :: z(lanes, state_size)
@@ -149,7 +149,7 @@ contains
 
    !> One leg with two pins: the equation of its length, by x, xh, a, ah, by g and gh, and by t.
    pure subroutine linearise_leg(path, j, t, g, gh, x, xh, a, ah, row, u, w, value, rate)
-      type(path_t), intent(in) :: path
+      type(problem_path_t), intent(in) :: path
       integer, intent(in) :: j
       real(wp), intent(in) :: t(lanes)
       complex(wp), intent(in) :: g(lanes), gh(lanes)
@@ -179,7 +179,7 @@ contains
 
    !> The row of a point: both legs and the modulus of the turn, combined so that neither g nor gh is left.
    pure subroutine linearise_point(path, j, t, z, work)
-      type(path_t), intent(in) :: path
+      type(problem_path_t), intent(in) :: path
       integer, intent(in) :: j
       real(wp), intent(in) :: t(lanes)
       complex(wp), intent(in) :: z(lanes, state_size)
@@ -211,7 +211,7 @@ contains
 
    !> The two rows of a pose, whose turn goes along the path too.
    pure subroutine linearise_pose(path, j, t, z, work)
-      type(path_t), intent(in) :: path
+      type(problem_path_t), intent(in) :: path
       integer, intent(in) :: j
       real(wp), intent(in) :: t(lanes)
       complex(wp), intent(in) :: z(lanes, state_size)
@@ -239,7 +239,7 @@ contains
 
    !> The two rows of a timed point: the crank's turn gives g and gh, the modulus of the coupler's turn and leg b are left.
    pure subroutine linearise_timed(path, j, t, z, work)
-      type(path_t), intent(in) :: path
+      type(problem_path_t), intent(in) :: path
       integer, intent(in) :: j
       real(wp), intent(in) :: t(lanes)
       complex(wp), intent(in) :: z(lanes, state_size)
@@ -298,7 +298,7 @@ contains
 
    !> Put a row into the matrix: given pivots go to the right, columns and row are scaled.
    pure subroutine put_row(path, work)
-      type(path_t), intent(in) :: path
+      type(problem_path_t), intent(in) :: path
       type(work_t), intent(inout) :: work
       real(wp) :: largest(lanes)
       integer :: r, c, k, l, n
@@ -341,7 +341,7 @@ contains
 
    !> Corrections of all numbers, and their derivatives by t; relative sizes of the corrections. Destroys the matrix.
    pure subroutine solve_lanes(path, t, z, work, tangents, step, tangent, size_of_step)
-      type(path_t), intent(in) :: path
+      type(problem_path_t), intent(in) :: path
       real(wp), intent(in) :: t(lanes)
       complex(wp), intent(in) :: z(lanes, state_size)
       type(work_t), intent(inout) :: work
@@ -386,7 +386,7 @@ contains
 
    !> Changes of the turns that belong to changes of the legs; `largest` grows to their relative sizes.
    pure subroutine turns_back(path, t, z, work, value, change, largest)
-      type(path_t), intent(in) :: path
+      type(problem_path_t), intent(in) :: path
       real(wp), intent(in) :: t(lanes)
       complex(wp), intent(in) :: z(lanes, state_size), value(lanes, 3, most_points)
       type(work_t), intent(in) :: work

@@ -6,7 +6,7 @@
 !> and monodromy.
 module psalm_monodromy
    use psalm_kinds, only: wp
-   use psalm_leg_lanes, only: path_t
+   use psalm_leg_lanes, only: problem_path_t
    use psalm_leg_problem, only: leg_data_t, leg_problem_t, at_a, at_ah, at_b, at_bh, at_x, at_xh, at_y, at_yh, draw_problem, &
                                 random_unit, variables
    use psalm_stop, only: stop_t
@@ -45,7 +45,7 @@ contains
       type(leg_data_t) :: away, turned
       complex(wp) :: solution(variables), unused(variables), l, m
       complex(wp), allocatable :: starts(:, :)
-      type(path_t) :: path
+      type(problem_path_t) :: path
       type(tracked_t) :: there, back
       integer :: idle, before
       logical :: drawn

@@ -11,7 +11,7 @@
 module psalm_nine_points
    use psalm_careful_tracking, only: ends_t, take_ends, track_carefully
    use psalm_kinds, only: wp
-   use psalm_leg_lanes, only: path_t
+   use psalm_leg_lanes, only: problem_path_t
    use psalm_leg_problem, only: kind_point, leg_data_t, make_problem, most_points, variables
    use psalm_monodromy, only: scale_problem, scale_solutions
    use psalm_nine_points_start, only: own_conjugates, printed_points => start_points, start_line, stored
@@ -32,7 +32,7 @@ module psalm_nine_points
       complex(wp), allocatable :: solutions(:, :)    !! shape (variables, count): distinct finite ends, singular ones last
       real(wp), allocatable :: left(:)               !! last relative correction of each regular one; of a singular one 0
       type(ends_t) :: ends                           !! how the paths ended
-      type(path_t) :: path                           !! whose end is the wanted problem, matched to the stored one
+      type(problem_path_t) :: path                           !! whose end is the wanted problem, matched to the stored one
       integer :: order(0:most_points) = 0            !! the wanted point, from 1, that stands at each place
       complex(wp) :: factor = (1.0_wp, 0.0_wp)       !! by which wanted points were multiplied
       logical :: mirrored = .false.                  !! after they were mirrored

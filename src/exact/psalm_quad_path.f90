@@ -6,7 +6,7 @@
 module psalm_quad_path
    use psalm_elementary, only: fractional_power
    use psalm_kinds, only: wp
-   use psalm_leg_lanes, only: path_t
+   use psalm_leg_lanes, only: problem_path_t
    use psalm_leg_problem, only: at_a, at_ah, at_b, at_bh, at_x, at_xh, at_y, at_yh, kind_pose, kind_timed, leg_data_t, &
                                 most_points, turns_of, variables
    use psalm_quad, only: qp, abs, exp
@@ -37,10 +37,10 @@ module psalm_quad_path
    integer, parameter :: most_winding = 6
 
    !> Legs and turns of the coupler.
-   type :: state_t
+   type :: tracking_state_t
       complex(qp) :: v(variables) = (0.0_qp, 0.0_qp)
       complex(qp) :: g(most_points) = (0.0_qp, 0.0_qp), gh(most_points) = (0.0_qp, 0.0_qp)
-   end type state_t
+   end type tracking_state_t
 
    !> A place on the way to an end.
    type :: look_t
@@ -55,7 +55,7 @@ contains
    !> t dz/dt between two places, and the end by its first two terms. Source: Morgan, Sommese and Wampler (1992), Numerische
    !> Mathematik 63, 391.
    subroutine follow_precisely(path, first_t, start, v, outcome, winding)
-      type(path_t), intent(in) :: path
+      type(problem_path_t), intent(in) :: path
       real(wp), intent(in) :: first_t
       complex(wp), intent(in) :: start(variables)    !! the solution there
       complex(wp), intent(out) :: v(variables)       !! where it ended
@@ -63,8 +63,8 @@ contains
       integer, intent(out) :: winding                !! of a singular end; else 1
       complex(wp) :: g(most_points), gh(most_points)
       type(leg_data_t) :: between
-      type(state_t), allocatable :: past(:), slope(:) ! large: they would fill a small stack
-      type(state_t) :: z, tangent
+      type(tracking_state_t), allocatable :: past(:), slope(:) ! large: they would fill a small stack
+      type(tracking_state_t) :: z, tangent
       type(look_t) :: looks(2)
       real(qp) :: past_t(remembered), t, h, aimed, e(2)
       integer :: known, k, step
@@ -187,9 +187,9 @@ contains
    !> Hermite extrapolation through past points and tangents.
    pure subroutine predict(past_t, past, slope, aimed, z)
       real(qp), intent(in) :: past_t(:)
-      type(state_t), intent(in) :: past(:), slope(:) !! shape (n)
+      type(tracking_state_t), intent(in) :: past(:), slope(:) !! shape (n)
       real(qp), intent(in) :: aimed
-      type(state_t), intent(out) :: z
+      type(tracking_state_t), intent(out) :: z
       real(qp) :: basis, sum_of_slopes, of_point, of_tangent
       integer :: k, m
 
@@ -211,10 +211,10 @@ contains
 
    !> One step of Newton's method at t; the tangent where it began, and its relative size: huge where the equations are singular.
    pure subroutine correct(path, t, z, tangent, size_of_step)
-      type(path_t), intent(in) :: path
+      type(problem_path_t), intent(in) :: path
       real(qp), intent(in) :: t
-      type(state_t), intent(inout) :: z
-      type(state_t), intent(out) :: tangent
+      type(tracking_state_t), intent(inout) :: z
+      type(tracking_state_t), intent(out) :: tangent
       real(qp), intent(out) :: size_of_step
       complex(qp), allocatable :: block(:, :, :)     ! large: it would fill a small stack
       complex(qp) :: m(variables + 2, variables), row(columns)
@@ -326,10 +326,10 @@ contains
 
    !> The equations of point j: derivatives by g, gh and the legs, value, and derivative by t.
    pure subroutine equations_of(path, j, t, z, block, equations)
-      type(path_t), intent(in) :: path
+      type(problem_path_t), intent(in) :: path
       integer, intent(in) :: j
       real(qp), intent(in) :: t
-      type(state_t), intent(in) :: z
+      type(tracking_state_t), intent(in) :: z
       complex(qp), intent(out) :: block(columns, most_equations)
       integer, intent(out) :: equations
       complex(qp) :: d, dh, dd, ddh, by_t, q, f, fh

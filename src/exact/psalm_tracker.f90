@@ -5,7 +5,7 @@
 !> done with one. Source: Allgower and Georg (1990), chapters 2 and 6; Morgan and Sommese (1989) for paths of parameters.
 module psalm_tracker
    use psalm_kinds, only: wp
-   use psalm_leg_lanes, only: lanes, linearise, path_t, set_given, solve_lanes, state_size, work_t
+   use psalm_leg_lanes, only: lanes, linearise, problem_path_t, set_given, solve_lanes, state_size, work_t
    use psalm_leg_problem, only: most_points, turns_of, variables
    use psalm_stop, only: stop_t
    implicit none (type, external)
@@ -50,7 +50,7 @@ contains
 
    !> Follow solutions of the problem at t = 1 to that at t = 0. Paths that a stop cuts off have not arrived.
    subroutine track(path, starts, tracked, largest_prediction, stop)
-      type(path_t), intent(in) :: path
+      type(problem_path_t), intent(in) :: path
       complex(wp), intent(in) :: starts(:, :)        !! shape (variables, count)
       type(tracked_t), intent(out) :: tracked
       real(wp), intent(in), optional :: largest_prediction !! error accepted; smaller is safer and slower
@@ -225,7 +225,7 @@ contains
    !> Newton's method on solutions of the problem at t = 0, until the corrections are of the size of rounding; `left` is the last
    !> relative correction.
    subroutine polish(path, solutions, left)
-      type(path_t), intent(in) :: path
+      type(problem_path_t), intent(in) :: path
       complex(wp), intent(inout) :: solutions(:, :)  !! shape (variables, count)
       real(wp), intent(out) :: left(:)               !! shape (count)
       type(work_t), allocatable :: work

@@ -22,12 +22,12 @@ module psalm_chain_force_model
    real(wp), parameter :: rounding = 64.0_wp*epsilon(1.0_wp) !! of sums of masses that cancel
 
    !> What joins two links. Listings print what the first does to the second.
-   type :: pair_t
+   type :: link_pair_t
       character(:), allocatable :: name
       integer :: kind = pair_pin
       integer :: which = 0                 !! joint, slide or gear pair
       integer :: links(2) = 0
-   end type pair_t
+   end type link_pair_t
 
    !> A place fixed in a link, or in the rod of a cylinder.
    type :: chain_spot_t
@@ -63,7 +63,7 @@ module psalm_chain_force_model
    type :: chain_model_t
       real(wp) :: metre = 1.0_wp              !! metres in a unit of length
       complex(wp) :: gravity = (0.0_wp, 0.0_wp) !! m/s2
-      type(pair_t), allocatable :: pairs(:)
+      type(link_pair_t), allocatable :: pairs(:)
       type(chain_spot_t), allocatable :: centres(:) !! shape (entries of MASSES)
       real(wp), allocatable :: mass(:), inertia(:)  !! the same shape: kg; kg m2 about the entry's own centre
       type(chain_load_t), allocatable :: loads(:)
@@ -144,9 +144,9 @@ contains
    !> The pairs: joint by joint every link with the one that holds the joint, then slides, then gears.
    subroutine list_pairs(closure, pairs)
       type(closure_t), intent(in) :: closure
-      type(pair_t), allocatable, intent(out) :: pairs(:)
+      type(link_pair_t), allocatable, intent(out) :: pairs(:)
       integer, allocatable :: links(:)
-      type(pair_t) :: one
+      type(link_pair_t) :: one
       integer :: j, k
 
       allocate (pairs(0))
@@ -182,7 +182,7 @@ contains
 
    !> The pair that a joint or a slide names; 0: the link named holds the pin.
    pure integer function pair_of(pairs, place) result(found)
-      type(pair_t), intent(in) :: pairs(:)
+      type(link_pair_t), intent(in) :: pairs(:)
       type(place_t), intent(in) :: place
       integer :: k
 

@@ -14,7 +14,8 @@ module psalm_machine
    use psalm_motor_group, only: motor_group_t
    implicit none (type, external)
    private
-   public :: machine_t, cycle_t, run_t, reduced_t, reduce_machine, make_machine, settle_machine, steady_cycle, run_up, flywheel_for
+   public :: machine_t, cycle_t, machine_run_t, reduced_t, reduce_machine, make_machine, settle_machine, steady_cycle, run_up, &
+             flywheel_for
    public :: cycle_found, cycle_grows, cycle_falls, cycle_stalls, cycle_any_speed, cycle_unknown
 
    integer, parameter :: least_steps = 1440          !! of integration over a turn: an even multiple of what is listed
@@ -76,14 +77,14 @@ module psalm_machine
    end type cycle_t
 
    !> Turns of a run-up.
-   type :: run_t
+   type :: machine_run_t
       real(wp), allocatable :: time(:)       !! shape (turns): s, at the end of each
       real(wp), allocatable :: speed(:)      !! shape (turns): rad/s there
       real(wp), allocatable :: least(:), greatest(:) !! shape (turns): within it
       real(wp) :: stopped_at = -1.0_wp       !! degrees from CRNKI: it stalls there; negative: it does not
       logical :: computed = .true.           !! false: the turn after those listed could not be computed
       real(wp) :: error = 0.0_wp             !! estimated, relative, of times and speeds
-   end type run_t
+   end type machine_run_t
 
 contains
 
@@ -573,10 +574,10 @@ contains
       type(problem_t), intent(inout) :: problem
       type(force_model_t), intent(in) :: model
       type(machine_t), intent(in) :: machine
-      type(run_t), intent(out) :: run
+      type(machine_run_t), intent(out) :: run
       type(machine_t) :: finer
       type(reduced_t) :: first
-      type(run_t) :: coarse
+      type(machine_run_t) :: coarse
       real(wp), allocatable :: stretch(:)
       real(wp) :: width
       integer :: k
@@ -614,7 +615,7 @@ contains
       type(reduced_t), intent(in) :: first
       real(wp), intent(in) :: stretch(0:)              !! shape (0:2*steps)
       integer, intent(in) :: stride
-      type(run_t), intent(out) :: run
+      type(machine_run_t), intent(out) :: run
       type(cycle_t) :: cycle
       real(wp) :: width, before, after, time
       integer :: steps, turn, turns, ended, last

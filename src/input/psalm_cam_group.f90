@@ -12,7 +12,7 @@ module psalm_cam_group
    use psalm_text, only: to_text, upper_case
    implicit none (type, external)
    private
-   public :: variation_t, vary_item, goal_base, goal_outer, goal_alpha, goal_rho, goal_accel, goal_stress, goal_names
+   public :: cam_variation_t, vary_item, goal_base, goal_outer, goal_alpha, goal_rho, goal_accel, goal_stress, goal_names
    public :: cam_group_t, roller_t, cams_of, follower_roller, follower_flat, fit_spline, fit_least_squares, most_pieces
 
    integer, parameter :: most_segments = 200, most_in_table = 2000, most_points = 100000, fewest_points = 12
@@ -48,11 +48,11 @@ module psalm_cam_group
    integer, parameter :: first_of_segments = 9, of_zones = 12
 
    !> A number that a search may change.
-   type :: variation_t
+   type :: cam_variation_t
       integer :: item = 0                      !! in `vary_names`
       integer :: segment = 0, zone = 0
       real(wp) :: low = 0.0_wp, high = 0.0_wp
-   end type variation_t
+   end type cam_variation_t
 
    type, extends(case_group_t) :: cam_group_t
       ! law
@@ -113,7 +113,7 @@ module psalm_cam_group
       real(wp) :: least_radius = 0.0_wp        !! RHOMIN
       real(wp) :: half_face = 0.0_wp           !! WFACE; 0: not limited
       ! search
-      type(variation_t), allocatable :: variations(:) !! VARY, VARLOW, VARHI
+      type(cam_variation_t), allocatable :: variations(:) !! VARY, VARLOW, VARHI
       integer :: goal = goal_base              !! GOAL
       ! tables
       integer :: points = 360                  !! NPOINT

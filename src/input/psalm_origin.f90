@@ -18,17 +18,17 @@ module psalm_origin
    end type mention_t
 
    !> Elements of one line.
-   type :: run_t
+   type :: element_run_t
       integer :: mention = 0              !! index of the mention
       integer :: first = 0, last = 0      !! elements
       integer :: line = 0
-   end type run_t
+   end type element_run_t
 
    !> The places of all values of a case.
    type :: origins_t
       private
       type(mention_t), allocatable :: mentions(:)
-      type(run_t), allocatable :: runs(:)
+      type(element_run_t), allocatable :: runs(:)
       integer :: mentioned = 0, ran = 0   !! valid elements of `mentions` and `runs`
    contains
       procedure :: clear
@@ -73,7 +73,7 @@ contains
    pure subroutine place(self, first, last, line)
       class(origins_t), intent(inout) :: self
       integer, intent(in) :: first, last, line
-      type(run_t), allocatable :: larger(:)
+      type(element_run_t), allocatable :: larger(:)
 
       if (self%ran > 0) then
          associate (run => self%runs(self%ran))
@@ -89,7 +89,7 @@ contains
          call move_alloc(larger, self%runs)
       end if
       self%ran = self%ran + 1
-      self%runs(self%ran) = run_t(self%mentioned, first, last, line)
+      self%runs(self%ran) = element_run_t(self%mentioned, first, last, line)
    end subroutine place
 
    !> Take over what another table holds.

@@ -1,7 +1,7 @@
 !> The group &OUTPUTS of a sketch: what is wanted of it.
 module psalm_outputs_group
    use psalm_group, only: group_t, out_of, required
-   use psalm_sketch, only: sketch_t, output_t, position_of, sketch_name, output_point, output_angle, output_distance, &
+   use psalm_sketch, only: sketch_t, sketch_output_t, position_of, sketch_name, output_point, output_angle, output_distance, &
                            output_slide, output_between, output_pose, output_ratio, output_x, output_y
    use psalm_sketch_names, only: word_room, take_name, find_joints, meant, link_names, words_of, joined
    use psalm_status, only: diagnostics_t
@@ -61,7 +61,7 @@ contains
       end function default_name
 
       subroutine understand(output)
-         type(output_t), intent(inout) :: output
+         type(sketch_output_t), intent(inout) :: output
          integer :: k
 
          select case (lower_case(trim(words(1))))
@@ -146,7 +146,7 @@ contains
       end subroutine wrong
 
       subroutine joints_of(output, from, to, wanted, after)
-         type(output_t), intent(inout) :: output
+         type(sketch_output_t), intent(inout) :: output
          integer, intent(in) :: from, to, wanted, after
          integer, allocatable :: joints(:)
          logical :: valid
@@ -162,7 +162,7 @@ contains
 
       !> A line: that of a link's first two joints, or that from a joint to another.
       subroutine line_of(output, from, to, after)
-         type(output_t), intent(inout) :: output
+         type(sketch_output_t), intent(inout) :: output
          integer, intent(in) :: from, to, after
          integer :: link
 

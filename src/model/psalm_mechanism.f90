@@ -104,13 +104,13 @@ module psalm_mechanism
    end type actuator_t
 
    !> An Assur group.
-   type :: group_t
+   type :: dyad_group_t
       integer :: kind = assur_none      !! one of `assur_...`
       integer :: loop = 0               !! the loop that closes it
       integer, allocatable :: members(:)!! its unknown arcs; of a dyad p and q
       integer :: sign = 1               !! assembly mode, +1 or -1
       integer :: joints(3) = 0          !! S, M, E
-   end type group_t
+   end type dyad_group_t
 
    !> What the mechanism is for.
    type :: output_t
@@ -124,7 +124,7 @@ module psalm_mechanism
       integer :: nloop = 0
       type(arc_t), allocatable :: arcs(:)
       type(loop_t), allocatable :: loops(:)
-      type(group_t), allocatable :: groups(:)       !! group k is closed by loop k
+      type(dyad_group_t), allocatable :: groups(:)       !! group k is closed by loop k
       type(point_t), allocatable :: points(:)       !! the input pivot first
       type(bar_t), allocatable :: bars(:)
       type(body_t), allocatable :: bodies(:)        !! the frame first, then that of the actuator, then those of each group

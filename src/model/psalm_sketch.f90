@@ -6,7 +6,7 @@ module psalm_sketch
    use psalm_kinds, only: wp
    implicit none (type, external)
    private
-   public :: sketch_t, link_t, slide_t, drive_t, output_t, variation_t
+   public :: sketch_t, link_t, slide_t, drive_t, sketch_output_t, variation_t
    public :: sketch_name, frame_link, position_of, grid_digits, columns_of, most_wished
    public :: drive_turns, drive_slides, drive_stretches
    public :: output_point, output_angle, output_distance, output_slide, output_between, output_pose, output_ratio
@@ -80,7 +80,7 @@ module psalm_sketch
    end type wish_t
 
    !> What is wanted.
-   type :: output_t
+   type :: sketch_output_t
       character(sketch_name) :: name = ''
       integer :: kind = 0                   !! one of `output_...`
       integer :: joints(4) = 0              !! point, pose: 1; distance: 1 or 2; angle: line 1-2; between: lines 1-2 and 3-4
@@ -88,7 +88,7 @@ module psalm_sketch
       integer :: slide = 0
       integer :: outputs(2) = 0             !! ratio: the rate of the first by that of the second
       type(wish_t) :: wishes(0:most_wished) !! by order of the derivative
-   end type output_t
+   end type sketch_output_t
 
    !> A dimension that a search may change.
    type :: variation_t
@@ -108,7 +108,7 @@ module psalm_sketch
       type(slide_t), allocatable :: slides(:)
       type(drive_t), allocatable :: drives(:)
       type(gear_t), allocatable :: gears(:)
-      type(output_t), allocatable :: outputs(:)
+      type(sketch_output_t), allocatable :: outputs(:)
       type(variation_t), allocatable :: variations(:)
       integer, allocatable :: length_of(:, :) !! shape (2, lengths): joints whose distance is given exactly
       real(wp), allocatable :: length(:)
@@ -143,7 +143,7 @@ contains
 
    !> How many numbers an output has.
    pure integer function columns_of(output)
-      type(output_t), intent(in) :: output
+      type(sketch_output_t), intent(in) :: output
 
       columns_of = 1
       if (output%kind == output_point) columns_of = 2

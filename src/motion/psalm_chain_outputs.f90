@@ -6,8 +6,8 @@ module psalm_chain_outputs
    use psalm_angles, only: degrees_of
    use psalm_closure, only: closure_t, state_t, most_orders, travel
    use psalm_kinds, only: wp, degrees_per_radian, full_turn
-   use psalm_sketch, only: output_t, output_point, output_angle, output_distance, output_slide, output_between, output_pose, &
-                           output_ratio, output_x, output_y, columns_of
+   use psalm_sketch, only: sketch_output_t, output_point, output_angle, output_distance, output_slide, output_between, &
+                           output_pose, output_ratio, output_x, output_y, columns_of
    implicit none (type, external)
    private
    public :: column_name, output_at, unwrap
@@ -16,7 +16,7 @@ contains
 
    !> Name of a number of an output.
    pure function column_name(output, column) result(name)
-      type(output_t), intent(in) :: output
+      type(sketch_output_t), intent(in) :: output
       integer, intent(in) :: column
       character(:), allocatable :: name
 
@@ -36,7 +36,7 @@ contains
    pure subroutine output_at(closure, state, outputs, values)
       type(closure_t), intent(in) :: closure
       type(state_t), intent(in) :: state
-      type(output_t), intent(in) :: outputs(:)
+      type(sketch_output_t), intent(in) :: outputs(:)
       real(wp), intent(out) :: values(:, 0:)       !! shape (numbers of all outputs, 0:most_orders)
       complex(wp) :: z(0:most_orders), l(0:most_orders), m(0:most_orders)
       real(wp) :: a(0:most_orders), b(0:most_orders), ratio(0:most_orders)

@@ -3,7 +3,7 @@ module psalm_cam_page
    use psalm_cam_profile, only: in_machine
    use psalm_cam_page_text, only: cam_page_text
    use psalm_cam_scene, only: cam_scene_t, cam_part_t
-   use psalm_cam_shape, only: extreme_t, measure_base, measure_outer, measure_pressure, measure_convex, measure_concave
+   use psalm_cam_shape, only: cam_extreme_t, measure_base, measure_outer, measure_pressure, measure_convex, measure_concave
    use psalm_cam_study, only: cam_study_t, role_cam, role_conjugate
    use psalm_kinds, only: wp, radians_per_degree
    use psalm_markup, only: json_text, short_number, xml_text, comma, truth
@@ -149,7 +149,7 @@ contains
 
       subroutine add_fact(name, extreme, further)
          character(*), intent(in) :: name
-         type(extreme_t), intent(in) :: extreme
+         type(cam_extreme_t), intent(in) :: extreme
          logical, intent(in) :: further
 
          if (.not. extreme%found) return

@@ -12,13 +12,13 @@ module psalm_chain_scene
    use psalm_markup, only: add_string, sentence_case
    use psalm_output_kind, only: motion_point, motion_angle
    use psalm_panels, only: add_study_panels
-   use psalm_parts, only: bar_t, body_t, edge_t, joint_t, slide_t, wheel_t, convex_hull
+   use psalm_parts, only: drawn_bar_t, drawn_body_t, edge_t, drawn_joint_t, drawn_slide_t, wheel_t, convex_hull
    use psalm_scene, only: scene_t, message_scene, choose_view, find_rails, motion_number
    use psalm_sketch, only: columns_of, sketch_t, drive_turns, frame_link, grid_digits, output_angle, output_between, &
                            output_point, output_pose, output_ratio, output_slide
    use psalm_sort, only: ascending
    use psalm_status, only: finding_t
-   use psalm_trace, only: row_t
+   use psalm_trace, only: position_row_t
    implicit none (type, external)
    private
    public :: make_chain_scene
@@ -208,7 +208,7 @@ contains
       type(state_t), intent(in) :: start
       type(scene_t), intent(inout) :: scene
       type(foot_t), allocatable, intent(out) :: feet(:)
-      type(joint_t) :: joint
+      type(drawn_joint_t) :: joint
       integer :: i, j
 
       allocate (feet(0))
@@ -241,7 +241,7 @@ contains
       if (allocated(scene%joints)) deallocate (scene%joints)
       allocate (scene%joints(size(sketch%joint_name) + size(feet)))
       do j = 1, size(scene%joints)
-         joint = joint_t(name='')
+         joint = drawn_joint_t(name='')
          if (j <= size(sketch%joint_name)) then
             joint%name = trim(sketch%joint_name(j))
             joint%turning = size(sketch%links_of(j)) > 1
@@ -292,7 +292,7 @@ contains
 
       subroutine add_bar(link, from, to)
          integer, intent(in) :: link, from, to
-         type(bar_t) :: bar
+         type(drawn_bar_t) :: bar
 
          bar%start = from
          bar%finish = to
@@ -314,7 +314,7 @@ contains
       !> A slide runs on the frame, else on the link with more joints; each side has its foot on the line.
       subroutine add_slide(which)
          integer, intent(in) :: which
-         type(slide_t) :: slide
+         type(drawn_slide_t) :: slide
          integer :: guide, block
 
          guide = 1
@@ -425,7 +425,7 @@ contains
    contains
 
       pure real(wp) function least_length(row, a, b)
-         type(row_t), intent(in) :: row
+         type(position_row_t), intent(in) :: row
          integer, intent(in) :: a, b
 
          least_length = minval(hypot(row%x(a, :) - row%x(b, :), row%y(a, :) - row%y(b, :)), &
@@ -488,7 +488,7 @@ contains
       type(chain_study_t), intent(in) :: study
       type(foot_t), intent(in) :: feet(:)
       type(scene_t), intent(in) :: scene
-      type(row_t), intent(inout) :: row
+      type(position_row_t), intent(inout) :: row
       complex(wp) :: z
       integer :: k, j, n, joints
 
@@ -552,7 +552,7 @@ contains
    subroutine tell_open(sketch, study, row)
       type(sketch_t), intent(in) :: sketch
       type(chain_study_t), intent(in) :: study
-      type(row_t), intent(inout) :: row
+      type(position_row_t), intent(inout) :: row
       type(violation_t) :: violation
       integer :: k, last
 

@@ -11,7 +11,7 @@ module psalm_curves
    use psalm_scene, only: scene_t
    use psalm_source, only: line_t
    use psalm_text, only: text_t, full_precision, number_or_nan, to_text
-   use psalm_trace, only: row_t
+   use psalm_trace, only: position_row_t
    implicit none (type, external)
    private
    public :: write_curves
@@ -138,7 +138,7 @@ contains
    subroutine write_table(name, scene, row, text)
       character(*), intent(in) :: name
       type(scene_t), intent(in) :: scene
-      type(row_t), intent(in) :: row
+      type(position_row_t), intent(in) :: row
       type(text_t), intent(inout) :: text
       character(:), allocatable :: line
       real(wp) :: value, before
@@ -179,7 +179,7 @@ contains
    !> Input of a position on the axis of the sweep.
    pure real(wp) function along(scene, row, i)
       type(scene_t), intent(in) :: scene
-      type(row_t), intent(in) :: row
+      type(position_row_t), intent(in) :: row
       integer, intent(in) :: i
 
       along = row%input(i)

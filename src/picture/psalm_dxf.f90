@@ -11,7 +11,7 @@ module psalm_dxf
    use psalm_output_kind, only: motion_point, motion_angle
    use psalm_scene, only: scene_t
    use psalm_text, only: text_t, to_text, upper_case
-   use psalm_trace, only: row_t
+   use psalm_trace, only: position_row_t
    implicit none (type, external)
    private
    public :: write_dxf, write_flat_dxf
@@ -30,7 +30,7 @@ contains
       type(dxf_group_t), intent(in) :: dxf
       type(text_t), intent(inout) :: text
       type(dxf_t) :: drawing
-      type(row_t), allocatable :: row
+      type(position_row_t), allocatable :: row
       character(layer_length), allocatable :: layers(:)
       real(wp) :: radius
       integer :: at, b
@@ -240,7 +240,7 @@ contains
       type(dxf_group_t), intent(in) :: dxf
       type(text_t), intent(inout) :: text
       type(dxf_t) :: drawing
-      type(row_t), allocatable :: row
+      type(position_row_t), allocatable :: row
       type(outline_t), allocatable :: outlines(:)
       character(layer_length), allocatable :: layers(:)
       integer, allocatable :: order(:)
@@ -367,7 +367,7 @@ contains
    subroutine choose_position(scene, dxf, row, at)
       type(scene_t), intent(in) :: scene
       type(dxf_group_t), intent(in) :: dxf
-      type(row_t), allocatable, intent(out) :: row
+      type(position_row_t), allocatable, intent(out) :: row
       integer, intent(out) :: at
 
       at = scene%reference

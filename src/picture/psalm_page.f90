@@ -9,13 +9,13 @@ module psalm_page
    use psalm_labels, only: place_labels
    use psalm_markup, only: xml_text, json_text, number_or_null, short_number, short_or_null, strings_t, comma, truth
    use psalm_page_text, only: page_text
-   use psalm_panels, only: band_t, panel_t
-   use psalm_parts, only: bar_t, body_t
+   use psalm_panels, only: tolerance_band_t, panel_t
+   use psalm_parts, only: drawn_bar_t, drawn_body_t
    use psalm_proof_page, only: write_proof_data
    use psalm_scene, only: scene_t, motion_number
    use psalm_shared_text, only: title_mark, data_mark
    use psalm_text, only: text_t, full_precision, to_text
-   use psalm_trace, only: row_t
+   use psalm_trace, only: position_row_t
    use psalm_vibration_page, only: write_vibration_data
    implicit none (type, external)
    private
@@ -200,7 +200,7 @@ contains
 
    !> The length of a cylinder's barrel, if it is one.
    pure function barrel_of(bar) result(member)
-      type(bar_t), intent(in) :: bar
+      type(drawn_bar_t), intent(in) :: bar
       character(:), allocatable :: member
 
       member = ''
@@ -209,7 +209,7 @@ contains
 
    !> The name of a link of a sketch, if it is one.
    pure function name_of(body) result(member)
-      type(body_t), intent(in) :: body
+      type(drawn_body_t), intent(in) :: body
       character(:), allocatable :: member
 
       member = ''
@@ -308,7 +308,7 @@ contains
 
    !> Deviations of the output over the sweep: for each component root-sum-square and worst case.
    subroutine write_band(band, text)
-      type(band_t), intent(in) :: band
+      type(tolerance_band_t), intent(in) :: band
       type(text_t), intent(inout) :: text
       integer :: c
 
@@ -340,7 +340,7 @@ contains
    !> A row of positions: prescribed ones with all digits, a sweep with nine.
    subroutine write_row(scene, row, exact, text)
       type(scene_t), intent(in) :: scene
-      type(row_t), intent(in) :: row
+      type(position_row_t), intent(in) :: row
       logical, intent(in) :: exact
       type(text_t), intent(inout) :: text
       logical :: all_known(row%n)
@@ -458,7 +458,7 @@ contains
 
       !> Pairs that do not meet: position, loop, where p and q end.
       subroutine add_broken(row)
-         type(row_t), intent(in) :: row
+         type(position_row_t), intent(in) :: row
          integer :: k, l, m, count
 
          count = 0
@@ -504,7 +504,7 @@ contains
    !> The common joint of each pair in its other assembly, where there is one.
    subroutine write_others(scene, row, text)
       type(scene_t), intent(in) :: scene
-      type(row_t), intent(in) :: row
+      type(position_row_t), intent(in) :: row
       type(text_t), intent(inout) :: text
       integer :: loop, count
 

@@ -3,7 +3,7 @@ module psalm_panel_curves
    use psalm_kinds, only: wp, full_turn
    use psalm_markup, only: gnuplot_text, short_number
    use psalm_output_kind, only: motion_angle
-   use psalm_panels, only: band_t, panel_t, flat
+   use psalm_panels, only: tolerance_band_t, panel_t, flat
    use psalm_scene, only: scene_t
    use psalm_text, only: text_t, full_precision, number_or_nan, to_text
    implicit none (type, external)
@@ -155,7 +155,7 @@ contains
 
    !> Append the panel of the deviations: bands are often too narrow to be seen on the curve.
    subroutine plot_band_panel(band, text)
-      type(band_t), intent(in) :: band
+      type(tolerance_band_t), intent(in) :: band
       type(text_t), intent(inout) :: text
       character(:), allocatable :: line, label
       integer :: c, shown, first

@@ -17,7 +17,7 @@ module psalm_panels
    use psalm_tolerance, only: deviating_t, tolerance_t, find_tolerances
    implicit none (type, external)
    private
-   public :: panel_t, band_t, add_rate_panels, add_sketch_panels, add_study_panels, add_family_panels, find_band, flat
+   public :: panel_t, tolerance_band_t, add_rate_panels, add_sketch_panels, add_study_panels, add_family_panels, find_band, flat
 
    integer, parameter :: name_room = 96      !! characters of a panel's name
    integer, parameter :: label_room = 32     !! characters of a line's name
@@ -44,12 +44,12 @@ module psalm_panels
    end type panel_t
 
    !> Deviations of the output over the sweep, within the tolerances of the dimensions.
-   type :: band_t
+   type :: tolerance_band_t
       integer :: components = 0
       real(wp), allocatable :: square(:, :)  !! shape (sweep, components): root-sum-square
       real(wp), allocatable :: worst(:, :)   !! the same shape: worst case
       logical, allocatable :: known(:)       !! shape (sweep)
-   end type band_t
+   end type tolerance_band_t
 
 contains
 
@@ -237,7 +237,7 @@ contains
       type(dimensions_t), intent(in) :: dimensions
       real(wp), intent(in) :: delt(:)              !! increments of the sweep
       logical, intent(in) :: closed(:)
-      type(band_t), intent(out) :: band
+      type(tolerance_band_t), intent(out) :: band
       logical, intent(out) :: found
       class(data_set_t), allocatable :: swept
       type(deviating_t), allocatable :: deviating

@@ -5,19 +5,20 @@ module psalm_parts
    use psalm_plan, only: plan_t, root_frame
    implicit none (type, external)
    private
-   public :: joint_t, bar_t, body_t, slide_t, pair_t, wheel_t, curve_t, drive_part_t, edge_t, find_slides, convex_hull
+   public :: drawn_joint_t, drawn_bar_t, drawn_body_t, drawn_slide_t, drawn_dyad_t, wheel_t, output_curve_t, drive_part_t, &
+             edge_t, find_slides, convex_hull
 
    real(wp), parameter :: flat = 1.0e-3_wp !! a hull with less area than this times its width squared is a line
 
-   type :: joint_t
+   type :: drawn_joint_t
       character(:), allocatable :: name       !! letter; empty: a corner of one body, no joint
       logical :: turning = .false.            !! revolute
       logical :: slides = .false.             !! prismatic: a block sits here
       logical :: fixed = .false.              !! on the frame
-   end type joint_t
+   end type drawn_joint_t
 
    !> An arc, or several arcs that are the same.
-   type :: bar_t
+   type :: drawn_bar_t
       integer :: start = 0, finish = 0        !! joints
       integer :: loop = 0, arc = 0            !! the first arc along it; 0: the output arc
       character(:), allocatable :: others     !! the other arcs along it, in words
@@ -26,30 +27,30 @@ module psalm_parts
       real(wp) :: length = 0.0_wp             !! fixed length
       logical :: cylinder = .false.           !! a drive changes its length
       real(wp) :: barrel = 0.0_wp             !! of a cylinder: length of the thick part, from the start
-   end type bar_t
+   end type drawn_bar_t
 
-   type :: body_t
+   type :: drawn_body_t
       integer, allocatable :: joints(:)
       integer, allocatable :: hull(:)         !! joints round its outline, size 0: no plate
       logical :: frame = .false.
       character(:), allocatable :: name       !! of a link of a sketch; else not allocated
-   end type body_t
+   end type drawn_body_t
 
-   type :: slide_t
+   type :: drawn_slide_t
       integer :: bar = 0
       integer :: of = 0                       !! slide of the sketch
       integer :: guide = 0, block = 0         !! joints: where the guide meets the line, and what moves along it
       real(wp) :: sense = 1.0_wp              !! +1: the arc leads from guide to block
       logical :: still = .false.              !! its direction is that of the frame
       real(wp) :: low = 0.0_wp, high = 0.0_wp !! reach of the rail, from the guide along sense times the arc's direction
-   end type slide_t
+   end type drawn_slide_t
 
    !> The undetermined arcs of a loop.
-   type :: pair_t
+   type :: drawn_dyad_t
       integer :: joint_type = 0               !! dyad, 1 to 8
       integer :: start = 0, shared = 0, finish = 0 !! joints S, common joint, E
       integer :: bars(2) = 0                  !! p and q
-   end type pair_t
+   end type drawn_dyad_t
 
    !> A gear wheel.
    type :: wheel_t
@@ -59,11 +60,11 @@ module psalm_parts
    end type wheel_t
 
    !> A number of an output along both rows of positions.
-   type :: curve_t
+   type :: output_curve_t
       character(:), allocatable :: name
       logical :: angle = .false.              !! degrees
       real(wp), allocatable :: prescribed(:), sweep(:) !! valid where the linkage closes
-   end type curve_t
+   end type output_curve_t
 
    !> A drive along both rows of positions.
    type :: drive_part_t
@@ -83,8 +84,8 @@ contains
    pure subroutine find_slides(mechanism, plan, slides)
       type(mechanism_t), intent(in) :: mechanism
       type(plan_t), intent(in) :: plan
-      type(slide_t), allocatable, intent(out) :: slides(:)
-      type(slide_t) :: slide
+      type(drawn_slide_t), allocatable, intent(out) :: slides(:)
+      type(drawn_slide_t) :: slide
       integer :: b, n
 
       allocate (slides(0))

@@ -1,7 +1,7 @@
 !> What pictures show of four poses: the curves of the pivots, the poles, the best linkage, and what every pair of pivots is worth.
 module psalm_pole_scene
    use psalm_angles, only: unit_vector
-   use psalm_burmester, only: dyad_t
+   use psalm_burmester, only: pin_pair_t
    use psalm_data_set, only: data_set_t
    use psalm_exact_group, only: exact_group_t, exact_of
    use psalm_exact_results, only: exact_result_t
@@ -24,7 +24,7 @@ module psalm_pole_scene
       type(curve_sample_t), allocatable :: curve(:)  !! branch by branch, from the first pose's point
       logical :: has_best = .false.
       type(exact_result_t) :: best
-      type(dyad_t), allocatable :: lines(:)          !! a slide, if one is asked for
+      type(pin_pair_t), allocatable :: lines(:)          !! a slide, if one is asked for
       logical :: has_map = .false.
       type(pole_map_t) :: map
       real(wp) :: at(2) = 0.0_wp                     !! the best pair on the axes of the map: rays, degrees; of branch 2 180 more

@@ -22,14 +22,14 @@ module psalm_proof_scene
    real(wp), parameter :: certain = 1.0e-9_wp       !! a bracket of a dead point narrower than this, degrees or relative, is one
 
    !> Something proven, at an input or of the whole range.
-   type :: mark_t
+   type :: proof_mark_t
       character(:), allocatable :: kind             !! opens, extreme, dead, clearance or range
       character(:), allocatable :: text
       logical :: placed = .false.                   !! it has an input
       real(wp) :: input = 0.0_wp
       logical :: of_output = .false.                !! it is the output point that has an extreme or stands still
       real(wp) :: at(2) = 0.0_wp                    !! the output point there
-   end type mark_t
+   end type proof_mark_t
 
    !> The least of a clearance: the shapes there and the shortest way between them.
    type :: near_t
@@ -48,7 +48,7 @@ module psalm_proof_scene
    end type wide_t
 
    type :: proof_scene_t
-      type(mark_t), allocatable :: marks(:)
+      type(proof_mark_t), allocatable :: marks(:)
       type(near_t), allocatable :: near(:)
       type(wide_t), allocatable :: wide(:)
    end type proof_scene_t
@@ -106,7 +106,7 @@ contains
       character(*), intent(in) :: kind, text
       real(wp), intent(in), optional :: input       !! absent: of the whole range
       logical, intent(in), optional :: of_output
-      type(mark_t), allocatable :: more(:)
+      type(proof_mark_t), allocatable :: more(:)
       integer :: i
 
       ! element by element, for texts of their own lengths

@@ -15,9 +15,9 @@ module psalm_scene
    use psalm_margins, only: margin_t, inspector_t, prepare_inspector, inspect, is_violated, margin_clearance
    use psalm_markup, only: strings_t, add_string, sentence_case
    use psalm_output_kind, only: motion_point, motion_angle, motion_distance, motion_slide, motion_pose
-   use psalm_panels, only: panel_t, band_t, add_family_panels, add_rate_panels, add_sketch_panels, find_band
-   use psalm_parts, only: joint_t, bar_t, body_t, slide_t, pair_t, wheel_t, curve_t, drive_part_t, edge_t, find_slides, &
-                          convex_hull
+   use psalm_panels, only: panel_t, tolerance_band_t, add_family_panels, add_rate_panels, add_sketch_panels, find_band
+   use psalm_parts, only: drawn_joint_t, drawn_bar_t, drawn_body_t, drawn_slide_t, drawn_dyad_t, wheel_t, output_curve_t, &
+                          drive_part_t, edge_t, find_slides, convex_hull
    use psalm_sketch, only: output_point, output_pose, output_x, output_y
    use psalm_proof_scene, only: proof_scene_t, make_proof_scene
    use psalm_status, only: finding_t, level_error
@@ -25,7 +25,7 @@ module psalm_scene
    use psalm_dimensions, only: dimensions_t
    use psalm_mechanism, only: mechanism_t, at_finish, at_start, body_frame, joint_revolute
    use psalm_parameters, only: parameters_t
-   use psalm_trace, only: row_t, trace_row
+   use psalm_trace, only: position_row_t, trace_row
    use psalm_vibration_scene, only: vibration_scene_t
    implicit none (type, external)
    private
@@ -47,16 +47,16 @@ module psalm_scene
       logical :: sliding = .false., desired = .false., everywhere = .false. !! sliding input; desired values; KTHETA=1
       real(wp) :: tangle = 90.0_wp, sense = 1.0_wp
       integer :: loops = 0
-      type(joint_t), allocatable :: joints(:)
-      type(bar_t), allocatable :: bars(:)
-      type(body_t), allocatable :: bodies(:)
-      type(slide_t), allocatable :: slides(:)
-      type(pair_t), allocatable :: pairs(:)               !! by loop
+      type(drawn_joint_t), allocatable :: joints(:)
+      type(drawn_bar_t), allocatable :: bars(:)
+      type(drawn_body_t), allocatable :: bodies(:)
+      type(drawn_slide_t), allocatable :: slides(:)
+      type(drawn_dyad_t), allocatable :: pairs(:)               !! by loop
       type(region_t), allocatable :: regions(:)           !! where joints must not go
       integer :: output = 0, output_base = 0              !! joints: the output point, where the output arc begins
       integer :: output_slide = 0                         !! MOTION 3: the slide
-      type(row_t) :: prescribed, sweep
-      type(row_t) :: chosen                               !! one more position, for DXF; n is 0 if there is none
+      type(position_row_t) :: prescribed, sweep
+      type(position_row_t) :: chosen                               !! one more position, for DXF; n is 0 if there is none
       real(wp) :: pointer = 0.0_wp                        !! drawn length of the output arc with MOTION 1
       integer :: reference = 1                            !! prescribed position nearest to the reference position
       real(wp) :: low(2) = 0.0_wp, high(2) = 1.0_wp       !! corners of the view
@@ -66,12 +66,12 @@ module psalm_scene
       type(proof_scene_t), allocatable :: proof           !! if the motion is proven, or links have a width
       integer, allocatable :: drawn(:)                    !! by point of the mechanism: the joint that is drawn there
       type(panel_t), allocatable :: panels(:)             !! other curves over the sweep: rates, further outputs
-      type(band_t), allocatable :: band                   !! of the output, if the dimensions have tolerances
+      type(tolerance_band_t), allocatable :: band                   !! of the output, if the dimensions have tolerances
       character(:), allocatable :: output_label           !! of a sketch: name of the output drawn
       ! of sketches without loops of dyads only
       character(:), allocatable :: input_label            !! what counts along the sweep
       type(wheel_t), allocatable :: wheels(:)
-      type(curve_t), allocatable :: curves(:)             !! all outputs
+      type(output_curve_t), allocatable :: curves(:)             !! all outputs
       type(drive_part_t), allocatable :: drives(:)        !! all drives
       real(wp), allocatable :: meshes(:, :, :)            !! shape (2, 4, meshes): what the output reaches over a grid of strokes
       type(edge_t), allocatable :: edges(:)               !! of that, all drives but one at an end of their strokes
@@ -201,7 +201,7 @@ contains
       type(parameters_t), intent(in) :: parameters
       type(scene_t), intent(inout) :: scene
       class(problem_t), allocatable :: own     ! large: it would fill a small stack
-      type(band_t), allocatable :: band
+      type(tolerance_band_t), allocatable :: band
       real(wp) :: size_of
       logical :: found
 
@@ -248,7 +248,7 @@ contains
    !> point of the slide's line at the link's distance (types 4 and 5).
    pure subroutine find_others(scene, row)
       type(scene_t), intent(in) :: scene
-      type(row_t), intent(inout) :: row
+      type(position_row_t), intent(inout) :: row
       type(form_t) :: form
       real(wp) :: from(2), along(2), joint(2)
       integer :: loop, k, s
@@ -285,7 +285,7 @@ contains
    !> Where the output ought to be, and for MOTION 1 the direction it has.
    pure subroutine find_wishes(scene, row)
       type(scene_t), intent(in) :: scene
-      type(row_t), intent(inout) :: row
+      type(position_row_t), intent(inout) :: row
       real(wp) :: base(2), unit(2)
       integer :: k
 
@@ -390,7 +390,7 @@ contains
    contains
 
       pure logical function together(row, j, k)
-         type(row_t), intent(in) :: row
+         type(position_row_t), intent(in) :: row
          integer, intent(in) :: j, k
          integer :: i
 
@@ -405,7 +405,7 @@ contains
       end function together
 
       subroutine keep(row)
-         type(row_t), intent(inout) :: row
+         type(position_row_t), intent(inout) :: row
 
          row%x = row%x(kept, :)
          row%y = row%y(kept, :)
@@ -597,8 +597,8 @@ contains
       subroutine add_body(number, whole)
          integer, intent(in) :: number    !! of the piece
          integer, intent(in) :: whole     !! of the mechanism's body
-         type(body_t) :: new
-         type(body_t), allocatable :: more(:)
+         type(drawn_body_t) :: new
+         type(drawn_body_t), allocatable :: more(:)
          logical :: member(size(scene%joints))
          integer :: j, k
 
@@ -696,7 +696,7 @@ contains
    contains
 
       subroutine reach(row, limit)
-         type(row_t), intent(in) :: row
+         type(position_row_t), intent(in) :: row
          real(wp), intent(in) :: limit
          real(wp) :: along
          integer :: i

@@ -16,7 +16,7 @@ module psalm_svg
    use psalm_scene, only: scene_t, motion_number
    use psalm_svg_frame, only: begin_svg, px => pixels
    use psalm_text, only: text_t, full_precision, to_text
-   use psalm_trace, only: row_t
+   use psalm_trace, only: position_row_t
    use psalm_view, only: drawing_unit, change_unit, take_in_others
    implicit none (type, external)
    private
@@ -370,7 +370,7 @@ contains
    !> All links at one position.
    subroutine draw_bars(scene, row, i, class, k, text)
       type(scene_t), intent(in) :: scene
-      type(row_t), intent(in) :: row
+      type(position_row_t), intent(in) :: row
       integer, intent(in) :: i
       character(*), intent(in) :: class
       real(wp), intent(in) :: k
@@ -892,7 +892,7 @@ contains
    ! ---- numbers -----------------------------------------------------------------------------------------------------
 
    pure function point(row, j, i) result(text)
-      type(row_t), intent(in) :: row
+      type(position_row_t), intent(in) :: row
       integer, intent(in) :: j, i
       character(:), allocatable :: text
 

@@ -10,15 +10,15 @@ module psalm_trace
    use psalm_finale, only: describe_violation
    use psalm_kinds, only: wp
    use psalm_markup, only: strings_t, add_string, sentence_case
-   use psalm_parts, only: slide_t
+   use psalm_parts, only: drawn_slide_t
    use psalm_dimensions, only: dimensions_t
    use psalm_mechanism, only: arc_slide, at_finish, at_start
    implicit none (type, external)
    private
-   public :: row_t, trace_row
+   public :: position_row_t, trace_row
 
    !> A row of positions. Co-ordinates in machine axes; what is not known is 0 with `known` false.
-   type :: row_t
+   type :: position_row_t
       integer :: n = 0
       real(wp), allocatable :: input(:), delt(:)          !! degrees within a turn or length; increments
       logical, allocatable :: closed(:)                   !! every loop the output depends on closes
@@ -39,7 +39,7 @@ module psalm_trace
       type(violation_t), allocatable :: violations(:)
       type(strings_t), allocatable :: words(:)            !! of each violation
       logical :: violated = .false.                       !! the output's own loops violate closure or limits
-   end type row_t
+   end type position_row_t
 
 contains
 
@@ -48,10 +48,10 @@ contains
       type(problem_t), intent(inout) :: own     !! as `psalm` solves it
       type(problem_t), intent(inout) :: whole   !! every loop; its output is the output point
       type(dimensions_t), intent(in) :: dimensions
-      type(slide_t), intent(in) :: slides(:)    !! joints by numbers of the mechanism's points
+      type(drawn_slide_t), intent(in) :: slides(:)    !! joints by numbers of the mechanism's points
       integer, intent(in) :: output_slide       !! MOTION 3: the slide whose length is the output, else 0
       logical, intent(in) :: prescribed         !! the positions are the user's own, with numbers he knows
-      type(row_t), intent(out) :: row
+      type(position_row_t), intent(out) :: row
       type(motion_t) :: motion, points
       integer :: block, offset, n, i, k, joints, loops
       integer, allocatable :: undetermined(:)   ! by position: a loop of whose dyad the outer joints coincide
@@ -104,10 +104,10 @@ contains
    !> Joints in the order of the mechanism's points: each from one before it.
    subroutine place_joints(problem, slides, i, k, undetermined, row)
       type(problem_t), intent(in) :: problem
-      type(slide_t), intent(in) :: slides(:)
+      type(drawn_slide_t), intent(in) :: slides(:)
       integer, intent(in) :: i, k       !! position of the block, of the row
       integer, intent(in) :: undetermined !! a loop without directions at this position, 0: none
-      type(row_t), intent(inout) :: row
+      type(position_row_t), intent(inout) :: row
       integer :: j, loop, p, q, s, start, finish
       real(wp) :: x, y, length
 
@@ -169,7 +169,7 @@ contains
    pure subroutine leave_open(problem, loop, p, q, start, finish, i, k, row)
       type(problem_t), intent(in) :: problem
       integer, intent(in) :: loop, p, q, start, finish, i, k !! its arcs, its outer joints; position of the block, of the row
-      type(row_t), intent(inout) :: row
+      type(position_row_t), intent(inout) :: row
       type(form_t) :: form
       real(wp) :: x, y, length, along
 
@@ -226,11 +226,11 @@ contains
    !> The output point is the last joint of the row; with MOTION 3 it is the block on the sliding arc.
    subroutine place_output(own, slides, output_slide, points, k, row)
       type(problem_t), intent(in) :: own
-      type(slide_t), intent(in) :: slides(:)
+      type(drawn_slide_t), intent(in) :: slides(:)
       integer, intent(in) :: output_slide
       type(motion_t), intent(in) :: points    !! of the problem whose output is the output point
       integer, intent(in) :: k
-      type(row_t), intent(inout) :: row
+      type(position_row_t), intent(inout) :: row
       integer :: j, base
 
       j = size(own%mechanism%points) + 1

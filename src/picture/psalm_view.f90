@@ -5,7 +5,7 @@ module psalm_view
    use psalm_kinds, only: wp
    use psalm_proof_scene, only: change_unit_of_proof
    use psalm_scene, only: scene_t
-   use psalm_trace, only: row_t
+   use psalm_trace, only: position_row_t
    implicit none (type, external)
    private
    public :: drawing_unit, change_unit, take_in_others
@@ -47,7 +47,7 @@ contains
    contains
 
       pure subroutine change(row)
-         type(row_t), intent(inout) :: row
+         type(position_row_t), intent(inout) :: row
 
          row%x = row%x/unit
          row%y = row%y/unit

@@ -11,8 +11,8 @@ module psalm_proof_chain
    use psalm_kinds, only: wp, degrees_per_radian
    use psalm_proof_tube, only: tube_t, enclose, enclose_here, half_of, joins, prediction_at, enclose_turn, turning_point, &
                                leads_to, steepest, point_majorant, travel_majorant, rounding, degree
-   use psalm_sketch, only: output_t, output_point, output_angle, output_distance, output_slide, output_between, output_pose, &
-                           output_ratio, output_x, output_y, columns_of
+   use psalm_sketch, only: sketch_output_t, output_point, output_angle, output_distance, output_slide, output_between, &
+                           output_pose, output_ratio, output_x, output_y, columns_of
    implicit none (type, external)
    private
    public :: chain_tubes_t, leg_t, output_range_t, start_tubes, cover_leg, stands_as_drawn, is_on_motion, bracket_outputs
@@ -40,26 +40,26 @@ module psalm_proof_chain
    end type leg_t
 
    !> Where a number is within a tube.
-   type :: span_t
+   type :: tube_span_t
       real(wp) :: value = 0.0_wp                 !! in the middle
       real(wp) :: low = 0.0_wp, high = 0.0_wp    !! bounds
       real(wp) :: open = 0.0_wp                  !! they are reached but for this
       real(wp) :: low_at = 0.0_wp, high_at = 0.0_wp !! of the way
       logical :: bounded = .false.
-   end type span_t
+   end type tube_span_t
 
    !> A tube, the leg it is on and where the outputs are in it; angles go on from the tube before.
-   type :: part_t
+   type :: tube_part_t
       integer :: leg = 0
       type(tube_t) :: tube
-      type(span_t), allocatable :: spans(:)      !! shape (numbers of all outputs)
-   end type part_t
+      type(tube_span_t), allocatable :: spans(:)      !! shape (numbers of all outputs)
+   end type tube_part_t
 
    !> All tubes of all legs.
    type :: chain_tubes_t
       type(tube_t) :: drawing
       type(tube_t), allocatable :: ends(:)       !! by leg, if all of it is proven
-      type(part_t), allocatable :: parts(:)      !! the first `count` are used
+      type(tube_part_t), allocatable :: parts(:)      !! the first `count` are used
       integer :: count = 0
    end type chain_tubes_t
 
@@ -89,7 +89,7 @@ contains
    !> Cover a leg as far as tubes lead.
    subroutine cover_leg(closure, outputs, number, leg, tubes)
       type(closure_t), intent(in) :: closure
-      type(output_t), intent(in) :: outputs(:)
+      type(sketch_output_t), intent(in) :: outputs(:)
       integer, intent(in) :: number              !! of the leg
       type(leg_t), intent(inout) :: leg
       type(chain_tubes_t), intent(inout) :: tubes
@@ -212,11 +212,11 @@ contains
    !> Add a tube and the ranges of the outputs in it.
    subroutine add_part(closure, outputs, leg, tube, tubes)
       type(closure_t), intent(in) :: closure
-      type(output_t), intent(in) :: outputs(:)
+      type(sketch_output_t), intent(in) :: outputs(:)
       integer, intent(in) :: leg
       type(tube_t), intent(in) :: tube
       type(chain_tubes_t), intent(inout) :: tubes
-      type(part_t), allocatable :: more(:)
+      type(tube_part_t), allocatable :: more(:)
       real(wp) :: before
       logical :: follows
       integer :: n
@@ -244,7 +244,7 @@ contains
 
    !> Move an angle by full turns next to a value.
    pure subroutine move_to(span, value)
-      type(span_t), intent(inout) :: span
+      type(tube_span_t), intent(inout) :: span
       real(wp), intent(in) :: value
       real(wp), parameter :: turn = 360.0_wp
       real(wp) :: shift
@@ -257,7 +257,7 @@ contains
 
    !> True if a number of all outputs is an angle.
    pure logical function is_angle(outputs, number)
-      type(output_t), intent(in) :: outputs(:)
+      type(sketch_output_t), intent(in) :: outputs(:)
       integer, intent(in) :: number
       integer :: k, n
 
@@ -276,9 +276,9 @@ contains
    !> Where all numbers of all outputs are within a tube.
    subroutine find_spans(closure, outputs, tube, spans)
       type(closure_t), intent(in) :: closure
-      type(output_t), intent(in) :: outputs(:)
+      type(sketch_output_t), intent(in) :: outputs(:)
       type(tube_t), intent(in) :: tube
-      type(span_t), allocatable, intent(out) :: spans(:)
+      type(tube_span_t), allocatable, intent(out) :: spans(:)
       real(wp), allocatable :: values(:, :)
       real(wp) :: z(0:degree), l(3), third, error, q, low
       integer :: k, n, numbers
@@ -433,7 +433,7 @@ contains
    !> Brackets of the least and greatest value of every number over all tubes, which are halved where that helps.
    subroutine bracket_outputs(closure, outputs, tubes, ranges)
       type(closure_t), intent(in) :: closure
-      type(output_t), intent(in) :: outputs(:)
+      type(sketch_output_t), intent(in) :: outputs(:)
       type(chain_tubes_t), intent(inout) :: tubes
       type(output_range_t), allocatable, intent(out) :: ranges(:) !! shape (numbers of all outputs)
       real(wp) :: unit
@@ -508,7 +508,7 @@ contains
       subroutine split(at, done)
          integer, intent(in) :: at
          logical, intent(out) :: done
-         type(part_t) :: whole
+         type(tube_part_t) :: whole
          type(tube_t) :: halves(2)
          integer :: i, n
 

@@ -15,7 +15,7 @@ module psalm_proof_clearance
    use psalm_taylor, only: lanes, degree, eps, up, smallest, pair_rounding, pair_norm_of, multiply_twice, range_of
    implicit none (type, external)
    private
-   public :: path_t, keeping_t, nearest_t, prove_clearance
+   public :: step_path_t, keeping_t, nearest_t, prove_clearance
    public :: apart_from_link, apart_from_corners, within_edges, within_circle
 
    integer, parameter :: apart_from_link = 1    !! from a segment that moves
@@ -30,14 +30,14 @@ module psalm_proof_clearance
    real(wp), parameter :: unbounded = 1.0e30_wp
 
    !> Steps from the machine's origin to a point.
-   type :: path_t
+   type :: step_path_t
       integer, allocatable :: steps(:)
-   end type path_t
+   end type step_path_t
 
    !> A segment or a joint, and what it keeps from.
    type :: keeping_t
       integer :: kind = 0                       !! one of `apart_...`, `within_...`
-      type(path_t) :: ends(2), others(2)        !! of the segment (a joint: both the same), of the other one
+      type(step_path_t) :: ends(2), others(2)        !! of the segment (a joint: both the same), of the other one
       integer :: corners = 0                    !! corners, or edges
       real(wp) :: corner(2, most_corners) = 0.0_wp !! anticlockwise; a point of each edge
       real(wp) :: normal(2, most_corners) = 0.0_wp !! of the edges: unit vectors away from what is forbidden

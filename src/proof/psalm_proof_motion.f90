@@ -19,7 +19,7 @@ module psalm_proof_motion
    use psalm_taylor, only: lanes
    implicit none (type, external)
    private
-   public :: movement_t, dead_point_t, span_t, prove_movement, mover_output, mover_turning, mover_sliding
+   public :: movement_t, proven_dead_point_t, bracket_t, prove_movement, mover_output, mover_turning, mover_sliding
 
    integer, parameter :: mover_output = 1   !! the output itself
    integer, parameter :: mover_turning = 2  !! a link, its direction
@@ -31,17 +31,17 @@ module psalm_proof_motion
    real(wp), parameter :: rounding = 16.0_wp*epsilon(1.0_wp)
 
    !> A bracket of a value, and an input where it is taken.
-   type :: span_t
+   type :: bracket_t
       real(wp) :: low = 0.0_wp, high = 0.0_wp, at = 0.0_wp
-   end type span_t
+   end type bracket_t
 
    !> An input at which something stands still for an instant.
-   type :: dead_point_t
+   type :: proven_dead_point_t
       integer :: kind = mover_output
       integer :: loop = 0, place = 0       !! of a link: loop and number in the loop
       real(wp) :: low = 0.0_wp, high = 0.0_wp !! bracket of the input
       logical :: reverses = .true.         !! false: it may stand still there, or not, but does not turn back
-   end type dead_point_t
+   end type proven_dead_point_t
 
    !> Inputs between which the output stays within an amount of its value at a dead point.
    type :: dwell_t
@@ -51,23 +51,23 @@ module psalm_proof_motion
    end type dwell_t
 
    type :: movement_t
-      type(dead_point_t), allocatable :: dead(:) !! by what moves, in the order of the input
+      type(proven_dead_point_t), allocatable :: dead(:) !! by what moves, in the order of the input
       logical :: has_ratio = .false.       !! velocity ratio: rate of the output by the input, radians or lengths
-      type(span_t) :: ratio(2)             !! least and greatest
+      type(bracket_t) :: ratio(2)             !! least and greatest
       logical :: ratio_bounded = .false.
       logical :: has_output = .false.      !! extremes of the output: angle in degrees, or distance
       logical :: is_angle = .false., turns_fully = .false.
-      type(span_t) :: output(2)            !! least and greatest; an angle goes on beyond 360
+      type(bracket_t) :: output(2)            !! least and greatest; an angle goes on beyond 360
       logical :: has_time_ratio = .false.
       real(wp) :: time_ratio = 0.0_wp      !! lower bound of the crank angle of the slower stroke over that of the faster one
       type(dwell_t), allocatable :: dwells(:)
    end type movement_t
 
    !> What the search works with.
-   type :: mover_t
+   type :: proof_models_t
       type(proof_plan_t) :: plan           !! every direction wanted
       type(rate_models_t) :: models
-   end type mover_t
+   end type proof_models_t
 
 contains
 
@@ -77,9 +77,9 @@ contains
       type(proof_t), intent(in) :: proof
       real(wp), intent(in) :: dwell                   !! amount of a dwell, degrees or length; 0: none are looked for
       type(movement_t), intent(out) :: movement
-      type(mover_t) :: mover
+      type(proof_models_t) :: mover
       type(signal_t) :: rate, sign
-      type(dead_point_t), allocatable :: own(:)
+      type(proven_dead_point_t), allocatable :: own(:)
       integer :: k
       logical :: moves
 
@@ -186,12 +186,12 @@ contains
    subroutine find_dead_points(subject, proof, mover, sign, kind, loop, place, dead)
       type(subject_t), intent(in) :: subject
       type(proof_t), intent(in) :: proof
-      type(mover_t), intent(inout) :: mover
+      type(proof_models_t), intent(inout) :: mover
       type(signal_t), intent(in) :: sign
       integer, intent(in) :: kind, loop, place
-      type(dead_point_t), allocatable, intent(out) :: dead(:)
+      type(proven_dead_point_t), allocatable, intent(out) :: dead(:)
       type(piece_t), allocatable :: pieces(:)
-      type(dead_point_t) :: point
+      type(proven_dead_point_t) :: point
       integer :: i, k, boxes, before, first
       logical :: joined
 
@@ -248,9 +248,9 @@ contains
    subroutine bracket_signal(subject, proof, mover, signal, spans, bounded)
       type(subject_t), intent(in) :: subject
       type(proof_t), intent(in) :: proof
-      type(mover_t), intent(inout) :: mover
+      type(proof_models_t), intent(inout) :: mover
       type(signal_t), intent(in) :: signal
-      type(span_t), intent(out) :: spans(2)
+      type(bracket_t), intent(out) :: spans(2)
       logical, intent(out) :: bounded
       type(place_t), allocatable :: places(:)
       type(greatest_t) :: greatest(2)
@@ -274,8 +274,8 @@ contains
          end associate
       end do
       call find_greatest(mover%plan, subject%numbers, quantities, enough, most_boxes, mover%models, places, greatest, boxes)
-      spans(1) = span_t(-greatest(1)%high, -greatest(1)%low, greatest(1)%at)
-      spans(2) = span_t(greatest(2)%low, greatest(2)%high, greatest(2)%at)
+      spans(1) = bracket_t(-greatest(1)%high, -greatest(1)%low, greatest(1)%at)
+      spans(2) = bracket_t(greatest(2)%low, greatest(2)%high, greatest(2)%at)
       bounded = all(greatest%found) .and. greatest(1)%high < unbounded .and. greatest(2)%high < unbounded
    end subroutine bracket_signal
 
@@ -283,7 +283,7 @@ contains
    subroutine find_ratio(subject, proof, mover, rate, movement)
       type(subject_t), intent(in) :: subject
       type(proof_t), intent(in) :: proof
-      type(mover_t), intent(inout) :: mover
+      type(proof_models_t), intent(inout) :: mover
       type(signal_t), intent(in) :: rate
       type(movement_t), intent(inout) :: movement
 
@@ -298,7 +298,7 @@ contains
    subroutine find_distance(subject, proof, mover, movement)
       type(subject_t), intent(in) :: subject
       type(proof_t), intent(in) :: proof
-      type(mover_t), intent(inout) :: mover
+      type(proof_models_t), intent(inout) :: mover
       type(movement_t), intent(inout) :: movement
       type(signal_t) :: square
       logical :: bounded
@@ -315,9 +315,9 @@ contains
    subroutine follow_angle(subject, proof, mover, root, dead, movement)
       type(subject_t), intent(in) :: subject
       type(proof_t), intent(in) :: proof
-      type(mover_t), intent(inout) :: mover
+      type(proof_models_t), intent(inout) :: mover
       integer, intent(in) :: root
-      type(dead_point_t), intent(in) :: dead(:)
+      type(proven_dead_point_t), intent(in) :: dead(:)
       type(movement_t), intent(inout) :: movement
       real(wp), allocatable :: critical(:), half(:), inputs(:), spread(:), angle(:), error(:)
       real(wp) :: fastest, per, shift
@@ -351,8 +351,8 @@ contains
       movement%has_output = .true.
       if (movement%turns_fully) return
       error = (error + fastest*max(spread, 0.0_wp)/per)*degrees_per_radian*(1.0_wp + rounding) + rounding*(abs(angle) + full_turn)
-      movement%output(1) = span_t(huge(1.0_wp), huge(1.0_wp), 0.0_wp)
-      movement%output(2) = span_t(-huge(1.0_wp), -huge(1.0_wp), 0.0_wp)
+      movement%output(1) = bracket_t(huge(1.0_wp), huge(1.0_wp), 0.0_wp)
+      movement%output(2) = bracket_t(-huge(1.0_wp), -huge(1.0_wp), 0.0_wp)
       do k = 1, n
          if (spread(k) < 0.0_wp) cycle
          associate (least => movement%output(1), greatest => movement%output(2))
@@ -372,7 +372,7 @@ contains
    !> Angles of the output at some inputs, -180 to 180 degrees, and by how much they may be wrong, radians.
    subroutine find_angles(subject, mover, root, inputs, angle, error)
       type(subject_t), intent(in) :: subject
-      type(mover_t), intent(inout) :: mover
+      type(proof_models_t), intent(inout) :: mover
       integer, intent(in) :: root
       real(wp), intent(in) :: inputs(:)
       real(wp), intent(out) :: angle(:), error(:)
@@ -401,7 +401,7 @@ contains
    !> Crank angle of the slower stroke over that of the faster one, of an output with two strokes.
    pure subroutine find_time_ratio(proof, dead, movement)
       type(proof_t), intent(in) :: proof
-      type(dead_point_t), intent(in) :: dead(:)
+      type(proven_dead_point_t), intent(in) :: dead(:)
       type(movement_t), intent(inout) :: movement
       real(wp) :: low, high
 
@@ -423,9 +423,9 @@ contains
    subroutine find_dwells(subject, proof, mover, rate, dead, amount, movement)
       type(subject_t), intent(in) :: subject
       type(proof_t), intent(in) :: proof
-      type(mover_t), intent(inout) :: mover
+      type(proof_models_t), intent(inout) :: mover
       type(signal_t), intent(in) :: rate
-      type(dead_point_t), intent(in) :: dead(:)
+      type(proven_dead_point_t), intent(in) :: dead(:)
       real(wp), intent(in) :: amount
       type(movement_t), intent(inout) :: movement
       type(signal_t), allocatable :: signals(:)
@@ -473,9 +473,9 @@ contains
    !> Signals that are positive where the output is within an amount of its value at a dead point.
    subroutine refer_to(subject, mover, rate, dead, movement, amount, signals)
       type(subject_t), intent(in) :: subject
-      type(mover_t), intent(inout) :: mover
+      type(proof_models_t), intent(inout) :: mover
       type(signal_t), intent(in) :: rate
-      type(dead_point_t), intent(in) :: dead
+      type(proven_dead_point_t), intent(in) :: dead
       type(movement_t), intent(in) :: movement
       real(wp), intent(in) :: amount
       type(signal_t), allocatable, intent(out) :: signals(:)

@@ -16,7 +16,7 @@ module psalm_proof_ranges
    use psalm_quad, only: qp, arc_sine_quad, sqrt
    implicit none (type, external)
    private
-   public :: extreme_t, prove_extremes, prove_tolerance, list_places
+   public :: proven_extreme_t, prove_extremes, prove_tolerance, list_places
    public :: extreme_angle, extreme_slide, extreme_x, extreme_y, extreme_output, extreme_distance, extreme_ratio, &
              extreme_slides
 
@@ -37,7 +37,7 @@ module psalm_proof_ranges
    real(qp), parameter :: of_arc_sine = 1.0e-30_qp !! relative error of the arc sine, generously
 
    !> Least and greatest value of a quantity over what closes, each bracketed.
-   type :: extreme_t
+   type :: proven_extreme_t
       integer :: kind = 0                    !! one of `extreme_...`
       integer :: loop = 0                    !! of an angle or a slide
       integer :: arc = 0                     !! of a slide: sequential number
@@ -45,7 +45,7 @@ module psalm_proof_ranges
       real(wp) :: least_low = 0.0_wp, least_high = 0.0_wp, least_at = 0.0_wp
       real(wp) :: greatest_low = 0.0_wp, greatest_high = 0.0_wp, greatest_at = 0.0_wp
       logical :: found = .false.             !! the linkage closes somewhere
-   end type extreme_t
+   end type proven_extreme_t
 
 contains
 
@@ -53,7 +53,7 @@ contains
    subroutine prove_extremes(subject, proof, extremes, boxes)
       type(subject_t), intent(inout) :: subject          !! bound, of the same proof
       type(proof_t), intent(in) :: proof
-      type(extreme_t), allocatable, intent(out) :: extremes(:)
+      type(proven_extreme_t), allocatable, intent(out) :: extremes(:)
       integer, intent(out) :: boxes(2)                   !! evaluated in working and in quadruple precision
       type(quantity_t), allocatable :: quantities(:)
       type(place_t), allocatable :: places(:)
@@ -74,7 +74,7 @@ contains
 
    !> True for brackets that show in the digits printed.
    elemental logical function is_wide(extreme)
-      type(extreme_t), intent(in) :: extreme
+      type(proven_extreme_t), intent(in) :: extreme
 
       is_wide = extreme%found .and. (wide(extreme%least_low, extreme%least_high) .or. &
                                      wide(extreme%greatest_low, extreme%greatest_high))
@@ -94,7 +94,7 @@ contains
       type(quantity_t), intent(in) :: quantities(:)
       type(place_t), intent(in) :: places(:)             !! what may hold them
       type(greatest_t), intent(in) :: greatest(:)
-      type(extreme_t), intent(inout) :: extremes(:)
+      type(proven_extreme_t), intent(inout) :: extremes(:)
       integer, intent(out) :: boxes
       type(fine_place_t), allocatable :: fine(:)
       type(fine_greatest_t) :: fine_greatest(size(quantities))
@@ -122,9 +122,9 @@ contains
    !> What there is to be looked at: of each extreme the least value, then the greatest.
    subroutine list_quantities(subject, extremes, quantities)
       type(subject_t), intent(in) :: subject
-      type(extreme_t), allocatable, intent(out) :: extremes(:)
+      type(proven_extreme_t), allocatable, intent(out) :: extremes(:)
       type(quantity_t), allocatable, intent(out) :: quantities(:)
-      type(extreme_t) :: list(subject%plan%nmeasures + 2*size(subject%plan%steps) + 2)
+      type(proven_extreme_t) :: list(subject%plan%nmeasures + 2*size(subject%plan%steps) + 2)
       integer :: kinds(size(list)), which(size(list)), k, n, slot
 
       n = 0
@@ -132,30 +132,30 @@ contains
          do k = 1, plan%nmeasures
             ! of two links the measure that grows with the angle between them, of link and slide likewise
             if (plan%cause_of(k) == cause_too_short) then
-               call add(extreme_t(extreme_angle, plan%loop_of(k)), quantity_measure, k + 1)
+               call add(proven_extreme_t(extreme_angle, plan%loop_of(k)), quantity_measure, k + 1)
             else if (plan%cause_of(k) == cause_link) then
                if (k == 1) then
-                  call add(extreme_t(extreme_angle, plan%loop_of(k)), quantity_measure, k)
+                  call add(proven_extreme_t(extreme_angle, plan%loop_of(k)), quantity_measure, k)
                else if (plan%loop_of(k - 1) /= plan%loop_of(k)) then
-                  call add(extreme_t(extreme_angle, plan%loop_of(k)), quantity_measure, k)
+                  call add(proven_extreme_t(extreme_angle, plan%loop_of(k)), quantity_measure, k)
                end if
             else if (plan%cause_of(k) == cause_parallel) then
-               call add(extreme_t(extreme_slides, plan%loop_of(k)), quantity_measure, k)
+               call add(proven_extreme_t(extreme_slides, plan%loop_of(k)), quantity_measure, k)
             end if
          end do
          do k = 1, size(plan%steps)
             associate (step => plan%steps(k))
                if (.not. step%dyad) cycle
                slot = plan%slot(step%p)
-               if (slot > 0) call add(extreme_t(extreme_slide, step%loop, step%p, step%places(1)), quantity_slide, slot)
+               if (slot > 0) call add(proven_extreme_t(extreme_slide, step%loop, step%p, step%places(1)), quantity_slide, slot)
                slot = plan%slot(step%q)
-               if (slot > 0) call add(extreme_t(extreme_slide, step%loop, step%q, step%places(2)), quantity_slide, slot)
+               if (slot > 0) call add(proven_extreme_t(extreme_slide, step%loop, step%q, step%places(2)), quantity_slide, slot)
             end associate
          end do
       end associate
       if (size(subject%output_path) > 0) then
-         call add(extreme_t(extreme_x), quantity_point, 1)
-         call add(extreme_t(extreme_y), quantity_point, 2)
+         call add(proven_extreme_t(extreme_x), quantity_point, 1)
+         call add(proven_extreme_t(extreme_y), quantity_point, 2)
       end if
       extremes = list(:n)
       allocate (quantities(2*n))
@@ -172,7 +172,7 @@ contains
    contains
 
       subroutine add(extreme, kind, number)
-         type(extreme_t), intent(in) :: extreme
+         type(proven_extreme_t), intent(in) :: extreme
          integer, intent(in) :: kind, number
 
          n = n + 1
@@ -215,7 +215,7 @@ contains
       type(subject_t), intent(in) :: subject
       type(quantity_t), intent(in) :: quantity
       type(greatest_t), intent(in) :: greatest(2)        !! of the negative, of the quantity itself
-      type(extreme_t), intent(inout) :: extreme
+      type(proven_extreme_t), intent(inout) :: extreme
 
       extreme%found = all(greatest%found)
       if (.not. extreme%found) return
@@ -256,7 +256,7 @@ contains
       type(quantity_t), intent(in) :: quantity
       type(fine_greatest_t), intent(in) :: greatest(2)   !! of the negative, of the quantity itself
       real(qp), intent(in) :: known(2)                   !! lower bounds of the working precision
-      type(extreme_t), intent(inout) :: extreme
+      type(proven_extreme_t), intent(inout) :: extreme
       real(qp) :: low(2), high(2)
 
       ! what was known before the second look is still true
@@ -295,7 +295,7 @@ contains
    pure real(qp) function whole_of(subject, quantity, extreme) result(whole)
       type(subject_t), intent(in) :: subject
       type(quantity_t), intent(in) :: quantity
-      type(extreme_t), intent(in) :: extreme
+      type(proven_extreme_t), intent(in) :: extreme
       integer :: k
 
       whole = 1.0_qp

@@ -1,6 +1,6 @@
 !> The path of the cutter's centre as G-code: arcs and lines in axes of the cam, one turn.
 module psalm_cam_code
-   use psalm_arc_path, only: arc_t
+   use psalm_arc_path, only: circle_arc_t
    use psalm_cam_paths, only: path_cutter
    use psalm_cam_study, only: cam_study_t
    use psalm_kinds, only: wp
@@ -45,7 +45,7 @@ contains
    end subroutine write_cam_code
 
    pure function target_of(arc) result(words)
-      type(arc_t), intent(in) :: arc
+      type(circle_arc_t), intent(in) :: arc
       character(:), allocatable :: words
 
       words = ' X'//number(real(arc%finish, wp))//' Y'//number(aimag(arc%finish))

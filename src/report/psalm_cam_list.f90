@@ -3,7 +3,7 @@ module psalm_cam_list
    use psalm_block, only: begin_block
    use psalm_cam_group, only: fit_least_squares
    use psalm_cam_kind, only: law_names
-   use psalm_cam_shape, only: extreme_t, measure_pressure, measure_convex, measure_concave, measure_base, measure_outer, &
+   use psalm_cam_shape, only: cam_extreme_t, measure_pressure, measure_convex, measure_concave, measure_base, measure_outer, &
                               measure_excursion_low, measure_excursion_high, measure_face_low, measure_face_high, &
                               measure_output, measure_input
    use psalm_cam_paths, only: path_cutter
@@ -140,7 +140,7 @@ contains
 
       subroutine show(words, extreme)
          character(*), intent(in) :: words
-         type(extreme_t), intent(in) :: extreme
+         type(cam_extreme_t), intent(in) :: extreme
          character(37) :: padded
 
          if (.not. extreme%found) return
@@ -270,7 +270,7 @@ contains
             call put('excursion_most', e(measure_excursion_high))
             call put('face_least', e(measure_face_low))
             call put('face_most', e(measure_face_high))
-            call put('least_base', extreme_t(study%least_base, e(measure_convex)%angle, .true.))
+            call put('least_base', cam_extreme_t(study%least_base, e(measure_convex)%angle, .true.))
          end if
          do k = 0, 2
             call put('output'//to_text(k + 1), e(measure_output + k))
@@ -281,37 +281,37 @@ contains
          if (allocated(study%shape%motion%ways%passages)) then
             do k = 1, size(study%shape%motion%ways%passages)
                associate (one => study%shape%motion%ways%passages(k))
-                  call put('dead_point_'//trim(merge('passed', 'turned', one%passed)), extreme_t(one%q, one%angle, .true.))
+                  call put('dead_point_'//trim(merge('passed', 'turned', one%passed)), cam_extreme_t(one%q, one%angle, .true.))
                end associate
             end do
          end if
          do k = 1, 2
             if (study%shape%flat) exit
             if (size(study%centres(k)%corners) == 0) cycle
-            call put('smallest_base_'//trim(side_names(k)), extreme_t(study%centres(k)%base, 0.0_wp, .true.))
-            call put('smallest_x_'//trim(side_names(k)), extreme_t(real(study%centres(k)%smallest, wp), 0.0_wp, .true.))
-            call put('smallest_y_'//trim(side_names(k)), extreme_t(aimag(study%centres(k)%smallest), 0.0_wp, .true.))
+            call put('smallest_base_'//trim(side_names(k)), cam_extreme_t(study%centres(k)%base, 0.0_wp, .true.))
+            call put('smallest_x_'//trim(side_names(k)), cam_extreme_t(real(study%centres(k)%smallest, wp), 0.0_wp, .true.))
+            call put('smallest_y_'//trim(side_names(k)), cam_extreme_t(aimag(study%centres(k)%smallest), 0.0_wp, .true.))
          end do
          if (study%paths(path_cutter)%found) then
-            call put('cutter_deviation', extreme_t(study%paths(path_cutter)%deviation, 0.0_wp, .true.))
-            call put('cutter_arcs', extreme_t(real(size(study%paths(path_cutter)%arcs), wp), 0.0_wp, .true.))
-            call put('cutter_chords', extreme_t(study%paths(path_cutter)%chords, 0.0_wp, .true.))
+            call put('cutter_deviation', cam_extreme_t(study%paths(path_cutter)%deviation, 0.0_wp, .true.))
+            call put('cutter_arcs', cam_extreme_t(real(size(study%paths(path_cutter)%arcs), wp), 0.0_wp, .true.))
+            call put('cutter_chords', cam_extreme_t(study%paths(path_cutter)%chords, 0.0_wp, .true.))
          end if
-         if (study%roller%depth > 0.0_wp) call put('crossing_depth', extreme_t(study%roller%depth, study%roller%at, .true.))
-         if (study%cutter%depth > 0.0_wp) call put('gouge_depth', extreme_t(study%cutter%depth, study%cutter%at, .true.))
+         if (study%roller%depth > 0.0_wp) call put('crossing_depth', cam_extreme_t(study%roller%depth, study%roller%at, .true.))
+         if (study%cutter%depth > 0.0_wp) call put('gouge_depth', cam_extreme_t(study%cutter%depth, study%cutter%at, .true.))
       end associate
       forces = .false.
       if (allocated(study%contact)) forces = study%contact%known
       if (forces) then
          associate (fine => study%fine)
-            call put('force_least', extreme_t(minval(fine%force), 0.0_wp, .true.))
-            call put('force_most', extreme_t(maxval(fine%force), 0.0_wp, .true.))
-            call put('stress', extreme_t(maxval(fine%stress), 0.0_wp, maxval(fine%stress) > 0.0_wp))
-            call put('contact_lost_rpm', extreme_t(fine%lost_speed, fine%lost_at, fine%lost_speed > 0.0_wp))
+            call put('force_least', cam_extreme_t(minval(fine%force), 0.0_wp, .true.))
+            call put('force_most', cam_extreme_t(maxval(fine%force), 0.0_wp, .true.))
+            call put('stress', cam_extreme_t(maxval(fine%stress), 0.0_wp, maxval(fine%stress) > 0.0_wp))
+            call put('contact_lost_rpm', cam_extreme_t(fine%lost_speed, fine%lost_at, fine%lost_speed > 0.0_wp))
          end associate
          if (allocated(study%flanks)) then
             do k = 1, size(study%flanks, 2)
-               call put('flank_change_jerk', extreme_t(study%flanks(2, k), study%flanks(1, k), .true.))
+               call put('flank_change_jerk', cam_extreme_t(study%flanks(2, k), study%flanks(1, k), .true.))
             end do
          end if
       end if
@@ -342,7 +342,7 @@ contains
 
       subroutine put(what, extreme)
          character(*), intent(in) :: what
-         type(extreme_t), intent(in) :: extreme
+         type(cam_extreme_t), intent(in) :: extreme
 
          if (extreme%found) call text%add(what//' '//full_precision(extreme%value)//' '//full_precision(extreme%angle))
       end subroutine put

@@ -10,9 +10,9 @@ module psalm_proof_list
    use psalm_proven_margins, only: proven_margin_t
    use psalm_proof, only: proof_t, limit_t, touch_exact, piece_closes, piece_opens, piece_undecided, cause_too_short, &
                           cause_difference, cause_guide, cause_link, cause_parallel
-   use psalm_proof_motion, only: movement_t, dead_point_t, mover_output, mover_turning
-   use psalm_proof_ranges, only: extreme_t, extreme_angle, extreme_slide, extreme_x, extreme_y, extreme_output, extreme_distance, &
-                                 extreme_slides
+   use psalm_proof_motion, only: movement_t, proven_dead_point_t, mover_output, mover_turning
+   use psalm_proof_ranges, only: proven_extreme_t, extreme_angle, extreme_slide, extreme_x, extreme_y, extreme_output, &
+                                 extreme_distance, extreme_slides
    use psalm_proof_study, only: proof_study_t, kept_t
    use psalm_summary_text, only: name_of_kind
    use psalm_text, only: text_t, full_precision, general, to_text, upper_case
@@ -208,7 +208,7 @@ contains
    end subroutine list_range
 
    pure function extreme_name(extreme) result(columns)
-      type(extreme_t), intent(in) :: extreme
+      type(proven_extreme_t), intent(in) :: extreme
       character(quantity_columns) :: columns
 
       select case (extreme%kind)
@@ -264,14 +264,14 @@ contains
    end subroutine list_movement
 
    pure logical function same_mover(one, other)
-      type(dead_point_t), intent(in) :: one, other
+      type(proven_dead_point_t), intent(in) :: one, other
 
       same_mover = one%kind == other%kind .and. one%loop == other%loop .and. one%place == other%place
    end function same_mover
 
    !> Dead points of one link, slide or output.
    subroutine list_dead_points(dead, proof, text)
-      type(dead_point_t), intent(in) :: dead(:)
+      type(proven_dead_point_t), intent(in) :: dead(:)
       type(proof_t), intent(in) :: proof
       type(text_t), intent(inout) :: text
       character(*), parameter :: margin = '     '
@@ -297,7 +297,7 @@ contains
    end subroutine list_dead_points
 
    pure function mover_name(dead) result(name)
-      type(dead_point_t), intent(in) :: dead
+      type(proven_dead_point_t), intent(in) :: dead
       character(:), allocatable :: name
 
       if (dead%kind == mover_output) then

@@ -2,7 +2,7 @@
 module psalm_summary_text
    use psalm_kinds, only: wp, dp
    use psalm_output_kind, only: motion_point, motion_angle, motion_distance, most_rates
-   use psalm_summary, only: summary_t, span_t, loop_kind_t, kind_crank_rocker, kind_double_crank, kind_double_rocker, &
+   use psalm_summary, only: summary_t, range_t, loop_kind_t, kind_crank_rocker, kind_double_crank, kind_double_rocker, &
                             kind_rocker_crank, kind_triple_rocker, kind_change_point, kind_slider_turning
    use psalm_text, only: text_t, to_text
    implicit none (type, external)
@@ -190,7 +190,7 @@ contains
    end subroutine add_output
 
    function range_words(span) result(words)
-      type(span_t), intent(in) :: span
+      type(range_t), intent(in) :: span
       character(:), allocatable :: words
 
       words = plain_number(span%low)//' to '//plain_number(span%high)

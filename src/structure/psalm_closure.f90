@@ -29,15 +29,15 @@ module psalm_closure
    integer, parameter :: row_travel = 6       !! a drive along a slide
 
    !> One or two equations of a group.
-   type :: row_t
+   type :: equation_row_t
       integer :: kind = 0
       integer :: links(2) = 0
       integer :: which = 0                    !! joint, slide, gear or drive
-   end type row_t
+   end type equation_row_t
 
    !> What a group is solved by.
    type :: group_rows_t
-      type(row_t), allocatable :: rows(:)
+      type(equation_row_t), allocatable :: rows(:)
       integer, allocatable :: links(:)        !! unknown poses
       integer :: equations = 0                !! at least three a link; more where special dimensions make some superfluous
    end type group_rows_t
@@ -206,21 +206,21 @@ contains
          do j = 1, size(sketch%joint_name)
             links = sketch%links_of(j)
             do k = 1, size(links)
-               if (links(k) /= closure%holder(j)) call add(row_t(row_pin, [closure%holder(j), links(k)], j))
+               if (links(k) /= closure%holder(j)) call add(equation_row_t(row_pin, [closure%holder(j), links(k)], j))
             end do
          end do
          do i = 1, size(sketch%slides)
-            call add(row_t(row_angle, sketch%slides(i)%links, i))
-            call add(row_t(row_line, sketch%slides(i)%links, i))
+            call add(equation_row_t(row_angle, sketch%slides(i)%links, i))
+            call add(equation_row_t(row_line, sketch%slides(i)%links, i))
          end do
          do i = 1, size(sketch%gears)
             g = maxval(closure%order%of_link([sketch%gears(i)%wheels, sketch%gears(i)%carrier]))
-            call add_to(g, row_t(row_gear, sketch%gears(i)%wheels, i))
+            call add_to(g, equation_row_t(row_gear, sketch%gears(i)%wheels, i))
          end do
          do i = 1, size(sketch%drives)
             associate (drive => sketch%drives(i))
-               if (drive%kind == drive_turns) call add(row_t(row_turn, [drive%base, drive%link], i))
-               if (drive%kind == drive_slides) call add(row_t(row_travel, [drive%base, drive%link], i))
+               if (drive%kind == drive_turns) call add(equation_row_t(row_turn, [drive%base, drive%link], i))
+               if (drive%kind == drive_slides) call add(equation_row_t(row_travel, [drive%base, drive%link], i))
             end associate
          end do
       end associate
@@ -228,14 +228,14 @@ contains
    contains
 
       subroutine add(row)
-         type(row_t), intent(in) :: row
+         type(equation_row_t), intent(in) :: row
 
          call add_to(maxval(closure%order%of_link(row%links)), row)
       end subroutine add
 
       subroutine add_to(group, row)
          integer, intent(in) :: group
-         type(row_t), intent(in) :: row
+         type(equation_row_t), intent(in) :: row
 
          if (group == 0) return
          closure%groups(group)%rows = [closure%groups(group)%rows, row]

@@ -7,22 +7,22 @@ module psalm_loop_trace
    use psalm_closure, only: closure_t, state_t
    use psalm_kinds, only: wp, half_turn, right_angle, degrees_per_radian
    use psalm_sketch, only: frame_link, drive_slides, drive_turns
-   use psalm_sketch_paths, only: step_t, survey_t, nearest_point, way_from, shortest
+   use psalm_sketch_paths, only: path_step_t, survey_t, nearest_point, way_from, shortest
    use psalm_traced_loops, only: loops_t, traced_t, traced_link, traced_slide, traced_crank, traced_actuator, traced_frame
    implicit none (type, external)
    private
-   public :: dyad_t, close_loop, frame_axis
+   public :: traced_dyad_t, close_loop, frame_axis
 
    real(wp), parameter :: no_length = 1.0e-13_wp  !! of the drawing's size: a guide without length
    integer, parameter :: frame_axis = -1          !! reference that is not known before loop 1 is done
 
    !> A dyad in one sense of tracing: S side, inner pair, E side.
-   type :: dyad_t
+   type :: traced_dyad_t
       integer :: links(2) = 0               !! S side, E side
       integer :: joint(2) = 0, slide(2) = 0 !! outer pairs: a joint or a slide
       integer :: known(2) = 0               !! the known links there
       integer :: inner_joint = 0, inner_slide = 0
-   end type dyad_t
+   end type traced_dyad_t
 
 contains
 
@@ -30,7 +30,7 @@ contains
    subroutine close_loop(closure, state, dyad, survey, loops, valid)
       type(closure_t), intent(in) :: closure
       type(state_t), intent(in) :: state
-      type(dyad_t), intent(inout) :: dyad
+      type(traced_dyad_t), intent(inout) :: dyad
       type(survey_t), intent(inout) :: survey
       type(loops_t), intent(inout) :: loops
       logical, intent(out) :: valid
@@ -53,8 +53,8 @@ contains
       loops = tried(way)
    end subroutine close_loop
 
-   pure type(dyad_t) function turned_round(dyad, round) result(other)
-      type(dyad_t), intent(in) :: dyad
+   pure type(traced_dyad_t) function turned_round(dyad, round) result(other)
+      type(traced_dyad_t), intent(in) :: dyad
       logical, intent(in) :: round
 
       other = dyad
@@ -68,11 +68,11 @@ contains
    subroutine trace(closure, state, dyad, survey, loops, valid)
       type(closure_t), intent(in) :: closure
       type(state_t), intent(in) :: state
-      type(dyad_t), intent(in) :: dyad
+      type(traced_dyad_t), intent(in) :: dyad
       type(survey_t), intent(inout) :: survey
       type(loops_t), intent(inout) :: loops
       logical, intent(out) :: valid
-      type(step_t), allocatable :: out(:), back(:)
+      type(path_step_t), allocatable :: out(:), back(:)
       integer :: loop, s, e, inner, foot(2), guide, first, i, last_guide
       real(wp) :: p_direction, q_direction, sense
       complex(wp) :: d, x
@@ -94,7 +94,7 @@ contains
          call nearest_point(survey, loops%start, dyad%known(1), .true., s, out, valid)
          if (.not. valid) return
          foot(1) = foot_of(slide_line(dyad%slide(1)), z(inner), s, dyad%known(1))
-         out = [out, step_t(dyad%known(1), s, foot(1))]
+         out = [out, path_step_t(dyad%known(1), s, foot(1))]
       else
          s = dyad%joint(1)
          call shortest(survey, loops%start, s, .true., out, valid)
@@ -107,16 +107,16 @@ contains
          if (dyad%inner_slide > 0) x = crossing()
          if (dyad%inner_slide > 0) then
             foot(2) = e
-            if (dyad%known(2) /= frame_link .or. .not. last_guides()) back = [step_t(dyad%known(2), e, e), back]
+            if (dyad%known(2) /= frame_link .or. .not. last_guides()) back = [path_step_t(dyad%known(2), e, e), back]
          else
             foot(2) = foot_of(slide_line(dyad%slide(2)), x, e, dyad%known(2))
             if (dyad%known(2) == frame_link .and. .not. last_guides()) then
                ! the last frame arc guides the actuator and has no length: this slide has a guide of its own
-               back = [step_t(frame_link, foot(2), e), step_t(frame_link, e, e)]
+               back = [path_step_t(frame_link, foot(2), e), path_step_t(frame_link, e, e)]
             else if (dyad%known(2) == frame_link) then
                back(1)%from = foot(2)
             else
-               back = [step_t(dyad%known(2), foot(2), e), back]
+               back = [path_step_t(dyad%known(2), foot(2), e), back]
             end if
          end if
       else
@@ -191,7 +191,7 @@ contains
          foot(1) = new_point(x)
          survey%on(foot(1), dyad%links(2)) = .true.
          p_direction = toward(s, foot(1), d)
-         call add_step(step_t(dyad%known(2), s, s), p_direction - right_angle)
+         call add_step(path_step_t(dyad%known(2), s, s), p_direction - right_angle)
          guide = size(loops%arcs) - first
          call add_slide(dyad%links(1), s, foot(1), p_direction, guide, 1.0_wp, dyad%inner_slide)
          q_direction = toward(foot(1), e, slide_line(dyad%slide(2)))
@@ -347,7 +347,7 @@ contains
 
       !> Append an arc of a link, or a slide passed again.
       subroutine add_step(step, direction)
-         type(step_t), intent(in) :: step
+         type(path_step_t), intent(in) :: step
          real(wp), intent(in), optional :: direction !! of an arc without length
          type(traced_t) :: arc
          complex(wp) :: h

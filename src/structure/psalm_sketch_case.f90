@@ -14,8 +14,8 @@ module psalm_sketch_case
    use psalm_link_place, only: place_t
    use psalm_mechanism, only: at_start, at_finish
    use psalm_output_kind, only: motion_point, motion_angle, motion_distance, motion_slide, motion_pose
-   use psalm_sketch, only: sketch_t, output_t, variation_t, frame_link, output_point, output_angle, output_distance, slide_t, &
-                           output_slide, output_pose, vary_length, vary_angle, vary_place, vary_input
+   use psalm_sketch, only: sketch_t, sketch_output_t, variation_t, frame_link, output_point, output_angle, output_distance, &
+                           slide_t, output_slide, output_pose, vary_length, vary_angle, vary_place, vary_input
    use psalm_sketch_check, only: check_sketch
    use psalm_sketch_loops, only: make_loops
    use psalm_status, only: diagnostics_t
@@ -555,7 +555,7 @@ contains
       type(sketch_t), intent(in) :: sketch
       type(data_set_t), intent(inout) :: set
       type(diagnostics_t), intent(inout) :: findings
-      type(output_t) :: shown
+      type(sketch_output_t) :: shown
       logical :: done
 
       done = .false.
@@ -628,7 +628,7 @@ contains
       type(loops_t), intent(in) :: loops
       type(state_t), intent(in) :: state
       type(sketch_t), intent(in) :: sketch
-      type(output_t), intent(in) :: output
+      type(sketch_output_t), intent(in) :: output
       type(data_set_t), intent(inout) :: set
       logical, intent(out) :: done
       integer :: arc, k

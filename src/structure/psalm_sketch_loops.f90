@@ -5,7 +5,7 @@
 module psalm_sketch_loops
    use psalm_closure, only: closure_t, state_t, row_pin, row_line
    use psalm_kinds, only: wp
-   use psalm_loop_trace, only: dyad_t, close_loop, frame_axis
+   use psalm_loop_trace, only: traced_dyad_t, close_loop, frame_axis
    use psalm_sketch, only: frame_link, drive_slides, drive_turns
    use psalm_sketch_paths, only: survey_t, know
    use psalm_text, only: to_text
@@ -24,7 +24,7 @@ contains
       type(state_t), intent(in) :: state
       type(loops_t), intent(out) :: loops
       type(survey_t) :: survey
-      type(dyad_t) :: dyad
+      type(traced_dyad_t) :: dyad
       integer, allocatable :: order(:)
       integer :: k, g, crank, room
       logical :: valid
@@ -120,7 +120,7 @@ contains
       type(closure_t), intent(in) :: closure
       integer, intent(in) :: group
       type(survey_t), intent(in) :: survey
-      type(dyad_t), intent(out) :: dyad
+      type(traced_dyad_t), intent(out) :: dyad
       logical, intent(out) :: valid
       integer :: r, side, other, pairs
 

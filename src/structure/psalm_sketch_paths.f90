@@ -6,14 +6,14 @@ module psalm_sketch_paths
    use psalm_sketch, only: sketch_t, frame_link
    implicit none (type, external)
    private
-   public :: step_t, survey_t, know, nearest_point, way_from, shortest
+   public :: path_step_t, survey_t, know, nearest_point, way_from, shortest
 
    !> A step of a path: an arc of a link, or a slide passed again.
-   type :: step_t
+   type :: path_step_t
       integer :: link = 0
       integer :: from = 0, to = 0
       integer :: arc = 0                    !! of a slide
-   end type step_t
+   end type path_step_t
 
    !> What is known on the way.
    type :: survey_t
@@ -42,9 +42,9 @@ contains
       integer, intent(in) :: start, link
       logical, intent(in) :: outward
       integer, intent(out) :: point
-      type(step_t), allocatable, intent(out) :: steps(:)
+      type(path_step_t), allocatable, intent(out) :: steps(:)
       logical, intent(out) :: found
-      type(step_t), allocatable :: way(:)
+      type(path_step_t), allocatable :: way(:)
       logical :: there
       integer :: p
 
@@ -53,7 +53,7 @@ contains
       allocate (steps(0))
       if (link == frame_link .and. .not. outward) then
          point = start
-         steps = [step_t(frame_link, point, point)]
+         steps = [path_step_t(frame_link, point, point)]
          found = .true.
          return
       end if
@@ -76,9 +76,9 @@ contains
    subroutine way_from(survey, start, from, steps, found)
       type(survey_t), intent(in) :: survey
       integer, intent(in) :: start, from
-      type(step_t), allocatable, intent(out) :: steps(:)
+      type(path_step_t), allocatable, intent(out) :: steps(:)
       logical, intent(out) :: found
-      type(step_t), allocatable :: way(:)
+      type(path_step_t), allocatable :: way(:)
       logical :: there
       integer :: p
 
@@ -90,7 +90,7 @@ contains
          if (.not. there) cycle
          if (found .and. size(way) + 1 >= size(steps)) cycle
          found = .true.
-         steps = [way, step_t(frame_link, p, start)]
+         steps = [way, path_step_t(frame_link, p, start)]
       end do
    end subroutine way_from
 
@@ -99,9 +99,9 @@ contains
       type(survey_t), intent(in) :: survey
       integer, intent(in) :: from, to
       logical, intent(in) :: through_frame
-      type(step_t), allocatable, intent(out) :: steps(:)
+      type(path_step_t), allocatable, intent(out) :: steps(:)
       logical, intent(out) :: found
-      type(step_t) :: reached_by(survey%points)
+      type(path_step_t) :: reached_by(survey%points)
       integer :: queue(survey%points), head, tail, link, p, k
       logical :: seen(survey%points)
 
@@ -121,7 +121,7 @@ contains
                   seen(p) = .true.
                   tail = tail + 1
                   queue(tail) = p
-                  reached_by(p) = step_t(link, here, p)
+                  reached_by(p) = path_step_t(link, here, p)
                end do
             end do
             do k = 1, survey%passes
@@ -130,7 +130,7 @@ contains
                seen(p) = .true.
                tail = tail + 1
                queue(tail) = p
-               reached_by(p) = step_t(0, here, p, survey%pass(3, k))
+               reached_by(p) = path_step_t(0, here, p, survey%pass(3, k))
             end do
          end associate
          head = head + 1

@@ -4,12 +4,12 @@
 !> samples of a turn, refined by parabolas between them; each limit counts for every segment by itself, so that it changes
 !> smoothly. Slopes are central differences.
 module psalm_cam_search
-   use psalm_cam_contact, only: contact_t
-   use psalm_cam_group, only: cam_group_t, variation_t, vary_item, goal_base, goal_outer, goal_alpha, goal_rho, goal_accel, &
+   use psalm_cam_contact, only: cam_contact_t
+   use psalm_cam_group, only: cam_group_t, cam_variation_t, vary_item, goal_base, goal_outer, goal_alpha, goal_rho, goal_accel, &
                               goal_stress
    use psalm_cam_shape, only: cam_shape_t, samples_t, sample_turn, greatest_of, measure_pressure, measure_convex, measure_concave, &
                               measure_base, measure_outer, measure_input, measure_face_low, measure_face_high
-   use psalm_cam_study, only: part_t, make_shape, cam_of_part, find_sampled_contact
+   use psalm_cam_study, only: cam_role_t, make_shape, cam_of_part, find_sampled_contact
    use psalm_cam_trace, only: fault_none
    use psalm_data_set, only: data_set_t
    use psalm_dimensions, only: dimensions_t
@@ -116,7 +116,7 @@ contains
    end subroutine search_cam
 
    pure real(wp) function unscaled(one, x)
-      type(variation_t), intent(in) :: one
+      type(cam_variation_t), intent(in) :: one
       real(wp), intent(in) :: x
 
       unscaled = one%low + x*(one%high - one%low)
@@ -126,7 +126,7 @@ contains
    pure real(wp) function value_of(cam, dimensions, one) result(value)
       type(cam_group_t), intent(in) :: cam
       type(dimensions_t), intent(in) :: dimensions
-      type(variation_t), intent(in) :: one
+      type(cam_variation_t), intent(in) :: one
 
       select case (vary_item(one%item))
       case ('XCAM')
@@ -207,7 +207,7 @@ contains
       class(cam_shape_t), allocatable :: shape     ! large: it would fill a small stack
       type(samples_t) :: samples
       type(diagnostics_t) :: findings
-      type(contact_t) :: contact
+      type(cam_contact_t) :: contact
       real(wp), allocatable :: pressure(:), convex(:), way(:)
       real(wp) :: r
       logical, allocatable :: moving(:)
@@ -219,7 +219,7 @@ contains
       allocate (prepared, source=problem%prepared)
       cams = problem%cams
       call take_values([(unscaled(cams(1)%variations(k), x(k)), k=1, size(x))], cams(1), prepared%given)
-      cam = cam_of_part(cams, part_t())
+      cam = cam_of_part(cams, cam_role_t())
       n = max(1, size(cam%finish))
       if (.not. allocated(problem%limits)) allocate (problem%limits(3*n + 2))
       problem%objective = problem%worst
@@ -228,7 +228,7 @@ contains
          if (any(cam%finish(2:) <= cam%finish(:n - 1)) .or. cam%finish(1) <= 0.0_wp) return
       end if
       allocate (shape)
-      call make_shape(problem%set, cams, prepared, part_t(), shape, findings)
+      call make_shape(problem%set, cams, prepared, cam_role_t(), shape, findings)
       if (findings%failed()) return
       call sample_turn(shape, cam, samples, problem%samples)
       if (any(samples%states%fault /= fault_none) .or. .not. all(samples%possible)) return

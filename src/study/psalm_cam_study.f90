@@ -1,19 +1,19 @@
 !> Everything that calm finds of a cam: what cannot be made is found before any work is done. Data in, results out.
 module psalm_cam_study
    use psalm_cam_chain, only: cam_chain_t, make_cam_chain, numbers_of
-   use psalm_cam_contact, only: contact_t, find_contact
+   use psalm_cam_contact, only: cam_contact_t, find_contact
    use psalm_cam_centres, only: centres_t, admissible_centres, tightest_angles, sharpen_centres
    use psalm_cam_group, only: cam_group_t, follower_flat
    use psalm_cam_interference, only: interference_t, find_interference
-   use psalm_cam_law, only: law_t, joint_t, make_law, law_made, law_velocity_jumps, law_jerk_jumps, &
+   use psalm_cam_law, only: law_t, law_joint_t, make_law, law_made, law_velocity_jumps, law_jerk_jumps, &
                            law_points_missing, law_misses, highest_law_order
    use psalm_cam_motion, only: chained_motion, prepare_cam_motion
    use psalm_cam_pair, only: gap_t, find_gap, greatest_in, least_in, play_of
    use psalm_cam_passage, only: ways_t, ways_found, ways_jump, ways_infinite, ways_end
    use psalm_cam_paths, only: cam_path_t, find_paths, path_pitch, path_profile, path_cutter
    use psalm_cam_profile, only: cam_points_t
-   use psalm_cam_shape, only: cam_shape_t, extreme_t, samples_t, measure, sample_turn, find_extreme, measures, measure_pressure, &
-                              measure_convex, measure_concave, measure_base, measure_excursion_low, &
+   use psalm_cam_shape, only: cam_shape_t, cam_extreme_t, samples_t, measure, sample_turn, find_extreme, measures, &
+                              measure_pressure, measure_convex, measure_concave, measure_base, measure_excursion_low, &
                               measure_face_low, measure_face_high, table_angles, upward
    use psalm_cam_trace, only: cam_trace_t, fault_none, fault_reach, fault_dead_point
    use psalm_closure, only: closure_t, state_t
@@ -27,7 +27,7 @@ module psalm_cam_study
    use psalm_text, only: general, to_text
    implicit none (type, external)
    private
-   public :: part_t, role_cam, role_conjugate, role_outer_wall, parts_of
+   public :: cam_role_t, role_cam, role_conjugate, role_outer_wall, parts_of
    public :: make_shape, cam_of_part, find_sampled_contact
    public :: cam_study_t, check_cam, find_cam, way_rise, way_return, way_dwell
 
@@ -41,28 +41,28 @@ module psalm_cam_study
    integer, parameter :: sharpenings = 3         !! of the polygon of centres at the smallest cam: each squares the error
 
    !> What a study is of.
-   type :: part_t
+   type :: cam_role_t
       integer :: cam = 1                             !! 1 the group CAM, 2 CAM2
       integer :: role = role_cam
-   end type part_t
+   end type cam_role_t
 
    !> The largest pressure angle of a segment.
    type :: rise_t
       integer :: way = way_dwell
-      type(extreme_t) :: pressure
+      type(cam_extreme_t) :: pressure
    end type rise_t
 
    type :: cam_study_t
-      type(part_t) :: part
+      type(cam_role_t) :: part
       type(cam_group_t) :: cam                       !! with the roller and the cutter of this part
       type(cam_shape_t) :: shape
-      type(joint_t), allocatable :: joints(:)        !! of the pieces of the law
+      type(law_joint_t), allocatable :: joints(:)        !! of the pieces of the law
       ! table
       real(wp), allocatable :: angle(:)              !! degrees
       type(cam_trace_t) :: states
       type(cam_points_t) :: points
       ! extremes over the turn
-      type(extreme_t) :: extremes(measures)          !! radii for curvatures, distances for `measure_base`
+      type(cam_extreme_t) :: extremes(measures)          !! radii for curvatures, distances for `measure_base`
       type(rise_t), allocatable :: segments(:)
       logical :: hollow = .false.                    !! the profile is concave somewhere
       logical :: undercut = .false.                  !! the roller cannot follow the pitch curve, or a flat face a hollow
@@ -70,14 +70,14 @@ module psalm_cam_study
       type(interference_t) :: roller, cutter
       type(cam_path_t) :: paths(path_pitch:path_cutter)
       type(centres_t) :: centres(2)                  !! of a roller: to the left and to the right of its way
-      type(contact_t), allocatable :: contact        !! at the angles of the table; not allocated: no CAMRPM
-      type(contact_t), allocatable :: fine           !! and at those of the samples
+      type(cam_contact_t), allocatable :: contact        !! at the angles of the table; not allocated: no CAMRPM
+      type(cam_contact_t), allocatable :: fine           !! and at those of the samples
       logical :: lost = .false., stressed = .false., jammed = .false. !! contact is lost at this speed; PHERTZ is not kept; friction
       real(wp), allocatable :: play(:)               !! of conjugate cams with CAMERR, at the angles of the table
       type(gap_t), allocatable :: second             !! roller on the same profile, at those angles
       type(cam_trace_t) :: second_states             !! and what it does
       class(cam_shape_t), allocatable :: other        !! and its motion
-      type(extreme_t) :: least_slack, most_slack     !! of the play, or of the gap
+      type(cam_extreme_t) :: least_slack, most_slack     !! of the play, or of the gap
       logical :: tight = .false., loose = .false.    !! the second roller does not fit, or with more than CLEAR
       real(wp), allocatable :: flanks(:, :)          !! shape (2, changes): cam angles where the flank changes, jerk of the input
       real(wp) :: least_base = 0.0_wp                !! of a flat face: base radius with which the profile is just convex
@@ -122,10 +122,10 @@ contains
       do k = 1, merge(2, 1, cams(2)%given)
          if (allocated(shape)) deallocate (shape)
          allocate (shape)
-         call make_shape(set, cams, prepared, part_t(cam=k), shape, findings)
+         call make_shape(set, cams, prepared, cam_role_t(cam=k), shape, findings)
          if (findings%failed()) return
-         call judge_table(set, cam_of_part(cams, part_t(cam=k)), k, findings)
-         call sample_turn(shape, cam_of_part(cams, part_t(cam=k)), samples)
+         call judge_table(set, cam_of_part(cams, cam_role_t(cam=k)), k, findings)
+         call sample_turn(shape, cam_of_part(cams, cam_role_t(cam=k)), samples)
          first = findloc(samples%states%fault /= fault_none, .true., dim=1)
          if (first > 0) then
             call refuse_motion(set, cams, k, shape, samples, first, findings)
@@ -197,7 +197,7 @@ contains
       integer :: first
 
       allocate (shape)
-      call make_shape(set, cams, prepared, part_t(role=role_conjugate), shape, findings)
+      call make_shape(set, cams, prepared, cam_role_t(role=role_conjugate), shape, findings)
       if (findings%failed()) return
       call shape%motion%trace(samples%angle, samples%piece, states)
       first = findloc(states%fault /= fault_none, .true., dim=1)
@@ -262,19 +262,19 @@ contains
       type(data_set_t), intent(in) :: set
       type(cam_group_t), intent(in) :: cams(:)       !! CAM and CAM2
       type(prepared_t), intent(in) :: prepared
-      type(part_t), intent(in) :: part
+      type(cam_role_t), intent(in) :: part
       type(cam_shape_t), intent(inout) :: shape
       type(diagnostics_t), intent(inout) :: findings
       type(cam_group_t) :: cam
       type(law_t), allocatable :: laws(:)
-      type(joint_t), allocatable :: joints(:)
+      type(law_joint_t), allocatable :: joints(:)
       real(wp), allocatable :: at(:)
       integer :: k, other
 
       cam = cam_of_part(cams, part)
       allocate (laws(merge(2, 1, cams(2)%given)))
       do k = 1, size(laws)
-         call make_law(cam_of_part(cams, part_t(cam=k)), laws(k))
+         call make_law(cam_of_part(cams, cam_role_t(cam=k)), laws(k))
          if (laws(k)%state == law_made) cycle
          call refuse_law(set, k, laws(k), findings)
          return
@@ -348,7 +348,7 @@ contains
    subroutine make_chained(set, cams, part, cam, laws, shape, findings)
       type(data_set_t), intent(in) :: set
       type(cam_group_t), intent(in) :: cams(:)       !! CAM and CAM2
-      type(part_t), intent(in) :: part
+      type(cam_role_t), intent(in) :: part
       type(cam_group_t), intent(in) :: cam
       type(law_t), intent(in) :: laws(:)
       type(cam_shape_t), intent(inout) :: shape
@@ -370,7 +370,7 @@ contains
          return
       end if
       do k = 1, size(laws)
-         used(k) = cam_of_part(cams, part_t(cam=k))
+         used(k) = cam_of_part(cams, cam_role_t(cam=k))
          if (used(k)%of_output .and. used(k)%axis > numbers_of(closure)) then
             call complain(set, k, 'KAXIS', 'the outputs have '//to_text(numbers_of(closure))//' number(s); there is none of '// &
                           'number '//to_text(used(k)%axis), findings)
@@ -418,7 +418,7 @@ contains
       integer, intent(in) :: cam                  !! 1 or 2
       type(law_t), intent(in) :: law
       type(diagnostics_t), intent(inout) :: findings
-      type(joint_t), allocatable :: joints(:)
+      type(law_joint_t), allocatable :: joints(:)
       integer :: k
 
       if (law%state == law_jerk_jumps) then
@@ -498,22 +498,22 @@ contains
    !> What a case has studied: its cams, and of each the conjugate cam or the outer wall of the track.
    pure function parts_of(cams) result(parts)
       type(cam_group_t), intent(in) :: cams(:)       !! CAM and CAM2
-      type(part_t), allocatable :: parts(:)
+      type(cam_role_t), allocatable :: parts(:)
 
-      parts = [part_t()]
-      if (cams(1)%conjugate) parts = [parts, part_t(role=role_conjugate)]
-      if (cams(1)%track) parts = [parts, part_t(role=role_outer_wall)]
+      parts = [cam_role_t()]
+      if (cams(1)%conjugate) parts = [parts, cam_role_t(role=role_conjugate)]
+      if (cams(1)%track) parts = [parts, cam_role_t(role=role_outer_wall)]
       if (.not. cams(2)%given) return
-      parts = [parts, part_t(cam=2)]
-      if (cams(2)%conjugate) parts = [parts, part_t(2, role_conjugate)]
-      if (cams(2)%track) parts = [parts, part_t(2, role_outer_wall)]
+      parts = [parts, cam_role_t(cam=2)]
+      if (cams(2)%conjugate) parts = [parts, cam_role_t(2, role_conjugate)]
+      if (cams(2)%track) parts = [parts, cam_role_t(2, role_outer_wall)]
    end function parts_of
 
    !> The group with the roller and the cutter of a part. The walls of a track are cut with their own width: the cutter runs on the
    !> pitch curve.
    pure type(cam_group_t) function cam_of_part(cams, part) result(cam)
       type(cam_group_t), intent(in) :: cams(:)       !! CAM and CAM2
-      type(part_t), intent(in) :: part
+      type(cam_role_t), intent(in) :: part
 
       if (part%cam == 2) then
          cam = cams(2)
@@ -593,7 +593,7 @@ contains
       type(data_set_t), intent(in) :: set
       type(cam_group_t), intent(in) :: cams(:)       !! CAM and CAM2
       type(prepared_t), intent(in) :: prepared
-      type(part_t), intent(in) :: part               !! one of `parts_of`
+      type(cam_role_t), intent(in) :: part               !! one of `parts_of`
       type(cam_study_t), intent(inout) :: study      !! as it is by default; `out` would put two of them on the stack
       type(diagnostics_t) :: unused
       type(samples_t) :: samples
@@ -647,10 +647,10 @@ contains
       type(cam_points_t) :: points
       type(diagnostics_t) :: unused
       logical, allocatable :: possible(:)
-      type(part_t) :: part
+      type(cam_role_t) :: part
 
       allocate (first)
-      part = part_t(cam=study%part%cam)
+      part = cam_role_t(cam=study%part%cam)
       call make_shape(set, cams, prepared, part, first, unused)
       call sample_turn(first, cam_of_part(cams, part), samples)
       call measure(first, study%angle, first%motion%law%piece_at(study%angle), states, points, possible)
@@ -670,7 +670,7 @@ contains
       type(diagnostics_t) :: unused
 
       allocate (study%other, study%second)
-      call make_shape(set, cams, prepared, part_t(study%part%cam, role_conjugate), study%other, unused)
+      call make_shape(set, cams, prepared, cam_role_t(study%part%cam, role_conjugate), study%other, unused)
       call study%other%motion%trace(study%angle, study%other%motion%law%piece_at(study%angle), study%second_states)
       call find_gap(study%shape, samples, study%states, study%points, study%second_states, study%other%roller, study%second)
       study%least_slack = least_in(study%second%gap, study%angle)
@@ -688,7 +688,7 @@ contains
       type(cam_group_t), intent(in) :: cam
       type(cam_shape_t), intent(in) :: shape
       type(samples_t), intent(in) :: samples
-      type(contact_t), intent(out) :: contact
+      type(cam_contact_t), intent(out) :: contact
       type(force_model_t) :: model
       type(diagnostics_t) :: unused
       class(problem_t), allocatable :: problem        ! large: it would fill a small stack

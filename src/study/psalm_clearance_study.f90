@@ -8,7 +8,7 @@ module psalm_clearance_study
    use psalm_error, only: problem_t
    use psalm_flypast, only: flypast_t, flight_t, follow_flypast, fly
    use psalm_flypast_chart, only: chart_t, make_chart, outermost_loss
-   use psalm_following, only: contact_t, contact_of, follow_contact, least_force_t
+   use psalm_following, only: followed_contact_t, contact_of, follow_contact, least_force_t
    use psalm_force_model, only: force_model_t, make_force_model, joint_at
    use psalm_joint_load, only: joint_load_t, find_joint_load
    use psalm_kinds, only: wp, pi, full_turn, degrees_per_radian, radians_per_degree
@@ -289,7 +289,7 @@ contains
       type(clearance_group_t), intent(in) :: clearance
       type(periodic_t), intent(in) :: tensor(3)
       type(clearance_study_t), intent(inout) :: study
-      type(contact_t) :: contact
+      type(followed_contact_t) :: contact
       type(periodic_t) :: load(2)
       real(wp) :: from, loss
       real(wp), allocatable :: amount(:)

@@ -27,20 +27,20 @@ module psalm_estimate_study
 
    integer, parameter :: verdict_rigid = 1, verdict_closer = 2, verdict_redesign = 3
    !> What a link is measured by: Haines's rules of 2M, the end load of 2G, the deflection of 2B.
-   type :: rule_t
+   type :: judging_rule_t
       character(40) :: name
       logical :: at_least
       real(wp) :: limit
       character(14) :: words
-   end type rule_t
+   end type judging_rule_t
 
-   type(rule_t), parameter :: rules(6) = [ &
-      rule_t('FIRST FREQUENCY/SPEED', .true., 10.0_wp, 'AT LEAST 10'), &
-      rule_t('AXIAL FREQUENCY/SPEED WITH WHAT IT MOVES', .true., 10.0_wp, 'AT LEAST 10'), &
-      rule_t('FREQUENCY/SPEED APART FROM A NEIGHBOUR''S', .true., 3.0_wp, 'AT LEAST 3'), &
-      rule_t('END LOAD/EULER''S LOAD', .false., 0.25_wp, 'AT MOST 0.25'), &
-      rule_t('DYNAMIC ERROR/QUASI-STATIC DEFLECTION', .false., 0.1_wp, 'AT MOST 0.1'), &
-      rule_t('DEFLECTION/LENGTH', .false., 0.025_wp, 'AT MOST 0.025')]
+   type(judging_rule_t), parameter :: rules(6) = [ &
+      judging_rule_t('FIRST FREQUENCY/SPEED', .true., 10.0_wp, 'AT LEAST 10'), &
+      judging_rule_t('AXIAL FREQUENCY/SPEED WITH WHAT IT MOVES', .true., 10.0_wp, 'AT LEAST 10'), &
+      judging_rule_t('FREQUENCY/SPEED APART FROM A NEIGHBOUR''S', .true., 3.0_wp, 'AT LEAST 3'), &
+      judging_rule_t('END LOAD/EULER''S LOAD', .false., 0.25_wp, 'AT MOST 0.25'), &
+      judging_rule_t('DYNAMIC ERROR/QUASI-STATIC DEFLECTION', .false., 0.1_wp, 'AT MOST 0.1'), &
+      judging_rule_t('DEFLECTION/LENGTH', .false., 0.025_wp, 'AT MOST 0.025')]
    integer, parameter :: rule_frequency = 1, rule_axial = 2, rule_apart = 3, rule_load = 4, rule_error = 5, rule_deflection = 6
    real(wp), parameter :: stubby = 5.0_wp          !! slenderness below which Ritz's estimate on posts is not accurate
    integer, parameter :: harmonics_estimated = 12

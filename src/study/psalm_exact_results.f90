@@ -1,6 +1,6 @@
 !> Linkages that exact synthesis found: judged, put in order, and what is proven of their motion.
 module psalm_exact_results
-   use psalm_burmester, only: dyad_slides, dyad_swings, dyad_t
+   use psalm_burmester, only: dyad_slides, dyad_swings, pin_pair_t
    use psalm_defects, only: change_of_lengths, exact_linkage_t, verdict_t, judge, place_pins, with_other_driver
    use psalm_kinds, only: wp
    implicit none (type, external)
@@ -37,7 +37,7 @@ contains
    !> The linkage of two dyads, the first of which turns; a four-bar with the better driver.
    pure function pair_of(p, g, first, second, closed) result(own)
       complex(wp), intent(in) :: p(:), g(:)          !! shapes (poses), (poses - 1)
-      type(dyad_t), intent(in) :: first, second
+      type(pin_pair_t), intent(in) :: first, second
       logical, intent(in) :: closed
       type(exact_result_t) :: own
       type(exact_linkage_t) :: one

@@ -1,6 +1,6 @@
 !> All linkages that meet points, poses, timed points or a function exactly. Data in, results out.
 module psalm_exact_study
-   use psalm_burmester, only: dyad_t, dyads_t, five_poses, pin_for_pivot
+   use psalm_burmester, only: pin_pair_t, dyads_t, five_poses, pin_for_pivot
    use psalm_careful_tracking, only: ends_t, take_ends, track_carefully
    use psalm_certificate, only: certificate_t, certify_generators, certify_legs, certify_poses
    use psalm_data_set, only: data_set_t
@@ -12,7 +12,7 @@ module psalm_exact_study
    use psalm_generic, only: generic_solutions
    use psalm_guided_six_bars, only: arm_t, guided_study_t, find_guided, place_arm, poses_guided
    use psalm_kinds, only: wp, full_turn, pi, radians_per_degree
-   use psalm_leg_lanes, only: path_t
+   use psalm_leg_lanes, only: problem_path_t
    use psalm_leg_problem, only: absolute, at_a, at_ah, at_b, at_bh, at_x, at_y, kind_point, kind_pose, kind_timed, leg_data_t, &
                                 leg_problem_t, make_problem, most_points, random_unit, turns_of, variables
    use psalm_angles, only: unit_vector
@@ -50,27 +50,27 @@ module psalm_exact_study
 
    !> Finite solutions of a generic problem; of nine points without exchange of the legs and cognates. Computed by monodromy, every
    !> number unchanged over at least six further loops; 8652/6 and 36 are those of Wampler, Morgan and Sommese (1992).
-   type :: row_t
+   type :: kind_t
       integer :: points, poses, timed                !! beyond the first
       logical :: slides, crank_given, follower_given
       integer :: solutions
-   end type row_t
+   end type kind_t
 
    logical, parameter :: y = .true., n = .false.
-   type(row_t), parameter :: rows(*) = [ &
-      row_t(0, 4, 0, n, n, n, 12), row_t(2, 3, 0, n, n, n, 60), row_t(4, 2, 0, n, n, n, 402), row_t(6, 1, 0, n, n, n, 2224), &
-      row_t(0, 0, 4, n, n, n, 12), row_t(2, 0, 3, n, n, n, 60), row_t(4, 0, 2, n, n, n, 402), row_t(6, 0, 1, n, n, n, 2224), &
-      row_t(0, 1, 3, n, n, n, 15), row_t(0, 2, 2, n, n, n, 15), row_t(0, 3, 1, n, n, n, 15), &
-      row_t(2, 1, 2, n, n, n, 94), row_t(2, 2, 1, n, n, n, 94), row_t(4, 1, 1, n, n, n, 556), &
-      row_t(4, 0, 0, n, y, y, 36), row_t(2, 1, 0, n, y, y, 6), row_t(2, 0, 1, n, y, y, 8), &
-      row_t(0, 2, 0, n, y, y, 1), row_t(0, 0, 2, n, y, y, 1), row_t(0, 1, 1, n, y, y, 1), &
-      row_t(6, 0, 0, n, y, n, 486), row_t(4, 1, 0, n, y, n, 94), row_t(2, 2, 0, n, y, n, 12), &
-      row_t(6, 0, 0, n, n, y, 486), row_t(4, 1, 0, n, n, y, 94), row_t(2, 2, 0, n, n, y, 12), &
-      row_t(4, 0, 1, n, y, n, 94), row_t(2, 0, 2, n, y, n, 12), row_t(4, 0, 1, n, n, y, 140), row_t(2, 0, 2, n, n, y, 28), &
-      row_t(7, 0, 0, y, n, n, 558), row_t(5, 1, 0, y, n, n, 202), row_t(3, 2, 0, y, n, n, 42), row_t(1, 3, 0, y, n, n, 6), &
-      row_t(5, 0, 1, y, n, n, 202), row_t(3, 0, 2, y, n, n, 42), row_t(1, 0, 3, y, n, n, 6), &
-      row_t(5, 0, 0, y, y, n, 62), row_t(3, 1, 0, y, y, n, 14), row_t(1, 2, 0, y, y, n, 2), row_t(3, 0, 1, y, y, n, 14), &
-      row_t(1, 0, 2, y, y, n, 2)]
+   type(kind_t), parameter :: rows(*) = [ &
+      kind_t(0, 4, 0, n, n, n, 12), kind_t(2, 3, 0, n, n, n, 60), kind_t(4, 2, 0, n, n, n, 402), kind_t(6, 1, 0, n, n, n, 2224), &
+      kind_t(0, 0, 4, n, n, n, 12), kind_t(2, 0, 3, n, n, n, 60), kind_t(4, 0, 2, n, n, n, 402), kind_t(6, 0, 1, n, n, n, 2224), &
+      kind_t(0, 1, 3, n, n, n, 15), kind_t(0, 2, 2, n, n, n, 15), kind_t(0, 3, 1, n, n, n, 15), &
+      kind_t(2, 1, 2, n, n, n, 94), kind_t(2, 2, 1, n, n, n, 94), kind_t(4, 1, 1, n, n, n, 556), &
+      kind_t(4, 0, 0, n, y, y, 36), kind_t(2, 1, 0, n, y, y, 6), kind_t(2, 0, 1, n, y, y, 8), &
+      kind_t(0, 2, 0, n, y, y, 1), kind_t(0, 0, 2, n, y, y, 1), kind_t(0, 1, 1, n, y, y, 1), &
+      kind_t(6, 0, 0, n, y, n, 486), kind_t(4, 1, 0, n, y, n, 94), kind_t(2, 2, 0, n, y, n, 12), &
+      kind_t(6, 0, 0, n, n, y, 486), kind_t(4, 1, 0, n, n, y, 94), kind_t(2, 2, 0, n, n, y, 12), &
+      kind_t(4, 0, 1, n, y, n, 94), kind_t(2, 0, 2, n, y, n, 12), kind_t(4, 0, 1, n, n, y, 140), kind_t(2, 0, 2, n, n, y, 28), &
+      kind_t(7, 0, 0, y, n, n, 558), kind_t(5, 1, 0, y, n, n, 202), kind_t(3, 2, 0, y, n, n, 42), kind_t(1, 3, 0, y, n, n, 6), &
+      kind_t(5, 0, 1, y, n, n, 202), kind_t(3, 0, 2, y, n, n, 42), kind_t(1, 0, 3, y, n, n, 6), &
+      kind_t(5, 0, 0, y, y, n, 62), kind_t(3, 1, 0, y, y, n, 14), kind_t(1, 2, 0, y, y, n, 2), kind_t(3, 0, 1, y, y, n, 14), &
+      kind_t(1, 0, 2, y, y, n, 2)]
 
    type :: exact_study_t
       integer :: way = way_legs
@@ -100,7 +100,7 @@ module psalm_exact_study
       logical :: examined = .false.                  !! there is a certificate
       type(certificate_t) :: certificate
       type(curve_sample_t), allocatable :: curve(:)  !! four poses: points of the curves, from the first pose's
-      type(dyad_t), allocatable :: lines(:)          !! curves: slides found, of four poses 1 at most, from the first pose's point
+      type(pin_pair_t), allocatable :: lines(:)          !! slides found, of four poses 1 at most, from the first pose's point
       integer :: flat = 0                            !! linkages left out: their transmission angle is less than TRMIN
       integer :: too_long = 0                        !! optima with a link that is too long
       type(exact_proof_t), allocatable :: proofs(:)  !! of the first results; not allocated: none were asked for
@@ -448,8 +448,8 @@ contains
       type(exact_group_t), intent(in) :: exact
       type(exact_study_t), intent(inout) :: study
       complex(wp) :: p(size(exact%x)), d(size(exact%x) - 1), g(size(exact%x) - 1)
-      type(dyad_t), allocatable :: cranks(:)
-      type(dyad_t) :: one
+      type(pin_pair_t), allocatable :: cranks(:)
+      type(pin_pair_t) :: one
       logical :: exists
 
       study%way = way_curves
@@ -571,7 +571,7 @@ contains
       type(leg_problem_t) :: problem
       type(generic_t) :: generic
       type(leg_data_t) :: turned
-      type(path_t) :: path
+      type(problem_path_t) :: path
       type(tracked_t) :: tracked
       type(ends_t) :: ends
       type(xoshiro_t) :: random

@@ -9,7 +9,7 @@ module psalm_exact_subsets
    use psalm_leg_problem, only: absolute, at_a, at_b, at_x, at_y, variables
    use psalm_nine_points, only: in_place, nine_points_t, solve_nine_points
    use psalm_path_descent, only: descend, nearest_g, retime
-   use psalm_path_fit, only: error_of, path_room_t, path_t, prepare_path, trace_coupler, visit_t
+   use psalm_path_fit, only: error_of, path_room_t, fitted_path_t, prepare_path, trace_coupler, visit_t
    use psalm_stop, only: stop_t
    use psalm_xoshiro, only: purpose_starts, xoshiro_t
    implicit none (type, external)
@@ -51,7 +51,7 @@ contains
       real(wp), intent(in) :: longest                !! link, over the size of the path
       type(subset_study_t), intent(out) :: study
       type(stop_t), intent(in), optional :: stop     !! asked now and then
-      type(path_t) :: paths(2)                       !! as it is, and mirrored: passed the other way round
+      type(fitted_path_t) :: paths(2)                       !! as it is, and mirrored: passed the other way round
       type(path_room_t), allocatable :: room
       type(nine_points_t) :: found
       type(visit_t) :: best(most_refined)
@@ -162,7 +162,7 @@ contains
 
    !> Least squares from a start and from its best timing anew, the better of both; then until every bound is kept.
    subroutine finish(path, visit, room)
-      type(path_t), intent(in) :: path
+      type(fitted_path_t), intent(in) :: path
       type(visit_t), intent(inout) :: visit
       type(path_room_t), intent(inout) :: room
       integer, parameter :: steps = 500, rounds = 5
@@ -212,7 +212,7 @@ contains
    !> A four-bar in the notation of psalm_path_fit. `turns`: its crank does, fully.
    subroutine visit_of(four_bar, path, mirrored, visit, turns)
       type(exact_linkage_t), intent(in) :: four_bar
-      type(path_t), intent(in) :: path
+      type(fitted_path_t), intent(in) :: path
       logical, intent(in) :: mirrored
       type(visit_t), intent(out) :: visit
       logical, intent(out) :: turns
@@ -253,7 +253,7 @@ contains
    !> The four-bar of a visit at its places.
    subroutine linkage_of(visit, path, mirrored, one)
       type(visit_t), intent(in) :: visit
-      type(path_t), intent(in) :: path
+      type(fitted_path_t), intent(in) :: path
       logical, intent(in) :: mirrored
       type(exact_linkage_t), intent(out) :: one
       complex(wp) :: e(path%n), v(path%n), z0

@@ -4,7 +4,7 @@ module psalm_machine_study
    use psalm_error, only: problem_t
    use psalm_force_model, only: force_model_t
    use psalm_kinds, only: wp, full_turn
-   use psalm_machine, only: machine_t, cycle_t, run_t, make_machine, settle_machine, run_up, flywheel_for, cycle_found, &
+   use psalm_machine, only: machine_t, cycle_t, machine_run_t, make_machine, settle_machine, run_up, flywheel_for, cycle_found, &
                             cycle_any_speed
    use psalm_motor_group, only: motor_group_t, motor_of
    implicit none (type, external)
@@ -18,7 +18,7 @@ module psalm_machine_study
       real(wp) :: inertia_least = 0.0_wp, inertia_greatest = 0.0_wp !! kg m2, flywheel included
       type(cycle_t) :: cycle
       logical :: runs_up = .false.           !! a run-up was asked for
-      type(run_t) :: run
+      type(machine_run_t) :: run
       logical :: wants_flywheel = .false.    !! a flywheel was asked for
       real(wp) :: flywheel = 0.0_wp          !! kg m2, for FLUCT; negative: there is none
    contains

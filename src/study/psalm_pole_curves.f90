@@ -5,7 +5,7 @@
 !> Burmester (1888); Bottema and Roth (1979), chapter 8.
 module psalm_pole_curves
    use psalm_angles, only: unit_vector
-   use psalm_burmester, only: curve_point_t, dyad_slides, dyad_swings, dyad_t, four_poses_curve, guide_of, inverted, &
+   use psalm_burmester, only: curve_point_t, dyad_slides, dyad_swings, pin_pair_t, four_poses_curve, guide_of, inverted, &
                               slider_circle, slider_pin
    use psalm_defects, only: verdict_t
    use psalm_exact_results, only: exact_result_t, keep_best, pair_of
@@ -22,7 +22,7 @@ module psalm_pole_curves
    type :: curve_sample_t
       real(wp) :: ray = 0.0_wp                       !! direction from the pole, degrees from 0 to 180
       integer :: branch = 1                          !! 1 or 2
-      type(dyad_t) :: dyad
+      type(pin_pair_t) :: dyad
    end type curve_sample_t
 
    !> What each pair of points of the centre-point curve is worth as a four-bar.
@@ -66,7 +66,7 @@ contains
    subroutine find_lines(swings, d, g, lines)
       logical, intent(in) :: swings
       complex(wp), intent(in) :: d(:), g(:)          !! shape (2) or (3)
-      type(dyad_t), allocatable, intent(out) :: lines(:)
+      type(pin_pair_t), allocatable, intent(out) :: lines(:)
       complex(wp) :: own_d(size(d)), own_g(size(g)), centre, pin
       real(wp) :: level, offset, square, cosine, sine
       logical :: exists
@@ -95,7 +95,7 @@ contains
 
    contains
 
-      type(dyad_t) function line_at(place)
+      type(pin_pair_t) function line_at(place)
          complex(wp), intent(in) :: place
 
          line_at%guide = guide_of(own_d, own_g, place)
@@ -112,7 +112,7 @@ contains
    !> The best linkages of two dyads: of one of each list, or where there are no lines of two of the first.
    subroutine find_pairs(p, g, cranks, lines, closed, most, kept, tried)
       complex(wp), intent(in) :: p(:), g(:)          !! shapes (poses), (poses - 1)
-      type(dyad_t), intent(in) :: cranks(:), lines(:)
+      type(pin_pair_t), intent(in) :: cranks(:), lines(:)
       logical, intent(in) :: closed
       integer, intent(in) :: most                    !! kept
       type(exact_result_t), allocatable, intent(out) :: kept(:)

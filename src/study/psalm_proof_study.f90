@@ -15,12 +15,12 @@ module psalm_proof_study
    use psalm_parameters, only: no_parameters
    use psalm_plan, only: plan_t, make_plan
    use psalm_proof, only: proof_t, subject_t, prepare_subject, bind_subject, prove_closure, piece_closes
-   use psalm_proof_clearance, only: path_t, keeping_t, nearest_t, prove_clearance, apart_from_link, apart_from_corners, &
+   use psalm_proof_clearance, only: step_path_t, keeping_t, nearest_t, prove_clearance, apart_from_link, apart_from_corners, &
                                     within_edges, within_circle
-   use psalm_proof_motion, only: movement_t, span_t, prove_movement
+   use psalm_proof_motion, only: movement_t, bracket_t, prove_movement
    use psalm_proof_plan, only: path_of
    use psalm_proven_margins, only: proven_margin_t, prove_margins
-   use psalm_proof_ranges, only: extreme_t, prove_extremes, prove_tolerance, extreme_output, extreme_distance, extreme_ratio
+   use psalm_proof_ranges, only: proven_extreme_t, prove_extremes, prove_tolerance, extreme_output, extreme_distance, extreme_ratio
    use psalm_station, only: station_t, prepare_station, linearise_station
    use psalm_summary, only: loop_kind_t, kinds_of
    implicit none (type, external)
@@ -47,7 +47,7 @@ module psalm_proof_study
       logical :: empty = .false.             !! all inputs are the same: there is no range
       logical :: full_turn = .false.         !! the range is a full turn, whose end is its beginning
       type(proof_t) :: proof
-      type(extreme_t), allocatable :: extremes(:)
+      type(proven_extreme_t), allocatable :: extremes(:)
       type(loop_kind_t), allocatable :: kinds(:) !! of loops that are a four-bar, by the lengths exactly as given
       type(movement_t) :: movement           !! dead points, velocity ratio, strokes, dwells
       real(wp) :: dwell = 0.0_wp             !! amount of a dwell, degrees or length; 0: none are looked for
@@ -297,7 +297,7 @@ contains
    contains
 
       !> Steps to a point; 0: the output point.
-      pure type(path_t) function way_to(point) result(path)
+      pure type(step_path_t) function way_to(point) result(path)
          integer, intent(in) :: point
 
          if (point == 0) then
@@ -322,8 +322,8 @@ contains
 
       subroutine add(kind, spans)
          integer, intent(in) :: kind
-         type(span_t), intent(in) :: spans(2)
-         type(extreme_t) :: extreme
+         type(bracket_t), intent(in) :: spans(2)
+         type(proven_extreme_t) :: extreme
 
          extreme%kind = kind
          extreme%found = .true.

@@ -8,7 +8,7 @@ module psalm_proven_margins
    use psalm_error, only: problem_t
    use psalm_kinds, only: wp, right_angle
    use psalm_margins, only: margin_t, margin_angle, margin_guide, margin_offset, margin_slides, rounding, parallel
-   use psalm_proof_ranges, only: extreme_t, extreme_angle, extreme_slide, extreme_slides
+   use psalm_proof_ranges, only: proven_extreme_t, extreme_angle, extreme_slide, extreme_slides
    implicit none (type, external)
    private
    public :: proven_margin_t, prove_margins
@@ -32,7 +32,7 @@ contains
       type(dimensions_t), intent(in) :: dimensions
       real(wp), intent(in) :: tangle                !! TANGLE, degrees
       real(wp), intent(in) :: toggle                !! TOGGLE where it is a constraint, else 0
-      type(extreme_t), intent(in) :: extremes(:)    !! of a linkage that closes everywhere
+      type(proven_extreme_t), intent(in) :: extremes(:)    !! of a linkage that closes everywhere
       type(proven_margin_t), allocatable :: margins(:)
       type(proven_margin_t) :: own
       real(wp) :: size, guide, link
@@ -111,7 +111,7 @@ contains
 
    !> Degrees that an angle stays within `allowed` of 90.
    pure subroutine of_deviation(extreme, allowed, own)
-      type(extreme_t), intent(in) :: extreme
+      type(proven_extreme_t), intent(in) :: extreme
       real(wp), intent(in) :: allowed
       type(proven_margin_t), intent(inout) :: own
       real(wp) :: below(2), above(2), rest

@@ -51,9 +51,9 @@ module psalm_vibration_study
    end type speed_row_t
 
    !> Speeds at which mode 1 grows.
-   type :: band_t
+   type :: speed_band_t
       real(wp) :: from = 0.0_wp, to = 0.0_wp     !! rad/s; an end of the range is an end of the band too
-   end type band_t
+   end type speed_band_t
 
    type :: chart_row_t
       real(wp) :: e = 0.0_wp
@@ -71,7 +71,7 @@ module psalm_vibration_study
       logical :: stable = .false.                !! all modes together
       real(wp) :: determinant_error = 0.0_wp     !! of the period of all modes together, relative
       type(speed_row_t), allocatable :: speeds(:)
-      type(band_t), allocatable :: bands(:)      !! within the range of these speeds
+      type(speed_band_t), allocatable :: bands(:)      !! within the range of these speeds
       type(chart_row_t), allocatable :: chart(:)
       real(wp) :: resolution = 0.0_wp            !! what the positions leave open of the coefficients
       real(wp) :: mixing = 0.0_wp                !! largest coupling of the lowest modes by what acts on the link, over the root
@@ -310,10 +310,10 @@ contains
          if (grows(i) .neqv. grows(i - 1)) then
             edge = edge_between(places(i - 1), places(i), grows(i - 1))
             if (grows(i)) low = edge
-            if (grows(i - 1)) study%bands = [study%bands, band_t(low, edge)]
+            if (grows(i - 1)) study%bands = [study%bands, speed_band_t(low, edge)]
          end if
       end do
-      if (grows(size(places))) study%bands = [study%bands, band_t(low, places(size(places)))]
+      if (grows(size(places))) study%bands = [study%bands, speed_band_t(low, places(size(places)))]
 
    contains
 

@@ -15,7 +15,7 @@ module psalm_chain_problem
    use psalm_error, only: desired_of
    use psalm_kinds, only: wp, full_turn, half_turn, radians_per_degree, degrees_per_radian
    use psalm_nlp, only: plain_nlp_t
-   use psalm_sketch, only: sketch_t, output_t, variation_t, columns_of, frame_link, most_wished, drive_turns, output_angle, &
+   use psalm_sketch, only: sketch_t, sketch_output_t, variation_t, columns_of, frame_link, most_wished, drive_turns, output_angle, &
                            output_between, output_pose, output_ratio, vary_angle, vary_input, vary_length, vary_place
    use psalm_text, only: to_text
    implicit none (type, external)

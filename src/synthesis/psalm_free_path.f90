@@ -6,7 +6,8 @@ module psalm_free_path
    use psalm_kinds, only: wp, full_turn, half_turn
    use psalm_path_angles, only: limits_angle, keep_angles
    use psalm_path_descent, only: descend, put_in_order, retime, nearest_g, least_sigma, largest_q
-   use psalm_path_fit, only: path_t, visit_t, path_room_t, trace_coupler, fit_linear, error_of, find_violations, rows_most, samples
+   use psalm_path_fit, only: fitted_path_t, visit_t, path_room_t, trace_coupler, fit_linear, error_of, find_violations, &
+                             rows_most, samples
    use psalm_timing_draw, only: draw_spread, draw_jumps, draw_corner, draw_ratio, follow, uniform
    use psalm_xoshiro, only: xoshiro_t
    implicit none (type, external)
@@ -27,7 +28,7 @@ contains
    !> Where a path has corners its best linkage often passes a change point there, for only at one has its curve a corner too; most
    !> samples are drawn so.
    subroutine draw(path, random, visit)
-      type(path_t), intent(in) :: path
+      type(fitted_path_t), intent(in) :: path
       type(xoshiro_t), intent(inout) :: random
       type(visit_t), intent(inout) :: visit
       real(wp) :: lengths(4), gap(path%n)
@@ -72,7 +73,7 @@ contains
    !> One lot: samples, short descents of the better half, longer ones of the best, and the best finished. Of several paths, to be
    !> followed in other directions or by other assemblies, each sample takes one at random.
    subroutine search_lot(paths, random, room, best)
-      type(path_t), intent(in) :: paths(:)           !! as many points in each
+      type(fitted_path_t), intent(in) :: paths(:)           !! as many points in each
       type(xoshiro_t), intent(inout) :: random
       type(path_room_t), intent(inout) :: room
       type(visit_t), intent(inout) :: best           !! finished; `worst` tells whether the bounds are kept

@@ -16,7 +16,7 @@ module psalm_free_start
    use psalm_output_kind, only: motion_point
    use psalm_parameters, only: variable_length, variable_outlk, variable_origlk, variable_gama, variable_outang, variable_origng, &
                                variable_crnki
-   use psalm_path_fit, only: path_t, path_room_t, visit_t, prepare_path, trace_coupler, lengths_of, at_ground, at_crank, &
+   use psalm_path_fit, only: fitted_path_t, path_room_t, visit_t, prepare_path, trace_coupler, lengths_of, at_ground, at_crank, &
                              at_coupler, at_follower, at_point, at_pivot
    use psalm_station, only: station_t, prepare_station, evaluate_station
    use psalm_xoshiro, only: xoshiro_t
@@ -29,7 +29,7 @@ module psalm_free_start
 
    type :: free_start_t
       logical :: applies = .false.
-      type(path_t) :: path
+      type(fitted_path_t) :: path
       type(path_room_t), allocatable :: room
       type(visit_t) :: visit
       class(station_t), allocatable :: station        !! the user's linkage at the inputs of a visit
@@ -127,7 +127,7 @@ contains
       type(free_start_t), intent(inout) :: starts
       logical, intent(out) :: fits
       type(visit_t) :: made_up
-      type(path_t) :: unit
+      type(fitted_path_t) :: unit
       complex(wp) :: points(problem%positions), e(problem%positions), v(problem%positions)
       real(wp) :: values(size(problem%parameters%variables)), delt(problem%positions)
       integer :: i, ground, crank

@@ -12,7 +12,7 @@
 module psalm_path_angles
    use psalm_kinds, only: wp
    use psalm_linear, only: solve_positive
-   use psalm_path_fit, only: path_t, visit_t, unknowns, shape_g
+   use psalm_path_fit, only: fitted_path_t, visit_t, unknowns, shape_g
    implicit none (type, external)
    private
    public :: limits_angle, angle_limits, keep_angles, slide_along
@@ -24,20 +24,20 @@ contains
 
    !> True if there is a limit.
    pure logical function limits_angle(path)
-      type(path_t), intent(in) :: path
+      type(fitted_path_t), intent(in) :: path
 
       limits_angle = path%cosine < 1.0_wp
    end function limits_angle
 
    pure real(wp) function kappa_of(path)
-      type(path_t), intent(in) :: path
+      type(fitted_path_t), intent(in) :: path
 
       kappa_of = min(0.5_wp*(1.0_wp - path%cosine), most_kappa)
    end function kappa_of
 
    !> Both inequalities: values, at most 0 where they are kept, and their derivatives by ln g, ln sigma, q.
    pure subroutine angle_limits(path, visit, values, slopes)
-      type(path_t), intent(in) :: path
+      type(fitted_path_t), intent(in) :: path
       type(visit_t), intent(in) :: visit
       real(wp), intent(out) :: values(2)             !! joints nearest, farthest; relative to (g - 1)^2 and (g + 1)^2
       real(wp), intent(out) :: slopes(3, 2)
@@ -61,7 +61,7 @@ contains
    !> The shape as near as may be that keeps both limits: ground and crank apart far enough, then sum and difference of coupler and
    !> follower.
    pure subroutine keep_angles(path, visit)
-      type(path_t), intent(in) :: path
+      type(fitted_path_t), intent(in) :: path
       type(visit_t), intent(inout) :: visit
       real(wp) :: kappa, least, near, far, x, y, x_corner, y_corner
 
@@ -95,7 +95,7 @@ contains
    !> The least point of a quadratic under both limits made linear. `step` comes as its least point without them; what is held does
    !> not move.
    pure subroutine slide_along(path, visit, matrix, held, step, solved)
-      type(path_t), intent(in) :: path
+      type(fitted_path_t), intent(in) :: path
       type(visit_t), intent(in) :: visit
       real(wp), intent(in) :: matrix(:, :)           !! shape (unknowns, unknowns); of what is held the unit matrix
       logical, intent(in) :: held(unknowns)

@@ -6,8 +6,8 @@ module psalm_path_descent
    use psalm_kinds, only: wp, degrees_per_radian, full_turn
    use psalm_linear, only: solve_positive
    use psalm_path_angles, only: limits_angle, keep_angles, slide_along
-   use psalm_path_fit, only: path_t, visit_t, path_room_t, trace_at, halve, fit_linear, find_violations, weigh, square, dot, &
-                             unknowns, lanes, column_turn, column_miss, shape_g, shape_s, shape_q, rows_most, places
+   use psalm_path_fit, only: fitted_path_t, visit_t, path_room_t, trace_at, halve, fit_linear, find_violations, weigh, square, &
+                             dot, unknowns, lanes, column_turn, column_miss, shape_g, shape_s, shape_q, rows_most, places
    use psalm_sort, only: pool_rising
    implicit none (type, external)
    private
@@ -22,7 +22,7 @@ contains
 
    !> Improve a visit by damped least squares, the linear unknowns solved for after every step.
    subroutine descend(path, steps, gain, weight, margin, visit, room)
-      type(path_t), intent(in) :: path
+      type(fitted_path_t), intent(in) :: path
       integer, intent(in) :: steps                   !! at most
       real(wp), intent(in) :: gain                   !! relative; three steps with less end it
       real(wp), intent(in) :: weight                 !! of squared relative violations
@@ -86,7 +86,7 @@ contains
 
    !> Normal equations: those of the nine unknowns, and what each group of inputs meets.
    subroutine form_equations(path, weight, margin, visit, room, h, slope, groups)
-      type(path_t), intent(in) :: path
+      type(fitted_path_t), intent(in) :: path
       real(wp), intent(in) :: weight, margin
       type(visit_t), intent(in) :: visit
       type(path_room_t), intent(inout) :: room
@@ -151,7 +151,7 @@ contains
    !> Inputs that stand together and would cross if each went its own way move as one.
    subroutine pool(visit, path, room, groups)
       type(visit_t), intent(in) :: visit
-      type(path_t), intent(in) :: path
+      type(fitted_path_t), intent(in) :: path
       type(path_room_t), intent(inout) :: room
       integer, intent(out) :: groups
       complex(wp) :: miss, turn
@@ -183,7 +183,7 @@ contains
    !> The damped step of the nine unknowns; shape numbers that push against their box are held, and limits of the transmission angle
    !> are kept, made linear.
    subroutine solve_step(path, visit, room, h, slope, groups, damping, step, solved)
-      type(path_t), intent(in) :: path
+      type(fitted_path_t), intent(in) :: path
       type(visit_t), intent(in) :: visit
       type(path_room_t), intent(in) :: room
       real(wp), intent(in) :: h(unknowns, unknowns), slope(unknowns), damping
@@ -235,7 +235,7 @@ contains
 
    !> Go that far. Factors exp(x) are taken as (1 + x/2)/(1 - x/2): a step is only true to its first order anyway.
    subroutine take_step(path, visit, room, step, groups, damping, next)
-      type(path_t), intent(in) :: path
+      type(fitted_path_t), intent(in) :: path
       type(visit_t), intent(in) :: visit
       type(path_room_t), intent(in) :: room
       real(wp), intent(in) :: step(unknowns), damping
@@ -318,7 +318,7 @@ contains
    !> The best timing of a visit's curve: dynamic programming over places of the crank, begun where the curve comes nearest to the
    !> first point.
    subroutine retime(path, visit, room)
-      type(path_t), intent(in) :: path
+      type(fitted_path_t), intent(in) :: path
       type(visit_t), intent(inout) :: visit
       type(path_room_t), intent(inout) :: room
       real(wp), parameter :: place_step = full_turn/real(places, wp)

@@ -13,7 +13,7 @@ module psalm_path_fit
    use psalm_kinds, only: wp, full_turn
    implicit none (type, external)
    private
-   public :: path_t, visit_t, path_room_t, set_points, prepare_path, trace_coupler, trace_at, halve, fit_linear, error_of, &
+   public :: fitted_path_t, visit_t, path_room_t, set_points, prepare_path, trace_coupler, trace_at, halve, fit_linear, error_of, &
              lengths_of, find_violations, weigh
    public :: square, dot
    public :: at_ground, at_crank, at_coupler, at_follower, at_point, at_pivot
@@ -32,7 +32,7 @@ module psalm_path_fit
    real(wp), parameter :: singular = 1.0e-14_wp      !! relative determinant below which e and v say the same
 
    !> What is to be visited, scaled to a mean radius of 1 about the mean.
-   type :: path_t
+   type :: fitted_path_t
       integer :: n = 0
       complex(wp), allocatable :: point(:)           !! shape (n)
       real(wp), allocatable :: weight(:)             !! shape (n), their mean is 1
@@ -45,7 +45,7 @@ module psalm_path_fit
       real(wp) :: cosine = 1.0_wp                    !! of the least transmission angle; 1: any
       real(wp) :: side = 1.0_wp                      !! assembly: +1 with the coupler's end left of the line from crank pin
                                                      !! to follower's pivot, -1 right
-   end type path_t
+   end type fitted_path_t
 
    !> A linkage that visits the points.
    type :: visit_t
@@ -79,10 +79,10 @@ contains
    !> Scale points and bounds, and make room.
    subroutine prepare_path(x, y, weight, low, high, cosine, side, path, room)
       real(wp), intent(in) :: x(:), y(:), weight(:)  !! shape (n), in order
-      real(wp), intent(in) :: low(6), high(6)        !! lengths, as `path_t` has them, in the unit of the points
+      real(wp), intent(in) :: low(6), high(6)        !! lengths, as `fitted_path_t` has them, in the unit of the points
       real(wp), intent(in) :: cosine                 !! of the least transmission angle
-      real(wp), intent(in) :: side                   !! assembly, as `path_t` has it
-      type(path_t), intent(out) :: path
+      real(wp), intent(in) :: side                   !! assembly, as `fitted_path_t` has it
+      type(fitted_path_t), intent(out) :: path
       type(path_room_t), intent(out) :: room
       integer :: i
 
@@ -110,7 +110,7 @@ contains
    !> Scale points.
    subroutine set_points(x, y, weight, path)
       real(wp), intent(in) :: x(:), y(:), weight(:)  !! shape (n), in order
-      type(path_t), intent(out) :: path
+      type(fitted_path_t), intent(out) :: path
 
       path%n = size(x)
       path%weight_scale = sum(weight)/real(path%n, wp)
@@ -222,7 +222,7 @@ contains
 
    !> The best z0, w1, w2 of a shape and its inputs.
    pure subroutine fit_linear(path, e, v, visit, slack)
-      type(path_t), intent(in) :: path
+      type(fitted_path_t), intent(in) :: path
       complex(wp), intent(in) :: e(:), v(:)
       type(visit_t), intent(inout) :: visit
       real(wp), intent(in) :: slack                  !! ridge
@@ -260,7 +260,7 @@ contains
 
    !> Weighted sum of the squared distances.
    pure real(wp) function error_of(path, e, v, visit) result(error)
-      type(path_t), intent(in) :: path
+      type(fitted_path_t), intent(in) :: path
       complex(wp), intent(in) :: e(:), v(:)
       type(visit_t), intent(in) :: visit
       integer :: k
@@ -273,7 +273,7 @@ contains
 
    !> Ground, crank, coupler, follower, distance of the coupler point from the crank pin, of the crank's pivot from the origin.
    pure function lengths_of(path, visit) result(lengths)
-      type(path_t), intent(in) :: path
+      type(fitted_path_t), intent(in) :: path
       type(visit_t), intent(in) :: visit
       real(wp) :: lengths(6), crank, half_sum, half_difference
 
@@ -286,7 +286,7 @@ contains
 
    !> Relative violations of the bounds that are violated, and their derivatives by the unknowns.
    pure subroutine find_violations(path, visit, margin, count, amount, rows)
-      type(path_t), intent(in) :: path
+      type(fitted_path_t), intent(in) :: path
       type(visit_t), intent(in) :: visit
       real(wp), intent(in) :: margin                 !! how far inside the bounds, relatively
       integer, intent(out) :: count
@@ -352,7 +352,7 @@ contains
 
    !> Error and violations of a visit whose linear unknowns are set.
    pure subroutine weigh(path, e, v, margin, visit)
-      type(path_t), intent(in) :: path
+      type(fitted_path_t), intent(in) :: path
       complex(wp), intent(in) :: e(:), v(:)
       real(wp), intent(in) :: margin
       type(visit_t), intent(inout) :: visit

@@ -18,7 +18,7 @@ module psalm_summary
    use psalm_mechanism, only: mechanism_t
    implicit none (type, external)
    private
-   public :: summary_t, loop_kind_t, span_t, summarise, kinds_of, kind_of_four_bar
+   public :: summary_t, loop_kind_t, range_t, summarise, kinds_of, kind_of_four_bar
    public :: kind_none, kind_crank_rocker, kind_double_crank, kind_double_rocker, kind_rocker_crank, kind_triple_rocker, &
              kind_change_point, kind_slider_turning, kind_slider_swinging
 
@@ -43,9 +43,9 @@ module psalm_summary
    real(wp), parameter :: near_toggle = 0.9_wp    !! sine of the deviation from 90 degrees above which a gap is looked for
 
    !> A range of inputs, or of outputs.
-   type :: span_t
+   type :: range_t
       real(wp) :: low = 0.0_wp, high = 0.0_wp
-   end type span_t
+   end type range_t
 
    !> What a loop is by the rule of Grashof.
    type :: loop_kind_t
@@ -65,14 +65,14 @@ module psalm_summary
       logical :: sliding_input = .false.
       integer :: motion = motion_point                !! MOTION: what the output is
       logical :: everywhere = .false.                 !! closes over the whole turn, or the whole range of a sliding input
-      type(span_t), allocatable :: closing(:)         !! inputs from .. to, in the direction of the sweep
+      type(range_t), allocatable :: closing(:)         !! inputs from .. to, in the direction of the sweep
       integer :: undetermined_loop = 0                !! loop of a dyad whose outer joints coincide over a range, 0: none
       integer :: undetermined_arcs(2) = 0             !! places of its arcs in that loop
-      type(span_t) :: undetermined                    !! the first such range of inputs
+      type(range_t) :: undetermined                    !! the first such range of inputs
       logical :: others_open = .false.                !! these are less than what the output itself depends on closes over
       logical :: output_everywhere = .false.          !! that closes over the whole turn or range
       logical :: partial = .false.                    !! angle, output and dead points are those over the prescribed inputs only
-      type(span_t) :: prescribed                      !! these inputs
+      type(range_t) :: prescribed                      !! these inputs
       logical :: unbounded = .false.                  !! the output runs to infinity
       logical :: turns = .false.                      !! the output angle turns fully
       type(loop_kind_t), allocatable :: kinds(:)
@@ -80,7 +80,7 @@ module psalm_summary
       real(wp) :: angle = right_angle                 !! the least one, degrees from the line of the links
       real(wp) :: angle_input = 0.0_wp
       real(wp) :: least_asked = 0.0_wp                !! TRMIN, degrees; 0: it is not given
-      type(span_t) :: output, output_y                !! range of the output; the second is y of MOTION 0
+      type(range_t) :: output, output_y                !! range of the output; the second is y of MOTION 0
       real(wp), allocatable :: reverses(:)            !! inputs at which the output reverses
       integer :: compared = 0                         !! closed positions with desired values
       real(wp) :: rms = 0.0_wp, largest = 0.0_wp      !! errors there, unit of the output
@@ -127,7 +127,7 @@ contains
             part%sliding_input = summary%sliding_input
             part%motion = summary%motion
             call sweep(low + (high - low)*inputs, .false., none, part)
-            summary%prescribed = span_t(input_of(problem, dimensions, low), input_of(problem, dimensions, high))
+            summary%prescribed = range_t(input_of(problem, dimensions, low), input_of(problem, dimensions, high))
             summary%angle = part%angle
             summary%angle_loop = part%angle_loop
             summary%angle_input = part%angle_input
@@ -232,7 +232,7 @@ contains
       last = modulo(last - 1, n) + 1
       summary%undetermined_loop = loops(begin)
       summary%undetermined_arcs = [(fine%problem%mechanism%place(i, loops(begin)), i=1, 2)]
-      summary%undetermined = span_t(input_of(fine%problem, dimensions, fine%problem%delt(begin)), &
+      summary%undetermined = range_t(input_of(fine%problem, dimensions, fine%problem%delt(begin)), &
                                     input_of(fine%problem, dimensions, fine%problem%delt(last)))
    end subroutine note_undetermined
 
@@ -522,7 +522,7 @@ contains
             if (summary%motion == motion_angle) summary%turns = abs(height - fine%out(1, 1)) > right_angle
          end if
          summary%closing = [summary%closing, &
-                            span_t(input_of(fine%problem, dimensions, from), input_of(fine%problem, dimensions, to))]
+                            range_t(input_of(fine%problem, dimensions, from), input_of(fine%problem, dimensions, to))]
       end subroutine one_span
 
       pure real(wp) function step_between(a, b)
@@ -536,12 +536,12 @@ contains
          real(wp), intent(in) :: value, y
 
          if (first) then
-            summary%output = span_t(value, value)
-            summary%output_y = span_t(y, y)
+            summary%output = range_t(value, value)
+            summary%output_y = range_t(y, y)
             first = .false.
          end if
-         summary%output = span_t(min(summary%output%low, value), max(summary%output%high, value))
-         summary%output_y = span_t(min(summary%output_y%low, y), max(summary%output_y%high, y))
+         summary%output = range_t(min(summary%output%low, value), max(summary%output%high, value))
+         summary%output_y = range_t(min(summary%output_y%low, y), max(summary%output_y%high, y))
       end subroutine enter
 
       !> Where it ceases to close between a closed input and an open one; the output there.

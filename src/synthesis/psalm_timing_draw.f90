@@ -2,7 +2,7 @@
 module psalm_timing_draw
    use psalm_elementary, only: fractional_power
    use psalm_kinds, only: wp, full_turn
-   use psalm_path_fit, only: path_t
+   use psalm_path_fit, only: fitted_path_t
    use psalm_xoshiro, only: xoshiro_t
    implicit none (type, external)
    private
@@ -28,7 +28,7 @@ contains
 
    !> A point, the sooner the sharper the path turns there.
    integer function draw_corner(path, random) result(corner)
-      type(path_t), intent(in) :: path
+      type(fitted_path_t), intent(in) :: path
       type(xoshiro_t), intent(inout) :: random
       real(wp) :: left
 
@@ -53,7 +53,7 @@ contains
 
    !> Even or by the chords, over a part of the turn.
    subroutine draw_spread(path, random, gap)
-      type(path_t), intent(in) :: path
+      type(fitted_path_t), intent(in) :: path
       type(xoshiro_t), intent(inout) :: random
       real(wp), intent(out) :: gap(:)                !! shape (n): from each input to the next, the last one's to the first
       real(wp) :: span
@@ -74,7 +74,7 @@ contains
 
    !> Runs in which the inputs follow the chords, with jumps between them, half of these at corners.
    subroutine draw_jumps(path, random, gap)
-      type(path_t), intent(in) :: path
+      type(fitted_path_t), intent(in) :: path
       type(xoshiro_t), intent(inout) :: random
       real(wp), intent(out) :: gap(:)                !! shape (n), as of `draw_spread`
       logical :: jump(size(gap))
