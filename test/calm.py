@@ -465,7 +465,7 @@ def searches(place):
     check(run.code == 1 and "no cam that keeps all limits" in run.error, "search: limits that cannot be kept", run.error)
     for words, change in (("cannot vary", "VARY='RCUT', VARLOW=1, VARHI=2"), ("needs bounds", "VARY='XCAM','YCAM', VARLOW=1,2, VARHI=2"),
                           ("no such segment", "VARY='SEGEND 4', VARLOW=1, VARHI=2"), ("must be above VARLOW", "VARY='XCAM', VARLOW=3, VARHI=2"),
-                          ("only 'TRIG'", "VARY='TZONE 1 1', VARLOW=1, VARHI=2"), ("no goal 'SMALL'", "GOAL='SMALL'"),
+                          ("only 'TRIG'", "VARY='TZONE 1 1', VARLOW=1, VARHI=2"), ("expected; found 'SMALL'", "GOAL='SMALL'"),
                           ("stress needs", "GOAL='STRESS'")):
         run = Run(data("translating_roller", ("RROLL=8.0", change + ", RROLL=8.0")), place)
         check(run.code == 2 and words in run.error, "search refused: " + words, run.error)
@@ -583,7 +583,7 @@ def fits(place):
     close(exact.at(at[-1])["output"], values[-1], 1e-8, "least squares: a point of great weight is met")
     for old, new, words in (("TABTOL=0.15", "TABTOL=0.02", "no fit by least squares stays so near the points; the best misses one by"),
                             ("TABTOL=0.15", "NPIECE=80", "too few points"), ("TABTOL=0.15", "NPIECE=5", "NPIECE"), ("TABTOL=0.15, ", "", "NPIECE: missing"),
-                            ("'LSQ'", "'NEAR'", "there is no fit 'NEAR'"), ("TABFIT='LSQ'", "NPIECE=9", "is of TABFIT='LSQ' only"),
+                            ("'LSQ'", "'NEAR'", "'SPLINE' or 'LSQ' is expected; found 'NEAR'"), ("TABFIT='LSQ'", "NPIECE=9", "is of TABFIT='LSQ' only"),
                             ("TABTOL=0.15", "NPIECE=9, TABWT=-1.0", "a weight must not be negative"), ("TABTOL=0.15", "NPIECE=9, VELMAX=-1.0", "must not be negative")):
         bad = Run(data("measured_table", (old, new)), place)
         check(bad.code == 2 and words in bad.error, "fit refused: " + words, bad.error)

@@ -580,7 +580,7 @@ def refused(folder):
         ("XP=0,1,2,3,4,5, YP=0,2,1,1,6,2, ANGP=0,1,2,3,4,9", 2, "none passes; give fewer"),
         ("KIND='MOTION', XP=0,1,2, YP=0,2,1, ANGP=0,10", 2, "point 3 has none"),
         ("XP=0,1, YP=0", 2, "YP has 1"),
-        ("KIND='FUNKTION'", 2, "'PATH', 'MOTION' or 'FUNCTION'"),
+        ("KIND='FUNKTION'", 2, "'PATH', 'MOTION', 'FUNCTION'"),
         ("KIND='FUNCTION', FUNC='SINH'", 2, "there is no function 'SINH'"),
         ("KIND='FUNCTION', FUNC='LOG10', FXLOW=-1.0", 2, "a logarithm needs x above 0"),
         ("KIND='FUNCTION', PHI=0,10,20,30, PSI=0,5,12,30", 2, "four points leave infinitely many"),

@@ -150,7 +150,7 @@ MISTAKES = [
     (SKETCH, "OUTPUT='point P'", "OUTPUT='angle B C','angle C D','ratio angle_B_C angle_C_D', DVEL3=1.0,2.0",
      "output ratio_angle_B_C_angle_C_D is a ratio of rates; of that no derivative can be prescribed"),
     # sweeps
-    (FOUR_BAR, " &LIMITS", " &SWEEP SWHAT='WIDTH', SWLOW=1.0, SWHIGH=2.0 &END\n &LIMITS", "must be 'LENGTH', 'ANGLE', 'OUTLK'"),
+    (FOUR_BAR, " &LIMITS", " &SWEEP SWHAT='WIDTH', SWLOW=1.0, SWHIGH=2.0 &END\n &LIMITS", "one of 'LENGTH', 'ANGLE', 'OUTLK'"),
     (FOUR_BAR, " &LIMITS", " &SWEEP SWLINK=9, SWLOOP=1, SWLOW=1.0, SWHIGH=2.0 &END\n &LIMITS", "there is no arc 9"),
     (FOUR_BAR, " &LIMITS", " &SWEEP SWLINK=2, SWLOOP=1, SWLOW=-1.0, SWHIGH=2.0 &END\n &LIMITS", "a length must be above 0"),
     (FOUR_BAR.replace("MAXARC=4, ILINK=1,-2,-3,4, ILOOP=1,0,0,1", "MAXARC=5, ILINK=1,-2,-3,4,0, ILOOP=1,0,0,1,0"), " &LIMITS",

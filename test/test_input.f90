@@ -194,7 +194,10 @@ contains
       call wrong(altered('NOUTLK=3,', ''), '&LINKS NOUTLK: missing; this item is required')
       call wrong(altered('NOUTLK=3', 'NOUTLK=7'), 'must name an arc from 1 to 4')
       call wrong(altered('NOUTLP=1', 'NOUTLP=2'), 'must name a loop from 1 to 1')
-      call wrong(altered('NDES=3, ', ''), 'the number of prescribed positions is required')
+      call wrong('T'//nl//links//' &METHOD CRNKI=1. &END'//nl, 'the number of prescribed positions is required')
+      call read_text(altered('NDES=3, ', ''))
+      call t%is_true(.not. findings%failed(), 'it is that of DELT')
+      call t%equal_integer(sets(1)%method%ndes, 3, 'which has three values')
       call wrong(altered('NDES=3', 'NDES=5'), 'only 3 values given')
       call wrong(altered('NDES=3', 'NDES=-1'), 'must be from 1 to')
       call wrong(altered('MOTION=1', 'MOTION=5'), 'must be from 0 to 4')
@@ -426,7 +429,10 @@ contains
 
    !> Regions that cannot be meant.
    subroutine wrong_regions()
-      call wrong_constr('RKIND=1, RPLACE=0.,0.,1.,1.', 'regions are given, but not their number NREGN')
+      call wrong_constr('NREGN=0, RKIND=1, RPLACE=0.,0.,1.,1.', 'is 0, but regions are given')
+      call read_text(whole//' &CONSTR RKIND=1,3, RPLACE=0.,0.,1.,1.,0.,0.,1. &END'//nl)
+      call t%is_true(.not. findings%failed(), 'regions need no number')
+      call t%equal_integer(size(sets(1)%constr%regions), 2, 'they are counted')
       call wrong_constr('NREGN=2, RKIND=1,2, RPLACE=0.,0.,1.,1.', 'four numbers are expected for each of 2 regions; found 4')
       call wrong_constr('NREGN=1, RKIND=1, RPLACE=0.,1.,0.,2.', 'the box has no extent')
       call wrong_constr('NREGN=1, RKIND=1, RPLACE=0.,1.,2.,1.', 'the box has no extent')
@@ -447,7 +453,9 @@ contains
 
    !> Links with a width that cannot be meant.
    subroutine wrong_segments()
-      call wrong_constr('SLINK=-1,1, SLOOP=1,1', 'links as segments are given, but not their number NSEG')
+      call read_text(whole//' &CONSTR SLINK=-1,1, SLOOP=1,1 &END'//nl)
+      call t%is_true(.not. findings%failed(), 'segments need no number')
+      call t%equal_integer(size(sets(1)%constr%segments), 1, 'they are counted, two points each')
       call wrong_constr('NSEG=101', 'NSEG')
       call wrong_constr('NSEG=1, SLINK=1,1, SLOOP=1,1', 'its two points are one')
       call wrong_constr('NSEG=1, SLINK=1,2, SLOOP=0,1', 'arc 1 is named, but not its loop')

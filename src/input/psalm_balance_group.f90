@@ -2,14 +2,17 @@
 module psalm_balance_group
    use psalm_case_group, only: case_group_t, surroundings_t, place_visitor_t
    use psalm_data_set, only: data_set_t
-   use psalm_group, only: group_t, check_range, out_of, read_flag
+   use psalm_group, only: group_t, out_of
    use psalm_kinds, only: wp
-   use psalm_link_place, only: place_t, read_places, read_count, refuse_unless
+   use psalm_link_place, only: place_t, read_places
+   use psalm_rule, only: rule_t, a_flag, a_number, a_text, a_whole, a_word
    use psalm_sketch, only: sketch_t
    use psalm_status, only: diagnostics_t
+   use psalm_take, only: take, take_count
    use psalm_text, only: to_text
    implicit none (type, external)
    private
+   public :: balance_items
    public :: balance_group_t, balance_of
    public :: form_point, form_body, form_disc, order_mass, order_moment, order_torque
    public :: measure_force, measure_moment, measure_torque, measure_mass, measure_names
@@ -20,8 +23,6 @@ module psalm_balance_group
    integer, parameter :: order_mass = 1, order_moment = 2, order_torque = 3 !! by which designs are ranked
    integer, parameter :: measure_force = 1, measure_moment = 2, measure_torque = 3, measure_mass = 4
    character(6), parameter :: measure_names(*) = [character(6) :: 'FORCE', 'MOMENT', 'TORQUE', 'MASS']
-   integer, parameter :: most_listed = 10000, most_points = 1000, most_starts = 10000, most_budgets = 1000
-   real(wp), parameter :: steel = 7850.0_wp !! kg/m3
 
    !> Counterweights. Arrays of the links have the shape (NWEIGH), or (1) for all moving links where that is 0.
    type, extends(case_group_t) :: balance_group_t
@@ -30,7 +31,7 @@ module psalm_balance_group
       real(wp), allocatable :: reach(:)        !! WREACH: greatest distance of a centre from the anchor, user's length
       real(wp), allocatable :: most(:)         !! WMOST: greatest mass, kg; 0: no limit
       integer :: form = form_point             !! WFORM
-      real(wp) :: density = steel              !! WDENS, kg/m3
+      real(wp) :: density = 7850.0_wp           !! WDENS, kg/m3
       real(wp), allocatable :: radius_low(:), radius_high(:)       !! WRLOW, WRHIGH: of discs, user's length
       real(wp), allocatable :: thickness_low(:), thickness_high(:) !! WTLOW, WTHIGH: of discs, user's length
       real(wp) :: tolerance(4) = 0.0_wp        !! TOLF, TOLM, TOLT, TOLW; 0: it does not count
@@ -51,6 +52,83 @@ module psalm_balance_group
       procedure :: wants_optimum
    end type balance_group_t
 
+   !> The items of the group.
+   type(rule_t), parameter :: balance_items(*) = [ &
+      rule_t('NWEIGH', a_whole, '', '', 'as many as WLINK or WNAME has', '[0,10000]', &
+             'links that may carry a weight; 0: every moving link'), &
+      rule_t('WLINK', a_whole, 'NWEIGH', '', '', '', &
+             'the anchor of each link, from which weights are measured, a place as in &MASSES: an arc; with '// &
+             'NWEIGH=0 the anchor is the pin nearest the frame'), &
+      rule_t('WLOOP', a_whole, 'NWEIGH', '', '', '', &
+             'the loop of that arc'), &
+      rule_t('WNAME', a_text, 'NWEIGH', '', '', '', &
+             'of a sketch, in place of both: the link, and the joint the place is counted from'), &
+      rule_t('WDIST', a_number, 'NWEIGH', 'length', '0', '', &
+             'distance from that end of the arc'), &
+      rule_t('WANG', a_number, 'NWEIGH', 'degrees', '0', '', &
+             'angle from the arc''s direction'), &
+      rule_t('WREACH', a_number, '1 to NWEIGH', 'length', 'required', '[0,)', &
+             'greatest distance of a weight''s centre from its anchor; 0: no weight on this link'), &
+      rule_t('WMOST', a_number, '1 to NWEIGH', 'kg', '0', '[0,)', &
+             'greatest mass; 0: a hundred times the linkage''s mass'), &
+      rule_t('WFORM', a_word, '', '', 'POINT', 'POINT BODY DISC', &
+             '''POINT'': point masses; ''BODY'': a body of any shape within the reach; ''DISC'': discs'), &
+      rule_t('WDENS', a_number, '', 'kg/m3', '7850', '(0,)', &
+             'density of discs'), &
+      rule_t('WRLOW', a_number, '1 to NWEIGH', 'length', '0', '[0,)', &
+             'least radius of discs; where it equals the greatest it is fixed'), &
+      rule_t('WRHIGH', a_number, '1 to NWEIGH', 'length', '0', '[0,)', &
+             'greatest radius of discs'), &
+      rule_t('WTLOW', a_number, '1 to NWEIGH', 'length', '0', '[0,)', &
+             'least thickness of discs'), &
+      rule_t('WTHIGH', a_number, '1 to NWEIGH', 'length', '0', '[0,)', &
+             'greatest thickness of discs'), &
+      rule_t('TOLF', a_number, '', 'N', '0', '[0,)', &
+             'tolerance of the shaking force; 0: it does not count'), &
+      rule_t('TOLM', a_number, '', 'N m', '0', '[0,)', &
+             'tolerance of the shaking moment'), &
+      rule_t('TOLT', a_number, '', 'N m, N', '0', '[0,)', &
+             'tolerance of drive torque or force'), &
+      rule_t('TOLW', a_number, '', 'kg', '0', '[0,)', &
+             'tolerance of the added mass; With WCRIT=''RMS'' the square of the added mass over TOLW is added '// &
+             'once for each position, as those of forces are: an added mass of TOLW weighs as much as a force '// &
+             'of TOLF at every position'), &
+      rule_t('NBJNT', a_whole, '', '', 'as many as the longest item has', '[0,10000]', &
+             'joints whose loads count'), &
+      rule_t('BLINK', a_whole, 'NBJNT', '', '', '', &
+             'the joint at the finish of this arc; negative: at its start'), &
+      rule_t('BLOOP', a_whole, 'NBJNT', '', '', '', &
+             'the loop of that arc'), &
+      rule_t('BNAME', a_text, 'NBJNT', '', '', '', &
+             'of a sketch, in place of both: the joint'), &
+      rule_t('BTOL', a_number, 'NBJNT', 'N', 'required', '(0,)', &
+             'tolerance of the joint''s load', &
+             'a tolerance in newtons, above 0, is expected'), &
+      rule_t('WCRIT', a_word, '', '', 'RMS', 'RMS PEAK', &
+             '''RMS'': the sum of the squares of all values over their tolerances is made least; ''PEAK'': the '// &
+             'greatest of them'), &
+      rule_t('IEXACT', a_flag, '', '', '0', '', &
+             '1: the shaking force stays completely balanced'), &
+      rule_t('WRANK', a_word, '', '', 'MASS', 'MASS MOMENT TORQUE', &
+             'what designs are ranked by'), &
+      rule_t('NLIST', a_whole, '', '', '10', '[1,10000]', &
+             'designs that are listed'), &
+      rule_t('NBUDGT', a_whole, '', '', 'as many as WBUDGT has', '[0,1000]', &
+             'number of added masses for each of which the least shaking force is found'), &
+      rule_t('WBUDGT', a_number, 'NBUDGT', 'kg', '', '[0,)', &
+             'these masses', &
+             'a mass is not negative'), &
+      rule_t('NFRONT', a_whole, '', '', '0', '[0,1000]', &
+             'points of a front of two criteria'), &
+      rule_t('FRONT1', a_word, '', '', 'FORCE', 'FORCE MOMENT TORQUE MASS', &
+             'the first criterion of the front'), &
+      rule_t('FRONT2', a_word, '', '', 'MASS', 'FORCE MOMENT TORQUE MASS', &
+             'the second criterion of the front'), &
+      rule_t('NWSTRT', a_whole, '', '', '32', '[1,10000]', &
+             'starts of the search for discs, and for points where their inertia counts'), &
+      rule_t('IWSEED', a_whole, '', '', '1', '[1,]', &
+             'seed of the starts')]
+
 contains
 
    !> True if a composite is to be made least.
@@ -67,139 +145,60 @@ contains
       type(sketch_t), intent(in) :: sketch        !! its names stand in place of arcs and loops
       type(balance_group_t), intent(inout) :: balance
       type(diagnostics_t), intent(inout) :: findings
-      character(:), allocatable :: word
-      integer :: n, joints, budgets
+      integer, parameter :: criterion_peak = 2   !! among the words of WCRIT
+      integer :: n, joints, budgets, criterion
 
       balance%given = group%line > 0
-      n = 0
-      call group%get_integer('NWEIGH', n, findings)
-      call check_range(group, 'NWEIGH', n, 0, most_listed, findings)
-      n = min(max(n, 0), most_listed)
+      call group%follow(balance_items)
+      call take_count(group, 'NWEIGH', n, findings)
       balance%links = n
       allocate (balance%places(n))
       call read_places(group, 'W', ilink, balance%places, findings, sketch=sketch)
-      call read_limits('WREACH', balance%reach, 0.0_wp)
-      call read_limits('WMOST', balance%most, 0.0_wp)
-      call read_limits('WRLOW', balance%radius_low, 0.0_wp)
-      call read_limits('WRHIGH', balance%radius_high, 0.0_wp)
-      call read_limits('WTLOW', balance%thickness_low, 0.0_wp)
-      call read_limits('WTHIGH', balance%thickness_high, 0.0_wp)
-      word = 'POINT'
-      call group%get_word('WFORM', word, findings)
-      select case (word)
-      case ('POINT')
-         balance%form = form_point
-      case ('BODY')
-         balance%form = form_body
-      case ('DISC')
-         balance%form = form_disc
-      case default
-         call out_of(group, 'WFORM', "one of 'POINT', 'BODY', 'DISC' is expected; found '"//word//"'", findings)
-      end select
-      call group%get_real('WDENS', balance%density, findings)
-      if (.not. balance%density > 0.0_wp) call out_of(group, 'WDENS', 'must be above 0', findings)
-      call read_tolerance('TOLF', measure_force)
-      call read_tolerance('TOLM', measure_moment)
-      call read_tolerance('TOLT', measure_torque)
-      call read_tolerance('TOLW', measure_mass)
-      joints = 0
-      call group%get_integer('NBJNT', joints, findings)
-      call check_range(group, 'NBJNT', joints, 0, most_listed, findings)
-      joints = min(max(joints, 0), most_listed)
+      n = max(n, 1)
+      allocate (balance%reach(n), balance%most(n), balance%radius_low(n), balance%radius_high(n), balance%thickness_low(n), &
+                balance%thickness_high(n), source=0.0_wp)
+      call take(group, 'WREACH', balance%reach, findings, repeated=.true.)
+      call take(group, 'WMOST', balance%most, findings, repeated=.true.)
+      call take(group, 'WRLOW', balance%radius_low, findings, repeated=.true.)
+      call take(group, 'WRHIGH', balance%radius_high, findings, repeated=.true.)
+      call take(group, 'WTLOW', balance%thickness_low, findings, repeated=.true.)
+      call take(group, 'WTHIGH', balance%thickness_high, findings, repeated=.true.)
+      call take(group, 'WFORM', balance%form, findings)
+      call take(group, 'WDENS', balance%density, findings)
+      call take(group, 'TOLF', balance%tolerance(measure_force), findings)
+      call take(group, 'TOLM', balance%tolerance(measure_moment), findings)
+      call take(group, 'TOLT', balance%tolerance(measure_torque), findings)
+      call take(group, 'TOLW', balance%tolerance(measure_mass), findings)
+      call take_count(group, 'NBJNT', joints, findings)
       allocate (balance%joints(joints))
       allocate (balance%joint_tolerance(joints), source=0.0_wp)
       call read_places(group, 'B', ilink, balance%joints, findings, ends_only=.true., sketch=sketch)
-      call group%get_reals('BTOL', balance%joint_tolerance, findings)
-      call refuse_unless(balance%joint_tolerance > 0.0_wp, group, 'BTOL', 'a tolerance in newtons, above 0, is expected', findings)
-      word = 'RMS'
-      call group%get_word('WCRIT', word, findings)
-      balance%peaks = word == 'PEAK'
-      if (word /= 'RMS' .and. word /= 'PEAK') then
-         call out_of(group, 'WCRIT', "'RMS' or 'PEAK' is expected; found '"//word//"'", findings)
-      end if
-      call read_flag(group, 'IEXACT', balance%exact, findings)
-      balance%order = order_mass
-      word = 'MASS'
-      call group%get_word('WRANK', word, findings)
-      select case (word)
-      case ('MASS')
-         balance%order = order_mass
-      case ('MOMENT')
-         balance%order = order_moment
-      case ('TORQUE')
-         balance%order = order_torque
-      case default
-         call out_of(group, 'WRANK', "one of 'MASS', 'MOMENT', 'TORQUE' is expected; found '"//word//"'", findings)
-      end select
-      call group%get_integer('NLIST', balance%listed, findings)
-      call check_range(group, 'NLIST', balance%listed, 1, most_listed, findings)
-      budgets = 0
-      call group%get_integer('NBUDGT', budgets, findings)
-      call check_range(group, 'NBUDGT', budgets, 0, most_budgets, findings)
-      budgets = min(max(budgets, 0), most_budgets)
+      call take(group, 'BTOL', balance%joint_tolerance, findings)
+      call take(group, 'WCRIT', criterion, findings)
+      balance%peaks = criterion == criterion_peak
+      call take(group, 'IEXACT', balance%exact, findings)
+      call take(group, 'WRANK', balance%order, findings)
+      call take(group, 'NLIST', balance%listed, findings)
+      call take_count(group, 'NBUDGT', budgets, findings)
       allocate (balance%budgets(budgets), source=0.0_wp)
-      call group%get_reals('WBUDGT', balance%budgets, findings)
-      call refuse_unless(balance%budgets >= 0.0_wp, group, 'WBUDGT', 'a mass is not negative', findings)
-      call group%get_integer('NFRONT', balance%front, findings)
-      call check_range(group, 'NFRONT', balance%front, 0, most_points, findings)
-      call read_measure('FRONT1', balance%front_of(1))
-      call read_measure('FRONT2', balance%front_of(2))
+      call take(group, 'WBUDGT', balance%budgets, findings)
+      call take(group, 'NFRONT', balance%front, findings)
+      call take(group, 'FRONT1', balance%front_of(1), findings)
+      call take(group, 'FRONT2', balance%front_of(2), findings)
       if (balance%front_of(1) == balance%front_of(2)) then
          call out_of(group, 'FRONT2', 'the two criteria of a front must differ', findings)
       end if
-      call group%get_integer('NWSTRT', balance%starts, findings)
-      call check_range(group, 'NWSTRT', balance%starts, 1, most_starts, findings)
-      call group%get_integer('IWSEED', balance%seed, findings)
-      call check_range(group, 'IWSEED', balance%seed, 1, huge(1), findings)
+      call take(group, 'NWSTRT', balance%starts, findings)
+      call take(group, 'IWSEED', balance%seed, findings)
       if (balance%given) call judge_limits()
 
    contains
-
-      !> A limit of each link. An entry that is not given is that before it.
-      subroutine read_limits(item, values, default)
-         character(*), intent(in) :: item
-         real(wp), allocatable, intent(out) :: values(:)
-         real(wp), intent(in) :: default
-         integer :: last
-
-         allocate (values(max(n, 1)), source=default)
-         call group%get_reals(item, values, findings, last=last)
-         if (last > 0 .and. last < size(values)) values(last + 1:) = values(last)
-         call refuse_unless(values >= 0.0_wp, group, item, 'must not be negative', findings)
-      end subroutine read_limits
-
-      subroutine read_tolerance(item, measure)
-         character(*), intent(in) :: item
-         integer, intent(in) :: measure
-
-         call group%get_real(item, balance%tolerance(measure), findings)
-         if (.not. balance%tolerance(measure) >= 0.0_wp) call out_of(group, item, 'must not be negative', findings)
-      end subroutine read_tolerance
-
-      subroutine read_measure(item, measure)
-         character(*), intent(in) :: item
-         integer, intent(inout) :: measure
-         character(:), allocatable :: name
-         integer :: found
-
-         name = trim(measure_names(measure))
-         call group%get_word(item, name, findings)
-         found = findloc(measure_names == name, .true., dim=1)
-         if (found == 0) then
-            call out_of(group, item, "one of 'FORCE', 'MOMENT', 'TORQUE', 'MASS' is expected; found '"//name//"'", findings)
-         else
-            measure = found
-         end if
-      end subroutine read_measure
 
       !> Limits that leave no room for a weight.
       subroutine judge_limits()
          integer :: k
 
-         if (.not. group%given('WREACH')) then
-            call out_of(group, 'WREACH', 'missing; how far from its anchor may the centre of a weight lie', findings)
-            return
-         end if
+         if (.not. group%given('WREACH')) return
          if (balance%form /= form_disc) return
          do k = 1, size(balance%reach)
             if (.not. balance%thickness_high(k) > 0.0_wp) then

@@ -3,27 +3,26 @@ module psalm_cam_group
    use psalm_cam_kind, only: law_kind, law_dwell, law_modtrap, law_trig, law_names, has_zones, zones_of, zone_count
    use psalm_case_group, only: case_group_t, surroundings_t
    use psalm_data_set, only: data_set_t
-   use psalm_group, only: group_t, check_range, out_of, read_flag, required
+   use psalm_group, only: group_t, check_range, out_of, required
    use psalm_kinds, only: wp, full_turn
+   use psalm_rule, only: rule_t, a_flag, a_number, a_text, a_whole, a_word
    use psalm_sketch, only: sketch_t
    use psalm_sketch_names, only: common_link, find_joints
    use psalm_link_place, only: refuse_unless
    use psalm_status, only: diagnostics_t
+   use psalm_take, only: take, take_count
    use psalm_text, only: to_text, upper_case
    implicit none (type, external)
    private
+   public :: cam_items
    public :: cam_variation_t, vary_item, goal_base, goal_outer, goal_alpha, goal_rho, goal_accel, goal_stress, goal_names
    public :: cam_group_t, roller_t, cams_of, follower_roller, follower_flat, fit_spline, fit_least_squares, most_pieces
 
-   integer, parameter :: most_segments = 200, most_in_table = 2000, most_points = 100000, fewest_points = 12
-   integer, parameter :: fewest_in_table = 6
-   integer, parameter :: most_numbers = 1000   !! above this KAXIS is taken for a slip of the pen
    real(wp), parameter :: steel_modulus = 206.0e9_wp, steel_poisson = 0.3_wp
    integer, parameter :: follower_roller = 1, follower_flat = 2  !! KFOL
    integer, parameter :: fit_spline = 1              !! TABFIT: a knot at every point
    integer, parameter :: fit_least_squares = 2       !! equal pieces, by least squares
    integer, parameter :: most_pieces = 200           !! of such a fit
-   character(*), parameter :: fit_names(2) = [character(6) :: 'SPLINE', 'LSQ']
    real(wp), parameter :: half_turn = 0.5_wp*full_turn
    character(4), parameter :: first_cam = 'CAM', second_cam = 'CAM2' !! groups
 
@@ -123,6 +122,169 @@ module psalm_cam_group
       procedure :: read => read_cam
    end type cam_group_t
 
+   !> The items of the group.
+   type(rule_t), parameter :: cam_items(*) = [ &
+      rule_t('NSEG', a_whole, '', '', 'as many as SEGEND has', '[0,200]', &
+             'number of segments of the law; or NTAB, a table'), &
+      rule_t('SEGEND', a_number, 'NSEG', 'degrees', '', '', &
+             'cam angle at the end of each segment; the last is 360'), &
+      rule_t('SEGOUT', a_number, 'NSEG', '', '', '', &
+             'output at the end of each segment, in its own unit'), &
+      rule_t('OUT0', a_number, '', '', '0', '', &
+             'output at cam angle 0'), &
+      rule_t('LAW', a_text, 'NSEG', '', '''MODTRAP''', '', &
+             'of each segment: ''DWELL'', ''RAMP'', ''CYCLOIDAL'', ''HARMONIC'', ''PARABOLIC'', ''MODTRAP'', '// &
+             '''MODSINE'', ''MCV50'', ''POLY345'', ''POLY4567'', ''TRIG'', ''POLY'''), &
+      rule_t('SEGVEL', a_number, 'NSEG', '', '0', '', &
+             'velocity at the end of each segment, per radian of cam; beside a ramp it is the ramp''s'), &
+      rule_t('SEGACC', a_number, 'NSEG', '', '0', '', &
+             '''POLY'': acceleration there'), &
+      rule_t('SEGJRK', a_number, 'NSEG', '', '0', '', &
+             '''POLY'': jerk there; the degree is 7 if it is given, else 5'), &
+      rule_t('TZONE', a_number, 'NSEG*7', '', 'modified trapezoid', '[0,)', &
+             '''TRIG'': seven widths for each segment in any scale: acceleration as quarter sine up, constant, '// &
+             'quarter cosine down, none, then the same for the retardation'), &
+      rule_t('NTAB', a_whole, '', '', 'as many as TABOUT has', '[6,2000]', &
+             'number of points of a table over one turn, in place of segments'), &
+      rule_t('TABANG', a_number, 'NTAB', 'degrees', 'equal steps from 0', '', &
+             'cam angles of the table'), &
+      rule_t('TABOUT', a_number, 'NTAB', '', '', '', &
+             'outputs of the table'), &
+      rule_t('KTAB', a_whole, '', '', '5', '3 5', &
+             'degree of its periodic spline', &
+             'the degree of the spline is 5 or 3'), &
+      rule_t('TABTOL', a_number, '', '', '0', '[0,)', &
+             'largest distance of the smoothest curve from the points, 0 for through them (a warning says if '// &
+             'that makes a rough law)'), &
+      rule_t('TABFIT', a_word, '', '', 'SPLINE', 'SPLINE LSQ', &
+             '''SPLINE'': a knot at every point, through them or within TABTOL; ''LSQ'': equal pieces, by least '// &
+             'squares'), &
+      rule_t('NPIECE', a_whole, '', '', 'by TABTOL', '', &
+             '''LSQ'': pieces of the curve; where it is not given the fewest that stay within TABTOL of all '// &
+             'points'), &
+      rule_t('TABWT', a_number, '1 to NTAB', '', '1', '[0,)', &
+             '''LSQ'': weights of the points', &
+             'a weight must not be negative'), &
+      rule_t('VELMAX', a_number, '', '', '0', '[0,)', &
+             '''LSQ'': bound of the first derivative of the curve, in the unit of the table per radian of cam; '// &
+             '0: none'), &
+      rule_t('ACCMAX', a_number, '', '', '0', '[0,)', &
+             '''LSQ'': bound of its second derivative; 0: none'), &
+      rule_t('KOUT', a_flag, '', '', '1', '', &
+             '1: law of the output, 0: of the input'), &
+      rule_t('KAXIS', a_whole, '', '', '1, &CAM2: 2', '[1,1000]', &
+             'component of the output (MOTION 0: 1 x, 2 y); of a sketch solved in poses the number among all of '// &
+             '&OUTPUTS'), &
+      rule_t('KDEAD', a_flag, '', '', '0', '', &
+             '1: pass dead points at which the law has no acceleration, 0: turn back there (below)'), &
+      rule_t('NFOLLK', a_whole, '', '', '1', '', &
+             'arc that carries the follower, as NOUTLK: negative from its start, else from its end'), &
+      rule_t('NFOLLP', a_whole, '', '', '1', '', &
+             'the loop of that arc'), &
+      rule_t('FOLJNT', a_text, '1', '', '', '', &
+             'of a sketch, in place of NFOLLK: the joint that carries the roller, or two joints of a link, a '// &
+             'line that is taken for the arc'), &
+      rule_t('FOLLK', a_number, '', 'length', '0', '[0,)', &
+             'distance from there to the roller''s centre, or to a point of the flat face', &
+             'the length is negative; turn FOLANG by 180 instead'), &
+      rule_t('FOLANG', a_number, '', 'degrees', '0', '', &
+             'angle of that line from the arc''s direction'), &
+      rule_t('KFOL', a_whole, '', '', '1', '[1,2]', &
+             '1 roller, 2 flat face'), &
+      rule_t('FACANG', a_number, '', 'degrees', '90', '', &
+             'direction of the face''s normal, out of the cam, from that arc'), &
+      rule_t('RROLL', a_number, '', 'length', '0', '[0,)', &
+             'radius of the roller, at most 100 times the cam''s extent; 0: knife edge'), &
+      rule_t('RCUT', a_number, '', 'length', 'RROLL', '(0,)', &
+             'radius of the cutter or wheel, at most 100 times the cam''s extent', &
+             'the cutter needs a radius above 0'), &
+      rule_t('XCAM', a_number, '', 'length', '0', '', &
+             'x of the centre of the cam'), &
+      rule_t('YCAM', a_number, '', 'length', '0', '', &
+             'y of the centre of the cam'), &
+      rule_t('KTURN', a_whole, '', '', '1', '-1 1', &
+             '1: it turns anticlockwise, -1: clockwise', &
+             'must be 1 (anticlockwise) or -1'), &
+      rule_t('KSIDE', a_whole, '', '', '0', '[-1,1]', &
+             '0: the cam lies where its centre is; 1, -1: left or right of the way the roller goes seen from '// &
+             'the cam'), &
+      rule_t('KCONJ', a_flag, '', '', '0', '', &
+             '1: a conjugate cam on the same shaft, its roller on the same arc'), &
+      rule_t('FOLLK2', a_number, '', 'length', '0', '[0,)', &
+             'distance to the centre of that roller', &
+             'the length is negative; turn FOLAN2 by 180 instead'), &
+      rule_t('FOLAN2', a_number, '', 'degrees', '0', '', &
+             'angle of that line from the arc''s direction'), &
+      rule_t('RROLL2', a_number, '', 'length', 'RROLL', '[0,)', &
+             'radius of that roller'), &
+      rule_t('CAMERR', a_number, '2', 'length', '0', '', &
+             'what is missing on the profiles of the cam and of its conjugate, square to them; negative: too '// &
+             'much'), &
+      rule_t('KTRACK', a_flag, '', '', '0', '', &
+             '1: the roller runs in a closed track; the cutter is as wide as the track'), &
+      rule_t('CLEAR', a_number, '', 'length', '0', '[0,)', &
+             'clearance of the roller in the track; with KPAIR the largest gap allowed'), &
+      rule_t('KPAIR', a_flag, '', '', '0', '', &
+             '1: a second roller runs on the same profile (FOLLK2, FOLAN2, RROLL2)'), &
+      rule_t('NFOL2K', a_whole, '', '', 'NFOLLK', '', &
+             'arc of the second roller'), &
+      rule_t('NFOL2P', a_whole, '', '', 'NFOLLP', '', &
+             'the loop of that arc'), &
+      rule_t('KHALF', a_flag, '', '', '0', '', &
+             '1: the segments are those of half a turn, the last SEGEND is 180; in the other half the output is '// &
+             'the complement, so that outputs half a turn apart have one sum'), &
+      rule_t('KCAM', a_whole, '', '', '1', '[1,2]', &
+             '1: the cam turns; 2: it slides in the direction CAMDIR by CAMLEN while the cam angle goes evenly '// &
+             'from 0 to 360'), &
+      rule_t('CAMDIR', a_number, '', 'degrees', '0', '', &
+             'direction in which the cam slides'), &
+      rule_t('CAMLEN', a_number, '', 'length', '', '(0,)', &
+             'way that the cam slides', &
+             'must be above 0; turn CAMDIR by 180 instead'), &
+      rule_t('ALFMAX', a_number, '', 'degrees', '30', '(0,90)', &
+             'limit of the pressure angle', &
+             'must lie between 0 and 90 degrees'), &
+      rule_t('KALF', a_flag, '', '', '0', '', &
+             '1: it holds only while the follower leaves the centre'), &
+      rule_t('RHOMIN', a_number, '', 'length', '0', '[0,)', &
+             'least convex radius of curvature'), &
+      rule_t('WFACE', a_number, '', 'length', '0', '[0,)', &
+             'half length of the face; 0: no limit'), &
+      rule_t('TOLCUT', a_number, '', 'length', '0.01', '(0,)', &
+             'largest deviation of the arcs that profile and cutter path are made of'), &
+      rule_t('KGCODE', a_flag, '', '', '0', '', &
+             '1: G-code too'), &
+      rule_t('CAMRPM', a_number, '', 'rev/min', '0', '[0,)', &
+             'forces: speed of the cam; 0: none', &
+             'must not be negative; KTURN says which way'), &
+      rule_t('CAMWID', a_number, '', 'length', '0', '[0,)', &
+             'length of the line of contact; 0: no stress'), &
+      rule_t('CAMMOD', a_number, '2', 'Pa', '206E9', '(0,)', &
+             'Young''s moduli of cam and follower'), &
+      rule_t('CAMNU', a_number, '2', '', '0.3', '[0,0.5]', &
+             'Poisson''s ratios of cam and follower', &
+             'must lie between 0 and 0.5'), &
+      rule_t('PHERTZ', a_number, '', 'Pa', '0', '[0,)', &
+             'limit of the stress; 0: none'), &
+      rule_t('CAMMU', a_number, '', '', '0', '[0,)', &
+             'friction between cam and follower, where it slides; of a roller what is left of it'), &
+      rule_t('CAMFRQ', a_number, '', '', '0', '[0,)', &
+             'flexible drive: frequency of what the cam drives over the cam''s speed; the cam has the law that '// &
+             'makes the load follow LAW; 0: rigid'), &
+      rule_t('CAMZET', a_number, '', '', '0', '[0,)', &
+             'flexible drive: damping to the frame, part of the critical one'), &
+      rule_t('VARY', a_text, 'n', '', '', '', &
+             'numbers that a search may change, as `''XCAM'',''YCAM'',''TZONE 1 3''`'), &
+      rule_t('VARLOW', a_number, 'n', '', '', '', &
+             'their lower bounds'), &
+      rule_t('VARHI', a_number, 'n', '', '', '', &
+             'their upper bounds'), &
+      rule_t('GOAL', a_word, '', '', 'BASE', 'BASE OUTER ALPHA RHO ACCEL STRESS', &
+             'what is to be least: BASE (base radius), OUTER (outer radius), ALPHA (pressure angle), RHO '// &
+             '(greatest convex curvature), ACCEL (second derivative of the input), STRESS'), &
+      rule_t('NPOINT', a_whole, '', '', '360', '[12,100000]', &
+             'cam angles of the tables')]
+
 contains
 
    !> Read the group CAM. Errors: segments or tables that are too short or do not rise, laws that are not there, arcs that are
@@ -133,9 +295,9 @@ contains
       type(sketch_t), intent(in) :: sketch
       type(cam_group_t), intent(inout) :: cam
       type(diagnostics_t), intent(inout) :: findings
-      integer :: code
 
       cam%given = group%line > 0
+      call group%follow(cam_items)
       call read_segments(group, cam, findings)
       call read_table(group, cam, findings)
       call read_follower(group, ilink, cam, findings)
@@ -143,24 +305,14 @@ contains
       call read_slide(group, cam, findings)
       call read_joints(group, sketch, cam, findings)
       call read_variations(group, cam, findings)
-      call group%get_real('ALFMAX', cam%pressure_angle, findings)
-      if (cam%pressure_angle <= 0.0_wp .or. cam%pressure_angle >= 90.0_wp) call out_of(group, 'ALFMAX', &
-         'must lie between 0 and 90 degrees', findings)
-      code = 0
-      call read_flag(group, 'KALF', code, findings)
-      cam%rise_only = code == 1
-      call group%get_real('RHOMIN', cam%least_radius, findings)
-      if (cam%least_radius < 0.0_wp) call out_of(group, 'RHOMIN', 'must not be negative', findings)
-      call group%get_real('WFACE', cam%half_face, findings)
-      if (cam%half_face < 0.0_wp) call out_of(group, 'WFACE', 'must not be negative', findings)
-      call group%get_real('TOLCUT', cam%tolerance, findings)
-      if (.not. cam%tolerance > 0.0_wp) call out_of(group, 'TOLCUT', 'must be above 0', findings)
-      code = 0
-      call read_flag(group, 'KGCODE', code, findings)
-      cam%code = code == 1
+      call take(group, 'ALFMAX', cam%pressure_angle, findings)
+      call take(group, 'KALF', cam%rise_only, findings)
+      call take(group, 'RHOMIN', cam%least_radius, findings)
+      call take(group, 'WFACE', cam%half_face, findings)
+      call take(group, 'TOLCUT', cam%tolerance, findings)
+      call take(group, 'KGCODE', cam%code, findings)
       if (cam%code .and. .not. cam%cutter > 0.0_wp) call out_of(group, 'KGCODE', 'a program needs a cutter: give RCUT', findings)
-      call group%get_integer('NPOINT', cam%points, findings)
-      call check_range(group, 'NPOINT', cam%points, fewest_points, most_points, findings)
+      call take(group, 'NPOINT', cam%points, findings)
    end subroutine read_cam_group
 
    subroutine read_segments(group, cam, findings)
@@ -169,37 +321,29 @@ contains
       type(diagnostics_t), intent(inout) :: findings
       character(:), allocatable :: names(:)
       real(wp), allocatable :: zones(:)
-      integer :: n, k, last(2), zones_given, half, slides
+      integer :: n, k, last(2), zones_given, slides
       real(wp) :: whole
 
-      n = 0
-      half = 0
-      slides = 1
-      call read_flag(group, 'KHALF', half, findings)
-      cam%half = half == 1
+      call take(group, 'KHALF', cam%half, findings)
       whole = merge(half_turn, full_turn, cam%half)
-      call group%get_integer('KCAM', slides, findings)
-      call check_range(group, 'KCAM', slides, 1, 2, findings)
+      call take(group, 'KCAM', slides, findings)
       cam%slides = slides == 2
       if (cam%slides .and. cam%half) call out_of(group, 'KHALF', 'a cam that slides has no other half of its turn', findings)
-      call group%get_integer('NSEG', n, findings)
-      group%count_missing = .not. group%given('NSEG')
-      call check_range(group, 'NSEG', n, 0, most_segments, findings)
-      n = min(max(n, 0), most_segments)
-      if (cam%given .and. n == 0 .and. .not. group%given('NTAB')) call required(group, 'NSEG', &
+      call take_count(group, 'NSEG', n, findings)
+      if (cam%given .and. n == 0 .and. .not. (group%given('NTAB') .or. group%given('TABOUT'))) call required(group, 'NSEG', &
          'missing; the number of segments of the law (or NTAB, a table over one turn)')
       allocate (cam%finish(n), cam%output(n), cam%velocity(n), cam%acceleration(n), cam%jerk(n), source=0.0_wp)
       allocate (cam%law(n), source=law_modtrap)
       allocate (zones(zone_count*n), source=0.0_wp)
-      call group%get_reals('SEGEND', cam%finish, findings, last=last(1))
-      call group%get_reals('SEGOUT', cam%output, findings, last=last(2))
-      call group%get_real('OUT0', cam%start, findings)
-      call group%get_reals('SEGVEL', cam%velocity, findings)
-      call group%get_reals('SEGACC', cam%acceleration, findings)
-      call group%get_reals('SEGJRK', cam%jerk, findings)
+      call take(group, 'SEGEND', cam%finish, findings, last=last(1))
+      call take(group, 'SEGOUT', cam%output, findings, last=last(2))
+      call take(group, 'OUT0', cam%start, findings)
+      call take(group, 'SEGVEL', cam%velocity, findings)
+      call take(group, 'SEGACC', cam%acceleration, findings)
+      call take(group, 'SEGJRK', cam%jerk, findings)
       cam%jerks = group%given('SEGJRK')
       call group%get_texts('LAW', names, findings)
-      call group%get_reals('TZONE', zones, findings, last=zones_given)
+      call group%get_reals('TZONE', zones, findings, zone_count, last=zones_given)
       allocate (cam%zones(zone_count, n), source=0.0_wp)
       if (n == 0) return
       if (.not. group%given('SEGEND')) call required(group, 'SEGEND')
@@ -303,23 +447,13 @@ contains
       integer, intent(in) :: n
       type(cam_group_t), intent(inout) :: cam
       type(diagnostics_t), intent(inout) :: findings
-      character(:), allocatable :: name
 
-      name = trim(fit_names(fit_spline))
-      call group%get_word('TABFIT', name, findings)
-      cam%fit = findloc(fit_names == upper_case(name), .true., dim=1)
-      if (cam%fit == 0) then
-         call out_of(group, 'TABFIT', "there is no fit '"//name//"'; it is SPLINE or LSQ", findings)
-         cam%fit = fit_spline
-      end if
-      call group%get_integer('NPIECE', cam%pieces, findings)
-      call group%get_reals('TABWT', cam%weight, findings)
-      call refuse_unless(cam%weight >= 0.0_wp, group, 'TABWT', 'a weight must not be negative', findings)
+      call take(group, 'TABFIT', cam%fit, findings)
+      call take(group, 'NPIECE', cam%pieces, findings)
+      call take(group, 'TABWT', cam%weight, findings)
       if (n > 0 .and. .not. any(cam%weight > 0.0_wp)) call out_of(group, 'TABWT', 'no point has a weight', findings)
-      call group%get_real('VELMAX', cam%most_velocity, findings)
-      call refuse_unless([cam%most_velocity >= 0.0_wp], group, 'VELMAX', 'must not be negative', findings)
-      call group%get_real('ACCMAX', cam%most_acceleration, findings)
-      call refuse_unless([cam%most_acceleration >= 0.0_wp], group, 'ACCMAX', 'must not be negative', findings)
+      call take(group, 'VELMAX', cam%most_velocity, findings)
+      call take(group, 'ACCMAX', cam%most_acceleration, findings)
       if (cam%fit == fit_spline) then
          call only_of_fit('NPIECE')
          call only_of_fit('TABWT')
@@ -348,18 +482,13 @@ contains
       type(diagnostics_t), intent(inout) :: findings
       integer :: n, k, last(2)
 
-      n = 0
-      call group%get_integer('NTAB', n, findings)
-      if (group%given('NTAB')) call check_range(group, 'NTAB', n, fewest_in_table, most_in_table, findings)
-      n = min(max(n, 0), most_in_table)
+      call take_count(group, 'NTAB', n, findings)
       allocate (cam%table_at(n), cam%table(n), source=0.0_wp)
       allocate (cam%weight(n), source=1.0_wp)
-      call group%get_reals('TABANG', cam%table_at, findings, last=last(1))
-      call group%get_reals('TABOUT', cam%table, findings, last=last(2))
-      call group%get_integer('KTAB', cam%degree, findings)
-      if (cam%degree /= 3 .and. cam%degree /= 5) call out_of(group, 'KTAB', 'the degree of the spline is 5 or 3', findings)
-      call group%get_real('TABTOL', cam%table_tolerance, findings)
-      if (cam%table_tolerance < 0.0_wp) call out_of(group, 'TABTOL', 'must not be negative', findings)
+      call take(group, 'TABANG', cam%table_at, findings, last=last(1))
+      call take(group, 'TABOUT', cam%table, findings, last=last(2))
+      call take(group, 'KTAB', cam%degree, findings)
+      call take(group, 'TABTOL', cam%table_tolerance, findings)
       call read_fit(group, n, cam, findings)
       if (n == 0) return
       if (cam%slides) call out_of(group, 'NTAB', 'a table is of a cam that turns', findings)
@@ -400,7 +529,7 @@ contains
       type(group_t), intent(inout) :: group
       type(cam_group_t), intent(inout) :: cam
       type(diagnostics_t), intent(inout) :: findings
-      character(:), allocatable :: names(:), goal
+      character(:), allocatable :: names(:)
       real(wp), allocatable :: low(:), high(:)
       integer :: k, n, given(2), numbers(2), first, state
       character(:), allocatable :: word
@@ -409,15 +538,9 @@ contains
       n = size(names)
       allocate (cam%variations(n))
       allocate (low(max(1, n)), high(max(1, n)), source=0.0_wp)
-      call group%get_reals('VARLOW', low, findings, last=given(1))
-      call group%get_reals('VARHI', high, findings, last=given(2))
-      goal = trim(goal_names(goal_base))
-      call group%get_word('GOAL', goal, findings)
-      cam%goal = findloc(goal_names == upper_case(goal), .true., dim=1)
-      if (cam%goal == 0) then
-         call out_of(group, 'GOAL', "there is no goal '"//goal//"'; it is BASE, OUTER, ALPHA, RHO, ACCEL or STRESS", findings)
-         cam%goal = goal_base
-      end if
+      call take(group, 'VARLOW', low, findings, last=given(1))
+      call take(group, 'VARHI', high, findings, last=given(2))
+      call take(group, 'GOAL', cam%goal, findings)
       if (cam%goal == goal_stress .and. .not. (cam%speed > 0.0_wp .and. cam%width > 0.0_wp)) call out_of(group, 'GOAL', &
          'stress needs CAMRPM and CAMWID', findings)
       if (n > 0 .and. cam%slides .and. (cam%goal == goal_base .or. cam%goal == goal_outer)) call out_of(group, 'GOAL', &
@@ -502,19 +625,16 @@ contains
       integer, intent(in) :: ilink(:, :)
       type(cam_group_t), intent(inout) :: cam
       type(diagnostics_t), intent(inout) :: findings
-      integer :: pair
       logical :: there
 
-      pair = 0
-      call read_flag(group, 'KPAIR', pair, findings)
-      cam%pair = pair == 1
+      call take(group, 'KPAIR', cam%pair, findings)
       cam%second_arc = merge(-cam%arc, cam%arc, cam%from_start)
       cam%second_loop = cam%loop
-      call group%get_integer('NFOL2K', cam%second_arc, findings)
-      call group%get_integer('NFOL2P', cam%second_loop, findings)
+      call take(group, 'NFOL2K', cam%second_arc, findings)
+      call take(group, 'NFOL2P', cam%second_loop, findings)
       cam%second_from_start = cam%second_arc < 0
       cam%second_arc = abs(cam%second_arc)
-      call group%get_reals('CAMERR', cam%errors, findings)
+      call take(group, 'CAMERR', cam%errors, findings)
       if (group%given('CAMERR') .and. .not. cam%conjugate) call out_of(group, 'CAMERR', 'is of conjugate cams (KCONJ=1)', findings)
       if (.not. cam%pair) then
          if (group%given('NFOL2K')) call out_of(group, 'NFOL2K', 'is of two rollers on one profile (KPAIR=1)', findings)
@@ -538,8 +658,8 @@ contains
       type(cam_group_t), intent(inout) :: cam
       type(diagnostics_t), intent(inout) :: findings
 
-      call group%get_real('CAMDIR', cam%direction, findings)
-      call group%get_real('CAMLEN', cam%travel, findings)
+      call take(group, 'CAMDIR', cam%direction, findings)
+      call take(group, 'CAMLEN', cam%travel, findings)
       if (.not. cam%slides) then
          if (group%given('CAMDIR')) call out_of(group, 'CAMDIR', 'is of a cam that slides (KCAM=2)', findings)
          if (group%given('CAMLEN')) call out_of(group, 'CAMLEN', 'is of a cam that slides (KCAM=2)', findings)
@@ -547,8 +667,6 @@ contains
       end if
       if (.not. group%given('CAMLEN')) then
          call required(group, 'CAMLEN', 'missing; the way of the cam while the law goes from 0 to 360')
-      else if (.not. cam%travel > 0.0_wp) then
-         call out_of(group, 'CAMLEN', 'must be above 0; turn CAMDIR by 180 instead', findings)
       end if
       if (cam%kind == follower_flat) call out_of(group, 'KFOL', 'a cam that slides needs a roller or a knife edge', findings)
       if (cam%pair) call out_of(group, 'KPAIR', 'a cam that slides has one roller, or a track or a conjugate', findings)
@@ -560,18 +678,12 @@ contains
       integer, intent(in) :: ilink(:, :)
       type(cam_group_t), intent(inout) :: cam
       type(diagnostics_t), intent(inout) :: findings
-      integer :: of_output, conjugate, track
 
-      of_output = 1
-      call read_flag(group, 'KOUT', of_output, findings)
-      cam%of_output = of_output == 1
-      of_output = 0
-      call read_flag(group, 'KDEAD', of_output, findings)
-      cam%through = of_output == 1
-      call group%get_integer('KAXIS', cam%axis, findings)
-      call check_range(group, 'KAXIS', cam%axis, 1, most_numbers, findings)
-      call group%get_integer('NFOLLK', cam%arc, findings)
-      call group%get_integer('NFOLLP', cam%loop, findings)
+      call take(group, 'KOUT', cam%of_output, findings)
+      call take(group, 'KDEAD', cam%through, findings)
+      call take(group, 'KAXIS', cam%axis, findings)
+      call take(group, 'NFOLLK', cam%arc, findings)
+      call take(group, 'NFOLLP', cam%loop, findings)
       cam%from_start = cam%arc < 0
       cam%arc = abs(cam%arc)
       if (cam%given .and. size(ilink) > 0) then
@@ -583,62 +695,38 @@ contains
             call out_of(group, 'NFOLLK', 'there is no arc '//to_text(cam%arc)//' in loop '//to_text(cam%loop), findings)
          end if
       end if
-      call group%get_real('FOLLK', cam%roller%distance, findings)
-      call group%get_real('FOLANG', cam%roller%angle, findings)
-      call group%get_real('RROLL', cam%roller%radius, findings)
-      call refuse_unless([cam%roller%distance >= 0.0_wp], group, 'FOLLK', 'the length is negative; turn FOLANG by 180 instead', &
-                         findings)
-      call refuse_unless([cam%roller%radius >= 0.0_wp], group, 'RROLL', 'must not be negative', findings)
-      call group%get_integer('KFOL', cam%kind, findings)
-      call check_range(group, 'KFOL', cam%kind, follower_roller, follower_flat, findings)
-      call group%get_real('FACANG', cam%face_angle, findings)
+      call take(group, 'FOLLK', cam%roller%distance, findings)
+      call take(group, 'FOLANG', cam%roller%angle, findings)
+      call take(group, 'RROLL', cam%roller%radius, findings)
+      call take(group, 'KFOL', cam%kind, findings)
+      call take(group, 'FACANG', cam%face_angle, findings)
       cam%cutter = cam%roller%radius
-      call group%get_real('RCUT', cam%cutter, findings)
+      call take(group, 'RCUT', cam%cutter, findings)
       cam%cutter_given = group%given('RCUT')
-      if (cam%cutter_given .and. .not. cam%cutter > 0.0_wp) call out_of(group, 'RCUT', 'the cutter needs a radius above 0', &
-                                                                       findings)
-      call group%get_real('XCAM', cam%x, findings)
-      call group%get_real('YCAM', cam%y, findings)
-      call group%get_integer('KTURN', cam%turn, findings)
-      if (abs(cam%turn) /= 1) call out_of(group, 'KTURN', 'must be 1 (anticlockwise) or -1', findings)
-      call group%get_integer('KSIDE', cam%side, findings)
-      call check_range(group, 'KSIDE', cam%side, -1, 1, findings)
-      conjugate = 0
-      track = 0
-      call read_flag(group, 'KCONJ', conjugate, findings)
-      call read_flag(group, 'KTRACK', track, findings)
-      cam%conjugate = conjugate == 1
-      cam%track = track == 1
+      call take(group, 'XCAM', cam%x, findings)
+      call take(group, 'YCAM', cam%y, findings)
+      call take(group, 'KTURN', cam%turn, findings)
+      call take(group, 'KSIDE', cam%side, findings)
+      call take(group, 'KCONJ', cam%conjugate, findings)
+      call take(group, 'KTRACK', cam%track, findings)
       cam%second = roller_t(0.0_wp, 0.0_wp, cam%roller%radius)
-      call group%get_real('FOLLK2', cam%second%distance, findings)
-      call group%get_real('FOLAN2', cam%second%angle, findings)
-      call group%get_real('RROLL2', cam%second%radius, findings)
-      call refuse_unless([cam%second%distance >= 0.0_wp], group, 'FOLLK2', 'the length is negative; turn FOLAN2 by 180 instead', &
-                         findings)
-      call refuse_unless([cam%second%radius >= 0.0_wp], group, 'RROLL2', 'must not be negative', findings)
-      call group%get_real('CLEAR', cam%clearance, findings)
-      call refuse_unless([cam%clearance >= 0.0_wp], group, 'CLEAR', 'must not be negative', findings)
+      call take(group, 'FOLLK2', cam%second%distance, findings)
+      call take(group, 'FOLAN2', cam%second%angle, findings)
+      call take(group, 'RROLL2', cam%second%radius, findings)
+      call take(group, 'CLEAR', cam%clearance, findings)
       if (cam%conjugate .and. cam%track) call out_of(group, 'KTRACK', &
          'a cam has a conjugate (KCONJ) or runs in a track, not both', findings)
       if (cam%track .and. .not. cam%roller%radius > 0.0_wp) call out_of(group, 'KTRACK', 'a track needs a roller', findings)
       if ((cam%track .or. cam%conjugate) .and. cam%kind == follower_flat) call out_of(group, 'KFOL', &
          'conjugate cams and tracks need rollers', findings)
-      call group%get_real('CAMRPM', cam%speed, findings)
-      call refuse_unless([cam%speed >= 0.0_wp], group, 'CAMRPM', 'must not be negative; KTURN says which way', findings)
-      call group%get_real('CAMWID', cam%width, findings)
-      call refuse_unless([cam%width >= 0.0_wp], group, 'CAMWID', 'must not be negative', findings)
-      call group%get_reals('CAMMOD', cam%modulus, findings)
-      call refuse_unless(cam%modulus > 0.0_wp, group, 'CAMMOD', 'must be above 0', findings)
-      call group%get_reals('CAMNU', cam%poisson, findings)
-      call refuse_unless(cam%poisson >= 0.0_wp .and. cam%poisson <= 0.5_wp, group, 'CAMNU', 'must lie between 0 and 0.5', findings)
-      call group%get_real('CAMMU', cam%friction, findings)
-      call refuse_unless([cam%friction >= 0.0_wp], group, 'CAMMU', 'must not be negative', findings)
-      call group%get_real('PHERTZ', cam%stress, findings)
-      call refuse_unless([cam%stress >= 0.0_wp], group, 'PHERTZ', 'must not be negative', findings)
-      call group%get_real('CAMFRQ', cam%frequency, findings)
-      call refuse_unless([cam%frequency >= 0.0_wp], group, 'CAMFRQ', 'must not be negative', findings)
-      call group%get_real('CAMZET', cam%damping, findings)
-      call refuse_unless([cam%damping >= 0.0_wp], group, 'CAMZET', 'must not be negative', findings)
+      call take(group, 'CAMRPM', cam%speed, findings)
+      call take(group, 'CAMWID', cam%width, findings)
+      call take(group, 'CAMMOD', cam%modulus, findings)
+      call take(group, 'CAMNU', cam%poisson, findings)
+      call take(group, 'CAMMU', cam%friction, findings)
+      call take(group, 'PHERTZ', cam%stress, findings)
+      call take(group, 'CAMFRQ', cam%frequency, findings)
+      call take(group, 'CAMZET', cam%damping, findings)
    end subroutine read_follower
 
    !> The group as the case has it.

@@ -4,19 +4,77 @@
 !> mechanism is judged in `psalm_freedom`.
 module psalm_chain_group
    use psalm_gear_items, only: read_gears
-   use psalm_group, only: group_t, out_of, required, read_flag
+   use psalm_group, only: group_t, out_of, required
    use psalm_kinds, only: wp
+   use psalm_rule, only: rule_t, a_flag, a_number, a_text, a_whole
    use psalm_sketch, only: sketch_t, sketch_name, frame_link
    use psalm_sketch_names, only: take_name, find_joints, common_link
    use psalm_slide_items, only: read_slides
    use psalm_status, only: diagnostics_t
+   use psalm_take, only: take
    use psalm_text, only: lower_case, shortened, to_text
    use psalm_variation_items, only: read_variations
    implicit none (type, external)
    private
+   public :: chain_items
    public :: read_chain_group
 
    real(wp), parameter :: one_place = 1.0e-9_wp !! joints of a link nearer than so much of the drawing's size coincide
+
+   !> The items of the group.
+   type(rule_t), parameter :: chain_items(*) = [ &
+      rule_t('JNT', a_text, 'n', '', 'required', '', &
+             'names of the joints: words of up to 31 characters, large and small letters differ'), &
+      rule_t('JX', a_number, 'n', 'length', 'required', '', &
+             'their x coordinates in the drawing'), &
+      rule_t('JY', a_number, 'n', 'length', 'required', '', &
+             'their y coordinates in the drawing'), &
+      rule_t('LNK', a_text, 'n', '', 'required', '', &
+             'the joints of each link, blanks between them (one-letter names may run together); **the first '// &
+             'link is the frame**'), &
+      rule_t('LNAME', a_text, 'n', '', 'their numbers', '', &
+             'names of the links'), &
+      rule_t('NSLIDE', a_whole, '', '', 'as many as SLNK has', '[0,1000]', &
+             'number of slides (prismatic pairs)', &
+             'must be a number of slides, 0 or more'), &
+      rule_t('SNAME', a_text, 'NSLIDE', '', 'S1, S2 ...', '', &
+             'names of the slides'), &
+      rule_t('SLNK', a_text, 'NSLIDE', '', '', '', &
+             'the first of the two links of each slide; a drive along it moves the link that is not its base'), &
+      rule_t('SLNK2', a_text, 'NSLIDE', '', '', '', &
+             'the second link of each slide'), &
+      rule_t('SLX', a_number, 'NSLIDE', 'length', '', '', &
+             'x of a point of the slide''s line in the drawing'), &
+      rule_t('SLY', a_number, 'NSLIDE', 'length', '', '', &
+             'y of that point'), &
+      rule_t('SLANG', a_number, 'NSLIDE', 'degrees', '', '', &
+             'direction of the slide''s line'), &
+      rule_t('GEARA', a_text, 'n', '', '', '', &
+             'gear pairs: the first wheel, a link'), &
+      rule_t('GEARB', a_text, 'n', '', '', '', &
+             'the second wheel of each gear pair'), &
+      rule_t('GCARR', a_text, 'n', '', '', '', &
+             'the link that carries the centres of both wheels'), &
+      rule_t('GTA', a_number, 'n', '', '', '', &
+             'teeth of the first wheel'), &
+      rule_t('GTB', a_number, 'n', '', '', '', &
+             'teeth of the second wheel; of an internal pair one is negative'), &
+      rule_t('LENP', a_text, 'n', '', '', '', &
+             'exact lengths where the drawing is rough: the two joints of a link between which each lies; the '// &
+             'drawing then only chooses the assembly'), &
+      rule_t('LENV', a_number, 'n', 'length', '', '', &
+             'the lengths of LENP'), &
+      rule_t('KOVER', a_flag, '', '', '0', '', &
+             '1: superfluous equations are allowed where special lengths (a parallelogram with a third link) '// &
+             'fulfil them'), &
+      rule_t('VARY', a_text, 'n', '', '', '', &
+             'what a search may change: `''A B''` a length, `''angle B C B P''` the angle from one line of a '// &
+             'link to another, `''place D''` a joint of the frame (its distance and direction from the input '// &
+             'pivot; of that pivot from the machine origin), `''input''` the reference input'), &
+      rule_t('VLOW', a_number, 'n', '', '', '', &
+             'lower bounds of the variables, in the order of VARY; a place has two values'), &
+      rule_t('VHIGH', a_number, 'n', '', '', '', &
+             'upper bounds of the variables')]
 
 contains
 
@@ -26,9 +84,10 @@ contains
       type(sketch_t), intent(inout) :: sketch
       type(diagnostics_t), intent(inout) :: findings
       type(diagnostics_t) :: own, unused
-      integer :: kover, stage
+      integer :: stage
 
       sketch%given = group%line > 0
+      call group%follow(chain_items)
       own%file = findings%file
       allocate (sketch%drives(0), sketch%outputs(0))
       ! what follows from a mistake is not told: a later stage speaks only if those before found nothing
@@ -57,9 +116,7 @@ contains
          case (4)
             call read_gears(group, sketch, told)
          case (5)
-            kover = 0
-            call read_flag(group, 'KOVER', kover, told)
-            sketch%over_braced = kover == 1
+            call take(group, 'KOVER', sketch%over_braced, told)
          case (6)
             call read_lengths(group, sketch, told)
          case default
@@ -81,8 +138,8 @@ contains
       allocate (sketch%joint_name(n), sketch%x(n), sketch%y(n))
       sketch%x = 0.0_wp
       sketch%y = 0.0_wp
-      call group%get_reals('JX', sketch%x, findings, last=last_x)
-      call group%get_reals('JY', sketch%y, findings, last=last_y)
+      call take(group, 'JX', sketch%x, findings, last=last_x)
+      call take(group, 'JY', sketch%y, findings, last=last_y)
       do i = 1, n
          call take_name(group, 'JNT', i, names(i), 'joint', sketch%joint_name(:i - 1), findings, sketch%joint_name(i))
       end do
@@ -188,7 +245,7 @@ contains
       n = size(pairs)
       allocate (sketch%length_of(2, n), source=0)
       allocate (sketch%length(n), source=0.0_wp)
-      call group%get_reals('LENV', sketch%length, findings, last=last)
+      call take(group, 'LENV', sketch%length, findings, last=last)
       if (last < n) call out_of(group, 'LENV', 'LENP names '//to_text(n)//' lengths, but LENV gives '//to_text(last), &
          findings, last)
       do i = 1, n

@@ -2,17 +2,19 @@
 module psalm_clearance_group
    use psalm_case_group, only: case_group_t, surroundings_t, place_visitor_t
    use psalm_data_set, only: data_set_t
-   use psalm_group, only: group_t, check_range, out_of, required
+   use psalm_group, only: group_t, out_of
    use psalm_kinds, only: wp
    use psalm_link_place, only: place_t, read_places
+   use psalm_rule, only: rule_t, a_number, a_text, a_whole
    use psalm_sketch, only: sketch_t
    use psalm_status, only: diagnostics_t
+   use psalm_take, only: take
    implicit none (type, external)
    private
+   public :: clearance_items
    public :: clearance_group_t, clearance_of
 
-   integer, parameter :: fewest_points = 32, most_points = 4096, most_speeds = 10000
-   integer, parameter :: most_charts = 6, most_radii = 400, fewest_angles = 8, most_angles = 720
+   integer, parameter :: most_charts = 6
    real(wp), parameter :: greatest_h3 = 0.999_wp
    real(wp), parameter :: usual_h3(3) = [0.25_wp, 0.5_wp, 0.75_wp] !! of the published charts
 
@@ -34,6 +36,41 @@ module psalm_clearance_group
       procedure :: visit_places => visit_clearance
    end type clearance_group_t
 
+   !> The items of the group.
+   type(rule_t), parameter :: clearance_items(*) = [ &
+      rule_t('CLINK', a_whole, '', '', 'required', '', &
+             'the joint: the finish of this arc, with a negative CLINK its start'), &
+      rule_t('CLOOP', a_whole, '', '', 'required', '', &
+             'the loop of that arc'), &
+      rule_t('CNAME', a_text, '1', '', '', '', &
+             'of a sketch in their place: the joint, where it pins more than two links with the one that turns '// &
+             'in it: `''B''`, `''B rod''`'), &
+      rule_t('CDIAM', a_number, '', 'length', 'required', '(0,)', &
+             'diametral clearance', &
+             'must be above 0: without clearance contact is never lost'), &
+      rule_t('CREST', a_number, '', '', '0', '[0,1]', &
+             'coefficient of restitution', &
+             'must lie between 0 and 1'), &
+      rule_t('CBEGIN', a_number, '', 'degrees', 'where the load is largest', '', &
+             'where following begins: increment of the input from the reference position'), &
+      rule_t('CSPLOW', a_number, '', 'rad/s', '0', '', &
+             'range of speeds for a table of verdicts: the lowest'), &
+      rule_t('CSPHGH', a_number, '', 'rad/s', '0', '', &
+             'the highest speed'), &
+      rule_t('NCSPED', a_whole, '', '', '0', '[0,10000]', &
+             'number of speeds in this range'), &
+      rule_t('NCPNT', a_whole, '', '', '512', '[32,4096]', &
+             'positions in a turn'), &
+      rule_t('NCRAD', a_whole, '', '', '0', '[0,400]', &
+             'standard charts: values of H1 on each radial line; 0: no charts'), &
+      rule_t('NCANG', a_whole, '', '', '72', '[8,720]', &
+             'standard charts: values of H2'), &
+      rule_t('CHMAX', a_number, '', '', '2', '(0,)', &
+             'largest H1 of the charts'), &
+      rule_t('CEPS', a_number, '1 to 6', '', '0.25,0.5,0.75', '[0,0.999]', &
+             'H3 of each chart', &
+             'values of H3 lie between 0 and 0.999')]
+
 contains
 
    !> Read the group. Errors: an arc that is not there, no clearance, numbers out of range.
@@ -47,39 +84,27 @@ contains
       real(wp) :: h3(most_charts)
 
       clearance%given = group%line > 0
+      call group%follow(clearance_items)
       call read_places(group, 'C', ilink, places, findings, ends_only=.true., sketch=sketch)
       clearance%joint = places(1)
-      call group%get_real('CDIAM', clearance%diametral, findings)
-      call group%get_real('CREST', clearance%restitution, findings)
-      call group%get_real('CBEGIN', clearance%begin, findings)
+      call take(group, 'CDIAM', clearance%diametral, findings)
+      call take(group, 'CREST', clearance%restitution, findings)
+      call take(group, 'CBEGIN', clearance%begin, findings)
       clearance%begins = group%given('CBEGIN')
-      call group%get_real('CSPLOW', clearance%slowest, findings)
-      call group%get_real('CSPHGH', clearance%fastest, findings)
-      call group%get_integer('NCSPED', clearance%speeds, findings)
-      call check_range(group, 'NCSPED', clearance%speeds, 0, most_speeds, findings)
-      call group%get_integer('NCPNT', clearance%points, findings)
-      call check_range(group, 'NCPNT', clearance%points, fewest_points, most_points, findings)
-      call group%get_integer('NCRAD', clearance%radii, findings)
-      call check_range(group, 'NCRAD', clearance%radii, 0, most_radii, findings)
-      call group%get_integer('NCANG', clearance%angles, findings)
-      call check_range(group, 'NCANG', clearance%angles, fewest_angles, most_angles, findings)
-      call group%get_real('CHMAX', clearance%greatest_h1, findings)
+      call take(group, 'CSPLOW', clearance%slowest, findings)
+      call take(group, 'CSPHGH', clearance%fastest, findings)
+      call take(group, 'NCSPED', clearance%speeds, findings)
+      call take(group, 'NCPNT', clearance%points, findings)
+      call take(group, 'NCRAD', clearance%radii, findings)
+      call take(group, 'NCANG', clearance%angles, findings)
+      call take(group, 'CHMAX', clearance%greatest_h1, findings)
       h3 = -1.0_wp
       call group%get_reals('CEPS', h3, findings)
       clearance%h3 = usual_h3
       if (group%given('CEPS')) clearance%h3 = pack(h3, abs(h3 + 1.0_wp) > 0.0_wp)
       if (.not. clearance%given) return
-      if (.not. clearance%greatest_h1 > 0.0_wp) call out_of(group, 'CHMAX', 'must be above 0', findings)
       if (any(clearance%h3 < 0.0_wp .or. clearance%h3 > greatest_h3)) then
          call out_of(group, 'CEPS', 'values of H3 lie between 0 and 0.999', findings)
-      end if
-      if (.not. group%given('CDIAM')) then
-         call required(group, 'CDIAM', 'missing; the diametral clearance, in units of length')
-      else if (.not. clearance%diametral > 0.0_wp) then
-         call out_of(group, 'CDIAM', 'must be above 0: without clearance contact is never lost', findings)
-      end if
-      if (clearance%restitution < 0.0_wp .or. clearance%restitution > 1.0_wp) then
-         call out_of(group, 'CREST', 'must lie between 0 and 1', findings)
       end if
       if (clearance%speeds == 0) return
       if (.not. clearance%slowest > 0.0_wp) call out_of(group, 'CSPLOW', 'speeds must be above 0', findings)

@@ -1,14 +1,17 @@
 !> The group CONSTR: where closure and transmission angles must hold, and where joints and links must not go.
 module psalm_constraint_group
-   use psalm_group, only: group_t, check_range, out_of
-   use psalm_kinds, only: wp, right_angle
+   use psalm_group, only: group_t, out_of
+   use psalm_kinds, only: wp
+   use psalm_rule, only: rule_t, a_number, a_text, a_whole
    use psalm_segment_items, only: segment_t, read_segments
    use psalm_sketch, only: sketch_t
    use psalm_sketch_names, only: meant
    use psalm_status, only: diagnostics_t
+   use psalm_take, only: take, take_count
    use psalm_text, only: shortened, to_text
    implicit none (type, external)
    private
+   public :: constraint_items
    public :: constraint_group_t, region_t, segment_t, read_constraint_group, read_least_angle
    public :: range_positions, range_inputs, range_turn, region_box, region_half_plane, region_circle, every_segment
 
@@ -17,7 +20,6 @@ module psalm_constraint_group
    integer, parameter :: range_turn = 2        !! over a full turn of the crank
    integer, parameter :: region_box = 1, region_half_plane = 2, region_circle = 3 !! RKIND
    integer, parameter :: every_segment = -1    !! RSEG: for each link
-   integer, parameter :: most_regions = 1000   !! above this NREGN is taken for a slip of the pen
    integer, parameter :: numbers_of_region = 4
 
    !> A region of the machine plane that a joint or a link must keep out of, or stay inside of.
@@ -40,6 +42,53 @@ module psalm_constraint_group
       type(segment_t), allocatable :: segments(:)
    end type constraint_group_t
 
+   !> The items of the group.
+   type(rule_t), parameter :: constraint_items(*) = [ &
+      rule_t('TRMIN', a_number, '', 'degrees', '', '[0,90)', &
+             'least transmission angle, degrees, in place of TRMIN or TANGLE of &LIMITS, see '// &
+             '[there](#tangle-and-trmin)', &
+             'is the least transmission angle: at least 0, less than 90 degrees'), &
+      rule_t('IRANGE', a_whole, '', '', '0', '[0,2]', &
+             'closure, TANGLE or TRMIN, TOGGLE and clearances hold: 0, at the prescribed positions; 1, over the '// &
+             'whole range of the inputs; 2, over a full turn of the crank, which then turns fully'), &
+      rule_t('NREGN', a_whole, '', '', 'as many as RKIND has', '[0,1000]', &
+             'number of forbidden regions'), &
+      rule_t('RKIND', a_whole, 'NREGN', '', '', '', &
+             'of each region: 1 a box, 2 a half-plane, 3 a circle; negative: its outside is forbidden'), &
+      rule_t('RPLACE', a_number, 'NREGN*4', '', '', '', &
+             'four numbers for each region: box, x and y of two opposite corners; half-plane, x and y of a '// &
+             'point of its edge and the direction of the edge, degrees (what lies left of it is forbidden); '// &
+             'circle, x and y of its centre and its radius'), &
+      rule_t('RLINK', a_whole, 'NREGN', '', '0', '', &
+             'the joint to which it applies: the finish of arc RLINK (negative: its start) of loop RLOOP'), &
+      rule_t('RLOOP', a_whole, 'NREGN', '', '0', '', &
+             'loop of that arc; 0: the output point'), &
+      rule_t('RJNT', a_text, 'NREGN', '', '', '', &
+             'of a sketch, in place of RLINK and RLOOP: the joint'), &
+      rule_t('RSEG', a_whole, 'NREGN', '', '0', '', &
+             'the link to which it applies, in place of a joint: number of a segment, see below; -1: every '// &
+             'segment'), &
+      rule_t('RCLEAR', a_number, 'NREGN', 'length', '0', '[0,)', &
+             'least distance from what is forbidden', &
+             'a least distance is at least 0'), &
+      rule_t('NSEG', a_whole, '', '', 'as many as SJNT or SLINK has', '[0,100]', &
+             'number of links that are segments with a width'), &
+      rule_t('SLINK', a_whole, 'NSEG*2', '', '', '', &
+             'the arcs at whose ends lie the two points between which each lies, named as by RLINK: '// &
+             '`SLINK=-2,2, SLOOP=1,1` is arc 2 of loop 1'), &
+      rule_t('SLOOP', a_whole, 'NSEG*2', '', '', '', &
+             'the loops of these arcs'), &
+      rule_t('SJNT', a_text, 'NSEG', '', '', '', &
+             'the same in a sketch: `''A B'',''B C''`'), &
+      rule_t('SWIDTH', a_number, 'NSEG', 'length', '0', '[0,)', &
+             'width of each; its ends are round', &
+             'a width is at least 0'), &
+      rule_t('SCLEAR', a_number, 'NSEG', 'length', '0', '[0,)', &
+             'least distance of each from the others; of two the larger counts', &
+             'a least distance is at least 0'), &
+      rule_t('SLAYER', a_whole, 'NSEG', '', '0', '', &
+             'the layer in which each moves; links of different layers cannot meet')]
+
 contains
 
    !> Read the group. Errors: numbers out of range, joints that are not there, regions without extent.
@@ -56,15 +105,12 @@ contains
       integer :: n, r, given
 
       constr%given = group%line > 0
-      call group%get_integer('IRANGE', constr%irange, findings)
-      call check_range(group, 'IRANGE', constr%irange, range_positions, range_turn, findings)
+      call group%follow(constraint_items)
+      call take(group, 'IRANGE', constr%irange, findings)
       call read_least_angle(group, constr%least_angle, findings)
       constr%gives_angle = group%given('TRMIN')
       call read_segments(group, nloop, maxarc, sketch, constr%segments, findings)
-      n = 0
-      call group%get_integer('NREGN', n, findings)
-      call check_range(group, 'NREGN', n, 0, most_regions, findings)
-      n = min(max(n, 0), most_regions)
+      call take_count(group, 'NREGN', n, findings)
       allocate (constr%regions(n), kinds(n), links(n), loops(n), segments(n))
       kinds = 0
       links = 0
@@ -72,9 +118,9 @@ contains
       segments = 0
       allocate (distances(n), source=0.0_wp)
       allocate (numbers(numbers_of_region*n), source=0.0_wp)
-      if (n == 0 .and. (group%given('RKIND') .or. group%given('RPLACE'))) then
-         call findings%error('regions are given, but not their number NREGN', line=group%line, group='CONSTR', item='NREGN')
-         call read_places(unused)   ! asked for all the same: their names are known
+      if (group%given('NREGN') .and. n == 0) then
+         if (group%given('RKIND') .or. group%given('RPLACE')) call out_of(group, 'NREGN', 'is 0, but regions are given', findings)
+         call read_places(unused)
       else
          call read_places(findings)
       end if
@@ -94,7 +140,6 @@ contains
             if (links(r) < 0) region%arc = -links(r) - 1
             region%segment = segments(r)
             region%clearance = distances(r)
-            if (distances(r) < 0.0_wp) call wrong('RCLEAR', 'a least distance is at least 0', r)
             select case (region%kind)
             case (region_box)
                if (region%at(1) == region%at(3) .or. region%at(2) == region%at(4)) call wrong('RPLACE', 'the box has no extent', r)
@@ -161,12 +206,12 @@ contains
       subroutine read_places(told)
          type(diagnostics_t), intent(inout) :: told
 
-         call group%get_integers('RKIND', kinds, told)
-         call group%get_integers('RLINK', links, told)
-         call group%get_integers('RLOOP', loops, told)
+         call take(group, 'RKIND', kinds, told)
+         call take(group, 'RLINK', links, told)
+         call take(group, 'RLOOP', loops, told)
          call group%get_texts('RJNT', names, told)
-         call group%get_integers('RSEG', segments, told)
-         call group%get_reals('RCLEAR', distances, told)
+         call take(group, 'RSEG', segments, told)
+         call take(group, 'RCLEAR', distances, told)
          call group%get_reals('RPLACE', numbers, told, numbers_of_region, last=given)
       end subroutine read_places
 
@@ -185,9 +230,6 @@ contains
       real(wp), intent(inout) :: least         !! degrees
       type(diagnostics_t), intent(inout) :: findings
 
-      call group%get_real('TRMIN', least, findings)
-      if (.not. group%given('TRMIN')) return
-      if (least < 0.0_wp .or. least >= right_angle) call out_of(group, 'TRMIN', &
-         'is the least transmission angle: at least 0, less than 90 degrees', findings)
+      call take(group, 'TRMIN', least, findings)
    end subroutine read_least_angle
 end module psalm_constraint_group

@@ -2,16 +2,16 @@
 module psalm_drive_group
    use psalm_case_group, only: case_group_t, surroundings_t
    use psalm_data_set, only: data_set_t
-   use psalm_group, only: group_t, check_range, out_of, read_flag, required
+   use psalm_group, only: group_t, out_of, required
    use psalm_kinds, only: wp
+   use psalm_rule, only: rule_t, a_flag, a_number, a_whole
    use psalm_status, only: diagnostics_t
+   use psalm_take, only: take, take_count
    use psalm_text, only: to_text
    implicit none (type, external)
    private
+   public :: shaft_items, hill_items
    public :: drive_group_t, hill_group_t, drive_of, hill_of
-
-   integer, parameter :: fewest_points = 16, most_points = 4096, most_speeds = 10000, most_harmonics = 1000
-   real(wp), parameter :: finest = 1.0e-14_wp !! least tolerance that can be asked for
 
    type, extends(case_group_t) :: drive_group_t
       real(wp) :: stiffness = 0.0_wp           !! DSTIF: of the shaft, N m/rad
@@ -36,6 +36,49 @@ module psalm_drive_group
       procedure :: read => read_hill
    end type hill_group_t
 
+   !> The items of the group.
+   type(rule_t), parameter :: shaft_items(*) = [ &
+      rule_t('DSTIF', a_number, '', 'N m/rad', '', '', &
+             'stiffness of the shaft; or DMEAN'), &
+      rule_t('DMEAN', a_number, '', '', '', '', &
+             'mean over the turn of the drive''s frequency/speed: the stiffness follows'), &
+      rule_t('DDAMP', a_number, '', '', '0', '[0,)', &
+             'viscous coefficient/sqrt(stiffness * mean inertia): twice the part of critical'), &
+      rule_t('DEXTRA', a_number, '', 'kg m2', '0', '[0,)', &
+             'inertia that turns with the crank'), &
+      rule_t('DRIPPL', a_number, '', '', '0', '[0,1)', &
+             'in place of the linkage''s inertia DEXTRA * (1 + DRIPPL sin 2 phi), phi from the reference '// &
+             'position; multipliers are then of half a turn'), &
+      rule_t('DOFFS', a_flag, '', '', '1', '', &
+             '0: leave the offsets of the centres of mass out, as the thesis''s case study did; the right '// &
+             'inertia is listed beside'), &
+      rule_t('DSPLOW', a_number, '', 'rad/s', '0', '', &
+             'range of speeds: the lowest'), &
+      rule_t('DSPHGH', a_number, '', 'rad/s', '0', '', &
+             'the highest speed'), &
+      rule_t('NDSPED', a_whole, '', '', '0', '[0,10000]', &
+             'number of speeds in this range'), &
+      rule_t('NDHARM', a_whole, '', '', '12', '[0,1000]', &
+             'harmonics listed'), &
+      rule_t('NDPNT', a_whole, '', '', '256', '[16,4096]', &
+             'positions in a turn')]
+
+   !> The items of the group.
+   type(rule_t), parameter :: hill_items(*) = [ &
+      rule_t('NHILL', a_whole, '', '', 'as many as the longest item has', '[1,4096]', &
+             'number of values, at equal steps from 0'), &
+      rule_t('HC1', a_number, 'NHILL', '', '0', '', &
+             'c1'), &
+      rule_t('HC0', a_number, 'NHILL', '', '0', '', &
+             'c0'), &
+      rule_t('HP', a_number, 'NHILL', '', '0', '', &
+             'p'), &
+      rule_t('HTOL', a_number, '', '', '1E-10', '[1E-14,)', &
+             'relative error of the matrix of a period', &
+             'must be at least 1E-14'), &
+      rule_t('NHHARM', a_whole, '', '', '12', '[0,1000]', &
+             'harmonics listed')]
+
 contains
 
    !> Read the group DRIVEL. Errors: numbers out of range, both a stiffness and a mean ratio or neither.
@@ -43,25 +86,20 @@ contains
       type(group_t), intent(inout) :: group
       type(drive_group_t), intent(inout) :: drive
       type(diagnostics_t), intent(inout) :: findings
-      integer :: offsets
 
       drive%given = group%line > 0
-      call group%get_real('DSTIF', drive%stiffness, findings)
-      call group%get_real('DMEAN', drive%ratio, findings)
-      call group%get_real('DDAMP', drive%damping, findings)
-      call group%get_real('DEXTRA', drive%extra, findings)
-      call group%get_real('DRIPPL', drive%ripple, findings)
-      offsets = 1
-      call read_flag(group, 'DOFFS', offsets, findings)
-      drive%offsets = offsets == 1
-      call group%get_integer('NDHARM', drive%harmonics, findings)
-      call check_range(group, 'NDHARM', drive%harmonics, 0, most_harmonics, findings)
-      call group%get_real('DSPLOW', drive%slowest, findings)
-      call group%get_real('DSPHGH', drive%fastest, findings)
-      call group%get_integer('NDSPED', drive%speeds, findings)
-      call check_range(group, 'NDSPED', drive%speeds, 0, most_speeds, findings)
-      call group%get_integer('NDPNT', drive%points, findings)
-      call check_range(group, 'NDPNT', drive%points, fewest_points, most_points, findings)
+      call group%follow(shaft_items)
+      call take(group, 'DSTIF', drive%stiffness, findings)
+      call take(group, 'DMEAN', drive%ratio, findings)
+      call take(group, 'DDAMP', drive%damping, findings)
+      call take(group, 'DEXTRA', drive%extra, findings)
+      call take(group, 'DRIPPL', drive%ripple, findings)
+      call take(group, 'DOFFS', drive%offsets, findings)
+      call take(group, 'NDHARM', drive%harmonics, findings)
+      call take(group, 'DSPLOW', drive%slowest, findings)
+      call take(group, 'DSPHGH', drive%fastest, findings)
+      call take(group, 'NDSPED', drive%speeds, findings)
+      call take(group, 'NDPNT', drive%points, findings)
       if (.not. drive%given) return
       if (group%given('DSTIF') .eqv. group%given('DMEAN')) then
          call out_of(group, 'DSTIF', &
@@ -72,9 +110,6 @@ contains
       else if (group%given('DMEAN') .and. .not. drive%ratio > 0.0_wp) then
          call out_of(group, 'DMEAN', 'must be above 0', findings)
       end if
-      if (drive%damping < 0.0_wp) call out_of(group, 'DDAMP', 'must not be negative', findings)
-      if (drive%extra < 0.0_wp) call out_of(group, 'DEXTRA', 'must not be negative', findings)
-      if (drive%ripple < 0.0_wp .or. drive%ripple >= 1.0_wp) call out_of(group, 'DRIPPL', 'must lie between 0 and 1', findings)
       if (drive%ripple > 0.0_wp .and. .not. drive%extra > 0.0_wp) then
          call required(group, 'DEXTRA', 'missing; DRIPPL makes it vary')
       end if
@@ -92,19 +127,14 @@ contains
       integer :: n, last(3)
 
       hill%given = group%line > 0
-      n = 0
-      call group%get_integer('NHILL', n, findings)
-      group%count_missing = .not. group%given('NHILL')
-      if (hill%given) call check_range(group, 'NHILL', n, 1, most_points, findings, must_be=.true.)
-      n = min(max(n, 0), most_points)
+      call group%follow(hill_items)
+      call take_count(group, 'NHILL', n, findings)
       allocate (hill%c1(n), hill%c0(n), hill%p(n), source=0.0_wp)
-      call group%get_reals('HC1', hill%c1, findings, last=last(1))
-      call group%get_reals('HC0', hill%c0, findings, last=last(2))
-      call group%get_reals('HP', hill%p, findings, last=last(3))
-      call group%get_real('HTOL', hill%tolerance, findings)
-      if (.not. hill%tolerance >= finest) call out_of(group, 'HTOL', 'must be at least 1E-14', findings)
-      call group%get_integer('NHHARM', hill%harmonics, findings)
-      call check_range(group, 'NHHARM', hill%harmonics, 0, most_harmonics, findings)
+      call take(group, 'HC1', hill%c1, findings, last=last(1))
+      call take(group, 'HC0', hill%c0, findings, last=last(2))
+      call take(group, 'HP', hill%p, findings, last=last(3))
+      call take(group, 'HTOL', hill%tolerance, findings)
+      call take(group, 'NHHARM', hill%harmonics, findings)
       if (.not. hill%given) return
       call check_table('HC1', last(1))
       call check_table('HC0', last(2))
@@ -116,7 +146,7 @@ contains
          character(*), intent(in) :: item
          integer, intent(in) :: last
 
-         if (group%given(item) .and. last < n .and. .not. group%count_missing) then
+         if (group%given(item) .and. last < n) then
             call out_of(group, item, to_text(n)//' values are announced by NHILL, but only '//to_text(last)//' given', findings)
          end if
       end subroutine check_table

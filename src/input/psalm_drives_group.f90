@@ -2,14 +2,49 @@
 module psalm_drives_group
    use psalm_group, only: group_t, out_of, required
    use psalm_kinds, only: wp
+   use psalm_rule, only: rule_t, a_number, a_text, a_whole
    use psalm_sketch, only: sketch_t, link_t, drive_t, sketch_name, frame_link, drive_turns, drive_slides, &
                            drive_stretches
    use psalm_sketch_names, only: word_room, find_joints, meant, slide_names, words_of, link_named, common_link
    use psalm_status, only: diagnostics_t
+   use psalm_take, only: take
    use psalm_text, only: lower_case, shortened, to_text
    implicit none (type, external)
    private
+   public :: drive_items
    public :: read_drives_group
+
+   !> The items of the group.
+   type(rule_t), parameter :: drive_items(*) = [ &
+      rule_t('DRIVE', a_text, 'n', '', 'required', '', &
+             'what is driven: a joint, a slide, or the two joints `''B C''` of a cylinder, which thereby '// &
+             'becomes a link of driven length'), &
+      rule_t('DBASE', a_text, 'n', '', 'the other link there', '', &
+             'the link against which each moves; it need not be the frame'), &
+      rule_t('DLINK', a_text, 'n', '', 'the other link there', '', &
+             'the link that it moves'), &
+      rule_t('NDRIVE', a_whole, '', '', 'as many as DRIVE has', '', &
+             'number of drives'), &
+      rule_t('DELT#', a_number, 'NDES', '', '', '', &
+             'values of the second, third ... drive at every position, from the drawing; those of the first are '// &
+             'CRNKI and DELT or IKIN of &METHOD'), &
+      rule_t('DSPEED', a_number, 'n', '', '0', '', &
+             'for `kalm`: speeds of the drives, rad/s or lengths a second; 0 for the first, which has that of '// &
+             '&RATES, and for those with a RATIO; a drive whose positions change at speed 0 gets a message'), &
+      rule_t('DACCEL', a_number, 'n', '', '0', '', &
+             'for `kalm`: accelerations of the drives, in the same manner'), &
+      rule_t('RATIO', a_number, 'n', '', '0', '', &
+             'in place of them: value = RATIO times that of the first + PHASE (gears on fixed centres); 0 for '// &
+             'the first'), &
+      rule_t('PHASE', a_number, 'n', '', '0', '', &
+             'what is added to RATIO times the first'), &
+      rule_t('NGRID', a_whole, 'n', '', '', '', &
+             'a grid of strokes in place of all positions: so many values of each drive, in all combinations, '// &
+             'one drive after the other going back and forth; NDES, DELT and IKIN are left out'), &
+      rule_t('DLOW', a_number, 'n', '', '', '', &
+             'lower end of each stroke of the grid'), &
+      rule_t('DHIGH', a_number, 'n', '', '', '', &
+             'upper end of each stroke of the grid')]
 
 contains
 
@@ -26,15 +61,16 @@ contains
       integer :: n, announced, i, j, last_ratio, last
       logical :: valid, grid
 
+      call group%follow(drive_items)
       call group%get_texts('DRIVE', names, findings)
       call group%get_texts('DBASE', bases, findings)
       call group%get_texts('DLINK', links, findings)
       n = size(names)
       announced = n
-      call group%get_integer('NDRIVE', announced, findings)
+      call take(group, 'NDRIVE', announced, findings)
       allocate (ratio(max(1, n)), phase(max(1, n)), source=0.0_wp)
-      call group%get_reals('RATIO', ratio, findings, last=last_ratio)
-      call group%get_reals('PHASE', phase, findings)
+      call take(group, 'RATIO', ratio, findings, last=last_ratio)
+      call take(group, 'PHASE', phase, findings)
       if (n == 0) call required(group, 'DRIVE', "names what is driven: a joint, a slide, or the two joints of a cylinder")
       if (announced /= n .and. n > 0) call out_of(group, 'NDRIVE', &
          'NDRIVE='//to_text(announced)//' drives are announced, but '// &
@@ -141,9 +177,9 @@ contains
          counts = 0
          low = 0.0_wp
          high = 0.0_wp
-         call group%get_integers('NGRID', counts, findings, last=last_count)
-         call group%get_reals('DLOW', low, findings, last=last_low)
-         call group%get_reals('DHIGH', high, findings, last=last_high)
+         call take(group, 'NGRID', counts, findings, last=last_count)
+         call take(group, 'DLOW', low, findings, last=last_low)
+         call take(group, 'DHIGH', high, findings, last=last_high)
          given = last_count > 0
          if (n == 0) return
          if (.not. given) then

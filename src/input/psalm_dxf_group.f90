@@ -4,16 +4,15 @@ module psalm_dxf_group
    use psalm_data_set, only: data_set_t
    use psalm_group, only: group_t, check_range, out_of
    use psalm_kinds, only: wp
+   use psalm_rule, only: rule_t, a_flag, a_number, a_whole, a_word
    use psalm_status, only: diagnostics_t
+   use psalm_take, only: take
    implicit none (type, external)
    private
+   public :: dxf_items
    public :: dxf_group_t, dxf_of
 
-   integer, parameter :: most_positions = 1000000
-
-   !> Names of units, and what DXF calls them ($INSUNITS).
-   character(4), parameter :: units(*) = ['NONE', 'MM  ', 'CM  ', 'M   ', 'IN  ', 'FT  ']
-   integer, parameter :: codes(*) = [0, 4, 5, 6, 1, 2]
+   integer, parameter :: codes(*) = [4, 5, 6, 1, 2, 0] !! what DXF calls the words of UNITS ($INSUNITS)
 
    type, extends(case_group_t) :: dxf_group_t
       integer :: unit = 0                      !! UNITS: number of DXF; 0: none
@@ -27,6 +26,26 @@ module psalm_dxf_group
       procedure :: read => read_dxf
    end type dxf_group_t
 
+   !> The items of the group.
+   type(rule_t), parameter :: dxf_items(*) = [ &
+      rule_t('UNITS', a_word, '', '', 'NONE', 'MM CM M IN FT NONE', &
+             '''MM'', ''CM'', ''M'', ''IN'', ''FT'': what the lengths of the case are, written into the drawing '// &
+             '($INSUNITS)'), &
+      rule_t('PIN', a_number, '', 'length', '0', '[0,)', &
+             'diameter of the revolute joints; 0: as large as looks well', &
+             'a diameter is not negative'), &
+      rule_t('WIDTH', a_number, '', 'length', '0', '[0,)', &
+             'width of the links: the outline of every moving link is drawn, half the width round the bar or '// &
+             'plate between its joints, with round ends; 0: lines, and closed plates', &
+             'a width is not negative'), &
+      rule_t('POSITN', a_whole, '', '', '0', '[0,1000000]', &
+             'number of the prescribed position that is drawn; 0: the reference position'), &
+      rule_t('INCREM', a_number, '', '', '', '', &
+             'in its place any other: an input counted from CRNKI as in DELT; not with several drives'), &
+      rule_t('FLAT', a_flag, '', '', '0', '', &
+             '1: `CASE.flat.dxf` has every link by itself, along its longest line: outline, holes, points, '// &
+             'rails, names')]
+
 contains
 
    !> Read the group. Errors: units that are not known, sizes below 0, positions that are not there, POSITN and INCREM together.
@@ -35,34 +54,23 @@ contains
       integer, intent(in) :: positions         !! prescribed ones; 0: not known
       type(dxf_group_t), intent(inout) :: dxf
       type(diagnostics_t), intent(inout) :: findings
-      character(:), allocatable :: word
-      integer :: flat, k
+      integer :: unit
 
       dxf%given = group%line > 0
-      word = 'NONE'
-      call group%get_word('UNITS', word, findings)
-      call group%get_real('PIN', dxf%pin, findings)
-      call group%get_real('WIDTH', dxf%width, findings)
-      call group%get_integer('POSITN', dxf%position, findings)
-      call group%get_real('INCREM', dxf%increment, findings)
+      call group%follow(dxf_items)
+      call take(group, 'UNITS', unit, findings)
+      dxf%unit = codes(unit)
+      call take(group, 'PIN', dxf%pin, findings)
+      call take(group, 'WIDTH', dxf%width, findings)
+      call take(group, 'POSITN', dxf%position, findings)
+      call take(group, 'INCREM', dxf%increment, findings)
       dxf%anywhere = group%given('INCREM')
-      flat = 0
-      call group%get_integer('FLAT', flat, findings)
-      call check_range(group, 'FLAT', flat, 0, 1, findings)
-      dxf%flat = flat == 1
+      call take(group, 'FLAT', dxf%flat, findings)
       if (.not. dxf%given) return
-      k = findloc(units == word, .true., dim=1)
-      if (k == 0) then
-         call out_of(group, 'UNITS', "must be 'MM', 'CM', 'M', 'IN', 'FT' or 'NONE'; found '"//word//"'", findings)
-      else
-         dxf%unit = codes(k)
-      end if
-      if (dxf%pin < 0.0_wp) call out_of(group, 'PIN', 'a diameter is not negative', findings)
-      if (dxf%width < 0.0_wp) call out_of(group, 'WIDTH', 'a width is not negative', findings)
       if (dxf%width > 0.0_wp .and. dxf%pin >= dxf%width) call out_of(group, 'PIN', 'a pin must be thinner than the link', findings)
       if (dxf%anywhere .and. group%given('POSITN')) &
          call out_of(group, 'INCREM', 'POSITN and INCREM both say which position is drawn; leave one out', findings)
-      call check_range(group, 'POSITN', dxf%position, 0, merge(positions, most_positions, positions > 0), findings)
+      if (positions > 0) call check_range(group, 'POSITN', dxf%position, 0, positions, findings)
    end subroutine read_dxf_group
 
    !> The group as the case has it.

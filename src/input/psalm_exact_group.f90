@@ -2,24 +2,24 @@
 module psalm_exact_group
    use psalm_case_group, only: case_group_t, surroundings_t
    use psalm_data_set, only: data_set_t
-   use psalm_group, only: group_t, check_range, out_of, read_flag, required
+   use psalm_group, only: group_t, out_of, required
    use psalm_kinds, only: wp, right_angle
+   use psalm_rule, only: rule_t, a_flag, a_number, a_whole, a_word
    use psalm_status, only: diagnostics_t
+   use psalm_take, only: take
    use psalm_text, only: to_text
    implicit none (type, external)
    private
+   public :: exact_items
    public :: exact_group_t, exact_of, is_missing, kind_path, kind_motion, kind_function, exact_kinds, &
              six_bar_none, six_bar_stephenson, six_bar_watt
 
    integer, parameter :: kind_path = 1, kind_motion = 2, kind_function = 3
    character(*), parameter :: exact_kinds(3) = [character(8) :: 'PATH', 'MOTION', 'FUNCTION']
    character(*), parameter :: functions(*) = [character(7) :: 'LOG10', 'LN', 'EXP', 'SIN', 'COS', 'TAN', 'POWER']
-   integer, parameter :: most_points = 60, most_exact_points = 9, most_subsets = 100, most_in_table = 200, &
-                         fewest_in_table = 3, most_listed = 100000
+   integer, parameter :: most_points = 60, most_exact_points = 9, most_in_table = 200, fewest_in_table = 3
    integer, parameter :: exact_in_table = 5          !! entries of a table that a linkage can meet exactly
    integer, parameter :: six_bar_none = 1, six_bar_stephenson = 2, six_bar_watt = 3
-   character(*), parameter :: six_bars(3) = [character(10) :: 'NONE', 'STEPHENSON', 'WATT']
-   integer, parameter :: largest_grid = 12
    real(wp), parameter :: not_given = -huge(1.0_wp)
 
    type, extends(case_group_t) :: exact_group_t
@@ -55,6 +55,79 @@ module psalm_exact_group
       procedure :: read => read_exact
    end type exact_group_t
 
+   !> The items of the group.
+   type(rule_t), parameter :: exact_items(*) = [ &
+      rule_t('KIND', a_word, '', '', 'PATH', 'PATH MOTION FUNCTION', &
+             '''PATH'': points of the coupler; ''MOTION'': poses; ''FUNCTION'': output against input'), &
+      rule_t('XP', a_number, 'n', 'length', 'required, but for FUNCTION', '', &
+             'x of the points, 2 to 9 to be met; 10 to 60 to be passed near by'), &
+      rule_t('YP', a_number, 'n', 'length', 'required, but for FUNCTION', '', &
+             'their y'), &
+      rule_t('ANGP', a_number, 'n', 'degrees', '', '', &
+             'orientation of the coupler at each point, whole turns do not count; with ''PATH'' a point without '// &
+             'one (`,,`) is a point only'), &
+      rule_t('TIMP', a_number, 'n', 'degrees', '', '', &
+             'angle of the crank at each point; a point without one is untimed'), &
+      rule_t('PIVOTS', a_number, '4', 'length', 'free', '', &
+             'x, y of the crank''s fixed pivot, x, y of the follower''s; `PIVOTS=0.0,0.0` gives the first alone'), &
+      rule_t('SLIDER', a_whole, '', '', '0', '[0,2]', &
+             '1: a slider on a straight line in place of the follower; 2: a line of the coupler goes through a '// &
+             'block at a fixed pivot (''MOTION'' only)'), &
+      rule_t('CLOSED', a_flag, '', '', 'of points only 1, else 0', '', &
+             '1: the path is closed, the last point is followed by the first'), &
+      rule_t('FUNC', a_word, '', '', '', 'LOG10 LN EXP SIN COS TAN POWER', &
+             'the function; SIN, COS and TAN of x in degrees'), &
+      rule_t('FXLOW', a_number, '', '', '1', '', &
+             'range of x: its lower end'), &
+      rule_t('FXHIGH', a_number, '', '', '2', '', &
+             'its upper end'), &
+      rule_t('FPOWER', a_number, '', '', '2', '', &
+             'exponent of POWER'), &
+      rule_t('DPHI', a_number, '', 'degrees', '90', '', &
+             'turn of the crank over the range'), &
+      rule_t('DPSI', a_number, '', 'degrees, length', '90', '', &
+             'turn of the follower over the range; of a slider its travel'), &
+      rule_t('PHI', a_number, 'n', 'degrees', '', '', &
+             'a table in place of FUNC: angles of the crank, from a free zero line; five points (four with one '// &
+             'of PHI0 and PSI0, three with both) to be met, more with MINIMAX=1'), &
+      rule_t('PSI', a_number, 'n', 'degrees, length', '', '', &
+             'the angles of the follower, or the travel of the slider'), &
+      rule_t('PHI0', a_number, '', 'degrees', '', '', &
+             'zero line of PHI of three or four points, from the frame'), &
+      rule_t('PSI0', a_number, '', 'degrees, length', '', '', &
+             'zero line of PSI'), &
+      rule_t('FRAME', a_number, '', 'length', '1', '(0,)', &
+             'length of a four-bar''s frame'), &
+      rule_t('MINIMAX', a_flag, '', '', '0', '', &
+             '1: make the largest error least; 0: meet five points (of FUNC those of Chebyshev)'), &
+      rule_t('SIXBAR', a_word, '', '', 'NONE', 'NONE STEPHENSON WATT', &
+             'a six-bar through five points of a function', &
+             'must be ''STEPHENSON'' or ''WATT'''), &
+      rule_t('NGRID', a_whole, '', '', '6', '[2,12]', &
+             'six-bars: values of each dimension that is sampled'), &
+      rule_t('TRMIN', a_number, '', 'degrees', 'six-bars: 20, else none', '[0,90)', &
+             'least transmission angle: linkages below it are left out and counted (over the turn; of a rocking '// &
+             'crank at the points, with IPROOF as proven between them; of a six-bar over the range). Without '// &
+             'effect, which is reported, on four-bars and slider-cranks that generate functions and with ARM', &
+             'must be from 0 to less than 90 degrees'), &
+      rule_t('NSUB', a_whole, '', '', '3', '[1,100]', &
+             'sets of nine points that are drawn of more'), &
+      rule_t('RLONG', a_number, '', '', '100', '(1,)', &
+             'linkages with a link longer than this, over the frame, the travel or the size of the path, are '// &
+             'left out (MINIMAX, SIXBAR, NSUB)'), &
+      rule_t('ARM', a_number, '6', 'length', '', '', &
+             'five poses by a six-bar: x, y in the first pose of the fixed pivot, the elbow and the joint with '// &
+             'the body of a chain of three joints'), &
+      rule_t('CERTIFY', a_flag, '', '', '0', '', &
+             '1: prove by Krawczyk''s test in discs how many of the ends exist, differ from all others, and are '// &
+             'real (complete lists: not four poses, MINIMAX, SIXBAR, NSUB, three or four points of a function)'), &
+      rule_t('NBEST', a_whole, '', '', '10', '[1,100000]', &
+             'linkages that are listed'), &
+      rule_t('MAXTIME', a_number, '', 's', 'no limit', '(0,)', &
+             'what was found so far is listed then, with the verdict `not complete: stopped after MAXTIME` and '// &
+             'no certificate (exit status 1)', &
+             'must be above 0 seconds; leave it out for no limit')]
+
 contains
 
    !> True for a number that was not given.
@@ -69,49 +142,33 @@ contains
       type(group_t), intent(inout) :: group
       type(exact_group_t), intent(inout) :: exact
       type(diagnostics_t), intent(inout) :: findings
-      character(:), allocatable :: word
       integer :: code, last
 
       exact%given = group%line > 0
-      word = trim(exact_kinds(1))
-      call group%get_word('KIND', word, findings)
-      exact%kind = findloc(exact_kinds == word, .true., dim=1)
-      if (exact%kind == 0) then
-         call out_of(group, 'KIND', "must be 'PATH', 'MOTION' or 'FUNCTION'; found '"//word//"'", findings)
-         exact%kind = kind_path
-      end if
+      call group%follow(exact_items)
+      call take(group, 'KIND', exact%kind, findings)
       call read_points(group, exact, findings)
-      call group%get_reals('PIVOTS', exact%pivots, findings, last=last)
+      call take(group, 'PIVOTS', exact%pivots, findings, last=last)
       exact%crank_pivot = .not. any(is_missing(exact%pivots(:2)))
       exact%follower_pivot = .not. any(is_missing(exact%pivots(3:)))
       if (any(is_missing(exact%pivots(:2))) .neqv. all(is_missing(exact%pivots(:2))) .or. &
           (any(is_missing(exact%pivots(3:))) .neqv. all(is_missing(exact%pivots(3:))))) call out_of(group, 'PIVOTS', &
          "is x and y of the crank's fixed pivot, then of the follower's; one that is free is left out: PIVOTS=,,3.0,4.0", findings)
-      code = 0
-      call group%get_integer('SLIDER', code, findings)
-      call check_range(group, 'SLIDER', code, 0, 2, findings)
+      call take(group, 'SLIDER', code, findings)
       exact%slider = code == 1
       exact%block = code == 2
       if (exact%block .and. exact%kind /= kind_motion) call out_of(group, 'SLIDER', &
          "SLIDER=2, a line of the coupler through a fixed pivot, is for poses (KIND='MOTION')", findings)
       code = merge(1, 0, exact%kind == kind_path .and. count(is_missing(exact%time)) == size(exact%time))
-      call read_flag(group, 'CLOSED', code, findings)
+      call take(group, 'CLOSED', code, findings)
       exact%closed = code == 1
       call read_arm(group, exact, findings)
-      code = 0
-      call read_flag(group, 'MINIMAX', code, findings)
-      exact%minimax = code == 1
+      call take(group, 'MINIMAX', exact%minimax, findings)
       call read_function(group, exact, findings)
-      code = 0
-      call read_flag(group, 'CERTIFY', code, findings)
-      exact%certify = code == 1
-      call group%get_integer('NSUB', exact%subsets, findings)
-      call check_range(group, 'NSUB', exact%subsets, 1, most_subsets, findings)
-      call group%get_integer('NBEST', exact%listed, findings)
-      call check_range(group, 'NBEST', exact%listed, 1, most_listed, findings)
-      call group%get_real('MAXTIME', exact%longest_time, findings)
-      if (group%given('MAXTIME') .and. .not. exact%longest_time > 0.0_wp) call out_of(group, 'MAXTIME', &
-         'must be above 0 seconds; leave it out for no limit', findings)
+      call take(group, 'CERTIFY', exact%certify, findings)
+      call take(group, 'NSUB', exact%subsets, findings)
+      call take(group, 'NBEST', exact%listed, findings)
+      call take(group, 'MAXTIME', exact%longest_time, findings)
    end subroutine read_exact_group
 
    subroutine read_points(group, exact, findings)
@@ -125,10 +182,10 @@ contains
       y = not_given
       angle = not_given
       time = not_given
-      call group%get_reals('XP', x, findings, last=last(1))
-      call group%get_reals('YP', y, findings, last=last(2))
-      call group%get_reals('ANGP', angle, findings, last=last(3))
-      call group%get_reals('TIMP', time, findings, last=last(4))
+      call take(group, 'XP', x, findings, last=last(1))
+      call take(group, 'YP', y, findings, last=last(2))
+      call take(group, 'ANGP', angle, findings, last=last(3))
+      call take(group, 'TIMP', time, findings, last=last(4))
       n = last(1)
       exact%x = x(:n)
       exact%y = y(:n)
@@ -171,7 +228,7 @@ contains
       type(diagnostics_t), intent(inout) :: findings
       integer :: last
 
-      call group%get_reals('ARM', exact%arm, findings, last=last)
+      call take(group, 'ARM', exact%arm, findings, last=last)
       exact%has_arm = last > 0
       if (.not. exact%has_arm) return
       if (last < size(exact%arm) .or. any(is_missing(exact%arm))) call out_of(group, 'ARM', &
@@ -185,41 +242,29 @@ contains
       type(group_t), intent(inout) :: group
       type(exact_group_t), intent(inout) :: exact
       type(diagnostics_t), intent(inout) :: findings
-      character(:), allocatable :: word
       real(wp) :: phi(most_in_table), psi(most_in_table)
       integer :: n, last, i
 
       call group%get_word('FUNC', exact%function_name, findings)
-      call group%get_real('FXLOW', exact%low, findings)
-      call group%get_real('FXHIGH', exact%high, findings)
-      call group%get_real('FPOWER', exact%power, findings)
-      call group%get_real('DPHI', exact%swing_in, findings)
-      call group%get_real('DPSI', exact%swing_out, findings)
-      call group%get_real('PHI0', exact%zero_in, findings)
-      call group%get_real('PSI0', exact%zero_out, findings)
-      call group%get_real('FRAME', exact%frame, findings)
-      call group%get_real('RLONG', exact%longest, findings)
-      word = trim(six_bars(six_bar_none))
-      call group%get_word('SIXBAR', word, findings)
-      exact%six_bar = findloc(six_bars == word, .true., dim=1)
-      if (exact%six_bar == 0) then
-         call out_of(group, 'SIXBAR', "must be 'STEPHENSON' or 'WATT'; found '"//word//"'", findings)
-         exact%six_bar = six_bar_none
-      end if
-      call group%get_integer('NGRID', exact%grid, findings)
-      call check_range(group, 'NGRID', exact%grid, 2, largest_grid, findings)
-      call group%get_real('TRMIN', exact%least_transmission, findings)
+      call take(group, 'FXLOW', exact%low, findings)
+      call take(group, 'FXHIGH', exact%high, findings)
+      call take(group, 'FPOWER', exact%power, findings)
+      call take(group, 'DPHI', exact%swing_in, findings)
+      call take(group, 'DPSI', exact%swing_out, findings)
+      call take(group, 'PHI0', exact%zero_in, findings)
+      call take(group, 'PSI0', exact%zero_out, findings)
+      call take(group, 'FRAME', exact%frame, findings)
+      call take(group, 'RLONG', exact%longest, findings)
+      call take(group, 'SIXBAR', exact%six_bar, findings)
+      call take(group, 'NGRID', exact%grid, findings)
+      call take(group, 'TRMIN', exact%least_transmission, findings)
       exact%has_least_transmission = group%given('TRMIN')
-      if (.not. (exact%least_transmission >= 0.0_wp .and. exact%least_transmission < right_angle)) &
-         call out_of(group, 'TRMIN', 'must be from 0 to less than 90 degrees', findings)
       phi = not_given
       psi = not_given
-      call group%get_reals('PHI', phi, findings, last=n)
-      call group%get_reals('PSI', psi, findings, last=last)
+      call take(group, 'PHI', phi, findings, last=n)
+      call take(group, 'PSI', psi, findings, last=last)
       exact%phi = phi(:n)
       exact%psi = psi(:n)
-      if (.not. exact%frame > 0.0_wp) call out_of(group, 'FRAME', 'must be above 0', findings)
-      if (.not. exact%longest > 1.0_wp) call out_of(group, 'RLONG', 'must be above 1', findings)
       if (.not. exact%given .or. exact%kind /= kind_function) return
       if (exact%six_bar /= six_bar_none .and. (exact%slider .or. exact%minimax)) call out_of(group, 'SIXBAR', &
          'a six-bar here has no slider and meets points (MINIMAX=0)', findings)

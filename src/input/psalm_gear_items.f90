@@ -5,6 +5,7 @@ module psalm_gear_items
    use psalm_sketch, only: sketch_t
    use psalm_sketch_names, only: link_named
    use psalm_status, only: diagnostics_t
+   use psalm_take, only: take
    use psalm_text, only: to_text
    implicit none (type, external)
    private
@@ -26,8 +27,8 @@ contains
       call group%get_texts('GCARR', carrier, findings)
       n = size(first)
       allocate (teeth_a(n), teeth_b(n), source=0.0_wp)
-      call group%get_reals('GTA', teeth_a, findings)
-      call group%get_reals('GTB', teeth_b, findings)
+      call take(group, 'GTA', teeth_a, findings)
+      call take(group, 'GTB', teeth_b, findings)
       allocate (sketch%gears(n))
       if (size(second) /= n) call out_of(group, 'GEARB', 'names the second wheel of '//to_text(size(second))//' gear pairs; '// &
                                          'GEARA names '//to_text(n), findings)

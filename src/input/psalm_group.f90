@@ -14,7 +14,7 @@ module psalm_group
    implicit none (type, external)
    private
    public :: group_t, item_t, value_t, add_item, add_value
-   public :: read_flag, check_flags, check_range, out_of, required
+   public :: check_flags, check_range, out_of, required
 
    integer, parameter :: most_values = 20000000    !! values one item may have, repeat counts included
    integer, parameter :: not_a_position = -1
@@ -61,7 +61,7 @@ module psalm_group
       type(rule_t), allocatable :: rules(:) !! what its items may be
       character(name_length), allocatable :: known(:) !! names of its items: those of the rules, and asked for so far
       type(origins_t) :: origins            !! places of the values handed out
-      logical :: count_missing = .false.    !! the item that counts the others is not there: too many of them are not told
+      logical :: count_missing = .false.    !! the item that counts the others is wrong: too many of them are not told
       type(missing_t), allocatable :: missing(:) !! told at the end, if no misspelt item is meant
    contains
       procedure :: begin
@@ -656,17 +656,6 @@ contains
 
       padded = name
    end function padded
-
-   !> An item that is 0 or 1.
-   subroutine read_flag(group, name, value, findings)
-      type(group_t), intent(inout) :: group
-      character(*), intent(in) :: name
-      integer, intent(inout) :: value
-      type(diagnostics_t), intent(inout) :: findings
-
-      call group%get_integer(name, value, findings)
-      call check_range(group, name, value, 0, 1, findings)
-   end subroutine read_flag
 
    !> Report entries that are neither 0 nor 1.
    subroutine check_flags(group, name, values, findings)

@@ -2,16 +2,15 @@
 !> sketch a link, a joint of it, a line between two of its joints.
 module psalm_link_place
    use psalm_sketch_names, only: find_joints, link_named, meant, slide_names, words_of
-   use psalm_group, only: group_t, check_range, out_of, required
+   use psalm_group, only: group_t, out_of, required
    use psalm_kinds, only: wp
    use psalm_sketch, only: sketch_t, sketch_name
    use psalm_status, only: diagnostics_t
    use psalm_text, only: to_text
    implicit none (type, external)
    private
-   public :: place_t, read_places, read_count, refuse_unless
+   public :: place_t, read_places, refuse_unless
 
-   integer, parameter :: most_entries = 100000  !! above this a number of entries is taken for a slip of the pen
    integer, parameter :: most_exponent = (range(1.0_wp) - modulo(range(1.0_wp), 3))/3 - 2 !! 100 in double precision
    real(wp), parameter :: farthest = 10.0_wp**most_exponent !! of a place: its square, and that times a mass, must be numbers
 
@@ -31,20 +30,6 @@ module psalm_link_place
    end type place_t
 
 contains
-
-   !> Number of entries of a group: required where the group is given, 0 where it is not.
-   subroutine read_count(group, name, n, findings)
-      type(group_t), intent(inout) :: group
-      character(*), intent(in) :: name
-      integer, intent(out) :: n
-      type(diagnostics_t), intent(inout) :: findings
-
-      n = 0
-      call group%get_integer(name, n, findings)
-      group%count_missing = .not. group%given(name)
-      if (group%line > 0) call check_range(group, name, n, 0, most_entries, findings, must_be=.true.)
-      n = min(max(n, 0), most_entries)
-   end subroutine read_count
 
    !> Places from the items LINK, LOOP, DIST, ANG, each with the group's letter before it; of a sketch NAME for LINK and LOOP.
    !>

@@ -1,12 +1,15 @@
 !> The group LINKS: a linkage by its loops, arc by arc. Source of items and defaults: Oldham (1977), appendix B.
 module psalm_links_group
-   use psalm_group, only: group_t, check_range, out_of, required
+   use psalm_group, only: group_t, out_of, required
    use psalm_kinds, only: wp
+   use psalm_rule, only: rule_t, a_number, a_whole
    use psalm_status, only: diagnostics_t
+   use psalm_take, only: take
    use psalm_text, only: to_text
    implicit none (type, external)
    private
-   public :: links_group_t, read_links_group, original_arcs, most_arcs
+   public :: link_items
+   public :: links_group_t, read_links_group, original_arcs
 
    integer, parameter :: original_arcs = 100      !! entries of the thesis's arc arrays: fillers up to here are usual
    integer, parameter :: most_loops = 100000      !! above this NLOOP is taken for a slip of the pen
@@ -23,6 +26,32 @@ module psalm_links_group
       real(wp) :: outlk = 0.0_wp, outang = 0.0_wp
    end type links_group_t
 
+   !> The items of the group.
+   type(rule_t), parameter :: link_items(*) = [ &
+      rule_t('NLOOP', a_whole, '', '', 'required', '[1,100000]', &
+             'number of loops'), &
+      rule_t('MAXARC', a_whole, '', '', 'required', '[3,10000000]', &
+             'most arcs in any loop'), &
+      rule_t('ILINK', a_whole, 'NLOOP*MAXARC', '', 'required', '', &
+             'topology: the arc from which each arc''s angle is counted, and which arcs are common to loops'), &
+      rule_t('ILOOP', a_whole, 'NLOOP*MAXARC', '', 'required', '', &
+             'topology: the loop of the arc named in ILINK, and guides of slides'), &
+      rule_t('ARCL', a_number, 'NLOOP*MAXARC', 'length', '0', '', &
+             'lengths of arcs; 0 for slides'), &
+      rule_t('GAMA', a_number, 'NLOOP*MAXARC', 'degrees', '0', '', &
+             'angle from the direction of the arc named in ILINK to this arc; of the last arc of loop 1: from '// &
+             'the machine''s x axis'), &
+      rule_t('NOUTLK', a_whole, '', '', 'required', '', &
+             'number of the arc the output hangs on; negative: output measured from the start of that arc, '// &
+             'positive: from its finish'), &
+      rule_t('NOUTLP', a_whole, '', '', 'required', '', &
+             'loop of that arc'), &
+      rule_t('OUTLK', a_number, '', 'length', '0', '[0,)', &
+             'length of the output arc', &
+             'the length is negative; turn OUTANG by 180 instead'), &
+      rule_t('OUTANG', a_number, '', 'degrees', '0', '', &
+             'angle of the output arc from the direction of arc NOUTLK')]
+
 contains
 
    !> Read the group. Errors: arrays that are missing or of another shape than NLOOP and MAXARC say, negative lengths.
@@ -36,10 +65,9 @@ contains
       integer :: n, highest, needed, beyond, row, column
       logical :: rows_known
 
-      call group%get_integer('NLOOP', links%nloop, findings)
-      call group%get_integer('MAXARC', links%maxarc, findings)
-      call check_range(group, 'NLOOP', links%nloop, 1, most_loops, findings, must_be=.true.)
-      call check_range(group, 'MAXARC', links%maxarc, 3, most_arcs, findings, must_be=.true.)
+      call group%follow(link_items)
+      call take(group, 'NLOOP', links%nloop, findings)
+      call take(group, 'MAXARC', links%maxarc, findings)
       shape_known = links%nloop >= 1 .and. links%nloop <= most_loops .and. links%maxarc >= 3 .and. links%maxarc <= most_arcs
       if (shape_known) shape_known = links%maxarc <= most_arcs/links%nloop
       n = 0
@@ -85,13 +113,10 @@ contains
             end if
          end do
       end do
-      call group%get_integer('NOUTLK', links%noutlk, findings)
-      call group%get_integer('NOUTLP', links%noutlp, findings)
-      call group%get_real('OUTLK', links%outlk, findings)
-      call group%get_real('OUTANG', links%outang, findings)
-      if (.not. group%given('NOUTLK')) call required(group, 'NOUTLK')
-      if (.not. group%given('NOUTLP')) call required(group, 'NOUTLP')
-      if (links%outlk < 0.0_wp) call out_of(group, 'OUTLK', 'the length is negative; turn OUTANG by 180 instead', findings)
+      call take(group, 'NOUTLK', links%noutlk, findings)
+      call take(group, 'NOUTLP', links%noutlp, findings)
+      call take(group, 'OUTLK', links%outlk, findings)
+      call take(group, 'OUTANG', links%outang, findings)
 
    contains
 

@@ -17,13 +17,13 @@ module psalm_mass_group
       type(place_t), allocatable :: places(:)     !! shape (entries): centres of mass
       real(wp), allocatable :: mass(:)            !! shape (entries): kg
       real(wp), allocatable :: inertia(:)         !! shape (entries): about the entry's own centre of mass, kg m2
-      real(wp) :: metre = 0.0_wp                  !! UNITL: metres in one unit of length
+      real(wp) :: metre = 1.0_wp                  !! UNITL: metres in one unit of length
       real(wp) :: gravity(2) = 0.0_wp             !! m/s2, machine axes
       real(wp) :: about(2) = 0.0_wp               !! the frame moment is listed about this point too, user's length
       logical :: about_given = .false.
       logical :: motor_on_frame = .true.          !! the frame moment contains the drive's reaction
       integer :: shares = 0                       !! 1: list the share of every source
-      integer :: harmonics = 0    !! harmonics listed
+      integer :: harmonics = 6    !! harmonics listed
       integer :: added = 0                        !! MADDED: so many of the last entries are counterweights
    end type mass_group_t
 

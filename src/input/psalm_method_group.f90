@@ -2,21 +2,23 @@
 !> Source of items and defaults: Oldham (1977), appendix B.
 module psalm_method_group
    use, intrinsic :: iso_fortran_env, only: int64
-   use psalm_group, only: group_t, read_flag, check_flags, check_range, out_of, required
+   use psalm_group, only: group_t, check_flags, out_of, required
    use psalm_kinds, only: wp
-   use psalm_links_group, only: original_arcs, most_arcs
+   use psalm_links_group, only: original_arcs
    use psalm_output_kind, only: output_kind_t, output_kind, motion_point, motion_pose
    use psalm_rate_items, only: read_rate_items
+   use psalm_rule, only: rule_t, a_flag, a_number, a_whole
    use psalm_status, only: diagnostics_t
    use psalm_system, only: memory_to_be_had
+   use psalm_take, only: take, take_count
    use psalm_text, only: to_text
    implicit none (type, external)
    private
+   public :: method_items
    public :: method_group_t, read_method_group, default_niter, most_positions, bytes_of_position
 
    integer, parameter :: most_positions = 10000000 !! above this NDES is taken for a slip of the pen
    integer(int64), parameter :: bytes_of_position = 10*storage_size(1.0_wp)/8 !! of a case: seven arrays, and copies on the way
-   integer, parameter :: largest_istart = 999999999 !! nine digits
    integer, parameter :: default_niter = 2         !! the thesis's: enough to look at the start of a search
 
    !> Positions, wishes, variables and the simplex. Angles in degrees, lengths in the user's one unit.
@@ -45,6 +47,109 @@ module psalm_method_group
       real(wp) :: fmin = 0.0_wp, small = 0.001_wp
    end type method_group_t
 
+   !> The items of the group.
+   type(rule_t), parameter :: method_items(*) = [ &
+      rule_t('MOTION', a_whole, '', '', '0; of a sketch by &OUTPUTS', '[0,4]', &
+             'what is wanted: 0 x and y of the output point, 1 angle of the output arc from the x axis, 2 '// &
+             'distance of the output point from the machine origin, 3 length of the sliding arc NOUTLK, 4 pose: '// &
+             'place of the output point and angle of the output arc together'), &
+      rule_t('IKIN', a_whole, '', 'degrees', '0', '[-360,360]', &
+             'analyse every IKIN degrees through one turn from CRNKI; variables and desired values are then '// &
+             'ignored'), &
+      rule_t('NDES', a_whole, '', '', '', '[1,10000000]', &
+             'number of prescribed positions; as many as DELT has, where it is not given; with IKIN none is '// &
+             'needed'), &
+      rule_t('DELT', a_number, 'NDES', '', '0', '', &
+             'increments of the input from CRNKI, degrees or length'), &
+      rule_t('CRNKI', a_number, '', '', '0', '', &
+             'reference input: angle of the crank from the x axis, or input length'), &
+      rule_t('DESX', a_number, 'NDES', 'length', '0', '', &
+             'desired x of the output point relative to XADD, MOTION 0 and 4'), &
+      rule_t('DESY', a_number, 'NDES', 'length', '0', '', &
+             'desired y of the output point relative to YADD, MOTION 0 and 4'), &
+      rule_t('XADD', a_number, '', 'length', '0', '', &
+             'added to every DESX'), &
+      rule_t('YADD', a_number, '', 'length', '0', '', &
+             'added to every DESY'), &
+      rule_t('DESANG', a_number, 'NDES', '', '', '', &
+             'desired angle, distance or length, MOTION 1, 2, 3; angle of the pose, MOTION 4'), &
+      rule_t('XMULT', a_number, '1 or NDES', '', '1', '', &
+             'weights of the squared errors of x'), &
+      rule_t('YMULT', a_number, '1 or NDES', '', '1', '', &
+             'weights of the squared errors of y'), &
+      rule_t('ANMULT', a_number, '1 or NDES', '', '1', '', &
+             'weights of the squared errors of DESANG'), &
+      rule_t('DVELX', a_number, 'NDES', '', '', '', &
+             'desired first derivative of x by the input, per radian or per unit of a sliding input; see '// &
+             '[below](#derivatives-as-desired-values)'), &
+      rule_t('DVELY', a_number, 'NDES', '', '', '', &
+             'desired first derivative of y'), &
+      rule_t('DVELANG', a_number, 'NDES', '', '', '', &
+             'desired first derivative of the angle, distance or length; angles in radians'), &
+      rule_t('DACCX', a_number, 'NDES', '', '', '', &
+             'desired second derivative of x'), &
+      rule_t('DACCY', a_number, 'NDES', '', '', '', &
+             'desired second derivative of y'), &
+      rule_t('DACCANG', a_number, 'NDES', '', '', '', &
+             'desired second derivative of the angle, distance or length'), &
+      rule_t('WVELX', a_number, '1 or NDES', '', '1', '', &
+             'weights of the squared errors of DVELX: one, or one for each position'), &
+      rule_t('WVELY', a_number, '1 or NDES', '', '1', '', &
+             'weights of those of DVELY'), &
+      rule_t('WVELANG', a_number, '1 or NDES', '', '1', '', &
+             'weights of those of DVELANG'), &
+      rule_t('WACCX', a_number, '1 or NDES', '', '1', '', &
+             'weights of those of DACCX'), &
+      rule_t('WACCY', a_number, '1 or NDES', '', '1', '', &
+             'weights of those of DACCY'), &
+      rule_t('WACCANG', a_number, '1 or NDES', '', '1', '', &
+             'weights of those of DACCANG'), &
+      rule_t('ORIGLK', a_number, '', 'length', '0', '', &
+             'distance of the input pivot from the machine origin'), &
+      rule_t('ORIGNG', a_number, '', 'degrees', '0', '', &
+             'direction of the input pivot from the machine origin'), &
+      rule_t('IVA', a_flag, 'NLOOP*MAXARC', '', '0', '', &
+             '1 where the length of an arc may vary, like ILINK'), &
+      rule_t('IVG', a_flag, 'NLOOP*MAXARC', '', '0', '', &
+             '1 where the angle of an arc may vary, like ILINK'), &
+      rule_t('ILKOUT', a_flag, '', '', '0', '', &
+             '1: OUTLK may vary'), &
+      rule_t('INGOUT', a_flag, '', '', '0', '', &
+             '1: OUTANG may vary'), &
+      rule_t('ICRK', a_flag, '', '', '0', '', &
+             '1: CRNKI may vary'), &
+      rule_t('IORIG', a_flag, '', '', '0', '', &
+             '1: ORIGLK and ORIGNG may vary'), &
+      rule_t('IFREE', a_flag, '', '', '0', '', &
+             '1: free timing, the search finds every input position too (DELT is where it starts); not with '// &
+             'SOLVER=''SIMPLEX'''), &
+      rule_t('NITER', a_whole, '', '', '2', '[0,]', &
+             'iteration limit'), &
+      rule_t('NCHECK', a_whole, '', '', '1', '[1,]', &
+             'test of convergence every NCHECK iterations'), &
+      rule_t('FMIN', a_number, '', '', '0', '', &
+             'stop below this objective'), &
+      rule_t('SMALL', a_number, '', '', '0.001', '[0,)', &
+             'relative size of a converged simplex'), &
+      rule_t('VAR', a_number, '', '', '0.1', '[0,1]', &
+             'first simplex within (1-VAR) to (1+VAR) times the given values; 0: within OPLOW to OPHIGH', &
+             'must be from 0.0 to 1.0'), &
+      rule_t('ISTART', a_whole, '', '', '19', '[1,999999999]', &
+             'start of the random numbers, odd, up to nine digits'), &
+      rule_t('NGUESS', a_whole, '', '', '0', '[0,10000000]', &
+             'vertices supplied on device 4'), &
+      rule_t('BOUNCE', a_number, '', '', '3', '(1,)', &
+             'coefficient of reflection', &
+             'must be above 1 (2 reflects by the full distance)'), &
+      rule_t('EXPAND', a_number, '', '', '2', '(1,)', &
+             'coefficient of expansion'), &
+      rule_t('SNAKE', a_number, '', '', '0.5', '[0,)', &
+             'coefficient of translation'), &
+      rule_t('REDUCE', a_number, '', '', '0.25', '(0,1)', &
+             'coefficient of contraction'), &
+      rule_t('SHRINK', a_number, '', '', '0.5', '(0,1)', &
+             'coefficient of shrinkage')]
+
 contains
 
    !> Read the group. Errors: numbers out of range, fewer or more values than NDES.
@@ -58,6 +163,7 @@ contains
       integer, allocatable :: integers(:)
       integer :: n
 
+      call group%follow(method_items)
       n = nloop*maxarc
       allocate (integers(max(n, merge(0, original_arcs, shape_known))), source=0)
       call group%get_integers('IVA', integers, findings, maxarc, filler=.true.)
@@ -67,17 +173,14 @@ contains
       method%ivg = reshape(integers(:n), [maxarc, nloop])
       call check_flags(group, 'IVA', method%iva, findings)
       call check_flags(group, 'IVG', method%ivg, findings)
-      call read_flag(group, 'ILKOUT', method%ilkout, findings)
-      call read_flag(group, 'INGOUT', method%ingout, findings)
-      call read_flag(group, 'ICRK', method%icrk, findings)
-      call read_flag(group, 'IORIG', method%iorig, findings)
-      call read_flag(group, 'IFREE', method%ifree, findings)
-      call group%get_integer('IKIN', method%ikin, findings)
-      call check_range(group, 'IKIN', method%ikin, -360, 360, findings)
-      call group%get_integer('NDES', method%ndes, findings)
-      if (group%given('NDES')) then
-         call check_range(group, 'NDES', method%ndes, 1, most_positions, findings)
-         if (method%ndes < 1 .or. method%ndes > most_positions) method%ndes = 0
+      call take(group, 'ILKOUT', method%ilkout, findings)
+      call take(group, 'INGOUT', method%ingout, findings)
+      call take(group, 'ICRK', method%icrk, findings)
+      call take(group, 'IORIG', method%iorig, findings)
+      call take(group, 'IFREE', method%ifree, findings)
+      call take(group, 'IKIN', method%ikin, findings)
+      call take_count(group, 'NDES', method%ndes, findings)
+      if (group%given('NDES') .or. method%ndes > 0) then
          if (.not. memory_to_be_had(bytes_of_position*int(method%ndes, int64))) then
             call findings%trouble('not enough memory for NDES='//to_text(method%ndes)//' positions')
             method%ndes = 0
@@ -85,43 +188,31 @@ contains
       else if (method%ikin == 0) then
          call required(group, 'NDES', 'the number of prescribed positions is required (or IKIN for an analysis through one turn)')
       end if
-      call group%get_real('CRNKI', method%crnki, findings)
-      call group%get_integer('MOTION', method%motion, findings)
-      call check_range(group, 'MOTION', method%motion, motion_point, motion_pose, findings)
+      call take(group, 'CRNKI', method%crnki, findings)
+      call take(group, 'MOTION', method%motion, findings)
       method%motion = min(max(method%motion, motion_point), motion_pose)
-      call group%get_real('XADD', method%xadd, findings)
-      call group%get_real('YADD', method%yadd, findings)
-      call group%get_real('ORIGLK', method%origlk, findings)
-      call group%get_real('ORIGNG', method%origng, findings)
+      call take(group, 'XADD', method%xadd, findings)
+      call take(group, 'YADD', method%yadd, findings)
+      call take(group, 'ORIGLK', method%origlk, findings)
+      call take(group, 'ORIGNG', method%origng, findings)
       call read_positions(group, of_sketch, method, findings)
-      call group%get_real('VAR', method%var, findings)
-      if (method%var < 0.0_wp .or. method%var > 1.0_wp) call out_of(group, 'VAR', 'must be from 0.0 to 1.0', findings)
-      call group%get_integer('ISTART', method%istart, findings)
-      call check_range(group, 'ISTART', method%istart, 1, largest_istart, findings)
+      call take(group, 'VAR', method%var, findings)
+      call take(group, 'ISTART', method%istart, findings)
       if (method%istart > 0 .and. mod(method%istart, 2) == 0) then
          call group%origins%warning(findings, 'METHOD', 'ISTART', 'the random integer must be odd; '//to_text(method%istart + 1)// &
                                     ' is used', 1)
          method%istart = method%istart + 1
       end if
-      call group%get_integer('NGUESS', method%nguess, findings)
-      call check_range(group, 'NGUESS', method%nguess, 0, most_arcs, findings)
-      call group%get_real('BOUNCE', method%bounce, findings)
-      call group%get_real('EXPAND', method%expand, findings)
-      call group%get_real('SNAKE', method%snake, findings)
-      call group%get_real('REDUCE', method%reduce, findings)
-      call group%get_real('SHRINK', method%shrink, findings)
-      if (method%bounce <= 1.0_wp) call out_of(group, 'BOUNCE', 'must be above 1 (2 reflects by the full distance)', findings)
-      if (method%expand <= 1.0_wp) call out_of(group, 'EXPAND', 'must be above 1', findings)
-      if (method%snake < 0.0_wp) call out_of(group, 'SNAKE', 'must not be negative', findings)
-      if (method%reduce <= 0.0_wp .or. method%reduce >= 1.0_wp) call out_of(group, 'REDUCE', 'must lie between 0 and 1', findings)
-      if (method%shrink <= 0.0_wp .or. method%shrink >= 1.0_wp) call out_of(group, 'SHRINK', 'must lie between 0 and 1', findings)
-      call group%get_integer('NITER', method%niter, findings)
-      call check_range(group, 'NITER', method%niter, 0, huge(1), findings)
-      call group%get_integer('NCHECK', method%ncheck, findings)
-      call check_range(group, 'NCHECK', method%ncheck, 1, huge(1), findings)
-      call group%get_real('FMIN', method%fmin, findings)
-      call group%get_real('SMALL', method%small, findings)
-      if (method%small < 0.0_wp) call out_of(group, 'SMALL', 'must not be negative', findings)
+      call take(group, 'NGUESS', method%nguess, findings)
+      call take(group, 'BOUNCE', method%bounce, findings)
+      call take(group, 'EXPAND', method%expand, findings)
+      call take(group, 'SNAKE', method%snake, findings)
+      call take(group, 'REDUCE', method%reduce, findings)
+      call take(group, 'SHRINK', method%shrink, findings)
+      call take(group, 'NITER', method%niter, findings)
+      call take(group, 'NCHECK', method%ncheck, findings)
+      call take(group, 'FMIN', method%fmin, findings)
+      call take(group, 'SMALL', method%small, findings)
    end subroutine read_method_group
 
    !> Increments, desired values and weights: as many as NDES, and fillers up to the size of the original program's arrays

@@ -1,6 +1,7 @@
 !> The group &OUTPUTS of a sketch: what is wanted of it.
 module psalm_outputs_group
    use psalm_group, only: group_t, out_of, required
+   use psalm_rule, only: rule_t, a_number, a_text
    use psalm_sketch, only: sketch_t, sketch_output_t, position_of, sketch_name, output_point, output_angle, output_distance, &
                            output_slide, output_between, output_pose, output_ratio, output_x, output_y
    use psalm_sketch_names, only: word_room, take_name, find_joints, meant, link_names, words_of, joined
@@ -8,7 +9,29 @@ module psalm_outputs_group
    use psalm_text, only: lower_case, to_text
    implicit none (type, external)
    private
+   public :: output_items
    public :: read_outputs_group
+
+   !> The items of the group.
+   type(rule_t), parameter :: output_items(*) = [ &
+      rule_t('OUTPUT', a_text, 'n', '', 'required', '', &
+             'what is wanted: ''point P'', ''angle rocker'' ..., see the table of kinds'), &
+      rule_t('ONAME', a_text, 'n', '', 'the words, joined by _', '', &
+             'names of the outputs, for tables and ''ratio'''), &
+      rule_t('DES#', a_number, 'NDES', '', '', '', &
+             'what output 1, 2 ... is to be at each of the NDES positions (of the first either here or in '// &
+             '&METHOD, not both); a point has x and y of the first position, then those of the second ...'), &
+      rule_t('DVEL#', a_number, 'NDES', '', '', '', &
+             'what the first derivative of output 1, 2 ... by the first drive is to be, per radian or per '// &
+             'length; angles in radians'), &
+      rule_t('DACC#', a_number, 'NDES', '', '', '', &
+             'what its second derivative is to be'), &
+      rule_t('WGT#', a_number, '1 or NDES', '', '1', '', &
+             'weights of the squares of DES: one, or one for each position'), &
+      rule_t('WVEL#', a_number, '1 or NDES', '', '1', '', &
+             'weights of those of DVEL'), &
+      rule_t('WACC#', a_number, '1 or NDES', '', '1', '', &
+             'weights of those of DACC')]
 
 contains
 
@@ -23,6 +46,7 @@ contains
       character(sketch_name), allocatable :: taken(:)
       integer :: n, i
 
+      call group%follow(output_items)
       call group%get_texts('OUTPUT', texts, findings)
       call group%get_texts('ONAME', names, findings)
       n = size(texts)

@@ -2,12 +2,13 @@
 module psalm_rates_group
    use psalm_group, only: group_t, out_of
    use psalm_kinds, only: wp, full_turn, radians_per_degree
+   use psalm_rule, only: rule_t, a_number, a_word
    use psalm_status, only: diagnostics_t
+   use psalm_take, only: take
    implicit none (type, external)
    private
+   public :: rate_items
    public :: rates_group_t, read_rates_group
-
-   real(wp), parameter :: fastest = 1.0e30_wp      !! above this SPEED and ACCEL are taken for slips of the pen
 
    !> Speed and acceleration of the input; as they are by default where the program does not read the group.
    type :: rates_group_t
@@ -15,6 +16,17 @@ module psalm_rates_group
       real(wp) :: accel = 0.0_wp           !! of the input: rad/s**2, or length/s**2
       logical :: given = .false.
    end type rates_group_t
+
+   !> The items of the group.
+   type(rule_t), parameter :: rate_items(*) = [ &
+      rule_t('SPEED', a_number, '', '', '1', '[-1e30,1e30]', &
+             'speed of the input, in UNITS', &
+             'is implausibly large (limit 1e30)'), &
+      rule_t('ACCEL', a_number, '', '', '0', '[-1e30,1e30]', &
+             'its acceleration (units of SPEED per second); the speed is the same at every position', &
+             'is implausibly large (limit 1e30)'), &
+      rule_t('UNITS', a_word, '', '', 'RAD/S, of a slide LENGTH/S', 'RAD/S DEG/S REV/S REV/MIN RPM LENGTH/S', &
+             'units of SPEED and, per second, of ACCEL; a sliding input has ''LENGTH/S''')]
 
 contains
 
@@ -28,9 +40,10 @@ contains
       real(wp) :: unit
 
       rates%given = group%line > 0
+      call group%follow(rate_items)
       units = trim(merge('LENGTH/S', 'RAD/S   ', sliding))
-      call group%get_real('SPEED', rates%speed, findings)
-      call group%get_real('ACCEL', rates%accel, findings)
+      call take(group, 'SPEED', rates%speed, findings)
+      call take(group, 'ACCEL', rates%accel, findings)
       call group%get_word('UNITS', units, findings)
       unit = 1.0_wp
       select case (units)
@@ -50,8 +63,6 @@ contains
          call out_of(group, 'UNITS', "a sliding input needs 'LENGTH/S', a turning input an angular unit; found '"// &
                      units//"'", findings)
       end if
-      if (abs(rates%speed) > fastest) call out_of(group, 'SPEED', 'is implausibly large (limit 1e30)', findings)
-      if (abs(rates%accel) > fastest) call out_of(group, 'ACCEL', 'is implausibly large (limit 1e30)', findings)
       rates%speed = rates%speed*unit
       rates%accel = rates%accel*unit
    end subroutine read_rates_group

@@ -1,19 +1,21 @@
 !> The group SEARCH: which search, from how many starts, for how long.
 module psalm_search_group
-   use psalm_group, only: group_t, check_range, out_of
+   use psalm_group, only: group_t, out_of
    use psalm_kinds, only: wp
+   use psalm_rule, only: rule_t, a_flag, a_number, a_whole, a_word
    use psalm_solver_kind, only: solver_kind_t, find_solver, solver_names, default_solver, plain_name, &
                                 family_simplex, family_least_squares, family_unknown
    use psalm_status, only: diagnostics_t
-   use psalm_text, only: edit_distance, nearest_name, shortened, to_text, upper_case
+   use psalm_take, only: take
+   use psalm_text, only: edit_distance, nearest_name, shortened, to_text
    implicit none (type, external)
    private
+   public :: search_items
    public :: search_group_t, read_search_group, most_search_threads
    public :: order_free, order_given, order_either
    public :: ranking_none, ranking_common, ranking_shared
    public :: pareto_none, pareto_largest, pareto_angle, pareto_ratio, pareto_room, pareto_band
 
-   integer, parameter :: most_starts = 1000000      !! above this a number is taken for a slip of the pen
    integer, parameter :: most_search_threads = 1024
 
    ! ORDER: how points without prescribed timing are visited
@@ -33,7 +35,6 @@ module psalm_search_group
    integer, parameter :: pareto_ratio = 3           !! longest to shortest link
    integer, parameter :: pareto_room = 4            !! longer side of the box round all joints
    integer, parameter :: pareto_band = 5            !! tolerance band
-   character(*), parameter :: pareto_names(0:5) = [character(7) :: 'NONE', 'LARGEST', 'ANGLE', 'RATIO', 'ROOM', 'BAND']
 
    !> How to search.
    type :: search_group_t
@@ -53,6 +54,48 @@ module psalm_search_group
       logical :: by_dyads = .false.        !! a start draws and improves one dyad's dimensions first
    end type search_group_t
 
+   !> The items of the group.
+   type(rule_t), parameter :: search_items(*) = [ &
+      rule_t('SOLVER', a_word, '', '', 'SIMPLEX', '', &
+             '''SIMPLEX'', the search of the thesis; ''LSQ'', least squares (Levenberg-Marquardt) with the '// &
+             'exact Jacobian; or an algorithm of NLopt by its name, with or without NLOPT_'), &
+      rule_t('NSTART', a_whole, '', '', '1', '[1,1000000]', &
+             'starts: the first is your linkage, the others are drawn (VAR, or OPLOW to OPHIGH with VAR=0; '// &
+             'ISTART)'), &
+      rule_t('NBEST', a_whole, '', '', '1', '[1,1000000]', &
+             'linkages that differ to keep; they are ranked in the listing, and device 7 holds them all as '// &
+             'cases one after another, their rank in the title'), &
+      rule_t('DIFFER', a_number, '', '', '0.05', '[0,1]', &
+             'two linkages differ if a variable length differs by more than this part of the larger one, or a '// &
+             'variable angle by more than this many radians; where the objectives are the same, a length must '// &
+             'differ by ten times as much', &
+             'must be within 0 and 1'), &
+      rule_t('RANKING', a_whole, '', '', '0', '[0,2]', &
+             '1: after the last case of the file (LAST=0 in the others) the linkages of all cases with '// &
+             'RANKING=1 are ranked together, by the objective; 2: the same, and these cases share their starts '// &
+             'by what they promise, see below'), &
+      rule_t('PARETO', a_word, '', '', 'NONE', 'NONE LARGEST ANGLE RATIO ROOM BAND', &
+             '''LARGEST'', ''ANGLE'', ''RATIO'', ''ROOM'' or ''BAND'': the NBEST linkages are those of which '// &
+             'none other is better both in the objective and in this', &
+             'must be one of ''LARGEST'', ''ANGLE'', ''RATIO'', ''ROOM'', ''BAND'''), &
+      rule_t('MAXEVAL', a_whole, '', '', '0', '[0,]', &
+             'evaluations of each start, with NFEW in each of its stages; 0: no limit'), &
+      rule_t('MAXTIME', a_number, '', 's', '0', '[0,)', &
+             'seconds; the best so far is written then (exit status 1); 0: no limit'), &
+      rule_t('THREADS', a_whole, '', '', '0', '[0,1024]', &
+             'threads that share the starts; `--threads` overrides it. The result does not depend on it (unless '// &
+             'time runs out)'), &
+      rule_t('FIRST', a_whole, '', '', '1', '[1,1000000]', &
+             'number of the first start: a resumed search continues with it'), &
+      rule_t('NFEW', a_whole, '', '', '0', '[0,]', &
+             'few positions first: the search begins with so many of the prescribed positions, see below; 0: '// &
+             'with all'), &
+      rule_t('IDYAD', a_flag, '', '', '0', '', &
+             '1: dyad by dyad, see below'), &
+      rule_t('ORDER', a_whole, '', '', '1', '[0,2]', &
+             'free timing: 1, the points are visited in their order, in the direction of DELT and within one '// &
+             'turn; 2, the same in either direction; 0, in any order')]
+
 contains
 
    !> Read the group. Errors: unknown solvers, numbers out of range, several starts of the simplex.
@@ -60,41 +103,26 @@ contains
       type(group_t), intent(inout) :: group
       type(search_group_t), intent(inout) :: search
       type(diagnostics_t), intent(inout) :: findings
-      character(:), allocatable :: name, other
-      integer :: idyad
+      character(:), allocatable :: name
+      integer :: pareto
 
       search%given = group%line > 0
+      call group%follow(search_items)
       name = default_solver
       call group%get_word('SOLVER', name, findings)
-      call group%get_integer('NSTART', search%nstart, findings)
-      call group%get_integer('FIRST', search%first, findings)
-      call group%get_integer('NBEST', search%nbest, findings)
-      call group%get_real('DIFFER', search%differ, findings)
-      other = trim(pareto_names(pareto_none))
-      call group%get_word('PARETO', other, findings)
-      search%pareto = findloc(pareto_names, upper_case(trim(adjustl(other))), dim=1) - 1
-      call group%get_integer('RANKING', search%ranking, findings)
-      call check_range(group, 'RANKING', search%ranking, ranking_none, ranking_shared, findings)
-      call group%get_integer('MAXEVAL', search%maxeval, findings)
-      call group%get_real('MAXTIME', search%maxtime, findings)
-      call group%get_integer('THREADS', search%threads, findings)
-      call group%get_integer('ORDER', search%order, findings)
-      call check_range(group, 'ORDER', search%order, order_free, order_either, findings)
-      call group%get_integer('NFEW', search%few, findings)
-      call check_range(group, 'NFEW', search%few, 0, huge(1), findings)
-      idyad = 0
-      call group%get_integer('IDYAD', idyad, findings)
-      call check_range(group, 'IDYAD', idyad, 0, 1, findings)
-      search%by_dyads = idyad == 1
-      call check_range(group, 'NSTART', search%nstart, 1, most_starts, findings)
-      call check_range(group, 'FIRST', search%first, 1, most_starts, findings)
-      call check_range(group, 'NBEST', search%nbest, 1, most_starts, findings)
-      call check_range(group, 'MAXEVAL', search%maxeval, 0, huge(1), findings)
-      call check_range(group, 'THREADS', search%threads, 0, most_search_threads, findings)
-      if (.not. (search%differ >= 0.0_wp .and. search%differ <= 1.0_wp)) call out_of(group, 'DIFFER', &
-                                                                               'must be within 0 and 1', findings)
-      if (search%pareto < 0) call out_of(group, 'PARETO', "must be one of 'LARGEST', 'ANGLE', 'RATIO', 'ROOM', 'BAND'", findings)
-      if (search%maxtime < 0.0_wp) call out_of(group, 'MAXTIME', 'must not be negative', findings)
+      call take(group, 'NSTART', search%nstart, findings)
+      call take(group, 'FIRST', search%first, findings)
+      call take(group, 'NBEST', search%nbest, findings)
+      call take(group, 'DIFFER', search%differ, findings)
+      call take(group, 'PARETO', pareto, findings)
+      search%pareto = pareto - 1   ! NONE is 0
+      call take(group, 'RANKING', search%ranking, findings)
+      call take(group, 'MAXEVAL', search%maxeval, findings)
+      call take(group, 'MAXTIME', search%maxtime, findings)
+      call take(group, 'THREADS', search%threads, findings)
+      call take(group, 'ORDER', search%order, findings)
+      call take(group, 'NFEW', search%few, findings)
+      call take(group, 'IDYAD', search%by_dyads, findings)
       search%solver = find_solver(name)
       if (search%solver%family == family_unknown) then
          call unknown_solver()

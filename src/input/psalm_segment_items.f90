@@ -1,16 +1,15 @@
 !> The items of &CONSTR that make links segments with a width: between which two points, how wide, in which layer.
 module psalm_segment_items
-   use psalm_group, only: group_t, check_range, out_of
+   use psalm_group, only: group_t, out_of
    use psalm_kinds, only: wp
    use psalm_sketch, only: sketch_t
    use psalm_sketch_names, only: find_joints
    use psalm_status, only: diagnostics_t
+   use psalm_take, only: take, take_count
    use psalm_text, only: to_text
    implicit none (type, external)
    private
    public :: segment_t, read_segments
-
-   integer, parameter :: most_segments = 100   !! above this NSEG is taken for a slip of the pen
 
    !> A link as a straight segment of a width, round at its ends.
    type :: segment_t
@@ -37,19 +36,14 @@ contains
       integer :: n, s, k
       logical :: valid
 
-      n = 0
-      call group%get_integer('NSEG', n, findings)
-      call check_range(group, 'NSEG', n, 0, most_segments, findings)
-      if (n < 0 .or. n > most_segments) n = 0
+      call take_count(group, 'NSEG', n, findings)
       allocate (segments(n), links(2*n), loops(2*n), layers(n))
       allocate (widths(n), distances(n), source=0.0_wp)
       links = 0
       loops = 0
       layers = 0
       if (n == 0) then
-         if (.not. group%given('NSEG') .and. (group%given('SLINK') .or. group%given('SJNT'))) call findings%error(&
-            'links as segments are given, but not their number NSEG', line=group%line, group='CONSTR', item='NSEG')
-         call read_items(unused)   ! asked for all the same: their names are known
+         call read_items(unused)   ! NSEG=0: none of them is there
       else
          call read_items(findings)
       end if
@@ -60,8 +54,6 @@ contains
             segment%width = widths(s)
             segment%clearance = distances(s)
             segment%layer = layers(s)
-            if (widths(s) < 0.0_wp) call wrong('SWIDTH', 'a width is at least 0', s, s)
-            if (distances(s) < 0.0_wp) call wrong('SCLEAR', 'a least distance is at least 0', s, s)
             if (sketch%given) then
                call name_points(segment, s)
                cycle
@@ -79,12 +71,12 @@ contains
       subroutine read_items(told)
          type(diagnostics_t), intent(inout) :: told
 
-         call group%get_integers('SLINK', links, told)
-         call group%get_integers('SLOOP', loops, told)
+         call take(group, 'SLINK', links, told)
+         call take(group, 'SLOOP', loops, told)
          call group%get_texts('SJNT', names, told)
-         call group%get_reals('SWIDTH', widths, told)
-         call group%get_reals('SCLEAR', distances, told)
-         call group%get_integers('SLAYER', layers, told)
+         call take(group, 'SWIDTH', widths, told)
+         call take(group, 'SCLEAR', distances, told)
+         call take(group, 'SLAYER', layers, told)
       end subroutine read_items
 
       !> One end, counted by arcs.

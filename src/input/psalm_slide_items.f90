@@ -5,6 +5,7 @@ module psalm_slide_items
    use psalm_sketch, only: sketch_t, sketch_name
    use psalm_sketch_names, only: take_name, link_named
    use psalm_status, only: diagnostics_t
+   use psalm_take, only: take
    use psalm_text, only: to_text
    implicit none (type, external)
    private
@@ -23,17 +24,16 @@ contains
       integer :: n, i, j, last(3)
 
       n = 0
-      call group%get_integer('NSLIDE', n, findings)
+      call take(group, 'NSLIDE', n, findings)
       call group%get_texts('SNAME', names, findings)
       call group%get_texts('SLNK', first, findings)
       call group%get_texts('SLNK2', second, findings)
-      if (n < 0 .or. n > 1000) call out_of(group, 'NSLIDE', 'must be a number of slides, 0 or more', findings)
       if (.not. group%given('NSLIDE')) n = size(first)
       n = max(0, min(n, 1000))
       allocate (x(n), y(n), angle(n), source=0.0_wp)
-      call group%get_reals('SLX', x, findings, last=last(1))
-      call group%get_reals('SLY', y, findings, last=last(2))
-      call group%get_reals('SLANG', angle, findings, last=last(3))
+      call take(group, 'SLX', x, findings, last=last(1))
+      call take(group, 'SLY', y, findings, last=last(2))
+      call take(group, 'SLANG', angle, findings, last=last(3))
       allocate (sketch%slides(n))
       if (n == 0) then
          if (size(first) > 0) call out_of(group, 'SLNK', 'names links of slides, but NSLIDE=0 says that there are none', findings)

@@ -2,21 +2,22 @@
 module psalm_spring_design_group
    use psalm_case_group, only: case_group_t, surroundings_t, place_visitor_t
    use psalm_data_set, only: data_set_t
-   use psalm_group, only: group_t, check_range, out_of, required
+   use psalm_group, only: group_t, out_of, required
    use psalm_kinds, only: wp
-   use psalm_link_place, only: place_t, read_places, read_count, refuse_unless
+   use psalm_link_place, only: place_t, read_places, refuse_unless
+   use psalm_rule, only: rule_t, a_number, a_text, a_whole, a_word
    use psalm_sketch, only: sketch_t
    use psalm_status, only: diagnostics_t
-   use psalm_text, only: to_text
+   use psalm_take, only: take, take_count
    implicit none (type, external)
    private
+   public :: design_items
    public :: spring_design_group_t, spring_design_of
    public :: criterion_range, criterion_rms, criterion_peak
 
    integer, parameter :: criterion_range = 1 !! greatest less least value
    integer, parameter :: criterion_rms = 2   !! of the values themselves
    integer, parameter :: criterion_peak = 3  !! greatest amount
-   integer, parameter :: most_starts = 10000, most_phases = 1024
 
    !> Springs. Arrays have the shape (NSFIND).
    type, extends(case_group_t) :: spring_design_group_t
@@ -40,6 +41,68 @@ module psalm_spring_design_group
       procedure :: visit_places => visit_spring_design
    end type spring_design_group_t
 
+   !> The items of the group.
+   type(rule_t), parameter :: design_items(*) = [ &
+      rule_t('NSFIND', a_whole, '', '', 'as many as the longest item has', '[0,100000]', &
+             'springs'), &
+      rule_t('PLINK', a_whole, 'NSFIND', '', 'required', '', &
+             'where one end is looked for, a place as in &MASSES: an arc'), &
+      rule_t('PLOOP', a_whole, 'NSFIND', '', 'required', '', &
+             'the loop of that arc'), &
+      rule_t('PNAME', a_text, 'NSFIND', '', '', '', &
+             'of a sketch, in place of both: the link, and the joint the place is counted from'), &
+      rule_t('PDIST', a_number, 'NSFIND', 'length', '0', '', &
+             'distance from that end of the arc'), &
+      rule_t('PANG', a_number, 'NSFIND', 'degrees', '0', '', &
+             'angle from the arc''s direction'), &
+      rule_t('QLINK', a_whole, 'NSFIND', '', 'required', '', &
+             'where the other end is looked for: an arc'), &
+      rule_t('QLOOP', a_whole, 'NSFIND', '', 'required', '', &
+             'the loop of that arc'), &
+      rule_t('QNAME', a_text, 'NSFIND', '', '', '', &
+             'of a sketch, in place of both: the link, and the joint the place is counted from'), &
+      rule_t('QDIST', a_number, 'NSFIND', 'length', '0', '', &
+             'distance from that end of the arc'), &
+      rule_t('QANG', a_number, 'NSFIND', 'degrees', '0', '', &
+             'angle from the arc''s direction'), &
+      rule_t('PREACH', a_number, '1 to NSFIND', 'length', '0', '[0,)', &
+             'how far around the first place; 0: just there'), &
+      rule_t('QREACH', a_number, '1 to NSFIND', 'length', '0', '[0,)', &
+             'how far around the second place; 0: just there'), &
+      rule_t('SFLOW', a_number, '1 to NSFIND', 'length', '0', '[0,)', &
+             'least free length'), &
+      rule_t('SFHIGH', a_number, '1 to NSFIND', 'length', '0', '[0,)', &
+             'greatest free length'), &
+      rule_t('SKMAX', a_number, '1 to NSFIND', 'N/m', '0', '[0,)', &
+             'greatest stiffness; 0: 1000 times the largest load over the square of the reach (or of the '// &
+             'greatest free length)'), &
+      rule_t('SCRIT', a_word, '', '', 'RANGE', 'RANGE RMS PEAK', &
+             '''RANGE'' (greatest less least value), ''RMS'', ''PEAK'' (greatest amount)'), &
+      rule_t('SJLINK', a_whole, '', '', '', '', &
+             'the joint whose load is to fall, with ''RMS'' or ''PEAK'': the finish of this arc, negative: its '// &
+             'start; without a joint the drive''s'), &
+      rule_t('SJLOOP', a_whole, '', '', '', '', &
+             'the loop of that arc'), &
+      rule_t('SJNAME', a_text, '1', '', '', '', &
+             'of a sketch, in place of both: the joint'), &
+      rule_t('SMETH', a_word, '', '', 'SEARCH', 'SEARCH EXACT', &
+             '''SEARCH'' from many starts; ''EXACT'': one spring of zero free length, by six crank angles'), &
+      rule_t('NSSTRT', a_whole, '', '', '32', '[1,10000]', &
+             'starts of the search'), &
+      rule_t('ISSEED', a_whole, '', '', '1', '[1,]', &
+             'their seed'), &
+      rule_t('NPHASE', a_whole, '', '', '64', '[1,1024]', &
+             'phases that EXACT tries in a turn'), &
+      rule_t('CWIRE', a_number, '', 'm', '', '(0,)', &
+             'a coil: diameter of the wire; from it follow the stiffness, the number of coils side by side, '// &
+             'stress with Wahl''s factor and helix angle at the longest'), &
+      rule_t('CDIAM', a_number, '', 'm', '', '(0,)', &
+             'a coil: its diameter'), &
+      rule_t('CTURNS', a_number, '', '', '', '(0,)', &
+             'a coil: its turns'), &
+      rule_t('CSHEAR', a_number, '', 'Pa', '79E9', '(0,)', &
+             'a coil: shear modulus')]
+
 contains
 
    !> Read the group. Errors: arcs that are not there, numbers out of range.
@@ -50,41 +113,27 @@ contains
       type(spring_design_group_t), intent(inout) :: springs
       type(diagnostics_t), intent(inout) :: findings
       type(place_t) :: joint(1)
-      character(:), allocatable :: word
-      integer :: n
+      integer, parameter :: method_exact = 2        !! among the words of SMETH
+      integer :: n, method
 
       springs%given = group%line > 0
-      call read_count(group, 'NSFIND', n, findings)
+      call group%follow(design_items)
+      call take_count(group, 'NSFIND', n, findings)
       allocate (springs%first(n), springs%second(n))
       allocate (springs%first_reach(n), springs%second_reach(n), springs%stiffest(n), springs%free_low(n), springs%free_high(n), &
                 source=0.0_wp)
       call read_places(group, 'P', ilink, springs%first, findings, sketch=sketch)
       call read_places(group, 'Q', ilink, springs%second, findings, sketch=sketch)
-      call read_limits('PREACH', springs%first_reach)
-      call read_limits('QREACH', springs%second_reach)
-      call read_limits('SKMAX', springs%stiffest)
-      call read_limits('SFLOW', springs%free_low)
-      call read_limits('SFHIGH', springs%free_high)
+      call take(group, 'PREACH', springs%first_reach, findings, repeated=.true.)
+      call take(group, 'QREACH', springs%second_reach, findings, repeated=.true.)
+      call take(group, 'SKMAX', springs%stiffest, findings, repeated=.true.)
+      call take(group, 'SFLOW', springs%free_low, findings, repeated=.true.)
+      call take(group, 'SFHIGH', springs%free_high, findings, repeated=.true.)
       call refuse_unless(springs%free_low <= springs%free_high, group, 'SFLOW', 'the least free length is above the greatest', &
                          findings)
-      word = 'SEARCH'
-      call group%get_word('SMETH', word, findings)
-      springs%exact = word == 'EXACT'
-      if (word /= 'SEARCH' .and. word /= 'EXACT') then
-         call out_of(group, 'SMETH', "'SEARCH' or 'EXACT' is expected; found '"//word//"'", findings)
-      end if
-      word = 'RANGE'
-      call group%get_word('SCRIT', word, findings)
-      select case (word)
-      case ('RANGE')
-         springs%criterion = criterion_range
-      case ('RMS')
-         springs%criterion = criterion_rms
-      case ('PEAK')
-         springs%criterion = criterion_peak
-      case default
-         call out_of(group, 'SCRIT', "one of 'RANGE', 'RMS', 'PEAK' is expected; found '"//word//"'", findings)
-      end select
+      call take(group, 'SMETH', method, findings)
+      springs%exact = method == method_exact
+      call take(group, 'SCRIT', springs%criterion, findings)
       springs%of_joint = group%given('SJLINK') .or. group%given('SJNAME')
       if (springs%of_joint) then
          call read_places(group, 'SJ', ilink, joint, findings, ends_only=.true., sketch=sketch)
@@ -94,16 +143,13 @@ contains
          end if
       end if
       if (group%given('SJLOOP') .and. .not. springs%of_joint) call required(group, 'SJLINK')
-      call group%get_integer('NSSTRT', springs%starts, findings)
-      call check_range(group, 'NSSTRT', springs%starts, 1, most_starts, findings)
-      call group%get_integer('ISSEED', springs%seed, findings)
-      call check_range(group, 'ISSEED', springs%seed, 1, huge(1), findings)
-      call group%get_integer('NPHASE', springs%phases, findings)
-      call check_range(group, 'NPHASE', springs%phases, 1, most_phases, findings)
-      call read_positive('CWIRE', springs%wire)
-      call read_positive('CDIAM', springs%coil)
-      call read_positive('CTURNS', springs%turns)
-      call read_positive('CSHEAR', springs%shear)
+      call take(group, 'NSSTRT', springs%starts, findings)
+      call take(group, 'ISSEED', springs%seed, findings)
+      call take(group, 'NPHASE', springs%phases, findings)
+      call take(group, 'CWIRE', springs%wire, findings)
+      call take(group, 'CDIAM', springs%coil, findings)
+      call take(group, 'CTURNS', springs%turns, findings)
+      call take(group, 'CSHEAR', springs%shear, findings)
       if (.not. springs%given) return
       if (springs%exact .and. (n /= 1 .or. springs%of_joint .or. springs%criterion /= criterion_range)) then
          call out_of(group, 'SMETH', "'EXACT' finds one spring for the range of the drive torque; use 'SEARCH'", findings)
@@ -112,27 +158,6 @@ contains
           .not. all([springs%wire, springs%coil, springs%turns] > 0.0_wp)) then
          call out_of(group, 'CWIRE', 'a coil is given by CWIRE, CDIAM and CTURNS together', findings)
       end if
-
-   contains
-
-      !> An entry that is not given is that before it.
-      subroutine read_limits(item, values)
-         character(*), intent(in) :: item
-         real(wp), intent(inout) :: values(:)
-         integer :: last
-
-         call group%get_reals(item, values, findings, last=last)
-         if (last > 0 .and. last < size(values)) values(last + 1:) = values(last)
-         call refuse_unless(values >= 0.0_wp, group, item, 'must not be negative', findings)
-      end subroutine read_limits
-
-      subroutine read_positive(item, value)
-         character(*), intent(in) :: item
-         real(wp), intent(inout) :: value
-
-         call group%get_real(item, value, findings)
-         if (group%given(item) .and. .not. value > 0.0_wp) call out_of(group, item, 'must be above 0', findings)
-      end subroutine read_positive
    end subroutine read_spring_design_group
 
    !> The group as the case has it.

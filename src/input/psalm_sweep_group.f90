@@ -2,21 +2,22 @@
 module psalm_sweep_group
    use psalm_case_group, only: case_group_t, surroundings_t
    use psalm_data_set, only: data_set_t
-   use psalm_group, only: group_t, check_range, out_of, required
+   use psalm_group, only: group_t, out_of, required
    use psalm_kinds, only: wp
+   use psalm_rule, only: rule_t, a_number, a_text, a_whole, a_word
    use psalm_sketch, only: sketch_t
    use psalm_sketch_names, only: meant
    use psalm_status, only: diagnostics_t
+   use psalm_take, only: take
    use psalm_text, only: shortened, to_text
    implicit none (type, external)
    private
+   public :: sweep_items
    public :: sweep_group_t, sweep_of
    public :: swept_length, swept_angle, swept_outlk, swept_outang, swept_origlk, swept_origng, swept_crnki
 
    integer, parameter :: swept_length = 1, swept_angle = 2, swept_outlk = 3, swept_outang = 4, swept_origlk = 5, &
                          swept_origng = 6, swept_crnki = 7
-   character(6), parameter :: words(*) = ['LENGTH', 'ANGLE ', 'OUTLK ', 'OUTANG', 'ORIGLK', 'ORIGNG', 'CRNKI ']
-   integer, parameter :: most_settings = 99
 
    type, extends(case_group_t) :: sweep_group_t
       integer :: what = swept_length         !! SWHAT: one of `swept_...`
@@ -28,6 +29,24 @@ module psalm_sweep_group
       procedure :: read => read_sweep
    end type sweep_group_t
 
+   !> The items of the group.
+   type(rule_t), parameter :: sweep_items(*) = [ &
+      rule_t('SWLOW', a_number, '', '', 'required', '', &
+             'the lowest setting'), &
+      rule_t('SWHIGH', a_number, '', '', 'required', '', &
+             'the highest setting'), &
+      rule_t('NSWEEP', a_whole, '', '', '5', '[2,99]', &
+             'settings, evenly between'), &
+      rule_t('SWHAT', a_word, '', '', 'LENGTH', 'LENGTH ANGLE OUTLK OUTANG ORIGLK ORIGNG CRNKI', &
+             'what is adjusted: length or angle of an arc, or one of the items of that name'), &
+      rule_t('SWLINK', a_whole, '', '', '', '', &
+             'the arc, with ''LENGTH'' and ''ANGLE'''), &
+      rule_t('SWLOOP', a_whole, '', '', '', '', &
+             'the loop of that arc'), &
+      rule_t('SWJNT', a_text, '1', '', '', '', &
+             'of a sketch of dyads, in place of these: the two joints of a length that is an arc of its loops '// &
+             '(device 8), `''D E''`')]
+
 contains
 
    !> Read the group. Errors: arcs and joints that are not there, two joints without a link in common, an empty range.
@@ -37,26 +56,23 @@ contains
       type(sketch_t), intent(in) :: sketch
       type(sweep_group_t), intent(inout) :: sweep
       type(diagnostics_t), intent(inout) :: findings
-      character(:), allocatable :: word, names(:)
+      character(:), allocatable :: names(:)
+      integer :: told                        ! mistakes in SWHAT
 
       sweep%given = group%line > 0
-      word = 'LENGTH'
-      call group%get_word('SWHAT', word, findings)
-      call group%get_integer('SWLINK', sweep%arc, findings)
-      call group%get_integer('SWLOOP', sweep%loop, findings)
+      call group%follow(sweep_items)
+      told = findings%count
+      call take(group, 'SWHAT', sweep%what, findings)
+      told = findings%count - told
+      call take(group, 'SWLINK', sweep%arc, findings)
+      call take(group, 'SWLOOP', sweep%loop, findings)
       call group%get_texts('SWJNT', names, findings)
-      call group%get_real('SWLOW', sweep%low, findings)
-      call group%get_real('SWHIGH', sweep%high, findings)
-      call group%get_integer('NSWEEP', sweep%settings, findings)
+      call take(group, 'SWLOW', sweep%low, findings)
+      call take(group, 'SWHIGH', sweep%high, findings)
+      call take(group, 'NSWEEP', sweep%settings, findings)
       if (.not. sweep%given) return
-      call check_range(group, 'NSWEEP', sweep%settings, 2, most_settings, findings)
-      if (.not. group%given('SWLOW')) call required(group, 'SWLOW', 'missing; the lowest setting')
-      if (.not. group%given('SWHIGH')) call required(group, 'SWHIGH', 'missing; the highest setting')
       if (group%given('SWLOW') .and. group%given('SWHIGH') .and. .not. sweep%low < sweep%high) &
          call out_of(group, 'SWHIGH', 'must be above SWLOW', findings)
-      sweep%what = findloc(words == word, .true., dim=1)
-      if (sweep%what == 0) call out_of(group, 'SWHAT', "must be 'LENGTH', 'ANGLE', 'OUTLK', 'OUTANG', 'ORIGLK', 'ORIGNG' or "// &
-                                       "'CRNKI'; found '"//word//"'", findings)
       if (any(sweep%what == [swept_length, swept_outlk]) .and. group%given('SWLOW') .and. .not. sweep%low > 0.0_wp) &
          call out_of(group, 'SWLOW', 'a length must be above 0', findings)
       if (sketch%given) then
@@ -65,7 +81,7 @@ contains
       end if
       if (size(names) > 0) call out_of(group, 'SWJNT', 'joints have names in a sketch (&CHAIN) only; give SWLINK and SWLOOP', &
                                        findings)
-      if (all(sweep%what /= [swept_length, swept_angle])) return
+      if (all(sweep%what /= [swept_length, swept_angle]) .or. told > 0) return
       if (sweep%loop < 1 .or. sweep%loop > size(ilink, 2)) then
          call out_of(group, 'SWLOOP', 'there is no loop '//to_text(sweep%loop), findings)
       else if (sweep%arc < 1 .or. sweep%arc > size(ilink, 1)) then

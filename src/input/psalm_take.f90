@@ -107,6 +107,8 @@ contains
       call parse_integer(trim(rule%default), default, valid, reason)
       if (valid) values = default
       call group%get_integers(name, values, findings, last=last)
+      if (.not. group%given(name) .and. size(values) > 0) call demand(group, rule)
+      if (.not. group%given(name)) return
       do k = 1, size(values)
          if (allowed(rule, values(k))) cycle
          reason = complaint_about(rule, must_be(rule))
@@ -137,6 +139,8 @@ contains
       if (valid) values = default
       call group%get_reals(name, values, findings, last=highest)
       if (present(last)) last = highest
+      if (.not. group%given(name) .and. size(values) > 0) call demand(group, rule)
+      if (.not. group%given(name)) return
       if (present(repeated)) then
          if (repeated .and. highest > 0 .and. highest < size(values)) values(highest + 1:) = values(highest)
       end if
@@ -151,25 +155,26 @@ contains
 
    !> The number of entries of a group: as given, else that of the longest item that has so many.
    !>
-   !> Errors: a number out of range, which is then brought into it; none, where the table requires one.
+   !> Errors: a number out of range, in place of which 0 is handed out; none, where the table requires one.
    subroutine take_count(group, name, n, findings)
       type(group_t), intent(inout) :: group
       character(*), intent(in) :: name
       integer, intent(out) :: n
       type(diagnostics_t), intent(inout) :: findings
       type(rule_t) :: rule
-      type(limits_t) :: limits
-      logical :: valid
 
       n = 0
       rule = rule_for(group, name)
       call group%get_integer(name, n, findings)
       if (.not. group%given(name)) n = longest(group, name)
-      if (group%given(name) .and. .not. allowed(rule, n)) &
+      if (group%given(name) .or. n > 0) then
+         if (allowed(rule, n)) return
          call out_of(group, name, must_be(rule)//'; found '//to_text(n), findings)
-      if (.not. group%given(name) .and. n == 0) call demand(group, rule)
-      call limits_of(rule%values, limits, valid)
-      if (valid) n = min(max(n, 0), nint(limits%high))
+         n = 0
+         group%count_missing = .true.   ! that the items have too many values is a consequence
+      else
+         call demand(group, rule)
+      end if
    end subroutine take_count
 
    ! ---- rules -------------------------------------------------------------------------------------------------------
@@ -188,7 +193,9 @@ contains
       type(group_t), intent(inout) :: group
       type(rule_t), intent(in) :: rule
 
-      if (rule%default == required_word .and. .not. group%given(trim(rule%name))) call required(group, trim(rule%name))
+      if (rule%default /= required_word .or. group%given(trim(rule%name))) return
+      call required(group, trim(rule%name), 'missing; this item is required: '// &
+                    trim(rule%meaning(:scan(trim(rule%meaning)//';', ';:') - 1)))
    end subroutine demand
 
    !> May an integer be?

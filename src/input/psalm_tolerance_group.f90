@@ -1,16 +1,17 @@
 !> The group TOLER: tolerances of dimensions, one for all or one for each, and the size of the sample.
 module psalm_tolerance_group
-   use psalm_group, only: group_t, check_range, out_of
+   use psalm_group, only: group_t, out_of
    use psalm_kinds, only: wp, half_turn
    use psalm_links_group, only: links_group_t
    use psalm_method_group, only: method_group_t
    use psalm_output_kind, only: motion_pose
+   use psalm_rule, only: rule_t, a_flag, a_number, a_whole
    use psalm_status, only: diagnostics_t
+   use psalm_take, only: take
    implicit none (type, external)
    private
+   public :: tolerance_items
    public :: tolerance_group_t, read_tolerance_group
-
-   integer, parameter :: most_trials = 1000000000  !! above this NTRIAL is taken for a slip of the pen
 
    !> Tolerances, each to either side. Angles in degrees, lengths in the user's one unit.
    type :: tolerance_group_t
@@ -25,6 +26,34 @@ module psalm_tolerance_group
       real(wp) :: tollen = 0.0_wp, tolang = 0.0_wp !! of all lengths, of all angles
    end type tolerance_group_t
 
+   !> The items of the group.
+   type(rule_t), parameter :: tolerance_items(*) = [ &
+      rule_t('TOLLEN', a_number, '', 'length', '0', '', &
+             'largest deviation, to either side, of all lengths'), &
+      rule_t('TOLANG', a_number, '', 'degrees', '0', '', &
+             'the same of all fixed angles'), &
+      rule_t('TOLARC', a_number, 'NLOOP*MAXARC', 'length', 'TOLLEN', '', &
+             'the same of single lengths, like ARCL'), &
+      rule_t('TOLGAM', a_number, 'NLOOP*MAXARC', 'degrees', 'TOLANG', '', &
+             'the same of single angles, like GAMA'), &
+      rule_t('TOLOUT', a_number, '', 'length', 'TOLLEN where OUTLK is not zero', '', &
+             'of OUTLK'), &
+      rule_t('TOLOUA', a_number, '', 'degrees', 'TOLANG', '', &
+             'of OUTANG'), &
+      rule_t('TOLORL', a_number, '', 'length', 'TOLLEN where ORIGLK is not zero', '', &
+             'of ORIGLK'), &
+      rule_t('TOLORA', a_number, '', 'degrees', 'TOLANG where ORIGLK is not zero', '', &
+             'of ORIGNG'), &
+      rule_t('TOLCRK', a_number, '', '', '0', '', &
+             'of CRNKI'), &
+      rule_t('ADJUST', a_flag, '', '', '0', '', &
+             '1: which member, adjustable, restores the output, see below'), &
+      rule_t('OUTTOL', a_number, '', '', '0', '[0,)', &
+             'tolerance of the output itself, to either side, for ADJUST', &
+             'is the largest deviation of the output to either side; not negative'), &
+      rule_t('NTRIAL', a_whole, '', '', '0', '[0,1000000000]', &
+             'linkages of a Monte-Carlo sample')]
+
 contains
 
    !> Read the group. Errors: tolerances that are negative or not smaller than what they are of.
@@ -36,15 +65,14 @@ contains
       type(diagnostics_t), intent(inout) :: findings
       real(wp), allocatable :: reals(:)
       real(wp) :: of_lengths, of_angles
-      integer :: n, adjust
+      integer :: n
 
       n = links%nloop*links%maxarc
       allocate (toler%tolarc(links%maxarc, links%nloop), toler%tolgam(links%maxarc, links%nloop), source=0.0_wp)
       toler%given = group%line > 0
-      of_lengths = 0.0_wp
-      of_angles = 0.0_wp
-      call group%get_real('TOLLEN', of_lengths, findings)
-      call group%get_real('TOLANG', of_angles, findings)
+      call group%follow(tolerance_items)
+      call take(group, 'TOLLEN', of_lengths, findings)
+      call take(group, 'TOLANG', of_angles, findings)
       allocate (reals(n), source=of_lengths)
       call group%get_reals('TOLARC', reals, findings, links%maxarc, filler=.true.)
       toler%tolarc = reshape(reals, [links%maxarc, links%nloop])
@@ -55,25 +83,18 @@ contains
       toler%toloua = of_angles
       if (method%origlk > 0.0_wp) toler%tolorl = of_lengths
       if (method%origlk > 0.0_wp) toler%tolora = of_angles
-      call group%get_real('TOLOUT', toler%tolout, findings)
-      call group%get_real('TOLOUA', toler%toloua, findings)
-      call group%get_real('TOLORL', toler%tolorl, findings)
-      call group%get_real('TOLORA', toler%tolora, findings)
-      call group%get_real('TOLCRK', toler%tolcrk, findings)
+      call take(group, 'TOLOUT', toler%tolout, findings)
+      call take(group, 'TOLOUA', toler%toloua, findings)
+      call take(group, 'TOLORL', toler%tolorl, findings)
+      call take(group, 'TOLORA', toler%tolora, findings)
+      call take(group, 'TOLCRK', toler%tolcrk, findings)
       toler%tollen = of_lengths
       toler%tolang = of_angles
-      adjust = 0
-      call group%get_integer('ADJUST', adjust, findings)
-      call check_range(group, 'ADJUST', adjust, 0, 1, findings)
-      toler%adjusted = adjust == 1
-      call group%get_real('OUTTOL', toler%outtol, findings)
-      if (toler%outtol < 0.0_wp) call out_of(group, 'OUTTOL', &
-                                             'is the largest deviation of the output to either side; not negative', &
-                                           findings)
+      call take(group, 'ADJUST', toler%adjusted, findings)
+      call take(group, 'OUTTOL', toler%outtol, findings)
       if (toler%adjusted .and. method%motion == motion_pose) call out_of(group, 'ADJUST', &
          'the deviations of a pose are lengths and angles; ask for its point or its angle', findings)
-      call group%get_integer('NTRIAL', toler%ntrial, findings)
-      call check_range(group, 'NTRIAL', toler%ntrial, 0, most_trials, findings)
+      call take(group, 'NTRIAL', toler%ntrial, findings)
       if (any(toler%tolarc >= links%arcl .and. links%arcl > 0.0_wp)) then
          call group%origins%error(findings, 'TOLER', '', 'the tolerance of a length is not smaller than the length')
       end if

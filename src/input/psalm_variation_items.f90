@@ -5,6 +5,7 @@ module psalm_variation_items
    use psalm_sketch, only: sketch_t, variation_t, frame_link, vary_length, vary_angle, vary_place, vary_input
    use psalm_sketch_names, only: word_room, find_joints, words_of, common_link, joined
    use psalm_status, only: diagnostics_t
+   use psalm_take, only: take
    use psalm_text, only: lower_case, to_text
    implicit none (type, external)
    private
@@ -29,8 +30,8 @@ contains
       n = size(texts)
       allocate (sketch%variations(n))
       allocate (low(2*n), high(2*n), source=0.0_wp)
-      call group%get_reals('VLOW', low, findings, last=last_low)
-      call group%get_reals('VHIGH', high, findings, last=last_high)
+      call take(group, 'VLOW', low, findings, last=last_low)
+      call take(group, 'VHIGH', high, findings, last=last_high)
       at = 0
       do i = 1, n
          whose = "'"//trim(adjustl(texts(i)))//"'"

@@ -2,19 +2,17 @@
 module psalm_vibration_group
    use psalm_case_group, only: case_group_t, surroundings_t, place_visitor_t
    use psalm_data_set, only: data_set_t
-   use psalm_group, only: group_t, check_range, out_of, required
+   use psalm_group, only: group_t, out_of, required
    use psalm_kinds, only: wp
-   use psalm_link_place, only: place_t, read_places, read_count
+   use psalm_link_place, only: place_t, read_places
+   use psalm_rule, only: rule_t, a_number, a_text, a_whole
    use psalm_sketch, only: sketch_t
    use psalm_status, only: diagnostics_t
-   use psalm_text, only: to_text
+   use psalm_take, only: take, take_count
    implicit none (type, external)
    private
+   public :: vibration_items, estimate_items
    public :: beam_t, vibration_group_t, estimate_group_t, vibration_of, estimates_of
-
-   integer, parameter :: most_modes = 10, most_p = 100, most_speeds = 10000, most_in_chart = 1000, most_points = 4096
-   integer, parameter :: fewest_points = 16
-   real(wp), parameter :: most_damping = 1.0_wp
 
    !> A uniform link between two pins.
    type :: beam_t
@@ -52,6 +50,86 @@ module psalm_vibration_group
       procedure :: visit_places => visit_estimate
    end type estimate_group_t
 
+   !> The items of the group.
+   type(rule_t), parameter :: vibration_items(*) = [ &
+      rule_t('VLINK', a_whole, '', '', 'required', '', &
+             'the arc between the two pins of the link'), &
+      rule_t('VLOOP', a_whole, '', '', 'required', '', &
+             'the loop of that arc'), &
+      rule_t('VNAME', a_text, '1', '', '', '', &
+             'of a sketch, in place of both: the link, with more than two joints the two pins: `''rod''`, '// &
+             '`''rod B C''`'), &
+      rule_t('VMOD', a_number, '', 'Pa', 'required', '(0,)', &
+             'Young''s modulus'), &
+      rule_t('VRHO', a_number, '', 'kg/m3', 'required', '(0,)', &
+             'density'), &
+      rule_t('VDEPTH', a_number, '', 'm', '', '(0,)', &
+             'rectangular section: depth in the plane of motion'), &
+      rule_t('VWIDTH', a_number, '', 'm', '', '(0,)', &
+             'rectangular section: width'), &
+      rule_t('VAREA', a_number, '', 'm2', '', '(0,)', &
+             'any other section: area'), &
+      rule_t('VGYR', a_number, '', 'm', '', '(0,)', &
+             'any other section: radius of gyration'), &
+      rule_t('VZETA', a_number, '', '', '0', '[0,1)', &
+             'damping of every mode, part of the critical one'), &
+      rule_t('VSHEAR', a_number, '', '', '0', '[0,)', &
+             'Young''s modulus/(shear modulus * section factor) for a stocky (Timoshenko) beam; 0: slender'), &
+      rule_t('VSTRN', a_number, '', '', '0', '[0,)', &
+             'strain that the material bears; with the depth it gives the least frequency ratio that strength '// &
+             'allows'), &
+      rule_t('NMODE', a_whole, '', '', '1', '[1,10]', &
+             'modes, half waves along the link'), &
+      rule_t('VPMAX', a_whole, '', '', '16', '[0,100]', &
+             'highest boundary of stability'), &
+      rule_t('VSPLOW', a_number, '', 'rad/s', '0', '', &
+             'range of speeds for a table of the deflection: the lowest'), &
+      rule_t('VSPHGH', a_number, '', 'rad/s', '0', '', &
+             'the highest speed'), &
+      rule_t('NVSPED', a_whole, '', '', '0', '[0,10000]', &
+             'number of speeds in this range'), &
+      rule_t('VEMAX', a_number, '', '', '0', '[0,)', &
+             'chart of stability: largest e, by which the inertia of all other links is multiplied; 0: no chart'), &
+      rule_t('NVCHRT', a_whole, '', '', '41', '[2,1000]', &
+             'number of values of e in the chart'), &
+      rule_t('VEBASE', a_number, '', '', '1', '(0,)', &
+             'the e that stands for the masses as given'), &
+      rule_t('NVPNT', a_whole, '', '', '256', '[16,4096]', &
+             'positions in a turn')]
+
+   !> The items of the group.
+   type(rule_t), parameter :: estimate_items(*) = [ &
+      rule_t('NESTIM', a_whole, '', '', 'as many as the longest item has', '[0,100000]', &
+             'number of links'), &
+      rule_t('ELINK', a_whole, 'NESTIM', '', 'required', '', &
+             'the arc between the two pins of each link'), &
+      rule_t('ELOOP', a_whole, 'NESTIM', '', 'required', '', &
+             'the loop of that arc'), &
+      rule_t('ENAME', a_text, 'NESTIM', '', '', '', &
+             'of a sketch, in place of both: the link, with more than two joints the two pins: `''rod''`, '// &
+             '`''rod B C''`'), &
+      rule_t('EMOD', a_number, 'NESTIM', 'Pa', 'required', '(0,)', &
+             'Young''s modulus'), &
+      rule_t('ERHO', a_number, 'NESTIM', 'kg/m3', 'required', '(0,)', &
+             'density'), &
+      rule_t('EDEPTH', a_number, 'NESTIM', 'm', '', '(0,)', &
+             'rectangular section: depth in the plane of motion'), &
+      rule_t('EWIDTH', a_number, 'NESTIM', 'm', '', '(0,)', &
+             'rectangular section: width'), &
+      rule_t('EAREA', a_number, 'NESTIM', 'm2', '', '(0,)', &
+             'any other section: area'), &
+      rule_t('EGYR', a_number, 'NESTIM', 'm', '', '(0,)', &
+             'any other section: radius of gyration'), &
+      rule_t('EZETA', a_number, 'NESTIM', '', '0', '[0,1)', &
+             'damping of every mode, part of the critical one'), &
+      rule_t('ESHEAR', a_number, 'NESTIM', '', '0', '[0,)', &
+             'Young''s modulus/(shear modulus * section factor) for a stocky (Timoshenko) beam; 0: slender'), &
+      rule_t('ESTRN', a_number, 'NESTIM', '', '0', '[0,)', &
+             'strain that the material bears; with the depth it gives the least frequency ratio that strength '// &
+             'allows'), &
+      rule_t('NEPNT', a_whole, '', '', '256', '[16,4096]', &
+             'positions in a turn')]
+
 contains
 
    !> Read the group VIBR. Errors: a link that is not there, numbers out of range.
@@ -64,28 +142,22 @@ contains
       type(beam_t) :: beams(1)
 
       vibration%given = group%line > 0
+      call group%follow(vibration_items)
       call read_beams(group, 'V', ilink, sketch, beams, findings)
       vibration%beam = beams(1)
-      call group%get_integer('NMODE', vibration%modes, findings)
-      call check_range(group, 'NMODE', vibration%modes, 1, most_modes, findings)
-      call group%get_integer('VPMAX', vibration%last, findings)
-      call check_range(group, 'VPMAX', vibration%last, 0, most_p, findings)
-      call group%get_real('VSPLOW', vibration%slowest, findings)
-      call group%get_real('VSPHGH', vibration%fastest, findings)
-      call group%get_integer('NVSPED', vibration%speeds, findings)
-      call check_range(group, 'NVSPED', vibration%speeds, 0, most_speeds, findings)
+      call take(group, 'NMODE', vibration%modes, findings)
+      call take(group, 'VPMAX', vibration%last, findings)
+      call take(group, 'VSPLOW', vibration%slowest, findings)
+      call take(group, 'VSPHGH', vibration%fastest, findings)
+      call take(group, 'NVSPED', vibration%speeds, findings)
       if (vibration%speeds > 0) then
          if (.not. vibration%slowest > 0.0_wp) call out_of(group, 'VSPLOW', 'speeds must be above 0', findings)
          if (vibration%fastest < vibration%slowest) call out_of(group, 'VSPHGH', 'must not be below VSPLOW', findings)
       end if
-      call group%get_real('VEBASE', vibration%given_e, findings)
-      if (.not. vibration%given_e > 0.0_wp) call out_of(group, 'VEBASE', 'must be above 0', findings)
-      call group%get_real('VEMAX', vibration%greatest_e, findings)
-      if (vibration%greatest_e < 0.0_wp) call out_of(group, 'VEMAX', 'must not be negative', findings)
-      call group%get_integer('NVCHRT', vibration%in_chart, findings)
-      call check_range(group, 'NVCHRT', vibration%in_chart, 2, most_in_chart, findings)
-      call group%get_integer('NVPNT', vibration%points, findings)
-      call check_range(group, 'NVPNT', vibration%points, fewest_points, most_points, findings)
+      call take(group, 'VEBASE', vibration%given_e, findings)
+      call take(group, 'VEMAX', vibration%greatest_e, findings)
+      call take(group, 'NVCHRT', vibration%in_chart, findings)
+      call take(group, 'NVPNT', vibration%points, findings)
    end subroutine read_vibration_group
 
    !> Read the group ESTIM. Errors: as above.
@@ -98,11 +170,11 @@ contains
       integer :: n
 
       estimates%given = group%line > 0
-      call read_count(group, 'NESTIM', n, findings)
+      call group%follow(estimate_items)
+      call take_count(group, 'NESTIM', n, findings)
       allocate (estimates%beams(n))
       call read_beams(group, 'E', ilink, sketch, estimates%beams, findings)
-      call group%get_integer('NEPNT', estimates%points, findings)
-      call check_range(group, 'NEPNT', estimates%points, fewest_points, most_points, findings)
+      call take(group, 'NEPNT', estimates%points, findings)
    end subroutine read_estimate_group
 
    !> Beams from the items LINK, LOOP, MOD, RHO, AREA, GYR or DEPTH and WIDTH, ZETA, SHEAR, STRN, each with the group's letter
@@ -125,7 +197,7 @@ contains
       beams%link = places
       numbers = reshape([beams%modulus, beams%density, beams%damping, beams%shear_ratio, beams%strain], shape(numbers))
       do k = 1, size(items)
-         call group%get_reals(letter//trim(items(k)), numbers(:, k), findings)
+         call take(group, letter//trim(items(k)), numbers(:, k), findings)
       end do
       beams%modulus = numbers(:, 1)
       beams%density = numbers(:, 2)
@@ -136,13 +208,11 @@ contains
       width = 0.0_wp
       area = 0.0_wp
       gyration = 0.0_wp
-      call group%get_reals(letter//'DEPTH', depth, findings)
-      call group%get_reals(letter//'WIDTH', width, findings)
-      call group%get_reals(letter//'AREA', area, findings)
-      call group%get_reals(letter//'GYR', gyration, findings)
+      call take(group, letter//'DEPTH', depth, findings)
+      call take(group, letter//'WIDTH', width, findings)
+      call take(group, letter//'AREA', area, findings)
+      call take(group, letter//'GYR', gyration, findings)
       if (group%line == 0 .or. size(beams) == 0) return
-      if (.not. group%given(letter//'MOD')) call required(group, letter//'MOD', 'missing; Young''s modulus in Pa')
-      if (.not. group%given(letter//'RHO')) call required(group, letter//'RHO', 'missing; the density in kg/m3')
       rectangle = group%given(letter//'WIDTH')
       if (rectangle .and. (group%given(letter//'AREA') .or. group%given(letter//'GYR'))) then
          call out_of(group, letter//'WIDTH', 'a section is given by its depth and width, or by its area and radius of '// &
@@ -154,43 +224,13 @@ contains
                                                               'GYR, or '//letter//'DEPTH and '//letter//'WIDTH')
          if (.not. group%given(letter//'GYR')) call required(group, letter//'GYR', 'missing; the radius of gyration (m)')
       end if
-      do k = 1, size(beams)
-         call positive(letter//'MOD', beams(k)%modulus, k)
-         call positive(letter//'RHO', beams(k)%density, k)
-         if (rectangle) then
-            call positive(letter//'DEPTH', depth(k), k)
-            call positive(letter//'WIDTH', width(k), k)
-            area(k) = depth(k)*width(k)
-            gyration(k) = depth(k)/sqrt(12.0_wp)
-         else
-            call positive(letter//'AREA', area(k), k)
-            call positive(letter//'GYR', gyration(k), k)
-         end if
-         if (beams(k)%damping < 0.0_wp .or. beams(k)%damping >= most_damping) then
-            call out_of(group, letter//'ZETA', 'entry '//to_text(k)//': must lie between 0 and 1', findings, k)
-         end if
-         if (beams(k)%shear_ratio < 0.0_wp) then
-            call out_of(group, letter//'SHEAR', 'entry '//to_text(k)//': must not be negative', findings, k)
-         end if
-         if (beams(k)%strain < 0.0_wp) then
-            call out_of(group, letter//'STRN', 'entry '//to_text(k)//': must not be negative', findings, k)
-         end if
-      end do
+      if (rectangle) then
+         area = depth*width
+         gyration = depth/sqrt(12.0_wp)
+      end if
       beams%depth = depth
       beams%area = area
       beams%gyration = gyration
-
-   contains
-
-      subroutine positive(item, value, k)
-         character(*), intent(in) :: item
-         real(wp), intent(in) :: value
-         integer, intent(in) :: k
-
-         if (group%given(item) .and. .not. value > 0.0_wp) then
-            call out_of(group, item, 'entry '//to_text(k)//': must be above 0', findings, k)
-         end if
-      end subroutine positive
    end subroutine read_beams
 
    !> The group as the case has it.
