@@ -21,6 +21,7 @@ module psalm_batch
    character(*), parameter :: common_options = &
       '  --output-dir DIR  put the files into DIR'//nl// &
       '  --quiet           no remarks on standard error, errors only'//nl// &
+      '  --items [GROUP]   print the groups that a case may have, or the items of one; --items=json: a JSON schema'//nl// &
       '  --version         print the version'//nl// &
       '  --help            print this text'//nl
 

@@ -4,6 +4,7 @@ module psalm_console
    use, intrinsic :: iso_fortran_env, only: int64
    use psalm_devices, only: devices_t
    use psalm_files, only: exchange_t, check_target, directory_of
+   use psalm_item_list, only: list_groups, list_items, why_no_group, write_schema
    use psalm_kinds, only: dp, wp
    use psalm_mark, only: mark_t
    use psalm_number, only: parse_integer
@@ -45,6 +46,8 @@ module psalm_console
       logical :: curves = .false., assemblies = .false. !! curves by gnuplot; psalm, balm: all assemblies
       logical :: links = .false.                 !! psalm: sketches as &LINKS on device 7
       logical :: quiet = .false., help = .false., version = .false.
+      logical :: items = .false., schema = .false. !! the items of a case are asked for, as a list or as a schema
+      character(:), allocatable :: group         !! those of this group; empty: of all
       type(identity_t), allocatable :: inputs(:) !! of all files that are read, and of the standard streams
       integer :: code = 0                        !! exit status that bad arguments lead to
       logical :: no_place = .false.              !! the directory for the outputs cannot be made: no further case is begun
@@ -83,12 +86,41 @@ contains
          if (.not. done) arguments%code = exit_file_trouble
          return
       end if
+      if (arguments%items) then
+         call tell_items(arguments)
+         return
+      end if
       if (.not. arguments%quiet) call tell_set_aside(program)
       call find_inputs(arguments)
       call check_names(arguments)
       call check_inputs(arguments, endings)
       finished = arguments%code == exit_bad_input
    end subroutine begin
+
+   !> The items that a case may have, on standard output.
+   subroutine tell_items(arguments)
+      type(arguments_t), intent(inout) :: arguments
+      type(text_t) :: text
+      character(:), allocatable :: reason
+      logical :: done
+
+      reason = ''
+      if (arguments%schema) then
+         call write_schema(arguments%program, version, text)
+      else if (len(arguments%group) == 0) then
+         call list_groups(arguments%program, text)
+      else
+         reason = why_no_group(arguments%program, arguments%group)
+         if (len(reason) == 0) call list_items(arguments%group, text)
+      end if
+      if (len(reason) > 0) then
+         call say(arguments%program, reason)
+         arguments%code = exit_bad_input
+         return
+      end if
+      call write_standard_output(text%content(), done)
+      if (.not. done) arguments%code = exit_file_trouble
+   end subroutine tell_items
 
    !> A remark on environment variables that are not understood.
    subroutine tell_set_aside(program)
@@ -202,6 +234,7 @@ contains
       allocate (character(1) :: arguments%files(0))
       arguments%output_dir = ''
       arguments%device4 = ''
+      arguments%group = ''
       only_files = .false.
       i = 0
       do while (i < command_argument_count())
@@ -246,6 +279,18 @@ contains
                call say(program, '--json is an option of psalm, kalm and muscle: results as JSON; see --help')
                arguments%code = exit_bad_input
             end if
+         case ('--items')
+            arguments%items = .true.
+            if (i < command_argument_count()) then
+               word = argument(i + 1)
+               if (index(word, '-') /= 1) then
+                  arguments%group = word(index(word, '&') + 1:)
+                  i = i + 1
+               end if
+            end if
+         case ('--items=json')
+            arguments%items = .true.
+            arguments%schema = .true.
          case ('--output-dir')
             call value_of(program, word, i, arguments%output_dir, arguments%code)
          case ('--threads')
