@@ -1,14 +1,16 @@
 !> The notation of data sets by itself: cases and their groups, items by name, origins of values, the groups that are known.
 program test_notation
    use check, only: checks_t
-   use psalm_group, only: group_t, check_flags, check_range, read_flag
+   use psalm_group, only: group_t, check_flags, check_range
    use psalm_group_table, only: is_users, nearest_group, program_of, program_reads
    use psalm_kinds, only: wp
    use psalm_namelist, only: case_text_t, read_case
    use psalm_origin, only: origins_t
+   use psalm_rule, only: rule_t, a_flag, a_number, a_text, a_whole, a_word
    use psalm_search_group, only: search_group_t, read_search_group
    use psalm_source, only: line_t
    use psalm_status, only: diagnostics_t, level_warning
+   use psalm_take, only: take, take_count
    implicit none (type, external)
    type(checks_t) :: t
 
@@ -16,6 +18,7 @@ program test_notation
    call broken_cases()
    call items()
    call wrong_items()
+   call rules()
    call origins()
    call table()
    call search_group()
@@ -148,7 +151,8 @@ contains
                    'a real for an integer')
       call group%get_integers('ITEMS', numbers, findings)
       call t%finds(findings, "ITEMS: too many values: at most 2 are expected; the first one beyond is '3'", 'too many values')
-      call read_flag(group, 'FLAG', whole, findings)
+      call group%follow([rule_t('FLAG', a_flag, '', '', '0', '', 'a flag')])
+      call take(group, 'FLAG', whole, findings)
       call t%finds(findings, '3: error: &FIRST FLAG: must be from 0 to 1; found 2', 'a flag that is none')
       flags = 0
       call group%get_integers('FLAGS', flags(:, 1), findings)
@@ -159,6 +163,53 @@ contains
       call t%finds(findings, 'NSTRAT: no such item; did you mean NSTART?', 'the nearest name')
       call t%finds(findings, 'NBEST: missing; this item is required', 'a required item')
    end subroutine wrong_items
+
+   !> Values by the rules of a table.
+   subroutine rules()
+      type(rule_t), parameter :: table(*) = [ &
+         rule_t('NROW', a_whole, '', '', '', '[0,9]', 'rows'), &
+         rule_t('CELLS', a_number, 'NROW*3', '', '', '', 'three cells of each row'), &
+         rule_t('SIZES', a_number, '1 to NROW', '', '2.5', '(0,)', 'sizes'), &
+         rule_t('FORM', a_word, '', '', 'DISC', 'POINT DISC', 'the form'), &
+         rule_t('PART', a_number, '', '', '0.5', '[0,1)', 'a part'), &
+         rule_t('SENSE', a_whole, '', '', '1', '-1 1', 'a sense'), &
+         rule_t('NEED', a_number, '', '', 'required', '', 'what is needed; and more'), &
+         rule_t('DES#', a_number, 'n', '', '', '', 'values'), &
+         rule_t('NAME', a_text, 'n', '', '', '', 'names')]
+      type(group_t) :: group
+      type(diagnostics_t) :: findings
+      real(wp) :: sizes(3), part, need
+      integer :: rows, form, sense
+
+      call read_group([character(60) :: ' &FIRST CELLS=1,2,3,4,99*0.0, SIZES=1.0,-2.0', &
+                       ' FORM=BALL, PART=1.0, SENSE=2', ' PRAT=1 /'], group, findings)
+      call group%follow(table)
+      call take_count(group, 'NROW', rows, findings)
+      call t%equal_integer(rows, 2, 'a count that is not given is that of the longest item, without what fills it up')
+      call take(group, 'SIZES', sizes, findings, repeated=.true.)
+      call t%close_to(sizes(3), -2.0_wp, 0.0_wp, 'an entry that is not given is that before it')
+      call t%finds(findings, 'SIZES: entry 2: must be above 0', 'the first entry that cannot be')
+      call take(group, 'FORM', form, findings)
+      call t%equal_integer(form, 2, 'a word that is not there leaves the default')
+      call t%finds(findings, "FORM: 'POINT' or 'DISC' is expected; found 'BALL'", 'a word that is not there')
+      call take(group, 'PART', part, findings)
+      call t%finds(findings, 'PART: must lie between 0 and 1', 'the end of an open interval')
+      call take(group, 'SENSE', sense, findings)
+      call t%finds(findings, 'SENSE: must be -1 or 1; found 2', 'one of some integers')
+      need = 7.0_wp
+      call take(group, 'NEED', need, findings)
+      call t%close_to(need, 7.0_wp, 0.0_wp, 'without a default the value stays')
+      call group%finish([group], findings)
+      call t%finds(findings, 'NEED: missing; this item is required: what is needed', 'what is required')
+      call t%finds(findings, 'PRAT: no such item; did you mean PART?', 'names come from the table')
+      call read_group([character(40) :: ' &FIRST NROW=12 /'], group, findings)
+      call group%follow(table)
+      call take_count(group, 'NROW', rows, findings)
+      call t%finds(findings, 'NROW: must be from 0 to 9; found 12', 'a count out of range')
+      call t%equal_integer(rows, 0, 'counts nothing')
+      call take(group, 'PART', part, findings)
+      call t%close_to(part, 0.5_wp, 0.0_wp, 'the default of the table')
+   end subroutine rules
 
    subroutine origins()
       type(origins_t) :: all_origins, more

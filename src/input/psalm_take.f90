@@ -233,6 +233,7 @@ contains
       type(rule_t), intent(in) :: rule
       character(:), allocatable :: text
       type(limits_t) :: limits
+      integer :: k
       logical :: valid
 
       if (rule%kind == a_flag) then
@@ -241,7 +242,10 @@ contains
       end if
       call limits_of(rule%values, limits, valid)
       if (.not. valid) then
-         text = 'must be '//one_of(rule%values)
+         text = 'must be '//word_of(rule%values, 1)
+         do k = 2, word_count(rule%values)
+            text = text//' or '//word_of(rule%values, k)
+         end do
       else if (limits%bounded_above) then
          text = 'must be from '//trim(limits%low_text)//' to '//trim(limits%high_text)
       else
