@@ -196,6 +196,19 @@ DOUBTS = [
      "&MASSES UNITL: missing: lengths are taken as metres, and this linkage is 95 m large"),
     ("kalm", DRIVES, " &METHOD", " &RATES SPEED=1.0 &END\n &METHOD",
      "drive E stands still in the velocities and forces: its DSPEED of &DRIVES is 0, though DELT2 changes"),
+    # items that nothing reads
+    ("psalm", SKETCH, "DELT=0.0,5.0", "DELT=0.0,5.0, NITER=100, VAR=0.2",
+     "&METHOD NITER: (VAR, too) has no effect: it is for a search, but no dimension may vary"),
+    ("psalm", SKETCH, " &METHOD", " &SEARCH SOLVER='LSQ', NSTART=5, THREADS=1 &END\n &METHOD",
+     "&SEARCH SOLVER: (NSTART, too) has no effect: it is for a search, but no dimension may vary"),
+    ("psalm", FOUR_BAR, "IKIN=30", "IKIN=30, SNAKE=0.2, ISTART=7", "&METHOD SNAKE: has no effect: it is for a search, but IKIN asks for an analysis"),
+    ("psalm", FOUR_BAR, "MOTION=1, IKIN=30 &END", "MOTION=1, IVA=1, NDES=1, DELT=0.0, DESANG=20.0, NCHECK=2 &END\n &SEARCH SOLVER='LSQ' &END",
+     "&METHOD NCHECK: has no effect: it is for SOLVER='SIMPLEX', which this search does not have"),
+    ("psalm", SKETCH, "DELT=0.0,5.0", "DELT=0.0,5.0, XMULT=2.0,1.0", "&METHOD XMULT: has no effect: there are no desired values"),
+    ("psalm", SKETCH, "DELT=0.0,5.0", "DELT=0.0,5.0, DESX=20.0,21.0, DESY=95.0,96.0, DESANG=1.0,2.0",
+     "&METHOD DESANG: has no effect: the output is a point, whose desired values are DESX and DESY"),
+    ("psalm", FOUR_BAR, "IKIN=30", "IKIN=30, NDES=2, DELT=0.0,5.0", "&METHOD NDES: (DELT, too) has no effect: IKIN asks for an analysis through one turn"),
+    ("psalm", FOUR_BAR, "IKIN=30 &END", "IKIN=30 &END\n &SEARCH ORDER=1 &END", "&SEARCH ORDER: has no effect: it is for free timing"),
 ]
 # the same without reason
 SILENT = [
@@ -204,6 +217,9 @@ SILENT = [
     ("kalm", SKETCH, " &METHOD", " &RATES SPEED=1.0 &END\n &MASSES NMASS=1, MNAME='crank', MASS=1.0, UNITL=0.001 &END\n &METHOD", "UNITL"),
     ("kalm", DRIVES, "DELT2=0.0,5.0", "DELT2=0.0,5.0, DSPEED=0.0,2.0", "stands still"),
     ("kalm", DRIVES, "DELT2=0.0,5.0", "DELT2=5.0,5.0", "stands still"),
+    ("psalm", SKETCH, " &METHOD", " &SEARCH THREADS=1, MAXTIME=9.0 &END\n &METHOD", "no effect"),
+    ("kalm", FOUR_BAR, "IKIN=30", "IKIN=30, SNAKE=0.2", "no effect"),
+    ("psalm", FOUR_BAR, "MOTION=1, IKIN=30", "MOTION=1, IVA=1, NDES=1, DELT=0.0, DESANG=20.0, ANMULT=2.0, SNAKE=0.2, VAR=0.2", "no effect"),
 ]
 
 

@@ -42,6 +42,7 @@ module psalm_data_set
 
    !> Groups that muscle writes itself, with what it found, and those that asked for it.
    character(name_length), parameter :: written_by_muscle(*) = [character(name_length) :: 'MASSES', 'SPRING', 'BALANC', 'SPRNGS']
+   character(*), parameter :: searching_program = 'psalm'
    integer, parameter :: title_columns = 72        !! of a title, at most
    real(wp), parameter :: largest_machine = 20.0_wp !! metres: a larger one may have been drawn in millimetres
 
@@ -262,7 +263,7 @@ contains
          call out_of(groups(method), 'IFREE', 'free timing is a part of a search, but no dimension may vary', findings)
       end if
       call check_ways(groups(search), set, findings)
-      call report_idle_items(groups(method), groups(limits), groups(search), set, findings)
+      call report_idle_items(groups(method), groups(limits), groups(search), program == searching_program, set, findings)
       call read_constraint_group(groups(constr), set%links%nloop, set%links%maxarc, set%sketch, set%constr, findings)
       call settle_angle_limit(groups(limits), groups(constr), set, findings)
       call read_tolerance_group(groups(toler), set%links, set%method, set%toler, findings)
@@ -386,24 +387,46 @@ contains
    end subroutine check_ways
 
    !> Items that are given and have no effect, because of others.
-   subroutine report_idle_items(method, limits, search, set, findings)
+   subroutine report_idle_items(method, limits, search, may_search, set, findings)
       type(group_t), intent(in) :: method, limits, search
+      logical, intent(in) :: may_search              !! by the program that reads; others take what a search was given as it is
       type(data_set_t), intent(in) :: set
       type(diagnostics_t), intent(inout) :: findings
       character(*), parameter :: of_positions(*) = [character(name_length) :: 'NDES', 'DELT', 'DESX', 'DESY', 'DESANG', 'XMULT', &
                                                     'YMULT', 'ANMULT', 'IFREE']
       character(*), parameter :: of_points(*) = [character(name_length) :: 'DESX', 'DESY', 'XMULT', 'YMULT'], &
                                  of_angles(*) = [character(name_length) :: 'DESANG', 'ANMULT'], &
-                                 of_bounds(*) = [character(name_length) :: 'OPLOW', 'OPHIGH']
+                                 of_weights(*) = [character(name_length) :: 'XMULT', 'YMULT', 'ANMULT'], &
+                                 of_bounds(*) = [character(name_length) :: 'OPLOW', 'OPHIGH'], &
+                                 of_simplex(*) = [character(name_length) :: 'BOUNCE', 'EXPAND', 'SNAKE', 'REDUCE', 'SHRINK', &
+                                                  'NITER', 'NCHECK', 'SMALL'], &
+                                 of_searches(*) = [character(name_length) :: of_simplex, 'NGUESS', 'VAR', 'FMIN'], &
+                                 of_ways(*) = [character(name_length) :: 'SOLVER', 'NSTART', 'FIRST', 'NBEST', 'DIFFER', 'PARETO', &
+                                               'RANKING', 'MAXEVAL']
       type(output_kind_t) :: kind
+      character(:), allocatable :: no_search
 
       if (set%method%ikin /= 0) then
          call idle(method, of_positions, 'IKIN asks for an analysis through one turn; leave IKIN out, or them')
       else
          kind = output_kind(set%method%motion)
-         if (kind%components == 1) call idle(method, of_points, 'the output is an angle or a length, whose desired values are '// &
-                                             'DESANG')
-         if (kind%components == 2) call idle(method, of_angles, 'the output is a point, whose desired values are DESX and DESY')
+         if (.not. (method%given('DESX') .or. method%given('DESY') .or. method%given('DESANG'))) then
+            call idle(method, of_weights, 'there are no desired values')
+         else if (kind%components == 1) then
+            call idle(method, of_points, 'the output is an angle or a length, whose desired values are DESANG')
+         else if (kind%components == 2) then
+            call idle(method, of_angles, 'the output is a point, whose desired values are DESX and DESY')
+         end if
+      end if
+      if (may_search .and. method%line > 0) then
+         if (set%method%ikin /= 0 .or. .not. varies(set)) then
+            no_search = 'it is for a search, but '// &
+                        trim(merge('IKIN asks for an analysis', 'no dimension may vary    ', set%method%ikin /= 0))
+            call idle(method, of_searches, no_search)
+            call idle(search, of_ways, no_search)
+         else if (set%search%solver%many_starts) then
+            call idle(method, of_simplex, "it is for SOLVER='SIMPLEX', which this search does not have")
+         end if
       end if
       if (set%limits%limval == 0 .and. set%method%var > 0.0_wp .and. varies(set)) call idle(limits, of_bounds, &
          'bounds hold with LIMVAL=1 (and are drawn from with VAR=0)')
