@@ -8,7 +8,7 @@
 !> shorter steps. Source: Morgan and Sommese (1987), homotopies of several groups of variables; Sommese and Wampler (2005).
 module psalm_bilinear
    use psalm_kinds, only: wp
-   use psalm_linear, only: product_of
+   use psalm_linear, only: eliminate, product_of
    use psalm_xoshiro, only: xoshiro_t, purpose_sample
    implicit none (type, external)
    private
@@ -186,12 +186,13 @@ contains
    subroutine begin(forms, point)
       complex(wp), intent(in) :: forms(:, :)         !! shape (n+1, n)
       complex(wp), intent(out) :: point(:)           !! shape (n)
-      complex(wp) :: matrix(size(point), size(point))
+      complex(wp) :: matrix(size(point), size(point)), right(size(point), 1)
       logical :: sound
 
       matrix = transpose(forms(2:, :))
-      point = -forms(1, :)
-      call solve_complex(matrix, point, sound)
+      right(:, 1) = -forms(1, :)
+      call eliminate(matrix, right, sound)
+      point = right(:, 1)
    end subroutine begin
 
    !> Two ends that are one root although either stands alone: a path has changed to another.
@@ -323,81 +324,9 @@ contains
          right(j, 1) = -value
          right(j, 2) = -rate
       end do
-      call solve_two(matrix, right, sound)
+      call eliminate(matrix, right, sound)
       step = right(:, 1)
       slope = right(:, 2)
       if (sound) v = v + step
    end subroutine correct
-
-   !> Gauss's elimination with row pivots for two right sides; `sound` is false for a singular matrix.
-   pure subroutine solve_two(matrix, right, sound)
-      complex(wp), intent(inout), contiguous :: matrix(:, :) !! shape (m, m)
-      complex(wp), intent(inout), contiguous :: right(:, :)  !! shape (m, any)
-      logical, intent(out) :: sound
-      complex(wp) :: swap, factor, inverse
-      real(wp) :: largest, here
-      integer :: i, k, c, p, m
-
-      m = size(matrix, 1)
-      sound = .false.
-      do k = 1, m
-         p = k
-         largest = abs(matrix(k, k)%re) + abs(matrix(k, k)%im)
-         do i = k + 1, m
-            here = abs(matrix(i, k)%re) + abs(matrix(i, k)%im)
-            if (here <= largest) cycle
-            largest = here
-            p = i
-         end do
-         if (.not. (largest > tiny(1.0_wp) .and. largest < huge(1.0_wp))) return
-         if (p /= k) then
-            do c = k, m
-               swap = matrix(k, c)
-               matrix(k, c) = matrix(p, c)
-               matrix(p, c) = swap
-            end do
-            do c = 1, size(right, 2)
-               swap = right(k, c)
-               right(k, c) = right(p, c)
-               right(p, c) = swap
-            end do
-         end if
-         inverse = 1.0_wp/matrix(k, k)
-         matrix(k + 1:, k) = matrix(k + 1:, k)*inverse
-         do c = k + 1, m
-            factor = matrix(k, c)
-            do i = k + 1, m
-               matrix(i, c) = matrix(i, c) - matrix(i, k)*factor
-            end do
-         end do
-         do c = 1, size(right, 2)
-            factor = right(k, c)
-            do i = k + 1, m
-               right(i, c) = right(i, c) - matrix(i, k)*factor
-            end do
-         end do
-         matrix(k, k) = inverse
-      end do
-      do c = 1, size(right, 2)
-         do k = m, 1, -1
-            right(k, c) = right(k, c)*matrix(k, k)
-            do i = 1, k - 1
-               right(i, c) = right(i, c) - matrix(i, k)*right(k, c)
-            end do
-         end do
-      end do
-      sound = .true.
-   end subroutine solve_two
-
-   !> Solve a square system; the solution takes the place of the right side. `sound` is false for a singular matrix.
-   pure subroutine solve_complex(matrix, right, sound)
-      complex(wp), intent(inout), contiguous :: matrix(:, :) !! shape (m, m); destroyed
-      complex(wp), intent(inout) :: right(:)         !! shape (m)
-      logical, intent(out) :: sound
-      complex(wp) :: sides(size(right), 1)
-
-      sides(:, 1) = right
-      call solve_two(matrix, sides, sound)
-      right = sides(:, 1)
-   end subroutine solve_complex
 end module psalm_bilinear

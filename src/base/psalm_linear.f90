@@ -1,11 +1,11 @@
-!> The linear algebra of the searches, for the tens of unknowns a linkage has.
+!> Linear algebra for the tens of unknowns a linkage has; by reflections: psalm_dense.
 !>
 !> Written out, because the library's routines (matmul too) choose their kernels by the processor, and with them the last digit.
 module psalm_linear
    use psalm_kinds, only: wp, dp
    implicit none (type, external)
    private
-   public :: solve_positive, along_columns, product_of, triangle_of
+   public :: solve_positive, solve_three, eliminate, along_columns, product_of, triangle_of
 
    !> Product of two matrices, or of a matrix and a vector.
    interface product_of
@@ -62,6 +62,94 @@ contains
 
       y = y - factor*x
    end subroutine subtract
+
+   !> Three equations by Cramer's rule. Errors: `regular` is false if they depend on each other.
+   pure subroutine solve_three(matrix, right, x, regular)
+      real(wp), intent(in) :: matrix(3, 3), right(3)
+      real(wp), intent(out) :: x(3)
+      logical, intent(out) :: regular
+      real(wp) :: determinant, own(3, 3)
+      integer :: k
+
+      x = 0.0_wp
+      determinant = determinant_of(matrix)
+      regular = abs(determinant) > 0.0_wp
+      if (.not. regular) return
+      do k = 1, 3
+         own = matrix
+         own(:, k) = right
+         x(k) = determinant_of(own)/determinant
+      end do
+   end subroutine solve_three
+
+   pure real(wp) function determinant_of(m)
+      real(wp), intent(in) :: m(3, 3)
+
+      determinant_of = m(1, 1)*(m(2, 2)*m(3, 3) - m(2, 3)*m(3, 2)) - m(1, 2)*(m(2, 1)*m(3, 3) - m(2, 3)*m(3, 1)) + &
+                       m(1, 3)*(m(2, 1)*m(3, 2) - m(2, 2)*m(3, 1))
+   end function determinant_of
+
+   !> Solve a square system for several right sides by Gauss's elimination with row pivots; the solutions take their place.
+   !>
+   !> Errors: `regular` is false for a singular matrix.
+   pure subroutine eliminate(matrix, right, regular)
+      complex(wp), intent(inout), contiguous :: matrix(:, :) !! shape (m, m); destroyed
+      complex(wp), intent(inout), contiguous :: right(:, :)  !! shape (m, any)
+      logical, intent(out) :: regular
+      complex(wp) :: swap, factor, inverse
+      real(wp) :: largest, here
+      integer :: i, k, c, p, m
+
+      m = size(matrix, 1)
+      regular = .false.
+      do k = 1, m
+         p = k
+         largest = abs(matrix(k, k)%re) + abs(matrix(k, k)%im)
+         do i = k + 1, m
+            here = abs(matrix(i, k)%re) + abs(matrix(i, k)%im)
+            if (here <= largest) cycle
+            largest = here
+            p = i
+         end do
+         if (.not. (largest > tiny(1.0_wp) .and. largest < huge(1.0_wp))) return
+         if (p /= k) then
+            do c = k, m
+               swap = matrix(k, c)
+               matrix(k, c) = matrix(p, c)
+               matrix(p, c) = swap
+            end do
+            do c = 1, size(right, 2)
+               swap = right(k, c)
+               right(k, c) = right(p, c)
+               right(p, c) = swap
+            end do
+         end if
+         inverse = 1.0_wp/matrix(k, k)
+         matrix(k + 1:, k) = matrix(k + 1:, k)*inverse
+         do c = k + 1, m
+            factor = matrix(k, c)
+            do i = k + 1, m
+               matrix(i, c) = matrix(i, c) - matrix(i, k)*factor
+            end do
+         end do
+         do c = 1, size(right, 2)
+            factor = right(k, c)
+            do i = k + 1, m
+               right(i, c) = right(i, c) - matrix(i, k)*factor
+            end do
+         end do
+         matrix(k, k) = inverse
+      end do
+      do c = 1, size(right, 2)
+         do k = m, 1, -1
+            right(k, c) = right(k, c)*matrix(k, k)
+            do i = 1, k - 1
+               right(i, c) = right(i, c) - matrix(i, k)*right(k, c)
+            end do
+         end do
+      end do
+      regular = .true.
+   end subroutine eliminate
 
    !> Scalar products of a vector with the columns of a matrix; of a symmetric matrix its product with the vector.
    pure function along_columns(matrix, vector) result(products)

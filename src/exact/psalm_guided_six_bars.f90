@@ -8,6 +8,7 @@
 module psalm_guided_six_bars
    use psalm_burmester, only: dyads_t, five_poses
    use psalm_kinds, only: wp, pi
+   use psalm_linear, only: solve_three
    implicit none (type, external)
    private
    public :: arm_t, guided_t, guided_study_t, place_arm, find_guided, poses_guided, body_names
@@ -330,32 +331,6 @@ contains
          end select
       end subroutine carry
    end subroutine equations
-
-   !> Three linear equations by Cramer's rule. `regular` false: they depend on each other.
-   pure subroutine solve_three(matrix, right, x, regular)
-      real(wp), intent(in) :: matrix(3, 3), right(3)
-      real(wp), intent(out) :: x(3)
-      logical, intent(out) :: regular
-      real(wp) :: determinant, own(3, 3)
-      integer :: k
-
-      x = 0.0_wp
-      determinant = determinant_of(matrix)
-      regular = abs(determinant) > 0.0_wp
-      if (.not. regular) return
-      do k = 1, 3
-         own = matrix
-         own(:, k) = right
-         x(k) = determinant_of(own)/determinant
-      end do
-   end subroutine solve_three
-
-   pure real(wp) function determinant_of(m)
-      real(wp), intent(in) :: m(3, 3)
-
-      determinant_of = m(1, 1)*(m(2, 2)*m(3, 3) - m(2, 3)*m(3, 2)) - m(1, 2)*(m(2, 1)*m(3, 3) - m(2, 3)*m(3, 1)) + &
-                       m(1, 3)*(m(2, 1)*m(3, 2) - m(2, 2)*m(3, 1))
-   end function determinant_of
 
    !> Put a six-bar into the list of the best.
    pure subroutine keep(one, most, list)

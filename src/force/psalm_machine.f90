@@ -11,6 +11,7 @@ module psalm_machine
    use psalm_force_analysis, only: force_table_t, analyse_forces, column_drive
    use psalm_force_model, only: force_model_t, friction_t, load_t, spring_t, vertices_of
    use psalm_kinds, only: wp, pi, degrees_per_radian, full_turn
+   use psalm_linear, only: solve_three
    use psalm_motor_group, only: motor_group_t
    implicit none (type, external)
    private
@@ -318,31 +319,6 @@ contains
          if (stretch(1) <= 0.0_wp .and. energy <= 0.0_wp) residual(1) = 0.0_wp
       end subroutine residual_at
    end subroutine solve_step
-
-   !> Three linear equations, by Cramer's rule: few digits are needed.
-   pure subroutine solve_three(a, b, x, regular)
-      real(wp), intent(in) :: a(3, 3), b(3)
-      real(wp), intent(out) :: x(3)
-      logical, intent(out) :: regular
-      real(wp) :: cofactors(3, 3), determinant
-
-      cofactors(:, 1) = cross(a(:, 2), a(:, 3))
-      cofactors(:, 2) = cross(a(:, 3), a(:, 1))
-      cofactors(:, 3) = cross(a(:, 1), a(:, 2))
-      determinant = dot_product(a(:, 1), cofactors(:, 1))
-      x = 0.0_wp
-      regular = abs(determinant) > 0.0_wp
-      if (regular) x = matmul(b, cofactors)/determinant
-
-   contains
-
-      pure function cross(u, v) result(w)
-         real(wp), intent(in) :: u(3), v(3)
-         real(wp) :: w(3)
-
-         w = [u(2)*v(3) - u(3)*v(2), u(3)*v(1) - u(1)*v(3), u(1)*v(2) - u(2)*v(1)]
-      end function cross
-   end subroutine solve_three
 
    !> One turn from a speed; `after` is the speed at its end, 0 if there is none.
    pure subroutine one_turn(machine, stride, start, cycle, after, ended)

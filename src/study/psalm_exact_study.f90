@@ -5,6 +5,7 @@ module psalm_exact_study
    use psalm_certificate, only: certificate_t, certify_generators, certify_legs, certify_poses
    use psalm_data_set, only: data_set_t
    use psalm_defects, only: exact_linkage_t, cognates_of, place_pins
+   use psalm_dense, only: factors_t, factorise, solve
    use psalm_exact_group, only: exact_of, exact_group_t, is_missing, kind_function, kind_motion, six_bar_none, six_bar_watt
    use psalm_exact_results, only: exact_proof_t, exact_result_t, add_result, is_better, judged, pair_of, rank, span_of
    use psalm_exact_subsets, only: find_by_subsets, subset_study_t
@@ -231,6 +232,7 @@ contains
    pure logical function lie_on_circle(p)
       complex(wp), intent(in) :: p(:)
       complex(wp) :: q(size(p))
+      type(factors_t) :: factors
       real(wp) :: m(4, 4), row(4), vector(4), norm
       integer :: i, k, turns
 
@@ -249,35 +251,15 @@ contains
       do i = 1, 4
          m(i, i) = m(i, i) + epsilon(1.0_wp)
       end do
+      call factorise(m, factors)
       do turns = 1, 4
-         call solve_four(m, vector)
+         vector = solve(factors, vector)
          norm = sqrt(sum(vector**2))
          if (.not. norm > 0.0_wp) return
          vector = vector/norm
       end do
       lie_on_circle = maxval(abs(vector(1)*abs(q)**2 + vector(2)*real(q, wp) + vector(3)*aimag(q) + vector(4))) < on_circle
    end function lie_on_circle
-
-   !> Solve four symmetric equations by elimination; the solution replaces the right side.
-   pure subroutine solve_four(matrix, right)
-      real(wp), intent(in) :: matrix(4, 4)
-      real(wp), intent(inout) :: right(4)
-      real(wp) :: m(4, 5), row(5)
-      integer :: i, p
-
-      m(:, :4) = matrix
-      m(:, 5) = right
-      do i = 1, 4
-         p = i - 1 + maxloc(abs(m(i:, i)), dim=1)
-         row = m(p, :)
-         m(p, :) = m(i, :)
-         m(i, :) = row/row(i)
-         do p = 1, 4
-            if (p /= i) m(p, :) = m(p, :) - m(p, i)*m(i, :)
-         end do
-      end do
-      right = m(:, 5)
-   end subroutine solve_four
 
    !> The problem that the points ask for.
    pure subroutine problem_of(exact, problem)
