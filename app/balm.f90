@@ -72,7 +72,7 @@ contains
          call report_picture(sets(k), cases(k), devices)
       end do
       if (findings%failed() .or. .not. arguments%quiet) call show_findings(findings)
-      if (.not. arguments%quiet) call write_standard_error(devices%notes%content())
+      if (.not. arguments%quiet) call show_findings(devices%remarks)
       code = max(code, findings%exit_code(), devices%code)
       if (findings%exit_code() == exit_file_trouble) return
       stem = stem_of(file, arguments%output_dir)

@@ -157,7 +157,10 @@ contains
          call study(k, sets(k), prepared(k), devices, stopped)
          if (stopped) exit
       end do
-      if (.not. arguments%quiet) call write_standard_error(devices%notes%content()//devices%summary%content())
+      if (.not. arguments%quiet) then
+         call show_findings(devices%remarks)
+         call write_standard_error(devices%summary%content())
+      end if
       code = max(code, devices%code)
       call write_devices(arguments, stem, devices, code)
    end subroutine run_file

@@ -1,4 +1,4 @@
-!> What a procedure has to say about its input: errors, warnings and notes, each with its place in the text.
+!> What a procedure has to say about its input or its results: errors, warnings and remarks, each with its place in the text.
 !>
 !> Nothing below `app/` prints or stops. Findings are collected in a `diagnostics_t`, carried to the caller and printed
 !> once by the program, which derives its exit status from them.
@@ -6,9 +6,10 @@ module psalm_status
    implicit none (type, external)
    private
    public :: finding_t, diagnostics_t
-   public :: level_error, level_warning
+   public :: level_error, level_warning, level_remark
    public :: exit_done, exit_violation, exit_bad_input, exit_file_trouble
 
+   integer, parameter :: level_remark = 0  !! of a result
    integer, parameter :: level_warning = 1 !! worth a look; the run goes on
    integer, parameter :: level_error = 2   !! the run cannot start
 
@@ -22,7 +23,7 @@ module psalm_status
 
    !> One finding and its place.
    type :: finding_t
-      integer :: level = level_error           !! `level_error` or `level_warning`
+      integer :: level = level_error           !! `level_error`, `level_warning` or `level_remark`
       integer :: code = exit_bad_input         !! exit status that an error of this kind leads to
       character(:), allocatable :: text        !! what is wrong and how to mend it
       character(:), allocatable :: file        !! name of the file, empty if none
@@ -34,7 +35,7 @@ module psalm_status
       procedure :: render => render_finding
    end type finding_t
 
-   !> A growing list of findings. Of one kind (level, group, item) the first few are kept, the rest is counted.
+   !> A growing list of findings. Of one kind (level, group, item) the first few are kept, the rest is counted; of remarks all are.
    type :: diagnostics_t
       type(finding_t), allocatable :: list(:)  !! room for findings; the first `count` are valid
       integer :: count = 0                     !! findings so far
@@ -43,6 +44,7 @@ module psalm_status
       procedure :: error => add_error
       procedure :: warning => add_warning
       procedure :: trouble => add_trouble
+      procedure :: remark => add_remark
       procedure :: add => add_finding
       procedure :: append => add_list
       procedure :: drop
@@ -80,6 +82,14 @@ contains
 
       call append(self, level_error, exit_file_trouble, text)
    end subroutine add_trouble
+
+   !> Add a remark on a result.
+   pure subroutine add_remark(self, text)
+      class(diagnostics_t), intent(inout) :: self
+      character(*), intent(in) :: text
+
+      call append(self, level_remark, exit_done, text)
+   end subroutine add_remark
 
    !> Add what was found elsewhere.
    pure subroutine add_finding(self, finding)
@@ -157,7 +167,7 @@ contains
       end do
    end function exit_code
 
-   !> The finding as one line: `file:line: error: &GROUP ITEM: text`.
+   !> The finding as one line: `file:line: error: &GROUP ITEM: text`; of a remark `file: text`.
    pure function render_finding(self) result(text)
       class(finding_t), intent(in) :: self
       character(:), allocatable :: text
@@ -170,7 +180,7 @@ contains
          text = text//trim(number)//':'
       end if
       if (len(text) > 0) text = text//' '
-      text = text//trim(merge('error:  ', 'warning:', self%level == level_error))//' '
+      if (self%level /= level_remark) text = text//trim(merge('error:  ', 'warning:', self%level == level_error))//' '
       if (len(self%group) > 0) text = text//'&'//self%group//' '
       if (len(self%item) > 0) text = text//self%item
       if (len(self%group) + len(self%item) > 0) text = trim(text)//': '
@@ -202,7 +212,7 @@ contains
       if (present(item)) new%item = item
       if (present(line)) new%line = line
       alike = 0
-      do i = self%count, 1, -1
+      do i = merge(0, self%count, level == level_remark), 1, -1
          associate (old => self%list(i))
             if (old%level /= level .or. old%code /= code) cycle
             if (old%file /= new%file .or. old%group /= new%group .or. old%item /= new%item) cycle
@@ -213,7 +223,7 @@ contains
             alike = alike + 1
          end associate
       end do
-      if (self%count == most_findings) then
+      if (self%count >= most_findings .and. level /= level_remark) then
          associate (final => self%list(self%count))
             if (final%more == 0 .or. len(final%group) > 0) &
                final = finding_t(final%level, final%code, 'and ', final%file, '', '', 0, max(1, final%more))

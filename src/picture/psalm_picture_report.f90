@@ -21,7 +21,7 @@ contains
       associate (scene => case%scene, prescribed => case%scene%prescribed)
          if (size(case%undrawn) > 0 .or. prescribed%violated .or. size(scene%breaches) > 0) call devices%note_violation()
          do i = 1, size(case%undrawn)
-            call devices%notes%add(set%file//': '//trim(set%title)//', all positions: '//case%undrawn(i)%text)
+            call devices%remark(set, case%undrawn(i)%text, 'all positions')
          end do
          do i = 1, size(scene%breaches)
             call devices%remark(set, scene%breaches(i)%text)

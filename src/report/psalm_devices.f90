@@ -3,7 +3,7 @@ module psalm_devices
    use psalm_data_set, only: data_set_t
    use psalm_mark, only: mark_width
    use psalm_ranking_list, only: ranking_entry_t
-   use psalm_status, only: exit_done, exit_violation
+   use psalm_status, only: diagnostics_t, exit_done, exit_violation
    use psalm_table, only: table_t, table_of
    use psalm_text, only: text_t
    use psalm_version, only: version
@@ -32,7 +32,7 @@ module psalm_devices
       type(drawing_t), allocatable :: drawings(:) !! of the cases, by `add_drawing`
       type(ranking_entry_t), allocatable :: ranking(:) !! linkages of the cases so far that are ranked together; not allocated: none
       type(text_t) :: shares  !! of the starts, of those of them that share these
-      type(text_t) :: notes   !! remarks for standard error
+      type(diagnostics_t) :: remarks     !! on the results, for standard error
       type(text_t) :: summary !! what the linkage does, for standard error
       integer :: summarised = 0          !! cases met by the summary
       integer :: code = exit_done        !! exit status so far
@@ -78,12 +78,18 @@ contains
    end subroutine new_table
 
    !> A remark on a case, with its file and title.
-   subroutine remark(self, set, text)
+   subroutine remark(self, set, text, part)
       class(devices_t), intent(inout) :: self
       type(data_set_t), intent(in) :: set
       character(*), intent(in) :: text
+      character(*), intent(in), optional :: part     !! of the case that it is about
 
-      call self%notes%add(set%file//': '//trim(set%title)//': '//text)
+      self%remarks%file = set%file
+      if (present(part)) then
+         call self%remarks%remark(trim(set%title)//', '//part//': '//text)
+      else
+         call self%remarks%remark(trim(set%title)//': '//text)
+      end if
    end subroutine remark
 
    !> A further line to a remark, with the name of the file.
@@ -92,7 +98,8 @@ contains
       type(data_set_t), intent(in) :: set
       character(*), intent(in) :: text
 
-      call self%notes%add(set%file//':   '//text)
+      self%remarks%file = set%file
+      call self%remarks%remark('  '//text)
    end subroutine detail
 
    !> A further file.
