@@ -12,7 +12,7 @@ program ssics
    use psalm_preparation, only: demand_t, prepared_t
    use psalm_status, only: diagnostics_t
    use psalm_steady_report, only: report_steady
-   use psalm_steady_study, only: steady_study_t, steady_groups_of, check_steady, find_steady
+   use psalm_steady_study, only: steady_study_t, check_steady, find_steady
    use psalm_system, only: finish_program
    implicit none (type, external)
    character(*), parameter :: nl = new_line('a')
@@ -61,7 +61,7 @@ contains
       end associate
       if (set%links%nloop == 0 .and. .not. allocated(set%no_loops)) return ! Hill's equation alone
       call prepare_dyads('ssics studies', demand, set, prepared, findings)
-      if (.not. findings%failed()) call check_steady(set, steady_groups_of(set), prepared, findings)
+      if (.not. findings%failed()) call check_steady(set, prepared, findings)
    end subroutine prepare_steady
 
    subroutine run_case(number, set, prepared, devices, stopped)

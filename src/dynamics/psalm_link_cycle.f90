@@ -17,7 +17,7 @@ module psalm_link_cycle
    use psalm_rates, only: rates_t, prepare_rates, differentiate, is_dead
    use psalm_status, only: diagnostics_t
    use psalm_text, only: to_text
-   use psalm_vibration_group, only: beam_t
+   use psalm_beam, only: beam_t
    implicit none (type, external)
    private
    public :: link_cycle_t, find_link_cycle, check_link, moving_link, inertia_at_crank, add_uniform_link

@@ -1,5 +1,6 @@
 !> The groups VIBR (vibration of one link) and ESTIM (estimates of several links): the links as uniform beams, and what is asked.
 module psalm_vibration_group
+   use psalm_beam, only: beam_t
    use psalm_case_group, only: case_group_t, surroundings_t, place_visitor_t
    use psalm_data_set, only: data_set_t
    use psalm_group, only: group_t, out_of, required
@@ -12,20 +13,7 @@ module psalm_vibration_group
    implicit none (type, external)
    private
    public :: vibration_items, estimate_items
-   public :: beam_t, vibration_group_t, estimate_group_t, vibration_of, estimates_of
-
-   !> A uniform link between two pins.
-   type :: beam_t
-      type(place_t) :: link                    !! one of its arcs, the one between the pins; of a sketch its name
-      real(wp) :: modulus = 0.0_wp             !! Young's, Pa
-      real(wp) :: density = 0.0_wp             !! kg/m3
-      real(wp) :: area = 0.0_wp                !! m2
-      real(wp) :: gyration = 0.0_wp            !! radius of gyration of the section, m
-      real(wp) :: depth = 0.0_wp               !! of the section in the plane of motion, m; 0: not known
-      real(wp) :: damping = 0.0_wp             !! part of the critical one, of every mode
-      real(wp) :: shear_ratio = 0.0_wp         !! E/(kappa G); 0: a slender beam
-      real(wp) :: strain = 0.0_wp              !! limit of the material; 0: not known
-   end type beam_t
+   public :: vibration_group_t, estimate_group_t, vibration_of, estimates_of
 
    type, extends(case_group_t) :: vibration_group_t
       type(beam_t) :: beam

@@ -8,13 +8,11 @@ module psalm_picture_study
    use psalm_devices, only: most_told
    use psalm_dxf_group, only: dxf_group_t, dxf_of
    use psalm_error, only: problem_t, motion_t, make_problem
-   use psalm_exact_group, only: exact_group_t, exact_of
-   use psalm_exact_study, only: check_exact, leaves_curves
    use psalm_finale, only: describe_violation
    use psalm_kinds, only: wp
    use psalm_markup, only: strings_t, add_string
    use psalm_method_group, only: bytes_of_position
-   use psalm_pole_scene, only: pole_scene_t, make_pole_scene, poses_drawn
+   use psalm_pole_scene, only: pole_scene_t, asks_for_poles, check_poles, make_pole_scene
    use psalm_preparation, only: demand_t, prepared_t, prepare
    use psalm_scene, only: scene_t, add_curves, make_scene, message_scene
    use psalm_source, only: line_t
@@ -147,16 +145,14 @@ contains
       type(data_set_t), intent(in) :: set
       type(diagnostics_t), intent(inout) :: noted
       type(pictured_t), intent(inout) :: case
-      type(exact_group_t) :: exact
       logical :: drawn
 
-      exact = exact_of(set)
-      if (.not. (leaves_curves(exact) .and. size(exact%x) == poses_drawn)) then
+      if (.not. asks_for_poles(set)) then
          call noted%error('asks the program psalm for linkages; use the cases of its device 7 (of &EXACT balm draws four poses)', &
                           line=set%title_line, group='EXACT')
          return
       end if
-      call check_exact(set, noted)
+      call check_poles(set, noted)
       if (noted%failed()) return
       allocate (case%poles)
       call make_pole_scene(set, case%poles, drawn)

@@ -1,16 +1,14 @@
 !> What pictures show of four poses: the curves of the pivots, the poles, the best linkage, and what every pair of pivots is worth.
 module psalm_pole_scene
-   use psalm_angles, only: unit_vector
    use psalm_burmester, only: pin_pair_t
    use psalm_data_set, only: data_set_t
-   use psalm_exact_group, only: exact_group_t, exact_of
    use psalm_exact_results, only: exact_result_t
-   use psalm_exact_study, only: exact_study_t, find_exact, poses_of
-   use psalm_kinds, only: wp, half_turn
-   use psalm_pole_curves, only: curve_sample_t, pole_map_t, map_pairs, sample_curve
+   use psalm_kinds, only: wp
+   use psalm_pole_curves, only: curve_sample_t, pole_map_t
+   use psalm_status, only: diagnostics_t
    implicit none (type, external)
    private
-   public :: pole_scene_t, make_pole_scene, poses_drawn, rays_drawn
+   public :: pole_scene_t, asks_for_poles, check_poles, make_pole_scene, poses_drawn, rays_drawn
 
    integer, parameter :: poses_drawn = 4
    integer, parameter :: rays_drawn = 360            !! of the curves
@@ -30,59 +28,26 @@ module psalm_pole_scene
       real(wp) :: at(2) = 0.0_wp                     !! the best pair on the axes of the map: rays, degrees; of branch 2 180 more
    end type pole_scene_t
 
-contains
+   interface
+      !> True if &EXACT asks for four poses that leave curves.
+      module pure logical function asks_for_poles(set)
+         implicit none (type, external)
+         type(data_set_t), intent(in) :: set
+      end function asks_for_poles
 
-   !> The scene of four poses that have passed `check_exact`. `drawn` false: their curves cannot be sampled.
-   subroutine make_pole_scene(set, scene, drawn)
-      type(data_set_t), intent(in) :: set
-      type(pole_scene_t), intent(out) :: scene
-      logical, intent(out) :: drawn
-      type(exact_group_t) :: exact
-      type(exact_study_t), allocatable :: study
-      complex(wp) :: d(poses_drawn - 1), g(poses_drawn - 1), moved(poses_drawn), turned(poses_drawn)
-      real(wp) :: c, s
-      integer :: i, k
+      !> Errors: poses that are the same, and what else &EXACT cannot ask for.
+      module subroutine check_poles(set, findings)
+         implicit none (type, external)
+         type(data_set_t), intent(in) :: set
+         type(diagnostics_t), intent(inout) :: findings
+      end subroutine check_poles
 
-      exact = exact_of(set)
-      allocate (study)
-      call find_exact(set, study)
-      drawn = .not. study%degenerate
-      scene%title = set%title
-      if (.not. drawn) return
-      call poses_of(exact, scene%pose, d, g)
-      do i = 1, poses_drawn
-         call unit_vector(exact%angle(i), c, s)
-         scene%axis(i) = cmplx(c, s, wp)
-      end do
-      moved = [(0.0_wp, 0.0_wp), d]
-      turned = [(1.0_wp, 0.0_wp), 1.0_wp + g]
-      do i = 1, poses_drawn
-         do k = i + 1, poses_drawn
-            if (.not. abs(turned(k) - turned(i)) > 0.0_wp) cycle
-            scene%has_pole(i, k) = .true.
-            scene%pole(i, k) = scene%pose(1) + moved(i) + turned(i)*(moved(i) - moved(k))/(turned(k) - turned(i))
-         end do
-      end do
-      scene%base = 1 + maxloc(abs(g), dim=1)
-      call sample_curve(d, g, rays_drawn, scene%curve)
-      scene%lines = study%lines
-      scene%has_best = size(study%results) > 0
-      if (scene%has_best) scene%best = study%results(1)
-      scene%has_map = size(study%lines) == 0
-      if (.not. scene%has_map) return
-      call map_pairs(scene%pose, d, g, exact%closed, scene%map)
-      if (.not. scene%has_best) return
-      scene%at = [place_of(scene%best%linkage%a), place_of(scene%best%linkage%b)]
-
-   contains
-
-      !> Where a pivot stands on the axes of the map.
-      pure real(wp) function place_of(pivot)
-         complex(wp), intent(in) :: pivot
-         integer :: nearest
-
-         nearest = minloc(abs(scene%pose(1) + study%curve%dyad%pivot - pivot), dim=1)
-         place_of = study%curve(nearest)%ray + half_turn*real(study%curve(nearest)%branch - 1, wp)
-      end function place_of
-   end subroutine make_pole_scene
+      !> The scene of four poses that have passed `check_poles`. `drawn` false: their curves cannot be sampled.
+      module subroutine make_pole_scene(set, scene, drawn)
+         implicit none (type, external)
+         type(data_set_t), intent(in) :: set
+         type(pole_scene_t), intent(out) :: scene
+         logical, intent(out) :: drawn
+      end subroutine make_pole_scene
+   end interface
 end module psalm_pole_scene

@@ -10,7 +10,6 @@ module psalm_steady_curves
    use psalm_stability, only: boundaries_t
    use psalm_steady_study, only: steady_study_t
    use psalm_text, only: text_t, full_precision, to_text
-   use psalm_vibration_group, only: vibration_group_t, vibration_of
    use psalm_vibration_study, only: vibration_study_t
    implicit none (type, external)
    private
@@ -62,10 +61,8 @@ contains
       type(steady_study_t), intent(in) :: study
       character(*), intent(in) :: name      !! of the case, without directory
       type(text_t), intent(inout) :: text
-      type(vibration_group_t) :: vibration
       integer :: pass, panels
 
-      vibration = vibration_of(set)
       panels = steady_panels(study)
       call text%add('# '//clean_text(trim(set%title)))
       if (allocated(study%vibration)) call write_vibration(study%vibration, text)
@@ -84,7 +81,7 @@ contains
             call text%add('set output '//gnuplot_text(name//'.pdf'))
          end if
          call text%add('set multiplot layout '//to_text(panels)//',1 title '//gnuplot_text(trim(set%title)))
-         if (allocated(study%vibration)) call plot_vibration(vibration, study%vibration, text)
+         if (allocated(study%vibration)) call plot_vibration(study%vibration, text)
          if (allocated(study%drive)) then
             if (study%drive%found) call plot_drive(study%drive, text)
          end if
@@ -213,8 +210,7 @@ contains
 
    ! ---- panels ------------------------------------------------------------------------------------------------------
 
-   subroutine plot_vibration(vibration, study, text)
-      type(vibration_group_t), intent(in) :: vibration
+   subroutine plot_vibration(study, text)
       type(vibration_study_t), intent(in) :: study
       type(text_t), intent(inout) :: text
       character(:), allocatable :: line
@@ -246,22 +242,21 @@ contains
          end do
          call plot_speeds('greatest deflection of mode 1, m', '$speeds', study%speeds%speed, text)
       end if
-      if (size(study%chart) > 0) call plot_chart(vibration, study, text)
+      if (size(study%chart) > 0) call plot_chart(study, text)
    end subroutine plot_vibration
 
    !> Bands between the boundaries of each p; the case itself as a point; the rule of thumb.
-   subroutine plot_chart(vibration, study, text)
-      type(vibration_group_t), intent(in) :: vibration
+   subroutine plot_chart(study, text)
       type(vibration_study_t), intent(in) :: study
       type(text_t), intent(inout) :: text
       character(:), allocatable :: line
       integer :: p
 
       call text%add('$here << END')
-      call text%add(full_precision(vibration%given_e)//' '//full_precision(study%ratio))
+      call text%add(full_precision(study%given_e)//' '//full_precision(study%ratio))
       call text%add('END')
       call text%add('set xlabel "e: inertia of the other links"; set xtics auto; set xrange [0:'// &
-                    full_precision(vibration%greatest_e)//']; set ylabel "first frequency/speed"; set yrange [0:'// &
+                    full_precision(study%greatest_e)//']; set ylabel "first frequency/speed"; set yrange [0:'// &
                     full_precision(top_of_chart(study))//']')
       ! below the boundary of p = 0 all is unstable
       line = "plot $chart index 0 using 1:3:(-1) with filledcurves fs solid 0.35 lc rgb '"//colour_unstable// &

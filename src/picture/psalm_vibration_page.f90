@@ -23,7 +23,7 @@ contains
       associate (study => vibration%study)
          call text%add_text('{"from":'//to_text(from)//',"to":'//to_text(to)//',"factor":'//short_number(vibration%factor)// &
                             ',"settles":'//trim(merge('true ', 'false', vibration%settles))//',"ratio":'// &
-                            short_number(study%ratio)//',"e":'//short_number(vibration%given_e)//',"modes":[')
+                            short_number(study%ratio)//',"e":'//short_number(vibration%study%given_e)//',"modes":[')
          do j = 1, min(size(study%modes), most_shown_modes)
             call text%add_text(comma(j)//'[')
             do k = 1, size(vibration%deflection, 1)

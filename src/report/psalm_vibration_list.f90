@@ -1,5 +1,6 @@
 !> Vibration of links, flexible drives and Hill's equation in the listing and on device 9.
 module psalm_vibration_list
+   use psalm_beam, only: beam_t
    use psalm_block, only: begin_block
    use psalm_data_set, only: data_set_t
    use psalm_drive_group, only: hill_group_t, hill_of, drive_group_t, drive_of
@@ -10,7 +11,7 @@ module psalm_vibration_list
    use psalm_link_place, only: place_t
    use psalm_stability, only: boundaries_t
    use psalm_text, only: text_t, full_precision, general, number_or_nan, to_text
-   use psalm_vibration_group, only: estimate_group_t, estimates_of, vibration_group_t, vibration_of, beam_t
+   use psalm_vibration_group, only: estimate_group_t, estimates_of, vibration_group_t, vibration_of
    use psalm_vibration_study, only: vibration_study_t, mode_t, harmonics_listed
    implicit none (type, external)
    private

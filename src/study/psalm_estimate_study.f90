@@ -19,7 +19,7 @@ module psalm_estimate_study
    use psalm_periodic, only: periodic_t, periodic_from_samples
    use psalm_vibration_estimates, only: euler_load, frequency_ratio, dynamic_error, impulse_magnifier, frequency_fall, &
       strength_ratio, tie_rod_ratio, straightening, foreshortening_sine, post_support_of_slenderness
-   use psalm_vibration_group, only: estimate_group_t, estimates_of, beam_t
+   use psalm_beam, only: beam_t
    implicit none (type, external)
    private
    public :: estimate_t, find_estimate, harmonics_estimated, stubby, rules, judge_estimates
@@ -86,23 +86,21 @@ module psalm_estimate_study
 
 contains
 
-   subroutine find_estimate(set, given, dimensions, model, beam, estimate)
+   subroutine find_estimate(set, given, dimensions, model, beam, points, estimate)
       type(data_set_t), intent(in) :: set
       type(problem_t), intent(in) :: given
       type(dimensions_t), intent(in) :: dimensions
       type(force_model_t), intent(in) :: model
       type(beam_t), intent(in) :: beam
+      integer, intent(in) :: points              !! positions in a turn
       type(estimate_t), intent(out) :: estimate
-      type(estimate_group_t) :: group
       type(moving_link_t) :: link
       type(periodic_t) :: acceleration, derived
       type(extent_t) :: extents(0:extents_used - 1)
       real(wp), allocatable :: middle(:), pull(:)
       real(wp) :: speed, stiffness, delta
-      integer :: k, points
+      integer :: k
 
-      group = estimates_of(set)
-      points = group%points
       call find_link_cycle(given, dimensions, model, beam, points, sign(1.0_wp, set%rates%speed), estimate%cycle)
       if (estimate%cycle%trouble > 0) return
       speed = abs(set%rates%speed)

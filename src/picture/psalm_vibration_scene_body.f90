@@ -1,0 +1,67 @@
+!> How the scene of a vibrating link is made. Only this knows what the group VIBR has.
+submodule(psalm_vibration_scene) psalm_vibration_scene_body
+   use psalm_error, only: problem_t, make_problem
+   use psalm_force_model, only: force_model_t, make_force_model
+   use psalm_kinds, only: radians_per_degree
+   use psalm_periodic, only: periodic_t, periodic_from_samples
+   use psalm_status, only: diagnostics_t
+   use psalm_steady_study, only: check_steady, model_with_links
+   use psalm_vibration_group, only: vibration_group_t, vibration_of
+   use psalm_vibration_study, only: find_vibration
+   implicit none (type, external)
+
+   real(wp), parameter :: drawn_part = 0.12_wp !! of the link's length: its greatest deflection as drawn, about
+
+contains
+
+   module procedure make_vibration_scene
+      type(vibration_group_t) :: vibration
+      class(problem_t), allocatable :: problem    ! large: it would fill a small stack
+      type(force_model_t) :: model
+      type(diagnostics_t) :: findings
+      type(periodic_t) :: q
+      real(wp) :: largest
+      integer :: j, n
+
+      found = .false.
+      vibration = vibration_of(set)
+      call check_steady(set, prepared, findings, vibration_alone=.true.)
+      if (findings%failed()) return
+      allocate (problem)
+      call make_problem(set, prepared%mechanism, prepared%given, prepared%parameters, problem)
+      call make_force_model(set, prepared%mechanism, prepared%given, model, findings)
+      n = prepared%mechanism%seq(vibration%beam%link%loop, vibration%beam%link%arc)
+      model = model_with_links(set, prepared%mechanism, prepared%given, n, model)
+      call find_vibration(set, problem, prepared%given, model, scene%study)
+      if (size(scene%study%modes) == 0) return
+      scene%metre = model%metre
+      scene%bar = prepared%mechanism%arcs(n)%bar
+      scene%reversed = prepared%mechanism%arcs(n)%reversed
+      scene%settles = .true.
+      allocate (scene%deflection(size(sweep), size(scene%study%modes)), source=0.0_wp)
+      do j = 1, size(scene%study%modes)
+         associate (hill => scene%study%modes(j)%hill)
+            scene%settles = scene%settles .and. (hill%stable .or. hill%neutral) .and. hill%unique
+            if (.not. hill%unique) cycle
+            found = .true.
+            q = periodic_from_samples(scene%study%cycle%length/scene%metre*hill%y)
+            scene%deflection(:, j) = q%at(scene%study%cycle%sense*radians_per_degree*sweep)
+         end associate
+      end do
+      largest = maxval(sum(abs(scene%deflection), dim=2))
+      if (largest > 0.0_wp) scene%factor = round_down(drawn_part*scene%study%cycle%length/scene%metre/largest)
+   end procedure make_vibration_scene
+
+   !> The next 1, 2 or 5 times a power of ten below; at least 1.
+   pure real(wp) function round_down(value)
+      real(wp), intent(in) :: value
+      real(wp) :: power
+
+      round_down = 1.0_wp
+      if (value <= 1.0_wp) return
+      power = 10.0_wp**floor(log10(value))
+      round_down = power
+      if (value >= 2.0_wp*power) round_down = 2.0_wp*power
+      if (value >= 5.0_wp*power) round_down = 5.0_wp*power
+   end function round_down
+end submodule psalm_vibration_scene_body

@@ -1,0 +1,158 @@
+!> Which study is made for which of the groups ESTIM, VIBR, DRIVEL and HILL.
+submodule(psalm_steady_study) psalm_steady_study_body
+   use psalm_drive_group, only: drive_group_t, hill_group_t, drive_of, hill_of
+   use psalm_drive_study, only: find_drive, find_hill
+   use psalm_estimate_study, only: find_estimate, judge_estimates
+   use psalm_force_model, only: make_force_model
+   use psalm_kinds, only: wp
+   use psalm_link_cycle, only: check_link, add_uniform_link
+   use psalm_vibration_group, only: estimate_group_t, vibration_group_t, estimates_of, vibration_of
+   use psalm_vibration_study, only: find_vibration
+   implicit none (type, external)
+
+   !> Groups of a case that ask for studies.
+   type :: steady_groups_t
+      type(estimate_group_t) :: estimates
+      type(vibration_group_t) :: vibration
+      type(drive_group_t) :: drive
+      type(hill_group_t) :: hill
+   end type steady_groups_t
+
+contains
+
+   !> All that a case asks for.
+   pure function steady_groups_of(set) result(asked)
+      type(data_set_t), intent(in) :: set
+      type(steady_groups_t) :: asked
+
+      asked%estimates = estimates_of(set)
+      asked%vibration = vibration_of(set)
+      asked%drive = drive_of(set)
+      asked%hill = hill_of(set)
+   end function steady_groups_of
+
+   module procedure check_steady
+      type(steady_groups_t) :: asked
+      type(force_model_t) :: model
+      integer :: k
+
+      asked = steady_groups_of(set)
+      if (present(vibration_alone)) then
+         if (vibration_alone) then
+            asked%estimates%given = .false.
+            asked%estimates%beams = asked%estimates%beams(:0)
+            asked%drive%given = .false.
+            asked%hill%given = .false.
+         end if
+      end if
+      call make_force_model(set, prepared%mechanism, prepared%given, model, findings)
+      if (.not. (asked%vibration%given .or. asked%estimates%given .or. asked%drive%given .or. asked%hill%given)) then
+         call findings%error('the case asks for nothing: give &ESTIM, &VIBR, &DRIVEL or &HILL', line=set%title_line)
+         return
+      end if
+      if (findings%failed()) return
+      if (asked%vibration%given .or. asked%estimates%given .or. asked%drive%given) then
+         if (.not. set%rates%given) then
+            call findings%error('the group is missing: ssics needs the SPEED of the input', line=set%title_line, group='RATES')
+         else if (.not. abs(set%rates%speed) > 0.0_wp) then
+            call set%origins%error(findings, 'RATES', 'SPEED', 'ssics needs a speed other than 0', 1)
+         else if (abs(set%rates%accel) > 0.0_wp) then
+            call set%origins%error(findings, 'RATES', 'ACCEL', 'a steady state has a constant speed: no ACCEL', 1)
+         end if
+      end if
+      if (asked%vibration%given) then
+         call check_link(set, prepared%mechanism, prepared%given, model, asked%vibration%beam, 'VIBR', item_of('V'), 1, findings)
+      end if
+      do k = 1, size(asked%estimates%beams)
+         call check_link(set, prepared%mechanism, prepared%given, model, asked%estimates%beams(k), 'ESTIM', item_of('E'), k, &
+                         findings)
+      end do
+      if (asked%drive%given .and. prepared%mechanism%sliding_input) then
+         call set%origins%error(findings, 'DRIVEL', '', 'a flexible drive needs a crank that turns; the input of this linkage '// &
+                                'slides')
+      end if
+      if (asked%drive%given .and. size(model%friction) > 0) then
+         call set%origins%error(findings, 'FRICTN', '', 'the equation of a flexible drive is linear, but friction changes its '// &
+                                'sign with the motion of the joint; leave &FRICTN out, or give its losses as a moment in &LOADS')
+      end if
+      if (asked%drive%given .and. asked%drive%ripple > 0.0_wp) then
+         if (size(model%loads) > 0) call refuse_load('LOADS', 'loads')
+         if (size(model%springs) > 0) call refuse_load('SPRING', 'springs')
+         if (any(abs(model%gravity) > 0.0_wp)) call refuse_load('MASSES', 'gravity')
+      end if
+
+   contains
+
+      !> With DRIPPL there is no linkage to act on.
+      subroutine refuse_load(group, what)
+         character(*), intent(in) :: group, what
+
+         call set%origins%error(findings, group, '', 'DRIPPL of &DRIVEL puts an inertia in place of the linkage: '//what// &
+                                ' would act on nothing; leave one of them out')
+      end subroutine refuse_load
+
+      !> The item that names a link: of a sketch by its name.
+      pure function item_of(letter) result(item)
+         character, intent(in) :: letter
+         character(:), allocatable :: item
+
+         item = letter//'LINK'
+         if (set%sketch%given) item = letter//'NAME'
+      end function item_of
+   end procedure check_steady
+
+   module procedure find_steady
+      type(steady_groups_t) :: asked
+      type(force_model_t) :: model, with_links
+      type(diagnostics_t) :: unused
+      integer :: k
+
+      asked = steady_groups_of(set)
+      if (set%links%nloop > 0) call make_force_model(set, prepared%mechanism, prepared%given, model, unused)
+      if (asked%estimates%given) then
+         allocate (study%estimates(size(asked%estimates%beams)))
+         do k = 1, size(study%estimates)
+            associate (link => asked%estimates%beams(k)%link)
+               with_links = model_with_links(set, prepared%mechanism, prepared%given, prepared%mechanism%seq(link%loop, link%arc), &
+                                             model)
+            end associate
+            call find_estimate(set, problem, prepared%given, with_links, asked%estimates%beams(k), &
+                               asked%estimates%points, study%estimates(k))
+         end do
+         call judge_estimates(prepared%mechanism, asked%estimates%beams, study%estimates)
+      end if
+      if (asked%vibration%given) then
+         allocate (study%vibration)
+         associate (link => asked%vibration%beam%link)
+            with_links = model_with_links(set, prepared%mechanism, prepared%given, prepared%mechanism%seq(link%loop, link%arc), &
+                                          model)
+         end associate
+         call find_vibration(set, problem, prepared%given, with_links, study%vibration)
+      end if
+      if (asked%drive%given) then
+         allocate (study%drive)
+         with_links = model_with_links(set, prepared%mechanism, prepared%given, 0, model)
+         call find_drive(set, problem, prepared%given, with_links, study%drive)
+      end if
+      if (asked%hill%given) then
+         allocate (study%hill)
+         call find_hill(set, study%hill)
+      end if
+   end procedure find_steady
+
+   module procedure model_with_links
+      type(estimate_group_t) :: estimates
+      type(vibration_group_t) :: vibration
+      integer :: beyond, n
+
+      estimates = estimates_of(set)
+      vibration = vibration_of(set)
+      all = model
+      beyond = 0
+      if (arc > 0) beyond = mechanism%arcs(arc)%body
+      do n = 1, size(estimates%beams)
+         call add_uniform_link(mechanism, dimensions, estimates%beams(n), beyond, all)
+      end do
+      if (vibration%given) call add_uniform_link(mechanism, dimensions, vibration%beam, beyond, all)
+   end procedure model_with_links
+end submodule psalm_steady_study_body
