@@ -3,7 +3,8 @@ program calm
    use psalm_batch, only: outputs_t, common_options, run_files, ending_of_case
    use psalm_cam_code, only: write_cam_code
    use psalm_cam_dxf, only: write_cam_dxf
-   use psalm_cam_group, only: cam_group_t, cams_of
+   use psalm_cam_data, only: cam_group_t
+   use psalm_cam_group, only: cams_of
    use psalm_cam_page, only: write_cam_page
    use psalm_cam_report, only: report_cam, report_search
    use psalm_cam_scene, only: cam_scene_t, make_cam_scene

@@ -16,11 +16,12 @@ module force_checks
    use, intrinsic :: iso_fortran_env, only: real128
    use psalm_load_group, only: load_group_t
    use psalm_motor_group, only: motor_group_t, motor_of
-   use psalm_machine, only: machine_t, cycle_t, machine_run_t, reduced_t, reduce_machine, make_machine, steady_cycle, run_up, &
+   use psalm_machine, only: machine_t, cycle_t, machine_run_t, make_machine, steady_cycle, run_up, &
                             flywheel_for, cycle_found, cycle_any_speed, cycle_grows
    use psalm_mechanism, only: mechanism_t, at_start, body_frame, joint_prismatic
    use psalm_output_kind, only: motion_point
    use psalm_parameters, only: parameters_t
+   use psalm_reduced, only: reduced_t, reduce_machine
    use psalm_rates, only: rates_t, prepare_rates, differentiate, output_rates, highest_order
    use psalm_setup, only: set_up
    use psalm_status, only: diagnostics_t

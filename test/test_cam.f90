@@ -5,7 +5,7 @@ program test_cam
    use psalm_angles, only: unit_vector
    use psalm_arc_path, only: circle_arc_t, sampled_curve_t, fit_arcs, deviation_of, chords_needed
    use psalm_cam_contact, only: line_stress
-   use psalm_cam_group, only: cam_group_t
+   use psalm_cam_data, only: cam_group_t
    use psalm_cam_kind, only: law_names, has_zones, zones_of, law_kind
    use psalm_cam_law, only: law_t, law_joint_t, make_law, law_made, law_velocity_jumps, law_singular, law_jerk_jumps, &
                             highest_law_order

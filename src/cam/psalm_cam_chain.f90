@@ -6,7 +6,7 @@
 !> round the cam; every other cam angle is reached from the nearest of these by Taylor series and Newton's method.
 module psalm_cam_chain
    use psalm_angles, only: nearest_difference, unit_vector
-   use psalm_cam_group, only: cam_group_t, roller_t
+   use psalm_cam_data, only: cam_group_t, roller_t
    use psalm_cam_law, only: law_t, highest_law_order
    use psalm_cam_trace, only: cam_trace_t, clear_trace, fault_dead_point, fault_none, fault_open
    use psalm_chain_motion, only: advance, differentiate

@@ -6,13 +6,13 @@
 !> contact: a roller that turns freely has mu near 0. Where both together cannot move the follower it jams.
 !> Stress on a line: Hertz (1882).
 module psalm_cam_contact
-   use psalm_cam_group, only: cam_group_t
+   use psalm_cam_data, only: cam_group_t
    use psalm_cam_trace, only: cam_trace_t
    use psalm_cam_profile, only: cam_axes_t, cam_points_t
    use psalm_error, only: problem_t
    use psalm_force_model, only: force_model_t
    use psalm_kinds, only: wp, pi
-   use psalm_machine, only: reduced_t, reduce_machine
+   use psalm_reduced, only: reduced_t, reduce_machine
    implicit none (type, external)
    private
    public :: cam_contact_t, find_contact, line_stress

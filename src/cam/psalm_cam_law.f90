@@ -4,7 +4,7 @@
 !> Source: Oldham (1977), 9.3.2, with the seven zones of any trigonometric law in one formula; derivation in doc/theory.md.
 module psalm_cam_law
    use psalm_angles, only: unit_vector
-   use psalm_cam_group, only: cam_group_t, fit_least_squares, most_pieces
+   use psalm_cam_data, only: cam_group_t, fit_least_squares, most_pieces
    use psalm_cam_kind, only: law_dwell, law_ramp, law_poly345, law_poly4567, law_poly, has_zones, zone_count
    use psalm_kinds, only: wp, full_turn, radians_per_degree, right_angle
    use psalm_periodic_spline, only: periodic_spline, quintic_hermite, septic_hermite

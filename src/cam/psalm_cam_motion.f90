@@ -7,7 +7,7 @@
 !> Source: Oldham (1977), 9.3.2; derivation in doc/theory.md.
 module psalm_cam_motion
    use psalm_angles, only: nearest_difference
-   use psalm_cam_group, only: cam_group_t, roller_t
+   use psalm_cam_data, only: cam_group_t, roller_t
    use psalm_cam_chain, only: cam_chain_t
    use psalm_cam_law, only: law_t, highest_law_order
    use psalm_cam_passage, only: ways_t, plan_ways, next_dead_point, solve_near, no_point

@@ -6,7 +6,7 @@
 !> Next to the dead point the input is solved for as a distance from it. Source: Oldham (1977), 9.3.2; derivation in
 !> doc/theory.md.
 module psalm_cam_passage
-   use psalm_cam_group, only: cam_group_t
+   use psalm_cam_data, only: cam_group_t
    use psalm_cam_kind, only: law_dwell
    use psalm_cam_law, only: law_t, make_law, highest_law_order
    use psalm_cam_stretch, only: moved_problem_t, followed_t, stretch_t, stretch_end_t, find_stretch, find_dead_point, rise_from

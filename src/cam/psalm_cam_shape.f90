@@ -1,7 +1,7 @@
 !> A cam as a whole: motion, follower and shape at any cam angles, and the extremes of everything over a turn.
 module psalm_cam_shape
    use psalm_angles, only: unit_vector
-   use psalm_cam_group, only: cam_group_t, follower_flat
+   use psalm_cam_data, only: cam_group_t, follower_flat
    use psalm_cam_motion, only: cam_motion_t
    use psalm_cam_profile, only: cam_axes_t, cam_points_t, roller_profile, flat_profile, side_of_centre
    use psalm_cam_trace, only: cam_trace_t, fault_none

@@ -7,16 +7,15 @@
 !> changes fast. The same with twice the step estimates the error. J and what weight, loads and springs do are found from the
 !> forces at unit speed, in closed form at every node. Friction of joints (&FRICTN) is no part of this.
 module psalm_machine
-   use psalm_error, only: problem_t, motion_t
-   use psalm_force_analysis, only: force_table_t, analyse_forces, column_drive
-   use psalm_force_model, only: force_model_t, friction_t, load_t, spring_t, vertices_of
+   use psalm_error, only: problem_t
+   use psalm_force_model, only: force_model_t
    use psalm_kinds, only: wp, pi, degrees_per_radian, full_turn
    use psalm_linear, only: solve_three
    use psalm_motor_group, only: motor_group_t
+   use psalm_reduced, only: reduced_t, reduce_machine
    implicit none (type, external)
    private
-   public :: machine_t, cycle_t, machine_run_t, reduced_t, reduce_machine, make_machine, settle_machine, steady_cycle, run_up, &
-             flywheel_for
+   public :: machine_t, cycle_t, machine_run_t, make_machine, settle_machine, steady_cycle, run_up, flywheel_for
    public :: cycle_found, cycle_grows, cycle_falls, cycle_stalls, cycle_any_speed, cycle_unknown
 
    integer, parameter :: least_steps = 1440          !! of integration over a turn: an even multiple of what is listed
@@ -47,15 +46,6 @@ module psalm_machine
    real(wp), parameter :: stages(3, 3) = reshape([1.0_wp/6.0_wp, 1.0_wp/6.0_wp, 1.0_wp/6.0_wp, &
                                                   -1.0_wp/3.0_wp, 5.0_wp/12.0_wp, 2.0_wp/3.0_wp, &
                                                   1.0_wp/6.0_wp, -1.0_wp/12.0_wp, 1.0_wp/6.0_wp], [3, 3])
-
-   !> What the mechanism is for its crank, at a row of inputs.
-   type :: reduced_t
-      real(wp), allocatable :: inertia(:)    !! J, kg m2
-      real(wp), allocatable :: slope(:)      !! J', kg m2/rad
-      real(wp), allocatable :: torque(:)     !! of weight, loads and springs, N m
-      real(wp), allocatable :: damping(:)    !! of dampers, N m s
-      integer :: trouble = 0                 !! first input at which the linkage does not close or is at a dead point; 0: none
-   end type reduced_t
 
    !> A machine: the mechanism at the nodes of one turn, its motor, its flywheel.
    type :: machine_t
@@ -88,45 +78,6 @@ module psalm_machine
    end type machine_run_t
 
 contains
-
-   !> Inertia and torque on the crank at increments of the input. `problem` is left at these inputs.
-   subroutine reduce_machine(problem, model, delt, reduced)
-      type(problem_t), intent(inout) :: problem
-      type(force_model_t), intent(in) :: model
-      real(wp), intent(in) :: delt(:)               !! degrees from CRNKI
-      type(reduced_t), intent(out) :: reduced
-      type(force_model_t) :: only
-      type(force_table_t) :: table
-      type(motion_t) :: motion
-      integer :: k
-
-      call problem%set_inputs(delt)
-      call problem%want_derivatives(.true., vertices_of(problem%mechanism))
-      call problem%analyse(problem%given, motion)
-      ! masses alone: the drive at unit speed is half of J'
-      only = model
-      only%gravity = 0.0_wp
-      only%loads = [load_t ::]
-      only%springs = [spring_t ::]
-      only%friction = [friction_t ::]
-      call analyse_forces(problem, only, 1.0_wp, 0.0_wp, motion%closed, motion%input, table)
-      reduced%inertia = 2.0_wp*table%kinetic
-      reduced%slope = 2.0_wp*table%value(:, column_drive)
-      reduced%trouble = findloc([(table%known(k), k=1, size(delt))], .false., dim=1)
-      ! everything else but dampers, at unit speed, where power is torque
-      only = model
-      only%friction = [friction_t ::]
-      only%springs%damping = 0.0_wp
-      call analyse_forces(problem, only, 1.0_wp, 0.0_wp, motion%closed, motion%input, table)
-      reduced%torque = table%power
-      only%gravity = 0.0_wp
-      only%loads = [load_t ::]
-      only%springs = model%springs
-      only%springs%stiffness = 0.0_wp
-      only%springs%preload = 0.0_wp
-      call analyse_forces(problem, only, 1.0_wp, 0.0_wp, motion%closed, motion%input, table)
-      reduced%damping = -table%power
-   end subroutine reduce_machine
 
    !> The machine over one turn of its crank, at `steps` steps (a multiple of 4; without it the least there are).
    subroutine make_machine(problem, model, motor, machine, steps)

@@ -1,7 +1,7 @@
 !> The groups that studies read: a new one is a line here, and one in `psalm_group_table`, which says for what programs.
 submodule(psalm_study_groups) psalm_study_groups_listed
    use psalm_balance_group, only: balance_group_t
-   use psalm_cam_group, only: cam_group_t
+   use psalm_cam_group, only: cam_section_t
    use psalm_clearance_group, only: clearance_group_t
    use psalm_drive_group, only: drive_group_t, hill_group_t
    use psalm_dxf_group, only: dxf_group_t
@@ -24,10 +24,10 @@ contains
       allocate (drive_group_t :: sections(4)%group)
       allocate (hill_group_t :: sections(5)%group)
       allocate (balance_group_t :: sections(6)%group)
-      allocate (cam_group_t :: sections(7)%group)
+      allocate (cam_section_t :: sections(7)%group)
       allocate (spring_design_group_t :: sections(8)%group)
       allocate (clearance_group_t :: sections(9)%group)
-      allocate (cam_group_t :: sections(10)%group)
+      allocate (cam_section_t :: sections(10)%group)
       allocate (exact_group_t :: sections(11)%group)
       allocate (dxf_group_t :: sections(12)%group)
       allocate (sweep_group_t :: sections(13)%group)

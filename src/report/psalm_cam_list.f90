@@ -1,7 +1,7 @@
 !> A cam in the listing and on device 9.
 module psalm_cam_list
    use psalm_block, only: begin_block
-   use psalm_cam_group, only: fit_least_squares
+   use psalm_cam_data, only: fit_least_squares
    use psalm_cam_kind, only: law_names
    use psalm_cam_shape, only: cam_extreme_t, measure_pressure, measure_convex, measure_concave, measure_base, measure_outer, &
                               measure_excursion_low, measure_excursion_high, measure_face_low, measure_face_high, &

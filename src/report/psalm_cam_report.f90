@@ -1,6 +1,6 @@
 !> Results of calm become texts of the devices, remarks for standard error and the exit status. Nothing is computed here.
 module psalm_cam_report
-   use psalm_cam_group, only: cam_group_t, goal_names, vary_item
+   use psalm_cam_data, only: cam_group_t, goal_names, vary_item
    use psalm_cam_list, only: list_cam, plot_cam, table_cam
    use psalm_cam_search, only: cam_search_t
    use psalm_cam_shape, only: measure_pressure

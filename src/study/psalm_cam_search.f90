@@ -5,8 +5,8 @@
 !> smoothly. Slopes are central differences.
 module psalm_cam_search
    use psalm_cam_contact, only: cam_contact_t
-   use psalm_cam_group, only: cam_group_t, cam_variation_t, vary_item, goal_base, goal_outer, goal_alpha, goal_rho, goal_accel, &
-                              goal_stress
+   use psalm_cam_data, only: cam_group_t, cam_variation_t, vary_item, goal_base, goal_outer, goal_alpha, goal_rho, goal_accel, &
+                             goal_stress
    use psalm_cam_shape, only: cam_shape_t, samples_t, sample_turn, greatest_of, measure_pressure, measure_convex, measure_concave, &
                               measure_base, measure_outer, measure_input, measure_face_low, measure_face_high
    use psalm_cam_study, only: cam_role_t, make_shape, cam_of_part, find_sampled_contact

@@ -3,7 +3,7 @@ module psalm_cam_study
    use psalm_cam_chain, only: cam_chain_t, make_cam_chain, numbers_of
    use psalm_cam_contact, only: cam_contact_t, find_contact
    use psalm_cam_centres, only: centres_t, admissible_centres, tightest_angles, sharpen_centres
-   use psalm_cam_group, only: cam_group_t, follower_flat
+   use psalm_cam_data, only: cam_group_t, follower_flat
    use psalm_cam_interference, only: interference_t, find_interference
    use psalm_cam_law, only: law_t, law_joint_t, make_law, law_made, law_velocity_jumps, law_jerk_jumps, &
                            law_points_missing, law_misses, highest_law_order

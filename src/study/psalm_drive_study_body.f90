@@ -6,7 +6,7 @@ submodule(psalm_drive_study) psalm_drive_study_body
    use psalm_hill, only: solve_hill, greatest_of
    use psalm_kinds, only: pi, full_turn
    use psalm_link_cycle, only: inertia_at_crank
-   use psalm_machine, only: reduced_t, reduce_machine
+   use psalm_reduced, only: reduced_t, reduce_machine
    use psalm_mechanism, only: mechanism_t, body_frame, joint_revolute
    use psalm_periodic, only: periodic_t, periodic_from_samples
    use psalm_rate_study, only: rate_study_t, find_rates
