@@ -30,6 +30,7 @@ program psalm
                            report_tolerances, report_violations, report_summary, report_proof
    use psalm_search_log, only: search_log_t, begin_log
    use psalm_signals, only: signals_t, shield_threads
+   use psalm_sketch_text, only: variant_t, variant_of
    use psalm_source, only: line_t, read_lines
    use psalm_status, only: diagnostics_t
    use psalm_stop, only: stop_t
@@ -127,7 +128,8 @@ contains
       type(analysis_t), allocatable :: analysis
       type(tolerances_t), allocatable :: tolerances
       type(proof_study_t), allocatable :: proof
-      class(data_set_t), allocatable :: final, by_loops
+      type(variant_t), allocatable :: by_loops
+      real(wp), allocatable :: delt(:)    ! of a linkage with free timing; not allocated: absent where it is an argument
       type(dimensions_t) :: dimensions
       type(wanted_t) :: wanted
       type(search_log_t) :: log
@@ -170,21 +172,20 @@ contains
       if (arguments%json .and. (set%wants_search() .or. .not. set%sketch%given)) &
          call report_case_table(set, problem, analysis%motion, devices)
       if (arguments%links .and. set%sketch%given) then
-         allocate (by_loops, source=set)
-         by_loops%sketch%given = .false.
+         by_loops = variant_of(set)
+         by_loops%by_loops = .true.
          if (set%constr%given .or. set%masses%given .or. set%loads%given .or. set%springs%given .or. set%gives('SWEEP')) then
-            by_loops%others = ''
+            by_loops%with_others = .false.
             call devices%remark(set, 'device 7 has &LINKS without the groups that call joints by their names')
          end if
-         call report_found(by_loops, problem, dimensions, search, devices)
+         call report_found(set, problem, dimensions, search, devices, by_loops)
       else
          call report_found(set, problem, dimensions, search, devices)
       end if
       if (set%toler%given) then
          allocate (tolerances)
-         allocate (final, source=set)
-         if (set%method%ifree /= 0 .and. size(search%found%best) > 0) final%method%delt = search%found%best(1)%delt
-         call study_tolerances(final, problem%mechanism, dimensions, threads, stop, tolerances)
+         if (set%method%ifree /= 0 .and. size(search%found%best) > 0) delt = search%found%best(1)%delt
+         call study_tolerances(set, problem%mechanism, dimensions, threads, stop, tolerances, delt)
          call report_tolerances(set, tolerances, devices)
       end if
       if (set%gives('SWEEP')) call run_family(set, problem%mechanism, dimensions, devices)

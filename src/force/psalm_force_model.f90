@@ -116,13 +116,14 @@ contains
    !> Errors: a place at the foot of a slide or on an arc that is only parallel to its link; a joint whose vertex is no point of
    !> both its links; a link whose mass or inertia is negative; friction where there is no joint, or of the link that holds a pin.
    !> Warning: a mass on the frame.
-   subroutine make_force_model(set, mechanism, dimensions, model, findings)
+   subroutine make_force_model(set, mechanism, dimensions, model, findings, without_added)
       type(data_set_t), intent(in) :: set
       type(mechanism_t), intent(in) :: mechanism
       type(dimensions_t), intent(in) :: dimensions
       type(force_model_t), intent(out) :: model
       type(diagnostics_t), intent(inout) :: findings
-      integer :: k, body
+      logical, intent(in), optional :: without_added !! counterweights and springs that were added are left out
+      integer :: k, body, masses, springs
       logical :: placed
 
       model%metre = set%masses%metre
@@ -141,8 +142,14 @@ contains
          call set%origins%error(findings, 'MOTOR', '', 'motion from torque needs a crank that turns; the input of this linkage '// &
                                 'slides')
       end if
-      allocate (model%loads(size(set%loads%places)), model%springs(size(set%springs%first)), &
-                model%friction(size(set%friction%joints)), model%centres(size(set%masses%places)))
+      masses = size(set%masses%places)
+      springs = size(set%springs%first)
+      if (present(without_added)) then
+         if (without_added) masses = masses - set%masses%added
+         if (without_added) springs = springs - set%springs%added
+      end if
+      allocate (model%loads(size(set%loads%places)), model%springs(springs), model%friction(size(set%friction%joints)), &
+                model%centres(masses))
       do k = 1, size(model%centres)
          call place('MASSES', item_of(set, 'M'), k, set%masses%places(k), model%centres(k), placed)
          if (.not. placed) cycle
@@ -414,21 +421,22 @@ contains
       type(force_model_t), intent(in) :: model
       type(diagnostics_t), intent(inout) :: findings
       real(wp) :: centre_inertia, size_of
-      integer :: body, entry
+      integer :: body, entry, n
 
+      n = size(model%centres)
       do body = body_frame + 1, size(mechanism%bodies)
          associate (m => model%inertia(parameter_mass, body), mx => model%inertia(parameter_mx, body), &
                     my => model%inertia(parameter_my, body), io => model%inertia(parameter_inertia, body))
             entry = findloc(model%centres%body, body, dim=1, back=.true.)
             if (entry == 0) cycle
-            size_of = sum(abs(set%masses%mass), mask=model%centres%body == body)
+            size_of = sum(abs(set%masses%mass(:n)), mask=model%centres%body == body)
             if (m < -rounding*size_of) then
                call refuse('mass')
                cycle
             end if
             centre_inertia = io
             if (m > rounding*size_of) centre_inertia = io - (mx**2 + my**2)/m
-            if (centre_inertia < -rounding*(abs(io) + sum(abs(set%masses%inertia), mask=model%centres%body == body))) &
+            if (centre_inertia < -rounding*(abs(io) + sum(abs(set%masses%inertia(:n)), mask=model%centres%body == body))) &
                call refuse('moment of inertia')
          end associate
       end do

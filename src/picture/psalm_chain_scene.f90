@@ -4,7 +4,7 @@
 !> sweep is a whole turn of a drive that can make one; else the way from position to position, all drives together.
 module psalm_chain_scene
    use psalm_angles, only: unit_vector
-   use psalm_chain_study, only: chain_study_t, study_chain
+   use psalm_chain_study, only: chain_study_t, inputs_at, study_chain
    use psalm_closure, only: closure_t, state_t
    use psalm_data_set, only: data_set_t
    use psalm_error, only: violation_t
@@ -80,15 +80,10 @@ contains
       real(wp), intent(in) :: increment
       type(foot_t), intent(in) :: feet(:)
       type(scene_t), intent(inout) :: scene
-      class(data_set_t), allocatable :: other
       type(chain_study_t), allocatable :: study
 
-      allocate (other, source=set)
-      other%method%ikin = 0
-      other%method%ndes = 1
-      other%method%delt = [increment]
       allocate (study)
-      call study_chain(other, 1.0_wp, 0.0_wp, study)
+      call study_chain(set, 1.0_wp, 0.0_wp, study, inputs_at(set, [increment]))
       call trace_chain(set%sketch, study, feet, scene, scene%chosen)
    end subroutine trace_chosen
 
@@ -107,11 +102,8 @@ contains
       type(chain_study_t), intent(in) :: own
       type(scene_t), intent(inout) :: scene
       type(chain_study_t), allocatable, intent(out) :: sweep
-      class(data_set_t), allocatable :: other
-      integer :: i, n, d, free
+      integer :: i, n, free
 
-      allocate (other, source=set)
-      other%method%ikin = 0
       n = size(own%inputs, 2)
       free = count(.not. set%sketch%drives%geared)
       scene%prescribed%n = n
@@ -150,10 +142,6 @@ contains
       associate (between => max(1, way_steps/max(1, n - 1)))
          scene%prescribed%delt = [(real(i - 1, wp), i=1, n)]
          scene%sweep%delt = [(real(i, wp)/real(between, wp), i=0, (n - 1)*between)]
-         do d = 1, size(other%sketch%drives)
-            if (other%sketch%drives(d)%geared) cycle
-            other%sketch%drives(d)%delt = along(own%inputs(d, :), scene%sweep%delt)
-         end do
          call run(along(own%inputs(1, :), scene%sweep%delt))
       end associate
       scene%prescribed%input = scene%prescribed%delt + 1.0_wp
@@ -165,12 +153,16 @@ contains
       !> Positions at values of the first drive, counted from the drawing.
       subroutine run(first)
          real(wp), intent(in) :: first(:)
+         real(wp), allocatable :: inputs(:, :)
+         integer :: d
 
-         other%method%ndes = size(first)
-         other%method%delt = first - (set%method%crnki - set%crnki_of_drawing)
+         inputs = inputs_at(set, first - (set%method%crnki - set%crnki_of_drawing))
+         do d = 2, size(inputs, 1)
+            if (.not. set%sketch%drives(d)%geared) inputs(d, :) = along(own%inputs(d, :), scene%sweep%delt)
+         end do
          if (allocated(sweep)) deallocate (sweep)
          allocate (sweep)
-         call study_chain(other, set%rates%speed, set%rates%accel, sweep)
+         call study_chain(set, set%rates%speed, set%rates%accel, sweep, inputs)
       end subroutine run
 
       !> True if a whole turn closes everywhere and ends where it began.

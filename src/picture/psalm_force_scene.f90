@@ -84,35 +84,10 @@ contains
       end do
       forces%springs_added = set%springs%added
       if (set%masses%added + set%springs%added == 0) return
-      call make_force_model(without_added(set), problem%mechanism, dimensions, model, unused)
+      call make_force_model(set, problem%mechanism, dimensions, model, unused, without_added=.true.)
       allocate (forces%bare)
       call analyse_forces(problem, model, set%rates%speed, set%rates%accel, motion%closed, motion%input, forces%bare)
    end subroutine make_force_scene
-
-   !> A case without the counterweights and springs that were added to it.
-   pure function without_added(set) result(bare)
-      type(data_set_t), intent(in) :: set
-      type(data_set_t), allocatable :: bare      ! large: it would fill a small stack
-      integer :: masses, springs
-
-      allocate (bare, source=set)
-      masses = size(set%masses%places) - set%masses%added
-      springs = size(set%springs%first) - set%springs%added
-      associate (group => bare%masses)
-         group%places = group%places(:masses)
-         group%mass = group%mass(:masses)
-         group%inertia = group%inertia(:masses)
-      end associate
-      associate (group => bare%springs)
-         group%first = group%first(:springs)
-         group%second = group%second(:springs)
-         group%torsional = group%torsional(:springs)
-         group%stiffness = group%stiffness(:springs)
-         group%free = group%free(:springs)
-         group%preload = group%preload(:springs)
-         group%damping = group%damping(:springs)
-      end associate
-   end function without_added
 
    !> Corners of what counterweights and springs take over the prescribed positions.
    pure subroutine extent_of_weights(forces, low, high)

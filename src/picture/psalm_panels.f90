@@ -3,7 +3,7 @@
 !> Page and gnuplot script show the same panels. A panel has one scale and a few lines; where a value is not known - the linkage
 !> does not close, or is at a dead point - there is a gap.
 module psalm_panels
-   use psalm_chain_study, only: chain_study_t, study_chain
+   use psalm_chain_study, only: chain_study_t, inputs_at, study_chain
    use psalm_data_set, only: data_set_t
    use psalm_error, only: problem_t
    use psalm_family_study, only: family_t, find_family
@@ -60,15 +60,12 @@ contains
       type(dimensions_t), intent(in) :: dimensions
       real(wp), intent(in) :: size_of              !! of the linkage
       type(panel_t), allocatable, intent(inout) :: panels(:)
-      class(data_set_t), allocatable :: output_only
       type(rate_study_t), allocatable :: rates
       logical, allocatable :: known(:)
       integer :: order, n
 
-      allocate (output_only, source=set)
-      output_only%limits%ktheta = 0
       allocate (rates)
-      call find_rates(output_only, problem, dimensions, rates)
+      call find_rates(set, problem, dimensions, rates, every_arc=.false.)
       known = rates%motion%closed .and. rates%dead == 0
       do order = 1, 2
          select case (problem%motion)
@@ -111,15 +108,10 @@ contains
       real(wp), intent(in) :: delt(:)              !! increments of the sweep
       real(wp), intent(in) :: size_of              !! of the linkage
       type(panel_t), allocatable, intent(inout) :: panels(:)
-      class(data_set_t), allocatable :: swept
       type(chain_study_t), allocatable :: study
 
-      allocate (swept, source=set)
-      swept%method%ikin = 0
-      swept%method%ndes = size(delt)
-      swept%method%delt = delt
       allocate (study)
-      call study_chain(swept, set%rates%speed, set%rates%accel, study)
+      call study_chain(set, set%rates%speed, set%rates%accel, study, inputs_at(set, delt))
       if (study%sound) call add_study_panels(set, study, 2, size_of, panels)
    end subroutine add_sketch_panels
 
@@ -239,7 +231,6 @@ contains
       logical, intent(in) :: closed(:)
       type(tolerance_band_t), intent(out) :: band
       logical, intent(out) :: found
-      class(data_set_t), allocatable :: swept
       type(deviating_t), allocatable :: deviating
       type(tolerance_t), allocatable :: linear
       type(output_kind_t) :: kind
@@ -249,13 +240,8 @@ contains
       found = set%toler%given .and. any(closed)
       if (.not. found) return
       at = pack([(i, i=1, size(delt))], closed)
-      allocate (swept, source=set)
-      swept%method%ikin = 0
-      swept%limits%ktheta = 0
-      swept%method%ndes = size(at)
-      swept%method%delt = delt(at)
       allocate (deviating, linear)
-      call find_tolerances(swept, mechanism, dimensions, deviating, linear, found)
+      call find_tolerances(set, mechanism, dimensions, deviating, linear, found, delt(at), every_loop=.false.)
       if (found) found = size(linear%tolerance) > 0
       if (.not. found) return
       kind = linear%kind

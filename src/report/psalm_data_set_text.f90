@@ -13,7 +13,7 @@ module psalm_data_set_text
    use psalm_finale, only: in_columns
    use psalm_rate_items, only: rate_row_t, wanted_rows
    use psalm_sketch_redraw, only: redraw_sketch
-   use psalm_sketch_text, only: write_sketch, limit_of_angles
+   use psalm_sketch_text, only: variant_t, variant_of, write_sketch, limit_of_angles
    use psalm_start, only: values_per_record
    use psalm_text, only: text_t, general, full_precision, to_text
    implicit none (type, external)
@@ -50,25 +50,30 @@ contains
    end subroutine write_vertices
 
    !> Append the complete data set of a linkage, as an analysis: what was variable is told in comments.
-   subroutine write_data_set(set, problem, dimensions, text)
+   subroutine write_data_set(set, problem, dimensions, text, variant)
       type(data_set_t), intent(in) :: set
       type(problem_t), intent(in) :: problem
       type(dimensions_t), intent(in) :: dimensions
       type(text_t), intent(inout) :: text
-      class(data_set_t), allocatable :: drawn
+      type(variant_t), intent(in), optional :: variant !! what is written otherwise than `set` holds it
+      type(variant_t) :: own
       integer :: loop
       logical :: sound
 
-      if (set%sketch%given) then
-         allocate (drawn, source=set)
+      own = variant_of(set)
+      if (present(variant)) own = variant
+      if (set%sketch%given .and. .not. own%by_loops) then
          sound = .true.
-         if (problem%parameters%has_search()) call redraw_sketch(drawn, problem%mechanism, dimensions, sound)
+         if (problem%parameters%has_search()) then
+            call redraw_sketch(set, problem%mechanism, dimensions, own%sketch, sound)
+            own%from_drawing = 0.0_wp
+         end if
          if (sound) then
-            call write_sketch(drawn, text)
+            call write_sketch(set, text, own)
             return
          end if
       end if
-      call text%add(set%title)
+      call text%add(own%title)
       call text%add(' &LINKS NLOOP='//to_text(set%links%nloop)//', MAXARC='//to_text(set%links%maxarc)//',')
       call integer_rows('ILINK', set%links%ilink)
       call integer_rows('ILOOP', set%links%iloop)
@@ -100,8 +105,8 @@ contains
       if (set%limits%iproof /= proof_by_default) call text%add('  IPROOF='//to_text(set%limits%iproof)//',')
       if (set%limits%dwell > 0.0_wp) call text%add('  DWELL='//full_precision(set%limits%dwell)//',')
       call text%add('  KTHETA='//to_text(set%limits%ktheta)//', IPLOT='//to_text(set%limits%iplot)//', LAST='// &
-                    to_text(set%limits%last)//' &END')
-      call text%add_text(set%others)
+                    to_text(own%last)//' &END')
+      if (own%with_others) call text%add_text(set%others)
 
    contains
 
@@ -159,7 +164,7 @@ contains
          type(output_kind_t) :: kind
 
          call text%add('  NDES='//to_text(set%method%ndes)//',')
-         call real_row('DELT=', set%method%delt)
+         call real_row('DELT=', own%delt)
          if (.not. set%method%desired) return
          kind = output_kind(set%method%motion)
          if (kind%components > 1) then

@@ -27,6 +27,7 @@ module psalm_report
    use psalm_search, only: result_t
    use psalm_search_group, only: ranking_none, ranking_shared
    use psalm_search_log, only: search_log_t, log_beginning, log_starts
+   use psalm_sketch_text, only: variant_t, variant_of
    use psalm_status, only: diagnostics_t
    use psalm_summary, only: summary_t
    use psalm_summary_text, only: write_summary
@@ -152,12 +153,13 @@ contains
 
    !> The linkages found: their ranking in the listing, their data sets on device 7. Without a search from many starts that of
    !> the linkage.
-   subroutine report_found(set, problem, dimensions, search, devices)
+   subroutine report_found(set, problem, dimensions, search, devices, variant)
       type(data_set_t), intent(in) :: set
       type(problem_t), intent(in) :: problem
       type(dimensions_t), intent(in) :: dimensions
       type(synthesis_t), intent(in) :: search
       type(devices_t), intent(inout) :: devices
+      type(variant_t), intent(in), optional :: variant !! what is written otherwise on device 7
 
       if (size(search%ranked) > 0) call list_ranking(set, problem, search%found, search%ranked, devices%six)
       if (set%search%ranking /= ranking_none) call add_to_ranking(set, search%found, search%ranked, devices%ranking)
@@ -165,7 +167,7 @@ contains
       if (set%limits%last /= 0 .and. allocated(devices%ranking)) call list_common_ranking(devices%ranking, devices%shares, &
                                                             devices%six)
       if (search%many) call note_default_bounds(set, problem, search%found, devices)
-      call write_found(set, problem, dimensions, search%found, devices%seven)
+      call write_found(set, problem, dimensions, search%found, variant, devices%seven)
    end subroutine report_found
 
    !> A length of the best linkage that stands at a bound which the data set did not give.
@@ -181,32 +183,34 @@ contains
       if (len(words) > 0) call devices%remark(set, words)
    end subroutine note_default_bounds
 
-   subroutine write_found(set, problem, dimensions, found, text)
+   subroutine write_found(set, problem, dimensions, found, variant, text)
       type(data_set_t), intent(in) :: set
       type(problem_t), intent(in) :: problem
       type(dimensions_t), intent(in) :: dimensions
       type(result_t), intent(in) :: found
+      type(variant_t), intent(in), optional :: variant
       type(text_t), intent(inout) :: text
-      class(data_set_t), allocatable :: one
+      type(variant_t) :: one
       type(dimensions_t) :: each
       character(:), allocatable :: rank
       integer :: i
 
-      allocate (one, source=set)
+      one = variant_of(set)
+      if (present(variant)) one = variant
       if (size(found%best) <= 1) then
-         if (size(found%best) == 1) one%method%delt = found%best(1)%delt
-         call write_data_set(one, problem, dimensions, text)
+         if (size(found%best) == 1) one%delt = found%best(1)%delt
+         call write_data_set(set, problem, dimensions, text, one)
          return
       end if
       each = dimensions
       do i = 1, size(found%best)
          call problem%parameters%apply(found%best(i)%values, each)
-         one%method%delt = found%best(i)%delt
-         one%limits%last = merge(set%limits%last, 0, i == size(found%best))
+         one%delt = found%best(i)%delt
+         one%last = merge(set%limits%last, 0, i == size(found%best))
          rank = ', RANK '//to_text(i)
          one%title = trim(set%title(:min(len(set%title), title_columns - len(rank))))//rank
          call text%add('! rank '//to_text(i)//', objective '//trim(adjustl(general(found%best(i)%objective, 'E'))))
-         call write_data_set(one, problem, each, text)
+         call write_data_set(set, problem, each, text, one)
       end do
    end subroutine write_found
 

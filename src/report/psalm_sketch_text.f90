@@ -11,22 +11,49 @@ module psalm_sketch_text
    use psalm_wish_items, only: values_of, weights_of
    implicit none (type, external)
    private
-   public :: write_sketch, limit_of_angles
+   public :: variant_t, variant_of, write_sketch, limit_of_angles
 
    integer, parameter :: line_room = 100  !! columns of a line of values
 
+   !> What of a case is written otherwise than it was read.
+   type :: variant_t
+      character(:), allocatable :: title
+      integer :: last = 1                   !! LAST
+      real(wp), allocatable :: delt(:)      !! DELT
+      type(sketch_t) :: sketch              !! of a linkage that has one
+      real(wp) :: from_drawing = 0.0_wp     !! its CRNKI
+      logical :: by_loops = .false.         !! it is written by its loops
+      logical :: with_others = .true.       !! the groups that are kept as they are follow
+   end type variant_t
+
 contains
 
-   !> Append the data set of a sketch, as an analysis, with the coordinates that `set` holds.
-   subroutine write_sketch(set, text)
+   !> The case as it was read.
+   pure function variant_of(set) result(variant)
+      type(data_set_t), intent(in) :: set
+      type(variant_t) :: variant
+
+      variant%title = set%title
+      variant%last = set%limits%last
+      variant%delt = set%method%delt
+      variant%sketch = set%sketch
+      variant%from_drawing = set%method%crnki - set%crnki_of_drawing
+   end function variant_of
+
+   !> Append the data set of a sketch, as an analysis.
+   subroutine write_sketch(set, text, variant)
       type(data_set_t), intent(in) :: set
       type(text_t), intent(inout) :: text
+      type(variant_t), intent(in), optional :: variant !! what is written otherwise than `set` holds it
+      type(variant_t) :: own
       character(:), allocatable :: line
       integer :: i, k, own_links
 
-      associate (sketch => set%sketch)
+      own = variant_of(set)
+      if (present(variant)) own = variant
+      associate (sketch => own%sketch)
          own_links = size(sketch%links) - count(sketch%drives%kind == drive_stretches)
-         call text%add(set%title)
+         call text%add(own%title)
          line = ' &CHAIN JNT='
          do i = 1, size(sketch%joint_name)
             call word("'"//trim(sketch%joint_name(i))//"'")
@@ -82,15 +109,14 @@ contains
          end if
       end associate
       line = ' &METHOD'
-      if (set%method%crnki /= set%crnki_of_drawing) line = line//' CRNKI='//full_precision(set%method%crnki - &
-                                                            set%crnki_of_drawing)//','
+      if (own%from_drawing /= 0.0_wp) line = line//' CRNKI='//full_precision(own%from_drawing)//','
       if (set%method%ikin /= 0) then
          call text%add(line//' IKIN='//to_text(set%method%ikin)//',')
-      else if (any(set%sketch%drives%steps > 0)) then
+      else if (any(own%sketch%drives%steps > 0)) then
          call text%add(line)
       else
          call text%add(line//' NDES='//to_text(set%method%ndes)//',')
-         call numbers('DELT=', set%method%delt)
+         call numbers('DELT=', own%delt)
          if (set%method%desired) call write_desired(output_kind(set%method%motion))
       end if
       call text%add(' &END')
@@ -102,8 +128,8 @@ contains
       if (set%limits%dwell > 0.0_wp) line = line//' DWELL='//full_precision(set%limits%dwell)//','
       call text%add(line)
       call text%add('  KTHETA='//to_text(set%limits%ktheta)//', IPLOT='//to_text(set%limits%iplot)//', LAST='// &
-                    to_text(set%limits%last)//' &END')
-      call text%add_text(set%others)
+                    to_text(own%last)//' &END')
+      if (own%with_others) call text%add_text(set%others)
 
    contains
 
@@ -135,7 +161,7 @@ contains
       end subroutine numbers
 
       subroutine write_slides()
-         associate (slides => set%sketch%slides)
+         associate (slides => own%sketch%slides)
             line = '  NSLIDE='//to_text(size(slides))//', SNAME='
             do i = 1, size(slides)
                call word("'"//trim(slides(i)%name)//"'")
@@ -144,7 +170,7 @@ contains
             do k = 1, 2
                line = merge('  SLNK= ', '  SLNK2=', k == 1)
                do i = 1, size(slides)
-                  call word("'"//trim(set%sketch%links(slides(i)%links(k))%name)//"'")
+                  call word("'"//trim(own%sketch%links(slides(i)%links(k))%name)//"'")
                end do
                call text%add(line)
             end do
@@ -157,14 +183,14 @@ contains
       subroutine write_gears()
          integer :: members(3)
 
-         associate (gears => set%sketch%gears)
+         associate (gears => own%sketch%gears)
             do k = 1, 3
                line = '  GEARA='
                if (k == 2) line = '  GEARB='
                if (k == 3) line = '  GCARR='
                do i = 1, size(gears)
                   members = [gears(i)%wheels, gears(i)%carrier]
-                  call word("'"//trim(set%sketch%links(members(k))%name)//"'")
+                  call word("'"//trim(own%sketch%links(members(k))%name)//"'")
                end do
                call text%add(line)
             end do
@@ -174,7 +200,7 @@ contains
       end subroutine write_gears
 
       subroutine write_drives()
-         associate (drives => set%sketch%drives)
+         associate (drives => own%sketch%drives)
             line = ' &DRIVES DRIVE='
             do i = 1, size(drives)
                call word("'"//trim(drives(i)%name)//"'")
@@ -182,13 +208,13 @@ contains
             call text%add(line)
             line = '  DBASE='
             do i = 1, size(drives)
-               if (drives(i)%base > 0) call word("'"//trim(set%sketch%links(drives(i)%base)%name)//"'")
+               if (drives(i)%base > 0) call word("'"//trim(own%sketch%links(drives(i)%base)%name)//"'")
                if (drives(i)%base == 0) call word('')
             end do
             call text%add(line)
             line = '  DLINK='
             do i = 1, size(drives)
-               if (drives(i)%base > 0) call word("'"//trim(set%sketch%links(drives(i)%link)%name)//"'")
+               if (drives(i)%base > 0) call word("'"//trim(own%sketch%links(drives(i)%link)%name)//"'")
                if (drives(i)%base == 0) call word('')
             end do
             call text%add(line)

@@ -8,6 +8,7 @@ module psalm_sketch_redraw
    use psalm_dimensions, only: dimensions_t
    use psalm_kinds, only: wp, right_angle
    use psalm_mechanism, only: mechanism_t
+   use psalm_sketch, only: sketch_t
    use psalm_sketch_case, only: assemble_sketch
    use psalm_sketch_loops, only: make_loops
    use psalm_status, only: diagnostics_t
@@ -18,12 +19,13 @@ module psalm_sketch_redraw
 
 contains
 
-   !> Put the joints and slides of the data set's sketch where the dimensions have them. `drawn` is false if a dyad does not close;
-   !> the sketch is then left as it was.
-   subroutine redraw_sketch(set, mechanism, dimensions, drawn)
-      type(data_set_t), intent(inout) :: set
+   !> Put the joints and slides of the case's sketch where the dimensions have them; the drawing is then the reference. `drawn` is
+   !> false if a dyad does not close; the sketch is then left as it was.
+   subroutine redraw_sketch(set, mechanism, dimensions, sketch, drawn)
+      type(data_set_t), intent(in) :: set
       type(mechanism_t), intent(in) :: mechanism
       type(dimensions_t), intent(in) :: dimensions
+      type(sketch_t), intent(inout) :: sketch   !! the one of the case
       logical, intent(out) :: drawn
       type(closure_t) :: closure
       type(state_t) :: state
@@ -67,14 +69,12 @@ contains
       end do
       call put_output()
       call put_others()
-      set%sketch%x = z(:size(set%sketch%x))%re
-      set%sketch%y = z(:size(set%sketch%y))%im
+      sketch%x = z(:size(sketch%x))%re
+      sketch%y = z(:size(sketch%y))%im
       call put_slides()
       ! the lengths are in the coordinates now, and the drawing is the reference
-      deallocate (set%sketch%length_of, set%sketch%length, set%sketch%variations)
-      allocate (set%sketch%length_of(2, 0), set%sketch%length(0), set%sketch%variations(0))
-      set%method%crnki = dimensions%crnki
-      set%crnki_of_drawing = dimensions%crnki
+      deallocate (sketch%length_of, sketch%length, sketch%variations)
+      allocate (sketch%length_of(2, 0), sketch%length(0), sketch%variations(0))
 
    contains
 
@@ -222,8 +222,8 @@ contains
       subroutine put_output()
          integer :: a, joint
 
-         if (size(set%sketch%outputs) == 0 .or. dimensions%outlk <= 0.0_wp) return
-         joint = set%sketch%outputs(1)%joints(1)
+         if (size(sketch%outputs) == 0 .or. dimensions%outlk <= 0.0_wp) return
+         joint = sketch%outputs(1)%joints(1)
          if (placed(joint)) return
          do a = 1, size(loops%arcs)
             if (loops%arcs(a)%loop /= set%links%noutlp .or. loops%arcs(a)%place /= abs(set%links%noutlk)) cycle
@@ -238,9 +238,9 @@ contains
          integer :: j, axis
          integer, allocatable :: links(:)
 
-         do j = 1, size(set%sketch%joint_name)
+         do j = 1, size(sketch%joint_name)
             if (placed(j)) cycle
-            links = set%sketch%links_of(j)
+            links = sketch%links_of(j)
             axis = loops%axis(links(1))
             associate (from => loops%arcs(axis)%ends(1))
                z(j) = z(from) + (loops%point(j) - loops%point(from))*unit(direction(axis) - loops%arcs(axis)%direction)
@@ -254,7 +254,7 @@ contains
          do a = 1, size(loops%arcs)
             associate (arc => loops%arcs(a))
                if (arc%slide == 0) cycle
-               associate (slide => set%sketch%slides(arc%slide), at => merge(arc%ends(1), arc%ends(2), arc%guide > arc%place))
+               associate (slide => sketch%slides(arc%slide), at => merge(arc%ends(1), arc%ends(2), arc%guide > arc%place))
                   slide%x = z(at)%re
                   slide%y = z(at)%im
                   slide%angle = slide%angle + direction(a) - arc%direction

@@ -10,7 +10,7 @@ module psalm_chain_study
    use psalm_status, only: diagnostics_t
    implicit none (type, external)
    private
-   public :: chain_study_t, study_chain, inputs_of_drives, turn_repeats, name_room
+   public :: chain_study_t, study_chain, inputs_at, inputs_of_drives, turn_repeats, name_room
 
    integer, parameter :: name_room = 48   !! characters of a column's name
 
@@ -31,21 +31,30 @@ contains
 
    !> Positions, rates by time and outputs. `speed` and `accel` are those of the first drive; the others follow by their ratio or
    !> have their own.
-   subroutine study_chain(set, speed, accel, study)
+   subroutine study_chain(set, speed, accel, study, inputs)
       type(data_set_t), intent(in) :: set
       real(wp), intent(in) :: speed, accel          !! radians or length a second
       type(chain_study_t), intent(out) :: study
+      real(wp), intent(in), optional :: inputs(:, :) !! shape (drives, positions): degrees or length from the drawing, in place of
+                                                    !! those of the case
       type(diagnostics_t) :: findings
-      real(wp), allocatable :: inputs(:, :), rate(:, :, :)
+      real(wp), allocatable :: angles(:, :), rate(:, :, :)
       real(wp) :: unit
       integer :: k, d, n, numbers, positions
 
       call assemble_sketch(set, study%closure, study%start, study%sound, findings)
       if (.not. study%sound) return
       associate (drives => set%sketch%drives, outputs => set%sketch%outputs)
-         study%inputs = inputs_of_drives(set, .false.)
-         inputs = inputs_of_drives(set, .true.)
-         positions = size(inputs, 2)
+         if (present(inputs)) then
+            study%inputs = inputs
+         else
+            study%inputs = inputs_of_drives(set, .false.)
+         end if
+         angles = study%inputs
+         do d = 1, size(drives)
+            angles(d, :) = angles(d, :)*unit_of(drives(d)%kind)
+         end do
+         positions = size(angles, 2)
          allocate (rate(size(drives), most_orders, positions), source=0.0_wp)
          do d = 1, size(drives)
             unit = 0.0_wp
@@ -58,10 +67,10 @@ contains
             rate(d, 2, :) = drives(d)%accel
          end do
          if (turn_repeats(set)) then
-            call follow(study%closure, study%start, inputs, rate, study%motion, full_turn*radians_per_degree* &
+            call follow(study%closure, study%start, angles, rate, study%motion, full_turn*radians_per_degree* &
                         [(merge(drives(d)%ratio, 1.0_wp, drives(d)%geared), d=1, size(drives))])
          else
-            call follow(study%closure, study%start, inputs, rate, study%motion)
+            call follow(study%closure, study%start, angles, rate, study%motion)
          end if
          numbers = 0
          do k = 1, size(outputs)
@@ -123,31 +132,40 @@ contains
       type(data_set_t), intent(in) :: set
       logical, intent(in) :: in_radians
       real(wp), allocatable :: inputs(:, :)         !! shape (drives, positions)
-      integer :: positions, k, d
+      integer :: k, d
 
-      positions = set%method%ndes
-      if (set%method%ikin /= 0) positions = 359/abs(set%method%ikin) + 1
-      allocate (inputs(size(set%sketch%drives), positions), source=0.0_wp)
-      inputs(1, :) = set%method%crnki - set%crnki_of_drawing
       if (set%method%ikin /= 0) then
-         inputs(1, :) = inputs(1, :) + [(real((k - 1)*set%method%ikin, wp), k=1, positions)]
+         inputs = inputs_at(set, [(real((k - 1)*set%method%ikin, wp), k=1, 359/abs(set%method%ikin) + 1)])
       else
-         inputs(1, :) = inputs(1, :) + set%method%delt
+         inputs = inputs_at(set, set%method%delt)
       end if
-      do d = 1, size(inputs, 1)
-         associate (drive => set%sketch%drives(d))
-            if (drive%geared) then
-               inputs(d, :) = drive%ratio*inputs(1, :) + drive%phase
-            else if (allocated(drive%delt)) then
-               inputs(d, :) = drive%delt
-            end if
-         end associate
-      end do
       if (.not. in_radians) return
       do d = 1, size(inputs, 1)
          inputs(d, :) = inputs(d, :)*unit_of(set%sketch%drives(d)%kind)
       end do
    end function inputs_of_drives
+
+   !> Values of all drives, from the drawing, at increments of the first: degrees or length. A drive of its own that has another
+   !> number of values stands still.
+   pure function inputs_at(set, delt) result(inputs)
+      type(data_set_t), intent(in) :: set
+      real(wp), intent(in) :: delt(:)
+      real(wp), allocatable :: inputs(:, :)         !! shape (drives, positions)
+      integer :: d
+
+      allocate (inputs(size(set%sketch%drives), size(delt)), source=0.0_wp)
+      inputs(1, :) = set%method%crnki - set%crnki_of_drawing
+      inputs(1, :) = inputs(1, :) + delt
+      do d = 1, size(inputs, 1)
+         associate (drive => set%sketch%drives(d))
+            if (drive%geared) then
+               inputs(d, :) = drive%ratio*inputs(1, :) + drive%phase
+            else if (allocated(drive%delt)) then
+               if (size(drive%delt) == size(delt)) inputs(d, :) = drive%delt
+            end if
+         end associate
+      end do
+   end function inputs_at
 
    !> True if after a turn of the first drive all drives stand as before. Not with gears: a wheel that the drive turns stands
    !> elsewhere then, unless the numbers of teeth are just so.

@@ -155,7 +155,6 @@ contains
       type(problem_t), intent(in) :: given
       type(dimensions_t), intent(in) :: dimensions
       type(drive_study_t), intent(inout) :: study
-      class(data_set_t), allocatable :: output_alone
       class(problem_t), allocatable :: problem    ! large: it would fill a small stack
       type(rate_study_t) :: rates
       type(periodic_t) :: swing, flexible, rigid
@@ -163,10 +162,8 @@ contains
       integer :: c, i, n
 
       allocate (problem, source=given)
-      allocate (output_alone, source=set)
-      output_alone%limits%ktheta = 0
       call problem%set_inputs([(study%turn%sense*full_turn*real(i - 1, wp)/real(drive%points, wp), i=1, drive%points)])
-      call find_rates(output_alone, problem, dimensions, rates)
+      call find_rates(set, problem, dimensions, rates, every_arc=.false.)
       if (rates%is_violating()) return
       swing = periodic_from_samples(study%hill%y1)
       d1 = swing%values(drive%points)

@@ -139,14 +139,11 @@ contains
       type(dimensions_t), intent(in) :: dimensions
       real(wp), intent(in) :: delt(:)              !! shape (positions)
       type(ranked_t), intent(inout) :: ranked
-      class(data_set_t), allocatable :: moved
       type(deviating_t), allocatable :: deviating
       type(tolerance_t) :: linear
 
       allocate (deviating)
-      allocate (moved, source=set)
-      moved%method%delt = delt
-      call find_tolerances(moved, problem%mechanism, dimensions, deviating, linear, ranked%has_band)
+      call find_tolerances(set, problem%mechanism, dimensions, deviating, linear, ranked%has_band, delt)
       if (.not. ranked%has_band) return
       ranked%band = huge(1.0_wp)
       if (any(linear%dead)) return

@@ -42,23 +42,27 @@ module psalm_rate_study
 contains
 
    !> Rates of a linkage. `problem` finds derivatives afterwards and is bound to the linkage.
-   subroutine find_rates(set, problem, dimensions, rates)
+   subroutine find_rates(set, problem, dimensions, rates, every_arc)
       type(data_set_t), intent(in) :: set
       type(problem_t), intent(inout) :: problem
       type(dimensions_t), intent(in) :: dimensions
       type(rate_study_t), intent(out) :: rates
+      logical, intent(in), optional :: every_arc !! and not the output alone; without it as KTHETA says
       type(rates_t), allocatable :: of_block
+      logical :: everywhere
       integer :: block, offset, n, i, k, c, loop
 
       rates%dimensions = dimensions
-      call problem%want_derivatives(set%limits%ktheta /= 0)
+      everywhere = set%limits%ktheta /= 0
+      if (present(every_arc)) everywhere = every_arc
+      call problem%want_derivatives(everywhere)
       call problem%analyse(dimensions, rates%motion)
       associate (m => problem%positions, components => problem%output%kind%components)
          allocate (rates%by_input(highest_order, components, m))
          allocate (rates%by_time(highest_order, components, m))
          allocate (rates%dead(m), source=0)
       end associate
-      if (set%limits%ktheta /= 0) then
+      if (everywhere) then
          allocate (rates%arcs)
          call make_room(problem, rates%arcs)
       end if

@@ -75,13 +75,14 @@ module psalm_tolerance
 contains
 
    !> Bands of the output within the tolerances of the dimensions, and the sample if one is asked for (NTRIAL).
-   subroutine study_tolerances(set, mechanism, dimensions, threads, stop, result)
+   subroutine study_tolerances(set, mechanism, dimensions, threads, stop, result, delt)
       type(data_set_t), intent(in) :: set
       type(mechanism_t), intent(in) :: mechanism
       type(dimensions_t), intent(in) :: dimensions !! the nominal linkage
       integer, intent(in) :: threads
       type(stop_t), intent(in) :: stop             !! asked now and then by the sample
       type(tolerances_t), intent(out) :: result
+      real(wp), intent(in), optional :: delt(:)    !! increments of the input in place of those of the case
       type(deviating_t), allocatable :: deviating
       type(stop_t) :: limited
 
@@ -89,7 +90,7 @@ contains
       call limited%limit_time(set%search%maxtime)
       result%trials = set%toler%ntrial
       allocate (deviating)
-      call find_tolerances(set, mechanism, dimensions, deviating, result%linear, result%closes)
+      call find_tolerances(set, mechanism, dimensions, deviating, result%linear, result%closes, delt)
       if (result%closes .and. set%toler%adjusted) then
          if (.not. any(result%linear%dead)) result%adjustments = find_adjustments(result%linear%effect, result%linear%tolerance)
       end if
@@ -108,21 +109,32 @@ contains
    end function is_violating
 
    !> Jacobian and linear bands of a linkage. `dimensions` must close at every position.
-   subroutine find_tolerances(set, mechanism, dimensions, deviating, result, closes)
+   subroutine find_tolerances(set, mechanism, dimensions, deviating, result, closes, delt, every_loop)
       type(data_set_t), intent(in) :: set          !! its tolerances and input positions
       type(mechanism_t), intent(in) :: mechanism
       type(dimensions_t), intent(in) :: dimensions
       type(deviating_t), intent(out) :: deviating
       type(tolerance_t), intent(out) :: result
       logical, intent(out) :: closes
+      real(wp), intent(in), optional :: delt(:)    !! increments of the input in place of those of the case
+      logical, intent(in), optional :: every_loop  !! and not those of the output alone; without it as KTHETA says
       type(parameters_t) :: parameters
+      real(wp), allocatable :: inputs(:)
+      logical :: everywhere
       type(sensitivity_t), allocatable :: work   ! large: it would fill a small stack
       integer :: v, nvar, n
 
       result%dimensions = dimensions
       parameters = deviating_dimensions(set, mechanism)
       allocate (deviating%problem)
-      call new_problem(mechanism, dimensions, parameters, inputs_of(set), set%limits%ktheta /= 0, deviating%problem)
+      if (present(delt)) then
+         inputs = delt
+      else
+         inputs = inputs_of(set)
+      end if
+      everywhere = set%limits%ktheta /= 0
+      if (present(every_loop)) everywhere = every_loop
+      call new_problem(mechanism, dimensions, parameters, inputs, everywhere, deviating%problem)
       allocate (deviating%lean, source=deviating%problem)
       call deviating%problem%want_derivatives(.false.)
       call deviating%problem%analyse(dimensions, result%nominal)
