@@ -5,6 +5,7 @@ module psalm_cam_scene
    use psalm_cam_study, only: cam_study_t, role_cam
    use psalm_cam_trace, only: cam_trace_t
    use psalm_chain_scene, only: make_chain_scene
+   use psalm_chain_study, only: inputs_at
    use psalm_data_set, only: data_set_t
    use psalm_kinds, only: wp, full_turn, radians_per_degree
    use psalm_preparation, only: prepared_t
@@ -96,35 +97,20 @@ contains
       type(prepared_t), intent(in) :: prepared
       type(cam_study_t), intent(in) :: studies(:)
       type(cam_scene_t), intent(inout) :: scene
-      class(data_set_t), allocatable :: posed     ! large: it would fill a small stack
       type(finding_t) :: none(0)
-      integer :: k, n
+      real(wp), allocatable :: inputs(:, :)
+      integer :: k
 
-      allocate (posed, source=set)
-      posed%method%ikin = 0
-      n = size(scene%angle)
-      posed%method%ndes = n
-      posed%method%desired = .false.
-      posed%masses%given = .false.
-      posed%loads%given = .false.
-      posed%springs%given = .false.
-      posed%friction%given = .false.
-      posed%constr%given = .false.
-      deallocate (posed%method%desx, posed%method%desy, posed%method%desang, posed%method%xmult, posed%method%ymult, &
-                  posed%method%anmult)
-      allocate (posed%method%desx(n), posed%method%desy(n), posed%method%desang(n), posed%method%xmult(n), posed%method%ymult(n), &
-                posed%method%anmult(n), source=0.0_wp)
       if (allocated(studies(1)%shape%motion%chain)) then
-         posed%method%crnki = posed%crnki_of_drawing
-         posed%method%delt = scene%parts(1)%states%q(0, :)
+         inputs = inputs_at(set, scene%parts(1)%states%q(0, :) - (set%method%crnki - set%crnki_of_drawing))
          do k = 2, size(studies)
             if (studies(k)%part%cam == 1 .or. studies(k)%part%role /= role_cam) cycle
-            posed%sketch%drives(2)%delt = scene%parts(k)%states%q(0, :)
+            inputs(2, :) = scene%parts(k)%states%q(0, :)
          end do
-         call make_chain_scene(posed, none, scene%linkage)
+         call make_chain_scene(set, none, scene%linkage, inputs=inputs)
       else
-         posed%method%delt = scene%parts(1)%states%q(0, :) - prepared%given%crnki
-         call make_scene(posed, prepared%mechanism, prepared%given, prepared%parameters, none, scene%linkage)
+         call make_scene(set, prepared%mechanism, prepared%given, prepared%parameters, none, scene%linkage, &
+                         delt=scene%parts(1)%states%q(0, :) - prepared%given%crnki)
       end if
    end subroutine make_linkage
 

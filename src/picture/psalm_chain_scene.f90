@@ -38,18 +38,19 @@ module psalm_chain_scene
 contains
 
    !> The scene of a case. Errors among its findings make it a scene of messages.
-   subroutine make_chain_scene(set, findings, scene, chosen)
+   subroutine make_chain_scene(set, findings, scene, chosen, inputs)
       type(data_set_t), intent(in) :: set
       type(finding_t), intent(in) :: findings(:)    !! of this case
       type(scene_t), intent(out) :: scene
       real(wp), intent(in), optional :: chosen      !! increment of the drive at one more position, for DXF
+      real(wp), intent(in), optional :: inputs(:, :) !! shape (drives, positions): in place of those of the case
       type(chain_study_t), allocatable :: own, sweep
       type(foot_t), allocatable :: feet(:)
 
       call message_scene(set, findings, scene)
       if (size(scene%errors) > 0) return
       allocate (own)
-      call study_chain(set, set%rates%speed, set%rates%accel, own)
+      call study_chain(set, set%rates%speed, set%rates%accel, own, inputs)
       if (.not. own%sound) return
       scene%sound = .true.
       scene%tangle = set%limits%tangle

@@ -114,7 +114,7 @@ contains
    end subroutine message_scene
 
    !> The scene of a case. Errors among its findings make it a scene of messages (`scene%sound` is false).
-   subroutine make_scene(set, mechanism, dimensions, parameters, findings, scene, chosen)
+   subroutine make_scene(set, mechanism, dimensions, parameters, findings, scene, chosen, delt)
       type(data_set_t), intent(in) :: set
       type(mechanism_t), intent(in) :: mechanism
       type(dimensions_t), intent(in) :: dimensions
@@ -122,6 +122,8 @@ contains
       type(finding_t), intent(in) :: findings(:)   !! of this case, SETUP's included
       type(scene_t), intent(out) :: scene
       real(wp), intent(in), optional :: chosen     !! increment of the input at one more position, for DXF
+      real(wp), intent(in), optional :: delt(:)    !! increments in place of those of the case: the bare linkage, without
+                                                   !! wishes, forces and forbidden regions
       class(problem_t), allocatable :: own, whole   ! large: they would fill a small stack
       integer, allocatable :: place(:)
       logical :: proven
@@ -139,6 +141,7 @@ contains
       if (allocated(set%constr%regions)) scene%regions = set%constr%regions
       scene%loops = mechanism%nloop
       call make_problem(set, mechanism, dimensions, parameters, own)
+      if (present(delt)) call own%set_inputs(delt)
       scene%desired = own%desired
       scene%sense = sweep_sense(own)
       whole = own
@@ -148,8 +151,8 @@ contains
       call find_slides(mechanism, whole%plan, scene%slides)
       if (scene%motion == motion_slide) call find_output_slide(mechanism, scene)
       call trace_row(own, whole, dimensions, scene%slides, scene%output_slide, .true., scene%prescribed)
-      if (set%constr%given) call check_constraints(set, own, dimensions, scene)
-      if (forces_wanted(set)) then
+      if (set%constr%given .and. .not. present(delt)) call check_constraints(set, own, dimensions, scene)
+      if (forces_wanted(set) .and. .not. present(delt)) then
          allocate (scene%forces)
          call make_force_scene(set, own, dimensions, sweep_inputs(own), scene%forces)
       end if
@@ -173,6 +176,7 @@ contains
       call find_wishes(scene, scene%sweep)
       call widen_view(scene)
       call make_problem(set, mechanism, dimensions, parameters, own)
+      if (present(delt)) call own%set_inputs(delt)
       allocate (scene%proof)
       call make_proof_scene(set, own, dimensions, scene%drawn, scene%output, scene%proof, proven)
       if (.not. proven) deallocate (scene%proof)

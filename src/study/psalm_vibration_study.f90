@@ -69,14 +69,6 @@ module psalm_vibration_study
    end type vibration_study_t
 
    interface
-      !> Squared frequency of mode j over that of Euler's first: j**4, less with shear.
-      module pure real(wp) function mode_factor(set, length, j)
-         implicit none (type, external)
-         type(data_set_t), intent(in) :: set
-         real(wp), intent(in) :: length !! m
-         integer, intent(in) :: j
-      end function mode_factor
-
       !> Vibration of a link that `check_link` found no fault with. `study%cycle%trouble` tells where the crank cannot turn: then
       !> there is nothing else.
       module subroutine find_vibration(set, given, dimensions, model, study)

@@ -20,7 +20,11 @@ submodule(psalm_vibration_study) psalm_vibration_study_body
 
 contains
 
-   module procedure mode_factor
+   !> Squared frequency of mode j over that of Euler's first: j**4, less with shear.
+   pure real(wp) function mode_factor(set, length, j)
+      type(data_set_t), intent(in) :: set
+      real(wp), intent(in) :: length !! m
+      integer, intent(in) :: j
       type(vibration_group_t) :: vibration
 
       vibration = vibration_of(set)
@@ -28,7 +32,7 @@ contains
       associate (beam => vibration%beam)
          if (beam%shear_ratio > 0.0_wp) mode_factor = mode_factor*timoshenko_factor(j, length/beam%gyration, beam%shear_ratio)
       end associate
-   end procedure mode_factor
+   end function mode_factor
 
    module procedure find_vibration
       type(vibration_group_t) :: vibration
