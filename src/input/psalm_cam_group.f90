@@ -2,7 +2,6 @@
 module psalm_cam_group
    use psalm_cam_data, only: vary_names, first_of_segments, of_zones, goal_base, goal_outer, goal_stress, cam_group_t, roller_t, &
                              follower_flat, fit_spline, most_pieces
-                             cam_group_t, roller_t, follower_roller, follower_flat, fit_spline, most_pieces
    use psalm_cam_kind, only: law_kind, law_dwell, law_modtrap, law_trig, law_names, has_zones, zones_of, zone_count
    use psalm_case_group, only: case_group_t, surroundings_t
    use psalm_data_set, only: data_set_t
