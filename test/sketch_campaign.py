@@ -1208,6 +1208,21 @@ def stands(sketch, line):
     return abs(line[name + ".v"]) < 1e-6*(1.0 if angular(sketch, name) else SIZE)
 
 
+def doubt_of_ratio(sketch, line, name, norm):
+    """By how much a ratio of rates, or a rate of it, may differ in units of epsilon: it divides by a rate that may be small."""
+    one, two = next(o[2] for o in sketch.outputs if o[1] == "ratio")
+    unit = lambda output: 1.0 if angular(sketch, output) else SIZE
+    slow = max(abs(value) for key, value in line.items() if key.endswith((".vx", ".vy")))/SIZE
+    by = abs(line[two + ".v"])
+    grows = abs(line[two + ".a"])/by
+    doubt = slow*(unit(one) + abs(line["R"])*unit(two))/by
+    if name != "R":
+        doubt = doubt*grows + (1.0 + norm)*(abs(line[one + ".a"]) + abs(line["R"]*line[two + ".a"]))/by
+    if name == "R.a":
+        doubt *= 3.0*grows
+    return (1.0 + norm)*doubt
+
+
 def compare_orders(case, output, again):
     """The same sketch written in another order."""
     for k, (one, two) in enumerate(zip(output.csv, again.csv)):
@@ -1237,6 +1252,8 @@ def compare_orders(case, output, again):
                 gap, scale = differ_angle(value, two[name]), 1e3
             else:
                 scale = max(abs(value), SIZE)
+            if name.split(".")[0] == "R" and "R.v" in one:
+                scale = max(scale, doubt_of_ratio(case.sketch, one, name, norm))
             if gap > EPSILON*(10.0 + norm)*MULTIPLE*scale:
                 case.fault("order", "row %d: %s is %r, in another order %r" % (k + 1, name, value, two[name]))
                 break
