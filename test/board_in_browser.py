@@ -221,6 +221,14 @@ def test_exact_places(browser):
     board.page.mouse.up()
     check("joints at one place are one joint", len(board.sketch()["joints"]) == 3 and len(board.sketch()["links"]) == 3,
           str(board.sketch()["joints"]))
+    board.tool("pivot")
+    board.page.mouse.click(x - 0.45*step, y)
+    sketch = board.sketch()
+    check("a joint beside the pointer is pinned", len(sketch["joints"]) == 3 and len(sketch["links"][0]["joints"]) == 1, str(sketch))
+    board.fill("new joint at x y", "0 0")
+    board.fill("new joint at x y", "0 0")
+    sketch = board.sketch()
+    check("places typed in where joints are", len(sketch["joints"]) == 3 and len(sketch["links"][0]["joints"]) == 2, str(sketch))
     board.context.close()
 
 

@@ -559,6 +559,44 @@ def test_shoes():
                           "%s: %.12g, %.12g" % (worst, ours[worst], theirs[worst]))
 
 
+STILL = """RATIO TO WHAT STANDS
+ &CHAIN JNT='A','B','C','D','E', JX=0,0,60,70,-40, JY=0,30,40,0,20, LNAME='frame','crank','rod','rocker','arm',
+ LNK='A D','A B','B C','C D','A E' &END
+ &DRIVES DRIVE='A','A', DBASE='frame','crank', DLINK='crank','arm', DELT2=0.0,5.0,10.0, DSPEED=0.0,1.0 &END
+ &OUTPUTS OUTPUT='angle rocker','distance B C','ratio turn bar','ratio bar turn', ONAME='turn','bar','R','Q' &END
+ &METHOD NDES=3, DELT=0.0,10.0,20.0 &END
+ &RATES SPEED=2.0 &END
+"""
+
+
+def test_still_output():
+    """A ratio to an output that stands still has no value, on no device; drives at one joint have columns of their own."""
+    write("still.nml", STILL)
+    code, listing, errors = kalm("still.nml")
+    check("a ratio to what stands: read", code == 0, errors)
+    table = [line.split(",") for line in read("still.kalm.csv").split()]
+    at = [table[0].index(name) for name in ("R", "R.v", "R.a", "Q")]
+    check("a ratio to what stands: table", all(row[at[0]] == row[at[1]] == row[at[2]] == "" and abs(float(row[at[3]])) < 1e-12 for row in table[1:]),
+          str(table[:2]))
+    check("a ratio to what stands: device 9", all(line.split().count("NaN") == 3 for line in read("still.kalm.dev9").split("# block")[0].split("\n")
+                                                  if line and line[0] != "#"), read("still.kalm.dev9"))
+    check("a ratio to what stands: listing", [line.split().count("-") for line in listing.split("\n") if re.match(r" +[123] ", line)] == [3, 3, 3], listing)
+    check("a ratio to what stands: summary", "R has no value: it is a ratio to what stands still" in errors, errors)
+    check("two drives at one joint", table[0][:2] == ["input.A.frame-crank", "input.A.crank-arm"], str(table[0][:2]))
+
+
+def test_moved_frame():
+    """A drive that moves the frame against the crank: taken as it is written, but told."""
+    text = STILL.replace(",'A', DBASE='frame','crank', DLINK='crank','arm', DELT2=0.0,5.0,10.0, DSPEED=0.0,1.0", "%s").replace(
+        "'B C','C D','A E'", "'B C','C D'").replace(",'E', JX", ", JX").replace("70,-40", "70").replace("0,20, LNAME", "0, LNAME").replace(
+        ",'arm'", "")
+    for items, item in ((", DBASE='crank'", "DBASE"), (", DLINK='frame'", "DLINK"), (", DBASE='frame'", None)):
+        write("moved.nml", text % items)
+        code, _, errors = kalm("moved.nml")
+        told = "&DRIVES %s: drive A moves the frame against link crank, which goes the other way" % item in errors
+        check("a drive that moves the frame" + items, code == 0 and told == bool(item), errors)
+
+
 def test_held_pin():
     """The link that holds a pin of several does not turn on it."""
     text = ("A PIN OF THREE LINKS\n &CHAIN JNT='A','B','C','D','E','F', JX=0,0,60,70,120,130, JY=0,30,40,0,60,0, LNAME='frame','crank','rod','rocker','tie',"
@@ -633,6 +671,8 @@ def main(programs):
         test_small_drawing()
         test_driven_slide()
         test_shoes()
+        test_still_output()
+        test_moved_frame()
         test_held_pin()
         test_piston()
         os.chdir("/")

@@ -111,6 +111,7 @@ MISTAKES = [
     (SKETCH, "DRIVE='A'", "DRIVE='A', DBASE='rocker'", "&DRIVES DBASE: link rocker is not at joint A; the links there are frame and crank"),
     (SKETCH, "DRIVE='A'", "DRIVE='A', DLINK='rocker'", "&DRIVES DLINK: link rocker is not at joint A; the links there are frame and crank"),
     (SKETCH, "DRIVE='A'", "DRIVE='A', DBASE='coupler', DLINK='rocker'", "link coupler is not at joint A; the links there are frame and crank"),
+    (SKETCH, "DRIVE='A'", "DRIVE='A', DBASE='crank', DLINK='crank'", "drive A has link crank on both sides; it moves DLINK against DBASE"),
     (SLIDER, "DRIVE='A'", "DRIVE='S1', DLINK='rod'", "link rod is not at slide S1; the links there are frame and piston"),
     (SKETCH, "DRIVE='A'", "DRIVE='crank'", "'crank' is a link; a link is driven at a joint, here DRIVE='A'"),
     (SLIDER, "DRIVE='A'", "DRIVE='piston'", "'piston' is a link; a link is driven at a slide, here DRIVE='S1'"),

@@ -33,11 +33,11 @@ board.tools = (() => {
     return name;
   }
 
-  /** A frame joint at a place that is typed in: it can be freed, or have links pulled from it. */
+  /** A frame joint at a place that is typed in: it can be freed, or have links pulled from it. A joint that is there is pinned. */
   function jointAt(place) {
     edit((sketch) => {
-      const name = addJoint(sketch, place);
-      sketch.links[0].joints.push(name);
+      const name = jointOn(place) || addJoint(sketch, place);
+      if (!board.inFrame(name)) sketch.links[0].joints.push(name);
       board.state.selection = { joint: name };
     });
   }
@@ -147,9 +147,10 @@ board.tools = (() => {
     return { x, y, hit: there && !(hit && hit.joint) ? { joint: there } : hit, place, touch: event.pointerType === 'touch' };
   }
 
-  /** The joint that is where a link ends or a joint is dropped: on the grid it may be farther from the pointer than a hit. */
-  function jointAtPlace([x, y], without, at) {
-    if (board.state.tool !== 'link' && !without) return '';
+  /** The joint that is where a link ends, a joint is dropped or pinned: on the grid it may be farther from the pointer than a hit. */
+  const jointAtPlace = (place, without, at) => without || ['link', 'pivot'].includes(board.state.tool) ? jointOn(place, without, at) : '';
+
+  function jointOn([x, y], without = '', at = board.places()) {
     const near = 1e-9 * (1 + Math.abs(x) + Math.abs(y));
     for (const [name, p] of at) if (name !== without && Math.hypot(p[0] - x, p[1] - y) <= near) return name;
     return '';

@@ -2296,11 +2296,12 @@ module psalm_board_text
    '    return name;'//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  /** A frame joint at a place that is typed in: it can be freed, or have links pulled from it. */'//nl// &
+   '  /** A frame joint at a place that is typed in: it can be freed, or have links pulled from it. A joint that is there i'// &
+   's pinned. */'//nl// &
    '  function jointAt(place) {'//nl// &
    '    edit((sketch) => {'//nl// &
-   '      const name = addJoint(sketch, place);'//nl// &
-   '      sketch.links[0].joints.push(name);'//nl// &
+   '      const name = jointOn(place) || addJoint(sketch, place);'//nl// &
+   '      if (!board.inFrame(name)) sketch.links[0].joints.push(name);'//nl// &
    '      board.state.selection = { joint: name };'//nl// &
    '    });'//nl// &
    '  }'//nl// &
@@ -2421,10 +2422,12 @@ module psalm_board_text
    "ch' };"//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  /** The joint that is where a link ends or a joint is dropped: on the grid it may be farther from the pointer than a '// &
-   'hit. */'//nl// &
-   '  function jointAtPlace([x, y], without, at) {'//nl// &
-   "    if (board.state.tool !== 'link' && !without) return '';"//nl// &
+   '  /** The joint that is where a link ends, a joint is dropped or pinned: on the grid it may be farther from the pointer'// &
+   ' than a hit. */'//nl// &
+   "  const jointAtPlace = (place, without, at) => without || ['link', 'pivot'].includes(board.state.tool) ? jointOn(place,"// &
+   " without, at) : '';"//nl// &
+   ''//nl// &
+   "  function jointOn([x, y], without = '', at = board.places()) {"//nl// &
    '    const near = 1e-9 * (1 + Math.abs(x) + Math.abs(y));'//nl// &
    '    for (const [name, p] of at) if (name !== without && Math.hypot(p[0] - x, p[1] - y) <= near) return name;'//nl// &
    "    return '';"//nl// &
@@ -2499,10 +2502,10 @@ module psalm_board_text
    '    }'//nl// &
    '  }'//nl// &
    ''//nl// &
-   "  /** Where the line that is pulled ends: a slide's turns in steps. */"//nl// &
-   '  function target({ tool, from }, at) {'//nl
+   "  /** Where the line that is pulled ends: a slide's turns in steps. */"//nl
 
    character(*), parameter :: part_24 = &
+   '  function target({ tool, from }, at) {'//nl// &
    "    if (tool !== 'slider') return at.place;"//nl// &
    '    const dx = at.place[0] - from[0], dy = at.place[1] - from[1], d = Math.hypot(dx, dy), a = slideAngle(dx, dy) * Math'// &
    '.PI / 180;'//nl// &
@@ -2611,10 +2614,10 @@ module psalm_board_text
    '  function pinchTo() {'//nl// &
    '    const [a, b] = [...pointers.values()], box = view.canvas.getBoundingClientRect(), now = spread();'//nl// &
    '    view.zoom(now / pinch, (a.clientX + b.clientX) / 2 - box.left, (a.clientY + b.clientY) / 2 - box.top);'//nl// &
-   '    pinch = now;'//nl// &
-   '    view.draw();'//nl
+   '    pinch = now;'//nl
 
    character(*), parameter :: part_25 = &
+   '    view.draw();'//nl// &
    '  }'//nl// &
    ''//nl// &
    "  const cursor = (hit) => board.state.tool !== 'select' ? 'crosshair' : hit ? 'grab' : 'default';"//nl// &
@@ -2727,10 +2730,10 @@ module psalm_board_text
    ''//nl// &
    '(() => {'//nl// &
    '  const { view, motion: solver, text: notation } = board;'//nl// &
-   '  const $ = (id) => document.getElementById(id);'//nl// &
-   '  const MOST_UNDO = 200, TURN_TIME = 6, WAY_TIME = 4;      // seconds of a turn, of a way there'//nl
+   '  const $ = (id) => document.getElementById(id);'//nl
 
    character(*), parameter :: part_26 = &
+   '  const MOST_UNDO = 200, TURN_TIME = 6, WAY_TIME = 4;      // seconds of a turn, of a way there'//nl// &
    '  const NEAR = 1e-3;                                       // part of a step of the sweep that is followed to a dead po'// &
    'int'//nl// &
    '  const FINE = 1, COARSE = 5;                              // degrees between positions of a sweep; while dragging'//nl// &
@@ -2835,10 +2838,10 @@ module psalm_board_text
    '        const i = joints.findIndex((j) => j.name === a), k = joints.findIndex((j) => j.name === b);'//nl// &
    '        const dx = joints[k].x - joints[i].x, dy = joints[k].y - joints[i].y, d = Math.hypot(dx, dy) || 1e-9;'//nl// &
    '        rows.push({ i, k, u: [dx / d, dy / d] });'//nl// &
-   '        right.push(value - d);'//nl// &
-   '      }'//nl
+   '        right.push(value - d);'//nl
 
    character(*), parameter :: part_27 = &
+   '      }'//nl// &
    '      worst = Math.max(0, ...right.map(Math.abs));'//nl// &
    '      if (!(worst >= 1e-13 * largest)) return !Number.isNaN(worst);'//nl// &
    '      const dot = (p, q) => p.u[0] * q.u[0] + p.u[1] * q.u[1];'//nl// &
@@ -2944,10 +2947,10 @@ module psalm_board_text
    '  function refresh(rough = false) {'//nl// &
    '    const { sketch } = state;'//nl// &
    '    state.motion = {};'//nl// &
-   '    state.live = null;'//nl// &
-   '    state.t = 0;'//nl
+   '    state.live = null;'//nl
 
    character(*), parameter :: part_28 = &
+   '    state.t = 0;'//nl// &
    '    state.messages = solver.judge(sketch);'//nl// &
    '    if (!state.messages.length) {'//nl// &
    '      const mech = solver.compile(sketch), start = solver.assemble(mech);'//nl// &
@@ -3052,10 +3055,10 @@ module psalm_board_text
    '        return [live.pose[3 * link] + c * p[0] - s * p[1], live.pose[3 * link + 1] + s * p[0] + c * p[1]];'//nl// &
    '      };'//nl// &
    '      [x, y] = at(moves === a ? row.a : row.b, moves === a ? row.p : row.q);'//nl// &
-   '      const phi = live.pose[3 * row.a + 2];'//nl// &
-   '      u = [u[0] * Math.cos(phi) - u[1] * Math.sin(phi), u[0] * Math.sin(phi) + u[1] * Math.cos(phi)];'//nl
+   '      const phi = live.pose[3 * row.a + 2];'//nl
 
    character(*), parameter :: part_29 = &
+   '      u = [u[0] * Math.cos(phi) - u[1] * Math.sin(phi), u[0] * Math.sin(phi) + u[1] * Math.cos(phi)];'//nl// &
    '    }'//nl// &
    '    const joint = moves.joints.length ? places().get(moves.joints[0]) : [x, y];'//nl// &
    '    const along = (joint[0] - x) * u[0] + (joint[1] - y) * u[1];'//nl// &
@@ -3157,10 +3160,10 @@ module psalm_board_text
    ''//nl// &
    '  function save() {'//nl// &
    "    const link = document.createElement('a');"//nl// &
-   "    link.href = URL.createObjectURL(new Blob([write()], { type: 'text/plain' }));"//nl// &
-   "    link.download = state.file.replace(/\.(dev7|txt)$/, '.nml');"//nl
+   "    link.href = URL.createObjectURL(new Blob([write()], { type: 'text/plain' }));"//nl
 
    character(*), parameter :: part_30 = &
+   "    link.download = state.file.replace(/\.(dev7|txt)$/, '.nml');"//nl// &
    '    link.click();'//nl// &
    '    setTimeout(() => URL.revokeObjectURL(link.href), 1000);'//nl// &
    '    state.dirty = false;'//nl// &

@@ -268,13 +268,28 @@ contains
             end if
             if (drive%base == drive%link) then
                call out_of(group, 'DLINK', 'drive '//trim(drive%name)//' has link '//trim(sketch%links(drive%link)%name)// &
-                           ' on both sides', findings, i)
+                           ' on both sides; it moves DLINK against DBASE', findings, i)
             else
                valid = .true.
+               if (drive%link == frame_link) call tell_moved_frame(drive)
                call doubt_crank(drive)
             end if
          end associate
       end subroutine find_links
+
+      !> A drive that moves the frame is right if it is meant so, and otherwise a slip: the other link goes the other way.
+      subroutine tell_moved_frame(drive)
+         type(drive_t), intent(in) :: drive
+         character(:), allocatable :: item
+
+         item = 'DLINK'
+         if (i <= size(bases)) then
+            if (len_trim(bases(i)) > 0) item = 'DBASE'
+         end if
+         call group%origins%warning(findings, 'DRIVES', item, 'drive '//trim(drive%name)//' moves the frame against link '// &
+                                    trim(sketch%links(drive%base)%name)//', which goes the other way; DBASE is what a drive '// &
+                                    'stands on, as a rule the frame, and DLINK what it moves', i)
+      end subroutine tell_moved_frame
 
       subroutine not_there(item, link, at)
          character(*), intent(in) :: item

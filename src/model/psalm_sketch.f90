@@ -120,6 +120,7 @@ module psalm_sketch
       procedure :: joint_called
       procedure :: link_called
       procedure :: slide_called
+      procedure :: drive_label
    end type sketch_t
 
 contains
@@ -190,6 +191,19 @@ contains
       end do
       position_of = 0
    end function position_of
+
+   !> Name of a drive; of several at one joint with their links, `A.frame-crank`.
+   pure function drive_label(self, drive) result(label)
+      class(sketch_t), intent(in) :: self
+      integer, intent(in) :: drive
+      character(:), allocatable :: label
+
+      associate (one => self%drives(drive))
+         label = trim(one%name)
+         if (count(self%drives%name == one%name) > 1) &
+            label = label//'.'//trim(self%links(one%base)%name)//'-'//trim(self%links(one%link)%name)
+      end associate
+   end function drive_label
 
    !> Number of the joint of that name; 0: there is none.
    pure integer function joint_called(self, name)

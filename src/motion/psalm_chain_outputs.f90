@@ -12,6 +12,8 @@ module psalm_chain_outputs
    private
    public :: column_name, output_at, unwrap
 
+   real(wp), parameter :: at_rest = 1.0e-12_wp     !! of the largest rate: a slower output stands still but for rounding
+
 contains
 
    !> Name of a number of an output.
@@ -88,7 +90,7 @@ contains
             case (output_ratio)
                a = values(first(output%outputs(1)), :)
                b = values(first(output%outputs(2)), :)
-               call quotient(a, b, ratio)
+               call quotient(a, b, at_rest*largest_rate(state, outputs(output%outputs(2))), ratio)
                values(n, :) = ratio
             end select
          end associate
@@ -96,13 +98,27 @@ contains
       end do
    end subroutine output_at
 
-   !> Ratio of two rates and its derivatives, as far as the rates' are known; infinite ratios are given as huge.
-   pure subroutine quotient(a, b, ratio)
+   !> The largest rate that an output of this kind could have: of any link, or of any joint and drive.
+   pure real(wp) function largest_rate(state, output)
+      type(state_t), intent(in) :: state
+      type(sketch_output_t), intent(in) :: output
+
+      if (output%kind == output_angle .or. output%kind == output_between) then
+         largest_rate = maxval(abs(state%phi(:, 1)))
+      else
+         largest_rate = max(maxval(abs(state%joint(:, 1))), maxval(abs(state%t(:, 1))))
+      end if
+   end function largest_rate
+
+   !> Ratio of two rates and its derivatives, as far as the rates' are known; where the second output stands still it is given as
+   !> huge: there is none.
+   pure subroutine quotient(a, b, rest, ratio)
       real(wp), intent(in) :: a(0:most_orders), b(0:most_orders)
+      real(wp), intent(in) :: rest            !! a rate that is none
       real(wp), intent(out) :: ratio(0:most_orders)
 
       ratio = 0.0_wp
-      if (abs(b(1)) <= tiny(1.0_wp)*max(1.0_wp, abs(a(1)))) then
+      if (abs(b(1)) <= max(rest, tiny(1.0_wp)*max(1.0_wp, abs(a(1))))) then
          ratio(0) = huge(1.0_wp)
          return
       end if

@@ -4,7 +4,7 @@ module psalm_chain_curves
    use psalm_markup, only: gnuplot_text
    use psalm_panel_curves, only: axis_range
    use psalm_scene, only: scene_t
-   use psalm_text, only: text_t, full_precision, to_text
+   use psalm_text, only: text_t, full_precision, number_or_nan, to_text
    implicit none (type, external)
    private
    public :: chain_panels, write_chain_tables, plot_chain_panels
@@ -49,8 +49,7 @@ contains
 
          line = full_precision(input)
          do k = 1, size(outputs)
-            if (closed) line = line//' '//full_precision(outputs(k))
-            if (.not. closed) line = line//' NaN'
+            line = line//' '//number_or_nan(outputs(k), closed .and. outputs(k) < huge(1.0_wp))
          end do
          do k = 1, size(drives)
             line = line//' '//full_precision(drives(k))
@@ -64,13 +63,15 @@ contains
       type(scene_t), intent(in) :: scene
       type(text_t), intent(inout) :: text
       character(:), allocatable :: line
+      logical, allocatable :: known(:)
       integer :: k
 
       if (.not. any(scene%sweep%closed)) call text%add("set label 1 'the linkage does not close' at graph 0.5,0.5 center front")
       do k = 1, size(scene%curves)
          ! gnuplot refuses a panel without a single number
          line = 'set yrange [0:1]; '
-         if (any(scene%sweep%closed)) line = axis_range(pack(scene%curves(k)%sweep, scene%sweep%closed), &
+         known = scene%sweep%closed .and. scene%curves(k)%sweep < huge(1.0_wp)
+         if (any(known)) line = axis_range(pack(scene%curves(k)%sweep, known), &
                                                         merge(full_turn, maxval(scene%high - scene%low), scene%curves(k)%angle))
          call text%add('set ylabel '//gnuplot_text(scene%curves(k)%name)//'; '//line//'plot $way using 1:'//to_text(k + 1)// &
                        ' with lines lw 1.5 notitle, $positions using 1:'//to_text(k + 1)//' with points pt 7 ps 0.5 lc 1 notitle')

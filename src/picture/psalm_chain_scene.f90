@@ -608,7 +608,7 @@ contains
       end do
       do d = 1, size(sketch%drives)
          associate (drive => scene%drives(d))
-            drive%name = trim(sketch%drives(d)%name)
+            drive%name = sketch%drive_label(d)
             drive%turning = sketch%drives(d)%kind == drive_turns
             drive%prescribed = own%inputs(d, :)
             drive%sweep = sweep%inputs(d, :)

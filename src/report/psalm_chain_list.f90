@@ -17,7 +17,7 @@ module psalm_chain_list
 
 contains
 
-   !> The listing: inputs and outputs at every position.
+   !> The listing: inputs and outputs at every position; a dash for a ratio to what stands still.
    subroutine list_chain(set, inputs, closed, names, values, text)
       type(data_set_t), intent(in) :: set
       real(wp), intent(in) :: inputs(:, :)     !! shape (drives, positions)
@@ -32,7 +32,7 @@ contains
       call text%add()
       line = ' POSITION'
       do d = 1, size(inputs, 1)
-         line = line//heading('INPUT '//set%sketch%drives(d)%name)
+         line = line//heading('INPUT '//set%sketch%drive_label(d))
       end do
       do d = 1, size(names)
          line = line//heading(names(d))
@@ -45,7 +45,8 @@ contains
          end do
          if (closed(k)) then
             do d = 1, size(names)
-               line = line//general(values(d, k), 'E')
+               if (values(d, k) < huge(1.0_wp)) line = line//general(values(d, k), 'E')
+               if (values(d, k) >= huge(1.0_wp)) line = line//repeat(' ', column - 1)//'-'
             end do
          else
             line = line//'   DOES NOT CLOSE'
@@ -130,8 +131,7 @@ contains
          end do
          line = line//merge('1', '0', closed(k))
          do d = 1, size(names)
-            if (closed(k)) line = line//' '//full_precision(values(d, k))
-            if (.not. closed(k)) line = line//' NaN'
+            line = line//' '//number_or_nan(values(d, k), closed(k) .and. values(d, k) < huge(1.0_wp))
          end do
          if (present(forces)) line = line//force_values_line(forces, k)
          call text%add(line)
@@ -167,7 +167,7 @@ contains
       end do
    end subroutine write_drive_block
 
-   !> Column of a drive: `input`, of several drives `input.NAME`.
+   !> Column of a drive: `input`, of several drives `input.NAME`, of several at one joint `input.NAME.BASE-LINK`.
    pure function input_name(sketch, drive) result(name)
       type(sketch_t), intent(in) :: sketch
       integer, intent(in) :: drive
@@ -176,7 +176,7 @@ contains
 
       name = 'input'
       if (size(sketch%drives) == 1) return
-      name = 'input.'//trim(sketch%drives(drive)%name)
+      name = 'input.'//sketch%drive_label(drive)
       do i = 1, len(name)
          if (name(i:i) == ' ') name(i:i) = '-'
       end do

@@ -47,6 +47,7 @@ contains
       type(force_study_t), intent(in), optional :: forces !! if the case has masses, loads or springs
       character(name_room), allocatable :: names(:)
       real(wp), allocatable :: values(:, :)
+      logical, allocatable :: known(:)
       integer :: n, o, m
 
       allocate (names(size(study%names)*(orders + 1)))
@@ -77,9 +78,15 @@ contains
                                to_text(size(study%motion%closed))//' positions')
       do n = 1, size(study%names)
          if (.not. any(study%motion%closed)) exit
-         call devices%summary%add('  Output              '//trim(study%names(n))//' '// &
-                                  number(minval(study%values(n, 0, :), mask=study%motion%closed))//' to '// &
-                                  number(maxval(study%values(n, 0, :), mask=study%motion%closed)))
+         known = study%motion%closed .and. study%values(n, 0, :) < huge(1.0_wp)
+         if (any(known)) then
+            call devices%summary%add('  Output              '//trim(study%names(n))//' '// &
+                                     number(minval(study%values(n, 0, :), mask=known))//' to '// &
+                                     number(maxval(study%values(n, 0, :), mask=known)))
+         else
+            call devices%summary%add('  Output              '//trim(study%names(n))//' has no value: it is a ratio to what '// &
+                                     'stands still')
+         end if
       end do
    end subroutine report_chain
 
@@ -116,8 +123,8 @@ contains
             if (drive%geared .or. .not. allocated(drive%delt)) cycle
             if (abs(drive%speed) > 0.0_wp .or. abs(drive%accel) > 0.0_wp) cycle
             if (maxval(drive%delt) <= minval(drive%delt)) cycle
-            call devices%remark(set, 'drive '//trim(drive%name)//' stands still in the velocities and forces: its DSPEED of '// &
-                                '&DRIVES is 0, though DELT'//to_text(d)//' changes')
+            call devices%remark(set, 'drive '//set%sketch%drive_label(d)//' stands still in the velocities and forces: its '// &
+                                'DSPEED of &DRIVES is 0, though DELT'//to_text(d)//' changes')
          end associate
       end do
    end subroutine report_still_drives
@@ -175,7 +182,7 @@ contains
          if (told > most_told) exit
          line = 'position '//to_text(k)//': '//links_of(study%motion%group(k))//' at a dead point on the way'
          do d = 1, size(study%inputs, 1)
-            line = line//', input '//trim(set%sketch%drives(d)%name)//' '//number(study%inputs(d, k))
+            line = line//', input '//set%sketch%drive_label(d)//' '//number(study%inputs(d, k))
          end do
          call devices%detail(set, line)
       end do

@@ -199,20 +199,24 @@ contains
          integer, intent(in) :: group
          logical, intent(in) :: closed
          character(:), allocatable :: text
+         logical :: one
          integer :: k
 
          text = 'link'
          associate (links => closure%groups(group)%links)
-            if (size(links) > 1) text = text//'s'
+            one = size(links) == 1
+            if (.not. one) text = text//'s'
             do k = 1, size(links)
                text = text//' '//trim(set%sketch%links(links(k))%name)
                if (k < size(links)) text = text//','
             end do
          end associate
          if (.not. closed .and. size(set%sketch%length) > 0) then
-            text = text//' do not meet: with the lengths of LENP they cannot be put together near the drawing'
+            text = text//trim(merge(' does', ' do  ', one))//' not meet: with the lengths of LENP they cannot be put '// &
+                   'together near the drawing'
          else
-            text = text//' stand at a dead point in the drawing, where two assemblies meet; draw the linkage in another position'
+            text = text//trim(merge(' stands', ' stand ', one))//' at a dead point in the drawing, where two assemblies '// &
+                   'meet; draw the linkage in another position'
          end if
       end function trouble
    end subroutine assemble_sketch

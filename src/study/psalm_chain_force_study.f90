@@ -51,7 +51,7 @@ contains
          study%drive_slides = sketch%drives%kind /= drive_turns
          allocate (study%drives(size(sketch%drives)), study%joints(size(model%pairs)), study%parts(size(chain%closure%groups)))
          do k = 1, size(study%drives)
-            study%drives(k) = sketch%drives(k)%name
+            study%drives(k) = sketch%drive_label(k)
          end do
          do k = 1, size(study%joints)
             study%joints(k)%name = model%pairs(k)%name

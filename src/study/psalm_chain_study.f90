@@ -23,7 +23,8 @@ module psalm_chain_study
       real(wp), allocatable :: inputs(:, :)         !! shape (drives, positions): degrees or length, from the drawing
       character(name_room), allocatable :: names(:) !! of the numbers of all outputs
       logical, allocatable :: angles(:)             !! they are angles
-      real(wp), allocatable :: values(:, :, :)      !! shape (numbers, 0:most_orders, positions); angles in degrees, rates radians
+      real(wp), allocatable :: values(:, :, :)      !! shape (numbers, 0:most_orders, positions); angles in degrees, rates radians;
+                                                    !! huge: a ratio to what stands still, and its rates
       real(wp), allocatable :: by_drive(:, :, :)    !! shape (numbers, drives, positions): change with one drive, the others held
    end type chain_study_t
 
@@ -87,7 +88,11 @@ contains
             end do
          end do
          do k = 1, positions
-            if (study%motion%closed(k)) call output_at(study%closure, study%motion%states(k), outputs, study%values(:, :, k))
+            if (.not. study%motion%closed(k)) cycle
+            call output_at(study%closure, study%motion%states(k), outputs, study%values(:, :, k))
+            do n = 1, numbers
+               if (study%values(n, 0, k) >= huge(1.0_wp)) study%values(n, :, k) = huge(1.0_wp)
+            end do
          end do
          call find_changes(study)
          do n = 1, numbers

@@ -540,7 +540,7 @@ contains
                if (.not. self%ratio(n)) cycle
                associate (a => self%ratio_of(1, n), b => self%ratio_of(2, n))
                   by(n, :, v) = 0.0_wp
-                  if (abs(values(b, 1)) > 0.0_wp) by(n, 0, v) = (mixed(a) - values(n, 0)*mixed(b))/values(b, 1)
+                  if (values(n, 0) < huge(1.0_wp)) by(n, 0, v) = (mixed(a) - values(n, 0)*mixed(b))/values(b, 1)
                end associate
             end do
          end if
