@@ -3,7 +3,7 @@ program psalm
    use psalm_assembly_list, only: report_assemblies
    use psalm_assembly_study, only: assembly_study_t, study_assemblies
    use psalm_batch, only: outputs_t, common_options, run_file
-   use psalm_console, only: arguments_t, progress_t, begin, device4_of, show_findings
+   use psalm_console, only: arguments_t, path_progress_t, progress_t, begin, device4_of, show_findings
    use psalm_analysis, only: analysis_t, wanted_t, analyse, wanted_by
    use psalm_case_table, only: report_case_table
    use psalm_chain_proof_study, only: chain_proof_t, study_chain_proof
@@ -122,6 +122,8 @@ contains
       type(devices_t), intent(inout) :: devices
       logical, intent(inout) :: stopped
       type(progress_t), target :: monitor
+      type(path_progress_t), target :: paths
+      type(stop_t) :: told_stop
       ! allocated: together they would fill a small stack
       class(problem_t), allocatable :: problem
       type(synthesis_t), allocatable :: search
@@ -140,7 +142,10 @@ contains
       end associate
       if (set%gives('EXACT')) then
          call signals%hold(1)
-         call run_exact(set, stop, devices)
+         paths%request => signals
+         call told_stop%listen_to(paths)
+         call run_exact(set, told_stop, devices)
+         if (paths%active) call write_standard_error(nl)
          stopped = signals%asked()
          return
       end if

@@ -13,12 +13,14 @@ module psalm_console
    use psalm_system, only: identity_t, begin_program, error_is_terminal, error_text, identity_of, identity_of_open, &
                            make_directories, same_file, standard_error, standard_input, standard_output, write_standard_error, &
                            write_standard_output
+   use psalm_stop, only: stop_request_t
    use psalm_table, only: write_csv, write_json
    use psalm_text, only: text_t, general, to_text
    use psalm_version, only: version
    implicit none (type, external)
    private
-   public :: arguments_t, progress_t, begin, begin_mark, device4_of, prepare_outputs, say, show_findings, stem_of, write_devices
+   public :: arguments_t, progress_t, path_progress_t, begin, begin_mark, device4_of, prepare_outputs, say, show_findings, &
+             stem_of, write_devices
 
    interface
       !> Names of environment variables that the run-time libraries would not have understood and have not seen.
@@ -60,6 +62,16 @@ module psalm_console
    contains
       procedure :: report => show_progress
    end type progress_t
+
+   !> The same for studies that follow paths; what ends them is another's.
+   type, extends(stop_request_t) :: path_progress_t
+      class(stop_request_t), pointer :: request => null()
+      integer(int64) :: shown = 0_int64
+      logical :: active = .false.
+   contains
+      procedure :: asked => ask_other
+      procedure :: told => show_paths
+   end type path_progress_t
 
 contains
 
@@ -521,4 +533,29 @@ contains
          count_of = nint(min(number, 1.0e9_dp))
       end function count_of
    end subroutine show_progress
+
+   logical function ask_other(self) result(asked)
+      class(path_progress_t), intent(in) :: self
+
+      asked = .false.
+      if (associated(self%request)) asked = self%request%asked()
+   end function ask_other
+
+   subroutine show_paths(self, done, of)
+      class(path_progress_t), intent(inout) :: self
+      integer, intent(in) :: done, of
+      integer(int64) :: now, rate
+      character(60) :: line
+
+      call system_clock(now, rate)
+      if (.not. self%active) then
+         if (.not. error_is_terminal()) return
+         self%active = .true.
+      else if (now - self%shown < rate/10) then
+         return
+      end if
+      self%shown = now
+      line = 'path '//to_text(done)//' of '//to_text(of)
+      call write_standard_error(achar(13)//line)
+   end subroutine show_paths
 end module psalm_console

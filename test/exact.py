@@ -6,6 +6,7 @@ The reference numbers come from an independent program (a tracker in C, with gen
 import cmath
 import math
 import os
+import pty
 import re
 import signal
 import subprocess
@@ -602,6 +603,38 @@ def refused(folder):
         check(status in ([wanted] if wanted else [0, 1]) and (words is None or words in errors), "refused: " + text[:60], errors or listing)
 
 
+def symmetric_about_pivots(folder):
+    """Points symmetric about the line of both pivots: each linkage whose coupler point is on the line of its joints and that meets half
+    of them meets all, so there is a whole curve of linkages and no complete list. That is no success."""
+    status, listing, _, _, errors = run("curve", "A CURVE OF LINKAGES\n &EXACT XP=-2,-1,0,1,2, YP=0,1,1.3,1,0, PIVOTS=0,-2,0,-3.5 &END\n", folder)
+    check(status == 1 and "not complete" in listing and "not complete" in errors, "an incomplete list ends with status 1", (status, listing[:300]))
+
+
+def progress(folder):
+    """A terminal is shown how many paths are followed."""
+    path = os.path.join(folder, "shown.nml")
+    with open(path, "w", encoding="utf-8") as file:
+        file.write(read("nine_points"))
+    ours, theirs = pty.openpty()
+    with subprocess.Popen([os.path.join(BIN, "psalm"), path], stdout=subprocess.DEVNULL, stderr=theirs) as process:
+        os.close(theirs)
+        shown = b""
+        while True:
+            try:
+                more = os.read(ours, 4096)
+            except OSError:            # the other end is closed
+                break
+            if not more:
+                break
+            shown += more
+        check(process.wait() == 0, "progress: exit status")
+    os.close(ours)
+    counts = [int(n) for n in re.findall(rb"\rpath (\d+) of 1442", shown)]
+    check(len(counts) > 1 and counts == sorted(counts), "progress: paths are counted on a terminal", shown[:300])
+    _, _, _, _, errors = run("shown", read("nine_points"), folder)
+    check("path " not in errors, "no progress where there is no terminal", errors)
+
+
 # paths that take seconds in quadruple precision
 SLOW = "SLOW\n &EXACT KIND='PATH', SLIDER=1, XP=0,1,2E5,0.7,0.3,-0.2, YP=0,0.2,1,1.3,1.5,0.8, ANGP=0,20,-1E-4, CERTIFY=1 &END\n"
 
@@ -696,6 +729,8 @@ def others(folder):
 with tempfile.TemporaryDirectory() as where:
     nine_points(where)
     symmetric_points(where)
+    symmetric_about_pivots(where)
+    progress(where)
     bounded(where)
     references(where)
     functions(where)

@@ -9,10 +9,11 @@ module psalm_stop
    private
    public :: stop_request_t, stop_t
 
-   !> What a host extends to be able to end a study.
+   !> What a host extends to be able to end a study, and, if it wants to, to show how far one is.
    type, abstract :: stop_request_t
    contains
       procedure(asked), deferred :: asked
+      procedure :: told
    end type stop_request_t
 
    abstract interface
@@ -33,11 +34,21 @@ module psalm_stop
       procedure :: listen_to
       procedure :: limit_time
       procedure :: waiting
+      procedure :: tell
       procedure :: requested
       procedure :: late
    end type stop_t
 
 contains
+
+   !> So many of the paths of a study are followed: nothing is done with it here. Called often, from one thread.
+   subroutine told(self, done, of)
+      class(stop_request_t), intent(inout) :: self
+      integer, intent(in) :: done, of
+
+      associate (unused => same_type_as(self, self) .and. done == of)
+      end associate
+   end subroutine told
 
    !> Ask this host from now on. It must live as long as the token and its copies.
    subroutine listen_to(self, request)
@@ -66,6 +77,14 @@ contains
       waiting = self%late()
       if (.not. waiting) waiting = self%requested()
    end function waiting
+
+   !> Tell the host, if there is one, that so many paths are followed.
+   subroutine tell(self, done, of)
+      class(stop_t), intent(in) :: self
+      integer, intent(in) :: done, of
+
+      if (associated(self%request)) call self%request%told(done, of)
+   end subroutine tell
 
    !> True if the time is up.
    logical function late(self)

@@ -175,7 +175,10 @@ contains
          tracked%sure = size(which) == 0
          if (size(which) == 0 .or. size(which) > most_precise) exit
          do k = 1, size(which)
-            if (present(stop)) tracked%stopped = stop%waiting()
+            if (present(stop)) then
+               tracked%stopped = stop%waiting()
+               call stop%tell(size(starts, 2) - size(which) + k - 1, size(starts, 2))
+            end if
             if (tracked%stopped) then
                tracked%followed = size(starts, 2) - size(which) + k - 1
                tracked%precise = tracked%precise + k - 1

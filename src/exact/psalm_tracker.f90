@@ -54,7 +54,7 @@ contains
       complex(wp), intent(in) :: starts(:, :)        !! shape (variables, count)
       type(tracked_t), intent(out) :: tracked
       real(wp), intent(in), optional :: largest_prediction !! error accepted; smaller is safer and slower
-      type(stop_t), intent(in), optional :: stop     !! asked before every step of the lanes
+      type(stop_t), intent(in), optional :: stop     !! asked, and told of the paths followed, before every step of the lanes
       type(work_t), allocatable :: work
       complex(wp), allocatable :: past(:, :, :), past_tangent(:, :, :), z(:, :), step(:, :), tangent(:, :)
       real(wp) :: past_t(lanes, remembered), t(lanes), h(lanes), aimed(lanes), e1(lanes), e2(lanes), accept_below
@@ -84,8 +84,11 @@ contains
          call take_next(l)
       end do
       do while (any(which > 0))
-         if (present(stop)) tracked%stopped = stop%waiting()
-         if (tracked%stopped) exit
+         if (present(stop)) then
+            tracked%stopped = stop%waiting()
+            if (tracked%stopped) exit
+            call stop%tell(next - 1 - count(which > 0), size(starts, 2))
+         end if
          call predict_weights(past_t, t, h, known, aimed, weight, slope_weight)
          z(:, :used) = (0.0_wp, 0.0_wp)
          do k = 1, remembered

@@ -212,7 +212,10 @@ contains
                if (i > 0) call six%add('  '//repeat(' ', 6 - len(to_text(i)))//to_text(i)//' '//trim(class_names(k)))
             end do
          end if
-         if (.not. study%complete .and. study%way /= way_curves) call devices%remark(set, sentence_of(study))
+         if (.not. study%complete .and. study%way /= way_curves) then
+            call devices%remark(set, sentence_of(study))
+            call devices%note_violation()
+         end if
          shown = shown_of(set, study)
          if (shown == 0) then
             if (study%flat > 0) then
