@@ -80,6 +80,8 @@ class Build:
         text = open(name, encoding="utf-8").read()
         module = re.search(r"^\s*module\s+(\w+)\s*$", text, re.M | re.I)
         uses = set(re.findall(r"^\s*use\s*(?:,\s*non_intrinsic\s*)?(?:::)?\s*(\w+)", text, re.M | re.I))
+        # a submodule comes after its module
+        uses |= set(re.findall(r"^\s*submodule\s*\(\s*(\w+)", text, re.M | re.I))
         program = re.search(r"^\s*program\s+(\w+)\s*$", text, re.M | re.I) is not None
         return module and module.group(1).lower(), {u.lower() for u in uses}, program
 
