@@ -6,6 +6,7 @@ module psalm_chain_force_model
    use psalm_angles, only: unit_vector
    use psalm_closure, only: closure_t
    use psalm_data_set, only: data_set_t
+   use psalm_force_entries, only: loading_t, spring_law_t, loading_of, spring_law_of
    use psalm_kinds, only: wp
    use psalm_link_place, only: place_t
    use psalm_sketch, only: frame_link
@@ -37,21 +38,13 @@ module psalm_chain_force_model
       complex(wp) :: rod = (0.0_wp, 0.0_wp)   !! unit vector of the cylinder whose rod it is on, in these axes; 0: on the link
    end type chain_spot_t
 
-   type :: chain_load_t
+   type, extends(loading_t) :: chain_load_t
       type(chain_spot_t) :: spot
       complex(wp) :: force = (0.0_wp, 0.0_wp) !! N; machine axes, or along and across the line if it turns
-      real(wp) :: moment = 0.0_wp             !! N m
-      logical :: turns = .false.
-      integer :: table = 0                    !! column of the tables that multiplies it; 0: none
    end type chain_load_t
 
-   type :: chain_spring_t
+   type, extends(spring_law_t) :: chain_spring_t
       type(chain_spot_t) :: ends(2)
-      logical :: torsional = .false.
-      real(wp) :: stiffness = 0.0_wp          !! N/m, N m/rad
-      real(wp) :: free = 0.0_wp               !! free length, user's length; angle, degrees
-      real(wp) :: preload = 0.0_wp            !! N, N m
-      real(wp) :: damping = 0.0_wp            !! N s/m, N m s/rad
    end type chain_spring_t
 
    type :: chain_friction_t
@@ -110,9 +103,7 @@ contains
          associate (load => model%loads(k))
             load%spot = spot_of(closure, set%loads%places(k))
             load%force = cmplx(set%loads%force(1, k), set%loads%force(2, k), wp)
-            load%moment = set%loads%moment(k)
-            load%turns = set%loads%turns(k)
-            load%table = set%loads%table(k)
+            load%loading_t = loading_of(set%loads, k)
          end associate
       end do
       model%table_input = set%loads%input
@@ -124,11 +115,7 @@ contains
             if (spring%ends(1)%link == spring%ends(2)%link .and. (spring%ends(1)%rod == spring%ends(2)%rod)) &
                call set%origins%warning(findings, 'SPRING', 'BNAME', 'entry '//to_text(k)//' has both its ends on the same '// &
                                         'link: it has no effect', k)
-            spring%torsional = set%springs%torsional(k)
-            spring%stiffness = set%springs%stiffness(k)
-            spring%free = set%springs%free(k)
-            spring%preload = set%springs%preload(k)
-            spring%damping = set%springs%damping(k)
+            spring%spring_law_t = spring_law_of(set%springs, k)
          end associate
       end do
       do k = 1, size(model%friction)

@@ -8,6 +8,7 @@ module psalm_force_model
    use psalm_angles, only: unit_vector
    use psalm_data_set, only: data_set_t
    use psalm_dimensions, only: dimensions_t
+   use psalm_force_entries, only: loading_t, spring_law_t, loading_of, spring_law_of
    use psalm_kinds, only: wp, radians_per_degree
    use psalm_link_place, only: place_t
    use psalm_loop_forces, only: joined_by_arcs, link_of_body
@@ -36,21 +37,13 @@ module psalm_force_model
       real(wp) :: along(2) = [1.0_wp, 0.0_wp] !! unit vector of the arc it was named by, in these axes
    end type spot_t
 
-   type :: load_t
+   type, extends(loading_t) :: load_t
       type(spot_t) :: spot
       real(wp) :: force(2) = 0.0_wp         !! N; machine axes, or the axes of the body's own arc if it turns
-      real(wp) :: moment = 0.0_wp           !! N m
-      logical :: turns = .false.
-      integer :: table = 0                  !! column of the tables that multiplies it; 0: none
    end type load_t
 
-   type :: spring_t
+   type, extends(spring_law_t) :: spring_t
       type(spot_t) :: ends(2)
-      logical :: torsional = .false.
-      real(wp) :: stiffness = 0.0_wp        !! N/m, N m/rad
-      real(wp) :: free = 0.0_wp             !! free length, user's length; angle, degrees
-      real(wp) :: preload = 0.0_wp          !! N, N m
-      real(wp) :: damping = 0.0_wp          !! N s/m, N m s/rad
    end type spring_t
 
    type :: friction_t
@@ -165,9 +158,7 @@ contains
          associate (load => model%loads(k))
             call place('LOADS', item_of(set, 'L'), k, set%loads%places(k), load%spot, placed)
             load%force = set%loads%force(:, k)
-            load%moment = set%loads%moment(k)
-            load%turns = set%loads%turns(k)
-            load%table = set%loads%table(k)
+            load%loading_t = loading_of(set%loads, k)
             if (load%turns) load%force = turned(load%force, load%spot%along)
          end associate
       end do
@@ -181,11 +172,7 @@ contains
                call set%origins%warning(findings, 'SPRING', item_of(set, 'B'), 'entry '//to_text(k)//' has both its ends on '// &
                                         'the same link: it has no effect', k)
             end if
-            spring%torsional = set%springs%torsional(k)
-            spring%stiffness = set%springs%stiffness(k)
-            spring%free = set%springs%free(k)
-            spring%preload = set%springs%preload(k)
-            spring%damping = set%springs%damping(k)
+            spring%spring_law_t = spring_law_of(set%springs, k)
          end associate
       end do
       do k = 1, size(model%friction)

@@ -161,23 +161,13 @@ contains
       end do
    end function on_a_line
 
-   !> The nearest of all positions that close; 0: none does.
+   !> The nearest of all positions that close, the first of equals; 0: none does.
    pure integer function nearest_of_all(inputs, closed, position) result(best)
       real(wp), intent(in) :: inputs(:, :)         !! shape (drives, positions): from the drawing
       logical, intent(in) :: closed(:)             !! shape (positions)
       integer, intent(in) :: position
-      real(wp) :: distance, nearest
-      integer :: i
 
-      best = 0
-      nearest = huge(1.0_wp)
-      do i = 1, size(closed)
-         if (.not. closed(i)) cycle
-         distance = sum((inputs(:, position) - inputs(:, i))**2)
-         if (distance >= nearest) cycle
-         best = i
-         nearest = distance
-      end do
+      best = nearest_of(inputs, closed, position, 1, size(closed), 1, huge(1.0_wp))
    end function nearest_of_all
 
    !> Of the positions before one that close the nearest, the latest of equals; 0: the drawing is nearer.
@@ -185,19 +175,29 @@ contains
       real(wp), intent(in) :: inputs(:, :)         !! shape (drives, positions): from the drawing
       logical, intent(in) :: closed(:)             !! shape (positions)
       integer, intent(in) :: position
+
+      best = nearest_of(inputs, closed, position, position - 1, 1, -1, sum(inputs(:, position)**2))
+   end function nearest_known
+
+   !> Of the positions `first` to `last` that close the nearest, the first met of equals; 0: none is nearer than `limit`, squared.
+   pure integer function nearest_of(inputs, closed, position, first, last, step, limit) result(best)
+      real(wp), intent(in) :: inputs(:, :)         !! shape (drives, positions): from the drawing
+      logical, intent(in) :: closed(:)             !! shape (positions)
+      integer, intent(in) :: position, first, last, step
+      real(wp), intent(in) :: limit
       real(wp) :: distance, nearest
       integer :: i
 
       best = 0
-      nearest = sum(inputs(:, position)**2)
-      do i = position - 1, 1, -1
+      nearest = limit
+      do i = first, last, step
          if (.not. closed(i)) cycle
          distance = sum((inputs(:, position) - inputs(:, i))**2)
          if (distance >= nearest) cycle
          best = i
          nearest = distance
       end do
-   end function nearest_known
+   end function nearest_of
 
    !> From a position to another; `group` tells which one stopped it.
    subroutine advance(closure, target, state, reached, group)
