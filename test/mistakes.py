@@ -129,8 +129,9 @@ MISTAKES = [
     (FOUR_BAR, " &LIMITS", " &SEARCH SOLVER='LEASTSQ' &END\n &LIMITS", "no solver is called 'LEASTSQ'"),
     (FOUR_BAR, " &LIMITS", " &SEARCH SOLVER='LEASTSQ' &END\n &LIMITS", "usual ones are LSQ, SIMPLEX, LD_SLSQP and LN_COBYLA; the manual lists all 4"),
     # no data set at all
-    (SKETCH, SKETCH, '{"joints": {"A": [0, 0]}}\n', "no group is in the case that begins here; a case is a title line, then groups, each as "
+    (SKETCH, SKETCH, 'joints: A 0 0\n', "no group is in the case that begins here; a case is a title line, then groups, each as "
      "&METHOD IKIN=10 &END: a sketch (&CHAIN, &DRIVES, &OUTPUTS) or loops (&LINKS), and &METHOD"),
+    (SKETCH, SKETCH, '{"joints": {"A": [0, 0]}}\n', "unknown group &JOINTS"),
     (FOUR_BAR, FOUR_BAR[FOUR_BAR.index(" &LINKS"):FOUR_BAR.index(" &METHOD")], "", "the group is missing in the case that begins here; a linkage "
      "is described by a sketch (&CHAIN) or by its loops (&LINKS)"),
     (SKETCH, "DRIVE='A'", "DRIVE='A', DBASE='crank', DLINK='crank'", "drive A has link crank on both sides"),

@@ -31,6 +31,7 @@ module psalm_status
       character(:), allocatable :: item        !! namelist item, empty if none
       integer :: line = 0                      !! line of the file, 0 if none
       integer :: more = 0                      !! stands for so many findings of one kind that are not told one by one
+      character(:), allocatable :: pointer     !! of a case in JSON: the place as a JSON pointer, `/LINKS/ARCL/0/3`
    contains
       procedure :: render => render_finding
    end type finding_t
@@ -40,6 +41,7 @@ module psalm_status
       type(finding_t), allocatable :: list(:)  !! room for findings; the first `count` are valid
       integer :: count = 0                     !! findings so far
       character(:), allocatable :: file        !! file the following findings belong to
+      character(:), allocatable :: prefix      !! the following findings are about JSON: pointer to the case
    contains
       procedure :: error => add_error
       procedure :: warning => add_warning
@@ -55,24 +57,24 @@ module psalm_status
 
 contains
 
-   !> Add an error in the input. `line`, `group` and `item` say where; each may be left out.
-   pure subroutine add_error(self, text, line, group, item)
+   !> Add an error in the input. `line`, `group` and `item`, in JSON `pointer` say where; each may be left out.
+   pure subroutine add_error(self, text, line, group, item, pointer)
       class(diagnostics_t), intent(inout) :: self
       character(*), intent(in) :: text
       integer, intent(in), optional :: line
-      character(*), intent(in), optional :: group, item
+      character(*), intent(in), optional :: group, item, pointer
 
-      call append(self, level_error, exit_bad_input, text, line, group, item)
+      call append(self, level_error, exit_bad_input, text, line, group, item, pointer)
    end subroutine add_error
 
    !> Add a warning.
-   pure subroutine add_warning(self, text, line, group, item)
+   pure subroutine add_warning(self, text, line, group, item, pointer)
       class(diagnostics_t), intent(inout) :: self
       character(*), intent(in) :: text
       integer, intent(in), optional :: line
-      character(*), intent(in), optional :: group, item
+      character(*), intent(in), optional :: group, item, pointer
 
-      call append(self, level_warning, exit_done, text, line, group, item)
+      call append(self, level_warning, exit_done, text, line, group, item, pointer)
    end subroutine add_warning
 
    !> Add an error of the file system (not to be read, not to be written).
@@ -98,7 +100,7 @@ contains
       integer :: i
 
       do i = 1, max(1, finding%more)
-         call append(self, finding%level, finding%code, finding%text, finding%line, finding%group, finding%item)
+         call append(self, finding%level, finding%code, finding%text, finding%line, finding%group, finding%item, finding%pointer)
       end do
    end subroutine add_finding
 
@@ -181,9 +183,13 @@ contains
       end if
       if (len(text) > 0) text = text//' '
       if (self%level /= level_remark) text = text//trim(merge('error:  ', 'warning:', self%level == level_error))//' '
-      if (len(self%group) > 0) text = text//'&'//self%group//' '
-      if (len(self%item) > 0) text = text//self%item
-      if (len(self%group) + len(self%item) > 0) text = trim(text)//': '
+      if (allocated(self%pointer)) then
+         text = text//self%pointer//': '
+      else
+         if (len(self%group) > 0) text = text//'&'//self%group//' '
+         if (len(self%item) > 0) text = text//self%item
+         if (len(self%group) + len(self%item) > 0) text = trim(text)//': '
+      end if
       text = text//self%text
       if (self%more > 0) then
          write (number, '(i0)') self%more
@@ -191,12 +197,12 @@ contains
       end if
    end function render_finding
 
-   pure subroutine append(self, level, code, text, line, group, item)
+   pure subroutine append(self, level, code, text, line, group, item, pointer)
       class(diagnostics_t), intent(inout) :: self
       integer, intent(in) :: level, code
       character(*), intent(in) :: text
       integer, intent(in), optional :: line
-      character(*), intent(in), optional :: group, item
+      character(*), intent(in), optional :: group, item, pointer
       type(finding_t), allocatable :: larger(:)
       type(finding_t) :: new
       integer :: i, alike
@@ -211,6 +217,12 @@ contains
       new%item = ''
       if (present(item)) new%item = item
       if (present(line)) new%line = line
+      if (present(pointer)) then
+         new%pointer = pointer
+      else if (allocated(self%prefix) .and. len(new%group) > 0) then
+         new%pointer = self%prefix//'/'//new%group
+         if (len(new%item) > 0) new%pointer = new%pointer//'/'//new%item
+      end if
       alike = 0
       do i = merge(0, self%count, level == level_remark), 1, -1
          associate (old => self%list(i))

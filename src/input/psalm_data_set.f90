@@ -12,6 +12,7 @@ module psalm_data_set
    use psalm_group, only: group_t, out_of
    use psalm_kinds, only: wp, right_angle
    use psalm_limits_group, only: limits_group_t, read_limits_group
+   use psalm_json_case, only: is_json, read_json_cases
    use psalm_link_place, only: place_t
    use psalm_links_group, only: links_group_t, read_links_group
    use psalm_load_group, only: load_group_t, read_load_group
@@ -170,6 +171,10 @@ contains
       type(data_set_t), allocatable :: room(:)
       integer :: next, count
 
+      if (is_json(lines)) then
+         call read_all_json(lines, reader, sets, findings)
+         return
+      end if
       next = 1
       count = 0
       do
@@ -193,6 +198,42 @@ contains
       end do
       if (count < size(sets)) sets = sets(:count)
    end subroutine read_all
+
+   !> Read every case of a text in JSON. An array of cases has no LAST; it ends with the last.
+   subroutine read_all_json(lines, reader, sets, findings)
+      type(line_t), intent(in) :: lines(:)
+      character(*), intent(in) :: reader                     !! program
+      type(data_set_t), allocatable, intent(inout) :: sets(:)
+      type(diagnostics_t), intent(inout) :: findings
+      type(case_text_t), allocatable :: cases(:)
+      integer :: k
+
+      call read_json_cases(lines, cases, findings)
+      if (size(cases) == 0) return
+      deallocate (sets)
+      allocate (sets(size(cases)))
+      do k = 1, size(cases)
+         if (size(cases) > 1) findings%prefix = '/'//to_text(k - 1)
+         call read_set(cases(k), reader, sets(k), findings)
+         if (gives_last(cases(k))) call sets(k)%origins%warning(findings, 'LIMITS', 'LAST', &
+                                                                'has no effect: in JSON several cases are an array')
+         sets(k)%limits%last = merge(1, 0, k == size(cases))
+      end do
+      if (size(cases) > 1) deallocate (findings%prefix)
+
+   contains
+
+      pure logical function gives_last(case)
+         type(case_text_t), intent(in) :: case
+         integer :: i
+
+         gives_last = .false.
+         do i = 1, case%count
+            if (case%groups(i)%name /= 'LIMITS') cycle
+            gives_last = any(case%groups(i)%items(:case%groups(i)%count)%name == 'LAST')
+         end do
+      end function gives_last
+   end subroutine read_all_json
 
    subroutine read_set(case, program, set, findings)
       type(case_text_t), intent(inout) :: case

@@ -38,6 +38,8 @@ module psalm_group
       integer :: subscripts = 0             !! how many: 0, 1 or 2
       integer :: subscript(2) = 0           !! the subscripts
       logical :: misplaced = .false.        !! its subscript is wrong and told: the values are left out
+      logical :: list = .false.             !! of JSON: an array; with two subscripts a row of one
+      integer :: before = 0                 !! values of the rows before it
       integer :: first = 1                  !! its first value in the group's
       integer :: count = 0                  !! how many values
    end type item_t
@@ -307,7 +309,9 @@ contains
             if (item%misplaced) cycle
             first = 1
             if (item%subscripts == 1) first = item%subscript(1)
-            if (item%subscripts > 1 .or. first > highest) cycle
+            if (item%list) first = item%before + 1
+            if (item%list) call self%origins%as_list(merge(item%subscript(1), 0, item%subscripts == 2), first)
+            if ((item%subscripts > 1 .and. .not. item%list) .or. first > highest) cycle
             do j = item%first, item%first + item%count - 1
                associate (value => self%values(j))
                   if (first + value%repeats - 1 > highest) exit
@@ -386,6 +390,7 @@ contains
             if (item%misplaced) cycle
             call start_of(self, item, n, findings, first, columns)
             if (first == not_a_position) cycle
+            if (item%list) call self%origins%as_list(merge(item%subscript(1), 0, item%subscripts == 2), first)
             each_value: do j = item%first, item%first + item%count - 1
                if (self%values(j)%repeats > most_values - first) then
                   call too_many(self, item, self%values(j), n, fills, findings)
@@ -393,7 +398,7 @@ contains
                end if
                final = first + self%values(j)%repeats - 1
                if (self%values(j)%length > 0 .or. self%values(j)%quoted) then
-                  call to_number(self, item, self%values(j), present(integers), whole, number, valid, findings)
+                  call to_number(self, item, self%values(j), present(integers), first, whole, number, valid, findings)
                   if (.not. valid) exit each_value
                   if (present(integers)) then
                      integers(first:min(final, n)) = whole
@@ -565,6 +570,10 @@ contains
          if (first >= 1 .and. first <= n) return
          there_are = trim(merge('there is one value only         ', 'there are elements 1 to '//padded_number(n), n == 1))
       case default
+         if (item%list .and. .not. present(columns)) then
+            first = item%before + 1
+            return
+         end if
          if (.not. present(columns)) then
             call findings%error('takes one subscript, not two', line=item%line, group=trim(group%name), item=trim(item%name))
             first = not_a_position
@@ -612,16 +621,17 @@ contains
    end subroutine too_many
 
    !> The number that a value stands for: `whole` if an integer is asked for, else `number`.
-   subroutine to_number(group, item, value, integer_asked, whole, number, valid, findings)
+   subroutine to_number(group, item, value, integer_asked, element, whole, number, valid, findings)
       type(group_t), intent(in) :: group
       type(item_t), intent(in) :: item
       type(value_t), intent(in) :: value
       logical, intent(in) :: integer_asked
+      integer, intent(in) :: element    !! which one it is
       integer, intent(inout) :: whole
       real(wp), intent(inout) :: number
       logical, intent(out) :: valid
       type(diagnostics_t), intent(inout) :: findings
-      character(:), allocatable :: reason
+      character(:), allocatable :: reason, pointer
 
       valid = .not. value%quoted
       if (.not. valid) then
@@ -636,8 +646,10 @@ contains
             end if
          end associate
       end if
-      if (.not. valid) call findings%error(reason//"; found '"//shortened(group%text_of(value))//"'", line=value%line, &
-                                           group=trim(group%name), item=trim(item%name))
+      if (valid) return
+      call group%origins%pointer_to_last(element, pointer)
+      call findings%error(reason//"; found '"//shortened(group%text_of(value))//"'", line=value%line, group=trim(group%name), &
+                          item=trim(item%name), pointer=pointer)
    end subroutine to_number
 
    !> Characters of an integer without the decimal point and the zeros that may follow it: the thesis fills an array of integers

@@ -100,13 +100,15 @@ contains
       integer, intent(out), optional :: last
       type(rule_t) :: rule
       character(:), allocatable :: reason
+      integer, allocatable :: columns
       integer :: default, k
       logical :: valid
 
       rule = rule_for(group, name)
       call parse_integer(trim(rule%default), default, valid, reason)
       if (valid) values = default
-      call group%get_integers(name, values, findings, last=last)
+      call read_columns(rule, columns)
+      call group%get_integers(name, values, findings, columns, last=last)
       if (.not. group%given(name) .and. size(values) > 0) call demand(group, rule)
       if (.not. group%given(name)) return
       do k = 1, size(values)
@@ -131,13 +133,15 @@ contains
       type(limits_t) :: limits
       character(:), allocatable :: reason
       real(wp) :: default
+      integer, allocatable :: columns
       integer :: highest, k
       logical :: valid
 
       rule = rule_for(group, name)
       call parse_real(trim(rule%default), default, valid, reason)
       if (valid) values = default
-      call group%get_reals(name, values, findings, last=highest)
+      call read_columns(rule, columns)
+      call group%get_reals(name, values, findings, columns, last=highest)
       if (present(last)) last = highest
       if (.not. group%given(name) .and. size(values) > 0) call demand(group, rule)
       if (.not. group%given(name)) return
@@ -187,6 +191,19 @@ contains
 
       rule = group%rules(rule_of(group%rules, name))
    end function rule_for
+
+   !> The length of a row of an array; not allocated unless the table says it.
+   pure subroutine read_columns(rule, columns)
+      type(rule_t), intent(in) :: rule
+      integer, allocatable, intent(out) :: columns
+      character(:), allocatable :: reason
+      logical :: valid
+      integer :: number
+
+      if (index(rule%shape, '*') == 0) return
+      call parse_integer(trim(rule%shape(index(rule%shape, '*') + 1:)), number, valid, reason)
+      if (valid) columns = number
+   end subroutine read_columns
 
    !> Note an item that is required and not given.
    subroutine demand(group, rule)
@@ -326,7 +343,8 @@ contains
          associate (item => group%items(k))
             at = 0
             if (item%subscripts == 1) at = max(0, item%subscript(1) - 1)
-            if (item%subscripts > 1) cycle
+            if (item%list) at = item%before
+            if (item%subscripts > 1 .and. .not. item%list) cycle
             do j = item%first, item%first + item%count - 1
                associate (value => group%values(j))
                   if (value%repeats > highest - at) exit
