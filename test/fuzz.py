@@ -71,11 +71,10 @@ BYTES = [b"\x00", b"\r", b"\n", b"\t", b"&", b"'", b"=", b",", b"*", b"(", b"\xf
 
 def read_groups():
     """Names of all groups, from the reader."""
-    text = open(os.path.join(TOP, "src", "input", "psalm_data_set.f90"), encoding="utf-8").read()
-    table = re.search(r"names\(\*\) = \[character\(name_length\) ::(.*?)\]", text, re.S)
-    groups = re.findall(r"'(\w+)'", table.group(1)) if table else []
+    text = open(os.path.join(TOP, "src", "input", "psalm_group_table.f90"), encoding="utf-8").read()
+    groups = re.findall(r"known_group_t\('(\w+)'", text)
     if len(groups) < 20:
-        raise SystemExit("the table of groups in psalm_data_set.f90 is not understood")
+        raise SystemExit("the table of groups in psalm_group_table.f90 is not understood")
     return groups
 
 

@@ -247,7 +247,7 @@ def test_cutting():
     write("pinned.nml", changed(read(source), "INCREM=40.0", "POSITN=5"))
     balm("--quiet", "pinned.nml")
     check("cutting: POSITN is the number of a position", {(c.dxf.center.x, c.dxf.center.y) for c in ezdxf.readfile("pinned.dxf").modelspace().query("CIRCLE")} == set(pins))
-    for old, new, words in (("'MM'", "'YARDS'", "error: &DXF UNITS: must be 'MM'"), ("PIN=6.0", "PIN=60.0", "a pin must be thinner"),
+    for old, new, words in (("'MM'", "'YARDS'", "error: &DXF UNITS: one of 'MM'"), ("PIN=6.0", "PIN=60.0", "a pin must be thinner"),
                             ("INCREM=40.0", "POSITN=8", "&DXF POSITN: must be from 0 to 7"), ("FLAT=1", "POSITN=2", "leave one out")):
         write("wrong.nml", changed(read(source), old, new))
         code, _, errors = balm("--quiet", "wrong.nml")

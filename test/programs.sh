@@ -479,8 +479,7 @@ changed region.nml 's/RKIND=1,-3, RLINK=2,0, RLOOP=1,0/RKIND=1,-3, RLINK=2,2, RL
 status 2 'an arc without its loop' "$psalm" bad.nml
 said 'an arc without its loop' 'region 2: arc 2 is named, but not its loop'
 changed region.nml 's/NREGN=2, //' >bad.nml
-status 2 'regions without their number' "$psalm" bad.nml
-said 'regions without their number' 'regions are given, but not their number NREGN'
+status 0 'regions without their number: as many as have a kind' "$psalm" bad.nml
 changed region.nml 's/,3.0,3.0,2.5 &END/ \&END/' >bad.nml
 status 2 'too few numbers for the regions' "$psalm" bad.nml
 said 'too few numbers for the regions' 'four numbers are expected for each of 2 regions; found 4'
@@ -555,7 +554,7 @@ A SKETCH
  &METHOD DVELX=1.0,2.0,3.0 &END
 END
 status 2 'derivatives at the positions of a grid' "$psalm" board.nml
-said 'derivatives at the positions of a grid' 'desired values need positions of their own'
+said 'derivatives at the positions of a grid' 'derivatives are wanted beside values'
 changed board.nml "s/, DLOW.*&END/ \&END/" "s/OUTPUT='point P'/OUTPUT='point P', DES1=20.0,95.0,13.0,91.0, DVEL1=-13.0,-10.0,-16.0,-16.0/" \
     's/DVELX=.*&END/NDES=2, DELT=0.0,20.0, DESX=20.0,13.0, DESY=95.0,91.0, DVELX=2*500.0 \&END/' >bad.nml
 status 2 'desired values in two groups' "$psalm" bad.nml
