@@ -6,6 +6,9 @@ balm.save = (() => {
   const RATE = 25;           // frames a second
   const LARGER = 2;          // pixels of a PNG for each of the screen
   const BITS = 6e6;          // a second, of a film
+  const SLICE = 100;         // milliseconds after which what is made of a film is handed over
+  const HEAD = 2000;         // bytes: a film of fewer has no picture
+  const PATIENCE = 10;       // seconds that the first pictures of a film may be late
   const $ = (id) => document.getElementById(id);
   const shown = () => balm.cases[balm.state.c];
 
@@ -102,14 +105,17 @@ balm.save = (() => {
     return new Promise((done, failed) => {
       recorder.addEventListener('stop', () => done(new Blob(pieces, { type: type.split(';')[0] })));
       recorder.addEventListener('error', failed);
-      recorder.start();
-      const began = performance.now(), clock = setInterval(() => {
-        const part = Math.min(1, (performance.now() - began) / 1000 / seconds);
-        balm.drawing.picture(c, at(part), g);
-        if (part < 1) return;
-        clearInterval(clock);
-        recorder.stop();
-      }, 1000 / RATE);
+      recorder.addEventListener('start', () => {
+        const began = performance.now(), clock = setInterval(() => {
+          const part = (performance.now() - began) / 1000 / seconds, made = pieces.reduce((sum, piece) => sum + piece.size, 0);
+          balm.drawing.picture(c, at(Math.min(1, part)), g);
+          // a busy machine may have made nothing of the pictures yet but the head of the file
+          if (part < 1 || (made < HEAD && part < 1 + PATIENCE / seconds)) return;
+          clearInterval(clock);
+          recorder.stop();
+        }, 1000 / RATE);
+      });
+      recorder.start(SLICE);
     });
   }
 

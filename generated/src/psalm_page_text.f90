@@ -2321,6 +2321,9 @@ module psalm_page_text
    '  const RATE = 25;           // frames a second'//nl// &
    '  const LARGER = 2;          // pixels of a PNG for each of the screen'//nl// &
    '  const BITS = 6e6;          // a second, of a film'//nl// &
+   '  const SLICE = 100;         // milliseconds after which what is made of a film is handed over'//nl// &
+   '  const HEAD = 2000;         // bytes: a film of fewer has no picture'//nl// &
+   '  const PATIENCE = 10;       // seconds that the first pictures of a film may be late'//nl// &
    '  const $ = (id) => document.getElementById(id);'//nl// &
    '  const shown = () => balm.cases[balm.state.c];'//nl// &
    ''//nl// &
@@ -2418,12 +2421,12 @@ module psalm_page_text
    '  /** The kind of film that this browser can make: [type, ending of the file], or none. */'//nl// &
    '  const kindOfFilm = () => globalThis.MediaRecorder && FILMS.find(([type]) => MediaRecorder.isTypeSupported(type));'//nl// &
    ''//nl// &
-   '  /** The whole motion once as a film of so many seconds; what is played in parts goes there and back. */'//nl// &
-   '  function film(seconds) {'//nl// &
-   '    const c = shown(), [from, to] = balm.controls.limits(), ring = c.ring && to - from >= 360, [type] = kindOfFilm();'//nl// &
-   '    const [canvas, g] = sheet(Math.min(2, window.devicePixelRatio || 1)), pieces = [];'//nl
+   '  /** The whole motion once as a film of so many seconds; what is played in parts goes there and back. */'//nl
 
    character(*), parameter :: part_26 = &
+   '  function film(seconds) {'//nl// &
+   '    const c = shown(), [from, to] = balm.controls.limits(), ring = c.ring && to - from >= 360, [type] = kindOfFilm();'//nl// &
+   '    const [canvas, g] = sheet(Math.min(2, window.devicePixelRatio || 1)), pieces = [];'//nl// &
    '    const at = (part) => from + (to - from) * (ring ? part % 1 : 1 - Math.abs(1 - 2 * part));'//nl// &
    '    balm.drawing.picture(c, at(0), g);'//nl// &
    '    const recorder = new MediaRecorder(canvas.captureStream(RATE), { mimeType: type, videoBitsPerSecond: BITS });'//nl// &
@@ -2431,14 +2434,18 @@ module psalm_page_text
    '    return new Promise((done, failed) => {'//nl// &
    "      recorder.addEventListener('stop', () => done(new Blob(pieces, { type: type.split(';')[0] })));"//nl// &
    "      recorder.addEventListener('error', failed);"//nl// &
-   '      recorder.start();'//nl// &
-   '      const began = performance.now(), clock = setInterval(() => {'//nl// &
-   '        const part = Math.min(1, (performance.now() - began) / 1000 / seconds);'//nl// &
-   '        balm.drawing.picture(c, at(part), g);'//nl// &
-   '        if (part < 1) return;'//nl// &
-   '        clearInterval(clock);'//nl// &
-   '        recorder.stop();'//nl// &
-   '      }, 1000 / RATE);'//nl// &
+   "      recorder.addEventListener('start', () => {"//nl// &
+   '        const began = performance.now(), clock = setInterval(() => {'//nl// &
+   '          const part = (performance.now() - began) / 1000 / seconds, made = pieces.reduce((sum, piece) => sum + piece.s'// &
+   'ize, 0);'//nl// &
+   '          balm.drawing.picture(c, at(Math.min(1, part)), g);'//nl// &
+   '          // a busy machine may have made nothing of the pictures yet but the head of the file'//nl// &
+   '          if (part < 1 || (made < HEAD && part < 1 + PATIENCE / seconds)) return;'//nl// &
+   '          clearInterval(clock);'//nl// &
+   '          recorder.stop();'//nl// &
+   '        }, 1000 / RATE);'//nl// &
+   '      });'//nl// &
+   '      recorder.start(SLICE);'//nl// &
    '    });'//nl// &
    '  }'//nl// &
    ''//nl// &
@@ -2517,15 +2524,15 @@ module psalm_page_text
    '    drawing.frame(c, state.t);'//nl// &
    '    curves.frame(c, state.t);'//nl// &
    '  }'//nl// &
-   ''//nl// &
+   ''//nl
+
+   character(*), parameter :: part_27 = &
    '  function choose(i) {'//nl// &
    '    const c = scene.prepare(cases[i]), fresh = state.c !== i || !laidOut;'//nl// &
    '    state.c = i;'//nl// &
    '    state.hover = null;'//nl// &
    "    $('case').value = String(i);"//nl// &
-   '    // a case that is shown cannot be laid over itself'//nl
-
-   character(*), parameter :: part_27 = &
+   '    // a case that is shown cannot be laid over itself'//nl// &
    "    for (const box of $('overlays').querySelectorAll('input')) box.disabled = Number(box.dataset.overlay) === i;"//nl// &
    "    $('title').textContent = document.title = titleOf(c);"//nl// &
    "    $('stage').hidden = !c.sound;"//nl// &
@@ -2619,15 +2626,15 @@ module psalm_page_text
    "      const option = document.createElement('option');"//nl// &
    '      option.value = String(i);'//nl// &
    "      $('case').append(option);"//nl// &
-   "      const label = document.createElement('label'), box = document.createElement('input');"//nl// &
+   "      const label = document.createElement('label'), box = document.createElement('input');"//nl
+
+   character(*), parameter :: part_28 = &
    "      box.type = 'checkbox';"//nl// &
    '      box.dataset.overlay = String(i);'//nl// &
    "      box.setAttribute('aria-label', 'overlay case ' + (i + 1));"//nl// &
    "      box.addEventListener('change', () => {"//nl// &
    '        if (box.checked) state.overlays.add(i); else state.overlays.delete(i);'//nl// &
-   '        refresh();'//nl
-
-   character(*), parameter :: part_28 = &
+   '        refresh();'//nl// &
    '      });'//nl// &
    "      label.append(box, ' ' + (i + 1));"//nl// &
    "      $('overlays').append(label);"//nl// &
