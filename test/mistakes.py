@@ -200,16 +200,16 @@ DOUBTS = [
      "drive E stands still in the velocities and forces: its DSPEED of &DRIVES is 0, though DELT2 changes"),
     # items that nothing reads
     ("psalm", SKETCH, "DELT=0.0,5.0", "DELT=0.0,5.0, NITER=100, VAR=0.2",
-     "&METHOD NITER: (VAR, too) has no effect: it is for a search, but no dimension may vary"),
+     "&METHOD NITER: has no effect (nor VAR): it is for a search, but no dimension may vary"),
     ("psalm", SKETCH, " &METHOD", " &SEARCH SOLVER='LSQ', NSTART=5, THREADS=1 &END\n &METHOD",
-     "&SEARCH SOLVER: (NSTART, too) has no effect: it is for a search, but no dimension may vary"),
+     "&SEARCH SOLVER: has no effect (nor NSTART): it is for a search, but no dimension may vary"),
     ("psalm", FOUR_BAR, "IKIN=30", "IKIN=30, SNAKE=0.2, ISTART=7", "&METHOD SNAKE: has no effect: it is for a search, but IKIN asks for an analysis"),
     ("psalm", FOUR_BAR, "MOTION=1, IKIN=30 &END", "MOTION=1, IVA=1, NDES=1, DELT=0.0, DESANG=20.0, NCHECK=2 &END\n &SEARCH SOLVER='LSQ' &END",
      "&METHOD NCHECK: has no effect: it is for SOLVER='SIMPLEX', which this search does not have"),
     ("psalm", SKETCH, "DELT=0.0,5.0", "DELT=0.0,5.0, XMULT=2.0,1.0", "&METHOD XMULT: has no effect: there are no desired values"),
     ("psalm", SKETCH, "DELT=0.0,5.0", "DELT=0.0,5.0, DESX=20.0,21.0, DESY=95.0,96.0, DESANG=1.0,2.0",
      "&METHOD DESANG: has no effect: the output is a point, whose desired values are DESX and DESY"),
-    ("psalm", FOUR_BAR, "IKIN=30", "IKIN=30, NDES=2, DELT=0.0,5.0", "&METHOD NDES: (DELT, too) has no effect: IKIN asks for an analysis through one turn"),
+    ("psalm", FOUR_BAR, "IKIN=30", "IKIN=30, NDES=2, DELT=0.0,5.0", "&METHOD NDES: has no effect (nor DELT): IKIN asks for an analysis through one turn"),
     ("psalm", FOUR_BAR, "IKIN=30 &END", "IKIN=30 &END\n &SEARCH ORDER=1 &END", "&SEARCH ORDER: has no effect: it is for free timing"),
 ]
 # the same without reason

@@ -493,8 +493,8 @@ contains
             end if
          end do
          if (first == 0) return
-         if (len(others) > 0) others = '('//others(3:)//', too) '
-         call group%origins%warning(findings, trim(group%name), trim(items(first)), others//'has no effect: '//reason)
+         if (len(others) > 0) others = ' (nor '//others(3:)//')'
+         call group%origins%warning(findings, trim(group%name), trim(items(first)), 'has no effect'//others//': '//reason)
       end subroutine idle
    end subroutine report_idle_items
 
@@ -622,12 +622,14 @@ contains
 
    contains
 
-      !> One of `count` values from `low` to `high`, the ends exactly.
+      !> One of `count` values from `low` to `high`, the ends exactly; zero where it is zero but for rounding.
       pure real(wp) function stroke(low, high, which, count)
          real(wp), intent(in) :: low, high
          integer, intent(in) :: which, count   !! 0 to count - 1
+         real(wp), parameter :: roundings = 2.0_wp
 
          stroke = (low*real(count - 1 - which, wp) + high*real(which, wp))/real(count - 1, wp)
+         if (abs(stroke) <= roundings*epsilon(stroke)*max(abs(low), abs(high))) stroke = 0.0_wp
       end function stroke
    end subroutine fill_grid
 
