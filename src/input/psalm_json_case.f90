@@ -168,7 +168,7 @@ contains
             call read_value(lines, at, group, findings)
          else
             item%list = .true.
-            call open_list(lines, at)
+            at%column = at%column + 1
             if (next_letter(lines, at) /= '[') then
                call add_item(group, item)
                call read_list(lines, at, group, findings)
@@ -200,13 +200,6 @@ contains
       end do
       at%column = at%column + 1
    end subroutine read_group
-
-   subroutine open_list(lines, at)
-      type(line_t), intent(in) :: lines(:)
-      type(json_cursor_t), intent(inout) :: at
-
-      if (next_letter(lines, at) == '[') at%column = at%column + 1
-   end subroutine open_list
 
    !> Values up to `]`, which is read too.
    subroutine read_list(lines, at, group, findings)
