@@ -126,7 +126,7 @@ module psalm_balance_group
              'the second criterion of the front'), &
       rule_t('NWSTRT', a_whole, '', '', '32', '[1,10000]', &
              'starts of the search for discs, and for points where their inertia counts'), &
-      rule_t('IWSEED', a_whole, '', '', '1', '[1,]', &
+      rule_t('IWSEED', a_whole, '', '', '1', '[1,)', &
              'seed of the starts')]
 
 contains

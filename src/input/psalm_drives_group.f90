@@ -38,12 +38,12 @@ module psalm_drives_group
              'the first'), &
       rule_t('PHASE', a_number, 'n', '', '0', '', &
              'what is added to RATIO times the first'), &
-      rule_t('NGRID', a_whole, 'n', '', '', '', &
+      rule_t('NGRID', a_whole, 'n', '', 'no grid', '', &
              'a grid of strokes in place of all positions: so many values of each drive, in all combinations, '// &
              'one drive after the other going back and forth; NDES, DELT and IKIN are left out'), &
-      rule_t('DLOW', a_number, 'n', '', '', '', &
+      rule_t('DLOW', a_number, 'n', 'length or degrees', '', '', &
              'lower end of each stroke of the grid'), &
-      rule_t('DHIGH', a_number, 'n', '', '', '', &
+      rule_t('DHIGH', a_number, 'n', 'length or degrees', '', '', &
              'upper end of each stroke of the grid')]
 
 contains

@@ -35,7 +35,7 @@ module psalm_limits_group
 
    !> The items of the group.
    type(rule_t), parameter :: limit_items(*) = [ &
-      rule_t('TANGLE', a_number, '', 'degrees', '50', '(0,90]', &
+      rule_t('TANGLE', a_number, '', 'degrees', '50; analysis of a sketch: 90', '(0,90]', &
              'allowed deviation of the transmission angle of a link pair from 90 degrees; 90: closure only. '// &
              'Where it is given it holds for the angle between the two slides of a dyad of type 8 too; else the '// &
              'slides only must not become parallel', &
@@ -61,19 +61,20 @@ module psalm_limits_group
              '1: length and angle of every arc at every position on device 8; solves every loop'), &
       rule_t('ICOND', a_flag, '', '', '0', '', &
              '1: device 9 gets a column with the condition number of each position (KTHETA lists it too)'), &
-      rule_t('IPROOF', a_whole, '', '', 'the result of a search: 2', '[0,2]', &
+      rule_t('IPROOF', a_whole, '', '', '2 after a search, else 0', '[0,2]', &
              '1: prove where the linkage closes over a full turn (a sliding input: over the range of the '// &
-             'inputs), 2: over the range of the inputs, 0: prove nothing; see '// &
+             'inputs), 2: over the range of the inputs, 0: prove nothing; where it is not given, IRANGE=1 '// &
+             'of &CONSTR stands for 2 and IRANGE=2 for 1; see '// &
              '[below](#the-motion-between-the-positions-proven)'), &
       rule_t('DWELL', a_number, '', '', '0', '[0,)', &
              'with a proof: amount that the output may move in a dwell, degrees or length'), &
       rule_t('IPLOT', a_flag, '', '', '0', '', &
              '1: analyse every degree (a sliding input: 361 even steps) and add it to device 9'), &
-      rule_t('NVIOL', a_whole, '', '', '30', '[0,]', &
+      rule_t('NVIOL', a_whole, '', '', '30', '[0,)', &
              'device 1: number of violations in an iteration above which they are reported'), &
-      rule_t('NPRINT', a_whole, '', '', '100', '[1,]', &
+      rule_t('NPRINT', a_whole, '', '', '100', '[1,)', &
              'device 1: coordinates of the simplex every so many iterations'), &
-      rule_t('NPRT', a_whole, '', '', '20', '[1,]', &
+      rule_t('NPRT', a_whole, '', '', '20', '[1,)', &
              'device 1: objectives every so many iterations'), &
       rule_t('LAST', a_flag, '', '', '1', '', &
              '0: another case follows in the file')]

@@ -123,9 +123,9 @@ module psalm_method_group
       rule_t('IFREE', a_flag, '', '', '0', '', &
              '1: free timing, the search finds every input position too (DELT is where it starts); not with '// &
              'SOLVER=''SIMPLEX'''), &
-      rule_t('NITER', a_whole, '', '', '2', '[0,]', &
+      rule_t('NITER', a_whole, '', '', '2', '[0,)', &
              'iteration limit'), &
-      rule_t('NCHECK', a_whole, '', '', '1', '[1,]', &
+      rule_t('NCHECK', a_whole, '', '', '1', '[1,)', &
              'test of convergence every NCHECK iterations'), &
       rule_t('FMIN', a_number, '', '', '0', '', &
              'stop below this objective'), &

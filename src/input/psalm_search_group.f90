@@ -78,16 +78,16 @@ module psalm_search_group
              '''LARGEST'', ''ANGLE'', ''RATIO'', ''ROOM'' or ''BAND'': the NBEST linkages are those of which '// &
              'none other is better both in the objective and in this', &
              'must be one of ''LARGEST'', ''ANGLE'', ''RATIO'', ''ROOM'', ''BAND'''), &
-      rule_t('MAXEVAL', a_whole, '', '', '0', '[0,]', &
+      rule_t('MAXEVAL', a_whole, '', '', '0', '[0,)', &
              'evaluations of each start, with NFEW in each of its stages; 0: no limit'), &
       rule_t('MAXTIME', a_number, '', 's', '0', '[0,)', &
              'seconds; the best so far is written then (exit status 1); 0: no limit'), &
       rule_t('THREADS', a_whole, '', '', '0', '[0,1024]', &
              'threads that share the starts; `--threads` overrides it. The result does not depend on it (unless '// &
-             'time runs out)'), &
+             'time runs out); 0: one'), &
       rule_t('FIRST', a_whole, '', '', '1', '[1,1000000]', &
              'number of the first start: a resumed search continues with it'), &
-      rule_t('NFEW', a_whole, '', '', '0', '[0,]', &
+      rule_t('NFEW', a_whole, '', '', '0', '[0,)', &
              'few positions first: the search begins with so many of the prescribed positions, see below; 0: '// &
              'with all'), &
       rule_t('IDYAD', a_flag, '', '', '0', '', &

@@ -89,7 +89,7 @@ module psalm_spring_design_group
              '''SEARCH'' from many starts; ''EXACT'': one spring of zero free length, by six crank angles'), &
       rule_t('NSSTRT', a_whole, '', '', '32', '[1,10000]', &
              'starts of the search'), &
-      rule_t('ISSEED', a_whole, '', '', '1', '[1,]', &
+      rule_t('ISSEED', a_whole, '', '', '1', '[1,)', &
              'their seed'), &
       rule_t('NPHASE', a_whole, '', '', '64', '[1,1024]', &
              'phases that EXACT tries in a turn'), &

@@ -38,7 +38,7 @@ module psalm_vibration_group
       procedure :: visit_places => visit_estimate
    end type estimate_group_t
 
-   !> The items of the group.
+   !> The items of VIBR.
    type(rule_t), parameter :: vibration_items(*) = [ &
       rule_t('VLINK', a_whole, '', '', 'required', '', &
              'the arc between the two pins of the link'), &
@@ -85,7 +85,7 @@ module psalm_vibration_group
       rule_t('NVPNT', a_whole, '', '', '256', '[16,4096]', &
              'positions in a turn')]
 
-   !> The items of the group.
+   !> The items of ESTIM: those of a beam are VIBR's, one for each link.
    type(rule_t), parameter :: estimate_items(*) = [ &
       rule_t('NESTIM', a_whole, '', '', 'as many as the longest item has', '[0,100000]', &
              'number of links'), &
