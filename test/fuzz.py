@@ -5,7 +5,7 @@ usage: fuzz.py PROGRAM_DIRECTORY [--count N | --minutes M] [--jobs J] [--seed S]
        fuzz.py PROGRAM_DIRECTORY --again FILE.nml 'PROGRAM OPTIONS'
 
 Inputs grow from data/**/*.nml by changes that know the notation (groups, items, subscripts, values, repeat counts; the names
-are those of doc/manual.md, of src/input and of the data sets) and by changes of bytes. Input k of seed S is always the same,
+are those of tools/editors/psalm.schema.json) and by changes of bytes; a tenth is turned into JSON. Input k of seed S is always the same,
 whatever the number of jobs. Of every run is asked:
   exit status 0 to 3, no signal, an end within the time limit; no words of the run-time, a sanitizer's or the thread library;
   with status 0 no NaN, infinity or stars in listing and devices; with status 2 or 3 a message, with 2 no other file (but
@@ -38,6 +38,7 @@ TOP = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 CALLS = {"psalm": 6, "psalm --json": 1, "psalm --assemblies": 1, "psalm --links": 1, "kalm": 3, "kalm --json": 1, "balm": 3,
          "balm --assemblies": 1, "balm --edit": 1, "muscle": 1, "muscle --json": 1, "ssics": 1, "bridge": 1, "calm": 2}
 OWN_SEEDS = {"muscle": "muscle", "calm": "calm", "ssics": "ssics", "bridge": "bridge"}   # folders of data/
+JSON_INPUTS = 0.1                # part of the inputs that is JSON
 CHUNK = 200                      # inputs that a job takes at a time
 SERVER = os.path.join(TOP, "tools", "testing", "fork_server.c")
 REQUESTS, ANSWERS = 198, 199     # descriptors, as in fork_server.c
@@ -69,44 +70,16 @@ TITLES = ["", " ", "&LINKS", "T"*80, "T\u00e4\u00df", "\x1b[31m", "</script><b>"
 BYTES = [b"\x00", b"\r", b"\n", b"\t", b"&", b"'", b"=", b",", b"*", b"(", b"\xff\xfe", b"\xef\xbb\xbf"]
 
 
-def read_groups():
-    """Names of all groups, from the reader."""
-    text = open(os.path.join(TOP, "src", "input", "psalm_group_table.f90"), encoding="utf-8").read()
-    groups = re.findall(r"known_group_t\('(\w+)'", text)
-    if len(groups) < 20:
-        raise SystemExit("the table of groups in psalm_group_table.f90 is not understood")
-    return groups
-
-
-def read_names(seeds):
-    """Items of every group, from the manual's tables, the data sets, and the part of the reader that is named like the group."""
-    groups, group = read_groups(), None
-    names = {name: set() for name in groups}
-    for line in open(os.path.join(TOP, "doc", "manual.md"), encoding="utf-8"):
-        mentioned = [name for name in re.findall(r"&([A-Z]\w+)", line) if name in names]
-        if mentioned and not line.startswith("|"):
-            group = mentioned[-1]
-        cells = [c.strip() for c in line.split("|")]
-        if group and line.startswith("|") and len(cells) == 5 and re.fullmatch(r"[A-Z][A-Z0-9]+(, [A-Z][A-Z0-9]+)*", cells[1]):
-            names[group].update(cells[1].split(", "))
-    for cases, _ in seeds:
-        for _, its in cases:
-            for name, items in its:
-                names.setdefault(name, set()).update(item.name for item in items)
-    everything = set()
-    for path in glob.glob(os.path.join(TOP, "src", "input", "*.f90")):
-        text = open(path, encoding="utf-8").read()
-        found = set(re.findall(r"(?:get_\w+|given|item_line)\(\s*'([A-Z]\w+)'|\(group, '([A-Z]\w+)'", text))
-        found = {one or other for one, other in found}
-        everything |= found
-        part = os.path.basename(path)[6:].split("_")[0].upper()[:4]
-        for name in groups:
-            if name.startswith(part) or (part, name) == ("SEGM", "CONSTR"):
-                names[name] |= found
-    for needed in groups:
-        if len(names[needed]) < 2:
-            raise SystemExit("no items of &%s are known" % needed)
-    return {name: sorted(items) for name, items in names.items() if items}, sorted(everything)
+def read_names():
+    """Items of every group, from the schema that the programs write."""
+    with open(os.path.join(TOP, "tools", "editors", "psalm.schema.json"), encoding="utf-8") as file:
+        groups = json.load(file)["$defs"]["case"]["properties"]
+    names = {}
+    for name, group in groups.items():
+        numbered = [pattern[1:pattern.index("[")] + n for pattern in group.get("patternProperties", {}) for n in "12"]
+        if "properties" in group:
+            names[name] = sorted([*group["properties"], *numbered])
+    return names, sorted(set().union(*names.values()))
 
 
 class Item:
@@ -153,6 +126,38 @@ def render(cases, r):
     return "\n".join(out) + ("\n" if r.random() < 0.97 else "")
 
 
+def json_value(word, r):
+    """One value as JSON; what NAMELIST repeats is repeated."""
+    times, _, rest = word.partition("*")
+    if rest and times.isdigit() and not word.startswith("'"):
+        return ",".join([json_value(rest, r)]*min(int(times), 100)) or "null"
+    if re.fullmatch(r"-?(0|[1-9]\d*)(\.\d+)?([eE][-+]?\d+)?", word) or r.random() < 0.02:
+        return word
+    if re.fullmatch(r"[-+]?(\d+\.?|\d*\.\d+)([EDed][-+]?\d+)?", word):
+        return repr(float(word.replace("D", "E").replace("d", "e")))     # as 5. or .5, which JSON does not know
+    return json.dumps(word.strip("'"))
+
+
+def render_json(cases, r):
+    """The cases as JSON; now and then in one that is none."""
+    texts = []
+    for title, groups in cases:
+        parts = ['"title":' + json.dumps(title, ensure_ascii=r.random() < 0.5)]
+        for name, items in groups:
+            written = []
+            for item in items:
+                values = ",".join(json_value(value, r) for value in item.values)
+                if len(item.values) != 1 or r.random() < 0.1:
+                    values = "[%s]" % values
+                rows = re.fullmatch(r"\((\d),\d\)", item.subscript)
+                if rows:
+                    values = "[%s[%s]]" % ("[]," * (int(rows.group(1)) - 1), values.strip("[]"))
+                written.append('"%s":%s' % (item.name, values if r.random() < 0.98 else r.choice(["null", "true", "{}", "[]", "[[[1]]]", "\"\\ud800\""])))
+            parts.append('"%s":{%s}' % (name, ",\n".join(written)))
+        texts.append("{%s}" % ",\n ".join(parts))
+    return texts[0] if len(texts) == 1 and r.random() < 0.9 else "[%s]" % ",".join(texts)
+
+
 def value_for(name, r):
     """A value for an item: mostly of its kind (Fortran's rule of the first letter), now and then of none."""
     if name in ("SOLVER", "UNITS"):
@@ -186,7 +191,7 @@ class Generator:
                       for f, c in ((f, parse(open(f, encoding="utf-8").read())) for f in files) if c]
         if len(self.seeds) < len(files) - 2:
             raise SystemExit("seeds of data/ are not understood")
-        self.names, self.everything = read_names(self.seeds)
+        self.names, self.everything = read_names()
         self.groups = sorted(self.names)
         self.values = {}
         for cases, _ in self.seeds:
@@ -211,7 +216,8 @@ class Generator:
                 self.change_number(cases, r)
             else:
                 self.change(cases, r)
-        data = render(cases, random.Random(1) if gentle else r).encode("utf-8", "surrogatepass")
+        way = render_json if r.random() < JSON_INPUTS else render
+        data = way(cases, random.Random(1) if gentle else r).encode("utf-8", "surrogatepass")
         if not gentle and r.random() < 0.25:
             data = self.change_bytes(data, r)
         return call, data
