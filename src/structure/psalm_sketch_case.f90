@@ -145,7 +145,7 @@ contains
       if (set%limits%ktheta /= 0 .and. .not. (set%masses%given .or. set%loads%given .or. set%springs%given)) &
          call refuse('LIMITS', 'KTHETA', 'the list of all arcs')
       if (set%limits%trmin_given) &
-         call set%origins%error(findings, angle_group, 'TRMIN', 'TRMIN: a sketch solved in the poses of its links has no '// &
+         call set%origins%error(findings, angle_group, 'TRMIN', 'a sketch solved in the poses of its links has no '// &
                                 'transmission angle (it is that of two links, a dyad, and this sketch has '//set%no_loops//'); '// &
                                 'leave it out')
       if (set%limits%icond /= 0) call refuse('LIMITS', 'ICOND', 'the condition number')
