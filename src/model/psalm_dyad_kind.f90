@@ -7,6 +7,7 @@ module psalm_dyad_kind
    private
    public :: form_t, form_of, kind_of_dyad, sign_of_dyad
    public :: assur_none, assur_rrr, assur_rpr, assur_rpr_guide_first, assur_rrp, assur_prr, assur_rpp, assur_ppr, assur_prp
+   public :: assur_higher
    public :: direction_found, direction_known, direction_of_partner
 
    ! the numbers are those of JOINT in the thesis, as device 8 prints them
@@ -19,6 +20,8 @@ module psalm_dyad_kind
    integer, parameter :: assur_rpp = 6              !! slide p at right angles to slide q, which has a known direction
    integer, parameter :: assur_ppr = 7              !! slide q at right angles to slide p, which has a known direction
    integer, parameter :: assur_prp = 8              !! two slides along known directions
+
+   integer, parameter :: assur_higher = 9           !! a group of more links than two, or of arcs of any direction: no dyad
 
    integer, parameter :: direction_found = 1      !! the dyad finds the arc's direction
    integer, parameter :: direction_known = 2      !! it is known before: that of another arc, turned by a right angle
@@ -33,7 +36,7 @@ module psalm_dyad_kind
       integer :: ways = 2                 !! in how many ways it may fail to close: above or below limits of its closure measure
    end type form_t
 
-   type(form_t), parameter :: forms(0:8) = [ &
+   type(form_t), parameter :: forms(0:9) = [ &
       form_t(ways=0), &
       form_t([.false., .false.], [direction_found, direction_found], 2), &
       form_t([.true., .false.], [direction_found, direction_of_partner], 2), &
@@ -42,7 +45,8 @@ module psalm_dyad_kind
       form_t([.true., .false.], [direction_known, direction_found], 1), &
       form_t([.true., .true.], [direction_of_partner, direction_known], 0, .false., 0), &
       form_t([.true., .true.], [direction_known, direction_of_partner], 0, .false., 0), &
-      form_t([.true., .true.], [direction_known, direction_known], 0, .false., 1)]
+      form_t([.true., .true.], [direction_known, direction_known], 0, .false., 1), &
+      form_t(ways=1)]
 
 contains
 

@@ -5,18 +5,20 @@
 !> **Arcs** are vectors from point to point. Each is fixed in a body: the sliding arc of a prismatic joint in the body that
 !> slides, with its foot on the body that guides it. An arc's direction is that of the arc it hangs on, turned by GAMA; or
 !> the actuator or an Assur group finds it. **Loops** are closed rings of arcs from the input pivot back to it; each group's
-!> unknown arcs stand side by side in its loop. **Groups** are in the order in which they are solved.
+!> unknown arcs stand side by side in its loop. **Groups** are in the order in which they are solved. A group of more than two
+!> links has several rings of arcs in its loop, as many as it takes to find all its unknown arcs; each link of it has one unknown arc,
+!> its axis.
 !>
 !> **Points** are the vertices of the chain, each made once though many loops run through it: two arcs meet in one point
 !> because the loops say so, never because their co-ordinates agree. Source of the bodies: Oldham (1977), sections 4.2 and 15.1.
 module psalm_mechanism
    use psalm_dimensions, only: dimensions_t
-   use psalm_dyad_kind, only: assur_none
+   use psalm_dyad_kind, only: assur_higher, assur_none
    use psalm_kinds, only: wp
    use psalm_output_kind, only: motion_point
    implicit none (type, external)
    private
-   public :: mechanism_t, point_t, bar_t, body_t, joint_t, actuator_t, output_t
+   public :: mechanism_t, ring_t, point_t, bar_t, body_t, joint_t, actuator_t, output_t
    public :: arc_absent, arc_determined, arc_link, arc_slide, arc_crank, arc_actuator
    public :: joint_revolute, joint_prismatic, at_start, at_finish, body_frame, pivot
 
@@ -43,10 +45,11 @@ module psalm_mechanism
       integer :: reference = 0          !! arc it hangs on, or its guide; 0: none
       logical :: same = .false.         !! same length and direction as its reference
       logical :: frame = .false.        !! belongs to the frame
-      integer :: turn = 0               !! slides: +1 if 90 degrees anticlockwise from the guide's direction, else -1
+      integer :: turn = 0               !! slides: +1 if 90 degrees anticlockwise from the guide's direction, -1 if clockwise; 0: turned
+                                        !! from it by GAMA
       integer :: representative = 0     !! first arc identical with it (itself if none)
       logical :: reversed = .false.     !! traced against its representative
-      integer :: dyad = 0               !! unknowns: 1 for p, 2 for q; determined arcs: 0
+      integer :: dyad = 0               !! unknowns: which of its group's members it is, of a dyad 1 for p, 2 for q; else 0
       integer :: body = 0               !! body whose axes it is fixed in
       integer :: ends(2) = 0            !! points at its start and its finish
       integer :: foot = 0               !! where its guide meets a slide, or an arc that repeats one: `at_...`
@@ -54,10 +57,17 @@ module psalm_mechanism
       logical :: attached = .false.     !! its ends are points of its body; if not it is only parallel to it
    end type arc_t
 
-   !> A closed ring of arcs.
+   !> A ring of arcs of a larger group. From the input pivot the arcs `first` to `turn`, each from start to finish, lead to the point to
+   !> which the arcs `last` back to `turn` + 1, each from finish to start, lead as well.
+   type :: ring_t
+      integer :: first = 0, turn = 0, last = 0
+   end type ring_t
+
+   !> What closes a group: a ring of arcs, or several.
    type :: loop_t
       integer :: first = 0              !! number of its first arc; the others follow
       integer :: arcs = 0               !! how many there are
+      type(ring_t), allocatable :: rings(:) !! of a larger group, one after the other; of a dyad not allocated
    end type loop_t
 
    !> A vertex of the chain, and how it is reached.
@@ -104,13 +114,13 @@ module psalm_mechanism
    end type actuator_t
 
    !> An Assur group.
-   type :: dyad_group_t
+   type :: assur_group_t
       integer :: kind = assur_none      !! one of `assur_...`
       integer :: loop = 0               !! the loop that closes it
       integer, allocatable :: members(:)!! its unknown arcs; of a dyad p and q
       integer :: sign = 1               !! assembly mode, +1 or -1
-      integer :: joints(3) = 0          !! S, M, E
-   end type dyad_group_t
+      integer, allocatable :: joints(:) !! S, M, E; of a larger group all joints between its links, or with links before it
+   end type assur_group_t
 
    !> What the mechanism is for.
    type :: output_t
@@ -124,7 +134,7 @@ module psalm_mechanism
       integer :: nloop = 0
       type(arc_t), allocatable :: arcs(:)
       type(loop_t), allocatable :: loops(:)
-      type(dyad_group_t), allocatable :: groups(:)       !! group k is closed by loop k
+      type(assur_group_t), allocatable :: groups(:)       !! group k is closed by loop k
       type(point_t), allocatable :: points(:)       !! the input pivot first
       type(bar_t), allocatable :: bars(:)
       type(body_t), allocatable :: bodies(:)        !! the frame first, then that of the actuator, then those of each group
@@ -143,6 +153,7 @@ module psalm_mechanism
       procedure :: body_at
       procedure :: has_point
       procedure :: pin_of_sketch
+      procedure :: is_dyad
    end type mechanism_t
 
 contains
@@ -242,4 +253,12 @@ contains
 
       pin_of_sketch = size(self%points) + joint
    end function pin_of_sketch
+
+   !> True if a loop closes a dyad, false if a larger group.
+   pure logical function is_dyad(self, loop)
+      class(mechanism_t), intent(in) :: self
+      integer, intent(in) :: loop
+
+      is_dyad = self%groups(loop)%kind /= assur_higher
+   end function is_dyad
 end module psalm_mechanism
