@@ -1,14 +1,15 @@
-!> Assur groups: the one place that knows which kind of dyad is which.
+!> Assur groups: the one place that knows which kind of group is which.
 !>
 !> Each verb - bind, solve, form, differentiate, react, closure, its change, error bounds, breach, repair - goes to the file of the
 !> dyad's kind. A new kind is a new file and a line in each verb here.
 module psalm_assur
    use psalm_arc_kernels, only: arc_vector
-   use psalm_dyad, only: dyad_t, breach_t
+   use psalm_dyad, only: dyad_t, breach_t, violation_group, violation_none
    use psalm_dyad_kind, only: assur_none, assur_ppr, assur_prp, assur_prr, assur_rpp, assur_rpr, assur_rpr_guide_first, &
-                              assur_rrp, assur_rrr, direction_known, form_of, form_t
+                              assur_rrp, assur_rrr, assur_higher, direction_known, form_of, form_t
    use psalm_elementary, only: hypotenuse
    use psalm_frames, only: frames_t, form_arc, dyad_rate, rows_of_arc, sine_row
+   use psalm_higher_group, only: closure_of_higher, dead_measure, is_dead_higher
    use psalm_kinds, only: wp
    use psalm_prp, only: bind_prp, solve_prp, form_prp, measure_prp, change_of_measure_prp, bounds_prp, breach_prp, react_prp
    use psalm_rows, only: rows_t
@@ -47,6 +48,8 @@ contains
          dyad%unknown = [dyad%p_x, dyad%slide_q]
       case (assur_prr)
          dyad%unknown = [dyad%slide_p, dyad%q_x]
+      case (assur_higher)
+         dyad%unknown = 0
       case default
          dyad%unknown = [dyad%slide_p, dyad%slide_q]
       end select
@@ -68,6 +71,11 @@ contains
          call bind_rrp(dyad, toggle)
       case (assur_rpp, assur_ppr)
          call bind_rpp(dyad)
+         dyad%accepts_low = dyad%closes_low
+         dyad%accepts_high = dyad%closes_high
+      case (assur_higher)
+         dyad%closes_low = dead_measure
+         dyad%closes_high = huge(1.0_wp)
          dyad%accepts_low = dyad%closes_low
          dyad%accepts_high = dyad%closes_high
       case default
@@ -284,11 +292,16 @@ contains
    end function is_orthogonal
 
    !> True where the matrix of a dyad has no inverse at position i: a dead point, rates are infinite.
-   pure logical function is_dead_dyad(kind, frames, at, i)
-      integer, intent(in) :: kind, at, i
+   pure logical function is_dead_dyad(dyad, frames, at, i)
+      type(dyad_t), intent(in) :: dyad
+      integer, intent(in) :: at, i
       type(frames_t), intent(in) :: frames
 
-      is_dead_dyad = frames%work%v(i, at + sine_row) <= dead_limit(kind)
+      if (dyad%kind == assur_higher) then
+         is_dead_dyad = is_dead_higher(dyad%higher, frames, at, i)
+      else
+         is_dead_dyad = frames%work%v(i, at + sine_row) <= dead_limit(dyad%kind)
+      end if
    end function is_dead_dyad
 
    !> Square of the sine at and below which a dyad of this kind is at a dead point.
@@ -302,7 +315,7 @@ contains
 
    !> How near a dyad is to its limit: it closes, with `clearance` to spare, while abs(k) <= 1. Dimensionless and smooth across
    !> closing: RRR the cosine of the transmission angle; RPR guide and clearance over distance; RRP offset and clearance over
-   !> link; PRP 1 less the sine between the slides; others 0.
+   !> link; PRP 1 less the sine between the slides; larger groups 1 less their measure; others 0.
    pure subroutine closure_of(n, dyad, store, clearance, side, k)
       integer, intent(in) :: n
       type(dyad_t), intent(in) :: dyad
@@ -320,12 +333,14 @@ contains
          call measure_rrp(n, dyad, store, clearance, k)
       case (assur_prp)
          call measure_prp(n, dyad, store, side, k)
+      case (assur_higher)
+         call closure_of_higher(n, dyad%higher, store, dyad%measure, k)
       case default
          k = 0.0_wp
       end select
    end subroutine closure_of
 
-   !> Change of `closure_of` with a variable.
+   !> Change of `closure_of` of a dyad with a variable.
    pure subroutine change_of_closure(n, dyad, store, d, clearance, side, unit, dp, dq, turn_p, turn_q, dk)
       integer, intent(in) :: n
       type(dyad_t), intent(in) :: dyad
@@ -416,6 +431,8 @@ contains
       logical, intent(in) :: closes                !! only TANGLE or TOGGLE is violated
 
       select case (dyad%kind)
+      case (assur_higher)
+         breach = breach_t(merge(violation_none, violation_group, closes))
       case (assur_rrr)
          breach = breach_rrr(dyad, measure, closes)
       case (assur_rpr, assur_rpr_guide_first)

@@ -2,15 +2,17 @@
 !>
 !> It has one closure measure, a number a position that says whether it can be assembled: the squared distance of the outer
 !> joints (RRR, RPR), the offset of the outer joint from the slide's line (RRP, PRR), the sine of the angle between the slides
-!> (PRP).
+!> (PRP). A larger group is kept here too, with its rings in place of p and q.
 module psalm_dyad
    use psalm_dyad_kind, only: assur_none
+   use psalm_group_rings, only: higher_t
    use psalm_kinds, only: wp
    implicit none (type, external)
    private
    public :: dyad_t, tip_t, breach_t
    public :: violation_none, violation_too_short, violation_too_long, violation_parallel, violation_angle_small, &
-             violation_angle_large, violation_undetermined, violation_slides, violation_toggle
+             violation_angle_large, violation_undetermined, violation_slides, violation_toggle, &
+             violation_group
    public :: least_square, no_distance, rounding
 
    integer, parameter :: violation_none = 0
@@ -22,6 +24,7 @@ module psalm_dyad
    integer, parameter :: violation_undetermined = 6 !! the outer joints coincide: no direction is determined
    integer, parameter :: violation_slides = 7       !! closes, but the angle between the slides is too small
    integer, parameter :: violation_toggle = 8       !! closes, but with less length to spare than TOGGLE asks
+   integer, parameter :: violation_group = 9        !! a larger group cannot follow from the drawing
 
    real(wp), parameter :: least_square = tiny(1.0_wp)**0.8_wp    !! guards a division; such a dyad is reported as open
    real(wp), parameter :: no_distance = 1.0e3_wp*epsilon(1.0_wp) !! of the links: outer joints so near each other coincide
@@ -52,6 +55,7 @@ module psalm_dyad
       real(wp) :: closes_low = 0.0_wp, closes_high = 0.0_wp   !! limits of the measure (of two slides: of its amount): the dyad
                                                               !! can be assembled
       real(wp) :: accepts_low = 0.0_wp, accepts_high = 0.0_wp !! and is inside TANGLE or TOGGLE
+      type(higher_t), allocatable :: higher         !! of a larger group, which has neither p nor q
    end type dyad_t
 
    !> How a dyad fails at one position.

@@ -5,7 +5,7 @@ module psalm_linear
    use psalm_kinds, only: wp, dp
    implicit none (type, external)
    private
-   public :: solve_positive, solve_three, eliminate, along_columns, product_of, triangle_of
+   public :: solve_positive, solve_three, eliminate, eliminate_real, along_columns, product_of, triangle_of
 
    !> Product of two matrices, or of a matrix and a vector.
    interface product_of
@@ -150,6 +150,67 @@ contains
       end do
       regular = .true.
    end subroutine eliminate
+
+   !> The same in real numbers, for a few equations, and the determinant: 0 for a singular matrix, whose solutions mean nothing.
+   pure subroutine eliminate_real(n, columns, matrix, right, determinant)
+      integer, intent(in) :: n, columns
+      real(wp), intent(inout) :: matrix(n, n)        !! destroyed
+      real(wp), intent(inout) :: right(n, columns)
+      real(wp), intent(out) :: determinant
+      real(wp) :: swap, factor, inverse
+      integer :: i, k, c, p
+
+      determinant = 1.0_wp
+      do k = 1, n
+         p = k
+         do i = k + 1, n
+            if (abs(matrix(i, k)) > abs(matrix(p, k))) p = i
+         end do
+         determinant = determinant*matrix(p, k)
+         if (.not. abs(matrix(p, k)) > tiny(1.0_wp)) then
+            determinant = 0.0_wp
+            return
+         end if
+         if (p /= k) then
+            determinant = -determinant
+            do c = k, n
+               swap = matrix(k, c)
+               matrix(k, c) = matrix(p, c)
+               matrix(p, c) = swap
+            end do
+            do c = 1, columns
+               swap = right(k, c)
+               right(k, c) = right(p, c)
+               right(p, c) = swap
+            end do
+         end if
+         inverse = 1.0_wp/matrix(k, k)
+         do i = k + 1, n
+            matrix(i, k) = matrix(i, k)*inverse
+         end do
+         do c = k + 1, n
+            factor = matrix(k, c)
+            do i = k + 1, n
+               matrix(i, c) = matrix(i, c) - matrix(i, k)*factor
+            end do
+         end do
+         do c = 1, columns
+            factor = right(k, c)
+            do i = k + 1, n
+               right(i, c) = right(i, c) - matrix(i, k)*factor
+            end do
+         end do
+         matrix(k, k) = inverse
+      end do
+      do c = 1, columns
+         do k = n, 1, -1
+            right(k, c) = right(k, c)*matrix(k, k)
+            do i = 1, k - 1
+               right(i, c) = right(i, c) - matrix(i, k)*right(k, c)
+            end do
+         end do
+      end do
+   end subroutine eliminate_real
 
    !> Scalar products of a vector with the columns of a matrix; of a symmetric matrix its product with the vector.
    pure function along_columns(matrix, vector) result(products)

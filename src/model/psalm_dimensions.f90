@@ -7,8 +7,8 @@ module psalm_dimensions
 
    !> One linkage of a given topology. Lengths in the user's unit, angles in degrees.
    type :: dimensions_t
-      real(wp), allocatable :: arcl(:), gama(:)  !! by arc: length, and angle from the arc it hangs on; of an unknown arc of a larger
-                                                 !! group length and direction in the drawing
+      real(wp), allocatable :: arcl(:), gama(:)  !! by arc: length, and angle from the arc it hangs on; of an unknown arc of a
+                                                 !! larger group length and direction in the drawing
       real(wp) :: outlk = 0.0_wp, outang = 0.0_wp
       real(wp) :: origlk = 0.0_wp, origng = 0.0_wp
       real(wp) :: crnki = 0.0_wp

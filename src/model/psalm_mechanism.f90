@@ -6,8 +6,8 @@
 !> slides, with its foot on the body that guides it. An arc's direction is that of the arc it hangs on, turned by GAMA; or
 !> the actuator or an Assur group finds it. **Loops** are closed rings of arcs from the input pivot back to it; each group's
 !> unknown arcs stand side by side in its loop. **Groups** are in the order in which they are solved. A group of more than two
-!> links has several rings of arcs in its loop, as many as it takes to find all its unknown arcs; each link of it has one unknown arc,
-!> its axis.
+!> links has several rings of arcs in its loop, as many as it takes to find all its unknown arcs; each link of it has one
+!> unknown arc, its axis.
 !>
 !> **Points** are the vertices of the chain, each made once though many loops run through it: two arcs meet in one point
 !> because the loops say so, never because their co-ordinates agree. Source of the bodies: Oldham (1977), sections 4.2 and 15.1.
@@ -45,8 +45,8 @@ module psalm_mechanism
       integer :: reference = 0          !! arc it hangs on, or its guide; 0: none
       logical :: same = .false.         !! same length and direction as its reference
       logical :: frame = .false.        !! belongs to the frame
-      integer :: turn = 0               !! slides: +1 if 90 degrees anticlockwise from the guide's direction, -1 if clockwise; 0: turned
-                                        !! from it by GAMA
+      integer :: turn = 0               !! slides: +1 if 90 degrees anticlockwise from the guide's direction, -1 if clockwise; 0:
+                                        !! turned from it by GAMA
       integer :: representative = 0     !! first arc identical with it (itself if none)
       logical :: reversed = .false.     !! traced against its representative
       integer :: dyad = 0               !! unknowns: which of its group's members it is, of a dyad 1 for p, 2 for q; else 0
@@ -57,8 +57,8 @@ module psalm_mechanism
       logical :: attached = .false.     !! its ends are points of its body; if not it is only parallel to it
    end type arc_t
 
-   !> A ring of arcs of a larger group. From the input pivot the arcs `first` to `turn`, each from start to finish, lead to the point to
-   !> which the arcs `last` back to `turn` + 1, each from finish to start, lead as well.
+   !> A ring of arcs of a larger group. From the input pivot the arcs `first` to `turn`, each from start to finish, lead to the
+   !> point to which the arcs `last` back to `turn` + 1, each from finish to start, lead as well.
    type :: ring_t
       integer :: first = 0, turn = 0, last = 0
    end type ring_t
@@ -114,13 +114,13 @@ module psalm_mechanism
    end type actuator_t
 
    !> An Assur group.
-   type :: assur_group_t
+   type :: linkage_group_t
       integer :: kind = assur_none      !! one of `assur_...`
       integer :: loop = 0               !! the loop that closes it
       integer, allocatable :: members(:)!! its unknown arcs; of a dyad p and q
       integer :: sign = 1               !! assembly mode, +1 or -1
       integer, allocatable :: joints(:) !! S, M, E; of a larger group all joints between its links, or with links before it
-   end type assur_group_t
+   end type linkage_group_t
 
    !> What the mechanism is for.
    type :: output_t
@@ -134,7 +134,7 @@ module psalm_mechanism
       integer :: nloop = 0
       type(arc_t), allocatable :: arcs(:)
       type(loop_t), allocatable :: loops(:)
-      type(assur_group_t), allocatable :: groups(:)       !! group k is closed by loop k
+      type(linkage_group_t), allocatable :: groups(:)       !! group k is closed by loop k
       type(point_t), allocatable :: points(:)       !! the input pivot first
       type(bar_t), allocatable :: bars(:)
       type(body_t), allocatable :: bodies(:)        !! the frame first, then that of the actuator, then those of each group
@@ -154,6 +154,7 @@ module psalm_mechanism
       procedure :: has_point
       procedure :: pin_of_sketch
       procedure :: is_dyad
+      procedure :: ring_of
    end type mechanism_t
 
 contains
@@ -253,6 +254,26 @@ contains
 
       pin_of_sketch = size(self%points) + joint
    end function pin_of_sketch
+
+   !> The ring that an arc of a loop belongs to.
+   pure type(ring_t) function ring_of(self, loop, n) result(ring)
+      class(mechanism_t), intent(in) :: self
+      integer, intent(in) :: loop
+      integer, intent(in) :: n          !! sequential number of the arc
+      integer :: r
+
+      associate (of => self%loops(loop))
+         if (.not. allocated(of%rings)) then
+            ring = ring_t(of%first, self%groups(loop)%members(1), of%first + of%arcs - 1)
+            return
+         end if
+         do r = 1, size(of%rings)
+            if (n < of%rings(r)%first .or. n > of%rings(r)%last) cycle
+            ring = of%rings(r)
+            return
+         end do
+      end associate
+   end function ring_of
 
    !> True if a loop closes a dyad, false if a larger group.
    pure logical function is_dyad(self, loop)

@@ -9,6 +9,7 @@ module psalm_condition
    use psalm_assur, only: bounds_of_dyad
    use psalm_elementary, only: hypotenuse
    use psalm_error, only: problem_t
+   use psalm_higher_group, only: bounds_higher
    use psalm_kinds, only: wp, radians_per_degree
    use psalm_linkage, only: linkage_t, bound_step_t
    use psalm_plan, only: step_point, root_crank
@@ -40,7 +41,7 @@ contains
       integer, intent(in) :: i, k
       type(condition_t), intent(inout) :: condition
       real(wp), intent(out) :: number
-      real(wp) :: bound(2)
+      real(wp) :: bound(2), of_group(size(condition%row))
       integer :: m
 
       associate (link => problem%linkage)
@@ -54,6 +55,11 @@ contains
             associate (step => link%steps(m))
                if (step%kind == step_point) then
                   call carry_point(link, step, i, condition%row)
+               else if (allocated(step%dyad%higher)) then
+                  associate (higher => step%dyad%higher)
+                     call bounds_higher(higher, link%store, i, condition%row, link%angle*radians_per_degree, worst, of_group)
+                     condition%row(higher%row) = of_group(:higher%unknowns)
+                  end associate
                else
                   associate (dyad => step%dyad)
                      call bounds_of_dyad(dyad, link%store, i, condition%row(dyad%s_x), condition%row(dyad%e_x), &

@@ -70,6 +70,7 @@ module psalm_error
       real(wp), allocatable :: delt(:)             !! shape (positions): degrees or length
       ! tables for whole blocks: the positions, padded with the last one
       real(wp), allocatable :: first(:), second(:) !! cosine and sine of DELT; sliding input: DELT twice
+      real(wp), allocatable :: path(:)             !! DELT itself
       logical :: desired = .false.                 !! there are desired values
       real(wp), allocatable :: wanted(:, :)        !! shape (positions, components): desired, points in machine co-ordinates
       real(wp), allocatable :: toward_x(:), toward_y(:) !! unit vectors of desired angles
@@ -214,6 +215,7 @@ contains
       if (allocated(self%linkages)) deallocate (self%linkages)
       self%first = whole_blocks(self, delt, delt(size(delt)))
       self%second = self%first
+      self%path = self%first
       if (.not. self%mechanism%sliding_input) then
          do i = 1, size(self%first)
             call unit_vector(self%second(i), self%first(i), self%second(i))
@@ -233,6 +235,7 @@ contains
       self%delt = delt
       do i = 1, size(self%first)
          associate (value => delt(min(i, size(delt))))
+            self%path(i) = value
             if (self%mechanism%sliding_input) then
                self%first(i) = value
                self%second(i) = value
@@ -318,7 +321,8 @@ contains
       offset = (block - 1)*self%linkage%room
       n = min(self%linkage%room, self%positions - offset)
       m = padded(n)
-      call self%linkage%solve(m, self%first(offset + 1:offset + m), self%second(offset + 1:offset + m), last_step)
+      call self%linkage%solve(m, self%first(offset + 1:offset + m), self%second(offset + 1:offset + m), &
+                              self%path(offset + 1:offset + m), last_step)
    end subroutine solve_block
 
    !> Objective of a linkage: the sum of weight * (desired - actual)**2.
@@ -403,7 +407,8 @@ contains
       offset = (block - 1)*linkage%room
       m = padded(min(linkage%room, self%positions - offset))
       objective = 0.0_wp
-      call linkage%solve(m, self%first(offset + 1:offset + m), self%second(offset + 1:offset + m), offending=loop)
+      call linkage%solve(m, self%first(offset + 1:offset + m), self%second(offset + 1:offset + m), &
+                         self%path(offset + 1:offset + m), offending=loop)
       if (loop > 0) return
       call linkage%note_sides(m)
       if (self%motion /= motion_angle) call self%output%observe(m, linkage)

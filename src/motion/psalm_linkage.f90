@@ -7,6 +7,7 @@ module psalm_linkage
    use psalm_angles, only: unit_vector
    use psalm_assur, only: mark_unknowns, bind_dyad, solve_dyad, is_signed, makes_tip
    use psalm_dyad, only: dyad_t, tip_t
+   use psalm_group_rings, only: higher_t
    use psalm_kinds, only: wp, i8, right_angle
    use psalm_plan, only: plan_t, step_point, step_dyad, root_crank
    use psalm_rows, only: rows_t, make_rows
@@ -14,7 +15,7 @@ module psalm_linkage
    use psalm_mechanism, only: mechanism_t
    implicit none (type, external)
    private
-   public :: linkage_t, bound_step_t, block_length, padded
+   public :: linkage_t, bound_step_t, block_length, padded, solve_point
 
    integer, parameter :: block_length = 128 !! positions solved together: all arrays stay in first-level cache
    integer, parameter :: lane = 4           !! positions are padded to a multiple of this: no remainder loops
@@ -59,6 +60,8 @@ module psalm_linkage
       integer, allocatable :: slide(:)               !! by varying length: row of the scaled length
       integer, allocatable :: measure(:)             !! by loop: row of its dyad's closure measure, scaled
       integer :: out(2) = 0, direction(2) = 0, miss = 0 !! rows for the output: lengths, unit vector, deviation
+      type(rows_t) :: between                        !! one position between those of the block; not allocated: no larger group
+      real(wp) :: drawn = 0.0_wp                     !! input increment of the drawing: larger groups are followed from there
       ! input
       logical :: sliding_input = .false.
       real(wp) :: largest_input = 0.0_wp         !! sliding input: largest increment
@@ -80,6 +83,16 @@ module psalm_linkage
       procedure :: stays_on_side
       procedure :: arc_at
    end type linkage_t
+
+   interface
+      !> A larger group at the positions of a block, each from the one before; the first from the drawing.
+      pure module subroutine follow_group(self, k, n, path)
+         class(linkage_t), intent(inout) :: self
+         integer, intent(in) :: k                !! its step
+         integer, intent(in) :: n                !! positions
+         real(wp), intent(in) :: path(n)         !! input increments
+      end subroutine follow_group
+   end interface
 
 contains
 
@@ -119,7 +132,10 @@ contains
             bound%from_y = self%point_y(step%from)
             bound%to_x = self%point_x(step%to)
             bound%to_y = self%point_y(step%to)
-            if (step%kind == step_point) then
+            if (allocated(step%rings)) then
+               self%step_of_loop(step%loop) = k
+               call prepare_higher(bound%dyad)
+            else if (step%kind == step_point) then
                bound%arc = step%arc
                bound%root_x = self%root_x(plan%root(step%arc))
                bound%root_y = self%root_y(plan%root(step%arc))
@@ -134,8 +150,54 @@ contains
       end do
 
       call assign_tips(self)
+      if (any([(allocated(self%steps(k)%dyad%higher), k=1, size(self%steps))])) then
+         call make_rows(lane, size(self%store%v, 2), self%between)
+         self%between%v(1, self%root_x) = 1.0_wp
+      end if
 
    contains
+
+      subroutine prepare_higher(dyad)
+         type(dyad_t), intent(inout) :: dyad
+         type(higher_t) :: higher
+         integer :: r, j, terms
+
+         loop = plan%steps(k)%loop
+         dyad%kind = mechanism%groups(loop)%kind
+         dyad%measure = self%measure(loop)
+         associate (rings => plan%steps(k)%rings)
+            higher%arc = mechanism%groups(loop)%members
+            higher%unknowns = size(higher%arc)
+            higher%rings = size(rings)
+            allocate (higher%row(higher%unknowns), higher%row_of_sine(higher%unknowns), source=0)
+            allocate (higher%drawn(2, higher%unknowns), source=0.0_wp)
+            do j = 1, higher%unknowns
+               higher%row(j) = row_of_slide(plan%length_slot(higher%arc(j)))
+               if (higher%row(j) > 0) cycle
+               higher%row(j) = self%root_x(plan%root(higher%arc(j)))
+               higher%row_of_sine(j) = self%root_y(plan%root(higher%arc(j)))
+            end do
+            allocate (higher%ends(4, higher%rings), higher%terms(sum(rings%last - rings%first + 1)))
+            terms = 0
+            do r = 1, higher%rings
+               higher%ends(:, r) = [self%point_x(rings(r)%from), self%point_y(rings(r)%from), self%point_x(rings(r)%to), &
+                                    self%point_y(rings(r)%to)]
+               do n = rings(r)%first, rings(r)%last
+                  terms = terms + 1
+                  associate (term => higher%terms(terms))
+                     term%ring = r
+                     term%arc = n
+                     term%root_x = self%root_x(plan%root(n))
+                     term%root_y = self%root_y(plan%root(n))
+                     term%slide = row_of_slide(plan%length_slot(n))
+                     term%turned = findloc(higher%row == term%root_x .and. higher%row_of_sine > 0, .true., dim=1)
+                     if (term%slide > 0) term%stretched = findloc(higher%row, term%slide, dim=1)
+                  end associate
+               end do
+            end do
+         end associate
+         allocate (dyad%higher, source=higher)
+      end subroutine prepare_higher
 
       subroutine prepare_dyad(dyad)
          type(dyad_t), intent(inout) :: dyad
@@ -263,6 +325,7 @@ contains
       integer :: k
 
       self%side = 0
+      self%drawn = dimensions%drawn - dimensions%crnki
       call choose_scale(self, dimensions)
       call bind_angles(self, plan, dimensions)
       self%length = dimensions%arcl*self%scale
@@ -275,6 +338,8 @@ contains
       do k = 1, size(self%steps)
          if (self%steps(k)%kind == step_point) then
             call bind_point(self, self%steps(k))
+         else if (allocated(self%steps(k)%dyad%higher)) then
+            call bind_higher(self, dimensions, self%steps(k)%dyad)
          else
             call bind_lengths(self, self%steps(k)%dyad)
          end if
@@ -347,7 +412,36 @@ contains
       y = self%store%v(1, step%from_y) + step%y
       self%store%v(1:self%room, step%to_x) = x
       self%store%v(1:self%room, step%to_y) = y
+      if (.not. allocated(self%between%v)) return
+      self%between%v(1, step%to_x) = x
+      self%between%v(1, step%to_y) = y
    end subroutine bind_point
+
+   !> Arcs of a larger group, and where it stands in the drawing.
+   pure subroutine bind_higher(self, dimensions, dyad)
+      type(linkage_t), intent(in) :: self
+      type(dimensions_t), intent(in) :: dimensions
+      type(dyad_t), intent(inout) :: dyad
+      integer :: j
+
+      call bind_dyad(dyad, self%cosine_lowest, self%sine_lowest, self%toggle*self%scale)
+      associate (higher => dyad%higher)
+         higher%terms%x = self%x(higher%terms%arc)
+         higher%terms%y = self%y(higher%terms%arc)
+         higher%terms%length = merge(0.0_wp, self%length(higher%terms%arc), higher%terms%slide > 0)
+         do j = 1, higher%unknowns
+            if (higher%row_of_sine(j) > 0) then
+               call unit_vector(dimensions%gama(higher%arc(j)), higher%drawn(1, j), higher%drawn(2, j))
+            else
+               higher%drawn(1, j) = self%length(higher%arc(j))
+            end if
+         end do
+         higher%size = max(maxval(abs(higher%terms%length)), tiny(1.0_wp), &
+                           maxval(abs(higher%drawn(1, :)), mask=higher%row_of_sine == 0))
+         higher%now = higher%drawn
+         higher%before = higher%drawn
+      end associate
+   end subroutine bind_higher
 
    !> Lengths and fixed directions of a dyad, and the limits of its closure measure.
    pure subroutine bind_lengths(self, dyad)
@@ -366,11 +460,12 @@ contains
    !> Positions of one block. After it, the store holds roots, points, slides and closure measures, finite numbers all of them.
    !>
    !> With `offending` the block ends at the first loop that is not accepted everywhere; what comes after it is not solved.
-   pure subroutine solve(self, n, first, second, last_step, offending)
+   pure subroutine solve(self, n, first, second, path, last_step, offending)
       class(linkage_t), intent(inout) :: self
       integer, intent(in) :: n                   !! positions, at most `room`
       real(wp), intent(in) :: first(n)           !! cosine of the input increment (sliding input: the increment, [length])
       real(wp), intent(in) :: second(n)          !! sine of the input increment (sliding input: not used)
+      real(wp), intent(in) :: path(n)            !! the input increment, degrees or length: larger groups are followed along it
       integer, intent(in), optional :: last_step !! solve the steps up to this one only; default all
       integer, intent(out), optional :: offending !! the first loop not accepted, 0: none
       integer :: k, last
@@ -387,6 +482,13 @@ contains
       last = size(self%steps)
       if (present(last_step)) last = last_step
       do k = 1, last
+         if (allocated(self%steps(k)%dyad%higher)) then
+            call follow_group(self, k, n, path)
+            if (.not. present(offending)) cycle
+            if (self%all_accepted(n, self%steps(k)%loop)) cycle
+            offending = self%steps(k)%loop
+            return
+         end if
          associate (step => self%steps(k), v => self%store%v)
             if (step%kind == step_dyad) then
                call solve_dyad(n, step%dyad, self%store)
@@ -398,18 +500,30 @@ contains
                else if (.not. all_between(self, n, step%loop, step%dyad%closes_low, step%dyad%closes_high)) then
                   call limit_dyad(n, step%dyad, self%store)
                end if
-            else if (.not. (step%fixed .or. step%maker > 0)) then
-               if (step%slide_row == 0) then
-                  call add_arc(n, v(1, step%from_x), v(1, step%from_y), v(1, step%root_x), v(1, step%root_y), step%x, step%y, &
-                               v(1, step%to_x), v(1, step%to_y))
-               else
-                  call add_slide(n, v(1, step%from_x), v(1, step%from_y), v(1, step%root_x), v(1, step%root_y), &
-                                 v(1, step%slide_row), step%x, step%y, v(1, step%to_x), v(1, step%to_y))
-               end if
+            else
+               call solve_point(n, step, self%store)
             end if
          end associate
       end do
    end subroutine solve
+
+   !> A point, unless it is fixed or a dyad makes it.
+   pure subroutine solve_point(n, step, store)
+      integer, intent(in) :: n
+      type(bound_step_t), intent(in) :: step
+      type(rows_t), intent(inout) :: store
+
+      if (step%fixed .or. step%maker > 0) return
+      associate (v => store%v)
+         if (step%slide_row == 0) then
+            call add_arc(n, v(1, step%from_x), v(1, step%from_y), v(1, step%root_x), v(1, step%root_y), step%x, step%y, &
+                         v(1, step%to_x), v(1, step%to_y))
+         else
+            call add_slide(n, v(1, step%from_x), v(1, step%from_y), v(1, step%root_x), v(1, step%root_y), &
+                           v(1, step%slide_row), step%x, step%y, v(1, step%to_x), v(1, step%to_y))
+         end if
+      end associate
+   end subroutine solve_point
 
    !> Unit vector of the crank: the increment's, turned by the reference angle.
    pure subroutine turn_crank(n, first, second, x, y, rx, ry)

@@ -9,6 +9,7 @@ module psalm_rates
    use psalm_kinds, only: wp
    use psalm_arc_kernels, only: turn_point_twice, turn_point_third, slide_point_twice
    use psalm_assur, only: form_dyad, differentiate_dyad, is_dead_dyad, is_orthogonal
+   use psalm_higher_group, only: differentiate_higher, form_higher, rows_of_higher
    use psalm_frames, only: frames_t, make_frames, form_arc, arc_rate, rows_of_arc, rows_of_dyad, sine_row
    use psalm_linkage, only: bound_step_t, padded
    use psalm_plan, only: step_point, root_crank
@@ -40,7 +41,15 @@ contains
       rows = 0
       do k = 1, size(problem%plan%steps)
          rates%place(k) = rows + 1
-         rows = rows + merge(rows_of_arc, rows_of_dyad, problem%plan%steps(k)%kind == step_point)
+         associate (step => problem%linkage%steps(k))
+            if (step%kind == step_point) then
+               rows = rows + rows_of_arc
+            else if (allocated(step%dyad%higher)) then
+               rows = rows + rows_of_higher(step%dyad%higher)
+            else
+               rows = rows + rows_of_dyad
+            end if
+         end associate
       end do
       call make_frames(problem%linkage%room, rows, rates%frames)
       do k = 1, size(rates%place)
@@ -76,6 +85,8 @@ contains
             ! a varying length takes the arc's direction, a fixed one its vector
             call form_arc(n, link%store, step%root_x, step%root_y, step%sign*link%x(step%arc), step%sign*link%y(step%arc), &
                           link%length(step%arc), step%slide_row, rates%frames, rates%place(k))
+         else if (allocated(step%dyad%higher)) then
+            call form_higher(n, step%dyad%higher, link%x, link%y, link%length, link%store, rates%place(k), rates%frames)
          else
             call form_dyad(n, step%dyad, link%x, link%y, link%store, rates%place(k), rates%frames)
          end if
@@ -98,7 +109,10 @@ contains
          end if
          do k = 1, size(link%steps)
             associate (step => link%steps(k))
-               if (step%kind /= step_point) then
+               if (allocated(step%dyad%higher)) then
+                  call form_step(problem, rates, k, m)
+                  call differentiate_higher(m, orders, step%dyad%higher, rates%place(k), rates%frames, rates%d)
+               else if (step%kind /= step_point) then
                   call differentiate_dyad(m, orders, step%dyad, link%x, link%y, link%store, rates%place(k), rates%frames, rates%d)
                else if (.not. step%fixed) then
                   call point_rates(problem, step, k, m, orders, rates)
@@ -169,7 +183,7 @@ contains
       integer, intent(in) :: loop, i
 
       associate (k => problem%linkage%step_of_loop(loop))
-         is_dead = is_dead_dyad(problem%mechanism%groups(loop)%kind, rates%frames, rates%place(k), i)
+         is_dead = is_dead_dyad(problem%linkage%steps(k)%dyad, rates%frames, rates%place(k), i)
       end associate
    end function is_dead
 

@@ -8,6 +8,8 @@ module psalm_sensitivity
    use psalm_dyad, only: dyad_t
    use psalm_error, only: problem_t
    use psalm_frames, only: frames_t, rows_of_arc, matrix_row
+   use psalm_group_rings, only: higher_t
+   use psalm_higher_group, only: change_of_higher, solve_higher
    use psalm_kinds, only: wp, radians_per_degree
    use psalm_linkage, only: padded
    use psalm_plan, only: step_point, root_crank
@@ -64,7 +66,7 @@ contains
       integer, intent(in) :: v
       type(sensitivity_t), intent(inout) :: work
       logical, allocatable :: row(:)   !! by row of the store: it changes
-      integer :: k
+      integer :: k, m
 
       allocate (row(0:size(problem%linkage%store%v, 2)), source=.false.)
       associate (link => problem%linkage)
@@ -81,6 +83,13 @@ contains
                   work%moves(k, v) = row(step%from_x) .or. row(step%root_x) .or. row(step%slide_row) .or. &
                                      changes(step%arc)
                   row(step%to_x) = work%moves(k, v)
+               else if (allocated(step%dyad%higher)) then
+                  associate (higher => step%dyad%higher)
+                     work%moves(k, v) = any(row(reshape(higher%ends, [size(higher%ends)]))) .or. &
+                                        any(row(higher%terms%root_x)) .or. any(row(higher%terms%slide)) .or. &
+                                        any([(changes(higher%terms(m)%arc), m=1, size(higher%terms))])
+                     row(higher%row) = work%moves(k, v)
+                  end associate
                else
                   associate (dyad => step%dyad)
                      work%moves(k, v) = row(dyad%s_x) .or. row(dyad%e_x) .or. changes(dyad%arc_p) .or. changes(dyad%arc_q) .or. &
@@ -186,6 +195,12 @@ contains
                if (.not. loops(loop)) cycle
             end if
             associate (dyad => link%steps(step)%dyad)
+               if (allocated(dyad%higher)) then
+                  call change_of_higher(n, dyad%higher, link%store, work%rates%d(1), work%turn(:, v), &
+                                        work%stretch(:, v)*link%scale, dk(:, loop))
+                  dk(:, loop) = -dk(:, loop)*unit_of(problem, v)
+                  cycle
+               end if
                call change_of_closure(n, dyad, link%store, work%rates%d(1), problem%toggle*link%scale, problem%side(loop), &
                                       unit_of(problem, v), &
                                       work%stretch(dyad%arc_p, v)*link%scale, work%stretch(dyad%arc_q, v)*link%scale, &
@@ -252,6 +267,8 @@ contains
                                   step%slide_row, work%turn(step%arc, v), work%stretch(step%arc, v)*link%scale, &
                                   d(1, step%from_x), d(1, step%from_y), d(1, step%to_x), d(1, step%to_y))
                end associate
+            else if (allocated(link%steps(k)%dyad%higher)) then
+               call group_change(link%steps(k)%dyad%higher, work%rates%place(k), v, n, link%scale, work)
             else
                call dyad_change(link%steps(k)%dyad, work%rates%place(k), v, n, link%scale, work)
             end if
@@ -300,6 +317,32 @@ contains
       end associate
    end subroutine dyad_change
 
+   !> The same for a larger group: unknown rows hold zero here.
+   subroutine group_change(higher, at, v, n, scale, work)
+      type(higher_t), intent(in) :: higher
+      integer, intent(in) :: at, v, n
+      real(wp), intent(in) :: scale
+      type(sensitivity_t), intent(inout) :: work
+      real(wp) :: gap(n, 2*higher%rings)
+      integer :: r, k
+
+      associate (d => work%rates%d(1)%v)
+         do r = 1, higher%rings
+            call difference(n, d(1, higher%ends(1, r)), d(1, higher%ends(2, r)), d(1, higher%ends(3, r)), d(1, higher%ends(4, r)), &
+                            gap(:, 2*r - 1), gap(:, 2*r))
+         end do
+         do k = 1, size(higher%terms)
+            associate (term => higher%terms(k), x => gap(:, 2*higher%terms(k)%ring - 1), y => gap(:, 2*higher%terms(k)%ring))
+               call arc_change(work%rates%frames, work%rates%d(1), n, -1.0_wp, at + rows_of_arc*(k - 1), term%root_x, term%slide, &
+                               work%turn(term%arc, v), work%stretch(term%arc, v)*scale, x, y, work%tx, work%ty)
+               x = work%tx(1:n)
+               y = work%ty(1:n)
+            end associate
+         end do
+         call solve_higher(n, higher, at, work%rates%frames, gap, work%rates%d(1))
+      end associate
+   end subroutine group_change
+
    !> True for a dyad with an arc whose direction it does not find.
    pure logical function takes_direction(dyad)
       type(dyad_t), intent(in) :: dyad
@@ -313,7 +356,7 @@ contains
       integer, intent(in) :: v, n
       logical, intent(in) :: moves(:)     !! shape (steps): the step's result changes with the variable
       type(rows_t), intent(inout) :: d
-      integer :: k
+      integer :: k, j
 
       associate (link => problem%linkage)
          if (problem%parameters%variables(v)%kind == variable_crnki) then
@@ -328,6 +371,10 @@ contains
             if (problem%plan%steps(k)%kind == step_point) then
                call zero(link%steps(k)%to_x)
                call zero(link%steps(k)%to_y)
+            else if (allocated(link%steps(k)%dyad%higher)) then
+               do j = 1, link%steps(k)%dyad%higher%unknowns
+                  call zero(link%steps(k)%dyad%higher%row(j))
+               end do
             else
                call zero(link%steps(k)%dyad%unknown(1))
                call zero(link%steps(k)%dyad%unknown(2))

@@ -11,6 +11,8 @@ module psalm_wanted_rates
    use psalm_error, only: problem_t, motion_t
    use psalm_kinds, only: wp
    use psalm_frames, only: rows_of_arc, matrix_row
+   use psalm_group_rings, only: higher_t
+   use psalm_higher_group, only: solve_higher
    use psalm_linkage, only: padded
    use psalm_output_kind, only: most_rates
    use psalm_parameters, only: variable_t, variable_crnki
@@ -224,6 +226,8 @@ contains
                      d(1:n, step%to_x) = tx
                      d(1:n, step%to_y) = ty
                   end associate
+               else if (allocated(link%steps(k)%dyad%higher)) then
+                  call change_of_group(link%steps(k)%dyad%higher, wanted%work%rates%place(k), v, n, order, wanted)
                else
                   call change_of_dyad(link%steps(k)%dyad, wanted%work%rates%place(k), v, n, order, wanted)
                end if
@@ -246,6 +250,30 @@ contains
          call solve_columns(n, w(1, m), w(1, m + 1), w(1, m + 2), w(1, m + 3), gx, gy, d(1, dyad%unknown(1)), d(1, dyad%unknown(2)))
       end associate
    end subroutine change_of_dyad
+
+   !> One larger group, one order. The rows of its unknowns hold zero before.
+   subroutine change_of_group(higher, at, v, n, order, wanted)
+      type(higher_t), intent(in) :: higher
+      integer, intent(in) :: at, v, n, order
+      type(wanted_rates_t), intent(inout) :: wanted
+      real(wp) :: gap(n, 2*higher%rings), tx(n), ty(n)
+      integer :: r, k
+
+      associate (d => wanted%change(order)%v)
+         do r = 1, higher%rings
+            call difference(n, d(1, higher%ends(1, r)), d(1, higher%ends(2, r)), d(1, higher%ends(3, r)), d(1, higher%ends(4, r)), &
+                            gap(:, 2*r - 1), gap(:, 2*r))
+         end do
+      end associate
+      do k = 1, size(higher%terms)
+         associate (term => higher%terms(k), x => gap(:, 2*higher%terms(k)%ring - 1), y => gap(:, 2*higher%terms(k)%ring))
+            call add_arc(wanted, v, n, order, -1.0_wp, at + rows_of_arc*(k - 1), term%root_x, term%slide, term%arc, x, y, tx, ty)
+            x = tx
+            y = ty
+         end associate
+      end do
+      call solve_higher(n, higher, at, wanted%work%rates%frames, gap, wanted%change(order))
+   end subroutine change_of_group
 
    !> t = f + factor * change of an arc with variable v: of its vector, or of its first or second derivative by the input.
    subroutine add_arc(wanted, v, n, order, factor, at, root, slide, arc, fx, fy, tx, ty)

@@ -3,7 +3,7 @@
 !> Many loops run through the same points; here every point and every arc that is really there stands once, whatever loops
 !> trace it. Nothing but topology: co-ordinates come later.
 module psalm_chain
-   use psalm_mechanism, only: mechanism_t, bar_t, point_t, pivot
+   use psalm_mechanism, only: mechanism_t, ring_t, bar_t, point_t, pivot
    implicit none (type, external)
    private
    public :: find_points
@@ -25,12 +25,16 @@ contains
       type(chain_t) :: chain
       integer :: room, loop, n, start, finish, p, q
 
-      ! every arc but one of each loop makes at most one point
+      ! every arc but one of each ring makes at most one point
       room = size(mechanism%arcs) + 1
       allocate (chain%point(room), chain%bar(room))
       allocate (chain%last(room), chain%before(2*room), source=0)
       chain%points = pivot
       do loop = 1, mechanism%nloop
+         if (.not. mechanism%is_dyad(loop)) then
+            call trace_rings(mechanism, loop, chain)
+            cycle
+         end if
          p = mechanism%groups(loop)%members(1)
          q = mechanism%groups(loop)%members(2)
          start = pivot
@@ -50,6 +54,36 @@ contains
       mechanism%points = chain%point(:chain%points)
       mechanism%bars = chain%bar(:chain%bars)
    end subroutine find_points
+
+   !> The rings of a larger group. The last arc of a ring that is traced backwards ends at the point to which the forward arcs lead.
+   pure subroutine trace_rings(mechanism, loop, chain)
+      type(mechanism_t), intent(inout) :: mechanism
+      integer, intent(in) :: loop
+      type(chain_t), intent(inout) :: chain
+      type(ring_t) :: ring
+      integer :: r, n, meeting, finish, arc
+
+      do r = 1, size(mechanism%loops(loop)%rings)
+         ring = mechanism%loops(loop)%rings(r)
+         meeting = pivot
+         do n = ring%first, ring%turn
+            call walk(mechanism, n, 1, chain, meeting)
+         end do
+         finish = pivot
+         do n = ring%last, ring%turn + 2, -1
+            call walk(mechanism, n, -1, chain, finish)
+         end do
+         n = ring%turn + 1
+         if (n > ring%last) cycle
+         arc = mechanism%arcs(n)%representative
+         if (arc == n) then
+            call add_bar(chain, bar_t(n, [meeting, finish]))
+            call run_along(mechanism, n, chain%bars, .false., chain)
+         else
+            call walk(mechanism, n, -1, chain, finish)
+         end if
+      end do
+   end subroutine trace_rings
 
    !> From a point along an arc (sense +1) or against it (-1) to the next point.
    pure subroutine walk(mechanism, n, sense, chain, point)

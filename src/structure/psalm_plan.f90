@@ -8,18 +8,24 @@ module psalm_plan
    use psalm_dyad_kind, only: direction_found, direction_known, direction_of_partner, form_of, form_t
    use psalm_kinds, only: wp
    use psalm_output_kind, only: output_kind_t, output_kind
-   use psalm_mechanism, only: mechanism_t, arc_determined, arc_slide, arc_crank, arc_actuator
+   use psalm_mechanism, only: mechanism_t, ring_t, arc_determined, arc_link, arc_slide, arc_crank, arc_actuator
    implicit none (type, external)
    private
    public :: plan_t, make_plan
    public :: step_point, step_dyad, root_frame, root_crank, origin
 
    integer, parameter :: step_point = 1  !! point = point +- arc
-   integer, parameter :: step_dyad = 2   !! solve a loop
+   integer, parameter :: step_dyad = 2   !! solve a loop: a dyad or a larger group
 
    integer, parameter :: root_frame = 1  !! the root that is the machine's x axis
    integer, parameter :: root_crank = 2  !! the root that is the input link
    integer, parameter :: origin = 0      !! the point that is the input pivot
+
+   !> A ring of a larger group without the arcs that are known before it.
+   type :: open_ring_t
+      integer :: from = 0, to = 0          !! points that the rest leads from and to
+      integer :: first = 0, last = 0       !! sequential numbers of the arcs of the rest
+   end type open_ring_t
 
    !> One step of the plan.
    type :: step_t
@@ -30,6 +36,7 @@ module psalm_plan
       integer :: arc = 0        !! point step: sequential number of the arc
       integer :: sense = 1      !! point step: +1 along the arc, -1 against it
       logical :: fixed = .false. !! point step: the point belongs to the frame
+      type(open_ring_t), allocatable :: rings(:) !! of a larger group
    end type step_t
 
    type :: plan_t
@@ -63,7 +70,8 @@ contains
                                            !! the input pivot); their loops must be solved
       type(plan_t) :: plan
       type(output_kind_t) :: kind
-      integer :: loop, a, point
+      type(ring_t) :: ring
+      integer :: loop, a, n, point
 
       call assign_roots(mechanism, plan)
       allocate (plan%solved(mechanism%nloop), source=everything)
@@ -76,14 +84,21 @@ contains
       end do
       allocate (plan%steps(0))
       do loop = 1, mechanism%nloop
-         if (plan%solved(loop)) call add_loop(mechanism, loop, plan)
+         if (.not. plan%solved(loop)) cycle
+         if (mechanism%is_dyad(loop)) then
+            call add_loop(mechanism, loop, plan)
+         else
+            call add_higher_group(mechanism, loop, plan)
+         end if
       end do
       kind = output_kind(motion)
       if (kind%has_point) call add_output(mechanism, plan)
       allocate (plan%joint_points(0))
       if (present(joints)) then
          do a = 1, size(joints, 2)
-            call add_joint(mechanism, joints(1, a), joints(2, a), joints(2, a) <= mechanism%place(1, joints(1, a)), plan, point)
+            n = mechanism%seq(joints(1, a), joints(2, a))
+            ring = mechanism%ring_of(joints(1, a), max(n, mechanism%loops(joints(1, a))%first))
+            call add_joint(mechanism, ring, n, n <= ring%turn, plan, point)
             plan%joint_points = [plan%joint_points, point]
          end do
       end if
@@ -103,6 +118,12 @@ contains
          associate (step => plan%steps(k))
             if (step%kind == step_point) then
                plan%used(plan%root(step%arc)) = .true.
+            else if (allocated(step%rings)) then
+               do which = 1, size(step%rings)
+                  do n = step%rings(which)%first, step%rings(which)%last
+                     plan%used(plan%root(n)) = .true.
+                  end do
+               end do
             else
                do which = 1, 2
                   n = mechanism%groups(step%loop)%members(which)
@@ -127,22 +148,22 @@ contains
       allocate (plan%root(n), plan%base(n), plan%quarter(n), plan%length_slot(n), source=0)
       allocate (plan%takes_gama(n), source=.false.)
       allocate (plan%order(n), source=0)
-      allocate (plan%root_loop(2 + 2*mechanism%nloop), source=0)
+      allocate (plan%root_loop(2 + sum([(size(mechanism%groups(loop)%members), loop=1, mechanism%nloop)])), source=0)
       allocate (plan%dyad_root(2, mechanism%nloop), source=0)
       count = 0
       do loop = 1, mechanism%nloop
-         do a = 1, mechanism%loops(loop)%arcs
-            n = mechanism%seq(loop, a)
-            if (mechanism%arcs(n)%dyad == 0) call place_arc(n)
-         end do
-         p = mechanism%groups(loop)%members(1)
-         q = mechanism%groups(loop)%members(2)
-         form = form_of(mechanism%groups(loop)%kind)
-         call direct(1)
-         call direct(2)
-         if (form%direction(1) == direction_of_partner) call turned(p, q, mechanism%arcs(p)%turn)
-         if (form%direction(2) == direction_of_partner) call turned(q, p, merge(mechanism%arcs(q)%turn, -mechanism%arcs(p)%turn, &
-                                                                                form%slides(2)))
+         if (mechanism%is_dyad(loop)) then
+            call place_dyad()
+         else
+            associate (members => mechanism%groups(loop)%members)
+               do a = 1, size(members)
+                  if (mechanism%arcs(members(a))%kind == arc_link) call found_by_group(members(a))
+               end do
+            end associate
+            do a = 1, mechanism%loops(loop)%arcs
+               call place_arc(mechanism%seq(loop, a))
+            end do
+         end if
          do a = 1, mechanism%loops(loop)%arcs
             n = mechanism%seq(loop, a)
             select case (mechanism%arcs(n)%kind)
@@ -158,6 +179,22 @@ contains
 
    contains
 
+      !> The arcs of a loop that closes a dyad.
+      subroutine place_dyad()
+         do a = 1, mechanism%loops(loop)%arcs
+            n = mechanism%seq(loop, a)
+            if (mechanism%arcs(n)%dyad == 0) call place_arc(n)
+         end do
+         p = mechanism%groups(loop)%members(1)
+         q = mechanism%groups(loop)%members(2)
+         form = form_of(mechanism%groups(loop)%kind)
+         call direct(1)
+         call direct(2)
+         if (form%direction(1) == direction_of_partner) call turned(p, q, mechanism%arcs(p)%turn)
+         if (form%direction(2) == direction_of_partner) call turned(q, p, merge(mechanism%arcs(q)%turn, -mechanism%arcs(p)%turn, &
+                                                                                form%slides(2)))
+      end subroutine place_dyad
+
       !> Direction of arc p (1) or q (2) of the dyad, unless it hangs on the other.
       subroutine direct(which)
          integer, intent(in) :: which
@@ -165,7 +202,8 @@ contains
          associate (arc => merge(p, q, which == 1))
             select case (form%direction(which))
             case (direction_found)
-               call found_by_dyad(which, arc)
+               call found_by_group(arc)
+               plan%dyad_root(which, loop) = plan%nroots
             case (direction_known)
                call turned(arc, mechanism%arcs(arc)%reference, mechanism%arcs(arc)%turn)
             end select
@@ -182,9 +220,14 @@ contains
             select case (arc%kind)
             case (arc_crank)
                plan%root(n) = root_crank
-            case (arc_actuator)
-               call turned(n, arc%reference, arc%turn)
-               return
+            case (arc_actuator, arc_slide)
+               if (arc%turn /= 0) then
+                  call turned(n, arc%reference, arc%turn)
+                  return
+               end if
+               plan%root(n) = plan%root(arc%reference)
+               plan%base(n) = arc%reference
+               plan%takes_gama(n) = .true.
             case default
                if (arc%reference == 0) then
                   plan%root(n) = root_frame
@@ -209,16 +252,15 @@ contains
          plan%order(count) = n
       end subroutine turned
 
-      subroutine found_by_dyad(which, n)
-         integer, intent(in) :: which, n
+      subroutine found_by_group(n)
+         integer, intent(in) :: n
 
          plan%nroots = plan%nroots + 1
          plan%root(n) = plan%nroots
          plan%root_loop(plan%nroots) = loop
-         plan%dyad_root(which, loop) = plan%nroots
          count = count + 1
          plan%order(count) = n
-      end subroutine found_by_dyad
+      end subroutine found_by_group
    end subroutine assign_roots
 
    ! ---- what is wanted ----------------------------------------------------------------------------------------------
@@ -243,34 +285,38 @@ contains
       integer, intent(in) :: motion
       type(plan_t), intent(inout) :: plan
       type(output_kind_t) :: kind
-      integer :: loop, last, a
+      type(ring_t) :: ring
+      integer :: last, n
       logical :: forwards
 
       call mark_arc(mechanism, mechanism%outputs(1)%arc, 0, plan)
       kind = output_kind(motion)
       if (.not. kind%has_point) return
-      call output_chain(mechanism, loop, last, forwards)
+      call output_chain(mechanism, ring, last, forwards)
       if (forwards) then
-         do a = 1, last
-            call mark_arc(mechanism, mechanism%seq(loop, a), 0, plan)
+         do n = ring%first, last
+            call mark_arc(mechanism, n, 0, plan)
          end do
       else
-         do a = mechanism%loops(loop)%arcs, last + 1, -1
-            call mark_arc(mechanism, mechanism%seq(loop, a), 0, plan)
+         do n = ring%last, last + 1, -1
+            call mark_arc(mechanism, n, 0, plan)
          end do
       end if
    end subroutine mark_output
 
-   !> The joint the output arc starts from is the finish of arc `last`: reached forwards from the pivot up to p, else backwards.
-   pure subroutine output_chain(mechanism, loop, last, forwards)
+   !> The joint the output arc starts from is the finish of arc `last`: reached forwards from the pivot, or backwards.
+   pure subroutine output_chain(mechanism, ring, last, forwards)
       type(mechanism_t), intent(in) :: mechanism
-      integer, intent(out) :: loop, last
+      type(ring_t), intent(out) :: ring
+      integer, intent(out) :: last         !! sequential number
       logical, intent(out) :: forwards
 
-      loop = mechanism%loop_of(mechanism%outputs(1)%arc)
-      last = mechanism%arcs(mechanism%outputs(1)%arc)%place
-      if (mechanism%outputs(1)%from_start) last = last - 1
-      forwards = last <= mechanism%place(1, loop)
+      associate (output => mechanism%outputs(1))
+         ring = mechanism%ring_of(mechanism%loop_of(output%arc), output%arc)
+         last = output%arc
+         if (output%from_start) last = last - 1
+         forwards = last <= ring%turn
+      end associate
    end subroutine output_chain
 
    ! ---- steps -------------------------------------------------------------------------------------------------------
@@ -297,33 +343,81 @@ contains
       plan%steps = [plan%steps, step]
    end subroutine add_loop
 
+   !> A larger group: of each ring the arcs that are known before it are left to points.
+   pure subroutine add_higher_group(mechanism, loop, plan)
+      type(mechanism_t), intent(in) :: mechanism
+      integer, intent(in) :: loop
+      type(plan_t), intent(inout) :: plan
+      type(step_t) :: step
+      integer :: r, n
+
+      step%kind = step_dyad
+      step%loop = loop
+      associate (rings => mechanism%loops(loop)%rings)
+         allocate (step%rings(size(rings)))
+         do r = 1, size(rings)
+            associate (open => step%rings(r))
+               open%from = origin
+               open%first = rings(r)%first
+               do n = rings(r)%first, rings(r)%last
+                  if (is_found_here(n)) exit
+                  call add_point(mechanism, open%from, n, 1, plan, open%from)
+                  open%first = n + 1
+               end do
+               open%to = origin
+               open%last = rings(r)%last
+               do n = rings(r)%last, open%first, -1
+                  if (is_found_here(n)) exit
+                  call add_point(mechanism, open%to, n, -1, plan, open%to)
+                  open%last = n - 1
+               end do
+            end associate
+         end do
+      end associate
+      plan%steps = [plan%steps, step]
+
+   contains
+
+      !> True if the group finds the direction or the length of an arc.
+      pure logical function is_found_here(n)
+         integer, intent(in) :: n
+         integer :: length
+
+         is_found_here = plan%root_loop(plan%root(n)) == loop
+         length = mechanism%arcs(n)%representative
+         if (mechanism%arcs(length)%kind == arc_slide) is_found_here = is_found_here .or. mechanism%arcs(length)%loop == loop
+      end function is_found_here
+   end subroutine add_higher_group
+
    pure subroutine add_output(mechanism, plan)
       type(mechanism_t), intent(in) :: mechanism
       type(plan_t), intent(inout) :: plan
-      integer :: loop, last
+      type(ring_t) :: ring
+      integer :: last
       logical :: forwards
 
-      call output_chain(mechanism, loop, last, forwards)
-      call add_joint(mechanism, loop, last, forwards, plan, plan%output_point)
+      call output_chain(mechanism, ring, last, forwards)
+      call add_joint(mechanism, ring, last, forwards, plan, plan%output_point)
    end subroutine add_output
 
-   !> The joint at the finish of arc `last` of a loop, reached forwards from the pivot or backwards.
-   pure subroutine add_joint(mechanism, loop, last, forwards, plan, point)
+   !> The point at the finish of an arc, reached forwards from the pivot or backwards.
+   pure subroutine add_joint(mechanism, ring, last, forwards, plan, point)
       type(mechanism_t), intent(in) :: mechanism
-      integer, intent(in) :: loop, last
+      type(ring_t), intent(in) :: ring
+      integer, intent(in) :: last          !! sequential number of the arc; the one before the ring's first: the pivot
       logical, intent(in) :: forwards
       type(plan_t), intent(inout) :: plan
       integer, intent(out) :: point
-      integer :: a, next
+      integer :: n, next
 
       next = origin
       if (forwards) then
-         do a = 1, last
-            call add_point(mechanism, next, mechanism%seq(loop, a), 1, plan, next)
+         do n = ring%first, last
+            call add_point(mechanism, next, n, 1, plan, next)
          end do
       else
-         do a = mechanism%loops(loop)%arcs, last + 1, -1
-            call add_point(mechanism, next, mechanism%seq(loop, a), -1, plan, next)
+         do n = ring%last, last + 1, -1
+            call add_point(mechanism, next, n, -1, plan, next)
          end do
       end if
       point = next
@@ -379,6 +473,7 @@ contains
       to = -1
       if (mechanism%arcs(arc)%dyad == 0) return
       loop = mechanism%loop_of(arc)
+      if (.not. mechanism%is_dyad(loop)) return
       p = mechanism%groups(loop)%members(1)
       q = mechanism%groups(loop)%members(2)
       do i = 1, size(plan%steps)

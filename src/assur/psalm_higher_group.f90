@@ -1,0 +1,453 @@
+!> Assur groups of more than two links, and those of two that are no dyad: positions by Newton's method, derivatives by its matrix.
+!>
+!> The unknowns are directions of links and lengths along slides. Each ring of arcs is one vector equation: from the point where it
+!> leaves what is known, along its arcs, to the point where it comes back. A correction turns a unit vector by a fraction of two
+!> polynomials, so that no trigonometric function is needed. The measure of a group is the determinant of its matrix over the
+!> product of the lengths of the columns: 1 where all columns stand square to each other, 0 at a dead point; of a dyad of links it
+!> is the sine of the transmission angle. A position that is not reached has a negative one. Source: Allgower and Georg (1990),
+!> chapter 6.
+module psalm_higher_group
+   use psalm_arc_kernels, only: difference
+   use psalm_frames, only: frames_t, arc_rate, form_arc, rows_of_arc
+   use psalm_group_rings, only: higher_t
+   use psalm_kinds, only: wp
+   use psalm_linear, only: eliminate_real
+   use psalm_rows, only: rows_t
+   implicit none (type, external)
+   private
+   public :: state_at, put_state, predict, correct, is_trusted
+   public :: rows_of_higher, form_higher, differentiate_higher, solve_higher, is_dead_higher, bounds_higher
+   public :: closure_of_higher, change_of_higher
+   public :: dead_measure, correction_t
+
+   real(wp), parameter :: dead_measure = 64.0_wp*epsilon(1.0_wp)**0.75_wp !! at and below it a group is at a dead point
+   real(wp), parameter :: trusted = 0.15_wp  !! first correction against the prediction, or second correction against the first
+   real(wp), parameter :: farthest = 0.3_wp  !! radians, or parts of the group's size: longer predictions are not believed
+   real(wp), parameter :: nearest = 0.1_wp   !! likewise: a first correction below it that the second confirms is believed
+   integer, parameter :: most_steps = 20     !! of Newton's method
+
+   !> What Newton's method found at a position. Moves and corrections are the largest of all unknowns: radians, parts of the size.
+   type :: correction_t
+      logical :: converged = .false.
+      real(wp) :: moved = 0.0_wp             !! by the prediction
+      real(wp) :: first = 0.0_wp, second = 0.0_wp
+      real(wp) :: determinant = 0.0_wp       !! over the lengths of the columns
+   end type correction_t
+
+contains
+
+   !> The unknowns at a position of a block: cosine and sine, or length and 0. Shape (2, unknowns).
+   pure function state_at(higher, store, i) result(state)
+      type(higher_t), intent(in) :: higher
+      type(rows_t), intent(in) :: store
+      integer, intent(in) :: i
+      real(wp) :: state(2, higher%unknowns)
+      integer :: j
+
+      do j = 1, higher%unknowns
+         state(1, j) = store%v(i, higher%row(j))
+         state(2, j) = 0.0_wp
+         if (higher%row_of_sine(j) > 0) state(2, j) = store%v(i, higher%row_of_sine(j))
+      end do
+   end function state_at
+
+   pure subroutine put_state(higher, state, store, i)
+      type(higher_t), intent(in) :: higher
+      real(wp), intent(in) :: state(:, :)          !! shape (2, unknowns)
+      type(rows_t), intent(inout) :: store
+      integer, intent(in) :: i
+      integer :: j
+
+      do j = 1, higher%unknowns
+         store%v(i, higher%row(j)) = state(1, j)
+         if (higher%row_of_sine(j) > 0) store%v(i, higher%row_of_sine(j)) = state(2, j)
+      end do
+   end subroutine put_state
+
+   !> Go on as from `before` to `now`, `ratio` times as far.
+   pure subroutine predict(higher, before, now, ratio, next, moved)
+      type(higher_t), intent(in) :: higher
+      real(wp), intent(in) :: before(:, :), now(:, :) !! shape (2, unknowns)
+      real(wp), intent(in) :: ratio
+      real(wp), intent(out) :: next(:, :)          !! shape (2, unknowns)
+      real(wp), intent(out) :: moved               !! largest change
+      real(wp) :: cosine, sine, half
+      integer :: j
+
+      moved = 0.0_wp
+      do j = 1, higher%unknowns
+         if (higher%row_of_sine(j) > 0) then
+            cosine = now(1, j)*before(1, j) + now(2, j)*before(2, j)
+            sine = now(2, j)*before(1, j) - now(1, j)*before(2, j)
+            half = ratio*sine/(1.0_wp + max(cosine, 0.0_wp))
+            next(:, j) = turned(now(:, j), half)
+            moved = max(moved, 2.0_wp*abs(half))
+         else
+            next(1, j) = now(1, j) + ratio*(now(1, j) - before(1, j))
+            next(2, j) = 0.0_wp
+            moved = max(moved, abs(next(1, j) - now(1, j))/higher%size)
+         end if
+      end do
+   end subroutine predict
+
+   !> A unit vector turned by twice the angle whose tangent is `half`; its length is put right to first order.
+   pure function turned(vector, half) result(new)
+      real(wp), intent(in) :: vector(2), half
+      real(wp) :: new(2)
+      real(wp) :: factor
+
+      factor = 1.0_wp/(1.0_wp + half*half)
+      new(1) = factor*((1.0_wp - half*half)*vector(1) - 2.0_wp*half*vector(2))
+      new(2) = factor*((1.0_wp - half*half)*vector(2) + 2.0_wp*half*vector(1))
+      new = new*(1.5_wp - 0.5_wp*(new(1)*new(1) + new(2)*new(2)))
+   end function turned
+
+   !> Newton's method at position i from the state that stands there; it ends where the next correction would be below rounding.
+   pure subroutine correct(higher, store, i, result)
+      type(higher_t), intent(in) :: higher
+      type(rows_t), intent(inout) :: store
+      integer, intent(in) :: i
+      type(correction_t), intent(inout) :: result  !! `moved` is kept
+      real(wp) :: matrix(higher%unknowns, higher%unknowns), right(higher%unknowns, 1), vector(2)
+      real(wp) :: largest, before, product, determinant
+      integer :: step, j
+
+      result%converged = .false.
+      before = huge(1.0_wp)
+      do step = 1, most_steps
+         call equations(higher, store, i, matrix, right(:, 1))
+         product = 1.0_wp
+         do j = 1, higher%unknowns
+            product = product*sum(matrix(:, j)**2)
+         end do
+         call eliminate_real(higher%unknowns, 1, matrix, right, determinant)
+         if (.not. abs(determinant) > 0.0_wp) return
+         result%determinant = determinant/sqrt(product)
+         largest = maxval(abs(right(:, 1)))
+         if (.not. largest < huge(1.0_wp)) return
+         if (step == 1) result%first = largest
+         if (step == 2) result%second = largest
+         do j = 1, higher%unknowns
+            if (higher%row_of_sine(j) > 0) then
+               vector = turned([store%v(i, higher%row(j)), store%v(i, higher%row_of_sine(j))], 0.5_wp*right(j, 1))
+               store%v(i, higher%row(j)) = vector(1)
+               store%v(i, higher%row_of_sine(j)) = vector(2)
+            else
+               store%v(i, higher%row(j)) = store%v(i, higher%row(j)) + right(j, 1)*higher%size
+            end if
+         end do
+         if (step == 1) result%second = 0.0_wp
+         ! the error goes like the square of the correction, over the measure
+         if (largest**2 <= epsilon(1.0_wp)*abs(result%determinant) .or. &
+             (largest < sqrt(epsilon(1.0_wp)) .and. largest > 0.5_wp*before)) then
+            result%converged = .true.
+            return
+         end if
+         if (step > 2 .and. largest > before) return
+         before = largest
+      end do
+   end subroutine correct
+
+   !> True if what Newton's method found is the continuation of the position before.
+   pure logical function is_trusted(result, sense)
+      type(correction_t), intent(in) :: result
+      real(wp), intent(in) :: sense                !! sign of the determinant there; 0: not known
+
+      is_trusted = result%converged .and. abs(result%determinant) > dead_measure .and. sense*result%determinant >= 0.0_wp .and. &
+                   result%moved < farthest
+      if (.not. is_trusted) return
+      is_trusted = result%first <= trusted*result%moved .or. &
+                   (result%first <= nearest .and. result%second <= trusted*result%first)
+   end function is_trusted
+
+   !> Matrix and right side of the correction at position i, lengths in parts of the group's size.
+   pure subroutine equations(higher, store, i, matrix, right)
+      type(higher_t), intent(in) :: higher
+      type(rows_t), intent(in) :: store
+      integer, intent(in) :: i
+      real(wp), intent(out) :: matrix(:, :), right(:) !! shape (unknowns, unknowns), (unknowns)
+      real(wp) :: x, y, length, back
+      integer :: k, r
+
+      back = 1.0_wp/higher%size
+      matrix = 0.0_wp
+      do r = 1, higher%rings
+         right(2*r - 1) = (store%v(i, higher%ends(3, r)) - store%v(i, higher%ends(1, r)))*back
+         right(2*r) = (store%v(i, higher%ends(4, r)) - store%v(i, higher%ends(2, r)))*back
+      end do
+      do k = 1, size(higher%terms)
+         associate (term => higher%terms(k))
+            x = term%x*store%v(i, term%root_x) - term%y*store%v(i, term%root_y)
+            y = term%x*store%v(i, term%root_y) + term%y*store%v(i, term%root_x)
+            r = 2*term%ring
+            if (term%stretched > 0) then
+               matrix(r - 1, term%stretched) = matrix(r - 1, term%stretched) + x
+               matrix(r, term%stretched) = matrix(r, term%stretched) + y
+            end if
+            length = term%length*back
+            if (term%slide > 0) length = store%v(i, term%slide)*back
+            x = x*length
+            y = y*length
+            if (term%turned > 0) then
+               matrix(r - 1, term%turned) = matrix(r - 1, term%turned) - y
+               matrix(r, term%turned) = matrix(r, term%turned) + x
+            end if
+            right(r - 1) = right(r - 1) - x
+            right(r) = right(r) - y
+         end associate
+      end do
+   end subroutine equations
+
+   ! ---- derivatives -------------------------------------------------------------------------------------------------
+
+   !> Rows that a group takes in the frames: the vectors of its arcs, the inverse of its matrix by rows, its measure.
+   pure integer function rows_of_higher(higher)
+      type(higher_t), intent(in) :: higher
+
+      rows_of_higher = rows_of_arc*size(higher%terms) + higher%unknowns**2 + 1
+   end function rows_of_higher
+
+   pure integer function inverse_row(higher, at)
+      type(higher_t), intent(in) :: higher
+      integer, intent(in) :: at
+
+      inverse_row = at + rows_of_arc*size(higher%terms)
+   end function inverse_row
+
+   pure integer function measure_row(higher, at)
+      type(higher_t), intent(in) :: higher
+      integer, intent(in) :: at
+
+      measure_row = inverse_row(higher, at) + higher%unknowns**2
+   end function measure_row
+
+   !> Vectors of all arcs and the inverse of the matrix (0 at a dead point), into the rows from `at` on.
+   subroutine form_higher(n, higher, angle_x, angle_y, length, store, at, frames)
+      integer, intent(in) :: n, at
+      type(higher_t), intent(in) :: higher
+      real(wp), intent(in) :: angle_x(:), angle_y(:), length(:) !! by arc: cosine, sine of its fixed angle; length
+      type(rows_t), intent(in) :: store
+      type(frames_t), intent(inout) :: frames
+      real(wp) :: matrix(higher%unknowns, higher%unknowns), inverse(higher%unknowns, higher%unknowns), product, determinant
+      integer :: i, j, k, row
+
+      do k = 1, size(higher%terms)
+         associate (term => higher%terms(k))
+            call form_arc(n, store, term%root_x, term%root_y, angle_x(term%arc), angle_y(term%arc), length(term%arc), term%slide, &
+                          frames, at + rows_of_arc*(k - 1))
+         end associate
+      end do
+      do i = 1, n
+         call equations(higher, store, i, matrix, inverse(:, 1))
+         product = 1.0_wp
+         inverse = 0.0_wp
+         do j = 1, higher%unknowns
+            product = product*sum(matrix(:, j)**2)
+            inverse(j, j) = 1.0_wp
+         end do
+         call eliminate_real(higher%unknowns, higher%unknowns, matrix, inverse, determinant)
+         determinant = abs(determinant)/max(sqrt(product), tiny(1.0_wp))
+         if (.not. determinant > dead_measure) inverse = 0.0_wp
+         row = inverse_row(higher, at)
+         do j = 1, higher%unknowns
+            ! of lengths and turns by lengths that are not divided by the size
+            if (higher%row_of_sine(j) > 0) inverse(j, :) = inverse(j, :)/higher%size
+            frames%work%v(i, row:row + higher%unknowns - 1) = inverse(j, :)
+            row = row + higher%unknowns
+         end do
+         frames%work%v(i, row) = determinant
+      end do
+   end subroutine form_higher
+
+   !> True at a dead point: the matrix has no inverse at position i, rates are infinite.
+   pure logical function is_dead_higher(higher, frames, at, i)
+      type(higher_t), intent(in) :: higher
+      type(frames_t), intent(in) :: frames
+      integer, intent(in) :: at, i
+
+      is_dead_higher = .not. frames%work%v(i, measure_row(higher, at)) > dead_measure
+   end function is_dead_higher
+
+   !> Unknown changes from what is left of each ring by the changes that are known.
+   pure subroutine solve_higher(n, higher, at, frames, gap, d)
+      integer, intent(in) :: n, at
+      type(higher_t), intent(in) :: higher
+      type(frames_t), intent(in) :: frames
+      real(wp), intent(in) :: gap(:, :)            !! shape (n, 2*rings): x and y of each ring
+      type(rows_t), intent(inout) :: d             !! at the rows of the unknowns
+      integer :: i, j, k, row
+
+      row = inverse_row(higher, at)
+      do j = 1, higher%unknowns
+         associate (to => d%v(:, higher%row(j)), w => frames%work%v)
+            d%v(1:n, higher%row(j)) = 0.0_wp
+            do k = 1, higher%unknowns
+               do i = 1, n
+                  d%v(i, higher%row(j)) = d%v(i, higher%row(j)) + w(i, row)*gap(i, k)
+               end do
+               row = row + 1
+            end do
+         end associate
+      end do
+   end subroutine solve_higher
+
+   !> Derivatives of the unknowns by the input, orders 1 to `orders`; the frames are formed before.
+   subroutine differentiate_higher(n, orders, higher, at, frames, d)
+      integer, intent(in) :: n, orders, at
+      type(higher_t), intent(in) :: higher
+      type(frames_t), intent(in) :: frames
+      type(rows_t), intent(inout) :: d(:)          !! by order
+      real(wp) :: gap(n, 2*higher%rings), tx(n), ty(n)
+      integer :: order, j, k, r
+
+      do order = 1, orders
+         do j = 1, higher%unknowns
+            d(order)%v(1:n, higher%row(j)) = 0.0_wp
+         end do
+         do r = 1, higher%rings
+            associate (v => d(order)%v)
+               call difference(n, v(1, higher%ends(1, r)), v(1, higher%ends(2, r)), v(1, higher%ends(3, r)), &
+                               v(1, higher%ends(4, r)), gap(:, 2*r - 1), gap(:, 2*r))
+            end associate
+         end do
+         do k = 1, size(higher%terms)
+            associate (term => higher%terms(k))
+               r = 2*term%ring
+               call arc_rate(frames, d, n, order, -1.0_wp, at + rows_of_arc*(k - 1), term%root_x, term%slide, gap(:, r - 1), &
+                             gap(:, r), tx, ty)
+               gap(:, r - 1) = tx
+               gap(:, r) = ty
+            end associate
+         end do
+         call solve_higher(n, higher, at, frames, gap, d(order))
+      end do
+   end subroutine differentiate_higher
+
+   !> How far a group is from a dead point: 1 less its measure, at positions that are not reached 1 less that in the store.
+   pure subroutine closure_of_higher(n, higher, store, measure, k)
+      integer, intent(in) :: n
+      type(higher_t), intent(in) :: higher
+      type(rows_t), intent(in) :: store
+      integer, intent(in) :: measure               !! row of the measure: not to the last digits where it was reached
+      real(wp), intent(out) :: k(:)                !! shape (n)
+      real(wp) :: matrix(higher%unknowns, higher%unknowns), right(higher%unknowns, 1), product, determinant
+      integer :: i, j
+
+      do i = 1, n
+         k(i) = 1.0_wp - store%v(i, measure)
+         if (store%v(i, measure) <= 0.0_wp) cycle
+         call equations(higher, store, i, matrix, right(:, 1))
+         product = 1.0_wp
+         do j = 1, higher%unknowns
+            product = product*sum(matrix(:, j)**2)
+         end do
+         call eliminate_real(higher%unknowns, 0, matrix, right, determinant)
+         k(i) = 1.0_wp - abs(determinant)/max(sqrt(product), tiny(1.0_wp))
+      end do
+   end subroutine closure_of_higher
+
+   !> Change of the measure with a variable, from the changes of all rows.
+   !>
+   !> The logarithm of a determinant changes by the trace of the inverse times the change of the matrix.
+   subroutine change_of_higher(n, higher, store, d, turn, stretch, dk)
+      integer, intent(in) :: n
+      type(higher_t), intent(in) :: higher
+      type(rows_t), intent(in) :: store
+      type(rows_t), intent(in) :: d                !! changes of all rows, per radian for angles
+      real(wp), intent(in) :: turn(:), stretch(:)  !! by arc: how its fixed angle turns, its length grows with the variable
+      real(wp), intent(out) :: dk(:)               !! shape (n)
+      real(wp) :: matrix(higher%unknowns, higher%unknowns), inverse(higher%unknowns, higher%unknowns), &
+                  change(higher%unknowns, higher%unknowns), product, determinant, x, y, u, v, length, grows, turns, total
+      integer :: i, j, k, r
+
+      do i = 1, n
+         call equations(higher, store, i, matrix, inverse(:, 1))
+         change = 0.0_wp
+         do k = 1, size(higher%terms)
+            associate (term => higher%terms(k))
+               r = 2*term%ring
+               x = term%x*store%v(i, term%root_x) - term%y*store%v(i, term%root_y)
+               y = term%x*store%v(i, term%root_y) + term%y*store%v(i, term%root_x)
+               length = term%length
+               grows = stretch(term%arc)
+               turns = d%v(i, term%root_x) + turn(term%arc)
+               if (term%slide > 0) then
+                  length = store%v(i, term%slide)
+                  grows = d%v(i, term%slide)
+               end if
+               if (term%stretched > 0) then
+                  change(r - 1, term%stretched) = change(r - 1, term%stretched) - turns*y
+                  change(r, term%stretched) = change(r, term%stretched) + turns*x
+               end if
+               if (term%turned > 0) then
+                  ! the column is i times the vector
+                  u = grows*x - turns*length*y
+                  v = grows*y + turns*length*x
+                  change(r - 1, term%turned) = change(r - 1, term%turned) - v/higher%size
+                  change(r, term%turned) = change(r, term%turned) + u/higher%size
+               end if
+            end associate
+         end do
+         total = 0.0_wp
+         product = 1.0_wp
+         inverse = 0.0_wp
+         do j = 1, higher%unknowns
+            length = sum(matrix(:, j)**2)
+            product = product*length
+            total = total - sum(matrix(:, j)*change(:, j))/max(length, tiny(1.0_wp))
+            inverse(j, j) = 1.0_wp
+         end do
+         call eliminate_real(higher%unknowns, higher%unknowns, matrix, inverse, determinant)
+         dk(i) = 0.0_wp
+         if (.not. abs(determinant) > 0.0_wp) cycle
+         do j = 1, higher%unknowns
+            do k = 1, higher%unknowns
+               total = total + inverse(j, k)*change(k, j)
+            end do
+         end do
+         dk(i) = total*abs(determinant)/max(sqrt(product), tiny(1.0_wp))
+      end do
+   end subroutine change_of_higher
+
+   !> First-order bounds of the errors of the unknowns at position i, in units of epsilon.
+   pure subroutine bounds_higher(higher, store, i, row, angle, worst, bound)
+      type(higher_t), intent(in) :: higher
+      type(rows_t), intent(in) :: store
+      integer, intent(in) :: i
+      real(wp), intent(in) :: row(:)               !! bounds of what is known, by row of the store
+      real(wp), intent(in) :: angle(:)             !! by arc: its fixed angle, radians
+      real(wp), intent(in) :: worst                !! larger factors say nothing more
+      real(wp), intent(out) :: bound(:)            !! the first `unknowns` are set
+      real(wp) :: matrix(higher%unknowns, higher%unknowns), inverse(higher%unknowns, higher%unknowns), gap(higher%unknowns), &
+                  length, determinant
+      integer :: j, k, r
+
+      call equations(higher, store, i, matrix, gap)
+      inverse = 0.0_wp
+      do j = 1, higher%unknowns
+         inverse(j, j) = 1.0_wp
+      end do
+      call eliminate_real(higher%unknowns, higher%unknowns, matrix, inverse, determinant)
+      if (.not. abs(determinant) > 0.0_wp) inverse = worst
+      do r = 1, higher%rings
+         gap(2*r) = row(higher%ends(1, r)) + row(higher%ends(3, r))
+      end do
+      do k = 1, size(higher%terms)
+         associate (term => higher%terms(k))
+            length = abs(term%length)
+            if (term%slide > 0) length = abs(store%v(i, term%slide))
+            r = 2*term%ring
+            gap(r) = gap(r) + length*(2.0_wp + abs(angle(term%arc)))
+            if (term%turned == 0) gap(r) = gap(r) + length*row(term%root_x)
+            if (term%slide > 0 .and. term%stretched == 0) gap(r) = gap(r) + row(term%slide)
+         end associate
+      end do
+      do r = 1, higher%rings
+         gap(2*r - 1) = gap(2*r)
+      end do
+      do j = 1, higher%unknowns
+         bound(j) = min(sum(abs(inverse(j, :))*gap)/higher%size, worst) + 1.0_wp
+         if (higher%row_of_sine(j) == 0) bound(j) = bound(j)*higher%size
+      end do
+   end subroutine bounds_higher
+end module psalm_higher_group

@@ -1,0 +1,316 @@
+!> How larger groups are followed from input to input.
+!>
+!> Newton's method jumps to another assembly where its start is far off. A position is accepted only where it is the continuation
+!> of the one before, by the signs that `is_trusted` knows; else the way there is walked in shorter steps. Where these become too
+!> short a group stands at a dead point. What a turning input does not reach one way it may reach the other way round. Every block
+!> is followed from the drawing, so that its bits do not depend on the blocks before it.
+submodule(psalm_linkage) psalm_linkage_walk
+   use psalm_higher_group, only: correct, correction_t, dead_measure, is_trusted, predict, put_state, state_at
+   use psalm_kinds, only: full_turn
+   implicit none (type, external)
+
+   real(wp), parameter :: least_step = 1.0e-9_wp !! of the way
+   real(wp), parameter :: easy = 0.02_wp        !! of the corrections: below it the next step is twice as long
+   real(wp), parameter :: not_reached = -1.0_wp !! measure of a larger group that cannot be put together
+
+   !> Where the walk along the positions of a block has come.
+   type :: walk_t
+      integer :: last = 0                       !! the position where it stands; 0: the drawing
+      real(wp) :: here = 0.0_wp, before = 0.0_wp !! input increments where it stands, and where it stood before
+      logical :: known = .false.                !! there is a `before`
+      real(wp) :: offset = 0.0_wp               !! whole turns that it is off the increments of the positions
+      real(wp) :: ends(2) = [-huge(1.0_wp), huge(1.0_wp)] !! increments that it cannot reach
+      real(wp) :: way = 0.0_wp                  !! part of the way to the next position that was gone
+   end type walk_t
+
+contains
+
+   pure module subroutine follow_group(self, k, n, path)
+      class(linkage_t), intent(inout) :: self
+      integer, intent(in) :: k
+      integer, intent(in) :: n
+      real(wp), intent(in) :: path(n)
+      type(walk_t) :: walk
+      type(correction_t) :: found
+      integer :: i
+      logical :: sound, reached
+
+      call start(self, k, walk, sound)
+      do i = 1, n
+         reached = .false.
+         walk%way = 0.0_wp
+         if (sound) then
+            if (closes_before(self, k, i)) call reach(self, k, i, path, walk, found, reached)
+         end if
+         associate (higher => self%steps(k)%dyad%higher, measure => self%store%v(i, self%steps(k)%dyad%measure))
+            if (reached) then
+               measure = abs(found%determinant)
+            else
+               call put_state(higher, higher%now, self%store, i)
+               measure = not_reached*(1.0_wp - walk%way) - dead_measure
+            end if
+         end associate
+      end do
+   end subroutine follow_group
+
+   !> Put all larger groups up to a step together in the drawing.
+   pure subroutine start(self, k, walk, sound)
+      class(linkage_t), intent(inout) :: self
+      integer, intent(in) :: k
+      type(walk_t), intent(inout) :: walk
+      logical, intent(out) :: sound
+      real(wp) :: unused
+      integer :: j
+
+      do j = 1, k
+         if (.not. allocated(self%steps(j)%dyad%higher)) cycle
+         associate (higher => self%steps(j)%dyad%higher)
+            higher%now = higher%drawn
+            higher%sense = 0.0_wp
+         end associate
+      end do
+      walk%last = 0
+      walk%here = self%drawn
+      walk%known = .false.
+      call solve_between(self, k, walk%here, .false., sound, unused)
+   end subroutine start
+
+   !> Go to position i of the block, if need be the other way round.
+   pure subroutine reach(self, k, i, path, walk, found, reached)
+      class(linkage_t), intent(inout) :: self
+      integer, intent(in) :: k, i
+      real(wp), intent(in) :: path(:)
+      type(walk_t), intent(inout) :: walk
+      type(correction_t), intent(out) :: found
+      logical, intent(out) :: reached
+      type(walk_t) :: round
+      real(wp) :: target
+      logical :: sound
+
+      target = path(i) + walk%offset
+      reached = .false.
+      if (is_open(walk, target)) then
+         call step_to(self, k, i, target, walk, found, reached)
+         if (.not. reached) call walk_to(self, k, i, target, walk, found, reached)
+      end if
+      if (reached .or. self%sliding_input) return
+      target = target - sign(full_turn, target - self%drawn)
+      if (.not. is_open(walk, target)) return
+      round = walk
+      call start(self, k, round, sound)
+      call walk_to(self, k, i, target, round, found, reached)
+      walk%ends = round%ends
+      if (reached) then
+         walk = round
+         walk%offset = target - path(i)
+      else
+         call go_back(self, k, walk)
+      end if
+   end subroutine reach
+
+   !> False where the walk is known to end before.
+   pure logical function is_open(walk, target)
+      type(walk_t), intent(in) :: walk
+      real(wp), intent(in) :: target
+
+      is_open = target > walk%ends(1) .and. target < walk%ends(2)
+   end function is_open
+
+   !> By prediction and correction at once.
+   pure subroutine step_to(self, k, i, target, walk, found, reached)
+      class(linkage_t), intent(inout) :: self
+      integer, intent(in) :: k, i
+      real(wp), intent(in) :: target
+      type(walk_t), intent(inout) :: walk
+      type(correction_t), intent(inout) :: found
+      logical, intent(out) :: reached
+      real(wp) :: next(2, self%steps(k)%dyad%higher%unknowns)
+
+      associate (higher => self%steps(k)%dyad%higher)
+         next = higher%now
+         found%moved = 0.0_wp
+         if (walk%known) call predict(higher, higher%before, higher%now, (target - walk%here)/(walk%here - walk%before), next, &
+                                      found%moved)
+         call put_state(higher, next, self%store, i)
+         call correct(higher, self%store, i, found)
+         reached = is_trusted(found, higher%sense)
+         if (.not. reached) return
+         higher%before = higher%now
+         higher%now = state_at(higher, self%store, i)
+      end associate
+      walk%before = walk%here
+      walk%here = target
+      walk%known = abs(walk%here - walk%before) > 0.0_wp
+      walk%last = i
+   end subroutine step_to
+
+   !> In steps between the positions.
+   pure subroutine walk_to(self, k, i, target, walk, found, reached)
+      class(linkage_t), intent(inout) :: self
+      integer, intent(in) :: k, i
+      real(wp), intent(in) :: target
+      type(walk_t), intent(inout) :: walk
+      type(correction_t), intent(inout) :: found
+      logical, intent(out) :: reached
+
+      call go_back(self, k, walk)
+      call walk_between(self, k, walk%here, target, reached, walk%way)
+      if (reached) then
+         ! the rows of the block may differ by rounding from those between
+         associate (higher => self%steps(k)%dyad%higher)
+            call put_state(higher, higher%now, self%store, i)
+            call correct(higher, self%store, i, found)
+            reached = found%converged .and. abs(found%determinant) > dead_measure
+            higher%now = state_at(higher, self%store, i)
+         end associate
+         walk%here = target
+         walk%last = i
+         walk%known = .false.
+         return
+      end if
+      ! nothing beyond can be reached this way
+      if (target > walk%here) walk%ends(2) = min(walk%ends(2), target)
+      if (target < walk%here) walk%ends(1) = max(walk%ends(1), target)
+      call go_back(self, k, walk)
+   end subroutine walk_to
+
+   !> Put all larger groups up to a step where the walk stands.
+   pure subroutine go_back(self, k, walk)
+      class(linkage_t), intent(inout) :: self
+      integer, intent(in) :: k
+      type(walk_t), intent(inout) :: walk
+      integer :: j
+      logical :: sound
+
+      walk%known = .false.
+      if (walk%last == 0) then
+         call start(self, k, walk, sound)
+         return
+      end if
+      do j = 1, k
+         if (.not. allocated(self%steps(j)%dyad%higher)) cycle
+         associate (higher => self%steps(j)%dyad%higher)
+            higher%now = state_at(higher, self%store, walk%last)
+         end associate
+      end do
+   end subroutine go_back
+
+   !> True if every group before a step closes at position i of the block.
+   pure logical function closes_before(self, k, i)
+      class(linkage_t), intent(in) :: self
+      integer, intent(in) :: k, i
+      integer :: j
+
+      closes_before = .true.
+      do j = 1, k - 1
+         if (self%steps(j)%kind == step_dyad) closes_before = closes_before .and. self%closes(i, self%steps(j)%loop)
+      end do
+   end function closes_before
+
+   !> Walk from one input to another in steps as long as can be trusted. `now` of all larger groups up to the step tells where they
+   !> stand.
+   pure subroutine walk_between(self, k, from, to, reached, way)
+      class(linkage_t), intent(inout) :: self
+      integer, intent(in) :: k
+      real(wp), intent(in) :: from, to          !! input increments
+      logical, intent(out) :: reached
+      real(wp), intent(out) :: way              !! part of the way that was gone
+      real(wp) :: step, worst
+      logical :: sound
+
+      reached = .false.
+      way = 0.0_wp
+      step = 1.0_wp
+      do while (way < 1.0_wp)
+         step = min(step, 1.0_wp - way)
+         do
+            call solve_between(self, k, merge(to, from + (way + step)*(to - from), way + step >= 1.0_wp), .true., sound, worst)
+            if (sound) exit
+            step = 0.5_wp*step
+            if (step < least_step) return
+         end do
+         way = way + step
+         if (way > 1.0_wp - 0.5_wp*least_step) way = 1.0_wp
+         if (worst < easy) step = 2.0_wp*step
+      end do
+      reached = .true.
+   end subroutine walk_between
+
+   !> All steps up to one at an input between positions. Where that is sound, `now` of the larger groups goes there.
+   pure subroutine solve_between(self, k, here, trusting, sound, worst)
+      class(linkage_t), intent(inout) :: self
+      integer, intent(in) :: k
+      real(wp), intent(in) :: here              !! input increment
+      logical, intent(in) :: trusting           !! groups must be continued from where they stood, else only be closed
+      logical, intent(out) :: sound
+      real(wp), intent(out) :: worst            !! largest second correction against the first
+      integer :: j
+
+      worst = 0.0_wp
+      sound = .true.
+      call put_input(self, here)
+      do j = 1, k
+         if (allocated(self%steps(j)%dyad%higher)) then
+            call group_between(self%steps(j)%dyad%higher, self%between, trusting, sound, worst)
+         else if (self%steps(j)%kind == step_dyad) then
+            call dyad_between(self, self%steps(j), sound)
+         else
+            call solve_point(1, self%steps(j), self%between)
+         end if
+         if (.not. sound) return
+      end do
+      do j = 1, k
+         if (.not. allocated(self%steps(j)%dyad%higher)) cycle
+         associate (higher => self%steps(j)%dyad%higher)
+            higher%now = state_at(higher, self%between, 1)
+         end associate
+      end do
+   end subroutine solve_between
+
+   pure subroutine put_input(self, here)
+      class(linkage_t), intent(inout) :: self
+      real(wp), intent(in) :: here
+      real(wp) :: c, s
+
+      associate (v => self%between%v)
+         if (.not. self%sliding_input) then
+            call unit_vector(here, c, s)
+            v(1, self%root_x(root_crank)) = self%crank_x*c - self%crank_y*s
+            v(1, self%root_y(root_crank)) = self%crank_y*c + self%crank_x*s
+         else if (self%input_slot > 0) then
+            v(1, self%slide(self%input_slot)) = (self%reference_length + here)*self%scale
+         end if
+      end associate
+   end subroutine put_input
+
+   pure subroutine group_between(higher, between, trusting, sound, worst)
+      type(higher_t), intent(inout) :: higher
+      type(rows_t), intent(inout) :: between
+      logical, intent(in) :: trusting
+      logical, intent(out) :: sound
+      real(wp), intent(inout) :: worst
+      type(correction_t) :: found
+
+      call put_state(higher, higher%now, between, 1)
+      call correct(higher, between, 1, found)
+      if (trusting) then
+         sound = is_trusted(found, higher%sense)
+      else
+         sound = found%converged .and. abs(found%determinant) > dead_measure
+         higher%sense = sign(1.0_wp, found%determinant)
+      end if
+      if (found%first > 0.0_wp) worst = max(worst, found%second/found%first)
+   end subroutine group_between
+
+   pure subroutine dyad_between(self, step, sound)
+      class(linkage_t), intent(inout) :: self
+      type(bound_step_t), intent(in) :: step
+      logical, intent(out) :: sound
+      real(wp) :: measure
+
+      call solve_dyad(1, step%dyad, self%between)
+      measure = self%between%v(1, step%dyad%measure)
+      if (self%two_slides(step%loop)) measure = abs(measure)
+      sound = measure >= step%dyad%closes_low .and. measure <= step%dyad%closes_high
+   end subroutine dyad_between
+end submodule psalm_linkage_walk
