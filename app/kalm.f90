@@ -6,8 +6,8 @@ program kalm
    use psalm_case_table, only: report_case_table
    use psalm_chain_force_study, only: find_chain_forces
    use psalm_chain_proof_study, only: chain_proof_t, study_chain_proof
-   use psalm_chain_report, only: report_chain, report_chain_proof, report_chain_table, &
-                                 report_still_drives, report_unreached
+   use psalm_chain_report, only: report_chain, report_chain_proof, report_sketch_table, &
+                                 report_still_drives
    use psalm_chain_study, only: chain_study_t, study_chain
    use psalm_data_set, only: data_set_t
    use psalm_devices, only: devices_t, header_of
@@ -21,12 +21,14 @@ program kalm
    use psalm_proof_study, only: proof_study_t, study_proof, proof_wanted, no_proof
    use psalm_rate_study, only: rate_study_t, find_rates
    use psalm_report, only: most_summarised, report_proof, report_rates, report_summary
+   use psalm_sketch_study, only: sketch_study_t, study_sketch
    use psalm_source, only: line_t
    use psalm_status, only: diagnostics_t
    use psalm_summary, only: summary_t, summarise
    use psalm_system, only: finish_program
    implicit none (type, external)
    character(*), parameter :: nl = new_line('a')
+   integer, parameter :: accelerations = 2     ! orders of rates in the table
    type(demand_t), parameter :: demand = demand_t(position=1000, arc=400)
    ! saved: procedures that are handed on then need no code on the stack
    type(outputs_t), save :: outputs
@@ -81,12 +83,12 @@ contains
       type(machine_study_t), allocatable :: machine
       type(proof_study_t), allocatable :: proof
       type(summary_t) :: summary
-      logical, allocatable :: reached(:)          ! positions of a sketch that are reached from the drawing
+      type(sketch_study_t) :: sketch
 
       associate (unused => stopped, also_unused => number)
       end associate
       if (allocated(set%no_loops)) then
-         call run_sketch(set, devices, reached)
+         call run_sketch(set, devices)
          return
       end if
       allocate (problem, rates)
@@ -102,14 +104,14 @@ contains
          end if
       end if
       if (set%sketch%given) then
-         call run_sketch(set, devices, reached)
+         call study_sketch(set, problem, prepared%given, rates%motion%closed, set%rates%speed, set%rates%accel, sketch)
+         call report_sketch_table(set, sketch, accelerations, devices)
       else if (arguments%json) then
          call report_case_table(set, problem, rates%motion, devices, rates)
       end if
       if (allocated(forces) .and. (set%sketch%given .or. arguments%json)) &
          call add_force_columns(forces, devices%tables(size(devices%tables)))
       call report_rates(set, problem, rates, devices, forces, machine)
-      if (allocated(reached)) call report_unreached(set, reached, rates%motion%closed, devices)
       if (proof_wanted(set, .false.) /= no_proof) then
          allocate (proof)
          call study_proof(set, problem, prepared%given, proof_wanted(set, .false.), proof)
@@ -117,29 +119,21 @@ contains
       end if
       if (arguments%quiet .or. devices%summarised == most_summarised) return
       call summarise(problem, prepared%given, rates%motion, summary)
-      if (allocated(reached)) then
-         call report_summary(set, summary, devices, reached)
-      else
-         call report_summary(set, summary, devices)
-      end if
+      call report_summary(set, summary, rates%motion, devices)
    end subroutine run_case
 
-   !> All outputs and joints of a sketch with their rates; one without loops has nothing else.
-   subroutine run_sketch(set, devices, reached)
+   !> All outputs and joints of a sketch without loops, with their rates.
+   subroutine run_sketch(set, devices)
       type(data_set_t), intent(in) :: set
       type(devices_t), intent(inout) :: devices
-      logical, allocatable, intent(out) :: reached(:) !! shape (positions): the table has values
       type(chain_study_t), allocatable :: study
       type(chain_proof_t), allocatable :: proof
       type(force_study_t), allocatable :: forces     ! an absent argument unless the case asks for them
-      integer, parameter :: accelerations = 2
 
       allocate (study)
       call study_chain(set, set%rates%speed, set%rates%accel, study)
-      call report_chain_table(set, study, accelerations, devices)
-      reached = study%motion%closed
+      call report_sketch_table(set, study, accelerations, devices)
       call report_still_drives(set, devices)
-      if (.not. allocated(set%no_loops)) return
       if (forces_wanted(set)) then
          allocate (forces)
          call find_chain_forces(set, study, forces)

@@ -7,8 +7,7 @@ program psalm
    use psalm_analysis, only: analysis_t, wanted_t, analyse, wanted_by
    use psalm_case_table, only: report_case_table
    use psalm_chain_proof_study, only: chain_proof_t, study_chain_proof
-   use psalm_chain_report, only: report_chain, report_chain_proof, report_chain_table, &
-                                 report_unreached
+   use psalm_chain_report, only: report_chain, report_chain_proof, report_sketch_table
    use psalm_chain_search_list, only: report_chain_search
    use psalm_chain_synthesis, only: chain_synthesis_t, synthesise_chain
    use psalm_chain_study, only: chain_study_t, study_chain
@@ -30,6 +29,7 @@ program psalm
                            report_tolerances, report_violations, report_summary, report_proof
    use psalm_search_log, only: search_log_t, begin_log
    use psalm_signals, only: signals_t, shield_threads
+   use psalm_sketch_study, only: sketch_study_t, study_sketch
    use psalm_sketch_text, only: variant_t, variant_of
    use psalm_source, only: line_t, read_lines
    use psalm_status, only: diagnostics_t
@@ -135,7 +135,7 @@ contains
       type(dimensions_t) :: dimensions
       type(wanted_t) :: wanted
       type(search_log_t) :: log
-      logical, allocatable :: reached(:)  ! positions of a sketch that are reached from the drawing
+      type(sketch_study_t) :: sketch
       integer :: threads
 
       associate (unused => number)
@@ -149,8 +149,8 @@ contains
          stopped = signals%asked()
          return
       end if
-      if (set%sketch%given .and. .not. set%wants_search()) call run_sketch(set, devices, reached=reached)
       if (allocated(set%no_loops)) then
+         if (.not. set%wants_search()) call run_sketch(set, devices, .false.)
          if (set%wants_search()) call run_chain_search(set, devices, monitor)
          if (set%gives('SWEEP')) call run_family(set, prepared%mechanism, prepared%given, devices)
          if (arguments%assemblies) call run_assemblies(set, devices)
@@ -174,8 +174,12 @@ contains
       wanted%summary = .not. arguments%quiet .and. devices%summarised < most_summarised
       call analyse(set, problem, dimensions, wanted, analysis)
       call report_analysis(set, problem, analysis, prepared%warnings, devices)
-      if (arguments%json .and. (set%wants_search() .or. .not. set%sketch%given)) &
+      if (set%sketch%given .and. .not. set%wants_search()) then
+         call study_sketch(set, problem, dimensions, analysis%motion%closed, 1.0_wp, 0.0_wp, sketch)
+         call report_sketch_table(set, sketch, 0, devices)
+      else if (arguments%json) then
          call report_case_table(set, problem, analysis%motion, devices)
+      end if
       if (arguments%links .and. set%sketch%given) then
          by_loops = variant_of(set)
          by_loops%by_loops = .true.
@@ -200,12 +204,7 @@ contains
          call report_proof(set, proof, devices)
       end if
       call report_violations(set, problem, analysis, devices)
-      if (allocated(reached)) then
-         call report_unreached(set, reached, analysis%motion%closed, devices)
-         if (allocated(analysis%summary)) call report_summary(set, analysis%summary, devices, reached)
-      else
-         if (allocated(analysis%summary)) call report_summary(set, analysis%summary, devices)
-      end if
+      if (allocated(analysis%summary)) call report_summary(set, analysis%summary, analysis%motion, devices)
       if (arguments%assemblies) call run_assemblies(set, devices)
       call mark_beyond(devices%published, devices%six)
       if (monitor%active) call write_standard_error(nl)
@@ -246,7 +245,7 @@ contains
          return
       end if
       call report_chain_search(set, search, devices)
-      if (size(search%best) > 0) call run_sketch(search%drawn, devices, searched=.true.)
+      if (size(search%best) > 0) call run_sketch(search%drawn, devices, .true.)
    end subroutine run_chain_search
 
    !> Every way in which the links of a sketch can be put together.
@@ -264,23 +263,20 @@ contains
       if (study%sound) call report_assemblies(set, study, devices)
    end subroutine run_assemblies
 
-   !> All outputs and joints of a sketch; one without loops has nothing else.
-   subroutine run_sketch(set, devices, searched, reached)
+   !> All outputs and joints of a sketch without loops.
+   subroutine run_sketch(set, devices, searched)
       type(data_set_t), intent(in) :: set
       type(devices_t), intent(inout) :: devices
-      logical, intent(in), optional :: searched      !! it is the result of a search
-      logical, allocatable, intent(out), optional :: reached(:) !! shape (positions): the table has values
+      logical, intent(in) :: searched                !! it is the result of a search
       type(chain_study_t), allocatable :: study
       type(chain_proof_t), allocatable :: proof
       integer :: range
 
       allocate (study)
       call study_chain(set, 1.0_wp, 0.0_wp, study)
-      call report_chain_table(set, study, 0, devices)
-      if (present(reached)) reached = study%motion%closed
-      if (.not. allocated(set%no_loops)) return
+      call report_sketch_table(set, study, 0, devices)
       call report_chain('PSALM', set, study, 0, devices)
-      range = proof_wanted(set, present(searched))
+      range = proof_wanted(set, searched)
       if (range == no_proof .or. .not. study%sound) return
       allocate (proof)
       call study_chain_proof(set, study, range, proof)

@@ -23,6 +23,7 @@ module psalm
    use psalm_search_group, only: most_search_threads
    use psalm_rate_list, only: list_rates
    use psalm_chain_force_study, only: find_chain_forces
+   use psalm_chain_report, only: unreached_words
    use psalm_chain_study, only: chain_study_t, study_chain
    use psalm_force_list, only: list_forces
    use psalm_force_study, only: force_study_t, study_forces => find_forces
@@ -945,6 +946,8 @@ contains
       do i = 1, size(motion%violations)
          call findings%warning(lower_case(describe_violation(problem, motion, motion%violations(i))))
       end do
+      if (.not. allocated(motion%beyond)) return
+      if (any(motion%beyond)) call findings%warning(unreached_words(motion%beyond))
    end subroutine warn
 
    pure integer function threads_of(threads)

@@ -13,7 +13,7 @@ module psalm_data_set
    use psalm_kinds, only: wp, right_angle
    use psalm_limits_group, only: limits_group_t, read_limits_group
    use psalm_json_case, only: is_json, read_json_cases
-   use psalm_link_place, only: place_t
+   use psalm_link_place, only: place_t, travel_t
    use psalm_links_group, only: links_group_t, read_links_group
    use psalm_load_group, only: load_group_t, read_load_group
    use psalm_mark, only: mark_t
@@ -67,6 +67,8 @@ module psalm_data_set
       integer, allocatable :: link_of_arc(:, :)  !! shape (maxarc, nloop): the link of the sketch
       type(place_t), allocatable :: link_places(:) !! by link of the sketch: its first joint, the line to its second one
       type(place_t), allocatable :: shoes(:)     !! by slide of the sketch: its point SLX, SLY on its second link
+      type(place_t), allocatable :: joint_places(:) !! by joint of the sketch: where its loops have it; without an arc on the frame
+      type(travel_t), allocatable :: travels(:)  !! by slide of the sketch
       integer, allocatable :: line_senses(:)     !! by slide: +1: its arc has the direction of its line, -1: the opposite one
       integer, allocatable :: pin_holders(:)     !! by joint of the sketch: the link that places it, whose force on others is listed
       integer, allocatable :: slide_of_arc(:, :) !! shape (maxarc, nloop): the slide of the sketch that it runs along, 0: none

@@ -9,7 +9,7 @@ module psalm_link_place
    use psalm_text, only: to_text
    implicit none (type, external)
    private
-   public :: place_t, read_places, refuse_unless
+   public :: place_t, travel_t, read_places, refuse_unless
 
    integer, parameter :: most_exponent = (range(1.0_wp) - modulo(range(1.0_wp), 3))/3 - 2 !! 100 in double precision
    real(wp), parameter :: farthest = 10.0_wp**most_exponent !! of a place: its square, and that times a mass, must be numbers
@@ -28,6 +28,13 @@ module psalm_link_place
       real(wp) :: turn = 0.0_wp            !! from the arc to that line, degrees
       real(wp) :: written(2) = 0.0_wp      !! distance and angle as they were written, from that joint
    end type place_t
+
+   !> How far the second link of a slide has moved against the first: sense times the length of an arc, plus the zero.
+   type :: travel_t
+      integer :: arc = 0, loop = 0
+      real(wp) :: sense = 1.0_wp
+      real(wp) :: zero = 0.0_wp
+   end type travel_t
 
 contains
 

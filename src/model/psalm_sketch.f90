@@ -4,6 +4,8 @@
 !> any number of links; one that belongs to one link only is a point of it. Source: Oldham (1977), 4.2 and 15.1.
 module psalm_sketch
    use psalm_kinds, only: wp
+   use psalm_output_kind, only: output_kind_t, kind_of_output, output_point, output_angle, output_distance, output_slide, &
+                                output_between, output_pose, output_ratio, output_x, output_y
    implicit none (type, external)
    private
    public :: sketch_t, link_t, slide_t, drive_t, sketch_output_t, variation_t
@@ -19,16 +21,6 @@ module psalm_sketch
    integer, parameter :: drive_turns = 1     !! turns a link against another at a joint of both
    integer, parameter :: drive_slides = 2    !! moves a link along a slide on another
    integer, parameter :: drive_stretches = 3 !! changes the length of a link of two joints: a cylinder
-
-   integer, parameter :: output_point = 1    !! place of a joint: x and y
-   integer, parameter :: output_angle = 2    !! direction of the line between two joints
-   integer, parameter :: output_distance = 3 !! distance of two joints; of one joint from the machine origin
-   integer, parameter :: output_slide = 4    !! travel along a slide
-   integer, parameter :: output_between = 5  !! angle from one line to another
-   integer, parameter :: output_pose = 6     !! place of a joint and direction of a line
-   integer, parameter :: output_ratio = 7    !! ratio of the rates of two other outputs
-   integer, parameter :: output_x = 8        !! x of a joint
-   integer, parameter :: output_y = 9        !! y of a joint
 
    integer, parameter :: vary_length = 1     !! the distance of two joints of a link
    integer, parameter :: vary_angle = 2      !! the angle from one line of a link to another
@@ -145,10 +137,10 @@ contains
    !> How many numbers an output has.
    pure integer function columns_of(output)
       type(sketch_output_t), intent(in) :: output
+      type(output_kind_t) :: kind
 
-      columns_of = 1
-      if (output%kind == output_point) columns_of = 2
-      if (output%kind == output_pose) columns_of = 3
+      kind = kind_of_output(output%kind)
+      columns_of = kind%components
    end function columns_of
 
    !> True if anything is prescribed of any output.

@@ -39,6 +39,8 @@ module psalm_error
    !> What the linkage does at a row of input positions.
    type :: motion_t
       logical, allocatable :: closed(:)            !! every loop the output depends on closes
+      logical, allocatable :: beyond(:)            !! of a sketch: the links can be put together, but the linkage does not come
+                                                   !! there from the drawing without passing a dead point: not `closed`
       real(wp), allocatable :: input(:)            !! degrees in a turn, or length
       real(wp), allocatable :: actual(:, :)        !! shape (positions, components): x and y, or angle, distance, length
       real(wp), allocatable :: error(:, :)         !! desired - actual; 0 without desired values
@@ -61,6 +63,7 @@ module psalm_error
       type(linkage_t), allocatable :: linkages(:)      !! one more linkage for each further thread
       integer :: motion = motion_point
       logical :: every_loop = .false.              !! of a sketch: no loop is left out
+      logical :: followed = .false.                !! of a sketch that is not searched: what it does not come to is not closed
       real(wp) :: tangle = 90.0_wp, toggle = 0.0_wp
       real(wp) :: spare = 0.0_wp                !! TOGGLE where it was given: then it is a criterion
       logical :: trmin_given = .false.             !! the limit was given as the least transmission angle
@@ -98,6 +101,16 @@ module psalm_error
       procedure :: output_of
    end type problem_t
 
+   interface
+      !> Positions that are not reached from the drawing: no longer `closed`, but `beyond`.
+      module subroutine leave_out_unreached(self, dimensions, motion)
+         implicit none (type, external)
+         class(problem_t), intent(in) :: self
+         type(dimensions_t), intent(in) :: dimensions
+         type(motion_t), intent(inout) :: motion
+      end subroutine leave_out_unreached
+   end interface
+
 contains
 
    !> Set a problem up from a data set and its mechanism.
@@ -115,6 +128,7 @@ contains
       if (set%limits%toggle_given) problem%spare = set%limits%toggle
       ! of a sketch every link is meant, whatever the output
       problem%every_loop = set%sketch%given
+      problem%followed = set%sketch%given .and. .not. set%wants_search()
       call fill_problem(mechanism, dimensions, parameters, inputs_of(set), set%limits%ktheta /= 0, problem)
       problem%toggle = set%limits%toggle
       if (set%method%ikin /= 0 .or. .not. set%method%desired) return
@@ -540,6 +554,7 @@ contains
          end do
       end do
       motion%violations = motion%violations(:noted)
+      if (self%followed) call leave_out_unreached(self, dimensions, motion)
    end subroutine analyse
 
    !> Enter a violation, or let the one of the position before go on.

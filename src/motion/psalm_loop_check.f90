@@ -5,12 +5,14 @@
 module psalm_loop_check
    use psalm_data_set, only: data_set_t
    use psalm_dimensions, only: dimensions_t
-   use psalm_elementary, only: hypotenuse
    use psalm_error, only: problem_t, new_problem
    use psalm_kinds, only: wp
-   use psalm_mechanism, only: mechanism_t, at_finish
+   use psalm_mechanism, only: mechanism_t
    use psalm_parameters, only: parameters_t
+   use psalm_rates, only: rates_t, prepare_rates, differentiate, highest_order
    use psalm_setup, only: set_up
+   use psalm_sketch, only: frame_link
+   use psalm_sketch_motion, only: sketch_motion_t, locate_sketch, observe_sketch
    use psalm_status, only: diagnostics_t, level_error
    implicit none (type, external)
    private
@@ -20,7 +22,7 @@ module psalm_loop_check
 
 contains
 
-   !> Solve the loops of a sketch at the drawing and compare all joints.
+   !> Solve the loops of a sketch at the drawing and compare all joints and slides.
    subroutine check_loops(set, why)
       type(data_set_t), intent(in) :: set                !! a sketch with its loops
       character(:), allocatable, intent(out) :: why      !! what it has that loops cannot describe; empty: the loops are right
@@ -29,9 +31,12 @@ contains
       type(parameters_t) :: parameters
       type(diagnostics_t) :: findings
       class(problem_t), allocatable :: problem
-      integer, allocatable :: joints(:, :)               !! shape (2, ends): loop and arc
-      integer :: loop, a, k, offset, n, joint
+      type(rates_t), allocatable :: rates
+      type(sketch_motion_t) :: sketch
+      complex(wp), allocatable :: joint(:, :, :)
+      real(wp), allocatable :: moved(:, :, :)
       real(wp) :: extent
+      integer :: k, offset, n
 
       why = ''
       call set_up(set, mechanism, dimensions, parameters, findings)
@@ -41,28 +46,23 @@ contains
          if (findings%list(k)%group == 'LINKS') why = 'links for which there are no loops'
          return
       end do
-      allocate (problem)
-      dimensions%crnki = set%crnki_of_drawing
+      if (any(set%joint_places%arc == 0 .and. set%joint_places%link /= frame_link) .or. any(set%travels%arc == 0)) then
+         why = 'links for which there are no loops'
+         return
+      end if
+      allocate (problem, rates)
+      dimensions%crnki = dimensions%drawn
       call new_problem(mechanism, dimensions, parameters, [0.0_wp], .true., problem)
-      allocate (joints(2, 0))
-      do loop = 1, mechanism%nloop
-         do a = 1, mechanism%loops(loop)%arcs - 1
-            if (len_trim(set%end_names(at_finish, a, loop)) > 0) joints = reshape([joints, loop, a], [2, size(joints, 2) + 1])
-         end do
-      end do
-      call problem%want_derivatives(.true., joints)
+      call locate_sketch(set, mechanism, sketch)
+      call problem%want_derivatives(.true., sketch%points)
       call problem%bind(dimensions)
       call problem%solve_block(1, offset, n)
+      call prepare_rates(problem, rates)
+      call differentiate(problem, rates, n, highest_order)
+      allocate (joint(size(sketch%drawn), 0:highest_order, n), moved(size(sketch%arcs), 0:highest_order, n))
+      call observe_sketch(sketch, problem, rates, n, 1.0_wp, 0.0_wp, joint, moved)
       extent = max(maxval(set%sketch%x) - minval(set%sketch%x), maxval(set%sketch%y) - minval(set%sketch%y))
-      do k = 1, size(joints, 2)
-         joint = set%sketch%joint_called(trim(set%end_names(at_finish, joints(2, k), joints(1, k))))
-         associate (link => problem%linkage, point => problem%plan%joint_points(k))
-            if (hypotenuse(link%store%v(1, link%point_x(point))/link%scale + problem%output%origin_x - set%sketch%x(joint), &
-                      link%store%v(1, link%point_y(point))/link%scale + problem%output%origin_y - set%sketch%y(joint)) &
-                <= one_place*extent) cycle
-         end associate
-         why = 'links whose loops do not give the drawing'
-         return
-      end do
+      if (all(abs(joint(:, 0, 1) - sketch%drawn) <= one_place*extent) .and. all(abs(moved(:, 0, 1)) <= one_place*extent)) return
+      why = 'links whose loops do not give the drawing'
    end subroutine check_loops
 end module psalm_loop_check

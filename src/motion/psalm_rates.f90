@@ -17,7 +17,7 @@ module psalm_rates
    implicit none (type, external)
    private
    public :: rates_t, prepare_rates, differentiate, form_frames, output_rates, is_dead, highest_order
-   public :: derivatives_of
+   public :: derivatives_of, in_time
 
    integer, parameter :: highest_order = 3
 
@@ -163,6 +163,17 @@ contains
          end if
       end associate
    end subroutine point_rates
+
+   !> Derivatives by time from derivatives by the input that moves at a speed and an acceleration.
+   pure function in_time(d, speed, accel) result(t)
+      real(wp), intent(in) :: d(highest_order)    !! by the input
+      real(wp), intent(in) :: speed, accel      !! of the input
+      real(wp) :: t(highest_order)                !! by time
+
+      t(1) = d(1)*speed
+      t(2) = d(2)*speed**2 + d(1)*accel
+      t(3) = d(3)*speed**3 + 3.0_wp*d(2)*speed*accel
+   end function in_time
 
    !> Derivatives, orders 1 to 3, of a row of the store at position `i` of the block.
    pure function derivatives_of(rates, row, i) result(d)

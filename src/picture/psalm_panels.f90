@@ -3,17 +3,18 @@
 !> Page and gnuplot script show the same panels. A panel has one scale and a few lines; where a value is not known - the linkage
 !> does not close, or is at a dead point - there is a gap.
 module psalm_panels
-   use psalm_chain_study, only: chain_study_t, inputs_at, study_chain
    use psalm_data_set, only: data_set_t
-   use psalm_error, only: problem_t
+   use psalm_error, only: problem_t, motion_t, make_problem
    use psalm_family_study, only: family_t, find_family
    use psalm_kinds, only: wp, full_turn
    use psalm_markup, only: sentence_case, short_number
    use psalm_mechanism, only: mechanism_t
    use psalm_dimensions, only: dimensions_t
    use psalm_output_kind, only: output_kind_t, motion_angle, motion_distance, motion_point, motion_pose
+   use psalm_parameters, only: no_parameters
    use psalm_rate_study, only: rate_study_t, find_rates
    use psalm_sketch, only: columns_of, drive_turns, output_angle, output_between, output_ratio
+   use psalm_sketch_study, only: sketch_study_t, study_sketch
    use psalm_tolerance, only: deviating_t, tolerance_t, find_tolerances
    implicit none (type, external)
    private
@@ -103,22 +104,29 @@ contains
    end subroutine add_rate_panels
 
    !> All outputs of a sketch of dyads but the first, which the scene has, and rates of all, over the sweep.
-   subroutine add_sketch_panels(set, delt, size_of, panels)
+   subroutine add_sketch_panels(set, mechanism, dimensions, delt, size_of, panels)
       type(data_set_t), intent(in) :: set
+      type(mechanism_t), intent(in) :: mechanism
+      type(dimensions_t), intent(in) :: dimensions
       real(wp), intent(in) :: delt(:)              !! increments of the sweep
       real(wp), intent(in) :: size_of              !! of the linkage
       type(panel_t), allocatable, intent(inout) :: panels(:)
-      type(chain_study_t), allocatable :: study
+      class(problem_t), allocatable :: problem     ! large: it would fill a small stack
+      type(sketch_study_t) :: study
+      type(motion_t) :: motion
 
-      allocate (study)
-      call study_chain(set, set%rates%speed, set%rates%accel, study, inputs_at(set, delt))
-      if (study%sound) call add_study_panels(set, study, 2, size_of, panels)
+      allocate (problem)
+      call make_problem(set, mechanism, dimensions, no_parameters(mechanism), problem)
+      call problem%set_inputs(delt)
+      call problem%analyse(dimensions, motion)
+      call study_sketch(set, problem, dimensions, motion%closed, set%rates%speed, set%rates%accel, study)
+      call add_study_panels(set, study, 2, size_of, panels)
    end subroutine add_sketch_panels
 
    !> Outputs of a sketch from number `first` on, then velocities and accelerations of all.
    subroutine add_study_panels(set, study, first, size_of, panels)
       type(data_set_t), intent(in) :: set
-      type(chain_study_t), intent(in) :: study     !! over the sweep
+      class(sketch_study_t), intent(in) :: study   !! over the sweep
       integer, intent(in) :: first                 !! output whose values are not shown yet
       real(wp), intent(in) :: size_of
       type(panel_t), allocatable, intent(inout) :: panels(:)
@@ -129,8 +137,8 @@ contains
 
       sliding = set%sketch%drives(1)%kind /= drive_turns
       do order = 0, 2
-         known = study%motion%closed
-         if (order > 0) known = known .and. .not. study%motion%dead
+         known = study%closed
+         if (order > 0) known = known .and. .not. study%dead
          column = 0
          do k = 1, min(most_outputs, size(set%sketch%outputs))
             associate (output => set%sketch%outputs(k))

@@ -2,7 +2,6 @@
 module psalm_picture_study
    use psalm_chain_report, only: unreached_words
    use psalm_chain_scene, only: make_chain_scene
-   use psalm_chain_study, only: chain_study_t, study_chain
    use psalm_clearance_scene, only: clearance_scene_t, make_clearance_scene
    use psalm_data_set, only: data_set_t
    use psalm_devices, only: most_told
@@ -94,7 +93,10 @@ contains
             if (cases(k)%scene%sound) call add_curves(each, prepared%mechanism, prepared%given, prepared%parameters, cases(k)%scene)
             if (each%gives('VIBR') .and. cases(k)%scene%sound) call add_vibration(each, prepared, cases(k)%scene)
             if (each%gives('CLEAR') .and. cases(k)%scene%sound) call add_clearance(each, prepared, cases(k)%scene)
-            if (each%sketch%given .and. cases(k)%scene%sound) call add_unreached(each, cases(k)%scene)
+            if (allocated(cases(k)%scene%prescribed%beyond)) then
+               if (any(cases(k)%scene%prescribed%beyond)) &
+                  call add_string(cases(k)%scene%breaches, unreached_words(cases(k)%scene%prescribed%beyond))
+            end if
             if (each%method%ndes < sets(k)%method%ndes) call look_at_all_positions(sets(k), prepared, cases(k)%undrawn)
          else
             call message_scene(each, own, cases(k)%scene)
@@ -125,20 +127,6 @@ contains
          if (findings%count > 0) list = findings%list(:findings%count)
       end function finding_list
    end subroutine make_scenes
-
-   !> A sketch of dyads is drawn by its loops: positions at which they close but which are not reached from the drawing.
-   subroutine add_unreached(set, scene)
-      type(data_set_t), intent(in) :: set
-      type(scene_t), intent(inout) :: scene
-      type(chain_study_t), allocatable :: study
-
-      allocate (study)
-      call study_chain(set, 1.0_wp, 0.0_wp, study)
-      if (.not. study%sound) return
-      if (size(scene%prescribed%closed) /= size(study%motion%closed)) return
-      if (any(scene%prescribed%closed .and. .not. study%motion%closed)) &
-         call add_string(scene%breaches, unreached_words(study%motion%closed, scene%prescribed%closed))
-   end subroutine add_unreached
 
    !> The curves of four poses; whatever else &EXACT asks for is linkages, which psalm finds.
    subroutine add_poles(set, noted, case)

@@ -216,7 +216,7 @@ contains
       if (set%sketch%given) then
          if (size(set%sketch%outputs) > 0) scene%output_label = trim(set%sketch%outputs(1)%name)
          if (allocated(set%stand_in)) scene%output_label = 'joint '//set%stand_in
-         call add_sketch_panels(set, scene%sweep%delt, size_of, scene%panels)
+         call add_sketch_panels(set, mechanism, dimensions, scene%sweep%delt, size_of, scene%panels)
       else
          allocate (own)
          call make_problem(set, mechanism, dimensions, parameters, own)

@@ -22,6 +22,7 @@ module psalm_trace
       integer :: n = 0
       real(wp), allocatable :: input(:), delt(:)          !! degrees within a turn or length; increments
       logical, allocatable :: closed(:)                   !! every loop the output depends on closes
+      logical, allocatable :: beyond(:)                   !! of a sketch: it closes, but is not reached from the drawing
       real(wp), allocatable :: actual(:), actual_y(:)     !! as on device 9
       real(wp), allocatable :: error(:), error_y(:)
       real(wp), allocatable :: wanted(:), wanted_y(:)     !! size 0 without desired values
@@ -62,6 +63,7 @@ contains
       row%delt = own%delt
       row%input = motion%input
       row%closed = motion%closed
+      if (allocated(motion%beyond)) row%beyond = motion%beyond
       associate (y => size(motion%actual, 2))
          row%actual = motion%actual(:, 1)
          row%error = motion%error(:, 1)

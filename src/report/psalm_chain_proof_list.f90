@@ -2,10 +2,11 @@
 module psalm_chain_proof_list
    use psalm_block, only: begin_block
    use psalm_chain_proof_study, only: chain_proof_t, place_on
-   use psalm_chain_study, only: chain_study_t, name_room
+   use psalm_chain_study, only: chain_study_t
    use psalm_kinds, only: wp
    use psalm_proof_list, only: list_range, head_of_ranges, end_text, short
    use psalm_sketch, only: sketch_t, drive_turns
+   use psalm_sketch_outputs, only: name_room
    use psalm_text, only: text_t, full_precision, number_or_nan, to_text, upper_case
    implicit none (type, external)
    private

@@ -3,39 +3,34 @@ module psalm_chain_report
    use psalm_chain_list, only: list_chain, list_groups, write_chain_table, write_drive_block, fill_chain_table
    use psalm_chain_proof_list, only: list_chain_proof, write_chain_proof, links_of_group
    use psalm_chain_proof_study, only: chain_proof_t
-   use psalm_chain_study, only: chain_study_t, name_room
-   use psalm_closure, only: most_orders
+   use psalm_chain_study, only: chain_study_t
    use psalm_data_set, only: data_set_t
    use psalm_devices, only: devices_t, header_of, most_told
    use psalm_force_report, only: report_forces
    use psalm_force_study, only: force_study_t
    use psalm_kinds, only: wp
+   use psalm_sketch_outputs, only: name_room
+   use psalm_sketch_study, only: sketch_study_t
    use psalm_sketch_text, only: write_sketch
    use psalm_text, only: general, lower_case, to_text
    implicit none (type, external)
    private
-   public :: report_chain, report_chain_table, report_chain_proof, report_unreached, report_still_drives, &
+   public :: report_chain, report_sketch_table, report_chain_proof, report_unreached, report_still_drives, &
              unreached_words
 
 contains
 
    !> The table for other programs; `orders` is 2 with rates, else 0.
-   subroutine report_chain_table(set, study, orders, devices)
+   subroutine report_sketch_table(set, study, orders, devices)
       type(data_set_t), intent(in) :: set
-      type(chain_study_t), intent(in) :: study
+      class(sketch_study_t), intent(in) :: study
       integer, intent(in) :: orders
       type(devices_t), intent(inout) :: devices
-      complex(wp), allocatable :: joints(:, :, :)
-      integer :: k
 
-      allocate (joints(size(set%sketch%joint_name), 0:most_orders, size(study%motion%closed)))
-      do k = 1, size(joints, 3)
-         joints(:, :, k) = study%motion%states(k)%joint
-      end do
       call devices%new_table(set%title)
-      call fill_chain_table(set%sketch, study%inputs, study%motion%closed, study%motion%dead, study%names, study%values, joints, &
-                            orders, devices%tables(size(devices%tables)))
-   end subroutine report_chain_table
+      call fill_chain_table(set%sketch, study%inputs, study%closed, study%dead, study%names, study%values, study%joints, orders, &
+                            devices%tables(size(devices%tables)))
+   end subroutine report_sketch_table
 
    !> A sketch that has no loops of dyads: listing, groups, data set, table, remarks, summary.
    subroutine report_chain(program, set, study, orders, devices, forces)
@@ -90,25 +85,24 @@ contains
       end do
    end subroutine report_chain
 
-   !> Positions at which the loops close but which the linkage does not come to from the drawing: the table (CSV) has no values.
-   subroutine report_unreached(set, reached, closed, devices)
+   !> Positions at which the loops close but which the linkage does not come to from the drawing.
+   subroutine report_unreached(set, beyond, devices)
       type(data_set_t), intent(in) :: set
-      logical, intent(in) :: reached(:)       !! shape (positions), in the poses
-      logical, intent(in) :: closed(:)        !! shape (positions), of the loops
+      logical, intent(in) :: beyond(:)        !! shape (positions)
       type(devices_t), intent(inout) :: devices
 
-      if (all(reached)) return
+      if (.not. any(beyond)) return
       call devices%note_violation()
-      if (any(closed .and. .not. reached)) call devices%remark(set, unreached_words(reached, closed))
+      call devices%remark(set, unreached_words(beyond))
    end subroutine report_unreached
 
    !> Which positions close but are not reached, in words.
-   pure function unreached_words(reached, closed) result(words)
-      logical, intent(in) :: reached(:), closed(:)   !! shape (positions)
+   pure function unreached_words(beyond) result(words)
+      logical, intent(in) :: beyond(:)        !! shape (positions)
       character(:), allocatable :: words
 
-      words = 'at '//to_text(count(closed .and. .not. reached))//' of '//to_text(size(closed))//' positions, first position '// &
-              to_text(findloc(closed .and. .not. reached, .true., dim=1))//', the links can be put together, but the linkage '// &
+      words = 'at '//to_text(count(beyond))//' of '//to_text(size(beyond))//' positions, first position '// &
+              to_text(findloc(beyond, .true., dim=1))//', the links can be put together, but the linkage '// &
               'does not come there from the drawing without passing a dead point (closed is 0 in the table)'
    end function unreached_words
 

@@ -1,12 +1,12 @@
 !> What the search over a sketch in poses has to report: how it went, the linkages found, their variables by name.
 module psalm_chain_search_list
-   use psalm_chain_outputs, only: column_name
    use psalm_chain_problem, only: unknown_name
    use psalm_chain_synthesis, only: chain_synthesis_t
    use psalm_data_set, only: data_set_t
    use psalm_devices, only: devices_t
    use psalm_kinds, only: wp
    use psalm_sketch, only: columns_of, most_wished
+   use psalm_sketch_outputs, only: names_of_numbers, name_of_output => name_room
    use psalm_text, only: general, to_text, upper_case
    implicit none (type, external)
    private
@@ -65,6 +65,8 @@ contains
       type(chain_synthesis_t), intent(in) :: search
       type(devices_t), intent(inout) :: devices
       character(*), parameter :: orders(0:most_wished) = [character(18) :: 'VALUE', 'FIRST DERIVATIVE', 'SECOND DERIVATIVE']
+      character(name_of_output), allocatable :: names(:)
+      logical, allocatable :: turning(:)
       character(number_room) :: name
       character(9) :: position
       integer :: k, c, n, order, i
@@ -73,11 +75,12 @@ contains
       call devices%six%add(' LINKAGE 1, VALUES AND DERIVATIVES BY THE FIRST DRIVE (DERIVATIVES OF ANGLES IN RADIANS)')
       call devices%six%add('  OUTPUT                                           POSITION        DESIRED         ACTUAL'// &
                            '          ERROR')
+      call names_of_numbers(set%sketch%outputs, names, turning)
       n = 0
       do k = 1, size(set%sketch%outputs)
          do c = 1, columns_of(set%sketch%outputs(k))
             n = n + 1
-            name = upper_case(trim(column_name(set%sketch%outputs(k), c)))
+            name = upper_case(trim(names(n)))
             do order = 0, most_wished
                do i = 1, size(search%actual, 3)
                   if (search%problem%weight(n, order, i) <= 0.0_wp) cycle

@@ -19,7 +19,7 @@ module psalm_finale
    implicit none (type, external)
    private
    public :: list_results, arc_table, in_columns, list_reference, list_output_arc, angle_text, describe_violation, &
-             describe_crossing, mark_beyond
+             describe_crossing, mark_beyond, open_words
 
    character(*), parameter :: beyond_line = ' *** BEYOND THE PUBLISHED LISTING ***'
    integer, parameter :: column = 10   !! width of a dimension
@@ -258,7 +258,7 @@ contains
                end do
             end if
          else
-            line = line//'   DOES NOT CLOSE'
+            line = line//open_words(motion, i)
          end if
          call text%add(line)
       end do
@@ -282,6 +282,17 @@ contains
          is_partial = any(.not. motion%has_rates .and. any(any(problem%rate_weight > 0.0_wp, dim=3), dim=2))
       end function is_partial
    end subroutine list_motion
+
+   !> Why a position has no values.
+   pure function open_words(motion, position) result(words)
+      type(motion_t), intent(in) :: motion
+      integer, intent(in) :: position
+      character(:), allocatable :: words
+
+      words = '   DOES NOT CLOSE'
+      if (.not. allocated(motion%beyond)) return
+      if (motion%beyond(position)) words = '   NOT REACHED'
+   end function open_words
 
    subroutine list_violations(problem, motion, text)
       type(problem_t), intent(in) :: problem
@@ -325,7 +336,7 @@ contains
                   line = line//merge(general(problem%rate_wanted(i, c, order)), blank, wanted(i, c))
                end do
                if (.not. motion%closed(i)) then
-                  line = line//'   DOES NOT CLOSE'
+                  line = line//open_words(motion, i)
                else if (.not. motion%has_rates(i)) then
                   line = line//'   DEAD POINT'
                else

@@ -3,7 +3,7 @@ module psalm_rate_list
    use psalm_data_set, only: data_set_t
    use psalm_elementary, only: hypotenuse
    use psalm_error, only: problem_t
-   use psalm_finale, only: angle_text
+   use psalm_finale, only: angle_text, open_words
    use psalm_force_list, only: force_names_line, force_values_line
    use psalm_force_study, only: force_study_t
    use psalm_input_text, only: list_sketch_notes
@@ -23,6 +23,7 @@ contains
       type(problem_t), intent(in) :: problem
       type(rate_study_t), intent(in) :: rates
       type(text_t), intent(inout) :: text
+      character(:), allocatable :: line
       integer :: k
 
       call text%add()
@@ -31,7 +32,9 @@ contains
          call text%add()
          call text%add(' INPUT'//general(rates%motion%input(k)))
          if (.not. rates%motion%closed(k) .or. rates%dead(k) /= 0) then
-            call text%add(trim(merge(' DOES NOT CLOSE', ' DEAD POINT    ', .not. rates%motion%closed(k))))
+            line = ' DEAD POINT'
+            if (.not. rates%motion%closed(k)) line = open_words(rates%motion, k)
+            call text%add(' '//trim(adjustl(line)))
          else
             call list_position(problem%mechanism, rates%arcs, k, text)
          end if
@@ -111,7 +114,7 @@ contains
       do k = 1, size(rates%motion%input)
          line = merge(general(rates%motion%input(k)), angle_text(rates%motion%input(k)), problem%mechanism%sliding_input)
          if (.not. rates%motion%closed(k)) then
-            line = line//'   DOES NOT CLOSE'
+            line = line//open_words(rates%motion, k)
          else if (rates%dead(k) /= 0) then
             do c = 1, size(rates%motion%actual, 2)
                line = line//general(rates%motion%actual(k, c))

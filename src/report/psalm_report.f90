@@ -2,6 +2,7 @@
 module psalm_report
    use psalm_adjustment_list, only: list_adjustments, write_adjustment_block
    use psalm_analysis, only: analysis_t
+   use psalm_chain_report, only: report_unreached
    use psalm_check_list, only: list_arcs, list_reference_joints, list_setup
    use psalm_data_set, only: data_set_t, title_columns
    use psalm_data_set_text, only: write_vertices, write_data_set
@@ -293,6 +294,7 @@ contains
             if (size(motion%violations) > most_told) call devices%detail(set, 'and '// &
                to_text(size(motion%violations) - most_told)//' more in the listing')
          end if
+         if (allocated(motion%beyond)) call report_unreached(set, motion%beyond, devices)
       end associate
       if (.not. allocated(analysis%doubts)) return
       if (size(analysis%doubts%short) > 0) call devices%remark(set, describe_short_links(set, problem%mechanism, &
@@ -317,10 +319,12 @@ contains
       type(problem_t), intent(in) :: problem
       type(motion_t), intent(in) :: motion
       type(devices_t), intent(inout) :: devices
-      integer :: i
+      integer :: i, open
 
-      if (.not. all(motion%closed)) call devices%remark(set, 'the linkage does not close at '// &
-         to_text(count(.not. motion%closed))//' of '//to_text(size(motion%closed))//' positions')
+      open = count(.not. motion%closed)
+      if (allocated(motion%beyond)) open = open - count(motion%beyond)
+      if (open > 0) call devices%remark(set, 'the linkage does not close at '//to_text(open)//' of '// &
+                                        to_text(size(motion%closed))//' positions')
       if (size(motion%violations) > 0 .and. len(zero_words(set)) > 0) call devices%detail(set, zero_words(set))
       do i = 1, min(size(motion%violations), most_told)
          call devices%detail(set, describe_violation(problem, motion, motion%violations(i)))
@@ -328,19 +332,20 @@ contains
    end subroutine report_open
 
    !> What the linkage does over the range of its input, in words, for the first cases of a file.
-   subroutine report_summary(set, summary, devices, reached)
+   subroutine report_summary(set, summary, motion, devices)
       type(data_set_t), intent(in) :: set
       type(summary_t), intent(in) :: summary
+      type(motion_t), intent(in) :: motion         !! at the prescribed positions
       type(devices_t), intent(inout) :: devices
-      logical, intent(in), optional :: reached(:)  !! positions of a sketch that are reached from the drawing
       character(:), allocatable :: special
 
       devices%summarised = devices%summarised + 1
       special = ''
       if (allocated(set%stand_in)) special = 'joint '//set%stand_in//', for '//trim(set%sketch%outputs(1)%name)// &
                                              ' is in the table (CSV) only'
-      if (present(reached)) then
-         call write_summary(set%title, summary, devices%summary, zero_words(set), special, count(reached), size(reached), &
+      if (allocated(motion%beyond)) then
+         call write_summary(set%title, summary, devices%summary, zero_words(set), special, count(motion%closed), &
+                            size(motion%closed), &
                             coincident_words())
       else
          call write_summary(set%title, summary, devices%summary, zero_words(set), special, coincident=coincident_words())
@@ -433,6 +438,7 @@ contains
       if (rates%is_violating()) call devices%note_violation()
       call report_crossings(set, rates%motion, devices)
       if (.not. all(rates%motion%closed)) call report_open(set, problem, rates%motion, devices)
+      if (allocated(rates%motion%beyond)) call report_unreached(set, rates%motion%beyond, devices)
       told = 0
       do k = 1, size(rates%dead)
          if (rates%dead(k) == 0 .or. .not. rates%motion%closed(k)) cycle

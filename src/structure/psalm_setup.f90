@@ -68,5 +68,6 @@ contains
       dimensions%origlk = set%method%origlk
       dimensions%origng = set%method%origng
       dimensions%crnki = set%method%crnki
+      if (set%sketch%given) dimensions%drawn = set%crnki_of_drawing
    end subroutine take_dimensions
 end module psalm_setup

@@ -11,7 +11,7 @@ module psalm_sketch_case
    use psalm_data_set, only: data_set_t
    use psalm_dense, only: factors_t
    use psalm_kinds, only: wp, degrees_per_radian, full_turn
-   use psalm_link_place, only: place_t
+   use psalm_link_place, only: place_t, travel_t
    use psalm_mechanism, only: at_start, at_finish
    use psalm_output_kind, only: motion_point, motion_angle, motion_distance, motion_slide, motion_pose
    use psalm_sketch, only: sketch_t, sketch_output_t, variation_t, frame_link, output_point, output_angle, output_distance, &
@@ -388,6 +388,13 @@ contains
             call placing%place(place)
          end associate
       end do
+      allocate (set%joint_places(size(set%sketch%joint_name)), set%travels(size(set%sketch%slides)))
+      do k = 1, size(set%joint_places)
+         call put_joint_place(k, set%joint_places(k))
+      end do
+      do k = 1, size(set%travels)
+         call put_travel(k, set%travels(k))
+      end do
       do k = 1, size(set%masses%places)
          call placing%place(set%masses%places(k))
       end do
@@ -412,6 +419,51 @@ contains
       end do
 
    contains
+
+      !> Where the loops have a joint: at an end of an arc, if there is one, else counted from one of a link that has it.
+      subroutine put_joint_place(joint, place)
+         integer, intent(in) :: joint
+         type(place_t), intent(inout) :: place
+         integer, allocatable :: links(:)
+         integer :: l, arc
+         logical :: from_start
+
+         place%joint = joint
+         place%link = frame_link
+         if (set%sketch%has_joint(frame_link, joint)) return
+         links = set%sketch%links_of(joint)
+         place%link = links(1)
+         do l = 1, size(links)
+            call arc_with(loops, links(l), joint, arc, from_start)
+            if (arc == 0) cycle
+            place%link = links(l)
+            exit
+         end do
+         call placing%place(place)
+      end subroutine put_joint_place
+
+      !> The travel of a slide by the length of its arc, which leads from a point of one of its links to one of the other.
+      subroutine put_travel(slide, travelled)
+         integer, intent(in) :: slide
+         type(travel_t), intent(inout) :: travelled
+         complex(wp) :: direction
+         real(wp) :: c, s, line
+         integer :: arc
+
+         arc = findloc(loops%arcs%slide, slide, dim=1)
+         if (arc == 0) return
+         associate (of => closure%sketch%slides(slide), one => loops%arcs(arc))
+            travelled%arc = one%place
+            travelled%loop = one%loop
+            call unit_vector(one%direction, c, s)
+            direction = cmplx(c, s, wp)
+            call unit_vector(of%angle + state%phi(of%links(1), 0)*degrees_per_radian, c, line)
+            if (real(conjg(direction)*cmplx(c, line, wp), wp) < 0.0_wp) travelled%sense = -1.0_wp
+            if (.not. (loops%on(one%ends(2), of%links(2)) .and. loops%on(one%ends(1), of%links(1)))) &
+               travelled%sense = -travelled%sense
+            travelled%zero = -travelled%sense*real(conjg(direction)*(loops%point(one%ends(2)) - loops%point(one%ends(1))), wp)
+         end associate
+      end subroutine put_travel
 
       !> The point of a slide on its second link, as assembled, and the sense of its arc. Of the frame it is counted from the
       !> origin of the drawing, and no arc is chosen.

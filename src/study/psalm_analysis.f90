@@ -122,6 +122,7 @@ contains
       class(analysis_t), intent(in) :: self
 
       is_violating = size(self%motion%violations) > 0
+      if (allocated(self%motion%beyond)) is_violating = is_violating .or. any(self%motion%beyond)
       if (allocated(self%margins)) is_violating = is_violating .or. any(is_violated(self%margins))
    end function is_violating
 

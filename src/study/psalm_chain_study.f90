@@ -1,30 +1,25 @@
 !> One run over a sketch in the poses of its links: any Assur groups, any number of drives, all outputs and joints.
 module psalm_chain_study
    use psalm_chain_motion, only: chain_motion_t, follow, differentiate
-   use psalm_chain_outputs, only: column_name, output_at, unwrap
+   use psalm_chain_outputs, only: output_at
    use psalm_closure, only: closure_t, state_t, most_orders
    use psalm_data_set, only: data_set_t
    use psalm_kinds, only: wp, full_turn, radians_per_degree
-   use psalm_sketch, only: drive_turns, output_angle, output_pose, output_ratio, columns_of
+   use psalm_sketch, only: drive_turns, output_ratio, columns_of
    use psalm_sketch_case, only: assemble_sketch
+   use psalm_sketch_outputs, only: names_of_numbers, unwrap
+   use psalm_sketch_study, only: sketch_study_t
    use psalm_status, only: diagnostics_t
    implicit none (type, external)
    private
-   public :: chain_study_t, study_chain, inputs_at, inputs_of_drives, turn_repeats, name_room
-
-   integer, parameter :: name_room = 48   !! characters of a column's name
+   public :: chain_study_t, study_chain, inputs_at, inputs_of_drives, turn_repeats
 
    !> What the sketch does.
-   type :: chain_study_t
+   type, extends(sketch_study_t) :: chain_study_t
       logical :: sound = .false.
       type(closure_t) :: closure
       type(state_t) :: start                        !! at the drawing
       type(chain_motion_t) :: motion
-      real(wp), allocatable :: inputs(:, :)         !! shape (drives, positions): degrees or length, from the drawing
-      character(name_room), allocatable :: names(:) !! of the numbers of all outputs
-      logical, allocatable :: angles(:)             !! they are angles
-      real(wp), allocatable :: values(:, :, :)      !! shape (numbers, 0:most_orders, positions); angles in degrees, rates radians;
-                                                    !! huge: a ratio to what stands still, and its rates
       real(wp), allocatable :: by_drive(:, :, :)    !! shape (numbers, drives, positions): change with one drive, the others held
    end type chain_study_t
 
@@ -73,20 +68,9 @@ contains
          else
             call follow(study%closure, study%start, angles, rate, study%motion)
          end if
-         numbers = 0
-         do k = 1, size(outputs)
-            numbers = numbers + columns_of(outputs(k))
-         end do
-         allocate (study%names(numbers), study%angles(numbers))
+         call names_of_numbers(outputs, study%names, study%angles)
+         numbers = size(study%names)
          allocate (study%values(numbers, 0:most_orders, positions), source=0.0_wp)
-         n = 0
-         do k = 1, size(outputs)
-            do d = 1, columns_of(outputs(k))
-               n = n + 1
-               study%names(n) = column_name(outputs(k), d)
-               study%angles(n) = outputs(k)%kind == output_angle .or. (outputs(k)%kind == output_pose .and. d == 3)
-            end do
-         end do
          do k = 1, positions
             if (.not. study%motion%closed(k)) cycle
             call output_at(study%closure, study%motion%states(k), outputs, study%values(:, :, k))
@@ -95,6 +79,12 @@ contains
             end do
          end do
          call find_changes(study)
+         study%closed = study%motion%closed
+         study%dead = study%motion%dead
+         allocate (study%joints(size(set%sketch%joint_name), 0:most_orders, positions))
+         do k = 1, positions
+            study%joints(:, :, k) = study%motion%states(k)%joint
+         end do
          do n = 1, numbers
             if (study%angles(n) .and. all(study%motion%closed)) call unwrap(study%values(n, 0, :))
          end do

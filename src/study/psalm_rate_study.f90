@@ -11,7 +11,8 @@ module psalm_rate_study
    use psalm_observable, only: at_origin
    use psalm_output_kind, only: motion_distance
    use psalm_plan, only: step_point
-   use psalm_rates, only: rates_t, prepare_rates, differentiate, output_rates, derivatives_of, is_dead, highest_order
+   use psalm_rates, only: rates_t, prepare_rates, differentiate, output_rates, derivatives_of, in_time, is_dead, &
+                          highest_order
    use psalm_dimensions, only: dimensions_t
    implicit none (type, external)
    private
@@ -96,17 +97,6 @@ contains
 
       is_violating = .not. all(self%motion%closed) .or. any(self%dead /= 0)
    end function is_violating
-
-   !> Derivatives by time from derivatives by the input that moves at a speed and an acceleration.
-   pure function in_time(d, speed, accel) result(t)
-      real(wp), intent(in) :: d(highest_order)  !! by the input
-      real(wp), intent(in) :: speed, accel      !! of the input
-      real(wp) :: t(highest_order)              !! by time
-
-      t(1) = d(1)*speed
-      t(2) = d(2)*speed**2 + d(1)*accel
-      t(3) = d(3)*speed**3 + 3.0_wp*d(2)*speed*accel
-   end function in_time
 
    subroutine make_room(problem, arcs)
       type(problem_t), intent(in) :: problem

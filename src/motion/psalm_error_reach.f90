@@ -1,0 +1,206 @@
+!> Which positions a sketch comes to from its drawing.
+!>
+!> Where the loops close the links can be put together; whether the linkage moves there is another question. From the drawing the
+!> input goes both ways in even steps until a loop opens, two slides become parallel or a dead point is touched between steps; of
+!> a crank, until it meets itself. That is a search, no proof.
+submodule(psalm_error) psalm_error_reach
+   use psalm_kinds, only: full_turn
+   implicit none (type, external)
+
+   integer, parameter :: steps = 720, steps_of_lens = 16
+   integer, parameter :: lenses = 12              !! closer looks
+   real(wp), parameter :: near_dead = 0.05_wp     !! margin below which a dead point is looked for between steps
+   real(wp), parameter :: touched = 1.0e-12_wp    !! margin of a dead point, but for rounding
+   real(wp), parameter :: same_input = 1.0e-9_wp  !! of a turn, or of the range: a position at the end is reached
+
+   !> The way from the drawing in one sense.
+   type :: scout_t
+      class(problem_t), allocatable :: row        !! its steps
+      class(problem_t), allocatable :: lens       !! a few positions between two of them
+      real(wp), allocatable :: span(:)            !! by loop: size of its measure
+   end type scout_t
+
+contains
+
+   module procedure leave_out_unreached
+   type(scout_t) :: scout
+   real(wp) :: start, forwards, backwards, from_start, slack
+   integer :: k
+
+   allocate (motion%beyond(size(motion%closed)), source=.false.)
+   if (.not. any(motion%closed)) return
+   start = dimensions%drawn - dimensions%crnki
+   allocate (scout%row, source=self)
+   if (allocated(scout%row%linkages)) deallocate (scout%row%linkages)
+   allocate (scout%lens, source=scout%row)
+   if (self%mechanism%sliding_input) then
+      slack = same_input*max(abs(maxval(self%delt) - start), abs(minval(self%delt) - start))
+      call follow(scout, dimensions, start, max(maxval(self%delt) - start, 0.0_wp), forwards)
+      call follow(scout, dimensions, start, min(minval(self%delt) - start, 0.0_wp), backwards)
+   else
+      slack = same_input*full_turn
+      call follow(scout, dimensions, start, full_turn, forwards)
+      if (forwards >= full_turn) return
+      call follow(scout, dimensions, start, forwards - full_turn, backwards)
+   end if
+   do k = 1, size(motion%closed)
+      if (.not. motion%closed(k)) cycle
+      from_start = self%delt(k) - start
+      if (self%mechanism%sliding_input) then
+         motion%beyond(k) = from_start > forwards + slack .or. from_start < backwards - slack
+      else
+         from_start = modulo(from_start, full_turn)
+         motion%beyond(k) = from_start > forwards + slack .and. from_start - full_turn < backwards - slack
+      end if
+   end do
+   motion%closed = motion%closed .and. .not. motion%beyond
+   if (.not. self%desired .or. .not. any(motion%beyond)) return
+   motion%total = 0.0_wp
+   do k = 1, size(motion%closed)
+      if (motion%closed(k)) motion%total = motion%total + sum(self%weight(k, :)*motion%error(k, :)**2)
+   end do
+   end procedure leave_out_unreached
+
+   !> How far the linkage comes from the drawing, at most `extent`, which may be negative.
+   subroutine follow(scout, dimensions, start, extent, way)
+      type(scout_t), intent(inout) :: scout
+      type(dimensions_t), intent(in) :: dimensions
+      real(wp), intent(in) :: start, extent
+      real(wp), intent(out) :: way
+      real(wp) :: inputs(0:steps), margin(0:steps, scout%row%mechanism%nloop), sine(0:steps, scout%row%mechanism%nloop), ended
+      integer :: i, l
+      logical :: ends
+
+      way = 0.0_wp
+      if (abs(extent) <= 0.0_wp) return
+      inputs = start + extent*[(real(i, wp)/real(steps, wp), i=0, steps)]
+      call scout%row%set_inputs(inputs)
+      call scout%row%bind(dimensions)
+      call scout%lens%set_inputs(inputs(:steps_of_lens))
+      call scout%lens%bind(dimensions)
+      allocate (scout%span(size(margin, 2)), source=0.0_wp)
+      call find_margins(scout%row, scout%span, margin, sine)
+      way = extent
+      do i = 1, steps
+         do l = 1, size(margin, 2)
+            ends = margin(i, l) < 0.0_wp .or. sine(i - 1, l)*sine(i, l) < 0.0_wp
+            ended = 0.0_wp
+            if (ends) then
+               call find_end(scout, l, inputs(i - 1), inputs(i), sine(i - 1, l), ended)
+            else if (i > 1) then
+               if (margin(i - 1, l) < near_dead .and. margin(i - 1, l) <= margin(i - 2, l) .and. &
+                   margin(i - 1, l) <= margin(i, l)) &
+                  call find_touch(scout, l, inputs(i - 2), inputs(i), sine(i - 1, l), ends, ended)
+            end if
+            if (ends .and. abs(ended - start) < abs(way)) way = ended - start
+         end do
+         if (abs(way) < abs(extent)) exit
+      end do
+      deallocate (scout%span)
+   end subroutine follow
+
+   !> How far every loop is inside the limits of its closure, as a part of its range; of two slides the sine of their angle.
+   subroutine find_margins(problem, span, margin, sine)
+      class(problem_t), intent(inout) :: problem      !! bound
+      real(wp), intent(inout) :: span(:)              !! by loop; 0: to be chosen
+      real(wp), intent(out) :: margin(:, :)           !! shape (positions, loops): negative where it does not close
+      real(wp), intent(out) :: sine(:, :)             !! the same shape; 0 for other loops
+      real(wp) :: measure
+      integer :: block, offset, n, i, l
+
+      margin = huge(1.0_wp)
+      sine = 0.0_wp
+      do block = 1, problem%blocks()
+         call problem%solve_block(block, offset, n)
+         associate (link => problem%linkage)
+            do l = 1, size(margin, 2)
+               if (link%step_of_loop(l) == 0) cycle
+               associate (dyad => link%steps(link%step_of_loop(l))%dyad)
+                  do i = 1, n
+                     measure = link%store%v(i, link%measure(l))
+                     if (link%two_slides(l)) then
+                        sine(offset + i, l) = measure
+                        measure = abs(measure)
+                     end if
+                     margin(offset + i, l) = min(measure - dyad%closes_low, dyad%closes_high - measure)
+                  end do
+                  if (block == 1 .and. span(l) <= 0.0_wp) then
+                     span(l) = dyad%closes_high - dyad%closes_low
+                     if (span(l) >= 0.5_wp*huge(measure)) span(l) = maxval(link%store%v(:n, link%measure(l)))
+                     span(l) = max(span(l), tiny(measure))
+                  end if
+               end associate
+            end do
+         end associate
+      end do
+      do l = 1, size(margin, 2)
+         if (problem%linkage%step_of_loop(l) > 0) margin(:, l) = margin(:, l)/span(l)
+      end do
+   end subroutine find_margins
+
+   !> Look at even steps between two inputs.
+   subroutine look(scout, from, to, margin, sine)
+      type(scout_t), intent(inout) :: scout
+      real(wp), intent(in) :: from, to
+      real(wp), intent(out) :: margin(0:, :), sine(0:, :)
+      integer :: i
+
+      call scout%lens%move_inputs([(from + (to - from)*(real(i, wp)/real(steps_of_lens, wp)), i=0, steps_of_lens)])
+      call find_margins(scout%lens, scout%span, margin, sine)
+   end subroutine look
+
+   !> The end between an input at which a loop closes and one at which it does not, or has its slides the other way round.
+   subroutine find_end(scout, loop, inside, outside, side, end)
+      type(scout_t), intent(inout) :: scout
+      integer, intent(in) :: loop
+      real(wp), intent(in) :: inside, outside
+      real(wp), intent(in) :: side                    !! sine of two slides inside; 0 for other loops
+      real(wp), intent(out) :: end
+      real(wp) :: margin(0:steps_of_lens, size(scout%span)), sine(0:steps_of_lens, size(scout%span)), beyond, step
+      integer :: round, j
+
+      end = inside
+      beyond = outside
+      do round = 1, lenses
+         call look(scout, end, beyond, margin, sine)
+         do j = 1, steps_of_lens - 1
+            if (margin(j, loop) < 0.0_wp .or. sine(j, loop)*side < 0.0_wp) exit
+         end do
+         step = (beyond - end)/real(steps_of_lens, wp)
+         beyond = end + real(j, wp)*step
+         end = end + real(j - 1, wp)*step
+      end do
+   end subroutine find_end
+
+   !> The dead point between two inputs at which a loop closes, if there is one.
+   subroutine find_touch(scout, loop, from, to, side, ends, end)
+      type(scout_t), intent(inout) :: scout
+      integer, intent(in) :: loop
+      real(wp), intent(in) :: from, to
+      real(wp), intent(in) :: side                    !! sine of two slides there; 0 for other loops
+      logical, intent(out) :: ends
+      real(wp), intent(out) :: end
+      real(wp) :: margin(0:steps_of_lens, size(scout%span)), sine(0:steps_of_lens, size(scout%span)), low, high, step
+      integer :: round, j
+
+      low = from
+      high = to
+      ends = .false.
+      end = from
+      do round = 1, lenses
+         call look(scout, low, high, margin, sine)
+         step = (high - low)/real(steps_of_lens, wp)
+         do j = 1, steps_of_lens
+            if (margin(j, loop) >= 0.0_wp .and. sine(j, loop)*side >= 0.0_wp) cycle
+            ends = .true.
+            call find_end(scout, loop, low + real(j - 1, wp)*step, low + real(j, wp)*step, side, end)
+            return
+         end do
+         j = minloc(margin(:, loop), dim=1) - 1
+         end = low + real(j, wp)*step
+         ends = margin(j, loop) <= touched
+         low = end - step
+         high = end + step
+      end do
+   end subroutine find_touch
+end submodule psalm_error_reach

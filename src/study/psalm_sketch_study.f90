@@ -1,0 +1,97 @@
+!> All outputs and joints of a sketch at the positions of a case; of one that has loops they are found by these, block by block.
+module psalm_sketch_study
+   use psalm_closure, only: most_orders
+   use psalm_data_set, only: data_set_t
+   use psalm_dimensions, only: dimensions_t
+   use psalm_error, only: problem_t
+   use psalm_kinds, only: wp
+   use psalm_rates, only: rates_t, prepare_rates, differentiate, is_dead
+   use psalm_sketch_motion, only: sketch_motion_t, locate_sketch, observe_sketch
+   use psalm_sketch_outputs, only: names_of_numbers, values_of_outputs, unwrap, name_room
+   implicit none (type, external)
+   private
+   public :: sketch_study_t, study_sketch
+
+   !> What a sketch does.
+   type :: sketch_study_t
+      real(wp), allocatable :: inputs(:, :)         !! shape (drives, positions): degrees or length, from the drawing
+      logical, allocatable :: closed(:)             !! shape (positions): it is reached from the drawing
+      logical, allocatable :: dead(:)               !! shape (positions): rates are infinite
+      character(name_room), allocatable :: names(:) !! of the numbers of all outputs
+      logical, allocatable :: angles(:)             !! they are angles that may turn on
+      real(wp), allocatable :: values(:, :, :)      !! shape (numbers, 0:most_orders, positions); angles in degrees, rates radians;
+                                                    !! huge: a ratio to what stands still, and its rates
+      complex(wp), allocatable :: joints(:, :, :)   !! shape (joints, 0:most_orders, positions): places and rates by time
+   end type sketch_study_t
+
+contains
+
+   !> Outputs and joints at the positions of a problem, with their rates by time.
+   subroutine study_sketch(set, problem, dimensions, closed, speed, accel, study)
+      type(data_set_t), intent(in) :: set               !! a sketch with its loops
+      type(problem_t), intent(in) :: problem
+      type(dimensions_t), intent(in) :: dimensions
+      logical, intent(in) :: closed(:)                  !! shape (positions): by the analysis of the problem
+      real(wp), intent(in) :: speed, accel              !! of the input: radians or length a second
+      type(sketch_study_t), intent(out) :: study
+      class(problem_t), allocatable :: own              ! large, as the rates are: they would fill a small stack
+      type(rates_t), allocatable :: rates
+      type(sketch_motion_t) :: sketch
+      real(wp), allocatable :: moved(:, :, :)
+      real(wp) :: largest(2)
+      integer :: block, offset, n, i, k, loop
+
+      allocate (own, source=problem)
+      if (allocated(own%linkages)) deallocate (own%linkages)
+      call locate_sketch(set, own%mechanism, sketch)
+      call own%want_derivatives(.true., sketch%points)
+      call own%bind(dimensions)
+      allocate (rates)
+      call prepare_rates(own, rates)
+      study%inputs = reshape(dimensions%crnki - dimensions%drawn + problem%delt, [1, problem%positions])
+      study%closed = closed
+      associate (positions => size(closed), outputs => set%sketch%outputs)
+         call names_of_numbers(outputs, study%names, study%angles)
+         allocate (study%dead(positions), source=.false.)
+         allocate (study%values(size(study%names), 0:most_orders, positions), source=0.0_wp)
+         allocate (study%joints(size(set%sketch%joint_name), 0:most_orders, positions), source=(0.0_wp, 0.0_wp))
+         allocate (moved(size(set%sketch%slides), 0:most_orders, own%linkage%room))
+         do block = 1, own%blocks()
+            call own%solve_block(block, offset, n)
+            call differentiate(own, rates, n, most_orders)
+            associate (joints => study%joints(:, :, offset + 1:offset + n))
+               call observe_sketch(sketch, own, rates, n, speed, accel, joints, moved(:, :, :n))
+               do i = 1, n
+                  k = offset + i
+                  if (.not. closed(k)) cycle
+                  do loop = 1, own%mechanism%nloop
+                     study%dead(k) = study%dead(k) .or. is_dead(own, rates, loop, i)
+                  end do
+                  largest = [fastest_turn(i), max(maxval(abs(study%joints(:, 1, k))), maxval(abs(moved(:, 1, i))))]
+                  call values_of_outputs(outputs, study%joints(:, :, k), moved(:, :, i), largest, study%values(:, :, k))
+                  where (study%values(:, 0, k) >= huge(1.0_wp)) study%values(:, 1, k) = huge(1.0_wp)
+                  where (study%values(:, 0, k) >= huge(1.0_wp)) study%values(:, 2, k) = huge(1.0_wp)
+                  where (study%values(:, 0, k) >= huge(1.0_wp)) study%values(:, 3, k) = huge(1.0_wp)
+               end do
+            end associate
+         end do
+         if (.not. all(closed)) return
+         do k = 1, size(study%names)
+            if (study%angles(k)) call unwrap(study%values(k, 0, :))
+         end do
+      end associate
+
+   contains
+
+      !> The largest rate of any direction by time at a position of the block.
+      pure real(wp) function fastest_turn(at)
+         integer, intent(in) :: at
+         integer :: r
+
+         fastest_turn = 0.0_wp
+         do r = 1, size(own%linkage%root_x)
+            fastest_turn = max(fastest_turn, abs(rates%d(1)%v(at, own%linkage%root_x(r))*speed))
+         end do
+      end function fastest_turn
+   end subroutine study_sketch
+end module psalm_sketch_study
