@@ -313,6 +313,40 @@ def searched(programs):
         yield "search: the linkage found closes everywhere", len(rows) == 180 and all(r["closed"] == "1" for r in rows), done.stderr
 
 
+WISHED = """ONE WISH IN TWO WORDS
+ &CHAIN JNT='A','B','C','D','P', JX=0.0,-4.0,33.0,90.0,20.0, JY=0.0,31.0,82.0,5.0,95.0,
+  LNAME='frame','crank','coupler','rocker', LNK='A D','A B','B C P','C D',
+  VARY='A B','B C','C D','place D','input' &END
+ &DRIVES DRIVE='A' &END
+ &OUTPUTS OUTPUT='%s','x C'%s &END
+ &METHOD NDES=3, DELT=0.0,20.0,40.0%s &END
+ &SEARCH SOLVER='LSQ', NSTART=3 &END
+ &LIMITS TANGLE=80.0 &END
+"""
+# output, DES1 and WGT1, DESX ...
+WISHES = (("point P", "DES1=20.,95.,10.,96.,0.,93., WGT1=1.0,2.0,1.0",
+           "DESX=20.,10.,0., DESY=95.,96.,93., XMULT=1.0,2.0,1.0, YMULT=1.0,2.0,1.0"),
+          ("angle rocker", "DES1=-50.,-44.,-39.", "DESANG=-50.,-44.,-39."),
+          ("distance P", "DES1=97.,96.,93., WGT1=3.0", "DESANG=97.,96.,93., ANMULT=3.0,3.0,3.0"),
+          ("pose P B P", "DES1=20.,95.,70.,10.,96.,80.,0.,93.,85.", "DESX=20.,10.,0., DESY=95.,96.,93., DESANG=70.,80.,85."))
+
+
+def wished(programs):
+    """DES1 of the first output and DESX ... of &METHOD are one search to the last bit; free timing is open to both."""
+    with tempfile.TemporaryDirectory() as folder:
+        for output, first, second in WISHES:
+            for timing in ("", ", IFREE=1"):
+                found = []
+                words = {"des1": WISHED % (output, ", " + first, timing), "desx": WISHED % (output, "", timing + ", " + second)}
+                for name, text in words.items():
+                    done, _ = run_psalm(programs, folder, name, text)
+                    law = "%s%s: %s" % (output, timing, name)
+                    yield law + " is searched", done.returncode in (0, 1) and "led to a linkage" in done.stderr, done.stderr
+                    with open(os.path.join(folder, name + ".dev7"), encoding="ascii") as file:
+                        found.append([line for line in file if not line.startswith("! run")])
+                yield "%s%s: the same linkage in either word" % (output, timing), found[0] == found[1] and len(found[0]) > 10, found
+
+
 RIGID = """A FOUR-BAR WHOSE CRANK IS A TRIANGLE OF THREE LINKS
  &CHAIN JNT='A','B','C','D','E', JX=0.0,30.0,90.0,110.0,10.0, JY=0.0,10.0,70.0,0.0,30.0,
   LNAME='frame','crank','brace one','brace two','coupler','rocker', LNK='A D','A B','A E','E B','B C','C D' &END
@@ -463,7 +497,7 @@ def main():
     if by_loops < arguments.count // 10:
         failed += 1
         told.append("sliding drives: only %d of %d were solved by loops" % (by_loops, number))
-    for say in (one_verdict, one_way, other_way_round, searched, rigid_triangle):
+    for say in (one_verdict, one_way, other_way_round, searched, wished, rigid_triangle):
         for law, holds, got in say(arguments.programs):
             passed += bool(holds)
             failed += not holds

@@ -97,7 +97,8 @@ contains
          wants_search = method%ikin == 0 .and. (any(method%iva /= 0) .or. any(method%ivg /= 0) .or. method%ilkout /= 0 .or. &
                                                 method%ingout /= 0 .or. method%icrk /= 0 .or. method%iorig /= 0)
       end associate
-      if (allocated(self%no_loops)) wants_search = self%method%ikin == 0 .and. size(self%sketch%variations) > 0
+      if (.not. self%sketch%given .or. .not. allocated(self%sketch%variations)) return
+      wants_search = self%method%ikin == 0 .and. size(self%sketch%variations) > 0
    end function wants_search
 
    !> The section that a group is; 0 if there is none.

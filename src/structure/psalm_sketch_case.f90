@@ -13,9 +13,10 @@ module psalm_sketch_case
    use psalm_kinds, only: wp, degrees_per_radian, full_turn
    use psalm_link_place, only: place_t, travel_t
    use psalm_mechanism, only: at_start, at_finish
-   use psalm_output_kind, only: motion_point, motion_angle, motion_distance, motion_slide, motion_pose
+   use psalm_output_kind, only: output_kind_t, kind_of_output, motion_point, motion_angle, motion_distance, motion_slide, &
+                                motion_pose
    use psalm_sketch, only: sketch_t, sketch_output_t, variation_t, frame_link, output_point, output_angle, output_distance, &
-                           slide_t, output_slide, output_pose, vary_length, vary_angle, vary_place, vary_input
+                           slide_t, output_slide, output_pose, most_wished, vary_length, vary_angle, vary_place, vary_input
    use psalm_sketch_check, only: check_sketch
    use psalm_sketch_loops, only: make_loops
    use psalm_status, only: diagnostics_t
@@ -59,8 +60,8 @@ contains
          loops%found = .false.
          loops%why = no_loops
       else if (loops%found .and. set%sketch%has_wishes()) then
-         loops%found = .false.
-         loops%why = 'desired values of outputs (DES1 ...), which are compared in the poses'
+         call take_first_wish(loops, state, closure%sketch, set, loops%found)
+         if (.not. loops%found) loops%why = 'desired values of outputs (DES1 ...), which are compared in the poses'
       end if
       if (.not. loops%found) then
          set%no_loops = loops%why
@@ -651,6 +652,43 @@ contains
          end associate
       end function pose_of_arc
    end subroutine fill_output
+
+   !> Desired values of the first output alone are those of &METHOD, if the loops can tell it: DES1 is another word for DESX and
+   !> DESY, or DESANG. Not so of a slide, whose arc has another zero, and not of derivatives.
+   subroutine take_first_wish(loops, state, sketch, set, taken)
+      type(loops_t), intent(in) :: loops
+      type(state_t), intent(in) :: state
+      type(sketch_t), intent(in) :: sketch
+      type(data_set_t), intent(inout) :: set
+      logical, intent(out) :: taken
+      type(output_kind_t) :: kind
+      integer :: k, order
+
+      taken = .false.
+      do k = 1, size(sketch%outputs)
+         do order = 0, most_wished
+            if (allocated(sketch%outputs(k)%wishes(order)%values) .and. (k > 1 .or. order > 0)) return
+         end do
+      end do
+      if (sketch%outputs(1)%kind == output_slide .or. set%method%desired) return
+      call put_output(loops, state, sketch, sketch%outputs(1), set, taken)
+      if (.not. taken) return
+      kind = kind_of_output(sketch%outputs(1)%kind)
+      associate (wish => set%sketch%outputs(1)%wishes(0))
+         if (kind%components > 1) then
+            set%method%desx = wish%values(1, :)
+            set%method%desy = wish%values(2, :)
+            set%method%xmult = wish%weights(1, :)
+            set%method%ymult = wish%weights(2, :)
+         end if
+         if (kind%components /= 2) then
+            set%method%desang = wish%values(kind%components, :)
+            set%method%anmult = wish%weights(kind%components, :)
+         end if
+         deallocate (wish%values, wish%weights)
+      end associate
+      set%method%desired = .true.
+   end subroutine take_first_wish
 
    !> The point at which the output's own line begins; 0: the output is on no arc.
    pure integer function end_of_output_arc(loops, set) result(point)

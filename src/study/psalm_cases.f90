@@ -12,6 +12,7 @@ module psalm_cases
 
    !> Why a sketch is solved in poses though it has loops.
    character(*), parameter :: no_forces = 'forces to be found, and loops that leave out '
+   character(*), parameter :: no_dimension = 'desired values in &OUTPUTS, and dimensions that its loops do not have'
 
 contains
 
@@ -68,6 +69,8 @@ contains
       allocate (as_read, source=set)
       call resolve_sketch(set, own)
       why = ''
+      ! in its poses a wish can be met by dimensions that are none of the loops
+      if (own%failed() .and. .not. allocated(set%no_loops) .and. as_read%sketch%has_wishes()) why = no_dimension
       if (.not. own%failed() .and. set%links%nloop > 0) then
          call check_loops(set, why)
          if (len(why) == 0 .and. forces .and. asks_for_forces(as_read)) then
