@@ -6,7 +6,7 @@ program kalm
    use psalm_case_table, only: report_case_table
    use psalm_chain_force_study, only: find_chain_forces
    use psalm_chain_proof_study, only: chain_proof_t, study_chain_proof
-   use psalm_chain_report, only: report_chain, report_chain_proof, report_sketch_table, &
+   use psalm_chain_report, only: report_chain, report_chain_proof, report_outputs, report_sketch_table, &
                                  report_still_drives
    use psalm_chain_study, only: chain_study_t, study_chain
    use psalm_data_set, only: data_set_t
@@ -112,6 +112,7 @@ contains
       if (allocated(forces) .and. (set%sketch%given .or. arguments%json)) &
          call add_force_columns(forces, devices%tables(size(devices%tables)))
       call report_rates(set, problem, rates, devices, forces, machine)
+      if (set%sketch%given) call report_outputs(set, sketch, rates%motion%beyond, accelerations, devices)
       if (proof_wanted(set, .false.) /= no_proof) then
          allocate (proof)
          call study_proof(set, problem, prepared%given, proof_wanted(set, .false.), proof)
@@ -119,7 +120,11 @@ contains
       end if
       if (arguments%quiet .or. devices%summarised == most_summarised) return
       call summarise(problem, prepared%given, rates%motion, summary)
-      call report_summary(set, summary, rates%motion, devices)
+      if (set%sketch%given) then
+         call report_summary(set, summary, rates%motion, devices, sketch)
+      else
+         call report_summary(set, summary, rates%motion, devices)
+      end if
    end subroutine run_case
 
    !> All outputs and joints of a sketch without loops, with their rates.

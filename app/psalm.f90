@@ -7,7 +7,7 @@ program psalm
    use psalm_analysis, only: analysis_t, wanted_t, analyse, wanted_by
    use psalm_case_table, only: report_case_table
    use psalm_chain_proof_study, only: chain_proof_t, study_chain_proof
-   use psalm_chain_report, only: report_chain, report_chain_proof, report_sketch_table
+   use psalm_chain_report, only: report_chain, report_chain_proof, report_outputs, report_sketch_table
    use psalm_chain_search_list, only: report_chain_search
    use psalm_chain_synthesis, only: chain_synthesis_t, synthesise_chain
    use psalm_chain_study, only: chain_study_t, study_chain
@@ -177,6 +177,7 @@ contains
       if (set%sketch%given .and. .not. set%wants_search()) then
          call study_sketch(set, problem, dimensions, analysis%motion%closed, 1.0_wp, 0.0_wp, sketch)
          call report_sketch_table(set, sketch, 0, devices)
+         call report_outputs(set, sketch, analysis%motion%beyond, 0, devices)
       else if (arguments%json) then
          call report_case_table(set, problem, analysis%motion, devices)
       end if
@@ -204,7 +205,13 @@ contains
          call report_proof(set, proof, devices)
       end if
       call report_violations(set, problem, analysis, devices)
-      if (allocated(analysis%summary)) call report_summary(set, analysis%summary, analysis%motion, devices)
+      if (allocated(analysis%summary)) then
+         if (allocated(sketch%names)) then
+            call report_summary(set, analysis%summary, analysis%motion, devices, sketch)
+         else
+            call report_summary(set, analysis%summary, analysis%motion, devices)
+         end if
+      end if
       if (arguments%assemblies) call run_assemblies(set, devices)
       call mark_beyond(devices%published, devices%six)
       if (monitor%active) call write_standard_error(nl)

@@ -103,7 +103,7 @@ contains
       end function unit
    end subroutine add_rate_panels
 
-   !> All outputs of a sketch of dyads but the first, which the scene has, and rates of all, over the sweep.
+   !> All outputs of a sketch of dyads but the first, if the scene has it, and rates of all, over the sweep.
    subroutine add_sketch_panels(set, mechanism, dimensions, delt, size_of, panels)
       type(data_set_t), intent(in) :: set
       type(mechanism_t), intent(in) :: mechanism
@@ -120,7 +120,7 @@ contains
       call problem%set_inputs(delt)
       call problem%analyse(dimensions, motion)
       call study_sketch(set, problem, dimensions, motion%closed, set%rates%speed, set%rates%accel, study)
-      call add_study_panels(set, study, 2, size_of, panels)
+      call add_study_panels(set, study, merge(1, 2, allocated(set%stand_in)), size_of, panels)
    end subroutine add_sketch_panels
 
    !> Outputs of a sketch from number `first` on, then velocities and accelerations of all.

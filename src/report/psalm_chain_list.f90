@@ -11,7 +11,7 @@ module psalm_chain_list
    use psalm_text, only: text_t, full_precision, general, number_or_nan, to_text, upper_case
    implicit none (type, external)
    private
-   public :: list_chain, list_groups, write_chain_table, write_drive_block, fill_chain_table
+   public :: list_chain, list_rows, list_groups, write_chain_table, write_drive_block, write_output_block, fill_chain_table
 
    integer, parameter :: column = 15   !! characters of a column of the listing
 
@@ -25,11 +25,24 @@ contains
       character(*), intent(in) :: names(:)     !! of the numbers
       real(wp), intent(in) :: values(:, :)     !! shape (numbers, positions)
       type(text_t), intent(inout) :: text
-      character(:), allocatable :: line
-      integer :: k, d
 
       call text%add(' '//set%title)
       call text%add()
+      call list_rows(set, inputs, closed, names, values, text)
+   end subroutine list_chain
+
+   !> Inputs and outputs at every position; what is not closed may close elsewhere than where the linkage comes (`beyond`).
+   subroutine list_rows(set, inputs, closed, names, values, text, beyond)
+      type(data_set_t), intent(in) :: set
+      real(wp), intent(in) :: inputs(:, :)     !! shape (drives, positions)
+      logical, intent(in) :: closed(:)         !! shape (positions)
+      character(*), intent(in) :: names(:)     !! of the numbers
+      real(wp), intent(in) :: values(:, :)     !! shape (numbers, positions)
+      type(text_t), intent(inout) :: text
+      logical, intent(in), optional :: beyond(:) !! shape (positions)
+      character(:), allocatable :: line
+      integer :: k, d
+
       line = ' POSITION'
       do d = 1, size(inputs, 1)
          line = line//heading('INPUT '//set%sketch%drive_label(d))
@@ -48,12 +61,14 @@ contains
                if (values(d, k) < huge(1.0_wp)) line = line//general(values(d, k), 'E')
                if (values(d, k) >= huge(1.0_wp)) line = line//repeat(' ', column - 1)//'-'
             end do
+         else if (present(beyond)) then
+            line = line//trim(merge('   NOT REACHED   ', '   DOES NOT CLOSE', beyond(k)))
          else
             line = line//'   DOES NOT CLOSE'
          end if
          call text%add(line)
       end do
-   end subroutine list_chain
+   end subroutine list_rows
 
    !> A name in capitals at the right of its column.
    pure function heading(name) result(head)
@@ -137,6 +152,29 @@ contains
          call text%add(line)
       end do
    end subroutine write_chain_table
+
+   !> A block of device 9: all outputs of a sketch, whose first one alone is in the table before.
+   subroutine write_output_block(closed, names, values, text)
+      logical, intent(in) :: closed(:)           !! shape (positions)
+      character(*), intent(in) :: names(:)       !! of the numbers
+      real(wp), intent(in) :: values(:, :)       !! shape (numbers, positions)
+      type(text_t), intent(inout) :: text
+      character(:), allocatable :: line
+      integer :: k, n
+
+      line = 'position'
+      do n = 1, size(names)
+         line = line//' '//trim(names(n))
+      end do
+      call begin_block('outputs', line, text)
+      do k = 1, size(closed)
+         line = to_text(k)
+         do n = 1, size(names)
+            line = line//' '//number_or_nan(values(n, k), closed(k) .and. values(n, k) < huge(1.0_wp))
+         end do
+         call text%add(line)
+      end do
+   end subroutine write_output_block
 
    !> A block of device 9: the change of every output with each drive, the others held.
    subroutine write_drive_block(set, closed, dead, names, by_drive, text)

@@ -1,6 +1,7 @@
 !> What the study of a sketch has to report, on all devices.
 module psalm_chain_report
-   use psalm_chain_list, only: list_chain, list_groups, write_chain_table, write_drive_block, fill_chain_table
+   use psalm_chain_list, only: list_chain, list_groups, list_rows, write_chain_table, write_drive_block, write_output_block, &
+                               fill_chain_table
    use psalm_chain_proof_list, only: list_chain_proof, write_chain_proof, links_of_group
    use psalm_chain_proof_study, only: chain_proof_t
    use psalm_chain_study, only: chain_study_t
@@ -9,14 +10,15 @@ module psalm_chain_report
    use psalm_force_report, only: report_forces
    use psalm_force_study, only: force_study_t
    use psalm_kinds, only: wp
+   use psalm_sketch, only: numbers_of => columns_of
    use psalm_sketch_outputs, only: name_room
    use psalm_sketch_study, only: sketch_study_t
    use psalm_sketch_text, only: write_sketch
-   use psalm_text, only: general, lower_case, to_text
+   use psalm_text, only: text_t, general, lower_case, to_text
    implicit none (type, external)
    private
-   public :: report_chain, report_sketch_table, report_chain_proof, report_unreached, report_still_drives, &
-             unreached_words
+   public :: report_chain, report_sketch_table, report_outputs, range_lines, report_chain_proof, report_unreached, &
+             report_still_drives, unreached_words
 
 contains
 
@@ -42,21 +44,9 @@ contains
       type(force_study_t), intent(in), optional :: forces !! if the case has masses, loads or springs
       character(name_room), allocatable :: names(:)
       real(wp), allocatable :: values(:, :)
-      logical, allocatable :: known(:)
-      integer :: n, o, m
+      integer :: n
 
-      allocate (names(size(study%names)*(orders + 1)))
-      allocate (values(size(names), size(study%inputs, 2)))
-      m = 0
-      do n = 1, size(study%names)
-         do o = 0, orders
-            m = m + 1
-            names(m) = study%names(n)
-            if (o == 1) names(m) = trim(names(m))//'.v'
-            if (o == 2) names(m) = trim(names(m))//'.a'
-            values(m, :) = study%values(n, o, :)
-         end do
-      end do
+      call columns_of(study, orders, names, values)
       call list_chain(set, study%inputs, study%motion%closed, names, values, devices%six)
       call write_chain_table(set, study%inputs, study%motion%closed, names, values, devices%nine, forces)
       if (orders > 0 .and. size(study%inputs, 1) > 1) call write_drive_block(set, study%motion%closed, study%motion%dead, &
@@ -72,18 +62,82 @@ contains
       call devices%summary%add('  Closes              at '//to_text(count(study%motion%closed))//' of '// &
                                to_text(size(study%motion%closed))//' positions')
       do n = 1, size(study%names)
-         if (.not. any(study%motion%closed)) exit
-         known = study%motion%closed .and. study%values(n, 0, :) < huge(1.0_wp)
-         if (any(known)) then
-            call devices%summary%add('  Output              '//trim(study%names(n))//' '// &
-                                     number(minval(study%values(n, 0, :), mask=known))//' to '// &
-                                     number(maxval(study%values(n, 0, :), mask=known)))
-         else
-            call devices%summary%add('  Output              '//trim(study%names(n))//' has no value: it is a ratio to what '// &
-                                     'stands still')
-         end if
+         call add_range(study, n, '', devices%summary)
       end do
    end subroutine report_chain
+
+   !> All outputs of a sketch of which the listing has the first alone, or a joint for want of it: a table, a block of device 9.
+   subroutine report_outputs(set, study, beyond, orders, devices)
+      type(data_set_t), intent(in) :: set
+      type(sketch_study_t), intent(in) :: study
+      logical, intent(in) :: beyond(:)        !! shape (positions): `beyond` of `motion_t`
+      integer, intent(in) :: orders           !! 2 with rates, else 0
+      type(devices_t), intent(inout) :: devices
+      character(name_room), allocatable :: names(:)
+      real(wp), allocatable :: values(:, :)
+
+      if (size(set%sketch%outputs) <= merge(0, 1, allocated(set%stand_in))) return
+      call columns_of(study, orders, names, values)
+      call devices%six%add()
+      call devices%six%add(' ALL OUTPUTS, INPUTS FROM THE DRAWING')
+      call list_rows(set, study%inputs, study%closed, names, values, devices%six, beyond)
+      call write_output_block(study%closed, names, values, devices%nine)
+   end subroutine report_outputs
+
+   !> Ranges of the outputs that the summary has not: all but the first, or all.
+   subroutine range_lines(set, study, text)
+      type(data_set_t), intent(in) :: set
+      type(sketch_study_t), intent(in) :: study
+      type(text_t), intent(inout) :: text
+      integer :: n, first
+
+      first = 1
+      if (.not. allocated(set%stand_in) .and. size(set%sketch%outputs) > 0) first = 1 + numbers_of(set%sketch%outputs(1))
+      do n = first, size(study%names)
+         call add_range(study, n, ' at the positions', text)
+      end do
+   end subroutine range_lines
+
+   !> Least and greatest value of a number.
+   subroutine add_range(study, n, where_words, text)
+      class(sketch_study_t), intent(in) :: study
+      integer, intent(in) :: n
+      character(*), intent(in) :: where_words
+      type(text_t), intent(inout) :: text
+      character(*), parameter :: label = '  Output              '
+      logical, allocatable :: known(:)
+
+      if (.not. any(study%closed)) return
+      known = study%closed .and. study%values(n, 0, :) < huge(1.0_wp)
+      if (any(known)) then
+         call text%add(label//trim(study%names(n))//' '//number(minval(study%values(n, 0, :), mask=known))//' to '// &
+                       number(maxval(study%values(n, 0, :), mask=known))//where_words)
+      else
+         call text%add(label//trim(study%names(n))//' has no value: it is a ratio to what stands still')
+      end if
+   end subroutine add_range
+
+   !> Names and values of all numbers, with `orders` above 0 of their rates.
+   subroutine columns_of(study, orders, names, values)
+      class(sketch_study_t), intent(in) :: study
+      integer, intent(in) :: orders
+      character(name_room), allocatable, intent(out) :: names(:)
+      real(wp), allocatable, intent(out) :: values(:, :)   !! shape (columns, positions)
+      integer :: n, o, m
+
+      allocate (names(size(study%names)*(orders + 1)))
+      allocate (values(size(names), size(study%inputs, 2)))
+      m = 0
+      do n = 1, size(study%names)
+         do o = 0, orders
+            m = m + 1
+            names(m) = study%names(n)
+            if (o == 1) names(m) = trim(names(m))//'.v'
+            if (o == 2) names(m) = trim(names(m))//'.a'
+            values(m, :) = study%values(n, o, :)
+         end do
+      end do
+   end subroutine columns_of
 
    !> Positions at which the loops close but which the linkage does not come to from the drawing.
    subroutine report_unreached(set, beyond, devices)

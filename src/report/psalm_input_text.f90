@@ -56,7 +56,12 @@ contains
 
       zero = zero_words(set)
       if (len(zero) > 0) call text%add(' '//upper_case(zero))
-      if (allocated(set%stand_in)) call text%add(' OUTPUT '//trim(set%sketch%outputs(1)%name)//' CANNOT BE LISTED: HERE ARE '// &
-                                                 'X AND Y OF JOINT '//set%stand_in//'; THE TABLE (CSV) HAS THE OUTPUT')
+      if (.not. allocated(set%stand_in)) return
+      if (set%wants_search()) then
+         call text%add(' HERE ARE X AND Y OF JOINT '//set%stand_in//'; OUTPUT '//trim(set%sketch%outputs(1)%name)//' IS NOT LISTED')
+      else
+         call text%add(' HERE ARE X AND Y OF JOINT '//set%stand_in//'; OUTPUT '// &
+                       trim(set%sketch%outputs(1)%name)//' IS AMONG ALL OUTPUTS FURTHER DOWN')
+      end if
    end subroutine list_sketch_notes
 end module psalm_input_text

@@ -2,7 +2,7 @@
 module psalm_report
    use psalm_adjustment_list, only: list_adjustments, write_adjustment_block
    use psalm_analysis, only: analysis_t
-   use psalm_chain_report, only: report_unreached
+   use psalm_chain_report, only: range_lines, report_unreached
    use psalm_check_list, only: list_arcs, list_reference_joints, list_setup
    use psalm_data_set, only: data_set_t, title_columns
    use psalm_data_set_text, only: write_vertices, write_data_set
@@ -28,6 +28,7 @@ module psalm_report
    use psalm_search, only: result_t
    use psalm_search_group, only: ranking_none, ranking_shared
    use psalm_search_log, only: search_log_t, log_beginning, log_starts
+   use psalm_sketch_study, only: sketch_study_t
    use psalm_sketch_text, only: variant_t, variant_of
    use psalm_status, only: diagnostics_t
    use psalm_summary, only: summary_t
@@ -332,21 +333,22 @@ contains
    end subroutine report_open
 
    !> What the linkage does over the range of its input, in words, for the first cases of a file.
-   subroutine report_summary(set, summary, motion, devices)
+   subroutine report_summary(set, summary, motion, devices, study)
       type(data_set_t), intent(in) :: set
       type(summary_t), intent(in) :: summary
       type(motion_t), intent(in) :: motion         !! at the prescribed positions
       type(devices_t), intent(inout) :: devices
+      type(sketch_study_t), intent(in), optional :: study !! of a sketch: all its outputs
       character(:), allocatable :: special
 
       devices%summarised = devices%summarised + 1
       special = ''
       if (allocated(set%stand_in)) special = 'joint '//set%stand_in//', for '//trim(set%sketch%outputs(1)%name)// &
-                                             ' is in the table (CSV) only'
-      if (allocated(motion%beyond)) then
-         call write_summary(set%title, summary, devices%summary, zero_words(set), special, count(motion%closed), &
-                            size(motion%closed), &
-                            coincident_words())
+                                             ' is not shown here'
+      if (present(study)) then
+         call write_summary(set%title, summary, devices%summary, zero_words(set), '', count(motion%closed), size(motion%closed), &
+                            coincident_words(), allocated(set%stand_in))
+         call range_lines(set, study, devices%summary)
       else
          call write_summary(set%title, summary, devices%summary, zero_words(set), special, coincident=coincident_words())
       end if

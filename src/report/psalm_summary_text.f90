@@ -17,16 +17,18 @@ module psalm_summary_text
 contains
 
    !> Append the summary of a case.
-   subroutine write_summary(title, summary, text, zero, special, reached, positions, coincident)
+   subroutine write_summary(title, summary, text, zero, special, reached, positions, coincident, no_output)
       character(*), intent(in) :: title
       type(summary_t), intent(in) :: summary
       type(text_t), intent(inout) :: text
       character(*), intent(in), optional :: zero           !! from where the inputs count; empty: as always
       character(*), intent(in), optional :: special        !! what is shown for want of the output; empty: the output is
       character(*), intent(in), optional :: coincident     !! the joints that coincide where the linkage is undetermined
+      logical, intent(in), optional :: no_output           !! leave the output and its dead points out: it is only a stand-in
       integer, intent(in), optional :: reached, positions  !! of a sketch: positions that are reached from the drawing, of so many
       character(*), parameter :: labels(most_rates) = [character(label_columns) :: 'First derivative', 'Second derivative']
       character(:), allocatable :: words
+      logical :: outputs
       integer :: order
 
       call text%add(trim(adjustl(title)))
@@ -52,8 +54,10 @@ contains
          if (present(special)) then
             if (len(special) > 0) call add_line('Output', special, text)
          end if
-         call add_output(summary, text)
-         if (size(summary%reverses) > 0) call add_line('Dead points', 'the output reverses at '// &
+         outputs = .true.
+         if (present(no_output)) outputs = .not. no_output
+         if (outputs) call add_output(summary, text)
+         if (outputs .and. size(summary%reverses) > 0) call add_line('Dead points', 'the output reverses at '// &
                                                        listed(summary%reverses), text)
       end if
       if (summary%compared > 0) call add_line('Error', 'RMS '//plain_number(summary%rms)//', largest '// &

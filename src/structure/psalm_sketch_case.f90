@@ -626,9 +626,6 @@ contains
             return
          end if
          set%stand_in = trim(sketch%joint_name(default_joint(sketch)))
-         call set%origins%warning(findings, 'OUTPUTS', 'OUTPUT', 'listing and summary cannot show '// &
-                                  trim(sketch%outputs(1)%name)//': they show joint '//set%stand_in//'. The table (CSV) has '// &
-                                  trim(sketch%outputs(1)%name), 1)
       end if
       shown%kind = output_point
       shown%joints(1) = default_joint(sketch)
