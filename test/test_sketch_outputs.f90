@@ -4,12 +4,15 @@ program test_sketch_outputs
    use psalm_cases, only: read_cases, read_case_text
    use psalm_chain_study, only: chain_study_t, study_chain
    use psalm_data_set, only: data_set_t
+   use psalm_dimensions, only: dimensions_t
    use psalm_error, only: problem_t, motion_t, make_problem
    use psalm_kinds, only: wp, degrees_per_radian
+   use psalm_parameters, only: parameters_t, no_parameters, variable_gama, variable_length
    use psalm_preparation, only: prepared_t, prepare
    use psalm_sketch_study, only: sketch_study_t, study_sketch
    use psalm_source, only: line_t
    use psalm_status, only: diagnostics_t
+   use psalm_tolerance, only: deviating_t, tolerance_t, find_tolerances
    implicit none (type, external)
    character(*), parameter :: nl = new_line('a')
    character(*), parameter :: files(*) = [character(24) :: &
@@ -28,6 +31,7 @@ program test_sketch_outputs
    call end_of_range()
    call change_point()
    call sliding_input()
+   call tolerances()
    call t%report()
 
 contains
@@ -199,4 +203,61 @@ contains
       call by_loops(set, 1.0_wp, 0.0_wp, study, motion)
       call t%is_true(all(study%closed .eqv. [.true., .true., .true., .false., .true., .false.]), 'a slider and its dead points')
    end subroutine sliding_input
+
+   !> Bands of all outputs against differences, dimension by dimension; those of the first output are the old ones.
+   subroutine tolerances()
+      type(data_set_t) :: set
+      type(prepared_t) :: prepared
+      type(diagnostics_t) :: findings
+      type(line_t) :: none(0)
+      type(deviating_t), allocatable :: deviating
+      type(tolerance_t), allocatable :: linear
+      type(problem_t), allocatable :: problem
+      type(parameters_t) :: one
+      type(dimensions_t) :: changed
+      type(sketch_study_t) :: low, high
+      real(wp), parameter :: step = 1.0e-4_wp
+      real(wp) :: values(1), difference
+      logical :: closes
+      integer :: v, n
+
+      call read_one('BANDS'//nl//" &CHAIN JNT='A','B','C','D','P','Q','R', JX=0.0,-4.0,33.0,90.0,20.0,60.0,130.0,"//nl// &
+                    " JY=0.0,31.0,82.0,5.0,95.0,100.0,20.0, LNAME='frame','crank','coupler','rocker','rod','block',"//nl// &
+                    " LNK='A D','A B','B C P Q','C D','C R','R', SNAME='S', SLNK='frame', SLNK2='block', SLX=130.0,"//nl// &
+                    " SLY=20.0, SLANG=170.0 &END"//nl//" &DRIVES DRIVE='A' &END"//nl// &
+                    " &OUTPUTS OUTPUT='point P','angle rocker','distance P D','x Q','between B C C D','slide S','pose Q B C',"// &
+                    "'ratio slide_S angle_rocker' &END"//nl//' &METHOD NDES=3, DELT=0.0,20.0,40.0 &END'//nl// &
+                    ' &TOLER TOLLEN=0.1, TOLANG=0.05 &END'//nl, set)
+      call prepare(set, none, prepared, findings)
+      allocate (deviating, linear, problem)
+      call find_tolerances(set, prepared%mechanism, prepared%given, deviating, linear, closes)
+      call t%is_true(closes .and. allocated(linear%bands), 'bands of all outputs')
+      call t%is_true(maxval(abs(linear%bands%worst(:, :2) - linear%worst)) < 1.0e-12_wp, 'those of the first output')
+      call t%is_true(count(.not. linear%bands%known) == 1, 'of a ratio there are none')
+      call make_problem(set, prepared%mechanism, prepared%given, prepared%parameters, problem)
+      do v = 1, size(linear%variables)
+         associate (variable => linear%variables(v))
+            one = no_parameters(prepared%mechanism)
+            select case (variable%kind)
+            case (variable_length)
+               call one%vary_length(prepared%mechanism, prepared%mechanism%seq(variable%loop, variable%arc))
+            case (variable_gama)
+               call one%vary_angle(prepared%mechanism, prepared%mechanism%seq(variable%loop, variable%arc))
+            case default
+               cycle
+            end select
+         end associate
+         values = one%first_values(prepared%given)
+         changed = prepared%given
+         call one%apply(values - step, changed)
+         call study_sketch(set, problem, changed, [.true., .true., .true.], 1.0_wp, 0.0_wp, low, changed=.true.)
+         call one%apply(values + step, changed)
+         call study_sketch(set, problem, changed, [.true., .true., .true.], 1.0_wp, 0.0_wp, high, changed=.true.)
+         do n = 1, size(low%names)
+            if (.not. linear%bands%known(n)) cycle
+            difference = maxval(abs(high%values(n, 0, :) - low%values(n, 0, :)))/(2.0_wp*step)*linear%tolerance(v)
+            call t%close_to(linear%bands%effect(v, n), difference, 1.0e-7_wp, 'effect on '//trim(low%names(n)))
+         end do
+      end do
+   end subroutine tolerances
 end program test_sketch_outputs

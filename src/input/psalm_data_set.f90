@@ -67,7 +67,7 @@ module psalm_data_set
       integer, allocatable :: link_of_arc(:, :)  !! shape (maxarc, nloop): the link of the sketch
       type(place_t), allocatable :: link_places(:) !! by link of the sketch: its first joint, the line to its second one
       type(place_t), allocatable :: shoes(:)     !! by slide of the sketch: its point SLX, SLY on its second link
-      type(place_t), allocatable :: joint_places(:) !! by joint of the sketch: where its loops have it; without an arc on the frame
+      type(place_t), allocatable :: joint_places(:) !! by joint of the sketch: where its loops have it; no arc: fixed
       type(travel_t), allocatable :: travels(:)  !! by slide of the sketch
       integer, allocatable :: line_senses(:)     !! by slide: +1: its arc has the direction of its line, -1: the opposite one
       integer, allocatable :: pin_holders(:)     !! by joint of the sketch: the link that places it, whose force on others is listed

@@ -22,44 +22,47 @@ submodule(psalm_error) psalm_error_reach
 
 contains
 
-   module procedure leave_out_unreached
-   type(scout_t) :: scout
-   real(wp) :: start, forwards, backwards, from_start, slack
-   integer :: k
+   module subroutine leave_out_unreached(self, dimensions, motion)
+      class(problem_t), intent(in) :: self
+      type(dimensions_t), intent(in) :: dimensions
+      type(motion_t), intent(inout) :: motion
+      type(scout_t) :: scout
+      real(wp) :: start, forwards, backwards, from_start, slack
+      integer :: k
 
-   allocate (motion%beyond(size(motion%closed)), source=.false.)
-   if (.not. any(motion%closed)) return
-   start = dimensions%drawn - dimensions%crnki
-   allocate (scout%row, source=self)
-   if (allocated(scout%row%linkages)) deallocate (scout%row%linkages)
-   allocate (scout%lens, source=scout%row)
-   if (self%mechanism%sliding_input) then
-      slack = same_input*max(abs(maxval(self%delt) - start), abs(minval(self%delt) - start))
-      call follow(scout, dimensions, start, max(maxval(self%delt) - start, 0.0_wp), forwards)
-      call follow(scout, dimensions, start, min(minval(self%delt) - start, 0.0_wp), backwards)
-   else
-      slack = same_input*full_turn
-      call follow(scout, dimensions, start, full_turn, forwards)
-      if (forwards >= full_turn) return
-      call follow(scout, dimensions, start, forwards - full_turn, backwards)
-   end if
-   do k = 1, size(motion%closed)
-      if (.not. motion%closed(k)) cycle
-      from_start = self%delt(k) - start
+      allocate (motion%beyond(size(motion%closed)), source=.false.)
+      if (.not. any(motion%closed)) return
+      start = dimensions%drawn - dimensions%crnki
+      allocate (scout%row, source=self)
+      if (allocated(scout%row%linkages)) deallocate (scout%row%linkages)
+      allocate (scout%lens, source=scout%row)
       if (self%mechanism%sliding_input) then
-         motion%beyond(k) = from_start > forwards + slack .or. from_start < backwards - slack
+         slack = same_input*max(abs(maxval(self%delt) - start), abs(minval(self%delt) - start))
+         call follow(scout, dimensions, start, max(maxval(self%delt) - start, 0.0_wp), forwards)
+         call follow(scout, dimensions, start, min(minval(self%delt) - start, 0.0_wp), backwards)
       else
-         from_start = modulo(from_start, full_turn)
-         motion%beyond(k) = from_start > forwards + slack .and. from_start - full_turn < backwards - slack
+         slack = same_input*full_turn
+         call follow(scout, dimensions, start, full_turn, forwards)
+         if (forwards >= full_turn) return
+         call follow(scout, dimensions, start, forwards - full_turn, backwards)
       end if
-   end do
-   motion%closed = motion%closed .and. .not. motion%beyond
-   if (.not. self%desired .or. .not. any(motion%beyond)) return
-   motion%total = 0.0_wp
-   do k = 1, size(motion%closed)
-      if (motion%closed(k)) motion%total = motion%total + sum(self%weight(k, :)*motion%error(k, :)**2)
-   end do
-   end procedure leave_out_unreached
+      do k = 1, size(motion%closed)
+         if (.not. motion%closed(k)) cycle
+         from_start = self%delt(k) - start
+         if (self%mechanism%sliding_input) then
+            motion%beyond(k) = from_start > forwards + slack .or. from_start < backwards - slack
+         else
+            from_start = modulo(from_start, full_turn)
+            motion%beyond(k) = from_start > forwards + slack .and. from_start - full_turn < backwards - slack
+         end if
+      end do
+      motion%closed = motion%closed .and. .not. motion%beyond
+      if (.not. self%desired .or. .not. any(motion%beyond)) return
+      motion%total = 0.0_wp
+      do k = 1, size(motion%closed)
+         if (motion%closed(k)) motion%total = motion%total + sum(self%weight(k, :)*motion%error(k, :)**2)
+      end do
+   end subroutine leave_out_unreached
 
    !> How far the linkage comes from the drawing, at most `extent`, which may be negative.
    subroutine follow(scout, dimensions, start, extent, way)

@@ -10,17 +10,21 @@ module psalm_sensitivity
    use psalm_frames, only: frames_t, rows_of_arc, matrix_row
    use psalm_group_rings, only: higher_t
    use psalm_higher_group, only: change_of_higher, solve_higher
-   use psalm_kinds, only: wp, radians_per_degree
+   use psalm_kinds, only: wp, degrees_per_radian, radians_per_degree
    use psalm_linkage, only: padded
    use psalm_plan, only: step_point, root_crank
-   use psalm_rates, only: rates_t, prepare_rates, form_frames
+   use psalm_rates, only: rates_t, prepare_rates, form_frames, highest_order
    use psalm_rows, only: rows_t, clear_rows
    use psalm_dimensions, only: dimensions_t
    use psalm_parameters, only: variable_length, variable_gama, variable_outlk, variable_outang, variable_origlk, &
                                variable_origng, variable_crnki
+   use psalm_sketch, only: sketch_output_t
+   use psalm_sketch_motion, only: sketch_motion_t, find_places, find_changes, find_own_changes
+   use psalm_sketch_outputs, only: values_of_outputs
    implicit none (type, external)
    private
    public :: sensitivity_t, prepare_sensitivity, find_jacobian, block_constraints, unit_of, clear_changes
+   public :: wanted_outputs_t
 
    !> Room to work in, and which arcs each variable changes.
    type :: sensitivity_t
@@ -30,6 +34,19 @@ module psalm_sensitivity
       logical, allocatable :: moves(:, :)       !! shape (steps, nvar): the step's result changes with the variable
       real(wp), allocatable :: gx(:), gy(:), tx(:), ty(:) !! shape (room)
    end type sensitivity_t
+
+   !> Outputs of a sketch, and their changes with the variables.
+   type :: wanted_outputs_t
+      type(sketch_motion_t) :: sketch                    !! its points are in the plan
+      type(sketch_output_t), allocatable :: outputs(:)
+      integer :: numbers = 0                             !! of all outputs
+      logical, allocatable :: angle(:)                   !! shape (numbers): changes are degrees
+      integer, allocatable :: apart(:)                   !! joints that move, at a distance from the points of the plan
+      real(wp), allocatable :: change(:, :, :)           !! shape (positions, columns, numbers); columns: the variables, then
+                                                         !! distance and angle of each joint of `apart`; not of a ratio
+      complex(wp), allocatable, private :: joint(:, :, :) !! shape (joints, 0:highest_order, room)
+      real(wp), allocatable, private :: moved(:, :, :)   !! shape (slides, 0:highest_order, room)
+   end type wanted_outputs_t
 
 contains
 
@@ -114,7 +131,7 @@ contains
    !>
    !> Output as the listing has it (angles in degrees); variables in their own units (degrees for angles). The linkage must
    !> close; at a dead point the derivatives are infinite and zero is given.
-   subroutine find_jacobian(problem, dimensions, work, dout, dk, dp, solved, held, loops)
+   subroutine find_jacobian(problem, dimensions, work, dout, dk, dp, solved, held, loops, wanted)
       type(problem_t), intent(inout) :: problem
       type(dimensions_t), intent(in) :: dimensions
       type(sensitivity_t), intent(inout) :: work
@@ -124,6 +141,7 @@ contains
       logical, intent(in), optional :: solved       !! the positions are one block, which still holds this linkage and its output
       logical, intent(in), optional :: held(:)      !! shape (nvar): not wanted, zero is given
       logical, intent(in), optional :: loops(:)     !! shape (nloop): dk of which is wanted; of the others zero is given
+      type(wanted_outputs_t), intent(inout), optional :: wanted !! outputs of a sketch, whose changes are to be found
       integer :: block, offset, n, m, v
       logical :: ready
 
@@ -140,6 +158,7 @@ contains
          m = padded(n)
          call form_frames(problem, work%rates, m, fixed_too=.true.)
          call clear_rows(work%rates%d(1))
+         if (present(wanted)) call begin_outputs(problem, offset, n, wanted)
          do v = 1, size(problem%parameters%variables)
             if (present(held)) then
                if (held(v)) then
@@ -154,6 +173,7 @@ contains
                                        work%turn(problem%mechanism%outputs(1)%arc, v), unit_of(problem, v), &
                                        dout(offset + 1:offset + n, v, :))
             if (present(dk)) call change_of_constraints(problem, v, n, work, dk(offset + 1:offset + n, :, v), loops)
+            if (present(wanted)) call change_of_outputs(problem, v, offset, n, work, wanted)
             if (present(dp)) call change_of_joints(problem, v, n, work, dp(offset + 1:offset + n, :, :, v))
             call clear_changes(problem, v, m, work%moves(:, v), work%rates%d(1))
          end do
@@ -209,6 +229,67 @@ contains
          end associate
       end do
    end subroutine change_of_constraints
+
+   !> Places at the block just solved, and what each joint that stands off its arcs does by its own two dimensions.
+   subroutine begin_outputs(problem, offset, n, wanted)
+      type(problem_t), intent(in) :: problem
+      integer, intent(in) :: offset, n
+      type(wanted_outputs_t), intent(inout) :: wanted
+      complex(wp) :: along, across
+      integer :: i, k, nvar, joint
+
+      nvar = size(problem%parameters%variables)
+      if (.not. allocated(wanted%joint)) then
+         allocate (wanted%joint(size(wanted%sketch%drawn), 0:highest_order, problem%linkage%room), source=(0.0_wp, 0.0_wp))
+         allocate (wanted%moved(size(wanted%sketch%arcs), 0:highest_order, problem%linkage%room), source=0.0_wp)
+         wanted%apart = pack([(k, k=1, size(wanted%sketch%moving))], abs(wanted%sketch%moving%offset) > 0.0_wp)
+         allocate (wanted%change(problem%positions, nvar + 2*size(wanted%apart), wanted%numbers), source=0.0_wp)
+      end if
+      call find_places(wanted%sketch, problem, n, wanted%joint(:, 0, :n), wanted%moved(:, 0, :n))
+      wanted%joint(:, 1, :) = (0.0_wp, 0.0_wp)
+      wanted%moved(:, 1, :) = 0.0_wp
+      do k = 1, size(wanted%apart)
+         joint = wanted%sketch%moving(wanted%apart(k))%joint
+         do i = 1, n
+            call find_own_changes(wanted%sketch, problem, wanted%apart(k), i, along, across)
+            wanted%joint(joint, 1, i) = along
+            call note(wanted, i, offset + i, nvar + 2*k - 1)
+            wanted%joint(joint, 1, i) = across
+            call note(wanted, i, offset + i, nvar + 2*k)
+            wanted%joint(joint, 1, i) = (0.0_wp, 0.0_wp)
+         end do
+      end do
+   end subroutine begin_outputs
+
+   !> Change of the outputs of a sketch with a variable. Dimensions of the output arc are those of a joint that stands off its arcs.
+   subroutine change_of_outputs(problem, v, offset, n, work, wanted)
+      type(problem_t), intent(in) :: problem
+      integer, intent(in) :: v, offset, n
+      type(sensitivity_t), intent(in) :: work
+      type(wanted_outputs_t), intent(inout) :: wanted
+      real(wp) :: x, y
+      integer :: i
+
+      associate (kind => problem%parameters%variables(v)%kind)
+         if (kind == variable_outlk .or. kind == variable_outang) return
+         call problem%output%change_of_origin(kind, x, y)
+      end associate
+      call find_changes(wanted%sketch, problem, work%rates%d(1), work%turn(:, v), cmplx(x, y, wp), unit_of(problem, v), n, &
+                        wanted%joint(:, 1, :n), wanted%moved(:, 1, :n))
+      do i = 1, n
+         call note(wanted, i, offset + i, v)
+      end do
+   end subroutine change_of_outputs
+
+   !> The change of all numbers from that of the places at position i of the block, k of all: a derivative like that by time.
+   subroutine note(wanted, i, k, column)
+      type(wanted_outputs_t), intent(inout) :: wanted
+      integer, intent(in) :: i, k, column
+      real(wp) :: values(wanted%numbers, 0:highest_order)
+
+      call values_of_outputs(wanted%outputs, wanted%joint(:, :, i), wanted%moved(:, :, i), [0.0_wp, 0.0_wp], values)
+      wanted%change(k, column, :) = values(:, 1)*merge(degrees_per_radian, 1.0_wp, wanted%angle)
+   end subroutine note
 
    !> Change of the joints asked for with a variable, in machine axes and the user's unit.
    subroutine change_of_joints(problem, v, n, work, dp)

@@ -6,12 +6,14 @@ module psalm_sketch_motion
    use psalm_closure, only: most_orders
    use psalm_data_set, only: data_set_t
    use psalm_error, only: problem_t
-   use psalm_kinds, only: wp
+   use psalm_kinds, only: wp, radians_per_degree
    use psalm_mechanism, only: mechanism_t, ring_t
    use psalm_rates, only: rates_t, derivatives_of, in_time
+   use psalm_rows, only: rows_t
+   use psalm_sketch, only: frame_link
    implicit none (type, external)
    private
-   public :: sketch_motion_t, locate_sketch, observe_sketch
+   public :: sketch_motion_t, locate_sketch, observe_sketch, find_places, find_changes, find_own_changes
 
    !> A joint that moves.
    type :: moving_t
@@ -31,21 +33,26 @@ module psalm_sketch_motion
 
 contains
 
-   !> Find joints and slides. The plan must then be made with `points`.
-   subroutine locate_sketch(set, mechanism, sketch)
+   !> Find joints and slides. The plan must then be made with `points`. Joints of the frame are where they were drawn; with
+   !> `changed` they are where the dimensions put them.
+   subroutine locate_sketch(set, mechanism, sketch, changed)
       type(data_set_t), intent(in) :: set               !! a sketch with its loops
       type(mechanism_t), intent(in) :: mechanism
       type(sketch_motion_t), intent(out) :: sketch
+      logical, intent(in), optional :: changed          !! the dimensions are not, or not only, those of the drawing
+      logical :: frame_too
       type(moving_t) :: one
       type(ring_t) :: ring
       real(wp) :: c, s
       integer :: j, k, arc
 
+      frame_too = .false.
+      if (present(changed)) frame_too = changed
       sketch%drawn = cmplx(set%sketch%x, set%sketch%y, wp)
       allocate (sketch%moving(0), sketch%points(2, 0))
       do j = 1, size(set%joint_places)
          associate (place => set%joint_places(j))
-            if (place%arc == 0) cycle
+            if (place%arc == 0 .or. (place%link == frame_link .and. .not. frame_too)) cycle
             one%joint = j
             one%arc = mechanism%seq(place%loop, place%arc)
             call unit_vector(place%turn + place%angle, c, s)
@@ -77,39 +84,29 @@ contains
       complex(wp), intent(out) :: joint(:, 0:, :)       !! shape (joints, 0:most_orders, n): places and their derivatives by time
       real(wp), intent(out) :: moved(:, 0:, :)          !! shape (slides, 0:most_orders, n): travel from the drawing
       complex(wp), parameter :: i = (0.0_wp, 1.0_wp)
-      complex(wp) :: z(0:most_orders), u
+      complex(wp) :: z(most_orders), u
       real(wp) :: back, w(most_orders), x(most_orders), y(most_orders)
-      integer :: k, m, order, row
+      integer :: k, m, row
 
       joint = (0.0_wp, 0.0_wp)
       moved = 0.0_wp
+      call find_places(sketch, problem, n, joint(:, 0, :), moved(:, 0, :))
       associate (link => problem%linkage, plan => problem%plan)
          back = 1.0_wp/link%scale
-         do m = 1, n
-            joint(:, 0, m) = sketch%drawn
-         end do
          do k = 1, size(sketch%moving)
-            associate (one => sketch%moving(k), px => link%point_x(plan%joint_points(k)), &
-                       py => link%point_y(plan%joint_points(k)), rx => link%root_x(plan%root(sketch%moving(k)%arc)), &
-                       ry => link%root_y(plan%root(sketch%moving(k)%arc)))
+            associate (one => sketch%moving(k), point => plan%joint_points(k))
                do m = 1, n
-                  z(0) = cmplx(link%store%v(m, px)*back + problem%output%origin_x, &
-                               link%store%v(m, py)*back + problem%output%origin_y, wp)
-                  x = derivatives_of(rates, px, m)*back
-                  y = derivatives_of(rates, py, m)*back
-                  z(1:) = cmplx(x, y, wp)
+                  x = derivatives_of(rates, link%point_x(point), m)*back
+                  y = derivatives_of(rates, link%point_y(point), m)*back
+                  z = cmplx(x, y, wp)
                   if (abs(one%offset) > 0.0_wp) then
-                     u = one%offset*cmplx(link%x(one%arc), link%y(one%arc), wp)*cmplx(link%store%v(m, rx), link%store%v(m, ry), wp)
-                     w = derivatives_of(rates, rx, m)
-                     z(0) = z(0) + u
+                     u = offset_of(sketch, problem, k, m)
+                     w = derivatives_of(rates, link%root_x(plan%root(one%arc)), m)
                      z(1) = z(1) + i*w(1)*u
                      z(2) = z(2) + cmplx(-w(1)**2, w(2), wp)*u
                      z(3) = z(3) + cmplx(-3.0_wp*w(1)*w(2), w(3) - w(1)**3, wp)*u
                   end if
-                  joint(one%joint, 0, m) = z(0)
-                  x = in_time(z(1:)%re, speed, accel)
-                  y = in_time(z(1:)%im, speed, accel)
-                  joint(one%joint, 1:, m) = cmplx(x, y, wp)
+                  joint(one%joint, 1:, m) = cmplx(in_time(z%re, speed, accel), in_time(z%im, speed, accel), wp)
                end do
             end associate
          end do
@@ -117,13 +114,101 @@ contains
             if (sketch%arcs(k) == 0) cycle
             row = link%slide(plan%length_slot(sketch%arcs(k)))
             do m = 1, n
-               moved(k, 0, m) = sketch%sense(k)*(link%store%v(m, row)*back) + sketch%zero(k)
-               x = in_time(derivatives_of(rates, row, m)*back, speed, accel)
-               do order = 1, most_orders
-                  moved(k, order, m) = sketch%sense(k)*x(order)
-               end do
+               moved(k, 1:, m) = sketch%sense(k)*in_time(derivatives_of(rates, row, m)*back, speed, accel)
             end do
          end do
       end associate
    end subroutine observe_sketch
+
+   !> The places alone.
+   subroutine find_places(sketch, problem, n, joint, moved)
+      type(sketch_motion_t), intent(in) :: sketch
+      type(problem_t), intent(in) :: problem
+      integer, intent(in) :: n
+      complex(wp), intent(out) :: joint(:, :)           !! shape (joints, n)
+      real(wp), intent(out) :: moved(:, :)              !! shape (slides, n)
+      integer :: k, m
+
+      moved = 0.0_wp
+      associate (link => problem%linkage, plan => problem%plan)
+         do m = 1, n
+            joint(:, m) = sketch%drawn
+            do k = 1, size(sketch%moving)
+               joint(sketch%moving(k)%joint, m) = cmplx( &
+                  link%store%v(m, link%point_x(plan%joint_points(k)))/link%scale + problem%output%origin_x, &
+                  link%store%v(m, link%point_y(plan%joint_points(k)))/link%scale + problem%output%origin_y, wp) &
+                  + offset_of(sketch, problem, k, m)
+            end do
+            do k = 1, size(sketch%arcs)
+               if (sketch%arcs(k) == 0) cycle
+               moved(k, m) = sketch%sense(k)*(link%store%v(m, link%slide(plan%length_slot(sketch%arcs(k))))/link%scale) &
+                             + sketch%zero(k)
+            end do
+         end do
+      end associate
+   end subroutine find_places
+
+   !> Changes of the places with a variable that changes the rows of the store by `d`.
+   subroutine find_changes(sketch, problem, d, turn, origin, unit, n, joint, moved)
+      type(sketch_motion_t), intent(in) :: sketch
+      type(problem_t), intent(in) :: problem
+      type(rows_t), intent(in) :: d                     !! per radian of angles
+      real(wp), intent(in) :: turn(:)                   !! shape (arcs): of their fixed angles
+      complex(wp), intent(in) :: origin                 !! of the input pivot
+      real(wp), intent(in) :: unit                      !! radians a unit of the variable is worth, or 1
+      integer, intent(in) :: n
+      complex(wp), intent(out) :: joint(:, :)           !! shape (joints, n)
+      real(wp), intent(out) :: moved(:, :)              !! shape (slides, n)
+      real(wp) :: back
+      integer :: k, m
+
+      joint = (0.0_wp, 0.0_wp)
+      moved = 0.0_wp
+      associate (link => problem%linkage, plan => problem%plan)
+         back = unit/link%scale
+         do m = 1, n
+            do k = 1, size(sketch%moving)
+               associate (one => sketch%moving(k), point => plan%joint_points(k))
+                  joint(one%joint, m) = origin*unit + back*cmplx(d%v(m, link%point_x(point)), d%v(m, link%point_y(point)), wp) &
+                                        + cmplx(0.0_wp, unit*(d%v(m, link%root_x(plan%root(one%arc))) + turn(one%arc)), wp) &
+                                        *offset_of(sketch, problem, k, m)
+               end associate
+            end do
+            do k = 1, size(sketch%arcs)
+               if (sketch%arcs(k) == 0) cycle
+               moved(k, m) = sketch%sense(k)*d%v(m, link%slide(plan%length_slot(sketch%arcs(k))))*back
+            end do
+         end do
+      end associate
+   end subroutine find_changes
+
+   !> Changes of a joint's place with its own distance from the point of the plan, and with the angle of that line, by degrees.
+   subroutine find_own_changes(sketch, problem, moving, position, along, across)
+      type(sketch_motion_t), intent(in) :: sketch
+      type(problem_t), intent(in) :: problem
+      integer, intent(in) :: moving                     !! of the joints that move: one with an offset
+      integer, intent(in) :: position                   !! of the block
+      complex(wp), intent(out) :: along, across
+      complex(wp) :: u
+
+      u = offset_of(sketch, problem, moving, position)
+      along = u/abs(u)
+      across = u*cmplx(0.0_wp, radians_per_degree, wp)
+   end subroutine find_own_changes
+
+   !> From the point of the plan to a joint at position m of the block.
+   pure complex(wp) function offset_of(sketch, problem, moving, m) result(u)
+      type(sketch_motion_t), intent(in) :: sketch
+      type(problem_t), intent(in) :: problem
+      integer, intent(in) :: moving, m
+
+      u = (0.0_wp, 0.0_wp)
+      associate (one => sketch%moving(moving), link => problem%linkage)
+         if (abs(one%offset) <= 0.0_wp) return
+         associate (root => problem%plan%root(one%arc))
+            u = one%offset*cmplx(link%x(one%arc), link%y(one%arc), wp)* &
+                cmplx(link%store%v(m, link%root_x(root)), link%store%v(m, link%root_y(root)), wp)
+         end associate
+      end associate
+   end function offset_of
 end module psalm_sketch_motion

@@ -18,11 +18,12 @@ module psalm_sketch_outputs
 
 contains
 
-   !> Names of the numbers of all outputs, and which of them are angles that may turn on.
-   pure subroutine names_of_numbers(outputs, names, turning)
+   !> Names of the numbers of all outputs, which of them are angles that may turn on, and which are any angles.
+   pure subroutine names_of_numbers(outputs, names, turning, angles)
       type(sketch_output_t), intent(in) :: outputs(:)
       character(name_room), allocatable, intent(out) :: names(:)
       logical, allocatable, intent(out) :: turning(:)
+      logical, allocatable, intent(out), optional :: angles(:)
       type(output_kind_t) :: kind
       integer :: k, c, n
 
@@ -31,6 +32,7 @@ contains
          n = n + columns_of(outputs(k))
       end do
       allocate (names(n), turning(n))
+      if (present(angles)) allocate (angles(n))
       n = 0
       do k = 1, size(outputs)
          kind = kind_of_output(outputs(k)%kind)
@@ -38,6 +40,7 @@ contains
             n = n + 1
             names(n) = outputs(k)%name
             if (kind%components > 1) names(n) = trim(names(n))//'.'//kind%suffix(c)(2:)
+            if (present(angles)) angles(n) = c == kind%angle
             turning(n) = c == kind%angle .and. outputs(k)%kind /= output_between
          end do
       end do

@@ -17,8 +17,8 @@ module psalm_chain_report
    use psalm_text, only: text_t, general, lower_case, to_text
    implicit none (type, external)
    private
-   public :: report_chain, report_sketch_table, report_outputs, range_lines, report_chain_proof, report_unreached, &
-             report_still_drives, unreached_words
+   public :: report_chain, report_sketch_table, report_outputs, several_outputs, range_lines, report_chain_proof, &
+             report_unreached, report_still_drives, unreached_words
 
 contains
 
@@ -76,13 +76,21 @@ contains
       character(name_room), allocatable :: names(:)
       real(wp), allocatable :: values(:, :)
 
-      if (size(set%sketch%outputs) <= merge(0, 1, allocated(set%stand_in))) return
+      if (.not. several_outputs(set)) return
       call columns_of(study, orders, names, values)
       call devices%six%add()
       call devices%six%add(' ALL OUTPUTS, INPUTS FROM THE DRAWING')
       call list_rows(set, study%inputs, study%closed, names, values, devices%six, beyond)
       call write_output_block(study%closed, names, values, devices%nine)
    end subroutine report_outputs
+
+   !> True if there are outputs that listing and summary of the loops do not have: all but the first, or that one, too.
+   pure logical function several_outputs(set)
+      type(data_set_t), intent(in) :: set
+
+      several_outputs = set%sketch%given
+      if (several_outputs) several_outputs = size(set%sketch%outputs) > merge(0, 1, allocated(set%stand_in))
+   end function several_outputs
 
    !> Ranges of the outputs that the summary has not: all but the first, or all.
    subroutine range_lines(set, study, text)

@@ -2,7 +2,7 @@
 module psalm_report
    use psalm_adjustment_list, only: list_adjustments, write_adjustment_block
    use psalm_analysis, only: analysis_t
-   use psalm_chain_report, only: range_lines, report_unreached
+   use psalm_chain_report, only: range_lines, report_unreached, several_outputs
    use psalm_check_list, only: list_arcs, list_reference_joints, list_setup
    use psalm_data_set, only: data_set_t, title_columns
    use psalm_data_set_text, only: write_vertices, write_data_set
@@ -37,7 +37,7 @@ module psalm_report
                               ended_on_request, ended_without_rates
    use psalm_text, only: text_t, general, lower_case, to_text
    use psalm_tolerance, only: tolerances_t
-   use psalm_tolerance_list, only: list_tolerances, plot_tolerances
+   use psalm_tolerance_list, only: list_tolerances, plot_tolerances, list_output_bands, write_output_bands
    use psalm_dimensions, only: dimensions_t
    use psalm_mechanism, only: mechanism_t
    implicit none (type, external)
@@ -407,6 +407,10 @@ contains
       if (result%is_violating()) call devices%note_violation()
       call list_tolerances(result%linear, result%sample, devices%six)
       call plot_tolerances(set%title, result%linear, result%sample, devices%nine)
+      if (several_outputs(set) .and. allocated(result%linear%bands)) then
+         call list_output_bands(set%sketch, result%linear, devices%six)
+         call write_output_bands(result%linear, devices%nine)
+      end if
       if (allocated(result%adjustments)) then
          call list_adjustments(result%linear, result%adjustments, set%toler%outtol, devices%six)
          call write_adjustment_block(result%linear, result%adjustments, devices%nine)

@@ -1,15 +1,17 @@
 !> Tolerances in the listing and on device 9: effects of the dimensions, bands over the motion, the sample.
 module psalm_tolerance_list
+   use psalm_block, only: begin_block
    use psalm_elementary, only: hypotenuse
    use psalm_finale, only: angle_text
    use psalm_kinds, only: wp
    use psalm_output_kind, only: output_kind_t
-   use psalm_text, only: text_t, full_precision, general, to_text
+   use psalm_sketch, only: sketch_t
+   use psalm_text, only: text_t, full_precision, general, number_or_nan, to_text, upper_case
    use psalm_tolerance, only: tolerance_t, sample_t
    use psalm_parameters, only: name_of
    implicit none (type, external)
    private
-   public :: list_tolerances, plot_tolerances
+   public :: list_tolerances, plot_tolerances, list_output_bands, write_output_bands
 
 contains
 
@@ -72,6 +74,80 @@ contains
       end do
       if (sample%open > size(sample%named)) call text%add('   AND '//to_text(sample%open - size(sample%named))//' MORE')
    end subroutine list_tolerances
+
+   !> Bands of all outputs of a sketch, and the dimension that has the largest effect on each.
+   subroutine list_output_bands(sketch, linear, text)
+      type(sketch_t), intent(in) :: sketch
+      type(tolerance_t), intent(in) :: linear
+      type(text_t), intent(inout) :: text
+      character(:), allocatable :: line
+      integer :: n, i
+
+      call text%add()
+      call text%add(' BANDS OF ALL OUTPUTS (+-)')
+      associate (bands => linear%bands)
+         do n = 1, size(bands%names)
+            if (.not. bands%known(n)) then
+               call text%add(' '//upper_case(trim(bands%names(n)))//' IS A RATIO OF RATES, FOR WHICH NO BANDS ARE FOUND')
+               cycle
+            end if
+            line = ' '//upper_case(trim(bands%names(n)))//': THE LARGEST EFFECT, '
+            line = line//trim(adjustl(general(maxval(bands%effect(:, n)))))
+            call text%add(line//', IS THAT OF '//column_words(maxloc(bands%effect(:, n), dim=1)))
+            call text%add('          INPUT     WORST CASE ROOT SUM SQUARE')
+            do i = 1, size(bands%worst, 1)
+               line = angle_text(linear%nominal%input(i))
+               if (linear%dead(i)) then
+                  line = line//'   DEAD POINT: THE EFFECTS ARE INFINITE'
+               else
+                  line = line//general(bands%worst(i, n))//' '//general(bands%square(i, n))
+               end if
+               call text%add(line)
+            end do
+         end do
+      end associate
+
+   contains
+
+      !> The dimension of a column.
+      function column_words(column) result(words)
+         integer, intent(in) :: column
+         character(:), allocatable :: words
+         integer :: k
+
+         if (column <= size(linear%variables)) then
+            words = name_of(linear%variables(column))
+            return
+         end if
+         k = column - size(linear%variables)
+         words = trim(merge('DISTANCE', 'ANGLE   ', modulo(k, 2) == 1))//' OF JOINT '// &
+                 trim(sketch%joint_name(linear%bands%apart((k + 1)/2)))//' ON ITS LINK'
+      end function column_words
+   end subroutine list_output_bands
+
+   !> A block of device 9: the same bands.
+   subroutine write_output_bands(linear, text)
+      type(tolerance_t), intent(in) :: linear
+      type(text_t), intent(inout) :: text
+      character(:), allocatable :: line
+      integer :: n, i
+
+      line = 'position'
+      do n = 1, size(linear%bands%names)
+         line = line//' '//trim(linear%bands%names(n))//'.worst_case '//trim(linear%bands%names(n))//'.root_sum_square'
+      end do
+      call begin_block('output_tolerances', line, text)
+      do i = 1, size(linear%bands%worst, 1)
+         line = to_text(i)
+         do n = 1, size(linear%bands%names)
+            associate (there => linear%bands%known(n) .and. .not. linear%dead(i))
+               line = line//' '//number_or_nan(linear%bands%worst(i, n), there)//' '// &
+                      number_or_nan(linear%bands%square(i, n), there)
+            end associate
+         end do
+         call text%add(line)
+      end do
+   end subroutine write_output_bands
 
    !> A block of device 9: bands and sample at every position.
    subroutine plot_tolerances(title, linear, sample, text)

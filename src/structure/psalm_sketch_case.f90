@@ -431,7 +431,12 @@ contains
 
          place%joint = joint
          place%link = frame_link
-         if (set%sketch%has_joint(frame_link, joint)) return
+         if (set%sketch%has_joint(frame_link, joint)) then
+            ! without an arc that ends there no dimension of the loops moves it
+            call arc_with(loops, frame_link, joint, arc, from_start)
+            if (arc > 0) call placing%place(place)
+            return
+         end if
          links = set%sketch%links_of(joint)
          place%link = links(1)
          do l = 1, size(links)

@@ -7,6 +7,7 @@ submodule(psalm_family_study) psalm_family_study_body
                                variable_origng, variable_crnki
    use psalm_sweep_group, only: sweep_group_t, sweep_of, swept_length, swept_angle, swept_outlk, swept_outang, swept_origlk, &
                                 swept_origng
+   use psalm_sketch_study, only: sketch_study_t, study_sketch
    implicit none (type, external)
 
 contains
@@ -18,6 +19,7 @@ contains
       class(problem_t), allocatable :: problem         ! large: it would fill a small stack
       type(motion_t) :: motion
       type(output_kind_t) :: kind
+      logical :: by_name                               ! a sketch: all its outputs
       integer :: k, c, n
 
       sweep = sweep_of(set)
@@ -52,26 +54,53 @@ contains
                                           trim(set%sketch%joint_name(sweep%joints(2)))
       family%setting = settings_of(sweep)
       allocate (problem)
-      call new_problem(mechanism, dimensions, parameters, delt, .false., problem)
+      call new_problem(mechanism, dimensions, parameters, delt, set%sketch%given, problem)
       kind = output_kind(problem%motion)
       allocate (family%closed(size(delt), size(family%setting)))
       allocate (family%actual(size(delt), kind%components, size(family%setting)))
       family%numbers = [character(number_name) :: ('OUTPUT'//kind%suffix(c), c=1, kind%components)]
-      if (set%sketch%given .and. size(set%sketch%outputs) > 0) &
-         family%numbers = [character(number_name) :: (trim(set%sketch%outputs(1)%name)//kind%suffix(c), c=1, kind%components)]
-      if (allocated(set%stand_in)) &
-         family%numbers = [character(number_name) :: ('point_'//set%stand_in//kind%suffix(c), c=1, kind%components)]
       family%angle = [(c == kind%angle, c=1, kind%components)]
+      by_name = set%sketch%given
+      if (by_name) by_name = size(set%sketch%outputs) > 0
       do k = 1, size(family%setting)
          changed = dimensions
          call parameters%apply(family%setting(k:k), changed)
          call problem%analyse(changed, motion)
          family%closed(:, k) = motion%closed
-         family%actual(:, :, k) = motion%actual
          if (k == 1) family%input = motion%input
+         if (by_name) then
+            call take_outputs(set, problem, changed, motion, k, family)
+         else
+            family%actual(:, :, k) = motion%actual
+         end if
       end do
       call straighten(family)
    end procedure find_family
+
+   !> All outputs of a sketch for setting k; the first as the listing has it, if it has it.
+   subroutine take_outputs(set, problem, dimensions, motion, k, family)
+      type(data_set_t), intent(in) :: set
+      type(problem_t), intent(in) :: problem
+      type(dimensions_t), intent(in) :: dimensions
+      type(motion_t), intent(in) :: motion
+      integer, intent(in) :: k
+      type(family_t), intent(inout) :: family
+      type(sketch_study_t), allocatable :: study       ! large: it would fill a small stack
+      integer :: n
+
+      allocate (study)
+      call study_sketch(set, problem, dimensions, motion%closed, 1.0_wp, 0.0_wp, study, changed=.true.)
+      if (k == 1) then
+         family%numbers = [character(number_name) :: (study%names(n), n=1, size(study%names))]
+         family%angle = study%angles
+         deallocate (family%actual)
+         allocate (family%actual(size(motion%closed), size(study%names), size(family%setting)), source=0.0_wp)
+      end if
+      ! a ratio to what stands still has no value
+      family%closed(:, k) = motion%closed .and. all(study%values(:, 0, :) < huge(1.0_wp), dim=1)
+      family%actual(:, :, k) = transpose(study%values(:, 0, :))
+      if (.not. allocated(set%stand_in)) family%actual(:, :size(motion%actual, 2), k) = motion%actual
+   end subroutine take_outputs
 
    !> The arc of the loops that runs between the joints of a sketch; number 0: there is none.
    pure integer function arc_between(set, sweep, mechanism) result(n)

@@ -27,13 +27,14 @@ module psalm_sketch_study
 contains
 
    !> Outputs and joints at the positions of a problem, with their rates by time.
-   subroutine study_sketch(set, problem, dimensions, closed, speed, accel, study)
+   subroutine study_sketch(set, problem, dimensions, closed, speed, accel, study, changed)
       type(data_set_t), intent(in) :: set               !! a sketch with its loops
       type(problem_t), intent(in) :: problem
       type(dimensions_t), intent(in) :: dimensions
       logical, intent(in) :: closed(:)                  !! shape (positions): by the analysis of the problem
       real(wp), intent(in) :: speed, accel              !! of the input: radians or length a second
       type(sketch_study_t), intent(out) :: study
+      logical, intent(in), optional :: changed          !! the dimensions are not those of the drawing
       class(problem_t), allocatable :: own              ! large, as the rates are: they would fill a small stack
       type(rates_t), allocatable :: rates
       type(sketch_motion_t) :: sketch
@@ -43,7 +44,7 @@ contains
 
       allocate (own, source=problem)
       if (allocated(own%linkages)) deallocate (own%linkages)
-      call locate_sketch(set, own%mechanism, sketch)
+      call locate_sketch(set, own%mechanism, sketch, changed)
       call own%want_derivatives(.true., sketch%points)
       call own%bind(dimensions)
       allocate (rates)

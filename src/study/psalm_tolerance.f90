@@ -13,7 +13,10 @@ module psalm_tolerance
    use psalm_linkage, only: padded
    use psalm_output_kind, only: output_kind_t
    use psalm_rates, only: form_frames, is_dead
-   use psalm_sensitivity, only: sensitivity_t, prepare_sensitivity, find_jacobian
+   use psalm_sensitivity, only: sensitivity_t, wanted_outputs_t, prepare_sensitivity, find_jacobian
+   use psalm_sketch, only: output_ratio, columns_of
+   use psalm_sketch_motion, only: locate_sketch
+   use psalm_sketch_outputs, only: names_of_numbers, name_room
    use psalm_dimensions, only: dimensions_t
    use psalm_mechanism, only: mechanism_t
    use psalm_parameters, only: parameters_t, variable_t, no_parameters, variable_crnki, variable_length, variable_gama, &
@@ -37,6 +40,17 @@ module psalm_tolerance
       class(problem_t), allocatable :: lean        !! the same, for positions alone
    end type deviating_t
 
+   !> Bands of all outputs of a sketch. Columns are the dimensions with a tolerance, then those of joints that stand off the arcs:
+   !> their distance and their angle.
+   type :: output_bands_t
+      character(name_room), allocatable :: names(:) !! of the numbers
+      logical, allocatable :: known(:)             !! shape (numbers): it is no ratio of rates
+      real(wp), allocatable :: worst(:, :)         !! shape (positions, numbers): worst case
+      real(wp), allocatable :: square(:, :)        !! the same shape: root-sum-square
+      real(wp), allocatable :: effect(:, :)        !! shape (columns, numbers): largest amount over the positions
+      integer, allocatable :: apart(:)             !! joints of the sketch that stand off the arcs
+   end type output_bands_t
+
    !> The linear picture.
    type :: tolerance_t
       type(dimensions_t) :: dimensions             !! the nominal linkage
@@ -48,6 +62,7 @@ module psalm_tolerance
       real(wp), allocatable :: worst(:, :)         !! shape (positions, components): worst case
       real(wp), allocatable :: square(:, :)        !! shape (positions, components): root-sum-square
       logical, allocatable :: dead(:)              !! shape (positions): a dead point, where the effects are infinite
+      type(output_bands_t), allocatable :: bands   !! of a sketch: all its outputs
    end type tolerance_t
 
    !> The sample.
@@ -120,7 +135,9 @@ contains
       logical, intent(in), optional :: every_loop  !! and not those of the output alone; without it as KTHETA says
       type(parameters_t) :: parameters
       real(wp), allocatable :: inputs(:)
-      logical :: everywhere
+      type(wanted_outputs_t), allocatable :: wanted ! of a sketch; large as well
+      logical, allocatable :: turning(:)
+      logical :: everywhere, by_name
       type(sensitivity_t), allocatable :: work   ! large: it would fill a small stack
       integer :: v, nvar, n
 
@@ -136,7 +153,16 @@ contains
       if (present(every_loop)) everywhere = every_loop
       call new_problem(mechanism, dimensions, parameters, inputs, everywhere, deviating%problem)
       allocate (deviating%lean, source=deviating%problem)
-      call deviating%problem%want_derivatives(.false.)
+      by_name = set%sketch%given
+      if (by_name) by_name = size(set%sketch%outputs) > 0
+      if (by_name) then
+         allocate (wanted)
+         call locate_sketch(set, mechanism, wanted%sketch, changed=.true.)
+         wanted%outputs = set%sketch%outputs
+         call deviating%problem%want_derivatives(.true., wanted%sketch%points)
+      else
+         call deviating%problem%want_derivatives(.false.)
+      end if
       call deviating%problem%analyse(dimensions, result%nominal)
       closes = all(result%nominal%closed)
       if (.not. closes) return
@@ -150,7 +176,15 @@ contains
       end do
       allocate (work)
       call prepare_sensitivity(deviating%problem, work)
-      call find_jacobian(deviating%problem, dimensions, work, result%effect)
+      if (by_name) then
+         allocate (result%bands)
+         call names_of_numbers(wanted%outputs, result%bands%names, turning, wanted%angle)
+         wanted%numbers = size(result%bands%names)
+         call find_jacobian(deviating%problem, dimensions, work, result%effect, wanted=wanted)
+         call make_bands(set, result%tolerance, wanted, result%bands)
+      else
+         call find_jacobian(deviating%problem, dimensions, work, result%effect)
+      end if
       call find_dead(deviating%problem, dimensions, work, result%dead)
       do v = 1, nvar
          result%effect(:, v, :) = result%effect(:, v, :)*result%tolerance(v)
@@ -158,6 +192,35 @@ contains
       result%worst = sum(abs(result%effect), dim=2)
       result%square = sqrt(sum(result%effect**2, dim=2))
    end subroutine find_tolerances
+
+   !> Bands of all outputs from their changes with every dimension.
+   subroutine make_bands(set, tolerance, wanted, bands)
+      type(data_set_t), intent(in) :: set
+      real(wp), intent(in) :: tolerance(:)         !! shape (nvar)
+      type(wanted_outputs_t), intent(in) :: wanted
+      type(output_bands_t), intent(inout) :: bands
+      real(wp), allocatable :: all_tolerances(:), effect(:, :, :)
+      integer :: column, k, n
+
+      all_tolerances = tolerance
+      do k = 1, size(wanted%apart)
+         all_tolerances = [all_tolerances, set%toler%tollen, set%toler%tolang]
+      end do
+      effect = wanted%change
+      do column = 1, size(effect, 2)
+         effect(:, column, :) = effect(:, column, :)*all_tolerances(column)
+      end do
+      bands%worst = sum(abs(effect), dim=2)
+      bands%square = sqrt(sum(effect**2, dim=2))
+      bands%effect = maxval(abs(effect), dim=1)
+      bands%apart = wanted%sketch%moving(wanted%apart)%joint
+      allocate (bands%known(size(bands%names)), source=.true.)
+      n = 0
+      do k = 1, size(wanted%outputs)
+         n = n + columns_of(wanted%outputs(k))
+         if (wanted%outputs(k)%kind == output_ratio) bands%known(n) = .false.
+      end do
+   end subroutine make_bands
 
    !> Every dimension with a tolerance as a variable.
    pure function deviating_dimensions(set, mechanism) result(parameters)
