@@ -5,7 +5,7 @@ module psalm_group_rings
    use psalm_kinds, only: wp
    implicit none (type, external)
    private
-   public :: higher_t
+   public :: higher_t, known_turn_t
 
    !> An arc of a ring, from the point at which the ring leaves what is known to that at which it comes back.
    type :: term_t
@@ -19,18 +19,41 @@ module psalm_group_rings
       real(wp) :: length = 0.0_wp                   !! where it is fixed
    end type term_t
 
-   !> A group of `unknowns` directions and lengths, closed by half as many rings.
+   !> Turns of links, radians since the drawing, that depend on each other: the sum of `factors` times those in `rows` is that of the
+   !> drive.
+   type :: turn_tie_t
+      real(wp) :: factors(3) = 0.0_wp
+      integer :: rows(3) = 0                        !! rows of the turns, 0: none
+      integer :: roots(3) = 0                       !! rows of the cosines of these directions, where their changes stand
+      integer :: unknown(3) = 0                     !! the unknown that it is, 0: it is known
+      integer :: drive = 0                          !! row of the drive's turn, 0: none
+      integer :: drive_root = 0                     !! where its changes stand
+   end type turn_tie_t
+
+   !> A direction known before the group whose turn a tie needs.
+   type :: known_turn_t
+      integer :: row = 0                            !! of the turn
+      integer :: root_x = 0, root_y = 0             !! of the direction
+      real(wp) :: drawn(2) = 0.0_wp                 !! the direction in the drawing
+      real(wp) :: now(3) = 0.0_wp                   !! direction and turn where the group stands
+   end type known_turn_t
+
+   !> A group of `unknowns` directions and lengths: two equations a ring, one a tie.
    type :: higher_t
       integer :: unknowns = 0, rings = 0
       integer, allocatable :: arc(:)                !! shape (unknowns): the arcs they belong to
       integer, allocatable :: row(:)                !! shape (unknowns): row of a direction's cosine, or of a length
       integer, allocatable :: row_of_sine(:)        !! shape (unknowns): row of its sine; 0: a length
+      integer, allocatable :: row_of_turn(:)        !! shape (unknowns): row of its turn, 0: no tie needs it
+      type(turn_tie_t), allocatable :: ties(:)
+      type(known_turn_t), allocatable :: known(:)
+      real(wp), allocatable :: drawn_angle(:)       !! shape (unknowns): direction in the drawing, degrees; lengths: 0
       integer, allocatable :: ends(:, :)            !! shape (4, rings): rows of x and y of the points a ring leads from and to
       type(term_t), allocatable :: terms(:)
-      real(wp), allocatable :: drawn(:, :)          !! shape (2, unknowns): in the drawing, cosine and sine, or length and 0
+      real(wp), allocatable :: drawn(:, :)          !! shape (3, unknowns): in the drawing, cosine, sine and turn, or length and 0
       real(wp) :: size = 1.0_wp                     !! of the group: an angle of a radian counts as such a length
       ! while it is followed from input to input
-      real(wp), allocatable :: now(:, :), before(:, :) !! shape (2, unknowns): where it stands, and where it stood before
+      real(wp), allocatable :: now(:, :), before(:, :) !! shape (3, unknowns): where it stands, and where it stood before
       real(wp) :: sense = 0.0_wp                    !! sign of the determinant in the drawing
    end type higher_t
 end module psalm_group_rings

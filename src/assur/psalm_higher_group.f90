@@ -7,17 +7,18 @@
 !> is the sine of the transmission angle. A position that is not reached has a negative one. Source: Allgower and Georg (1990),
 !> chapter 6.
 module psalm_higher_group
+   use psalm_angles, only: degrees_of, unit_vector
    use psalm_arc_kernels, only: difference
    use psalm_frames, only: frames_t, arc_rate, form_arc, rows_of_arc
    use psalm_group_rings, only: higher_t
-   use psalm_kinds, only: wp
+   use psalm_kinds, only: wp, degrees_per_radian
    use psalm_linear, only: eliminate_real
    use psalm_rows, only: rows_t
    implicit none (type, external)
    private
    public :: state_at, put_state, predict, correct, is_trusted
    public :: rows_of_higher, form_higher, differentiate_higher, solve_higher, is_dead_higher, bounds_higher
-   public :: closure_of_higher, change_of_higher
+   public :: closure_of_higher, change_of_higher, gaps_of_ties, put_known_turns, keep_known_turns
    public :: dead_measure, correction_t
 
    real(wp), parameter :: dead_measure = 64.0_wp*epsilon(1.0_wp)**0.75_wp !! at and below it a group is at a dead point
@@ -36,24 +37,25 @@ module psalm_higher_group
 
 contains
 
-   !> The unknowns at a position of a block: cosine and sine, or length and 0. Shape (2, unknowns).
+   !> The unknowns at a position of a block: cosine and sine, or length and 0. Shape (3, unknowns); of a direction its turn, too.
    pure function state_at(higher, store, i) result(state)
       type(higher_t), intent(in) :: higher
       type(rows_t), intent(in) :: store
       integer, intent(in) :: i
-      real(wp) :: state(2, higher%unknowns)
+      real(wp) :: state(3, higher%unknowns)
       integer :: j
 
       do j = 1, higher%unknowns
          state(1, j) = store%v(i, higher%row(j))
-         state(2, j) = 0.0_wp
+         state(2:, j) = 0.0_wp
          if (higher%row_of_sine(j) > 0) state(2, j) = store%v(i, higher%row_of_sine(j))
+         if (higher%row_of_turn(j) > 0) state(3, j) = store%v(i, higher%row_of_turn(j))
       end do
    end function state_at
 
    pure subroutine put_state(higher, state, store, i)
       type(higher_t), intent(in) :: higher
-      real(wp), intent(in) :: state(:, :)          !! shape (2, unknowns)
+      real(wp), intent(in) :: state(:, :)          !! shape (3, unknowns)
       type(rows_t), intent(inout) :: store
       integer, intent(in) :: i
       integer :: j
@@ -61,26 +63,32 @@ contains
       do j = 1, higher%unknowns
          store%v(i, higher%row(j)) = state(1, j)
          if (higher%row_of_sine(j) > 0) store%v(i, higher%row_of_sine(j)) = state(2, j)
+         if (higher%row_of_turn(j) > 0) store%v(i, higher%row_of_turn(j)) = state(3, j)
       end do
    end subroutine put_state
 
    !> Go on as from `before` to `now`, `ratio` times as far.
    pure subroutine predict(higher, before, now, ratio, next, moved)
       type(higher_t), intent(in) :: higher
-      real(wp), intent(in) :: before(:, :), now(:, :) !! shape (2, unknowns)
+      real(wp), intent(in) :: before(:, :), now(:, :) !! shape (3, unknowns)
       real(wp), intent(in) :: ratio
-      real(wp), intent(out) :: next(:, :)          !! shape (2, unknowns)
+      real(wp), intent(out) :: next(:, :)          !! shape (3, unknowns)
       real(wp), intent(out) :: moved               !! largest change
       real(wp) :: cosine, sine, half
       integer :: j
 
       moved = 0.0_wp
       do j = 1, higher%unknowns
-         if (higher%row_of_sine(j) > 0) then
+         next(3, j) = now(3, j)
+         if (higher%row_of_turn(j) > 0) then
+            next(3, j) = now(3, j) + ratio*(now(3, j) - before(3, j))
+            call unit_vector(higher%drawn_angle(j) + next(3, j)*degrees_per_radian, next(1, j), next(2, j))
+            moved = max(moved, abs(next(3, j) - now(3, j)))
+         else if (higher%row_of_sine(j) > 0) then
             cosine = now(1, j)*before(1, j) + now(2, j)*before(2, j)
             sine = now(2, j)*before(1, j) - now(1, j)*before(2, j)
             half = ratio*sine/(1.0_wp + max(cosine, 0.0_wp))
-            next(:, j) = turned(now(:, j), half)
+            next(:2, j) = turned(now(:2, j), half)
             moved = max(moved, 2.0_wp*abs(half))
          else
             next(1, j) = now(1, j) + ratio*(now(1, j) - before(1, j))
@@ -128,7 +136,13 @@ contains
          if (step == 1) result%first = largest
          if (step == 2) result%second = largest
          do j = 1, higher%unknowns
-            if (higher%row_of_sine(j) > 0) then
+            if (higher%row_of_turn(j) > 0) then
+               associate (turn => store%v(i, higher%row_of_turn(j)))
+                  turn = turn + right(j, 1)
+                  call unit_vector(higher%drawn_angle(j) + turn*degrees_per_radian, store%v(i, higher%row(j)), &
+                                   store%v(i, higher%row_of_sine(j)))
+               end associate
+            else if (higher%row_of_sine(j) > 0) then
                vector = turned([store%v(i, higher%row(j)), store%v(i, higher%row_of_sine(j))], 0.5_wp*right(j, 1))
                store%v(i, higher%row(j)) = vector(1)
                store%v(i, higher%row_of_sine(j)) = vector(2)
@@ -167,7 +181,7 @@ contains
       integer, intent(in) :: i
       real(wp), intent(out) :: matrix(:, :), right(:) !! shape (unknowns, unknowns), (unknowns)
       real(wp) :: x, y, length, back
-      integer :: k, r
+      integer :: k, r, j
 
       back = 1.0_wp/higher%size
       matrix = 0.0_wp
@@ -196,7 +210,54 @@ contains
             right(r) = right(r) - y
          end associate
       end do
+      do k = 1, size(higher%ties)
+         associate (tie => higher%ties(k))
+            r = 2*higher%rings + k
+            right(r) = 0.0_wp
+            if (tie%drive > 0) right(r) = store%v(i, tie%drive)
+            do j = 1, size(tie%rows)
+               if (tie%rows(j) > 0) right(r) = right(r) - tie%factors(j)*store%v(i, tie%rows(j))
+               if (tie%unknown(j) > 0) matrix(r, tie%unknown(j)) = matrix(r, tie%unknown(j)) + tie%factors(j)
+            end do
+         end associate
+      end do
    end subroutine equations
+
+   !> Turns of the directions that are known at position i, each less than half a turn from where the group stands. `moved` is the
+   !> largest change, radians.
+   pure subroutine put_known_turns(higher, store, i, moved)
+      type(higher_t), intent(in) :: higher
+      type(rows_t), intent(inout) :: store
+      integer, intent(in) :: i
+      real(wp), intent(out) :: moved
+      real(wp) :: change
+      integer :: k
+
+      moved = 0.0_wp
+      do k = 1, size(higher%known)
+         associate (known => higher%known(k))
+            associate (x => store%v(i, known%root_x), y => store%v(i, known%root_y))
+               change = degrees_of(x*known%now(1) + y*known%now(2), y*known%now(1) - x*known%now(2))/degrees_per_radian
+            end associate
+            store%v(i, known%row) = known%now(3) + change
+            moved = max(moved, abs(change))
+         end associate
+      end do
+   end subroutine put_known_turns
+
+   !> Note where the known directions stand at position i.
+   pure subroutine keep_known_turns(higher, store, i)
+      type(higher_t), intent(inout) :: higher
+      type(rows_t), intent(in) :: store
+      integer, intent(in) :: i
+      integer :: k
+
+      do k = 1, size(higher%known)
+         associate (known => higher%known(k))
+            known%now = [store%v(i, known%root_x), store%v(i, known%root_y), store%v(i, known%row)]
+         end associate
+      end do
+   end subroutine keep_known_turns
 
    ! ---- derivatives -------------------------------------------------------------------------------------------------
 
@@ -250,8 +311,9 @@ contains
          if (.not. determinant > dead_measure) inverse = 0.0_wp
          row = inverse_row(higher, at)
          do j = 1, higher%unknowns
-            ! of lengths and turns by lengths that are not divided by the size
-            if (higher%row_of_sine(j) > 0) inverse(j, :) = inverse(j, :)/higher%size
+            ! of lengths and turns by lengths that are not divided by the size, and by turns
+            if (higher%row_of_sine(j) > 0) inverse(j, :2*higher%rings) = inverse(j, :2*higher%rings)/higher%size
+            if (higher%row_of_sine(j) == 0) inverse(j, 2*higher%rings + 1:) = inverse(j, 2*higher%rings + 1:)*higher%size
             frames%work%v(i, row:row + higher%unknowns - 1) = inverse(j, :)
             row = row + higher%unknowns
          end do
@@ -273,7 +335,7 @@ contains
       integer, intent(in) :: n, at
       type(higher_t), intent(in) :: higher
       type(frames_t), intent(in) :: frames
-      real(wp), intent(in) :: gap(:, :)            !! shape (n, 2*rings): x and y of each ring
+      real(wp), intent(in) :: gap(:, :)            !! shape (n, unknowns): x and y of each ring, turns of ties
       type(rows_t), intent(inout) :: d             !! at the rows of the unknowns
       integer :: i, j, k, row
 
@@ -297,7 +359,7 @@ contains
       type(higher_t), intent(in) :: higher
       type(frames_t), intent(in) :: frames
       type(rows_t), intent(inout) :: d(:)          !! by order
-      real(wp) :: gap(n, 2*higher%rings), tx(n), ty(n)
+      real(wp) :: gap(n, higher%unknowns), tx(n), ty(n)
       integer :: order, j, k, r
 
       do order = 1, orders
@@ -319,9 +381,30 @@ contains
                gap(:, r) = ty
             end associate
          end do
+         call gaps_of_ties(n, higher, d(order), gap)
          call solve_higher(n, higher, at, frames, gap, d(order))
       end do
    end subroutine differentiate_higher
+
+   !> What the known changes of turns leave of each tie; rows of unknown changes hold zero.
+   pure subroutine gaps_of_ties(n, higher, d, gap)
+      integer, intent(in) :: n
+      type(higher_t), intent(in) :: higher
+      type(rows_t), intent(in) :: d
+      real(wp), intent(inout) :: gap(:, :)         !! shape (n, unknowns)
+      integer :: k, r, j
+
+      do k = 1, size(higher%ties)
+         r = 2*higher%rings + k
+         gap(:, r) = 0.0_wp
+         associate (tie => higher%ties(k))
+            if (tie%drive_root > 0) gap(:, r) = d%v(1:n, tie%drive_root)
+            do j = 1, size(tie%roots)
+               if (tie%roots(j) > 0 .and. tie%unknown(j) == 0) gap(:, r) = gap(:, r) - tie%factors(j)*d%v(1:n, tie%roots(j))
+            end do
+         end associate
+      end do
+   end subroutine gaps_of_ties
 
    !> How far a group is from a dead point: 1 less its measure, at positions that are not reached 1 less that in the store.
    pure subroutine closure_of_higher(n, higher, store, measure, k)
@@ -443,10 +526,23 @@ contains
          end associate
       end do
       do r = 1, higher%rings
+         gap(2*r) = gap(2*r)/higher%size
          gap(2*r - 1) = gap(2*r)
       end do
+      do k = 1, size(higher%ties)
+         r = 2*higher%rings + k
+         gap(r) = 1.0_wp
+         associate (tie => higher%ties(k))
+            do j = 1, size(tie%rows)
+               if (tie%rows(j) == 0) cycle
+               gap(r) = gap(r) + abs(tie%factors(j)*store%v(i, tie%rows(j)))
+               if (tie%unknown(j) == 0) gap(r) = gap(r) + abs(tie%factors(j))*row(tie%roots(j))
+            end do
+            if (tie%drive > 0) gap(r) = gap(r) + abs(store%v(i, tie%drive))
+         end associate
+      end do
       do j = 1, higher%unknowns
-         bound(j) = min(sum(abs(inverse(j, :))*gap)/higher%size, worst) + 1.0_wp
+         bound(j) = min(sum(abs(inverse(j, :))*gap), worst) + 1.0_wp
          if (higher%row_of_sine(j) == 0) bound(j) = bound(j)*higher%size
       end do
    end subroutine bounds_higher

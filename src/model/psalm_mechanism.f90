@@ -18,7 +18,7 @@ module psalm_mechanism
    use psalm_output_kind, only: motion_point
    implicit none (type, external)
    private
-   public :: mechanism_t, ring_t, point_t, bar_t, body_t, joint_t, actuator_t, output_t
+   public :: mechanism_t, linkage_group_t, ring_t, point_t, bar_t, body_t, joint_t, actuator_t, output_t
    public :: arc_absent, arc_determined, arc_link, arc_slide, arc_crank, arc_actuator
    public :: joint_revolute, joint_prismatic, at_start, at_finish, body_frame, pivot
 
@@ -55,13 +55,25 @@ module psalm_mechanism
       integer :: foot = 0               !! where its guide meets a slide, or an arc that repeats one: `at_...`
       integer :: bar = 0                !! the bar it runs along
       logical :: attached = .false.     !! its ends are points of its body; if not it is only parallel to it
+      integer :: drive = 1              !! of the input link and of arcs whose length is an input: the actuator that moves it
    end type arc_t
 
    !> A ring of arcs of a larger group. From the input pivot the arcs `first` to `turn`, each from start to finish, lead to the
    !> point to which the arcs `last` back to `turn` + 1, each from finish to start, lead as well.
+   !> One that is not closed has forward arcs only: they lead to a link that a tie turns.
    type :: ring_t
       integer :: first = 0, turn = 0, last = 0
+      logical :: closed = .true.
    end type ring_t
+
+   !> Turns of links, counted from the drawing, that depend on each other: the sum of `factors` times those of the arcs is the turn of
+   !> a drive, or 0. Wheels in gear; a drive between two moving links; slides that give several links one direction.
+   type :: tie_t
+      integer :: arcs(3) = 0            !! axes of the links; 0: none, or the frame
+      real(wp) :: factors(3) = 0.0_wp
+      real(wp) :: drawn(3) = 0.0_wp     !! directions of these arcs in the drawing, degrees
+      integer :: drive = 0              !! an actuator that turns; 0: none
+   end type tie_t
 
    !> What closes a group: a ring of arcs, or several.
    type :: loop_t
@@ -111,6 +123,8 @@ module psalm_mechanism
       integer :: joint = 0
       integer :: arc = 0                !! the arc it moves
       logical :: slides = .false.       !! prismatic: its input is a length
+      logical :: geared = .false.       !! its input is that of the first, counted from the drawing, times `ratio`, and `phase`
+      real(wp) :: ratio = 1.0_wp, phase = 0.0_wp
    end type actuator_t
 
    !> An Assur group.
@@ -119,6 +133,7 @@ module psalm_mechanism
       integer :: loop = 0               !! the loop that closes it
       integer, allocatable :: members(:)!! its unknown arcs; of a dyad p and q
       integer :: sign = 1               !! assembly mode, +1 or -1
+      type(tie_t), allocatable :: ties(:) !! of a larger group; not allocated: none
       integer, allocatable :: joints(:) !! S, M, E; of a larger group all joints between its links, or with links before it
    end type linkage_group_t
 

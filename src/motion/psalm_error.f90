@@ -74,6 +74,9 @@ module psalm_error
       ! tables for whole blocks: the positions, padded with the last one
       real(wp), allocatable :: first(:), second(:) !! cosine and sine of DELT; sliding input: DELT twice
       real(wp), allocatable :: path(:)             !! DELT itself
+      real(wp), allocatable :: more(:, :, :)       !! shape (positions, 3, drives after the first): increment, its cosine, its sine;
+                                                   !! not allocated: there is one drive
+      real(wp), allocatable :: own_delt(:, :)      !! shape (positions, drives after the first): of drives that are not geared
       logical :: desired = .false.                 !! there are desired values
       real(wp), allocatable :: wanted(:, :)        !! shape (positions, components): desired, points in machine co-ordinates
       real(wp), allocatable :: toward_x(:), toward_y(:) !! unit vectors of desired angles
@@ -215,9 +218,11 @@ contains
    end subroutine want_derivatives
 
    !> Give the input positions (increments from the reference position); desired values are dropped.
-   subroutine set_inputs(self, delt)
+   subroutine set_inputs(self, delt, own)
       class(problem_t), intent(inout) :: self
       real(wp), intent(in) :: delt(:)  !! degrees, or length with a sliding input
+      real(wp), intent(in), optional :: own(:, :) !! shape (positions, drives after the first): of drives that are not geared, from
+                                       !! the drawing; else they stand still
       integer :: i
 
       self%positions = size(delt)
@@ -235,10 +240,43 @@ contains
             call unit_vector(self%second(i), self%first(i), self%second(i))
          end do
       end if
+      call set_more(self, own)
       if (allocated(self%partial)) deallocate (self%partial, self%offending)
       allocate (self%partial(self%blocks()), source=0.0_wp)
       allocate (self%offending(self%blocks()), source=0)
    end subroutine set_inputs
+
+   !> Increments of the drives after the first.
+   subroutine set_more(self, own)
+      class(problem_t), intent(inout) :: self
+      real(wp), intent(in), optional :: own(:, :)  !! as `set_inputs` has it
+
+      if (allocated(self%more)) deallocate (self%more, self%own_delt)
+      associate (drives => size(self%mechanism%actuators) - 1)
+         if (drives < 1) return
+         allocate (self%more(size(self%first), 3, drives), self%own_delt(self%positions, drives), source=0.0_wp)
+      end associate
+      if (present(own)) self%own_delt = own
+      call fill_more(self)
+   end subroutine set_more
+
+   pure subroutine fill_more(self)
+      class(problem_t), intent(inout) :: self
+      integer :: d, i
+
+      do d = 1, size(self%more, 3)
+         associate (actuator => self%mechanism%actuators(d + 1))
+            do i = 1, size(self%more, 1)
+               if (actuator%geared) then
+                  self%more(i, 1, d) = actuator%ratio*self%path(i)
+               else
+                  self%more(i, 1, d) = self%own_delt(min(i, self%positions), d)
+               end if
+               if (.not. actuator%slides) call unit_vector(self%more(i, 1, d), self%more(i, 2, d), self%more(i, 3, d))
+            end do
+         end associate
+      end do
+   end subroutine fill_more
 
    !> Move the input positions; their number, desired values and weights stay. No allocation.
    pure subroutine move_inputs(self, delt)
@@ -258,6 +296,7 @@ contains
             end if
          end associate
       end do
+      if (allocated(self%more)) call fill_more(self)
    end subroutine move_inputs
 
    !> Give desired values and weights for the positions.
@@ -335,8 +374,7 @@ contains
       offset = (block - 1)*self%linkage%room
       n = min(self%linkage%room, self%positions - offset)
       m = padded(n)
-      call self%linkage%solve(m, self%first(offset + 1:offset + m), self%second(offset + 1:offset + m), &
-                              self%path(offset + 1:offset + m), last_step)
+      call solve_positions(self, self%linkage, offset, m, last_step)
    end subroutine solve_block
 
    !> Objective of a linkage: the sum of weight * (desired - actual)**2.
@@ -386,6 +424,25 @@ contains
       loop = 0
    end subroutine evaluate
 
+   !> The positions offset+1 ... offset+n with a bound linkage.
+   pure subroutine solve_positions(self, linkage, offset, n, last_step, offending)
+      class(problem_t), intent(in) :: self
+      type(linkage_t), intent(inout) :: linkage
+      integer, intent(in) :: offset, n
+      integer, intent(in), optional :: last_step
+      integer, intent(out), optional :: offending
+
+      associate (first => offset + 1, last => offset + n)
+         if (allocated(self%more)) then
+            call linkage%solve(n, self%first(first:last), self%second(first:last), self%path(first:last), &
+                               self%more(first:last, :, :), last_step, offending)
+         else
+            call linkage%solve(n, self%first(first:last), self%second(first:last), self%path(first:last), last_step=last_step, &
+                               offending=offending)
+         end if
+      end associate
+   end subroutine solve_positions
+
    !> Deviations actual - desired of a linkage at every position; `loop` is the lowest loop not accepted, 0: none. No allocation.
    pure subroutine deviations(self, dimensions, miss, loop)
       class(problem_t), intent(inout) :: self
@@ -421,8 +478,7 @@ contains
       offset = (block - 1)*linkage%room
       m = padded(min(linkage%room, self%positions - offset))
       objective = 0.0_wp
-      call linkage%solve(m, self%first(offset + 1:offset + m), self%second(offset + 1:offset + m), &
-                         self%path(offset + 1:offset + m), offending=loop)
+      call solve_positions(self, linkage, offset, m, offending=loop)
       if (loop > 0) return
       call linkage%note_sides(m)
       if (self%motion /= motion_angle) call self%output%observe(m, linkage)

@@ -7,15 +7,15 @@ module psalm_linkage
    use psalm_angles, only: unit_vector
    use psalm_assur, only: mark_unknowns, bind_dyad, solve_dyad, is_signed, makes_tip
    use psalm_dyad, only: dyad_t, tip_t
-   use psalm_group_rings, only: higher_t
-   use psalm_kinds, only: wp, i8, right_angle
+   use psalm_group_rings, only: higher_t, known_turn_t
+   use psalm_kinds, only: wp, i8, degrees_per_radian, radians_per_degree, right_angle
    use psalm_plan, only: plan_t, step_point, step_dyad, root_crank
    use psalm_rows, only: rows_t, make_rows
    use psalm_dimensions, only: dimensions_t
-   use psalm_mechanism, only: mechanism_t
+   use psalm_mechanism, only: mechanism_t, linkage_group_t, arc_slide
    implicit none (type, external)
    private
-   public :: linkage_t, bound_step_t, block_length, padded, solve_point
+   public :: linkage_t, bound_step_t, block_length, padded, solve_point, put_seconds
 
    integer, parameter :: block_length = 128 !! positions solved together: all arrays stay in first-level cache
    integer, parameter :: lane = 4           !! positions are padded to a multiple of this: no remainder loops
@@ -41,6 +41,19 @@ module psalm_linkage
       real(wp) :: x = 0.0_wp, y = 0.0_wp         !! point: the arc in the axes of its root, sense included
       type(dyad_t) :: dyad
    end type bound_step_t
+
+   !> A drive after the first.
+   type :: second_drive_t
+      integer :: arc = 0                         !! the arc it moves
+      logical :: slides = .false., geared = .false.
+      real(wp) :: ratio = 1.0_wp, phase = 0.0_wp !! geared: to the first, both counted from the drawing
+      integer :: root_x = 0, root_y = 0          !! rows of the direction that it turns; 0: that of a tie
+      integer :: slide = 0                       !! row of the length that it sets
+      integer :: turn = 0                        !! row of its turn since the drawing, radians; 0: no tie needs it
+      real(wp) :: x = 1.0_wp, y = 0.0_wp         !! direction without an increment
+      real(wp) :: reference = 0.0_wp             !! turn, degrees, or length without an increment: of the turn from the drawing
+      real(wp) :: drawn = 0.0_wp                 !! increment of the drawing
+   end type second_drive_t
 
    type :: linkage_t
       integer :: room = 0                        !! positions of a block, a multiple of `lane`
@@ -69,6 +82,10 @@ module psalm_linkage
       real(wp) :: crank_x = 1.0_wp, crank_y = 0.0_wp !! unit vector at the reference position
       real(wp) :: crank_angle = 0.0_wp           !! its angle, degrees
       real(wp) :: reference_length = 0.0_wp      !! actuator's length at the reference position, user's unit
+      integer :: first_turn = 0                  !! row of the first input's turn since the drawing, radians; 0: no tie needs it
+      type(second_drive_t), allocatable :: seconds(:)
+      integer, allocatable :: input_row(:)       !! rows that move with the first input,
+      real(wp), allocatable :: input_rate(:)     !! by how much a unit of it: radian, or user's length
       real(wp) :: cosine_lowest = 0.0_wp         !! cosine of the smallest transmission angle allowed
       real(wp) :: sine_lowest = 0.0_wp           !! sine of the smallest angle between two slides allowed
       real(wp) :: toggle = 0.0_wp                !! length to spare of a link or guide with a slide, user's unit
@@ -86,11 +103,12 @@ module psalm_linkage
 
    interface
       !> A larger group at the positions of a block, each from the one before; the first from the drawing.
-      pure module subroutine follow_group(self, k, n, path)
+      pure module subroutine follow_group(self, k, n, path, more)
          class(linkage_t), intent(inout) :: self
          integer, intent(in) :: k                !! its step
          integer, intent(in) :: n                !! positions
-         real(wp), intent(in) :: path(n)         !! input increments
+         real(wp), intent(in) :: path(n)         !! increments of the first input
+         real(wp), intent(in), optional :: more(:, :, :) !! of the others, as `solve` has them
       end subroutine follow_group
    end interface
 
@@ -106,7 +124,7 @@ contains
       real(wp), intent(in) :: toggle    !! length to spare of a link or guide with a slide; 0: closure only
       real(wp), intent(in) :: delt(:)   !! input increments there will be
       real(wp) :: unused
-      integer :: k, n, loop
+      integer :: k, n, loop, turn_row
 
       self%room = min(block_length, padded(size(delt)))
       n = size(mechanism%arcs)
@@ -117,13 +135,15 @@ contains
       allocate (self%length(n), source=0.0_wp)
       allocate (self%side(mechanism%nloop), source=0)
       self%two_slides = [(is_signed(mechanism%groups(k)%kind), k=1, mechanism%nloop)]
-      call lay_out(self, plan%nroots, plan%npoints, plan%nlengths, mechanism%nloop)
+      call lay_out(self, plan%nroots, plan%npoints, plan%nlengths, mechanism%nloop, most_turns(), turn_row)
+      call prepare_seconds()
       self%sliding_input = mechanism%sliding_input
       if (self%sliding_input) self%largest_input = maxval(abs(delt))
       call unit_vector(right_angle - tangle, self%cosine_lowest, unused)
       call unit_vector(right_angle - slide_angle, unused, self%sine_lowest)
       self%toggle = toggle
       if (mechanism%sliding_input) self%input_slot = plan%length_slot(1)
+      call prepare_input_rows()
       do k = 1, size(plan%steps)
          associate (step => plan%steps(k), bound => self%steps(k))
             bound%kind = step%kind
@@ -157,6 +177,79 @@ contains
 
    contains
 
+      !> Rows for turns that ties may need: of every unknown and every member of a tie, of every drive.
+      integer function most_turns()
+         integer :: group
+
+         most_turns = 0
+         do group = 1, mechanism%nloop
+            if (.not. allocated(mechanism%groups(group)%ties)) cycle
+            most_turns = most_turns + size(mechanism%groups(group)%members) + 3*size(mechanism%groups(group)%ties)
+         end do
+         if (most_turns > 0) most_turns = most_turns + size(mechanism%actuators)
+      end function most_turns
+
+      integer function new_turn_row()
+         turn_row = turn_row + 1
+         new_turn_row = turn_row
+      end function new_turn_row
+
+      subroutine prepare_seconds()
+         integer :: d
+
+         allocate (self%seconds(size(mechanism%actuators) - 1))
+         do d = 1, size(self%seconds)
+            associate (own => self%seconds(d), actuator => mechanism%actuators(d + 1))
+               own%arc = actuator%arc
+               own%slides = actuator%slides
+               own%geared = actuator%geared
+               own%ratio = actuator%ratio
+               own%phase = actuator%phase
+               if (own%slides) then
+                  own%slide = row_of_slide(plan%drive_slot(d + 1))
+               else if (plan%drive_root(d + 1) > 0) then
+                  own%root_x = self%root_x(plan%drive_root(d + 1))
+                  own%root_y = self%root_y(plan%drive_root(d + 1))
+               end if
+               if (most_turns() > 0 .and. .not. own%slides) own%turn = new_turn_row()
+            end associate
+         end do
+         if (most_turns() > 0 .and. .not. mechanism%sliding_input) self%first_turn = new_turn_row()
+      end subroutine prepare_seconds
+
+      !> What moves with the first input: its own row, and those of drives geared to it.
+      subroutine prepare_input_rows()
+         integer :: d
+
+         allocate (self%input_row(0), self%input_rate(0))
+         if (.not. self%sliding_input) then
+            call add(self%root_x(root_crank), 1.0_wp)
+         else if (self%input_slot > 0) then
+            call add(self%slide(self%input_slot), 0.0_wp)
+         end if
+         do d = 1, size(self%seconds)
+            associate (own => self%seconds(d))
+               if (.not. own%geared) cycle
+               if (own%slides) then
+                  call add(own%slide, 0.0_wp)
+               else if (own%root_x > 0) then
+                  call add(own%root_x, own%ratio*merge(radians_per_degree, 1.0_wp, self%sliding_input))
+               end if
+               if (own%turn > 0) call add(own%turn, own%ratio*merge(radians_per_degree, 1.0_wp, self%sliding_input))
+            end associate
+         end do
+         if (self%first_turn > 0) call add(self%first_turn, 1.0_wp)
+      end subroutine prepare_input_rows
+
+      subroutine add(row, rate)
+         integer, intent(in) :: row
+         real(wp), intent(in) :: rate
+
+         if (row == 0) return
+         self%input_row = [self%input_row, row]
+         self%input_rate = [self%input_rate, rate]
+      end subroutine add
+
       subroutine prepare_higher(dyad)
          type(dyad_t), intent(inout) :: dyad
          type(higher_t) :: higher
@@ -170,12 +263,15 @@ contains
             higher%unknowns = size(higher%arc)
             higher%rings = size(rings)
             allocate (higher%row(higher%unknowns), higher%row_of_sine(higher%unknowns), source=0)
-            allocate (higher%drawn(2, higher%unknowns), source=0.0_wp)
+            allocate (higher%row_of_turn(higher%unknowns), source=0)
+            allocate (higher%drawn(3, higher%unknowns), higher%drawn_angle(higher%unknowns), source=0.0_wp)
             do j = 1, higher%unknowns
-               higher%row(j) = row_of_slide(plan%length_slot(higher%arc(j)))
-               if (higher%row(j) > 0) cycle
-               higher%row(j) = self%root_x(plan%root(higher%arc(j)))
-               higher%row_of_sine(j) = self%root_y(plan%root(higher%arc(j)))
+               if (mechanism%arcs(higher%arc(j))%kind == arc_slide) then
+                  higher%row(j) = row_of_slide(plan%length_slot(higher%arc(j)))
+               else
+                  higher%row(j) = self%root_x(plan%root(higher%arc(j)))
+                  higher%row_of_sine(j) = self%root_y(plan%root(higher%arc(j)))
+               end if
             end do
             allocate (higher%ends(4, higher%rings), higher%terms(sum(rings%last - rings%first + 1)))
             terms = 0
@@ -196,8 +292,52 @@ contains
                end do
             end do
          end associate
+         call prepare_ties(mechanism%groups(loop), higher)
          allocate (dyad%higher, source=higher)
       end subroutine prepare_higher
+
+      subroutine prepare_ties(group, higher)
+         type(linkage_group_t), intent(in) :: group
+         type(higher_t), intent(inout) :: higher
+         integer :: i, j, known
+
+         allocate (higher%known(0))
+         if (.not. allocated(group%ties)) then
+            allocate (higher%ties(0))
+            return
+         end if
+         allocate (higher%ties(size(group%ties)))
+         do i = 1, size(group%ties)
+            associate (tie => higher%ties(i), of => group%ties(i))
+               tie%factors = of%factors
+               if (of%drive == 1) then
+                  tie%drive = self%first_turn
+               else if (of%drive > 1) then
+                  tie%drive = self%seconds(of%drive - 1)%turn
+               end if
+               tie%drive_root = tie%drive
+               do j = 1, size(of%arcs)
+                  if (of%arcs(j) == 0) cycle
+                  tie%roots(j) = self%root_x(plan%root(of%arcs(j)))
+                  tie%unknown(j) = findloc(higher%row == tie%roots(j) .and. higher%row_of_sine > 0, .true., dim=1)
+                  if (tie%unknown(j) > 0) then
+                     associate (row => higher%row_of_turn(tie%unknown(j)))
+                        if (row == 0) row = new_turn_row()
+                        tie%rows(j) = row
+                     end associate
+                     cycle
+                  end if
+                  known = findloc(higher%known%root_x, tie%roots(j), dim=1)
+                  if (known == 0) then
+                     higher%known = [higher%known, known_turn_t(new_turn_row(), tie%roots(j), self%root_y(plan%root(of%arcs(j))))]
+                     known = size(higher%known)
+                     call unit_vector(of%drawn(j), higher%known(known)%drawn(1), higher%known(known)%drawn(2))
+                  end if
+                  tie%rows(j) = higher%known(known)%row
+               end do
+            end associate
+         end do
+      end subroutine prepare_ties
 
       subroutine prepare_dyad(dyad)
          type(dyad_t), intent(inout) :: dyad
@@ -276,14 +416,15 @@ contains
    end function padded
 
    !> Allocate the store and give every row its place.
-   subroutine lay_out(self, roots, points, lengths, loops)
+   subroutine lay_out(self, roots, points, lengths, loops, turns, next)
       type(linkage_t), intent(inout) :: self
-      integer, intent(in) :: roots, points, lengths, loops
-      integer :: next, k
+      integer, intent(in) :: roots, points, lengths, loops, turns
+      integer, intent(out) :: next         !! the last row given a place: rows for turns come after it
+      integer :: k
 
       allocate (self%root_x(roots), self%root_y(roots), self%slide(lengths), self%measure(loops))
       allocate (self%point_x(0:points), self%point_y(0:points))
-      call make_rows(self%room, 2*roots + 2*(points + 1) + lengths + loops + 5, self%store)
+      call make_rows(self%room, 2*roots + 2*(points + 1) + lengths + loops + 5 + turns, self%store)
       next = 0
       do k = 1, roots
          self%root_x(k) = new_row()
@@ -335,6 +476,7 @@ contains
          if (dimensions%crnki /= self%crank_angle) call unit_vector(dimensions%crnki, self%crank_x, self%crank_y)
          self%crank_angle = dimensions%crnki
       end if
+      call bind_seconds(self, dimensions)
       do k = 1, size(self%steps)
          if (self%steps(k)%kind == step_point) then
             call bind_point(self, self%steps(k))
@@ -345,6 +487,34 @@ contains
          end if
       end do
    end subroutine bind
+
+   !> Drives after the first: where they stand without an increment, and in the drawing.
+   pure subroutine bind_seconds(self, dimensions)
+      type(linkage_t), intent(inout) :: self
+      type(dimensions_t), intent(in) :: dimensions
+      real(wp) :: from_drawing
+      integer :: d, k
+
+      if (self%sliding_input .and. size(self%input_rate) > 0 .and. self%input_slot > 0) self%input_rate(1) = self%scale
+      do d = 1, size(self%seconds)
+         associate (own => self%seconds(d))
+            own%reference = 0.0_wp
+            own%drawn = 0.0_wp
+            if (own%geared) then
+               from_drawing = own%ratio*(dimensions%crnki - dimensions%drawn) + own%phase
+               own%reference = from_drawing
+               own%drawn = -from_drawing
+            end if
+            if (own%slides) then
+               own%reference = own%reference + dimensions%arcl(own%arc)
+               k = findloc(self%input_row, own%slide, dim=1)
+               if (k > 0) self%input_rate(k) = own%ratio*self%scale*merge(1.0_wp, degrees_per_radian, self%sliding_input)
+            else if (own%root_x > 0) then
+               call unit_vector(dimensions%gama(own%arc) + own%reference, own%x, own%y)
+            end if
+         end associate
+      end do
+   end subroutine bind_seconds
 
    !> Lengths are squared: far from one they are scaled by a power of two, which changes no digit.
    pure subroutine choose_scale(self, dimensions)
@@ -431,7 +601,8 @@ contains
          higher%terms%length = merge(0.0_wp, self%length(higher%terms%arc), higher%terms%slide > 0)
          do j = 1, higher%unknowns
             if (higher%row_of_sine(j) > 0) then
-               call unit_vector(dimensions%gama(higher%arc(j)), higher%drawn(1, j), higher%drawn(2, j))
+               higher%drawn_angle(j) = dimensions%gama(higher%arc(j))
+               call unit_vector(higher%drawn_angle(j), higher%drawn(1, j), higher%drawn(2, j))
             else
                higher%drawn(1, j) = self%length(higher%arc(j))
             end if
@@ -460,12 +631,13 @@ contains
    !> Positions of one block. After it, the store holds roots, points, slides and closure measures, finite numbers all of them.
    !>
    !> With `offending` the block ends at the first loop that is not accepted everywhere; what comes after it is not solved.
-   pure subroutine solve(self, n, first, second, path, last_step, offending)
+   pure subroutine solve(self, n, first, second, path, more, last_step, offending)
       class(linkage_t), intent(inout) :: self
       integer, intent(in) :: n                   !! positions, at most `room`
       real(wp), intent(in) :: first(n)           !! cosine of the input increment (sliding input: the increment, [length])
       real(wp), intent(in) :: second(n)          !! sine of the input increment (sliding input: not used)
       real(wp), intent(in) :: path(n)            !! the input increment, degrees or length: larger groups are followed along it
+      real(wp), intent(in), optional :: more(:, :, :) !! shape (n, 3, drives after the first): increment, its cosine, its sine
       integer, intent(in), optional :: last_step !! solve the steps up to this one only; default all
       integer, intent(out), optional :: offending !! the first loop not accepted, 0: none
       integer :: k, last
@@ -479,11 +651,13 @@ contains
             self%store%v(1:n, row) = (self%reference_length + first)*self%scale
          end associate
       end if
+      if (present(more)) call put_seconds(self, n, more, self%store)
+      if (self%first_turn > 0) self%store%v(1:n, self%first_turn) = (path - self%drawn)*radians_per_degree
       last = size(self%steps)
       if (present(last_step)) last = last_step
       do k = 1, last
          if (allocated(self%steps(k)%dyad%higher)) then
-            call follow_group(self, k, n, path)
+            call follow_group(self, k, n, path, more)
             if (.not. present(offending)) cycle
             if (self%all_accepted(n, self%steps(k)%loop)) cycle
             offending = self%steps(k)%loop
@@ -506,6 +680,25 @@ contains
          end associate
       end do
    end subroutine solve
+
+   !> Directions, lengths and turns that the drives after the first set.
+   pure subroutine put_seconds(self, n, more, store)
+      class(linkage_t), intent(in) :: self
+      integer, intent(in) :: n
+      real(wp), intent(in) :: more(:, :, :)      !! as `solve` has it
+      type(rows_t), intent(inout) :: store
+      integer :: d
+
+      do d = 1, size(self%seconds)
+         associate (own => self%seconds(d), v => store%v)
+            if (own%slide > 0) v(1:n, own%slide) = (own%reference + more(:n, 1, d))*self%scale
+            if (own%turn > 0) v(1:n, own%turn) = (own%reference + more(:n, 1, d))*radians_per_degree
+            if (own%root_x == 0) cycle
+            v(1:n, own%root_x) = own%x*more(:n, 2, d) - own%y*more(:n, 3, d)
+            v(1:n, own%root_y) = own%y*more(:n, 2, d) + own%x*more(:n, 3, d)
+         end associate
+      end do
+   end subroutine put_seconds
 
    !> A point, unless it is fixed or a dyad makes it.
    pure subroutine solve_point(n, step, store)

@@ -5,33 +5,39 @@
 !> short a group stands at a dead point. What a turning input does not reach one way it may reach the other way round. Every block
 !> is followed from the drawing, so that its bits do not depend on the blocks before it.
 submodule(psalm_linkage) psalm_linkage_walk
-   use psalm_higher_group, only: correct, correction_t, dead_measure, is_trusted, predict, put_state, state_at
+   use psalm_higher_group, only: correct, correction_t, dead_measure, is_trusted, keep_known_turns, predict, &
+                                 put_known_turns, put_state, state_at
    use psalm_kinds, only: full_turn
    implicit none (type, external)
 
    real(wp), parameter :: least_step = 1.0e-9_wp !! of the way
    real(wp), parameter :: easy = 0.02_wp        !! of the corrections: below it the next step is twice as long
+   real(wp), parameter :: farthest_turn = 1.0_wp   !! radians that a link whose turn counts may turn in a step
+   real(wp), parameter :: farthest_input = 45.0_wp !! degrees that the input may turn in such a step
+   real(wp), parameter :: same_line = 1.0e-9_wp !! deviation of steps of several inputs in one direction, of their length
    real(wp), parameter :: not_reached = -1.0_wp !! measure of a larger group that cannot be put together
 
-   !> Where the walk along the positions of a block has come.
+   !> Where the walk along the positions of a block has come. Inputs: increments, shape (drives).
    type :: walk_t
       integer :: last = 0                       !! the position where it stands; 0: the drawing
-      real(wp) :: here = 0.0_wp, before = 0.0_wp !! input increments where it stands, and where it stood before
+      real(wp), allocatable :: here(:), before(:) !! inputs where it stands, and where it stood before
       logical :: known = .false.                !! there is a `before`
-      real(wp) :: offset = 0.0_wp               !! whole turns that it is off the increments of the positions
-      real(wp) :: ends(2) = [-huge(1.0_wp), huge(1.0_wp)] !! increments that it cannot reach
+      real(wp) :: offset = 0.0_wp               !! whole turns of the first input that it is off those of the positions
+      real(wp) :: ends(2) = [-huge(1.0_wp), huge(1.0_wp)] !! first inputs that it cannot reach, if there is no other
       real(wp) :: way = 0.0_wp                  !! part of the way to the next position that was gone
    end type walk_t
 
 contains
 
-   pure module subroutine follow_group(self, k, n, path)
+   pure module subroutine follow_group(self, k, n, path, more)
       class(linkage_t), intent(inout) :: self
       integer, intent(in) :: k
       integer, intent(in) :: n
       real(wp), intent(in) :: path(n)
+      real(wp), intent(in), optional :: more(:, :, :)
       type(walk_t) :: walk
       type(correction_t) :: found
+      real(wp) :: inputs(1 + size(self%seconds))
       integer :: i
       logical :: sound, reached
 
@@ -40,7 +46,9 @@ contains
          reached = .false.
          walk%way = 0.0_wp
          if (sound) then
-            if (closes_before(self, k, i)) call reach(self, k, i, path, walk, found, reached)
+            inputs(1) = path(i)
+            if (present(more)) inputs(2:) = more(i, 1, :)
+            if (closes_before(self, k, i)) call reach(self, k, i, inputs, walk, found, reached)
          end if
          associate (higher => self%steps(k)%dyad%higher, measure => self%store%v(i, self%steps(k)%dyad%measure))
             if (reached) then
@@ -60,41 +68,45 @@ contains
       type(walk_t), intent(inout) :: walk
       logical, intent(out) :: sound
       real(wp) :: unused
-      integer :: j
+      integer :: j, i
 
       do j = 1, k
          if (.not. allocated(self%steps(j)%dyad%higher)) cycle
          associate (higher => self%steps(j)%dyad%higher)
             higher%now = higher%drawn
             higher%sense = 0.0_wp
+            do i = 1, size(higher%known)
+               higher%known(i)%now = [higher%known(i)%drawn, 0.0_wp]
+            end do
          end associate
       end do
       walk%last = 0
-      walk%here = self%drawn
+      walk%here = [self%drawn, self%seconds%drawn]
       walk%known = .false.
       call solve_between(self, k, walk%here, .false., sound, unused)
    end subroutine start
 
    !> Go to position i of the block, if need be the other way round.
-   pure subroutine reach(self, k, i, path, walk, found, reached)
+   pure subroutine reach(self, k, i, inputs, walk, found, reached)
       class(linkage_t), intent(inout) :: self
       integer, intent(in) :: k, i
-      real(wp), intent(in) :: path(:)
+      real(wp), intent(in) :: inputs(:)         !! shape (drives)
       type(walk_t), intent(inout) :: walk
       type(correction_t), intent(out) :: found
       logical, intent(out) :: reached
       type(walk_t) :: round
-      real(wp) :: target
+      real(wp) :: target(size(inputs))
       logical :: sound
 
-      target = path(i) + walk%offset
+      target = inputs
+      target(1) = target(1) + walk%offset
       reached = .false.
       if (is_open(walk, target)) then
          call step_to(self, k, i, target, walk, found, reached)
          if (.not. reached) call walk_to(self, k, i, target, walk, found, reached)
       end if
-      if (reached .or. self%sliding_input) return
-      target = target - sign(full_turn, target - self%drawn)
+      if (reached .or. self%sliding_input .or. self%first_turn > 0 .or. size(inputs) > 1) return
+      target(1) = target(1) - sign(full_turn, target(1) - self%drawn)
       if (.not. is_open(walk, target)) return
       round = walk
       call start(self, k, round, sound)
@@ -102,7 +114,7 @@ contains
       walk%ends = round%ends
       if (reached) then
          walk = round
-         walk%offset = target - path(i)
+         walk%offset = target(1) - inputs(1)
       else
          call go_back(self, k, walk)
       end if
@@ -111,57 +123,86 @@ contains
    !> False where the walk is known to end before.
    pure logical function is_open(walk, target)
       type(walk_t), intent(in) :: walk
-      real(wp), intent(in) :: target
+      real(wp), intent(in) :: target(:)
 
-      is_open = target > walk%ends(1) .and. target < walk%ends(2)
+      is_open = size(target) > 1
+      if (.not. is_open) is_open = target(1) > walk%ends(1) .and. target(1) < walk%ends(2)
    end function is_open
 
    !> By prediction and correction at once.
    pure subroutine step_to(self, k, i, target, walk, found, reached)
       class(linkage_t), intent(inout) :: self
       integer, intent(in) :: k, i
-      real(wp), intent(in) :: target
+      real(wp), intent(in) :: target(:)
       type(walk_t), intent(inout) :: walk
       type(correction_t), intent(inout) :: found
       logical, intent(out) :: reached
-      real(wp) :: next(2, self%steps(k)%dyad%higher%unknowns)
+      real(wp) :: next(3, self%steps(k)%dyad%higher%unknowns), ratio, turned
+      logical :: ahead
 
+      reached = .false.
       associate (higher => self%steps(k)%dyad%higher)
+         if (size(higher%known) > 0) then
+            ! a link may turn round unseen between positions far apart
+            if (.not. self%sliding_input .and. abs(target(1) - walk%here(1)) > farthest_input) return
+            call put_known_turns(higher, self%store, i, turned)
+            if (turned > farthest_turn) return
+         end if
          next = higher%now
          found%moved = 0.0_wp
-         if (walk%known) call predict(higher, higher%before, higher%now, (target - walk%here)/(walk%here - walk%before), next, &
-                                      found%moved)
+         if (walk%known) then
+            call look_ahead(walk, target, ahead, ratio)
+            if (ahead) call predict(higher, higher%before, higher%now, ratio, next, found%moved)
+         end if
          call put_state(higher, next, self%store, i)
          call correct(higher, self%store, i, found)
          reached = is_trusted(found, higher%sense)
          if (.not. reached) return
          higher%before = higher%now
          higher%now = state_at(higher, self%store, i)
+         call keep_known_turns(higher, self%store, i)
       end associate
       walk%before = walk%here
       walk%here = target
-      walk%known = abs(walk%here - walk%before) > 0.0_wp
+      walk%known = any(abs(walk%here - walk%before) > 0.0_wp)
       walk%last = i
    end subroutine step_to
+
+   !> Does a target lie on the line of the step before, and how far, in parts of that step?
+   pure subroutine look_ahead(walk, target, ahead, ratio)
+      type(walk_t), intent(in) :: walk
+      real(wp), intent(in) :: target(:)
+      logical, intent(out) :: ahead
+      real(wp), intent(out) :: ratio
+      real(wp) :: step(size(target)), next(size(target))
+
+      step = walk%here - walk%before
+      next = target - walk%here
+      ratio = sum(step*next)/sum(step**2)
+      ahead = maxval(abs(next - ratio*step)) <= same_line*maxval(abs(next))
+   end subroutine look_ahead
 
    !> In steps between the positions.
    pure subroutine walk_to(self, k, i, target, walk, found, reached)
       class(linkage_t), intent(inout) :: self
       integer, intent(in) :: k, i
-      real(wp), intent(in) :: target
+      real(wp), intent(in) :: target(:)
       type(walk_t), intent(inout) :: walk
       type(correction_t), intent(inout) :: found
       logical, intent(out) :: reached
+      real(wp) :: turned
 
       call go_back(self, k, walk)
       call walk_between(self, k, walk%here, target, reached, walk%way)
       if (reached) then
          ! the rows of the block may differ by rounding from those between
          associate (higher => self%steps(k)%dyad%higher)
+            call put_known_turns(higher, self%store, i, turned)
             call put_state(higher, higher%now, self%store, i)
             call correct(higher, self%store, i, found)
             reached = found%converged .and. abs(found%determinant) > dead_measure
             higher%now = state_at(higher, self%store, i)
+            call keep_known_turns(higher, self%store, i)
          end associate
          walk%here = target
          walk%last = i
@@ -169,8 +210,8 @@ contains
          return
       end if
       ! nothing beyond can be reached this way
-      if (target > walk%here) walk%ends(2) = min(walk%ends(2), target)
-      if (target < walk%here) walk%ends(1) = max(walk%ends(1), target)
+      if (target(1) > walk%here(1)) walk%ends(2) = min(walk%ends(2), target(1))
+      if (target(1) < walk%here(1)) walk%ends(1) = max(walk%ends(1), target(1))
       call go_back(self, k, walk)
    end subroutine walk_to
 
@@ -191,6 +232,7 @@ contains
          if (.not. allocated(self%steps(j)%dyad%higher)) cycle
          associate (higher => self%steps(j)%dyad%higher)
             higher%now = state_at(higher, self%store, walk%last)
+            call keep_known_turns(higher, self%store, walk%last)
          end associate
       end do
    end subroutine go_back
@@ -212,19 +254,23 @@ contains
    pure subroutine walk_between(self, k, from, to, reached, way)
       class(linkage_t), intent(inout) :: self
       integer, intent(in) :: k
-      real(wp), intent(in) :: from, to          !! input increments
+      real(wp), intent(in) :: from(:), to(:)    !! inputs
       logical, intent(out) :: reached
       real(wp), intent(out) :: way              !! part of the way that was gone
-      real(wp) :: step, worst
+      real(wp) :: step, worst, next(size(to))
       logical :: sound
 
       reached = .false.
       way = 0.0_wp
       step = 1.0_wp
+      if (.not. self%sliding_input .and. size(self%steps(k)%dyad%higher%known) > 0) &
+         step = min(1.0_wp, farthest_input/max(abs(to(1) - from(1)), tiny(1.0_wp)))
       do while (way < 1.0_wp)
          step = min(step, 1.0_wp - way)
          do
-            call solve_between(self, k, merge(to, from + (way + step)*(to - from), way + step >= 1.0_wp), .true., sound, worst)
+            next = to
+            if (way + step < 1.0_wp) next = from + (way + step)*(to - from)
+            call solve_between(self, k, next, .true., sound, worst)
             if (sound) exit
             step = 0.5_wp*step
             if (step < least_step) return
@@ -232,6 +278,8 @@ contains
          way = way + step
          if (way > 1.0_wp - 0.5_wp*least_step) way = 1.0_wp
          if (worst < easy) step = 2.0_wp*step
+         if (.not. self%sliding_input .and. size(self%steps(k)%dyad%higher%known) > 0) &
+            step = min(step, farthest_input/max(abs(to(1) - from(1)), tiny(1.0_wp)))
       end do
       reached = .true.
    end subroutine walk_between
@@ -240,7 +288,7 @@ contains
    pure subroutine solve_between(self, k, here, trusting, sound, worst)
       class(linkage_t), intent(inout) :: self
       integer, intent(in) :: k
-      real(wp), intent(in) :: here              !! input increment
+      real(wp), intent(in) :: here(:)           !! inputs
       logical, intent(in) :: trusting           !! groups must be continued from where they stood, else only be closed
       logical, intent(out) :: sound
       real(wp), intent(out) :: worst            !! largest second correction against the first
@@ -263,24 +311,32 @@ contains
          if (.not. allocated(self%steps(j)%dyad%higher)) cycle
          associate (higher => self%steps(j)%dyad%higher)
             higher%now = state_at(higher, self%between, 1)
+            call keep_known_turns(higher, self%between, 1)
          end associate
       end do
    end subroutine solve_between
 
    pure subroutine put_input(self, here)
       class(linkage_t), intent(inout) :: self
-      real(wp), intent(in) :: here
-      real(wp) :: c, s
+      real(wp), intent(in) :: here(:)
+      real(wp) :: c, s, more(1, 3, size(self%seconds))
+      integer :: d
 
       associate (v => self%between%v)
          if (.not. self%sliding_input) then
-            call unit_vector(here, c, s)
+            call unit_vector(here(1), c, s)
             v(1, self%root_x(root_crank)) = self%crank_x*c - self%crank_y*s
             v(1, self%root_y(root_crank)) = self%crank_y*c + self%crank_x*s
          else if (self%input_slot > 0) then
-            v(1, self%slide(self%input_slot)) = (self%reference_length + here)*self%scale
+            v(1, self%slide(self%input_slot)) = (self%reference_length + here(1))*self%scale
          end if
+         if (self%first_turn > 0) v(1, self%first_turn) = (here(1) - self%drawn)*radians_per_degree
       end associate
+      do d = 1, size(self%seconds)
+         more(1, 1, d) = here(1 + d)
+         call unit_vector(here(1 + d), more(1, 2, d), more(1, 3, d))
+      end do
+      call put_seconds(self, 1, more, self%between)
    end subroutine put_input
 
    pure subroutine group_between(higher, between, trusting, sound, worst)
@@ -290,11 +346,13 @@ contains
       logical, intent(out) :: sound
       real(wp), intent(inout) :: worst
       type(correction_t) :: found
+      real(wp) :: turned
 
+      call put_known_turns(higher, between, 1, turned)
       call put_state(higher, higher%now, between, 1)
       call correct(higher, between, 1, found)
       if (trusting) then
-         sound = is_trusted(found, higher%sense)
+         sound = is_trusted(found, higher%sense) .and. turned < farthest_turn
       else
          sound = found%converged .and. abs(found%determinant) > dead_measure
          higher%sense = sign(1.0_wp, found%determinant)

@@ -12,7 +12,7 @@ module psalm_rates
    use psalm_higher_group, only: differentiate_higher, form_higher, rows_of_higher
    use psalm_frames, only: frames_t, make_frames, form_arc, arc_rate, rows_of_arc, rows_of_dyad, sine_row
    use psalm_linkage, only: bound_step_t, padded
-   use psalm_plan, only: step_point, root_crank
+   use psalm_plan, only: step_point
    use psalm_rows, only: rows_t, make_rows
    implicit none (type, external)
    private
@@ -102,11 +102,9 @@ contains
 
       m = padded(n)
       associate (link => problem%linkage)
-         if (link%sliding_input) then
-            if (link%input_slot > 0) call set_input(link%slide(link%input_slot), link%scale)
-         else
-            call set_input(link%root_x(root_crank), 1.0_wp)
-         end if
+         do k = 1, size(link%input_row)
+            call set_input(link%input_row(k), link%input_rate(k))
+         end do
          do k = 1, size(link%steps)
             associate (step => link%steps(k))
                if (allocated(step%dyad%higher)) then

@@ -9,10 +9,10 @@ module psalm_sensitivity
    use psalm_error, only: problem_t
    use psalm_frames, only: frames_t, rows_of_arc, matrix_row
    use psalm_group_rings, only: higher_t
-   use psalm_higher_group, only: change_of_higher, solve_higher
+   use psalm_higher_group, only: change_of_higher, gaps_of_ties, solve_higher
    use psalm_kinds, only: wp, degrees_per_radian, radians_per_degree
    use psalm_linkage, only: padded
-   use psalm_plan, only: step_point, root_crank
+   use psalm_plan, only: step_point
    use psalm_rates, only: rates_t, prepare_rates, form_frames, highest_order
    use psalm_rows, only: rows_t, clear_rows
    use psalm_dimensions, only: dimensions_t
@@ -88,11 +88,7 @@ contains
       allocate (row(0:size(problem%linkage%store%v, 2)), source=.false.)
       associate (link => problem%linkage)
          if (problem%parameters%variables(v)%kind == variable_crnki) then
-            if (.not. link%sliding_input) then
-               row(link%root_x(root_crank)) = .true.
-            else if (link%input_slot > 0) then
-               row(link%slide(link%input_slot)) = .true.
-            end if
+            row(link%input_row) = .true.
          end if
          do k = 1, size(link%steps)
             associate (step => link%steps(k))
@@ -104,7 +100,9 @@ contains
                   associate (higher => step%dyad%higher)
                      work%moves(k, v) = any(row(reshape(higher%ends, [size(higher%ends)]))) .or. &
                                         any(row(higher%terms%root_x)) .or. any(row(higher%terms%slide)) .or. &
-                                        any([(changes(higher%terms(m)%arc), m=1, size(higher%terms))])
+                                        any([(changes(higher%terms(m)%arc), m=1, size(higher%terms))]) .or. &
+                                        any([(any(row(higher%ties(m)%roots)) .or. row(higher%ties(m)%drive_root), &
+                                              m=1, size(higher%ties))])
                      row(higher%row) = work%moves(k, v)
                   end associate
                else
@@ -334,11 +332,9 @@ contains
 
       associate (link => problem%linkage, d => work%rates%d(1)%v)
          if (problem%parameters%variables(v)%kind == variable_crnki) then
-            if (.not. link%sliding_input) then
-               d(1:n, link%root_x(root_crank)) = 1.0_wp
-            else if (link%input_slot > 0) then
-               d(1:n, link%slide(link%input_slot)) = link%scale
-            end if
+            do k = 1, size(link%input_row)
+               d(1:n, link%input_row(k)) = link%input_rate(k)
+            end do
          end if
          do k = 1, size(link%steps)
             if (.not. work%moves(k, v)) cycle
@@ -404,7 +400,7 @@ contains
       integer, intent(in) :: at, v, n
       real(wp), intent(in) :: scale
       type(sensitivity_t), intent(inout) :: work
-      real(wp) :: gap(n, 2*higher%rings)
+      real(wp) :: gap(n, higher%unknowns)
       integer :: r, k
 
       associate (d => work%rates%d(1)%v)
@@ -420,6 +416,7 @@ contains
                y = work%ty(1:n)
             end associate
          end do
+         call gaps_of_ties(n, higher, work%rates%d(1), gap)
          call solve_higher(n, higher, at, work%rates%frames, gap, work%rates%d(1))
       end associate
    end subroutine group_change
@@ -441,11 +438,9 @@ contains
 
       associate (link => problem%linkage)
          if (problem%parameters%variables(v)%kind == variable_crnki) then
-            if (.not. link%sliding_input) then
-               call zero(link%root_x(root_crank))
-            else if (link%input_slot > 0) then
-               call zero(link%slide(link%input_slot))
-            end if
+            do k = 1, size(link%input_row)
+               call zero(link%input_row(k))
+            end do
          end if
          do k = 1, size(link%steps)
             if (.not. moves(k)) cycle

@@ -12,11 +12,11 @@ module psalm_wanted_rates
    use psalm_kinds, only: wp
    use psalm_frames, only: rows_of_arc, matrix_row
    use psalm_group_rings, only: higher_t
-   use psalm_higher_group, only: solve_higher
+   use psalm_higher_group, only: gaps_of_ties, solve_higher
    use psalm_linkage, only: padded
    use psalm_output_kind, only: most_rates
    use psalm_parameters, only: variable_t, variable_crnki
-   use psalm_plan, only: step_point, root_crank
+   use psalm_plan, only: step_point
    use psalm_rates, only: prepare_rates, differentiate, form_frames, output_rates, is_dead, highest_order
    use psalm_rows, only: rows_t, make_rows, clear_rows
    use psalm_sensitivity, only: sensitivity_t, prepare_sensitivity, unit_of, clear_changes
@@ -210,11 +210,9 @@ contains
 
       associate (link => wanted%problem%linkage)
          if (wanted%problem%parameters%variables(v)%kind == variable_crnki) then
-            if (.not. link%sliding_input) then
-               wanted%change(0)%v(1:n, link%root_x(root_crank)) = 1.0_wp
-            else if (link%input_slot > 0) then
-               wanted%change(0)%v(1:n, link%slide(link%input_slot)) = link%scale
-            end if
+            do k = 1, size(link%input_row)
+               wanted%change(0)%v(1:n, link%input_row(k)) = link%input_rate(k)
+            end do
          end if
          do k = 1, size(link%steps)
             if (.not. wanted%work%moves(k, v)) cycle
@@ -256,7 +254,7 @@ contains
       type(higher_t), intent(in) :: higher
       integer, intent(in) :: at, v, n, order
       type(wanted_rates_t), intent(inout) :: wanted
-      real(wp) :: gap(n, 2*higher%rings), tx(n), ty(n)
+      real(wp) :: gap(n, higher%unknowns), tx(n), ty(n)
       integer :: r, k
 
       associate (d => wanted%change(order)%v)
@@ -272,6 +270,7 @@ contains
             y = ty
          end associate
       end do
+      call gaps_of_ties(n, higher, wanted%change(order), gap)
       call solve_higher(n, higher, at, wanted%work%rates%frames, gap, wanted%change(order))
    end subroutine change_of_group
 

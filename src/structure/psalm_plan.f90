@@ -8,7 +8,7 @@ module psalm_plan
    use psalm_dyad_kind, only: direction_found, direction_known, direction_of_partner, form_of, form_t
    use psalm_kinds, only: wp
    use psalm_output_kind, only: output_kind_t, output_kind
-   use psalm_mechanism, only: mechanism_t, ring_t, arc_determined, arc_link, arc_slide, arc_crank, arc_actuator
+   use psalm_mechanism, only: mechanism_t, linkage_group_t, ring_t, arc_determined, arc_link, arc_slide, arc_crank, arc_actuator
    implicit none (type, external)
    private
    public :: plan_t, make_plan
@@ -53,6 +53,8 @@ module psalm_plan
       logical, allocatable :: solved(:)        !! by loop: it is in the plan
       type(step_t), allocatable :: steps(:)
       integer, allocatable :: dyad_root(:, :)  !! shape (2, nloop): roots found by the dyad, 0: none
+      integer, allocatable :: drive_root(:)    !! by actuator: the root that it turns, 0: none
+      integer, allocatable :: drive_slot(:)    !! by actuator: the varying length that it sets, 0: none
       integer :: output_point = origin         !! point the output arc starts from
       logical, allocatable :: used(:)          !! by root: something after its dyad needs it
       integer, allocatable :: joint_points(:)  !! points of the joints that were asked for
@@ -80,6 +82,14 @@ contains
          if (.not. plan%solved(loop)) cycle
          do a = 1, mechanism%loops(loop)%arcs
             call mark_arc(mechanism, mechanism%seq(loop, a), loop, plan)
+         end do
+         if (.not. allocated(mechanism%groups(loop)%ties)) cycle
+         do a = 1, size(mechanism%groups(loop)%ties)
+            associate (arcs => mechanism%groups(loop)%ties(a)%arcs)
+               do n = 1, size(arcs)
+                  if (arcs(n) > 0) call mark_arc(mechanism, arcs(n), loop, plan)
+               end do
+            end associate
          end do
       end do
       allocate (plan%steps(0))
@@ -124,6 +134,7 @@ contains
                      plan%used(plan%root(n)) = .true.
                   end do
                end do
+               call mark_ties(mechanism%groups(step%loop), plan)
             else
                do which = 1, 2
                   n = mechanism%groups(step%loop)%members(which)
@@ -134,6 +145,20 @@ contains
          end associate
       end do
    end subroutine mark_roots
+
+   !> The directions that a larger group's ties need.
+   pure subroutine mark_ties(group, plan)
+      type(linkage_group_t), intent(in) :: group
+      type(plan_t), intent(inout) :: plan
+      integer :: i, j
+
+      if (.not. allocated(group%ties)) return
+      do i = 1, size(group%ties)
+         do j = 1, size(group%ties(i)%arcs)
+            if (group%ties(i)%arcs(j) > 0) plan%used(plan%root(group%ties(i)%arcs(j))) = .true.
+         end do
+      end do
+   end subroutine mark_ties
 
    ! ---- directions --------------------------------------------------------------------------------------------------
 
@@ -148,7 +173,9 @@ contains
       allocate (plan%root(n), plan%base(n), plan%quarter(n), plan%length_slot(n), source=0)
       allocate (plan%takes_gama(n), source=.false.)
       allocate (plan%order(n), source=0)
-      allocate (plan%root_loop(2 + sum([(size(mechanism%groups(loop)%members), loop=1, mechanism%nloop)])), source=0)
+      allocate (plan%root_loop(2 + size(mechanism%actuators) + &
+                               sum([(size(mechanism%groups(loop)%members), loop=1, mechanism%nloop)])), source=0)
+      allocate (plan%drive_root(size(mechanism%actuators)), plan%drive_slot(size(mechanism%actuators)), source=0)
       allocate (plan%dyad_root(2, mechanism%nloop), source=0)
       count = 0
       do loop = 1, mechanism%nloop
@@ -157,7 +184,7 @@ contains
          else
             associate (members => mechanism%groups(loop)%members)
                do a = 1, size(members)
-                  if (mechanism%arcs(members(a))%kind == arc_link) call found_by_group(members(a))
+                  if (any(mechanism%arcs(members(a))%kind == [arc_link, arc_actuator])) call found_by_group(members(a))
                end do
             end associate
             do a = 1, mechanism%loops(loop)%arcs
@@ -170,6 +197,7 @@ contains
             case (arc_slide, arc_actuator)
                plan%nlengths = plan%nlengths + 1
                plan%length_slot(n) = plan%nlengths
+               if (mechanism%arcs(n)%kind == arc_actuator) plan%drive_slot(mechanism%arcs(n)%drive) = plan%nlengths
             case (arc_determined)
                plan%length_slot(n) = plan%length_slot(mechanism%arcs(n)%representative)
             end select
@@ -219,7 +247,13 @@ contains
             if (arc%reference > 0) call place_arc(arc%reference)
             select case (arc%kind)
             case (arc_crank)
-               plan%root(n) = root_crank
+               if (arc%drive == 1) then
+                  plan%drive_root(1) = root_crank
+               else if (plan%drive_root(arc%drive) == 0) then
+                  plan%nroots = plan%nroots + 1
+                  plan%drive_root(arc%drive) = plan%nroots
+               end if
+               plan%root(n) = plan%drive_root(arc%drive)
             case (arc_actuator, arc_slide)
                if (arc%turn /= 0) then
                   call turned(n, arc%reference, arc%turn)
@@ -349,14 +383,17 @@ contains
       integer, intent(in) :: loop
       type(plan_t), intent(inout) :: plan
       type(step_t) :: step
-      integer :: r, n
+      integer :: r, n, closed
 
       step%kind = step_dyad
       step%loop = loop
       associate (rings => mechanism%loops(loop)%rings)
-         allocate (step%rings(size(rings)))
+         allocate (step%rings(count(rings%closed)))
+         closed = 0
          do r = 1, size(rings)
-            associate (open => step%rings(r))
+            if (.not. rings(r)%closed) cycle
+            closed = closed + 1
+            associate (open => step%rings(closed))
                open%from = origin
                open%first = rings(r)%first
                do n = rings(r)%first, rings(r)%last
