@@ -33,6 +33,7 @@ module psalm_data_set
    use psalm_spring_group, only: spring_group_t, read_spring_group
    use psalm_status, only: diagnostics_t
    use psalm_study_groups, only: study_groups
+   use psalm_traced_loops, only: loops_t
    use psalm_text, only: text_t, general, to_text
    use psalm_tolerance_group, only: tolerance_group_t, read_tolerance_group
    use psalm_wish_items, only: read_wishes, values_of
@@ -62,6 +63,7 @@ module psalm_data_set
       type(sketch_t) :: sketch             !! CHAIN, DRIVES, OUTPUTS
       real(wp) :: crnki_of_drawing = 0.0_wp !! CRNKI of the loops where the sketch's is 0
       character(:), allocatable :: stand_in !! the joint that the listing shows for want of the first output; not allocated: none
+      type(loops_t), allocatable :: traced !! its loops
       character(:), allocatable :: no_loops !! why it has no loops and is solved in the poses of its links; not allocated: it has
       character(sketch_name), allocatable :: end_names(:, :, :) !! shape (2, maxarc, nloop): joints at the ends of its arcs
       integer, allocatable :: link_of_arc(:, :)  !! shape (maxarc, nloop): the link of the sketch

@@ -30,13 +30,14 @@ contains
       type(mechanism_t), intent(inout) :: mechanism
       integer :: n, loop, which, body
 
-      allocate (mechanism%bodies(body_input + 2*mechanism%nloop))
+      allocate (mechanism%bodies(body_input + sum([(size(mechanism%groups(loop)%members), loop=1, mechanism%nloop)])))
       mechanism%bodies(body_frame)%name = 'frame'
       mechanism%bodies(body_input)%name = trim(merge('crank', 'input', mechanism%arcs(1)%kind == arc_crank))
       mechanism%bodies(body_input)%axis = 1
+      body = body_input
       do loop = 1, mechanism%nloop
-         do which = 1, 2
-            body = body_input + 2*(loop - 1) + which
+         do which = 1, size(mechanism%groups(loop)%members)
+            body = body + 1
             n = mechanism%groups(loop)%members(which)
             mechanism%bodies(body)%axis = n
             mechanism%bodies(body)%name = 'arc '//to_text(mechanism%arcs(n)%place)//' of loop '//to_text(loop)
@@ -81,10 +82,14 @@ contains
 
       call find_feet(mechanism)
       call find_points_of_bodies(mechanism)
-      allocate (mechanism%joints(1 + 3*mechanism%nloop))
+      allocate (mechanism%joints(1))
       call add_input_joint(mechanism)
       do loop = 1, mechanism%nloop
-         call add_group_joints(mechanism, loop)
+         if (mechanism%is_dyad(loop)) then
+            call add_joints_of_dyad(mechanism, loop)
+         else
+            call add_joints_of_group(mechanism, loop)
+         end if
       end do
    end subroutine find_joints_of_bodies
 
@@ -98,8 +103,13 @@ contains
       do n = 1, size(mechanism%arcs)
          if (.not. mechanism%slides(n)) cycle
          slide = mechanism%arcs(n)%representative
-         mechanism%arcs(n)%foot = at_start
-         if (mechanism%arcs(slide)%kind == arc_slide) then
+         if (mechanism%arcs(slide)%turn == 0 .and. mechanism%arcs(slide)%foot > 0) then
+            mechanism%arcs(n)%foot = mechanism%arcs(slide)%foot
+            if (n == slide) cycle
+         else
+            mechanism%arcs(n)%foot = at_start
+         end if
+         if (mechanism%arcs(slide)%turn /= 0 .and. mechanism%arcs(slide)%kind == arc_slide) then
             associate (which => mechanism%arcs(slide)%dyad)
                form = form_of(mechanism%groups(mechanism%arcs(slide)%loop)%kind)
                if ((form%direction(which) == direction_known) .neqv. which == 1) mechanism%arcs(n)%foot = at_finish
@@ -232,7 +242,7 @@ contains
    end subroutine add_input_joint
 
    !> The three joints of a dyad: S at the start of p, M between p and q, E at the finish of q.
-   pure subroutine add_group_joints(mechanism, loop)
+   pure subroutine add_joints_of_dyad(mechanism, loop)
       type(mechanism_t), intent(inout) :: mechanism
       integer, intent(in) :: loop
       type(form_t) :: form
@@ -241,7 +251,8 @@ contains
       p = mechanism%groups(loop)%members(1)
       q = mechanism%groups(loop)%members(2)
       form = form_of(mechanism%groups(loop)%kind)
-      first = 3*loop - 1
+      first = size(mechanism%joints) + 1
+      mechanism%joints = [mechanism%joints, joint_t(), joint_t(), joint_t()]
       mechanism%groups(loop)%joints = [first, first + 1, first + 2]
       before = body_frame
       if (mechanism%arcs(p)%place > 1) before = mechanism%body_at(p - 1, at_finish)
@@ -256,12 +267,29 @@ contains
       if (form%slides(1) .and. form%direction(1) /= direction_known) guide = p
       if (form%slides(2) .and. form%direction(2) /= direction_known) guide = q
       call set_joint(mechanism, first + 1, 'M', loop, [mechanism%arcs(p)%body, mechanism%arcs(q)%body], p, at_finish, guide)
-   end subroutine add_group_joints
+   end subroutine add_joints_of_dyad
+
+   !> The joints of a larger group.
+   pure subroutine add_joints_of_group(mechanism, loop)
+      type(mechanism_t), intent(inout) :: mechanism
+      integer, intent(in) :: loop
+      integer :: k, first
+
+      first = size(mechanism%joints)
+      associate (pairs => mechanism%groups(loop)%pairs)
+         mechanism%joints = [mechanism%joints, (joint_t(), k=1, size(pairs))]
+         mechanism%groups(loop)%joints = [(first + k, k=1, size(pairs))]
+         do k = 1, size(pairs)
+            call set_joint(mechanism, first + k, 'G'//to_text(k)//'.', loop, mechanism%arcs(pairs(k)%axes)%body, pairs(k)%arc, &
+                           pairs(k)%end, pairs(k)%slide)
+         end do
+      end associate
+   end subroutine add_joints_of_group
 
    pure subroutine set_joint(mechanism, number, letter, loop, bodies, arc, end, slide)
       type(mechanism_t), intent(inout) :: mechanism
       integer, intent(in) :: number
-      character, intent(in) :: letter
+      character(*), intent(in) :: letter
       integer, intent(in) :: loop, bodies(2), arc, end
       integer, intent(in) :: slide      !! the arc it slides along, 0: it turns
       integer :: carrier

@@ -11,7 +11,7 @@ module psalm_loop_trace
    use psalm_traced_loops, only: loops_t, traced_t, traced_link, traced_slide, traced_crank, traced_actuator, traced_frame
    implicit none (type, external)
    private
-   public :: traced_dyad_t, close_loop, frame_axis
+   public :: traced_dyad_t, close_loop, append_step, frame_axis
 
    real(wp), parameter :: no_length = 1.0e-13_wp  !! of the drawing's size: a guide without length
    integer, parameter :: frame_axis = -1          !! reference that is not known before loop 1 is done
@@ -349,58 +349,8 @@ contains
       subroutine add_step(step, direction)
          type(path_step_t), intent(in) :: step
          real(wp), intent(in), optional :: direction !! of an arc without length
-         type(traced_t) :: arc
-         complex(wp) :: h
-         integer :: k
 
-         arc%loop = loop
-         arc%place = size(loops%arcs) - first + 1
-         arc%link = step%link
-         arc%ends = [step%from, step%to]
-         if (step%arc > 0 .and. size(loops%arcs) == 0) then
-            arc%kind = traced_actuator
-            arc%link = closure%sketch%drives(1)%link
-            arc%slide = closure%sketch%drives(1)%slide
-            loops%arcs = [loops%arcs, arc]
-            return
-         end if
-         if (step%arc > 0) then
-            arc%reference = step%arc
-            arc%same = .true.
-            arc%link = loops%arcs(step%arc)%link
-            arc%direction = loops%arcs(step%arc)%direction
-            loops%arcs = [loops%arcs, arc]
-            return
-         end if
-         h = z(step%to) - z(step%from)
-         arc%length = abs(h)
-         if (arc%length <= no_length*closure%size) arc%length = 0.0_wp
-         if (present(direction)) then
-            arc%direction = direction
-         else if (arc%length > 0.0_wp) then
-            arc%direction = degrees_of(h%re, h%im)
-         end if
-         arc%reference = loops%axis(step%link)
-         do k = 1, size(loops%arcs)
-            associate (old => loops%arcs(k))
-               if (old%link /= step%link .or. old%same .or. old%kind == traced_slide .or. old%kind == traced_actuator) cycle
-               if (arc%length == 0.0_wp) cycle
-               if (all(old%ends == arc%ends)) then
-                  arc%same = .true.
-                  arc%reference = k
-                  arc%length = old%length
-                  arc%direction = old%direction
-                  exit
-               else if (all(old%ends == arc%ends(2:1:-1))) then
-                  arc%against = .true.
-                  arc%reference = k
-                  arc%length = old%length
-                  arc%direction = old%direction + half_turn
-                  exit
-               end if
-            end associate
-         end do
-         loops%arcs = [loops%arcs, arc]
+         call append_step(closure, loop, first, step, loops, direction)
       end subroutine add_step
 
       !> The arcs after the dyad; the first has a given direction, square to its slide, or none.
@@ -460,4 +410,67 @@ contains
          end if
       end subroutine add_slide
    end subroutine trace
+
+   !> Append an arc of a link to a loop, or a slide passed again: along it, or against it where the arc of the step is negative.
+   subroutine append_step(closure, loop, first, step, loops, direction)
+      type(closure_t), intent(in) :: closure
+      integer, intent(in) :: loop, first           !! the loop, and how many arcs come before it
+      type(path_step_t), intent(in) :: step
+      type(loops_t), intent(inout) :: loops
+      real(wp), intent(in), optional :: direction  !! of an arc without length
+      type(traced_t) :: arc
+      complex(wp) :: h
+      integer :: k
+
+      arc%loop = loop
+      arc%place = size(loops%arcs) - first + 1
+      arc%link = step%link
+      arc%ends = [step%from, step%to]
+      if (step%arc > 0 .and. size(loops%arcs) == 0) then
+         arc%kind = traced_actuator
+         arc%link = closure%sketch%drives(1)%link
+         arc%slide = closure%sketch%drives(1)%slide
+         loops%arcs = [loops%arcs, arc]
+         return
+      end if
+      if (step%arc /= 0) then
+         arc%reference = abs(step%arc)
+         arc%same = step%arc > 0
+         arc%against = step%arc < 0
+         arc%link = loops%arcs(abs(step%arc))%link
+         arc%direction = loops%arcs(abs(step%arc))%direction
+         if (arc%against) arc%direction = arc%direction + half_turn
+         loops%arcs = [loops%arcs, arc]
+         return
+      end if
+      h = loops%point(step%to) - loops%point(step%from)
+      arc%length = abs(h)
+      if (arc%length <= no_length*closure%size) arc%length = 0.0_wp
+      if (present(direction)) then
+         arc%direction = direction
+      else if (arc%length > 0.0_wp) then
+         arc%direction = degrees_of(h%re, h%im)
+      end if
+      arc%reference = loops%axis(step%link)
+      do k = 1, size(loops%arcs)
+         associate (old => loops%arcs(k))
+            if (old%link /= step%link .or. old%same .or. old%kind == traced_slide .or. old%kind == traced_actuator) cycle
+            if (arc%length == 0.0_wp) cycle
+            if (all(old%ends == arc%ends)) then
+               arc%same = .true.
+               arc%reference = k
+               arc%length = old%length
+               arc%direction = old%direction
+               exit
+            else if (all(old%ends == arc%ends(2:1:-1))) then
+               arc%against = .true.
+               arc%reference = k
+               arc%length = old%length
+               arc%direction = old%direction + half_turn
+               exit
+            end if
+         end associate
+      end do
+      loops%arcs = [loops%arcs, arc]
+   end subroutine append_step
 end module psalm_loop_trace

@@ -63,7 +63,7 @@ contains
             guide = guide_of_dyad(mechanism, loop)
             select case (mechanism%arcs(n)%kind)
             case (arc_link)
-               if (dimensions%arcl(n) == 0.0_wp .and. a /= guide) then
+               if (dimensions%arcl(n) == 0.0_wp .and. a /= guide .and. mechanism%is_dyad(loop)) then
                   call complain(set, 'ARCL', loop, a, 'is an undetermined link and needs a positive length', findings)
                end if
             case (arc_slide, arc_actuator)

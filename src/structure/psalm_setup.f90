@@ -14,6 +14,7 @@ module psalm_setup
    use psalm_parameters, only: parameters_t, no_parameters
    use psalm_part_names, only: take_names
    use psalm_plan_inputs, only: find_output, check_dimensions, find_repeated
+   use psalm_sketch_mechanism, only: take_traced_loops
    use psalm_status, only: diagnostics_t
    use psalm_variables, only: find_variables
    implicit none (type, external)
@@ -35,13 +36,20 @@ contains
       logical :: in_order
 
       if (set%links%nloop == 0) return
-      call classify_arcs(set, mechanism, in_order, findings)
-      if (.not. in_order) return
-      call take_dimensions(set, mechanism, dimensions)
-      call find_groups(set, mechanism, dimensions, findings)
-      if (findings%failed()) return
-      call assign_bodies(mechanism)
-      call find_identical(set, mechanism, dimensions, findings)
+      if (has_larger_group(set)) then
+         ! the arrays cannot tell it
+         call take_traced_loops(set%traced, mechanism)
+         call take_dimensions(set, mechanism, dimensions)
+         call assign_bodies(mechanism)
+      else
+         call classify_arcs(set, mechanism, in_order, findings)
+         if (.not. in_order) return
+         call take_dimensions(set, mechanism, dimensions)
+         call find_groups(set, mechanism, dimensions, findings)
+         if (findings%failed()) return
+         call assign_bodies(mechanism)
+         call find_identical(set, mechanism, dimensions, findings)
+      end if
       call find_points(mechanism)
       call find_joints_of_bodies(mechanism)
       call take_names(set, mechanism)
@@ -50,6 +58,14 @@ contains
       call check_dimensions(set, mechanism, dimensions, parameters, findings)
       call find_repeated(set, findings)
    end subroutine set_up
+
+   !> True for a sketch with a group of more than two links, or one that is no dyad.
+   pure logical function has_larger_group(set)
+      type(data_set_t), intent(in) :: set
+
+      has_larger_group = allocated(set%traced)
+      if (has_larger_group) has_larger_group = size(set%traced%rings) > 0
+   end function has_larger_group
 
    !> The dimensions as written, of the arcs that are there.
    pure subroutine take_dimensions(set, mechanism, dimensions)
@@ -69,5 +85,12 @@ contains
       dimensions%origng = set%method%origng
       dimensions%crnki = set%method%crnki
       if (set%sketch%given) dimensions%drawn = set%crnki_of_drawing
+      if (.not. has_larger_group(set)) return
+      do n = 1, size(mechanism%arcs)
+         ! what repeats an arc has its length
+         associate (arc => mechanism%arcs(n))
+            if (arc%same) dimensions%arcl(n) = dimensions%arcl(arc%reference)
+         end associate
+      end do
    end subroutine take_dimensions
 end module psalm_setup

@@ -73,6 +73,7 @@ contains
       set%sketch%y = state%joint(:, 0)%im
       if (.not. loops%found) return
       set%chosen = words_of(loops, closure%sketch)
+      set%traced = loops
       call fill_arrays(loops, set)
       call fill_places(closure, loops, state, set)
       call fill_output(loops, state, closure%sketch, set, findings)
@@ -297,10 +298,12 @@ contains
                angle = clean(arc%direction)
             case (traced_link)
                link = arc%sign*arc%place
+               if (.not. loops%is_dyad(arc%loop)) angle = arc%direction
             case (traced_slide, traced_actuator)
                link = arc%sign*arc%place
                loop = -arc%guide
                length = 0.0_wp
+               if (arc%guide_link > 0) angle = clean(arc%direction - loops%arcs(arc%reference)%direction)
             case default
                link = loops%arcs(arc%reference)%place
                loop = loops%arcs(arc%reference)%loop

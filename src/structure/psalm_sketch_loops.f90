@@ -1,14 +1,14 @@
-!> Loops for a sketch: the arrays ILINK, ILOOP, ARCL, GAMA of a chain of dyads, one loop for each.
+!> Loops for a sketch: one for each dyad, several rings for each larger group.
 !>
-!> Not every sketch has them: a chain in which a slide must be passed against its sense, a drive that is not on the frame and a
-!> group that is no dyad have no such arrays. Source: Oldham (1977), 15.1, the choice of minimal loops.
+!> Dyads are traced as the arrays ILINK, ILOOP, ARCL, GAMA can tell them. What these cannot tell, as a slide passed against its sense,
+!> is traced as a larger group is. Source: Oldham (1977), 15.1, the choice of minimal loops.
 module psalm_sketch_loops
    use psalm_closure, only: closure_t, state_t, row_pin, row_line
    use psalm_kinds, only: wp
+   use psalm_group_trace, only: trace_group
    use psalm_loop_trace, only: traced_dyad_t, close_loop, frame_axis
    use psalm_sketch, only: frame_link, drive_slides, drive_turns
    use psalm_sketch_paths, only: survey_t, know
-   use psalm_text, only: to_text
    use psalm_traced_loops, only: loops_t
    implicit none (type, external)
    private
@@ -40,17 +40,15 @@ contains
          else if (sketch%over_braced) then
             loops%why = 'special dimensions (KOVER)'
          end if
-         do g = 1, size(groups)
-            if (len(loops%why) == 0 .and. groups(g)%order > 2) loops%why = 'a group of '//to_text(groups(g)%order)//' links'
-         end do
          if (len(loops%why) > 0) return
-         room = size(sketch%joint_name) + 2*size(sketch%links) + 1
+         room = size(sketch%joint_name) + 2*(size(sketch%links) + size(sketch%slides)) + 3
          allocate (survey%on(room, size(sketch%links)), source=.false.)
          allocate (survey%known(size(sketch%links)), source=.false.)
          allocate (survey%pass(3, most_passes), source=0)
          allocate (loops%axis(size(sketch%links)), loops%joint_loop(size(sketch%joint_name)), source=0)
          allocate (loops%point(room), source=(0.0_wp, 0.0_wp))
-         allocate (loops%arcs(0))
+         allocate (loops%line_point(2, size(sketch%slides)), source=0)
+         allocate (loops%arcs(0), loops%rings(0), loops%pairs(0))
          survey%points = size(sketch%joint_name)
          loops%point(:survey%points) = state%joint(:, 0)
          crank = sketch%drives(1)%link
@@ -59,7 +57,7 @@ contains
          loops%start = sketch%drives(1)%joint
          loops%axis(frame_link) = frame_axis
          if (sketch%drives(1)%kind == drive_slides) loops%axis(crank) = frame_axis
-         call dyads_in_order(closure, crank, order)
+         call groups_in_order(closure, crank, order)
          do k = 1, size(order)
             call understand(closure, order(k), survey, dyad, valid)
             if (valid .and. dyad%known(1) == dyad%known(2)) then
@@ -70,9 +68,9 @@ contains
             end if
             if (valid) call close_loop(closure, state, dyad, survey, loops, valid)
             if (.not. valid) then
-               loops%why = 'a slide passed against its sense'
-               if (k == 1) loops%why = 'the first dyad, which does not hang on the driven link by a joint'
-               return
+               call trace_group(closure, state, order(k), survey, loops, loops%why)
+               if (len(loops%why) > 0) return
+               cycle
             end if
             call know(sketch, dyad%links(1), survey)
             call know(sketch, dyad%links(2), survey)
@@ -85,8 +83,8 @@ contains
       end associate
    end subroutine make_loops
 
-   !> The dyads, the first being one that hangs on the driven link.
-   subroutine dyads_in_order(closure, crank, order)
+   !> The groups, the first being one that hangs on the driven link.
+   subroutine groups_in_order(closure, crank, order)
       type(closure_t), intent(in) :: closure
       integer, intent(in) :: crank
       integer, allocatable, intent(out) :: order(:)
@@ -94,7 +92,7 @@ contains
 
       allocate (order(0))
       do g = 1, size(closure%groups)
-         if (closure%order%groups(g)%order == 2) order = [order, g]
+         if (closure%order%groups(g)%order >= 2) order = [order, g]
       end do
       do k = 1, size(order)
          if (.not. touches(order(k))) cycle
@@ -113,7 +111,7 @@ contains
             touches = touches .or. any(closure%groups(group)%rows(r)%links == crank)
          end do
       end function touches
-   end subroutine dyads_in_order
+   end subroutine groups_in_order
 
    !> The pairs of a dyad. `valid` is false where a group of two links is no dyad of one inner and two outer pairs.
    subroutine understand(closure, group, survey, dyad, valid)

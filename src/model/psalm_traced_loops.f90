@@ -3,7 +3,7 @@ module psalm_traced_loops
    use psalm_kinds, only: wp
    implicit none (type, external)
    private
-   public :: loops_t, traced_t, arc_with
+   public :: loops_t, traced_t, traced_ring_t, traced_pair_t, arc_with
    public :: traced_determined, traced_link, traced_slide, traced_crank, traced_actuator, traced_frame
 
    integer, parameter :: traced_determined = 1
@@ -21,12 +21,28 @@ module psalm_traced_loops
       integer :: ends(2) = 0                !! points
       integer :: reference = 0              !! arc it hangs on
       logical :: same = .false., against = .false. !! it is that arc, traced the same way or the other
-      integer :: guide = 0                  !! slides: the place of the guide in the loop
+      integer :: guide = 0                  !! slides of dyads: the place of the guide in the loop; of larger groups 0, the guide is
+                                            !! `reference`
+      logical :: foot_last = .false.        !! slides of larger groups: it is the finish that is a point of the guide
+      integer :: guide_link = 0             !! slides of larger groups, and the actuator before one: the link that guides
       integer :: sign = 1
       integer :: slide = 0                  !! the slide of the sketch that it runs along
       real(wp) :: length = 0.0_wp
       real(wp) :: direction = 0.0_wp        !! in the drawing, degrees
    end type traced_t
+
+   !> A ring of a larger group, as `psalm_mechanism` has it: sequential numbers of arcs.
+   type :: traced_ring_t
+      integer :: loop = 0
+      integer :: first = 0, turn = 0, last = 0
+   end type traced_ring_t
+
+   !> A pair of a larger group: two links on a pin or a slide.
+   type :: traced_pair_t
+      integer :: loop = 0
+      integer :: links(2) = 0
+      integer :: joint = 0, slide = 0       !! one of them
+   end type traced_pair_t
 
    !> The loops found.
    type :: loops_t
@@ -39,10 +55,23 @@ module psalm_traced_loops
       integer, allocatable :: axis(:)       !! by link: its first arc
       real(wp) :: input = 0.0_wp            !! CRNKI in the drawing
       logical, allocatable :: on(:, :)      !! shape (points, links): the point is fixed in the link
-      integer, allocatable :: joint_loop(:) !! by joint: the loop whose dyad places it
+      integer, allocatable :: joint_loop(:) !! by joint: the loop whose group places it
+      integer, allocatable :: line_point(:, :) !! shape (2, slides): points of a slide's line on its links, 0: none
+      type(traced_pair_t), allocatable :: pairs(:) !! of all larger groups
+      type(traced_ring_t), allocatable :: rings(:) !! of the loops that close larger groups, in order
+   contains
+      procedure :: is_dyad
    end type loops_t
 
 contains
+
+   !> True if a loop closes a dyad, false if a larger group.
+   pure logical function is_dyad(self, loop)
+      class(loops_t), intent(in) :: self
+      integer, intent(in) :: loop
+
+      is_dyad = all(self%rings%loop /= loop)
+   end function is_dyad
 
    !> The first arc of a link that begins (`from_start`) or ends at a point; 0: none does.
    pure subroutine arc_with(loops, link, point, arc, from_start)

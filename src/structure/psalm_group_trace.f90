@@ -1,0 +1,413 @@
+!> The rings of a larger group of a sketch: arcs with lengths and directions read off the drawing.
+!>
+!> A ring leads from what is known by a shortest chain of unknown links back to what is known; the links of that chain count as known
+!> for the rings after it, until every pair of the group is in one. A slide is an arc of varying length from a point of one link's line
+!> to one of the other's; it gives both links one direction. Source of the rings: ears of a graph (Whitney 1932).
+module psalm_group_trace
+   use psalm_angles, only: degrees_of, unit_vector
+   use psalm_closure, only: closure_t, state_t, row_pin, row_line, row_gear, row_turn, row_travel
+   use psalm_kinds, only: wp, degrees_per_radian
+   use psalm_loop_trace, only: append_step, frame_axis
+   use psalm_sketch, only: frame_link, drive_slides, drive_turns
+   use psalm_sketch_paths, only: path_step_t, survey_t, know, shortest, way_from
+   use psalm_traced_loops, only: loops_t, traced_t, traced_pair_t, traced_ring_t, traced_link, traced_slide, traced_crank, &
+                                 traced_actuator, traced_frame
+   implicit none (type, external)
+   private
+   public :: trace_group
+
+   !> A pair of two links.
+   type :: pair_t
+      integer :: links(2) = 0
+      integer :: joint = 0, slide = 0       !! a pin, or a slide
+      logical :: used = .false.             !! a ring passes it
+   end type pair_t
+
+   !> A chain of unknown links between two that are known: the pair before each link, and the one after the last.
+   type :: ear_t
+      integer :: first_link = 0, last_link = 0 !! known
+      integer, allocatable :: links(:), pairs(:)
+   end type ear_t
+
+contains
+
+   !> Trace all rings of a group. `why` tells what cannot be traced, or is empty.
+   subroutine trace_group(closure, state, group, survey, loops, why)
+      type(closure_t), intent(in) :: closure
+      type(state_t), intent(in) :: state           !! at the drawing
+      integer, intent(in) :: group
+      type(survey_t), intent(inout) :: survey
+      type(loops_t), intent(inout) :: loops
+      character(:), allocatable, intent(out) :: why
+      type(pair_t), allocatable :: pairs(:)
+      type(ear_t) :: ear
+      integer :: loop, first, k
+
+      why = ''
+      allocate (pairs(0))
+      do k = 1, size(closure%groups(group)%rows)
+         associate (row => closure%groups(group)%rows(k))
+            select case (row%kind)
+            case (row_pin)
+               pairs = [pairs, pair_t(row%links, joint=row%which)]
+            case (row_line)
+               pairs = [pairs, pair_t(row%links, slide=row%which)]
+            case (row_gear, row_turn, row_travel)
+               why = 'a gear or a drive inside a group of links'
+            end select
+         end associate
+      end do
+      if (any(closure%cylinder(closure%groups(group)%links) > 0)) why = 'a cylinder between moving links'
+      if (len(why) > 0) return
+      loop = 1
+      if (size(loops%arcs) > 0) loop = maxval(loops%arcs%loop) + 1
+      first = size(loops%arcs)
+      call place_line_points(closure, state, pairs, survey, loops)
+      do while (.not. all(pairs%used))
+         call find_ear(pairs, survey%known, merge(closure%sketch%drives(1)%link, 0, size(loops%arcs) == 0), ear)
+         if (size(ear%pairs) == 0) then
+            why = 'links that hang on each other only'
+            return
+         end if
+         call trace_ring(closure, state, loop, first, pairs, ear, survey, loops, why)
+         if (len(why) > 0) return
+         pairs(ear%pairs)%used = .true.
+         do k = 1, size(ear%links)
+            call know(closure%sketch, ear%links(k), survey)
+            associate (joints => closure%sketch%links(ear%links(k))%joints)
+               where (loops%joint_loop(joints) == 0) loops%joint_loop(joints) = loop
+            end associate
+         end do
+      end do
+      do k = 1, size(pairs)
+         loops%pairs = [loops%pairs, traced_pair_t(loop, pairs(k)%links, pairs(k)%joint, pairs(k)%slide)]
+      end do
+      loops%longest = max(loops%longest, size(loops%arcs) - first)
+      associate (arcs => loops%arcs(first + 1:))
+         if (count(arcs%kind == traced_link .or. arcs%kind == traced_slide) /= 2*count(loops%rings%loop == loop)) &
+            why = 'a group whose links have other unknowns than its rings find'
+      end associate
+   end subroutine trace_group
+
+   !> Points for the lines of all slides of the group, one on either link, after those that are there.
+   subroutine place_line_points(closure, state, pairs, survey, loops)
+      type(closure_t), intent(in) :: closure
+      type(state_t), intent(in) :: state
+      type(pair_t), intent(in) :: pairs(:)
+      type(survey_t), intent(inout) :: survey
+      type(loops_t), intent(inout) :: loops
+      integer :: k, side
+
+      do k = 1, size(pairs)
+         if (pairs(k)%slide == 0) cycle
+         do side = 1, 2
+            call add_line_point(closure, state, pairs(k)%slide, side, survey, loops)
+         end do
+      end do
+   end subroutine place_line_points
+
+   !> The point of a slide's line on its first or second link, noted as a point of that link.
+   subroutine add_line_point(closure, state, slide, side, survey, loops)
+      type(closure_t), intent(in) :: closure
+      type(state_t), intent(in) :: state
+      integer, intent(in) :: slide, side
+      type(survey_t), intent(inout) :: survey
+      type(loops_t), intent(inout) :: loops
+      real(wp) :: c, s
+
+      associate (link => closure%sketch%slides(slide)%links(side))
+         survey%points = survey%points + 1
+         call unit_vector(state%phi(link, 0)*degrees_per_radian, c, s)
+         loops%point(survey%points) = state%t(link, 0) + cmplx(c, s, wp)*closure%slide_point(side, slide)
+         survey%on(survey%points, link) = .true.
+         loops%line_point(side, slide) = survey%points
+      end associate
+   end subroutine add_line_point
+
+   !> The shortest chain of unknown links; `from` (if it is not 0) is the known link that it must hang on.
+   subroutine find_ear(pairs, known, from, ear)
+      type(pair_t), intent(in) :: pairs(:)
+      logical, intent(in) :: known(:)              !! by link
+      integer, intent(in) :: from
+      type(ear_t), intent(out) :: ear
+      integer :: start, side, link, head, tail, k, other, queue(size(known)), reached_by(size(known)), length
+      logical :: seen(size(known))
+
+      allocate (ear%pairs(0), ear%links(0))
+      length = size(known) + 1
+      do start = 1, size(pairs)
+         if (pairs(start)%used) cycle
+         do side = 1, 2
+            if (.not. known(pairs(start)%links(side))) cycle
+            if (from > 0 .and. pairs(start)%links(side) /= from) cycle
+            link = pairs(start)%links(3 - side)
+            if (known(link)) then
+               if (side == 2 .and. from == 0) cycle
+               ear%links = [integer ::]
+               ear%pairs = [start]
+               ear%first_link = pairs(start)%links(side)
+               ear%last_link = link
+               return
+            end if
+            seen = .false.
+            seen(link) = .true.
+            queue(1) = link
+            reached_by(link) = start
+            head = 1
+            tail = 1
+            search: do while (head <= tail)
+               do k = 1, size(pairs)
+                  if (pairs(k)%used .or. all(pairs(k)%links /= queue(head)) .or. k == reached_by(queue(head))) cycle
+                  other = sum(pairs(k)%links) - queue(head)
+                  if (.not. known(other)) then
+                     if (seen(other)) cycle
+                     seen(other) = .true.
+                     tail = tail + 1
+                     queue(tail) = other
+                     reached_by(other) = k
+                     cycle
+                  end if
+                  call take(queue(head), k, other)
+                  exit search
+               end do
+               head = head + 1
+            end do search
+         end do
+      end do
+
+   contains
+
+      !> Note the chain that ends with a link and a pair to a known one, if none was shorter.
+      subroutine take(last, pair, known_link)
+         integer, intent(in) :: last, pair, known_link
+         integer, allocatable :: links(:), way(:)
+         integer :: here
+
+         links = [last]
+         way = [reached_by(last), pair]
+         here = last
+         do while (way(1) /= start)
+            here = sum(pairs(way(1))%links) - here
+            links = [here, links]
+            way = [reached_by(here), way]
+         end do
+         if (size(links) >= length) return
+         length = size(links)
+         ear%links = links
+         ear%pairs = way
+         ear%first_link = pairs(start)%links(side)
+         ear%last_link = known_link
+      end subroutine take
+   end subroutine find_ear
+
+   !> One ring: from the input pivot to the chain, along it, and back.
+   subroutine trace_ring(closure, state, loop, first, pairs, ear, survey, loops, why)
+      type(closure_t), intent(in) :: closure
+      type(state_t), intent(in) :: state
+      integer, intent(in) :: loop, first           !! the loop, and how many arcs come before it
+      type(pair_t), intent(in) :: pairs(:)
+      type(ear_t), intent(in) :: ear
+      type(survey_t), intent(inout) :: survey
+      type(loops_t), intent(inout) :: loops
+      character(:), allocatable, intent(inout) :: why
+      type(path_step_t), allocatable :: out(:), back(:)
+      type(traced_ring_t) :: ring
+      logical :: from_right(size(ear%links)), found
+      integer :: i, k, n, begin
+
+      associate (sketch => closure%sketch)
+         n = size(ear%links)
+         ring%loop = loop
+         ring%first = size(loops%arcs) + 1
+         if (ring%first == 1 .and. sketch%drives(1)%kind == drive_slides) call place_slider(sketch%drives(1)%slide, &
+                                                                                           sketch%drives(1)%link)
+         ! the direction of a chain's end that slides on what is known comes from there
+         from_right = .false.
+         if (pairs(ear%pairs(n + 1))%slide > 0) then
+            do i = n, 1, -1
+               from_right(i) = .true.
+               if (pairs(ear%pairs(i))%slide == 0) exit
+            end do
+            if (n == 0 .or. (i == 0 .and. n > 0)) then
+               why = 'a ring of slides only'
+               return
+            end if
+         end if
+         call shortest(survey, loops%start, point_on(ear%first_link, 1), .true., out, found)
+         if (found) call way_from(survey, loops%start, point_on(ear%last_link, n + 1), back, found)
+         if (found .and. ring%first == 1) then
+            found = size(out) > 0
+            if (found) found = out(1)%arc > 0 .or. out(1)%link == sketch%drives(1)%link
+         end if
+         if (.not. found) then
+            why = 'a group that does not hang on the driven link by a joint of its own'
+            return
+         end if
+         if (ring%first == 1) loops%axis(sketch%drives(1)%link) = 1
+         do i = 1, size(out)
+            call append_step(closure, loop, first, out(i), loops)
+         end do
+         if (ring%first == 1) call begin_with_input()
+         begin = size(loops%arcs)
+         do i = 1, n
+            call add_slide_before(i)
+            call add_vector(i)
+         end do
+         call add_slide_before(n + 1)
+         ring%turn = max(begin, size(loops%arcs) - 1)
+         do i = 1, size(back)
+            call append_step(closure, loop, first, back(i), loops)
+         end do
+         ring%last = size(loops%arcs)
+         ! links whose direction comes from behind have their axis now
+         do k = begin + 1, ring%last
+            associate (arc => loops%arcs(k))
+               if (arc%kind == traced_slide .or. arc%kind == traced_link .or. arc%same .or. arc%against) cycle
+               do i = 1, n
+                  if (arc%link == ear%links(i) .and. from_right(i)) arc%reference = loops%axis(arc%link)
+               end do
+            end associate
+         end do
+         if (ring%first == 1) call end_first_ring()
+         do k = ring%first, ring%last
+            associate (arc => loops%arcs(k))
+               if (arc%guide_link > 0) arc%reference = loops%axis(arc%guide_link)
+            end associate
+         end do
+         loops%rings = [loops%rings, ring]
+      end associate
+
+   contains
+
+      !> All rings begin at the frame's point of the line along which a sliding input moves.
+      subroutine place_slider(slide, slider)
+         integer, intent(in) :: slide, slider
+
+         call add_line_point(closure, state, slide, position(frame_link, slide), survey, loops)
+         loops%start = survey%points
+         call add_line_point(closure, state, slide, position(slider, slide), survey, loops)
+         survey%passes = survey%passes + 1
+         survey%pass(:, survey%passes) = [loops%start, survey%points, 1]
+      end subroutine place_slider
+
+      !> Which of a slide's two links a link is.
+      pure integer function position(link, slide)
+         integer, intent(in) :: link, slide
+
+         position = findloc(closure%sketch%slides(slide)%links, link, dim=1)
+      end function position
+
+      !> The point of a link at the i-th pair of the chain.
+      pure integer function point_on(link, pair)
+         integer, intent(in) :: link, pair
+
+         associate (of => pairs(ear%pairs(pair)))
+            point_on = of%joint
+            if (of%slide > 0) point_on = loops%line_point(position(link, of%slide), of%slide)
+         end associate
+      end function point_on
+
+      pure integer function link_at(i)
+         integer, intent(in) :: i                  !! 0: the known link before the chain
+
+         if (i == 0) then
+            link_at = ear%first_link
+         else if (i > n) then
+            link_at = ear%last_link
+         else
+            link_at = ear%links(i)
+         end if
+      end function link_at
+
+      !> The slide before the i-th link, if there is one: an arc of the link that takes its direction from the other.
+      subroutine add_slide_before(i)
+         integer, intent(in) :: i
+         type(traced_t) :: arc
+         integer :: body, guide
+         real(wp) :: turn
+
+         associate (pair => pairs(ear%pairs(i)))
+            if (pair%slide == 0) return
+            body = link_at(i)
+            guide = link_at(i - 1)
+            if (i > 1) then
+               if (from_right(i - 1)) then
+                  body = link_at(i - 1)
+                  guide = link_at(i)
+               end if
+            end if
+            turn = state%phi(closure%sketch%slides(pair%slide)%links(1), 0)*degrees_per_radian
+            arc = traced_t(traced_slide, loop, size(loops%arcs) - first + 1, body, &
+                           [point_on(link_at(i - 1), i), point_on(link_at(i), i)])
+            arc%direction = closure%sketch%slides(pair%slide)%angle + turn
+            arc%slide = pair%slide
+            arc%guide_link = guide
+            arc%foot_last = guide == link_at(i)
+            loops%arcs = [loops%arcs, arc]
+            loops%axis(body) = size(loops%arcs)
+            call add_passes(arc%ends, size(loops%arcs))
+         end associate
+      end subroutine add_slide_before
+
+      subroutine add_passes(ends, arc)
+         integer, intent(in) :: ends(2), arc
+
+         if (survey%passes + 2 > size(survey%pass, 2)) return
+         survey%pass(:, survey%passes + 1) = [ends, arc]
+         survey%pass(:, survey%passes + 2) = [ends(2), ends(1), -arc]
+         survey%passes = survey%passes + 2
+      end subroutine add_passes
+
+      !> The vector on the i-th link from the pair before it to that after it.
+      subroutine add_vector(i)
+         integer, intent(in) :: i
+         type(traced_t) :: arc
+         integer :: ends(2)
+         complex(wp) :: h
+         logical :: own
+
+         ends = [point_on(ear%links(i), i), point_on(ear%links(i), i + 1)]
+         own = pairs(ear%pairs(i))%slide == 0 .and. .not. from_right(i)
+         if (.not. own) then
+            if (ends(1) == ends(2)) return
+            ! with the axis of the frame for the moment where the link's own comes after it
+            if (from_right(i)) loops%axis(ear%links(i)) = frame_axis
+            call append_step(closure, loop, first, path_step_t(ear%links(i), ends(1), ends(2)), loops)
+            return
+         end if
+         h = loops%point(ends(2)) - loops%point(ends(1))
+         arc = traced_t(traced_link, loop, size(loops%arcs) - first + 1, ear%links(i), ends)
+         arc%length = abs(h)
+         if (arc%length > 0.0_wp) arc%direction = degrees_of(h%re, h%im)
+         loops%arcs = [loops%arcs, arc]
+         loops%axis(ear%links(i)) = size(loops%arcs)
+         survey%on(ends, ear%links(i)) = .true.
+      end subroutine add_vector
+
+      !> The first arc of all is the input.
+      subroutine begin_with_input()
+         associate (arc => loops%arcs(1), sketch => closure%sketch)
+            if (sketch%drives(1)%kind == drive_turns) then
+               arc%kind = traced_crank
+               loops%input = arc%direction
+            else
+               arc%kind = traced_actuator
+               arc%direction = sketch%slides(arc%slide)%angle
+               arc%guide_link = frame_link
+               loops%input = 0.0_wp
+            end if
+         end associate
+      end subroutine begin_with_input
+
+      !> The last arc of the first ring is the frame's own; others of the frame hang on it.
+      subroutine end_first_ring()
+         associate (last => size(loops%arcs))
+            loops%arcs(last)%kind = traced_frame
+            loops%arcs(last)%reference = 0
+            loops%arcs(last)%same = .false.
+            where (loops%axis == frame_axis) loops%axis = last
+            where (loops%arcs%reference == frame_axis) loops%arcs%reference = last
+         end associate
+      end subroutine end_first_ring
+   end subroutine trace_ring
+end module psalm_group_trace

@@ -1,0 +1,169 @@
+!> The arcs and groups of a mechanism from the traced loops of a sketch.
+module psalm_sketch_mechanism
+   use psalm_dyad_kind, only: assur_higher, kind_of_dyad, sign_of_dyad
+   use psalm_mechanism, only: mechanism_t, actuator_t, pair_t, ring_t, at_finish, at_start, arc_actuator, arc_crank, &
+                              arc_determined, arc_link, arc_slide
+   use psalm_sketch, only: frame_link
+   use psalm_traced_loops, only: loops_t, traced_pair_t, traced_t, traced_actuator, traced_crank, traced_frame, traced_link, &
+                                 traced_slide
+   implicit none (type, external)
+   private
+   public :: take_traced_loops
+
+contains
+
+   !> Arcs, loops, groups and the actuator. Larger groups must have been traced; representatives are set, too.
+   pure subroutine take_traced_loops(traced, mechanism)
+      type(loops_t), intent(in) :: traced
+      type(mechanism_t), intent(inout) :: mechanism
+      integer :: loop, n
+
+      mechanism%nloop = traced%loops
+      allocate (mechanism%loops(traced%loops), mechanism%groups(traced%loops), mechanism%arcs(size(traced%arcs)))
+      do loop = 1, traced%loops
+         mechanism%loops(loop)%first = findloc(traced%arcs%loop, loop, dim=1)
+         mechanism%loops(loop)%arcs = count(traced%arcs%loop == loop)
+      end do
+      do n = 1, size(traced%arcs)
+         call take_arc(traced, n, mechanism)
+      end do
+      do loop = 1, traced%loops
+         if (traced%is_dyad(loop)) then
+            call take_dyad(traced, loop, mechanism)
+         else
+            call take_group(traced, loop, mechanism)
+         end if
+      end do
+      mechanism%sliding_input = mechanism%arcs(1)%kind == arc_actuator
+      mechanism%actuators = [actuator_t(joint=1, arc=1, slides=mechanism%sliding_input)]
+   end subroutine take_traced_loops
+
+   pure subroutine take_arc(traced, n, mechanism)
+      type(loops_t), intent(in) :: traced
+      integer, intent(in) :: n
+      type(mechanism_t), intent(inout) :: mechanism
+
+      associate (of => traced%arcs(n), arc => mechanism%arcs(n))
+         arc%loop = of%loop
+         arc%place = of%place
+         arc%representative = n
+         select case (of%kind)
+         case (traced_crank)
+            arc%kind = arc_crank
+         case (traced_actuator)
+            arc%kind = arc_actuator
+            call take_guide(traced, of, arc%reference, arc%turn)
+         case (traced_link)
+            arc%kind = arc_link
+         case (traced_slide)
+            arc%kind = arc_slide
+            call take_guide(traced, of, arc%reference, arc%turn)
+            if (of%guide_link > 0) arc%foot = merge(at_finish, at_start, of%foot_last)
+            ! a right angle is turned through in loop order: a guide after the slide gives the other sense
+            if (of%guide_link == 0 .and. of%guide > of%place .and. .not. (of%place == 1 .and. of%guide > 2)) arc%turn = -arc%turn
+         case (traced_frame)
+            arc%kind = arc_determined
+            arc%frame = .true.
+         case default
+            arc%kind = arc_determined
+            arc%reference = of%reference
+            arc%same = of%same
+            arc%frame = of%link == frame_link
+            if (of%same .or. of%against) then
+               arc%representative = mechanism%arcs(of%reference)%representative
+               arc%reversed = mechanism%arcs(of%reference)%reversed .neqv. of%against
+            end if
+         end select
+      end associate
+   end subroutine take_arc
+
+   !> The arc that guides a slide, and the right angle from it; 0: any angle.
+   pure subroutine take_guide(traced, arc, guide, turn)
+      type(loops_t), intent(in) :: traced
+      type(traced_t), intent(in) :: arc
+      integer, intent(out) :: guide, turn
+
+      turn = 0
+      guide = arc%reference
+      if (arc%guide_link > 0) return
+      guide = findloc(traced%arcs%loop, arc%loop, dim=1) + arc%guide - 1
+      turn = arc%sign
+   end subroutine take_guide
+
+   pure subroutine take_dyad(traced, loop, mechanism)
+      type(loops_t), intent(in) :: traced
+      integer, intent(in) :: loop
+      type(mechanism_t), intent(inout) :: mechanism
+      integer :: p, q
+
+      p = mechanism%loops(loop)%first
+      do while (all(mechanism%arcs(p)%kind /= [arc_link, arc_slide]))
+         p = p + 1
+      end do
+      q = p + 1
+      mechanism%arcs(p)%dyad = 1
+      mechanism%arcs(q)%dyad = 2
+      associate (group => mechanism%groups(loop), one => traced%arcs(p), other => traced%arcs(q))
+         group%loop = loop
+         group%members = [p, q]
+         group%kind = kind_of_dyad([one%kind, other%kind] == traced_slide, [one%guide == other%place, other%guide == one%place])
+         group%sign = sign_of_dyad(group%kind, one%sign, other%sign, mechanism%arcs(p)%turn, mechanism%arcs(q)%turn)
+      end associate
+   end subroutine take_dyad
+
+   pure subroutine take_group(traced, loop, mechanism)
+      type(loops_t), intent(in) :: traced
+      integer, intent(in) :: loop
+      type(mechanism_t), intent(inout) :: mechanism
+      integer :: n, r
+
+      associate (group => mechanism%groups(loop), of => mechanism%loops(loop))
+         group%kind = assur_higher
+         group%loop = loop
+         group%members = pack([(n, n=of%first, of%first + of%arcs - 1)], &
+                              [(any(mechanism%arcs(n)%kind == [arc_link, arc_slide]), n=of%first, of%first + of%arcs - 1)])
+         do n = 1, size(group%members)
+            mechanism%arcs(group%members(n))%dyad = n
+         end do
+         allocate (of%rings(0))
+         do r = 1, size(traced%rings)
+            associate (ring => traced%rings(r))
+               if (ring%loop == loop) of%rings = [of%rings, ring_t(ring%first, ring%turn, ring%last)]
+            end associate
+         end do
+         allocate (group%pairs(0))
+         do n = 1, size(traced%pairs)
+            if (traced%pairs(n)%loop == loop) group%pairs = [group%pairs, pair_of(traced, traced%pairs(n))]
+         end do
+      end associate
+   end subroutine take_group
+
+   !> A pair by arcs: one of each link, and one that ends where they meet.
+   pure type(pair_t) function pair_of(traced, pair)
+      type(loops_t), intent(in) :: traced
+      type(traced_pair_t), intent(in) :: pair
+      integer :: n, side
+
+      do side = 1, 2
+         ! the driven link has the first arc, others that of their axis
+         n = findloc(traced%arcs%link, pair%links(side), dim=1)
+         if (n /= 1) n = traced%axis(pair%links(side))
+         pair_of%axes(side) = n
+      end do
+      if (pair%slide > 0) then
+         n = findloc(traced%arcs%slide == pair%slide .and. traced%arcs%guide_link > 0, .true., dim=1)
+         pair_of%slide = n
+         pair_of%arc = n
+         pair_of%end = merge(at_finish, at_start, traced%arcs(n)%foot_last)
+         return
+      end if
+      do n = 1, size(traced%arcs)
+         associate (arc => traced%arcs(n))
+            if (arc%loop /= pair%loop .or. all(arc%ends /= pair%joint)) cycle
+            pair_of%arc = n
+            pair_of%end = merge(at_start, at_finish, arc%ends(1) == pair%joint)
+            return
+         end associate
+      end do
+   end function pair_of
+end module psalm_sketch_mechanism
