@@ -19,8 +19,8 @@ module psalm_group_rings
       real(wp) :: length = 0.0_wp                   !! where it is fixed
    end type term_t
 
-   !> Turns of links, radians since the drawing, that depend on each other: the sum of `factors` times those in `rows` is that of the
-   !> drive.
+   !> Turns of links, radians since the drawing, that depend on each other: the sum of `factors` times those in `rows` is the
+   !> drive's.
    type :: turn_tie_t
       real(wp) :: factors(3) = 0.0_wp
       integer :: rows(3) = 0                        !! rows of the turns, 0: none

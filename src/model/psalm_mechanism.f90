@@ -18,7 +18,7 @@ module psalm_mechanism
    use psalm_output_kind, only: motion_point
    implicit none (type, external)
    private
-   public :: mechanism_t, linkage_group_t, pair_t, ring_t, point_t, bar_t, body_t, joint_t, actuator_t, output_t
+   public :: mechanism_t, linkage_group_t, joined_t, ring_t, point_t, bar_t, body_t, joint_t, actuator_t, output_t
    public :: arc_absent, arc_determined, arc_link, arc_slide, arc_crank, arc_actuator
    public :: joint_revolute, joint_prismatic, at_start, at_finish, body_frame, pivot
 
@@ -66,8 +66,8 @@ module psalm_mechanism
       logical :: closed = .true.
    end type ring_t
 
-   !> Turns of links, counted from the drawing, that depend on each other: the sum of `factors` times those of the arcs is the turn of
-   !> a drive, or 0. Wheels in gear; a drive between two moving links; slides that give several links one direction.
+   !> Turns of links, counted from the drawing, that depend on each other: the sum of `factors` times those of the arcs is the turn
+   !> of a drive, or 0. Wheels in gear; a drive between two moving links; slides that give several links one direction.
    type :: tie_t
       integer :: arcs(3) = 0            !! axes of the links; 0: none, or the frame
       real(wp) :: factors(3) = 0.0_wp
@@ -128,11 +128,11 @@ module psalm_mechanism
    end type actuator_t
 
    !> A pair of a larger group.
-   type :: pair_t
+   type :: joined_t
       integer :: axes(2) = 0            !! an arc of each body
       integer :: arc = 0, end = at_start !! the arc and the end at which they meet
       integer :: slide = 0              !! the arc along which they slide, 0: they turn
-   end type pair_t
+   end type joined_t
 
    !> An Assur group.
    type :: linkage_group_t
@@ -140,7 +140,7 @@ module psalm_mechanism
       integer :: loop = 0               !! the loop that closes it
       integer, allocatable :: members(:)!! its unknown arcs; of a dyad p and q
       integer :: sign = 1               !! assembly mode, +1 or -1
-      type(pair_t), allocatable :: pairs(:) !! of a larger group
+      type(joined_t), allocatable :: pairs(:) !! of a larger group
       type(tie_t), allocatable :: ties(:) !! of a larger group; not allocated: none
       integer, allocatable :: joints(:) !! S, M, E; of a larger group all joints between its links, or with links before it
    end type linkage_group_t

@@ -190,7 +190,7 @@ contains
       type(walk_t), intent(inout) :: walk
       type(correction_t), intent(inout) :: found
       logical, intent(out) :: reached
-      real(wp) :: turned
+      real(wp) :: turned, stopped
 
       call go_back(self, k, walk)
       call walk_between(self, k, walk%here, target, reached, walk%way)
@@ -209,9 +209,10 @@ contains
          walk%known = .false.
          return
       end if
-      ! nothing beyond can be reached this way
-      if (target(1) > walk%here(1)) walk%ends(2) = min(walk%ends(2), target(1))
-      if (target(1) < walk%here(1)) walk%ends(1) = max(walk%ends(1), target(1))
+      ! nothing beyond where it stopped can be reached this way
+      stopped = walk%here(1) + walk%way*(target(1) - walk%here(1))
+      if (target(1) > stopped) walk%ends(2) = min(walk%ends(2), stopped)
+      if (target(1) < stopped) walk%ends(1) = max(walk%ends(1), stopped)
       call go_back(self, k, walk)
    end subroutine walk_to
 

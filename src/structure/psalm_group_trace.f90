@@ -1,8 +1,8 @@
 !> The rings of a larger group of a sketch: arcs with lengths and directions read off the drawing.
 !>
-!> A ring leads from what is known by a shortest chain of unknown links back to what is known; the links of that chain count as known
-!> for the rings after it, until every pair of the group is in one. A slide is an arc of varying length from a point of one link's line
-!> to one of the other's; it gives both links one direction. Source of the rings: ears of a graph (Whitney 1932).
+!> A ring leads from what is known by a shortest chain of unknown links back to what is known; the links of that chain count as
+!> known for the rings after it, until every pair of the group is in one. A slide is an arc of varying length from a point of one
+!> link's line to one of the other's; it gives both links one direction. Source of the rings: ears of a graph (Whitney 1932).
 module psalm_group_trace
    use psalm_angles, only: degrees_of, unit_vector
    use psalm_closure, only: closure_t, state_t, row_pin, row_line, row_gear, row_turn, row_travel

@@ -1,7 +1,7 @@
 !> Loops for a sketch: one for each dyad, several rings for each larger group.
 !>
-!> Dyads are traced as the arrays ILINK, ILOOP, ARCL, GAMA can tell them. What these cannot tell, as a slide passed against its sense,
-!> is traced as a larger group is. Source: Oldham (1977), 15.1, the choice of minimal loops.
+!> Dyads are traced as the arrays ILINK, ILOOP, ARCL, GAMA can tell them. What these cannot tell, as a slide passed against its
+!> sense, is traced as a larger group is. Source: Oldham (1977), 15.1, the choice of minimal loops.
 module psalm_sketch_loops
    use psalm_closure, only: closure_t, state_t, row_pin, row_line
    use psalm_kinds, only: wp

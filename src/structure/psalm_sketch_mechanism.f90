@@ -1,7 +1,7 @@
 !> The arcs and groups of a mechanism from the traced loops of a sketch.
 module psalm_sketch_mechanism
    use psalm_dyad_kind, only: assur_higher, kind_of_dyad, sign_of_dyad
-   use psalm_mechanism, only: mechanism_t, actuator_t, pair_t, ring_t, at_finish, at_start, arc_actuator, arc_crank, &
+   use psalm_mechanism, only: mechanism_t, actuator_t, joined_t, ring_t, at_finish, at_start, arc_actuator, arc_crank, &
                               arc_determined, arc_link, arc_slide
    use psalm_sketch, only: frame_link
    use psalm_traced_loops, only: loops_t, traced_pair_t, traced_t, traced_actuator, traced_crank, traced_frame, traced_link, &
@@ -139,7 +139,7 @@ contains
    end subroutine take_group
 
    !> A pair by arcs: one of each link, and one that ends where they meet.
-   pure type(pair_t) function pair_of(traced, pair)
+   pure type(joined_t) function pair_of(traced, pair)
       type(loops_t), intent(in) :: traced
       type(traced_pair_t), intent(in) :: pair
       integer :: n, side

@@ -319,7 +319,7 @@ contains
          do loop = 1, mechanism%nloop
             if (fine%problem%linkage%step_of_loop(loop) == 0) cycle
             form = form_of(mechanism%groups(loop)%kind)
-            select case (form%ways)
+            select case (merge(form%ways, 2, mechanism%is_dyad(loop)))
             case (2)
                sine = abs(fine%k(:, loop))
                do i = 1, n
