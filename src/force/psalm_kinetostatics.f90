@@ -13,6 +13,7 @@ module psalm_kinetostatics
    use psalm_force_kernels, only: load_body, move_axes, add_inertia, add_weight, add_force_at, add_couple, place_in_body, &
                                   velocity_in_body, power_of, add_wrench, drive_of_crank, drive_of_slide
    use psalm_force_model, only: force_model_t, friction_t, spot_t, parameter_mass, parameter_mx, parameter_my, parameter_inertia
+   use psalm_group_reactions, only: group_joint_t, react_group
    use psalm_kinds, only: wp, radians_per_degree, full_turn
    use psalm_linkage, only: padded
    use psalm_mechanism, only: mechanism_t, at_start, body_frame, joint_prismatic
@@ -450,6 +451,10 @@ contains
                             w(1, f(body_frame)%wrench + 1), w(1, f(body_frame)%wrench + 2))
          end do
          do loop = mechanism%nloop, 1, -1
+            if (.not. mechanism%is_dyad(loop)) then
+               call sweep_group(problem, loop, m, forces)
+               cycle
+            end if
             p = f(mechanism%arcs(mechanism%groups(loop)%members(1))%body)%wrench
             q = f(mechanism%arcs(mechanism%groups(loop)%members(2))%body)%wrench
             associate (joints => mechanism%groups(loop)%joints)
@@ -484,6 +489,39 @@ contains
          end associate
       end subroutine pass_on
    end subroutine sweep
+
+   !> Forces of the joints of a larger group, which pass on what acts on its links.
+   subroutine sweep_group(problem, loop, n, forces)
+      type(problem_t), intent(in) :: problem
+      integer, intent(in) :: loop, n
+      type(forces_t), intent(inout) :: forces
+      type(group_joint_t), allocatable :: joints(:)
+      integer, allocatable :: links(:)
+      integer :: j, k
+
+      associate (mechanism => problem%mechanism, link => problem%linkage, group => problem%mechanism%groups(loop))
+         links = mechanism%arcs(group%members)%body
+         allocate (joints(size(group%joints)))
+         do j = 1, size(joints)
+            associate (own => joints(j), joint => mechanism%joints(group%joints(j)))
+               own%slides = joint%kind == joint_prismatic
+               own%x = link%point_x(problem%plan%joint_points(joint%point))
+               own%y = link%point_y(problem%plan%joint_points(joint%point))
+               own%force = forces%joints(group%joints(j))
+               do k = 1, 2
+                  own%links(k) = findloc(links, joint%bodies(k), dim=1)
+                  if (own%links(k) == 0 .and. joint%bodies(k) /= body_frame) own%wrenches(k) = forces%bodies(joint%bodies(k))%wrench
+               end do
+               if (.not. own%slides) cycle
+               own%root_x = link%root_x(problem%plan%root(joint%slide))
+               own%root_y = link%root_y(problem%plan%root(joint%slide))
+               own%c = link%x(joint%slide)
+               own%s = link%y(joint%slide)
+            end associate
+         end do
+         call react_group(n, joints, forces%bodies(links)%wrench, link%store, forces%w)
+      end associate
+   end subroutine sweep_group
 
    !> Forces of a joint in the units of listings: N, and N m for the couple of a prismatic joint. Shape of the result: (n, 2).
    pure function joint_rows(problem, forces, joint, n) result(values)

@@ -116,6 +116,10 @@ contains
       row%x(1, k) = problem%output%origin_x
       row%y(1, k) = problem%output%origin_y
       row%known(1, k) = .true.
+      do loop = 1, problem%mechanism%nloop
+         ! of a larger group all arcs are found or none
+         if (.not. problem%mechanism%is_dyad(loop)) row%sound(loop, k) = problem%linkage%closes(i, loop)
+      end do
       do j = 2, size(problem%mechanism%points)
          associate (point => problem%mechanism%points(j))
             loop = point%group

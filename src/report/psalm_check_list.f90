@@ -143,15 +143,15 @@ contains
       type(data_set_t), intent(in) :: set
       type(problem_t), intent(in) :: problem
       type(text_t), intent(inout) :: text
-      integer :: loop
+      integer :: loop, which
 
       associate (mechanism => problem%mechanism, parameters => problem%parameters)
          call text%add()
          call text%add(' NUMBER OF ARCS IN EACH LOOP, LOOPL')
          call text%add(integers([mechanism%loops%arcs], 5))
          call text%add(' UNDETERMINED ARCS IN EACH LOOP, LARCX')
-         call loop_rows(reshape([(mechanism%place(1, loop), mechanism%place(2, loop), loop=1, set%links%nloop)], &
-                                [2, set%links%nloop]), text)
+         call loop_rows(reshape([([(place_of_member(mechanism, which, loop), which=1, most_members(mechanism))], &
+                                  loop=1, mechanism%nloop)], [most_members(mechanism), mechanism%nloop]), text)
          call list_references(set, mechanism, text)
          if (parameters%has_search()) then
             call text%add(' ARRAY OF VARIABLES CORRESPONDING TO ARCS')
@@ -220,9 +220,13 @@ contains
 
       call text%add(' ARRAYS "JOINT", "SLIDE", "CONFIG"')
       call text%add(integers([mechanism%groups%kind], 8))
-      do which = 1, 2
+      do which = 1, most_members(mechanism)
          line = ''
          do loop = 1, mechanism%nloop
+            if (which > size(mechanism%groups(loop)%members)) then
+               line = line//fixed(0.0_wp, column, 2)
+               cycle
+            end if
             n = mechanism%groups(loop)%members(which)
             associate (arc => mechanism%arcs(n))
                line = line//fixed(-real(sign(1, set%links%ilink(arc%place, loop)), wp)* &
@@ -232,6 +236,23 @@ contains
          call text%add(line)
       end do
    end subroutine list_dyads
+
+   !> Undetermined arcs of the largest group.
+   pure integer function most_members(mechanism)
+      type(mechanism_t), intent(in) :: mechanism
+      integer :: loop
+
+      most_members = maxval([(size(mechanism%groups(loop)%members), loop=1, mechanism%nloop)])
+   end function most_members
+
+   !> Number in its loop of an undetermined arc; 0: the group has fewer.
+   pure integer function place_of_member(mechanism, which, loop) result(place)
+      type(mechanism_t), intent(in) :: mechanism
+      integer, intent(in) :: which, loop
+
+      place = 0
+      if (which <= size(mechanism%groups(loop)%members)) place = mechanism%place(which, loop)
+   end function place_of_member
 
    subroutine list_controls(set, text)
       type(data_set_t), intent(in) :: set
@@ -319,6 +340,7 @@ contains
       type(mechanism_t), intent(in) :: mechanism
       type(doubts_t), intent(in) :: doubts
       type(text_t), intent(inout) :: text
+      character(:), allocatable :: arcs
       integer :: loop
 
       call text%add(' JOINT OF THE UNDETERMINED ARCS OF EACH LOOP AT THE REFERENCE INPUT (X,Y)')
@@ -327,8 +349,9 @@ contains
             call text%add(' LOOP '//to_text(loop)//' DOES NOT CLOSE AT THE REFERENCE INPUT')
             return
          end if
-         call text%add(' LOOP '//to_text(loop)//', ARCS '//to_text(mechanism%place(1, loop))//' AND '// &
-                       to_text(mechanism%place(2, loop))//'  '//fixed(doubts%joint(1, loop), wide_column, 4)// &
+         arcs = 'ARCS '//to_text(mechanism%place(1, loop))//' AND '//to_text(mechanism%place(2, loop))
+         if (.not. mechanism%is_dyad(loop)) arcs = 'FINISH OF ARC '//to_text(mechanism%place(1, loop))
+         call text%add(' LOOP '//to_text(loop)//', '//arcs//'  '//fixed(doubts%joint(1, loop), wide_column, 4)// &
                        fixed(doubts%joint(2, loop), wide_column, 4))
       end do
    end subroutine list_reference_joints

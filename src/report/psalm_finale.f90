@@ -396,6 +396,22 @@ contains
       end associate
    end function describe_crossing
 
+   !> Names of the links of a larger group.
+   function names_of_group(mechanism, loop) result(text)
+      type(mechanism_t), intent(in) :: mechanism
+      integer, intent(in) :: loop
+      character(:), allocatable :: text
+      integer :: k
+
+      text = ''
+      associate (members => mechanism%groups(loop)%members)
+         do k = 1, size(members)
+            if (k > 1) text = text//', '
+            text = text//mechanism%bodies(mechanism%arcs(members(k))%body)%name
+         end do
+      end associate
+   end function names_of_group
+
    !> A violation in words: loop, dyad, positions and by how much.
    function describe_violation(problem, motion, violation, numbered) result(text)
       type(problem_t), intent(in) :: problem
@@ -410,6 +426,12 @@ contains
       with_numbers = .true.
       if (present(numbered)) with_numbers = numbered
       form = form_of(problem%mechanism%groups(violation%loop)%kind)
+      if (.not. problem%mechanism%is_dyad(violation%loop)) then
+         text = 'LOOP '//to_text(violation%loop)//', GROUP OF LINKS '//names_of_group(problem%mechanism, violation%loop)
+         if (with_numbers) text = text//', POSITION'//positions()
+         text = text//': IT CANNOT FOLLOW FROM THE DRAWING'
+         return
+      end if
       p = to_text(problem%mechanism%place(1, violation%loop))
       q = to_text(problem%mechanism%place(2, violation%loop))
       pair = 'ARCS '//p//' AND '//q

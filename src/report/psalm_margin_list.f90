@@ -7,7 +7,7 @@ module psalm_margin_list
    use psalm_kinds, only: wp
    use psalm_angles, only: within_turn
    use psalm_margins, only: margin_t, is_violated, margin_angle, margin_slides, margin_guide, margin_offset, &
-                             margin_clearance, margin_bound
+                             margin_clearance, margin_bound, margin_group
    use psalm_text, only: text_t, general, lower_case, to_text
    use psalm_dimensions, only: dimensions_t
    use psalm_parameters, only: name_of
@@ -83,6 +83,8 @@ contains
       select case (margin%kind)
       case (margin_angle, margin_slides, margin_guide, margin_offset)
          name = name_of_limit(margin, set%limits%trmin_given)
+      case (margin_group)
+         name = 'LOOP '//to_text(margin%which)//', DEAD POINT OF ITS GROUP (1 IS BEST)'
       case (margin_clearance)
          call list_clearances(set%constr, problem%mechanism, problem%given%outlk <= 0.0_wp, clearances, joints)
          name = name_of_clearance(set, clearances(margin%which), in_sentence)

@@ -8,7 +8,7 @@ module psalm_margins
    use psalm_clearances, only: clearance_t, list_clearances, find_depth, points_of_clearance
    use psalm_constraint_group, only: range_positions, range_turn, region_box
    use psalm_data_set, only: data_set_t
-   use psalm_dyad_kind, only: assur_prp, assur_prr, assur_rpr, assur_rpr_guide_first, assur_rrp, assur_rrr
+   use psalm_dyad_kind, only: assur_higher, assur_prp, assur_prr, assur_rpr, assur_rpr_guide_first, assur_rrp, assur_rrr
    use psalm_error, only: problem_t
    use psalm_kinds, only: wp, degrees_per_radian, right_angle
    use psalm_merit, only: constraint_inputs
@@ -22,7 +22,8 @@ module psalm_margins
    implicit none (type, external)
    private
    public :: margin_t, inspector_t, prepare_inspector, inspect, is_violated
-   public :: margin_angle, margin_slides, margin_guide, margin_offset, margin_clearance, margin_bound, margin_length
+   public :: margin_angle, margin_slides, margin_guide, margin_offset, margin_clearance, margin_bound, margin_length, &
+             margin_group
    public :: rounding, parallel
 
    integer, parameter :: margin_angle = 1    !! transmission angle of a link pair inside its limits, degrees
@@ -32,6 +33,7 @@ module psalm_margins
    integer, parameter :: margin_clearance = 5 !! distance of joints and links, over what is asked, length
    integer, parameter :: margin_bound = 6    !! variable inside its bounds, its own unit
    integer, parameter :: margin_length = 7   !! a variable length, length
+   integer, parameter :: margin_group = 8    !! measure of a larger group: 1 at best, 0 at a dead point
    integer, parameter :: steps_of_range = 720, steps_of_lens = 16, lenses = 3
    real(wp), parameter :: rounding = 1.0e-9_wp !! a negative margin smaller than this, relative to the linkage, is rounding
    real(wp), parameter :: parallel = 1.0e-6_wp !! degrees between two slides that are parallel for every purpose
@@ -152,6 +154,8 @@ contains
                call add(margin_offset, loop, 0)
             case (assur_prp)
                call add(margin_slides, loop, 0)
+            case (assur_higher)
+               call add(margin_group, loop, 0)
             end select
          end do
          do r = 1, size(inspector%clearances)
@@ -199,7 +203,7 @@ contains
          margin%edge = edge
          margin%kind = kind
          margin%which = which
-         margin%unit = merge(1.0_wp, min(inspector%size, maxval(dimensions%arcl)), kind <= margin_slides)
+         margin%unit = merge(1.0_wp, min(inspector%size, maxval(dimensions%arcl)), kind <= margin_slides .or. kind == margin_group)
          margin%least_allowed = -rounding*margin%unit
          if (kind == margin_slides .and. inspector%slide_angle >= right_angle) margin%least_allowed = parallel
          all_edges = [all_edges, margin]
@@ -357,6 +361,8 @@ contains
                   where (abs(k) < 1.0_wp) near(:, loop) = sqrt(1.0_wp - abs(k))
                case (assur_prp)
                   near(:, loop) = abs(measure)
+               case (assur_higher)
+                  near(:, loop) = max(1.0_wp - k, 0.0_wp)
                end select
             end associate
          end do
@@ -484,6 +490,8 @@ contains
       case (margin_slides)
          ! the angle between them, negative past parallel, less what is to remain of it
          value = inspector%slide_angle - right_angle + arc_sine(max(-1.0_wp, min(1.0_wp - station%k(i, margin%which), 1.0_wp)))
+      case (margin_group)
+         value = 1.0_wp - station%k(i, margin%which)
       case (margin_guide)
          value = guide(station, margin%which)*(1.0_wp/max(station%k(i, margin%which), tiny(1.0_wp)**0.25_wp) - 1.0_wp)
       case default

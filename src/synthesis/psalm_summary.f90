@@ -672,7 +672,7 @@ contains
       if (problem%mechanism%sliding_input) return
       associate (mechanism => problem%mechanism, plan => problem%plan)
          do loop = 1, mechanism%nloop
-            if (problem%linkage%step_of_loop(loop) == 0) cycle
+            if (problem%linkage%step_of_loop(loop) == 0 .or. .not. mechanism%is_dyad(loop)) cycle
             p = mechanism%place(1, loop)
             q = mechanism%place(2, loop)
             if (p < 2) cycle
