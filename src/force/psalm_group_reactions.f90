@@ -1,7 +1,7 @@
 !> Forces in the joints of a larger group: the equilibrium of all its links at once.
 !>
-!> A pin passes on a force, a slide a force across it at its foot and a couple: two unknowns a joint, three equations a link, as many
-!> as there are unknowns in every Assur group. Source: Oldham (1977), 15.1, for groups of any size.
+!> A pin passes on a force, a slide a force across it at its foot and a couple: two unknowns a joint, three equations a link, as
+!> many as there are unknowns in every Assur group. Source: Oldham (1977), 15.1, for groups of any size.
 module psalm_group_reactions
    use psalm_kinds, only: wp
    use psalm_linear, only: eliminate_real
@@ -27,7 +27,7 @@ contains
    pure subroutine react_group(n, joints, wrenches, store, w)
       integer, intent(in) :: n                     !! positions, padded
       type(group_joint_t), intent(in) :: joints(:)
-      integer, intent(in) :: wrenches(:)           !! first rows of the wrenches on the links: force x and y, moment about the origin
+      integer, intent(in) :: wrenches(:)           !! first rows of the wrenches on the links: force x and y, moment
       type(rows_t), intent(in) :: store
       type(rows_t), intent(inout) :: w
       integer, parameter :: equations = 3, unknowns = 2

@@ -104,6 +104,7 @@ module psalm_linkage
    interface
       !> A larger group at the positions of a block, each from the one before; the first from the drawing.
       pure module subroutine follow_group(self, k, n, path, more)
+         implicit none (type, external)
          class(linkage_t), intent(inout) :: self
          integer, intent(in) :: k                !! its step
          integer, intent(in) :: n                !! positions
