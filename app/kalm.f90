@@ -113,7 +113,9 @@ contains
          call add_force_columns(forces, devices%tables(size(devices%tables)))
       call report_rates(set, problem, rates, devices, forces, machine)
       if (set%sketch%given) call report_outputs(set, sketch, rates%motion%beyond, accelerations, devices)
-      if (proof_wanted(set, .false.) /= no_proof) then
+      if (proof_wanted(set, .false.) /= no_proof .and. set%has_larger_group()) then
+         call prove_sketch(set, devices)
+      else if (proof_wanted(set, .false.) /= no_proof) then
          allocate (proof)
          call study_proof(set, problem, prepared%given, proof_wanted(set, .false.), proof)
          call report_proof(set, proof, devices)
@@ -132,7 +134,6 @@ contains
       type(data_set_t), intent(in) :: set
       type(devices_t), intent(inout) :: devices
       type(chain_study_t), allocatable :: study
-      type(chain_proof_t), allocatable :: proof
       type(force_study_t), allocatable :: forces     ! an absent argument unless the case asks for them
 
       allocate (study)
@@ -145,9 +146,30 @@ contains
          call add_force_columns(forces, devices%tables(size(devices%tables)))
       end if
       call report_chain('KALM', set, study, accelerations, devices, forces)
-      if (proof_wanted(set, .false.) == no_proof .or. .not. study%sound) return
+      if (proof_wanted(set, .false.) /= no_proof) call prove_motion(set, study, devices)
+   end subroutine run_sketch
+
+   !> The proof of a sketch with a larger group, which is made in the poses of its links.
+   subroutine prove_sketch(set, devices)
+      type(data_set_t), intent(in) :: set
+      type(devices_t), intent(inout) :: devices
+      type(chain_study_t), allocatable :: study
+
+      allocate (study)
+      call study_chain(set, set%rates%speed, set%rates%accel, study)
+      call prove_motion(set, study, devices)
+   end subroutine prove_sketch
+
+   !> Prove the motion of a sketch in the poses of its links.
+   subroutine prove_motion(set, study, devices)
+      type(data_set_t), intent(in) :: set
+      type(chain_study_t), intent(in) :: study
+      type(devices_t), intent(inout) :: devices
+      type(chain_proof_t), allocatable :: proof
+
+      if (.not. study%sound) return
       allocate (proof)
       call study_chain_proof(set, study, proof_wanted(set, .false.), proof)
       call report_chain_proof(set, study, proof, devices)
-   end subroutine run_sketch
+   end subroutine prove_motion
 end program kalm

@@ -22,6 +22,7 @@ program psalm
    use psalm_finale, only: mark_beyond
    use psalm_kinds, only: wp
    use psalm_mark, only: mark_t
+   use psalm_limits_group, only: proof_by_default
    use psalm_mechanism, only: mechanism_t
    use psalm_preparation, only: prepared_t, prepare, threads_for, threads_wanted
    use psalm_proof_study, only: proof_study_t, study_proof, proof_wanted, no_proof
@@ -200,9 +201,13 @@ contains
       end if
       if (set%gives('SWEEP')) call run_family(set, problem%mechanism, dimensions, devices)
       if (proof_wanted(set, prepared%parameters%has_search()) /= no_proof) then
-         allocate (proof)
-         call study_proof(set, problem, dimensions, proof_wanted(set, prepared%parameters%has_search()), proof)
-         call report_proof(set, proof, devices)
+         if (set%has_larger_group()) then
+            call prove_sketch(set, prepared%parameters%has_search(), devices)
+         else
+            allocate (proof)
+            call study_proof(set, problem, dimensions, proof_wanted(set, prepared%parameters%has_search()), proof)
+            call report_proof(set, proof, devices)
+         end if
       end if
       call report_violations(set, problem, analysis, devices)
       if (allocated(analysis%summary)) then
@@ -276,19 +281,45 @@ contains
       type(devices_t), intent(inout) :: devices
       logical, intent(in) :: searched                !! it is the result of a search
       type(chain_study_t), allocatable :: study
-      type(chain_proof_t), allocatable :: proof
-      integer :: range
 
       allocate (study)
       call study_chain(set, 1.0_wp, 0.0_wp, study)
       call report_sketch_table(set, study, 0, devices)
       call report_chain('PSALM', set, study, 0, devices)
-      range = proof_wanted(set, searched)
-      if (range == no_proof .or. .not. study%sound) return
+      if (study%sound) call prove_motion(set, study, proof_wanted(set, searched), devices)
+   end subroutine run_sketch
+
+   !> The proof of a sketch with a larger group, which is made in the poses of its links.
+   subroutine prove_sketch(set, searched, devices)
+      type(data_set_t), intent(in) :: set
+      logical, intent(in) :: searched                !! there was a search: the sketch is not its result
+      type(devices_t), intent(inout) :: devices
+      type(chain_study_t), allocatable :: study
+
+      if (searched) then
+         if (set%limits%iproof /= proof_by_default) &
+            call devices%remark(set, 'the result of a search over a group of more than two links is not proven here: run psalm '// &
+                                'on device 7')
+         return
+      end if
+      allocate (study)
+      call study_chain(set, 1.0_wp, 0.0_wp, study)
+      if (study%sound) call prove_motion(set, study, proof_wanted(set, .false.), devices)
+   end subroutine prove_sketch
+
+   !> Prove the motion of a sketch in the poses of its links over a range.
+   subroutine prove_motion(set, study, range, devices)
+      type(data_set_t), intent(in) :: set
+      type(chain_study_t), intent(in) :: study
+      integer, intent(in) :: range                   !! one of `proof_of_...`
+      type(devices_t), intent(inout) :: devices
+      type(chain_proof_t), allocatable :: proof
+
+      if (range == no_proof) return
       allocate (proof)
       call study_chain_proof(set, study, range, proof)
       call report_chain_proof(set, study, proof, devices)
-   end subroutine run_sketch
+   end subroutine prove_motion
 
    !> Threads for a case, which take no signals. With a search or a sample there is something to lose: then signals wait until it
    !> is written.

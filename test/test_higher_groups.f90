@@ -77,7 +77,7 @@ contains
 
       block = (position - 1)/problem%linkage%room + 1
       call problem%solve_block(block, offset, n)
-      dimensions%drawn = dimensions%crnki + problem%delt(position)
+      dimensions%anchor = dimensions%crnki + problem%delt(position)
       do loop = 1, mechanism%nloop
          associate (group => mechanism%groups(loop), of => mechanism%loops(loop))
             group%kind = assur_higher

@@ -84,6 +84,7 @@ module psalm_data_set
       character(:), allocatable :: skipped !! the groups that this program does not read, with those that do; empty: none
       type(origins_t) :: origins           !! where every value was written
    contains
+      procedure :: has_larger_group
       procedure :: wants_search
       procedure :: place_of
       procedure :: gives
@@ -780,4 +781,12 @@ contains
          call findings%error('the group is missing in the case that begins here'//what, line=case%line, group=name)
       end subroutine missing
    end subroutine refuse_unknown
+
+   !> True for a sketch whose loops close a group of more than two links, or one that is no dyad.
+   pure logical function has_larger_group(self)
+      class(data_set_t), intent(in) :: self
+
+      has_larger_group = allocated(self%traced)
+      if (has_larger_group) has_larger_group = size(self%traced%rings) > 0
+   end function has_larger_group
 end module psalm_data_set

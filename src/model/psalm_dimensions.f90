@@ -8,10 +8,11 @@ module psalm_dimensions
    !> One linkage of a given topology. Lengths in the user's unit, angles in degrees.
    type :: dimensions_t
       real(wp), allocatable :: arcl(:), gama(:)  !! by arc: length, and angle from the arc it hangs on; of an unknown arc of a
-                                                 !! larger group length and direction in the drawing
+                                                 !! larger group length and direction at `anchor`
       real(wp) :: outlk = 0.0_wp, outang = 0.0_wp
       real(wp) :: origlk = 0.0_wp, origng = 0.0_wp
       real(wp) :: crnki = 0.0_wp
-      real(wp) :: drawn = 0.0_wp                 !! CRNKI in the drawing, from which larger groups are followed
+      real(wp) :: drawn = 0.0_wp                 !! CRNKI in the drawing
+      real(wp) :: anchor = 0.0_wp                !! CRNKI where unknown arcs of larger groups are as given, from which these are followed
    end type dimensions_t
 end module psalm_dimensions

@@ -74,7 +74,7 @@ module psalm_linkage
       integer, allocatable :: measure(:)             !! by loop: row of its dyad's closure measure, scaled
       integer :: out(2) = 0, direction(2) = 0, miss = 0 !! rows for the output: lengths, unit vector, deviation
       type(rows_t) :: between                        !! one position between those of the block; not allocated: no larger group
-      real(wp) :: drawn = 0.0_wp                     !! input increment of the drawing: larger groups are followed from there
+      real(wp) :: drawn = 0.0_wp                     !! input increment from which larger groups are followed: mostly the drawing's
       ! input
       logical :: sliding_input = .false.
       real(wp) :: largest_input = 0.0_wp         !! sliding input: largest increment
@@ -467,7 +467,7 @@ contains
       integer :: k
 
       self%side = 0
-      self%drawn = dimensions%drawn - dimensions%crnki
+      self%drawn = dimensions%anchor - dimensions%crnki
       call choose_scale(self, dimensions)
       call bind_angles(self, plan, dimensions)
       self%length = dimensions%arcl*self%scale

@@ -36,7 +36,7 @@ contains
       logical :: in_order
 
       if (set%links%nloop == 0) return
-      if (has_larger_group(set)) then
+      if (set%has_larger_group()) then
          ! the arrays cannot tell it
          call take_traced_loops(set%traced, mechanism)
          call take_dimensions(set, mechanism, dimensions)
@@ -59,14 +59,6 @@ contains
       call find_repeated(set, findings)
    end subroutine set_up
 
-   !> True for a sketch with a group of more than two links, or one that is no dyad.
-   pure logical function has_larger_group(set)
-      type(data_set_t), intent(in) :: set
-
-      has_larger_group = allocated(set%traced)
-      if (has_larger_group) has_larger_group = size(set%traced%rings) > 0
-   end function has_larger_group
-
    !> The dimensions as written, of the arcs that are there.
    pure subroutine take_dimensions(set, mechanism, dimensions)
       type(data_set_t), intent(in) :: set
@@ -85,7 +77,8 @@ contains
       dimensions%origng = set%method%origng
       dimensions%crnki = set%method%crnki
       if (set%sketch%given) dimensions%drawn = set%crnki_of_drawing
-      if (.not. has_larger_group(set)) return
+      dimensions%anchor = dimensions%drawn
+      if (.not. set%has_larger_group()) return
       do n = 1, size(mechanism%arcs)
          ! what repeats an arc has its length
          associate (arc => mechanism%arcs(n))

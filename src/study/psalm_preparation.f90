@@ -4,7 +4,9 @@ module psalm_preparation
    use psalm_chain_force_study, only: judge_chain_forces
    use psalm_data_set, only: data_set_t
    use psalm_dyad_groups, only: dyads_of_variables
+   use psalm_error, only: inputs_of
    use psalm_force_model, only: force_model_t, forces_wanted, make_force_model
+   use psalm_group_anchor, only: choose_anchor
    use psalm_kinds, only: wp
    use psalm_regions, only: check_regions
    use psalm_setup, only: set_up
@@ -78,6 +80,8 @@ contains
                                to_text(int(bytes/megabyte) + 1)//' MB are needed')
          return
       end if
+      if (set%has_larger_group() .and. prepared%parameters%has_search()) &
+         call choose_anchor(prepared%mechanism, inputs_of(set), prepared%given)
       call check_regions(set%constr, prepared%mechanism, own)
       if (set%search%by_dyads .and. prepared%parameters%has_search()) then
          if (maxval(dyads_of_variables(prepared%mechanism, prepared%parameters)) == 1) &
