@@ -94,31 +94,37 @@ contains
       type(walk_t), intent(inout) :: walk
       type(correction_t), intent(out) :: found
       logical, intent(out) :: reached
-      type(walk_t) :: round
-      real(wp) :: target(size(inputs))
+      real(wp) :: target(size(inputs)), offset
       logical :: sound
 
       target = inputs
-      target(1) = target(1) + walk%offset
       reached = .false.
       if (is_open(walk, target)) then
+         ! from the drawing where that is nearer: the shorter the way, the fewer places to go astray
+         if (abs(walk%offset) > 0.0_wp .or. is_nearer_to_drawing(self, walk, target)) call start(self, k, walk, sound)
+         walk%offset = 0.0_wp
          call step_to(self, k, i, target, walk, found, reached)
          if (.not. reached) call walk_to(self, k, i, target, walk, found, reached)
       end if
       if (reached .or. self%sliding_input .or. self%first_turn > 0 .or. size(inputs) > 1) return
-      target(1) = target(1) - sign(full_turn, target(1) - self%drawn)
+      offset = -sign(full_turn, inputs(1) - self%drawn)
+      target(1) = inputs(1) + offset
       if (.not. is_open(walk, target)) return
-      round = walk
-      call start(self, k, round, sound)
-      call walk_to(self, k, i, target, round, found, reached)
-      walk%ends = round%ends
-      if (reached) then
-         walk = round
-         walk%offset = target(1) - inputs(1)
-      else
-         call go_back(self, k, walk)
-      end if
+      if (abs(walk%offset - offset) > 0.0_wp) call start(self, k, walk, sound)
+      walk%offset = offset
+      call step_to(self, k, i, target, walk, found, reached)
+      if (.not. reached) call walk_to(self, k, i, target, walk, found, reached)
    end subroutine reach
+
+   !> True if the drawing is nearer to a target than where the walk stands.
+   pure logical function is_nearer_to_drawing(self, walk, target)
+      class(linkage_t), intent(in) :: self
+      type(walk_t), intent(in) :: walk
+      real(wp), intent(in) :: target(:)
+
+      is_nearer_to_drawing = walk%last > 0 .and. &
+                             sum((target - [self%drawn, self%seconds%drawn])**2) < sum((target - walk%here)**2)
+   end function is_nearer_to_drawing
 
    !> False where the walk is known to end before.
    pure logical function is_open(walk, target)
