@@ -93,7 +93,7 @@ contains
          else
             next(1, j) = now(1, j) + ratio*(now(1, j) - before(1, j))
             next(2, j) = 0.0_wp
-            moved = max(moved, abs(next(1, j) - now(1, j))/higher%size)
+            moved = max(moved, abs(next(1, j) - now(1, j))/max(higher%size, abs(now(1, j))))
          end if
       end do
    end subroutine predict
@@ -117,7 +117,7 @@ contains
       integer, intent(in) :: i
       type(correction_t), intent(inout) :: result  !! `moved` is kept
       real(wp) :: matrix(higher%unknowns, higher%unknowns), right(higher%unknowns, 1), vector(2)
-      real(wp) :: largest, before, product, determinant
+      real(wp) :: largest, before, product, determinant, scaling
       integer :: step, j
 
       result%converged = .false.
@@ -131,7 +131,13 @@ contains
          call eliminate_real(higher%unknowns, 1, matrix, right, determinant)
          if (.not. abs(determinant) > 0.0_wp) return
          result%determinant = determinant/sqrt(product)
-         largest = maxval(abs(right(:, 1)))
+         largest = 0.0_wp
+         do j = 1, higher%unknowns
+            ! a length that runs far out is changed by a part of itself
+            scaling = 1.0_wp
+            if (higher%row_of_sine(j) == 0) scaling = higher%size/max(higher%size, abs(store%v(i, higher%row(j))))
+            largest = max(largest, abs(right(j, 1))*scaling)
+         end do
          if (.not. largest < huge(1.0_wp)) return
          if (step == 1) result%first = largest
          if (step == 2) result%second = largest

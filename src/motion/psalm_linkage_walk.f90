@@ -11,6 +11,7 @@ submodule(psalm_linkage) psalm_linkage_walk
    implicit none (type, external)
 
    real(wp), parameter :: least_step = 1.0e-9_wp !! of the way
+   integer, parameter :: most_tries = 4000      !! of steps on one way: one that needs more is not gone
    real(wp), parameter :: easy = 0.02_wp        !! of the corrections: below it the next step is twice as long
    real(wp), parameter :: farthest_turn = 1.0_wp   !! radians that a link whose turn counts may turn in a step
    real(wp), parameter :: farthest_input = 45.0_wp !! degrees that the input may turn in such a step
@@ -265,11 +266,13 @@ contains
       logical, intent(out) :: reached
       real(wp), intent(out) :: way              !! part of the way that was gone
       real(wp) :: step, worst, next(size(to))
+      integer :: tries
       logical :: sound
 
       reached = .false.
       way = 0.0_wp
       step = 1.0_wp
+      tries = 0
       if (.not. self%sliding_input .and. size(self%steps(k)%dyad%higher%known) > 0) &
          step = min(1.0_wp, farthest_input/max(abs(to(1) - from(1)), tiny(1.0_wp)))
       do while (way < 1.0_wp)
@@ -278,9 +281,10 @@ contains
             next = to
             if (way + step < 1.0_wp) next = from + (way + step)*(to - from)
             call solve_between(self, k, next, .true., sound, worst)
+            tries = tries + 1
             if (sound) exit
             step = 0.5_wp*step
-            if (step < least_step) return
+            if (step < least_step .or. tries > most_tries) return
          end do
          way = way + step
          if (way > 1.0_wp - 0.5_wp*least_step) way = 1.0_wp
