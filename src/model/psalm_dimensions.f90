@@ -13,6 +13,6 @@ module psalm_dimensions
       real(wp) :: origlk = 0.0_wp, origng = 0.0_wp
       real(wp) :: crnki = 0.0_wp
       real(wp) :: drawn = 0.0_wp                 !! CRNKI in the drawing
-      real(wp) :: anchor = 0.0_wp                !! CRNKI at which unknown arcs of larger groups are as given: these are followed from it
+      real(wp) :: anchor = 0.0_wp                !! CRNKI at which unknown arcs of larger groups are as given
    end type dimensions_t
 end module psalm_dimensions
