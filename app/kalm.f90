@@ -113,7 +113,7 @@ contains
          call add_force_columns(forces, devices%tables(size(devices%tables)))
       call report_rates(set, problem, rates, devices, forces, machine)
       if (set%sketch%given) call report_outputs(set, sketch, rates%motion%beyond, accelerations, devices)
-      if (proof_wanted(set, .false.) /= no_proof .and. set%has_larger_group()) then
+      if (proof_wanted(set, .false.) /= no_proof .and. set%is_beyond_arrays()) then
          call prove_sketch(set, devices)
       else if (proof_wanted(set, .false.) /= no_proof) then
          allocate (proof)

@@ -201,7 +201,7 @@ contains
       end if
       if (set%gives('SWEEP')) call run_family(set, problem%mechanism, dimensions, devices)
       if (proof_wanted(set, prepared%parameters%has_search()) /= no_proof) then
-         if (set%has_larger_group()) then
+         if (set%is_beyond_arrays()) then
             call prove_sketch(set, prepared%parameters%has_search(), devices)
          else
             allocate (proof)

@@ -84,7 +84,7 @@ module psalm_data_set
       character(:), allocatable :: skipped !! the groups that this program does not read, with those that do; empty: none
       type(origins_t) :: origins           !! where every value was written
    contains
-      procedure :: has_larger_group
+      procedure :: is_beyond_arrays
       procedure :: wants_search
       procedure :: place_of
       procedure :: gives
@@ -782,11 +782,11 @@ contains
       end subroutine missing
    end subroutine refuse_unknown
 
-   !> True for a sketch whose loops close a group of more than two links, or one that is no dyad.
-   pure logical function has_larger_group(self)
+   !> True for a sketch that the arrays of &LINKS cannot tell: with a group that is no dyad, with gears or a second drive.
+   pure logical function is_beyond_arrays(self)
       class(data_set_t), intent(in) :: self
 
-      has_larger_group = allocated(self%traced)
-      if (has_larger_group) has_larger_group = size(self%traced%rings) > 0
-   end function has_larger_group
+      is_beyond_arrays = allocated(self%traced)
+      if (is_beyond_arrays) is_beyond_arrays = size(self%traced%rings) > 0 .or. any(self%traced%arcs%drive > 1)
+   end function is_beyond_arrays
 end module psalm_data_set

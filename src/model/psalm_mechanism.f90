@@ -18,7 +18,7 @@ module psalm_mechanism
    use psalm_output_kind, only: motion_point
    implicit none (type, external)
    private
-   public :: mechanism_t, linkage_group_t, joined_t, ring_t, point_t, bar_t, body_t, joint_t, actuator_t, output_t
+   public :: mechanism_t, linkage_group_t, joined_t, ring_t, tie_t, point_t, bar_t, body_t, joint_t, actuator_t, output_t
    public :: arc_absent, arc_determined, arc_link, arc_slide, arc_crank, arc_actuator
    public :: joint_revolute, joint_prismatic, at_start, at_finish, body_frame, pivot
 

@@ -3,7 +3,7 @@ module psalm_traced_loops
    use psalm_kinds, only: wp
    implicit none (type, external)
    private
-   public :: loops_t, traced_t, traced_ring_t, traced_pair_t, arc_with
+   public :: loops_t, traced_t, traced_ring_t, traced_pair_t, traced_gear_t, traced_drive_t, arc_with
    public :: traced_determined, traced_link, traced_slide, traced_crank, traced_actuator, traced_frame
 
    integer, parameter :: traced_determined = 1
@@ -25,6 +25,7 @@ module psalm_traced_loops
                                             !! `reference`
       logical :: foot_last = .false.        !! slides of larger groups: it is the finish that is a point of the guide
       integer :: guide_link = 0             !! slides of larger groups, and the actuator before one: the link that guides
+      integer :: drive = 1                  !! of a crank or actuator: which drive moves it
       integer :: sign = 1
       integer :: slide = 0                  !! the slide of the sketch that it runs along
       real(wp) :: length = 0.0_wp
@@ -35,7 +36,21 @@ module psalm_traced_loops
    type :: traced_ring_t
       integer :: loop = 0
       integer :: first = 0, turn = 0, last = 0
+      logical :: closed = .true.
    end type traced_ring_t
+
+   !> A gear pair of a larger group: turns of `wheels(1)` against the carrier times `ratio` are those of `wheels(2)`.
+   type :: traced_gear_t
+      integer :: loop = 0
+      integer :: wheels(2) = 0, carrier = 0 !! links
+      real(wp) :: ratio = 0.0_wp
+   end type traced_gear_t
+
+   !> A drive after the first, geared to it.
+   type :: traced_drive_t
+      integer :: arc = 0                    !! the link's first arc, 0: none yet
+      real(wp) :: ratio = 1.0_wp, phase = 0.0_wp
+   end type traced_drive_t
 
    !> A pair of a larger group: two links on a pin or a slide.
    type :: traced_pair_t
@@ -58,6 +73,9 @@ module psalm_traced_loops
       integer, allocatable :: joint_loop(:) !! by joint: the loop whose group places it
       integer, allocatable :: line_point(:, :) !! shape (2, slides): points of a slide's line on its links, 0: none
       type(traced_pair_t), allocatable :: pairs(:) !! of all larger groups
+      type(traced_gear_t), allocatable :: gears(:) !! of all larger groups
+      type(traced_drive_t), allocatable :: seconds(:) !! drives after the first
+      integer, allocatable :: drive_of(:)   !! by link: the drive that turns it on the frame, 0: none
       type(traced_ring_t), allocatable :: rings(:) !! of the loops that close larger groups, in order
    contains
       procedure :: is_dyad

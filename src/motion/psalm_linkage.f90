@@ -83,6 +83,7 @@ module psalm_linkage
       real(wp) :: crank_angle = 0.0_wp           !! its angle, degrees
       real(wp) :: reference_length = 0.0_wp      !! actuator's length at the reference position, user's unit
       integer :: first_turn = 0                  !! row of the first input's turn since the drawing, radians; 0: no tie needs it
+      logical :: tied = .false.                  !! a group has ties: turns count, not only directions
       type(second_drive_t), allocatable :: seconds(:)
       integer, allocatable :: input_row(:)       !! rows that move with the first input,
       real(wp), allocatable :: input_rate(:)     !! by how much a unit of it: radian, or user's length
@@ -307,6 +308,7 @@ contains
             allocate (higher%ties(0))
             return
          end if
+         self%tied = .true.
          allocate (higher%ties(size(group%ties)))
          do i = 1, size(group%ties)
             associate (tie => higher%ties(i), of => group%ties(i))

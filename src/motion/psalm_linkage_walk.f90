@@ -107,7 +107,8 @@ contains
          call step_to(self, k, i, target, walk, found, reached)
          if (.not. reached) call walk_to(self, k, i, target, walk, found, reached)
       end if
-      if (reached .or. self%sliding_input .or. self%first_turn > 0 .or. size(inputs) > 1) return
+      ! wheels stand elsewhere after a turn
+      if (reached .or. self%sliding_input .or. self%tied .or. size(inputs) > 1) return
       offset = -sign(full_turn, inputs(1) - self%drawn)
       target(1) = inputs(1) + offset
       if (.not. is_open(walk, target)) return

@@ -458,8 +458,9 @@ contains
       do loop = 1, mechanism%nloop
          associate (pair => scene%pairs(loop))
             pair%joint_type = mechanism%groups(loop)%kind
+            ! of a larger group its first and its last arc
             associate (p => mechanism%arcs(mechanism%groups(loop)%members(1)), &
-                       q => mechanism%arcs(mechanism%groups(loop)%members(2)))
+                       q => mechanism%arcs(mechanism%groups(loop)%members(size(mechanism%groups(loop)%members))))
                pair%start = place(p%ends(at_start))
                pair%finish = place(q%ends(at_finish))
                pair%shared = place(p%ends(at_finish))

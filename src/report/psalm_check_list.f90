@@ -349,8 +349,9 @@ contains
             call text%add(' LOOP '//to_text(loop)//' DOES NOT CLOSE AT THE REFERENCE INPUT')
             return
          end if
-         arcs = 'ARCS '//to_text(mechanism%place(1, loop))//' AND '//to_text(mechanism%place(2, loop))
-         if (.not. mechanism%is_dyad(loop)) arcs = 'FINISH OF ARC '//to_text(mechanism%place(1, loop))
+         arcs = 'FINISH OF ARC '//to_text(mechanism%place(1, loop))
+         if (mechanism%is_dyad(loop)) arcs = 'ARCS '//to_text(mechanism%place(1, loop))//' AND '// &
+                                             to_text(mechanism%place(2, loop))
          call text%add(' LOOP '//to_text(loop)//', '//arcs//'  '//fixed(doubts%joint(1, loop), wide_column, 4)// &
                        fixed(doubts%joint(2, loop), wide_column, 4))
       end do

@@ -30,7 +30,8 @@ contains
       type(mechanism_t), intent(inout) :: mechanism
       integer :: n, loop, which, body
 
-      allocate (mechanism%bodies(body_input + sum([(size(mechanism%groups(loop)%members), loop=1, mechanism%nloop)])))
+      allocate (mechanism%bodies(body_input + sum([(size(mechanism%groups(loop)%members), loop=1, mechanism%nloop)]) + &
+                                 size(mechanism%actuators) - 1))
       mechanism%bodies(body_frame)%name = 'frame'
       mechanism%bodies(body_input)%name = trim(merge('crank', 'input', mechanism%arcs(1)%kind == arc_crank))
       mechanism%bodies(body_input)%axis = 1
@@ -42,6 +43,11 @@ contains
             mechanism%bodies(body)%axis = n
             mechanism%bodies(body)%name = 'arc '//to_text(mechanism%arcs(n)%place)//' of loop '//to_text(loop)
          end do
+      end do
+      do which = 2, size(mechanism%actuators)
+         body = body + 1
+         mechanism%bodies(body)%axis = mechanism%actuators(which)%arc
+         mechanism%bodies(body)%name = 'crank '//to_text(which)
       end do
       do body = body_input, size(mechanism%bodies)
          mechanism%arcs(mechanism%bodies(body)%axis)%body = body

@@ -10,8 +10,8 @@ module psalm_group_trace
    use psalm_loop_trace, only: append_step, frame_axis
    use psalm_sketch, only: frame_link, drive_slides, drive_turns
    use psalm_sketch_paths, only: path_step_t, survey_t, know, shortest, way_from
-   use psalm_traced_loops, only: loops_t, traced_t, traced_pair_t, traced_ring_t, traced_link, traced_slide, traced_crank, &
-                                 traced_actuator, traced_frame
+   use psalm_traced_loops, only: loops_t, traced_t, traced_gear_t, traced_pair_t, traced_ring_t, traced_link, traced_slide, &
+                                 traced_crank, traced_actuator, traced_frame
    implicit none (type, external)
    private
    public :: trace_group
@@ -40,11 +40,12 @@ contains
       type(loops_t), intent(inout) :: loops
       character(:), allocatable, intent(out) :: why
       type(pair_t), allocatable :: pairs(:)
+      type(traced_gear_t), allocatable :: gears(:)
       type(ear_t) :: ear
       integer :: loop, first, k
 
       why = ''
-      allocate (pairs(0))
+      allocate (pairs(0), gears(0))
       do k = 1, size(closure%groups(group)%rows)
          associate (row => closure%groups(group)%rows(k))
             select case (row%kind)
@@ -52,8 +53,12 @@ contains
                pairs = [pairs, pair_t(row%links, joint=row%which)]
             case (row_line)
                pairs = [pairs, pair_t(row%links, slide=row%which)]
-            case (row_gear, row_turn, row_travel)
-               why = 'a gear or a drive inside a group of links'
+            case (row_gear)
+               associate (gear => closure%sketch%gears(row%which))
+                  gears = [gears, traced_gear_t(0, gear%wheels, gear%carrier, gear%ratio)]
+               end associate
+            case (row_turn, row_travel)
+               why = 'a drive inside a group of links'
             end select
          end associate
       end do
@@ -65,8 +70,9 @@ contains
       call place_line_points(closure, state, pairs, survey, loops)
       do while (.not. all(pairs%used))
          call find_ear(pairs, survey%known, merge(closure%sketch%drives(1)%link, 0, size(loops%arcs) == 0), ear)
+         if (size(ear%pairs) == 0 .and. size(loops%arcs) > 0) call find_branch(pairs, survey%known, ear)
          if (size(ear%pairs) == 0) then
-            why = 'links that hang on each other only'
+            why = 'a gear train without other links, or links that hang on each other only'
             return
          end if
          call trace_ring(closure, state, loop, first, pairs, ear, survey, loops, why)
@@ -82,9 +88,12 @@ contains
       do k = 1, size(pairs)
          loops%pairs = [loops%pairs, traced_pair_t(loop, pairs(k)%links, pairs(k)%joint, pairs(k)%slide)]
       end do
+      gears%loop = loop
+      loops%gears = [loops%gears, gears]
       loops%longest = max(loops%longest, size(loops%arcs) - first)
       associate (arcs => loops%arcs(first + 1:))
-         if (count(arcs%kind == traced_link .or. arcs%kind == traced_slide) /= 2*count(loops%rings%loop == loop)) &
+         if (count(arcs%kind == traced_link .or. arcs%kind == traced_slide) /= &
+             2*count(loops%rings%loop == loop .and. loops%rings%closed) + size(gears)) &
             why = 'a group whose links have other unknowns than its rings find'
       end associate
    end subroutine trace_group
@@ -200,7 +209,27 @@ contains
       end subroutine take
    end subroutine find_ear
 
-   !> One ring: from the input pivot to the chain, along it, and back.
+   !> A link that hangs on a known one by a pin: gears turn it.
+   pure subroutine find_branch(pairs, known, ear)
+      type(pair_t), intent(in) :: pairs(:)
+      logical, intent(in) :: known(:)              !! by link
+      type(ear_t), intent(out) :: ear
+      integer :: k, side
+
+      allocate (ear%pairs(0), ear%links(0))
+      do k = 1, size(pairs)
+         if (pairs(k)%used .or. pairs(k)%joint == 0) cycle
+         do side = 1, 2
+            if (.not. known(pairs(k)%links(side)) .or. known(pairs(k)%links(3 - side))) cycle
+            ear%pairs = [k]
+            ear%links = [pairs(k)%links(3 - side)]
+            ear%first_link = pairs(k)%links(side)
+            return
+         end do
+      end do
+   end subroutine find_branch
+
+   !> One ring: from the input pivot to the chain, along it, and back; of a branch to its end.
    subroutine trace_ring(closure, state, loop, first, pairs, ear, survey, loops, why)
       type(closure_t), intent(in) :: closure
       type(state_t), intent(in) :: state
@@ -223,6 +252,11 @@ contains
                                                                                            sketch%drives(1)%link)
          ! the direction of a chain's end that slides on what is known comes from there
          from_right = .false.
+         ring%closed = size(ear%pairs) > n
+         if (.not. ring%closed) then
+            call trace_branch()
+            return
+         end if
          if (pairs(ear%pairs(n + 1))%slide > 0) then
             do i = n, 1, -1
                from_right(i) = .true.
@@ -278,6 +312,35 @@ contains
       end associate
 
    contains
+
+      !> Forward arcs only: to the pin, and along the link to another joint of it, if there is one.
+      subroutine trace_branch()
+         type(traced_t) :: arc
+         complex(wp) :: h
+
+         call shortest(survey, loops%start, point_on(ear%first_link, 1), .true., out, found)
+         if (.not. found) then
+            why = 'a wheel that no link leads to'
+            return
+         end if
+         do i = 1, size(out)
+            call append_step(closure, loop, first, out(i), loops)
+         end do
+         arc = traced_t(traced_link, loop, size(loops%arcs) - first + 1, ear%links(1), point_on(ear%links(1), 1))
+         associate (joints => closure%sketch%links(ear%links(1))%joints)
+            do i = 1, size(joints)
+               if (joints(i) /= arc%ends(1)) arc%ends(2) = joints(i)
+            end do
+         end associate
+         h = loops%point(arc%ends(2)) - loops%point(arc%ends(1))
+         arc%length = abs(h)
+         if (arc%length > 0.0_wp) arc%direction = degrees_of(h%re, h%im)
+         loops%arcs = [loops%arcs, arc]
+         loops%axis(ear%links(1)) = size(loops%arcs)
+         ring%turn = size(loops%arcs)
+         ring%last = ring%turn
+         loops%rings = [loops%rings, ring]
+      end subroutine trace_branch
 
       !> All rings begin at the frame's point of the line along which a sliding input moves.
       subroutine place_slider(slide, slider)

@@ -451,6 +451,15 @@ contains
       else if (arc%length > 0.0_wp) then
          arc%direction = degrees_of(h%re, h%im)
       end if
+      if (loops%axis(step%link) == 0 .and. loops%drive_of(step%link) > 1) then
+         ! the first arc of a link that a drive after the first turns is its crank
+         arc%kind = traced_crank
+         arc%drive = loops%drive_of(step%link)
+         loops%arcs = [loops%arcs, arc]
+         loops%axis(step%link) = size(loops%arcs)
+         loops%seconds(arc%drive - 1)%arc = size(loops%arcs)
+         return
+      end if
       arc%reference = loops%axis(step%link)
       do k = 1, size(loops%arcs)
          associate (old => loops%arcs(k))

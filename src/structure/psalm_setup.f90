@@ -36,7 +36,7 @@ contains
       logical :: in_order
 
       if (set%links%nloop == 0) return
-      if (set%has_larger_group()) then
+      if (set%is_beyond_arrays()) then
          ! the arrays cannot tell it
          call take_traced_loops(set%traced, mechanism)
          call take_dimensions(set, mechanism, dimensions)
@@ -78,7 +78,7 @@ contains
       dimensions%crnki = set%method%crnki
       if (set%sketch%given) dimensions%drawn = set%crnki_of_drawing
       dimensions%anchor = dimensions%drawn
-      if (.not. set%has_larger_group()) return
+      if (.not. set%is_beyond_arrays()) return
       do n = 1, size(mechanism%arcs)
          ! what repeats an arc has its length
          associate (arc => mechanism%arcs(n))

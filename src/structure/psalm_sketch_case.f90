@@ -292,6 +292,7 @@ contains
             case (traced_crank)
                link = 1
                loop = 1
+               if (arc%drive > 1) angle = arc%direction
             case (traced_frame)
                link = arc%place
                loop = 1

@@ -9,7 +9,7 @@ module psalm_sketch_loops
    use psalm_loop_trace, only: traced_dyad_t, close_loop, frame_axis
    use psalm_sketch, only: frame_link, drive_slides, drive_turns
    use psalm_sketch_paths, only: survey_t, know
-   use psalm_traced_loops, only: loops_t
+   use psalm_traced_loops, only: loops_t, traced_drive_t
    implicit none (type, external)
    private
    public :: make_loops
@@ -31,12 +31,12 @@ contains
 
       loops%why = ''
       associate (sketch => closure%sketch, groups => closure%order%groups)
-         if (size(sketch%drives) /= 1) then
-            loops%why = 'several drives'
-         else if (sketch%drives(1)%base /= frame_link .or. all(sketch%drives(1)%kind /= [drive_turns, drive_slides])) then
+         if (sketch%drives(1)%base /= frame_link .or. all(sketch%drives(1)%kind /= [drive_turns, drive_slides])) then
             loops%why = 'a drive that is not on the frame'
-         else if (size(sketch%gears) > 0) then
-            loops%why = 'gears'
+         else if (any(.not. sketch%drives(2:)%geared .or. sketch%drives(2:)%base /= frame_link .or. &
+                      sketch%drives(2:)%kind /= drive_turns) .or. &
+                  (size(sketch%drives) > 1 .and. sketch%drives(1)%kind /= drive_turns)) then
+            loops%why = 'several drives'
          else if (sketch%over_braced) then
             loops%why = 'special dimensions (KOVER)'
          end if
@@ -48,12 +48,17 @@ contains
          allocate (loops%axis(size(sketch%links)), loops%joint_loop(size(sketch%joint_name)), source=0)
          allocate (loops%point(room), source=(0.0_wp, 0.0_wp))
          allocate (loops%line_point(2, size(sketch%slides)), source=0)
-         allocate (loops%arcs(0), loops%rings(0), loops%pairs(0))
+         allocate (loops%arcs(0), loops%rings(0), loops%pairs(0), loops%gears(0))
+         allocate (loops%drive_of(size(sketch%links)), source=0)
+         loops%drive_of(sketch%drives%link) = [(g, g=1, size(sketch%drives))]
+         loops%seconds = [(traced_drive_t(0, sketch%drives(g)%ratio, sketch%drives(g)%phase), g=2, size(sketch%drives))]
          survey%points = size(sketch%joint_name)
          loops%point(:survey%points) = state%joint(:, 0)
          crank = sketch%drives(1)%link
          call know(sketch, frame_link, survey)
-         call know(sketch, crank, survey)
+         do g = 1, size(sketch%drives)
+            call know(sketch, sketch%drives(g)%link, survey)
+         end do
          loops%start = sketch%drives(1)%joint
          loops%axis(frame_link) = frame_axis
          if (sketch%drives(1)%kind == drive_slides) loops%axis(crank) = frame_axis
@@ -92,7 +97,7 @@ contains
 
       allocate (order(0))
       do g = 1, size(closure%groups)
-         if (closure%order%groups(g)%order >= 2) order = [order, g]
+         if (closure%order%groups(g)%order >= 1) order = [order, g]
       end do
       do k = 1, size(order)
          if (.not. touches(order(k))) cycle

@@ -1,11 +1,12 @@
 !> The arcs and groups of a mechanism from the traced loops of a sketch.
 module psalm_sketch_mechanism
    use psalm_dyad_kind, only: assur_higher, kind_of_dyad, sign_of_dyad
-   use psalm_mechanism, only: mechanism_t, actuator_t, joined_t, ring_t, at_finish, at_start, arc_actuator, arc_crank, &
+   use psalm_kinds, only: wp
+   use psalm_mechanism, only: mechanism_t, actuator_t, joined_t, ring_t, tie_t, at_finish, at_start, arc_actuator, arc_crank, &
                               arc_determined, arc_link, arc_slide
    use psalm_sketch, only: frame_link
-   use psalm_traced_loops, only: loops_t, traced_pair_t, traced_t, traced_actuator, traced_crank, traced_frame, traced_link, &
-                                 traced_slide
+   use psalm_traced_loops, only: loops_t, traced_gear_t, traced_pair_t, traced_t, traced_actuator, traced_crank, &
+                                 traced_frame, traced_link, traced_slide
    implicit none (type, external)
    private
    public :: take_traced_loops
@@ -36,6 +37,12 @@ contains
       end do
       mechanism%sliding_input = mechanism%arcs(1)%kind == arc_actuator
       mechanism%actuators = [actuator_t(joint=1, arc=1, slides=mechanism%sliding_input)]
+      do n = 1, size(traced%seconds)
+         associate (second => traced%seconds(n))
+            mechanism%actuators = [mechanism%actuators, actuator_t(arc=second%arc, geared=.true., ratio=second%ratio, &
+                                                                   phase=second%phase)]
+         end associate
+      end do
    end subroutine take_traced_loops
 
    pure subroutine take_arc(traced, n, mechanism)
@@ -50,6 +57,7 @@ contains
          select case (of%kind)
          case (traced_crank)
             arc%kind = arc_crank
+            arc%drive = of%drive
          case (traced_actuator)
             arc%kind = arc_actuator
             call take_guide(traced, of, arc%reference, arc%turn)
@@ -128,15 +136,44 @@ contains
          allocate (of%rings(0))
          do r = 1, size(traced%rings)
             associate (ring => traced%rings(r))
-               if (ring%loop == loop) of%rings = [of%rings, ring_t(ring%first, ring%turn, ring%last)]
+               if (ring%loop == loop) of%rings = [of%rings, ring_t(ring%first, ring%turn, ring%last, ring%closed)]
             end associate
          end do
+         allocate (group%ties(0))
+         do n = 1, size(traced%gears)
+            if (traced%gears(n)%loop == loop) group%ties = [group%ties, tie_of(traced, traced%gears(n))]
+         end do
+         if (size(group%ties) == 0) deallocate (group%ties)
          allocate (group%pairs(0))
          do n = 1, size(traced%pairs)
             if (traced%pairs(n)%loop == loop) group%pairs = [group%pairs, pair_of(traced, traced%pairs(n))]
          end do
       end associate
    end subroutine take_group
+
+   !> A gear pair: ratio (a - c) = b - c.
+   pure type(tie_t) function tie_of(traced, gear) result(tie)
+      type(loops_t), intent(in) :: traced
+      type(traced_gear_t), intent(in) :: gear
+      integer :: links(3), k
+
+      links = [gear%wheels, gear%carrier]
+      tie%factors = [gear%ratio, -1.0_wp, 1.0_wp - gear%ratio]
+      do k = 1, size(links)
+         if (links(k) == frame_link) cycle
+         tie%arcs(k) = axis_of(traced, links(k))
+         tie%drawn(k) = traced%arcs(tie%arcs(k))%direction
+      end do
+   end function tie_of
+
+   !> An arc that tells where a link points: of the driven link the first of all.
+   pure integer function axis_of(traced, link) result(arc)
+      type(loops_t), intent(in) :: traced
+      integer, intent(in) :: link
+
+      arc = findloc(traced%arcs%link, link, dim=1)
+      if (arc /= 1) arc = traced%axis(link)
+   end function axis_of
 
    !> A pair by arcs: one of each link, and one that ends where they meet.
    pure type(joined_t) function pair_of(traced, pair)
@@ -145,10 +182,7 @@ contains
       integer :: n, side
 
       do side = 1, 2
-         ! the driven link has the first arc, others that of their axis
-         n = findloc(traced%arcs%link, pair%links(side), dim=1)
-         if (n /= 1) n = traced%axis(pair%links(side))
-         pair_of%axes(side) = n
+         pair_of%axes(side) = axis_of(traced, pair%links(side))
       end do
       if (pair%slide > 0) then
          n = findloc(traced%arcs%slide == pair%slide .and. traced%arcs%guide_link > 0, .true., dim=1)

@@ -341,7 +341,7 @@ contains
       type(data_set_t), intent(in) :: set
       type(cam_group_t), intent(in) :: cams(:)       !! CAM and CAM2
 
-      is_chained = allocated(set%no_loops) .or. set%has_larger_group() .or. cams(1)%link > 0 .or. cams(2)%given
+      is_chained = allocated(set%no_loops) .or. set%is_beyond_arrays() .or. cams(1)%link > 0 .or. cams(2)%given
    end function is_chained
 
    !> The motion of a sketch in the poses of its links.
@@ -398,7 +398,7 @@ contains
          if (allocated(set%no_loops)) then
             call complain(set, part%cam, 'CAMRPM', 'forces at the roller are computed for sketches of dyads with one drive on '// &
                           'the frame, but this one has '//set%no_loops//'; leave CAMRPM out', findings)
-         else if (set%has_larger_group()) then
+         else if (set%is_beyond_arrays()) then
             call complain(set, part%cam, 'CAMRPM', 'forces at the roller are computed for sketches of dyads, but this one has '// &
                           'a group of more than two links; leave CAMRPM out', findings)
          else if (cams(2)%given) then

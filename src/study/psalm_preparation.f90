@@ -80,7 +80,7 @@ contains
                                to_text(int(bytes/megabyte) + 1)//' MB are needed')
          return
       end if
-      if (set%has_larger_group() .and. prepared%parameters%has_search()) &
+      if (set%is_beyond_arrays() .and. prepared%parameters%has_search()) &
          call choose_anchor(prepared%mechanism, inputs_of(set), prepared%given)
       call check_regions(set%constr, prepared%mechanism, own)
       if (set%search%by_dyads .and. prepared%parameters%has_search()) then

@@ -49,7 +49,12 @@ contains
       call own%bind(dimensions)
       allocate (rates)
       call prepare_rates(own, rates)
-      study%inputs = reshape(dimensions%crnki - dimensions%drawn + problem%delt, [1, problem%positions])
+      allocate (study%inputs(size(set%sketch%drives), problem%positions))
+      study%inputs(1, :) = dimensions%crnki - dimensions%drawn + problem%delt
+      do k = 2, size(study%inputs, 1)
+         ! of several drives only geared ones have loops
+         study%inputs(k, :) = set%sketch%drives(k)%ratio*study%inputs(1, :) + set%sketch%drives(k)%phase
+      end do
       study%closed = closed
       associate (positions => size(closed), outputs => set%sketch%outputs)
          call names_of_numbers(outputs, study%names, study%angles)
