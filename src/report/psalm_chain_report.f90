@@ -76,7 +76,8 @@ contains
       character(name_room), allocatable :: names(:)
       real(wp), allocatable :: values(:, :)
 
-      if (.not. several_outputs(set)) return
+      ! the inputs of several drives are told there, too
+      if (.not. (several_outputs(set) .or. size(set%sketch%drives) > 1)) return
       call columns_of(study, orders, names, values)
       call devices%six%add()
       call devices%six%add(' ALL OUTPUTS, INPUTS FROM THE DRAWING')

@@ -209,6 +209,9 @@ contains
       integer :: vp, vq
       real(wp) :: lengths(2)
 
+      repaired = .false.
+      ! lengths of a larger group have no closed form
+      if (.not. problem%mechanism%is_dyad(loop)) return
       associate (mechanism => problem%mechanism, parameters => problem%parameters, reach => constraints%reach, &
                  arcl => constraints%dimensions%arcl)
          associate (arc_p => mechanism%groups(loop)%members(1), arc_q => mechanism%groups(loop)%members(2))
@@ -216,7 +219,6 @@ contains
             vq = parameters%length_variable(arc_q)
             lengths = arcl([arc_p, arc_q])
          end associate
-         repaired = .false.
          if (vp == 0 .and. vq == 0) return
          call problem%measure_of(loop, reach)
          call repair_dyad(mechanism%groups(loop)%kind, reach, problem%tangle, problem%toggle, [vp, vq] > 0, lengths, repaired)
