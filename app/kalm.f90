@@ -5,11 +5,12 @@ program kalm
    use psalm_check_list, only: list_input
    use psalm_case_table, only: report_case_table
    use psalm_chain_force_study, only: find_chain_forces
-   use psalm_chain_proof_study, only: chain_proof_t, study_chain_proof
+   use psalm_chain_proof_study, only: chain_proof_t, prove_loops, study_chain_proof
    use psalm_chain_report, only: report_chain, report_chain_proof, report_outputs, report_sketch_table, &
                                  report_still_drives
    use psalm_chain_study, only: chain_study_t, study_chain
    use psalm_data_set, only: data_set_t
+   use psalm_dimensions, only: dimensions_t
    use psalm_devices, only: devices_t, header_of
    use psalm_error, only: problem_t, make_problem
    use psalm_force_model, only: forces_wanted
@@ -114,7 +115,7 @@ contains
       call report_rates(set, problem, rates, devices, forces, machine)
       if (set%sketch%given) call report_outputs(set, sketch, rates%motion%beyond, accelerations, devices)
       if (proof_wanted(set, .false.) /= no_proof .and. set%is_beyond_arrays()) then
-         call prove_sketch(set, devices)
+         call prove_sketch(set, prepared%given, devices)
       else if (proof_wanted(set, .false.) /= no_proof) then
          allocate (proof)
          call study_proof(set, problem, prepared%given, proof_wanted(set, .false.), proof)
@@ -134,6 +135,7 @@ contains
       type(data_set_t), intent(in) :: set
       type(devices_t), intent(inout) :: devices
       type(chain_study_t), allocatable :: study
+      type(chain_proof_t), allocatable :: proof
       type(force_study_t), allocatable :: forces     ! an absent argument unless the case asks for them
 
       allocate (study)
@@ -146,30 +148,23 @@ contains
          call add_force_columns(forces, devices%tables(size(devices%tables)))
       end if
       call report_chain('KALM', set, study, accelerations, devices, forces)
-      if (proof_wanted(set, .false.) /= no_proof) call prove_motion(set, study, devices)
-   end subroutine run_sketch
-
-   !> The proof of a sketch with a larger group, which is made in the poses of its links.
-   subroutine prove_sketch(set, devices)
-      type(data_set_t), intent(in) :: set
-      type(devices_t), intent(inout) :: devices
-      type(chain_study_t), allocatable :: study
-
-      allocate (study)
-      call study_chain(set, set%rates%speed, set%rates%accel, study)
-      call prove_motion(set, study, devices)
-   end subroutine prove_sketch
-
-   !> Prove the motion of a sketch in the poses of its links.
-   subroutine prove_motion(set, study, devices)
-      type(data_set_t), intent(in) :: set
-      type(chain_study_t), intent(in) :: study
-      type(devices_t), intent(inout) :: devices
-      type(chain_proof_t), allocatable :: proof
-
-      if (.not. study%sound) return
+      if (proof_wanted(set, .false.) == no_proof .or. .not. study%sound) return
       allocate (proof)
       call study_chain_proof(set, study, proof_wanted(set, .false.), proof)
       call report_chain_proof(set, study, proof, devices)
-   end subroutine prove_motion
+   end subroutine run_sketch
+
+   !> The proof of a sketch with a larger group, which is made in the poses of its links.
+   subroutine prove_sketch(set, dimensions, devices)
+      type(data_set_t), intent(in) :: set
+      type(dimensions_t), intent(in) :: dimensions
+      type(devices_t), intent(inout) :: devices
+      type(chain_study_t), allocatable :: study
+      type(chain_proof_t), allocatable :: proof
+      logical :: sound
+
+      allocate (study, proof)
+      call prove_loops(set, proof_wanted(set, .false.), dimensions, study, proof, sound)
+      if (sound) call report_chain_proof(set, study, proof, devices)
+   end subroutine prove_sketch
 end program kalm

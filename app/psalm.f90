@@ -6,7 +6,7 @@ program psalm
    use psalm_console, only: arguments_t, path_progress_t, progress_t, begin, device4_of, show_findings
    use psalm_analysis, only: analysis_t, wanted_t, analyse, wanted_by
    use psalm_case_table, only: report_case_table
-   use psalm_chain_proof_study, only: chain_proof_t, study_chain_proof
+   use psalm_chain_proof_study, only: chain_proof_t, prove_loops, study_chain_proof
    use psalm_chain_report, only: report_chain, report_chain_proof, report_outputs, report_sketch_table
    use psalm_chain_search_list, only: report_chain_search
    use psalm_chain_synthesis, only: chain_synthesis_t, synthesise_chain
@@ -202,7 +202,7 @@ contains
       if (set%gives('SWEEP')) call run_family(set, problem%mechanism, dimensions, devices)
       if (proof_wanted(set, prepared%parameters%has_search()) /= no_proof) then
          if (set%is_beyond_arrays()) then
-            call prove_sketch(set, prepared%parameters%has_search(), devices)
+            call prove_sketch(set, prepared%parameters%has_search(), dimensions, devices)
          else
             allocate (proof)
             call study_proof(set, problem, dimensions, proof_wanted(set, prepared%parameters%has_search()), proof)
@@ -281,20 +281,29 @@ contains
       type(devices_t), intent(inout) :: devices
       logical, intent(in) :: searched                !! it is the result of a search
       type(chain_study_t), allocatable :: study
+      type(chain_proof_t), allocatable :: proof
+      integer :: range
 
       allocate (study)
       call study_chain(set, 1.0_wp, 0.0_wp, study)
       call report_sketch_table(set, study, 0, devices)
       call report_chain('PSALM', set, study, 0, devices)
-      if (study%sound) call prove_motion(set, study, proof_wanted(set, searched), devices)
+      range = proof_wanted(set, searched)
+      if (range == no_proof .or. .not. study%sound) return
+      allocate (proof)
+      call study_chain_proof(set, study, range, proof)
+      call report_chain_proof(set, study, proof, devices)
    end subroutine run_sketch
 
    !> The proof of a sketch with a larger group, which is made in the poses of its links.
-   subroutine prove_sketch(set, searched, devices)
+   subroutine prove_sketch(set, searched, dimensions, devices)
       type(data_set_t), intent(in) :: set
       logical, intent(in) :: searched                !! there was a search: the sketch is not its result
+      type(dimensions_t), intent(in) :: dimensions
       type(devices_t), intent(inout) :: devices
       type(chain_study_t), allocatable :: study
+      type(chain_proof_t), allocatable :: proof
+      logical :: sound
 
       if (searched) then
          if (set%limits%iproof /= proof_by_default) &
@@ -302,24 +311,10 @@ contains
                                 'on device 7')
          return
       end if
-      allocate (study)
-      call study_chain(set, 1.0_wp, 0.0_wp, study)
-      if (study%sound) call prove_motion(set, study, proof_wanted(set, .false.), devices)
+      allocate (study, proof)
+      call prove_loops(set, proof_wanted(set, .false.), dimensions, study, proof, sound)
+      if (sound) call report_chain_proof(set, study, proof, devices)
    end subroutine prove_sketch
-
-   !> Prove the motion of a sketch in the poses of its links over a range.
-   subroutine prove_motion(set, study, range, devices)
-      type(data_set_t), intent(in) :: set
-      type(chain_study_t), intent(in) :: study
-      integer, intent(in) :: range                   !! one of `proof_of_...`
-      type(devices_t), intent(inout) :: devices
-      type(chain_proof_t), allocatable :: proof
-
-      if (range == no_proof) return
-      allocate (proof)
-      call study_chain_proof(set, study, range, proof)
-      call report_chain_proof(set, study, proof, devices)
-   end subroutine prove_motion
 
    !> Threads for a case, which take no signals. With a search or a sample there is something to lose: then signals wait until it
    !> is written.

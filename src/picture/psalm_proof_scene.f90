@@ -1,5 +1,8 @@
 !> What pictures show of a proof of the motion: where it opens, extremes, dead points, the least clearances; and links with a width.
 module psalm_proof_scene
+   use psalm_chain_proof_list, only: links_of_group
+   use psalm_chain_proof_study, only: chain_proof_t, place_on, place_of_extreme, prove_loops
+   use psalm_chain_study, only: chain_study_t
    use psalm_clearances, only: clearance_t, list_clearances, find_depth, points_of_clearance
    use psalm_data_set, only: data_set_t
    use psalm_dimensions, only: dimensions_t
@@ -7,7 +10,7 @@ module psalm_proof_scene
    use psalm_kinds, only: wp
    use psalm_margin_list, only: name_of_clearance, name_of_limit
    use psalm_mechanism, only: at_finish, pivot
-   use psalm_output_kind, only: motion_point
+   use psalm_output_kind, only: kind_of_output, motion_point
    use psalm_proof, only: limit_t, piece_closes, piece_opens
    use psalm_proof_list, only: cause_words, end_text, extreme_name, mover_name, shown, short
    use psalm_proof_motion, only: mover_output
@@ -76,6 +79,10 @@ contains
       end do
       found = size(scene%wide) > 0
       if (proof_wanted(set, .false.) == no_proof) return
+      if (set%is_beyond_arrays()) then
+         call add_proof_of_poses(set, problem, dimensions, scene, found)
+         return
+      end if
       allocate (study)
       call study_proof(set, problem, dimensions, proof_wanted(set, .false.), study)
       if (study%empty) return
@@ -124,6 +131,65 @@ contains
       call move_alloc(more, scene%marks)
    end subroutine add_mark
 
+   !> What is proven of a sketch with a larger group, in the poses of its links.
+   subroutine add_proof_of_poses(set, problem, dimensions, scene, found)
+      type(data_set_t), intent(in) :: set
+      type(problem_t), intent(in) :: problem
+      type(dimensions_t), intent(in) :: dimensions
+      type(proof_scene_t), intent(inout) :: scene
+      logical, intent(inout) :: found
+      type(chain_study_t), allocatable :: study
+      type(chain_proof_t), allocatable :: proof
+      type(proof_study_t) :: none
+      character(:), allocatable :: ends
+      logical :: sound, turns, of_output
+      integer :: k, way
+      integer :: columns                            ! of the first output, which the picture draws
+
+      allocate (study, proof)
+      call prove_loops(set, proof_wanted(set, .false.), dimensions, study, proof, sound)
+      if (.not. sound) return
+      if (proof%braced > 0 .or. proof%empty) return
+      found = .true.
+      turns = .not. problem%mechanism%sliding_input
+      associate (first => kind_of_output(set%sketch%outputs(1)%kind))
+         columns = first%components
+      end associate
+      if (proof%complete) then
+         call add_mark(scene, 'range', 'proven: closes for every input from '//end_in_words(proof%from, 1, turns)//' to '// &
+                       end_in_words(proof%to, -1, turns))
+      else
+         do k = 1, size(proof%legs)
+            associate (leg => proof%legs(k))
+               way = merge(-1, 1, leg%to(1) > 0.0_wp)
+               call add_mark(scene, 'range', 'proven: closes from the drawing to '// &
+                             end_in_words(place_on(proof, k, leg%reached, turns), way, turns))
+               if (leg%complete) cycle
+               ends = lower_case(links_of_group(study, proof%group(k)))
+               if (leg%turns_back) then
+                  call add_mark(scene, 'opens', 'proven: opens at '// &
+                                end_in_words(place_on(proof, k, leg%dead_high, turns), -way, turns)//', dead point of '//ends, &
+                                place_on(proof, k, leg%reached, turns), .true.)
+               else
+                  call add_mark(scene, 'opens', 'undecided beyond '// &
+                                end_in_words(place_on(proof, k, leg%reached, turns), way, turns)//', '//ends// &
+                                ' at or near a dead point', place_on(proof, k, leg%reached, turns), .true.)
+               end if
+            end associate
+         end do
+      end if
+      do k = 1, size(proof%ranges)
+         associate (range => proof%ranges(k))
+            if (.not. range%bounded) cycle
+            of_output = k <= columns
+            call add_extremes_of(trim(study%names(k)), range%low(1), place_of_extreme(proof, range, 1, turns), range%high(2), &
+                                 place_of_extreme(proof, range, 2, turns), of_output, scene)
+         end associate
+      end do
+      allocate (none%kept(0))
+      call place_marks(set, problem, dimensions, none, scene)
+   end subroutine add_proof_of_poses
+
    !> Where it closes and where not.
    subroutine add_limits(study, scene)
       type(proof_study_t), intent(in) :: study
@@ -160,10 +226,7 @@ contains
          integer, intent(in) :: way
          character(:), allocatable :: words
 
-         words = trim(adjustl(end_text(input, way, study%proof%turns)))
-         if (index(words, '.') == 0 .or. scan(words, 'DE') > 0) return
-         ! zeros at the end say nothing
-         words = words(:max(verify(words, '0', back=.true.), index(words, '.') + 1))
+         words = end_in_words(input, way, study%proof%turns)
       end function place
 
       function why(limit) result(words)
@@ -185,6 +248,30 @@ contains
       end function is_between_two_of_a_kind
    end subroutine add_limits
 
+   !> An end of a range rounded up or down, without zeros at its end, which say nothing.
+   function end_in_words(input, way, turns) result(words)
+      real(wp), intent(in) :: input
+      integer, intent(in) :: way                    !! 1: up, -1: down
+      logical, intent(in) :: turns
+      character(:), allocatable :: words
+
+      words = trim(adjustl(end_text(input, way, turns)))
+      if (index(words, '.') == 0 .or. scan(words, 'DE') > 0) return
+      words = words(:max(verify(words, '0', back=.true.), index(words, '.') + 1))
+   end function end_in_words
+
+   !> The least and the greatest value of a quantity.
+   subroutine add_extremes_of(name, least, least_at, greatest, greatest_at, of_output, scene)
+      character(*), intent(in) :: name
+      real(wp), intent(in) :: least, greatest       !! bounds
+      real(wp), intent(in) :: least_at, greatest_at
+      logical, intent(in) :: of_output
+      type(proof_scene_t), intent(inout) :: scene
+
+      call add_mark(scene, 'extreme', name//': at least '//shown(least, -1)//', at '//short(least_at), least_at, of_output)
+      call add_mark(scene, 'extreme', name//': at most '//shown(greatest, 1)//', at '//short(greatest_at), greatest_at, of_output)
+   end subroutine add_extremes_of
+
    !> Extremes and dead points.
    subroutine add_extremes(study, scene)
       type(proof_study_t), intent(in) :: study
@@ -198,10 +285,8 @@ contains
             if (.not. extreme%found) cycle
             name = lower_case(trim(extreme_name(extreme)))
             of_output = any(extreme%kind == [extreme_x, extreme_y, extreme_output, extreme_distance])
-            call add_mark(scene, 'extreme', name//': at least '//shown(extreme%least_low, -1)//', at '// &
-                          short(extreme%least_at), extreme%least_at, of_output)
-            call add_mark(scene, 'extreme', name//': at most '//shown(extreme%greatest_high, 1)//', at '// &
-                          short(extreme%greatest_at), extreme%greatest_at, of_output)
+            call add_extremes_of(name, extreme%least_low, extreme%least_at, extreme%greatest_high, extreme%greatest_at, of_output, &
+                                 scene)
          end associate
       end do
       do i = 1, size(study%movement%dead)
@@ -271,6 +356,7 @@ contains
       plain%motion = motion_point
       call prepare_station(plain, scene%marks%input - dimensions%crnki, .false., joints, .false., station)
       call evaluate_station(station, dimensions)
+      if (set%is_beyond_arrays()) call step_inside(station, dimensions)
       do i = 1, size(scene%marks)
          scene%marks(i)%at = station%out(i, :2)
       end do
@@ -315,6 +401,24 @@ contains
          room_of = kept%nearest%low - kept%clearance%asked
       end function room_of
    end subroutine place_marks
+
+   !> A larger group is not found at a dead point itself: from where it is not, go towards the drawing.
+   subroutine step_inside(station, dimensions)
+      type(station_t), intent(inout) :: station
+      type(dimensions_t), intent(in) :: dimensions
+      real(wp), parameter :: parts(3) = [1.0e-9_wp, 1.0e-7_wp, 1.0e-5_wp] !! of the way to the drawing
+      real(wp) :: marked(size(station%closed)), inputs(size(station%closed))
+      integer :: k
+
+      marked = station%problem%delt
+      inputs = marked
+      do k = 1, size(parts)
+         if (all(station%closed)) return
+         where (.not. station%closed) inputs = (1.0_wp - parts(k))*marked
+         call station%problem%move_inputs(inputs)
+         call evaluate_station(station, dimensions)
+      end do
+   end subroutine step_inside
 
    !> Places and widths in another unit.
    subroutine change_unit_of_proof(scene, unit)

@@ -1,7 +1,7 @@
 !> What is proven of the motion of a sketch in the poses of its links, in the listing and on device 9.
 module psalm_chain_proof_list
    use psalm_block, only: begin_block
-   use psalm_chain_proof_study, only: chain_proof_t, place_on
+   use psalm_chain_proof_study, only: chain_proof_t, place_on, place_of_extreme
    use psalm_chain_study, only: chain_study_t
    use psalm_kinds, only: wp
    use psalm_proof_list, only: list_range, head_of_ranges, end_text, short
@@ -25,7 +25,8 @@ contains
       turns = first_turns(study)
       call text%add()
       if (proof%one_drive) then
-         call text%add(' LIMITS OF MOTION, PROVEN FOR INPUTS '//short(proof%from)//' TO '//short(proof%to)//' FROM THE DRAWING')
+         call text%add(' LIMITS OF MOTION, PROVEN FOR INPUTS '//short(proof%from)//' TO '//short(proof%to)// &
+                       trim(merge(' FROM THE DRAWING', '                 ', proof%from_drawing)))
       else
          call text%add(' LIMITS OF MOTION, PROVEN ALONG STRAIGHT LINES OF THE INPUTS BETWEEN THE POSITIONS')
       end if
@@ -100,8 +101,8 @@ contains
       do n = 1, size(proof%ranges)
          associate (one => proof%ranges(n))
             if (one%bounded) call list_range(upper_case(trim(study%names(n))), one%low, one%high, &
-                                               [place_on(proof, one%leg(1), one%way(1), turns), &
-                                                place_on(proof, one%leg(2), one%way(2), turns)], text)
+                                               [place_of_extreme(proof, one, 1, turns), &
+                                                place_of_extreme(proof, one, 2, turns)], text)
          end associate
       end do
    end subroutine list_ranges
@@ -191,7 +192,7 @@ contains
 
          words = number_or_nan(0.0_wp, .false.)//' '
          if (proof%ranges(n)%bounded) &
-            words = full_precision(place_on(proof, proof%ranges(n)%leg(which), proof%ranges(n)%way(which), turns))//' '
+            words = full_precision(place_of_extreme(proof, proof%ranges(n), which, turns))//' '
       end function known_place
    end subroutine write_chain_proof
 end module psalm_chain_proof_list

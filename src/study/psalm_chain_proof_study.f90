@@ -3,10 +3,12 @@
 !> One drive (others may be geared to it) goes from the drawing to both ends of its range; several go from position to position, as
 !> the positions are found. Data in, results out: nothing is printed or worded here.
 module psalm_chain_proof_study
+   use psalm_angles, only: within_turn
    use psalm_chain_motion, only: nearest_known
-   use psalm_chain_study, only: chain_study_t, inputs_of_drives, turn_repeats
+   use psalm_chain_study, only: chain_study_t, inputs_of_drives, study_chain, turn_repeats
    use psalm_closure, only: closure_t, state_t, matrix_of
    use psalm_data_set, only: data_set_t
+   use psalm_dimensions, only: dimensions_t
    use psalm_dense, only: factors_t, factorise
    use psalm_kinds, only: wp, full_turn, degrees_per_radian, radians_per_degree
    use psalm_proof_chain, only: chain_tubes_t, leg_t, output_range_t, start_tubes, cover_leg, stands_as_drawn, &
@@ -16,7 +18,7 @@ module psalm_chain_proof_study
    use psalm_sketch, only: drive_turns
    implicit none (type, external)
    private
-   public :: chain_proof_t, study_chain_proof, place_on
+   public :: chain_proof_t, study_chain_proof, prove_loops, place_on, place_of_extreme
 
    !> Parts of the motion and what is proven of them.
    type :: chain_proof_t
@@ -26,7 +28,9 @@ module psalm_chain_proof_study
       logical :: full_turn = .false.
       logical :: returns = .false.           !! after it the linkage stands as drawn
       logical :: complete = .false.          !! everything asked for is proven to close
-      real(wp) :: from = 0.0_wp, to = 0.0_wp !! what is asked for: degrees or length from the drawing, or positions
+      logical :: from_drawing = .true.       !! inputs count from the drawing; else they are those of the loops
+      real(wp) :: zero = 0.0_wp              !! the input of the drawing: 0, or that of the loops
+      real(wp) :: from = 0.0_wp, to = 0.0_wp !! what is asked for: degrees or length, or positions
       type(leg_t), allocatable :: legs(:)
       integer, allocatable :: group(:)       !! by leg: of one that is not complete the group nearest to a dead point where it ends
       integer, allocatable :: position(:)    !! by leg, of several drives: where it ends
@@ -38,11 +42,12 @@ module psalm_chain_proof_study
 contains
 
    !> Prove the motion of a sketch over a full turn of its first drive, or over its positions.
-   subroutine study_chain_proof(set, study, range, proof)
+   subroutine study_chain_proof(set, study, range, proof, zero)
       type(data_set_t), intent(in) :: set
       type(chain_study_t), intent(in) :: study
       integer, intent(in) :: range           !! one of `proof_of_...`
       type(chain_proof_t), intent(out) :: proof
+      real(wp), intent(in), optional :: zero !! of a sketch with loops: their input in the drawing
       type(chain_tubes_t), allocatable :: tubes
       real(wp), allocatable :: inputs(:, :)
       type(closure_t) :: whole
@@ -60,6 +65,10 @@ contains
             ! with a phase the drawing is on no line of the first drive
             if (drives(k)%geared .and. abs(drives(k)%phase) > 0.0_wp) proof%one_drive = .false.
          end do
+         if (present(zero) .and. proof%one_drive) then
+            proof%from_drawing = .false.
+            proof%zero = zero
+         end if
          proof%full_turn = proof%one_drive .and. range == proof_of_turn .and. drives(1)%kind == drive_turns
          if (proof%one_drive) then
             call find_both_ways(set, inputs, proof)
@@ -93,6 +102,20 @@ contains
          call bracket_outputs(whole, set%sketch%outputs, tubes, proof%ranges)
       end associate
    end subroutine study_chain_proof
+
+   !> The proof of a sketch with loops and a larger group, made in the poses of its links. Not `sound`: the drawing does not close.
+   subroutine prove_loops(set, range, dimensions, study, proof, sound)
+      type(data_set_t), intent(in) :: set
+      integer, intent(in) :: range           !! one of `proof_of_...`
+      type(dimensions_t), intent(in) :: dimensions
+      type(chain_study_t), intent(out) :: study
+      type(chain_proof_t), intent(out) :: proof
+      logical, intent(out) :: sound
+
+      call study_chain(set, 1.0_wp, 0.0_wp, study)
+      sound = study%sound
+      if (sound) call study_chain_proof(set, study, range, proof, dimensions%crnki)
+   end subroutine prove_loops
 
    !> Count the positions that are not on the motion that is proven to lead to them.
    subroutine compare_positions(study, whole, inputs, tubes, proof)
@@ -172,8 +195,8 @@ contains
       unit = merge(degrees_per_radian, 1.0_wp, set%sketch%drives(1)%kind == drive_turns)
       ends = [max(0.0_wp, maxval(inputs(1, :))), min(0.0_wp, minval(inputs(1, :)))]
       if (proof%full_turn) ends = [full_turn*radians_per_degree, -full_turn*radians_per_degree]
-      proof%from = merge(0.0_wp, ends(2)*unit, proof%full_turn)
-      proof%to = merge(full_turn, ends(1)*unit, proof%full_turn)
+      proof%from = proof%zero + merge(0.0_wp, ends(2)*unit, proof%full_turn)
+      proof%to = proof%zero + merge(full_turn, ends(1)*unit, proof%full_turn)
       allocate (proof%legs(0))
       do k = 1, 2
          if (abs(ends(k)) <= 0.0_wp) cycle
@@ -232,8 +255,20 @@ contains
       if (proof%one_drive) then
          place = proof%legs(leg)%from(1) + way*(proof%legs(leg)%to(1) - proof%legs(leg)%from(1))
          if (turns) place = place*degrees_per_radian
+         place = proof%zero + place
       else
          place = real(proof%position(leg) - 1, wp) + way
       end if
    end function place_on
+
+   !> Where an output is least or greatest; over a turn the inputs of loops are those from 0 to 360, as in the listing.
+   pure real(wp) function place_of_extreme(proof, range, which, turns) result(place)
+      type(chain_proof_t), intent(in) :: proof
+      type(output_range_t), intent(in) :: range
+      integer, intent(in) :: which           !! 1: the least, 2: the greatest value
+      logical, intent(in) :: turns           !! the first drive turns
+
+      place = place_on(proof, range%leg(which), range%way(which), turns)
+      if (proof%full_turn .and. .not. proof%from_drawing) place = within_turn(place)
+   end function place_of_extreme
 end module psalm_chain_proof_study

@@ -5,7 +5,7 @@
 !> the steps are then found by looking ever more closely. That is a search, no proof.
 module psalm_summary
    use psalm_angles, only: arc_sine, nearest_difference, within_turn
-   use psalm_dyad_kind, only: assur_prr, assur_rrp, assur_rrr, form_of, form_t
+   use psalm_dyad_kind, only: assur_higher, assur_prr, assur_rrp, assur_rrr, form_of, form_t
    use psalm_elementary, only: hypotenuse
    use psalm_exact_sum, only: sign_of_sum
    use psalm_error, only: problem_t, motion_t
@@ -548,7 +548,8 @@ contains
       subroutine find_end(open, closed, value)
          real(wp), intent(in) :: open, value
          real(wp), intent(inout) :: closed
-         real(wp) :: beyond
+         real(wp) :: beyond, there(2)
+         real(wp), allocatable :: near(:) ! by loop, there
          logical :: undetermined         ! beyond the end joints coincide
          integer :: round, j, loops(steps_of_lens + 1)
 
@@ -559,18 +560,23 @@ contains
             call lens%problem%find_undetermined(loops)
             if (round == 1) undetermined = loops(size(loops)) > 0
             if (undetermined) lens%closed = lens%closed .and. loops == 0
+            ! nearer to its end than rounding allows a larger group may stop elsewhere when it is followed again
+            if (any(lens%problem%mechanism%groups%kind == assur_higher) .and. .not. lens%closed(1)) exit
             do j = 1, steps_of_lens
                if (.not. lens%closed(j + 1)) exit
             end do
             j = min(j, steps_of_lens)
             closed = lens%problem%delt(j)
             beyond = lens%problem%delt(j + 1)
+            there = [lens%out(j, 1), second(lens, j)]
+            near = abs(lens%k(j, :))
          end do
-         call enter(value + step_between(value, lens%out(j, 1)), second(lens, j))
+         if (.not. allocated(near)) return
+         call enter(value + step_between(value, there(1)), there(2))
          do round = 1, lens%problem%mechanism%nloop
             if (lens%problem%linkage%step_of_loop(round) == 0 .or. .not. has_angle(lens%problem%mechanism, round)) cycle
-            if (angle_of(abs(lens%k(j, round))) >= summary%angle) cycle
-            summary%angle = angle_of(abs(lens%k(j, round)))
+            if (angle_of(near(round)) >= summary%angle) cycle
+            summary%angle = angle_of(near(round))
             summary%angle_loop = round
             summary%angle_input = input_of(fine%problem, dimensions, closed)
          end do
