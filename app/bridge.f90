@@ -1,6 +1,6 @@
 !> bridge: joints with clearance in planar linkages - following, loss of contact, flight, impact - from a namelist file.
 program bridge
-   use psalm_batch, only: outputs_t, common_options, ending_of_case, prepare_dyads, run_files
+   use psalm_batch, only: outputs_t, common_options, ending_of_case, prepare_loops, run_files
    use psalm_check_list, only: list_input
    use psalm_clearance_group, only: clearance_of
    use psalm_clearance_report, only: report_clearance
@@ -52,7 +52,7 @@ contains
 
       associate (unused => file, also_unused => mark)
       end associate
-      call prepare_dyads('bridge studies', demand, set, prepared, findings)
+      call prepare_loops('bridge studies', demand, set, prepared, findings)
       if (.not. findings%failed()) call check_clearance(set, clearance_of(set), prepared, findings)
    end subroutine prepare_clearance
 

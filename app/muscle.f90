@@ -1,6 +1,6 @@
 !> muscle: counterweights and springs for planar linkages, from a namelist file.
 program muscle
-   use psalm_batch, only: outputs_t, common_options, prepare_dyads, run_files
+   use psalm_batch, only: outputs_t, common_options, prepare_loops, run_files
    use psalm_check_list, only: list_input
    use psalm_console, only: arguments_t, begin
    use psalm_data_set, only: data_set_t
@@ -50,7 +50,7 @@ contains
 
       associate (unused => file, also_unused => mark)
       end associate
-      call prepare_dyads('muscle balances', demand, set, prepared, findings)
+      call prepare_loops('muscle balances', demand, set, prepared, findings)
       if (.not. findings%failed()) call check_muscle(set, prepared, findings)
    end subroutine prepare_muscle
 

@@ -12,7 +12,7 @@ module psalm_batch
    use psalm_text, only: to_text
    implicit none (type, external)
    private
-   public :: outputs_t, prepare_case, study_case, common_options, prepare_dyads, run_file, run_files, ending_of_case
+   public :: outputs_t, prepare_case, study_case, common_options, prepare_loops, run_file, run_files, ending_of_case
 
    integer, parameter :: ending_length = 16
    character(*), parameter :: nl = new_line('a')
@@ -79,8 +79,8 @@ contains
       if (number > 1) text = '-'//to_text(number)//ending
    end function ending_of_case
 
-   !> Prepare a case for a program that knows dyads with one drive on the frame and makes no search.
-   subroutine prepare_dyads(does, demand, set, prepared, findings)
+   !> Prepare a case for a program that needs loops and makes no search.
+   subroutine prepare_loops(does, demand, set, prepared, findings)
       character(*), intent(in) :: does               !! what the program does: 'muscle balances'
       type(demand_t), intent(in) :: demand           !! greatest numbers of positions and arcs
       type(data_set_t), intent(inout) :: set
@@ -89,10 +89,11 @@ contains
       type(line_t) :: none(0)
 
       set%method%nguess = 0
-      if (allocated(set%no_loops)) call findings%error(does//' dyads with one drive on the frame, but this sketch has '// &
-                                                       set%no_loops, line=set%title_line, group='CHAIN')
+      if (allocated(set%no_loops)) call findings%error(does//' linkages with loops (one drive on the frame, no gears, '// &
+                                                       'no KOVER), but this sketch has '//set%no_loops, &
+                                                       line=set%title_line, group='CHAIN')
       if (.not. findings%failed()) call prepare(set, none, prepared, findings, demand)
-   end subroutine prepare_dyads
+   end subroutine prepare_loops
 
    !> Run the cases of all files of the command line.
    subroutine run_files(arguments, outputs, prepare_it, study, code)

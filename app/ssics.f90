@@ -1,6 +1,6 @@
 !> ssics: steady state and stability of the drives and links of planar linkages, from a namelist file.
 program ssics
-   use psalm_batch, only: outputs_t, common_options, prepare_dyads, run_file
+   use psalm_batch, only: outputs_t, common_options, prepare_loops, run_file
    use psalm_check_list, only: list_input
    use psalm_console, only: arguments_t, begin, prepare_outputs, stem_of
    use psalm_data_set, only: data_set_t
@@ -60,7 +60,7 @@ contains
       associate (unused => file, also_unused => mark)
       end associate
       if (set%links%nloop == 0 .and. .not. allocated(set%no_loops)) return ! Hill's equation alone
-      call prepare_dyads('ssics studies', demand, set, prepared, findings)
+      call prepare_loops('ssics studies', demand, set, prepared, findings)
       if (.not. findings%failed()) call check_steady(set, prepared, findings)
    end subroutine prepare_steady
 

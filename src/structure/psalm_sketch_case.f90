@@ -74,6 +74,7 @@ contains
       if (.not. loops%found) return
       set%chosen = words_of(loops, closure%sketch)
       set%traced = loops
+      call warn_of_idle_angle(loops, set, findings)
       call fill_arrays(loops, set)
       call fill_places(closure, loops, state, set)
       call fill_output(loops, state, closure%sketch, set, findings)
@@ -134,7 +135,24 @@ contains
       end function is_output
    end subroutine fill_regions
 
-   !> What needs loops of dyads and one drive on the frame.
+   !> Only dyads have a transmission angle.
+   subroutine warn_of_idle_angle(loops, set, findings)
+      type(loops_t), intent(in) :: loops
+      type(data_set_t), intent(in) :: set
+      type(diagnostics_t), intent(inout) :: findings
+      character(*), parameter :: why = 'has no effect: all links are in groups of more than two, which have no transmission '// &
+                                       'angle (the margins of &CONSTR say how far these are from a dead point)'
+      integer :: loop
+
+      if (any([(loops%is_dyad(loop), loop=1, loops%loops)])) return
+      if (set%limits%trmin_given) then
+         call set%origins%warning(findings, trim(merge('CONSTR', 'LIMITS', set%constr%gives_angle)), 'TRMIN', why)
+      else if (set%limits%tangle_given) then
+         call set%origins%warning(findings, 'LIMITS', 'TANGLE', why)
+      end if
+   end subroutine warn_of_idle_angle
+
+   !> What needs loops.
    subroutine refuse_without_loops(set, findings)
       type(data_set_t), intent(in) :: set
       type(diagnostics_t), intent(inout) :: findings
@@ -148,8 +166,7 @@ contains
          call refuse('LIMITS', 'KTHETA', 'the list of all arcs')
       if (set%limits%trmin_given) &
          call set%origins%error(findings, angle_group, 'TRMIN', 'a sketch solved in the poses of its links has no '// &
-                                'transmission angle (it is that of two links, a dyad, and this sketch has '//set%no_loops//'); '// &
-                                'leave it out')
+                                'transmission angle (this sketch has '//set%no_loops//'); leave it out')
       if (set%limits%icond /= 0) call refuse('LIMITS', 'ICOND', 'the condition number')
       if (set%limits%iplot /= 0) call refuse('LIMITS', 'IPLOT', 'the sweep of every degree')
       if (set%gives('MOTOR')) call refuse('MOTOR', '', 'motion from torque')
@@ -159,8 +176,8 @@ contains
       subroutine refuse(group, item, what)
          character(*), intent(in) :: group, item, what
 
-         call set%origins%error(findings, group, item, what//' takes dyads and one drive on the frame, but this sketch has '// &
-                                set%no_loops//'; leave it out')
+         call set%origins%error(findings, group, item, what//' needs loops (one drive on the frame, no gears, no '// &
+                                'KOVER), but this sketch has '//set%no_loops//'; leave it out')
       end subroutine refuse
    end subroutine refuse_without_loops
 

@@ -114,8 +114,8 @@ contains
       end if
       if (size(cams(2)%variations) > 0) call complain(set, 2, 'VARY', 'a search changes the first cam alone', findings)
       if (size(cams(1)%variations) > 0) then
-         if (is_chained(set, cams)) call complain(set, 1, 'VARY', 'a search takes dyads and one drive on the frame, with the '// &
-                                            'follower on an arc', findings)
+         if (is_chained(set, cams)) call complain(set, 1, 'VARY', 'a search takes one drive on the frame, no gears, and the '// &
+                                            'follower on an arc (NFOLLK)', findings)
          if (set%search%nstart > 1) call complain(set, 1, 'VARY', 'the search begins at the numbers given: leave NSTART out', &
                                                   findings)
       end if
@@ -341,8 +341,16 @@ contains
       type(data_set_t), intent(in) :: set
       type(cam_group_t), intent(in) :: cams(:)       !! CAM and CAM2
 
-      is_chained = allocated(set%no_loops) .or. set%is_beyond_arrays() .or. cams(1)%link > 0 .or. cams(2)%given
+      is_chained = allocated(set%no_loops) .or. has_gears(set) .or. cams(1)%link > 0 .or. cams(2)%given
    end function is_chained
+
+   !> True if gears tie the turns of a sketch's links or drives.
+   pure logical function has_gears(set)
+      type(data_set_t), intent(in) :: set
+
+      has_gears = allocated(set%traced)
+      if (has_gears) has_gears = size(set%traced%gears) > 0 .or. size(set%traced%seconds) > 0
+   end function has_gears
 
    !> The motion of a sketch in the poses of its links.
    subroutine make_chained(set, cams, part, cam, laws, shape, findings)
@@ -384,23 +392,23 @@ contains
       end do
       if (any(used%slides)) then
          k = findloc(used%slides, .true., dim=1)
-         call complain(set, k, 'KCAM', 'a cam that slides takes dyads and one drive on the frame, with the follower on an '// &
-                       'arc', findings)
+         call complain(set, k, 'KCAM', 'a cam that slides takes one drive on the frame, no gears, and the follower on an arc '// &
+                       '(NFOLLK)', findings)
          return
       end if
       if (any(used%pair)) then
          k = findloc(used%pair, .true., dim=1)
-         call complain(set, k, 'KPAIR', 'a second roller on the same profile takes dyads and one drive on the frame, with the '// &
-                       'follower on an arc', findings)
+         call complain(set, k, 'KPAIR', 'a second roller on the same profile takes one drive on the frame, no gears, and the '// &
+                       'follower on an arc (NFOLLK)', findings)
          return
       end if
       if (cam%speed > 0.0_wp) then
          if (allocated(set%no_loops)) then
-            call complain(set, part%cam, 'CAMRPM', 'forces at the roller are computed for sketches of dyads with one drive on '// &
-                          'the frame, but this one has '//set%no_loops//'; leave CAMRPM out', findings)
-         else if (set%is_beyond_arrays()) then
-            call complain(set, part%cam, 'CAMRPM', 'forces at the roller are computed for sketches of dyads, but this one has '// &
-                          'a group of more than two links; leave CAMRPM out', findings)
+            call complain(set, part%cam, 'CAMRPM', 'forces at the roller are computed for sketches with one drive on the '// &
+                          'frame and without gears, but this one has '//set%no_loops//'; leave CAMRPM out', findings)
+         else if (has_gears(set)) then
+            call complain(set, part%cam, 'CAMRPM', 'forces at the roller are computed for sketches without gears; leave CAMRPM '// &
+                          'out', findings)
          else if (cams(2)%given) then
             call complain(set, part%cam, 'CAMRPM', 'forces at the roller are computed for one cam, not for two; leave CAMRPM '// &
                           'out', findings)
