@@ -44,7 +44,7 @@ module psalm_sweep_group
       rule_t('SWLOOP', a_whole, '', '', '', '', &
              'the loop of that arc'), &
       rule_t('SWJNT', a_text, '1', '', '', '', &
-             'of a sketch of dyads, in place of these: the two joints of a length that is an arc of its loops '// &
+             'of a sketch, in place of these: the two joints of a length that is an arc of its loops '// &
              '(device 8), `''D E''`')]
 
 contains
