@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Mutation run: one token of the sources is changed at a time; do the tests notice?
 
-usage: mutate.py [--count N] [--seed S] [--room ROOM] [--report | --again] [--quick]
+usage: mutate.py [--count N] [--seed S] [--room ROOM,...] [--report | --again] [--quick]
 
 Each change is drawn at random over src/ and app/ (a change of a number a quarter as often as another), built, and put
 through the tests until one fails, first those that noticed most in the least time. Tests that never run the line (build/coverage/lines.json, made by
@@ -12,6 +12,7 @@ not touched. --quick builds once, less optimised and without the checks of the r
 that take longest: what it misses goes through --again. The last line is N noticed, N missed; the exit status is 1 if fewer than 90 per cent are noticed.
 """
 import argparse
+import glob
 import json
 import os
 import random
@@ -227,12 +228,16 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--count", type=int, default=200)
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--room", default="", help="only sources whose path begins so, as src/picture")
+    parser.add_argument("--room", default="", help="only sources whose path begins so, as src/picture; several: src/cam,src/proof")
     parser.add_argument("--report", action="store_true", help="print what the run so far has found, run nothing")
     parser.add_argument("--again", action="store_true", help="only what the run so far has missed, with the tests of today")
     parser.add_argument("--quick", action="store_true")
     parser.add_argument("--nice", type=int, default=10)
     options = parser.parse_args()
+    options.rooms = tuple(options.room.split(","))
+    for room in options.rooms if options.room else ():
+        if not room.startswith(("src/", "app/")) or not glob.glob(os.path.join(workshop.TOP, room + "*")):
+            parser.error("no source's path begins with '%s'" % room)
     os.nice(options.nice)
     os.makedirs(PLACE, exist_ok=True)
     results = os.path.join(PLACE, "seed-%d%s.jsonl" % (options.seed, options.room.replace("/", "-")))
@@ -283,7 +288,8 @@ def again(options, results, done):
 def run(options, results, done):
     trial = Trial(options.quick)
     generator = random.Random(options.seed)
-    sources = [s for s in trial.release.order if s.endswith("90") and s.startswith(("src/", "app/")) and s.startswith(options.room)]
+    sources = [s for s in trial.release.order
+               if s.endswith("90") and s.startswith(("src/", "app/")) and s.startswith(options.rooms)]
     texts = {s: open(os.path.join(trial.tree, s), encoding="utf-8").read() for s in sources}
     everything = [(s, site) for s in sources for site in sites(s, texts[s])]
     weights = [site[4] for _, site in everything]
