@@ -472,7 +472,7 @@ contains
          do i = 1, size(devices%tables)
             call write_csv(devices%tables(i), csv)
          end do
-         call write_json(devices%tables, arguments%program, version, devices%mark, json)
+         if (arguments%json) call write_json(devices%tables, arguments%program, version, devices%mark, json)
       end subroutine write_tables
 
       subroutine add(number, purpose, text)

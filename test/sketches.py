@@ -347,6 +347,35 @@ def wished(programs):
                 yield "%s%s: the same linkage in either word" % (output, timing), found[0] == found[1] and len(found[0]) > 10, found
 
 
+TABLE = """A LOAD TABLE OVER THE CRANK
+ &CHAIN JNT='O','A','B','Q', JX=0,30,120,20, JY=0,40,-10,-90, LNAME='frame','crank','rod','piston'%s,
+  LNK='O%s','O A','A B','B'%s, SLNK='frame', SLNK2='piston', SLX=120, SLY=-10, SLANG=0 &END
+ &DRIVES DRIVE='O'%s &END
+ &OUTPUTS OUTPUT='point B' &END
+ &METHOD NDES=4, DELT=0,30,60,90 &END
+ &RATES SPEED=0.001 &END
+ &MASSES NMASS=1, MNAME='rod', MASS=0.001, UNITL=0.001 &END
+ &LOADS NLOAD=1, LNAME='piston', LFX=-100, LTABLE=1, NTABLE=1, NTABIN=4, TABIN=0,40,41,359, TABVAL=1,1,0,0 &END
+"""
+
+
+def one_zero(programs):
+    """A table of loads counts from the drawing, however the sketch is solved: a second drive that stands still changes nothing."""
+    with tempfile.TemporaryDirectory() as folder:
+        drives = []
+        for name, words in (("one", ("", " Q", "", "")),
+                            ("two", (",'second'", "", ",'O Q'", ",'O', DBASE='frame','frame', DLINK='crank','second', DELT2=4*0"))):
+            path = os.path.join(folder, name + ".nml")
+            with open(path, "w", encoding="ascii") as file:
+                file.write(TABLE % words)
+            done = subprocess.run([os.path.join(programs, "kalm"), path], capture_output=True, text=True, check=False)
+            yield "table of loads, %s: done" % name, done.returncode == 0, done.stderr
+            with open(os.path.join(folder, name + ".kalm.csv"), encoding="ascii") as file:
+                drives.append([float(row["drive"]) for row in csv.DictReader(file)])
+        yield "table of loads: the same drive", all(abs(a - b) < 1e-12 for a, b in zip(*drives)), drives
+        yield "table of loads: it ends 41 degrees from the drawing", [abs(d) > 1 for d in drives[0]] == [True, True, False, False], drives
+
+
 RIGID = """A FOUR-BAR WHOSE CRANK IS A TRIANGLE OF THREE LINKS
  &CHAIN JNT='A','B','C','D','E', JX=0.0,30.0,90.0,110.0,10.0, JY=0.0,10.0,70.0,0.0,30.0,
   LNAME='frame','crank','brace one','brace two','coupler','rocker', LNK='A D','A B','A E','E B','B C','C D' &END
@@ -497,7 +526,7 @@ def main():
     if by_loops < arguments.count // 10:
         failed += 1
         told.append("sliding drives: only %d of %d were solved by loops" % (by_loops, number))
-    for say in (one_verdict, one_way, other_way_round, searched, wished, rigid_triangle):
+    for say in (one_verdict, one_way, other_way_round, searched, wished, one_zero, rigid_triangle):
         for law, holds, got in say(arguments.programs):
             passed += bool(holds)
             failed += not holds

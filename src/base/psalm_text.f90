@@ -221,6 +221,13 @@ contains
       size = abs(value)
       length = 0
       text = ''
+      done = size <= 0.0_dp
+      if (done) then
+         text = '0.'//repeat('0', figures - 1)//'E+00'
+         if (sign(1.0_dp, value) < 0.0_dp) text = '-'//text
+         length = len_trim(text)
+         return
+      end if
       done = size >= 1.0e-4_dp .and. size < 1.0e15_dp
       if (.not. done) return
       exponent_of_ten = 0

@@ -162,7 +162,8 @@ contains
             if (load%turns) load%force = turned(load%force, load%spot%along)
          end associate
       end do
-      model%table_input = set%loads%input
+      ! of a sketch every input counts from the drawing
+      model%table_input = set%loads%input + merge(set%crnki_of_drawing, 0.0_wp, set%sketch%given)
       model%table_factor = set%loads%factor
       do k = 1, size(model%springs)
          associate (spring => model%springs(k))

@@ -56,7 +56,7 @@ module psalm_load_group
       rule_t('NTABIN', a_whole, '', '', 'as many as TABIN has', '[0,100000]', &
              'number of inputs in each table'), &
       rule_t('TABIN', a_number, 'NTABIN', '', '', '', &
-             'inputs of the tables, ascending: crank angles in degrees, or lengths'), &
+             'inputs of the tables, ascending: crank angles in degrees, or lengths; of a sketch counted from the drawing'), &
       rule_t('TABVAL', a_number, 'NTABLE*NTABIN', '', '', '', &
              'factors, table by table: NTABIN for each. Between two inputs the factor is on the straight line; '// &
              'a table over the crank goes round the turn, one over a length keeps its end values')]

@@ -2,7 +2,7 @@
 module psalm_table
    use psalm_kinds, only: wp
    use psalm_markup, only: json_text
-   use psalm_text, only: text_t, full_precision, to_text
+   use psalm_text, only: text_t, full_precision
    implicit none (type, external)
    private
    public :: table_t, table_of, write_csv, write_json
@@ -144,7 +144,7 @@ contains
       character(:), allocatable :: text
 
       if (column%is_flag) then
-         text = to_text(nint(column%values(row)))
+         text = merge('1', '0', column%values(row) > 0.0_wp)
       else
          text = full_precision(column%values(row))
       end if
