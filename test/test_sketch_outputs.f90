@@ -31,6 +31,7 @@ program test_sketch_outputs
    call end_of_range()
    call change_point()
    call sliding_input()
+   call geared_cranks()
    call tolerances()
    call t%report()
 
@@ -203,6 +204,19 @@ contains
       call by_loops(set, 1.0_wp, 0.0_wp, study, motion)
       call t%is_true(all(study%closed .eqv. [.true., .true., .true., .false., .true., .false.]), 'a slider and its dead points')
    end subroutine sliding_input
+
+   !> Two cranks of which one turns half as fast: after a turn of the first nothing stands as before, and where the motion ends
+   !> on the way nothing beyond is reached.
+   subroutine geared_cranks()
+      type(data_set_t) :: set
+
+      call read_one('GEARED'//nl//" &CHAIN JNT='A','B','C','D','E', JX=0.0,0.0,40.0,80.0,80.0, JY=0.0,25.0,60.0,20.0,0.0,"//nl// &
+                    " LNAME='frame','one','two','three','four', LNK='A E','A B','B C','C D','D E' &END"//nl// &
+                    " &DRIVES DRIVE='A','E', DBASE='frame','frame', DLINK='one','four', RATIO=0.0,0.5 &END"//nl// &
+                    " &OUTPUTS OUTPUT='point C','angle three' &END"//nl// &
+                    ' &METHOD NDES=7, DELT=0.0,90.0,180.0,360.0,540.0,720.0,-60.0 &END'//nl, set)
+      call compare(set)
+   end subroutine geared_cranks
 
    !> Bands of all outputs against differences, dimension by dimension; those of the first output are the old ones.
    subroutine tolerances()

@@ -28,6 +28,7 @@ contains
       type(motion_t), intent(inout) :: motion
       type(scout_t) :: scout
       real(wp) :: start, forwards, backwards, from_start, slack
+      logical :: repeats
       integer :: k
 
       allocate (motion%beyond(size(motion%closed)), source=.false.)
@@ -36,7 +37,10 @@ contains
       allocate (scout%row, source=self)
       if (allocated(scout%row%linkages)) deallocate (scout%row%linkages)
       allocate (scout%lens, source=scout%row)
-      if (self%mechanism%sliding_input) then
+      ! a way through several inputs is not one of even steps of the first
+      if (any(.not. self%mechanism%actuators(2:)%geared)) return
+      repeats = turn_repeats(self)
+      if (.not. repeats) then
          slack = same_input*max(abs(maxval(self%delt) - start), abs(minval(self%delt) - start))
          call follow(scout, dimensions, start, max(maxval(self%delt) - start, 0.0_wp), forwards)
          call follow(scout, dimensions, start, min(minval(self%delt) - start, 0.0_wp), backwards)
@@ -49,7 +53,7 @@ contains
       do k = 1, size(motion%closed)
          if (.not. motion%closed(k)) cycle
          from_start = self%delt(k) - start
-         if (self%mechanism%sliding_input) then
+         if (.not. repeats) then
             motion%beyond(k) = from_start > forwards + slack .or. from_start < backwards - slack
          else
             from_start = modulo(from_start, full_turn)
@@ -63,6 +67,19 @@ contains
          if (motion%closed(k)) motion%total = motion%total + sum(self%weight(k, :)*motion%error(k, :)**2)
       end do
    end subroutine leave_out_unreached
+
+   !> True if after a turn of the first drive everything stands as before. Not where turns count, as those of wheels do.
+   pure logical function turn_repeats(self)
+      class(problem_t), intent(in) :: self
+      integer :: d
+
+      turn_repeats = .not. self%mechanism%sliding_input .and. .not. self%linkage%tied
+      do d = 2, size(self%mechanism%actuators)
+         associate (actuator => self%mechanism%actuators(d))
+            turn_repeats = turn_repeats .and. .not. actuator%slides .and. actuator%ratio == anint(actuator%ratio)
+         end associate
+      end do
+   end function turn_repeats
 
    !> How far the linkage comes from the drawing, at most `extent`, which may be negative.
    subroutine follow(scout, dimensions, start, extent, way)
