@@ -4,6 +4,7 @@ module psalm_preparation
    use psalm_chain_force_study, only: judge_chain_forces
    use psalm_data_set, only: data_set_t
    use psalm_dyad_groups, only: dyads_of_variables
+   use psalm_dyad_kind, only: assur_higher
    use psalm_error, only: inputs_of
    use psalm_force_model, only: force_model_t, forces_wanted, make_force_model
    use psalm_group_anchor, only: choose_anchor
@@ -80,6 +81,10 @@ contains
                                to_text(int(bytes/megabyte) + 1)//' MB are needed')
          return
       end if
+      if (set%is_beyond_arrays() .and. set%limits%trmin_given .and. &
+          all(prepared%mechanism%groups%kind == assur_higher)) &
+         call set%origins%error(own, trim(merge('CONSTR', 'LIMITS', set%constr%gives_angle)), 'TRMIN', 'the groups of this '// &
+                                'sketch have no transmission angle (it is that of two links, a dyad); leave it out')
       if (set%is_beyond_arrays() .and. prepared%parameters%has_search()) &
          call choose_anchor(prepared%mechanism, inputs_of(set), prepared%given)
       call check_regions(set%constr, prepared%mechanism, own)
