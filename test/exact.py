@@ -62,11 +62,15 @@ def points_of(name):
 
 
 def blocks_of(path):
-    """Rows of device 9, a list for each block."""
+    """Rows of device 9, a list for each case: blocks with a name are left out."""
     blocks = [[]]
+    named = False
     with open(path, encoding="utf-8") as file:
         for line in file:
             if line.startswith("#"):
+                named = line.startswith("# block ") or (named and not line.startswith("# run "))
+                continue
+            if named:
                 continue
             if line.strip():
                 blocks[-1].append([float(v) for v in line.split()])

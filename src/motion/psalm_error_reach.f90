@@ -108,7 +108,7 @@ contains
             if (ends) then
                call find_end(scout, l, inputs(i - 1), inputs(i), sine(i - 1, l), ended)
             else if (i > 1) then
-               if (margin(i - 1, l) < near_dead .and. margin(i - 1, l) <= margin(i - 2, l) .and. &
+               if (margin(i - 1, l) < near_dead .and. margin(i - 1, l) <= margin(max(i - 2, 0), l) .and. &
                    margin(i - 1, l) <= margin(i, l)) &
                   call find_touch(scout, l, inputs(i - 2), inputs(i), sine(i - 1, l), ends, ended)
             end if

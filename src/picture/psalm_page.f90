@@ -24,7 +24,8 @@ module psalm_page
    integer, parameter :: scene_format = 1  !! of the data; web/scene.js expects the same
 
    !> Names of the dyads by type: links and guides with revolute joints R and prismatic joints P from start to finish.
-   character(3), parameter :: dyads(8) = ['RRR', 'RPR', 'RPR', 'RRP', 'PRR', 'RPP', 'PPR', 'PRP']
+   ! the last: a larger group
+   character(3), parameter :: dyads(9) = ['RRR', 'RPR', 'RPR', 'RRP', 'PRR', 'RPP', 'PPR', 'PRP', '...']
 
    real(wp), parameter :: usual_width = 600.0_wp      !! of a linkage on the page, pixels
    real(wp), parameter :: beside(2) = [13.0_wp, -13.0_wp] !! place of a letter that finds none better

@@ -73,12 +73,11 @@ contains
       if (own%failed() .and. .not. allocated(set%no_loops) .and. as_read%sketch%has_wishes()) why = no_dimension
       if (.not. own%failed() .and. set%links%nloop > 0) then
          call check_loops(set, why)
-         ! the other programs tell what each drive does by itself
+         ! the other programs draw wheels, find the forces of teeth, and tell what each drive does by itself
+         if (len(why) == 0 .and. forces .and. size(set%traced%gears) > 0) why = 'gears'
          if (len(why) == 0 .and. forces .and. size(set%traced%seconds) > 0) why = 'several drives'
          if (len(why) == 0 .and. forces .and. asks_for_forces(as_read)) then
-            if (size(set%traced%gears) > 0) then
-               why = 'gears, whose teeth the loops leave out'
-            else if (.not. loops_carry_forces(set, slide)) then
+            if (.not. loops_carry_forces(set, slide)) then
                why = no_forces//what_of(set, slide)
             end if
          end if
