@@ -62,15 +62,15 @@ def points_of(name):
 
 
 def blocks_of(path):
-    """Rows of device 9, a list for each case: blocks with a name are left out."""
+    """Rows of device 9, a list for each block but those of a sketch's outputs, which repeat what stands before."""
     blocks = [[]]
-    named = False
+    repeats = False
     with open(path, encoding="utf-8") as file:
         for line in file:
             if line.startswith("#"):
-                named = line.startswith("# block ") or (named and not line.startswith("# run "))
+                repeats = line.startswith("# block outputs") or (repeats and not line.startswith(("# block", "# run", "# input")))
                 continue
-            if named:
+            if repeats:
                 continue
             if line.strip():
                 blocks[-1].append([float(v) for v in line.split()])
