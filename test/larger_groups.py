@@ -117,6 +117,10 @@ def positions(work):
     done = run("psalm", CASE, work)
     check("psalm runs", done.returncode == 0, done.stderr)
     check("summary: it turns fully", "over the full turn of the crank" in done.stderr, done.stderr)
+    margin = re.search(r"DEAD POINT OF ITS GROUP \(1 IS BEST\) +(\S+) +(\S+)", done.stdout).groups()
+    told = re.search(r"Larger group +in loop 1 at least (\S+) from a dead point \(1 is best\), at input (\S+)", done.stderr).groups()
+    check("summary and margins agree how near a dead point is", all(abs(float(a) - float(b)) < 1e-3*float(b) for a, b in zip(told, margin)),
+          (told, margin))
     own = bar.turn(range(0, 360, 15))
     for i, row in enumerate(rows_of(work)):
         for joint in "ABCDEFP":

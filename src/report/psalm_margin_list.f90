@@ -43,7 +43,7 @@ contains
       do i = 1, size(margins)
          name = name_of_margin(set, problem, margins(i))
          line = ' '//name//general(margins(i)%margin)
-         if (margins(i)%kind < margin_bound) line = line//general(input_of(problem, dimensions, margins(i)))
+         if (has_input(margins(i))) line = line//general(input_of(problem, dimensions, margins(i)))
          if (is_violated(margins(i))) line = line//'  VIOLATED'
          call text%add(line)
       end do
@@ -59,8 +59,15 @@ contains
       character(:), allocatable :: text
 
       text = name_of_margin(set, problem, margin, in_sentence)//' by '//trim(adjustl(general(-margin%margin)))
-      if (margin%kind < margin_bound) text = text//' at input '//trim(adjustl(general(input_of(problem, dimensions, margin))))
+      if (has_input(margin)) text = text//' at input '//trim(adjustl(general(input_of(problem, dimensions, margin))))
    end function describe_margin
+
+   !> True if a margin is least at an input, false if it is the same at all of them.
+   elemental logical function has_input(margin)
+      type(margin_t), intent(in) :: margin
+
+      has_input = margin%kind < margin_bound .or. margin%kind == margin_group
+   end function has_input
 
    pure real(wp) function input_of(problem, dimensions, margin)
       type(problem_t), intent(in) :: problem

@@ -51,6 +51,9 @@ contains
       if (size(summary%closing) > 0) then
          if (summary%angle_loop > 0) call add_line('Transmission angle', 'at least '//plain_number(summary%angle)// &
             ' degrees, in loop '//to_text(summary%angle_loop)//' at input '//plain_number(summary%angle_input)//asked(), text)
+         if (summary%group_loop > 0) call add_line('Larger group', 'in loop '//to_text(summary%group_loop)//' at least '// &
+            plain_number(summary%group_measure)//' from a dead point (1 is best), at input '//plain_number(summary%group_input), &
+                                                      text)
          if (present(special)) then
             if (len(special) > 0) call add_line('Output', special, text)
          end if

@@ -79,6 +79,9 @@ module psalm_summary
       integer :: angle_loop = 0                       !! loop of the least transmission angle, 0: there is none
       real(wp) :: angle = right_angle                 !! the least one, degrees from the line of the links
       real(wp) :: angle_input = 0.0_wp
+      integer :: group_loop = 0                       !! loop of the larger group nearest to a dead point, 0: there is none
+      real(wp) :: group_measure = 1.0_wp              !! its measure there: 1 at best, 0 at a dead point
+      real(wp) :: group_input = 0.0_wp
       real(wp) :: least_asked = 0.0_wp                !! TRMIN, degrees; 0: it is not given
       type(range_t) :: output, output_y                !! range of the output; the second is y of MOTION 0
       real(wp), allocatable :: reverses(:)            !! inputs at which the output reverses
@@ -131,6 +134,9 @@ contains
             summary%angle = part%angle
             summary%angle_loop = part%angle_loop
             summary%angle_input = part%angle_input
+            summary%group_loop = part%group_loop
+            summary%group_measure = part%group_measure
+            summary%group_input = part%group_input
             summary%output = part%output
             summary%output_y = part%output_y
             summary%reverses = part%reverses
@@ -308,7 +314,7 @@ contains
       type(summary_t), intent(inout) :: summary
       real(wp), allocatable, intent(out) :: gaps(:)
       real(wp), allocatable :: sine(:)
-      real(wp) :: at, worst
+      real(wp) :: at, worst, enough
       type(form_t) :: form
       integer :: loop, i, n
 
@@ -325,8 +331,13 @@ contains
                do i = 1, n
                   if (.not. fine%closed(i)) cycle
                   if (has_angle(mechanism, loop)) call enter(loop, min(sine(i), 1.0_wp), fine%problem%delt(i))
+                  enough = max(worst, near_toggle)
+                  if (.not. mechanism%is_dyad(loop)) then
+                     call enter_group(summary, loop, 1.0_wp - sine(i), fine%problem%delt(i))
+                     enough = min(near_toggle, 1.0_wp - summary%group_measure)
+                  end if
                   ! a peak may be higher between the steps
-                  if (sine(i) < max(worst, near_toggle) - 2.0_wp*abs(sine(max(i - 1, 1)) - sine(min(i + 1, n)))) cycle
+                  if (sine(i) < enough - 2.0_wp*abs(sine(max(i - 1, 1)) - sine(min(i + 1, n)))) cycle
                   if (sine(i) < sine(max(i - 1, 1)) .or. sine(i) < sine(min(i + 1, n))) cycle
                   call climb(loop, i)
                end do
@@ -336,6 +347,7 @@ contains
          end do
       end associate
       if (summary%angle_loop > 0) summary%angle_input = input_of(fine%problem, dimensions, summary%angle_input)
+      if (summary%group_loop > 0) summary%group_input = input_of(fine%problem, dimensions, summary%group_input)
 
    contains
 
@@ -373,6 +385,7 @@ contains
             reach = 2.0_wp*reach/real(steps_of_lens, wp)
          end do
          if (has_angle(fine%problem%mechanism, which)) call enter(which, min(best, 1.0_wp), at)
+         if (.not. fine%problem%mechanism%is_dyad(which)) call enter_group(summary, which, 1.0_wp - best, at)
       end subroutine climb
 
       !> Two slides are parallel where the sine of their angle changes its sign.
@@ -402,6 +415,18 @@ contains
          end do
       end subroutine cross
    end subroutine least_angle
+
+   !> The larger group that comes nearest to a dead point.
+   pure subroutine enter_group(summary, loop, measure, input)
+      type(summary_t), intent(inout) :: summary
+      integer, intent(in) :: loop
+      real(wp), intent(in) :: measure, input
+
+      if (measure > summary%group_measure) return
+      summary%group_measure = max(measure, 0.0_wp)
+      summary%group_loop = loop
+      summary%group_input = input
+   end subroutine enter_group
 
    !> Link pairs and links on slides have a transmission angle.
    pure logical function has_angle(mechanism, loop)
@@ -574,7 +599,10 @@ contains
          if (.not. allocated(near)) return
          call enter(value + step_between(value, there(1)), there(2))
          do round = 1, lens%problem%mechanism%nloop
-            if (lens%problem%linkage%step_of_loop(round) == 0 .or. .not. has_angle(lens%problem%mechanism, round)) cycle
+            if (lens%problem%linkage%step_of_loop(round) == 0) cycle
+            if (.not. lens%problem%mechanism%is_dyad(round)) &
+               call enter_group(summary, round, 1.0_wp - near(round), input_of(fine%problem, dimensions, closed))
+            if (.not. has_angle(lens%problem%mechanism, round)) cycle
             if (angle_of(near(round)) >= summary%angle) cycle
             summary%angle = angle_of(near(round))
             summary%angle_loop = round
