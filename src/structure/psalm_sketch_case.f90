@@ -135,7 +135,7 @@ contains
       end function is_output
    end subroutine fill_regions
 
-   !> Only dyads have a transmission angle.
+   !> Only dyads have a transmission angle. TRMIN is refused where there is none.
    subroutine warn_of_idle_angle(loops, set, findings)
       type(loops_t), intent(in) :: loops
       type(data_set_t), intent(in) :: set
@@ -145,11 +145,8 @@ contains
       integer :: loop
 
       if (any([(loops%is_dyad(loop), loop=1, loops%loops)])) return
-      if (set%limits%trmin_given) then
-         call set%origins%warning(findings, trim(merge('CONSTR', 'LIMITS', set%constr%gives_angle)), 'TRMIN', why)
-      else if (set%limits%tangle_given) then
-         call set%origins%warning(findings, 'LIMITS', 'TANGLE', why)
-      end if
+      if (set%limits%trmin_given .or. .not. set%limits%tangle_given) return
+      call set%origins%warning(findings, 'LIMITS', 'TANGLE', why)
    end subroutine warn_of_idle_angle
 
    !> What needs loops.
