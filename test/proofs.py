@@ -35,6 +35,13 @@ def run(text, place, code=0):
     return done.stdout, blocks, table
 
 
+def zero_of(place, table):
+    """What the inputs of device 9 count from, beside those of the table, which count from the drawing."""
+    with open(os.path.join(place, "case.dev9"), encoding="utf-8") as file:
+        first = next((line.split() for line in file if not line.startswith("#")), None)
+    return float(first[0]) - float(next(value for key, value in table[0].items() if key.startswith("input")))
+
+
 def listed(numbers):
     """Numbers for a data set, some to a line."""
     texts = ["%.17G" % number for number in numbers]
@@ -108,6 +115,9 @@ SLIDES = """A LARGER GROUP WITH A SLIDE
 """
 
 
+TURNING = ("larger group with a slide", "stephenson2_six_bar", "geared_five_bar")   # their input is a crank
+
+
 def brackets(place):
     """The value at the input told lies in its bracket, and no sample lies outside of all."""
     cases = [("larger group with a slide", SLIDES, spread(-4.0, 4.0, 4), " &METHOD NDES=%d, DELT=%s &END\n")]
@@ -118,17 +128,25 @@ def brackets(place):
         text = re.sub(r" &(METHOD|LIMITS|CONSTR|RATES|MASSES|PLOT)\b.*?&END *\n", "", text, flags=re.S)
         cases.append((name, text, spread(low, high, 4), " &METHOD NDES=%d, DELT=%s &END\n"))
     for name, text, ends, method in cases:
-        listing, blocks, _ = run(text + method % (len(ends), listed(ends)) + " &LIMITS IPROOF=2 &END\n", place)
+        listing, blocks, table = run(text + method % (len(ends), listed(ends)) + " &LIMITS IPROOF=2 &END\n", place)
+        zero = zero_of(place, table)
+
+        def drawn(value):
+            """The input from the drawing of one as device 9 has it, in the range."""
+            value -= zero
+            return value + (360.0 * round((sum((ends[0], ends[-1]))/2 - value)/360.0) if name in TURNING else 0.0)
+
         check(name + ": closes", "CLOSES FOR EVERY INPUT OF THE RANGE" in listing, listing)
         rows = [row for row in blocks.get("extremes", []) if "NaN" not in row]
         check(name + ": has extremes", rows, listing)
-        told = sorted(float(row[k]) for row in rows for k in (5, 8))
+        told = sorted(drawn(float(row[k])) for row in rows for k in (5, 8))
         inputs = spread(ends[0], ends[-1]) + told
         _, _, table = run(text + method % (len(inputs), listed(inputs)) + " &LIMITS IPROOF=0 &END\n", place)
         first = next(key for key in table[0] if key.startswith("input"))
         at = {float(row[first]): row for row in table}
         for row in rows:
             low, low_high, where, high_low, high, there = map(float, row[3:])
+            where, there = drawn(where), drawn(there)
             values = [float(one[row[0]]) for one in table]
             slack = NEAR * max(1.0, max(map(abs, values)))
             law = "%s, %s: " % (name, row[0])

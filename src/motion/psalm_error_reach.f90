@@ -110,7 +110,7 @@ contains
             else if (i > 1) then
                if (margin(i - 1, l) < near_dead .and. margin(i - 1, l) <= margin(max(i - 2, 0), l) .and. &
                    margin(i - 1, l) <= margin(i, l)) &
-                  call find_touch(scout, l, inputs(i - 2), inputs(i), sine(i - 1, l), ends, ended)
+                  call find_touch(scout, l, inputs(max(i - 2, 0)), inputs(i), sine(i - 1, l), ends, ended)
             end if
             if (ends .and. abs(ended - start) < abs(way)) way = ended - start
          end do
