@@ -107,7 +107,7 @@ contains
       type(stop_t) :: stop
       character(*), parameter :: method = ' &METHOD NDES=6, DELT=0.0,20.0,40.0,60.0,80.0,100.0', &
                                  search = " &SEARCH SOLVER='LSQ' &END"//nl
-      character(200) :: x, y, both
+      character(200) :: x, y
 
       call read_one('THE OTHER'//nl//" &CHAIN JNT='A','B','C','D','P', JX=0.0,-4.0,34.0,91.0,21.0,"//nl// &
                     " JY=0.0,29.0,80.0,5.0,92.0, LNK='A D','A B','B C P','C D' &END &DRIVES DRIVE='A' &END"//nl// &
@@ -115,7 +115,6 @@ contains
       call study_chain(set, 1.0_wp, 0.0_wp, other)
       write (x, '(6(f0.8,","))') other%values(1, 0, :)
       write (y, '(6(f0.8,","))') other%values(2, 0, :)
-      write (both, '(12(f0.8,","))') other%values(:, 0, :)
       call read_one('BY LOOPS'//nl//four_bar//" &OUTPUTS OUTPUT='point P' &END"//nl//search//method//', DESX='//trim(x)//nl// &
                     ' DESY='//trim(y)//' &END'//nl//limits, set, findings)
       call t%is_true(.not. allocated(set%no_loops), 'desired values of &METHOD leave a four-bar its loops')
@@ -123,7 +122,8 @@ contains
       call make_problem(set, prepared%mechanism, prepared%given, prepared%parameters, problem)
       dimensions = prepared%given
       call synthesise(set, prepared%vertices, problem, 1, stop, dimensions, by_loops)
-      call read_one('BY POSES'//nl//four_bar//" &OUTPUTS OUTPUT='point P',"//nl//' DES1='//trim(both)//' &END'//nl//search// &
+      call read_one('BY POSES'//nl//four_bar//" &OUTPUTS OUTPUT='x P','y P',"//nl//' DES1='//trim(x)//nl//' DES2='//trim(y)// &
+                    ' &END'//nl//search// &
                     method//' &END'//nl//limits, set, findings)
       call t%is_true(allocated(set%no_loops), 'desired values of &OUTPUTS are compared in the poses')
       call synthesise_chain(set, 1, stop, by_poses, findings)

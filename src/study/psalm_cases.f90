@@ -76,6 +76,9 @@ contains
          ! the other programs draw wheels, find the forces of teeth, and tell what each drive does by itself
          if (len(why) == 0 .and. forces .and. size(set%traced%gears) > 0) why = 'gears'
          if (len(why) == 0 .and. forces .and. size(set%traced%seconds) > 0) why = 'several drives'
+         ! what a search finds is drawn again dyad by dyad: `psalm_sketch_redraw`
+         if (len(why) == 0 .and. .not. forces .and. set%wants_search() .and. set%is_beyond_arrays()) &
+            why = 'a search over a group of more than two links, gears or a second drive'
          if (len(why) == 0 .and. forces .and. asks_for_forces(as_read)) then
             if (.not. loops_carry_forces(set, slide)) then
                why = no_forces//what_of(set, slide)
