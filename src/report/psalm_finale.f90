@@ -262,7 +262,7 @@ contains
          end if
          call text%add(line)
       end do
-      if (problem%desired) then
+      if (problem%desired .and. any(motion%closed)) then   ! a sum over no position would be 0, as if it were perfect
          if (all(motion%closed) .and. is_partial()) then
             call text%add(' TOTAL ERROR WITHOUT THE DERIVATIVES AT DEAD POINTS')
          else if (all(motion%closed)) then
