@@ -27,7 +27,7 @@ module psalm_mechanism
    integer, parameter :: arc_link = 2        !! undetermined, of fixed length
    integer, parameter :: arc_slide = 3       !! undetermined, sliding on its guide
    integer, parameter :: arc_crank = 4       !! the input link, turning
-   integer, parameter :: arc_actuator = 5    !! the input link, sliding
+   integer, parameter :: arc_actuator = 5    !! the input link, sliding; a member of a group: a cylinder, whose length is an input
 
    integer, parameter :: joint_revolute = 1
    integer, parameter :: joint_prismatic = 2
@@ -120,8 +120,8 @@ module psalm_mechanism
 
    !> What drives the mechanism.
    type :: actuator_t
-      integer :: joint = 0
-      integer :: arc = 0                !! the arc it moves
+      integer :: joint = 0              !! 0: none of its own
+      integer :: arc = 0                !! the arc it moves; 0: it turns two links of a group (`tie_t`)
       logical :: slides = .false.       !! prismatic: its input is a length
       logical :: geared = .false.       !! its input is that of the first, counted from the drawing, times `ratio`, and `phase`
       real(wp) :: ratio = 1.0_wp, phase = 0.0_wp
@@ -160,11 +160,12 @@ module psalm_mechanism
       type(linkage_group_t), allocatable :: groups(:)       !! group k is closed by loop k
       type(point_t), allocatable :: points(:)       !! the input pivot first
       type(bar_t), allocatable :: bars(:)
-      type(body_t), allocatable :: bodies(:)        !! the frame first, then that of the actuator, then those of each group
-      type(joint_t), allocatable :: joints(:)       !! that of the actuator first
+      type(body_t), allocatable :: bodies(:)        !! the frame first, then the input link, if there is one, then those of each group
+      type(joint_t), allocatable :: joints(:)       !! that of the actuator first, if it moves a link on the frame
       type(actuator_t), allocatable :: actuators(:)
       type(output_t), allocatable :: outputs(:)
       logical :: sliding_input = .false.            !! the first actuator is prismatic
+      logical :: floating_input = .false.           !! it moves no link on the frame: there is no input link
    contains
       procedure :: seq
       procedure :: loop_of
@@ -172,6 +173,7 @@ module psalm_mechanism
       procedure :: angle_owner
       procedure :: angle_on_body
       procedure :: slides
+      procedure :: is_cylinder
       procedure :: guide_of
       procedure :: body_at
       procedure :: has_point
@@ -198,13 +200,18 @@ contains
       loop_of = self%arcs(n)%loop
    end function loop_of
 
-   !> Number in its loop of an unknown arc of the loop's group.
+   !> Number in its loop of an unknown arc of the loop's group; of a group without one, which drives put in place, of the arc that
+   !> leads there.
    pure integer function place(self, which, loop)
       class(mechanism_t), intent(in) :: self
       integer, intent(in) :: which      !! 1: p, 2: q
       integer, intent(in) :: loop
 
-      place = self%arcs(self%groups(loop)%members(which))%place
+      if (which <= size(self%groups(loop)%members)) then
+         place = self%arcs(self%groups(loop)%members(which))%place
+      else
+         place = self%arcs(self%loops(loop)%rings(1)%turn)%place
+      end if
    end function place
 
    !> The arc whose GAMA gives the direction of an arc that repeats others.
@@ -243,6 +250,16 @@ contains
          slides = kind == arc_slide .or. kind == arc_actuator
       end associate
    end function slides
+
+   !> True if an arc is a cylinder: its length is an input, its direction is found by its group.
+   pure logical function is_cylinder(self, n)
+      class(mechanism_t), intent(in) :: self
+      integer, intent(in) :: n
+
+      associate (arc => self%arcs(self%arcs(n)%representative))
+         is_cylinder = arc%kind == arc_actuator .and. arc%dyad > 0
+      end associate
+   end function is_cylinder
 
    !> The body that guides a slide.
    pure integer function guide_of(self, n)

@@ -26,6 +26,7 @@ module psalm_traced_loops
       logical :: foot_last = .false.        !! slides of larger groups: it is the finish that is a point of the guide
       integer :: guide_link = 0             !! slides of larger groups, and the actuator before one: the link that guides
       integer :: drive = 1                  !! of a crank or actuator: which drive moves it
+      logical :: cylinder = .false.         !! an actuator whose direction its group finds
       integer :: sign = 1
       integer :: slide = 0                  !! the slide of the sketch that it runs along
       real(wp) :: length = 0.0_wp
@@ -39,16 +40,19 @@ module psalm_traced_loops
       logical :: closed = .true.
    end type traced_ring_t
 
-   !> A gear pair of a larger group: turns of `wheels(1)` against the carrier times `ratio` are those of `wheels(2)`.
+   !> A gear pair of a larger group: turns of `wheels(1)` against the carrier times `ratio` are those of `wheels(2)`. Or a drive that
+   !> turns `wheels(1)` against `wheels(2)`.
    type :: traced_gear_t
       integer :: loop = 0
       integer :: wheels(2) = 0, carrier = 0 !! links
       real(wp) :: ratio = 0.0_wp
+      integer :: drive = 0                  !! 0: a gear pair
    end type traced_gear_t
 
-   !> A drive after the first, geared to it.
+   !> A drive after the first.
    type :: traced_drive_t
-      integer :: arc = 0                    !! the link's first arc, 0: none yet
+      integer :: arc = 0                    !! the arc that it turns or makes longer; 0: none, it turns links of a group
+      logical :: slides = .false., geared = .false. !! geared: to the first drive
       real(wp) :: ratio = 1.0_wp, phase = 0.0_wp
    end type traced_drive_t
 
@@ -69,6 +73,8 @@ module psalm_traced_loops
       integer :: start = 0                  !! the point that all loops begin at
       integer, allocatable :: axis(:)       !! by link: its first arc
       real(wp) :: input = 0.0_wp            !! CRNKI in the drawing
+      logical :: floating = .false.         !! the first drive moves no link on the frame
+      logical :: sliding = .false.          !! its input is a length
       logical, allocatable :: on(:, :)      !! shape (points, links): the point is fixed in the link
       integer, allocatable :: joint_loop(:) !! by joint: the loop whose group places it
       integer, allocatable :: line_point(:, :) !! shape (2, slides): points of a slide's line on its links, 0: none

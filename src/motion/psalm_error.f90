@@ -102,6 +102,7 @@ module psalm_error
       procedure :: find_undetermined
       procedure :: deviations
       procedure :: output_of
+      procedure :: has_own_inputs
    end type problem_t
 
    interface
@@ -132,7 +133,7 @@ contains
       ! of a sketch every link is meant, whatever the output
       problem%every_loop = set%sketch%given
       problem%followed = set%sketch%given .and. .not. set%wants_search()
-      call fill_problem(mechanism, dimensions, parameters, inputs_of(set), set%limits%ktheta /= 0, problem)
+      call fill_problem(mechanism, dimensions, parameters, inputs_of(set), set%limits%ktheta /= 0, problem, own_inputs_of(set))
       problem%toggle = set%limits%toggle
       if (set%method%ikin /= 0 .or. .not. set%method%desired) return
       call desired_of(set, wanted, weight)
@@ -155,13 +156,14 @@ contains
    end subroutine new_problem
 
    !> What `make_problem` and `new_problem` share; limits and `every_loop` are set before.
-   subroutine fill_problem(mechanism, dimensions, parameters, inputs, all_arcs, problem)
+   subroutine fill_problem(mechanism, dimensions, parameters, inputs, all_arcs, problem, own)
       type(mechanism_t), intent(in) :: mechanism
       type(dimensions_t), intent(in) :: dimensions
       type(parameters_t), intent(in) :: parameters
       real(wp), intent(in) :: inputs(:)
       logical, intent(in) :: all_arcs       !! solve every loop and find both directions of every link pair
       type(problem_t), intent(inout) :: problem
+      real(wp), intent(in), optional :: own(:, :) !! as `set_inputs` has it
 
       problem%mechanism = mechanism
       problem%given = dimensions
@@ -170,8 +172,23 @@ contains
       allocate (problem%side(mechanism%nloop), source=1.0_wp)
       problem%plan = make_plan(mechanism, problem%motion, everything=problem%every_loop .or. all_arcs, &
                                all_roots=all_arcs)
-      call problem%set_inputs(inputs)
+      call problem%set_inputs(inputs, own)
    end subroutine fill_problem
+
+   !> Increments of the drives of a sketch after the first.
+   pure function own_inputs_of(set) result(own)
+      type(data_set_t), intent(in) :: set
+      real(wp), allocatable :: own(:, :)    !! shape (positions, drives after the first), from the drawing; geared: 0
+      integer :: d
+
+      allocate (own(size(inputs_of(set)), max(0, size(set%sketch%drives) - 1)), source=0.0_wp)
+      do d = 1, size(own, 2)
+         associate (drive => set%sketch%drives(d + 1))
+            if (drive%geared .or. .not. allocated(drive%delt) .or. set%method%ikin /= 0) cycle
+            own(:, d) = drive%delt
+         end associate
+      end do
+   end function own_inputs_of
 
    !> Input increments of a data set: those it gives, or with IKIN a whole turn.
    pure function inputs_of(set) result(inputs)
@@ -185,6 +202,13 @@ contains
          inputs = set%method%delt
       end if
    end function inputs_of
+
+   !> True if a drive after the first goes its own way: the positions are not on a line that the first input tells.
+   pure logical function has_own_inputs(self)
+      class(problem_t), intent(in) :: self
+
+      has_own_inputs = any(.not. self%mechanism%actuators(2:)%geared)
+   end function has_own_inputs
 
    !> Desired values and weights of a data set, component by component.
    pure subroutine desired_of(set, wanted, weight)
@@ -222,9 +246,13 @@ contains
       class(problem_t), intent(inout) :: self
       real(wp), intent(in) :: delt(:)  !! degrees, or length with a sliding input
       real(wp), intent(in), optional :: own(:, :) !! shape (positions, drives after the first): of drives that are not geared, from
-                                       !! the drawing; else they stand still
+                                       !! the drawing; else as before where the positions are the same, and otherwise at rest
       integer :: i
+      logical :: same
 
+      same = allocated(self%delt)
+      if (same) same = size(self%delt) == size(delt)
+      if (same) same = all(abs(self%delt - delt) <= 0.0_wp)
       self%positions = size(delt)
       self%delt = delt
       self%desired = .false.
@@ -240,21 +268,24 @@ contains
             call unit_vector(self%second(i), self%first(i), self%second(i))
          end do
       end if
-      call set_more(self, own)
+      call set_more(self, same, own)
       if (allocated(self%partial)) deallocate (self%partial, self%offending)
       allocate (self%partial(self%blocks()), source=0.0_wp)
       allocate (self%offending(self%blocks()), source=0)
    end subroutine set_inputs
 
    !> Increments of the drives after the first.
-   subroutine set_more(self, own)
+   subroutine set_more(self, same, own)
       class(problem_t), intent(inout) :: self
+      logical, intent(in) :: same                  !! the positions are those of before
       real(wp), intent(in), optional :: own(:, :)  !! as `set_inputs` has it
 
-      if (allocated(self%more)) deallocate (self%more, self%own_delt)
+      if (allocated(self%more)) deallocate (self%more)
+      if (allocated(self%own_delt) .and. .not. same) deallocate (self%own_delt)
       associate (drives => size(self%mechanism%actuators) - 1)
          if (drives < 1) return
-         allocate (self%more(size(self%first), 3, drives), self%own_delt(self%positions, drives), source=0.0_wp)
+         allocate (self%more(size(self%first), 3, drives), source=0.0_wp)
+         if (.not. allocated(self%own_delt)) allocate (self%own_delt(self%positions, drives), source=0.0_wp)
       end associate
       if (present(own)) self%own_delt = own
       call fill_more(self)

@@ -15,7 +15,7 @@ module psalm_linkage
    use psalm_mechanism, only: mechanism_t, linkage_group_t, arc_slide
    implicit none (type, external)
    private
-   public :: linkage_t, bound_step_t, block_length, padded, solve_point, put_seconds
+   public :: linkage_t, bound_step_t, block_length, padded, solve_point, put_seconds, put_driven_lengths
 
    integer, parameter :: block_length = 128 !! positions solved together: all arrays stay in first-level cache
    integer, parameter :: lane = 4           !! positions are padded to a multiple of this: no remainder loops
@@ -87,6 +87,7 @@ module psalm_linkage
       type(second_drive_t), allocatable :: seconds(:)
       integer, allocatable :: input_row(:)       !! rows that move with the first input,
       real(wp), allocatable :: input_rate(:)     !! by how much a unit of it: radian, or user's length
+      integer, allocatable :: driven_arc(:), driven_row(:) !! arcs whose length is an input, and its row: ARCL counts there, too
       real(wp) :: cosine_lowest = 0.0_wp         !! cosine of the smallest transmission angle allowed
       real(wp) :: sine_lowest = 0.0_wp           !! sine of the smallest angle between two slides allowed
       real(wp) :: toggle = 0.0_wp                !! length to spare of a link or guide with a slide, user's unit
@@ -144,7 +145,7 @@ contains
       call unit_vector(right_angle - tangle, self%cosine_lowest, unused)
       call unit_vector(right_angle - slide_angle, unused, self%sine_lowest)
       self%toggle = toggle
-      if (mechanism%sliding_input) self%input_slot = plan%length_slot(1)
+      if (mechanism%sliding_input) self%input_slot = plan%drive_slot(1)
       call prepare_input_rows()
       do k = 1, size(plan%steps)
          associate (step => plan%steps(k), bound => self%steps(k))
@@ -223,7 +224,14 @@ contains
       subroutine prepare_input_rows()
          integer :: d
 
-         allocate (self%input_row(0), self%input_rate(0))
+         allocate (self%input_row(0), self%input_rate(0), self%driven_arc(0), self%driven_row(0))
+         do d = 1, size(mechanism%actuators)
+            associate (actuator => mechanism%actuators(d))
+               if (.not. actuator%slides .or. actuator%arc == 0 .or. (d == 1 .and. .not. mechanism%floating_input)) cycle
+               self%driven_arc = [self%driven_arc, actuator%arc]
+               self%driven_row = [self%driven_row, row_of_slide(plan%drive_slot(d))]
+            end associate
+         end do
          if (.not. self%sliding_input) then
             call add(self%root_x(root_crank), 1.0_wp)
          else if (self%input_slot > 0) then
@@ -475,6 +483,7 @@ contains
       self%length = dimensions%arcl*self%scale
       if (mechanism%sliding_input) then
          self%reference_length = dimensions%crnki
+         if (mechanism%floating_input) self%reference_length = dimensions%crnki + dimensions%arcl(mechanism%actuators(1)%arc)
       else
          if (dimensions%crnki /= self%crank_angle) call unit_vector(dimensions%crnki, self%crank_x, self%crank_y)
          self%crank_angle = dimensions%crnki
@@ -702,6 +711,19 @@ contains
          end associate
       end do
    end subroutine put_seconds
+
+   !> Changes of driven lengths that count from a length which varies; `stretch` is 0 to put them back.
+   pure subroutine put_driven_lengths(self, n, stretch, d)
+      class(linkage_t), intent(in) :: self
+      integer, intent(in) :: n
+      real(wp), intent(in) :: stretch(:)         !! by arc: 1 where its length grows with the variable
+      type(rows_t), intent(inout) :: d
+      integer :: k
+
+      do k = 1, size(self%driven_arc)
+         d%v(1:n, self%driven_row(k)) = d%v(1:n, self%driven_row(k)) + stretch(self%driven_arc(k))*self%scale
+      end do
+   end subroutine put_driven_lengths
 
    !> A point, unless it is fixed or a dyad makes it.
    pure subroutine solve_point(n, step, store)

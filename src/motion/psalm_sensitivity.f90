@@ -11,7 +11,7 @@ module psalm_sensitivity
    use psalm_group_rings, only: higher_t
    use psalm_higher_group, only: change_of_higher, gaps_of_ties, solve_higher
    use psalm_kinds, only: wp, degrees_per_radian, radians_per_degree
-   use psalm_linkage, only: padded
+   use psalm_linkage, only: padded, put_driven_lengths
    use psalm_plan, only: step_point
    use psalm_rates, only: rates_t, prepare_rates, form_frames, highest_order
    use psalm_rows, only: rows_t, clear_rows
@@ -90,6 +90,8 @@ contains
          if (problem%parameters%variables(v)%kind == variable_crnki) then
             row(link%input_row) = .true.
          end if
+         row(pack(link%driven_row, abs(work%stretch(link%driven_arc, v)) > 0.0_wp)) = .true.
+         row(0) = .false.
          do k = 1, size(link%steps)
             associate (step => link%steps(k))
                if (problem%plan%steps(k)%kind == step_point) then
@@ -336,6 +338,7 @@ contains
                d(1:n, link%input_row(k)) = link%input_rate(k)
             end do
          end if
+         call put_driven_lengths(link, n, work%stretch(:, v), work%rates%d(1))
          do k = 1, size(link%steps)
             if (.not. work%moves(k, v)) cycle
             if (problem%plan%steps(k)%kind == step_point) then
@@ -442,6 +445,9 @@ contains
                call zero(link%input_row(k))
             end do
          end if
+         do k = 1, size(link%driven_row)
+            call zero(link%driven_row(k))
+         end do
          do k = 1, size(link%steps)
             if (.not. moves(k)) cycle
             if (problem%plan%steps(k)%kind == step_point) then

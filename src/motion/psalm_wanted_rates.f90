@@ -13,7 +13,7 @@ module psalm_wanted_rates
    use psalm_frames, only: rows_of_arc, matrix_row
    use psalm_group_rings, only: higher_t
    use psalm_higher_group, only: gaps_of_ties, solve_higher
-   use psalm_linkage, only: padded
+   use psalm_linkage, only: padded, put_driven_lengths
    use psalm_output_kind, only: most_rates
    use psalm_parameters, only: variable_t, variable_crnki
    use psalm_plan, only: step_point
@@ -214,6 +214,7 @@ contains
                wanted%change(0)%v(1:n, link%input_row(k)) = link%input_rate(k)
             end do
          end if
+         call put_driven_lengths(link, n, wanted%work%stretch(:, v), wanted%change(0))
          do k = 1, size(link%steps)
             if (.not. wanted%work%moves(k, v)) cycle
             do order = 0, most_rates

@@ -101,7 +101,8 @@ contains
       integer :: n, first
 
       first = 1
-      if (.not. allocated(set%stand_in) .and. size(set%sketch%outputs) > 0) first = 1 + numbers_of(set%sketch%outputs(1))
+      if (.not. allocated(set%stand_in) .and. size(set%sketch%outputs) > 0 .and. all(set%sketch%drives(2:)%geared)) &
+         first = 1 + numbers_of(set%sketch%outputs(1))
       do n = first, size(study%names)
          call add_range(study, n, ' at the positions', text)
       end do

@@ -32,8 +32,11 @@ contains
       integer :: order
 
       call text%add(trim(adjustl(title)))
-      words = closing_words(summary)
-      if (present(reached) .and. present(positions)) then
+      words = ''
+      if (.not. summary%at_positions) words = closing_words(summary)
+      if (summary%at_positions .and. present(reached) .and. present(positions)) then
+         words = 'at '//to_text(reached)//' of '//to_text(positions)//' positions'
+      else if (present(reached) .and. present(positions)) then
          if (reached < positions .and. summary%everywhere) words = ''
          if (reached < positions) words = words//trim(merge('; ', '  ', len(words) > 0))//' '//to_text(reached)//' of '// &
                                           to_text(positions)//' positions are reached from the drawing'
@@ -48,17 +51,17 @@ contains
       if (size(summary%kinds) > 0) call add_line('Kind', kind_words(summary%kinds), text)
       if (summary%partial) call add_line('Prescribed', 'from input '//range_words(summary%prescribed)// &
                                          '; what follows is over this range', text)
-      if (size(summary%closing) > 0) then
+      if (size(summary%closing) > 0 .or. summary%at_positions) then
          if (summary%angle_loop > 0) call add_line('Transmission angle', 'at least '//plain_number(summary%angle)// &
-            ' degrees, in loop '//to_text(summary%angle_loop)//' at input '//plain_number(summary%angle_input)//asked(), text)
+            ' degrees, in loop '//to_text(summary%angle_loop)//place(summary%angle_input)//asked(), text)
          if (summary%group_loop > 0) call add_line('Larger group', 'in loop '//to_text(summary%group_loop)//' at least '// &
-            plain_number(summary%group_measure)//' from a dead point (1 is best), at input '//plain_number(summary%group_input), &
-                                                      text)
+            plain_number(summary%group_measure)//' from a dead point (1 is best),'//place(summary%group_input), text)
          if (present(special)) then
             if (len(special) > 0) call add_line('Output', special, text)
          end if
          outputs = .true.
          if (present(no_output)) outputs = .not. no_output
+         if (summary%at_positions) outputs = .false.
          if (outputs) call add_output(summary, text)
          if (outputs .and. size(summary%reverses) > 0) call add_line('Dead points', 'the output reverses at '// &
                                                        listed(summary%reverses), text)
@@ -75,6 +78,15 @@ contains
       end do
 
    contains
+
+      !> Where something was found.
+      function place(input) result(words)
+         real(wp), intent(in) :: input
+         character(:), allocatable :: words
+
+         words = ' at input '//plain_number(input)
+         if (summary%at_positions) words = ' at position '//to_text(nint(input))
+      end function place
 
       !> The least transmission angle that the data set asks for.
       function asked() result(words)

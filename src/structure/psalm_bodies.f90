@@ -13,7 +13,7 @@ module psalm_bodies
    private
    public :: assign_bodies, find_joints_of_bodies
 
-   integer, parameter :: body_input = 2    !! the body the first actuator moves
+   integer, parameter :: body_input = 2    !! the input link, if there is one
 
    !> Points of bodies while they are found: a list for each point.
    type :: seats_t
@@ -33,9 +33,12 @@ contains
       allocate (mechanism%bodies(body_input + sum([(size(mechanism%groups(loop)%members), loop=1, mechanism%nloop)]) + &
                                  size(mechanism%actuators) - 1))
       mechanism%bodies(body_frame)%name = 'frame'
-      mechanism%bodies(body_input)%name = trim(merge('crank', 'input', mechanism%arcs(1)%kind == arc_crank))
-      mechanism%bodies(body_input)%axis = 1
-      body = body_input
+      body = body_frame
+      if (.not. mechanism%floating_input) then
+         mechanism%bodies(body_input)%name = trim(merge('crank', 'input', mechanism%arcs(1)%kind == arc_crank))
+         mechanism%bodies(body_input)%axis = 1
+         body = body_input
+      end if
       do loop = 1, mechanism%nloop
          do which = 1, size(mechanism%groups(loop)%members)
             body = body + 1
@@ -44,11 +47,15 @@ contains
             mechanism%bodies(body)%name = 'arc '//to_text(mechanism%arcs(n)%place)//' of loop '//to_text(loop)
          end do
       end do
-      do which = 2, size(mechanism%actuators)
+      do which = merge(1, 2, mechanism%floating_input), size(mechanism%actuators)
+         n = mechanism%actuators(which)%arc
+         if (n == 0) cycle
+         if (mechanism%is_cylinder(n)) cycle
          body = body + 1
-         mechanism%bodies(body)%axis = mechanism%actuators(which)%arc
-         mechanism%bodies(body)%name = 'crank '//to_text(which)
+         mechanism%bodies(body)%axis = n
+         mechanism%bodies(body)%name = trim(merge('input', 'crank', mechanism%actuators(which)%slides))//' '//to_text(which)
       end do
+      mechanism%bodies = mechanism%bodies(:body)
       do body = body_input, size(mechanism%bodies)
          mechanism%arcs(mechanism%bodies(body)%axis)%body = body
       end do
@@ -88,8 +95,8 @@ contains
 
       call find_feet(mechanism)
       call find_points_of_bodies(mechanism)
-      allocate (mechanism%joints(1))
-      call add_input_joint(mechanism)
+      allocate (mechanism%joints(merge(0, 1, mechanism%floating_input)))
+      if (.not. mechanism%floating_input) call add_input_joint(mechanism)
       do loop = 1, mechanism%nloop
          if (mechanism%is_dyad(loop)) then
             call add_joints_of_dyad(mechanism, loop)
@@ -107,7 +114,7 @@ contains
       integer :: n, slide
 
       do n = 1, size(mechanism%arcs)
-         if (.not. mechanism%slides(n)) cycle
+         if (.not. mechanism%slides(n) .or. mechanism%is_cylinder(n)) cycle
          slide = mechanism%arcs(n)%representative
          if (mechanism%arcs(slide)%turn == 0 .and. mechanism%arcs(slide)%foot > 0) then
             mechanism%arcs(n)%foot = mechanism%arcs(slide)%foot

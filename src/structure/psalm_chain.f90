@@ -70,11 +70,11 @@ contains
             call walk(mechanism, n, 1, chain, meeting)
          end do
          finish = pivot
-         do n = ring%last, ring%turn + 2, -1
+         do n = ring%last, merge(ring%turn + 2, ring%turn + 1, ring%closed), -1
             call walk(mechanism, n, -1, chain, finish)
          end do
          n = ring%turn + 1
-         if (n > ring%last) cycle
+         if (n > ring%last .or. .not. ring%closed) cycle
          arc = mechanism%arcs(n)%representative
          if (arc == n) then
             call add_bar(chain, bar_t(n, [meeting, finish]))

@@ -6,7 +6,7 @@
 module psalm_group_trace
    use psalm_angles, only: degrees_of, unit_vector
    use psalm_closure, only: closure_t, state_t, row_pin, row_line, row_gear, row_turn, row_travel
-   use psalm_kinds, only: wp, degrees_per_radian
+   use psalm_kinds, only: wp, degrees_per_radian, half_turn
    use psalm_loop_trace, only: append_step, frame_axis
    use psalm_sketch, only: frame_link, drive_slides, drive_turns
    use psalm_sketch_paths, only: path_step_t, survey_t, know, shortest, way_from
@@ -42,10 +42,12 @@ contains
       type(pair_t), allocatable :: pairs(:)
       type(traced_gear_t), allocatable :: gears(:)
       type(ear_t) :: ear
-      integer :: loop, first, k
+      integer, allocatable :: along(:)             !! by slide: the drive along it, 0: none
+      integer :: loop, first, from, k
 
       why = ''
       allocate (pairs(0), gears(0))
+      allocate (along(size(closure%sketch%slides)), source=0)
       do k = 1, size(closure%groups(group)%rows)
          associate (row => closure%groups(group)%rows(k))
             select case (row%kind)
@@ -57,25 +59,33 @@ contains
                associate (gear => closure%sketch%gears(row%which))
                   gears = [gears, traced_gear_t(0, gear%wheels, gear%carrier, gear%ratio)]
                end associate
-            case (row_turn, row_travel)
-               why = 'a drive inside a group of links'
+            case (row_turn)
+               ! links are the base and the one that is turned
+               gears = [gears, traced_gear_t(0, row%links([2, 1]), frame_link, 0.0_wp, row%which)]
+            case (row_travel)
+               along(closure%sketch%drives(row%which)%slide) = row%which
             end select
          end associate
       end do
-      if (any(closure%cylinder(closure%groups(group)%links) > 0)) why = 'a cylinder between moving links'
-      if (len(why) > 0) return
       loop = 1
       if (size(loops%arcs) > 0) loop = maxval(loops%arcs%loop) + 1
       first = size(loops%arcs)
       call place_line_points(closure, state, pairs, survey, loops)
       do while (.not. all(pairs%used))
-         call find_ear(pairs, survey%known, merge(closure%sketch%drives(1)%link, 0, size(loops%arcs) == 0), ear)
-         if (size(ear%pairs) == 0 .and. size(loops%arcs) > 0) call find_branch(pairs, survey%known, ear)
+         from = 0
+         if (size(loops%arcs) == 0 .and. .not. loops%floating) from = closure%sketch%drives(1)%link
+         call find_ear(pairs, survey%known, from, ear)
+         if (size(ear%pairs) == 0 .and. from > 0) then
+            ! the driven link has an arc of its own, whatever hangs on it
+            call trace_ring(closure, state, loop, first, pairs, ear, along, survey, loops, why)
+            cycle
+         end if
+         if (size(ear%pairs) == 0) call find_branch(pairs, survey%known, along, ear)
          if (size(ear%pairs) == 0) then
-            why = 'a gear train without other links, or links that hang on each other only'
+            why = 'links that hang on each other only'
             return
          end if
-         call trace_ring(closure, state, loop, first, pairs, ear, survey, loops, why)
+         call trace_ring(closure, state, loop, first, pairs, ear, along, survey, loops, why)
          if (len(why) > 0) return
          pairs(ear%pairs)%used = .true.
          do k = 1, size(ear%links)
@@ -92,7 +102,7 @@ contains
       loops%gears = [loops%gears, gears]
       loops%longest = max(loops%longest, size(loops%arcs) - first)
       associate (arcs => loops%arcs(first + 1:))
-         if (count(arcs%kind == traced_link .or. arcs%kind == traced_slide) /= &
+         if (count(arcs%kind == traced_link .or. arcs%kind == traced_slide .or. arcs%cylinder) /= &
              2*count(loops%rings%loop == loop .and. loops%rings%closed) + size(gears)) &
             why = 'a group whose links have other unknowns than its rings find'
       end associate
@@ -209,16 +219,20 @@ contains
       end subroutine take
    end subroutine find_ear
 
-   !> A link that hangs on a known one by a pin: gears turn it.
-   pure subroutine find_branch(pairs, known, ear)
+   !> A link that hangs on a known one by a pin, and gears or a drive turn it, or by a slide along which a drive moves it.
+   pure subroutine find_branch(pairs, known, along, ear)
       type(pair_t), intent(in) :: pairs(:)
       logical, intent(in) :: known(:)              !! by link
+      integer, intent(in) :: along(:)              !! by slide: the drive along it, 0: none
       type(ear_t), intent(out) :: ear
       integer :: k, side
 
       allocate (ear%pairs(0), ear%links(0))
       do k = 1, size(pairs)
-         if (pairs(k)%used .or. pairs(k)%joint == 0) cycle
+         if (pairs(k)%used) cycle
+         if (pairs(k)%slide > 0) then
+            if (along(pairs(k)%slide) == 0) cycle
+         end if
          do side = 1, 2
             if (.not. known(pairs(k)%links(side)) .or. known(pairs(k)%links(3 - side))) cycle
             ear%pairs = [k]
@@ -230,28 +244,42 @@ contains
    end subroutine find_branch
 
    !> One ring: from the input pivot to the chain, along it, and back; of a branch to its end.
-   subroutine trace_ring(closure, state, loop, first, pairs, ear, survey, loops, why)
+   subroutine trace_ring(closure, state, loop, first, pairs, ear, along, survey, loops, why)
       type(closure_t), intent(in) :: closure
       type(state_t), intent(in) :: state
       integer, intent(in) :: loop, first           !! the loop, and how many arcs come before it
       type(pair_t), intent(in) :: pairs(:)
       type(ear_t), intent(in) :: ear
+      integer, intent(in) :: along(:)              !! by slide: the drive along it, 0: none
       type(survey_t), intent(inout) :: survey
       type(loops_t), intent(inout) :: loops
       character(:), allocatable, intent(inout) :: why
       type(path_step_t), allocatable :: out(:), back(:)
       type(traced_ring_t) :: ring
       logical :: from_right(size(ear%links)), found
+      integer, allocatable :: at(:)
       integer :: i, k, n, begin
 
       associate (sketch => closure%sketch)
          n = size(ear%links)
          ring%loop = loop
          ring%first = size(loops%arcs) + 1
-         if (ring%first == 1 .and. sketch%drives(1)%kind == drive_slides) call place_slider(sketch%drives(1)%slide, &
-                                                                                           sketch%drives(1)%link)
+         if (ring%first == 1 .and. loops%floating) then
+            loops%start = start_on_frame()
+         else if (ring%first == 1 .and. sketch%drives(1)%kind == drive_slides) then
+            call place_slider(1)
+         end if
+         if (ring%first == 1) then
+            do k = 2, size(sketch%drives)
+               if (sketch%drives(k)%kind == drive_slides .and. sketch%drives(k)%base == frame_link) call place_slider(k)
+            end do
+         end if
          ! the direction of a chain's end that slides on what is known comes from there
          from_right = .false.
+         if (size(ear%pairs) == 0) then
+            call trace_input()
+            return
+         end if
          ring%closed = size(ear%pairs) > n
          if (.not. ring%closed) then
             call trace_branch()
@@ -269,7 +297,7 @@ contains
          end if
          call shortest(survey, loops%start, point_on(ear%first_link, 1), .true., out, found)
          if (found) call way_from(survey, loops%start, point_on(ear%last_link, n + 1), back, found)
-         if (found .and. ring%first == 1) then
+         if (found .and. ring%first == 1 .and. .not. loops%floating) then
             found = size(out) > 0
             if (found) found = out(1)%arc > 0 .or. out(1)%link == sketch%drives(1)%link
          end if
@@ -277,11 +305,11 @@ contains
             why = 'a group that does not hang on the driven link by a joint of its own'
             return
          end if
-         if (ring%first == 1) loops%axis(sketch%drives(1)%link) = 1
+         if (ring%first == 1 .and. .not. loops%floating) loops%axis(sketch%drives(1)%link) = 1
          do i = 1, size(out)
             call append_step(closure, loop, first, out(i), loops)
          end do
-         if (ring%first == 1) call begin_with_input()
+         if (ring%first == 1 .and. .not. loops%floating) call begin_with_input()
          begin = size(loops%arcs)
          do i = 1, n
             call add_slide_before(i)
@@ -296,36 +324,55 @@ contains
          ! links whose direction comes from behind have their axis now
          do k = begin + 1, ring%last
             associate (arc => loops%arcs(k))
-               if (arc%kind == traced_slide .or. arc%kind == traced_link .or. arc%same .or. arc%against) cycle
+               if (any(arc%kind == [traced_slide, traced_link, traced_actuator]) .or. arc%same .or. arc%against) cycle
                do i = 1, n
                   if (arc%link == ear%links(i) .and. from_right(i)) arc%reference = loops%axis(arc%link)
                end do
             end associate
          end do
          if (ring%first == 1) call end_first_ring()
-         do k = ring%first, ring%last
-            associate (arc => loops%arcs(k))
-               if (arc%guide_link > 0) arc%reference = loops%axis(arc%guide_link)
-            end associate
-         end do
+         call note_guides()
          loops%rings = [loops%rings, ring]
       end associate
 
    contains
 
-      !> Forward arcs only: to the pin, and along the link to another joint of it, if there is one.
+      !> Slides take their direction from the arcs of their guides.
+      subroutine note_guides()
+         do k = ring%first, ring%last
+            associate (arc => loops%arcs(k))
+               if (arc%guide_link > 0 .and. .not. (arc%same .or. arc%against)) arc%reference = loops%axis(arc%guide_link)
+            end associate
+         end do
+      end subroutine note_guides
+
+      !> Where all rings begin if no link on the frame is driven first: a joint of the frame, of this ring if it has one.
+      integer function start_on_frame() result(start)
+         if (ear%first_link == frame_link) then
+            start = point_on(frame_link, 1)
+         else
+            start = closure%sketch%links(frame_link)%joints(1)
+         end if
+      end function start_on_frame
+
+      !> Forward arcs only: to the pin, and along the link to another joint of it, if there is one; or along a slide.
       subroutine trace_branch()
          type(traced_t) :: arc
          complex(wp) :: h
 
          call shortest(survey, loops%start, point_on(ear%first_link, 1), .true., out, found)
          if (.not. found) then
-            why = 'a wheel that no link leads to'
+            why = 'a link of a gear or a drive that no link leads to'
             return
          end if
          do i = 1, size(out)
             call append_step(closure, loop, first, out(i), loops)
          end do
+         if (pairs(ear%pairs(1))%slide > 0) then
+            call add_slide_before(1)
+            call end_branch()
+            return
+         end if
          arc = traced_t(traced_link, loop, size(loops%arcs) - first + 1, ear%links(1), point_on(ear%links(1), 1))
          associate (joints => closure%sketch%links(ear%links(1))%joints)
             do i = 1, size(joints)
@@ -337,20 +384,53 @@ contains
          if (arc%length > 0.0_wp) arc%direction = degrees_of(h%re, h%im)
          loops%arcs = [loops%arcs, arc]
          loops%axis(ear%links(1)) = size(loops%arcs)
-         ring%turn = size(loops%arcs)
-         ring%last = ring%turn
-         loops%rings = [loops%rings, ring]
+         call end_branch()
       end subroutine trace_branch
 
-      !> All rings begin at the frame's point of the line along which a sliding input moves.
-      subroutine place_slider(slide, slider)
-         integer, intent(in) :: slide, slider
+      !> The driven link alone: from where it is driven to another joint of it, if there is one.
+      subroutine trace_input()
+         integer :: to
 
-         call add_line_point(closure, state, slide, position(frame_link, slide), survey, loops)
-         loops%start = survey%points
-         call add_line_point(closure, state, slide, position(slider, slide), survey, loops)
-         survey%passes = survey%passes + 1
-         survey%pass(:, survey%passes) = [loops%start, survey%points, 1]
+         ring%closed = .false.
+         associate (drive => closure%sketch%drives(1))
+            loops%axis(drive%link) = 1
+            to = loops%start
+            if (drive%kind == drive_slides) then
+               to = survey%pass(2, 1)
+               call append_step(closure, loop, first, path_step_t(0, loops%start, to, 1), loops)
+            else
+               at = pack(closure%sketch%links(drive%link)%joints, closure%sketch%links(drive%link)%joints /= to)
+               if (size(at) > 0) to = at(1)
+               call append_step(closure, loop, first, path_step_t(drive%link, loops%start, to), loops)
+            end if
+         end associate
+         call begin_with_input()
+         call end_branch()
+      end subroutine trace_input
+
+      !> If it is the first ring of all, an arc of the frame ends it.
+      subroutine end_branch()
+         ring%turn = size(loops%arcs)
+         if (ring%first == 1) then
+            call append_step(closure, loop, first, path_step_t(frame_link, loops%start, loops%start), loops)
+            call end_first_ring()
+         end if
+         ring%last = size(loops%arcs)
+         call note_guides()
+         loops%rings = [loops%rings, ring]
+      end subroutine end_branch
+
+      !> The points of the line along which a drive moves a link on the frame. All rings begin at the first drive's on the frame.
+      subroutine place_slider(drive)
+         integer, intent(in) :: drive
+
+         associate (slide => closure%sketch%drives(drive)%slide, slider => closure%sketch%drives(drive)%link)
+            call add_line_point(closure, state, slide, position(frame_link, slide), survey, loops)
+            if (drive == 1) loops%start = survey%points
+            call add_line_point(closure, state, slide, position(slider, slide), survey, loops)
+            survey%passes = survey%passes + 1
+            survey%pass(:, survey%passes) = [survey%points - 1, survey%points, merge(1, 0, drive == 1), merge(0, drive, drive == 1)]
+         end associate
       end subroutine place_slider
 
       !> Which of a slide's two links a link is.
@@ -406,8 +486,15 @@ contains
             arc%slide = pair%slide
             arc%guide_link = guide
             arc%foot_last = guide == link_at(i)
+            if (along(pair%slide) > 0) then
+               arc%kind = traced_actuator
+               arc%drive = along(pair%slide)
+               ! the drive counts from its base to the link that it moves
+               if (closure%sketch%drives(arc%drive)%link == link_at(i - 1)) arc%direction = arc%direction + half_turn
+            end if
             loops%arcs = [loops%arcs, arc]
             loops%axis(body) = size(loops%arcs)
+            if (arc%drive > 1) loops%seconds(arc%drive - 1)%arc = size(loops%arcs)
             call add_passes(arc%ends, size(loops%arcs))
          end associate
       end subroutine add_slide_before
@@ -416,8 +503,8 @@ contains
          integer, intent(in) :: ends(2), arc
 
          if (survey%passes + 2 > size(survey%pass, 2)) return
-         survey%pass(:, survey%passes + 1) = [ends, arc]
-         survey%pass(:, survey%passes + 2) = [ends(2), ends(1), -arc]
+         survey%pass(:, survey%passes + 1) = [ends, arc, 0]
+         survey%pass(:, survey%passes + 2) = [ends(2), ends(1), -arc, 0]
          survey%passes = survey%passes + 2
       end subroutine add_passes
 
@@ -442,6 +529,12 @@ contains
          arc = traced_t(traced_link, loop, size(loops%arcs) - first + 1, ear%links(i), ends)
          arc%length = abs(h)
          if (arc%length > 0.0_wp) arc%direction = degrees_of(h%re, h%im)
+         if (closure%cylinder(ear%links(i)) > 0) then
+            arc%kind = traced_actuator
+            arc%cylinder = .true.
+            arc%drive = closure%cylinder(ear%links(i))
+            if (arc%drive > 1) loops%seconds(arc%drive - 1)%arc = size(loops%arcs) + 1
+         end if
          loops%arcs = [loops%arcs, arc]
          loops%axis(ear%links(i)) = size(loops%arcs)
          survey%on(ends, ear%links(i)) = .true.

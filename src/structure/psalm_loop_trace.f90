@@ -406,7 +406,7 @@ contains
          loops%axis(link) = size(loops%arcs)
          if (survey%passes < size(survey%pass, 2)) then
             survey%passes = survey%passes + 1
-            survey%pass(:, survey%passes) = [from, to, size(loops%arcs)]
+            survey%pass(:, survey%passes) = [from, to, size(loops%arcs), 0]
          end if
       end subroutine add_slide
    end subroutine trace
@@ -420,25 +420,41 @@ contains
       real(wp), intent(in), optional :: direction  !! of an arc without length
       type(traced_t) :: arc
       complex(wp) :: h
-      integer :: k
+      integer :: k, passed
 
       arc%loop = loop
       arc%place = size(loops%arcs) - first + 1
       arc%link = step%link
       arc%ends = [step%from, step%to]
-      if (step%arc > 0 .and. size(loops%arcs) == 0) then
+      if (step%arc > 0 .and. size(loops%arcs) == 0 .and. .not. loops%floating) then
          arc%kind = traced_actuator
          arc%link = closure%sketch%drives(1)%link
          arc%slide = closure%sketch%drives(1)%slide
          loops%arcs = [loops%arcs, arc]
          return
       end if
-      if (step%arc /= 0) then
-         arc%reference = abs(step%arc)
-         arc%same = step%arc > 0
-         arc%against = step%arc < 0
-         arc%link = loops%arcs(abs(step%arc))%link
-         arc%direction = loops%arcs(abs(step%arc))%direction
+      passed = step%arc
+      if (step%drive > 0) passed = loops%seconds(step%drive - 1)%arc
+      if (step%drive > 0 .and. passed == 0) then
+         ! a link that a drive after the first moves along the frame
+         arc%kind = traced_actuator
+         arc%drive = step%drive
+         arc%link = closure%sketch%drives(step%drive)%link
+         arc%slide = closure%sketch%drives(step%drive)%slide
+         arc%guide_link = frame_link
+         arc%reference = loops%axis(frame_link)
+         arc%direction = closure%sketch%slides(arc%slide)%angle
+         loops%arcs = [loops%arcs, arc]
+         loops%axis(arc%link) = size(loops%arcs)
+         loops%seconds(step%drive - 1)%arc = size(loops%arcs)
+         return
+      end if
+      if (passed /= 0) then
+         arc%reference = abs(passed)
+         arc%same = passed > 0
+         arc%against = passed < 0
+         arc%link = loops%arcs(abs(passed))%link
+         arc%direction = loops%arcs(abs(passed))%direction
          if (arc%against) arc%direction = arc%direction + half_turn
          loops%arcs = [loops%arcs, arc]
          return
@@ -463,7 +479,8 @@ contains
       arc%reference = loops%axis(step%link)
       do k = 1, size(loops%arcs)
          associate (old => loops%arcs(k))
-            if (old%link /= step%link .or. old%same .or. old%kind == traced_slide .or. old%kind == traced_actuator) cycle
+            if (old%link /= step%link .or. old%same .or. old%kind == traced_slide) cycle
+            if (old%kind == traced_actuator .and. .not. old%cylinder) cycle
             if (arc%length == 0.0_wp) cycle
             if (all(old%ends == arc%ends)) then
                arc%same = .true.

@@ -151,6 +151,8 @@ contains
       integer :: i, first, second
 
       if (set%method%ikin /= 0 .or. set%method%ifree /= 0 .or. set%method%ndes < 2) return
+      ! positions of several drives differ by the others
+      if (set%sketch%given .and. any(.not. set%sketch%drives(2:)%geared)) return
       if (all(set%method%delt(2:) > set%method%delt(:set%method%ndes - 1)) .or. all(set%method%delt(2:) < &
                                                             set%method%delt(:set%method%ndes - 1))) return
       sorted = set%method%delt(ascending(set%method%delt))

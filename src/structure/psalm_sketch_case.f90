@@ -252,7 +252,11 @@ contains
          associate (arc => loops%arcs(k))
             if (arc%place == 1) line = '  LOOP '//to_text(arc%loop)//':'
             line = line//' '//name_of(arc%ends(1))//' TO '//name_of(arc%ends(2))//' ('//trim(sketch%links(arc%link)%name)
-            if (arc%kind == traced_slide .or. arc%kind == traced_actuator) line = line//', SLIDES'
+            if (arc%cylinder) then
+               line = line//', STRETCHES'
+            else if (arc%kind == traced_slide .or. arc%kind == traced_actuator) then
+               line = line//', SLIDES'
+            end if
             if (arc%kind == traced_link .or. arc%kind == traced_slide) line = line//merge(', +', ', -', arc%sign > 0)
             line = line//')'
             if (k < size(loops%arcs)) then
@@ -317,7 +321,8 @@ contains
             case (traced_slide, traced_actuator)
                link = arc%sign*arc%place
                loop = -arc%guide
-               length = 0.0_wp
+               if (.not. arc%cylinder) length = 0.0_wp
+               if (arc%cylinder) angle = arc%direction
                if (arc%guide_link > 0) angle = clean(arc%direction - loops%arcs(arc%reference)%direction)
             case default
                link = loops%arcs(arc%reference)%place

@@ -28,43 +28,51 @@ contains
       integer, allocatable :: order(:)
       integer :: k, g, crank, room
       logical :: valid
+      logical, allocatable :: on_frame(:)           !! by drive
 
       loops%why = ''
       associate (sketch => closure%sketch, groups => closure%order%groups)
-         if (sketch%drives(1)%base /= frame_link .or. all(sketch%drives(1)%kind /= [drive_turns, drive_slides])) then
-            loops%why = 'a drive that is not on the frame'
-         else if (any(.not. sketch%drives(2:)%geared .or. sketch%drives(2:)%base /= frame_link .or. &
-                      sketch%drives(2:)%kind /= drive_turns) .or. &
-                  (size(sketch%drives) > 1 .and. sketch%drives(1)%kind /= drive_turns)) then
-            loops%why = 'several drives'
-         else if (sketch%over_braced) then
+         if (sketch%over_braced) then
             loops%why = 'special dimensions (KOVER)'
+            return
          end if
-         if (len(loops%why) > 0) return
+         on_frame = sketch%drives%base == frame_link .and. (sketch%drives%kind == drive_turns .or. &
+                                                            sketch%drives%kind == drive_slides)
+         loops%floating = .not. on_frame(1)
+         loops%sliding = sketch%drives(1)%kind /= drive_turns
          room = size(sketch%joint_name) + 2*(size(sketch%links) + size(sketch%slides)) + 3
          allocate (survey%on(room, size(sketch%links)), source=.false.)
          allocate (survey%known(size(sketch%links)), source=.false.)
-         allocate (survey%pass(3, most_passes), source=0)
+         allocate (survey%pass(4, most_passes), source=0)
          allocate (loops%axis(size(sketch%links)), loops%joint_loop(size(sketch%joint_name)), source=0)
          allocate (loops%point(room), source=(0.0_wp, 0.0_wp))
          allocate (loops%line_point(2, size(sketch%slides)), source=0)
          allocate (loops%arcs(0), loops%rings(0), loops%pairs(0), loops%gears(0))
          allocate (loops%drive_of(size(sketch%links)), source=0)
-         loops%drive_of(sketch%drives%link) = [(g, g=1, size(sketch%drives))]
-         loops%seconds = [(traced_drive_t(0, sketch%drives(g)%ratio, sketch%drives(g)%phase), g=2, size(sketch%drives))]
+         do g = 1, size(sketch%drives)
+            if (on_frame(g) .and. sketch%drives(g)%kind == drive_turns) loops%drive_of(sketch%drives(g)%link) = g
+         end do
+         allocate (loops%seconds(size(sketch%drives) - 1))
+         do g = 2, size(sketch%drives)
+            associate (drive => sketch%drives(g))
+               loops%seconds(g - 1) = traced_drive_t(0, drive%kind /= drive_turns, drive%geared, drive%ratio, drive%phase)
+            end associate
+         end do
          survey%points = size(sketch%joint_name)
          loops%point(:survey%points) = state%joint(:, 0)
-         crank = sketch%drives(1)%link
+         crank = merge(frame_link, sketch%drives(1)%link, loops%floating)
          call know(sketch, frame_link, survey)
          do g = 1, size(sketch%drives)
-            call know(sketch, sketch%drives(g)%link, survey)
+            if (on_frame(g)) call know(sketch, sketch%drives(g)%link, survey)
          end do
          loops%start = sketch%drives(1)%joint
          loops%axis(frame_link) = frame_axis
-         if (sketch%drives(1)%kind == drive_slides) loops%axis(crank) = frame_axis
-         call groups_in_order(closure, crank, order)
+         if (on_frame(1) .and. loops%sliding) loops%axis(crank) = frame_axis
+         call groups_in_order(closure, crank, on_frame, order)
          do k = 1, size(order)
             call understand(closure, order(k), survey, dyad, valid)
+            ! what drives there are besides an input link is laid out by the rings of a larger group
+            if (k == 1 .and. (loops%floating .or. any(on_frame(2:) .and. sketch%drives(2:)%kind == drive_slides))) valid = .false.
             if (valid .and. dyad%known(1) == dyad%known(2)) then
                loops%why = 'a rigid triangle of links '//trim(sketch%links(dyad%known(1))%name)//', '// &
                            trim(sketch%links(dyad%links(1))%name)//' and '//trim(sketch%links(dyad%links(2))%name)// &
@@ -84,20 +92,25 @@ contains
          loops%on = survey%on
          loops%loops = size(order)
          loops%found = loops%loops > 0
-         if (.not. loops%found) loops%why = 'no dyad'
+         if (.not. loops%found) loops%why = 'no links but those that are driven on the frame'
       end associate
    end subroutine make_loops
 
    !> The groups, the first being one that hangs on the driven link.
-   subroutine groups_in_order(closure, crank, order)
+   subroutine groups_in_order(closure, crank, on_frame, order)
       type(closure_t), intent(in) :: closure
-      integer, intent(in) :: crank
+      integer, intent(in) :: crank                  !! the frame, if none is driven first
+      logical, intent(in) :: on_frame(:)            !! by drive: it moves a link on the frame
       integer, allocatable, intent(out) :: order(:)
       integer :: g, k
 
       allocate (order(0))
       do g = 1, size(closure%groups)
-         if (closure%order%groups(g)%order >= 1) order = [order, g]
+         associate (links => closure%groups(g)%links)
+            if (size(links) == 0) cycle
+            if (size(links) == 1 .and. any(on_frame .and. closure%sketch%drives%link == links(1))) cycle
+            order = [order, g]
+         end associate
       end do
       do k = 1, size(order)
          if (.not. touches(order(k))) cycle
@@ -113,7 +126,9 @@ contains
 
          touches = .false.
          do r = 1, size(closure%groups(group)%rows)
-            touches = touches .or. any(closure%groups(group)%rows(r)%links == crank)
+            associate (row => closure%groups(group)%rows(r))
+               touches = touches .or. (any(row%links == crank) .and. any(row%kind == [row_pin, row_line]))
+            end associate
          end do
       end function touches
    end subroutine groups_in_order
@@ -128,6 +143,7 @@ contains
       integer :: r, side, other, pairs
 
       valid = size(closure%groups(group)%links) == 2
+      if (valid) valid = all(closure%cylinder(closure%groups(group)%links) == 0)
       if (.not. valid) return
       dyad%links = closure%groups(group)%links
       pairs = 0

@@ -35,12 +35,17 @@ contains
             call take_group(traced, loop, mechanism)
          end if
       end do
-      mechanism%sliding_input = mechanism%arcs(1)%kind == arc_actuator
-      mechanism%actuators = [actuator_t(joint=1, arc=1, slides=mechanism%sliding_input)]
+      mechanism%sliding_input = traced%sliding
+      mechanism%floating_input = traced%floating
+      mechanism%actuators = [actuator_t(joint=1, arc=1, slides=traced%sliding)]
+      if (traced%floating) then
+         n = findloc(traced%arcs%kind == traced_actuator .and. traced%arcs%drive == 1, .true., dim=1)
+         mechanism%actuators(1) = actuator_t(arc=n, slides=traced%sliding)
+      end if
       do n = 1, size(traced%seconds)
          associate (second => traced%seconds(n))
-            mechanism%actuators = [mechanism%actuators, actuator_t(arc=second%arc, geared=.true., ratio=second%ratio, &
-                                                                   phase=second%phase)]
+            mechanism%actuators = [mechanism%actuators, actuator_t(arc=second%arc, slides=second%slides, geared=second%geared, &
+                                                                   ratio=second%ratio, phase=second%phase)]
          end associate
       end do
    end subroutine take_traced_loops
@@ -60,7 +65,9 @@ contains
             arc%drive = of%drive
          case (traced_actuator)
             arc%kind = arc_actuator
-            call take_guide(traced, of, arc%reference, arc%turn)
+            arc%drive = of%drive
+            if (.not. of%cylinder) call take_guide(traced, of, arc%reference, arc%turn)
+            if (of%guide_link > 0 .and. n > 1) arc%foot = merge(at_finish, at_start, of%foot_last)
          case (traced_link)
             arc%kind = arc_link
          case (traced_slide)
@@ -129,7 +136,8 @@ contains
          group%kind = assur_higher
          group%loop = loop
          group%members = pack([(n, n=of%first, of%first + of%arcs - 1)], &
-                              [(any(mechanism%arcs(n)%kind == [arc_link, arc_slide]), n=of%first, of%first + of%arcs - 1)])
+                              [(any(mechanism%arcs(n)%kind == [arc_link, arc_slide]) .or. traced%arcs(n)%cylinder, &
+                                n=of%first, of%first + of%arcs - 1)])
          do n = 1, size(group%members)
             mechanism%arcs(group%members(n))%dyad = n
          end do
@@ -151,7 +159,7 @@ contains
       end associate
    end subroutine take_group
 
-   !> A gear pair: ratio (a - c) = b - c.
+   !> A gear pair: ratio (a - c) = b - c. A drive: a - b is its turn.
    pure type(tie_t) function tie_of(traced, gear) result(tie)
       type(loops_t), intent(in) :: traced
       type(traced_gear_t), intent(in) :: gear
@@ -159,12 +167,36 @@ contains
 
       links = [gear%wheels, gear%carrier]
       tie%factors = [gear%ratio, -1.0_wp, 1.0_wp - gear%ratio]
+      tie%drive = gear%drive
+      if (gear%drive > 0) tie%factors = [1.0_wp, -1.0_wp, 0.0_wp]
       do k = 1, size(links)
-         if (links(k) == frame_link) cycle
-         tie%arcs(k) = axis_of(traced, links(k))
-         tie%drawn(k) = traced%arcs(tie%arcs(k))%direction
+         tie%arcs(k) = turning_arc(traced, links(k))
+         if (tie%arcs(k) > 0) tie%drawn(k) = traced%arcs(tie%arcs(k))%direction
       end do
    end function tie_of
+
+   !> An arc whose direction is found or an input and that turns as a link does: of one that slides on another, that of the guide.
+   !> 0: the link does not turn.
+   pure integer function turning_arc(traced, link) result(arc)
+      type(loops_t), intent(in) :: traced
+      integer, intent(in) :: link
+      integer :: here
+
+      arc = 0
+      here = link
+      do while (here /= frame_link)
+         arc = axis_of(traced, here)
+         associate (of => traced%arcs(arc))
+            if (of%cylinder .or. all(of%kind /= [traced_slide, traced_actuator])) return
+            if (of%guide_link > 0) then
+               here = of%guide_link
+            else
+               here = traced%arcs(findloc(traced%arcs%loop, of%loop, dim=1) + of%guide - 1)%link
+            end if
+         end associate
+      end do
+      arc = 0
+   end function turning_arc
 
    !> An arc that tells where a link points: of the driven link the first of all.
    pure integer function axis_of(traced, link) result(arc)

@@ -13,6 +13,7 @@ module psalm_sketch_paths
       integer :: link = 0
       integer :: from = 0, to = 0
       integer :: arc = 0                    !! of a slide
+      integer :: drive = 0                  !! of a slide that has no arc yet: the drive along it
    end type path_step_t
 
    !> What is known on the way.
@@ -20,7 +21,8 @@ module psalm_sketch_paths
       logical, allocatable :: on(:, :)      !! shape (points, links): the point is fixed in the link
       logical, allocatable :: known(:)      !! by link
       integer :: points = 0
-      integer, allocatable :: pass(:, :)    !! shape (3, room): slides that can be passed: from, to, arc
+      integer, allocatable :: pass(:, :)    !! shape (4, room): slides that can be passed: from, to, arc, and the drive of one
+                                            !! that has no arc yet
       integer :: passes = 0
    end type survey_t
 
@@ -130,7 +132,7 @@ contains
                seen(p) = .true.
                tail = tail + 1
                queue(tail) = p
-               reached_by(p) = path_step_t(0, here, p, survey%pass(3, k))
+               reached_by(p) = path_step_t(0, here, p, survey%pass(3, k), survey%pass(4, k))
             end do
          end associate
          head = head + 1

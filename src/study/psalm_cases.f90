@@ -76,6 +76,7 @@ contains
          ! the other programs draw wheels, find the forces of teeth, and tell what each drive does by itself
          if (len(why) == 0 .and. forces .and. size(set%traced%gears) > 0) why = 'gears'
          if (len(why) == 0 .and. forces .and. size(set%traced%seconds) > 0) why = 'several drives'
+         if (len(why) == 0 .and. forces .and. set%traced%floating) why = 'a drive that is not on the frame'
          ! what a search finds is drawn again dyad by dyad: `psalm_sketch_redraw`
          if (len(why) == 0 .and. .not. forces .and. set%wants_search() .and. set%is_beyond_arrays()) &
             why = 'a search over a group of more than two links, gears or a second drive'

@@ -52,8 +52,11 @@ contains
       allocate (study%inputs(size(set%sketch%drives), problem%positions))
       study%inputs(1, :) = dimensions%crnki - dimensions%drawn + problem%delt
       do k = 2, size(study%inputs, 1)
-         ! of several drives only geared ones have loops
-         study%inputs(k, :) = set%sketch%drives(k)%ratio*study%inputs(1, :) + set%sketch%drives(k)%phase
+         if (set%sketch%drives(k)%geared) then
+            study%inputs(k, :) = set%sketch%drives(k)%ratio*study%inputs(1, :) + set%sketch%drives(k)%phase
+         else
+            study%inputs(k, :) = problem%own_delt(:, k - 1)
+         end if
       end do
       study%closed = closed
       associate (positions => size(closed), outputs => set%sketch%outputs)

@@ -80,7 +80,11 @@ contains
       class(problem_t), allocatable, intent(out) :: part
 
       allocate (part, source=problem)
-      call part%set_inputs(problem%delt(which))
+      if (allocated(problem%own_delt)) then
+         call part%set_inputs(problem%delt(which), problem%own_delt(which, :))
+      else
+         call part%set_inputs(problem%delt(which))
+      end if
       call part%set_desired(problem%wanted(which, :), problem%weight(which, :))
       if (.not. allocated(problem%rate_wanted)) return
       part%rate_wanted = problem%rate_wanted(which, :, :)

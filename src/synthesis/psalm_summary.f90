@@ -64,6 +64,7 @@ module psalm_summary
    type :: summary_t
       logical :: sliding_input = .false.
       integer :: motion = motion_point                !! MOTION: what the output is
+      logical :: at_positions = .false.               !! of several drives: only the positions were looked at, and no inputs are told
       logical :: everywhere = .false.                 !! closes over the whole turn, or the whole range of a sliding input
       type(range_t), allocatable :: closing(:)         !! inputs from .. to, in the direction of the sweep
       integer :: undetermined_loop = 0                !! loop of a dyad whose outer joints coincide over a range, 0: none
@@ -78,7 +79,7 @@ module psalm_summary
       type(loop_kind_t), allocatable :: kinds(:)
       integer :: angle_loop = 0                       !! loop of the least transmission angle, 0: there is none
       real(wp) :: angle = right_angle                 !! the least one, degrees from the line of the links
-      real(wp) :: angle_input = 0.0_wp
+      real(wp) :: angle_input = 0.0_wp                !! at the positions only: the number of the position
       integer :: group_loop = 0                       !! loop of the larger group nearest to a dead point, 0: there is none
       real(wp) :: group_measure = 1.0_wp              !! its measure there: 1 at best, 0 at a dead point
       real(wp) :: group_input = 0.0_wp
@@ -118,6 +119,10 @@ contains
       plain%tangle = right_angle
       plain%spare = 0.0_wp
       plain%toggle = 0.0_wp
+      if (problem%has_own_inputs()) then
+         call look_at_positions()
+         return
+      end if
       inputs = [(real(i, wp)/real(steps, wp), i=0, steps)]
       associate (low => minval(problem%delt), high => maxval(problem%delt))
          if (summary%sliding_input) then
@@ -167,6 +172,32 @@ contains
       summary%undetermined = whole%undetermined
 
    contains
+
+      !> What the positions themselves tell.
+      subroutine look_at_positions()
+         integer :: loop
+
+         summary%at_positions = .true.
+         summary%everywhere = all(motion%closed)
+         allocate (summary%closing(0), summary%reverses(0), summary%kinds(0))
+         call prepare_station(plain, problem%delt, .false., any_joint, .false., fine)
+         call evaluate_station(fine, dimensions)
+         do i = 1, size(motion%closed)
+            if (.not. motion%closed(i)) cycle
+            do loop = 1, problem%mechanism%nloop
+               associate (sine => min(abs(fine%k(i, loop)), 1.0_wp))
+                  if (.not. problem%mechanism%is_dyad(loop)) then
+                     call enter_group(summary, loop, 1.0_wp - sine, real(i, wp))
+                  else if (has_angle(problem%mechanism, loop) .and. (summary%angle_loop == 0 .or. &
+                                                                     angle_of(sine) < summary%angle)) then
+                     summary%angle = angle_of(sine)
+                     summary%angle_loop = loop
+                     summary%angle_input = real(i, wp)
+                  end if
+               end associate
+            end do
+         end do
+      end subroutine look_at_positions
 
       !> Length of the range over which something closes.
       pure real(wp) function closed_length(found)
