@@ -121,7 +121,7 @@ module psalm_mechanism
    !> What drives the mechanism.
    type :: actuator_t
       integer :: joint = 0              !! 0: none of its own
-      integer :: arc = 0                !! the arc it moves; 0: it turns two links of a group (`tie_t`)
+      integer :: arc = 0                !! the arc it moves; 0: it turns two links of a group
       logical :: slides = .false.       !! prismatic: its input is a length
       logical :: geared = .false.       !! its input is that of the first, counted from the drawing, times `ratio`, and `phase`
       real(wp) :: ratio = 1.0_wp, phase = 0.0_wp
@@ -160,7 +160,7 @@ module psalm_mechanism
       type(linkage_group_t), allocatable :: groups(:)       !! group k is closed by loop k
       type(point_t), allocatable :: points(:)       !! the input pivot first
       type(bar_t), allocatable :: bars(:)
-      type(body_t), allocatable :: bodies(:)        !! the frame first, then the input link, if there is one, then those of each group
+      type(body_t), allocatable :: bodies(:)        !! the frame, the input link if there is one, then those of each group
       type(joint_t), allocatable :: joints(:)       !! that of the actuator first, if it moves a link on the frame
       type(actuator_t), allocatable :: actuators(:)
       type(output_t), allocatable :: outputs(:)

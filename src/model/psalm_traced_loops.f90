@@ -40,8 +40,8 @@ module psalm_traced_loops
       logical :: closed = .true.
    end type traced_ring_t
 
-   !> A gear pair of a larger group: turns of `wheels(1)` against the carrier times `ratio` are those of `wheels(2)`. Or a drive that
-   !> turns `wheels(1)` against `wheels(2)`.
+   !> A gear pair of a larger group: turns of `wheels(1)` against the carrier times `ratio` are those of `wheels(2)`. Or a drive
+   !> that turns `wheels(1)` against `wheels(2)`.
    type :: traced_gear_t
       integer :: loop = 0
       integer :: wheels(2) = 0, carrier = 0 !! links

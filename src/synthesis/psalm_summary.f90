@@ -64,7 +64,7 @@ module psalm_summary
    type :: summary_t
       logical :: sliding_input = .false.
       integer :: motion = motion_point                !! MOTION: what the output is
-      logical :: at_positions = .false.               !! of several drives: only the positions were looked at, and no inputs are told
+      logical :: at_positions = .false.               !! of several drives: only the positions were looked at
       logical :: everywhere = .false.                 !! closes over the whole turn, or the whole range of a sliding input
       type(range_t), allocatable :: closing(:)         !! inputs from .. to, in the direction of the sweep
       integer :: undetermined_loop = 0                !! loop of a dyad whose outer joints coincide over a range, 0: none
