@@ -52,7 +52,7 @@ contains
 
       associate (unused => file, also_unused => mark)
       end associate
-      call prepare_loops('bridge studies', demand, set, prepared, findings)
+      call prepare_loops('bridge studies', demand, set, prepared, findings, turning=.true.)
       if (.not. findings%failed()) call check_clearance(set, clearance_of(set), prepared, findings)
    end subroutine prepare_clearance
 

@@ -153,7 +153,6 @@ contains
       if (allocated(set%no_loops)) then
          if (.not. set%wants_search()) call run_sketch(set, devices, .false.)
          if (set%wants_search()) call run_chain_search(set, devices, monitor)
-         if (set%gives('SWEEP')) call run_family(set, prepared%mechanism, prepared%given, devices)
          if (arguments%assemblies) call run_assemblies(set, devices)
          if (arguments%links) call devices%remark(set, 'device 7 has the sketch: there are no equivalent &LINKS, for it has '// &
                                                   set%no_loops)
@@ -233,8 +232,7 @@ contains
       logical :: found
 
       allocate (family)
-      found = .false.
-      if (.not. allocated(set%no_loops)) call find_family(set, mechanism, dimensions, inputs_of(set), family, found)
+      call find_family(set, mechanism, dimensions, inputs_of(set), family, found)
       call report_family(set, family, found, devices)
    end subroutine run_family
 

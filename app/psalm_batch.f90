@@ -80,18 +80,25 @@ contains
    end function ending_of_case
 
    !> Prepare a case for a program that needs loops and makes no search.
-   subroutine prepare_loops(does, demand, set, prepared, findings)
+   subroutine prepare_loops(does, demand, set, prepared, findings, turning)
       character(*), intent(in) :: does               !! what the program does: 'muscle balances'
       type(demand_t), intent(in) :: demand           !! greatest numbers of positions and arcs
       type(data_set_t), intent(inout) :: set
       type(prepared_t), intent(inout) :: prepared
       type(diagnostics_t), intent(inout) :: findings
+      logical, intent(in), optional :: turning       !! it needs a crank that turns
       type(line_t) :: none(0)
+      character(:), allocatable :: why
 
       set%method%nguess = 0
-      if (allocated(set%no_loops)) call findings%error(does//' linkages with loops (one drive on the frame, no gears, '// &
-                                                       'no KOVER), but this sketch has '//set%no_loops, &
-                                                       line=set%title_line, group='CHAIN')
+      why = ''
+      if (allocated(set%no_loops) .and. present(turning)) why = set%sketch%why_no_crank()
+      if (len(why) > 0) then
+         call findings%error(does//' linkages with a crank that turns; '//why, line=set%title_line, group='DRIVES')
+      else if (allocated(set%no_loops)) then
+         call findings%error(does//' linkages with loops; this sketch is solved in the poses of its links, for it has '// &
+                             set%no_loops, line=set%title_line, group='CHAIN')
+      end if
       if (.not. findings%failed()) call prepare(set, none, prepared, findings, demand)
    end subroutine prepare_loops
 

@@ -918,7 +918,7 @@ contains
          if (present(posed)) then
             posed = allocated(set%no_loops)
          else if (allocated(set%no_loops)) then
-            call own%error('loops are needed here (one drive on the frame, no gears, no KOVER), but this sketch has '//set%no_loops)
+            call own%error('loops are needed here; this sketch is solved in the poses of its links, for it has '//set%no_loops)
          end if
       end if
       call tell(own, findings)

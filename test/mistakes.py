@@ -122,9 +122,9 @@ MISTAKES = [
     (SKETCH, "'C D' &END", "'C D','P D' &END", "names 4 links, but LNK lists 5; the link of joints 'P D' has no name: name it, or leave it out "
      "if the others hold the linkage without it"),
     # desired values that the first output cannot have
-    (SKETCH, "OUTPUT='point P' &END\n &METHOD NDES=2, DELT=0.0,5.0", "OUTPUT='pose P coupler' &END\n &METHOD NDES=2, DELT=0.0,5.0, DESX=2*1.0, "
-     "DESY=2*1.0, DESANG=2*0.0", "the desired values of &METHOD are those of the first output, which pose_P_coupler cannot be here; give its "
-     "values as DES1 of &OUTPUTS, or put a point, angle, distance from the origin or slide first; or as 'pose P B P', the direction from B to P"),
+    (SKETCH, "OUTPUT='point P' &END\n &METHOD NDES=2, DELT=0.0,5.0", "OUTPUT='x P' &END\n &METHOD NDES=2, DELT=0.0,5.0, DESX=2*1.0, "
+     "DESY=2*1.0", "the desired values of &METHOD are those of the first output, which x_P cannot be here; give its values as DES1 of &OUTPUTS, "
+     "or put a point, angle, distance from the origin or slide first"),
     # solvers
     (FOUR_BAR, " &LIMITS", " &SEARCH SOLVER='LEASTSQ' &END\n &LIMITS", "no solver is called 'LEASTSQ'"),
     (FOUR_BAR, " &LIMITS", " &SEARCH SOLVER='LEASTSQ' &END\n &LIMITS", "usual ones are LSQ, SIMPLEX, LD_SLSQP and LN_COBYLA; the manual lists all 4"),

@@ -461,7 +461,7 @@ contains
       end do
       call t%equal_integer(size(of_unit_mass, 2), size(forces%table%value, 2), 'unit masses give every column')
       call find_rates(cases(1), rates, findings)
-      call t%finds(findings, 'loops are needed here (one drive on the frame, no gears, no KOVER), but this sketch has several '// &
+      call t%finds(findings, 'loops are needed here; this sketch is solved in the poses of its links, for it has several '// &
                    'drives', 'what needs loops says so')
    end subroutine forces_of_sketch
 end program test_library

@@ -6,6 +6,7 @@ module psalm_sketch
    use psalm_kinds, only: wp
    use psalm_output_kind, only: output_kind_t, kind_of_output, output_point, output_angle, output_distance, output_slide, &
                                 output_between, output_pose, output_ratio, output_x, output_y
+   use psalm_text, only: to_text
    implicit none (type, external)
    private
    public :: sketch_t, link_t, slide_t, drive_t, sketch_output_t, variation_t
@@ -113,6 +114,7 @@ module psalm_sketch
       procedure :: link_called
       procedure :: slide_called
       procedure :: drive_label
+      procedure :: why_no_crank
    end type sketch_t
 
 contains
@@ -155,6 +157,21 @@ contains
          end do
       end do
    end function has_wishes
+
+   !> Why there is no one crank whose turning moves everything, in words; empty where there is.
+   pure function why_no_crank(self) result(words)
+      class(sketch_t), intent(in) :: self
+      character(:), allocatable :: words
+      integer :: own
+
+      words = ''
+      own = count(.not. self%drives%geared)
+      if (own > 1) then
+         words = 'this sketch has '//to_text(own)//' drives of their own'
+      else if (self%drives(1)%kind /= drive_turns) then
+         words = 'the input of this linkage slides'
+      end if
+   end function why_no_crank
 
    !> True if the joint belongs to the link.
    pure logical function has_joint(self, link, joint)

@@ -2,6 +2,7 @@
 module psalm_chain_report
    use psalm_chain_list, only: list_chain, list_groups, list_rows, write_chain_table, write_drive_block, write_output_block, &
                                fill_chain_table
+   use psalm_chain_margins, only: report_chain_margins
    use psalm_chain_proof_list, only: list_chain_proof, write_chain_proof, links_of_group
    use psalm_chain_proof_study, only: chain_proof_t
    use psalm_chain_study, only: chain_study_t
@@ -19,6 +20,8 @@ module psalm_chain_report
    private
    public :: report_chain, report_sketch_table, report_outputs, several_outputs, range_lines, report_chain_proof, &
              report_unreached, report_still_drives, unreached_words
+
+   character(*), parameter :: of_dyads = 'linkages of dyads with one drive on the frame'
 
 contains
 
@@ -56,6 +59,7 @@ contains
       call devices%eight%add(' SOLVED IN THE POSES OF THE LINKS, FOLLOWED FROM THE DRAWING, FOR IT HAS '//set%no_loops)
       call list_groups(set%sketch, study%closure%order, devices%eight)
       if (program == 'PSALM') call write_sketch(set, devices%seven)
+      if (program == 'PSALM') call report_chain_margins(set, study, devices)
       if (present(forces)) call report_forces(set, forces, devices)
       call tell_open(set, study, devices)
       call devices%summary%add(set%title)
@@ -208,6 +212,10 @@ contains
       end if
       call list_chain_proof(study, proof, devices%six)
       call write_chain_proof(set%title, study, proof, devices%nine)
+      if (set%limits%dwell > 0.0_wp) call devices%remark(set, 'DWELL has no effect here: dwells and dead points of the output '// &
+                                                         'are proven of '//of_dyads)
+      if (set%constr%given) call devices%remark(set, 'margins and clearances are found here, at samples, not proven, as they '// &
+                                                'are of '//of_dyads)
       if (.not. proof%complete .or. proof%misplaced > 0) call devices%note_violation()
       if (.not. proof%complete) call devices%remark(set, 'the linkage is not proven to close over the whole range')
       if (proof%misplaced > 0) call devices%remark(set, to_text(proof%misplaced)//' positions were found in another assembly '// &

@@ -25,7 +25,7 @@ module psalm_sketch_case
                                  traced_actuator, traced_frame
    implicit none (type, external)
    private
-   public :: resolve_sketch, assemble_sketch
+   public :: resolve_sketch, refuse_without_loops, assemble_sketch
 
    integer, parameter :: most_named = 12 !! lengths named in a message
 
@@ -63,10 +63,7 @@ contains
          call take_first_wish(loops, state, closure%sketch, set, loops%found)
          if (.not. loops%found) loops%why = 'desired values of outputs (DES1 ...), which are compared in the poses'
       end if
-      if (.not. loops%found) then
-         set%no_loops = loops%why
-         call refuse_without_loops(set, findings)
-      end if
+      if (.not. loops%found) set%no_loops = loops%why
       ! exact lengths may have moved the joints, and slides with their links
       call move_slides(closure, state, set%sketch%slides)
       set%sketch%x = state%joint(:, 0)%re
@@ -149,32 +146,46 @@ contains
       call set%origins%warning(findings, 'LIMITS', 'TANGLE', why)
    end subroutine warn_of_idle_angle
 
-   !> What needs loops.
-   subroutine refuse_without_loops(set, findings)
+   !> What `program` is asked for that needs loops, of a sketch that is solved in its poses.
+   subroutine refuse_without_loops(set, program, findings)
       type(data_set_t), intent(in) :: set
+      character(*), intent(in) :: program
       type(diagnostics_t), intent(inout) :: findings
       character(:), allocatable :: angle_group
 
+      if (program == 'psalm' .or. program == 'kalm') then
+         if (set%limits%ktheta /= 0 .and. .not. (set%masses%given .or. set%loads%given .or. set%springs%given)) &
+            call refuse('LIMITS', 'KTHETA', 'the list of all arcs')
+         if (set%gives('MOTOR') .and. len(set%sketch%why_no_crank()) > 0) then
+            call set%origins%error(findings, 'MOTOR', '', 'motion from torque needs a crank that turns; '// &
+                                   set%sketch%why_no_crank())
+         else if (set%gives('MOTOR')) then
+            call refuse('MOTOR', '', 'motion from torque')
+         end if
+      end if
+      if (any(program == [character(6) :: 'kalm', 'muscle', 'ssics', 'bridge', 'calm'])) return
       angle_group = trim(merge('CONSTR', 'LIMITS', set%constr%gives_angle))
       if (set%toler%given) call refuse('TOLER', '', 'a study of tolerances')
       if (set%constr%irange /= range_positions) call refuse('CONSTR', 'IRANGE', 'a proof between the positions')
       if (set%method%ifree /= 0) call refuse('METHOD', 'IFREE', 'free timing')
-      if (set%limits%ktheta /= 0 .and. .not. (set%masses%given .or. set%loads%given .or. set%springs%given)) &
-         call refuse('LIMITS', 'KTHETA', 'the list of all arcs')
       if (set%limits%trmin_given) &
          call set%origins%error(findings, angle_group, 'TRMIN', 'a sketch solved in the poses of its links has no '// &
                                 'transmission angle (this sketch has '//set%no_loops//'); leave it out')
       if (set%limits%icond /= 0) call refuse('LIMITS', 'ICOND', 'the condition number')
       if (set%limits%iplot /= 0) call refuse('LIMITS', 'IPLOT', 'the sweep of every degree')
-      if (set%gives('MOTOR')) call refuse('MOTOR', '', 'motion from torque')
+      if (set%gives('SWEEP')) call refuse('SWEEP', '', 'a family of curves')
+      if (program /= 'psalm' .or. set%wants_search()) return
+      if (set%method%desired .or. set%sketch%has_wishes()) &
+         call set%origins%warning(findings, 'METHOD', '', 'without a search desired values have no effect on a sketch that is '// &
+                                  'solved in the poses of its links; this sketch has '//set%no_loops)
 
    contains
 
       subroutine refuse(group, item, what)
          character(*), intent(in) :: group, item, what
 
-         call set%origins%error(findings, group, item, what//' needs loops (one drive on the frame, no gears, no '// &
-                                'KOVER), but this sketch has '//set%no_loops//'; leave it out')
+         call set%origins%error(findings, group, item, what//' needs loops; this sketch is solved in the poses of its links, '// &
+                                'for it has '//set%no_loops//'; leave it out')
       end subroutine refuse
    end subroutine refuse_without_loops
 
@@ -650,7 +661,7 @@ contains
          if (set%method%desired) then
             call set%origins%error(findings, 'OUTPUTS', 'OUTPUT', 'the desired values of &METHOD are those of the first '// &
                                    'output, which '//trim(sketch%outputs(1)%name)//' cannot be here; give its values as DES1 '// &
-                                   'of &OUTPUTS, or put a point, angle, distance from the origin or slide first'//pose_of_arc(), 1)
+                                   'of &OUTPUTS, or put a point, angle, distance from the origin or slide first', 1)
             return
          end if
          set%stand_in = trim(sketch%joint_name(default_joint(sketch)))
@@ -658,24 +669,6 @@ contains
       shown%kind = output_point
       shown%joints(1) = default_joint(sketch)
       call put_output(loops, state, sketch, shown, set, done)
-
-   contains
-
-      !> The pose that the loops have: its line runs from an end of an arc to the joint.
-      function pose_of_arc() result(text)
-         character(:), allocatable :: text
-         integer :: from
-
-         text = ''
-         if (sketch%outputs(1)%kind /= output_pose .or. set%links%noutlk == 0) return
-         associate (joint => sketch%outputs(1)%joints(1))
-            from = end_of_output_arc(loops, set)
-            if (from == 0 .or. from == joint .or. from > size(sketch%joint_name)) return
-            text = "; or as 'pose "//trim(sketch%joint_name(joint))//' '//trim(sketch%joint_name(from))//' '// &
-                   trim(sketch%joint_name(joint))//"', the direction from "//trim(sketch%joint_name(from))//' to '// &
-                   trim(sketch%joint_name(joint))
-         end associate
-      end function pose_of_arc
    end subroutine fill_output
 
    !> Desired values of the first output alone are those of &METHOD, if the loops can tell it: DES1 is another word for DESX and
@@ -714,19 +707,6 @@ contains
       end associate
       set%method%desired = .true.
    end subroutine take_first_wish
-
-   !> The point at which the output's own line begins; 0: the output is on no arc.
-   pure integer function end_of_output_arc(loops, set) result(point)
-      type(loops_t), intent(in) :: loops
-      type(data_set_t), intent(in) :: set
-      integer :: k
-
-      point = 0
-      do k = 1, size(loops%arcs)
-         if (loops%arcs(k)%loop /= set%links%noutlp .or. loops%arcs(k)%place /= abs(set%links%noutlk)) cycle
-         point = loops%arcs(k)%ends(merge(at_start, at_finish, set%links%noutlk < 0))
-      end do
-   end function end_of_output_arc
 
    !> The joint that is shown of a sketch without outputs.
    pure integer function default_joint(sketch) result(joint)

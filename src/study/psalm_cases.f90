@@ -4,7 +4,8 @@ module psalm_cases
    use psalm_loop_check, only: check_loops
    use psalm_loop_forces, only: asks_for_forces, loops_carry_forces
    use psalm_mark, only: mark_t
-   use psalm_sketch_case, only: resolve_sketch
+   use psalm_sketch_case, only: refuse_without_loops, resolve_sketch
+   use psalm_sketch, only: output_pose
    use psalm_status, only: diagnostics_t
    implicit none (type, external)
    private
@@ -12,6 +13,7 @@ module psalm_cases
 
    !> Why a sketch is solved in poses though it has loops.
    character(*), parameter :: no_forces = 'forces to be found, and loops that leave out '
+   character(*), parameter :: no_pose = 'desired poses whose direction is not that from an end of an arc to their point'
    character(*), parameter :: no_dimension = 'desired values in &OUTPUTS, and dimensions that its loops do not have'
 
 contains
@@ -44,14 +46,16 @@ contains
       type(data_set_t), intent(inout) :: sets(:)
       type(diagnostics_t), intent(inout) :: findings
       character(*), intent(in), optional :: program
-      logical :: forces
+      character(:), allocatable :: reader
       integer :: i
 
       if (findings%failed()) return
-      forces = .false.
-      if (present(program)) forces = program /= 'psalm'
+      reader = 'psalm'
+      if (present(program)) reader = program
       do i = 1, size(sets)
-         if (sets(i)%sketch%given) call resolve(sets(i), forces, findings)
+         if (.not. sets(i)%sketch%given) cycle
+         call resolve(sets(i), reader /= 'psalm', findings)
+         if (allocated(sets(i)%no_loops)) call refuse_without_loops(sets(i), reader, findings)
       end do
    end subroutine resolve_all
 
@@ -71,6 +75,7 @@ contains
       why = ''
       ! in its poses a wish can be met by dimensions that are none of the loops
       if (own%failed() .and. .not. allocated(set%no_loops) .and. as_read%sketch%has_wishes()) why = no_dimension
+      if (own%failed() .and. .not. allocated(set%no_loops) .and. wants_poses(as_read)) why = no_pose
       if (.not. own%failed() .and. set%links%nloop > 0) then
          call check_loops(set, why)
          ! the other programs draw wheels, find the forces of teeth, and tell what each drive does by itself
@@ -96,6 +101,14 @@ contains
       end if
       call findings%append(own)
    end subroutine resolve
+
+   !> True if the first output is a pose that has desired values.
+   pure logical function wants_poses(set)
+      class(data_set_t), intent(in) :: set
+
+      wants_poses = set%method%desired .and. size(set%sketch%outputs) > 0
+      if (wants_poses) wants_poses = set%sketch%outputs(1)%kind == output_pose
+   end function wants_poses
 
    !> What loops leave out, in words.
    pure function what_of(set, slide) result(words)
