@@ -438,7 +438,7 @@ def condition_column(_, run):
 
 
 condition.figures = condition_column
-condition.close = 0.02                          # a relative change of the frame's direction: -177 degrees, or 183
+condition.close = 0.2                           # of one linkage other dimensions may be given: directions of frame and wheels
 
 
 @study("summary: range of the motion, extremes of the output")
@@ -847,9 +847,8 @@ REASONS = (
     (r"a crank that turns; (the input of this linkage slides|this sketch has 3 drives)", "What is asked is of a crank that turns."),
     (r"Closes +at .* of 5 positions", "At the positions only: between those of several drives there is no one way."),
     (r"--assemblies lists|belongs to the sketch of a group &CHAIN", "&LINKS has one output (MOTION), and the assembly of its signs."),
-    (r"it has (special dimensions|a group whose links have other unknowns)|this sketch has special dim|this sketch has a group whose|"
-     r"this one has a group whose|Closes +at", "Not yet: links that brace others (KOVER), and a wheel that no other link holds, are still "
-     "solved in the poses of the links, without this."),
+    (r"has special dimensions|Closes +at", "Not yet: links that brace others (KOVER) are still solved in the poses of the links, "
+     "without this."),
     (r"DWELL has no effect here", "Not yet: proven of linkages of dyads with one drive on the frame. The ends of the range are dead "
      "points that are proven of all."),
     (r"margins and clearances are found here, at samples", "Not yet proven, but found at samples of the range."),

@@ -96,7 +96,7 @@ contains
       end associate
    end subroutine make_loops
 
-   !> The groups, the first being one that hangs on the driven link.
+   !> The groups, the first being one that hangs on the driven link and on no other group, if there is one.
    subroutine groups_in_order(closure, crank, on_frame, order)
       type(closure_t), intent(in) :: closure
       integer, intent(in) :: crank                  !! the frame, if none is driven first
@@ -113,7 +113,7 @@ contains
          end associate
       end do
       do k = 1, size(order)
-         if (.not. touches(order(k))) cycle
+         if (.not. touches(order(k)) .or. hangs_on_others(order(k))) cycle
          order = [order(k), order(:k - 1), order(k + 1:)]
          return
       end do
@@ -131,6 +131,24 @@ contains
             end associate
          end do
       end function touches
+
+      !> True if other groups must be solved before.
+      logical function hangs_on_others(group)
+         integer, intent(in) :: group
+         logical :: known(size(closure%sketch%links))
+         integer :: d, r
+
+         known = .false.
+         known(frame_link) = .true.
+         do d = 1, size(on_frame)
+            if (on_frame(d)) known(closure%sketch%drives(d)%link) = .true.
+         end do
+         known(closure%groups(group)%links) = .true.
+         hangs_on_others = .false.
+         do r = 1, size(closure%groups(group)%rows)
+            hangs_on_others = hangs_on_others .or. .not. all(known(closure%groups(group)%rows(r)%links))
+         end do
+      end function hangs_on_others
    end subroutine groups_in_order
 
    !> The pairs of a dyad. `valid` is false where a group of two links is no dyad of one inner and two outer pairs.
