@@ -181,7 +181,9 @@ contains
       else if (arguments%json) then
          call report_case_table(set, problem, analysis%motion, devices)
       end if
-      if (arguments%links .and. set%sketch%given) then
+      if (arguments%links .and. set%is_beyond_arrays()) &
+         call devices%remark(set, 'device 7 has the sketch: its loops are none that &LINKS can tell')
+      if (arguments%links .and. set%sketch%given .and. .not. set%is_beyond_arrays()) then
          by_loops = variant_of(set)
          by_loops%by_loops = .true.
          if (set%constr%given .or. set%masses%given .or. set%loads%given .or. set%springs%given .or. set%gives('SWEEP')) then

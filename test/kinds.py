@@ -750,6 +750,9 @@ def sought(k, groups="SOLVER='LSQ', NSTART=4", outputs="'point P'", method="", w
     low, high = "%.9g" % (0.9*length), "%.9g" % (1.1*length)
     wanted = wishes(k) if wanted is None else wanted
     search = item("SEARCH", groups) if groups else ""
+    # the dyad of its bucket is nearly straight
+    if k.name == "drives" and "LIMITS" not in more:
+        search += item("LIMITS", "TANGLE=89.0")
     if k.name == "braced":
         return braced(dict(THREE, P=THREE["B"] + 1.01*(THREE["P"] - THREE["B"]))).text(
             search + more, k.few, outputs, ", VARY='B P', VLOW=%s, VHIGH=%s" % (low, high), wanted + method)
@@ -845,7 +848,8 @@ REASONS = (
      "the margins of &CONSTR and the summary say how far they are from a dead point."),
     (r"3 drives of their own, but 1 cam", "Each drive of its own needs a cam of its own; calm makes one or two."),
     (r"a crank that turns; (the input of this linkage slides|this sketch has 3 drives)", "What is asked is of a crank that turns."),
-    (r"Closes +at .* of 5 positions", "At the positions only: between those of several drives there is no one way."),
+    (r"Closes +at .* of 5 positions|between the positions of several drives", "At the positions only: between those of several drives there "
+     "is no one way."),
     (r"--assemblies lists|belongs to the sketch of a group &CHAIN", "&LINKS has one output (MOTION), and the assembly of its signs."),
     (r"has special dimensions|Closes +at", "Not yet: links that brace others (KOVER) are still solved in the poses of the links, "
      "without this."),
@@ -856,8 +860,6 @@ REASONS = (
      "first."),
     (r"CAMRPM: forces at the roller are computed", "Not yet with FOLJNT, or without loops; NFOLLK and NFOLLP name the follower's arc "
      "(device 8) of sketches with one drive on the frame."),
-    (r"it has a search over a group of more than two links", "Not yet: searches of what are not dyads with one drive on the frame are made "
-     "at the positions."),
 )
 
 

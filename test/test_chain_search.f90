@@ -223,7 +223,8 @@ contains
                 'the two joints between which it lies are missing')
       call told(" &END &DRIVES DRIVE='A' &END &METHOD NDES=1, DELT=0.0 &END &CONSTR NSEG=1, SLINK=1,2, SLOOP=1,1 &END", &
                 'the joints of a sketch are named, SJNT')
-      call told(" &END &DRIVES DRIVE='A' &END &METHOD NDES=1, DELT=0.0 &END &CONSTR IRANGE=2 &END", 'a proof between the positions')
+      call told(", KOVER=1 &END &DRIVES DRIVE='A' &END &METHOD NDES=1, DELT=0.0 &END &CONSTR IRANGE=2 &END", &
+                'a proof between the positions')
    end subroutine refused
 
    subroutine told(rest, words)

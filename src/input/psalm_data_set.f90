@@ -782,11 +782,11 @@ contains
       end subroutine missing
    end subroutine refuse_unknown
 
-   !> True for a sketch that the arrays of &LINKS cannot tell: with a group that is no dyad, with gears or a second drive.
+   !> True for a sketch that the arrays of &LINKS cannot tell.
    pure logical function is_beyond_arrays(self)
       class(data_set_t), intent(in) :: self
 
       is_beyond_arrays = allocated(self%traced)
-      if (is_beyond_arrays) is_beyond_arrays = size(self%traced%rings) > 0 .or. any(self%traced%arcs%drive > 1)
+      if (is_beyond_arrays) is_beyond_arrays = self%traced%are_beyond_arrays()
    end function is_beyond_arrays
 end module psalm_data_set

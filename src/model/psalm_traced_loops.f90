@@ -11,7 +11,8 @@ module psalm_traced_loops
    integer, parameter :: traced_slide = 3
    integer, parameter :: traced_crank = 4
    integer, parameter :: traced_actuator = 5
-   integer, parameter :: traced_frame = 6      !! the last arc of loop 1, counted from the machine's x axis
+   integer, parameter :: traced_frame = 6      !! of the frame, counted from the machine's x axis: the last arc of loop 1, others
+                                               !! where each varies by itself
 
    !> One arc of a loop.
    type :: traced_t
@@ -85,6 +86,7 @@ module psalm_traced_loops
       type(traced_ring_t), allocatable :: rings(:) !! of the loops that close larger groups, in order
    contains
       procedure :: is_dyad
+      procedure :: are_beyond_arrays
    end type loops_t
 
 contains
@@ -96,6 +98,14 @@ contains
 
       is_dyad = all(self%rings%loop /= loop)
    end function is_dyad
+
+   !> True of loops that the arrays of &LINKS cannot tell: of a group that is no dyad, with gears, a second drive, or more than one
+   !> arc of the frame that is counted from the x axis.
+   pure logical function are_beyond_arrays(self)
+      class(loops_t), intent(in) :: self
+
+      are_beyond_arrays = size(self%rings) > 0 .or. any(self%arcs%drive > 1) .or. count(self%arcs%kind == traced_frame) > 1
+   end function are_beyond_arrays
 
    !> The first arc of a link that begins (`from_start`) or ends at a point; 0: none does.
    pure subroutine arc_with(loops, link, point, arc, from_start)

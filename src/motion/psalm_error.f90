@@ -19,7 +19,7 @@ module psalm_error
    use psalm_parameters, only: parameters_t
    implicit none (type, external)
    private
-   public :: problem_t, motion_t, violation_t, crossing_t, make_problem, new_problem, inputs_of, desired_of
+   public :: problem_t, motion_t, violation_t, crossing_t, make_problem, new_problem, inputs_of, own_inputs_of, desired_of
 
    !> Consecutive positions at which one dyad violates one limit.
    type :: violation_t

@@ -49,10 +49,11 @@ module psalm_linkage
       real(wp) :: ratio = 1.0_wp, phase = 0.0_wp !! geared: to the first, both counted from the drawing
       integer :: root_x = 0, root_y = 0          !! rows of the direction that it turns; 0: that of a tie
       integer :: slide = 0                       !! row of the length that it sets
-      integer :: turn = 0                        !! row of its turn since the drawing, radians; 0: no tie needs it
+      integer :: turn = 0                        !! row of its turn since the anchor, radians; 0: no tie needs it
       real(wp) :: x = 1.0_wp, y = 0.0_wp         !! direction without an increment
       real(wp) :: reference = 0.0_wp             !! turn, degrees, or length without an increment: of the turn from the drawing
-      real(wp) :: drawn = 0.0_wp                 !! increment of the drawing
+      real(wp) :: drawn = 0.0_wp                 !! increment at the anchor, mostly the drawing
+      real(wp) :: zero = 0.0_wp                  !! geared: turn from the drawing to the anchor, degrees
    end type second_drive_t
 
    type :: linkage_t
@@ -512,10 +513,15 @@ contains
          associate (own => self%seconds(d))
             own%reference = 0.0_wp
             own%drawn = 0.0_wp
+            own%zero = 0.0_wp
             if (own%geared) then
                from_drawing = own%ratio*(dimensions%crnki - dimensions%drawn) + own%phase
                own%reference = from_drawing
                own%drawn = -from_drawing
+               if (abs(dimensions%anchor - dimensions%drawn) > 0.0_wp) then
+                  own%drawn = own%ratio*(dimensions%anchor - dimensions%crnki)
+                  own%zero = from_drawing + own%drawn
+               end if
             end if
             if (own%slides) then
                own%reference = own%reference + dimensions%arcl(own%arc)
@@ -704,7 +710,7 @@ contains
       do d = 1, size(self%seconds)
          associate (own => self%seconds(d), v => store%v)
             if (own%slide > 0) v(1:n, own%slide) = (own%reference + more(:n, 1, d))*self%scale
-            if (own%turn > 0) v(1:n, own%turn) = (own%reference + more(:n, 1, d))*radians_per_degree
+            if (own%turn > 0) v(1:n, own%turn) = (own%reference - own%zero + more(:n, 1, d))*radians_per_degree
             if (own%root_x == 0) cycle
             v(1:n, own%root_x) = own%x*more(:n, 2, d) - own%y*more(:n, 3, d)
             v(1:n, own%root_y) = own%y*more(:n, 2, d) + own%x*more(:n, 3, d)

@@ -52,6 +52,8 @@ contains
       end if
       allocate (problem, rates)
       dimensions%crnki = dimensions%drawn
+      ! with a phase the drawing is no position of the motion
+      mechanism%actuators%phase = 0.0_wp
       call new_problem(mechanism, dimensions, parameters, [0.0_wp], .true., problem)
       call locate_sketch(set, mechanism, sketch)
       call problem%want_derivatives(.true., sketch%points)

@@ -5,9 +5,12 @@ module psalm_sketch_motion
    use psalm_angles, only: unit_vector
    use psalm_closure, only: most_orders
    use psalm_data_set, only: data_set_t
+   use psalm_dimensions, only: dimensions_t
    use psalm_error, only: problem_t
    use psalm_kinds, only: wp, radians_per_degree
+   use psalm_link_place, only: place_t
    use psalm_mechanism, only: mechanism_t, ring_t
+   use psalm_output_kind, only: output_point, output_distance, output_pose
    use psalm_rates, only: rates_t, derivatives_of, in_time
    use psalm_rows, only: rows_t
    use psalm_sketch, only: frame_link
@@ -17,14 +20,14 @@ module psalm_sketch_motion
 
    !> A joint that moves.
    type :: moving_t
-      integer :: joint = 0
+      integer :: joint = 0                  !! after the last joint of the sketch: points of its slides
       integer :: arc = 0                    !! sequential number: its direction carries the offset
       complex(wp) :: offset = (0.0_wp, 0.0_wp) !! from the point of the plan, in the axes of that arc, user's unit
    end type moving_t
 
    !> Where joints and slides of a sketch are to be found in the store.
    type :: sketch_motion_t
-      complex(wp), allocatable :: drawn(:)  !! shape (joints)
+      complex(wp), allocatable :: drawn(:)  !! shape (joints), or joints and slides
       type(moving_t), allocatable :: moving(:)
       integer, allocatable :: points(:, :)  !! shape (2, moving joints): loop and arc, as `make_plan` has them
       integer, allocatable :: arcs(:)       !! by slide: sequential number; 0: it has none
@@ -34,38 +37,32 @@ module psalm_sketch_motion
 contains
 
    !> Find joints and slides. The plan must then be made with `points`. Joints of the frame are where they were drawn; with
-   !> `changed` they are where the dimensions put them.
-   subroutine locate_sketch(set, mechanism, sketch, changed)
+   !> `dimensions` that are not, or not only, those of the drawing they are where these put them, and so is the first output.
+   subroutine locate_sketch(set, mechanism, sketch, dimensions, with_slides)
       type(data_set_t), intent(in) :: set               !! a sketch with its loops
       type(mechanism_t), intent(in) :: mechanism
       type(sketch_motion_t), intent(out) :: sketch
-      logical, intent(in), optional :: changed          !! the dimensions are not, or not only, those of the drawing
-      logical :: frame_too
-      type(moving_t) :: one
-      type(ring_t) :: ring
-      real(wp) :: c, s
-      integer :: j, k, arc
+      type(dimensions_t), intent(in), optional :: dimensions
+      logical, intent(in), optional :: with_slides      !! after the joints come the points of slides, on their second links
+      type(place_t) :: place
+      integer :: j, k
 
-      frame_too = .false.
-      if (present(changed)) frame_too = changed
       sketch%drawn = cmplx(set%sketch%x, set%sketch%y, wp)
       allocate (sketch%moving(0), sketch%points(2, 0))
       do j = 1, size(set%joint_places)
-         associate (place => set%joint_places(j))
-            if (place%arc == 0 .or. (place%link == frame_link .and. .not. frame_too)) cycle
-            one%joint = j
-            one%arc = mechanism%seq(place%loop, place%arc)
-            call unit_vector(place%turn + place%angle, c, s)
-            one%offset = place%distance*cmplx(c, s, wp)
-            arc = place%arc
-            if (place%from_start) then
-               ring = mechanism%ring_of(place%loop, one%arc)
-               arc = merge(0, arc - 1, one%arc == ring%first)
-            end if
-            sketch%moving = [sketch%moving, one]
-            sketch%points = reshape([sketch%points, place%loop, arc], [2, size(sketch%moving)])
-         end associate
+         place = set%joint_places(j)
+         if (place%link == frame_link .and. .not. present(dimensions)) cycle
+         if (present(dimensions)) call move_output(set, dimensions, j, place)
+         call add_moving(mechanism, j, place, sketch)
       end do
+      if (present(with_slides)) then
+         if (with_slides) then
+            sketch%drawn = [sketch%drawn, cmplx(set%sketch%slides%x, set%sketch%slides%y, wp)]
+            do k = 1, size(set%shoes)
+               call add_moving(mechanism, size(set%joint_places) + k, set%shoes(k), sketch)
+            end do
+         end if
+      end if
       allocate (sketch%arcs(size(set%travels)), source=0)
       do k = 1, size(set%travels)
          if (set%travels(k)%arc > 0) sketch%arcs(k) = mechanism%seq(set%travels(k)%loop, set%travels(k)%arc)
@@ -73,6 +70,50 @@ contains
       sketch%sense = set%travels%sense
       sketch%zero = set%travels%zero
    end subroutine locate_sketch
+
+   !> A joint at its place on an arc; one that is on none stands still.
+   subroutine add_moving(mechanism, joint, place, sketch)
+      type(mechanism_t), intent(in) :: mechanism
+      integer, intent(in) :: joint
+      type(place_t), intent(in) :: place
+      type(sketch_motion_t), intent(inout) :: sketch
+      type(moving_t) :: one
+      type(ring_t) :: ring
+      real(wp) :: c, s
+      integer :: arc
+
+      if (place%arc == 0) return
+      one%joint = joint
+      one%arc = mechanism%seq(place%loop, place%arc)
+      call unit_vector(place%turn + place%angle, c, s)
+      one%offset = place%distance*cmplx(c, s, wp)
+      arc = place%arc
+      if (place%from_start) then
+         ring = mechanism%ring_of(place%loop, one%arc)
+         arc = merge(0, arc - 1, one%arc == ring%first)
+      end if
+      sketch%moving = [sketch%moving, one]
+      sketch%points = reshape([sketch%points, place%loop, arc], [2, size(sketch%moving)])
+   end subroutine add_moving
+
+   !> The first output, if it stands off the arcs, where OUTLK and OUTANG have it: a search may vary these.
+   subroutine move_output(set, dimensions, joint, place)
+      type(data_set_t), intent(in) :: set
+      type(dimensions_t), intent(in) :: dimensions
+      integer, intent(in) :: joint
+      type(place_t), intent(inout) :: place             !! of that joint
+
+      if (size(set%sketch%outputs) == 0 .or. allocated(set%stand_in) .or. dimensions%outlk <= 0.0_wp) return
+      associate (output => set%sketch%outputs(1), links => set%links)
+         if (all(output%kind /= [output_point, output_distance, output_pose]) .or. output%joints(1) /= joint) return
+         place%loop = links%noutlp
+         place%arc = abs(links%noutlk)
+         place%from_start = links%noutlk < 0
+      end associate
+      place%distance = dimensions%outlk
+      place%angle = dimensions%outang
+      place%turn = 0.0_wp
+   end subroutine move_output
 
    !> Joints and slides at the first `n` positions of the block just solved and differentiated.
    subroutine observe_sketch(sketch, problem, rates, n, speed, accel, joint, moved)

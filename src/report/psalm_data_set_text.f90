@@ -9,7 +9,7 @@ module psalm_data_set_text
    use psalm_output_kind, only: output_kind_t, output_kind
    use psalm_dimensions, only: dimensions_t
    use psalm_dyad_kind, only: assur_prp
-   use psalm_error, only: problem_t
+   use psalm_error, only: problem_t, inputs_of
    use psalm_finale, only: in_columns
    use psalm_rate_items, only: rate_row_t, wanted_rows
    use psalm_sketch_redraw, only: redraw_sketch
@@ -58,6 +58,7 @@ contains
       type(variant_t), intent(in), optional :: variant !! what is written otherwise than `set` holds it
       type(variant_t) :: own
       integer :: loop
+      real(wp), allocatable :: inputs(:)
       logical :: sound
 
       own = variant_of(set)
@@ -65,11 +66,15 @@ contains
       if (set%sketch%given .and. .not. own%by_loops) then
          sound = .true.
          if (problem%parameters%has_search()) then
-            call redraw_sketch(set, problem%mechanism, dimensions, own%sketch, sound)
-            own%from_drawing = 0.0_wp
+            inputs = inputs_of(set)
+            if (set%method%ikin == 0) inputs = own%delt
+            call redraw_sketch(set, problem%mechanism, dimensions, inputs, own%sketch, own%from_drawing, sound)
          end if
          if (sound) then
             call write_sketch(set, text, own)
+            return
+         else if (set%is_beyond_arrays()) then
+            call text%add('! '//trim(own%title)//': the linkage cannot be put together at any input of the case, nor as drawn')
             return
          end if
       end if

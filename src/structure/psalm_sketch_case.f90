@@ -10,6 +10,7 @@ module psalm_sketch_case
    use psalm_constraint_group, only: range_positions
    use psalm_data_set, only: data_set_t
    use psalm_dense, only: factors_t
+   use psalm_frame_places, only: part_frame_arcs
    use psalm_kinds, only: wp, degrees_per_radian, full_turn
    use psalm_link_place, only: place_t, travel_t
    use psalm_mechanism, only: at_start, at_finish
@@ -62,6 +63,10 @@ contains
       else if (loops%found .and. set%sketch%has_wishes()) then
          call take_first_wish(loops, state, closure%sketch, set, loops%found)
          if (.not. loops%found) loops%why = 'desired values of outputs (DES1 ...), which are compared in the poses'
+      end if
+      if (loops%found) then
+         call part_frame_arcs(closure%sketch, loops, loops%why)
+         loops%found = len(loops%why) == 0
       end if
       if (.not. loops%found) set%no_loops = loops%why
       ! exact lengths may have moved the joints, and slides with their links
@@ -984,7 +989,11 @@ contains
             call find_arc(one%joints(3), one%joints(4), other, other_forward)
             if (arc == 0 .or. other == 0) then
                call missing(which, 'the angle from '//line(one%joints(1:2))//' to '//line(one%joints(3:4)))
-            else if (loops%arcs(other)%kind /= traced_determined .or. loops%arcs(other)%reference /= arc) then
+            else if (counts_from(arc, other)) then
+               set%method%ivg(loops%arcs(arc)%place, loops%arcs(arc)%loop) = 1
+               low_angle(arc) = -one%high(1) + merge(0.0_wp, 180.0_wp, forward .eqv. other_forward)
+               high_angle(arc) = -one%low(1) + merge(0.0_wp, 180.0_wp, forward .eqv. other_forward)
+            else if (.not. counts_from(other, arc)) then
                call missing(which, 'the angle from '//line(one%joints(1:2))//' to '//line(one%joints(3:4)))
             else
                set%method%ivg(loops%arcs(other)%place, loops%arcs(other)%loop) = 1
@@ -993,6 +1002,13 @@ contains
             end if
          end select
       end subroutine place_variation
+
+      !> True if the angle of an arc is that from another.
+      pure logical function counts_from(arc, other)
+         integer, intent(in) :: arc, other
+
+         counts_from = loops%arcs(arc)%kind == traced_determined .and. loops%arcs(arc)%reference == other
+      end function counts_from
 
       !> Bounds of a direction from the pivot, for a frame arc that is traced against it when `turn` is 180.
       subroutine angle_bounds(arc, lowest, highest, turn)

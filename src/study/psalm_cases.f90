@@ -14,7 +14,7 @@ module psalm_cases
    !> Why a sketch is solved in poses though it has loops.
    character(*), parameter :: no_forces = 'forces to be found, and loops that leave out '
    character(*), parameter :: no_pose = 'desired poses whose direction is not that from an end of an arc to their point'
-   character(*), parameter :: no_dimension = 'desired values in &OUTPUTS, and dimensions that its loops do not have'
+   character(*), parameter :: no_dimension = 'dimensions to be searched that its loops do not have'
 
 contains
 
@@ -74,7 +74,8 @@ contains
       call resolve_sketch(set, own)
       why = ''
       ! in its poses a wish can be met by dimensions that are none of the loops
-      if (own%failed() .and. .not. allocated(set%no_loops) .and. as_read%sketch%has_wishes()) why = no_dimension
+      if (own%failed() .and. .not. allocated(set%no_loops) .and. (as_read%sketch%has_wishes() .or. set%is_beyond_arrays())) &
+         why = no_dimension
       if (own%failed() .and. .not. allocated(set%no_loops) .and. wants_poses(as_read)) why = no_pose
       if (.not. own%failed() .and. set%links%nloop > 0) then
          call check_loops(set, why)
@@ -82,9 +83,6 @@ contains
          if (len(why) == 0 .and. forces .and. size(set%traced%gears) > 0) why = 'gears'
          if (len(why) == 0 .and. forces .and. size(set%traced%seconds) > 0) why = 'several drives'
          if (len(why) == 0 .and. forces .and. set%traced%floating) why = 'a drive that is not on the frame'
-         ! what a search finds is drawn again dyad by dyad: `psalm_sketch_redraw`
-         if (len(why) == 0 .and. .not. forces .and. set%wants_search() .and. set%is_beyond_arrays()) &
-            why = 'a search over a group of more than two links, gears or a second drive'
          if (len(why) == 0 .and. forces .and. asks_for_forces(as_read)) then
             if (.not. loops_carry_forces(set, slide)) then
                why = no_forces//what_of(set, slide)

@@ -2,6 +2,7 @@
 module psalm_preparation
    use, intrinsic :: iso_fortran_env, only: int64
    use psalm_chain_force_study, only: judge_chain_forces
+   use psalm_constraint_group, only: range_positions
    use psalm_data_set, only: data_set_t
    use psalm_dyad_groups, only: dyads_of_variables
    use psalm_dyad_kind, only: assur_higher
@@ -87,6 +88,7 @@ contains
                                 'sketch have no transmission angle (it is that of two links, a dyad); leave it out')
       if (set%is_beyond_arrays() .and. prepared%parameters%has_search()) &
          call choose_anchor(prepared%mechanism, inputs_of(set), prepared%given)
+      if (any(.not. prepared%mechanism%actuators(2:)%geared)) call refuse_ranges(set, own)
       call check_regions(set%constr, prepared%mechanism, own)
       if (set%search%by_dyads .and. prepared%parameters%has_search()) then
          if (maxval(dyads_of_variables(prepared%mechanism, prepared%parameters)) == 1) &
@@ -105,6 +107,17 @@ contains
       call findings%append(own)
       prepared%ready = .not. own%failed()
    end subroutine prepare
+
+   !> What goes along one input.
+   subroutine refuse_ranges(set, findings)
+      type(data_set_t), intent(in) :: set
+      type(diagnostics_t), intent(inout) :: findings
+      character(*), parameter :: why = 'between the positions of several drives, which go their own ways, there is no one way; '// &
+                                       'leave it out'
+
+      if (set%constr%irange /= range_positions) call set%origins%error(findings, 'CONSTR', 'IRANGE', why)
+      if (set%method%ifree /= 0) call set%origins%error(findings, 'METHOD', 'IFREE', why)
+   end subroutine refuse_ranges
 
    !> Threads that work on a case: as many as are asked for, fewer if the system does not give them.
    integer function threads_for(set, asked)

@@ -41,10 +41,17 @@ contains
       real(wp), allocatable :: moved(:, :, :)
       real(wp) :: largest(2)
       integer :: block, offset, n, i, k, loop
+      logical :: anew
 
       allocate (own, source=problem)
       if (allocated(own%linkages)) deallocate (own%linkages)
-      call locate_sketch(set, own%mechanism, sketch, changed)
+      anew = .false.
+      if (present(changed)) anew = changed
+      if (anew) then
+         call locate_sketch(set, own%mechanism, sketch, dimensions)
+      else
+         call locate_sketch(set, own%mechanism, sketch)
+      end if
       call own%want_derivatives(.true., sketch%points)
       call own%bind(dimensions)
       allocate (rates)

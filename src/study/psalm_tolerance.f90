@@ -157,7 +157,7 @@ contains
       if (by_name) by_name = size(set%sketch%outputs) > 0
       if (by_name) then
          allocate (wanted)
-         call locate_sketch(set, mechanism, wanted%sketch, changed=.true.)
+         call locate_sketch(set, mechanism, wanted%sketch, dimensions)
          wanted%outputs = set%sketch%outputs
          call deviating%problem%want_derivatives(.true., wanted%sketch%points)
       else
