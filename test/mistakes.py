@@ -143,7 +143,7 @@ MISTAKES = [
     (FOUR_BAR, "TANGLE=90.0", "TRMIN=-1.0", "&LIMITS TRMIN: is the least transmission angle"),
     (FOUR_BAR, " &LIMITS TANGLE=90.0", " &CONSTR TRMIN=40.0 &END\n &LIMITS TRMIN=40.0", "&CONSTR TRMIN: is given in &LIMITS too"),
     (GEARS, "GTB=40.0", "GTB=40.0, KOVER=1 &END &LIMITS TRMIN=40.0", "has no transmission angle"),
-    (GEARS, " &METHOD", " &CONSTR TRMIN=40.0 &END\n &METHOD", "&CONSTR TRMIN"),
+    (GEARS, "GTB=40.0", "GTB=40.0, KOVER=1 &END &CONSTR TRMIN=40.0", "&CONSTR TRMIN"),
     # desired values of outputs
     (SKETCH, "OUTPUT='point P'", "OUTPUT='point P', DES1=1.0,2.0,3.0", "NDES=2 positions of output point_P have 4 values, but only 3 given"),
     (SKETCH, "OUTPUT='point P'", "OUTPUT='point P', DES1=4*1.0, WGT1=-1.0", "weights must not be negative"),
