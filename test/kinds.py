@@ -220,7 +220,7 @@ FIVE_ROLES = roles("crank A B", "rod B P", "other P G", "frame A E")
 def braced(joints):
     return Kind("braced", "Parallelogram, KOVER", chain(joints, dict(frame="A D F", crank="A B", coupler="B C G P", rocker="C D",
                                                                      third="F G"), "DRIVE='A'", ", KOVER=1"), parallelogram, FOUR_ROLES,
-                "BCP", sought="BP", motion="NDES=9, DELT=-40.0,-30.0,-20.0,-10.0,0.0,10.0,20.0,30.0,40.0",
+                "BCP", sought="BP",
                 few="NDES=6, DELT=-30.0,-20.0,-10.0,0.0,10.0,20.0")
 
 

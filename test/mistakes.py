@@ -20,6 +20,12 @@ SKETCH = """A SKETCH
  &OUTPUTS OUTPUT='point P' &END
  &METHOD NDES=2, DELT=0.0,5.0 &END
 """
+BRACED = """A PARALLELOGRAM WITH A THIRD LINK
+ &CHAIN JNT='A','B','C','D','E','F', JX=0.0,18.0,58.0,40.0,70.0,88.0, JY=0.0,24.0,24.0,0.0,10.0,34.0,
+  LNK='A D E','A B','D C','E F','B C F', KOVER=1 &END
+ &DRIVES DRIVE='A' &END
+ &METHOD NDES=2, DELT=0.0,5.0 &END
+"""
 GEARS = """A GEARED FIVE-BAR
  &CHAIN JNT='A','B','C','D','E', JX=0.0,1.0,3.0,5.0,6.0, JY=0.0,2.0,4.0,2.0,0.0,
   LNAME='frame','one','two','three','four', LNK='A E','A B','B C','C D','D E',
@@ -142,8 +148,9 @@ MISTAKES = [
     (FOUR_BAR, "TANGLE=90.0", "TRMIN=90.0", "&LIMITS TRMIN: is the least transmission angle: at least 0, less than 90 degrees"),
     (FOUR_BAR, "TANGLE=90.0", "TRMIN=-1.0", "&LIMITS TRMIN: is the least transmission angle"),
     (FOUR_BAR, " &LIMITS TANGLE=90.0", " &CONSTR TRMIN=40.0 &END\n &LIMITS TRMIN=40.0", "&CONSTR TRMIN: is given in &LIMITS too"),
-    (GEARS, "GTB=40.0", "GTB=40.0, KOVER=1 &END &LIMITS TRMIN=40.0", "has no transmission angle"),
-    (GEARS, "GTB=40.0", "GTB=40.0, KOVER=1 &END &CONSTR TRMIN=40.0", "&CONSTR TRMIN"),
+    (BRACED, " &METHOD", " &LIMITS TRMIN=40.0 &END\n &METHOD", "has no transmission angle"),
+    (BRACED, " &METHOD", " &SWEEP SWJNT='A B', SWLOW=29.0, SWHIGH=31.0 &END\n &METHOD", "a family of curves needs loops"),
+    (BRACED, " &METHOD", " &CONSTR TRMIN=40.0 &END\n &METHOD", "&CONSTR TRMIN"),
     # desired values of outputs
     (SKETCH, "OUTPUT='point P'", "OUTPUT='point P', DES1=1.0,2.0,3.0", "NDES=2 positions of output point_P have 4 values, but only 3 given"),
     (SKETCH, "OUTPUT='point P'", "OUTPUT='point P', DES1=4*1.0, WGT1=-1.0", "weights must not be negative"),

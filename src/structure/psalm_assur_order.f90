@@ -3,6 +3,8 @@
 !> With the drives held, each equation is paid by one of its two ends and none pays more than its unknowns (augmenting paths).
 !> An arrow leads from who pays to the other end; the strongly connected components are the Assur groups, whatever payment was
 !> found (Dulmage and Mendelsohn 1958), and their topological order is the order of solution. Source: Oldham (1977), 3.3.
+!>
+!> Links of a part that is braced twice are one group: where some of them are at a change point, the others still hold them.
 module psalm_assur_order
    use psalm_freedom, only: bracing_t
    use psalm_sketch, only: sketch_t, frame_link
@@ -68,7 +70,11 @@ contains
          allocate (order%groups(0))
          return
       end if
-      call find_components(graph, payer, component, components)
+      if (present(braced)) then
+         call find_components(graph, payer, component, components, braced)
+      else
+         call find_components(graph, payer, component, components)
+      end if
       ! components in order, of those that are ready the one with the lowest link first
       allocate (place(components), source=0)
       allocate (placed(components), source=.false.)
@@ -189,11 +195,12 @@ contains
    end subroutine pay
 
    !> Strongly connected components (Tarjan 1972).
-   subroutine find_components(graph, payer, component, components)
+   subroutine find_components(graph, payer, component, components, braced)
       type(graph_t), intent(in) :: graph
       integer, intent(in) :: payer(:, :)
       integer, allocatable, intent(out) :: component(:) !! by node
       integer, intent(out) :: components
+      type(bracing_t), intent(in), optional :: braced(:)
       integer, allocatable :: number(:), low(:), stack(:)
       integer :: counter, height, node
 
@@ -222,15 +229,17 @@ contains
             if (payer(side, e) == 0) cycle
             do end_of = 1, 3
                other = graph%equations(e)%nodes(end_of)
-               if (other == 0 .or. other == node) cycle
-               if (number(other) == 0) then
-                  call visit(other)
-                  low(node) = min(low(node), low(other))
-               else if (component(other) == 0) then
-                  low(node) = min(low(node), number(other))
-               end if
+               if (other > 0 .and. other /= node) call follow(node, other)
             end do
          end do
+         if (present(braced) .and. node <= graph%links) then
+            do e = 1, size(braced)
+               if (.not. holds(braced(e), node)) cycle
+               do other = 1, graph%links
+                  if (other /= node .and. holds(braced(e), other)) call follow(node, other)
+               end do
+            end do
+         end if
          if (low(node) /= number(node)) return
          components = components + 1
          do
@@ -240,5 +249,30 @@ contains
             if (top == node) exit
          end do
       end subroutine visit
+
+      recursive subroutine follow(node, other)
+         integer, intent(in) :: node, other
+
+         if (number(other) == 0) then
+            call visit(other)
+            low(node) = min(low(node), low(other))
+         else if (component(other) == 0) then
+            low(node) = min(low(node), number(other))
+         end if
+      end subroutine follow
+
+      !> True if a link belongs to a part that is braced twice, and is no link that is driven on the frame.
+      pure logical function holds(part, link)
+         type(bracing_t), intent(in) :: part
+         integer, intent(in) :: link
+         integer :: e
+
+         holds = part%part(link) .and. link /= frame_link
+         do e = 1, size(graph%equations)
+            associate (tie => graph%equations(e))
+               if (tie%kind == tie_drive .and. tie%nodes(1) == frame_link .and. tie%nodes(2) == link) holds = .false.
+            end associate
+         end do
+      end function holds
    end subroutine find_components
 end module psalm_assur_order
