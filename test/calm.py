@@ -775,7 +775,8 @@ def two_cams(place):
         out.write(head.replace("NDES=1, DELT=0.0", "NDES=36, DELT=" + table(row[run.names.index("input")] for row in run.table)).replace(
             "DELT2=0.0", "DELT2=" + table(row["input"] for row in rows)))
     subprocess.run([os.path.join(BIN, "psalm"), "forward.nml"], cwd=place, capture_output=True, text=True, timeout=300, check=False)
-    forward = numpy.loadtxt(os.path.join(place, "forward.dev9"))
+    with open(os.path.join(place, "forward.dev9"), encoding="utf-8") as out:
+        forward = numpy.loadtxt(out.read().split("\n\n")[0].splitlines())
     wanted = numpy.array([[a[1], b["output"]] for a, b in zip(run.table, rows)])
     worst = min(numpy.abs(forward[:, k:k + 2] - wanted).max() for k in range(forward.shape[1] - 1))
     check(worst < 1e-11, "two cams: psalm runs forwards to the point wanted", worst)
