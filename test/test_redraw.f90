@@ -1,14 +1,16 @@
 !> Searches over sketches by their loops: the drawing on device 7 is the linkage found, and the optimum is the one found in poses.
 program test_redraw
    use check, only: checks_t
+   use psalm_analysis, only: analysis_t, wanted_t, analyse_linkage => analyse
    use psalm_cases, only: read_case_text
    use psalm_chain_synthesis, only: chain_synthesis_t, synthesise_chain
    use psalm_data_set, only: data_set_t
    use psalm_data_set_text, only: write_data_set
    use psalm_dimensions, only: dimensions_t
-   use psalm_error, only: problem_t, motion_t, make_problem
+   use psalm_error, only: problem_t, make_problem
    use psalm_kinds, only: wp
    use psalm_preparation, only: prepared_t, prepare
+   use psalm_sketch_text, only: variant_t, variant_of
    use psalm_source, only: line_t
    use psalm_status, only: diagnostics_t
    use psalm_stop, only: stop_t
@@ -26,7 +28,8 @@ program test_redraw
    !> Its rocker is a block on a line of the frame.
    character(*), parameter :: sliding = " &CHAIN JNT='A','B','C','P','E','F', JX=0.0,-25.0,35.0,10.0,120.0,127.0,"//nl// &
       " JY=0.0,45.0,55.0,80.0,70.0,74.0, LNAME='frame','left','coupler','block','rod','crank',"//nl// &
-      " LNK='A F','A B','B C P','C','P E','E F', NSLIDE=1, SLNK='frame', SLNK2='block', SLX=50.0, SLY=60.4596, SLANG=20.0,"//nl
+      " LNK='A F','A B','B C P','C','P E','E F', NSLIDE=1, SNAME='S', SLNK='frame', SLNK2='block', SLX=50.0, "//nl// &
+      ' SLY=60.4596, SLANG=20.0,'//nl
    !> Cranks on the frame, the second geared to the first.
    character(*), parameter :: five_bar = " &CHAIN JNT='A','B','C','G','E', JX=0.0,3.0,40.0,85.0,80.0,"//nl// &
       " JY=0.0,50.0,90.0,49.0,0.0, LNK='A E','A B','B C','C G','G E',"//nl
@@ -52,6 +55,17 @@ program test_redraw
                   '10.00,11.28,13.21,15.53,17.90,20.02', '80.00,80.84,82.02,83.30,84.47,85.39')
    call read_back('four-bar, a point of the frame beside', four_bar, "'A B','B C','C D','B P','angle B C B P','place D'", by_left, &
                   'point P', turn, lsq, '21.0,12.0,3.0,-5.0,-10.0,-12.0', '92.0,96.0,95.0,89.0,80.0,70.0')
+   call several_outputs('six-bar', six_bar, "'E F','B C','P E','place D'", by_rod, &
+                        "'point P','distance P D','between A B D C','x C'", &
+                        '10.0,80.0,11.3,80.8,13.2,82.0,15.5,83.3,17.9,84.4,20.0,85.4', &
+                        '103.2,102.7,101.8,100.5,98.9,97.4', '7.0,6.8,6.3,5.5,4.3,2.9', '35.5,37.2,39.4,41.8,44.0,45.7')
+   call several_outputs('block in a larger group', sliding, "'A B','B C','P E','E F'", by_rod, &
+                        "'point P','slide S','y C'", &
+                        '10.0,80.0,11.3,80.8,13.2,82.0,15.5,83.3,17.9,84.4,20.0,85.4', &
+                        '0.5,1.5,4.0,6.5,9.0,11.0', '55.1,55.7,56.6,57.5,58.3,58.9')
+   call several_outputs('four-bar, beside its arcs', four_bar, "'A B','B C','C D','B P','angle B C B P'", by_left, &
+                        "'point P','distance P D','angle D P'", '21.0,93.0,12.0,95.0,4.0,93.0,-3.0,88.0,-8.0,80.0,-11.0,70.0', &
+                        '112.0,119.0,122.5,125.0,124.5,120.0', '128.0,131.0,134.5,138.0,143.0,147.0')
    call pose_of_a_link()
    call open_at_its_drawing()
    call t%report()
@@ -70,7 +84,8 @@ contains
       class(problem_t), allocatable :: problem
       type(synthesis_t) :: result
       type(dimensions_t) :: dimensions
-      type(motion_t) :: motion
+      type(analysis_t) :: analysis
+      type(variant_t) :: variant
       type(text_t) :: written
       type(line_t) :: none(0)
       type(stop_t) :: stop
@@ -86,9 +101,11 @@ contains
       call make_problem(set, prepared%mechanism, prepared%given, prepared%parameters, problem)
       dimensions = prepared%given
       call synthesise(set, prepared%vertices, problem, 1, stop, dimensions, result)
-      call problem%analyse(dimensions, motion)
-      objective = motion%total
-      call write_data_set(set, problem, dimensions, written)
+      call analyse_linkage(set, problem, dimensions, wanted_t(), analysis)
+      objective = analysis%motion%total
+      variant = variant_of(set)
+      if (size(result%found%best) > 0) variant%delt = result%found%best(1)%delt
+      call write_data_set(set, problem, dimensions, written, variant)
       seven = written%content()
    end subroutine search
 
@@ -101,7 +118,7 @@ contains
       type(diagnostics_t) :: findings
       type(prepared_t) :: prepared
       class(problem_t), allocatable :: problem
-      type(motion_t) :: motion
+      type(analysis_t) :: analysis
       type(line_t) :: none(0)
 
       objective = huge(1.0_wp)
@@ -112,9 +129,9 @@ contains
       call prepare(set, none, prepared, findings)
       allocate (problem)
       call make_problem(set, prepared%mechanism, prepared%given, prepared%parameters, problem)
-      call problem%analyse(prepared%given, motion)
-      call t%is_true(all(motion%closed), name//': the drawing of device 7 comes to all positions')
-      objective = motion%total
+      call analyse_linkage(set, problem, prepared%given, wanted_t(), analysis)
+      call t%is_true(all(analysis%motion%closed), name//': the drawing of device 7 comes to all positions')
+      objective = analysis%motion%total
    end subroutine analyse
 
    !> What device 7 has is what was found.
@@ -172,6 +189,42 @@ contains
       call t%close_to(found, poses%best(1)%objective, 1.0e-6_wp, name//': the optimum is the same by loops and in poses')
       call t%is_true(found < 0.9_wp*poses%first_objective, name//': better than what was given')
    end subroutine both_ways
+
+   !> Values of several outputs: read back, and the same in poses; with few positions first and with free inputs, too.
+   subroutine several_outputs(name, chain, vary, drives, outputs, first, second, third, fourth)
+      character(*), intent(in) :: name, chain, vary, drives, outputs, first, second, third
+      character(*), intent(in), optional :: fourth
+      type(data_set_t), allocatable :: sets(:)
+      type(data_set_t) :: set, again
+      type(diagnostics_t) :: findings
+      type(chain_synthesis_t) :: poses
+      type(stop_t) :: stop
+      character(:), allocatable :: wishes, seven
+      real(wp) :: found, read, other
+
+      wishes = ' &OUTPUTS OUTPUT='//outputs//', DES1='//first//','//nl//' DES2='//second//', WGT2=0.5, DES3='//third
+      if (present(fourth)) wishes = wishes//', DES4='//fourth
+      wishes = drives//wishes//' &END'//nl
+      call search(name//', outputs', 'OUTPUTS'//nl//chain//' VARY='//vary//' &END'//nl//wishes//lsq//turn//' &END'//nl//limits, &
+                  set, seven, found)
+      if (len(seven) == 0) return
+      call analyse(name//', outputs', seven, again, read)
+      call t%close_to(read, found, 1.0e-9_wp, name//', outputs: the objective of device 7 is that of the search')
+      call read_case_text('POSES'//nl//chain//' KOVER=1, VARY='//vary//' &END'//nl//wishes//lsq//turn//' &END'//nl//limits, &
+                          'test', sets, findings, 'psalm')
+      call synthesise_chain(sets(1), 1, stop, poses, findings)
+      call t%equal_integer(size(poses%best), 1, name//', outputs: found in poses')
+      if (size(poses%best) == 0) return
+      call t%close_to(found, poses%best(1)%objective, 1.0e-6_wp, name//', outputs: the optimum is the same by loops and in poses')
+      call search(name//', stages', 'STAGES'//nl//chain//' VARY='//vary//' &END'//nl//wishes//" &SEARCH SOLVER='LSQ', NFEW=2, "// &
+                  'NSTART=3 &END'//nl//turn//' &END'//nl//limits, set, seven, other)
+      call t%is_true(other < found*(1.0_wp + 1.0e-6_wp), name//', outputs: few positions first lead there, too')
+      call search(name//', free', 'FREE'//nl//chain//' VARY='//vary//' &END'//nl//wishes//lsq//turn//', IFREE=1 &END'//nl//limits, &
+                  set, seven, other)
+      call t%is_true(other < found, name//', outputs: free inputs come nearer')
+      call analyse(name//', free', seven, again, read)
+      call t%close_to(read, other, 1.0e-9_wp, name//', free: the objective of device 7 is that of the search')
+   end subroutine several_outputs
 
    !> Place and direction of a link.
    subroutine pose_of_a_link()

@@ -81,6 +81,8 @@ module psalm_sketch
       integer :: slide = 0
       integer :: outputs(2) = 0             !! ratio: the rate of the first by that of the second
       type(wish_t) :: wishes(0:most_wished) !! by order of the derivative
+   contains
+      procedure :: is_wished
    end type sketch_output_t
 
    !> A dimension that a search may change.
@@ -144,6 +146,13 @@ contains
       kind = kind_of_output(output%kind)
       columns_of = kind%components
    end function columns_of
+
+   !> True if values are prescribed.
+   pure logical function is_wished(self)
+      class(sketch_output_t), intent(in) :: self
+
+      is_wished = allocated(self%wishes(0)%values)
+   end function is_wished
 
    !> True if anything is prescribed of any output.
    pure logical function has_wishes(self)

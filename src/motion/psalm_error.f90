@@ -16,6 +16,7 @@ module psalm_error
    use psalm_plan, only: plan_t, make_plan
    use psalm_dimensions, only: dimensions_t
    use psalm_mechanism, only: mechanism_t
+   use psalm_sketch, only: columns_of
    use psalm_parameters, only: parameters_t
    implicit none (type, external)
    private
@@ -84,6 +85,8 @@ module psalm_error
       ! derivatives of the output by the input that are wanted; not allocated: none
       real(wp), allocatable :: rate_wanted(:, :, :) !! shape (positions, components, orders): of angles in radians
       real(wp), allocatable :: rate_weight(:, :, :) !! the same shape: weights, 0 where none is wanted
+      ! desired values of further outputs of a sketch, one number after the other; not allocated: none
+      real(wp), allocatable :: wish_values(:, :), wish_weights(:, :) !! shape (positions, numbers)
       real(wp), allocatable :: partial(:)          !! shape (blocks): objective of each
       integer, allocatable :: offending(:)         !! shape (blocks): lowest loop not accepted in each
       type(observable_t) :: output                 !! what the linkage is for
@@ -138,10 +141,33 @@ contains
       if (set%method%ikin /= 0 .or. .not. set%method%desired) return
       call desired_of(set, wanted, weight)
       call problem%set_desired(wanted, weight)
+      call take_wishes(set, problem)
       if (.not. allocated(set%method%rate_wanted)) return
       problem%rate_wanted = set%method%rate_wanted
       problem%rate_weight = set%method%rate_weight
    end subroutine make_problem
+
+   !> Desired values of a sketch's further outputs.
+   subroutine take_wishes(set, problem)
+      type(data_set_t), intent(in) :: set
+      type(problem_t), intent(inout) :: problem
+      integer :: k, n, last
+
+      if (.not. set%sketch%given .or. .not. set%sketch%has_wishes()) return
+      n = 0
+      do k = 1, size(set%sketch%outputs)
+         if (set%sketch%outputs(k)%is_wished()) n = n + columns_of(set%sketch%outputs(k))
+      end do
+      allocate (problem%wish_values(problem%positions, n), problem%wish_weights(problem%positions, n))
+      n = 0
+      do k = 1, size(set%sketch%outputs)
+         if (.not. set%sketch%outputs(k)%is_wished()) cycle
+         last = n + columns_of(set%sketch%outputs(k))
+         problem%wish_values(:, n + 1:last) = transpose(set%sketch%outputs(k)%wishes(0)%values)
+         problem%wish_weights(:, n + 1:last) = transpose(set%sketch%outputs(k)%wishes(0)%weights)
+         n = last
+      end do
+   end subroutine take_wishes
 
    !> A problem of a mechanism at given inputs, without desired values and without limits but that of closure.
    subroutine new_problem(mechanism, dimensions, parameters, inputs, every_loop, problem)
@@ -257,6 +283,7 @@ contains
       self%delt = delt
       self%desired = .false.
       if (allocated(self%rate_wanted)) deallocate (self%rate_wanted, self%rate_weight)
+      if (allocated(self%wish_values)) deallocate (self%wish_values, self%wish_weights)
       call self%linkage%prepare(self%mechanism, self%plan, self%tangle, self%slide_angle, self%spare, delt)
       call self%output%locate(self%motion, self%mechanism, self%plan, self%linkage)
       if (allocated(self%linkages)) deallocate (self%linkages)

@@ -11,7 +11,7 @@ module psalm_sketch_redraw
    use psalm_kinds, only: wp, full_turn
    use psalm_mechanism, only: mechanism_t
    use psalm_parameters, only: no_parameters
-   use psalm_sketch, only: sketch_t
+   use psalm_sketch, only: sketch_t, output_slide
    use psalm_sketch_case, only: assemble_sketch
    use psalm_sketch_motion, only: sketch_motion_t, locate_sketch, find_places
    use psalm_status, only: diagnostics_t
@@ -100,7 +100,7 @@ contains
             if (abs(turned) > still*full_turn) slide%angle = slide%angle + turned
          end associate
       end do
-      ! the lengths are in the coordinates now, and every drive is counted from the new drawing
+      ! the lengths are in the coordinates now, and every drive and slide is counted from the new drawing
       deallocate (new%length_of, new%length, new%variations)
       allocate (new%length_of(2, 0), new%length(0), new%variations(0))
       do k = 2, size(new%drives)
@@ -109,6 +109,12 @@ contains
             if (allocated(drive%delt)) drive%delt = drive%delt - own(k - 1)
             drive%low = drive%low - own(k - 1)
             drive%high = drive%high - own(k - 1)
+         end associate
+      end do
+      do k = 1, size(new%outputs)
+         associate (output => new%outputs(k))
+            if (output%kind /= output_slide .or. .not. output%is_wished()) cycle
+            output%wishes(0)%values = output%wishes(0)%values - travel(output%slide, at)
          end associate
       end do
       drawn = reads_back(set, new, same_place*extent)

@@ -40,6 +40,7 @@ module psalm_report
    use psalm_tolerance_list, only: list_tolerances, plot_tolerances, list_output_bands, write_output_bands
    use psalm_dimensions, only: dimensions_t
    use psalm_mechanism, only: mechanism_t
+   use psalm_wish_list, only: list_output_wishes
    implicit none (type, external)
    private
    public :: begin_search_report, report_search, report_analysis, report_found, report_tolerances, report_violations, &
@@ -228,6 +229,7 @@ contains
       integer :: i
 
       call list_results(set, problem, analysis%dimensions, analysis%motion, devices%six, devices%published)
+      if (allocated(analysis%wishes)) call list_output_wishes(analysis%wishes, devices%six)
       call list_setup(set, problem, devices%eight)
       if (len(set%skipped) > 0) call devices%eight%add(' GROUPS THAT PSALM DOES NOT READ: '//set%skipped)
       if (allocated(set%chosen)) call devices%eight%add_text(set%chosen)

@@ -17,7 +17,8 @@ module psalm_sketch_case
    use psalm_output_kind, only: output_kind_t, kind_of_output, motion_point, motion_angle, motion_distance, motion_slide, &
                                 motion_pose
    use psalm_sketch, only: sketch_t, sketch_output_t, variation_t, frame_link, output_point, output_angle, output_distance, &
-                           slide_t, output_slide, output_pose, most_wished, vary_length, vary_angle, vary_place, vary_input
+                           slide_t, output_slide, output_pose, output_ratio, most_wished, vary_length, vary_angle, vary_place, &
+                           vary_input
    use psalm_sketch_check, only: check_sketch
    use psalm_sketch_loops, only: make_loops
    use psalm_status, only: diagnostics_t
@@ -676,8 +677,9 @@ contains
       call put_output(loops, state, sketch, shown, set, done)
    end subroutine fill_output
 
-   !> Desired values of the first output alone are those of &METHOD, if the loops can tell it: DES1 is another word for DESX and
-   !> DESY, or DESANG. Not so of a slide, whose arc has another zero, and not of derivatives.
+   !> Desired values of the first output are those of &METHOD, if the loops can tell it: DES1 is another word for DESX and DESY,
+   !> or DESANG, DVEL1 and DACC1 for their derivatives. Not so of a slide, whose arc has another zero. Values of the others are
+   !> compared beside it. Poses do it where one of these is a ratio, where derivatives are wanted of it, or of the first nothing.
    subroutine take_first_wish(loops, state, sketch, set, taken)
       type(loops_t), intent(in) :: loops
       type(state_t), intent(in) :: state
@@ -688,27 +690,40 @@ contains
       integer :: k, order
 
       taken = .false.
-      do k = 1, size(sketch%outputs)
+      do k = 2, size(sketch%outputs)
          do order = 0, most_wished
-            if (allocated(sketch%outputs(k)%wishes(order)%values) .and. (k > 1 .or. order > 0)) return
+            if (.not. allocated(sketch%outputs(k)%wishes(order)%values)) cycle
+            if (order > 0 .or. sketch%outputs(k)%kind == output_ratio) return
          end do
       end do
-      if (sketch%outputs(1)%kind == output_slide .or. set%method%desired) return
-      call put_output(loops, state, sketch, sketch%outputs(1), set, taken)
-      if (.not. taken) return
-      kind = kind_of_output(sketch%outputs(1)%kind)
-      associate (wish => set%sketch%outputs(1)%wishes(0))
-         if (kind%components > 1) then
-            set%method%desx = wish%values(1, :)
-            set%method%desy = wish%values(2, :)
-            set%method%xmult = wish%weights(1, :)
-            set%method%ymult = wish%weights(2, :)
+      associate (wishes => set%sketch%outputs(1)%wishes)
+         if (sketch%outputs(1)%kind == output_slide) return
+         if (set%method%desired .eqv. allocated(wishes(0)%values)) return
+         call put_output(loops, state, sketch, sketch%outputs(1), set, taken)
+         if (.not. taken) return
+         kind = kind_of_output(sketch%outputs(1)%kind)
+         if (allocated(wishes(0)%values)) then
+            if (kind%components > 1) then
+               set%method%desx = wishes(0)%values(1, :)
+               set%method%desy = wishes(0)%values(2, :)
+               set%method%xmult = wishes(0)%weights(1, :)
+               set%method%ymult = wishes(0)%weights(2, :)
+            end if
+            if (kind%components /= 2) then
+               set%method%desang = wishes(0)%values(kind%components, :)
+               set%method%anmult = wishes(0)%weights(kind%components, :)
+            end if
+            deallocate (wishes(0)%values, wishes(0)%weights)
          end if
-         if (kind%components /= 2) then
-            set%method%desang = wish%values(kind%components, :)
-            set%method%anmult = wish%weights(kind%components, :)
-         end if
-         deallocate (wish%values, wish%weights)
+         do order = 1, most_wished
+            if (.not. allocated(wishes(order)%values)) cycle
+            if (.not. allocated(set%method%rate_wanted)) &
+               allocate (set%method%rate_wanted(set%method%ndes, kind%components, most_wished), &
+                         set%method%rate_weight(set%method%ndes, kind%components, most_wished), source=0.0_wp)
+            set%method%rate_wanted(:, :, order) = transpose(wishes(order)%values)
+            set%method%rate_weight(:, :, order) = transpose(wishes(order)%weights)
+            deallocate (wishes(order)%values, wishes(order)%weights)
+         end do
       end associate
       set%method%desired = .true.
    end subroutine take_first_wish

@@ -11,6 +11,7 @@ module psalm_analysis
    use psalm_margins, only: margin_t, inspector_t, prepare_inspector, inspect, is_violated
    use psalm_summary, only: summary_t, summarise
    use psalm_sweep, only: sweep_inputs
+   use psalm_output_wishes, only: output_wishes_t, prepare_output_wishes, find_output_wishes, sum_of_wish_errors
    use psalm_wanted_rates, only: add_rates_to_motion
    use psalm_dimensions, only: dimensions_t
    use psalm_mechanism, only: mechanism_t, arc_crank, arc_link
@@ -58,6 +59,7 @@ module psalm_analysis
       real(wp), allocatable :: sweep_condition(:)
       type(doubts_t), allocatable :: doubts
       type(summary_t), allocatable :: summary
+      class(output_wishes_t), allocatable :: wishes !! desired values of further outputs, where there are any
    contains
       procedure :: is_violating
    end type analysis_t
@@ -75,6 +77,26 @@ contains
       wanted%doubts = .true.
    end function wanted_by
 
+   !> Desired values of further outputs; their part of the objective.
+   subroutine compare_outputs(set, problem, dimensions, analysis)
+      type(data_set_t), intent(in) :: set
+      type(problem_t), intent(in) :: problem
+      type(dimensions_t), intent(in) :: dimensions
+      type(analysis_t), intent(inout) :: analysis
+      integer :: i
+
+      allocate (analysis%wishes)
+      call prepare_output_wishes(set, problem, .false., .false., analysis%wishes)
+      associate (wishes => analysis%wishes)
+         call find_output_wishes(wishes, dimensions)
+         wishes%exists = wishes%exists .and. analysis%motion%closed
+         do i = 1, size(wishes%exists)
+            if (.not. wishes%exists(i)) wishes%miss(i, :) = 0.0_wp
+         end do
+         analysis%motion%total = analysis%motion%total + sum_of_wish_errors(wishes)
+      end associate
+   end subroutine compare_outputs
+
    !> Analyse a linkage. `problem` is bound to it afterwards.
    subroutine analyse(set, problem, dimensions, wanted, analysis)
       type(data_set_t), intent(in) :: set
@@ -88,6 +110,7 @@ contains
       analysis%dimensions = dimensions
       call problem%analyse(dimensions, analysis%motion)
       if (allocated(problem%rate_wanted)) call add_rates_to_motion(problem, dimensions, analysis%motion)
+      if (allocated(problem%wish_values)) call compare_outputs(set, problem, dimensions, analysis)
       if (wanted%conditions) analysis%condition = conditions(problem)
       if (wanted%arcs) then
          allocate (analysis%arcs)

@@ -12,6 +12,7 @@ module psalm_constr
    use psalm_nlp, only: nlp_t, repair_count_t, quarter, most_moves
    use psalm_dimensions, only: dimensions_t
    use psalm_parameters, only: variable_length, variable_outlk
+   use psalm_output_wishes, only: output_wishes_t, prepare_output_wishes, find_output_wishes, sum_of_wish_errors
    use psalm_wanted_rates, only: wanted_rates_t, prepare_wanted_rates, find_wanted_rates, sum_of_rate_errors, all_rates_exist
    implicit none (type, external)
    private
@@ -35,6 +36,7 @@ module psalm_constr
       type(problem_t), pointer :: problem => null() !! the caller's
       type(constraints_t) :: constraints
       class(wanted_rates_t), allocatable :: rates    !! derivatives of the output by the input, where they are wanted
+      class(output_wishes_t), allocatable :: wishes  !! desired values of further outputs, where there are any
    contains
       procedure :: measure
       procedure :: accept
@@ -75,6 +77,10 @@ contains
          allocate (search%rates)
          call prepare_wanted_rates(problem, .false., .false., search%rates)
       end if
+      if (allocated(problem%wish_values)) then
+         allocate (search%wishes)
+         call prepare_output_wishes(set, problem, .false., .false., search%wishes)
+      end if
       search%core = size(problem%parameters%variables)
       search%low = spread(-huge(1.0_wp), 1, search%core)
       search%high = -search%low
@@ -110,11 +116,15 @@ contains
       if (loop == 0) call add_rate_errors(self, objective)
    end subroutine accept
 
-   !> Add the errors of derivatives, where they are wanted, to the objective of the linkage just evaluated.
+   !> Add the errors of derivatives and of further outputs, where they are wanted, to the objective of the linkage just evaluated.
    subroutine add_rate_errors(search, objective)
       class(vertex_problem_t), intent(inout) :: search
       real(wp), intent(inout) :: objective
 
+      if (allocated(search%wishes)) then
+         call find_output_wishes(search%wishes, search%constraints%dimensions)
+         objective = objective + sum_of_wish_errors(search%wishes)
+      end if
       if (.not. allocated(search%rates)) return
       call find_wanted_rates(search%rates, search%constraints%dimensions)
       objective = objective + sum_of_rate_errors(search%rates)

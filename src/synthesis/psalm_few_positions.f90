@@ -64,6 +64,7 @@ contains
 
       associate (n => problem%positions)
          weighs = any(problem%weight(:n, :) > 0.0_wp, dim=2)
+         if (allocated(problem%wish_weights)) weighs = weighs .or. any(problem%wish_weights > 0.0_wp, dim=2)
          if (allocated(problem%rate_weight)) weighs = weighs .or. any(any(problem%rate_weight(:n, :, :) > 0.0_wp, dim=3), dim=2)
          taken = .false.
          associate (order => spread_order(problem%delt, weighs, .not. problem%mechanism%sliding_input))
@@ -86,6 +87,10 @@ contains
          call part%set_inputs(problem%delt(which))
       end if
       call part%set_desired(problem%wanted(which, :), problem%weight(which, :))
+      if (allocated(problem%wish_values)) then
+         part%wish_values = problem%wish_values(which, :)
+         part%wish_weights = problem%wish_weights(which, :)
+      end if
       if (.not. allocated(problem%rate_wanted)) return
       part%rate_wanted = problem%rate_wanted(which, :, :)
       part%rate_weight = problem%rate_weight(which, :, :)

@@ -51,7 +51,7 @@ contains
 
       n = problem%positions
       if (.not. (merit%free .and. merit%ordered .and. merit%irange == range_turn) .or. n < 3) return
-      if (allocated(merit%rates)) return
+      if (allocated(merit%rates) .or. allocated(merit%wishes)) return
       if (problem%motion /= motion_point .or. problem%mechanism%nloop /= 1 .or. problem%mechanism%sliding_input) return
       if (size(merit%clearances) > 0 .or. problem%mechanism%groups(1)%kind /= assur_rrr) return
       if (any(abs(problem%weight(:n, 1) - problem%weight(:n, 2)) > 0.0_wp) .or. .not. any(problem%weight(:n, 1) > 0.0_wp)) return

@@ -14,6 +14,8 @@ module psalm_merit
    use psalm_kinds, only: wp, degrees_per_radian, full_turn, right_angle
    use psalm_linear_unknowns, only: linear_unknowns_t, prepare_linear_unknowns, solve_linear_unknowns
    use psalm_nlp, only: nlp_t, normal_equations_t
+   use psalm_output_wishes, only: output_wishes_t, prepare_output_wishes, find_output_wishes, differentiate_output_wishes, &
+                                  sum_of_wish_errors
    use psalm_output_kind, only: motion_point, motion_angle, most_rates
    use psalm_search_group, only: order_free
    use psalm_sort, only: pool_rising
@@ -46,6 +48,7 @@ module psalm_merit
       class(station_t), allocatable :: few            !! those of them where constraints are violated, if they are few
       logical :: has_range = .false.                 !! there are such places
       class(wanted_rates_t), allocatable :: rates     !! derivatives of the output by the input, where they are wanted
+      class(output_wishes_t), allocatable :: wishes   !! desired values of further outputs, where there are any
       class(problem_t), allocatable :: final          !! with the user's limits: what counts in the end
       type(dimensions_t) :: dimensions
       real(wp), allocatable :: limit(:)              !! by loop: of abs(k)
@@ -122,6 +125,7 @@ contains
       merit%small = max(1.0e-2_wp*sum(merit%main%problem%weight(:n, 1)) &
                         *merge(1.0_wp, merit%size, problem%motion == motion_angle)**2, sqrt(tiny(1.0_wp)))
       if (allocated(problem%rate_wanted)) call want_rates(problem, merit)
+      if (allocated(problem%wish_values)) call want_outputs(set, problem, merit)
       call list_clearances(set%constr, problem%mechanism, problem%given%outlk <= 0.0_wp, merit%clearances, joints)
       merit%has_range = merit%irange /= range_positions .or. size(merit%clearances) > 0
       if (merit%has_range) then
@@ -179,6 +183,25 @@ contains
       merit%floor = merit%floor + weight*(epsilon(1.0_wp)*unit)**2
       merit%small = max(merit%small, 1.0e-2_wp*weight*unit**2)
    end subroutine want_rates
+
+   !> Values of further outputs are wanted too.
+   subroutine want_outputs(set, problem, merit)
+      type(data_set_t), intent(in) :: set
+      type(problem_t), intent(in) :: problem
+      class(merit_t), intent(inout) :: merit
+      real(wp) :: unit
+      integer :: k
+
+      allocate (merit%wishes)
+      call prepare_output_wishes(set, problem, merit%free, .true., merit%wishes)
+      do k = 1, size(problem%wish_weights, 2)
+         associate (weight => sum(problem%wish_weights(:, k)))
+            unit = merge(1.0_wp, merit%size, merit%wishes%wanted%angle(k))
+            merit%floor = merit%floor + weight*(epsilon(1.0_wp)*unit)**2
+            merit%small = max(merit%small, 1.0e-2_wp*weight*unit**2)
+         end associate
+      end do
+   end subroutine want_outputs
 
    !> Largest difference of desired values that are lengths; 0 if they are angles.
    pure real(wp) function extent_of_desired(problem) result(extent)
@@ -258,6 +281,7 @@ contains
          if (merit%free) call merit%main%problem%move_inputs(delt)
          if (merit%has_range .and. merit%range%timed) call merit%range%problem%move_inputs(delt)
          if (allocated(merit%rates) .and. merit%free) call merit%rates%problem%move_inputs(delt)
+         if (allocated(merit%wishes) .and. merit%free) call merit%wishes%problem%move_inputs(delt)
          if (order_weighs(merit)) merit%late = (merit%sense*(delt - cshift(delt, 1)) &
                                                 - [spread(0.0_wp, 1, size(delt) - 1), merit%span])/unit_of_input(merit)
          ! the variables of `final` are the user's; those of a station may have one more for the input
@@ -298,6 +322,7 @@ contains
       call put_in(merit, x)
       call evaluate_station(merit%main, merit%dimensions)
       if (allocated(merit%rates)) call find_wanted_rates(merit%rates, merit%dimensions)
+      if (allocated(merit%wishes)) call find_output_wishes(merit%wishes, merit%dimensions)
       merit%seen = x
       if (merit%has_range) call look_over_range(merit)
    end subroutine see
@@ -322,6 +347,7 @@ contains
          end do
       end associate
       if (allocated(merit%rates)) sum_of_errors = sum_of_errors + sum_of_rate_errors(merit%rates)
+      if (allocated(merit%wishes)) sum_of_errors = sum_of_errors + sum_of_wish_errors(merit%wishes)
    end function sum_of_errors
 
    !> Sum of the squared violations of the linkage last looked at.
@@ -409,6 +435,19 @@ contains
                      call add_errors(nvar, rates%problem%rate_weight(:, r, order), rates%miss(:, r, order), &
                                      rates%by(:, :, r, order), equations)
                   end do
+               end do
+            end associate
+         end if
+         if (allocated(self%wishes)) then
+            call differentiate_output_wishes(self%wishes, self%dimensions)
+            associate (wishes => self%wishes)
+               if (allocated(main%held)) then
+                  do a = 1, nvar
+                     if (main%held(a)) wishes%by(:, a, :) = 0.0_wp
+                  end do
+               end if
+               do r = 1, size(wishes%miss, 2)
+                  call add_errors(nvar, wishes%problem%wish_weights(:, r), wishes%miss(:, r), wishes%by(:, :, r), equations)
                end do
             end associate
          end if
@@ -595,6 +634,11 @@ contains
          objective = objective + sum_of_rate_errors(self%rates)
          feasible = feasible .and. all_rates_exist(self%rates)
       end if
+      if (allocated(self%wishes)) then
+         call find_output_wishes(self%wishes, self%dimensions)
+         objective = objective + sum_of_wish_errors(self%wishes)
+         feasible = feasible .and. all(self%wishes%exists)
+      end if
       if (.not. feasible) return
       call evaluate_station(self%main, self%dimensions)
       self%seen = x
@@ -732,12 +776,13 @@ contains
 
    !> From now on solve for the dimensions that enter the output linearly, where the linkage has them.
    !>
-   !> Not where constraints hold in a part of the turn that hangs on free inputs: it would turn with them; nor where derivatives are
-   !> wanted.
+   !> Not where constraints hold in a part of the turn that hangs on free inputs: it would turn with them; nor where derivatives or
+   !> further outputs are wanted.
    subroutine eliminate_linear(merit)
       class(merit_t), intent(inout) :: merit
 
       if (size(merit%clearances) > 0 .or. (merit%free .and. merit%irange == range_inputs) .or. allocated(merit%rates)) return
+      if (allocated(merit%wishes)) return
       allocate (merit%linear)
       call prepare_linear_unknowns(merit%final, merit%free, merit%low, merit%high, merit%linear)
       if (.not. merit%linear%applies) deallocate (merit%linear)

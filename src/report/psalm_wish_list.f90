@@ -1,0 +1,40 @@
+!> What further outputs of a sketch do, beside what is desired of them.
+module psalm_wish_list
+   use psalm_kinds, only: wp
+   use psalm_output_wishes, only: output_wishes_t, sum_of_wish_errors
+   use psalm_text, only: text_t, general, upper_case
+   implicit none (type, external)
+   private
+   public :: list_output_wishes
+
+   integer, parameter :: name_columns = 30 !! of the name of a number
+
+contains
+
+   !> Append a table: each number of each output at every position where it weighs.
+   subroutine list_output_wishes(wishes, text)
+      type(output_wishes_t), intent(in) :: wishes
+      type(text_t), intent(inout) :: text
+      character(name_columns) :: name
+      character(9) :: position
+      integer :: k, i
+
+      call text%add()
+      call text%add(' DESIRED VALUES OF FURTHER OUTPUTS')
+      call text%add('  OUTPUT                         POSITION        DESIRED         ACTUAL          ERROR')
+      do k = 1, size(wishes%miss, 2)
+         name = upper_case(trim(wishes%names(k)))
+         do i = 1, size(wishes%miss, 1)
+            if (.not. wishes%problem%wish_weights(i, k) > 0.0_wp) cycle
+            write (position, '(i9)') i
+            if (wishes%exists(i)) then
+               call text%add('  '//name//position//general(wishes%problem%wish_values(i, k))// &
+                             general(wishes%problem%wish_values(i, k) + wishes%miss(i, k))//general(-wishes%miss(i, k)))
+            else
+               call text%add('  '//name//position//general(wishes%problem%wish_values(i, k))//'   DOES NOT CLOSE')
+            end if
+         end do
+      end do
+      call text%add(' THEIR PART OF THE TOTAL ERROR '//trim(adjustl(general(sum_of_wish_errors(wishes)))))
+   end subroutine list_output_wishes
+end module psalm_wish_list
