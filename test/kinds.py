@@ -75,8 +75,18 @@ SLANT = cmath.rect(50.0, math.radians(70.0))
 THREE = dict(A=0j, D=80 + 0j, F=40 - 20j, B=SLANT, C=80 + SLANT, G=40 - 20j + SLANT, P=30 + 30j + SLANT)
 
 
-def four_bar(turn, drawn=None):
-    drawn = drawn or FOUR
+def longer(drawn, a, joint, b, scale, carried_too=""):
+    """The drawing put together again with a longer link from `joint` to b; what the link of a and `joint` carries comes along."""
+    at = dict(drawn)
+    at[joint] = meet(drawn[a], abs(drawn[joint] - drawn[a]), drawn[b], scale*abs(drawn[joint] - drawn[b]), [drawn[n] for n in (a, joint, b)])
+    for n in carried_too:
+        at[n] = drawn[a] + (drawn[n] - drawn[a])*(at[joint] - at[a])/(drawn[joint] - drawn[a])
+    return at
+
+
+def four_bar(turn, scale=1.0, drawn=None):
+    """Of a sketch with other joints too. Its follower C D is longer by `scale`."""
+    drawn = longer(drawn or FOUR, "B", "C", "D", scale, "PN" if drawn and "N" in drawn else "P")
     at = dict(drawn, B=turned(drawn, "A", "B", turn))
     at["C"] = dyad(drawn, at, "B", "C", "D")
     for joint in "PN":
@@ -87,53 +97,59 @@ def four_bar(turn, drawn=None):
     return at
 
 
-def floating(stroke):
+def floating(stroke, scale=1.0):
+    """By a cylinder from crank to coupler."""
     def gap(turn):
-        at = four_bar(turn, FLOAT)
+        at = four_bar(turn, scale, FLOAT)
         return abs(at["N"] - at["M"]) - abs(FLOAT["N"] - FLOAT["M"])
-    return four_bar(root(gap, stroke), FLOAT)
+    return four_bar(root(lambda turn: gap(turn) - gap(0.0), stroke - gap(0.0)), scale, FLOAT)
 
 
-def six_bar(turn):
-    """Followed along the turn of the crank E: the left rocker that gives the rod its length."""
-    rod, x, steps = abs(SIX["E"] - SIX["P"]), 0.0, max(1, math.ceil(abs(turn)/2.0))
-    for k in range(1, steps + 1):
+def six_bar(turn, scale=1.0):
+    """Followed along the turn of the crank E: the left rocker that gives the rod its length, longer by `scale`."""
+    rod, x, steps = abs(SIX["E"] - SIX["P"]), 0.0, max(2, math.ceil(abs(turn)/2.0))
+    for k in range(steps + 1):
         end = turned(SIX, "F", "E", turn*k/steps)
-        gap = lambda left: abs(end - four_bar(left, SIX)["P"]) - rod
+        gap = lambda left: abs(end - four_bar(left, drawn=SIX)["P"]) - rod*scale
         for _ in range(60):
             step = gap(x)*2e-4/(gap(x + 1e-4) - gap(x - 1e-4))
             x -= max(-2.0, min(2.0, step))
             if abs(step) < 1e-12:
                 break
-    return dict(four_bar(x, SIX), E=turned(SIX, "F", "E", turn))
+    return dict(four_bar(x, drawn=SIX), E=turned(SIX, "F", "E", turn))
 
 
-def five_bar(turn):
+def five_bar(turn, scale=1.0):
+    drawn = longer(FIVE, "B", "P", "G", scale)
     at = dict(FIVE, B=turned(FIVE, "A", "B", turn), G=turned(FIVE, "E", "G", -turn))
-    at["P"] = dyad(FIVE, at, "B", "P", "G")
+    at["P"] = dyad(drawn, at, "B", "P", "G")
     return at
 
 
-def arm(*strokes):
+def arm(*strokes, scale=1.0):
     """Each cylinder and two arms are a triangle."""
+    drawn = longer(ARM, "K", "I", "J", scale, "P")
+
     def swing(pivot, fixed, moved, stroke, at):
         """Of the link with `moved` about `pivot`: its turn against the drawing by the cylinder from `fixed`."""
         third = meet(at[pivot], abs(ARM[moved] - ARM[pivot]), at[fixed], abs(ARM[moved] - ARM[fixed]) + stroke,
                      [ARM[n] for n in (pivot, moved, fixed)])
         return (third - at[pivot])/(ARM[moved] - ARM[pivot])
-    at = dict(ARM)
+    at = dict(drawn)
     for pivot, fixed, moved, stroke, joints in (("A", "B", "C", strokes[0], "CDE"), ("E", "D", "F", strokes[1], "FGHK"),
                                                 ("H", "G", "J", strokes[2], "J")):
         turn = swing(pivot, fixed, moved, stroke, at)
         at.update({n: at[pivot] + (ARM[n] - ARM[pivot])*turn for n in joints})
-    at["I"] = dyad(ARM, at, "J", "I", "K")
-    at["P"] = carried(ARM, "K", "I", "P", at)
+    at["I"] = dyad(drawn, at, "J", "I", "K")
+    at["P"] = carried(drawn, "K", "I", "P", at)
     return at
 
 
-def parallelogram(turn):
+def parallelogram(turn, scale=1.0):
     shift = SLANT*(cmath.exp(1j*math.radians(turn)) - 1.0)
-    return {n: z + (shift if n in "BCGP" else 0.0) for n, z in THREE.items()}
+    at = {n: z + (shift if n in "BCGP" else 0.0) for n, z in THREE.items()}
+    at["P"] = at["B"] + scale*(at["P"] - at["B"])
+    return at
 
 
 # ---- kinds of mechanism ---------------------------------------------------------------------------------------------------------
@@ -565,6 +581,18 @@ tolerances.figures = tolerance_bands
 tolerances.close = 0.3                          # the frame's place is a dimension of sketches, not of loops
 
 
+def has_effect(k, run):
+    """One of the effects listed is that of the sought length, by differences."""
+    step, length = 1e-4, k.sought_length()
+    most = max(abs(k.model(*v, scale=1.0 + step)["P"] - k.model(*v, scale=1.0 - step)["P"]) for v in increments(k))
+    most *= float(size(k, 0.05))/(2.0*step*length)
+    effects = [abs(number(v)) for v in re.findall(r"^ LENGTH OF ARC +\d+ IN LOOP +\d+ +\S+ +(\S+) +\d+$", run.out, re.M)]
+    yield "effect of the length %s" % "".join(k.sought), any(near(e, most, 1e-4*most) for e in effects), (most, effects)
+
+
+tolerances.proven = has_effect
+
+
 @study("a compensating member (ADJUST)")
 def adjustment(k):
     return item("TOLER", "TOLLEN=" + size(k, 0.05), "ADJUST=1")
@@ -584,6 +612,20 @@ def sweep(k):
 sweep.figures = lambda k, run: run.block("sweep")
 
 
+def are_settings(k, run):
+    rows = run.block("sweep", words=(0, 1, 2, 3, 4))["sweep"]
+    rows = [rows[i:i + 5] for i in range(0, len(rows), 5)]
+    values = increments(k)
+    yield "five settings", len(rows) == 5*len(values), len(rows)
+    for n, row in enumerate(rows):
+        at = k.model(*values[n % len(values)], scale=0.99 + 0.005*(n//len(values)))["P"]
+        yield "setting %d, position %d" % (n//len(values) + 1, n % len(values) + 1), row[2] == 1 and near(
+            complex(row[3], row[4]), at, 1e-8*abs(at)), (row, at)
+
+
+sweep.proven = are_settings
+
+
 @study("the motion proven between the positions (IPROOF)")
 def proof(_):
     return item("LIMITS", "IPROOF=2")
@@ -599,6 +641,31 @@ def extremes(_):
 
 
 extremes.figures = lambda k, run: run.block("extremes", words=(3, 4, 6, 7))
+
+
+def ways(k, parts):
+    """Joints at the positions, and where there is one drive between them."""
+    values = increments(k)
+    parts = 1 if k.name == "drives" else parts
+    for one, other in zip(values, values[1:]):
+        for n in range(parts):
+            yield k.model(*[a + (b - a)*n/parts for a, b in zip(one, other)])
+    yield k.model(*values[-1])
+
+
+def are_bounds(k, run):
+    """No sampled value of x and y is beyond what is proven, and some come near it."""
+    rows = re.findall(r"^(?:output|point_P\.)_?([xy]|point_[xy]) \S+ \S+ (\S+) \S+ \S+ \S+ (\S+)", run.file(".dev9"), re.M)
+    places = [at["P"] for at in ways(k, 15 if k.motion == "IKIN=15" else 40)]
+    yield "x and y are there", len(rows) == 2, rows
+    for name, low, high in rows:
+        own = [z.real if name.endswith("x") else z.imag for z in places]
+        room = (0.5 if k.name == "drives" else 2e-3)*(max(own) - min(own))
+        yield "bounds of %s" % name, float(low) <= min(own) + 1e-9*abs(min(own)) and max(own) - 1e-9*abs(max(own)) <= float(high) and (
+            min(own) - float(low) < room and float(high) - max(own) < room), (low, high, min(own), max(own))
+
+
+extremes.proven = are_bounds
 
 
 @study("all dead points, dwells and ratio of velocities, proven")

@@ -20,7 +20,8 @@ module psalm_error
    use psalm_parameters, only: parameters_t
    implicit none (type, external)
    private
-   public :: problem_t, motion_t, violation_t, crossing_t, make_problem, new_problem, inputs_of, own_inputs_of, desired_of
+   public :: problem_t, motion_t, violation_t, crossing_t, make_problem, new_problem, inputs_of, own_inputs_of, &
+             own_inputs_at, desired_of
 
    !> Consecutive positions at which one dyad violates one limit.
    type :: violation_t
@@ -170,15 +171,16 @@ contains
    end subroutine take_wishes
 
    !> A problem of a mechanism at given inputs, without desired values and without limits but that of closure.
-   subroutine new_problem(mechanism, dimensions, parameters, inputs, every_loop, problem)
+   subroutine new_problem(mechanism, dimensions, parameters, inputs, every_loop, problem, own)
       type(mechanism_t), intent(in) :: mechanism
       type(dimensions_t), intent(in) :: dimensions
       type(parameters_t), intent(in) :: parameters
       real(wp), intent(in) :: inputs(:)     !! increments from the reference position: degrees, or length with a sliding input
       logical, intent(in) :: every_loop     !! solve loops that the output does not depend on too
       type(problem_t), intent(out) :: problem
+      real(wp), intent(in), optional :: own(:, :) !! as `set_inputs` has it
 
-      call fill_problem(mechanism, dimensions, parameters, inputs, every_loop, problem)
+      call fill_problem(mechanism, dimensions, parameters, inputs, every_loop, problem, own)
    end subroutine new_problem
 
    !> What `make_problem` and `new_problem` share; limits and `every_loop` are set before.
@@ -215,6 +217,21 @@ contains
          end associate
       end do
    end function own_inputs_of
+
+   !> The same at inputs that may be those of the data set; else these drives are at rest.
+   pure function own_inputs_at(set, delt) result(own)
+      type(data_set_t), intent(in) :: set
+      real(wp), intent(in) :: delt(:)       !! increments of the first drive
+      real(wp), allocatable :: own(:, :)    !! as `own_inputs_of` has it
+      real(wp), allocatable :: given(:)
+
+      own = own_inputs_of(set)
+      given = inputs_of(set)
+      if (size(delt) == size(given)) then
+         if (all(abs(delt - given) <= 0.0_wp)) return
+      end if
+      own = spread(spread(0.0_wp, 1, size(own, 2)), 1, size(delt))
+   end function own_inputs_at
 
    !> Input increments of a data set: those it gives, or with IKIN a whole turn.
    pure function inputs_of(set) result(inputs)

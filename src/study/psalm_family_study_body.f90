@@ -1,6 +1,6 @@
 !> How families of curves are computed. Only this knows the group SWEEP.
 submodule(psalm_family_study) psalm_family_study_body
-   use psalm_error, only: problem_t, motion_t, new_problem
+   use psalm_error, only: problem_t, motion_t, new_problem, own_inputs_at
    use psalm_kinds, only: full_turn
    use psalm_output_kind, only: output_kind_t, output_kind
    use psalm_parameters, only: parameters_t, no_parameters, name_of, variable_outlk, variable_outang, variable_origlk, &
@@ -54,7 +54,7 @@ contains
                                           trim(set%sketch%joint_name(sweep%joints(2)))
       family%setting = settings_of(sweep)
       allocate (problem)
-      call new_problem(mechanism, dimensions, parameters, delt, set%sketch%given, problem)
+      call new_problem(mechanism, dimensions, parameters, delt, set%sketch%given, problem, own_inputs_at(set, delt))
       kind = output_kind(problem%motion)
       allocate (family%closed(size(delt), size(family%setting)))
       allocate (family%actual(size(delt), kind%components, size(family%setting)))

@@ -117,6 +117,7 @@ contains
 
       if (set%constr%irange /= range_positions) call set%origins%error(findings, 'CONSTR', 'IRANGE', why)
       if (set%method%ifree /= 0) call set%origins%error(findings, 'METHOD', 'IFREE', why)
+      if (set%limits%iplot /= 0) call set%origins%error(findings, 'LIMITS', 'IPLOT', why)
    end subroutine refuse_ranges
 
    !> Threads that work on a case: as many as are asked for, fewer if the system does not give them.

@@ -7,7 +7,7 @@
 module psalm_tolerance
    use psalm_adjustment, only: adjustment_t, find_adjustments
    use psalm_data_set, only: data_set_t
-   use psalm_error, only: problem_t, motion_t, inputs_of, new_problem
+   use psalm_error, only: problem_t, motion_t, inputs_of, new_problem, own_inputs_at
    use psalm_stop, only: stop_t
    use psalm_kinds, only: wp
    use psalm_linkage, only: padded
@@ -151,7 +151,7 @@ contains
       end if
       everywhere = set%limits%ktheta /= 0
       if (present(every_loop)) everywhere = every_loop
-      call new_problem(mechanism, dimensions, parameters, inputs, everywhere, deviating%problem)
+      call new_problem(mechanism, dimensions, parameters, inputs, everywhere, deviating%problem, own_inputs_at(set, inputs))
       allocate (deviating%lean, source=deviating%problem)
       by_name = set%sketch%given
       if (by_name) by_name = size(set%sketch%outputs) > 0
