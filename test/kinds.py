@@ -383,10 +383,12 @@ def increments(k):
     return list(zip(first, (0.0, 0.0, 0.1, 0.1, -0.1), (0.0, 0.1, 0.0, -0.1, 0.1)))
 
 
-def history(k, values):
-    """Joints at times -2 to 2 steps from a position, and the step."""
+def history(k, values, alone=False):
+    """Joints at times -2 to 2 steps from a position, and the step; the first drive may go alone."""
     dt = 1e-4 if k.turns else 2e-3
     rates = [math.degrees(v) if k.turns else v for v in k.speeds]
+    if alone:
+        rates[1:] = [0.0]*len(rates[1:])
     return [k.model(*[v + s*dt*r for v, r in zip(values, rates)]) for s in (-2, -1, 0, 1, 2)], dt
 
 
@@ -396,6 +398,16 @@ def first_rate(v, dt):
 
 def second_rate(v, dt):
     return (16.0*(v[3] + v[1]) - (v[4] + v[0]) - 30.0*v[2])/(12.0*dt*dt)
+
+
+def ways(k, parts):
+    """Joints at the positions, and where there is one drive between them."""
+    values = increments(k)
+    parts = 1 if k.name == "drives" else parts
+    for one, other in zip(values, values[1:]):
+        for n in range(parts):
+            yield k.model(*[a + (b - a)*n/parts for a, b in zip(one, other)])
+    yield k.model(*values[-1])
 
 
 def near(found, wanted, tolerance):
@@ -440,6 +452,21 @@ degrees.figures = lambda k, run: {"plot": [float(w) for w in run.file(".dev9").s
                                   if "\n\n\n" in run.file(".dev9") else []}
 
 
+def are_on_the_way(k, run):
+    """Places of every degree, or of 361 even steps of a range."""
+    rows = [[float(w) for w in line.split()] for line in run.file(".dev9").split("\n\n\n")[1].splitlines() if line and line[0] != "#"]
+    first = [v[0] for v in increments(k)]
+    whole = k.turns and k.motion == "IKIN=15"
+    yield "361 rows, or 360", len(rows) in (360, 361), len(rows)
+    for n, row in enumerate(rows):
+        value = n if whole else min(first) + (max(first) - min(first))*n/(len(rows) - 1)
+        at = k.model(value)["P"]
+        yield "step %d" % n, near(complex(row[2], row[3]), at, 1e-7*abs(at)), (row, at)
+
+
+degrees.proven = are_on_the_way
+
+
 @study("condition numbers, bounds of the error (ICOND)")
 def condition(_):
     return item("LIMITS", "ICOND=1")
@@ -467,6 +494,22 @@ summary.instead = lambda run: re.search(r"(Closes +at .* positions)|$", run.err)
 summary.close = 1e-4
 
 
+def are_ranges(k, run):
+    """Ranges of x and y: over a whole turn where there is one, else over the range of the inputs or at the positions."""
+    if k.motion == "IKIN=15":
+        places = [k.model(0.5*n)["P"] for n in range(720)]
+    else:
+        places = [at["P"] for at in ways(k, 200)]
+    for name, part in (("x", lambda z: z.real), ("y", lambda z: z.imag)):
+        own = [min(map(part, places)), max(map(part, places))]
+        told = re.search(r"%s (-?[\d.E+-]+) to (-?[\d.E+-]+)" % name, run.err)
+        yield "range of %s" % name, told and all(near(float(a), b, 2e-4*max(map(abs, own))) for a, b in zip(told.groups(), own)), (
+            told and told.groups(), own)
+
+
+summary.proven = are_ranges
+
+
 @study("least transmission angle (TRMIN)")
 def transmission(_):
     return item("LIMITS", "TRMIN=20.0")
@@ -492,6 +535,25 @@ def outputs(_):
 
 outputs.outputs = "'point P','distance A P','angle A P','ratio distance_A_P angle_A_P'"
 outputs.figures = lambda k, run: run.columns(r"distance_A_P|angle_A_P|ratio.*")
+
+
+def are_values(k, run):
+    table = run.table()
+    for n, values in enumerate(increments(k)):
+        at, dt = history(k, values, alone=True)        # DSPEED is for kalm
+        lines = [a["P"] - a["A"] for a in at]
+        own = {"distance_A_P": abs(lines[2]), "angle_A_P": math.degrees(cmath.phase(lines[2]))}
+        turn = first_rate([cmath.phase(z/lines[2]) for z in lines], dt)
+        for name, value in own.items():
+            gap = table[name][n] - value
+            gap -= 360.0*round(gap/360.0) if name == "angle_A_P" else 0.0
+            yield "%s at position %d" % (name, n + 1), near(gap, 0.0, 1e-7), (table[name][n], value)
+        ratio = [v[n] for c, v in table.items() if c.startswith("ratio")][0]
+        own = first_rate([abs(z) for z in lines], dt)/turn
+        yield "ratio at position %d" % (n + 1), near(ratio, own, 1e-4*(abs(own) + abs(lines[2]))), (ratio, own)
+
+
+outputs.proven = are_values
 
 
 @study("velocities, accelerations", "kalm", "--json")
@@ -587,6 +649,13 @@ def has_effect(k, run):
     most = max(abs(k.model(*v, scale=1.0 + step)["P"] - k.model(*v, scale=1.0 - step)["P"]) for v in increments(k))
     most *= float(size(k, 0.05))/(2.0*step*length)
     effects = [abs(number(v)) for v in re.findall(r"^ LENGTH OF ARC +\d+ IN LOOP +\d+ +\S+ +(\S+) +\d+$", run.out, re.M)]
+    rows = run.file(".dev9").split("# tolerances", 1)[-1].split("\n\n", 1)[0].splitlines()[1:]
+    yield "a band at every position", len(rows) == len(increments(k)), len(rows)
+    for n, (row, values) in enumerate(zip(rows, increments(k))):
+        v = [float(w) for w in row.split()]
+        at = k.model(*values)["P"]
+        yield "middle of the band at position %d" % (n + 1), near(complex(v[2], v[9]), at, 1e-8*abs(at)), (v[2], v[9], at)
+        yield "sample and linear band at position %d" % (n + 1), all(0.65 < math.sqrt(3.0)*v[i + 6]/v[i + 2] < 1.4 for i in (2, 9)), v
     yield "effect of the length %s" % "".join(k.sought), any(near(e, most, 1e-4*most) for e in effects), (most, effects)
 
 
@@ -643,16 +712,6 @@ def extremes(_):
 extremes.figures = lambda k, run: run.block("extremes", words=(3, 4, 6, 7))
 
 
-def ways(k, parts):
-    """Joints at the positions, and where there is one drive between them."""
-    values = increments(k)
-    parts = 1 if k.name == "drives" else parts
-    for one, other in zip(values, values[1:]):
-        for n in range(parts):
-            yield k.model(*[a + (b - a)*n/parts for a, b in zip(one, other)])
-    yield k.model(*values[-1])
-
-
 def are_bounds(k, run):
     """No sampled value of x and y is beyond what is proven, and some come near it."""
     rows = re.findall(r"^(?:output|point_P\.)_?([xy]|point_[xy]) \S+ \S+ (\S+) \S+ \S+ \S+ (\S+)", run.file(".dev9"), re.M)
@@ -696,6 +755,13 @@ def is_distance(k, run):
 regions.proven = is_distance
 
 
+def is_distance_on_the_way(k, run):
+    centre, radius = (1.0 + 1.0j)*float(size(k, 900.0)), float(size(k, 10.0))
+    own = min(abs(at[k.joints[1]] - centre) - radius for at in ways(k, 60))
+    found = margins.figures(k, run)["margin"][0]
+    yield "least distance over the range", near(found, own, 1e-5*abs(own)), (found, own)
+
+
 @study("widths of links (NSEG)")
 def widths(k):
     ends = "SLINK=-3,3, SLOOP=1,1" if k.arcs else "SJNT='%s %s'" % k.line("follower")
@@ -713,6 +779,7 @@ def margins(k):
 
 
 margins.figures = regions.figures
+margins.proven = is_distance_on_the_way
 
 
 @study("margins and clearances, proven (IRANGE)")
