@@ -122,10 +122,11 @@ contains
       call make_problem(set, prepared%mechanism, prepared%given, prepared%parameters, problem)
       dimensions = prepared%given
       call synthesise(set, prepared%vertices, problem, 1, stop, dimensions, by_loops)
-      call read_one('BY POSES'//nl//four_bar//" &OUTPUTS OUTPUT='x P','y P',"//nl//' DES1='//trim(x)//nl//' DES2='//trim(y)// &
+      call read_one('BY POSES'//nl//four_bar(:index(four_bar, ' VARY') - 1)//' KOVER=1,'//four_bar(index(four_bar, ' VARY'):)// &
+                    " &OUTPUTS OUTPUT='x P','y P',"//nl//' DES1='//trim(x)//nl//' DES2='//trim(y)// &
                     ' &END'//nl//search// &
                     method//' &END'//nl//limits, set, findings)
-      call t%is_true(allocated(set%no_loops), 'desired values of &OUTPUTS are compared in the poses')
+      call t%is_true(allocated(set%no_loops), 'KOVER has poses')
       call synthesise_chain(set, 1, stop, by_poses, findings)
       call t%is_true(size(by_loops%found%best) > 0 .and. size(by_poses%best) > 0, 'both find a linkage')
       if (size(by_loops%found%best) == 0 .or. size(by_poses%best) == 0) return

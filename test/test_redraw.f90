@@ -66,6 +66,14 @@ program test_redraw
    call several_outputs('four-bar, beside its arcs', four_bar, "'A B','B C','C D','B P','angle B C B P'", by_left, &
                         "'point P','distance P D','angle D P'", '21.0,93.0,12.0,95.0,4.0,93.0,-3.0,88.0,-8.0,80.0,-11.0,70.0', &
                         '112.0,119.0,122.5,125.0,124.5,120.0', '128.0,131.0,134.5,138.0,143.0,147.0')
+   call further_outputs('no wish for the first', six_bar, "'E F','B C','P E'", by_rod, &
+                        "'point P','angle D C', DES2=126.0,123.0,120.0,117.5,115.0,113.0")
+   call further_outputs('no output of the loops first', six_bar, "'E F','B C','P E'", by_rod, &
+                        "'between A B D C','x C', DES1=7.0,6.8,6.3,5.5,4.3,2.9, DES2=35.5,37.2,39.4,41.8,44.0,45.7")
+   call further_outputs('a slide first', sliding, "'A B','B C','P E','E F'", by_rod, &
+                        "'slide S','y P', DES1=0.5,1.5,4.0,6.5,9.0,11.0, DES2=80.0,80.8,82.0,83.3,84.4,85.4")
+   call further_outputs('poses of a link', four_bar, "'A B','B C','C D'", by_left, "'pose P coupler', DES1=21.0,92.0,50.0,"// &
+                        '12.0,96.0,49.0,3.0,95.0,48.0,-5.0,89.0,49.0,-9.0,80.0,51.0,-11.5,70.0,54.0')
    call pose_of_a_link()
    call open_at_its_drawing()
    call t%report()
@@ -225,6 +233,30 @@ contains
       call analyse(name//', free', seven, again, read)
       call t%close_to(read, other, 1.0e-9_wp, name//', free: the objective of device 7 is that of the search')
    end subroutine several_outputs
+
+   !> Desired values of outputs, none of which is that of the loops.
+   subroutine further_outputs(name, chain, vary, drives, outputs)
+      character(*), intent(in) :: name, chain, vary, drives, outputs
+      type(data_set_t), allocatable :: sets(:)
+      type(data_set_t) :: set, again
+      type(diagnostics_t) :: findings
+      type(chain_synthesis_t) :: poses
+      type(stop_t) :: stop
+      character(:), allocatable :: rest, seven
+      real(wp) :: found, read
+
+      rest = ' VARY='//vary//' &END'//nl//drives//' &OUTPUTS OUTPUT='//outputs//' &END'//nl//lsq//turn//' &END'//nl//limits
+      call search(name, 'FURTHER'//nl//chain//rest, set, seven, found)
+      if (len(seven) == 0) return
+      call analyse(name, seven, again, read)
+      call t%close_to(read, found, 1.0e-9_wp, name//': the objective of device 7 is that of the search')
+      call read_case_text('POSES'//nl//chain//' KOVER=1,'//rest, 'test', sets, findings, 'psalm')
+      call synthesise_chain(sets(1), 1, stop, poses, findings)
+      call t%equal_integer(size(poses%best), 1, name//': found in poses')
+      if (size(poses%best) == 0) return
+      call t%close_to(found, poses%best(1)%objective, 1.0e-6_wp, name//': the optimum is the same by loops and in poses')
+      call t%is_true(found < 0.9_wp*poses%first_objective, name//': better than what was given')
+   end subroutine further_outputs
 
    !> Place and direction of a link.
    subroutine pose_of_a_link()

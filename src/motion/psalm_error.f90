@@ -80,6 +80,7 @@ module psalm_error
                                                    !! not allocated: there is one drive
       real(wp), allocatable :: own_delt(:, :)      !! shape (positions, drives after the first): of drives that are not geared
       logical :: desired = .false.                 !! there are desired values
+      logical :: blank = .false.                   !! they are those of further outputs alone: these have no weight
       real(wp), allocatable :: wanted(:, :)        !! shape (positions, components): desired, points in machine co-ordinates
       real(wp), allocatable :: toward_x(:), toward_y(:) !! unit vectors of desired angles
       real(wp), allocatable :: weight(:, :)        !! shape as `wanted`: weights, 0 for padding
@@ -139,8 +140,16 @@ contains
       problem%followed = set%sketch%given .and. .not. set%wants_search()
       call fill_problem(mechanism, dimensions, parameters, inputs_of(set), set%limits%ktheta /= 0, problem, own_inputs_of(set))
       problem%toggle = set%limits%toggle
-      if (set%method%ikin /= 0 .or. .not. set%method%desired) return
-      call desired_of(set, wanted, weight)
+      if (set%method%ikin /= 0) return
+      problem%blank = set%sketch%given .and. .not. set%method%desired
+      if (problem%blank) problem%blank = set%sketch%has_wishes()
+      if (.not. (set%method%desired .or. problem%blank)) return
+      if (problem%blank) then
+         allocate (wanted(problem%positions, problem%output%kind%components), source=0.0_wp)
+         weight = wanted
+      else
+         call desired_of(set, wanted, weight)
+      end if
       call problem%set_desired(wanted, weight)
       call take_wishes(set, problem)
       if (.not. allocated(set%method%rate_wanted)) return

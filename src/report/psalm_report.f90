@@ -229,7 +229,7 @@ contains
       integer :: i
 
       call list_results(set, problem, analysis%dimensions, analysis%motion, devices%six, devices%published)
-      if (allocated(analysis%wishes)) call list_output_wishes(analysis%wishes, devices%six)
+      if (allocated(analysis%wishes)) call list_output_wishes(analysis%wishes, problem%blank, devices%six)
       call list_setup(set, problem, devices%eight)
       if (len(set%skipped) > 0) call devices%eight%add(' GROUPS THAT PSALM DOES NOT READ: '//set%skipped)
       if (allocated(set%chosen)) call devices%eight%add_text(set%chosen)

@@ -12,15 +12,16 @@ module psalm_wish_list
 contains
 
    !> Append a table: each number of each output at every position where it weighs.
-   subroutine list_output_wishes(wishes, text)
+   subroutine list_output_wishes(wishes, alone, text)
       type(output_wishes_t), intent(in) :: wishes
+      logical, intent(in) :: alone               !! there are no other desired values
       type(text_t), intent(inout) :: text
       character(name_columns) :: name
       character(9) :: position
       integer :: k, i
 
       call text%add()
-      call text%add(' DESIRED VALUES OF FURTHER OUTPUTS')
+      call text%add(trim(merge(' DESIRED VALUES OF OUTPUTS        ', ' DESIRED VALUES OF FURTHER OUTPUTS', alone)))
       call text%add('  OUTPUT                         POSITION        DESIRED         ACTUAL          ERROR')
       do k = 1, size(wishes%miss, 2)
          name = upper_case(trim(wishes%names(k)))
@@ -35,6 +36,7 @@ contains
             end if
          end do
       end do
-      call text%add(' THEIR PART OF THE TOTAL ERROR '//trim(adjustl(general(sum_of_wish_errors(wishes)))))
+      call text%add(trim(merge(' TOTAL ERROR                  ', ' THEIR PART OF THE TOTAL ERROR', alone))//' '// &
+                    trim(adjustl(general(sum_of_wish_errors(wishes)))))
    end subroutine list_output_wishes
 end module psalm_wish_list

@@ -56,6 +56,7 @@ contains
       type(parameters_t), intent(in) :: parameters
       type(diagnostics_t), intent(inout) :: findings
       integer :: loop, a, n, guide, nvar
+      logical :: wishes
 
       do loop = 1, set%links%nloop
          do a = 1, mechanism%loops(loop)%arcs
@@ -75,7 +76,9 @@ contains
       end do
       nvar = size(parameters%variables)
       if (nvar == 0) return
-      if (.not. set%method%desired) then
+      wishes = set%sketch%given
+      if (wishes) wishes = set%sketch%has_wishes()
+      if (.not. (set%method%desired .or. wishes)) then
          call set%origins%error(findings, 'METHOD', '', 'a search needs desired values (DESX and DESY, or DESANG)')
       end if
       if (set%limits%limval == 1 .or. set%method%var == 0.0_wp) then

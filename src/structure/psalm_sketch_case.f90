@@ -61,8 +61,8 @@ contains
       if (loops%found .and. present(no_loops)) then
          loops%found = .false.
          loops%why = no_loops
-      else if (loops%found .and. set%sketch%has_wishes()) then
-         call take_first_wish(loops, state, closure%sketch, set, loops%found)
+      else if (loops%found .and. (set%sketch%has_wishes() .or. wants_poses(set))) then
+         call take_wishes(loops, state, closure%sketch, set, loops%found)
          if (.not. loops%found) loops%why = 'desired values of outputs (DES1 ...), which are compared in the poses'
       end if
       if (loops%found) then
@@ -677,31 +677,68 @@ contains
       call put_output(loops, state, sketch, shown, set, done)
    end subroutine fill_output
 
+   !> True if the first output is a pose that has desired values.
+   pure logical function wants_poses(set)
+      type(data_set_t), intent(in) :: set
+
+      wants_poses = set%method%desired .and. size(set%sketch%outputs) > 0
+      if (wants_poses) wants_poses = set%sketch%outputs(1)%kind == output_pose
+   end function wants_poses
+
    !> Desired values of the first output are those of &METHOD, if the loops can tell it: DES1 is another word for DESX and DESY,
-   !> or DESANG, DVEL1 and DACC1 for their derivatives. Not so of a slide, whose arc has another zero. Values of the others are
-   !> compared beside it. Poses do it where one of these is a ratio, where derivatives are wanted of it, or of the first nothing.
-   subroutine take_first_wish(loops, state, sketch, set, taken)
+   !> or DESANG, DVEL1 and DACC1 for their derivatives. Not so of a slide, whose arc has another zero. Values of the others, and of
+   !> a first one that is no output of the loops, are compared beside it. `taken` is false where poses must do it: for a ratio, for
+   !> derivatives of such outputs, and with free timing where nothing of the loops' own output is desired.
+   subroutine take_wishes(loops, state, sketch, set, taken)
       type(loops_t), intent(in) :: loops
       type(state_t), intent(in) :: state
       type(sketch_t), intent(in) :: sketch
       type(data_set_t), intent(inout) :: set
       logical, intent(out) :: taken
-      type(output_kind_t) :: kind
-      integer :: k, order
+      integer :: k
+      logical :: told
 
       taken = .false.
-      do k = 2, size(sketch%outputs)
-         do order = 0, most_wished
-            if (.not. allocated(sketch%outputs(k)%wishes(order)%values)) cycle
-            if (order > 0 .or. sketch%outputs(k)%kind == output_ratio) return
-         end do
+      do k = 1, size(sketch%outputs)
+         associate (output => sketch%outputs(k))
+            if (output%kind == output_ratio .and. output%is_wished()) return
+            if (k > 1 .and. wishes_rates(output)) return
+         end associate
       end do
+      told = sketch%outputs(1)%kind /= output_slide
+      if (told) call put_output(loops, state, sketch, sketch%outputs(1), set, told)
+      if (told .and. (set%method%desired .neqv. sketch%outputs(1)%is_wished())) then
+         call give_to_method(set)
+      else if (wishes_rates(sketch%outputs(1)) .or. allocated(set%method%rate_wanted)) then
+         return
+      else if (.not. set%method%desired .or. .not. (told .or. sketch%outputs(1)%kind == output_slide)) then
+         if (set%method%ifree /= 0) return
+         if (set%method%desired) then
+            ! a wish has one weight for all its numbers
+            if (any(abs(set%method%xmult - set%method%ymult) > 0.0_wp) .or. &
+                any(abs(set%method%xmult - set%method%anmult) > 0.0_wp)) return
+            call take_from_method(set)
+         end if
+      end if
+      taken = .true.
+   end subroutine take_wishes
+
+   !> True if a derivative of an output is prescribed.
+   pure logical function wishes_rates(output)
+      type(sketch_output_t), intent(in) :: output
+      integer :: order
+
+      wishes_rates = any([(allocated(output%wishes(order)%values), order=1, most_wished)])
+   end function wishes_rates
+
+   !> Wishes of the first output as desired values of &METHOD.
+   subroutine give_to_method(set)
+      type(data_set_t), intent(inout) :: set
+      type(output_kind_t) :: kind
+      integer :: order
+
+      kind = kind_of_output(set%sketch%outputs(1)%kind)
       associate (wishes => set%sketch%outputs(1)%wishes)
-         if (sketch%outputs(1)%kind == output_slide) return
-         if (set%method%desired .eqv. allocated(wishes(0)%values)) return
-         call put_output(loops, state, sketch, sketch%outputs(1), set, taken)
-         if (.not. taken) return
-         kind = kind_of_output(sketch%outputs(1)%kind)
          if (allocated(wishes(0)%values)) then
             if (kind%components > 1) then
                set%method%desx = wishes(0)%values(1, :)
@@ -726,7 +763,23 @@ contains
          end do
       end associate
       set%method%desired = .true.
-   end subroutine take_first_wish
+   end subroutine give_to_method
+
+   !> Desired poses of &METHOD as wishes of the first output.
+   subroutine take_from_method(set)
+      type(data_set_t), intent(inout) :: set
+
+      associate (wish => set%sketch%outputs(1)%wishes(0), method => set%method)
+         allocate (wish%values(3, method%ndes), wish%weights(3, method%ndes))
+         wish%values(1, :) = method%desx + method%xadd
+         wish%values(2, :) = method%desy + method%yadd
+         wish%values(3, :) = method%desang
+         wish%weights(1, :) = method%xmult
+         wish%weights(2, :) = method%ymult
+         wish%weights(3, :) = method%anmult
+      end associate
+      set%method%desired = .false.
+   end subroutine take_from_method
 
    !> The joint that is shown of a sketch without outputs.
    pure integer function default_joint(sketch) result(joint)

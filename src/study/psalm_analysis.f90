@@ -108,6 +108,8 @@ contains
       class(problem_t), allocatable :: fine    ! large: it would fill a small stack
 
       analysis%dimensions = dimensions
+      ! the output shown has no desired values then
+      if (problem%blank) problem%desired = .false.
       call problem%analyse(dimensions, analysis%motion)
       if (allocated(problem%rate_wanted)) call add_rates_to_motion(problem, dimensions, analysis%motion)
       if (allocated(problem%wish_values)) call compare_outputs(set, problem, dimensions, analysis)
