@@ -74,6 +74,7 @@ program test_redraw
                         "'slide S','y P', DES1=0.5,1.5,4.0,6.5,9.0,11.0, DES2=80.0,80.8,82.0,83.3,84.4,85.4")
    call further_outputs('poses of a link', four_bar, "'A B','B C','C D'", by_left, "'pose P coupler', DES1=21.0,92.0,50.0,"// &
                         '12.0,96.0,49.0,3.0,95.0,48.0,-5.0,89.0,49.0,-9.0,80.0,51.0,-11.5,70.0,54.0')
+   call desired_travel()
    call pose_of_a_link()
    call open_at_its_drawing()
    call t%report()
@@ -257,6 +258,25 @@ contains
       call t%close_to(found, poses%best(1)%objective, 1.0e-6_wp, name//': the optimum is the same by loops and in poses')
       call t%is_true(found < 0.9_wp*poses%first_objective, name//': better than what was given')
    end subroutine further_outputs
+
+   !> Desired values of &METHOD for a slide of a larger group are its travel, whichever of its links is named first.
+   subroutine desired_travel()
+      type(data_set_t) :: set, again
+      character(*), parameter :: rest = ' SLY=60.4596, SLANG=20.0,'//nl//" VARY='A B','B C','P E' &END"//nl//by_rod// &
+                                 " &OUTPUTS OUTPUT='slide S' &END"//nl//lsq//turn//', DESANG='
+      character(:), allocatable :: seven, head
+      real(wp) :: found, other, read
+
+      head = 'TRAVEL'//nl//sliding(:index(sliding, ' SLY=') - 1)
+      call search('travel', head//rest//'0.5,1.5,4.0,6.5,9.0,11.0 &END'//nl//limits, set, seven, found)
+      call analyse('travel', seven, again, read)
+      call t%close_to(read, found, 1.0e-9_wp, 'travel: the objective of device 7 is that of the search')
+      head = head(:index(head, 'SLNK=') - 1)//"SLNK='block', SLNK2='frame', SLX=50.0, "//nl
+      call search('travel', head//rest//'-0.5,-1.5,-4.0,-6.5,-9.0,-11.0 &END'//nl//limits, set, seven, other)
+      call t%close_to(other, found, 1.0e-8_wp, 'travel: the other way round')
+      call analyse('travel', seven, again, read)
+      call t%close_to(read, other, 1.0e-9_wp, 'travel: the objective of device 7 is that of the search the other way round')
+   end subroutine desired_travel
 
    !> Place and direction of a link.
    subroutine pose_of_a_link()

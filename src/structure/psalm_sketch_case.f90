@@ -52,7 +52,7 @@ contains
       type(closure_t) :: closure
       type(state_t) :: state
       type(loops_t) :: loops
-      logical :: sound
+      logical :: sound, taken
 
       if (.not. set%sketch%given) return
       call assemble_sketch(set, closure, state, sound, findings)
@@ -61,8 +61,10 @@ contains
       if (loops%found .and. present(no_loops)) then
          loops%found = .false.
          loops%why = no_loops
-      else if (loops%found .and. (set%sketch%has_wishes() .or. wants_poses(set))) then
-         call take_wishes(loops, state, closure%sketch, set, loops%found)
+      else if (loops%found .and. (set%sketch%has_wishes() .or. wants_poses(set) .or. &
+                                    wants_travel(loops, set))) then
+         call take_wishes(loops, state, closure%sketch, set, taken)
+         loops%found = taken
          if (.not. loops%found) loops%why = 'desired values of outputs (DES1 ...), which are compared in the poses'
       end if
       if (loops%found) then
@@ -685,6 +687,20 @@ contains
       if (wants_poses) wants_poses = set%sketch%outputs(1)%kind == output_pose
    end function wants_poses
 
+   !> True if the first output is a slide of a larger group that has desired values: those are of its travel, for the user knows no
+   !> length of its arc.
+   pure logical function wants_travel(loops, set)
+      type(loops_t), intent(in) :: loops
+      type(data_set_t), intent(in) :: set
+      integer :: arc
+
+      wants_travel = .false.
+      if (.not. (loops%found .and. set%method%desired) .or. size(set%sketch%outputs) == 0) return
+      if (set%sketch%outputs(1)%kind /= output_slide) return
+      arc = findloc(loops%arcs%slide, set%sketch%outputs(1)%slide, dim=1)
+      if (arc > 0) wants_travel = loops%arcs(arc)%guide_link > 0
+   end function wants_travel
+
    !> Desired values of the first output are those of &METHOD, if the loops can tell it: DES1 is another word for DESX and DESY,
    !> or DESANG, DVEL1 and DACC1 for their derivatives. Not so of a slide, whose arc has another zero. Values of the others, and of
    !> a first one that is no output of the loops, are compared beside it. `taken` is false where poses must do it: for a ratio, for
@@ -711,9 +727,12 @@ contains
          call give_to_method(set)
       else if (wishes_rates(sketch%outputs(1)) .or. allocated(set%method%rate_wanted)) then
          return
-      else if (.not. set%method%desired .or. .not. (told .or. sketch%outputs(1)%kind == output_slide)) then
+      else if (.not. set%method%desired .or. wants_travel(loops, set) .or. .not. (told .or. sketch%outputs(1)%kind == &
+                                                            output_slide)) then
          if (set%method%ifree /= 0) return
-         if (set%method%desired) then
+         if (sketch%outputs(1)%kind == output_slide) then
+            if (set%method%desired) call take_from_method(set)
+         else if (set%method%desired) then
             ! a wish has one weight for all its numbers
             if (any(abs(set%method%xmult - set%method%ymult) > 0.0_wp) .or. &
                 any(abs(set%method%xmult - set%method%anmult) > 0.0_wp)) return
@@ -765,11 +784,17 @@ contains
       set%method%desired = .true.
    end subroutine give_to_method
 
-   !> Desired poses of &METHOD as wishes of the first output.
+   !> Desired poses or travels of &METHOD as wishes of the first output.
    subroutine take_from_method(set)
       type(data_set_t), intent(inout) :: set
 
       associate (wish => set%sketch%outputs(1)%wishes(0), method => set%method)
+         method%desired = .false.
+         if (set%sketch%outputs(1)%kind == output_slide) then
+            wish%values = reshape(method%desang, [1, method%ndes])
+            wish%weights = reshape(method%anmult, [1, method%ndes])
+            return
+         end if
          allocate (wish%values(3, method%ndes), wish%weights(3, method%ndes))
          wish%values(1, :) = method%desx + method%xadd
          wish%values(2, :) = method%desy + method%yadd
@@ -778,7 +803,6 @@ contains
          wish%weights(2, :) = method%ymult
          wish%weights(3, :) = method%anmult
       end associate
-      set%method%desired = .false.
    end subroutine take_from_method
 
    !> The joint that is shown of a sketch without outputs.

@@ -4,10 +4,11 @@ module psalm_chain_synthesis
    use psalm_chain_problem, only: chain_problem_t, make_chain_problem
    use psalm_chain_motion, only: chain_motion_t
    use psalm_chain_study, only: inputs_of_drives
-   use psalm_closure, only: closure_t, state_t
+   use psalm_closure, only: closure_t, state_t, travel
    use psalm_data_set, only: data_set_t
    use psalm_kinds, only: wp, degrees_per_radian, full_turn, right_angle
    use psalm_multistart, only: multistart_t, starter_t, candidate_t
+   use psalm_sketch, only: output_slide
    use psalm_sketch_case, only: assemble_sketch
    use psalm_solver, only: solver_t, ending_t, observer_t, stop_refused
    use psalm_solvers, only: new_solver
@@ -278,7 +279,7 @@ contains
       type(closure_t) :: closure
       type(chain_motion_t) :: motion
       complex(wp) :: p
-      real(wp) :: cosine, sine
+      real(wp) :: cosine, sine, moved
       logical :: reached
       integer :: s
 
@@ -299,6 +300,15 @@ contains
                slide%x = p%re
                slide%y = p%im
                slide%angle = slide%angle + state%phi(link, 0)*degrees_per_radian
+            end associate
+         end do
+         ! travel is counted from the new drawing
+         do s = 1, size(sketch%outputs)
+            associate (output => sketch%outputs(s))
+               if (output%kind /= output_slide) cycle
+               moved = real(travel(closure, state, output%slide, 0), wp)
+               if (output%is_wished()) output%wishes(0)%values = output%wishes(0)%values - moved
+               if (s == 1 .and. set%method%desired) drawn%method%desang = set%method%desang - moved
             end associate
          end do
          ! the lengths are in the coordinates now
