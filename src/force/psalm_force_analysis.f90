@@ -10,7 +10,7 @@ module psalm_force_analysis
    implicit none (type, external)
    private
    public :: force_table_t, analyse_forces, share_of_sources, loads_of_unit_masses, loads_of_unit_wrenches, &
-             column_of_joint
+             column_of_joint, column_of_other_drive
    public :: column_drive, column_fx, column_fy, column_moment, fixed_columns
 
    integer, parameter :: column_drive = 1                    !! torque N m, or force N of a sliding input
@@ -43,6 +43,13 @@ contains
 
       known = self%closed(k) .and. self%dead(k) == 0 .and. self%sweeps(k) > 0
    end function known
+
+   !> Column of a drive: those after the first follow the joints.
+   pure integer function column_of_other_drive(joints, drive) result(column)
+      integer, intent(in) :: joints, drive     !! how many joints there are; 2 or more
+
+      column = fixed_columns + 2*joints + drive - 1
+   end function column_of_other_drive
 
    !> First of the two columns of a joint.
    pure integer function column_of_joint(joint)
@@ -201,7 +208,7 @@ contains
    pure integer function columns_of(problem)
       type(problem_t), intent(in) :: problem
 
-      columns_of = fixed_columns + 2*size(problem%mechanism%joints)
+      columns_of = fixed_columns + 2*size(problem%mechanism%joints) + size(problem%mechanism%actuators) - 1
    end function columns_of
 
    subroutine make_table(problem, table)
@@ -250,6 +257,9 @@ contains
       end associate
       do j = 1, size(forces%joints)
          value(:, column_of_joint(j):column_of_joint(j) + 1) = listed_rows(problem, model, forces, j, n)
+      end do
+      do j = 2, size(forces%drives)
+         value(:, column_of_other_drive(size(forces%joints), j)) = forces%w%v(1:n, forces%drives(j))
       end do
       ! what a link takes from a pin does not depend on which link of the pin others hang on
       do j = 1, size(forces%shared, 2)

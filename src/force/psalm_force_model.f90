@@ -12,7 +12,7 @@ module psalm_force_model
    use psalm_kinds, only: wp, radians_per_degree
    use psalm_link_place, only: place_t
    use psalm_loop_forces, only: joined_by_arcs, link_of_body
-   use psalm_mechanism, only: mechanism_t, at_start, at_finish, body_frame, joint_prismatic, pivot
+   use psalm_mechanism, only: mechanism_t, at_start, at_finish, body_frame, joint_gear, joint_prismatic, joint_revolute, pivot
    use psalm_sketch, only: frame_link
    use psalm_status, only: diagnostics_t
    use psalm_text, only: to_text
@@ -126,6 +126,7 @@ contains
       do body = body_frame + 1, size(mechanism%bodies)
          associate (arc => mechanism%arcs(mechanism%bodies(body)%axis))
             model%reference(body) = arc%ends(merge(at_finish, at_start, arc%foot == at_start))
+            if (mechanism%bodies(body)%is_rod) model%reference(body) = arc%ends(arc%foot)
          end associate
       end do
       allocate (model%shoes(size(mechanism%joints)))
@@ -265,6 +266,7 @@ contains
       if (.not. allocated(set%shoes)) return
       do k = 1, size(model%shoes)
          associate (joint => mechanism%joints(k), shoe => model%shoes(k))
+            if (joint%kind == joint_gear) cycle
             if (joint%kind /= joint_prismatic) then
                associate (arc => mechanism%arcs(joint%arc))
                   j = findloc(set%sketch%joint_name == set%end_names(joint%end, arc%place, arc%loop), .true., dim=1)
@@ -321,14 +323,15 @@ contains
       end = merge(at_start, at_finish, given%from_start)
       associate (arc => mechanism%arcs(n))
          spot%body = arc%body
+         if (arc%rod > 0 .and. arc%foot == end) spot%body = arc%rod
          state = place_on_foot
-         if (arc%foot == end) return
+         if (arc%foot == end .and. spot%body == arc%body) return
          state = place_afloat
          if (.not. arc%attached) return
          ! a joint of the link that nothing leads to from its others
-         if (.not. joined_by_arcs(mechanism, arc%body, reference(arc%body), arc%ends(end))) return
+         if (.not. joined_by_arcs(mechanism, spot%body, reference(spot%body), arc%ends(end))) return
          call unit_vector(mechanism%angle_on_body(n, dimensions) + given%turn, spot%along(1), spot%along(2))
-         call locate(mechanism, dimensions, reference(arc%body), arc%body, arc%ends(end), from)
+         call locate(mechanism, dimensions, reference(spot%body), spot%body, arc%ends(end), from)
          call unit_vector(given%angle, cosine, sine)
          spot%at = from + given%distance*turned([cosine, sine], spot%along)
       end associate
@@ -475,7 +478,7 @@ contains
             end if
             if (.not. any(joint%bodies == mechanism%arcs(n)%body)) cycle
             if (place%joint > 0) then
-               if (joint%kind == joint_prismatic .or. joint%pin /= mechanism%pin_of_sketch(place%joint)) cycle
+               if (joint%kind /= joint_revolute .or. joint%pin /= mechanism%pin_of_sketch(place%joint)) cycle
                found = k
                if (place%link > 0 .and. joint%bodies(2) == mechanism%arcs(n)%body) return
                cycle

@@ -13,10 +13,10 @@ module psalm_kinetostatics
    use psalm_force_kernels, only: load_body, move_axes, add_inertia, add_weight, add_force_at, add_couple, place_in_body, &
                                   velocity_in_body, power_of, add_wrench, drive_of_crank, drive_of_slide
    use psalm_force_model, only: force_model_t, friction_t, spot_t, parameter_mass, parameter_mx, parameter_my, parameter_inertia
-   use psalm_group_reactions, only: group_joint_t, react_group
+   use psalm_group_reactions, only: group_joint_t, group_couple_t, react_group
    use psalm_kinds, only: wp, radians_per_degree, full_turn
    use psalm_linkage, only: padded
-   use psalm_mechanism, only: mechanism_t, at_start, body_frame, joint_prismatic
+   use psalm_mechanism, only: mechanism_t, arc_actuator, at_finish, at_start, body_frame, joint_prismatic, joint_revolute
    use psalm_rates, only: rates_t
    use psalm_rows, only: rows_t, make_rows
    use psalm_wrench_kernels, only: opposite_force, opposite_across
@@ -32,7 +32,6 @@ module psalm_kinetostatics
    real(wp), parameter :: rounding = 64.0_wp*epsilon(1.0_wp) !! part of the input's speed: a slower joint is at rest
    integer, parameter :: rows_of_wrench = 3          !! force x and y, moment
    integer, parameter :: rows_of_joint = 2           !! force x and y, or force across and couple
-   integer, parameter :: body_input = 2
 
    !> Rows of a body in `forces_t`.
    type :: body_rows_t
@@ -52,7 +51,10 @@ module psalm_kinetostatics
       integer, allocatable :: shared(:, :)           !! shape (2, pairs): joints on one pin; the later link of the first is the
                                                      !! earlier of the second
       type(rows_t) :: w                              !! (position, row)
-      integer :: drive = 0                           !! row: torque N m, or force N
+      integer :: drive = 0                           !! row of the first drive: torque N m, or force N
+      integer, allocatable :: drives(:)              !! by drive: its row
+      integer, allocatable :: along(:)               !! by joint: the drive along it, 0: none
+      real(wp), allocatable :: along_sense(:)        !! by joint: -1 where that drive pushes against the joint's arc
       integer :: kinetic = 0, growth = 0             !! rows: kinetic energy J, power it takes up W
       integer :: power = 0                           !! row: power of weight, loads and springs, W
       integer :: scratch = 0                         !! first row of those that `react_dyad` needs
@@ -102,12 +104,14 @@ contains
             forces%joints(j) = next
             next = next + rows_of_joint
          end do
+         forces%drives = [(next + j, j=0, size(mechanism%actuators) - 1)]
          forces%drive = next
-         forces%kinetic = next + 1
-         forces%growth = next + 2
-         forces%power = next + 3
-         forces%loss = next + 4
-         forces%scratch = next + 5
+         next = next + size(forces%drives)
+         forces%kinetic = next
+         forces%growth = next + 1
+         forces%power = next + 2
+         forces%loss = next + 3
+         forces%scratch = next + 4
          call make_rows(link%room, forces%scratch + rows_to_react - 1, forces%w)
          call make_rows(link%room, rows_of_wrench*size(forces%bodies), forces%given)
          allocate (forces%sweeps(link%room), source=1)
@@ -115,7 +119,29 @@ contains
          forces%w%v(:, forces%bodies(body_frame)%ex) = 1.0_wp
       end associate
       forces%shared = shared_pins(problem%mechanism)
+      call find_drives_along(problem%mechanism, forces)
    end subroutine prepare_forces
+
+   !> Joints along which a drive pushes.
+   pure subroutine find_drives_along(mechanism, forces)
+      type(mechanism_t), intent(in) :: mechanism
+      type(forces_t), intent(inout) :: forces
+      integer :: j
+
+      allocate (forces%along(size(mechanism%joints)), source=0)
+      allocate (forces%along_sense(size(mechanism%joints)), source=1.0_wp)
+      do j = 1, size(mechanism%joints)
+         associate (joint => mechanism%joints(j))
+            if (joint%kind /= joint_prismatic) cycle
+            associate (n => mechanism%arcs(joint%slide)%representative)
+               if (mechanism%arcs(n)%kind /= arc_actuator) cycle
+               forces%along(j) = mechanism%arcs(n)%drive
+               ! the input is the arc's length, which leads to the body at its finish
+               if (mechanism%body_at(n, at_finish) /= joint%bodies(2)) forces%along_sense(j) = -1.0_wp
+            end associate
+         end associate
+      end do
+   end subroutine find_drives_along
 
    !> Pairs of revolute joints on one pin, the later link of the first of which is the earlier of the second. Shape (2, pairs).
    pure function shared_pins(mechanism) result(pairs)
@@ -127,9 +153,9 @@ contains
       n = 0
       associate (joints => mechanism%joints)
          do k = 1, size(joints)
-            if (joints(k)%kind == joint_prismatic) cycle
+            if (joints(k)%kind /= joint_revolute) cycle
             do j = 1, size(joints)
-               if (j == k .or. joints(j)%kind == joint_prismatic .or. joints(j)%pin /= joints(k)%pin) cycle
+               if (j == k .or. joints(j)%kind /= joint_revolute .or. joints(j)%pin /= joints(k)%pin) cycle
                if (joints(j)%bodies(2) /= joints(k)%bodies(1)) cycle
                n = n + 1
                list(:, n) = [j, k]
@@ -191,11 +217,16 @@ contains
                            w(1, body%wrench + 2), w(1, forces%kinetic), w(1, forces%growth), w(1, forces%power))
          end associate
       end do
-      if (.not. problem%mechanism%sliding_input) return
-      associate (input => forces%bodies(body_input), w => forces%w%v, v => problem%linkage%store%v)
-         w(1:m, input%ex) = input%c*v(1:m, input%root_x) - input%s*v(1:m, input%root_y)
-         w(1:m, input%ey) = input%c*v(1:m, input%root_y) + input%s*v(1:m, input%root_x)
-      end associate
+      do b = 1, size(problem%mechanism%actuators)
+         associate (actuator => problem%mechanism%actuators(b))
+            if (.not. actuator%slides .or. actuator%joint == 0) cycle
+            associate (input => forces%bodies(problem%mechanism%arcs(actuator%arc)%body), w => forces%w%v, &
+                       v => problem%linkage%store%v)
+               w(1:m, input%ex) = input%c*v(1:m, input%root_x) - input%s*v(1:m, input%root_y)
+               w(1:m, input%ey) = input%c*v(1:m, input%root_y) + input%s*v(1:m, input%root_x)
+            end associate
+         end associate
+      end do
    end subroutine load_bodies
 
    !> No wrench on any body.
@@ -441,7 +472,7 @@ contains
       type(problem_t), intent(in) :: problem
       integer, intent(in) :: n
       type(forces_t), intent(inout) :: forces
-      integer :: loop, m, p, q, b
+      integer :: loop, m, p, q, b, d
 
       m = padded(n)
       associate (mechanism => problem%mechanism, link => problem%linkage, w => forces%w%v, f => forces%bodies)
@@ -464,18 +495,26 @@ contains
                call pass_on(q, mechanism%joints(joints(3))%bodies(1))
             end associate
          end do
-         associate (input => f(body_input), row => forces%joints(1))
-            if (mechanism%joints(1)%kind == joint_prismatic) then
-               call drive_of_slide(m, w(1, input%ex), w(1, input%ey), w(1, input%wrench), w(1, input%wrench + 1), &
-                                   w(1, forces%drive))
-               call opposite_across(m, link%store%v(1, link%point_x(0)), link%store%v(1, link%point_y(0)), w(1, input%ex), &
-                                    w(1, input%ey), w(1, input%wrench), w(1, input%wrench + 1), w(1, input%wrench + 2), &
-                                    w(1, row), w(1, row + 1))
-            else
-               call drive_of_crank(m, forces%metre, w(1, input%wrench + 2), w(1, forces%drive))
-               call opposite_force(m, w(1, input%wrench), w(1, input%wrench + 1), w(1, row), w(1, row + 1))
-            end if
-         end associate
+         do d = 1, size(mechanism%actuators)
+            if (mechanism%actuators(d)%joint == 0) cycle
+            associate (input => f(mechanism%arcs(mechanism%actuators(d)%arc)%body), drive => forces%drives(d), &
+                       row => forces%joints(mechanism%actuators(d)%joint), &
+                       point => problem%plan%joint_points(mechanism%joints(mechanism%actuators(d)%joint)%point))
+               if (mechanism%joints(mechanism%actuators(d)%joint)%kind == joint_prismatic) then
+                  call drive_of_slide(m, w(1, input%ex), w(1, input%ey), w(1, input%wrench), w(1, input%wrench + 1), w(1, drive))
+                  call opposite_across(m, link%store%v(1, link%point_x(point)), link%store%v(1, link%point_y(point)), &
+                                       w(1, input%ex), w(1, input%ey), w(1, input%wrench), w(1, input%wrench + 1), &
+                                       w(1, input%wrench + 2), w(1, row), w(1, row + 1))
+               else
+                  ! the pivot of the first is the origin of the store
+                  w(1:m, input%wrench + 2) = w(1:m, input%wrench + 2) - &
+                                             (link%store%v(1:m, link%point_x(point))*w(1:m, input%wrench + 1) - &
+                                              link%store%v(1:m, link%point_y(point))*w(1:m, input%wrench))
+                  call drive_of_crank(m, forces%metre, w(1, input%wrench + 2), w(1, drive))
+                  call opposite_force(m, w(1, input%wrench), w(1, input%wrench + 1), w(1, row), w(1, row + 1))
+               end if
+            end associate
+         end do
       end associate
 
    contains
@@ -496,11 +535,24 @@ contains
       integer, intent(in) :: loop, n
       type(forces_t), intent(inout) :: forces
       type(group_joint_t), allocatable :: joints(:)
+      type(group_couple_t), allocatable :: couples(:)
       integer, allocatable :: links(:)
-      integer :: j, k
+      integer :: j, k, d
 
       associate (mechanism => problem%mechanism, link => problem%linkage, group => problem%mechanism%groups(loop))
          links = mechanism%arcs(group%members)%body
+         do d = 1, size(mechanism%actuators)
+            ! what a drive moves along a link has no unknown
+            associate (actuator => mechanism%actuators(d))
+               if (actuator%joint > 0 .or. actuator%arc == 0) cycle
+               if (mechanism%arcs(actuator%arc)%loop /= loop) cycle
+               if (mechanism%is_cylinder(actuator%arc)) then
+                  call take_rod(actuator%arc, forces%drives(d))
+               else
+                  links = [links, mechanism%arcs(actuator%arc)%body]
+               end if
+            end associate
+         end do
          allocate (joints(size(group%joints)))
          do j = 1, size(joints)
             associate (own => joints(j), joint => mechanism%joints(group%joints(j)))
@@ -509,7 +561,7 @@ contains
                own%y = link%point_y(problem%plan%joint_points(joint%point))
                own%force = forces%joints(group%joints(j))
                do k = 1, 2
-                  own%links(k) = findloc(links, joint%bodies(k), dim=1)
+                  own%links(k) = findloc(links, barrel_of(joint%bodies(k)), dim=1)
                   if (own%links(k) == 0 .and. joint%bodies(k) /= body_frame) own%wrenches(k) = forces%bodies(joint%bodies(k))%wrench
                end do
                if (.not. own%slides) cycle
@@ -517,10 +569,105 @@ contains
                own%root_y = link%root_y(problem%plan%root(joint%slide))
                own%c = link%x(joint%slide)
                own%s = link%y(joint%slide)
+               d = forces%along(group%joints(j))
+               if (d > 0) own%drive = forces%drives(d)
+               own%sense = forces%along_sense(group%joints(j))
             end associate
          end do
-         call react_group(n, joints, forces%bodies(links)%wrench, link%store, forces%w)
+         call take_couples()
+         call react_group(n, joints, couples, forces%bodies(links)%wrench, link%store, forces%w)
+         do j = 1, size(couples)
+            if (couples(j)%drive > 0) forces%w%v(1:n, couples(j)%drive) = forces%w%v(1:n, couples(j)%drive)*forces%metre
+         end do
+         call take_pushes()
       end associate
+
+   contains
+
+      !> The body of a cylinder that stands in the equilibrium for its rod too.
+      pure integer function barrel_of(body)
+         integer, intent(in) :: body
+
+         barrel_of = body
+         associate (of => problem%mechanism%bodies(body))
+            if (of%is_rod) barrel_of = problem%mechanism%arcs(of%axis)%body
+         end associate
+      end function barrel_of
+
+      !> Along a cylinder its drive holds what acts on the rod; for the equilibrium of the group barrel and rod are one.
+      subroutine take_rod(arc, drive)
+         integer, intent(in) :: arc, drive         !! the drive's row
+
+         associate (w => forces%w%v, rod => forces%bodies(problem%mechanism%arcs(arc)%rod), &
+                    barrel => forces%bodies(problem%mechanism%arcs(arc)%body)%wrench)
+            w(1:n, drive) = 0.0_wp
+            call push(arc, drive, w(1:n, rod%wrench:rod%wrench + 1))
+            w(1:n, barrel:barrel + 2) = w(1:n, barrel:barrel + 2) + w(1:n, rod%wrench:rod%wrench + 2)
+         end associate
+      end subroutine take_rod
+
+      !> A force on the rod of a cylinder, which its drive bears.
+      subroutine push(arc, drive, force)
+         integer, intent(in) :: arc, drive
+         real(wp), intent(in) :: force(:, :)       !! shape (n, 2)
+         real(wp) :: sense
+
+         associate (v => problem%linkage%store%v, w => forces%w%v, rod => forces%bodies(problem%mechanism%arcs(arc)%rod))
+            sense = merge(1.0_wp, -1.0_wp, problem%mechanism%arcs(arc)%foot == at_finish)
+            w(1:n, drive) = w(1:n, drive) - sense*(force(:, 1)*v(1:n, rod%root_x) + force(:, 2)*v(1:n, rod%root_y))
+         end associate
+      end subroutine push
+
+      !> What the joints of the group do to rods.
+      subroutine take_pushes()
+         integer :: side, arc
+
+         do j = 1, size(joints)
+            associate (joint => problem%mechanism%joints(problem%mechanism%groups(loop)%joints(j)), row => joints(j)%force)
+               do side = 1, 2
+                  associate (of => problem%mechanism%bodies(joint%bodies(side)))
+                     if (.not. of%is_rod .or. joints(j)%links(side) == 0) cycle
+                     arc = of%axis
+                     call push(arc, forces%drives(problem%mechanism%arcs(arc)%drive), &
+                               merge(1.0_wp, -1.0_wp, side == 2)*forces%w%v(1:n, row:row + 1))
+                  end associate
+               end do
+            end associate
+         end do
+      end subroutine take_pushes
+
+      !> Drives between links, and wheels in mesh.
+      subroutine take_couples()
+         integer :: t
+
+         if (.not. allocated(problem%mechanism%groups(loop)%ties)) then
+            allocate (couples(0))
+            return
+         end if
+         associate (ties => problem%mechanism%groups(loop)%ties, link => problem%linkage)
+            allocate (couples(size(ties)))
+            do t = 1, size(ties)
+               associate (own => couples(t), tie => ties(t))
+                  own%factors = tie%factors
+                  if (tie%drive > 0) own%drive = forces%drives(tie%drive)
+                  do k = 1, size(tie%axes)
+                     if (tie%axes(k) == 0) cycle
+                     own%links(k) = findloc(links, problem%mechanism%arcs(tie%axes(k))%body, dim=1)
+                     if (own%links(k) == 0) own%wrenches(k) = forces%bodies(problem%mechanism%arcs(tie%axes(k))%body)%wrench
+                  end do
+                  if (tie%joint == 0) cycle
+                  own%force = forces%joints(tie%joint)
+                  own%ratio = tie%factors(1)
+                  if (any(tie%centre == 0)) cycle
+                  do k = 1, 2
+                     associate (point => problem%plan%joint_points(problem%mechanism%arcs(tie%centre(k))%ends(tie%centre_end(k))))
+                        own%centres(2*k - 1:2*k) = [link%point_x(point), link%point_y(point)]
+                     end associate
+                  end do
+               end associate
+            end do
+         end associate
+      end subroutine take_couples
    end subroutine sweep_group
 
    !> Forces of a joint in the units of listings: N, and N m for the couple of a prismatic joint. Shape of the result: (n, 2).
@@ -547,7 +694,9 @@ contains
       associate (shoe => model%shoes(joint))
          if (shoe%given) then
             call find_shoe(problem, model, forces, joint, n, x, y, reach, aside)
-            values(:, 2) = values(:, 2) - (values(:, 1)*reach + forces%w%v(1:n, forces%drive)*aside)*forces%metre
+            values(:, 2) = values(:, 2) - values(:, 1)*reach*forces%metre
+            if (forces%along(joint) > 0) values(:, 2) = values(:, 2) - &
+                                                        forces%w%v(1:n, forces%drives(forces%along(joint)))*aside*forces%metre
          end if
          ! the force across turns with the line, the couple does not
          if (shoe%order*shoe%sense < 0.0_wp) values(:, 1) = -values(:, 1)
@@ -586,7 +735,8 @@ contains
          end associate
          reach = (x - v(1:n, link%point_x(foot)))*ex + (y - v(1:n, link%point_y(foot)))*ey
          aside = 0.0_wp
-         if (joint == 1) aside = (x - v(1:n, link%point_x(foot)))*ey - (y - v(1:n, link%point_y(foot)))*ex
+         if (forces%along(joint) > 0) aside = forces%along_sense(joint)* &
+                                              ((x - v(1:n, link%point_x(foot)))*ey - (y - v(1:n, link%point_y(foot)))*ex)
       end associate
    end subroutine find_shoe
 
@@ -701,7 +851,8 @@ contains
                if (problem%mechanism%joints(of%joint)%kind == joint_prismatic) then
                   load = abs(w(i, row))
                   if (radius > 0.0_wp) then
-                     couple = w(i, row + 1) - w(i, row)*shoe(i, 3, entry) - w(i, forces%drive)*shoe(i, 4, entry)
+                     couple = w(i, row + 1) - w(i, row)*shoe(i, 3, entry)
+                     if (forces%along(of%joint) > 0) couple = couple - w(i, forces%drives(forces%along(of%joint)))*shoe(i, 4, entry)
                      couple = couple*forces%metre/(2.0_wp*radius)
                      load = abs(0.5_wp*w(i, row) + couple) + abs(0.5_wp*w(i, row) - couple)
                   end if
@@ -726,7 +877,7 @@ contains
          force = 0.0_wp
          associate (joints => problem%mechanism%joints)
             do j = 1, size(joints)
-               if (joints(j)%kind == joint_prismatic .or. joints(j)%pin /= joints(of%joint)%pin) cycle
+               if (joints(j)%kind /= joint_revolute .or. joints(j)%pin /= joints(of%joint)%pin) cycle
                associate (row => forces%joints(j))
                   if (joints(j)%bodies(2) == of%bodies(2)) force = force + forces%w%v(position, row:row + 1)
                   if (joints(j)%bodies(1) == of%bodies(2)) force = force - forces%w%v(position, row:row + 1)

@@ -20,7 +20,7 @@ module psalm_mechanism
    private
    public :: mechanism_t, linkage_group_t, joined_t, ring_t, tie_t, point_t, bar_t, body_t, joint_t, actuator_t, output_t
    public :: arc_absent, arc_determined, arc_link, arc_slide, arc_crank, arc_actuator
-   public :: joint_revolute, joint_prismatic, at_start, at_finish, body_frame, pivot
+   public :: joint_revolute, joint_prismatic, joint_gear, at_start, at_finish, body_frame, pivot
 
    integer, parameter :: arc_absent = 0      !! not known yet
    integer, parameter :: arc_determined = 1  !! direction fixed to that of another arc, or to the frame
@@ -31,6 +31,7 @@ module psalm_mechanism
 
    integer, parameter :: joint_revolute = 1
    integer, parameter :: joint_prismatic = 2
+   integer, parameter :: joint_gear = 3      !! two wheels in mesh: where forces are asked for
 
    integer, parameter :: at_start = 1        !! an end of an arc
    integer, parameter :: at_finish = 2
@@ -55,6 +56,7 @@ module psalm_mechanism
       integer :: foot = 0               !! where its guide meets a slide, or an arc that repeats one: `at_...`
       integer :: bar = 0                !! the bar it runs along
       logical :: attached = .false.     !! its ends are points of its body; if not it is only parallel to it
+      integer :: rod = 0                !! of a cylinder: the body that its foot is a point of
       integer :: drive = 1              !! of the input link and of arcs whose length is an input: the actuator that moves it
    end type arc_t
 
@@ -73,6 +75,9 @@ module psalm_mechanism
       real(wp) :: factors(3) = 0.0_wp
       real(wp) :: drawn(3) = 0.0_wp     !! directions of these arcs in the drawing, degrees
       integer :: drive = 0              !! an actuator that turns; 0: none
+      integer :: axes(3) = 0            !! an arc of each link itself; 0: none, or the frame
+      integer :: centre(2) = 0, centre_end(2) = at_start !! of wheels: arcs, and which ends of them, at the centres; 0: none
+      integer :: joint = 0              !! of wheels: their joint
    end type tie_t
 
    !> What closes a group: a ring of arcs, or several.
@@ -100,6 +105,7 @@ module psalm_mechanism
    type :: body_t
       character(:), allocatable :: name
       integer :: axis = 0               !! 0: the frame
+      logical :: is_rod = .false.       !! of a cylinder: its axes begin at the foot of that arc
       integer, allocatable :: arcs(:)   !! arcs fixed in it, `axis` included; `angle_on_body` is their direction in its axes
       integer, allocatable :: points(:) !! points fixed in it
    end type body_t
@@ -118,6 +124,13 @@ module psalm_mechanism
       logical :: attached = .false.     !! the point is a point of both bodies (of a prismatic joint: of its guide)
    end type joint_t
 
+   !> A pair of a larger group.
+   type :: joined_t
+      integer :: axes(2) = 0            !! an arc of each body
+      integer :: arc = 0, end = at_start !! the arc and the end at which they meet
+      integer :: slide = 0              !! the arc along which they slide, 0: they turn
+   end type joined_t
+
    !> What drives the mechanism.
    type :: actuator_t
       integer :: joint = 0              !! 0: none of its own
@@ -125,14 +138,8 @@ module psalm_mechanism
       logical :: slides = .false.       !! prismatic: its input is a length
       logical :: geared = .false.       !! its input is that of the first, counted from the drawing, times `ratio`, and `phase`
       real(wp) :: ratio = 1.0_wp, phase = 0.0_wp
+      type(joined_t) :: pair            !! after the first: where it moves a link on the frame; arc 0: elsewhere
    end type actuator_t
-
-   !> A pair of a larger group.
-   type :: joined_t
-      integer :: axes(2) = 0            !! an arc of each body
-      integer :: arc = 0, end = at_start !! the arc and the end at which they meet
-      integer :: slide = 0              !! the arc along which they slide, 0: they turn
-   end type joined_t
 
    !> An Assur group.
    type :: linkage_group_t
@@ -261,12 +268,15 @@ contains
       end associate
    end function is_cylinder
 
-   !> The body that guides a slide.
+   !> The body that guides a slide; of a cylinder the rod.
    pure integer function guide_of(self, n)
       class(mechanism_t), intent(in) :: self
       integer, intent(in) :: n          !! an arc that slides
 
-      guide_of = self%arcs(self%arcs(self%arcs(n)%representative)%reference)%body
+      associate (arc => self%arcs(self%arcs(n)%representative))
+         guide_of = arc%rod
+         if (guide_of == 0) guide_of = self%arcs(arc%reference)%body
+      end associate
    end function guide_of
 
    !> The body that carries an end of an arc: of the foot of a slide its guide's.

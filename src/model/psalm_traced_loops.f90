@@ -27,7 +27,7 @@ module psalm_traced_loops
       logical :: foot_last = .false.        !! slides of larger groups: it is the finish that is a point of the guide
       integer :: guide_link = 0             !! slides of larger groups, and the actuator before one: the link that guides
       integer :: drive = 1                  !! of a crank or actuator: which drive moves it
-      logical :: cylinder = .false.         !! an actuator whose direction its group finds
+      logical :: cylinder = .false.         !! an actuator whose direction its group finds; `foot_last`: its rod ends last
       integer :: sign = 1
       integer :: slide = 0                  !! the slide of the sketch that it runs along
       real(wp) :: length = 0.0_wp
@@ -48,14 +48,8 @@ module psalm_traced_loops
       integer :: wheels(2) = 0, carrier = 0 !! links
       real(wp) :: ratio = 0.0_wp
       integer :: drive = 0                  !! 0: a gear pair
+      integer :: centres(2) = 0             !! of a gear pair: the joints of the wheels and the carrier; 0: there is none
    end type traced_gear_t
-
-   !> A drive after the first.
-   type :: traced_drive_t
-      integer :: arc = 0                    !! the arc that it turns or makes longer; 0: none, it turns links of a group
-      logical :: slides = .false., geared = .false. !! geared: to the first drive
-      real(wp) :: ratio = 1.0_wp, phase = 0.0_wp
-   end type traced_drive_t
 
    !> A pair of a larger group: two links on a pin or a slide.
    type :: traced_pair_t
@@ -63,6 +57,14 @@ module psalm_traced_loops
       integer :: links(2) = 0
       integer :: joint = 0, slide = 0       !! one of them
    end type traced_pair_t
+
+   !> A drive after the first.
+   type :: traced_drive_t
+      integer :: arc = 0                    !! the arc that it turns or makes longer; 0: none, it turns links of a group
+      logical :: slides = .false., geared = .false. !! geared: to the first drive
+      type(traced_pair_t) :: pair           !! where it moves a link on the frame; without links: elsewhere
+      real(wp) :: ratio = 1.0_wp, phase = 0.0_wp
+   end type traced_drive_t
 
    !> The loops found.
    type :: loops_t

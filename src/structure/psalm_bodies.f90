@@ -6,8 +6,8 @@
 !> have the same direction and are two bodies all the same. Source: Oldham (1977), section 15.1.
 module psalm_bodies
    use psalm_dyad_kind, only: direction_known, form_of, form_t
-   use psalm_mechanism, only: mechanism_t, body_t, joint_t, arc_determined, arc_slide, arc_crank, at_start, at_finish, &
-                              body_frame, joint_prismatic, joint_revolute, pivot
+   use psalm_mechanism, only: mechanism_t, body_t, joint_t, joined_t, arc_determined, arc_slide, arc_crank, at_start, at_finish, &
+                              body_frame, joint_gear, joint_prismatic, joint_revolute, pivot
    use psalm_text, only: to_text
    implicit none (type, external)
    private
@@ -31,7 +31,7 @@ contains
       integer :: n, loop, which, body
 
       allocate (mechanism%bodies(body_input + sum([(size(mechanism%groups(loop)%members), loop=1, mechanism%nloop)]) + &
-                                 size(mechanism%actuators) - 1))
+                                 size(mechanism%actuators)))
       mechanism%bodies(body_frame)%name = 'frame'
       body = body_frame
       if (.not. mechanism%floating_input) then
@@ -50,14 +50,19 @@ contains
       do which = merge(1, 2, mechanism%floating_input), size(mechanism%actuators)
          n = mechanism%actuators(which)%arc
          if (n == 0) cycle
-         if (mechanism%is_cylinder(n)) cycle
          body = body + 1
          mechanism%bodies(body)%axis = n
+         if (mechanism%is_cylinder(n)) then
+            mechanism%bodies(body)%is_rod = .true.
+            mechanism%bodies(body)%name = 'rod '//to_text(which)
+            mechanism%arcs(n)%rod = body
+            cycle
+         end if
          mechanism%bodies(body)%name = trim(merge('input', 'crank', mechanism%actuators(which)%slides))//' '//to_text(which)
       end do
       mechanism%bodies = mechanism%bodies(:body)
       do body = body_input, size(mechanism%bodies)
-         mechanism%arcs(mechanism%bodies(body)%axis)%body = body
+         if (.not. mechanism%bodies(body)%is_rod) mechanism%arcs(mechanism%bodies(body)%axis)%body = body
       end do
       do n = 1, size(mechanism%arcs)
          if (mechanism%arcs(n)%kind /= arc_determined) cycle
@@ -97,6 +102,7 @@ contains
       call find_points_of_bodies(mechanism)
       allocate (mechanism%joints(merge(0, 1, mechanism%floating_input)))
       if (.not. mechanism%floating_input) call add_input_joint(mechanism)
+      call add_joints_of_drives(mechanism)
       do loop = 1, mechanism%nloop
          if (mechanism%is_dyad(loop)) then
             call add_joints_of_dyad(mechanism, loop)
@@ -114,7 +120,7 @@ contains
       integer :: n, slide
 
       do n = 1, size(mechanism%arcs)
-         if (.not. mechanism%slides(n) .or. mechanism%is_cylinder(n)) cycle
+         if (.not. mechanism%slides(n)) cycle
          slide = mechanism%arcs(n)%representative
          if (mechanism%arcs(slide)%turn == 0 .and. mechanism%arcs(slide)%foot > 0) then
             mechanism%arcs(n)%foot = mechanism%arcs(slide)%foot
@@ -254,6 +260,23 @@ contains
       end associate
    end subroutine add_input_joint
 
+   !> Joints of drives after the first that move links on the frame.
+   pure subroutine add_joints_of_drives(mechanism)
+      type(mechanism_t), intent(inout) :: mechanism
+      integer :: d, body
+
+      do d = 2, size(mechanism%actuators)
+         associate (pair => mechanism%actuators(d)%pair)
+            if (pair%arc == 0) cycle
+            mechanism%joints = [mechanism%joints, joint_t()]
+            mechanism%actuators(d)%joint = size(mechanism%joints)
+            body = mechanism%arcs(mechanism%actuators(d)%arc)%body
+            call set_joint(mechanism, size(mechanism%joints), 'IN', d, [body_frame, body], pair%arc, pair%end, pair%slide)
+            mechanism%joints(size(mechanism%joints))%group = 0
+         end associate
+      end do
+   end subroutine add_joints_of_drives
+
    !> The three joints of a dyad: S at the start of p, M between p and q, E at the finish of q.
    pure subroutine add_joints_of_dyad(mechanism, loop)
       type(mechanism_t), intent(inout) :: mechanism
@@ -293,10 +316,51 @@ contains
          mechanism%joints = [mechanism%joints, (joint_t(), k=1, size(pairs))]
          mechanism%groups(loop)%joints = [(first + k, k=1, size(pairs))]
          do k = 1, size(pairs)
-            call set_joint(mechanism, first + k, 'G'//to_text(k)//'.', loop, mechanism%arcs(pairs(k)%axes)%body, pairs(k)%arc, &
-                           pairs(k)%end, pairs(k)%slide)
+            call set_joint(mechanism, first + k, 'G'//to_text(k)//'.', loop, bodies_of(pairs(k)), pairs(k)%arc, pairs(k)%end, &
+                           pairs(k)%slide)
          end do
       end associate
+      if (.not. allocated(mechanism%groups(loop)%ties)) return
+      associate (ties => mechanism%groups(loop)%ties)
+         do k = 1, size(ties)
+            if (ties(k)%drive > 0) cycle
+            mechanism%joints = [mechanism%joints, joint_t()]
+            ties(k)%joint = size(mechanism%joints)
+            associate (joint => mechanism%joints(size(mechanism%joints)))
+               joint%name = 'T'//to_text(k)//'.'//to_text(loop)
+               joint%kind = joint_gear
+               joint%bodies = [body_of_axis(ties(k)%axes(1)), body_of_axis(ties(k)%axes(2))]
+               joint%arc = maxval(ties(k)%axes(:2))
+               joint%point = pivot
+               if (ties(k)%centre(1) > 0) joint%point = mechanism%arcs(ties(k)%centre(1))%ends(ties(k)%centre_end(1))
+               joint%group = loop
+               joint%attached = .true.
+            end associate
+         end do
+      end associate
+
+   contains
+
+      pure integer function body_of_axis(arc) result(body)
+         integer, intent(in) :: arc
+
+         body = body_frame
+         if (arc > 0) body = mechanism%arcs(arc)%body
+      end function body_of_axis
+
+      !> The bodies of a pair: what is at the foot of a cylinder is on its rod.
+      pure function bodies_of(pair) result(bodies)
+         type(joined_t), intent(in) :: pair
+         integer :: bodies(2), side
+
+         do side = 1, 2
+            associate (arc => mechanism%arcs(pair%axes(side)))
+               bodies(side) = arc%body
+               if (arc%rod == 0) cycle
+               if (mechanism%arcs(pair%arc)%ends(pair%end) == arc%ends(arc%foot)) bodies(side) = arc%rod
+            end associate
+         end do
+      end function bodies_of
    end subroutine add_joints_of_group
 
    pure subroutine set_joint(mechanism, number, letter, loop, bodies, arc, end, slide)

@@ -57,7 +57,9 @@ contains
                pairs = [pairs, pair_t(row%links, slide=row%which)]
             case (row_gear)
                associate (gear => closure%sketch%gears(row%which))
-                  gears = [gears, traced_gear_t(0, gear%wheels, gear%carrier, gear%ratio)]
+                  gears = [gears, traced_gear_t(0, gear%wheels, gear%carrier, gear%ratio, &
+                                                centres=[centre_of(gear%wheels(1), gear%carrier), &
+                                                         centre_of(gear%wheels(2), gear%carrier)])]
                end associate
             case (row_turn)
                ! links are the base and the one that is turned
@@ -106,6 +108,21 @@ contains
              2*count(loops%rings%loop == loop .and. loops%rings%closed) + size(gears)) &
             why = 'a group whose links have other unknowns than its rings find'
       end associate
+
+   contains
+
+      !> The joint of a wheel on its carrier; 0: there is none.
+      pure integer function centre_of(wheel, carrier) result(centre)
+         integer, intent(in) :: wheel, carrier
+         integer :: j
+
+         centre = 0
+         associate (sketch => closure%sketch)
+            do j = 1, size(sketch%joint_name)
+               if (sketch%has_joint(wheel, j) .and. sketch%has_joint(carrier, j)) centre = j
+            end do
+         end associate
+      end function centre_of
    end subroutine trace_group
 
    !> Points for the lines of all slides of the group, one on either link, after those that are there.
@@ -533,6 +550,7 @@ contains
             arc%kind = traced_actuator
             arc%cylinder = .true.
             arc%drive = closure%cylinder(ear%links(i))
+            arc%foot_last = closure%sketch%links(ear%links(i))%joints(1) == ends(1)
             if (arc%drive > 1) loops%seconds(arc%drive - 1)%arc = size(loops%arcs) + 1
          end if
          loops%arcs = [loops%arcs, arc]

@@ -6,7 +6,7 @@ module psalm_loop_forces
    use psalm_data_set, only: data_set_t
    use psalm_dimensions, only: dimensions_t
    use psalm_link_place, only: place_t
-   use psalm_mechanism, only: mechanism_t, joint_t, at_start, at_finish, body_frame, joint_prismatic
+   use psalm_mechanism, only: mechanism_t, joint_t, at_start, at_finish, body_frame, joint_gear, joint_prismatic
    use psalm_parameters, only: parameters_t
    use psalm_setup, only: set_up
    use psalm_sketch, only: frame_link
@@ -68,8 +68,8 @@ contains
          type(joint_t), intent(in) :: joint
          integer :: links(2), slide, j
 
-         is_of_sketch = .false.
-         if (.not. joint%attached) return
+         is_of_sketch = joint%kind == joint_gear
+         if (is_of_sketch .or. .not. joint%attached) return
          links = [link_of_body(set, mechanism, joint%bodies(1)), link_of_body(set, mechanism, joint%bodies(2))]
          if (joint%kind == joint_prismatic) then
             associate (arc => mechanism%arcs(joint%slide))
@@ -95,8 +95,10 @@ contains
          if (is_on_link .or. place%loop == 0) return
          associate (arc => mechanism%arcs(mechanism%seq(place%loop, place%arc)), &
                     end => merge(at_start, at_finish, place%from_start))
-            is_on_link = link_of_body(set, mechanism, arc%body) == place%link .and. arc%attached .and. arc%foot /= end
-            if (is_on_link) is_on_link = joined_by_arcs(mechanism, arc%body, reference_of(arc%body), arc%ends(end))
+            is_on_link = link_of_body(set, mechanism, arc%body) == place%link .and. arc%attached .and. &
+                         (arc%foot /= end .or. arc%rod > 0)
+            if (is_on_link .and. arc%rod == 0) &
+               is_on_link = joined_by_arcs(mechanism, arc%body, reference_of(arc%body), arc%ends(end))
          end associate
       end function is_on_link
 

@@ -1,7 +1,7 @@
 !> Names of a sketch for the links and joints of its loops, by which listings and tables call them.
 module psalm_part_names
    use psalm_data_set, only: data_set_t
-   use psalm_mechanism, only: mechanism_t, body_frame, joint_prismatic
+   use psalm_mechanism, only: mechanism_t, body_frame, joint_gear, joint_prismatic
    use psalm_sketch, only: frame_link
    implicit none (type, external)
    private
@@ -28,7 +28,9 @@ contains
             end associate
          end do
          do k = 1, size(joints)
-            if (joints(k)%kind == joint_prismatic) then
+            if (joints(k)%kind == joint_gear) then
+               joints(k)%name = bodies(joints(k)%bodies(1))%name//'-'//bodies(joints(k)%bodies(2))%name
+            else if (joints(k)%kind == joint_prismatic) then
                associate (arc => mechanism%arcs(joints(k)%slide))
                   i = set%slide_of_arc(arc%place, arc%loop)
                   if (i > 0) joints(k)%name = trim(set%sketch%slides(i)%name)

@@ -9,7 +9,7 @@ module psalm_sketch_loops
    use psalm_loop_trace, only: traced_dyad_t, close_loop, frame_axis
    use psalm_sketch, only: frame_link, drive_slides, drive_turns
    use psalm_sketch_paths, only: survey_t, know
-   use psalm_traced_loops, only: loops_t, traced_drive_t
+   use psalm_traced_loops, only: loops_t, traced_pair_t
    implicit none (type, external)
    private
    public :: make_loops
@@ -55,7 +55,13 @@ contains
          allocate (loops%seconds(size(sketch%drives) - 1))
          do g = 2, size(sketch%drives)
             associate (drive => sketch%drives(g))
-               loops%seconds(g - 1) = traced_drive_t(0, drive%kind /= drive_turns, drive%geared, drive%ratio, drive%phase)
+               associate (second => loops%seconds(g - 1))
+                  second%slides = drive%kind /= drive_turns
+                  second%geared = drive%geared
+                  second%ratio = drive%ratio
+                  second%phase = drive%phase
+                  if (on_frame(g)) second%pair = traced_pair_t(0, [frame_link, drive%link], drive%joint, drive%slide)
+               end associate
             end associate
          end do
          survey%points = size(sketch%joint_name)

@@ -46,6 +46,7 @@ contains
          associate (second => traced%seconds(n))
             mechanism%actuators = [mechanism%actuators, actuator_t(arc=second%arc, slides=second%slides, geared=second%geared, &
                                                                    ratio=second%ratio, phase=second%phase)]
+            if (second%pair%links(2) > 0) mechanism%actuators(n + 1)%pair = pair_of(traced, second%pair)
          end associate
       end do
    end subroutine take_traced_loops
@@ -67,7 +68,7 @@ contains
             arc%kind = arc_actuator
             arc%drive = of%drive
             if (.not. of%cylinder) call take_guide(traced, of, arc%reference, arc%turn)
-            if (of%guide_link > 0 .and. n > 1) arc%foot = merge(at_finish, at_start, of%foot_last)
+            if (of%cylinder .or. (of%guide_link > 0 .and. n > 1)) arc%foot = merge(at_finish, at_start, of%foot_last)
          case (traced_link)
             arc%kind = arc_link
          case (traced_slide)
@@ -165,6 +166,9 @@ contains
       type(traced_gear_t), intent(in) :: gear
       integer :: links(3), k
 
+      do k = 1, 2
+         call find_end(traced, 0, gear%centres(k), tie%centre(k), tie%centre_end(k))
+      end do
       links = [gear%wheels, gear%carrier]
       tie%factors = [gear%ratio, -1.0_wp, 1.0_wp - gear%ratio]
       tie%drive = gear%drive
@@ -172,6 +176,7 @@ contains
       do k = 1, size(links)
          tie%arcs(k) = turning_arc(traced, links(k))
          if (tie%arcs(k) > 0) tie%drawn(k) = traced%arcs(tie%arcs(k))%direction
+         if (links(k) /= frame_link) tie%axes(k) = axis_of(traced, links(k))
       end do
    end function tie_of
 
@@ -223,13 +228,23 @@ contains
          pair_of%end = merge(at_finish, at_start, traced%arcs(n)%foot_last)
          return
       end if
-      do n = 1, size(traced%arcs)
-         associate (arc => traced%arcs(n))
-            if (arc%loop /= pair%loop .or. all(arc%ends /= pair%joint)) cycle
-            pair_of%arc = n
-            pair_of%end = merge(at_start, at_finish, arc%ends(1) == pair%joint)
+      call find_end(traced, pair%loop, pair%joint, pair_of%arc, pair_of%end)
+   end function pair_of
+
+   !> An arc of a loop (0: of any) that ends at a joint; 0: none does.
+   pure subroutine find_end(traced, loop, joint, arc, end)
+      type(loops_t), intent(in) :: traced
+      integer, intent(in) :: loop, joint
+      integer, intent(out) :: arc, end
+
+      end = at_start
+      do arc = 1, size(traced%arcs)
+         associate (of => traced%arcs(arc))
+            if (all([0, of%loop] /= loop) .or. all(of%ends /= joint)) cycle
+            end = merge(at_start, at_finish, of%ends(1) == joint)
             return
          end associate
       end do
-   end function pair_of
+      arc = 0
+   end subroutine find_end
 end module psalm_sketch_mechanism

@@ -54,15 +54,16 @@ contains
       if (present(program)) reader = program
       do i = 1, size(sets)
          if (.not. sets(i)%sketch%given) cycle
-         call resolve(sets(i), reader /= 'psalm', findings)
+         call resolve(sets(i), reader /= 'psalm', reader == 'kalm', findings)
          if (allocated(sets(i)%no_loops)) call refuse_without_loops(sets(i), reader, findings)
       end do
    end subroutine resolve_all
 
    !> The loops of a sketch, unless they do not give its joints at the drawing, or not its forces: then it is solved in its poses.
-   subroutine resolve(set, forces, findings)
+   subroutine resolve(set, forces, rates, findings)
       type(data_set_t), intent(inout) :: set
       logical, intent(in) :: forces                          !! the program finds them
+      logical, intent(in) :: rates                           !! it is kalm
       type(diagnostics_t), intent(inout) :: findings
       class(data_set_t), allocatable :: as_read    ! large: it would fill a small stack
       type(diagnostics_t) :: own
@@ -79,10 +80,13 @@ contains
       if (own%failed() .and. .not. allocated(set%no_loops) .and. wants_poses(as_read)) why = no_pose
       if (.not. own%failed() .and. set%links%nloop > 0) then
          call check_loops(set, why)
-         ! the other programs draw wheels, find the forces of teeth, and tell what each drive does by itself
-         if (len(why) == 0 .and. forces .and. size(set%traced%gears) > 0) why = 'gears'
-         if (len(why) == 0 .and. forces .and. size(set%traced%seconds) > 0) why = 'several drives'
-         if (len(why) == 0 .and. forces .and. set%traced%floating) why = 'a drive that is not on the frame'
+         ! the other programs draw wheels, or work on one drive; kalm tells what each drive does by itself
+         if (len(why) == 0 .and. forces .and. any(.not. set%traced%seconds%geared)) why = 'several drives'
+         if (.not. rates) then
+            if (len(why) == 0 .and. forces .and. any(set%traced%gears%drive == 0)) why = 'gears'
+            if (len(why) == 0 .and. forces .and. size(set%traced%seconds) > 0) why = 'several drives'
+            if (len(why) == 0 .and. forces .and. set%traced%floating) why = 'a drive that is not on the frame'
+         end if
          if (len(why) == 0 .and. forces .and. asks_for_forces(as_read)) then
             if (.not. loops_carry_forces(set, slide)) then
                why = no_forces//what_of(set, slide)

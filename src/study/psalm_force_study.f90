@@ -8,9 +8,9 @@ module psalm_force_study
    use psalm_elementary, only: hypotenuse
    use psalm_error, only: problem_t, motion_t
    use psalm_force_analysis, only: force_table_t, analyse_forces, share_of_sources, loads_of_unit_masses, column_of_joint, &
-                                   column_drive, column_fx, column_fy, column_moment
+                                   column_of_other_drive, column_drive, column_fx, column_fy, column_moment
    use psalm_force_model, only: force_model_t, make_force_model, vertices_of
-   use psalm_kinds, only: wp, full_turn
+   use psalm_kinds, only: wp, full_turn, radians_per_degree
    use psalm_kinetostatics, only: source_inertia, source_weight
    use psalm_mechanism, only: mechanism_t, joint_prismatic
    use psalm_status, only: diagnostics_t
@@ -85,16 +85,21 @@ contains
       class(problem_t), allocatable :: problem      ! large: it would fill a small stack
       type(motion_t) :: motion
       type(diagnostics_t) :: unused
-      integer :: k
+      real(wp) :: rate
+      integer :: k, column
 
       allocate (problem, source=given)
       study%mechanism = given%mechanism
       call make_force_model(set, study%mechanism, dimensions, study%model, unused)
       study%rubs = size(study%model%friction) > 0
       study%of_sketch = set%sketch%given
-      study%drive_slides = [study%mechanism%sliding_input]
-      allocate (study%joints(size(study%mechanism%joints)), study%parts(study%mechanism%nloop), study%drives(1))
+      study%drive_slides = study%mechanism%actuators%slides
+      allocate (study%joints(size(study%mechanism%joints)), study%parts(study%mechanism%nloop), &
+                study%drives(size(study%mechanism%actuators)))
       study%drives = ''
+      do k = 1, size(set%sketch%drives)
+         study%drives(k) = set%sketch%drive_label(k)
+      end do
       do k = 1, size(study%joints)
          study%joints(k)%name = study%mechanism%joints(k)%name
          study%joints(k)%slides = study%mechanism%joints(k)%kind == joint_prismatic
@@ -106,11 +111,20 @@ contains
       call problem%analyse(dimensions, motion)
       study%input = motion%input
       call analyse_forces(problem, study%model, set%rates%speed, set%rates%accel, motion%closed, motion%input, study%table)
-      if (.not. set%masses%motor_on_frame .and. .not. study%mechanism%sliding_input) then
-         study%table%value(:, column_moment) = study%table%value(:, column_moment) + study%table%value(:, column_drive)
-      end if
-      study%drive_power = study%table%value(:, column_drive)*set%rates%speed
-      if (study%mechanism%sliding_input) study%drive_power = study%drive_power*set%masses%metre
+      allocate (study%drive_power(size(study%input)), source=0.0_wp)
+      do k = 1, size(study%drives)
+         associate (actuator => study%mechanism%actuators(k), v => study%table%value)
+            column = column_drive
+            if (k > 1) column = column_of_other_drive(size(study%joints), k)
+            ! a flywheel elsewhere holds the speed: the frame does not feel the motor
+            if (.not. set%masses%motor_on_frame .and. .not. actuator%slides .and. actuator%joint > 0) &
+               v(:, column_moment) = v(:, column_moment) + v(:, column)
+            rate = set%rates%speed
+            if (k > 1) rate = rate*actuator%ratio*unit_of(actuator%slides)/unit_of(study%mechanism%sliding_input)
+            if (actuator%slides) rate = rate*set%masses%metre
+            study%drive_power = study%drive_power + v(:, column)*rate
+         end associate
+      end do
       associate (x => set%masses%about(1)*set%masses%metre, y => set%masses%about(2)*set%masses%metre, v => study%table%value)
          study%about = v(:, column_moment) - (x*v(:, column_fy) - y*v(:, column_fx))
       end associate
@@ -122,7 +136,16 @@ contains
          call loads_of_unit_masses(problem, study%model, set%rates%speed, set%rates%accel, by_unit_mass)
       end if
       call size_up(study)
-      call find_harmonics_of(study, set%masses%harmonics)
+      call find_harmonics_of(study, merge(set%masses%harmonics, 0, size(study%drives) == 1))
+
+   contains
+
+      !> Ratios of geared drives are degrees, or lengths, by each other; rates are radians.
+      pure real(wp) function unit_of(slides)
+         logical, intent(in) :: slides
+
+         unit_of = merge(1.0_wp, radians_per_degree, slides)
+      end function unit_of
    end subroutine find_forces
 
    !> Names of the sources: inertia, weight, loads, springs.
