@@ -107,6 +107,7 @@ contains
       if (set%sketch%given) then
          call study_sketch(set, problem, prepared%given, rates%motion%closed, set%rates%speed, set%rates%accel, sketch)
          call report_sketch_table(set, sketch, accelerations, devices)
+         call report_still_drives(set, devices)
       else if (arguments%json) then
          call report_case_table(set, problem, rates%motion, devices, rates)
       end if

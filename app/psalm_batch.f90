@@ -92,7 +92,9 @@ contains
 
       set%method%nguess = 0
       why = ''
-      if (allocated(set%no_loops) .and. present(turning)) why = set%sketch%why_no_crank()
+      if (present(turning) .and. set%sketch%given) then
+         if (allocated(set%no_loops) .or. count(.not. set%sketch%drives%geared) > 1) why = set%sketch%why_no_crank()
+      end if
       if (len(why) > 0) then
          call findings%error(does//' linkages with a crank that turns; '//why, line=set%title_line, group='DRIVES')
       else if (allocated(set%no_loops)) then

@@ -34,6 +34,8 @@ module psalm_group_rings
    type :: known_turn_t
       integer :: row = 0                            !! of the turn
       integer :: root_x = 0, root_y = 0             !! of the direction
+      integer :: arc = 0                            !! an arc that is turned from it,
+      real(wp) :: drawn_angle = 0.0_wp              !! and where that points in the drawing, degrees
       real(wp) :: drawn(2) = 0.0_wp                 !! the direction in the drawing
       real(wp) :: now(3) = 0.0_wp                   !! direction and turn where the group stands
    end type known_turn_t

@@ -12,7 +12,7 @@ module psalm_link_cycle
                                   first_spring, source_inertia, sources_of
    use psalm_link_loads, only: acting_cycle_t, find_foot, list_acting, follow_acting
    use psalm_link_vibration, only: moving_link_t
-   use psalm_mechanism, only: mechanism_t, at_start, at_finish, body_frame, joint_prismatic
+   use psalm_mechanism, only: mechanism_t, at_start, at_finish, body_frame, joint_gear, joint_prismatic
    use psalm_periodic, only: periodic_from_samples
    use psalm_rates, only: rates_t, prepare_rates, differentiate, is_dead
    use psalm_status, only: diagnostics_t
@@ -78,11 +78,18 @@ contains
          call refuse('is no arc between two points of a link')
          return
       end if
+      if (is_turned_by_drive(mechanism, body)) then
+         call refuse('a drive turns the link against another: only links between two pins are treated')
+         return
+      end if
       pins = 0
       do j = 1, size(mechanism%joints)
          associate (joint => mechanism%joints(j))
             if (.not. any(joint%bodies == body)) cycle
-            if (joint%kind == joint_prismatic) then
+            if (joint%kind == joint_gear) then
+               call refuse('the link is a wheel: only links between two pins are treated')
+               return
+            else if (joint%kind == joint_prismatic) then
                call refuse('the link slides at joint '//joint%name//': only links between two pins are treated')
                return
             end if
@@ -145,6 +152,25 @@ contains
          call set%origins%error(findings, group, item, 'entry '//to_text(entry)//': '//text, entry)
       end subroutine refuse
    end subroutine check_link
+
+   !> True if a drive turns a body against another one that moves.
+   pure logical function is_turned_by_drive(mechanism, body)
+      type(mechanism_t), intent(in) :: mechanism
+      integer, intent(in) :: body
+      integer :: loop, t
+
+      is_turned_by_drive = .false.
+      do loop = 1, mechanism%nloop
+         if (.not. allocated(mechanism%groups(loop)%ties)) cycle
+         do t = 1, size(mechanism%groups(loop)%ties)
+            associate (tie => mechanism%groups(loop)%ties(t))
+               if (tie%drive == 0) cycle
+               is_turned_by_drive = is_turned_by_drive .or. &
+                                    any(mechanism%arcs(pack(tie%axes, tie%axes > 0))%body == body)
+            end associate
+         end do
+      end do
+   end function is_turned_by_drive
 
    !> Put the mass of a uniform link on its body, unless it is the body of `beyond`. The link was checked by `check_link`.
    pure subroutine add_uniform_link(mechanism, dimensions, beam, beyond, model)

@@ -136,6 +136,10 @@ contains
          call set%origins%error(findings, 'MOTOR', '', 'motion from torque needs a crank that turns; the input of this linkage '// &
                                 'slides')
       end if
+      if (set%gives('MOTOR') .and. size(mechanism%actuators) > 1) then
+         call set%origins%error(findings, 'MOTOR', '', 'motion from torque needs one drive, for its torque decides the motion; '// &
+                                'this linkage has several')
+      end if
       masses = size(set%masses%places)
       springs = size(set%springs%first)
       if (present(without_added)) then

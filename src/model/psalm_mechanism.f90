@@ -46,6 +46,7 @@ module psalm_mechanism
       integer :: reference = 0          !! arc it hangs on, or its guide; 0: none
       logical :: same = .false.         !! same length and direction as its reference
       logical :: frame = .false.        !! belongs to the frame
+      logical :: leads_nowhere = .false. !! from a joint of a sketch to the same joint
       integer :: turn = 0               !! slides: +1 if 90 degrees anticlockwise from the guide's direction, -1 if clockwise; 0:
                                         !! turned from it by GAMA
       integer :: representative = 0     !! first arc identical with it (itself if none)
@@ -138,6 +139,7 @@ module psalm_mechanism
       logical :: slides = .false.       !! prismatic: its input is a length
       logical :: geared = .false.       !! its input is that of the first, counted from the drawing, times `ratio`, and `phase`
       real(wp) :: ratio = 1.0_wp, phase = 0.0_wp
+      real(wp) :: by_first(3) = [1.0_wp, 0.0_wp, 0.0_wp] !! derivatives of its input by that of the first, radians or lengths
       type(joined_t) :: pair            !! after the first: where it moves a link on the frame; arc 0: elsewhere
    end type actuator_t
 

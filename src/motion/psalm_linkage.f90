@@ -86,6 +86,7 @@ module psalm_linkage
       integer :: first_turn = 0                  !! row of the first input's turn since the drawing, radians; 0: no tie needs it
       logical :: tied = .false.                  !! a group has ties: turns count, not only directions
       type(second_drive_t), allocatable :: seconds(:)
+      real(wp), allocatable :: drive_rate(:, :)  !! shape (3, drives): derivatives of inputs by the first, radians or user's lengths
       integer, allocatable :: input_row(:)       !! rows that move with the first input,
       real(wp), allocatable :: input_rate(:)     !! by how much a unit of it: radian, or user's length
       integer, allocatable :: driven_arc(:), driven_row(:) !! arcs whose length is an input, and its row: ARCL counts there, too
@@ -101,6 +102,7 @@ module psalm_linkage
       procedure :: all_accepted
       procedure :: note_sides
       procedure :: stays_on_side
+      procedure :: rows_of_drive
       procedure :: arc_at
    end type linkage_t
 
@@ -201,6 +203,8 @@ contains
       subroutine prepare_seconds()
          integer :: d
 
+         self%drive_rate = reshape([(mechanism%actuators(d)%by_first, d=1, size(mechanism%actuators))], &
+                                   [3, size(mechanism%actuators)])
          allocate (self%seconds(size(mechanism%actuators) - 1))
          do d = 1, size(self%seconds)
             associate (own => self%seconds(d), actuator => mechanism%actuators(d + 1))
@@ -341,9 +345,9 @@ contains
                   end if
                   known = findloc(higher%known%root_x, tie%roots(j), dim=1)
                   if (known == 0) then
-                     higher%known = [higher%known, known_turn_t(new_turn_row(), tie%roots(j), self%root_y(plan%root(of%arcs(j))))]
+                     higher%known = [higher%known, known_turn_t(new_turn_row(), tie%roots(j), self%root_y(plan%root(of%arcs(j))), &
+                                                                of%arcs(j), of%drawn(j))]
                      known = size(higher%known)
-                     call unit_vector(of%drawn(j), higher%known(known)%drawn(1), higher%known(known)%drawn(2))
                   end if
                   tie%rows(j) = higher%known(known)%row
                end do
@@ -627,6 +631,11 @@ contains
          end do
          higher%size = max(maxval(abs(higher%terms%length)), tiny(1.0_wp), &
                            maxval(abs(higher%drawn(1, :)), mask=higher%row_of_sine == 0))
+         do j = 1, size(higher%known)
+            associate (known => higher%known(j))
+               call unit_vector(known%drawn_angle - self%angle(known%arc), known%drawn(1), known%drawn(2))
+            end associate
+         end do
          higher%now = higher%drawn
          higher%before = higher%drawn
       end associate
@@ -717,6 +726,34 @@ contains
          end associate
       end do
    end subroutine put_seconds
+
+   !> Rows that an input moves, 0: none, and by how much a unit of it: a radian, or a user's length.
+   pure subroutine rows_of_drive(self, drive, rows, unit)
+      class(linkage_t), intent(in) :: self
+      integer, intent(in) :: drive
+      integer, intent(out) :: rows(2)
+      real(wp), intent(out) :: unit
+
+      rows = 0
+      unit = 1.0_wp
+      if (drive == 1) then
+         if (.not. self%sliding_input) then
+            rows = [self%root_x(root_crank), self%first_turn]
+         else if (self%input_slot > 0) then
+            rows(1) = self%slide(self%input_slot)
+            unit = self%scale
+         end if
+         return
+      end if
+      associate (own => self%seconds(drive - 1))
+         if (own%slides) then
+            rows(1) = own%slide
+            unit = self%scale
+         else
+            rows = [own%root_x, own%turn]
+         end if
+      end associate
+   end subroutine rows_of_drive
 
    !> Changes of driven lengths that count from a length which varies; `stretch` is 0 to put them back.
    pure subroutine put_driven_lengths(self, n, stretch, d)

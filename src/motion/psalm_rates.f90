@@ -94,16 +94,23 @@ contains
    end subroutine form_step
 
    !> Derivatives by the input up to `orders` (2 or 3) for the first `n` positions of the block just solved.
-   subroutine differentiate(problem, rates, n, orders)
+   subroutine differentiate(problem, rates, n, orders, drive)
       type(problem_t), intent(in) :: problem
       type(rates_t), intent(inout) :: rates
       integer, intent(in) :: n, orders
-      integer :: m, k
+      integer, intent(in), optional :: drive !! by this drive alone, the others at rest; else by the first, with what moves with it
+      real(wp) :: rate(3), unit
+      integer :: m, k, d, rows(2)
 
       m = padded(n)
       associate (link => problem%linkage)
-         do k = 1, size(link%input_row)
-            call set_input(link%input_row(k), link%input_rate(k))
+         do d = 1, size(link%drive_rate, 2)
+            call link%rows_of_drive(d, rows, unit)
+            do k = 1, size(rows)
+               rate = link%drive_rate(:, d)
+               if (present(drive)) rate = merge([1.0_wp, 0.0_wp, 0.0_wp], 0.0_wp, d == drive)
+               if (rows(k) > 0) call set_input(rows(k), rate*unit)
+            end do
          end do
          do k = 1, size(link%steps)
             associate (step => link%steps(k))
@@ -123,11 +130,11 @@ contains
 
       subroutine set_input(row, rate)
          integer, intent(in) :: row
-         real(wp), intent(in) :: rate
+         real(wp), intent(in) :: rate(:)
 
-         rates%d(1)%v(1:m, row) = rate
-         rates%d(2)%v(1:m, row) = 0.0_wp
-         rates%d(3)%v(1:m, row) = 0.0_wp
+         rates%d(1)%v(1:m, row) = rate(1)
+         rates%d(2)%v(1:m, row) = rate(2)
+         rates%d(3)%v(1:m, row) = rate(3)
       end subroutine set_input
    end subroutine differentiate
 

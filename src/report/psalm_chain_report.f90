@@ -87,6 +87,8 @@ contains
       call devices%six%add(' ALL OUTPUTS, INPUTS FROM THE DRAWING')
       call list_rows(set, study%inputs, study%closed, names, values, devices%six, beyond)
       call write_output_block(study%closed, names, values, devices%nine)
+      if (orders > 0 .and. size(study%inputs, 1) > 1) call write_drive_block(set, study%closed, study%dead, study%names, &
+                                                                             study%by_drive, devices%nine)
    end subroutine report_outputs
 
    !> True if there are outputs that listing and summary of the loops do not have: all but the first, or that one, too.

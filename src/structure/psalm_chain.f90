@@ -93,6 +93,11 @@ contains
       integer, intent(inout) :: point
       integer :: arc, way, bar, this_end, near
 
+      if (mechanism%arcs(n)%leads_nowhere) then
+         call add_bar(chain, bar_t(n, [point, point]))
+         call run_along(mechanism, n, chain%bars, .false., chain)
+         return
+      end if
       arc = mechanism%arcs(n)%representative
       way = merge(-sense, sense, mechanism%arcs(n)%reversed)
       near = merge(1, 2, way == 1)        ! the end of the bar the walk begins at

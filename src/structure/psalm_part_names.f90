@@ -49,6 +49,9 @@ contains
          do k = 1, size(joints)
             if (several(k)) joints(k)%name = joints(k)%name//'.'//bodies(joints(k)%bodies(2))%name
          end do
+         do k = 1, size(bodies)
+            if (bodies(k)%is_rod) bodies(k)%name = bodies(k)%name//' rod'
+         end do
       end associate
    end subroutine take_names
 end module psalm_part_names

@@ -9,6 +9,7 @@ module psalm_setup
    use psalm_common_arcs, only: find_identical
    use psalm_data_set, only: data_set_t
    use psalm_dimensions, only: dimensions_t
+   use psalm_kinds, only: wp, radians_per_degree
    use psalm_loop_groups, only: find_groups
    use psalm_mechanism, only: mechanism_t
    use psalm_parameters, only: parameters_t, no_parameters
@@ -39,6 +40,7 @@ contains
       if (set%is_beyond_arrays()) then
          ! the arrays cannot tell it
          call take_traced_loops(set%traced, mechanism)
+         call take_speeds(set, mechanism)
          call take_dimensions(set, mechanism, dimensions)
          call assign_bodies(mechanism)
       else
@@ -58,6 +60,39 @@ contains
       call check_dimensions(set, mechanism, dimensions, parameters, findings)
       call find_repeated(set, findings)
    end subroutine set_up
+
+   !> How the drives move while the first does: geared ones with it, others at speeds of their own.
+   pure subroutine take_speeds(set, mechanism)
+      type(data_set_t), intent(in) :: set
+      type(mechanism_t), intent(inout) :: mechanism
+      real(wp), parameter :: accelerated = 3.0_wp
+      integer :: d
+
+      do d = 2, size(mechanism%actuators)
+         associate (own => mechanism%actuators(d), drive => set%sketch%drives(d), speed => set%rates%speed, &
+                    accel => set%rates%accel)
+            if (own%geared) then
+               own%by_first(1) = own%ratio*unit_of(own%slides)/unit_of(mechanism%sliding_input)
+               cycle
+            end if
+            own%by_first = 0.0_wp
+            if (.not. abs(speed) > 0.0_wp) cycle
+            ! neither input has a jerk
+            own%by_first(1) = drive%speed/speed
+            own%by_first(2) = (drive%accel - own%by_first(1)*accel)/speed**2
+            own%by_first(3) = -accelerated*own%by_first(2)*accel/speed**2
+         end associate
+      end do
+
+   contains
+
+      !> Ratios of geared drives are degrees, or lengths, by each other.
+      pure real(wp) function unit_of(slides)
+         logical, intent(in) :: slides
+
+         unit_of = merge(1.0_wp, radians_per_degree, slides)
+      end function unit_of
+   end subroutine take_speeds
 
    !> The dimensions as written, of the arcs that are there.
    pure subroutine take_dimensions(set, mechanism, dimensions)

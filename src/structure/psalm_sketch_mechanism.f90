@@ -85,6 +85,7 @@ contains
             arc%reference = of%reference
             arc%same = of%same
             arc%frame = of%link == frame_link
+            arc%leads_nowhere = of%ends(1) == of%ends(2)
             if (of%same .or. of%against) then
                arc%representative = mechanism%arcs(of%reference)%representative
                arc%reversed = mechanism%arcs(of%reference)%reversed .neqv. of%against

@@ -19,7 +19,7 @@ module psalm_balance_study
    use psalm_kinetostatics, only: source_inertia, source_weight
    use psalm_linear_loads, only: channel_t, measure_t, measure_of, about_anchor, parameters_of_weight, weight_mass, weight_px, &
                                  weight_py, weight_inertia
-   use psalm_mechanism, only: mechanism_t, body_frame, joint_prismatic, at_start
+   use psalm_mechanism, only: mechanism_t, body_frame, joint_gear, joint_prismatic, at_start
    use psalm_pin_order, only: pin_order_t, order_by_pins
    use psalm_sort, only: ascending
    use psalm_status, only: diagnostics_t
@@ -445,7 +445,7 @@ contains
       integer :: k, count_found, links, b, rank
 
       links = size(model%reference) - 1
-      study%by_rule = 2*links - size(mechanism%joints)
+      study%by_rule = 2*links - count(mechanism%joints%kind /= joint_gear)
       study%left = unspanned(balance, rooms%link)
       study%already = .not. balance%swing > balanced*balance%mass*maxval([rooms%reach, maxval(abs(anchor)), tiny(1.0_wp)])
       study%feasible = study%already .or. study%left <= balanced

@@ -1,6 +1,7 @@
 !> The cases of a file, whichever way their linkages are described: what follows works on loops.
 module psalm_cases
    use psalm_data_set, only: data_set_t, read_data_sets, read_data_set_text
+   use psalm_kinds, only: wp
    use psalm_loop_check, only: check_loops
    use psalm_loop_forces, only: asks_for_forces, loops_carry_forces
    use psalm_mark, only: mark_t
@@ -54,7 +55,7 @@ contains
       if (present(program)) reader = program
       do i = 1, size(sets)
          if (.not. sets(i)%sketch%given) cycle
-         call resolve(sets(i), reader /= 'psalm', reader == 'kalm', findings)
+         call resolve(sets(i), reader /= 'psalm', any(reader == [character(6) :: 'kalm', 'muscle', 'ssics']), findings)
          if (allocated(sets(i)%no_loops)) call refuse_without_loops(sets(i), reader, findings)
       end do
    end subroutine resolve_all
@@ -63,7 +64,7 @@ contains
    subroutine resolve(set, forces, rates, findings)
       type(data_set_t), intent(inout) :: set
       logical, intent(in) :: forces                          !! the program finds them
-      logical, intent(in) :: rates                           !! it is kalm
+      logical, intent(in) :: rates                           !! it takes gears, geared and floating drives by loops
       type(diagnostics_t), intent(inout) :: findings
       class(data_set_t), allocatable :: as_read    ! large: it would fill a small stack
       type(diagnostics_t) :: own
@@ -81,7 +82,8 @@ contains
       if (.not. own%failed() .and. set%links%nloop > 0) then
          call check_loops(set, why)
          ! the other programs draw wheels, or work on one drive; kalm tells what each drive does by itself
-         if (len(why) == 0 .and. forces .and. any(.not. set%traced%seconds%geared)) why = 'several drives'
+         if (len(why) == 0 .and. forces .and. any(.not. set%traced%seconds%geared) .and. &
+             .not. abs(set%rates%speed) > 0.0_wp) why = 'several drives, the first of which stands still'
          if (.not. rates) then
             if (len(why) == 0 .and. forces .and. any(set%traced%gears%drive == 0)) why = 'gears'
             if (len(why) == 0 .and. forces .and. size(set%traced%seconds) > 0) why = 'several drives'

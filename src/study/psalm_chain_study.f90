@@ -20,7 +20,6 @@ module psalm_chain_study
       type(closure_t) :: closure
       type(state_t) :: start                        !! at the drawing
       type(chain_motion_t) :: motion
-      real(wp), allocatable :: by_drive(:, :, :)    !! shape (numbers, drives, positions): change with one drive, the others held
    end type chain_study_t
 
 contains

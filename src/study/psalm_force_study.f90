@@ -10,7 +10,7 @@ module psalm_force_study
    use psalm_force_analysis, only: force_table_t, analyse_forces, share_of_sources, loads_of_unit_masses, column_of_joint, &
                                    column_of_other_drive, column_drive, column_fx, column_fy, column_moment
    use psalm_force_model, only: force_model_t, make_force_model, vertices_of
-   use psalm_kinds, only: wp, full_turn, radians_per_degree
+   use psalm_kinds, only: wp, full_turn
    use psalm_kinetostatics, only: source_inertia, source_weight
    use psalm_mechanism, only: mechanism_t, joint_prismatic
    use psalm_status, only: diagnostics_t
@@ -120,7 +120,7 @@ contains
             if (.not. set%masses%motor_on_frame .and. .not. actuator%slides .and. actuator%joint > 0) &
                v(:, column_moment) = v(:, column_moment) + v(:, column)
             rate = set%rates%speed
-            if (k > 1) rate = rate*actuator%ratio*unit_of(actuator%slides)/unit_of(study%mechanism%sliding_input)
+            rate = rate*actuator%by_first(1)
             if (actuator%slides) rate = rate*set%masses%metre
             study%drive_power = study%drive_power + v(:, column)*rate
          end associate
@@ -137,15 +137,6 @@ contains
       end if
       call size_up(study)
       call find_harmonics_of(study, merge(set%masses%harmonics, 0, size(study%drives) == 1))
-
-   contains
-
-      !> Ratios of geared drives are degrees, or lengths, by each other; rates are radians.
-      pure real(wp) function unit_of(slides)
-         logical, intent(in) :: slides
-
-         unit_of = merge(1.0_wp, radians_per_degree, slides)
-      end function unit_of
    end subroutine find_forces
 
    !> Names of the sources: inertia, weight, loads, springs.

@@ -6,6 +6,7 @@ module psalm_sketch_study
    use psalm_error, only: problem_t
    use psalm_kinds, only: wp
    use psalm_rates, only: rates_t, prepare_rates, differentiate, is_dead
+   use psalm_sketch, only: columns_of, output_ratio
    use psalm_sketch_motion, only: sketch_motion_t, locate_sketch, observe_sketch
    use psalm_sketch_outputs, only: names_of_numbers, values_of_outputs, unwrap, name_room
    implicit none (type, external)
@@ -21,6 +22,7 @@ module psalm_sketch_study
       logical, allocatable :: angles(:)             !! they are angles that may turn on
       real(wp), allocatable :: values(:, :, :)      !! shape (numbers, 0:most_orders, positions); angles in degrees, rates radians;
                                                     !! huge: a ratio to what stands still, and its rates
+      real(wp), allocatable :: by_drive(:, :, :)    !! shape (numbers, drives, positions): change with one drive, the others held
       complex(wp), allocatable :: joints(:, :, :)   !! shape (joints, 0:most_orders, positions): places and rates by time
    end type sketch_study_t
 
@@ -39,6 +41,7 @@ contains
       type(rates_t), allocatable :: rates
       type(sketch_motion_t) :: sketch
       real(wp), allocatable :: moved(:, :, :)
+      complex(wp), allocatable :: alone(:, :, :)
       real(wp) :: largest(2)
       integer :: block, offset, n, i, k, loop
       logical :: anew
@@ -72,6 +75,8 @@ contains
          allocate (study%values(size(study%names), 0:most_orders, positions), source=0.0_wp)
          allocate (study%joints(size(set%sketch%joint_name), 0:most_orders, positions), source=(0.0_wp, 0.0_wp))
          allocate (moved(size(set%sketch%slides), 0:most_orders, own%linkage%room))
+         allocate (study%by_drive(size(study%names), size(study%inputs, 1), positions), source=0.0_wp)
+         allocate (alone(size(study%joints, 1), 0:most_orders, own%linkage%room))
          do block = 1, own%blocks()
             call own%solve_block(block, offset, n)
             call differentiate(own, rates, n, most_orders)
@@ -90,6 +95,7 @@ contains
                   where (study%values(:, 0, k) >= huge(1.0_wp)) study%values(:, 3, k) = huge(1.0_wp)
                end do
             end associate
+            if (size(study%inputs, 1) > 1) call move_one_by_one()
          end do
          if (.not. all(closed)) return
          do k = 1, size(study%names)
@@ -98,6 +104,30 @@ contains
       end associate
 
    contains
+
+      !> What each drive does by itself: first derivatives, radians for degrees.
+      subroutine move_one_by_one()
+         real(wp) :: values(size(study%names), 0:most_orders)
+         integer :: d, o, number
+
+         do d = 1, size(study%inputs, 1)
+            call differentiate(own, rates, n, 1, drive=d)
+            call observe_sketch(sketch, own, rates, n, 1.0_wp, 0.0_wp, alone(:, :, :n), moved(:, :, :n))
+            do i = 1, n
+               k = offset + i
+               if (.not. closed(k) .or. study%dead(k)) cycle
+               largest = 1.0_wp
+               call values_of_outputs(set%sketch%outputs, alone(:, :, i), moved(:, :, i), largest, values)
+               study%by_drive(:, d, k) = values(:, 1)
+            end do
+         end do
+         ! a ratio of rates is another one for each drive: it has no change with one alone
+         number = 0
+         do o = 1, size(set%sketch%outputs)
+            number = number + columns_of(set%sketch%outputs(o))
+            if (set%sketch%outputs(o)%kind == output_ratio) study%by_drive(number, :, :) = huge(1.0_wp)
+         end do
+      end subroutine move_one_by_one
 
       !> The largest rate of any direction by time at a position of the block.
       pure real(wp) function fastest_turn(at)
