@@ -578,7 +578,7 @@ def test_still_output():
     at = [table[0].index(name) for name in ("R", "R.v", "R.a", "Q")]
     check("a ratio to what stands: table", all(row[at[0]] == row[at[1]] == row[at[2]] == "" and abs(float(row[at[3]])) < 1e-12 for row in table[1:]),
           str(table[:2]))
-    check("a ratio to what stands: device 9", all(line.split().count("NaN") == 3 for line in read("still.kalm.dev9").split("# block")[0].split("\n")
+    check("a ratio to what stands: device 9", all(line.split().count("NaN") == 3 for line in read("still.kalm.dev9").split("# block outputs")[1].split("# block")[0].split("\n")
                                                   if line and line[0] != "#"), read("still.kalm.dev9"))
     check("a ratio to what stands: listing", [line.split().count("-") for line in listing.split("\n") if re.match(r" +[123] ", line)] == [3, 3, 3], listing)
     check("a ratio to what stands: summary", "R has no value: it is a ratio to what stands still" in errors, errors)

@@ -136,9 +136,9 @@ contains
          call set%origins%error(findings, 'MOTOR', '', 'motion from torque needs a crank that turns; the input of this linkage '// &
                                 'slides')
       end if
-      if (set%gives('MOTOR') .and. size(mechanism%actuators) > 1) then
-         call set%origins%error(findings, 'MOTOR', '', 'motion from torque needs one drive, for its torque decides the motion; '// &
-                                'this linkage has several')
+      if (set%gives('MOTOR') .and. any(.not. mechanism%actuators(2:)%geared)) then
+         call set%origins%error(findings, 'MOTOR', '', 'motion from torque needs one drive that all others follow; '// &
+                                'this linkage has several of their own')
       end if
       masses = size(set%masses%places)
       springs = size(set%springs%first)

@@ -1,7 +1,7 @@
 !> A mechanism reduced to its crank: its inertia J, and the torque of weight, loads, springs and dampers there.
 module psalm_reduced
    use psalm_error, only: problem_t, motion_t
-   use psalm_force_analysis, only: force_table_t, analyse_forces, column_drive
+   use psalm_force_analysis, only: force_table_t, analyse_forces, column_drive, column_of_other_drive
    use psalm_force_model, only: force_model_t, friction_t, load_t, spring_t, vertices_of
    use psalm_kinds, only: wp
    implicit none (type, external)
@@ -41,7 +41,14 @@ contains
       only%friction = [friction_t ::]
       call analyse_forces(problem, only, 1.0_wp, 0.0_wp, motion%closed, motion%input, table)
       reduced%inertia = 2.0_wp*table%kinetic
+      ! drives geared to the crank are moved through it
       reduced%slope = 2.0_wp*table%value(:, column_drive)
+      do k = 2, size(problem%mechanism%actuators)
+         associate (actuator => problem%mechanism%actuators(k))
+            reduced%slope = reduced%slope + 2.0_wp*actuator%by_first(1)*merge(model%metre, 1.0_wp, actuator%slides)* &
+                            table%value(:, column_of_other_drive(size(problem%mechanism%joints), k))
+         end associate
+      end do
       reduced%trouble = findloc([(table%known(k), k=1, size(delt))], .false., dim=1)
       ! everything else but dampers, at unit speed, where power is torque
       only = model

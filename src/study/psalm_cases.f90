@@ -55,7 +55,7 @@ contains
       if (present(program)) reader = program
       do i = 1, size(sets)
          if (.not. sets(i)%sketch%given) cycle
-         call resolve(sets(i), reader /= 'psalm', any(reader == [character(6) :: 'kalm', 'muscle', 'ssics']), findings)
+         call resolve(sets(i), reader /= 'psalm', any(reader == [character(6) :: 'kalm', 'muscle']), findings)
          if (allocated(sets(i)%no_loops)) call refuse_without_loops(sets(i), reader, findings)
       end do
    end subroutine resolve_all

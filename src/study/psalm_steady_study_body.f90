@@ -71,9 +71,6 @@ contains
          call set%origins%error(findings, 'DRIVEL', '', 'a flexible drive needs a crank that turns; the input of this linkage '// &
                                 'slides')
       end if
-      if (asked%drive%given .and. size(prepared%mechanism%actuators) > 1) then
-         call set%origins%error(findings, 'DRIVEL', '', 'a flexible drive is that of a linkage with one drive')
-      end if
       if (asked%drive%given .and. size(model%friction) > 0) then
          call set%origins%error(findings, 'FRICTN', '', 'the equation of a flexible drive is linear, but friction changes its '// &
                                 'sign with the motion of the joint; leave &FRICTN out, or give its losses as a moment in &LOADS')
