@@ -614,8 +614,6 @@ contains
       call wrong(text_of('data/dyad1_crank_rocker.nml')//" &MASSES NMASS=1, MNAME='rod', MASS=1. &END"//nl, &
                  'names parts of a sketch (&CHAIN), but this linkage is described by &LINKS')
       call wrong(bars//" &MASSES NMASS=1, MNAME='tie', MASS=-1. &END"//nl, 'add up to a negative mass')
-      call wrong(text_of('data/geared_five_bar.nml')//' &RATES SPEED=1. &END'//nl//' &MOTOR MTORQ=1. &END'//nl, &
-                 'motion from torque needs loops')
       call wrong(text_of('data/geared_five_bar.nml')//" &MASSES NMASS=1, MNAME='frame', MASS=1. &END"//nl, &
                  'is a mass on the frame: it has no effect')
 

@@ -384,12 +384,12 @@ def increments(k):
     return list(zip(first, (0.0, 0.0, 0.1, 0.1, -0.1), (0.0, 0.1, 0.0, -0.1, 0.1)))
 
 
-def history(k, values, alone=False):
-    """Joints at times -2 to 2 steps from a position, and the step; the first drive may go alone."""
+def history(k, values, psalm=False):
+    """Joints at times -2 to 2 steps from a position, and the step; psalm, which reads no SPEED, moves the first drive by one a second."""
     dt = 1e-4 if k.turns else 2e-3
     rates = [math.degrees(v) if k.turns else v for v in k.speeds]
-    if alone:
-        rates[1:] = [0.0]*len(rates[1:])
+    if psalm:
+        rates[0] = math.degrees(1.0) if k.turns else 1.0
     return [k.model(*[v + s*dt*r for v, r in zip(values, rates)]) for s in (-2, -1, 0, 1, 2)], dt
 
 
@@ -541,7 +541,7 @@ outputs.figures = lambda k, run: run.columns(r"distance_A_P|angle_A_P|ratio.*")
 def are_values(k, run):
     table = run.table()
     for n, values in enumerate(increments(k)):
-        at, dt = history(k, values, alone=True)        # DSPEED is for kalm
+        at, dt = history(k, values, psalm=True)
         lines = [a["P"] - a["A"] for a in at]
         own = {"distance_A_P": abs(lines[2]), "angle_A_P": math.degrees(cmath.phase(lines[2]))}
         turn = first_rate([cmath.phase(z/lines[2]) for z in lines], dt)

@@ -435,7 +435,7 @@ contains
       call t%is_true(.not. bands%is_violating(), 'and every linkage of the sample closes')
    end subroutine tolerances
 
-   !> A sketch of two drives has its forces, and no output for a synthesis or rates of dyads.
+   !> A sketch of two drives has its forces and rates, and no motion from torque.
    subroutine forces_of_sketch()
       character, parameter :: nl = new_line('a')
       character(*), parameter :: text = 'TWO CRANKS'//nl// &
@@ -461,7 +461,11 @@ contains
       end do
       call t%equal_integer(size(of_unit_mass, 2), size(forces%table%value, 2), 'unit masses give every column')
       call find_rates(cases(1), rates, findings)
-      call t%finds(findings, 'loops are needed here; this sketch is solved in the poses of its links, for it has several '// &
-                   'drives', 'what needs loops says so')
+      call t%is_true(.not. findings%failed(), 'rates of a sketch of two drives')
+      call t%equal_integer(size(rates%by_time, 3), 2, 'at both positions')
+      call read_text(text//' &MOTOR MTORQ=1. &END'//nl, cases, findings)
+      if (.not. findings%failed()) call find_forces(cases(1), forces, findings)
+      call t%finds(findings, 'motion from torque needs one drive that all others follow', &
+                   'several drives have no motion from torque')
    end subroutine forces_of_sketch
 end program test_library

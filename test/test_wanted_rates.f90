@@ -337,8 +337,8 @@ contains
                          <= 0.0_wp), output//': and wants the same')
       ! &METHOD says the same to a sketch in poses
       call read_one('IN POSES BY &METHOD'//nl//" &CHAIN JNT='A','B','C','D','P', JX=0.0,-4.0,33.0,90.0,20.0,"//nl// &
-                    ' JY=0.0,31.0,82.0,5.0,95.0,'//sketch//' &OUTPUTS OUTPUT='//output//",'y C', WGT2=0.0, DES2=5*0.0 &END"// &
-                    nl//method//','//nl//method_items//' &END'//nl//rest, in_poses, findings)
+                    ' JY=0.0,31.0,82.0,5.0,95.0, KOVER=1,'//sketch//' &OUTPUTS OUTPUT='//output// &
+                    ",'y C', WGT2=0.0, DES2=5*0.0 &END"//nl//method//','//nl//method_items//' &END'//nl//rest, in_poses, findings)
       call t%is_true(allocated(in_poses%no_loops), output//': once more in poses')
       before = by_poses%first_objective
       call synthesise_chain(in_poses, 1, stop, by_poses, findings)

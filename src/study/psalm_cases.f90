@@ -1,6 +1,7 @@
 !> The cases of a file, whichever way their linkages are described: what follows works on loops.
 module psalm_cases
    use psalm_data_set, only: data_set_t, read_data_sets, read_data_set_text
+   use psalm_group_table, only: everything
    use psalm_kinds, only: wp
    use psalm_loop_check, only: check_loops
    use psalm_loop_forces, only: asks_for_forces, loops_carry_forces
@@ -55,7 +56,7 @@ contains
       if (present(program)) reader = program
       do i = 1, size(sets)
          if (.not. sets(i)%sketch%given) cycle
-         call resolve(sets(i), reader /= 'psalm', any(reader == [character(6) :: 'kalm', 'muscle']), findings)
+         call resolve(sets(i), reader /= 'psalm', any(reader == [character(6) :: 'kalm', 'muscle', everything]), findings)
          if (allocated(sets(i)%no_loops)) call refuse_without_loops(sets(i), reader, findings)
       end do
    end subroutine resolve_all
