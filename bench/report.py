@@ -93,6 +93,11 @@ for row in read("forces").splitlines():
     title, count, n, motion, forces = row.split("|")
     lines.append("| %s | %s | %s | %.2f | %.2f | %.2f |" % (title, count, n, float(motion), float(forces),
                                                          float(forces) / float(motion)))
+lines += ["", "## Larger groups, gears, cylinders", "",
+          "Nanoseconds a position of sketches with all their joints, in blocks of 128, one thread (`bench groups`, time of the processor): "
+          "groups of more than two links, and those with gears or cylinders, by Newton's method from the position before.", "",
+          "| linkage | groups | positions | ns per position |", "| --- | --- | --- | --- |"]
+lines += ["| %s |" % " | ".join(row.split("|")) for row in read("groups").splitlines()]
 lines += ["", "## Time, ns per dyad and position", ""]
 for k in linkages:
     lines += ["### %s (%d dyad%s)" % (k, dyads[k], "s" if dyads[k] > 1 else ""), "",

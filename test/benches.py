@@ -148,6 +148,7 @@ def runs(work, programs):
     data = os.path.join(top, "data")
     dump = os.path.join(work, "dump")
     tasks = [[programs["bench"], "objective"], [programs["bench"], "pruning"], [programs["bench"], "forces", "short"],
+             [programs["bench"], "groups", data],
              [programs["bench"], "evaluate20"], [programs["account"], "scaling", data, "short"], [programs["account"], "first", data],
              [programs["cams"], "cost", os.path.join(data, "calm", "translating_roller.nml")],
              [programs["cams"], "disc", os.path.join(data, "dyad1_crank_rocker.nml")],

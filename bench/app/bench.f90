@@ -9,10 +9,12 @@
 !>                                     needle | us of an objective | us of a Jacobian | gradient / objective
 !>        bench forces [short]         linkage | dyads | positions | ns per dyad and position: motion | forces after it;
 !>                                     short: the fewest positions only
+!>        bench groups FOLDER          linkage | groups | positions | ns per position: larger groups, gears, cylinders; FOLDER: data
 !>        bench evaluate20, evaluate10240   ten evaluations of the needle linkage, for counting instructions
 !>        bench objective              positions | microseconds per evaluation | ns per dyad and position
 program bench
    use bench_forces, only: measure_forces
+   use bench_groups, only: measure_groups
    use bench_measure, only: write_reference, measure_all, measure_objective, measure_pruning, evaluate_needle, measure_derivatives
    implicit none (type, external)
    character(200) :: task, file, label, out
@@ -34,6 +36,8 @@ program bench
       call measure_derivatives()
    case ('forces')
       call measure_forces(file == 'short')
+   case ('groups')
+      call measure_groups(trim(file))
    case ('evaluate20')
       call evaluate_needle(20)
    case ('evaluate10240')
